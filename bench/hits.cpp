@@ -1,0 +1,53 @@
+// Are all hits right? bench_hits [--device D] [--rays N] [--csv FILE] [SCENE...] compares N primary and N random rays
+// with the float64 brute force of tests/oracle, and counts hits that differ. Exits 1 if any does.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "bench/support.hpp"
+#include "tests/oracle/brute_force.hpp"
+
+using namespace claray;
+
+int main(int argc, char** argv) try {
+    CLI::App app("Compares hits with a float64 brute force");
+    std::string selector, csv_path;
+    std::vector<std::string> scenes = {"soup:10000"};
+    std::size_t count = 1'000'000;
+    app.add_option("--device", selector);
+    app.add_option("--rays", count);
+    app.add_option("--csv", csv_path);
+    app.add_option("scenes", scenes);
+    CLI11_PARSE(app, argc, argv);
+    const Device device = Device::open(selector);
+    std::printf("%s, driver %s\n", device.info().name.c_str(), device.info().driver.c_str());
+    bench::Csv csv(csv_path, device, "scene,rays,kind,layout,hits,ties,wrong,worst_t_ulp");
+    std::size_t wrong = 0;
+    for (const std::string& name : scenes) {
+        Scene scene;
+        scene.meshes = bench::load_meshes(name);
+        const Bounds bounds = bounds_of(scene);
+        const test::Oracle oracle(scene.meshes);
+        const auto side = unsigned(std::ceil(std::sqrt(double(count)) / 8)) * 8;
+        std::vector<Ray> primary = bench::primary_rays(automatic_camera(bounds), side, side, false);
+        primary.resize(std::min(primary.size(), count));
+        for (const auto& [kind, rays] :
+             {std::pair("primary", std::move(primary)), std::pair("random", bench::random_rays(bounds, count))}) {
+            const auto expected = oracle.closest_hits(rays);
+            for (const Layout layout : {Layout::binary, Layout::wide}) {
+                const Bvh bvh = Bvh::build(device, scene.meshes, {.layout = layout});
+                const test::HitComparison c = test::compare(closest_hit(bvh, rays), expected);
+                std::printf("%s, %s, %s: %zu rays, %zu hits, %zu ties, %zu wrong; t within %.3f ulp\n", name.c_str(),
+                            kind, layout == Layout::binary ? "binary" : "wide", c.rays, c.hits, c.ties, c.wrong,
+                            c.worst_t_ulp);
+                csv.row(name, c.rays, kind, layout == Layout::binary ? "binary" : "wide", c.hits, c.ties, c.wrong,
+                        c.worst_t_ulp);
+                wrong += c.wrong;
+            }
+        }
+    }
+    csv.write();
+    return wrong == 0 ? 0 : 1;
+} catch (const std::exception& error) {
+    std::fprintf(stderr, "bench_hits: error: %s\n", error.what());
+    return 1;
+}

@@ -1,0 +1,25 @@
+# cmake --install: libraries, headers, the program, the kernels as data for CLARAY_KERNEL_DIR, and the package files with
+# which find_package(claray) gives claray::claray and claray::io.
+include(CMakePackageConfigHelpers)
+set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/claray")
+
+set_target_properties(claray PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+set_target_properties(claray_io PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+                                           EXPORT_NAME io INSTALL_RPATH "$ORIGIN")
+install(TARGETS claray claray_io EXPORT claray
+        LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(EXPORT claray FILE claray-targets.cmake NAMESPACE claray:: DESTINATION "${package_dir}")
+configure_package_config_file(cmake/claray-config.cmake.in claray-config.cmake INSTALL_DESTINATION "${package_dir}")
+write_basic_package_version_file(claray-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES "${CMAKE_CURRENT_BINARY_DIR}/claray-config.cmake" "${CMAKE_CURRENT_BINARY_DIR}/claray-config-version.cmake"
+        DESTINATION "${package_dir}")
+
+install(DIRECTORY include/claray DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(DIRECTORY kernels DESTINATION ${CMAKE_INSTALL_DATADIR}/claray)
+install(DIRECTORY include/claray/shared DESTINATION ${CMAKE_INSTALL_DATADIR}/claray/include/claray)
+install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+if(TARGET claray_program)
+    file(RELATIVE_PATH lib_from_bin "${CMAKE_INSTALL_FULL_BINDIR}" "${CMAKE_INSTALL_FULL_LIBDIR}")
+    set_target_properties(claray_program PROPERTIES INSTALL_RPATH "$ORIGIN/${lib_from_bin}")
+    install(TARGETS claray_program RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()

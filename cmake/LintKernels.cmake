@@ -1,0 +1,26 @@
+# Compiles every kernel alone by clang, once for each kind of device: cmake -DSOURCE_DIR= -DCLANG= -P this.
+set(kind_cpu -DCLARAY_CPU=1)
+set(kind_gpu -DCLARAY_CPU=0)
+set(kind_nvidia -DCLARAY_CPU=0 -DCLARAY_NVIDIA=1 --target=nvptx64-unknown-nvcl -Dasm=__asm__)  # C99 reserves no `asm`
+file(GLOB_RECURSE kernels RELATIVE "${SOURCE_DIR}" "${SOURCE_DIR}/kernels/*.cl")
+if(NOT kernels)
+    message(FATAL_ERROR "no kernels under ${SOURCE_DIR}/kernels")
+endif()
+set(failed 0)
+foreach(kernel IN LISTS kernels)
+    foreach(kind cpu gpu nvidia)
+        execute_process(
+            COMMAND "${CLANG}" -x cl -cl-std=CL1.2 -fsyntax-only -Wall -Wextra -Werror -Wno-unused-function -Wno-unused-parameter
+                    -Iinclude -Ikernels ${kind_${kind}} "${kernel}"
+            WORKING_DIRECTORY "${SOURCE_DIR}" RESULT_VARIABLE status ERROR_VARIABLE log)
+        if(NOT status EQUAL 0)
+            message("${kernel} for ${kind}:\n${log}")
+            math(EXPR failed "${failed} + 1")
+        endif()
+    endforeach()
+endforeach()
+list(LENGTH kernels count)
+if(failed)
+    message(FATAL_ERROR "${failed} of ${count} x 3 kernel compilations failed")
+endif()
+message(STATUS "all ${count} kernels compile alone, for CPUs, GPUs and NVIDIA's")

@@ -1,0 +1,90 @@
+// Example 1: compute with your own structs. Every element sums 0 + 1 + ... + (n - 1), on the host and on every device;
+// the table shows what that costs for several numbers of elements and work-group sizes.
+//   example_01_compute [ELEMENTS]
+#include <chrono>
+#include <claray/program.hpp>
+#include <cstdio>
+#include <cstdlib>
+
+namespace {
+
+// Any plain struct works, as long as the kernel declares the same one.
+struct Element {
+    std::uint32_t n;
+    std::uint32_t spare;
+    std::uint64_t sum;
+};
+
+// `mask` is 0 and changes nothing, but a compiler that knew it would replace the loop by n (n - 1) / 2.
+const char* source = R"(
+    typedef struct { uint n; uint spare; ulong sum; } Element;
+
+    kernel void sum_up(global Element* elements, uint count, uint mask) {
+        const uint e = get_global_id(0);
+        if (e >= count) return;  // the last work-group may be larger than what is left
+        ulong sum = 0;
+        for (uint i = 0; i < elements[e].n; ++i) sum += i ^ mask;
+        elements[e].sum = sum;
+    })";
+
+std::vector<Element> make_elements(std::size_t count) {
+    std::vector<Element> elements(count);
+    for (std::size_t e = 0; e < count; ++e) elements[e].n = std::uint32_t(500 + e % 500);
+    return elements;
+}
+
+bool correct(const std::vector<Element>& elements) {
+    for (const Element& e : elements)
+        if (e.sum != std::uint64_t(e.n) * (e.n - 1) / 2) return false;
+    return true;
+}
+
+void print_row(const char* name, std::size_t count, std::size_t group, double milliseconds, bool is_correct) {
+    std::printf("%-40.40s %9zu %6zu %10.3f ms  %s\n", name, count, group, milliseconds,
+                is_correct ? "correct" : "WRONG");
+    if (!is_correct) std::exit(1);
+}
+
+void sum_on_host(std::size_t count) {
+    std::vector<Element> elements = make_elements(count);
+    const volatile std::uint32_t mask = 0;
+    const std::uint32_t opaque_mask = mask;
+    const auto begin = std::chrono::steady_clock::now();
+    for (Element& e : elements)
+        for (std::uint32_t i = 0; i < e.n; ++i) e.sum += i ^ opaque_mask;
+    const std::chrono::duration<double, std::milli> time = std::chrono::steady_clock::now() - begin;
+    print_row("host, one thread", count, 1, time.count(), correct(elements));
+}
+
+void sum_on_device(const claray::Device& device, std::size_t count, std::size_t group) {
+    const std::vector<Element> elements = make_elements(count);
+
+    // The whole framework in four lines: upload, compile, run, download.
+    claray::Buffer<Element> buffer(device, elements);
+    claray::Kernel sum_up = claray::compile_kernel(device, source, "sum_up");
+    sum_up.run({count, group}, buffer, std::uint32_t(count), 0u);
+    const std::vector<Element> sums = buffer.read();
+
+    device.profiler().reset();  // the first run included the driver's last steps of compiling: measure another
+    sum_up.run({count, group}, buffer, std::uint32_t(count), 0u);
+    print_row(device.info().name.c_str(), count, group, device.profiler().milliseconds("sum_up"), correct(sums));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+    const auto most = std::size_t(argc > 1 ? std::atoll(argv[1]) : 1'000'000);
+    std::printf("%-40s %9s %6s %13s\n", "device", "elements", "group", "time");
+    for (const std::size_t count : {most / 100, most / 10, most}) {
+        sum_on_host(count);
+        for (const claray::DeviceInfo& info : claray::list_devices()) {
+            const claray::Device device = claray::Device::open(std::to_string(info.index));
+            for (const std::size_t group : {16, 64, 256})
+                if (group <= info.max_work_group) sum_on_device(device, count, group);
+        }
+    }
+    return 0;
+} catch (const claray::Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return int(error.kind());
+}

@@ -1,0 +1,147 @@
+#include <algorithm>
+
+#include "host/build/bvh_state.hpp"
+
+namespace claray {
+namespace {
+
+constexpr std::uint32_t group = 256;
+constexpr std::size_t triangle_limit = CLARAY_SLOT;
+
+Layout resolve(Layout layout, const Device& device) {
+    if (layout != Layout::automatic) return layout;
+    return device.tuning("trace/closest_hit", "WIDE") != 0 ? Layout::wide : Layout::binary;
+}
+
+}  // namespace
+
+Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& with)
+    : device(on),
+      triangles(of),
+      config(with),
+      layout(resolve(with.layout, on)),
+      count(std::uint32_t(of.indices.size() / 3)) {
+    if (config.morton_bits != 30 && config.morton_bits != 63)
+        throw Error(ErrorKind::usage, "no Morton codes of " + std::to_string(config.morton_bits) + " bits",
+                    "choose 30 or 63");
+    if (of.indices.size() / 3 >= triangle_limit)
+        throw Error(ErrorKind::user,
+                    "too many triangles: " + std::to_string(of.indices.size() / 3) + ", the limit is 2^31 - 2");
+    allocate();
+    const Defines bits = {{"CODE_BITS", std::to_string(config.morton_bits)}};
+    reset_ = load_kernel(device, "build/bounds.cl", "reset_header");
+    bounds_ = load_kernel(device, "build/bounds.cl", "compute_bounds");
+    finish_bounds_ = load_kernel(device, "build/bounds.cl", "finish_bounds");
+    codes_ = load_kernel(device, "build/morton_codes.cl", "compute_morton_codes", bits);
+    lbvh_ = load_kernel(device, "build/lbvh.cl", "build_lbvh", bits);
+    if (config.builder == Builder::balanced) {
+        begin_hploc_ = load_kernel(device, "build/hploc.cl", "begin_hploc", bits);
+        hploc_ = load_kernel(device, "build/hploc.cl", "build_hploc", bits);
+    }
+    if (layout == Layout::wide) {
+        begin_collapse_ = load_kernel(device, "build/collapse.cl", "begin_collapse");
+        collapse_level_ = load_kernel(device, "build/collapse.cl", "collapse_level");
+        collapse_subtrees_ = load_kernel(device, "build/collapse.cl", "collapse_subtrees");
+    }
+}
+
+void Bvh::State::allocate() {
+    header = Buffer<BvhHeader>(device, 1);
+    bound_keys = Buffer<std::uint32_t>(device, 6);
+    nodes = Buffer<BvhNode>(device, count);
+    leaves = Buffer<LeafTriangle>(device, count);
+    order = Buffer<std::uint32_t>(device, count);
+    arrivals = Buffer<std::uint32_t>(device, count);
+    if (config.builder == Builder::balanced) {
+        clusters = Buffer<std::uint32_t>(device, count);
+        node_count = Buffer<std::uint32_t>(device, 1);
+    }
+    if (config.morton_bits == 63) {
+        codes64 = Buffer<std::uint64_t>(device, count);
+        sort64 =
+            std::make_unique<RadixSort<std::uint64_t>>(device, count, RadixSort<std::uint64_t>::config_for(device));
+    } else {
+        codes32 = Buffer<std::uint32_t>(device, count);
+        sort32 =
+            std::make_unique<RadixSort<std::uint32_t>>(device, count, RadixSort<std::uint32_t>::config_for(device));
+    }
+    if (layout == Layout::wide) {
+        // A node with a wide child has 8 slots, one without has at least 5 triangles: at most count / 4 nodes in all.
+        wide_nodes = Buffer<WideNode>(device, count / 4 + 1);
+        wide_blocks = Buffer<TriangleBlock>(device, std::max(count, 1u));
+    }
+}
+
+void Bvh::State::compute_bounds() {
+    const std::uint32_t axis_bits = config.morton_bits / 3;
+    reset_.run({1, 1}, header, bound_keys);
+    const std::size_t items = std::min<std::size_t>(count, std::size_t(device.info().compute_units) * 8 * group);
+    bounds_.run({items, group}, triangles.positions, triangles.indices, count, header, bound_keys);
+    finish_bounds_.run({1, 1}, header, bound_keys, count, axis_bits);
+}
+
+template <class Code>
+void Bvh::State::build_tree(Buffer<Code>& codes, RadixSort<Code>& sort) {
+    codes_.run({count, group}, triangles.positions, triangles.indices, count, header, codes);
+    sort.sort(codes, order, count);
+    if (config.builder == Builder::fast) {
+        build_lbvh(codes);
+        return;
+    }
+    build_hploc(codes);
+    // Clustering has no bound on the height; a tree that is too high for the stack of a traversal is not used.
+    if (read_header().height > CLARAY_MAX_HEIGHT) build_lbvh(codes);
+}
+
+template <class Code>
+void Bvh::State::build_lbvh(const Buffer<Code>& codes) {
+    arrivals.fill(0xffffffffu);
+    lbvh_.run({count, group}, triangles.positions, triangles.indices, triangles.geometries, triangles.masks, codes,
+              order, nodes, leaves, arrivals, header);
+}
+
+template <class Code>
+void Bvh::State::build_hploc(const Buffer<Code>& codes) {
+    arrivals.fill(0xffffffffu);
+    node_count.fill(0);
+    begin_hploc_.run({count, group}, triangles.positions, triangles.indices, triangles.geometries, triangles.masks,
+                     order, leaves, clusters, header);
+    hploc_.run({count, device.tuning("build/hploc", "GROUP_SIZE")}, codes, nodes, leaves, arrivals, clusters,
+               node_count, header);
+}
+
+void Bvh::State::build() {
+    compute_bounds();
+    if (sort64)
+        build_tree(codes64, *sort64);
+    else
+        build_tree(codes32, *sort32);
+    if (layout == Layout::wide) collapse();
+}
+
+void Bvh::State::collapse() {
+    begin_collapse_.run({1, 1}, header, wide_nodes);
+    std::uint32_t begin = 0, end = read_header().wide_nodes;
+    const std::uint32_t enough = device.info().compute_units * device.tuning("build/collapse", "SUBTREES_PER_UNIT");
+    while (begin < end && end - begin < enough) {
+        collapse_level_.run({end - begin, 1}, nodes, leaves, wide_nodes, wide_blocks, header, begin, end);
+        begin = end;
+        end = read_header().wide_nodes;
+    }
+    collapse_subtrees_.run({end - begin, 1}, nodes, leaves, wide_nodes, wide_blocks, header, begin, end);
+}
+
+void Bvh::State::refit() {
+    if (!refit_.handle()()) {
+        refit_ = load_kernel(device, "build/refit.cl", "refit_nodes");
+        refit_wide_ = load_kernel(device, "build/collapse.cl", "refit_wide");
+    }
+    arrivals.fill(0);
+    refit_.run({count, group}, triangles.positions, triangles.indices, nodes, leaves, arrivals, header);
+    if (layout == Layout::wide)
+        refit_wide_.run({wide_nodes.size(), 64}, nodes, leaves, wide_nodes, wide_blocks, header);
+}
+
+BvhHeader Bvh::State::read_header() const { return header.read()[0]; }
+
+}  // namespace claray

@@ -1,0 +1,51 @@
+// What the copies of a Bvh share. Internal to host/build.
+#pragma once
+
+#include <memory>
+
+#include "claray/bvh.hpp"
+#include "host/sort/radix_sort.hpp"
+
+namespace claray {
+
+struct Bvh::State {
+    State(const Device& on, const TriangleBuffers& of, const Config& with);
+
+    void build();
+    void refit();
+    void collapse();
+    [[nodiscard]] BvhHeader read_header() const;
+
+    Device device;
+    TriangleBuffers triangles;
+    Config config;
+    Layout layout;
+    std::uint32_t count;  // triangles of the input, culled ones included
+
+    Buffer<BvhHeader> header;
+    Buffer<BvhNode> nodes;
+    Buffer<LeafTriangle> leaves;
+    Buffer<WideNode> wide_nodes;
+    Buffer<TriangleBlock> wide_blocks;
+
+    // Scratch, kept for rebuilding.
+    Buffer<std::uint32_t> bound_keys, codes32, order, arrivals, clusters, node_count;
+    Buffer<std::uint64_t> codes64;
+    std::unique_ptr<RadixSort<std::uint32_t>> sort32;
+    std::unique_ptr<RadixSort<std::uint64_t>> sort64;
+
+private:
+    void allocate();
+    void compute_bounds();
+    template <class Code>
+    void build_tree(Buffer<Code>& codes, RadixSort<Code>& sort);
+    template <class Code>
+    void build_lbvh(const Buffer<Code>& codes);
+    template <class Code>
+    void build_hploc(const Buffer<Code>& codes);
+
+    Kernel reset_, bounds_, finish_bounds_, codes_, lbvh_, begin_hploc_, hploc_, refit_, begin_collapse_,
+        collapse_level_, collapse_subtrees_, refit_wide_;
+};
+
+}  // namespace claray

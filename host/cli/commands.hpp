@@ -1,0 +1,16 @@
+// The subcommands of the program `claray`: one function and one file each.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+namespace claray::cli {
+
+/// What the command line asks for; set while it is parsed, run afterwards.
+using Action = std::function<void()>;
+
+void add_devices_command(CLI::App& app, Action& action);
+void add_scenes_command(CLI::App& app, Action& action);
+void add_render_command(CLI::App& app, Action& action);
+
+}  // namespace claray::cli

@@ -1,0 +1,87 @@
+// claray devices: what OpenCL has to offer on this machine.
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "claray/device.hpp"
+#include "host/cli/commands.hpp"
+
+namespace claray::cli {
+namespace {
+
+/// Extensions that change what claray can do, and their short names in the table.
+constexpr std::pair<const char*, const char*> extensions_that_matter[] = {
+    {"cl_khr_fp64", "fp64"},           {"cl_khr_fp16", "fp16"},
+    {"cl_khr_subgroups", "subgroups"}, {"cl_khr_int64_base_atomics", "int64 atomics"},
+    {"cl_khr_il_program", "SPIR-V"},   {"cl_khr_gl_sharing", "GL sharing"},
+};
+
+std::string short_extensions(const DeviceInfo& info) {
+    std::string text;
+    for (const auto& [extension, name] : extensions_that_matter)
+        if (info.has(extension)) text += (text.empty() ? "" : ", ") + std::string(name);
+    return text;
+}
+
+std::string gigabytes(std::uint64_t bytes) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.1f GB", double(bytes) * 1e-9);
+    return text;
+}
+
+using Row = std::vector<std::string>;
+
+void print_table(const std::vector<Row>& rows) {
+    std::vector<std::size_t> widths(rows[0].size());
+    for (const Row& row : rows)
+        for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+    for (const Row& row : rows) {
+        std::string line;
+        for (std::size_t i = 0; i < row.size(); ++i) line += row[i] + std::string(widths[i] - row[i].size() + 2, ' ');
+        line.erase(line.find_last_not_of(' ') + 1);
+        std::printf("%s\n", line.c_str());
+    }
+}
+
+void print_as_table(const std::vector<DeviceInfo>& infos) {
+    std::vector<Row> rows = {{"index", "name", "type", "platform", "driver", "memory", "max allocation", "extensions"}};
+    for (const DeviceInfo& info : infos)
+        rows.push_back({std::to_string(info.index), info.name, to_string(info.type), info.platform, info.driver,
+                        gigabytes(info.memory), gigabytes(info.max_allocation), short_extensions(info)});
+    print_table(rows);
+}
+
+void print_as_json(const std::vector<DeviceInfo>& infos) {
+    nlohmann::ordered_json devices = nlohmann::ordered_json::array();
+    for (const DeviceInfo& info : infos)
+        devices.push_back({{"index", info.index},
+                           {"name", info.name},
+                           {"type", to_string(info.type)},
+                           {"vendor", info.vendor},
+                           {"platform", info.platform},
+                           {"driver", info.driver},
+                           {"version", info.version},
+                           {"compute_units", info.compute_units},
+                           {"memory_bytes", info.memory},
+                           {"max_allocation_bytes", info.max_allocation},
+                           {"local_memory_bytes", info.local_memory},
+                           {"max_work_group", info.max_work_group},
+                           {"exact_divide", info.exact_divide},
+                           {"extensions", info.extensions}});
+    // Names come from drivers: bytes that are no UTF-8 are replaced rather than refused.
+    std::printf("%s\n", devices.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+}
+
+}  // namespace
+
+void add_devices_command(CLI::App& app, Action& action) {
+    CLI::App* command = app.add_subcommand("devices", "List the OpenCL devices that --device can name");
+    auto json = std::make_shared<bool>(false);
+    command->add_flag("--json", *json, "As JSON, with all extensions");
+    command->callback([&action, json] {
+        action = [json] { *json ? print_as_json(list_devices()) : print_as_table(list_devices()); };
+    });
+}
+
+}  // namespace claray::cli

@@ -1,0 +1,99 @@
+#include "host/cli/progress.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <string>
+
+namespace claray::cli {
+namespace {
+
+constexpr int bar_width = 30;
+constexpr double seconds_between_lines = 2;
+
+volatile std::sig_atomic_t interrupt_flag = 0;
+
+extern "C" void set_interrupt_flag(int) { interrupt_flag = 1; }
+
+void handle(int signal_number, void (*handler)(int)) {
+    struct sigaction action = {};
+    action.sa_handler = handler;
+    action.sa_flags = int(SA_RESETHAND | SA_RESTART);
+    sigaction(signal_number, &action, nullptr);
+}
+
+std::string noise_text(double noise) {
+    if (noise <= 0) return {};
+    char text[32];
+    std::snprintf(text, sizeof text, ", noise %.2f %%", 100 * noise);
+    return text;
+}
+
+std::string time_left(const RenderProgress& progress, double fraction) {
+    if (fraction <= 0 || fraction >= 1) return {};
+    char text[32];
+    std::snprintf(text, sizeof text, ", %.1f s left", progress.seconds * (1 - fraction) / fraction);
+    return text;
+}
+
+}  // namespace
+
+double fraction_done(const RenderProgress& progress, const RenderConfig& config) {
+    double fraction = config.spp > 0 ? double(progress.spp) / config.spp : 0;
+    if (config.seconds > 0) fraction = std::max(fraction, progress.seconds / config.seconds);
+    if (config.noise > 0 && progress.noise > 0) {
+        const double ratio = config.noise / progress.noise;
+        fraction = std::max(fraction, ratio * ratio);
+    }
+    return std::clamp(fraction, 0.0, 1.0);
+}
+
+ProgressStyle progress_style(bool quiet) {
+    if (quiet) return ProgressStyle::none;
+    return ::isatty(STDERR_FILENO) == 1 ? ProgressStyle::bar : ProgressStyle::lines;
+}
+
+void ProgressDisplay::show(const RenderProgress& progress) {
+    if (style_ == ProgressStyle::none) return;
+    const double fraction = fraction_done(progress, config_);
+    const std::string facts = std::to_string(progress.spp) + "/" + std::to_string(config_.spp) + " spp" +
+                              time_left(progress, fraction) + noise_text(progress.noise);
+    if (style_ == ProgressStyle::bar) {
+        const int filled = int(fraction * bar_width);
+        const std::string bar =
+            std::string(std::size_t(filled), '=') + std::string(std::size_t(bar_width - filled), ' ');
+        std::fprintf(output_, "\r[%s] %3.0f %%  %s\x1b[K", bar.c_str(), 100 * fraction, facts.c_str());
+        line_open_ = true;
+    } else if (progress.seconds >= next_line_) {
+        std::fprintf(output_, "%3.0f %%  %s\n", 100 * fraction, facts.c_str());
+        next_line_ = progress.seconds + seconds_between_lines;
+    }
+    std::fflush(output_);
+}
+
+void ProgressDisplay::finish(const RenderProgress& progress) {
+    next_line_ = 0;
+    show(progress);
+    leave_line();
+}
+
+void ProgressDisplay::leave_line() {
+    if (line_open_) std::fprintf(output_, "\n");
+    line_open_ = false;
+}
+
+InterruptGuard::InterruptGuard() {
+    interrupt_flag = 0;
+    handle(SIGINT, set_interrupt_flag);
+    handle(SIGTERM, set_interrupt_flag);
+}
+
+InterruptGuard::~InterruptGuard() {
+    handle(SIGINT, SIG_DFL);
+    handle(SIGTERM, SIG_DFL);
+}
+
+bool InterruptGuard::interrupted() { return interrupt_flag != 0; }
+
+}  // namespace claray::cli

@@ -1,0 +1,141 @@
+// claray render: a scene goes in, an image comes out.
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <tuple>
+
+#include "claray/io.hpp"
+#include "claray/renderer.hpp"
+#include "host/cli/commands.hpp"
+#include "host/cli/progress.hpp"
+#include "host/cli/render_options.hpp"
+#include "host/cli/render_outputs.hpp"
+
+namespace claray::cli {
+namespace {
+
+Scene load(const RenderOptions& options) {
+    Warnings warnings;
+    Scene scene = load_scene(options.scene, warnings);
+    for (const std::string& warning : warnings) std::fprintf(stderr, "claray: warning: %s\n", warning.c_str());
+    scene.camera = choose_camera(scene, options);
+    return scene;
+}
+
+void warn_of_culled(const Renderer& renderer) {
+    const BvhStatistics bvh = renderer.statistics().bvh;
+    if (bvh.culled > 0)
+        std::fprintf(stderr, "claray: warning: %u of %u triangles are left out: not finite, huge, or without area\n",
+                     bvh.culled, bvh.culled + bvh.triangles);
+}
+
+/// Renders until a target is met or a signal comes.
+Outcome run_renderer(Renderer& renderer, const RenderOptions& options) {
+    ProgressDisplay display(options.config, progress_style(options.quiet));
+    const RenderProgress progress = renderer.render([&](const RenderProgress& so_far) {
+        display.show(so_far);
+        return !InterruptGuard::interrupted();
+    });
+    display.finish(progress);
+    if (progress.spp == 0)
+        throw Error(ErrorKind::user, "interrupted before the first sample: there is no image to write");
+    return {progress, InterruptGuard::interrupted()};
+}
+
+void render(const RenderOptions& options) {
+    check_outputs(options);
+    const Device device = Device::open(options.device);
+    device.profiler().keep_records(!options.trace.empty());
+    Renderer renderer(device, load(options), options.config);
+
+    warn_of_culled(renderer);
+
+    const InterruptGuard guard;
+    const Outcome outcome = run_renderer(renderer, options);
+    write_image(options.output, {options.config.width, options.config.height, renderer.image()}, options.exposure,
+                options.tone_map);
+    write_aovs(renderer, options);
+    if (!options.trace.empty()) write_trace(options.trace, device.profiler().records(), device.info().name);
+    options.json ? print_as_json(device, renderer, options, outcome)
+                 : print_as_text(device, renderer, options, outcome);
+}
+
+void add_image_options(CLI::App& command, RenderOptions& o) {
+    command.add_option("scene", o.scene, "An OBJ file, or a built-in scene (see claray scenes)")->required();
+    command.add_option("-o,--output", o.output, "The image: .png, .hdr or .pfm")->required();
+    command.add_option_function<std::string>(
+        "--size", [&o](const std::string& text) { std::tie(o.config.width, o.config.height) = parse_size(text); },
+        "WIDTHxHEIGHT in pixels [512x512]");
+    command.add_option("--exposure", o.exposure, "Brightens a PNG by this many stops [0]");
+    const std::map<std::string, ToneMap> tone_maps = {{"none", ToneMap::none}, {"aces", ToneMap::aces}};
+    command.add_option("--tone-map", o.tone_map, "Of a PNG: none (clamp) or aces (filmic) [aces]")
+        ->transform(CLI::CheckedTransformer(tone_maps, CLI::ignore_case).description(""))
+        ->type_name("NAME");
+    command.add_option("--aov", o.aovs, "Also write OUTPUT.NAME.png and .pfm: depth normal albedo primitive heat")
+        ->take_all()
+        ->delimiter(',')
+        ->check(CLI::IsMember(std::vector<std::string>(std::begin(aov_names), std::end(aov_names))));
+}
+
+void add_camera_options(CLI::App& command, RenderOptions& o) {
+    const auto add_vector = [&](const char* name, std::optional<glm::vec3>& vector, const char* description) {
+        command.add_option_function<std::string>(
+            name, [name, &vector](const std::string& text) { vector = parse_vector(name, text); }, description);
+    };
+    add_vector("--camera", o.camera, "Position X,Y,Z");
+    add_vector("--look-at", o.look_at, "The point in the middle of the image, X,Y,Z");
+    add_vector("--up", o.up, "The direction that is up in the image, X,Y,Z [0,1,0]");
+    command.add_option("--fov", o.fov, "Vertical field of view in degrees [40]");
+}
+
+void add_quality_options(CLI::App& command, RenderOptions& o) {
+    command.add_option("--spp", o.config.spp, "Samples a pixel [64]")->check(CLI::Range(1, 1 << 24));
+    command.add_option("--time", o.config.seconds, "Stop after this many seconds")->check(CLI::PositiveNumber);
+    command.add_option("--noise", o.config.noise, "Stop at this relative standard error, 0.01 for instance")
+        ->check(CLI::PositiveNumber);
+    command.add_option("--max-depth", o.config.max_depth, "Surfaces a path may meet; 1 is direct light only [8]")
+        ->check(CLI::Range(1, 1024));
+    command.add_option("--seed", o.config.seed, "Another number gives other noise [0]");
+}
+
+void add_machine_options(CLI::App& command, RenderOptions& o) {
+    command.add_option("--device", o.device, "cpu, gpu, an index or a part of the name (see claray devices)");
+    command.add_option("--morton-bits", o.config.bvh.morton_bits, "Bits of a Morton code: 30 or 63 [63]")
+        ->check(CLI::IsMember({30, 63}));
+    const std::map<std::string, Builder> builders = {{"fast", Builder::fast}, {"balanced", Builder::balanced}};
+    command
+        .add_option("--builder", o.config.bvh.builder,
+                    "How the tree is built: fast or balanced (better, slower) [fast]")
+        ->transform(CLI::CheckedTransformer(builders, CLI::ignore_case).description(""))
+        ->type_name("NAME");
+    const std::map<std::string, Layout> layouts = {
+        {"auto", Layout::automatic}, {"binary", Layout::binary}, {"wide", Layout::wide}};
+    command.add_option("--layout", o.config.bvh.layout, "Tree that is traversed: auto, binary or wide [auto]")
+        ->transform(CLI::CheckedTransformer(layouts, CLI::ignore_case).description(""))
+        ->type_name("NAME");
+    command.add_flag("--stats", o.stats, "Print build time, rays per second and memory");
+    command.add_flag("--json", o.json, "Print the result and all statistics as JSON");
+    command.add_option("--trace", o.trace, "Write every device command to FILE (JSON) for ui.perfetto.dev");
+    command.add_flag("-q,--quiet", o.quiet, "No progress");
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app, Action& action) {
+    CLI::App* command = app.add_subcommand("render", "Render a scene to an image by path tracing");
+    command->footer(
+        "Ctrl-C stops early and writes the image as it is.\n"
+        "Examples:\n"
+        "  claray render cornell -o cornell.png --spp 1024 --noise 0.02\n"
+        "  claray render bunny.obj -o bunny.hdr --size 1920x1080 --time 60 --stats\n"
+        "  claray render terrain:1000000 -o terrain.png --aov depth,heat --trace trace.json");
+    command->option_defaults()->take_last();  // so that scripts can override what they were given
+    auto options = std::make_shared<RenderOptions>();
+    add_image_options(*command, *options);
+    add_camera_options(*command, *options);
+    add_quality_options(*command, *options);
+    add_machine_options(*command, *options);
+    command->callback([&action, options] { action = [options] { render(*options); }; });
+}
+
+}  // namespace claray::cli

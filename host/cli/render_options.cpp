@@ -1,0 +1,76 @@
+#include "host/cli/render_options.hpp"
+
+#include <charconv>
+#include <cmath>
+
+#include "host/io/file.hpp"
+
+namespace claray::cli {
+namespace {
+
+constexpr unsigned largest_side = 16384;
+
+/// Parses all of `text`, or nothing.
+template <class T>
+std::optional<T> parse_number(std::string_view text) {
+    T value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size()) return {};
+    return value;
+}
+
+}  // namespace
+
+std::pair<unsigned, unsigned> parse_size(const std::string& text) {
+    const std::size_t x = text.find('x');
+    if (x != std::string::npos) {
+        const auto width = parse_number<unsigned>(std::string_view(text).substr(0, x));
+        const auto height = parse_number<unsigned>(std::string_view(text).substr(x + 1));
+        if (width && height && *width > 0 && *height > 0 && *width <= largest_side && *height <= largest_side)
+            return {*width, *height};
+    }
+    throw Error(ErrorKind::usage, "--size: '" + text + "' is no image size",
+                "write WIDTHxHEIGHT, each from 1 to " + std::to_string(largest_side));
+}
+
+glm::vec3 parse_vector(const std::string& option, const std::string& text) {
+    glm::vec3 vector{0.f};
+    std::string_view rest = text;
+    for (int i = 0; i < 3; ++i) {
+        const std::size_t comma = i < 2 ? rest.find(',') : rest.size();
+        const auto number = comma == std::string_view::npos ? std::nullopt : parse_number<float>(rest.substr(0, comma));
+        if (!number || !std::isfinite(*number))
+            throw Error(ErrorKind::usage, option + ": '" + text + "' is no vector", "write three numbers: X,Y,Z");
+        vector[i] = *number;
+        rest.remove_prefix(std::min(comma + 1, rest.size()));
+    }
+    return vector;
+}
+
+Camera choose_camera(const Scene& scene, const RenderOptions& options) {
+    const float aspect = float(options.config.width) / float(options.config.height);
+    Camera camera = scene.camera.value_or(automatic_camera(bounds_of(scene), options.fov.value_or(40.f), aspect));
+    if (options.camera) camera.position = *options.camera;
+    if (options.look_at) camera.target = *options.look_at;
+    if (options.up) camera.up = *options.up;
+    if (options.fov) camera.vertical_fov = *options.fov;
+    return camera;
+}
+
+std::pair<std::filesystem::path, std::filesystem::path> aov_paths(const std::filesystem::path& output,
+                                                                  const std::string& name) {
+    const std::string stem = (output.parent_path() / output.stem()).string() + "." + name;
+    return {stem + ".png", stem + ".pfm"};
+}
+
+void check_outputs(const RenderOptions& options) {
+    check_writable(options.output);
+    for (const std::string& name : options.aovs) {
+        const auto [picture, raw] = aov_paths(options.output, name);
+        check_writable(picture);
+        check_writable(raw);
+    }
+    if (!options.trace.empty()) check_file_writable(options.trace);
+}
+
+}  // namespace claray::cli

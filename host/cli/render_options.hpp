@@ -1,0 +1,44 @@
+// The command line of `claray render`, parsed and checked.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "claray/io.hpp"
+#include "claray/renderer.hpp"
+
+namespace claray::cli {
+
+struct RenderOptions {
+    std::string scene;
+    std::filesystem::path output;
+    std::string device;
+    RenderConfig config;
+    std::optional<glm::vec3> camera, look_at, up;
+    std::optional<float> fov;  // degrees, vertical
+    float exposure = 0;        // stops
+    ToneMap tone_map = ToneMap::aces;
+    std::vector<std::string> aovs;
+    std::filesystem::path trace;
+    bool stats = false, json = false, quiet = false;
+};
+
+inline constexpr const char* aov_names[] = {"depth", "normal", "albedo", "primitive", "heat"};
+
+/// "640x480" -> {640, 480}. Throws ErrorKind::usage unless both are 1 .. 16384.
+[[nodiscard]] std::pair<unsigned, unsigned> parse_size(const std::string& text);
+/// "1,-2,3.5" -> vector. Throws ErrorKind::usage, naming the option, unless it is three finite numbers.
+[[nodiscard]] glm::vec3 parse_vector(const std::string& option, const std::string& text);
+
+/// The scene's own camera, else the automatic one, with what the command line changes.
+[[nodiscard]] Camera choose_camera(const Scene& scene, const RenderOptions& options);
+
+/// out.png, depth -> {out.depth.png, out.depth.pfm}
+[[nodiscard]] std::pair<std::filesystem::path, std::filesystem::path> aov_paths(const std::filesystem::path& output,
+                                                                                const std::string& name);
+/// Throws what writing any of the output files would throw, before time is spent on rendering.
+void check_outputs(const RenderOptions& options);
+
+}  // namespace claray::cli

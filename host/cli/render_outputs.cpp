@@ -1,0 +1,121 @@
+#include "host/cli/render_outputs.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "claray/program.hpp"
+
+namespace claray::cli {
+namespace {
+
+template <class T>
+std::vector<float> as_floats(const std::vector<T>& values) {
+    return {values.begin(), values.end()};
+}
+
+/// Directions as the colours of normal maps: the stored byte is 127.5 (n + 1), whatever the sRGB curve would do.
+std::vector<glm::vec3> direction_colors(const std::vector<glm::vec3>& directions) {
+    const auto channel = [](float n) {
+        return linear_from_srgb(std::uint8_t(std::lround(127.5f * (glm::clamp(n, -1.f, 1.f) + 1.f))));
+    };
+    std::vector<glm::vec3> colors;
+    colors.reserve(directions.size());
+    for (const glm::vec3& d : directions) colors.emplace_back(channel(d.x), channel(d.y), channel(d.z));
+    return colors;
+}
+
+void write_aov(const std::string& name, const Aovs& aovs, const RenderOptions& options) {
+    const unsigned width = options.config.width, height = options.config.height;
+    const auto paths = aov_paths(options.output, name);
+    const auto &picture = paths.first, &raw = paths.second;
+    const auto write_scalar = [&](const std::vector<float>& values, const Image& image) {
+        write_image(picture, image, 0.f, ToneMap::none);
+        write_pfm(raw, width, height, values);
+    };
+    const auto write_color = [&](const std::vector<glm::vec3>& values, const Image& image) {
+        write_image(picture, image, 0.f, ToneMap::none);
+        write_image(raw, {width, height, values});
+    };
+    if (name == "depth") write_scalar(aovs.depth, false_color(width, height, aovs.depth));
+    if (name == "normal") write_color(aovs.normal, {width, height, direction_colors(aovs.normal)});
+    if (name == "albedo") write_color(aovs.albedo, {width, height, aovs.albedo});
+    if (name == "primitive") write_scalar(as_floats(aovs.primitive), identifier_color(width, height, aovs.primitive));
+    if (name == "heat") write_scalar(as_floats(aovs.visits), false_color(width, height, as_floats(aovs.visits)));
+}
+
+void print_rays(const char* name, const RayCount& count) {
+    std::printf("%-13s %.3f M, %.1f ms, %.2f Mrays/s\n", name, double(count.rays) * 1e-6, count.milliseconds,
+                count.mrays_per_second());
+}
+
+nlohmann::ordered_json as_json(const RayCount& count) {
+    return {{"rays", count.rays}, {"milliseconds", count.milliseconds}, {"mrays_per_second", count.mrays_per_second()}};
+}
+
+void print_statistics(const Device& device, const RenderStatistics& s) {
+    const CompileStatistics compile = compile_statistics();
+    std::printf("device        %s\n", device.info().name.c_str());
+    std::printf("kernels       %u compiled, %u from the cache, %.0f ms\n", compile.compiled, compile.from_cache,
+                compile.milliseconds);
+    std::printf("build         %.2f ms, %u triangles (%u culled), height %u, SAH cost %.1f, %.1f MB\n",
+                s.build_milliseconds, s.bvh.triangles, s.bvh.culled, s.bvh.height, s.bvh.sah_cost,
+                double(s.bvh.bytes) * 1e-6);
+    print_rays("camera rays", s.camera);
+    print_rays("bounce rays", s.bounce);
+    print_rays("shadow rays", s.shadow);
+    std::printf("memory        %.1f MB on the device\n", double(s.device_bytes) * 1e-6);
+}
+
+}  // namespace
+
+void write_aovs(const Renderer& renderer, const RenderOptions& options) {
+    if (options.aovs.empty()) return;
+    const Aovs aovs = renderer.aovs();
+    for (const std::string& name : options.aovs) write_aov(name, aovs, options);
+}
+
+void print_as_text(const Device& device, const Renderer& renderer, const RenderOptions& options,
+                   const Outcome& outcome) {
+    const RenderStatistics statistics = renderer.statistics();
+    const RenderProgress& p = outcome.progress;
+    if (options.stats) print_statistics(device, statistics);
+    std::printf("%s: %ux%u, %u spp in %.2f s", options.output.c_str(), options.config.width, options.config.height,
+                p.spp, p.seconds);
+    if (p.noise > 0) std::printf(", noise %.2f %%", 100 * p.noise);
+    std::printf("%s\n", outcome.interrupted ? ", interrupted" : "");
+    if (statistics.dropped_samples > 0)
+        std::fprintf(stderr, "claray: warning: %llu samples were not finite and are left out\n",
+                     static_cast<unsigned long long>(statistics.dropped_samples));
+}
+
+void print_as_json(const Device& device, const Renderer& renderer, const RenderOptions& options,
+                   const Outcome& outcome) {
+    const RenderStatistics s = renderer.statistics();
+    const CompileStatistics compile = compile_statistics();
+    const nlohmann::ordered_json report = {
+        {"output", options.output.string()},
+        {"scene", options.scene},
+        {"device", device.info().name},
+        {"width", options.config.width},
+        {"height", options.config.height},
+        {"spp", outcome.progress.spp},
+        {"seconds", outcome.progress.seconds},
+        {"noise", outcome.progress.noise},
+        {"interrupted", outcome.interrupted},
+        {"dropped_samples", s.dropped_samples},
+        {"kernels",
+         {{"compiled", compile.compiled}, {"from_cache", compile.from_cache}, {"milliseconds", compile.milliseconds}}},
+        {"build",
+         {{"milliseconds", s.build_milliseconds},
+          {"triangles", s.bvh.triangles},
+          {"culled", s.bvh.culled},
+          {"height", s.bvh.height},
+          {"sah_cost", s.bvh.sah_cost},
+          {"bytes", s.bvh.bytes}}},
+        {"rays", {{"camera", as_json(s.camera)}, {"bounce", as_json(s.bounce)}, {"shadow", as_json(s.shadow)}}},
+        {"device_bytes", s.device_bytes}};
+    std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+}
+
+}  // namespace claray::cli

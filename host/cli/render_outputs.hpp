@@ -1,0 +1,23 @@
+// What `claray render` leaves behind: auxiliary images and statistics.
+#pragma once
+
+#include "claray/device.hpp"
+#include "host/cli/render_options.hpp"
+
+namespace claray::cli {
+
+/// Writes every auxiliary image that was asked for, in false colours (.png) and raw (.pfm).
+void write_aovs(const Renderer& renderer, const RenderOptions& options);
+
+/// How the render ended.
+struct Outcome {
+    RenderProgress progress;
+    bool interrupted = false;
+};
+
+void print_as_text(const Device& device, const Renderer& renderer, const RenderOptions& options,
+                   const Outcome& outcome);
+void print_as_json(const Device& device, const Renderer& renderer, const RenderOptions& options,
+                   const Outcome& outcome);
+
+}  // namespace claray::cli

@@ -1,0 +1,201 @@
+#include "claray/device.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cstdlib>
+#include <sstream>
+
+#include "host/compute/device_state.hpp"
+#include "host/compute/tuning.hpp"
+
+namespace claray {
+namespace {
+
+std::string trimmed(std::string text) {
+    while (!text.empty() && (text.back() == '\0' || std::isspace(static_cast<unsigned char>(text.back()))))
+        text.pop_back();
+    const auto first = std::find_if_not(text.begin(), text.end(), [](unsigned char c) { return std::isspace(c); });
+    return {first, text.end()};
+}
+
+std::string lower(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+    return text;
+}
+
+DeviceType type_of(cl_device_type type) {
+    if (type & CL_DEVICE_TYPE_GPU) return DeviceType::gpu;
+    if (type & CL_DEVICE_TYPE_CPU) return DeviceType::cpu;
+    return DeviceType::other;
+}
+
+DeviceInfo describe(const cl::Device& device, std::size_t index) {
+    DeviceInfo info;
+    info.index = index;
+    info.platform = trimmed(cl::Platform(device.getInfo<CL_DEVICE_PLATFORM>()).getInfo<CL_PLATFORM_NAME>());
+    info.name = trimmed(device.getInfo<CL_DEVICE_NAME>());
+    info.vendor = trimmed(device.getInfo<CL_DEVICE_VENDOR>());
+    info.driver = trimmed(device.getInfo<CL_DRIVER_VERSION>());
+    info.version = trimmed(device.getInfo<CL_DEVICE_VERSION>());
+    info.type = type_of(device.getInfo<CL_DEVICE_TYPE>());
+    info.compute_units = device.getInfo<CL_DEVICE_MAX_COMPUTE_UNITS>();
+    info.memory = device.getInfo<CL_DEVICE_GLOBAL_MEM_SIZE>();
+    info.max_allocation = device.getInfo<CL_DEVICE_MAX_MEM_ALLOC_SIZE>();
+    info.local_memory = device.getInfo<CL_DEVICE_LOCAL_MEM_SIZE>();
+    info.max_work_group = device.getInfo<CL_DEVICE_MAX_WORK_GROUP_SIZE>();
+    std::istringstream extensions(device.getInfo<CL_DEVICE_EXTENSIONS>());
+    for (std::string extension; extensions >> extension;) info.extensions.push_back(extension);
+    info.fp64 = info.has("cl_khr_fp64");
+    info.exact_divide = device.getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT;
+    return info;
+}
+
+std::vector<cl::Device> all_devices() {
+    std::vector<cl::Platform> platforms;
+    try {
+        cl::Platform::get(&platforms);
+    } catch (const cl::Error&) {  // CL_PLATFORM_NOT_FOUND_KHR: an ICD loader without any driver
+    }
+    if (platforms.empty())
+        throw Error(ErrorKind::device, "no OpenCL platform on this machine",
+                    "install a driver, for the CPU for instance: apt-get install pocl-opencl-icd");
+    std::vector<cl::Device> devices;
+    for (const cl::Platform& platform : platforms) {
+        std::vector<cl::Device> of_platform;
+        try {
+            platform.getDevices(CL_DEVICE_TYPE_ALL, &of_platform);
+        } catch (const cl::Error&) {  // CL_DEVICE_NOT_FOUND: a platform whose hardware is absent
+        }
+        devices.insert(devices.end(), of_platform.begin(), of_platform.end());
+    }
+    return devices;
+}
+
+std::string listing(const std::vector<DeviceInfo>& infos) {
+    std::string text;
+    for (const DeviceInfo& info : infos) {
+        if (!text.empty()) text += ", ";
+        text += std::to_string(info.index) + " = " + info.name + " (" + to_string(info.type) + ")";
+    }
+    return text.empty() ? "no device at all" : text;
+}
+
+bool matches(const DeviceInfo& info, const std::string& selector) {
+    const std::string wanted = lower(selector);
+    if (wanted == "cpu") return info.type == DeviceType::cpu;
+    if (wanted == "gpu") return info.type == DeviceType::gpu;
+    if (std::all_of(wanted.begin(), wanted.end(), [](unsigned char c) { return std::isdigit(c); }))
+        return std::to_string(info.index) == wanted;
+    return lower(info.name).find(wanted) != std::string::npos;
+}
+
+std::size_t select(const std::vector<DeviceInfo>& infos, const std::string& selector) {
+    if (infos.empty())
+        throw Error(ErrorKind::device, "no OpenCL device: platforms exist but none has a device",
+                    "install a driver, for the CPU for instance: apt-get install pocl-opencl-icd");
+    if (selector.empty()) {
+        const auto gpu = std::find_if(infos.begin(), infos.end(), [](auto& i) { return i.type == DeviceType::gpu; });
+        return gpu == infos.end() ? 0 : std::size_t(gpu - infos.begin());
+    }
+    std::vector<std::size_t> found;
+    for (const DeviceInfo& info : infos)
+        if (matches(info, selector)) found.push_back(info.index);
+    if (found.size() != 1)
+        throw Error(ErrorKind::usage,
+                    (found.empty() ? "no device matches '" : "several devices match '") + selector + "'",
+                    "there are: " + listing(infos));
+    return found[0];
+}
+
+std::string selector_or_environment(const std::string& selector) {
+    if (!selector.empty()) return selector;
+    const char* environment = std::getenv("CLARAY_DEVICE");
+    return environment == nullptr ? std::string() : environment;
+}
+
+}  // namespace
+
+bool DeviceInfo::has(const std::string& extension) const {
+    return std::find(extensions.begin(), extensions.end(), extension) != extensions.end();
+}
+
+const char* to_string(DeviceType type) noexcept {
+    switch (type) {
+        case DeviceType::cpu: return "cpu";
+        case DeviceType::gpu: return "gpu";
+        default: return "other";
+    }
+}
+
+std::vector<DeviceInfo> list_devices() try {
+    std::vector<DeviceInfo> infos;
+    for (const cl::Device& device : all_devices()) infos.push_back(describe(device, infos.size()));
+    return infos;
+} catch (const cl::Error& error) {
+    throw Error(ErrorKind::device, std::string("cannot list the OpenCL devices: ") + error.what() + " gave " +
+                                       std::to_string(error.err()));
+}
+
+Device Device::open(const std::string& selector) try {
+    const std::vector<cl::Device> devices = all_devices();
+    std::vector<DeviceInfo> infos;
+    for (const cl::Device& device : devices) infos.push_back(describe(device, infos.size()));
+    const std::size_t index = select(infos, selector_or_environment(selector));
+
+    auto state = std::make_shared<State>();
+    state->info = infos[index];
+    state->device = devices[index];
+    state->context = cl::Context(state->device);
+    state->queue = cl::CommandQueue(state->context, state->device, CL_QUEUE_PROFILING_ENABLE);
+    state->tuning = tuning_for(state->info);
+    return Device(std::move(state));
+} catch (const cl::Error& error) {
+    throw Error(ErrorKind::device,
+                std::string("cannot open the OpenCL device: ") + error.what() + " gave " + std::to_string(error.err()));
+}
+
+Device Device::adopt(cl_context context, cl_command_queue queue) try {
+    auto state = std::make_shared<State>();
+    state->context = cl::Context(context, true);
+    state->queue = cl::CommandQueue(queue, true);
+    if (state->queue.getInfo<CL_QUEUE_CONTEXT>()() != context)
+        throw Error(ErrorKind::usage, "cannot adopt the queue: it belongs to another context");
+    if (state->queue.getInfo<CL_QUEUE_PROPERTIES>() & CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE)
+        throw Error(ErrorKind::usage, "cannot adopt the queue: it runs out of order", "make an in-order queue");
+    state->device = state->queue.getInfo<CL_QUEUE_DEVICE>();
+    const std::vector<cl::Device> devices = all_devices();
+    const auto found = std::find_if(devices.begin(), devices.end(), [&](auto& d) { return d() == state->device(); });
+    state->info = describe(state->device, std::size_t(found - devices.begin()));
+    state->profiler.enable(state->queue.getInfo<CL_QUEUE_PROPERTIES>() & CL_QUEUE_PROFILING_ENABLE);
+    state->tuning = tuning_for(state->info);
+    return Device(std::move(state));
+} catch (const cl::Error& error) {
+    throw Error(ErrorKind::device, std::string("cannot adopt the OpenCL context: ") + error.what() + " gave " +
+                                       std::to_string(error.err()));
+}
+
+const DeviceInfo& Device::info() const noexcept { return state_->info; }
+const cl::Context& Device::context() const noexcept { return state_->context; }
+const cl::CommandQueue& Device::queue() const noexcept { return state_->queue; }
+Profiler& Device::profiler() const noexcept { return state_->profiler; }
+
+unsigned Device::tuning(const std::string& kernel, const std::string& parameter) const {
+    const auto row = state_->tuning.find(kernel + " " + parameter);
+    if (row == state_->tuning.end())
+        throw Error(ErrorKind::usage, "no row '" + kernel + " " + parameter + "' in kernels/tuning.txt");
+    return row->second;
+}
+
+void Device::set_tuning(const std::string& kernel, const std::string& parameter, unsigned value) const {
+    state_->tuning[kernel + " " + parameter] = value;
+}
+
+void Device::finish() const try {
+    state_->queue.finish();
+    state_->profiler.collect();
+} catch (const cl::Error& error) {
+    throw Error(ErrorKind::device, "cannot finish the work on " + info().name + ": " + error.what() + " gave " +
+                                       std::to_string(error.err()));
+}
+
+}  // namespace claray

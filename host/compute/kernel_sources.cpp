@@ -1,0 +1,51 @@
+#include "host/compute/kernel_sources.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "claray/error.hpp"
+
+namespace claray {
+namespace {
+
+std::string read_text(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    if (!file || text.fail()) throw Error(ErrorKind::user, "cannot read the kernel " + path.string());
+    return text.str();
+}
+
+std::vector<KernelSource> sources_in_force() {
+    std::vector<KernelSource> sources = embedded_kernel_sources();
+    const char* override_dir = std::getenv("CLARAY_KERNEL_DIR");
+    if (override_dir == nullptr || *override_dir == '\0') return sources;
+    namespace fs = std::filesystem;
+    const fs::path kernels = fs::weakly_canonical(override_dir);  // so that "kernels/" has the right parent
+    if (!fs::is_directory(kernels))
+        throw Error(ErrorKind::user, "CLARAY_KERNEL_DIR: no folder " + kernels.string(),
+                    "set it to claray's folder kernels, or unset it");
+    for (KernelSource& source : sources) {
+        const bool shared = source.path.starts_with("claray/");
+        const fs::path file = (shared ? kernels.parent_path() / "include" : kernels) / source.path;
+        if (fs::exists(file)) source.text = read_text(file);
+    }
+    return sources;
+}
+
+}  // namespace
+
+const std::vector<KernelSource>& kernel_sources() {
+    static const std::vector<KernelSource> sources = sources_in_force();
+    return sources;
+}
+
+const KernelSource& kernel_source(const std::string& path) {
+    for (const KernelSource& source : kernel_sources())
+        if (source.path == path) return source;
+    throw Error(ErrorKind::usage, "no kernel file " + path);
+}
+
+}  // namespace claray

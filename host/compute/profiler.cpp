@@ -1,0 +1,56 @@
+#include "claray/profiler.hpp"
+
+namespace claray {
+namespace {
+// Bounds the memory of events that nobody asked about; reading them early costs nothing once they are done.
+constexpr std::size_t pending_limit = 4096;
+}  // namespace
+
+void Profiler::add(std::string name, const cl::Event& event) {
+    if (!enabled_) return;
+    if (pending_.size() >= pending_limit) collect();
+    pending_.push_back({std::move(name), event});
+}
+
+void Profiler::collect() {
+    for (const Pending& pending : pending_) {
+        pending.event.wait();
+        ProfileRecord record{pending.name, pending.event.getProfilingInfo<CL_PROFILING_COMMAND_QUEUED>(),
+                             pending.event.getProfilingInfo<CL_PROFILING_COMMAND_START>(),
+                             pending.event.getProfilingInfo<CL_PROFILING_COMMAND_END>()};
+        ProfileSummary& summary = summary_[record.name];
+        ++summary.count;
+        summary.milliseconds += record.milliseconds();
+        if (keep_records_) records_.push_back(std::move(record));
+    }
+    pending_.clear();
+}
+
+const std::map<std::string, ProfileSummary>& Profiler::summary() {
+    collect();
+    return summary_;
+}
+
+double Profiler::milliseconds(const std::string& name) {
+    collect();
+    const auto found = summary_.find(name);
+    return found == summary_.end() ? 0.0 : found->second.milliseconds;
+}
+
+double Profiler::total_milliseconds() {
+    double total = 0;
+    for (const auto& [name, summary] : summary()) total += summary.milliseconds;
+    return total;
+}
+
+void Profiler::reset() {
+    collect();
+    summary_.clear();
+}
+
+const std::vector<ProfileRecord>& Profiler::records() {
+    collect();
+    return records_;
+}
+
+}  // namespace claray

@@ -1,0 +1,189 @@
+#include "claray/program.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "host/compute/device_state.hpp"
+#include "host/compute/kernel_sources.hpp"
+#include "host/compute/program_cache.hpp"
+
+namespace claray {
+namespace {
+
+CompileStatistics statistics;
+
+bool is_nvidia(const Device& device) { return device.info().vendor.find("NVIDIA") != std::string::npos; }
+
+std::string build_options(const Device& device, const Defines& defines, Math math) {
+    std::string options = "-cl-std=CL1.2";
+    if (math == Math::fast)
+        options += " -cl-fast-relaxed-math";
+    else if (device.info().exact_divide)
+        options += " -cl-fp32-correctly-rounded-divide-sqrt";
+    options += std::string(" -DCLARAY_STRICT=") + (math == Math::strict ? "1" : "0");
+    // The schedule that suits the device: see kernels/compute/portable.clh.
+    options += std::string(" -DCLARAY_CPU=") + (device.info().type == DeviceType::cpu ? "1" : "0");
+    if (is_nvidia(device)) options += " -DCLARAY_NVIDIA=1";
+    for (const auto& [name, value] : defines) options += " -D" + name + "=" + value;
+    return options;
+}
+
+std::string cache_key(const Device& device, const KernelSource& main, const std::string& options) {
+    const DeviceInfo& info = device.info();
+    std::string all = info.platform + '\n' + info.name + '\n' + info.driver + '\n' + info.version + '\n' + options +
+                      '\n' + main.path + '\n' + main.text + '\n';
+    for (const KernelSource& source : kernel_sources())
+        if (!source.path.ends_with(".cl")) all += source.path + '\n' + source.text + '\n';
+    return hash128(all);
+}
+
+std::string build_log(const cl::Program& program, const cl::Device& device) {
+    try {
+        return program.getBuildInfo<CL_PROGRAM_BUILD_LOG>(device);
+    } catch (const cl::Error&) {
+        return "(the driver gives no log)";
+    }
+}
+
+/// Makes the compiler name the file instead of a temporary one. NVIDIA's ignores it, and would count one line too many.
+std::string name_line(const Device& device, const KernelSource& main) {
+    return is_nvidia(device) ? std::string() : "#line 1 \"" + main.path + "\"\n";
+}
+
+/// NVIDIA's compiler calls the main file <kernel>.
+std::string with_file_name(std::string log, const KernelSource& main) {
+    const std::string anonymous = "<kernel>:";
+    for (std::size_t at = 0; (at = log.find(anonymous, at)) != std::string::npos;)
+        log.replace(at, anonymous.size(), main.path + ":");
+    return log;
+}
+
+[[noreturn]] void throw_build_error(const Device& device, const KernelSource& main, const std::string& options,
+                                    const std::string& log) {
+    throw Error(ErrorKind::device, "cannot compile the kernel " + main.path + " for " + device.info().name +
+                                       " with options '" + options + "':\n" + with_file_name(log, main));
+}
+
+/// Compiles with every other file as a named header, so that #include works on every driver and messages keep their
+/// file and line. CLHPP's Program::compile takes no headers (as of 3.0), hence the C call.
+cl::Program compile_from_source(const Device& device, const KernelSource& main, const std::string& options) {
+    const cl::Context& context = device.context();
+    const cl_device_id id = device.state().device();
+    std::vector<cl::Program> headers;
+    std::vector<cl_program> handles;
+    std::vector<const char*> names;
+    for (const KernelSource& source : kernel_sources()) {
+        if (!source.path.ends_with(".clh") && !source.path.ends_with(".h")) continue;
+        headers.emplace_back(context, source.text);
+        handles.push_back(headers.back()());
+        names.push_back(source.path.c_str());
+    }
+    const cl::Program program(context, name_line(device, main) + main.text);
+    const cl_int compiled = clCompileProgram(program(), 1, &id, options.c_str(), cl_uint(handles.size()),
+                                             handles.data(), names.data(), nullptr, nullptr);
+    if (compiled != CL_SUCCESS) throw_build_error(device, main, options, build_log(program, device.state().device));
+    cl_int linked = CL_SUCCESS;
+    const cl_program object = program();
+    const cl_program result = clLinkProgram(context(), 1, &id, "", 1, &object, nullptr, nullptr, &linked);
+    if (linked != CL_SUCCESS)
+        throw_build_error(device, main, options,
+                          result ? build_log(cl::Program(result), device.state().device) : "the link step failed");
+    return cl::Program(result);
+}
+
+/// Nothing where the driver refuses a binary that it made itself (an update that kept its version string, say).
+std::optional<cl::Program> build_from_binary(const Device& device, const std::vector<unsigned char>& binary) try {
+    cl::Program program(device.context(), {device.state().device}, {binary});
+    program.build({device.state().device}, "");
+    return program;
+} catch (const cl::Error&) {
+    return {};
+}
+
+cl::Program compile(const Device& device, const KernelSource& main, const std::string& options) {
+    const std::string key = cache_key(device, main, options);
+    if (const auto binary = load_cached_program(key))
+        if (auto program = build_from_binary(device, *binary)) {
+            ++statistics.from_cache;
+            return *program;
+        }
+    cl::Program program = compile_from_source(device, main, options);
+    ++statistics.compiled;
+    const auto binaries = program.getInfo<CL_PROGRAM_BINARIES>();
+    if (!binaries.empty()) store_cached_program(key, binaries[0]);
+    return program;
+}
+
+Kernel kernel_of(const Device& device, const KernelSource& main, const std::string& function, const Defines& defines,
+                 Math math, bool user_source) try {
+    const std::string options = build_options(device, defines, math);
+    const std::string in_memory = main.path + '\n' + options + '\n' + (user_source ? main.text : "");
+    auto& programs = device.state().programs;
+    auto found = programs.find(in_memory);
+    if (found == programs.end()) {
+        const auto begin = std::chrono::steady_clock::now();
+        found = programs.emplace(in_memory, compile(device, main, options)).first;
+        statistics.milliseconds +=
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    }
+    return Kernel(device, cl::Kernel(found->second, function.c_str()), function);
+} catch (const cl::Error& error) {
+    throw Error(ErrorKind::device, "cannot load the kernel " + function + " of " + main.path + " on " +
+                                       device.info().name + ": " + error.what() + " gave " +
+                                       std::to_string(error.err()));
+}
+
+/// The file's tuning values first, so that the caller's macros win.
+Defines with_tuning(const Device& device, const std::string& file, const Defines& defines) {
+    Defines all = defines;
+    const std::string prefix = file.substr(0, file.rfind('.')) + " ";
+    for (const auto& [name, value] : device.state().tuning) {
+        if (!name.starts_with(prefix)) continue;
+        const std::string parameter = name.substr(prefix.size());
+        const bool given = std::any_of(defines.begin(), defines.end(), [&](auto& d) { return d.first == parameter; });
+        if (!given) all.emplace_back(parameter, std::to_string(value));
+    }
+    return all;
+}
+
+}  // namespace
+
+void Kernel::set_argument(unsigned index, std::size_t bytes, const void* value) {
+    if (!device_) throw Error(ErrorKind::usage, "cannot bind an argument of a kernel that was never loaded");
+    const cl_int status = clSetKernelArg(kernel_(), index, bytes, value);
+    if (status != CL_SUCCESS)
+        throw Error(ErrorKind::usage, "argument " + std::to_string(index) + " of the kernel " + name_ +
+                                          " does not fit (OpenCL error " + std::to_string(status) + ")");
+}
+
+void Kernel::enqueue(Range range, unsigned arguments) try {
+    if (!device_) throw Error(ErrorKind::usage, "cannot run a kernel that was never loaded");
+    const auto expected = kernel_.getInfo<CL_KERNEL_NUM_ARGS>();
+    if (arguments != expected)
+        throw Error(ErrorKind::usage, "the kernel " + name_ + " takes " + std::to_string(expected) + " arguments, " +
+                                          std::to_string(arguments) + " were given");
+    if (range.global == 0) return;
+    std::size_t global = range.global;
+    if (range.local != 0) global = (global + range.local - 1) / range.local * range.local;
+    cl::Event event;
+    device_->queue().enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange(global),
+                                          range.local ? cl::NDRange(range.local) : cl::NullRange, nullptr, &event);
+    device_->profiler().add(name_, event);
+} catch (const cl::Error& error) {
+    throw Error(ErrorKind::device, "cannot run the kernel " + name_ + " on " + device_->info().name + ": " +
+                                       error.what() + " gave " + std::to_string(error.err()));
+}
+
+Kernel load_kernel(const Device& device, const std::string& file, const std::string& function, const Defines& defines,
+                   Math math) {
+    return kernel_of(device, kernel_source(file), function, with_tuning(device, file, defines), math, false);
+}
+
+Kernel compile_kernel(const Device& device, const std::string& source, const std::string& function,
+                      const Defines& defines, Math math, const std::string& name) {
+    return kernel_of(device, {name, source}, function, defines, math, true);
+}
+
+CompileStatistics compile_statistics() { return statistics; }
+
+}  // namespace claray

@@ -1,0 +1,87 @@
+#include "host/compute/program_cache.hpp"
+
+#define XXH_INLINE_ALL
+#include <unistd.h>
+#include <xxhash.h>
+
+#include <array>
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+namespace claray {
+namespace {
+
+namespace fs = std::filesystem;
+
+// "CLRP", format version, then the XXH3-128 of the binary that follows.
+constexpr std::array<unsigned char, 8> magic = {'C', 'L', 'R', 'P', 1, 0, 0, 0};
+constexpr std::size_t header_bytes = magic.size() + sizeof(XXH128_canonical_t);
+
+fs::path cache_folder() {
+    if (const char* folder = std::getenv("CLARAY_CACHE_DIR"); folder != nullptr && *folder) return folder;
+    if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg != nullptr && *xdg) return fs::path(xdg) / "claray";
+    if (const char* home = std::getenv("HOME"); home != nullptr && *home) return fs::path(home) / ".cache" / "claray";
+    return {};
+}
+
+XXH128_canonical_t checksum(const unsigned char* data, std::size_t bytes) {
+    XXH128_canonical_t canonical;
+    XXH128_canonicalFromHash(&canonical, XXH3_128bits(data, bytes));
+    return canonical;
+}
+
+}  // namespace
+
+std::string hash128(const std::string& data) {
+    const XXH128_canonical_t digest = checksum(reinterpret_cast<const unsigned char*>(data.data()), data.size());
+    std::string text;
+    for (const unsigned char byte : digest.digest) {
+        char digits[3];
+        std::snprintf(digits, sizeof digits, "%02x", byte);
+        text += digits;
+    }
+    return text;
+}
+
+std::optional<std::vector<unsigned char>> load_cached_program(const std::string& key) {
+    const fs::path folder = cache_folder();
+    if (folder.empty()) return {};
+    std::ifstream file(folder / (key + ".bin"), std::ios::binary);
+    if (!file) return {};
+    std::vector<unsigned char> data((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+    if (data.size() <= header_bytes || std::memcmp(data.data(), magic.data(), magic.size()) != 0) return {};
+    const XXH128_canonical_t sum = checksum(data.data() + header_bytes, data.size() - header_bytes);
+    if (std::memcmp(data.data() + magic.size(), sum.digest, sizeof sum.digest) != 0) return {};
+    data.erase(data.begin(), data.begin() + header_bytes);
+    return data;
+}
+
+void store_cached_program(const std::string& key, const std::vector<unsigned char>& binary) {
+    const fs::path folder = cache_folder();
+    if (folder.empty() || binary.empty()) return;
+    std::error_code ignored;
+    fs::create_directories(folder, ignored);
+    static std::atomic<unsigned> serial{0};
+    const fs::path temporary =
+        folder / (key + "." + std::to_string(::getpid()) + "." + std::to_string(serial++) + ".tmp");
+    {
+        std::ofstream file(temporary, std::ios::binary);
+        const XXH128_canonical_t sum = checksum(binary.data(), binary.size());
+        file.write(reinterpret_cast<const char*>(magic.data()), std::streamsize(magic.size()));
+        file.write(reinterpret_cast<const char*>(sum.digest), sizeof sum.digest);
+        file.write(reinterpret_cast<const char*>(binary.data()), std::streamsize(binary.size()));
+        if (!file.flush()) {
+            fs::remove(temporary, ignored);
+            return;
+        }
+    }
+    fs::rename(temporary, folder / (key + ".bin"), ignored);
+    if (ignored) fs::remove(temporary, ignored);
+}
+
+}  // namespace claray

@@ -1,0 +1,156 @@
+// From an OBJ's arrays and polygons to a scene.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <unordered_map>
+
+#include "claray/error.hpp"
+#include "host/io/mtl.hpp"
+#include "host/io/obj_file.hpp"
+#include "host/io/triangulate.hpp"
+
+namespace claray {
+namespace {
+
+struct CornerHash {
+    std::size_t operator()(const ObjCorner& c) const {
+        std::uint64_t h = (std::uint64_t(std::uint32_t(c.position)) << 32 | std::uint32_t(c.uv)) * 0x9e3779b97f4a7c15u;
+        h = (h ^ (h >> 29) ^ std::uint32_t(c.normal)) * 0xbf58476d1ce4e5b9u;
+        return std::size_t(h ^ (h >> 32));
+    }
+};
+
+/// A normal of no direction is as good as none.
+bool usable(const glm::vec3& n) {
+    const float length = glm::length(n);
+    return std::isfinite(length) && length > 1e-12f;
+}
+
+/// One mesh in the making. Corners that agree in position, texture coordinate and normal share a vertex.
+class MeshBuilder {
+public:
+    MeshBuilder(const ObjFile& file, std::string name) : file_(file) { mesh_.name = std::move(name); }
+
+    /// Meshes have normals and texture coordinates for all vertices or for none.
+    void plan(std::span<const ObjCorner> corners) {
+        for (const ObjCorner& c : corners) {
+            has_normals_ |= c.normal >= 0 && usable(file_.normals[std::size_t(c.normal)]);
+            has_uvs_ |= c.uv >= 0;
+        }
+    }
+
+    void add(std::span<const ObjCorner> polygon, std::uint32_t material) {
+        points_.clear();
+        for (const ObjCorner& c : polygon) points_.push_back(file_.positions[std::size_t(c.position)]);
+        pieces_.clear();
+        triangulate(points_, pieces_);
+        for (const glm::uvec3& piece : pieces_) {
+            const glm::vec3 normal = has_normals_ ? flat_normal(piece) : glm::vec3(0.f);
+            glm::uvec3 triangle;
+            for (int k = 0; k < 3; ++k) triangle[k] = vertex(polygon[piece[k]], normal);
+            mesh_.triangles.push_back(triangle);
+            mesh_.materials.push_back(material);
+        }
+    }
+
+    [[nodiscard]] Mesh take() { return std::move(mesh_); }
+
+private:
+    [[nodiscard]] glm::vec3 flat_normal(const glm::uvec3& t) const {
+        const glm::vec3 n = glm::cross(points_[t.y] - points_[t.x], points_[t.z] - points_[t.x]);
+        return usable(n) ? glm::normalize(n) : glm::vec3(0.f, 1.f, 0.f);
+    }
+
+    std::uint32_t vertex(ObjCorner corner, const glm::vec3& flat) {
+        // Among normals of other faces, a corner without one takes its triangle's and is not shared.
+        const bool own = corner.normal >= 0 && usable(file_.normals[std::size_t(corner.normal)]);
+        if (!own) corner.normal = has_normals_ ? -2 - int(mesh_.triangles.size()) : -1;
+        const auto [found, is_new] = vertices_.try_emplace(corner, std::uint32_t(mesh_.positions.size()));
+        if (!is_new) return found->second;
+        mesh_.positions.push_back(file_.positions[std::size_t(corner.position)]);
+        if (has_normals_)
+            mesh_.normals.push_back(own ? glm::normalize(file_.normals[std::size_t(corner.normal)]) : flat);
+        if (has_uvs_) mesh_.uvs.push_back(corner.uv >= 0 ? file_.uvs[std::size_t(corner.uv)] : glm::vec2(0.f));
+        return found->second;
+    }
+
+    const ObjFile& file_;
+    Mesh mesh_;
+    bool has_normals_ = false, has_uvs_ = false;
+    std::unordered_map<ObjCorner, std::uint32_t, CornerHash> vertices_;
+    std::vector<glm::vec3> points_;
+    std::vector<glm::uvec3> pieces_;
+};
+
+std::span<const ObjCorner> corners_of(const ObjFile& file, const ObjPolygon& polygon) {
+    return std::span(file.corners).subspan(polygon.first_corner, polygon.corners);
+}
+
+/// One group at a time, so that only one mesh's table of vertices is in memory.
+std::vector<Mesh> make_meshes(const ObjFile& file, const std::string& fallback_name) {
+    std::vector<std::vector<std::uint32_t>> members(file.groups.size());
+    for (std::uint32_t i = 0; i < file.polygons.size(); ++i) members[file.polygons[i].group].push_back(i);
+    std::vector<Mesh> meshes;
+    for (std::size_t group = 0; group < members.size(); ++group) {
+        if (members[group].empty()) continue;
+        MeshBuilder builder(file, file.groups[group].empty() ? fallback_name : file.groups[group]);
+        for (const std::uint32_t i : members[group]) builder.plan(corners_of(file, file.polygons[i]));
+        for (const std::uint32_t i : members[group])
+            builder.add(corners_of(file, file.polygons[i]), file.polygons[i].material);
+        meshes.push_back(builder.take());
+    }
+    return meshes;
+}
+
+/// The materials that faces use, by name; their indices in the file become indices in the scene.
+void make_materials(const ObjFile& file, Scene& scene, Warnings& warnings) {
+    std::unordered_map<std::string, const tinyobj::material_t*> defined;
+    for (const tinyobj::material_t& mtl : file.mtl_materials)
+        if (!mtl.name.empty()) defined.try_emplace(mtl.name, &mtl);
+
+    constexpr std::uint32_t unused = 0xffffffffu;
+    std::vector<std::uint32_t> index(file.material_names.size(), unused);
+    std::size_t textured = 0;
+    for (Mesh& mesh : scene.meshes) {
+        for (std::uint32_t& material : mesh.materials) {
+            std::uint32_t& mapped = index[material];
+            if (mapped == unused) {
+                mapped = std::uint32_t(scene.materials.size());
+                const std::string& name = file.material_names[material];
+                const auto found = defined.find(name);
+                const bool known = found != defined.end();
+                scene.materials.push_back(known ? material_from_mtl(*found->second, warnings) : grey_lambert(name));
+                if (known) textured += !found->second->diffuse_texname.empty();
+                // A missing MTL was reported once already.
+                if (!known && !name.empty() && !file.mtl_materials.empty())
+                    warnings.push_back("material '" + name + "' is not defined: it becomes grey");
+            }
+            material = mapped;
+        }
+    }
+    if (textured) warnings.push_back(std::to_string(textured) + " materials name textures, which are left out");
+}
+
+bool emits(const Scene& scene) {
+    return std::any_of(scene.materials.begin(), scene.materials.end(),
+                       [](const Material& m) { return m.emission != glm::vec3(0.f); });
+}
+
+}  // namespace
+
+Scene load_obj(const std::filesystem::path& path, Warnings& warnings) {
+    Scene scene;
+    scene.name = path.stem().string();
+    const ObjFile file = read_obj(path, warnings);
+    scene.meshes = make_meshes(file, scene.name);
+    make_materials(file, scene, warnings);
+    if (file.degenerate_faces)
+        warnings.push_back(std::to_string(file.degenerate_faces) + " faces of fewer than 3 vertices were left out");
+    if (!emits(scene)) {
+        scene.sky = {{0.8f, 0.82f, 0.85f}, {1.1f, 1.15f, 1.25f}};
+        warnings.push_back("no material emits light: a pale sky lights the scene");
+    }
+    return scene;
+}
+
+}  // namespace claray

@@ -1,0 +1,22 @@
+#include <algorithm>
+#include <cctype>
+
+#include "claray/error.hpp"
+#include "claray/io.hpp"
+
+namespace claray {
+
+Scene load_scene(const std::string& name_or_path, Warnings& warnings) {
+    if (std::optional<Scene> scene = builtin_scene(name_or_path)) return *std::move(scene);
+    const std::filesystem::path path(name_or_path);
+    std::string extension = path.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
+    if (extension == ".obj") return load_obj(path, warnings);
+
+    std::string known;
+    for (const char* name : builtin_scene_names()) known += std::string(known.empty() ? "" : ", ") + name;
+    throw Error(ErrorKind::usage, "no scene '" + name_or_path + "'", "give a .obj file or one of " + known);
+}
+
+}  // namespace claray

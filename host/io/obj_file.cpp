@@ -1,0 +1,278 @@
+#include "host/io/obj_file.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <istream>
+#include <map>
+#include <sstream>
+#include <streambuf>
+#include <unordered_map>
+#include <utility>
+
+#include "claray/error.hpp"
+#include "host/io/file.hpp"
+
+namespace claray {
+namespace {
+
+namespace fs = std::filesystem;
+using std::to_string;
+
+/// Hands a text to tinyobjloader line by line, so that callbacks know where they are. Lines that end in a backslash are
+/// joined with the next one, as the format asks for and the parser does not do.
+class LineBuffer : public std::streambuf {
+public:
+    explicit LineBuffer(std::string text) : text_(std::move(text)) {}
+
+    /// Counted from 1; of joined lines the last.
+    [[nodiscard]] std::size_t line() const { return line_; }
+    /// The text of the current line, with its end.
+    [[nodiscard]] std::string_view text() const { return {eback(), std::size_t(egptr() - eback())}; }
+
+protected:
+    int_type underflow() override {
+        if (next_ >= text_.size()) return traits_type::eof();
+        const std::size_t begin = next_;
+        while (join_next_line(begin)) {
+        }
+        char* const data = text_.data();
+        setg(data + begin, data + begin, data + next_);
+        return traits_type::to_int_type(data[begin]);
+    }
+
+private:
+    // Moves past the end of a line, be it "\n", "\r\n" or "\r". True where a backslash, which it blanks, joins it with
+    // the next.
+    bool join_next_line(std::size_t begin) {
+        const std::size_t end = std::min(text_.find_first_of("\r\n", next_), text_.size());
+        next_ = std::min(end + 1, text_.size());
+        if (end < text_.size() && text_[end] == '\r') {
+            if (next_ < text_.size() && text_[next_] == '\n')
+                ++next_;
+            else
+                text_[end] = '\n';  // after "\r" the parser would peek into the next line
+        }
+        ++line_;
+        if (end == begin || text_[end - 1] != '\\' || next_ >= text_.size()) return false;
+        std::fill(text_.begin() + std::ptrdiff_t(end) - 1, text_.begin() + std::ptrdiff_t(next_), ' ');
+        return true;
+    }
+
+    std::string text_;
+    std::size_t next_ = 0, line_ = 0;
+};
+
+std::string_view trim(std::string_view text) {
+    const std::size_t begin = text.find_first_not_of(" \t\r\n");
+    if (begin == std::string_view::npos) return {};
+    return text.substr(begin, text.find_last_not_of(" \t\r\n") - begin + 1);
+}
+
+/// Reads the MTL files that the OBJ names, from the OBJ's folder.
+class MtlReader : public tinyobj::MaterialReader {
+public:
+    MtlReader(fs::path folder, const LineBuffer& lines, Warnings& warnings)
+        : folder_(std::move(folder)), lines_(lines), warnings_(warnings) {}
+
+    // The parser asks for one name after the other until one is found. But the format wants all of them read, and a
+    // name may hold blanks: so all is done at the first.
+    bool operator()(const std::string&, std::vector<tinyobj::material_t>* materials, std::map<std::string, int>* map,
+                    std::string*, std::string*) override {
+        if (std::exchange(line_, lines_.line()) == lines_.line()) return false;
+        const std::string whole(trim(trim(lines_.text()).substr(std::string_view("mtllib").size())));
+        if (is_file(whole)) {
+            load(whole, *materials, *map);
+            return true;
+        }
+        bool found = false;
+        std::istringstream names(whole);
+        for (std::string name; names >> name;) {
+            if (is_file(name)) {
+                load(name, *materials, *map);
+                found = true;
+            } else {
+                warnings_.push_back("material file '" + (folder_ / name).string() +
+                                    "' is missing: its materials become grey");
+            }
+        }
+        return found;
+    }
+
+private:
+    [[nodiscard]] bool is_file(const std::string& name) const {
+        std::error_code error;
+        return fs::is_regular_file(folder_ / name, error);
+    }
+
+    void load(const std::string& name, std::vector<tinyobj::material_t>& materials, std::map<std::string, int>& map) {
+        std::istringstream text(read_file(folder_ / name, "check its permissions"));
+        std::string remarks, errors;
+        tinyobj::LoadMtl(&map, &materials, &text, &remarks, &errors);
+        std::istringstream lines(remarks);
+        for (std::string line; std::getline(lines, line);) warnings_.push_back(name + ": " + line);
+    }
+
+    fs::path folder_;
+    const LineBuffer& lines_;
+    Warnings& warnings_;
+    std::size_t line_ = 0;  // of the latest mtllib
+};
+
+/// Numbers of strings in the order in which they first appear.
+class Names {
+public:
+    explicit Names(std::vector<std::string>& names) : names_(names) { static_cast<void>(number(std::string())); }
+    std::uint32_t number(const std::string& name) {
+        const auto [found, is_new] = numbers_.try_emplace(name, std::uint32_t(names_.size()));
+        if (is_new) names_.push_back(name);
+        return found->second;
+    }
+
+private:
+    std::vector<std::string>& names_;
+    std::unordered_map<std::string, std::uint32_t> numbers_;
+};
+
+/// Receives the parser's callbacks.
+class Reader {
+public:
+    Reader(const fs::path& path, ObjFile& file, LineBuffer& lines)
+        : path_(path), file_(file), lines_(lines), groups_(file.groups), materials_(file.material_names) {}
+
+    static tinyobj::callback_t callbacks();
+    void check_forward_references() const;
+
+private:
+    /// The largest index of one kind so far, and where it stands: the format lets a face name a vertex of a later line.
+    struct Largest {
+        int index = -1;
+        std::size_t line = 0;
+    };
+
+    void position(float x, float y, float z) {
+        glm::vec3 p(x, y, z);
+        // The parser reads "nan" and "inf" as 0, which would move a vertex silently.
+        if (lines_.text().find_first_of("nN") != std::string_view::npos) p = reread(p);
+        file_.positions.push_back(p);
+    }
+    [[nodiscard]] glm::vec3 reread(glm::vec3 p) const;
+    void face(const tinyobj::index_t* indices, int count);
+    [[nodiscard]] int resolve(int index, std::size_t count, const char* kind, Largest& largest);
+    [[noreturn]] void out_of_range(std::size_t line, const char* kind, int index, std::size_t count) const;
+    void enter_group() {
+        const bool both = !object_.empty() && !group_name_.empty();
+        group_ = groups_.number(object_ + (both ? "/" : "") + group_name_);
+    }
+
+    const fs::path& path_;
+    ObjFile& file_;
+    LineBuffer& lines_;
+    Names groups_, materials_;
+    std::string object_, group_name_;
+    std::uint32_t group_ = 0, material_ = 0;
+    Largest positions_, uvs_, normals_;
+};
+
+glm::vec3 Reader::reread(glm::vec3 p) const {
+    std::string_view rest = trim(lines_.text()).substr(1);
+    for (int k = 0; k < 3; ++k) {
+        rest = trim(rest);
+        const std::size_t end = std::min(rest.find_first_of(" \t"), rest.size());
+        std::string_view word = rest.substr(0, end);
+        rest.remove_prefix(end);
+        if (!word.empty() && word[0] == '+') word.remove_prefix(1);  // from_chars takes no plus sign
+        float value = 0.f;
+        const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+        static_cast<void>(stop);
+        if (error == std::errc() && !std::isfinite(value)) p[k] = value;
+    }
+    return p;
+}
+
+void Reader::out_of_range(std::size_t line, const char* kind, int index, std::size_t count) const {
+    throw Error(ErrorKind::user,
+                "'" + path_.string() + "' line " + to_string(line) + ": " + kind + " index " + to_string(index) +
+                    " is out of range, there are " + to_string(count),
+                "indices count from 1, or from -1 backwards; the file may be cut off");
+}
+
+// From the file's counting (1 is the first, -1 the latest) to ours.
+int Reader::resolve(int index, std::size_t count, const char* kind, Largest& largest) {
+    const std::int64_t resolved = index > 0 ? std::int64_t(index) - 1 : std::int64_t(count) + index;
+    if (index == 0 || resolved < 0) out_of_range(lines_.line(), kind, index, count);
+    if (resolved > largest.index) largest = {int(resolved), lines_.line()};
+    return int(resolved);
+}
+
+void Reader::face(const tinyobj::index_t* indices, int count) {
+    if (count < 3) {
+        ++file_.degenerate_faces;
+        return;
+    }
+    file_.polygons.push_back({file_.corners.size(), std::uint32_t(count), group_, material_});
+    for (int i = 0; i < count; ++i) {
+        const tinyobj::index_t& raw = indices[i];  // 0: not given
+        ObjCorner corner;
+        corner.position = resolve(raw.vertex_index, file_.positions.size(), "vertex", positions_);
+        if (raw.texcoord_index) corner.uv = resolve(raw.texcoord_index, file_.uvs.size(), "texture", uvs_);
+        if (raw.normal_index) corner.normal = resolve(raw.normal_index, file_.normals.size(), "normal", normals_);
+        file_.corners.push_back(corner);
+    }
+}
+
+void Reader::check_forward_references() const {
+    const auto check = [&](const Largest& largest, std::size_t count, const char* kind) {
+        if (largest.index >= 0 && std::size_t(largest.index) >= count)
+            out_of_range(largest.line, kind, largest.index + 1, count);
+    };
+    check(positions_, file_.positions.size(), "vertex");
+    check(uvs_, file_.uvs.size(), "texture");
+    check(normals_, file_.normals.size(), "normal");
+}
+
+tinyobj::callback_t Reader::callbacks() {
+    using tinyobj::real_t;
+    static constexpr auto self = [](void* reader) -> Reader& { return *static_cast<Reader*>(reader); };
+    tinyobj::callback_t callback;
+    callback.vertex_cb = [](void* r, real_t x, real_t y, real_t z, real_t) { self(r).position(x, y, z); };
+    callback.normal_cb = [](void* r, real_t x, real_t y, real_t z) { self(r).file_.normals.emplace_back(x, y, z); };
+    callback.texcoord_cb = [](void* r, real_t x, real_t y, real_t) { self(r).file_.uvs.emplace_back(x, y); };
+    callback.index_cb = [](void* r, tinyobj::index_t* indices, int count) { self(r).face(indices, count); };
+    callback.usemtl_cb = [](void* r, const char* name, int) {
+        self(r).material_ = self(r).materials_.number(std::string(trim(name)));
+    };
+    callback.mtllib_cb = [](void* r, const tinyobj::material_t* materials, int count) {
+        self(r).file_.mtl_materials.assign(materials, materials + count);
+    };
+    callback.group_cb = [](void* r, const char** names, int count) {
+        self(r).group_name_.clear();
+        for (int i = 0; i < count; ++i) self(r).group_name_ += (i ? " " : "") + std::string(names[i]);
+        self(r).enter_group();
+    };
+    callback.object_cb = [](void* r, const char* name) {
+        self(r).object_ = trim(name);
+        self(r).group_name_.clear();
+        self(r).enter_group();
+    };
+    return callback;
+}
+
+}  // namespace
+
+ObjFile read_obj(const fs::path& path, Warnings& warnings) {
+    std::string text = read_file(path, "check the path");
+    if (text.empty()) throw Error(ErrorKind::user, "'" + path.string() + "' is empty", "export the mesh again");
+    ObjFile file;
+    LineBuffer lines(std::move(text));
+    std::istream stream(&lines);
+    Reader reader(path, file, lines);
+    MtlReader mtl_reader(path.parent_path(), lines, warnings);
+    tinyobj::LoadObjWithCallback(stream, Reader::callbacks(), &reader, &mtl_reader);
+    reader.check_forward_references();
+    if (file.polygons.empty())
+        throw Error(ErrorKind::user, "'" + path.string() + "' holds no face", "claray needs 'f' lines; export a mesh");
+    return file;
+}
+
+}  // namespace claray

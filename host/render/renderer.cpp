@@ -1,0 +1,219 @@
+#include "claray/renderer.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <deque>
+
+#include "host/render/film.hpp"
+#include "host/render/schedule.hpp"
+#include "host/render/wavefront.hpp"
+
+namespace claray {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr unsigned largest_side = 1u << 14;
+constexpr unsigned least_spp_for_noise = 16;
+constexpr double seconds_between_reports = 0.2;
+constexpr std::size_t batches_in_flight = 2;
+
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+const RenderConfig& checked(const RenderConfig& config) {
+    const auto refuse = [](const std::string& what, const char* remedy) {
+        throw Error(ErrorKind::usage, what, remedy);
+    };
+    if (config.width == 0 || config.height == 0 || config.width > largest_side || config.height > largest_side)
+        refuse("image size " + std::to_string(config.width) + "x" + std::to_string(config.height),
+               "give 1 to 16384 pixels a side");
+    if (config.spp == 0) refuse("0 samples a pixel", "give at least 1");
+    if (config.max_depth == 0) refuse("a maximum depth of 0", "give at least 1, which is direct light only");
+    if (!(config.seconds >= 0)) refuse("a time limit that is no time", "give seconds, or 0 for no limit");
+    if (!(config.noise >= 0)) refuse("a noise limit that is negative or no number", "0.01 is a good start");
+    return config;
+}
+
+const Scene& checked(const Scene& scene) {
+    validate(scene);
+    return scene;
+}
+
+CameraData camera_of(const Scene& scene, const RenderConfig& config) {
+    const float aspect = float(config.width) / float(config.height);
+    return camera_data(scene.camera ? *scene.camera : automatic_camera(bounds_of(scene), 40.f, aspect), aspect);
+}
+
+FrameData frame_data(const Scene& scene, const SceneBuffers& buffers, const RenderConfig& config) {
+    FrameData frame{};
+    frame.camera = camera_of(scene, config);
+    const glm::vec3 h = scene.sky.horizon, z = scene.sky.zenith;
+    frame.sky = {h.x, h.y, h.z, z.x, z.y, z.z};
+    frame.width = config.width;
+    frame.height = config.height;
+    frame.seed = config.seed;
+    frame.max_depth = config.max_depth;
+    frame.triangle_lights = std::uint32_t(buffers.triangle_lights.size());
+    frame.lights = buffers.lights;
+    frame.light_density = buffers.light_density;
+    return frame;
+}
+
+/// Device time of everything but copies between host and device.
+double kernel_milliseconds(const Device& device) {
+    double total = 0;
+    for (const auto& [name, summary] : device.profiler().summary())
+        if (name != "write_buffer" && name != "read_buffer") total += summary.milliseconds;
+    return total;
+}
+
+/// Keeps the host from running far ahead of the device, so that a stop takes effect soon.
+class InFlight {
+public:
+    explicit InFlight(const Device& device) : device_(device) {}
+
+    /// To be called after each batch; waits for the one before the last.
+    void submitted() try {
+        cl::Event done;
+        device_.queue().enqueueMarkerWithWaitList(nullptr, &done);
+        device_.queue().flush();
+        events_.push_back(done);
+        if (events_.size() < batches_in_flight) return;
+        events_.front().wait();
+        events_.pop_front();
+    } catch (const cl::Error& error) {
+        throw Error(ErrorKind::device, "cannot render on " + device_.info().name + ": " + error.what() + " gave " +
+                                           std::to_string(error.err()));
+    }
+
+private:
+    Device device_;
+    std::deque<cl::Event> events_;
+};
+
+}  // namespace
+
+struct Renderer::State {
+    State(const Device& on, const Scene& scene, const RenderConfig& with)
+        : device(on),
+          config(checked(with)),
+          milliseconds_before(kernel_milliseconds(on)),
+          bvh(Bvh::build(on, checked(scene).meshes, with.bvh)),
+          build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
+          buffers(on, scene, bvh),
+          wavefront(on, buffers, frame_data(scene, buffers, with), with.sampler, std::uint64_t(pixels()) * with.spp),
+          film(on, pixels()),
+          schedule(pixels(), with.spp, wavefront.capacity()) {
+        for (const char* name : {trace_camera_name, trace_bounce_name, trace_shadow_name})
+            before[name] = device.profiler().milliseconds(name);
+    }
+
+    [[nodiscard]] std::uint32_t pixels() const { return config.width * config.height; }
+    [[nodiscard]] RenderProgress measure() const;
+    [[nodiscard]] bool target_met() const;
+    [[nodiscard]] RayCount rays(const char* name, std::uint64_t count) const;
+
+    Device device;
+    RenderConfig config;
+    double milliseconds_before;  // on the device, by whatever ran there earlier
+    Bvh bvh;
+    double build_milliseconds;
+    SceneBuffers buffers;
+    Wavefront wavefront;
+    Film film;
+    Schedule schedule;
+    Clock::time_point begin;
+    std::map<std::string, double> before;  // the profiler's times when this render was set up
+};
+
+RenderProgress Renderer::State::measure() const {
+    RenderProgress progress;
+    progress.spp = unsigned(schedule.samples() / pixels());
+    progress.spp_target = config.spp;
+    progress.noise = film.noise().relative;
+    progress.seconds = seconds_since(begin);
+    return progress;
+}
+
+/// Noise counts between passes only, so that where it stops does not depend on the time.
+bool Renderer::State::target_met() const {
+    if (schedule.finished()) return true;
+    const unsigned spp = schedule.complete_passes_spp();
+    if (config.seconds > 0 && spp > 0 && seconds_since(begin) >= config.seconds) return true;
+    if (!(config.noise > 0) || spp < least_spp_for_noise || !schedule.between_passes()) return false;
+    const double noise = film.noise().relative;
+    return noise > 0 && noise <= config.noise;
+}
+
+RayCount Renderer::State::rays(const char* name, std::uint64_t count) const {
+    return {count, std::max(0.0, device.profiler().milliseconds(name) - before.at(name))};
+}
+
+Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig& config)
+    : state_(std::make_shared<State>(device, scene, config)) {}
+
+RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>& progress) {
+    State& state = *state_;
+    if (state.schedule.samples() == 0) state.begin = Clock::now();
+    InFlight in_flight(state.device);
+    Clock::time_point last_report;  // long ago: the first batch is reported at once
+    while (!state.target_met()) {
+        const Batch batch = state.schedule.next();
+        state.wavefront.trace(batch);
+        state.film.accumulate(batch, state.wavefront.radiance());
+        in_flight.submitted();
+        if (!progress || seconds_since(last_report) < seconds_between_reports) continue;
+        if (!progress(state.measure())) break;
+        last_report = Clock::now();
+    }
+    state.device.finish();
+    return state.measure();
+}
+
+std::vector<glm::vec3> Renderer::image() const { return state_->film.resolve(); }
+
+RenderStatistics Renderer::statistics() const {
+    const State& state = *state_;
+    const Wavefront::Totals totals = state.wavefront.totals();
+    RenderStatistics statistics;
+    statistics.build_milliseconds = state.build_milliseconds;
+    statistics.bvh = state.bvh.statistics();
+    statistics.camera = state.rays(trace_camera_name, totals.camera);
+    statistics.bounce = state.rays(trace_bounce_name, totals.bounce);
+    statistics.shadow = state.rays(trace_shadow_name, totals.shadow);
+    statistics.device_bytes =
+        statistics.bvh.bytes + state.buffers.bytes() + state.wavefront.bytes() + state.film.bytes();
+    statistics.dropped_samples = state.film.noise().dropped;
+    return statistics;
+}
+
+Aovs Renderer::aovs() const {
+    State& state = *state_;
+    const Device& device = state.device;
+    const std::size_t pixels = state.pixels(), capacity = std::min<std::size_t>(state.wavefront.capacity(), pixels);
+    Buffer<Visits> visits(device, state.wavefront.capacity());
+    Buffer<float> depth(device, capacity), normal(device, 3 * capacity), albedo(device, 3 * capacity);
+    Buffer<std::uint32_t> primitive(device, capacity), visited(device, capacity);
+    Kernel write = load_kernel(device, "render/write_aovs.cl", "write_aovs",
+                               {{"NORMALS", state.buffers.normals.allocated() ? "1" : "0"}});
+    Aovs aovs{std::vector<float>(pixels), std::vector<glm::vec3>(pixels), std::vector<glm::vec3>(pixels),
+              std::vector<std::uint32_t>(pixels), std::vector<std::uint32_t>(pixels)};
+    const auto floats = [](std::vector<glm::vec3>& v, std::size_t at, std::size_t n) {
+        return std::span<float>(&v[at].x, 3 * n);
+    };
+    for (std::size_t first = 0; first < pixels; first += capacity) {
+        const std::size_t n = std::min(capacity, pixels - first);
+        state.wavefront.trace_centers({std::uint32_t(first), std::uint32_t(n), 0, 1}, visits);
+        write.run({n, 64}, std::uint32_t(n), state.wavefront.rays(), state.wavefront.hits(), visits,
+                  state.bvh.triangles().positions, state.bvh.triangles().indices, state.buffers.normals,
+                  state.buffers.triangle_materials, state.buffers.materials, depth, normal, albedo, primitive, visited);
+        depth.read({&aovs.depth[first], n});
+        primitive.read({&aovs.primitive[first], n});
+        visited.read({&aovs.visits[first], n});
+        normal.read(floats(aovs.normal, first, n));
+        albedo.read(floats(aovs.albedo, first, n));
+    }
+    return aovs;
+}
+
+}  // namespace claray

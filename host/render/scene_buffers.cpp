@@ -1,0 +1,83 @@
+#include "host/render/scene_buffers.hpp"
+
+#include <algorithm>
+
+#include "host/render/lights.hpp"
+
+namespace claray {
+namespace {
+
+MaterialData data_of(const Material& m) {
+    return {m.albedo.x,   m.albedo.y,  m.albedo.z, std::uint32_t(m.kind), m.emission.x, m.emission.y,
+            m.emission.z, m.roughness, m.ior};
+}
+
+std::vector<float> all_normals(const Scene& scene) {
+    std::vector<float> normals;
+    const bool any = std::any_of(scene.meshes.begin(), scene.meshes.end(), [](auto& m) { return !m.normals.empty(); });
+    if (!any) return normals;
+    for (const Mesh& mesh : scene.meshes) {
+        for (const glm::vec3& n : mesh.normals) normals.insert(normals.end(), {n.x, n.y, n.z});
+        if (mesh.normals.empty()) normals.resize(normals.size() + 3 * mesh.positions.size(), 0.f);
+    }
+    return normals;
+}
+
+std::vector<std::uint32_t> all_triangle_materials(const Scene& scene) {
+    std::vector<std::uint32_t> materials;
+    for (const Mesh& mesh : scene.meshes) {
+        materials.insert(materials.end(), mesh.materials.begin(), mesh.materials.end());
+        if (mesh.materials.empty()) materials.resize(materials.size() + mesh.triangles.size(), 0);
+    }
+    return materials;
+}
+
+}  // namespace
+
+SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Bvh& with) : bvh(with) {
+    const std::vector<float> vertex_normals = all_normals(scene);
+    if (!vertex_normals.empty()) normals = Buffer<float>(device, vertex_normals);
+    const std::vector<std::uint32_t> of_triangles = all_triangle_materials(scene);
+    triangle_materials = Buffer<std::uint32_t>(device, of_triangles);
+
+    std::vector<bool> used(scene.materials.size());
+    for (const std::uint32_t material : of_triangles) used[material] = true;
+    std::vector<MaterialData> data;
+    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+        data.push_back(data_of(scene.materials[i]));
+        if (!used[i]) continue;
+        material_kinds |= 1u << data.back().kind;
+        emits = emits || scene.materials[i].emission != glm::vec3(0.f);
+    }
+    materials = Buffer<MaterialData>(device, data);
+    emits = emits || scene.sky.horizon != glm::vec3(0.f) || scene.sky.zenith != glm::vec3(0.f);
+
+    const Lights found = collect_lights(scene);
+    triangle_lights = Buffer<TriangleLight>(device, found.triangles);
+    point_lights = Buffer<PointLightData>(device, found.points);
+    lights = std::uint32_t(found.size());
+    light_density = found.density;
+}
+
+void SceneBuffers::bind(Kernel& kernel, unsigned& index) const {
+    kernel.set(index, bvh.triangles().positions);
+    kernel.set(index, bvh.triangles().indices);
+    kernel.set(index, normals);
+    kernel.set(index, triangle_materials);
+    kernel.set(index, materials);
+    kernel.set(index, triangle_lights);
+    kernel.set(index, point_lights);
+}
+
+Defines SceneBuffers::defines() const {
+    return {{"NORMALS", normals.allocated() ? "1" : "0"},
+            {"LIGHTS", lights != 0 ? "1" : "0"},
+            {"MATERIALS", std::to_string(material_kinds) + "u"}};
+}
+
+std::uint64_t SceneBuffers::bytes() const {
+    return bvh.triangles().positions.bytes() + bvh.triangles().indices.bytes() + normals.bytes() +
+           triangle_materials.bytes() + materials.bytes() + triangle_lights.bytes() + point_lights.bytes();
+}
+
+}  // namespace claray

@@ -1,0 +1,115 @@
+#include "host/render/wavefront.hpp"
+
+#include <algorithm>
+
+namespace claray {
+namespace {
+
+constexpr std::uint64_t bytes_per_path = 2 * (sizeof(Ray) + sizeof(PathState)) + sizeof(Ray) + sizeof(Hit) +
+                                         sizeof(LightSample) + sizeof(std::uint8_t) + 3 * sizeof(float);
+
+/// At most an eighth of the device's memory, and no buffer larger than it allows.
+std::uint32_t choose_capacity(const Device& device, std::uint64_t most_paths) {
+    const std::uint64_t tuned = std::max(1u, device.tuning("render/wavefront", "PATHS"));
+    const std::uint64_t memory = device.info().memory / 8 / bytes_per_path;
+    const std::uint64_t allocation = device.info().max_allocation / sizeof(Ray);
+    return std::uint32_t(std::max<std::uint64_t>(1, std::min({tuned, most_paths, memory, allocation})));
+}
+
+/// A query's kernel under a name of its own, so that the profiler tells the kinds of rays apart.
+Kernel trace_kernel(const Device& device, const Bvh& bvh, const char* file, const char* function, const char* name) {
+    return Kernel(device, load_kernel(device, file, function, bvh.defines()).handle(), name);
+}
+
+}  // namespace
+
+Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const FrameData& frame, Sampler sampler,
+                     std::uint64_t most_paths)
+    : device_(device),
+      scene_(scene),
+      frame_(frame),
+      bounces_per_look_(std::max(1u, device.tuning("render/wavefront", "BOUNCES_PER_LOOK"))),
+      shade_group_(device.tuning("render/shade_surface", "GROUP_SIZE")),
+      trace_group_(device.tuning("trace/closest_hit", "GROUP_SIZE")),
+      shadow_group_(device.tuning("trace/any_hit", "GROUP_SIZE")) {
+    const std::uint32_t paths = choose_capacity(device, most_paths);
+    for (int i = 0; i < 2; ++i) {
+        rays_[i] = Buffer<Ray>(device, paths);
+        states_[i] = Buffer<PathState>(device, paths);
+        lengths_[i] = Buffer<std::uint32_t>(device, 1);
+    }
+    hits_ = Buffer<Hit>(device, paths);
+    radiance_ = Buffer<float>(device, 3 * std::size_t(paths));
+    shadow_length_ = Buffer<std::uint32_t>(device, 1);
+    totals_ = Buffer<std::uint64_t>(device, 2);
+    totals_.fill(0);
+
+    Defines defines = scene.defines();
+    const Defines with_sampler = {{"SAMPLER", std::to_string(std::uint32_t(sampler))}};
+    defines.insert(defines.end(), with_sampler.begin(), with_sampler.end());
+    generate_ = load_kernel(device, "render/generate_rays.cl", "generate_rays", with_sampler);
+    trace_camera_ = trace_kernel(device, scene.bvh, "trace/closest_hit.cl", "closest_hit", trace_camera_name);
+    trace_bounce_ = trace_kernel(device, scene.bvh, "trace/closest_hit.cl", "closest_hit", trace_bounce_name);
+    shade_ = load_kernel(device, "render/shade_surface.cl", "shade_surface", defines);
+    advance_ = load_kernel(device, "render/advance_queues.cl", "advance_queues");
+    if (scene.lights == 0) return;
+    shadow_rays_ = Buffer<Ray>(device, paths);
+    shadow_light_ = Buffer<LightSample>(device, paths);
+    occluded_ = Buffer<std::uint8_t>(device, paths);
+    trace_shadow_ = trace_kernel(device, scene.bvh, "trace/any_hit.cl", "any_hit", trace_shadow_name);
+    add_light_ = load_kernel(device, "render/add_light.cl", "add_light");
+}
+
+void Wavefront::generate(const Batch& batch, bool centers) {
+    const std::uint32_t paths = batch.pixels * batch.samples;
+    lengths_[0].fill(paths);
+    lengths_[1].fill(0);
+    shadow_length_.fill(0);
+    generate_.run({paths, 64}, batch, frame_, std::uint32_t(centers), rays_[0], states_[0], radiance_);
+}
+
+void Wavefront::trace(const Batch& batch) {
+    generate(batch, false);
+    std::uint32_t limit = batch.pixels * batch.samples;  // of rays in the queue, as far as the host knows
+    camera_rays_ += limit;
+    // A path that was scattered for the last time may still end in a light or in the sky.
+    const std::uint64_t waves = std::uint64_t(frame_.max_depth) + (scene_.emits ? 1 : 0);
+    for (std::uint32_t depth = 0; depth < waves && limit != 0; ++depth) {
+        bounce(batch, depth, limit);
+        if ((depth + 1) % bounces_per_look_ == 0 && depth + 1 < waves) limit = lengths_[(depth + 1) % 2].read()[0];
+    }
+}
+
+void Wavefront::bounce(const Batch& batch, std::uint32_t depth, std::uint32_t limit) {
+    const int in = depth % 2, out = 1 - in;
+    Kernel& trace = depth == 0 ? trace_camera_ : trace_bounce_;
+    trace.run({limit, trace_group_}, scene_.bvh, rays_[in], hits_, limit, lengths_[in], nullptr, nullptr);
+    shade_.run({limit, shade_group_}, batch, frame_, depth, scene_, lengths_[in], limit, rays_[in], hits_, states_[in],
+               radiance_, lengths_[out], rays_[out], states_[out], shadow_length_, shadow_rays_, shadow_light_);
+    if (scene_.lights != 0 && depth < frame_.max_depth) trace_shadows(limit);
+    advance_.run({1, 0}, lengths_[in], lengths_[out], shadow_length_, totals_);
+}
+
+void Wavefront::trace_shadows(std::uint32_t limit) {
+    trace_shadow_.run({limit, shadow_group_}, scene_.bvh, shadow_rays_, occluded_, limit, shadow_length_, nullptr);
+    add_light_.run({limit, 64}, shadow_length_, limit, occluded_, shadow_light_, radiance_);
+}
+
+void Wavefront::trace_centers(const Batch& batch, Buffer<Visits>& visits) {
+    generate(batch, true);
+    QueryOptions options;
+    options.visits = visits;
+    closest_hit(scene_.bvh, rays_[0], hits_, options, lengths_[0]);
+}
+
+Wavefront::Totals Wavefront::totals() const {
+    const std::vector<std::uint64_t> totals = totals_.read();
+    return {camera_rays_, totals[0], totals[1]};
+}
+
+std::uint64_t Wavefront::bytes() const {
+    return rays_[0].bytes() + rays_[1].bytes() + shadow_rays_.bytes() + states_[0].bytes() + states_[1].bytes() +
+           hits_.bytes() + shadow_light_.bytes() + occluded_.bytes() + radiance_.bytes();
+}
+
+}  // namespace claray

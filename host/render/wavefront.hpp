@@ -1,0 +1,60 @@
+// The path tracer as a sequence of stages over queues of rays (Laine, Karras and Aila 2013, "Megakernels considered
+// harmful"): generate_rays, then for every bounce trace, shade_surface, trace shadow rays, add_light, advance_queues.
+#pragma once
+
+#include "claray/query.hpp"
+#include "claray/renderer.hpp"
+#include "claray/shared/path.h"
+#include "host/render/scene_buffers.hpp"
+
+namespace claray {
+
+/// Kernel names under which the profiler finds the time of tracing.
+inline constexpr const char* trace_camera_name = "trace_camera_rays";
+inline constexpr const char* trace_bounce_name = "trace_bounce_rays";
+inline constexpr const char* trace_shadow_name = "trace_shadow_rays";
+
+class Wavefront {
+public:
+    Wavefront(const Device& device, const SceneBuffers& scene, const FrameData& frame, Sampler sampler,
+              std::uint64_t most_paths);
+
+    [[nodiscard]] std::uint32_t capacity() const { return std::uint32_t(rays_[0].size()); }
+    /// Traces the paths of a batch of at most `capacity()`; enqueued. Their radiance is in `radiance()`.
+    void trace(const Batch& batch);
+    [[nodiscard]] const Buffer<float>& radiance() const { return radiance_; }
+    /// First hits of rays through the pixels' centres, and what they cost; enqueued.
+    void trace_centers(const Batch& batch, Buffer<Visits>& visits);
+    [[nodiscard]] const Buffer<Ray>& rays() const { return rays_[0]; }
+    [[nodiscard]] const Buffer<Hit>& hits() const { return hits_; }
+
+    struct Totals {
+        std::uint64_t camera = 0, bounce = 0, shadow = 0;
+    };
+    /// Rays traced so far. Blocks.
+    [[nodiscard]] Totals totals() const;
+    [[nodiscard]] std::uint64_t bytes() const;
+
+private:
+    void generate(const Batch& batch, bool centers);
+    void bounce(const Batch& batch, std::uint32_t depth, std::uint32_t limit);
+    void trace_shadows(std::uint32_t limit);
+
+    Device device_;
+    SceneBuffers scene_;
+    FrameData frame_;
+    unsigned bounces_per_look_, shade_group_, trace_group_, shadow_group_;
+    std::uint64_t camera_rays_ = 0;
+
+    Buffer<Ray> rays_[2], shadow_rays_;
+    Buffer<PathState> states_[2];
+    Buffer<std::uint32_t> lengths_[2], shadow_length_;  // of the queues; one element each
+    Buffer<Hit> hits_;
+    Buffer<LightSample> shadow_light_;
+    Buffer<std::uint8_t> occluded_;
+    Buffer<float> radiance_;
+    Buffer<std::uint64_t> totals_;
+    Kernel generate_, trace_camera_, trace_bounce_, shade_, trace_shadow_, add_light_, advance_;
+};
+
+}  // namespace claray

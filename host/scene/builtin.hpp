@@ -1,0 +1,16 @@
+// The built-in scenes, one function each. `count` is the number of triangles, exactly.
+#pragma once
+
+#include "claray/scene.hpp"
+
+namespace claray::scenes {
+
+[[nodiscard]] Scene cornell();
+[[nodiscard]] Scene spheres();
+[[nodiscard]] Scene crate();
+[[nodiscard]] Scene hills();
+[[nodiscard]] Scene terrain(std::size_t count);
+[[nodiscard]] Scene soup(std::size_t count);
+[[nodiscard]] Scene fan(std::size_t count);
+
+}  // namespace claray::scenes

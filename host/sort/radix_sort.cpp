@@ -1,0 +1,115 @@
+#include "host/sort/radix_sort.hpp"
+
+#include <algorithm>
+
+namespace claray {
+namespace {
+
+constexpr const char* file = "sort/radix_sort.cl";
+constexpr const char* stage = "sort/radix_sort";
+constexpr unsigned digits = 256, digit_bits = 8;
+constexpr std::size_t onesweep_limit = std::size_t(1) << 30;  // a look-back word counts in 30 bits
+
+/// The most keys a work-item that the group's local memory holds: the tile, the counters of each warp (twice on devices
+/// without warp voting), and two rows of scratch.
+unsigned items_that_fit(const Device& device, std::size_t key_bytes, unsigned group_size, unsigned wanted) {
+    const std::size_t fixed = 4 * digits * (2 * group_size / 32 + 3);
+    const std::size_t memory = device.info().local_memory;
+    const std::size_t most = memory > fixed ? (memory - fixed) / (group_size * key_bytes) : 0;
+    if (most == 0)
+        throw Error(ErrorKind::device, "cannot sort on " + device.info().name + ": only " + std::to_string(memory) +
+                                           " bytes of local memory");
+    return unsigned(std::min<std::size_t>(wanted, most));
+}
+
+unsigned passes_for(unsigned key_bits, unsigned bits) { return (key_bits + bits - 1) / bits; }
+
+}  // namespace
+
+template <class Key>
+typename RadixSort<Key>::Config RadixSort<Key>::config_for(const Device& device) {
+    return {.onesweep = device.tuning(stage, "ONESWEEP") != 0};
+}
+
+template <class Key>
+RadixSort<Key>::RadixSort(const Device& device, std::size_t capacity, const Config& config)
+    : config_(config), capacity_(capacity), other_keys_(device, capacity), other_values_(device, capacity) {
+    if (config.onesweep && capacity >= onesweep_limit)
+        throw Error(ErrorKind::user, "cannot sort " + std::to_string(capacity) + " keys: the limit is 2^30 - 1");
+    Defines defines = {{"KEY_BITS", std::to_string(8 * sizeof(Key))}};
+    if (config_.onesweep) {
+        group_size_ = device.tuning(stage, "GROUP_SIZE");
+        const unsigned items = items_that_fit(device, sizeof(Key), group_size_, device.tuning(stage, "ITEMS"));
+        tile_ = group_size_ * items;
+        defines.emplace_back("ITEMS", std::to_string(items));
+        digit_groups_ = 4 * device.info().compute_units;
+        histogram_ = Buffer<std::uint32_t>(device, sizeof(Key) * digits);
+        const std::size_t tiles = (capacity + tile_ - 1) / tile_;
+        states_ = Buffer<std::uint32_t>(device, sizeof(Key) * (1 + tiles * digits));
+        count_all_ = load_kernel(device, file, "count_all_digits", defines);
+        scan_ = load_kernel(device, file, "scan_histogram", defines);
+        sort_digit_ = load_kernel(device, file, "sort_digit", defines);
+    } else {
+        run_bits_ = device.tuning(stage, "RUN_BITS");
+        runs_ = std::max(1u, device.info().compute_units * device.tuning(stage, "RUNS_PER_UNIT"));
+        histogram_ = Buffer<std::uint32_t>(device, std::size_t(runs_) << run_bits_);
+        count_runs_ = load_kernel(device, file, "count_runs", defines);
+        scan_runs_ = load_kernel(device, file, "scan_runs", defines);
+        scatter_runs_ = load_kernel(device, file, "scatter_runs", defines);
+    }
+}
+
+template <class Key>
+void RadixSort<Key>::sort(Buffer<Key>& keys, Buffer<std::uint32_t>& values, std::size_t count) {
+    if (count > capacity_ || count > keys.size() || count > values.size())
+        throw Error(ErrorKind::usage, "cannot sort " + std::to_string(count) + " keys: room is for " +
+                                          std::to_string(std::min({capacity_, keys.size(), values.size()})));
+    if (count == 0) return;
+    if (config_.onesweep)
+        sort_onesweep(keys, values, std::uint32_t(count));
+    else
+        sort_runs(keys, values, std::uint32_t(count));
+}
+
+template <class Key>
+void RadixSort<Key>::sort_onesweep(Buffer<Key>& keys, Buffer<std::uint32_t>& values, std::uint32_t count) {
+    histogram_.fill(0);
+    states_.fill(0);
+    const std::uint32_t tiles = (count + tile_ - 1) / tile_;
+    const std::size_t counting = std::min<std::size_t>(std::size_t(digit_groups_) * group_size_, count);
+    count_all_.run({counting, group_size_}, keys, count, histogram_);
+    scan_.run({sizeof(Key) * digits, digits}, histogram_);
+    const unsigned passes = passes_for(config_.key_bits, digit_bits);
+    for (std::uint32_t pass = 0; pass < passes; ++pass) {
+        const Buffer<std::uint32_t> positions = pass == 0 ? Buffer<std::uint32_t>() : values;
+        sort_digit_.run({std::size_t(tiles) * group_size_, group_size_}, keys, positions, other_keys_, other_values_,
+                        count, std::uint32_t(pass * digit_bits), pass, histogram_, states_, tiles);
+        std::swap(keys, other_keys_);
+        std::swap(values, other_values_);
+    }
+}
+
+template <class Key>
+void RadixSort<Key>::sort_runs(Buffer<Key>& keys, Buffer<std::uint32_t>& values, std::uint32_t count) {
+    const unsigned passes = passes_for(config_.key_bits, run_bits_);
+    const std::uint32_t runs = runs_;
+    for (unsigned pass = 0; pass < passes; ++pass) {
+        const std::uint32_t shift = pass * run_bits_;
+        const Buffer<std::uint32_t> positions = pass == 0 ? Buffer<std::uint32_t>() : values;
+        count_runs_.run({runs, 1}, keys, count, shift, runs, histogram_);
+        scan_runs_.run({1, 1}, runs, histogram_);
+        scatter_runs_.run({runs, 1}, keys, positions, other_keys_, other_values_, count, shift, runs, histogram_);
+        std::swap(keys, other_keys_);
+        std::swap(values, other_values_);
+    }
+}
+
+template <class Key>
+std::size_t RadixSort<Key>::scratch_bytes() const {
+    return other_keys_.bytes() + other_values_.bytes() + histogram_.bytes() + states_.bytes();
+}
+
+template class RadixSort<std::uint32_t>;
+template class RadixSort<std::uint64_t>;
+
+}  // namespace claray

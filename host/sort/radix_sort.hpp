@@ -1,0 +1,41 @@
+// Stable radix sort of keys with 32-bit values on the device: kernels/sort/radix_sort.cl.
+#pragma once
+
+#include "claray/program.hpp"
+
+namespace claray {
+
+/// Holds the kernels and scratch memory to sort up to `capacity` keys again and again.
+/// Key is std::uint32_t or std::uint64_t.
+template <class Key>
+class RadixSort {
+public:
+    struct Config {
+        bool onesweep = true;                 ///< the GPU's schedule; otherwise the CPU's
+        unsigned key_bits = 8 * sizeof(Key);  ///< only the lowest bits of the keys are compared
+    };
+    /// The schedule that the tuning table gives for the device.
+    [[nodiscard]] static Config config_for(const Device& device);
+
+    RadixSort(const Device& device, std::size_t capacity, const Config& config);
+
+    /// Sorts the first `count` keys and reports in `values` where each came from: values[i] is the former position of
+    /// keys[i]. Both buffers hold at least `count` elements; the content of `values` does not matter. Enqueued only.
+    void sort(Buffer<Key>& keys, Buffer<std::uint32_t>& values, std::size_t count);
+
+    [[nodiscard]] std::size_t scratch_bytes() const;
+
+private:
+    void sort_onesweep(Buffer<Key>& keys, Buffer<std::uint32_t>& values, std::uint32_t count);
+    void sort_runs(Buffer<Key>& keys, Buffer<std::uint32_t>& values, std::uint32_t count);
+
+    Config config_;
+    std::size_t capacity_;
+    unsigned group_size_ = 0, tile_ = 0, run_bits_ = 0, runs_ = 0;
+    unsigned digit_groups_ = 0;
+    Buffer<Key> other_keys_;
+    Buffer<std::uint32_t> other_values_, histogram_, states_;  // states_: the tickets, then the look-back words
+    Kernel count_all_, scan_, sort_digit_, count_runs_, scan_runs_, scatter_runs_;
+};
+
+}  // namespace claray

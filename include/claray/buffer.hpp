@@ -1,0 +1,87 @@
+// Typed device memory.
+#pragma once
+
+#include <span>
+#include <type_traits>
+#include <vector>
+
+#include "claray/device.hpp"
+
+namespace claray {
+
+namespace detail {
+/// Checks against the device's limits, then allocates. Throws ErrorKind::device with the bytes needed and available.
+[[nodiscard]] cl::Buffer allocate(const Device& device, std::size_t bytes);
+void write(const Device& device, const cl::Buffer& buffer, std::size_t offset, const void* data, std::size_t bytes);
+void read(const Device& device, const cl::Buffer& buffer, std::size_t offset, void* data, std::size_t bytes);
+void copy(const Device& device, const cl::Buffer& from, const cl::Buffer& to, std::size_t bytes);
+void fill_bytes(const Device& device, const cl::Buffer& buffer, unsigned pattern, std::size_t bytes);
+}  // namespace detail
+
+/// `size()` elements of plain data on a device. A handle: copies share the memory. An empty buffer still holds one
+/// element's bytes, since OpenCL has no buffers of zero bytes.
+template <class T>
+class Buffer {
+    static_assert(std::is_trivially_copyable_v<T>, "device memory holds plain data only");
+
+public:
+    Buffer() = default;
+    /// Uninitialised memory for `count` elements.
+    Buffer(const Device& device, std::size_t count)
+        : device_(std::make_shared<Device>(device)),
+          memory_(detail::allocate(device, bytes_for(count))),
+          size_(count) {}
+    /// A copy of `data` on the device.
+    Buffer(const Device& device, std::span<const T> data) : Buffer(device, data.size()) { write(data); }
+    Buffer(const Device& device, const std::vector<T>& data) : Buffer(device, std::span<const T>(data)) {}
+
+    [[nodiscard]] std::size_t size() const noexcept { return size_; }
+    [[nodiscard]] std::size_t bytes() const noexcept { return size_ * sizeof(T); }
+    [[nodiscard]] bool allocated() const noexcept { return memory_() != nullptr; }
+    [[nodiscard]] const cl::Buffer& memory() const noexcept { return memory_; }
+    [[nodiscard]] const Device& device() const { return *device_; }
+
+    /// Blocks until `data` is copied to the elements from `offset` on.
+    void write(std::span<const T> data, std::size_t offset = 0) {
+        check(offset, data.size());
+        if (!data.empty()) detail::write(*device_, memory_, offset * sizeof(T), data.data(), data.size_bytes());
+    }
+    /// Blocks until `data` is filled from the elements from `offset` on.
+    void read(std::span<T> data, std::size_t offset = 0) const {
+        check(offset, data.size());
+        if (!data.empty()) detail::read(*device_, memory_, offset * sizeof(T), data.data(), data.size_bytes());
+    }
+    /// All elements. Blocks.
+    [[nodiscard]] std::vector<T> read() const {
+        std::vector<T> data(size_);
+        read(std::span<T>(data));
+        return data;
+    }
+    /// Sets every 32-bit word to `word`; asynchronous. The element size must be a multiple of 4.
+    void fill(unsigned word) {
+        static_assert(sizeof(T) % 4 == 0);
+        if (!allocated()) throw Error(ErrorKind::usage, "cannot fill a buffer that was never allocated");
+        detail::fill_bytes(*device_, memory_, word, bytes_for(size_));
+    }
+    /// Makes room for at least `count` elements; the content is lost when the buffer grows.
+    void reserve(const Device& device, std::size_t count) {
+        if (!allocated() || size_ < count) *this = Buffer(device, count);
+    }
+
+private:
+    /// A size that does not fit becomes the largest there is, which `allocate` refuses.
+    static std::size_t bytes_for(std::size_t count) {
+        if (count > std::size_t(-1) / sizeof(T)) return std::size_t(-1);
+        return (count ? count : 1) * sizeof(T);
+    }
+    void check(std::size_t offset, std::size_t count) const {
+        if (offset > size_ || count > size_ - offset)
+            throw Error(ErrorKind::usage, "buffer access past its end: " + std::to_string(count) + " elements from " +
+                                              std::to_string(offset) + " on, of " + std::to_string(size_));
+    }
+    std::shared_ptr<Device> device_;
+    cl::Buffer memory_;
+    std::size_t size_ = 0;
+};
+
+}  // namespace claray

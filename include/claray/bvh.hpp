@@ -1,0 +1,112 @@
+// The acceleration structure: build, rebuild, refit, validate.
+#pragma once
+
+#include <span>
+
+#include "claray/buffer.hpp"
+#include "claray/mesh.hpp"
+#include "claray/program.hpp"
+#include "claray/shared/bvh_node.h"
+#include "claray/shared/types.h"
+
+namespace claray {
+
+/// Which tree is traversed.
+enum class Layout {
+    automatic,  ///< by the tuning table
+    binary,     ///< 64-byte nodes with both children's boxes
+    wide        ///< 8 boxes a node and 4 triangles a leaf, tested at once by vector instructions
+};
+
+/// How the tree is built: time for quality.
+enum class Builder {
+    fast,     ///< linear BVH (Apetrei 2014)
+    balanced  ///< hierarchical locally-ordered clustering (Benthin et al. 2024): a better tree
+};
+
+/// Measured facts of a built structure.
+struct BvhStatistics {
+    std::uint32_t triangles = 0;  ///< in the tree
+    std::uint32_t culled = 0;     ///< left out: not finite, beyond 1e18, or with two equal vertices
+    std::uint32_t height = 0;
+    double sah_cost = 0;      ///< surface area heuristic: 1 per box pair, 1 per triangle, relative to the root's area
+    std::uint64_t bytes = 0;  ///< device memory of the structure, without scratch
+};
+
+/// The outcome of `Bvh::validate`; all counts are 0 for a sound structure.
+struct BvhValidation {
+    std::uint32_t leaves_missing = 0;        ///< triangles that no leaf holds
+    std::uint32_t leaves_repeated = 0;       ///< triangles that several leaves hold
+    std::uint32_t boxes_not_containing = 0;  ///< child boxes that don't contain what is below
+    std::uint32_t links_broken = 0;          ///< parents that don't point back, or indices out of range
+    [[nodiscard]] bool ok() const {
+        return leaves_missing + leaves_repeated + boxes_not_containing + links_broken == 0;
+    }
+};
+
+/// Triangles in device memory: `positions` holds 3 floats a vertex, `indices` 3 vertices a triangle. `geometries`
+/// (per triangle) may be empty: all belong to geometry 0; `masks` (per geometry) may be empty: every ray sees all.
+struct TriangleBuffers {
+    Buffer<float> positions;
+    Buffer<std::uint32_t> indices;
+    Buffer<std::uint32_t> geometries;
+    Buffer<std::uint32_t> masks;
+};
+
+/// A bounding volume hierarchy in device memory. A handle: copies share the structure.
+class Bvh {
+public:
+    struct Config {
+        Builder builder = Builder::fast;
+        unsigned morton_bits = 63;  ///< 30 or 63 bits a code: 10 or 21 an axis
+        Layout layout = Layout::automatic;
+    };
+
+    /// Builds over the triangles of all meshes; primitive indices count over all meshes in order.
+    [[nodiscard]] static Bvh build(const Device& device, std::span<const Mesh> meshes, const Config& config);
+    [[nodiscard]] static Bvh build(const Device& device, std::span<const Mesh> meshes) {
+        return build(device, meshes, Config{});
+    }
+    /// Builds from triangles that are already on the device, which it keeps for `rebuild` and `refit`.
+    [[nodiscard]] static Bvh build(const Device& device, const TriangleBuffers& triangles, const Config& config);
+    [[nodiscard]] static Bvh build(const Device& device, const TriangleBuffers& triangles) {
+        return build(device, triangles, Config{});
+    }
+
+    /// Builds anew, in the same memory, after the positions in `triangles().positions` have changed.
+    void rebuild();
+    /// Keeps the tree and recomputes all boxes after the positions have changed: faster than `rebuild`, and a worse
+    /// tree the more has moved. Triangles culled at the last build stay out; ones that became NaN can't be hit.
+    void refit();
+
+    [[nodiscard]] const TriangleBuffers& triangles() const;
+    [[nodiscard]] std::size_t triangle_count() const;
+    [[nodiscard]] Layout layout() const;
+    [[nodiscard]] const Device& device() const;
+
+    [[nodiscard]] BvhHeader header() const;
+    [[nodiscard]] BvhStatistics statistics() const;
+    /// Checks every leaf, box and link on the device.
+    [[nodiscard]] BvhValidation validate() const;
+    /// The same for all devices that build the same tree from the same triangles: 32 hexadecimal digits over the binary
+    /// nodes and the order of the leaves.
+    [[nodiscard]] std::string hash() const;
+
+    [[nodiscard]] const Buffer<BvhNode>& nodes() const;
+    [[nodiscard]] const Buffer<LeafTriangle>& leaves() const;
+    [[nodiscard]] const Buffer<WideNode>& wide_nodes() const;
+    [[nodiscard]] const Buffer<TriangleBlock>& wide_blocks() const;
+    [[nodiscard]] const Buffer<BvhHeader>& header_buffer() const;
+
+    /// Binds the kernel parameters CLARAY_BVH_PARAMETERS of trace/closest_hit.clh.
+    void bind(Kernel& kernel, unsigned& index) const;
+    /// Macros with which a kernel that includes trace/closest_hit.clh must be compiled for this structure.
+    [[nodiscard]] Defines defines() const;
+
+    struct State;
+
+private:
+    std::shared_ptr<State> state_;
+};
+
+}  // namespace claray

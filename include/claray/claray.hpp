@@ -1,0 +1,13 @@
+// All of claray's core library.
+#pragma once
+
+#include "claray/buffer.hpp"
+#include "claray/bvh.hpp"
+#include "claray/device.hpp"
+#include "claray/error.hpp"
+#include "claray/mesh.hpp"
+#include "claray/profiler.hpp"
+#include "claray/program.hpp"
+#include "claray/query.hpp"
+#include "claray/renderer.hpp"
+#include "claray/scene.hpp"

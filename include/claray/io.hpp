@@ -1,0 +1,64 @@
+// Files in, files out: meshes, images, JSON. Part of claray_io; knows no device.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "claray/profiler.hpp"
+#include "claray/scene.hpp"
+
+namespace claray {
+
+/// What a loader noticed and mended: lines for the user.
+using Warnings = std::vector<std::string>;
+
+/// Loads a Wavefront OBJ with its MTL. Polygons become triangles, negative indices are resolved, faces of one group or
+/// object are one mesh. MTL: Kd, Ke, Ns, Ni, d, Tf, illum and the PBR keys Pr and Pm choose among claray's materials. A
+/// missing MTL is a warning and gives grey Lambert. Throws ErrorKind::user naming the file (and line, where known)
+/// for a missing or empty file, an index out of range, or no face at all.
+[[nodiscard]] Scene load_obj(const std::filesystem::path& path, Warnings& warnings);
+
+/// A built-in scene by name, or else a file by its extension (.obj).
+[[nodiscard]] Scene load_scene(const std::string& name_or_path, Warnings& warnings);
+
+/// Linear colour, row by row from the top left.
+struct Image {
+    unsigned width = 0, height = 0;
+    std::vector<glm::vec3> pixels;
+};
+
+enum class ToneMap {
+    none,  ///< clamp to 0..1
+    aces   ///< filmic curve (Narkowicz 2015 fit to ACES)
+};
+
+/// The exact piecewise sRGB curve (IEC 61966-2-1) of a linear value, clamped to 0..1, as an 8-bit value.
+[[nodiscard]] std::uint8_t srgb_from_linear(float linear);
+[[nodiscard]] float linear_from_srgb(std::uint8_t value);
+
+/// By extension: .png (tone mapped, sRGB, 8 bits), .hdr (Radiance RGBE) or .pfm (float32), the latter two linear and
+/// untouched by exposure (in stops) and tone map. Written to a temporary file, synced, renamed: there is never half
+/// an image. Throws ErrorKind::usage for another extension, ErrorKind::user where the file can't be written.
+void write_image(const std::filesystem::path& path, const Image& image, float exposure = 0.f,
+                 ToneMap tone_map = ToneMap::aces);
+
+/// Throws what write_image would for this path, before any time is spent on rendering.
+void check_writable(const std::filesystem::path& path);
+
+/// One value per pixel in perceptually even false colours (Turbo), least to largest finite value; others are black.
+/// Linear like every Image: write it with ToneMap::none to see Turbo's own colours.
+[[nodiscard]] Image false_color(unsigned width, unsigned height, const std::vector<float>& values);
+/// One value per pixel as .pfm with a single channel.
+void write_pfm(const std::filesystem::path& path, unsigned width, unsigned height, const std::vector<float>& values);
+/// A colour per identifier, neighbours far apart in hue; CLARAY_MISS is black.
+[[nodiscard]] Image identifier_color(unsigned width, unsigned height, const std::vector<std::uint32_t>& identifiers);
+
+/// Writes a trace that Perfetto and chrome://tracing open (Trace Event Format, JSON).
+void write_trace(const std::filesystem::path& path, const std::vector<ProfileRecord>& records,
+                 const std::string& device_name);
+
+/// Writes text or bytes to `path` by temporary file, fsync and rename.
+void write_file(const std::filesystem::path& path, const std::string& bytes);
+
+}  // namespace claray

@@ -1,0 +1,34 @@
+// Triangle meshes on the host.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <string>
+#include <vector>
+
+namespace claray {
+
+/// An indexed triangle mesh: one geometry of a scene. `normals` and `uvs` are per vertex and may be empty.
+struct Mesh {
+    std::string name;
+    std::vector<glm::vec3> positions;
+    std::vector<glm::vec3> normals;  ///< unit length; empty: the triangles are flat shaded
+    std::vector<glm::vec2> uvs;
+    std::vector<glm::uvec3> triangles;     ///< indices into `positions`
+    std::vector<std::uint32_t> materials;  ///< per triangle, indices into Scene::materials; empty: material 0
+    std::uint32_t mask = 0xffffffffu;      ///< a ray sees the mesh where its mask and this one share a bit
+};
+
+/// Axis-aligned box of all finite positions; `lo > hi` where there is none.
+struct Bounds {
+    glm::vec3 lo{3.402823466e38f}, hi{-3.402823466e38f};
+
+    void grow(const glm::vec3& point) { lo = glm::min(lo, point), hi = glm::max(hi, point); }
+    [[nodiscard]] bool empty() const { return lo.x > hi.x; }
+    [[nodiscard]] glm::vec3 center() const { return 0.5f * lo + 0.5f * hi; }
+    [[nodiscard]] glm::vec3 extent() const { return hi - lo; }
+};
+
+[[nodiscard]] Bounds bounds_of(const Mesh& mesh);
+
+}  // namespace claray

@@ -1,0 +1,104 @@
+// Kernels: compile claray's own or yours, bind plain structs and buffers, run.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "claray/buffer.hpp"
+
+namespace claray {
+
+/// Macros for a kernel's compilation, name and value.
+using Defines = std::vector<std::pair<std::string, std::string>>;
+
+/// How floating point is compiled.
+enum class Math {
+    strict,  ///< IEEE: no contraction, denormals kept, divisions rounded correctly where the device can
+    fast     ///< -cl-fast-relaxed-math: no NaN or infinity may be relied on. Never for geometry.
+};
+
+/// Work-items in all and per group. The global size is rounded up to whole groups: kernels check their index.
+struct Range {
+    std::size_t global = 0;
+    std::size_t local = 0;  ///< 0: the driver chooses, and the global size is exact
+};
+
+/// Local (work-group) memory for a kernel argument.
+struct LocalMemory {
+    std::size_t bytes = 0;
+};
+
+class Kernel {
+public:
+    Kernel() = default;
+    Kernel(Device device, cl::Kernel kernel, std::string name)
+        : device_(std::make_shared<Device>(std::move(device))), kernel_(std::move(kernel)), name_(std::move(name)) {}
+
+    /// Binds the arguments in order and enqueues the kernel; returns at once. An argument is a Buffer, a plain value of
+    /// exactly the kernel's type, LocalMemory, nullptr (an absent buffer), or an object that binds several arguments
+    /// by a member `bind(Kernel&, index)` (such as Bvh). Reading a buffer waits for it.
+    template <class... Args>
+    void run(Range range, const Args&... args) {
+        unsigned index = 0;
+        (bind(index, args), ...);
+        enqueue(range, index);
+    }
+
+    template <class T>
+    void set(unsigned& index, const T& value) {
+        bind(index, value);
+    }
+
+    [[nodiscard]] const cl::Kernel& handle() const noexcept { return kernel_; }
+    [[nodiscard]] const std::string& name() const noexcept { return name_; }
+
+private:
+    template <class T>
+    void bind(unsigned& index, const Buffer<T>& buffer) {
+        const cl_mem memory = buffer.memory()();  // null where nothing is allocated: an absent buffer
+        set_argument(index++, sizeof memory, &memory);
+    }
+    void bind(unsigned& index, std::nullptr_t) {
+        const cl_mem absent = nullptr;
+        set_argument(index++, sizeof absent, &absent);
+    }
+    void bind(unsigned& index, LocalMemory local) { set_argument(index++, local.bytes, nullptr); }
+    template <class T>
+    void bind(unsigned& index, const T& value) {
+        if constexpr (requires { value.bind(*this, index); }) {
+            value.bind(*this, index);
+        } else {
+            static_assert(std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>, "kernel arguments are plain data");
+            set_argument(index++, sizeof(T), &value);
+        }
+    }
+    void set_argument(unsigned index, std::size_t bytes, const void* value);
+    void enqueue(Range range, unsigned arguments);
+
+    std::shared_ptr<Device> device_;
+    cl::Kernel kernel_;
+    std::string name_;
+};
+
+/// One of claray's own kernels, by its file under kernels/ (such as "sort/radix_sort.cl"). Compiled once per device and
+/// set of macros, then kept in memory and on disk. The file's tuning values become macros; `defines` win over them.
+/// Throws ErrorKind::device with the compiler's log.
+[[nodiscard]] Kernel load_kernel(const Device& device, const std::string& file, const std::string& function,
+                                 const Defines& defines = {}, Math math = Math::strict);
+
+/// A kernel of your own source text. It may #include claray's device headers ("claray/shared/types.h",
+/// "trace/closest_hit.clh" and the rest). `name` appears in error messages as the file name.
+[[nodiscard]] Kernel compile_kernel(const Device& device, const std::string& source, const std::string& function,
+                                    const Defines& defines = {}, Math math = Math::strict,
+                                    const std::string& name = "user.cl");
+
+/// Times spent compiling since the start of the process, in milliseconds, and how many programs came from where.
+struct CompileStatistics {
+    double milliseconds = 0;
+    unsigned compiled = 0;    ///< by the driver, from source
+    unsigned from_cache = 0;  ///< from the cache on disk
+};
+[[nodiscard]] CompileStatistics compile_statistics();
+
+}  // namespace claray

@@ -1,0 +1,32 @@
+// Queries: what does each ray hit first, and does it hit anything at all.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "claray/bvh.hpp"
+
+namespace claray {
+
+struct QueryOptions {
+    bool cull_back_faces = false;     ///< only triangles whose vertices appear counterclockwise are hit
+    bool brute_force = false;         ///< tests every triangle, without the tree: same hits, for comparison
+    Buffer<std::uint32_t> ray_masks;  ///< per ray; empty: every ray sees every mesh
+    Buffer<Visits> visits;            ///< where allocated, receives what each ray cost (closest hit only)
+};
+
+/// The first hit of every ray; enqueued, not waited for. Hits are the same bit for bit on every layout: among equal
+/// distances the lowest primitive wins. `hits` must hold as many elements as `rays`. With `count` (one element on the
+/// device) only the first min(*count, rays.size()) rays are traced.
+void closest_hit(const Bvh& bvh, const Buffer<Ray>& rays, Buffer<Hit>& hits, const QueryOptions& options = {},
+                 const Buffer<std::uint32_t>& count = {});
+/// 1 for every ray that hits anything, else 0.
+void any_hit(const Bvh& bvh, const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded, const QueryOptions& options = {},
+             const Buffer<std::uint32_t>& count = {});
+
+/// The same for rays in host memory: uploads, traces, downloads.
+[[nodiscard]] std::vector<Hit> closest_hit(const Bvh& bvh, std::span<const Ray> rays, const QueryOptions& options = {});
+[[nodiscard]] std::vector<std::uint8_t> any_hit(const Bvh& bvh, std::span<const Ray> rays,
+                                                const QueryOptions& options = {});
+
+}  // namespace claray

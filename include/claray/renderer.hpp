@@ -1,0 +1,85 @@
+// Images: a progressive path tracer.
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include "claray/bvh.hpp"
+#include "claray/scene.hpp"
+
+namespace claray {
+
+/// Where the random numbers come from.
+enum class Sampler : std::uint32_t {
+    sobol,       ///< Owen-scrambled Sobol points: less noise for the same number of samples
+    independent  ///< plain Monte Carlo, to compare with
+};
+
+struct RenderConfig {
+    unsigned width = 512, height = 512;  ///< 1 to 2^14 each
+    unsigned spp = 64;                   ///< samples a pixel at which to stop, >= 1
+    unsigned max_depth = 8;              ///< surfaces at which a path may be scattered, >= 1; 1 is direct light only
+    std::uint32_t seed = 0;
+    double seconds = 0;  ///< stop after this time where > 0, but not before every pixel has a sample
+    double noise = 0;    ///< stop at this noise (see RenderProgress) where > 0; asked from 16 samples a pixel on
+    Sampler sampler = Sampler::sobol;
+    Bvh::Config bvh = {};
+};
+
+/// What a render has done so far.
+struct RenderProgress {
+    unsigned spp = 0;  ///< samples a pixel done, the mean rounded down
+    unsigned spp_target = 0;
+    double seconds = 0;  ///< since the first sample was begun
+    double noise = 0;    ///< standard error of luminance, root mean square over pixels, over the mean; 0: not yet known
+};
+
+/// Rays traced and the device time they took.
+struct RayCount {
+    std::uint64_t rays = 0;
+    double milliseconds = 0;
+    [[nodiscard]] double mrays_per_second() const { return milliseconds > 0 ? double(rays) * 1e-3 / milliseconds : 0; }
+};
+
+struct RenderStatistics {
+    double build_milliseconds = 0;  ///< device time of the acceleration structure
+    BvhStatistics bvh;
+    RayCount camera, bounce, shadow;
+    std::uint64_t device_bytes = 0;
+    std::uint64_t dropped_samples = 0;  ///< NaN, infinite or above 1e30, left out of the image
+};
+
+/// Per-pixel facts of the first surface that the pixel's centre sees.
+struct Aovs {
+    std::vector<float> depth;       ///< distance from the camera; +inf where nothing is
+    std::vector<glm::vec3> normal;  ///< shading normal, towards the camera
+    std::vector<glm::vec3> albedo;
+    std::vector<std::uint32_t> primitive;  ///< CLARAY_MISS where nothing is
+    std::vector<std::uint32_t> visits;     ///< boxes plus triangles tested: the heat map
+};
+
+/// Renders one scene on one device. The same configuration gives the same image bit for bit, run after run.
+class Renderer {
+public:
+    /// Uploads the scene and builds its acceleration structure. Throws ErrorKind::usage for a configuration out of
+    /// range, ErrorKind::user for a scene that `validate` refuses, ErrorKind::device where memory does not suffice.
+    Renderer(const Device& device, const Scene& scene, const RenderConfig& config);
+
+    /// Adds samples until a target of the configuration is met. `progress` is called after the first batch of samples
+    /// and then a few times a second; it returns false to stop, which takes one batch; the image is then valid, some
+    /// pixels having more samples than others, and another call goes on where this one stopped. Returns what was
+    /// reached.
+    RenderProgress render(const std::function<bool(const RenderProgress&)>& progress = {});
+
+    /// Mean linear radiance so far, row by row from the top left.
+    [[nodiscard]] std::vector<glm::vec3> image() const;
+    [[nodiscard]] Aovs aovs() const;
+    [[nodiscard]] RenderStatistics statistics() const;
+
+    struct State;
+
+private:
+    std::shared_ptr<State> state_;
+};
+
+}  // namespace claray

@@ -1,0 +1,67 @@
+// Paths in flight and the images they end in, as the host and the render kernels see them.
+#ifndef CLARAY_SHARED_PATH_H
+#define CLARAY_SHARED_PATH_H
+
+#include "claray/shared/scene.h"
+
+CLARAY_SHARED_BEGIN
+
+/// What travels with a ray of a path.
+typedef struct PathState {
+    float throughput_r, throughput_g, throughput_b;  // radiance at the camera per radiance along this ray
+    float pdf;  // per steradian, with which the ray's direction was sampled; 0: by a delta function or the camera
+    uint path;  // index in the batch
+} PathState;
+CLARAY_LAYOUT(PathState, 20)
+
+/// What a shadow ray adds to its path's radiance if nothing is in its way.
+typedef struct LightSample {
+    float r, g, b;
+    uint path;
+} LightSample;
+CLARAY_LAYOUT(LightSample, 16)
+
+/// Consecutive pixels, each with `samples` consecutive samples: path p is sample p % samples of pixel p / samples.
+typedef struct Batch {
+    uint first_pixel, pixels;
+    uint first_sample, samples;
+} Batch;
+CLARAY_LAYOUT(Batch, 16)
+
+/// What all paths of a render share.
+typedef struct FrameData {
+    CameraData camera;
+    SkyData sky;
+    uint width, height;
+    uint seed;
+    uint max_depth;        // surfaces that scatter, at most
+    uint triangle_lights;  // they come first among the lights
+    uint lights;
+    float light_density;  // probability per area, and per luminance of its radiance, of sampling a point on a triangle
+                          // light
+} FrameData;
+CLARAY_LAYOUT(FrameData, 100)
+
+/// A pixel's sums, in two parts each: the value is sum + error. The samples of odd index are summed once more, by
+/// themselves, for the estimate of the noise.
+typedef struct FilmPixel {
+    float sum_r, sum_g, sum_b;
+    float error_r, error_g, error_b;
+    float odd_sum, odd_error;  // luminance
+    uint count, odd_count;     // samples in the sums
+    uint dropped;              // samples left out: NaN, infinite, or too large to sum
+} FilmPixel;
+CLARAY_LAYOUT(FilmPixel, 44)
+
+/// Sums over some pixels, for the noise of an image.
+typedef struct NoiseSums {
+    float variance;   // of the pixels' means
+    float luminance;  // of the pixels' means
+    uint pixels;      // with two samples or more
+    uint dropped;
+} NoiseSums;
+CLARAY_LAYOUT(NoiseSums, 16)
+
+CLARAY_SHARED_END
+
+#endif

@@ -1,0 +1,34 @@
+// Makes one header compile as C++ and as OpenCL C. Shared structs hold scalars only: a float3 has another size on the
+// host than on the device.
+#ifndef CLARAY_SHARED_PORTABLE_H
+#define CLARAY_SHARED_PORTABLE_H
+
+#ifdef __OPENCL_C_VERSION__
+
+#define CLARAY_SHARED_BEGIN
+#define CLARAY_SHARED_END
+#define CLARAY_SHARED_FUNCTION static inline
+#define CLARAY_LAYOUT(type, size)
+
+#else
+
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+namespace claray {
+using uint = std::uint32_t;
+using ulong = std::uint64_t;
+}  // namespace claray
+
+#define CLARAY_SHARED_BEGIN namespace claray {
+#define CLARAY_SHARED_END }
+#define CLARAY_SHARED_FUNCTION inline
+   /// Fails to compile where the host lays a shared struct out in another way than the kernels expect.
+#define CLARAY_LAYOUT(type, size)                                     \
+    static_assert(sizeof(type) == (size), #type " has another size"); \
+    static_assert(std::is_trivially_copyable_v<type> && std::is_standard_layout_v<type>, #type " is not plain data");
+
+#endif
+
+#endif

@@ -1,0 +1,37 @@
+// A Morton code for every triangle's centroid, on the grid that bounds.cl laid.
+#include "build/triangles.clh"
+#include "claray/shared/morton.h"
+
+#ifndef CODE_BITS
+#define CODE_BITS 63  // 30 or 63
+#endif
+
+#if CODE_BITS == 63
+typedef ulong Code;
+#define AXIS_BITS 21
+#define MORTON morton63
+#else
+typedef uint Code;
+#define AXIS_BITS 10
+#define MORTON morton30
+#endif
+
+static inline uint grid_cell(float offset, float scale) {
+    return min((uint)(offset * scale), (1u << AXIS_BITS) - 1);
+}
+
+/// Culled triangles get a code above all others, so that sorting puts them behind the tree's leaves.
+kernel void compute_morton_codes(global const float* positions, global const uint* indices, uint count,
+                                 global const BvhHeader* header, global Code* codes) {
+    const uint i = get_global_id(0);
+    if (i >= count) return;
+    const Triangle triangle = load_triangle(positions, indices, i);
+    if (!triangle_valid(triangle)) {
+        codes[i] = ~(Code)0;
+        return;
+    }
+    const Box box = box_of(triangle);
+    const float3 offset = box.lo + box.hi - (float3)(header->lox, header->loy, header->loz);
+    codes[i] = MORTON(grid_cell(offset.x, header->scale_x), grid_cell(offset.y, header->scale_y),
+                      grid_cell(offset.z, header->scale_z));
+}

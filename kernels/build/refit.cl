@@ -1,0 +1,44 @@
+// New boxes for an old tree: the climb of lbvh.cl along stored parents.
+#include "build/triangles.clh"
+
+/// A box that no ray meets and no union feels: of a leaf whose triangle is no longer valid.
+static inline Box refit_leaf(global const float* positions, global const uint* indices, global LeafTriangle* leaf) {
+    const Triangle t = load_triangle(positions, indices, leaf->primitive);
+    leaf->v0x = t.v0.x, leaf->v0y = t.v0.y, leaf->v0z = t.v0.z;
+    leaf->v1x = t.v1.x, leaf->v1y = t.v1.y, leaf->v1z = t.v1.z;
+    leaf->v2x = t.v2.x, leaf->v2y = t.v2.y, leaf->v2z = t.v2.z;
+    const Box none = {(float3)(INFINITY), (float3)(-INFINITY)};
+    return triangle_valid(t) ? box_of(t) : none;
+}
+
+/// One item a node. It does what its leaf children need; a node with a leaf goes on upwards, or waits for its other
+/// child, as in lbvh.cl. `arrivals` is zero before.
+kernel void refit_nodes(global const float* positions, global const uint* indices, global BvhNode* nodes,
+                        global LeafTriangle* leaves, volatile global uint* arrivals, global BvhHeader* header) {
+    const uint start = get_global_id(0), valid = header->valid;
+    if (valid == 1 && start == 0) store_header_box(header, refit_leaf(positions, indices, &leaves[0]));
+    if (valid < 2 || start >= valid - 1) return;
+    uint ready = 0;
+    for (uint side = 0; side < 2; ++side) {
+        const uint child = child_of(&nodes[start], side);
+        if (!is_leaf(child)) continue;
+        store_child_box(&nodes[start], side, refit_leaf(positions, indices, &leaves[child & CLARAY_SLOT]));
+        ++ready;
+    }
+    uint index = start;
+    while (ready != 0) {
+        device_fence();
+        if (atomic_add(&arrivals[index], ready) + ready < 2) return;  // the other child is still to come
+        device_fence();
+        global BvhNode* node = &nodes[index];
+        const Box box = box_union(child_box(node, 0), child_box(node, 1));
+        const uint parent = node->parent;
+        if (parent == CLARAY_NO_CHILD) {
+            store_header_box(header, box);
+            return;
+        }
+        store_child_box(&nodes[parent], nodes[parent].child0 == index ? 0 : 1, box);
+        index = parent;
+        ready = 1;
+    }
+}

@@ -1,0 +1,44 @@
+// Last stage of a batch: the paths' radiance is added to their pixels, sample by sample, so that neither the size of the
+// batches nor the order in which paths end changes the sums.
+#include "claray/shared/path.h"
+#include "shade/vector.clh"
+
+#define LARGEST_SAMPLE 1e30f  // 2^24 of these still fit in float32
+
+/// Adds to a sum in two parts: what rounding loses (Knuth's two-sum) goes to `error`, which is then folded back so far as
+/// the sum can hold it (Dekker 1971, fast two-sum). Without the second step the errors would be summed naively, and once
+/// samples are below half an ulp of the sum those are all there is. Needs strict arithmetic.
+static inline void add_exactly(float* sum, float* error, float value) {
+    const float total = *sum + value, rounded = total - *sum;
+    const float lost = *error + ((*sum - (total - rounded)) + (value - rounded));
+    *sum = total + lost;
+    *error = lost - (*sum - total);
+}
+
+/// False for NaN, too.
+static inline bool can_be_summed(float3 c) {
+    return fabs(c.x) <= LARGEST_SAMPLE && fabs(c.y) <= LARGEST_SAMPLE && fabs(c.z) <= LARGEST_SAMPLE;
+}
+
+static inline void add_sample(FilmPixel* pixel, float3 radiance, bool odd) {
+    if (!can_be_summed(radiance)) {
+        ++pixel->dropped;
+        return;
+    }
+    add_exactly(&pixel->sum_r, &pixel->error_r, radiance.x);
+    add_exactly(&pixel->sum_g, &pixel->error_g, radiance.y);
+    add_exactly(&pixel->sum_b, &pixel->error_b, radiance.z);
+    ++pixel->count;
+    if (!odd) return;
+    add_exactly(&pixel->odd_sum, &pixel->odd_error, luminance(radiance));
+    ++pixel->odd_count;
+}
+
+kernel void accumulate_film(Batch batch, global const float* radiance, global FilmPixel* film) {
+    const uint i = get_global_id(0);
+    if (i >= batch.pixels) return;
+    FilmPixel pixel = film[batch.first_pixel + i];
+    for (uint s = 0; s < batch.samples; ++s)
+        add_sample(&pixel, vload3(i * batch.samples + s, radiance), (batch.first_sample + s) & 1);
+    film[batch.first_pixel + i] = pixel;
+}

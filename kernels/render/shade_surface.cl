@@ -1,0 +1,175 @@
+// The stage between two traces: a path gathers what the surface or the sky emits, asks for light by a shadow ray, and goes
+// on in a direction chosen by the material. Light from emissive triangles is found in both ways, weighted by multiple
+// importance sampling (Veach 1997, chapter 9).
+#include "claray/shared/types.h"
+#include "render/queue.clh"
+#include "render/samples.clh"
+#include "shade/bsdf.clh"
+#include "shade/light.clh"
+#include "shade/sky.clh"
+#include "shade/surface.clh"
+
+#ifndef LIGHTS
+#define LIGHTS 1  // 1: there are lights that shadow rays can be sent to
+#endif
+#ifndef ROULETTE_DEPTH
+#define ROULETTE_DEPTH 3  // surfaces that a path meets before chance may end it
+#endif
+
+#define SCENE_PARAMETERS                                                                                       \
+    global const float *positions, global const uint *indices, global const float *normals,                    \
+        global const uint *triangle_materials, global const MaterialData *materials,                           \
+        global const TriangleLight *triangle_lights, global const PointLightData *point_lights
+#define SCENE positions, indices, normals, triangle_materials, materials, triangle_lights, point_lights
+
+/// A ray to be traced, with what goes along with it.
+typedef struct NextRay {
+    bool wanted;
+    Ray ray;
+    PathState state;
+} NextRay;
+typedef struct NextShadow {
+    bool wanted;
+    Ray ray;
+    LightSample light;
+} NextShadow;
+
+static inline float3 throughput_of(PathState state) {
+    return (float3)(state.throughput_r, state.throughput_g, state.throughput_b);
+}
+
+static inline Ray make_ray(float3 origin, float3 direction, float tmax) {
+    const Ray ray = {origin.x, origin.y, origin.z, 0.0f, direction.x, direction.y, direction.z, tmax};
+    return ray;
+}
+
+static inline void add_radiance(global float* radiance, uint path, float3 value) {
+    vstore3(vload3(path, radiance) + value, path, radiance);
+}
+
+/// The share of emission that belongs to the path; the rest was or will be found by sampling the lights.
+static inline float emission_weight(const Surface* surface, float3 emission, Hit hit, float3 outgoing, float pdf,
+                                    float light_density) {
+    if (!LIGHTS || pdf == 0.0f) return 1.0f;
+    const float cosine = fabs(dot(surface->geometric, outgoing));
+    return power_heuristic(pdf, light_pdf(emission, light_density, hit.t * hit.t, cosine));
+}
+
+#if LIGHTS
+/// A shadow ray to a light picked at random.
+static inline NextShadow sample_light(FrameData frame, PathSamples samples, uint depth, PathState state,
+                                      const Surface* surface, const MaterialData* material, Frame shading_frame,
+                                      float3 outgoing, uint choice, global const TriangleLight* triangle_lights,
+                                      global const PointLightData* point_lights) {
+    NextShadow next;
+    next.wanted = false;
+    const float3 from = leave_surface(surface, true);
+    const uint light = pick_light(choice, frame.triangle_lights, frame.lights, triangle_lights, point_lights);
+    LightView view;
+    const bool visible =
+        light < frame.triangle_lights
+            ? view_triangle_light(triangle_lights[light], frame.light_density, from,
+                                  draw(samples, DIMENSION_LIGHT(depth)), &view)
+            : view_point_light(point_lights[light - frame.triangle_lights], from, &view);
+    if (!visible || dot(view.direction, surface->geometric) <= 0.0f) return next;
+    float bsdf_pdf;
+    const float3 reflected =
+        eval_bsdf(material, to_local(shading_frame, outgoing), to_local(shading_frame, view.direction), &bsdf_pdf);
+    const float weight = view.pdf > 0.0f ? power_heuristic(view.pdf, bsdf_pdf) : 1.0f;
+    const float3 light_sum = throughput_of(state) * reflected * view.radiance * weight;
+    if (light_sum.x == 0.0f && light_sum.y == 0.0f && light_sum.z == 0.0f) return next;
+    next.wanted = true;
+    next.ray = make_ray(from, view.towards, 1.0f);
+    next.light.r = light_sum.x, next.light.g = light_sum.y, next.light.b = light_sum.z;
+    next.light.path = state.path;
+    return next;
+}
+#endif
+
+/// The ray on which the path goes on, if it does.
+static inline NextRay sample_direction(PathSamples samples, uint depth, PathState state, const Surface* surface,
+                                       const MaterialData* material, Frame shading_frame, float3 outgoing, float chance) {
+    NextRay next;
+    next.wanted = false;
+    BsdfSample sample;
+    if (!sample_bsdf(material, to_local(shading_frame, outgoing), surface->inside, draw(samples, DIMENSION_BSDF(depth)),
+                     &sample))
+        return next;
+    float3 direction = to_world(shading_frame, sample.incoming);
+    const bool viewers_side = sample.incoming.z > 0.0f;
+    const float above = dot(direction, surface->geometric);
+    if ((above > 0.0f) != viewers_side) {  // the shading normal says otherwise than the triangle
+        if (sample.pdf > 0.0f) return next;
+        direction -= 2.0f * above * surface->geometric;
+    }
+    float3 throughput = throughput_of(state) * sample.weight;
+    if (depth + 1 >= ROULETTE_DEPTH) {
+        const float survival = fmin(largest(throughput), 1.0f);
+        if (chance >= survival) return next;
+        throughput /= survival;
+    }
+    next.wanted = largest(throughput) > 0.0f;
+    next.ray = make_ray(leave_surface(surface, viewers_side), direction, INFINITY);
+    next.state.throughput_r = throughput.x, next.state.throughput_g = throughput.y, next.state.throughput_b = throughput.z;
+    next.state.pdf = sample.pdf;
+    next.state.path = state.path;
+    return next;
+}
+
+/// Works on the hit of one ray: radiance is added at once, rays to be traced are returned.
+static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PARAMETERS, Ray ray, Hit hit, PathState state,
+                             global float* radiance, NextRay* next, NextShadow* shadow) {
+    next->wanted = shadow->wanted = false;
+    const float3 direction = (float3)(ray.dx, ray.dy, ray.dz), outgoing = -direction;
+    if (hit.primitive == CLARAY_MISS) {
+        add_radiance(radiance, state.path, throughput_of(state) * sky_radiance(frame.sky, direction));
+        return;
+    }
+    const Surface surface = surface_at(hit, outgoing, positions, indices, normals);
+    const MaterialData material = materials[triangle_materials[hit.primitive]];
+    const float3 emission = (float3)(material.emission_r, material.emission_g, material.emission_b);
+    if (largest(emission) > 0.0f)
+        add_radiance(radiance, state.path,
+                     throughput_of(state) * emission *
+                         emission_weight(&surface, emission, hit, outgoing, state.pdf, frame.light_density));
+    if (depth >= frame.max_depth) return;
+
+    const PathSamples samples = samples_of(batch, state.path, frame.seed);
+    const SamplePair choice = draw_words(samples, DIMENSION_CHOICE(depth));
+    const Frame shading_frame = make_frame(surface.shading);
+#if LIGHTS
+    if (!is_delta(&material))
+        *shadow = sample_light(frame, samples, depth, state, &surface, &material, shading_frame, outgoing, choice.x,
+                               triangle_lights, point_lights);
+#endif
+    *next = sample_direction(samples, depth, state, &surface, &material, shading_frame, outgoing, unit_float(choice.y));
+}
+
+/// Shades the first *length rays, which have met `depth` surfaces before this one. Fills the next queue and, under LIGHTS,
+/// the queue of shadow rays; both lengths begin at 0.
+kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
+void shade_surface(Batch batch, FrameData frame, uint depth, SCENE_PARAMETERS, global const uint* length, uint capacity,
+                   global const Ray* rays, global const Hit* hits, global const PathState* states, global float* radiance,
+                   global uint* next_length, global Ray* next_rays, global PathState* next_states,
+                   global uint* shadow_length, global Ray* shadow_rays, global LightSample* shadow_light) {
+    local uint scratch[2];
+    const uint i = get_global_id(0);
+    NextRay next;
+    NextShadow shadow;
+    next.wanted = shadow.wanted = false;
+    if (i < min(*length, capacity))
+        shade_hit(batch, frame, depth, SCENE, rays[i], hits[i], states[i], radiance, &next, &shadow);
+
+    const uint slot = reserve_slot(next_length, next.wanted, scratch);
+    if (next.wanted) {
+        next_rays[slot] = next.ray;
+        next_states[slot] = next.state;
+    }
+#if LIGHTS
+    const uint shadow_slot = reserve_slot(shadow_length, shadow.wanted, scratch);
+    if (shadow.wanted) {
+        shadow_rays[shadow_slot] = shadow.ray;
+        shadow_light[shadow_slot] = shadow.light;
+    }
+#endif
+}

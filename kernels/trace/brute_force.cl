@@ -1,0 +1,29 @@
+// Every ray against every triangle, without the tree: the same hits, to show what the tree saves and to check it.
+#include "trace/traverse_binary.clh"
+#include "trace/query.clh"
+
+static inline Hit test_all(global const BvhHeader* header, global const LeafTriangle* leaves, Ray ray, uint mask, bool any) {
+    Hit hit = no_hit(ray.tmax);
+    if (!ray_valid(ray)) return hit;
+    const PreparedRay prepared = prepare_ray(ray, CULL_BACK_FACES, mask);
+    const uint valid = header->valid;
+    for (uint i = 0; i < valid; ++i)
+        if (hit_leaf(&prepared, &leaves[i], &hit) && any) break;
+    return hit;
+}
+
+kernel void brute_force_closest_hit(global const BvhHeader* header, global const LeafTriangle* leaves,
+                                    global const Ray* rays, global Hit* hits, uint capacity, global const uint* count,
+                                    global const uint* masks) {
+    const uint i = get_global_id(0);
+    if (i >= rays_to_trace(capacity, count)) return;
+    hits[i] = test_all(header, leaves, rays[i], mask_of_ray(masks, i), false);
+}
+
+kernel void brute_force_any_hit(global const BvhHeader* header, global const LeafTriangle* leaves,
+                                global const Ray* rays, global uchar* occluded, uint capacity, global const uint* count,
+                                global const uint* masks) {
+    const uint i = get_global_id(0);
+    if (i >= rays_to_trace(capacity, count)) return;
+    occluded[i] = test_all(header, leaves, rays[i], mask_of_ray(masks, i), true).primitive != CLARAY_MISS;
+}

@@ -1,0 +1,74 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "claray/query.hpp"
+#include "tests/oracle/brute_force.hpp"
+#include "tests/support/device.hpp"
+#include "tests/support/meshes.hpp"
+
+namespace claray::test {
+namespace {
+
+std::vector<float> flat(const Mesh& mesh) {
+    std::vector<float> values;
+    for (const glm::vec3& p : mesh.positions) values.insert(values.end(), {p.x, p.y, p.z});
+    return values;
+}
+
+Mesh moved(Mesh mesh) {
+    for (glm::vec3& p : mesh.positions) p = glm::vec3(p.y, -p.x, p.z) + 0.3f * glm::sin(5.f * p);
+    return mesh;
+}
+
+class RefitTest : public testing::TestWithParam<Layout> {};
+
+TEST_P(RefitTest, ChangesNothingWhereNothingMoved) {
+    const std::vector<Mesh> meshes = {soup(3001, 0.05f, 1)};
+    Bvh bvh = Bvh::build(device(), meshes, {.layout = GetParam()});
+    const std::string hash = bvh.hash();
+    bvh.refit();
+    EXPECT_EQ(bvh.hash(), hash);
+}
+
+TEST_P(RefitTest, HitsEqualTheOracleAfterMotion) {
+    for (const std::size_t count : {1u, 2u, 3u, 7u, 2003u}) {
+        const Mesh before = soup(count, 0.2f, count), after = moved(before);
+        Bvh bvh = Bvh::build(device(), std::span(&before, 1), {.layout = GetParam()});
+        Buffer<float> positions = bvh.triangles().positions;
+        positions.write(flat(after));
+        bvh.refit();
+        EXPECT_TRUE(bvh.validate().ok()) << count;
+        const std::vector<Ray> rays = random_rays(5003, 4.f, 1.f, 2);
+        const HitComparison result = compare(closest_hit(bvh, rays), Oracle(std::span(&after, 1)).closest_hits(rays));
+        EXPECT_EQ(result.wrong, 0u) << count;
+    }
+}
+
+TEST_P(RefitTest, RebuildEqualsAFreshBuild) {
+    const Mesh before = soup(2003, 0.1f, 3), after = moved(before);
+    Bvh bvh = Bvh::build(device(), std::span(&before, 1), {.layout = GetParam()});
+    Buffer<float> positions = bvh.triangles().positions;
+    positions.write(flat(after));
+    bvh.rebuild();
+    EXPECT_EQ(bvh.hash(), Bvh::build(device(), std::span(&after, 1)).hash());
+}
+
+TEST_P(RefitTest, TrianglesThatBecomeNanVanish) {
+    Mesh mesh = soup(100, 0.3f, 4);
+    Bvh bvh = Bvh::build(device(), std::span(&mesh, 1), {.layout = GetParam()});
+    for (std::size_t i = 0; i < 30; ++i) mesh.positions[3 * i].y = std::numeric_limits<float>::quiet_NaN();
+    Buffer<float> positions = bvh.triangles().positions;
+    positions.write(flat(mesh));
+    bvh.refit();
+    const std::vector<Ray> rays = random_rays(5003, 4.f, 1.f, 5);
+    const HitComparison result = compare(closest_hit(bvh, rays), Oracle(std::span(&mesh, 1)).closest_hits(rays));
+    EXPECT_GT(result.hits, 0u);
+    EXPECT_EQ(result.wrong, 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Layouts, RefitTest, testing::Values(Layout::binary, Layout::wide),
+                         [](const auto& layout) { return layout.param == Layout::binary ? "Binary" : "Wide"; });
+
+}  // namespace
+}  // namespace claray::test

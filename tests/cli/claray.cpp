@@ -1,0 +1,33 @@
+#include "tests/cli/claray.hpp"
+
+#include <algorithm>
+
+#include "tests/support/device.hpp"
+
+namespace claray::test {
+
+std::vector<std::string> claray_command(const std::vector<std::string>& arguments) {
+    std::vector<std::string> command = {CLARAY_PROGRAM};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    return command;
+}
+
+ProcessResult run_claray(const std::vector<std::string>& arguments, const Environment& environment) {
+    Environment all = environment;
+    all.emplace("CLARAY_DEVICE", std::to_string(device().info().index));
+    return run_process(claray_command(arguments), all);
+}
+
+testing::AssertionResult failed_with(const ProcessResult& result, int exit_code, const std::string& words) {
+    const std::string& errors = result.errors;
+    if (result.exit_code != exit_code)
+        return testing::AssertionFailure()
+               << "exit code " << result.exit_code << " instead of " << exit_code << ": " << errors;
+    if (std::count(errors.begin(), errors.end(), '\n') != 1 || !errors.starts_with("claray: error: "))
+        return testing::AssertionFailure() << "not one line of error: " << errors;
+    if (errors.find(words) == std::string::npos)
+        return testing::AssertionFailure() << "no '" << words << "' in: " << errors;
+    return testing::AssertionSuccess();
+}
+
+}  // namespace claray::test

@@ -1,0 +1,83 @@
+#include "host/cli/progress.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <csignal>
+
+#include "tests/support/process.hpp"
+
+namespace claray::cli {
+namespace {
+
+RenderProgress at(unsigned spp, double seconds, double noise = 0) {
+    RenderProgress progress;
+    progress.spp = spp;
+    progress.seconds = seconds;
+    progress.noise = noise;
+    return progress;
+}
+
+RenderConfig hundred_samples() {
+    RenderConfig config;
+    config.spp = 100;
+    return config;
+}
+
+TEST(Progress, WhateverEndsTheRenderFirstCounts) {
+    RenderConfig config = hundred_samples();
+    EXPECT_DOUBLE_EQ(fraction_done(at(25, 1), config), 0.25);
+    config.seconds = 2;
+    EXPECT_DOUBLE_EQ(fraction_done(at(25, 1), config), 0.5);
+    config.noise = 0.09;  // noise 0.1 now: 0.81 of the samples that 0.09 takes
+    EXPECT_NEAR(fraction_done(at(25, 1, 0.1), config), 0.81, 1e-12);
+    EXPECT_DOUBLE_EQ(fraction_done(at(25, 9), config), 1.0);
+    EXPECT_DOUBLE_EQ(fraction_done(at(0, 0), config), 0.0);
+}
+
+/// All that a display writes.
+std::string written(ProgressStyle style, const std::vector<RenderProgress>& steps) {
+    const test::TemporaryFolder folder;
+    std::FILE* file = std::fopen((folder / "out").c_str(), "w");
+    {
+        ProgressDisplay display(hundred_samples(), style, file);
+        for (const RenderProgress& step : steps) display.show(step);
+        display.finish(steps.back());
+    }
+    std::fclose(file);
+    return test::read_file(folder / "out");
+}
+
+TEST(Progress, BarIsDrawnAgainOnOneLine) {
+    const std::string text = written(ProgressStyle::bar, {at(10, 1), at(50, 5, 0.02), at(100, 10, 0.01)});
+    EXPECT_NE(text.find("\r[===                           ]  10 %  10/100 spp, 9.0 s left"), std::string::npos) << text;
+    EXPECT_NE(text.find("50/100 spp, 5.0 s left, noise 2.00 %"), std::string::npos) << text;
+    EXPECT_NE(text.find("\r[==============================] 100 %  100/100 spp, noise 1.00 %"), std::string::npos)
+        << text;
+    EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1);
+    EXPECT_EQ(text.back(), '\n');
+}
+
+TEST(Progress, LinesComeNowAndThen) {
+    const std::string text = written(ProgressStyle::lines, {at(1, 0.1), at(2, 0.2), at(30, 3), at(40, 4), at(60, 6)});
+    EXPECT_EQ(text,
+              "  1 %  1/100 spp, 9.9 s left\n"
+              " 30 %  30/100 spp, 7.0 s left\n"
+              " 60 %  60/100 spp, 4.0 s left\n"
+              " 60 %  60/100 spp, 4.0 s left\n");
+}
+
+TEST(Progress, QuietIsSilent) { EXPECT_EQ(written(ProgressStyle::none, {at(1, 1), at(100, 100)}), ""); }
+
+TEST(Interrupts, OnlyTheFirstSignalIsCaught) {
+    const InterruptGuard guard;
+    EXPECT_FALSE(InterruptGuard::interrupted());
+    std::raise(SIGINT);
+    EXPECT_TRUE(InterruptGuard::interrupted());
+    struct sigaction next = {};
+    sigaction(SIGINT, nullptr, &next);
+    EXPECT_EQ(next.sa_handler, SIG_DFL);
+}
+
+}  // namespace
+}  // namespace claray::cli

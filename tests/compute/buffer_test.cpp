@@ -1,0 +1,79 @@
+#include "claray/buffer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "tests/support/device.hpp"
+#include "tests/support/errors.hpp"
+
+namespace claray::test {
+namespace {
+
+TEST(Buffers, RoundTrip) {
+    for (const std::size_t count : {0u, 1u, 7u, 1000u, 65537u}) {
+        std::vector<std::uint64_t> data(count);
+        std::iota(data.begin(), data.end(), 0x123456789abcull);
+        const Buffer<std::uint64_t> buffer(device(), data);
+        EXPECT_EQ(buffer.size(), count);
+        EXPECT_EQ(buffer.bytes(), 8 * count);
+        EXPECT_TRUE(buffer.allocated());
+        EXPECT_EQ(buffer.read(), data);
+    }
+}
+
+TEST(Buffers, PartsAtAnOffset) {
+    Buffer<int> buffer(device(), std::vector<int>{0, 1, 2, 3, 4, 5});
+    buffer.write(std::vector<int>{30, 40}, 3);
+    std::vector<int> part(3);
+    buffer.read(part, 2);
+    EXPECT_EQ(part, (std::vector<int>{2, 30, 40}));
+    EXPECT_EQ(buffer.read(), (std::vector<int>{0, 1, 2, 30, 40, 5}));
+}
+
+TEST(Buffers, CopiesShareTheMemory) {
+    Buffer<int> buffer(device(), std::vector<int>{1, 2});
+    const Buffer<int> same = buffer;
+    buffer.write(std::vector<int>{5}, 1);
+    EXPECT_EQ(same.read(), (std::vector<int>{1, 5}));
+}
+
+TEST(Buffers, FillSetsEveryWord) {
+    Buffer<std::uint64_t> buffer(device(), 3);
+    buffer.fill(0xdeadbeefu);
+    EXPECT_EQ(buffer.read(), std::vector<std::uint64_t>(3, 0xdeadbeefdeadbeefull));
+}
+
+TEST(Buffers, ReserveGrowsAndNeverShrinks) {
+    Buffer<int> buffer;
+    EXPECT_FALSE(buffer.allocated());
+    buffer.reserve(device(), 10);
+    EXPECT_EQ(buffer.size(), 10u);
+    const cl_mem memory = buffer.memory()();
+    buffer.reserve(device(), 5);
+    EXPECT_EQ(buffer.memory()(), memory);
+    buffer.reserve(device(), 11);
+    EXPECT_EQ(buffer.size(), 11u);
+}
+
+TEST(Buffers, AccessPastTheEndIsRefused) {
+    Buffer<int> buffer(device(), 4);
+    std::vector<int> data(2);
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "past its end", [&] { buffer.write(data, 3); }));
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "past its end", [&] { buffer.read(data, 3); }));
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "past its end", [&] { buffer.read(data, std::size_t(-1)); }));
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "past its end", [&] { Buffer<int>().write(data); }));
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "never allocated", [&] { Buffer<int>().fill(0); }));
+}
+
+TEST(Buffers, TooLargeNamesWhatIsNeededAndWhatThereIs) {
+    const std::size_t limit = device().info().max_allocation;
+    EXPECT_TRUE(throws_error(ErrorKind::device, "out of device memory", [&] { Buffer<char>(device(), limit + 1); }));
+    EXPECT_TRUE(throws_error(ErrorKind::device, device().info().name, [&] { Buffer<double>(device(), limit); }));
+    // 2^61 doubles and one more are 8 bytes modulo 2^64.
+    EXPECT_TRUE(throws_error(ErrorKind::device, "out of device memory",
+                             [&] { Buffer<double>(device(), (std::size_t(1) << 61) + 1); }));
+}
+
+}  // namespace
+}  // namespace claray::test

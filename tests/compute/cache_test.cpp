@@ -1,0 +1,130 @@
+// Compiled programs on disk.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include "claray/program.hpp"
+#include "host/compute/program_cache.hpp"
+#include "tests/support/device.hpp"
+#include "tests/support/process.hpp"
+
+namespace claray::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* source = "kernel void set(global int* out) { *out = VALUE; }";
+
+class Cache : public testing::Test {
+protected:
+    /// Compiles on a device opened anew, so that only the disk remembers; checks the result.
+    struct Counts {
+        unsigned compiled, from_cache;
+    };
+    Counts compile(int value, Math math = Math::strict) const {
+        const CompileStatistics before = compile_statistics();
+        const Device fresh = Device::open(std::to_string(device().info().index));
+        Buffer<int> out(fresh, 1);
+        Kernel kernel = compile_kernel(fresh, source, "set", {{"VALUE", std::to_string(value)}}, math);
+        kernel.run({1}, out);
+        EXPECT_EQ(out.read()[0], value);
+        (void)compile_kernel(fresh, source, "set", {{"VALUE", std::to_string(value)}}, math);  // from memory: no count
+        const CompileStatistics after = compile_statistics();
+        return {after.compiled - before.compiled, after.from_cache - before.from_cache};
+    }
+    void expect_compiled(Counts counts) const { EXPECT_TRUE(counts.compiled == 1 && counts.from_cache == 0); }
+    void expect_from_cache(Counts counts) const { EXPECT_TRUE(counts.compiled == 0 && counts.from_cache == 1); }
+    std::vector<fs::path> files() const { return {fs::directory_iterator(folder_.path()), fs::directory_iterator()}; }
+
+    TemporaryFolder folder_;
+    ScopedEnvironment cache_dir_{"CLARAY_CACHE_DIR", folder_.path().string()};
+};
+
+TEST_F(Cache, SecondCompilationComesFromDisk) {
+    expect_compiled(compile(1));
+    expect_from_cache(compile(1));
+    ASSERT_EQ(files().size(), 1u);
+    EXPECT_EQ(files()[0].extension(), ".bin");
+}
+
+TEST_F(Cache, OptionsAreInTheKey) {
+    expect_compiled(compile(1));
+    expect_compiled(compile(2));
+    expect_compiled(compile(1, Math::fast));
+    EXPECT_EQ(files().size(), 3u);
+    expect_from_cache(compile(1));
+    expect_from_cache(compile(2));
+    expect_from_cache(compile(1, Math::fast));
+}
+
+void overwrite(const fs::path& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
+
+TEST_F(Cache, DamagedFilesAreRebuilt) {
+    expect_compiled(compile(1));
+    const fs::path file = files().at(0);
+    const std::string good = read_file(file);
+    std::string flipped = good;
+    flipped[good.size() / 2] = char(flipped[good.size() / 2] ^ 1);
+    std::string old_version = good;
+    old_version[4] = char(old_version[4] + 1);
+    for (const std::string& bad :
+         {flipped, old_version, good.substr(0, good.size() - 1), good.substr(0, 10), std::string()}) {
+        overwrite(file, bad);
+        expect_compiled(compile(1));
+        EXPECT_EQ(files().size(), 1u);
+        EXPECT_TRUE(load_cached_program(file.stem().string()).has_value());  // replaced by a sound one
+        expect_from_cache(compile(1));
+    }
+}
+
+TEST_F(Cache, StoredBytesComeBack) {
+    const std::vector<unsigned char> bytes = {0, 1, 2, 255, 0};
+    EXPECT_FALSE(load_cached_program("key").has_value());
+    store_cached_program("key", bytes);
+    EXPECT_EQ(load_cached_program("key"), bytes);
+    store_cached_program("key", {9});
+    EXPECT_EQ(load_cached_program("key"), (std::vector<unsigned char>{9}));
+    store_cached_program("empty", {});
+    EXPECT_FALSE(load_cached_program("empty").has_value());
+}
+
+TEST_F(Cache, AFolderThatCannotBeWrittenIsNoError) {
+    const ScopedEnvironment nowhere("CLARAY_CACHE_DIR", "/proc/no/such/folder");
+    expect_compiled(compile(1));
+    expect_compiled(compile(1));
+    EXPECT_TRUE(files().empty());
+}
+
+TEST_F(Cache, ProcessesAtOnceShareTheFolder) {
+    std::vector<std::unique_ptr<Process>> processes;
+    for (int i = 0; i < 16; ++i)
+        processes.push_back(std::make_unique<Process>(
+            std::vector<std::string>{this_program(), "--gtest_filter=Program.StructByValueAndClarayHeaders"}));
+    for (const auto& process : processes) {
+        const ProcessResult result = process->wait();
+        EXPECT_EQ(result.exit_code, 0) << result.output << result.errors;
+    }
+    ASSERT_EQ(files().size(), 1u);  // one program, no temporary file left
+    EXPECT_TRUE(load_cached_program(files()[0].stem().string()).has_value());
+}
+
+TEST(CacheFolder, FollowsXdgAndHome) {
+    const TemporaryFolder folder;
+    const ScopedEnvironment no_override("CLARAY_CACHE_DIR", ""), no_xdg("XDG_CACHE_HOME", "");
+    const ScopedEnvironment home("HOME", folder.path().string());
+    store_cached_program("key", {1});
+    EXPECT_TRUE(fs::exists(folder / ".cache/claray/key.bin"));
+    const ScopedEnvironment xdg("XDG_CACHE_HOME", (folder / "xdg").string());
+    store_cached_program("key", {1});
+    EXPECT_TRUE(fs::exists(folder / "xdg/claray/key.bin"));
+}
+
+TEST(Hash, IsXxh3With128Bits) {
+    EXPECT_EQ(hash128(""), "99aa06d3014798d86001c324468d497f");  // of the empty input, from the XXH3 specification
+    EXPECT_NE(hash128("a"), hash128("b"));
+}
+
+}  // namespace
+}  // namespace claray::test

@@ -1,0 +1,147 @@
+#include "claray/program.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "claray/shared/types.h"
+#include "tests/support/device.hpp"
+#include "tests/support/errors.hpp"
+
+namespace claray::test {
+namespace {
+
+struct Particle {
+    float position, velocity;
+    std::int32_t bounces;
+    std::uint8_t tag;
+};
+
+TEST(Program, AnyStructIsBoundRunAndReadBack) {
+    for (const std::size_t count : {1u, 63u, 64u, 1000u}) {
+        std::vector<Particle> particles(count);
+        for (std::size_t i = 0; i < count; ++i) particles[i] = {float(i), 2.f, int(i) % 3, std::uint8_t(i)};
+        const char* source =
+            "typedef struct { float position, velocity; int bounces; uchar tag; } Particle;"
+            "kernel void move(global Particle* particles, float dt, uint count) {"
+            "    const uint i = get_global_id(0);"
+            "    if (i >= count) return;"
+            "    particles[i].position += dt * particles[i].velocity;"
+            "    particles[i].bounces++;"
+            "}";
+        Buffer<Particle> buffer(device(), particles);
+        compile_kernel(device(), source, "move").run({count, 64}, buffer, 0.25f, std::uint32_t(count));
+        const std::vector<Particle> moved = buffer.read();
+        for (std::size_t i = 0; i < count; ++i) {
+            ASSERT_EQ(moved[i].position, float(i) + 0.5f);
+            ASSERT_EQ(moved[i].bounces, int(i) % 3 + 1);
+            ASSERT_EQ(moved[i].tag, std::uint8_t(i));
+        }
+    }
+}
+
+TEST(Program, StructByValueAndClarayHeaders) {
+    const char* source =
+        "#include \"claray/shared/types.h\"\n"
+        "kernel void length_of(Ray ray, global float* length) { *length = ray.tmax - ray.tmin; }";
+    Buffer<float> length(device(), 1);
+    compile_kernel(device(), source, "length_of").run({1}, Ray{0, 0, 0, 1.5f, 0, 0, 0, 4.f}, length);
+    EXPECT_EQ(length.read()[0], 2.5f);
+}
+
+TEST(Program, GlobalSizeIsRoundedUpToWholeGroups) {
+    Buffer<std::uint32_t> sizes(device(), 1);
+    Kernel kernel = compile_kernel(device(), "kernel void size(global uint* s) { *s = get_global_size(0); }", "size");
+    kernel.run({100, 32}, sizes);
+    EXPECT_EQ(sizes.read()[0], 128u);
+    kernel.run({100}, sizes);
+    EXPECT_EQ(sizes.read()[0], 100u);
+    kernel.run({0, 32}, sizes);  // nothing to do, nothing done
+    EXPECT_EQ(sizes.read()[0], 100u);
+}
+
+struct TwoArguments {
+    int a, b;
+    void bind(Kernel& kernel, unsigned& index) const {
+        kernel.set(index, a);
+        kernel.set(index, b);
+    }
+};
+
+TEST(Program, ArgumentsOfEveryKind) {
+    const char* source =
+        "kernel void every_kind(global int* out, global const int* absent, local int* scratch, int a, int b) {"
+        "    scratch[get_local_id(0)] = 1;"
+        "    barrier(CLK_LOCAL_MEM_FENCE);"
+        "    int sum = absent ? 1000 : 0;"
+        "    for (uint i = 0; i < get_local_size(0); ++i) sum += scratch[i];"
+        "    out[get_global_id(0)] = sum + a * b;"
+        "}";
+    Buffer<int> out(device(), 16);
+    Kernel kernel = compile_kernel(device(), source, "every_kind");
+    kernel.run({16, 16}, out, nullptr, LocalMemory{16 * sizeof(int)}, TwoArguments{3, 5});
+    EXPECT_EQ(out.read(), std::vector<int>(16, 31));
+    kernel.run({16, 16}, out, Buffer<int>(), LocalMemory{16 * sizeof(int)}, 3, 5);
+    EXPECT_EQ(out.read(), std::vector<int>(16, 31));
+    kernel.run({16, 16}, out, out, LocalMemory{16 * sizeof(int)}, 3, 5);
+    EXPECT_EQ(out.read(), std::vector<int>(16, 1031));
+}
+
+TEST(Program, WrongArgumentsAreRefused) {
+    Buffer<int> out(device(), 1);
+    Kernel kernel = compile_kernel(device(), "kernel void set(global int* out, int a) { *out = a; }", "set");
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "takes 2 arguments, 1 were given", [&] { kernel.run({1}, out); }));
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "argument 2 of the kernel set", [&] { kernel.run({1}, out, 1, 2); }));
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "argument 1 of the kernel set", [&] { kernel.run({1}, out, 1.0); }));
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "never loaded", [&] { Kernel().run({1}); }));
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "never loaded", [&] { Kernel().run({1}, out); }));
+}
+
+TEST(Program, CompilerErrorsKeepFileAndLine) {
+    const auto compile = [](const std::string& source) {
+        return [source] { (void)compile_kernel(device(), source, "f", {}, Math::strict, "mine.cl"); };
+    };
+    EXPECT_TRUE(throws_error(ErrorKind::device, "mine.cl:3", compile("\n\nthis is no kernel;\n")));
+    EXPECT_TRUE(throws_error(ErrorKind::device, "no/such/header.h", compile("#include \"no/such/header.h\"\n")));
+    EXPECT_TRUE(throws_error(ErrorKind::device, "cannot load the kernel f of mine.cl", compile("kernel void g() {}")));
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "no kernel file no/such/file.cl",
+                             [] { (void)load_kernel(device(), "no/such/file.cl", "f"); }));
+}
+
+TEST(Program, DefinesReachTheSource) {
+    Buffer<int> out(device(), 1);
+    for (const char* value : {"7", "11"}) {
+        compile_kernel(device(), "kernel void set(global int* out) { *out = VALUE; }", "set", {{"VALUE", value}})
+            .run({1}, out);
+        EXPECT_EQ(out.read()[0], std::atoi(value));
+    }
+}
+
+TEST(Program, TuningValuesReachTheFileTheyAreFor) {
+    // The sort's group size becomes a macro of its file; an impossible value shows that it arrives, and that the caller
+    // wins.
+    const Device fresh = Device::open(std::to_string(device().info().index));
+    EXPECT_EQ(fresh.tuning("sort/radix_sort", "GROUP_SIZE"), 256u);
+    fresh.set_tuning("sort/radix_sort", "GROUP_SIZE", 0);
+    const auto load = [&](const Defines& defines) {
+        (void)load_kernel(fresh, "sort/radix_sort.cl", "count_all_digits", defines);
+    };
+    EXPECT_TRUE(throws_error(ErrorKind::device, "-DGROUP_SIZE=0", [&] { load({}); }));
+    EXPECT_NO_THROW(load({{"GROUP_SIZE", "256"}}));
+}
+
+TEST(Program, StrictMathDoesNotContract) {
+    // a * b + c, whose product is exactly 1 + 2^-11 + 2^-24: contracted the sum is 2^-24, rounded in between 0.
+    const char* source =
+        "#include \"compute/portable.clh\"\n"
+        "kernel void f(global float* out, float a, float b, float c) { *out = a * b + c; }";
+    const float a = 1.f + std::ldexp(1.f, -12);
+    const float c = -(1.f + std::ldexp(1.f, -11));
+    Buffer<float> out(device(), 1);
+    compile_kernel(device(), source, "f").run({1}, out, a, a, c);
+    EXPECT_EQ(out.read()[0], 0.f);
+    EXPECT_EQ(std::fma(a, a, c), std::ldexp(1.f, -24));
+}
+
+}  // namespace
+}  // namespace claray::test

@@ -1,0 +1,25 @@
+// Checks of claray::Error: kind, content, and that it is one line.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include "claray/error.hpp"
+
+namespace claray::test {
+
+/// `action` throws an Error of `kind` whose one line holds every one of `words`.
+template <class Action>
+void expect_error(ErrorKind kind, std::initializer_list<std::string> words, Action&& action) {
+    try {
+        action();
+    } catch (const Error& error) {
+        const std::string text = error.what();
+        EXPECT_EQ(int(error.kind()), int(kind)) << text;
+        EXPECT_EQ(text.find('\n'), std::string::npos) << text;
+        for (const std::string& word : words) EXPECT_NE(text.find(word), std::string::npos) << word << " in: " << text;
+        return;
+    }
+    ADD_FAILURE() << "no error was thrown";
+}
+
+}  // namespace claray::test

@@ -1,0 +1,247 @@
+// OBJ: geometry, groups, and every way in which a file can be bad.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "claray/io.hpp"
+#include "tests/io/expect_error.hpp"
+#include "tests/io/temporary_folder.hpp"
+
+namespace claray {
+namespace {
+
+using test::expect_error;
+using test::TemporaryFolder;
+
+class Obj : public ::testing::Test {
+protected:
+    Scene load(const std::string& text) {
+        warnings.clear();
+        Scene scene = load_obj(folder.file("mesh.obj", text), warnings);
+        validate(scene);
+        return scene;
+    }
+    [[nodiscard]] bool warned(const std::string& word) const {
+        return std::any_of(warnings.begin(), warnings.end(),
+                           [&](const std::string& line) { return line.find(word) != std::string::npos; });
+    }
+
+    TemporaryFolder folder;
+    Warnings warnings;
+};
+
+// Sum of the triangles' area vectors: the polygon's own, however it was cut, if none overlaps or is turned over.
+glm::vec3 area_vector(const Mesh& mesh) {
+    glm::vec3 sum(0.f);
+    for (const glm::uvec3& t : mesh.triangles)
+        sum += 0.5f * glm::cross(mesh.positions[t.y] - mesh.positions[t.x], mesh.positions[t.z] - mesh.positions[t.x]);
+    return sum;
+}
+float area(const Mesh& mesh) {
+    float sum = 0.f;
+    for (const glm::uvec3& t : mesh.triangles)
+        sum += 0.5f * glm::length(glm::cross(mesh.positions[t.y] - mesh.positions[t.x],
+                                             mesh.positions[t.z] - mesh.positions[t.x]));
+    return sum;
+}
+
+const std::string unit_square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+TEST_F(Obj, TriangleIsReadAsItStands) {
+    const Scene scene = load("v 0 0 0\nv 1.5 0 0\nv 0 -2e-1 3\nf 1 2 3\n");
+    ASSERT_EQ(scene.meshes.size(), 1u);
+    const Mesh& mesh = scene.meshes[0];
+    EXPECT_EQ(mesh.name, "mesh");
+    ASSERT_EQ(mesh.triangles.size(), 1u);
+    EXPECT_EQ(mesh.triangles[0], glm::uvec3(0, 1, 2));
+    EXPECT_EQ(mesh.positions[1], glm::vec3(1.5f, 0.f, 0.f));
+    EXPECT_EQ(mesh.positions[2], glm::vec3(0.f, -0.2f, 3.f));
+    EXPECT_TRUE(mesh.normals.empty());
+    EXPECT_TRUE(mesh.uvs.empty());
+    ASSERT_EQ(scene.materials.size(), 1u);
+    EXPECT_EQ(scene.materials[0].kind, MaterialKind::lambert);
+}
+
+TEST_F(Obj, QuadBecomesTwoTrianglesThatShareVertices) {
+    const Mesh mesh = load(unit_square + "f 1 2 3 4\n").meshes.at(0);
+    EXPECT_EQ(mesh.triangles.size(), 2u);
+    EXPECT_EQ(mesh.positions.size(), 4u);
+    EXPECT_EQ(area_vector(mesh), glm::vec3(0.f, 0.f, 1.f));
+    EXPECT_FLOAT_EQ(area(mesh), 1.f);
+}
+
+TEST_F(Obj, ConcaveQuadIsNotCutAcross) {
+    // An arrowhead: its shorter diagonal lies outside.
+    const Mesh mesh = load("v 0 0 0\nv 4 2 0\nv 0 4 0\nv 3 2 0\nf 1 2 3 4\n").meshes.at(0);
+    EXPECT_EQ(mesh.triangles.size(), 2u);
+    EXPECT_FLOAT_EQ(area_vector(mesh).z, 2.f);
+    EXPECT_FLOAT_EQ(area(mesh), 2.f);
+}
+
+TEST_F(Obj, ConcavePolygonsKeepTheirAreaInEveryPlane) {
+    // A comb with five teeth, in three planes, far from the origin, both ways round.
+    const int teeth = 5;
+    std::vector<glm::dvec2> comb = {{0, 0}, {2 * teeth - 1, 0}};
+    for (int i = teeth; i-- > 0;) {
+        comb.insert(comb.end(), {{2 * i + 1, 4}, {2 * i, 4}});
+        if (i) comb.insert(comb.end(), {{2 * i, 1}, {2 * i - 1, 1}});
+    }
+    const float expected = (2 * teeth - 1) * 1.f + teeth * 3.f;
+    for (int plane = 0; plane < 3; ++plane) {
+        for (const bool reversed : {false, true}) {
+            std::string text, face = "f";
+            for (std::size_t i = 0; i < comb.size(); ++i) {
+                double p[3] = {1000, 1000, 1000};
+                p[(plane + 1) % 3] += comb[i].x;
+                p[(plane + 2) % 3] += comb[i].y;
+                text += "v " + std::to_string(p[0]) + " " + std::to_string(p[1]) + " " + std::to_string(p[2]) + "\n";
+                face += " " + std::to_string(reversed ? comb.size() - i : i + 1);
+            }
+            const Mesh mesh = load(text + face + "\n").meshes.at(0);
+            EXPECT_EQ(mesh.triangles.size(), comb.size() - 2);
+            EXPECT_FLOAT_EQ(area(mesh), expected);
+            EXPECT_FLOAT_EQ(area_vector(mesh)[plane], reversed ? -expected : expected);
+        }
+    }
+}
+
+TEST_F(Obj, PolygonsThatCrossThemselvesOrHoldNanAreCutAnyway) {
+    EXPECT_EQ(load("v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 4\n").meshes[0].triangles.size(), 2u);
+    EXPECT_EQ(load("v 0 0 0\nv 0 0 0\nv 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3 4 5\n").meshes[0].triangles.size(), 3u);
+    EXPECT_EQ(load("v 0 0 0\nv 1 nan 0\nv 1 1 0\nv 0 1 0\nv 0 .5 0\nf 1 2 3 4 5\n").meshes[0].triangles.size(), 3u);
+}
+
+TEST_F(Obj, NegativeIndicesCountBackFromWhereTheyStand) {
+    const Mesh mesh = load("v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 5 0 0\nf -4 -3 -1\n").meshes.at(0);
+    ASSERT_EQ(mesh.triangles.size(), 2u);
+    EXPECT_EQ(mesh.positions[mesh.triangles[0].x], glm::vec3(0.f));
+    EXPECT_EQ(mesh.positions[mesh.triangles[0].z], glm::vec3(0.f, 1.f, 0.f));
+    EXPECT_EQ(mesh.positions[mesh.triangles[1].x], glm::vec3(0.f));
+    EXPECT_EQ(mesh.positions[mesh.triangles[1].z], glm::vec3(5.f, 0.f, 0.f));
+}
+
+TEST_F(Obj, AFaceMayNameLaterVertices) {
+    const Mesh mesh = load("f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n").meshes.at(0);
+    EXPECT_FLOAT_EQ(area_vector(mesh).z, 0.5f);
+}
+
+TEST_F(Obj, VerticesAreSharedWherePositionNormalAndUvAgree) {
+    const std::string attributes = "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nvn 0 0 2\nvn 0 1 0\n";
+    const std::string first = "f 1/1/1 2/2/1 3/3/1\n";
+    const Mesh shared = load(unit_square + attributes + first + "f 1/1/1 3/3/1 4/4/1\n").meshes.at(0);
+    EXPECT_EQ(shared.positions.size(), 4u);
+    EXPECT_EQ(shared.normals.at(0), glm::vec3(0.f, 0.f, 1.f));  // made unit
+    EXPECT_EQ(shared.uvs.at(shared.triangles[1].z), glm::vec2(0.f, 1.f));
+
+    const Mesh other_normal = load(unit_square + attributes + first + "f 1/1/2 3/3/2 4/4/2\n").meshes.at(0);
+    EXPECT_EQ(other_normal.positions.size(), 6u);
+    const Mesh other_uv = load(unit_square + attributes + first + "f 1/2/1 3/3/1 4/4/1\n").meshes.at(0);
+    EXPECT_EQ(other_uv.positions.size(), 5u);
+}
+
+TEST_F(Obj, ACornerWithoutUsableNormalTakesItsFaces) {
+    const Mesh mesh = load(unit_square +
+                           "v 0 0 1\nvn 1 0 0\nvn 0 0 0\nvn nan 0 0\n"
+                           "f 1//1 2//1 3//1\nf 1 3 4\nf 1//2 3//3 4//2\nf 1 4 5\n")
+                          .meshes.at(0);
+    ASSERT_EQ(mesh.normals.size(), mesh.positions.size());
+    const glm::vec3 x(1.f, 0.f, 0.f), z(0.f, 0.f, 1.f), expected[] = {x, z, z, x};
+    for (std::size_t face = 0; face < 4; ++face)
+        for (int k = 0; k < 3; ++k) EXPECT_EQ(mesh.normals[mesh.triangles[face][k]], expected[face]) << face;
+}
+
+TEST_F(Obj, GroupsAndObjectsAreMeshes) {
+    const Scene scene = load(unit_square +
+                             "f 1 2 3\ng left\nf 1 2 3\ng right side\nf 1 3 4\ng left\nf 2 3 4\n"
+                             "o box\nf 1 2 3\ng lid\nf 1 2 4\n");
+    std::vector<std::pair<std::string, std::size_t>> found;
+    for (const Mesh& mesh : scene.meshes) found.emplace_back(mesh.name, mesh.triangles.size());
+    const std::vector<std::pair<std::string, std::size_t>> expected = {
+        {"mesh", 1}, {"left", 2}, {"right side", 1}, {"box", 1}, {"box/lid", 1}};
+    EXPECT_EQ(found, expected);
+    EXPECT_EQ(scene.meshes[2].positions.size(), 3u) << "a mesh holds only the vertices that it uses";
+}
+
+TEST_F(Obj, LineEndsCommentsAndContinuationsAreUnderstood) {
+    for (const std::string end : {"\n", "\r\n", "\r"}) {
+        std::string text = "# comment\nv 0 0 0\nv 1 0 0\n\n  v 1 1 0\nv 0 1 0\nf 1 2 \\\n 3 4";
+        for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += end.size())
+            text.replace(at, 1, end);
+        EXPECT_EQ(load(text).meshes.at(0).triangles.size(), 2u);
+        expect_error(ErrorKind::user, {"line 3", "index 5"},
+                     [&] { load("v 0 0 0" + end + "v nan 0 0" + end + "f 1 2 5" + end + "f 1 2 1"); });
+        const Mesh mesh = load("v 0 0 0" + end + "v 1 0 nan" + end + "v inf 0 0" + end + "f 1 2 3").meshes.at(0);
+        EXPECT_TRUE(std::isnan(mesh.positions[1].z));
+        EXPECT_TRUE(std::isinf(mesh.positions[2].x));
+    }
+}
+
+TEST_F(Obj, NotFiniteVerticesAreKept) {
+    const Mesh mesh = load("v 0 0 0\nv nan 0 1\nv 1 -inf +INF\nv 1e39 2 NaN\nf 1 2 3\nf 1 3 4\n").meshes.at(0);
+    ASSERT_EQ(mesh.positions.size(), 4u);
+    EXPECT_TRUE(std::isnan(mesh.positions[1].x));
+    EXPECT_EQ(mesh.positions[1].z, 1.f);
+    EXPECT_EQ(mesh.positions[2], glm::vec3(1.f, -INFINITY, INFINITY));
+    EXPECT_TRUE(std::isinf(mesh.positions[3].x));
+    EXPECT_EQ(mesh.positions[3].y, 2.f);
+    EXPECT_TRUE(std::isnan(mesh.positions[3].z));
+}
+
+TEST_F(Obj, FacesOfTwoVerticesAreLeftOutWithAWarning) {
+    const Scene scene = load(unit_square + "f 1 2\nf 1\nf 1 2 3\n");
+    EXPECT_EQ(triangle_count(scene), 1u);
+    EXPECT_TRUE(warned("2 faces of fewer than 3"));
+}
+
+TEST_F(Obj, MissingFileIsAnError) {
+    expect_error(ErrorKind::user, {"absent.obj", "No such file"},
+                 [&] { static_cast<void>(load_obj(folder / "absent.obj", warnings)); });
+    expect_error(ErrorKind::user, {"not a regular file"},
+                 [&] { static_cast<void>(load_obj(std::filesystem::temp_directory_path(), warnings)); });
+}
+
+TEST_F(Obj, EmptyFileIsAnError) {
+    expect_error(ErrorKind::user, {"mesh.obj", "is empty"}, [&] { load(""); });
+}
+
+TEST_F(Obj, FileWithoutFacesIsAnError) {
+    expect_error(ErrorKind::user, {"mesh.obj", "no face"}, [&] { load(unit_square); });
+    expect_error(ErrorKind::user, {"no face"}, [&] {
+        load(
+            std::string("\0\x7f"
+                        "ELF\1\2\3",
+                        8));
+    });
+}
+
+TEST_F(Obj, IndexOutOfRangeNamesTheLine) {
+    expect_error(ErrorKind::user, {"mesh.obj", "line 6", "vertex index 5", "there are 4"},
+                 [&] { load(unit_square + "f 1 2 3\nf 1 2 5\nf 1 2 4\n"); });
+    expect_error(ErrorKind::user, {"line 5", "vertex index -5"}, [&] { load(unit_square + "f -1 -2 -5\n"); });
+    expect_error(ErrorKind::user, {"line 5", "vertex index 0"}, [&] { load(unit_square + "f 0 1 2\n"); });
+    expect_error(ErrorKind::user, {"line 5", "vertex index 0"}, [&] { load(unit_square + "f one two three\n"); });
+    expect_error(ErrorKind::user, {"line 6", "texture index 2"},
+                 [&] { load(unit_square + "vt 0 0\nf 1/1 2/2 3/1\n"); });
+    expect_error(ErrorKind::user, {"line 5", "normal index 1"}, [&] { load(unit_square + "f 1//1 2//1 3//1\n"); });
+    expect_error(ErrorKind::user, {"vertex index 2147483647"}, [&] { load(unit_square + "f 1 2 2147483647\n"); });
+    expect_error(ErrorKind::user, {"vertex index -2147483648"}, [&] { load(unit_square + "f 1 2 -2147483648\n"); });
+}
+
+TEST_F(Obj, SceneNamesAreBuiltInOrFiles) {
+    EXPECT_EQ(load_scene("cornell", warnings).name, "cornell");
+    EXPECT_EQ(triangle_count(load_scene(folder.file("A.OBJ", unit_square + "f 1 2 3\n").string(), warnings)), 1u);
+    expect_error(ErrorKind::usage, {"no scene 'teapot'", "cornell", "soup:N"},
+                 [&] { static_cast<void>(load_scene("teapot", warnings)); });
+    expect_error(ErrorKind::usage, {"mesh.ply", ".obj"}, [&] { static_cast<void>(load_scene("mesh.ply", warnings)); });
+    expect_error(ErrorKind::user, {"absent.obj"}, [&] { static_cast<void>(load_scene("absent.obj", warnings)); });
+}
+
+TEST_F(Obj, AMeshWithoutLightGetsASky) {
+    const Scene scene = load(unit_square + "f 1 2 3\n");
+    EXPECT_GT(scene.sky.zenith.y, 0.f);
+    EXPECT_TRUE(warned("no material emits light"));
+}
+
+}  // namespace
+}  // namespace claray

@@ -1,0 +1,95 @@
+// Every unit kernel at small sizes, to be run in Oclgrind: tests/oclgrind/run.cmake fails on any of its reports.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <random>
+
+#include "claray/query.hpp"
+#include "host/sort/radix_sort.hpp"
+
+namespace claray::test {
+namespace {
+
+// Every test opens a device of its own: Oclgrind's must be closed before the statics of its compiler are destroyed.
+
+/// `count` triangles in the unit cube; every tenth is junk that the build must leave out.
+Mesh soup(std::size_t count) {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<float> unit(0.f, 1.f), small(-0.1f, 0.1f);
+    Mesh mesh;
+    for (std::size_t i = 0; i < count; ++i) {
+        const glm::vec3 corner(unit(random), unit(random), unit(random));
+        for (int v = 0; v < 3; ++v)
+            mesh.positions.push_back(corner + glm::vec3(small(random), small(random), small(random)));
+        if (i % 10 == 9) mesh.positions.back().x = NAN;
+        mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+    }
+    return mesh;
+}
+
+std::vector<Ray> rays_through_the_cube(std::size_t count) {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<float> unit(0.f, 1.f);
+    std::vector<Ray> rays;
+    for (std::size_t i = 0; i < count; ++i)
+        rays.push_back({unit(random), unit(random), -1.f, 0.f, 0.f, 0.f, 1.f, 10.f});
+    return rays;
+}
+
+template <class Key>
+void sort_all(const Device& device, bool onesweep) {
+    for (const std::size_t count : {1u, 2u, 255u, 300u}) {
+        std::mt19937_64 random(count);
+        std::vector<Key> keys(count);
+        for (Key& key : keys) key = Key(random());
+        Buffer<Key> device_keys(device, keys);
+        Buffer<std::uint32_t> values(device, count);
+        RadixSort<Key>(device, count, {.onesweep = onesweep}).sort(device_keys, values, count);
+        std::sort(keys.begin(), keys.end());
+        ASSERT_EQ(device_keys.read(), keys);
+    }
+}
+
+TEST(UnitKernels, SortBothSchedules) {
+    const Device device = Device::open();
+    std::printf("on %s\n", device.info().name.c_str());
+    for (const bool onesweep : {false, true}) {
+        sort_all<std::uint32_t>(device, onesweep);
+        sort_all<std::uint64_t>(device, onesweep);
+    }
+}
+
+class UnitKernelsOnLayout : public testing::TestWithParam<Layout> {};
+
+TEST_P(UnitKernelsOnLayout, BuildRefitAndTrace) {
+    const Device device = Device::open();
+    const std::vector<Ray> rays = rays_through_the_cube(65);
+    for (const unsigned bits : {30u, 63u})
+        for (const std::size_t count : {0u, 1u, 2u, 3u, 130u}) {
+            const Mesh mesh = soup(count);
+            Bvh bvh = Bvh::build(device, {&mesh, 1}, {.morton_bits = bits, .layout = GetParam()});
+            EXPECT_EQ(bvh.header().culled, count / 10);
+            bvh.refit();
+            bvh.rebuild();
+            EXPECT_TRUE(bvh.validate().ok()) << count << " triangles, " << bits << " bits";
+
+            Buffer<Visits> visits(device, rays.size());
+            QueryOptions counting, brute_force;
+            counting.visits = visits;
+            brute_force.brute_force = true;
+            const auto hits = closest_hit(bvh, rays, counting);
+            const auto expected = closest_hit(bvh, rays, brute_force);
+            const auto occluded = any_hit(bvh, rays);
+            for (std::size_t i = 0; i < rays.size(); ++i) {
+                EXPECT_EQ(hits[i].primitive, expected[i].primitive);
+                EXPECT_EQ(occluded[i] != 0, expected[i].primitive != CLARAY_MISS);
+            }
+        }
+}
+
+INSTANTIATE_TEST_SUITE_P(Layouts, UnitKernelsOnLayout, testing::Values(Layout::binary, Layout::wide));
+
+}  // namespace
+}  // namespace claray::test

@@ -1,0 +1,134 @@
+#include "tests/oracle/brute_force.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <thread>
+
+namespace claray::test {
+namespace {
+
+constexpr std::size_t block = 64;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+#if defined(__x86_64__) && !defined(__clang__)
+#define CLARAY_WIDEST __attribute__((target_clones("avx512f", "avx2,fma", "default")))
+#else
+#define CLARAY_WIDEST
+#endif
+
+struct Rows {
+    const double* v0[3];
+    const double* e1[3];
+    const double* e2[3];
+};
+
+/// For each triangle of a block: how far inside its nearest edge the ray passes, in units of the determinant; negative
+/// where it misses. Straight arithmetic alone, which compilers turn into vector instructions.
+CLARAY_WIDEST void block_insides(const Rows& m, std::size_t at, const double* o, const double* d,
+                                 double* __restrict insides) {
+    for (std::size_t k = 0; k < block; ++k) {
+        const std::size_t i = at + k;
+        const double e1x = m.e1[0][i], e1y = m.e1[1][i], e1z = m.e1[2][i];
+        const double e2x = m.e2[0][i], e2y = m.e2[1][i], e2z = m.e2[2][i];
+        const double sx = o[0] - m.v0[0][i], sy = o[1] - m.v0[1][i], sz = o[2] - m.v0[2][i];
+        const double px = d[1] * e2z - d[2] * e2y, py = d[2] * e2x - d[0] * e2z, pz = d[0] * e2y - d[1] * e2x;
+        const double qx = sy * e1z - sz * e1y, qy = sz * e1x - sx * e1z, qz = sx * e1y - sy * e1x;
+        const double det = e1x * px + e1y * py + e1z * pz;
+        const double sign = std::copysign(1.0, det);
+        const double u = (sx * px + sy * py + sz * pz) * sign, v = (d[0] * qx + d[1] * qy + d[2] * qz) * sign;
+        const double w = det * sign - (u + v);
+        const double uv = u < v ? u : v;
+        insides[k] = uv < w ? uv : w;
+    }
+}
+
+/// Distance to triangle i, or infinity where its plane holds the ray.
+double distance_to(const Rows& m, std::size_t i, const double* o, const double* d) {
+    const double e1x = m.e1[0][i], e1y = m.e1[1][i], e1z = m.e1[2][i];
+    const double e2x = m.e2[0][i], e2y = m.e2[1][i], e2z = m.e2[2][i];
+    const double nx = e1y * e2z - e1z * e2y, ny = e1z * e2x - e1x * e2z, nz = e1x * e2y - e1y * e2x;
+    const double along = nx * d[0] + ny * d[1] + nz * d[2];
+    if (along == 0) return infinity;
+    return (nx * (m.v0[0][i] - o[0]) + ny * (m.v0[1][i] - o[1]) + nz * (m.v0[2][i] - o[2])) / along;
+}
+
+}  // namespace
+
+Oracle::Oracle(std::span<const Mesh> meshes) {
+    for (const Mesh& mesh : meshes)
+        for (const glm::uvec3& t : mesh.triangles) {
+            for (int axis = 0; axis < 3; ++axis) {
+                const double a = mesh.positions[t.x][axis];
+                v0_[axis].push_back(a);
+                e1_[axis].push_back(mesh.positions[t.y][axis] - a);
+                e2_[axis].push_back(mesh.positions[t.z][axis] - a);
+            }
+            ++count_;
+        }
+    const std::size_t padded = (count_ + block - 1) / block * block;
+    for (auto* rows : {v0_, e1_, e2_})
+        for (int axis = 0; axis < 3; ++axis) rows[axis].resize(padded, 0.0);  // no edges: never hit
+}
+
+OracleHit Oracle::closest_hit(const Ray& ray) const {
+    OracleHit hit{ray.tmax, CLARAY_MISS};
+    for (std::size_t at = 0; at < v0_[0].size(); at += block) test_block(ray, at, hit);
+    return hit;
+}
+
+void Oracle::test_block(const Ray& ray, std::size_t at, OracleHit& hit) const {
+    const double o[3] = {ray.ox, ray.oy, ray.oz}, d[3] = {ray.dx, ray.dy, ray.dz};
+    const Rows rows = {{v0_[0].data(), v0_[1].data(), v0_[2].data()},
+                       {e1_[0].data(), e1_[1].data(), e1_[2].data()},
+                       {e2_[0].data(), e2_[1].data(), e2_[2].data()}};
+    double insides[block];
+    block_insides(rows, at, o, d, insides);
+    for (std::size_t k = 0; k < block; ++k) {
+        if (!(insides[k] >= 0)) continue;
+        const double t = distance_to(rows, at + k, o, d);
+        if (!(t > ray.tmin) || t > ray.tmax) continue;
+        if (t < hit.t || (hit.primitive == CLARAY_MISS && t == hit.t)) hit = {t, std::uint32_t(at + k)};
+    }
+}
+
+std::vector<OracleHit> Oracle::closest_hits(std::span<const Ray> rays) const {
+    constexpr std::size_t together = 64;  // rays that share a block of triangles while it is in the cache
+    std::vector<OracleHit> hits(rays.size());
+    for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = {rays[i].tmax, CLARAY_MISS};
+    std::atomic<std::size_t> next{0};
+    const auto work = [&] {
+        for (std::size_t begin; (begin = next.fetch_add(together)) < rays.size();)
+            for (std::size_t at = 0; at < v0_[0].size(); at += block)
+                for (std::size_t i = begin; i < std::min(begin + together, rays.size()); ++i)
+                    test_block(rays[i], at, hits[i]);
+    };
+    std::vector<std::thread> threads;
+    for (unsigned i = 1; i < std::thread::hardware_concurrency(); ++i) threads.emplace_back(work);
+    work();
+    for (std::thread& thread : threads) thread.join();
+    return hits;
+}
+
+HitComparison compare(std::span<const Hit> hits, std::span<const OracleHit> expected) {
+    HitComparison result;
+    result.rays = hits.size();
+    for (std::size_t i = 0; i < hits.size(); ++i) {
+        const bool hit = hits[i].primitive != CLARAY_MISS, expects = expected[i].primitive != CLARAY_MISS;
+        result.hits += expects;
+        bool right = hit == expects;
+        if (right && hit) {
+            const auto nearest = float(expected[i].t);
+            const double ulp = double(std::nextafter(nearest, std::numeric_limits<float>::infinity())) - nearest;
+            const double error = std::fabs(double(hits[i].t) - expected[i].t) / ulp;
+            right = error <= 1.0;
+            if (right && hits[i].primitive != expected[i].primitive) ++result.ties;
+            if (right) result.worst_t_ulp = std::max(result.worst_t_ulp, error);
+        }
+        if (!right && result.wrong++ == 0) result.first_wrong = i;
+    }
+    return result;
+}
+
+}  // namespace claray::test

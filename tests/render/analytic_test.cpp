@@ -1,0 +1,191 @@
+// Images whose radiance is known in closed form.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/render/scenes.hpp"
+#include "tests/support/meshes.hpp"
+
+namespace claray::test {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+Mesh smooth_sphere(int levels) {
+    Mesh mesh = sphere(levels);
+    mesh.normals = mesh.positions;
+    return mesh;
+}
+
+// ---- white furnace: a surface that absorbs nothing is invisible before a sky of radiance 1
+// -----------------------------
+
+struct Furnace {
+    const char* name;
+    MaterialKind kind;
+    bool smooth;
+};
+
+class WhiteFurnace : public testing::TestWithParam<Furnace> {};
+
+TEST_P(WhiteFurnace, SphereIsInvisible) {
+    Scene scene;
+    scene.materials = {material(GetParam().kind, 1.f)};
+    scene.meshes = {GetParam().smooth ? smooth_sphere(4) : sphere(3)};
+    scene.sky = {glm::vec3(1.f), glm::vec3(1.f)};
+    scene.camera = Camera{{0, 0, 3}, {0, 0, 0}, {0, 1, 0}, 38.f};  // the sphere just fits
+    const glm::dvec3 radiance = mean(render_image(scene, {.width = 48, .height = 48, .spp = 16, .max_depth = 64}));
+    EXPECT_NEAR(radiance.x, 1, 0.005);
+    EXPECT_NEAR(radiance.y, 1, 0.005);
+    EXPECT_NEAR(radiance.z, 1, 0.005);
+}
+
+INSTANTIATE_TEST_SUITE_P(Materials, WhiteFurnace,
+                         testing::Values(Furnace{"Lambert", MaterialKind::lambert, false},
+                                         Furnace{"Mirror", MaterialKind::mirror, false},
+                                         Furnace{"Glass", MaterialKind::glass, false},
+                                         Furnace{"SmoothLambert", MaterialKind::lambert, true},
+                                         Furnace{"SmoothMirror", MaterialKind::mirror, true},
+                                         Furnace{"SmoothGlass", MaterialKind::glass, true}),
+                         [](const auto& f) { return f.param.name; });
+
+/// Directional albedo of GGX with Fresnel 1, by the midpoint rule over microfacet normals. With u = the distribution's
+/// own cumulative function the integrand is G2 (o.h) / (cos_o cos_h), which is smooth.
+double single_scattering_albedo(double alpha, double cosine) {
+    const auto lambda = [&](double z) { return 0.5 * (std::sqrt(1 + alpha * alpha * (1 - z * z) / (z * z)) - 1); };
+    const double ox = std::sqrt(1 - cosine * cosine);
+    const int n = 1000;
+    double sum = 0;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+            const double u = (i + 0.5) / n, phi = 2 * pi * (j + 0.5) / n;
+            const double tangent2 = alpha * alpha * u / (1 - u), hz = 1 / std::sqrt(1 + tangent2);
+            const double hx = std::sqrt(1 - hz * hz) * std::cos(phi);
+            const double oh = ox * hx + cosine * hz, iz = 2 * oh * hz - cosine;
+            if (oh > 0 && iz > 0) sum += oh / (cosine * hz) / (1 + lambda(cosine) + lambda(iz));
+        }
+    return sum / n / n;
+}
+
+TEST(Ggx, ReferenceAlbedoAtNormalIncidenceAndAlphaOne) {
+    EXPECT_NEAR(single_scattering_albedo(1, 1), 1 - std::log(2.0), 1e-3);
+}
+
+class MetalFurnace : public testing::TestWithParam<float> {};
+
+TEST_P(MetalFurnace, ReflectsItsSingleScatteringAlbedo) {
+    const float roughness = GetParam();
+    for (const double angle : {0.0, 0.6, 1.2, 1.45}) {
+        Scene scene;
+        scene.materials = {material(MaterialKind::metal, 1.f, roughness)};
+        scene.meshes = {square(10.f, 0.f)};
+        scene.sky = {glm::vec3(1.f), glm::vec3(1.f)};
+        scene.camera = narrow_camera({0, 2 * std::cos(angle), 2 * std::sin(angle)}, {0, 0, 0});
+        const double radiance = mean(render_image(scene, {.width = 8, .height = 8, .spp = 2048})).x;
+        const double alpha = double(roughness) * roughness;
+        EXPECT_NEAR(radiance, single_scattering_albedo(alpha, std::cos(angle)), 0.004)
+            << "roughness " << roughness << ", angle " << angle;
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Roughness, MetalFurnace, testing::Values(0.05f, 0.3f, 0.6f, 1.f),
+                         [](const auto& r) { return "Percent" + std::to_string(int(100 * r.param + 0.5f)); });
+
+/// The same with the light coming from triangles all around, by both sampling techniques: their weights must add up
+/// to 1.
+class LampFurnace : public testing::TestWithParam<float> {};
+
+TEST_P(LampFurnace, LampsAllAroundEqualASky) {
+    Scene scene;
+    const bool metal = GetParam() > 0;
+    scene.materials = {material(metal ? MaterialKind::metal : MaterialKind::lambert, 0.8f, GetParam()), emitter(1.f)};
+    Mesh lamps = sphere(2, 4.f, {0.7f, 0.2f, 0.f});
+    lamps.materials.assign(lamps.triangles.size(), 1);
+    scene.meshes = {square(0.5f, 0.f), lamps};
+    scene.camera = narrow_camera({0, 1.2f, 1}, {0, 0, 0});
+    const RenderConfig config{.width = 8, .height = 8, .spp = 1024, .max_depth = 1};
+    const double lit_by_lamps = mean(render_image(scene, config)).x;
+    scene.meshes.pop_back();
+    scene.sky = {glm::vec3(1.f), glm::vec3(1.f)};
+    EXPECT_NEAR(lit_by_lamps / mean(render_image(scene, config)).x, 1, 0.004);
+}
+
+INSTANTIATE_TEST_SUITE_P(Roughness, LampFurnace, testing::Values(0.f, 0.2f, 0.5f, 1.f),
+                         [](const auto& r) { return "Percent" + std::to_string(int(100 * r.param + 0.5f)); });
+
+// ---- a diffuse sphere lit from its centre (the scene of pbrt's integrator tests)
+// ------------------------------------------
+
+/// Albedo 1/2 and intensity pi give 1/2 directly, and half of what is left with every further bounce.
+TEST(ClosedSphere, EveryBounceAddsHalfOfTheLast) {
+    Scene scene;
+    scene.materials = {lambert(0.5f)};
+    scene.meshes = {sphere(5)};
+    scene.point_lights = {{{0, 0, 0}, glm::vec3(float(pi))}};
+    scene.camera = Camera{{0, 0, 0.3f}, {0, 0, -1}, {0, 1, 0}, 60.f};
+    double area = 0;  // of the polyhedron, over which the lamp's flux is spread
+    for (const glm::uvec3& t : scene.meshes[0].triangles) {
+        const auto& p = scene.meshes[0].positions;
+        area += 0.5 * glm::length(glm::cross(glm::dvec3(p[t.y] - p[t.x]), glm::dvec3(p[t.z] - p[t.x])));
+    }
+    for (const unsigned depth : {1u, 2u, 3u, 32u}) {
+        const double expected = (1 - std::pow(0.5, depth)) * 4 * pi / area;
+        const double radiance = mean(render_image(scene, {.width = 32, .height = 32, .spp = 64, .max_depth = depth})).x;
+        EXPECT_NEAR(radiance / expected, 1, 0.003) << "depth " << depth;
+    }
+}
+
+// ---- direct light
+// ------------------------------------------------------------------------------------------------------------
+
+TEST(DirectLight, PointLightFollowsInverseSquareAndCosine) {
+    for (const double distance : {0.5, 3.0})
+        for (const double angle : {0.0, 0.7, 1.4}) {
+            Scene scene;
+            scene.materials = {lambert(0.6f)};
+            scene.meshes = {square(1.f, 0.f)};
+            const glm::vec3 towards(std::sin(angle), std::cos(angle), 0);
+            scene.point_lights = {{float(distance) * towards, glm::vec3(5.f)}};
+            scene.camera = narrow_camera({0, 1, 1}, {0, 0, 0});
+            const double expected = 0.6 / pi * 5 * std::cos(angle) / (distance * distance);
+            const double radiance = mean(render_image(scene, {.width = 2, .height = 2, .spp = 4, .max_depth = 1})).x;
+            EXPECT_NEAR(radiance / expected, 1, 1e-4) << "distance " << distance << ", angle " << angle;
+        }
+}
+
+/// From a differential element to a parallel rectangle a x b at distance c, above the element by one corner (Howell's
+/// catalog of configuration factors, B-3).
+double form_factor(double a, double b, double c) {
+    const double u = std::hypot(a, c), v = std::hypot(b, c);
+    return (a / u * std::atan(b / u) + b / v * std::atan(a / v)) / (2 * pi);
+}
+
+TEST(DirectLight, SquareLampEqualsItsFormFactor) {
+    for (const double height : {0.05, 0.5, 4.0})
+        for (const bool behind : {false, true}) {  // lamps emit on both sides
+            Scene scene;
+            scene.materials = {lambert(0.6f), emitter(3.f)};
+            scene.meshes = {square(6.f, 0.f), square(1.f, float(height), 1)};
+            if (behind)
+                for (glm::uvec3& t : scene.meshes[1].triangles) std::swap(t.y, t.z);
+            scene.camera = narrow_camera({3, 0.02f, 0}, {0.25f, 0, 0.5f});
+            double factor = 0;  // of the four rectangles that meet above the point
+            for (const double a : {1.25, 0.75})
+                for (const double b : {1.5, 0.5}) factor += form_factor(a, b, height);
+            const double radiance = mean(render_image(scene, {.width = 8, .height = 8, .spp = 1024, .max_depth = 1})).x;
+            EXPECT_NEAR(radiance / (0.6 * 3 * factor), 1, 0.004) << "height " << height << (behind ? ", behind" : "");
+        }
+}
+
+/// A mirror shows the lamp, the sky and what they light; light sampling has no part in it.
+TEST(DirectLight, MirrorShowsTheLamp) {
+    Scene scene;
+    scene.materials = {material(MaterialKind::mirror, 0.9f), emitter(3.f)};
+    scene.meshes = {square(1.f, 0.f), square(1.f, 2.f, 1)};
+    scene.camera = narrow_camera({0.25f, 1, 0.1f}, {0, 0, 0});
+    EXPECT_NEAR(mean(render_image(scene, {.width = 4, .height = 4, .spp = 4, .max_depth = 1})).x, 2.7, 1e-5);
+}
+
+}  // namespace
+}  // namespace claray::test

@@ -1,0 +1,96 @@
+// The film: render/accumulate_film.cl and render/resolve_film.cl.
+#include "host/render/film.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "tests/support/device.hpp"
+#include "tests/support/meshes.hpp"
+
+namespace claray::test {
+namespace {
+
+/// Lognormal with standard deviation 2 of the logarithm: the largest of 16 M samples is some 10,000 times the mean.
+float heavy_tailed(Random& random) {
+    const double radius = std::sqrt(-2 * std::log(1 - double(random.uniform())));
+    return float(std::exp(2 * radius * std::cos(6.283185307179586 * random.uniform())));
+}
+
+TEST(Film, SixteenMillionHeavyTailedSamplesSumAsInFloat64) {
+    const std::uint32_t pixels = 2, per_batch = 1u << 18, batches = 64;
+    Film film(device(), pixels);
+    std::vector<double> exact(pixels);
+    Random random(7);
+    std::vector<float> radiance(3 * pixels * per_batch);
+    for (std::uint32_t b = 0; b < batches; ++b) {
+        for (std::uint32_t i = 0; i < pixels * per_batch; ++i) {
+            const float value = heavy_tailed(random);
+            exact[i / per_batch] += value;
+            radiance[3 * i] = radiance[3 * i + 1] = radiance[3 * i + 2] = value;
+        }
+        film.accumulate({0, pixels, b * per_batch, per_batch}, Buffer<float>(device(), radiance));
+    }
+    const std::vector<glm::vec3> image = film.resolve();
+    for (std::uint32_t p = 0; p < pixels; ++p)
+        EXPECT_NEAR(image[p].y / (exact[p] / (double(per_batch) * batches)), 1.0, 1e-6);
+}
+
+TEST(Film, NanInfiniteAndHugeSamplesAreDroppedAndCounted) {
+    Film film(device(), 2);
+    const float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+    const std::vector<float> radiance = {
+        1, 2, 3,    nan,   1, 1, 1,   inf, 1,   3,   4, 5,   // pixel 0: two good samples
+        1, 1, -inf, 1e38f, 1, 1, nan, nan, nan, inf, 1, 1};  // pixel 1: none
+    film.accumulate({0, 2, 0, 4}, Buffer<float>(device(), radiance));
+    const std::vector<glm::vec3> image = film.resolve();
+    EXPECT_EQ(image[0], glm::vec3(2, 3, 4));
+    EXPECT_EQ(image[1], glm::vec3(0));
+    EXPECT_EQ(film.noise().dropped, 6u);
+}
+
+std::vector<float> random_radiance(std::uint32_t pixels, std::uint32_t samples, std::uint64_t seed) {
+    Random random(seed);
+    std::vector<float> radiance(3 * pixels * samples);
+    for (float& value : radiance) value = heavy_tailed(random);
+    return radiance;
+}
+
+TEST(Film, BatchesOfAnySizeGiveTheSameBits) {
+    const std::uint32_t pixels = 37, samples = 24;
+    const std::vector<float> radiance = random_radiance(pixels, samples, 3);
+    Film whole(device(), pixels), parts(device(), pixels);
+    whole.accumulate({0, pixels, 0, samples}, Buffer<float>(device(), radiance));
+    for (std::uint32_t s = 0; s < samples; s += 8)
+        for (std::uint32_t p = 0; p < pixels; ++p) {
+            const auto begin = radiance.begin() + 3 * (p * samples + s);
+            parts.accumulate({p, 1, s, 8}, Buffer<float>(device(), std::vector<float>(begin, begin + 24)));
+        }
+    const std::vector<glm::vec3> a = whole.resolve(), b = parts.resolve();
+    EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]), 0);
+}
+
+TEST(Film, NoiseOfIndependentSamplesIsTheirStandardError) {
+    const std::uint32_t pixels = 20'000;
+    for (const std::uint32_t samples : {2u, 5u, 32u}) {
+        Random random(samples);
+        std::vector<float> radiance(3 * pixels * samples);
+        for (std::size_t i = 0; i < radiance.size(); i += 3)
+            radiance[i] = radiance[i + 1] = radiance[i + 2] = random.uniform();
+        Film film(device(), pixels);
+        film.accumulate({0, pixels, 0, samples}, Buffer<float>(device(), radiance));
+        const double expected = std::sqrt(1.0 / 12 / samples) / 0.5;
+        EXPECT_NEAR(film.noise().relative / expected, 1.0, 0.03) << samples << " samples";
+    }
+}
+
+TEST(Film, NoiseIsUnknownAfterOneSample) {
+    Film film(device(), 4);
+    film.accumulate({0, 4, 0, 1}, Buffer<float>(device(), random_radiance(4, 1, 1)));
+    EXPECT_EQ(film.noise().relative, 0.0);
+}
+
+}  // namespace
+}  // namespace claray::test

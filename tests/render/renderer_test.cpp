@@ -1,0 +1,242 @@
+// The stages of the wavefront, as seen in images: render/generate_rays.cl, render/shade_surface.cl,
+// render/add_light.cl, render/advance_queues.cl and render/write_aovs.cl.
+#include "claray/renderer.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "tests/render/scenes.hpp"
+#include "tests/support/device.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/meshes.hpp"
+
+namespace claray::test {
+namespace {
+
+bool same_bits(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0;
+}
+
+/// Sets a tuning value of the test's device until the end of the scope.
+class ScopedTuning {
+public:
+    ScopedTuning(std::string kernel, std::string parameter, unsigned value)
+        : kernel_(std::move(kernel)), parameter_(std::move(parameter)), before_(device().tuning(kernel_, parameter_)) {
+        device().set_tuning(kernel_, parameter_, value);
+    }
+    ~ScopedTuning() { device().set_tuning(kernel_, parameter_, before_); }
+    ScopedTuning(const ScopedTuning&) = delete;
+    ScopedTuning& operator=(const ScopedTuning&) = delete;
+
+private:
+    std::string kernel_, parameter_;
+    unsigned before_;
+};
+
+TEST(Renderer, SameConfigurationGivesTheSameBits) {
+    const Scene scene = *builtin_scene("spheres");
+    const RenderConfig config{.width = 67, .height = 45, .spp = 9};
+    const std::vector<glm::vec3> image = render_image(scene, config);
+    EXPECT_TRUE(same_bits(image, render_image(scene, config)));
+    RenderConfig other = config;
+    other.seed = 1;
+    EXPECT_FALSE(same_bits(image, render_image(scene, other)));
+}
+
+TEST(Renderer, PathsInFlightDoNotChangeTheBits) {
+    const Scene scene = *builtin_scene("cornell");
+    const RenderConfig config{.width = 61, .height = 43, .spp = 21};
+    const std::vector<glm::vec3> image = render_image(scene, config);
+    for (const unsigned paths : {500u, 5'000u}) {
+        const ScopedTuning tuning("render/wavefront", "PATHS", paths);
+        EXPECT_TRUE(same_bits(image, render_image(scene, config))) << paths << " paths";
+    }
+    const ScopedTuning tuning("render/wavefront", "BOUNCES_PER_LOOK", 3);
+    EXPECT_TRUE(same_bits(image, render_image(scene, config))) << "counting every third bounce";
+}
+
+TEST(Renderer, StoppingAndGoingOnDoesNotChangeTheBits) {
+    const Scene scene = *builtin_scene("cornell");
+    const RenderConfig config{.width = 300, .height = 200, .spp = 12};
+    const ScopedTuning tuning("render/wavefront", "PATHS", 10'000);
+    Renderer renderer(device(), scene, config);
+    unsigned stops = 0;
+    RenderProgress progress;
+    do {
+        progress = renderer.render([](const RenderProgress&) { return false; });
+        ++stops;
+    } while (progress.spp < config.spp);
+    EXPECT_GT(stops, 10u);
+    EXPECT_TRUE(same_bits(renderer.image(), render_image(scene, config)));
+}
+
+TEST(Renderer, EverySampleIsInTheImageOnce) {
+    Scene scene;
+    scene.materials = {lambert(0.f)};
+    scene.meshes = {square(1.f, 0.f)};
+    scene.sky = {glm::vec3(0.25f), glm::vec3(0.25f)};
+    scene.camera = Camera{{0, 3, 0}, {0, 9, 0}, {0, 0, 1}, 40.f};  // sees the sky alone
+    for (const unsigned spp : {1u, 2u, 3u, 37u, 100u})
+        for (const glm::vec3& pixel : render_image(scene, {.width = 13, .height = 7, .spp = spp}))
+            ASSERT_EQ(pixel, glm::vec3(0.25f)) << spp;
+}
+
+double luminance(const glm::vec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
+
+/// Root mean square over pixels, relative to the mean, as RenderProgress::noise.
+double true_error(const std::vector<glm::vec3>& image, const std::vector<glm::vec3>& reference) {
+    double squares = 0, sum = 0;
+    for (std::size_t i = 0; i < image.size(); ++i) {
+        squares += std::pow(luminance(image[i]) - luminance(reference[i]), 2);
+        sum += luminance(reference[i]);
+    }
+    return std::sqrt(squares * double(image.size())) / sum;
+}
+
+/// Looking down: with the lamp in view, the few pixels at its edge would make up all of the noise.
+TEST(Renderer, NoiseEstimateIsTheTrueError) {
+    Scene scene = *builtin_scene("cornell");
+    scene.camera = Camera{{0.278f, 0.54f, 0.1f}, {0.278f, 0.f, 0.35f}, {0.f, 1.f, 0.f}, 70.f};
+    const auto reference = render_image(scene, {.width = 48, .height = 48, .spp = 2048, .seed = 99});
+    for (const Sampler sampler : {Sampler::sobol, Sampler::independent}) {
+        double estimated = 0, error = 0;
+        for (std::uint32_t seed = 0; seed < 4; ++seed) {
+            Renderer renderer(device(), scene,
+                              {.width = 48, .height = 48, .spp = 16, .seed = seed, .sampler = sampler});
+            estimated += std::pow(renderer.render().noise, 2);
+            error += std::pow(true_error(renderer.image(), reference), 2);
+        }
+        EXPECT_NEAR(std::sqrt(estimated / error), 1, 0.1) << "sampler " << int(sampler);
+    }
+}
+
+TEST(Renderer, StopsAtTheNoiseLimit) {
+    Renderer renderer(device(), *builtin_scene("cornell"), {.width = 48, .height = 48, .spp = 100'000, .noise = 0.1});
+    const RenderProgress progress = renderer.render();
+    EXPECT_LE(progress.noise, 0.1);
+    EXPECT_GT(progress.noise, 0.05);
+    EXPECT_LT(progress.spp, 1000u);
+}
+
+TEST(Renderer, StopsAtTheTimeLimit) {
+    Renderer renderer(device(), *builtin_scene("cornell"),
+                      {.width = 64, .height = 64, .spp = 1'000'000, .seconds = 0.7});
+    const RenderProgress progress = renderer.render();
+    EXPECT_GE(progress.seconds, 0.7);
+    EXPECT_LT(progress.seconds, 3);
+    EXPECT_GE(progress.spp, 1u);
+}
+
+TEST(Renderer, ReportsProgressAndStopsWhenAsked) {
+    Renderer renderer(device(), *builtin_scene("cornell"), {.width = 64, .height = 64, .spp = 1'000'000});
+    unsigned calls = 0, last_spp = 0;
+    const RenderProgress progress = renderer.render([&](const RenderProgress& p) {
+        EXPECT_GE(p.spp, last_spp);
+        EXPECT_EQ(p.spp_target, 1'000'000u);
+        EXPECT_GT(p.seconds, 0);
+        last_spp = p.spp;
+        return ++calls < 3;
+    });
+    EXPECT_EQ(calls, 3u);
+    EXPECT_LT(progress.seconds, 5);
+    EXPECT_GE(progress.spp, 1u);
+}
+
+TEST(Renderer, ScenesWithoutLightsTraceNoShadowRays) {
+    Scene scene;
+    scene.materials = {lambert(0.5f)};
+    scene.meshes = {square(1.f, 0.f)};
+    scene.sky = {glm::vec3(1.f), glm::vec3(1.f)};
+    Renderer renderer(device(), scene, {.width = 32, .height = 32, .spp = 4});
+    renderer.render();
+    EXPECT_EQ(renderer.statistics().shadow.rays, 0u);
+    EXPECT_EQ(renderer.statistics().shadow.milliseconds, 0.0);
+}
+
+TEST(Renderer, StatisticsCountEveryRay) {
+    Scene scene;  // a floor that fills the view, a point light above: one shadow ray and one bounce a sample
+    scene.materials = {lambert(1.f)};
+    scene.meshes = {square(50.f, 0.f)};
+    scene.point_lights = {{{0, 3, 0}, glm::vec3(1.f)}};
+    scene.sky = {glm::vec3(1.f), glm::vec3(1.f)};
+    scene.camera = Camera{{0, 2, 0}, {0, 0, 0}, {0, 0, 1}, 30.f};
+    Renderer renderer(device(), scene, {.width = 33, .height = 17, .spp = 5});
+    renderer.render();
+    const RenderStatistics statistics = renderer.statistics();
+    EXPECT_EQ(statistics.camera.rays, 33u * 17 * 5);
+    EXPECT_EQ(statistics.bounce.rays, 33u * 17 * 5);
+    EXPECT_EQ(statistics.shadow.rays, 33u * 17 * 5);
+    EXPECT_GT(statistics.camera.milliseconds, 0);
+    EXPECT_GT(statistics.build_milliseconds, 0);
+    EXPECT_EQ(statistics.bvh.triangles, 2u);
+    EXPECT_GT(statistics.device_bytes, 33u * 17 * 44);
+    EXPECT_EQ(statistics.dropped_samples, 0u);
+}
+
+TEST(Renderer, SamplesThatOverflowAreDroppedAndCounted) {
+    Scene scene;
+    scene.materials = {lambert(0.5f), emitter(3e38f)};
+    scene.meshes = {square(5.f, 0.f), square(1.f, 1.f, 1)};
+    scene.camera = Camera{{0, 0.9f, 3}, {0, 0, 0}, {0, 1, 0}, 40.f};
+    Renderer renderer(device(), scene, {.width = 16, .height = 16, .spp = 4});
+    renderer.render();
+    EXPECT_GT(renderer.statistics().dropped_samples, 100u);
+    for (const glm::vec3& pixel : renderer.image())
+        EXPECT_TRUE(std::isfinite(pixel.x) && std::isfinite(pixel.y) && std::isfinite(pixel.z));
+}
+
+TEST(Renderer, AovsAreOfThePixelCentres) {
+    Scene scene;
+    scene.materials = {lambert(0.25f), lambert(0.75f)};
+    scene.meshes = {square(1.f, 0.f, 1)};
+    scene.meshes[0].normals.assign(4, glm::normalize(glm::vec3(0.1f, 1.f, 0.f)));
+    scene.camera = Camera{{0, 4, 0}, {0, 0, 0}, {0, 0, -1}, 53.13010235f};  // half the image's height is 2 on the plane
+    const ScopedTuning tuning("render/wavefront", "PATHS", 50);             // several batches
+    const Aovs aovs = Renderer(device(), scene, {.width = 16, .height = 8, .spp = 1}).aovs();
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 16; ++x) {
+            const double px = (x + 0.5 - 8) * 0.5, pz = (y + 0.5 - 4) * 0.5;
+            const std::size_t i = std::size_t(y) * 16 + x;
+            if (std::abs(px) > 1 || std::abs(pz) > 1) {
+                EXPECT_EQ(aovs.primitive[i], CLARAY_MISS);
+                EXPECT_EQ(aovs.depth[i], std::numeric_limits<float>::infinity());
+                EXPECT_EQ(aovs.normal[i], glm::vec3(0));
+                continue;
+            }
+            EXPECT_LT(aovs.primitive[i], 2u);
+            EXPECT_NEAR(aovs.depth[i], std::sqrt(px * px + pz * pz + 16), 1e-5);
+            EXPECT_NEAR(glm::distance(aovs.normal[i], scene.meshes[0].normals[0]), 0, 1e-6);
+            EXPECT_EQ(aovs.albedo[i], glm::vec3(0.75f));
+            EXPECT_GT(aovs.visits[i], 0u);
+        }
+}
+
+TEST(Renderer, EmptySceneShowsTheSky) {
+    Scene scene;
+    scene.sky = {glm::vec3(0.5f), glm::vec3(0.5f)};
+    for (const glm::vec3& pixel : render_image(scene, {.width = 4, .height = 4, .spp = 2})) EXPECT_EQ(pixel.x, 0.5f);
+}
+
+TEST(Renderer, RefusesBadConfigurations) {
+    const Scene scene = *builtin_scene("cornell");
+    const auto refused = [&](const RenderConfig& config, const char* words) {
+        return throws_error(ErrorKind::usage, words, [&] { Renderer(device(), scene, config); });
+    };
+    EXPECT_TRUE(refused({.width = 0}, "image size 0x512"));
+    EXPECT_TRUE(refused({.height = 0}, "image size 512x0"));
+    EXPECT_TRUE(refused({.width = 16385}, "16384"));
+    EXPECT_TRUE(refused({.spp = 0}, "samples"));
+    EXPECT_TRUE(refused({.max_depth = 0}, "depth"));
+    EXPECT_TRUE(refused({.seconds = -1}, "time"));
+    EXPECT_TRUE(refused({.noise = std::nan("")}, "noise"));
+    Scene broken = scene;
+    broken.materials[0].albedo.x = std::nanf("");
+    EXPECT_TRUE(throws_error(ErrorKind::user, "albedo", [&] { Renderer(device(), broken, {}); }));
+}
+
+}  // namespace
+}  // namespace claray::test

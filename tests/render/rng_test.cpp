@@ -1,0 +1,113 @@
+#include "claray/shared/rng.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <vector>
+
+namespace claray::test {
+namespace {
+
+/// The second dimension of Sobol's sequence from its direction numbers, one at a time.
+std::uint32_t second_sobol_reference(std::uint32_t index) {
+    std::uint32_t result = 0;
+    for (std::uint32_t direction = 1u << 31; index != 0; index >>= 1, direction ^= direction >> 1)
+        if (index & 1) result ^= direction;
+    return result;
+}
+
+TEST(Rng, SecondSobolDimensionEqualsTheDirectionNumbers) {
+    for (std::uint32_t i = 0; i < 100'000; ++i) {
+        const std::uint32_t index = i < 50'000 ? i : hash_word(i);
+        ASSERT_EQ(reverse_bits(sobol_second_reversed(index)), second_sobol_reference(index)) << index;
+    }
+}
+
+/// Every elementary interval of 2^-bits area holds exactly one of the first 2^bits points: Owen's scrambling and the
+/// shuffle of indices must keep that.
+void expect_stratified(unsigned bits, std::uint32_t seed) {
+    for (unsigned x_bits = 0; x_bits <= bits; ++x_bits) {
+        std::set<std::uint64_t> cells;
+        for (std::uint32_t i = 0; i < (1u << bits); ++i) {
+            const SamplePair p = sobol_pair(i, seed);
+            const std::uint64_t x = std::uint64_t(p.x) >> (32 - x_bits), y = std::uint64_t(p.y) >> (32 - bits + x_bits);
+            cells.insert(x << 32 | y);
+        }
+        ASSERT_EQ(cells.size(), 1u << bits) << "seed " << seed << ", 2^" << x_bits << " columns";
+    }
+}
+
+TEST(Rng, ScrambledSobolIsStratifiedInAllElementaryIntervals) {
+    for (std::uint32_t seed = 0; seed < 20; ++seed)
+        for (const unsigned bits : {1u, 4u, 7u, 10u}) expect_stratified(bits, hash_word(seed));
+}
+
+/// Each replicate of a pixel's samples is stratified by itself.
+TEST(Rng, SamplesOfAPixelAreTwoStratifiedSequences) {
+    for (const unsigned odd : {0u, 1u}) {
+        std::set<std::uint32_t> cells;
+        for (unsigned i = 0; i < 256; ++i) cells.insert(sample_pair(CLARAY_SOBOL, 77, 2 * i + odd, 3).x >> 24);
+        EXPECT_EQ(cells.size(), 256u);
+    }
+}
+
+TEST(Rng, SequencesOfDifferentSeedsAndDimensionsAreUncorrelated) {
+    for (const std::uint32_t sampler : {CLARAY_SOBOL, CLARAY_INDEPENDENT})
+        for (unsigned other = 0; other < 3; ++other) {
+            double sum = 0;
+            const int count = 20'000;  // pixels, one sample each
+            for (int i = 0; i < count; ++i) {
+                const SamplePair a = sample_pair(sampler, hash_words(i, 1), 0, 5);
+                const SamplePair b = other == 0   ? sample_pair(sampler, hash_words(i, 1), 0, 6)
+                                     : other == 1 ? sample_pair(sampler, hash_words(i, 1), 1, 5)
+                                                  : sample_pair(sampler, hash_words(i, 2), 0, 5);
+                sum += (unit_float(a.x) - 0.5) * (unit_float(b.x) - 0.5) * 12;
+            }
+            EXPECT_LT(std::abs(sum / count), 4 / std::sqrt(double(count))) << sampler << " " << other;
+        }
+}
+
+/// Chi-squared over a 16 x 16 grid. Over pixels, so that stratification does not help: every draw is of another
+/// sequence.
+TEST(Rng, PairsAreUniformOverPixels) {
+    for (const std::uint32_t sampler : {CLARAY_SOBOL, CLARAY_INDEPENDENT}) {
+        std::vector<double> counts(256);
+        const int draws = 256 * 400;
+        for (int i = 0; i < draws; ++i) {
+            const SamplePair p = sample_pair(sampler, hash_words(i, 9), i % 5, 2);
+            ++counts[16 * (p.x >> 28) + (p.y >> 28)];
+        }
+        double chi2 = 0;
+        for (const double count : counts) chi2 += (count - 400) * (count - 400) / 400;
+        EXPECT_LT(chi2, 255 + 4 * std::sqrt(2 * 255.0)) << sampler;
+        EXPECT_GT(chi2, 255 - 4 * std::sqrt(2 * 255.0)) << sampler;
+    }
+}
+
+TEST(Rng, UnitFloatsAreBelowOne) {
+    EXPECT_EQ(unit_float(0), 0.f);
+    EXPECT_LT(unit_float(0xffffffffu), 1.f);
+    EXPECT_EQ(unit_float(0x80000000u), 0.5f);
+}
+
+/// For a smooth integrand the error of scrambled Sobol points falls far below that of independent ones.
+TEST(Rng, SobolConvergesFasterThanIndependentSamples) {
+    const auto error = [](std::uint32_t sampler) {
+        double squares = 0;
+        for (std::uint32_t pixel = 0; pixel < 200; ++pixel) {
+            double sum = 0;
+            for (std::uint32_t s = 0; s < 256; ++s) {
+                const SamplePair p = sample_pair(sampler, hash_word(pixel), s, 0);
+                sum += std::exp(double(unit_float(p.x))) * unit_float(p.y);
+            }
+            const double wrong = sum / 256 - (std::exp(1.0) - 1) / 2;
+            squares += wrong * wrong;
+        }
+        return std::sqrt(squares / 200);
+    };
+    EXPECT_LT(error(CLARAY_SOBOL), 0.1 * error(CLARAY_INDEPENDENT));
+}
+
+}  // namespace
+}  // namespace claray::test

@@ -1,0 +1,53 @@
+#include "tests/render/scenes.hpp"
+
+#include "tests/support/device.hpp"
+
+namespace claray::test {
+
+Material material(MaterialKind kind, float albedo, float roughness) {
+    Material m;
+    m.kind = kind;
+    m.albedo = glm::vec3(albedo);
+    m.roughness = roughness;
+    return m;
+}
+
+Material lambert(float albedo) { return material(MaterialKind::lambert, albedo); }
+
+Material emitter(float radiance) {
+    Material m = lambert(0.f);
+    m.emission = glm::vec3(radiance);
+    return m;
+}
+
+Mesh square(float half, float y, std::uint32_t material) {
+    Mesh mesh;
+    mesh.positions = {{-half, y, half}, {half, y, half}, {half, y, -half}, {-half, y, -half}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    mesh.materials = {material, material};
+    return mesh;
+}
+
+Camera narrow_camera(glm::vec3 position, glm::vec3 target) {
+    Camera camera;
+    camera.position = position;
+    camera.target = target;
+    camera.vertical_fov = 0.01f;
+    const glm::vec3 view = glm::abs(target - position);
+    if (view.y > 0.9f * glm::length(view)) camera.up = {0.f, 0.f, 1.f};
+    return camera;
+}
+
+glm::dvec3 mean(const std::vector<glm::vec3>& image) {
+    glm::dvec3 sum(0.0);
+    for (const glm::vec3& pixel : image) sum += glm::dvec3(pixel);
+    return sum / double(image.size());
+}
+
+std::vector<glm::vec3> render_image(const Scene& scene, const RenderConfig& config) {
+    Renderer renderer(device(), scene, config);
+    renderer.render();
+    return renderer.image();
+}
+
+}  // namespace claray::test

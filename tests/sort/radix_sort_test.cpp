@@ -1,0 +1,81 @@
+#include "host/sort/radix_sort.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+
+#include "tests/support/device.hpp"
+
+namespace claray::test {
+namespace {
+
+enum class Keys { random, equal, few, ascending, descending, high_bits };
+
+template <class Key>
+std::vector<Key> make_keys(Keys kind, std::size_t count) {
+    std::mt19937_64 random(count);
+    std::vector<Key> keys(count);
+    for (std::size_t i = 0; i < count; ++i) switch (kind) {
+            case Keys::random: keys[i] = Key(random()); break;
+            case Keys::equal: keys[i] = 42; break;
+            case Keys::few: keys[i] = Key(random() % 3) << 20; break;
+            case Keys::ascending: keys[i] = Key(i); break;
+            case Keys::descending: keys[i] = Key(count - i); break;
+            case Keys::high_bits: keys[i] = ~Key(random() % 5); break;
+        }
+    return keys;
+}
+
+template <class Key>
+void expect_stable_sort(const std::vector<Key>& keys, bool onesweep) {
+    const std::size_t count = keys.size();
+    std::vector<std::uint32_t> order(count);
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return keys[a] < keys[b]; });
+
+    RadixSort<Key> sorter(device(), count, {.onesweep = onesweep});
+    for (int round = 0; round < 2; ++round) {  // the second sort meets used scratch memory
+        Buffer<Key> device_keys(device(), keys);
+        Buffer<std::uint32_t> device_values(device(), count);
+        sorter.sort(device_keys, device_values, count);
+        ASSERT_EQ(device_values.read(), order) << count << " keys, round " << round;
+        std::vector<Key> sorted(count);
+        for (std::size_t i = 0; i < count; ++i) sorted[i] = keys[order[i]];
+        ASSERT_EQ(device_keys.read(), sorted);
+    }
+}
+
+class RadixSortTest : public testing::TestWithParam<bool> {};
+
+TEST_P(RadixSortTest, EqualsStdStableSort) {
+    for (const Keys kind : {Keys::random, Keys::equal, Keys::few, Keys::ascending, Keys::descending, Keys::high_bits})
+        for (const std::size_t count : {1u, 2u, 31u, 255u, 257u, 3072u, 3073u, 20011u}) {
+            expect_stable_sort(make_keys<std::uint32_t>(kind, count), GetParam());
+            expect_stable_sort(make_keys<std::uint64_t>(kind, count), GetParam());
+        }
+}
+
+TEST_P(RadixSortTest, ManyTiles) {
+    expect_stable_sort(make_keys<std::uint64_t>(Keys::random, 300'007), GetParam());
+    expect_stable_sort(make_keys<std::uint32_t>(Keys::few, 300'007), GetParam());
+}
+
+TEST_P(RadixSortTest, SortsNothing) {
+    RadixSort<std::uint32_t> sorter(device(), 10, {.onesweep = GetParam()});
+    Buffer<std::uint32_t> keys(device(), 10), values(device(), 10);
+    EXPECT_NO_THROW(sorter.sort(keys, values, 0));
+}
+
+TEST_P(RadixSortTest, RefusesMoreThanItsCapacity) {
+    RadixSort<std::uint32_t> sorter(device(), 10, {.onesweep = GetParam()});
+    Buffer<std::uint32_t> keys(device(), 11), values(device(), 11);
+    EXPECT_THROW(sorter.sort(keys, values, 11), Error);
+}
+
+INSTANTIATE_TEST_SUITE_P(Schedules, RadixSortTest, testing::Values(false, true),
+                         [](const auto& schedule) { return schedule.param ? "Onesweep" : "Runs"; });
+
+}  // namespace
+}  // namespace claray::test

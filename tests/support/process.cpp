@@ -1,0 +1,114 @@
+#include "tests/support/process.hpp"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+extern char** environ;
+
+namespace claray::test {
+namespace {
+
+std::filesystem::path make_folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "claray-test-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make a temporary folder");
+    return name;
+}
+
+std::vector<std::string> merged_environment(Environment all) {
+    for (char** entry = environ; *entry != nullptr; ++entry) {
+        const std::string text = *entry;
+        const std::size_t equals = text.find('=');
+        all.emplace(text.substr(0, equals), text.substr(equals + 1));
+    }
+    std::vector<std::string> entries;
+    for (const auto& [name, value] : all) entries.push_back(name + "=" + value);
+    return entries;
+}
+
+std::vector<char*> pointers(std::vector<std::string>& texts) {
+    std::vector<char*> result;
+    for (std::string& text : texts) result.push_back(text.data());
+    result.push_back(nullptr);
+    return result;
+}
+
+}  // namespace
+
+Process::Process(const std::vector<std::string>& command, const Environment& environment) : folder_(make_folder()) {
+    std::vector<std::string> arguments = command, entries = merged_environment(environment);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_addopen(&actions, 1, (folder_ / "output").c_str(), O_WRONLY | O_CREAT, 0600);
+    posix_spawn_file_actions_addopen(&actions, 2, (folder_ / "errors").c_str(), O_WRONLY | O_CREAT, 0600);
+    const int status =
+        posix_spawnp(&id_, command[0].c_str(), &actions, nullptr, pointers(arguments).data(), pointers(entries).data());
+    posix_spawn_file_actions_destroy(&actions);
+    if (status != 0) throw std::runtime_error("cannot start " + command[0]);
+    running_ = true;
+}
+
+Process::~Process() {
+    if (running_) {
+        ::kill(id_, SIGKILL);
+        ::waitpid(id_, nullptr, 0);
+    }
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+}
+
+std::string Process::errors_so_far() const { return read_file(folder_ / "errors"); }
+
+void Process::send(int signal_number) const { ::kill(id_, signal_number); }
+
+ProcessResult Process::wait() {
+    int status = 0;
+    ::waitpid(id_, &status, 0);
+    running_ = false;
+    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    return {code, read_file(folder_ / "output"), read_file(folder_ / "errors")};
+}
+
+ProcessResult run_process(const std::vector<std::string>& command, const Environment& environment) {
+    return Process(command, environment).wait();
+}
+
+std::string this_program() { return std::filesystem::read_symlink("/proc/self/exe").string(); }
+
+TemporaryFolder::TemporaryFolder() : path_(make_folder()) {}
+
+TemporaryFolder::~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+}
+
+ScopedEnvironment::ScopedEnvironment(std::string name, const std::string& value) : name_(std::move(name)) {
+    const char* before = std::getenv(name_.c_str());
+    was_set_ = before != nullptr;
+    if (was_set_) before_ = before;
+    ::setenv(name_.c_str(), value.c_str(), 1);
+}
+
+ScopedEnvironment::~ScopedEnvironment() {
+    if (was_set_)
+        ::setenv(name_.c_str(), before_.c_str(), 1);
+    else
+        ::unsetenv(name_.c_str());
+}
+
+std::string read_file(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+}
+
+}  // namespace claray::test

@@ -1,0 +1,78 @@
+// Running programs from a test: output, exit code, signals.
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace claray::test {
+
+/// How a program ended.
+struct ProcessResult {
+    int exit_code = -1;  ///< 128 + signal where a signal ended it
+    std::string output;  ///< standard output
+    std::string errors;  ///< standard error
+};
+
+using Environment = std::map<std::string, std::string>;
+
+/// A running program, its output going to files in a folder of its own.
+class Process {
+public:
+    /// `environment` is added to the test's own. Throws std::runtime_error where the program can't be started.
+    explicit Process(const std::vector<std::string>& command, const Environment& environment = {});
+    ~Process();
+    Process(const Process&) = delete;
+    Process& operator=(const Process&) = delete;
+
+    /// What it has written to standard error so far.
+    [[nodiscard]] std::string errors_so_far() const;
+    void send(int signal_number) const;
+    /// Blocks until it ends.
+    [[nodiscard]] ProcessResult wait();
+
+private:
+    std::filesystem::path folder_;
+    pid_t id_ = 0;
+    bool running_ = false;
+};
+
+/// Starts a program and waits for its end.
+[[nodiscard]] ProcessResult run_process(const std::vector<std::string>& command, const Environment& environment = {});
+
+/// The running test program itself.
+[[nodiscard]] std::string this_program();
+
+/// A new empty folder, removed with all its content at the end of the scope.
+class TemporaryFolder {
+public:
+    TemporaryFolder();
+    ~TemporaryFolder();
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+    [[nodiscard]] std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+
+private:
+    std::filesystem::path path_;
+};
+
+/// Sets an environment variable of this process until the end of the scope.
+class ScopedEnvironment {
+public:
+    ScopedEnvironment(std::string name, const std::string& value);
+    ~ScopedEnvironment();
+    ScopedEnvironment(const ScopedEnvironment&) = delete;
+    ScopedEnvironment& operator=(const ScopedEnvironment&) = delete;
+
+private:
+    std::string name_, before_;
+    bool was_set_;
+};
+
+[[nodiscard]] std::string read_file(const std::filesystem::path& path);
+
+}  // namespace claray::test
