@@ -102,6 +102,7 @@ std::optional<cl::Program> build_from_binary(const Device& device, const std::ve
 
 cl::Program compile(const Device& device, const KernelSource& main, const std::string& options) {
     const std::string key = cache_key(device, main, options);
+    const CacheLock lock;
     if (const auto binary = load_cached_program(key))
         if (auto program = build_from_binary(device, *binary)) {
             ++statistics.from_cache;

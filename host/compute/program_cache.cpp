@@ -1,11 +1,14 @@
 #include "host/compute/program_cache.hpp"
 
 #define XXH_INLINE_ALL
+#include <fcntl.h>
+#include <sys/file.h>
 #include <unistd.h>
 #include <xxhash.h>
 
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -46,6 +49,20 @@ std::string hash128(const std::string& data) {
         text += digits;
     }
     return text;
+}
+
+CacheLock::CacheLock() {
+    const fs::path folder = cache_folder();
+    if (folder.empty()) return;
+    std::error_code ignored;
+    fs::create_directories(folder, ignored);
+    folder_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (folder_ < 0) return;
+    while (::flock(folder_, LOCK_EX) != 0 && errno == EINTR) {}
+}
+
+CacheLock::~CacheLock() {
+    if (folder_ >= 0) ::close(folder_);  // which unlocks
 }
 
 std::optional<std::vector<unsigned char>> load_cached_program(const std::string& key) {

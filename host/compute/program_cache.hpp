@@ -10,6 +10,21 @@ namespace claray {
 /// 128 bits as 32 hexadecimal digits (XXH3).
 std::string hash128(const std::string& data);
 
+/// Held while a program is looked up, compiled and stored: of many processes that start at once one compiles, the others
+/// then find its binary. It also keeps them out of a crash of PoCL 3.1, which lists its own cache folder while it hands
+/// out a binary, and follows temporary folders that other processes have removed by then. Without a folder that can
+/// be opened nothing is locked.
+class CacheLock {
+public:
+    CacheLock();
+    ~CacheLock();
+    CacheLock(const CacheLock&) = delete;
+    CacheLock& operator=(const CacheLock&) = delete;
+
+private:
+    int folder_ = -1;
+};
+
 /// The stored binary of a key, or nothing where there is none, it cannot be read, or its checksum is wrong. A bad file
 /// is left alone: an I/O error says nothing about the content (drjit-core, src/io.cpp); storing replaces it.
 std::optional<std::vector<unsigned char>> load_cached_program(const std::string& key);
