@@ -22,10 +22,11 @@ struct CountedScene {
     Scene (*make)(std::size_t);
 };
 constexpr std::array counted_scenes = {CountedScene{"terrain", 1, scenes::terrain},
-                                       CountedScene{"soup", 1, scenes::soup}, CountedScene{"fan", 3, scenes::fan}};
+                                       CountedScene{"soup", 1, scenes::soup}, CountedScene{"fan", 3, scenes::fan},
+                                       CountedScene{"hair", 1, scenes::hair}};
 
 constexpr std::size_t most_triangles = 100'000'000;
-constexpr std::array names = {"cornell", "spheres", "crate", "hills", "terrain:N", "soup:N", "fan:N"};
+constexpr std::array names = {"cornell", "spheres", "crate", "hills", "terrain:N", "soup:N", "fan:N", "hair:N"};
 
 std::size_t parse_count(const CountedScene& scene, std::string_view text) {
     std::size_t count = 0;

@@ -12,5 +12,6 @@ namespace claray::scenes {
 [[nodiscard]] Scene terrain(std::size_t count);
 [[nodiscard]] Scene soup(std::size_t count);
 [[nodiscard]] Scene fan(std::size_t count);
+[[nodiscard]] Scene hair(std::size_t count);
 
 }  // namespace claray::scenes

@@ -92,7 +92,7 @@ TEST_P(Builtin, CameraSeesIt) {
 INSTANTIATE_TEST_SUITE_P(All, Builtin,
                          ::testing::Values("cornell", "spheres", "crate", "hills", "terrain:1", "terrain:2",
                                            "terrain:20000", "soup:1", "soup:5000", "fan:3", "fan:7", "fan:65536",
-                                           "fan:200000"),
+                                           "fan:200000", "hair:1", "hair:2", "hair:49", "hair:20000"),
                          [](const auto& test) {
                              std::string name = test.param;
                              std::replace(name.begin(), name.end(), ':', '_');
@@ -100,10 +100,10 @@ INSTANTIATE_TEST_SUITE_P(All, Builtin,
                          });
 
 TEST(BuiltinScenes, CountIsExact) {
-    for (const std::string family : {"terrain", "soup", "fan"})
+    for (const std::string family : {"terrain", "soup", "fan", "hair"})
         for (const std::size_t count : {3, 4, 5, 31, 32, 33, 999, 1000, 65536, 65537, 131073})
             EXPECT_EQ(triangle_count(make(family + ":" + std::to_string(count))), count) << family;
-    for (const std::string name : {"terrain:1", "soup:1"}) EXPECT_EQ(triangle_count(make(name)), 1u);
+    for (const std::string name : {"terrain:1", "soup:1", "hair:1"}) EXPECT_EQ(triangle_count(make(name)), 1u);
     EXPECT_EQ(triangle_count(make("terrain:2")), 2u);
 }
 
@@ -123,14 +123,14 @@ TEST(BuiltinScenes, NamesAreListedAndKnown) {
         EXPECT_TRUE(builtin_scene(name)) << name;
         ++known;
     }
-    EXPECT_EQ(known, 7u);
+    EXPECT_EQ(known, 8u);
     for (const std::string name : {"", "teapot", "cornell:3", "Cornell", "soups:3", "a/fan:3", "mesh.obj"})
         EXPECT_FALSE(builtin_scene(name)) << name;
 }
 
 TEST(BuiltinScenes, BadCountSaysWhatIsAllowed) {
     for (const std::string name : {"soup", "soup:", "soup:0", "soup:-1", "soup:abc", "soup:12x", "soup: 12", "soup:1.5",
-                                   "soup:100000001", "soup:99999999999999999999999", "terrain:0", "fan:2"}) {
+                                   "soup:100000001", "soup:99999999999999999999999", "terrain:0", "fan:2", "hair:0"}) {
         try {
             static_cast<void>(builtin_scene(name));
             ADD_FAILURE() << name;
@@ -191,6 +191,22 @@ TEST(BuiltinScenes, SoupLiesInTheUnitCube) {
         EXPECT_TRUE(glm::all(glm::lessThanEqual(bounds.hi, glm::vec3(1.f)))) << name;
     }
     EXPECT_GT(glm::length(bounds_of(make("soup:50000")).extent()), 1.7f);
+}
+
+TEST(BuiltinScenes, HairIsLongAndThinAndPointsEverywhere) {
+    const Mesh mesh = make("hair:500000").meshes.at(0);
+    std::vector<double> slenderness;
+    glm::dvec3 along(0.0);
+    for (const glm::uvec3& t : mesh.triangles) {
+        const glm::dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
+        const double longest = std::max({glm::length(b - a), glm::length(c - b), glm::length(a - c)});
+        slenderness.push_back(longest * longest / glm::length(glm::cross(b - a, c - a)));  // length / height
+        const glm::dvec3 edge = glm::normalize(c - a);
+        along += edge * edge;
+    }
+    std::nth_element(slenderness.begin(), slenderness.begin() + 250000, slenderness.end());
+    EXPECT_GT(slenderness[250000], 25.0);
+    for (int axis = 0; axis < 3; ++axis) EXPECT_GT(along[axis], 0.1 * 500000) << "no axis is special";
 }
 
 TEST(BuiltinScenes, SpheresAreClosedAndRound) {
