@@ -1,0 +1,203 @@
+// claray against Embree 3 in one process, on the same triangles and rays, taking turns: bench_peers [--device D]
+// [--builder B] [--repeat N] [--width W --height H] [--threads T] [--kinds primary,...] [--quality medium|high]
+// [--fast-mode] [--builds] [--csv FILE] [SCENE...]
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+#include "bench/peers/embree.hpp"
+#include "bench/peers/rays.hpp"
+
+using namespace claray;
+using bench::Packets;
+
+namespace {
+
+struct Options {
+    std::string selector, csv_path;
+    Bvh::Config bvh;
+    unsigned width = 640, height = 480, threads = 2;
+    int repeat = 9;
+    bool builds = false, rays = true, fast_mode = false;
+    RTCBuildQuality quality = RTC_BUILD_QUALITY_MEDIUM;
+    std::vector<std::string> kinds = {"primary", "shadow", "bounce", "random"};
+    std::vector<std::string> scenes = {"terrain:1000000"};
+};
+
+double wall_milliseconds(const std::function<void()>& run) {
+    const auto start = std::chrono::steady_clock::now();
+    run();
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Rays on which the two disagree: whether there is a hit, or where.
+std::size_t differences(const std::vector<Hit>& ours, const bench::PeerHits& theirs) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < ours.size(); ++i) {
+        const bool hit = ours[i].primitive != CLARAY_MISS, peer_hit = theirs.primitive[i] != CLARAY_MISS;
+        count += hit != peer_hit || (hit && std::fabs(ours[i].t - theirs.t[i]) > 1e-4f * ours[i].t);
+    }
+    return count;
+}
+std::size_t differences(const std::vector<std::uint8_t>& ours, const bench::PeerHits& theirs) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < ours.size(); ++i) count += (ours[i] != 0) != (theirs.primitive[i] != CLARAY_MISS);
+    return count;
+}
+
+struct Runner {
+    std::string name;
+    std::function<double()> run;  // milliseconds
+    std::function<std::size_t()> differences;
+    std::vector<double> times;
+};
+
+void compare_rays(const std::string& scene, const std::string& kind, const std::vector<Ray>& rays, const Bvh& bvh,
+                  const bench::EmbreeScene& peer, const Options& options, bench::Csv& csv) {
+    const bool any = kind == "shadow", coherent = kind == "primary" || any;
+    const Buffer<Ray> device_rays(bvh.device(), rays);
+    Buffer<Hit> hits(bvh.device(), any ? 0 : rays.size());
+    Buffer<std::uint8_t> occluded(bvh.device(), any ? rays.size() : 0);
+    const auto ours = [&] {
+        return wall_milliseconds([&] {
+            any ? any_hit(bvh, device_rays, occluded) : closest_hit(bvh, device_rays, hits);
+            bvh.device().finish();
+        });
+    };
+    ours();
+    std::vector<Runner> runners = {{"claray", ours, [] { return std::size_t(0); }, {}}};
+    const std::string letter = any ? "o" : "i";
+    std::vector<std::pair<std::string, Packets>> forms = {{letter + "1", Packets::one}};
+    if (kind != "random") {
+        forms.insert(forms.end(), {{letter + "8", Packets::eight}, {letter + "16", Packets::sixteen}});
+        if (coherent) forms.emplace_back("NM", Packets::stream);
+    }
+    std::vector<std::unique_ptr<bench::EmbreeQuery>> queries;
+    for (const auto& [form, packets] : forms) {
+        queries.push_back(std::make_unique<bench::EmbreeQuery>(peer, rays, packets, any, coherent, options.threads));
+        bench::EmbreeQuery* query = queries.back().get();
+        runners.push_back({form,
+                           [=] { return query->run(); },
+                           [&, query] {
+                               return any ? differences(occluded.read(), query->hits())
+                                          : differences(hits.read(), query->hits());
+                           },
+                           {}});
+    }
+    for (int i = -1; i < options.repeat; ++i)
+        for (Runner& runner : runners) {
+            const double ms = runner.run();
+            if (i >= 0) runner.times.push_back(ms);
+        }
+    const double our_ms = bench::median(runners[0].times);
+    std::printf("  %-8s %8zu rays: claray %6.2f Mrays/s;", kind.c_str(), rays.size(),
+                double(rays.size()) * 1e-3 / our_ms);
+    for (const Runner& runner : runners) {
+        const double ms = bench::median(runner.times);
+        const std::size_t wrong = runner.differences();
+        csv.row(scene, kind, runner.name, rays.size(), double(rays.size()) * 1e-3 / ms, ms / our_ms, wrong);
+        if (runner.name != "claray")
+            std::printf(" %s %6.2f (ratio %.2f, %zu differ)", runner.name.c_str(), double(rays.size()) * 1e-3 / ms,
+                        ms / our_ms, wrong);
+    }
+    std::printf("\n");
+    std::fflush(stdout);
+}
+
+void compare_builds(const std::string& scene, const std::vector<Mesh>& meshes, const Device& device,
+                    const Options& options, bench::Csv& csv) {
+    std::vector<Bvh> ours;
+    std::vector<Runner> runners;
+    const std::pair<const char*, Builder> builders[] = {{"claray fast", Builder::fast},
+                                                        {"claray balanced", Builder::balanced}};
+    for (const auto& [name, builder] : builders) {
+        Bvh bvh = Bvh::build(device, meshes, {.builder = builder});
+        runners.push_back({name,
+                           [bvh, &device]() mutable {
+                               return wall_milliseconds([&] {
+                                   bvh.rebuild();
+                                   device.finish();
+                               });
+                           },
+                           {},
+                           {}});
+    }
+    const std::pair<const char*, RTCBuildQuality> qualities[] = {{"Embree low", RTC_BUILD_QUALITY_LOW},
+                                                                 {"Embree medium", RTC_BUILD_QUALITY_MEDIUM},
+                                                                 {"Embree high", RTC_BUILD_QUALITY_HIGH}};
+    for (const auto& [name, quality] : qualities)
+        runners.push_back({name,
+                           [&, quality = quality] {
+                               return bench::EmbreeScene(meshes, quality, true, options.threads).build_milliseconds();
+                           },
+                           {},
+                           {}});
+    for (int i = -1; i < options.repeat; ++i)
+        for (Runner& runner : runners) {
+            const double ms = runner.run();
+            if (i >= 0) runner.times.push_back(ms);
+        }
+    std::size_t triangles = 0;
+    for (const Mesh& mesh : meshes) triangles += mesh.triangles.size();
+    for (const Runner& runner : runners) {
+        const double ms = bench::median(runner.times);
+        std::printf("  build    %-16s %9.2f ms, %6.2f Mtri/s\n", runner.name.c_str(), ms,
+                    double(triangles) * 1e-3 / ms);
+        csv.row(scene, "build", runner.name, triangles, double(triangles) * 1e-3 / ms,
+                ms / bench::median(runners[0].times), 0);
+    }
+}
+
+void compare_scene(const std::string& name, const Device& device, const Options& options, bench::Csv& csv) {
+    Scene scene;
+    scene.meshes = bench::load_meshes(name);
+    std::printf("%s, %zu triangles\n", name.c_str(), triangle_count(scene));
+    const std::string short_name = std::filesystem::path(name).stem().string();
+    if (options.builds) compare_builds(short_name, scene.meshes, device, options, csv);
+    if (!options.rays) return;
+    const bench::RaySets sets =
+        bench::make_rays(device, scene, bench::three_views(name, scene), options.width, options.height);
+    const Bvh bvh = Bvh::build(device, scene.meshes, options.bvh);
+    const bench::EmbreeScene peer(scene.meshes, options.quality, !options.fast_mode, options.threads);
+    for (const std::string& kind : options.kinds) {
+        const std::vector<Ray>& rays = kind == "primary"  ? sets.primary
+                                       : kind == "shadow" ? sets.shadow
+                                       : kind == "bounce" ? sets.bounce
+                                                          : sets.mixed;
+        compare_rays(short_name, kind, rays, bvh, peer, options, csv);
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+    CLI::App app("Compares claray with Embree 3 in one process");
+    Options options;
+    const std::map<std::string, RTCBuildQuality> qualities = {
+        {"low", RTC_BUILD_QUALITY_LOW}, {"medium", RTC_BUILD_QUALITY_MEDIUM}, {"high", RTC_BUILD_QUALITY_HIGH}};
+    app.add_option("--device", options.selector);
+    bench::add_bvh_options(app, options.bvh);
+    app.add_option("--repeat", options.repeat);
+    app.add_option("--width", options.width);
+    app.add_option("--height", options.height);
+    app.add_option("--threads", options.threads, "threads of Embree");
+    app.add_option("--kinds", options.kinds, "primary, shadow, bounce, random")->delimiter(',');
+    app.add_option("--quality", options.quality, "Embree's tree")->transform(CLI::CheckedTransformer(qualities));
+    app.add_flag("--fast-mode", options.fast_mode, "Embree without its robust mode: not watertight");
+    app.add_flag("--builds", options.builds, "time builds too");
+    app.add_flag("!--no-rays", options.rays, "builds only");
+    app.add_option("--csv", options.csv_path);
+    app.add_option("scenes", options.scenes);
+    CLI11_PARSE(app, argc, argv);
+    const Device device = Device::open(options.selector);
+    std::printf("%s, driver %s, against Embree %s %s, %u threads; medians of %d, by the wall clock\n",
+                device.info().name.c_str(), device.info().driver.c_str(), RTC_VERSION_STRING,
+                options.fast_mode ? "fast" : "robust", options.threads, options.repeat);
+    bench::Csv csv(options.csv_path, device,
+                   "scene,kind,who,count,millions_per_second,claray_is_faster_by,differences");
+    for (const std::string& name : options.scenes) compare_scene(name, device, options, csv);
+    csv.write();
+} catch (const std::exception& error) {
+    std::fprintf(stderr, "bench_peers: error: %s\n", error.what());
+    return 1;
+}
