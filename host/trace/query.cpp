@@ -1,37 +1,14 @@
 #include "claray/query.hpp"
 
-#include <algorithm>
+#include "host/trace/query_options.hpp"
 
 namespace claray {
-namespace {
-
-Defines query_defines(const Bvh& bvh, const QueryOptions& options) {
-    Defines defines = bvh.defines();
-    if (options.cull_back_faces) defines.emplace_back("CULL_BACK_FACES", "1");
-    if (options.ray_masks.allocated()) defines.emplace_back("CLARAY_RAY_MASKS", "1");
-    if (options.visits.allocated()) defines.emplace_back("CLARAY_COUNT_VISITS", "1");
-    return defines;
-}
-
-void check_sizes(std::size_t rays, std::size_t results, const QueryOptions& options) {
-    if (rays > 0xffffffffu)
-        throw Error(ErrorKind::usage, std::to_string(rays) + " rays in one query", "trace at most 2^32 - 1 at a time");
-    const bool short_masks = options.ray_masks.allocated() && options.ray_masks.size() < rays;
-    const bool short_visits = options.visits.allocated() && options.visits.size() < rays;
-    if (results < rays || short_masks || short_visits)
-        throw Error(ErrorKind::usage, "a query of " + std::to_string(rays) + " rays needs as many " +
-                                          (results < rays ? "results"
-                                           : short_masks  ? "ray masks"
-                                                          : "visits"));
-}
-
-}  // namespace
 
 void closest_hit(const Bvh& bvh, const Buffer<Ray>& rays, Buffer<Hit>& hits, const QueryOptions& options,
                  const Buffer<std::uint32_t>& count) {
     check_sizes(rays.size(), hits.size(), options);
     const auto capacity = std::uint32_t(rays.size());
-    const Defines defines = query_defines(bvh, options);
+    const Defines defines = query_defines(bvh.defines(), options);
     if (options.brute_force) {
         load_kernel(bvh.device(), "trace/brute_force.cl", "brute_force_closest_hit", defines)
             .run({capacity, 64}, bvh.header_buffer(), bvh.leaves(), rays, hits, capacity, count, options.ray_masks);
@@ -48,7 +25,7 @@ void any_hit(const Bvh& bvh, const Buffer<Ray>& rays, Buffer<std::uint8_t>& occl
     const auto capacity = std::uint32_t(rays.size());
     QueryOptions without_visits = options;
     without_visits.visits = {};
-    const Defines defines = query_defines(bvh, without_visits);
+    const Defines defines = query_defines(bvh.defines(), without_visits);
     if (options.brute_force) {
         load_kernel(bvh.device(), "trace/brute_force.cl", "brute_force_any_hit", defines)
             .run({capacity, 64}, bvh.header_buffer(), bvh.leaves(), rays, occluded, capacity, count, options.ray_masks);

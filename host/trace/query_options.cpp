@@ -1,0 +1,24 @@
+#include "host/trace/query_options.hpp"
+
+namespace claray {
+
+Defines query_defines(Defines defines, const QueryOptions& options) {
+    if (options.cull_back_faces) defines.emplace_back("CULL_BACK_FACES", "1");
+    if (options.ray_masks.allocated()) defines.emplace_back("CLARAY_RAY_MASKS", "1");
+    if (options.visits.allocated()) defines.emplace_back("CLARAY_COUNT_VISITS", "1");
+    return defines;
+}
+
+void check_sizes(std::size_t rays, std::size_t results, const QueryOptions& options) {
+    if (rays > 0xffffffffu)
+        throw Error(ErrorKind::usage, std::to_string(rays) + " rays in one query", "trace at most 2^32 - 1 at a time");
+    const bool short_masks = options.ray_masks.allocated() && options.ray_masks.size() < rays;
+    const bool short_visits = options.visits.allocated() && options.visits.size() < rays;
+    if (results < rays || short_masks || short_visits)
+        throw Error(ErrorKind::usage, "a query of " + std::to_string(rays) + " rays needs as many " +
+                                          (results < rays ? "results"
+                                           : short_masks  ? "ray masks"
+                                                          : "visits"));
+}
+
+}  // namespace claray
