@@ -6,6 +6,7 @@
 
 #include "claray/io.hpp"
 #include "claray/renderer.hpp"
+#include "host/bench/names.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/render_options.hpp"
@@ -102,16 +103,13 @@ void add_machine_options(CLI::App& command, RenderOptions& o) {
     command.add_option("--device", o.device, "cpu, gpu, an index or a part of the name (see claray devices)");
     command.add_option("--morton-bits", o.config.bvh.morton_bits, "Bits of a Morton code: 30 or 63 [63]")
         ->check(CLI::IsMember({30, 63}));
-    const std::map<std::string, Builder> builders = {{"fast", Builder::fast}, {"balanced", Builder::balanced}};
     command
         .add_option("--builder", o.config.bvh.builder,
                     "How the tree is built: fast or balanced (better, slower) [fast]")
-        ->transform(CLI::CheckedTransformer(builders, CLI::ignore_case).description(""))
+        ->transform(CLI::CheckedTransformer(bench::builders, CLI::ignore_case).description(""))
         ->type_name("NAME");
-    const std::map<std::string, Layout> layouts = {
-        {"auto", Layout::automatic}, {"binary", Layout::binary}, {"wide", Layout::wide}};
     command.add_option("--layout", o.config.bvh.layout, "Tree that is traversed: auto, binary or wide [auto]")
-        ->transform(CLI::CheckedTransformer(layouts, CLI::ignore_case).description(""))
+        ->transform(CLI::CheckedTransformer(bench::layouts, CLI::ignore_case).description(""))
         ->type_name("NAME");
     command.add_flag("--stats", o.stats, "Print build time, rays per second and memory");
     command.add_flag("--json", o.json, "Print the result and all statistics as JSON");

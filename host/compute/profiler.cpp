@@ -1,5 +1,7 @@
 #include "claray/profiler.hpp"
 
+#include <algorithm>
+
 namespace claray {
 namespace {
 // Bounds the memory of events that nobody asked about; reading them early costs nothing once they are done.
@@ -19,6 +21,8 @@ void Profiler::collect() {
                              pending.event.getProfilingInfo<CL_PROFILING_COMMAND_START>(),
                              pending.event.getProfilingInfo<CL_PROFILING_COMMAND_END>()};
         ProfileSummary& summary = summary_[record.name];
+        summary.start = summary.count == 0 ? record.start : std::min(summary.start, record.start);
+        summary.end = std::max(summary.end, record.end);
         ++summary.count;
         summary.milliseconds += record.milliseconds();
         if (keep_records_) records_.push_back(std::move(record));
