@@ -6,96 +6,36 @@
 #include <fstream>
 
 #include "claray/io.hpp"
-#include "host/scene/random.hpp"
 
 namespace claray::bench {
 namespace {
 
-glm::vec3 unit(const glm::vec3& v) { return v / std::sqrt(glm::dot(v, v)); }
+/// A generator of 32-bit numbers: PCG (O'Neill 2014).
+class Pcg {
+public:
+    std::uint32_t next() {
+        state_ = state_ * 6364136223846793005ull + 1442695040888963407ull;
+        const auto word = std::uint32_t(((state_ >> 18) ^ state_) >> 27);
+        const auto turn = std::uint32_t(state_ >> 59);
+        return (word >> turn) | (word << ((32 - turn) & 31));
+    }
+    float uniform() { return float(next() >> 8) * 0x1p-24f; }
 
-Ray ray_from(const glm::vec3& origin, const glm::vec3& direction, float tmax = 1e30f) {
-    return {origin.x, origin.y, origin.z, 0, direction.x, direction.y, direction.z, tmax};
-}
-
-/// The middle of all that emits, the first point light, or a point high above one side.
-glm::vec3 find_light(const Scene& scene, const Bounds& bounds) {
-    if (!scene.point_lights.empty()) return scene.point_lights[0].position;
-    Bounds lamps;
-    for (const Mesh& mesh : scene.meshes)
-        for (std::size_t i = 0; i < mesh.materials.size(); ++i)
-            if (scene.materials[mesh.materials[i]].emission != glm::vec3(0.f))
-                for (int corner = 0; corner < 3; ++corner) lamps.grow(mesh.positions[mesh.triangles[i][corner]]);
-    return lamps.empty() ? bounds.center() + glm::vec3(0.3f, 1.5f, 0.4f) * bounds.extent() : lamps.center();
-}
-
-/// Where the rays of the next kinds start: a hit, a little off the surface on the side that the ray came from.
-struct Surface {
-    glm::vec3 point, normal;
+private:
+    std::uint64_t state_ = 1;
 };
 
-std::vector<Surface> surfaces(const BenchScene& scene, const std::vector<Ray>& rays, const std::vector<Hit>& hits) {
-    std::vector<std::uint32_t> first;  // primitive of each mesh
-    std::uint32_t triangles = 0;
-    for (const Mesh& mesh : scene.meshes) first.push_back(triangles), triangles += std::uint32_t(mesh.triangles.size());
-    const glm::vec3 extent = scene.bounds.extent();
-    const float offset = 1e-5f * std::max({extent.x, extent.y, extent.z});
-    std::vector<Surface> all;
-    for (std::size_t i = 0; i < hits.size(); ++i) {
-        if (hits[i].primitive == CLARAY_MISS) continue;
-        const Mesh& mesh = scene.meshes[hits[i].geometry];
-        const glm::uvec3 t = mesh.triangles[hits[i].primitive - first[hits[i].geometry]];
-        const glm::vec3 a = mesh.positions[t.x], b = mesh.positions[t.y], c = mesh.positions[t.z];
-        const glm::vec3 direction(rays[i].dx, rays[i].dy, rays[i].dz), scaled = glm::cross(b - a, c - a);
-        if (!(glm::dot(scaled, scaled) > 0.f)) continue;  // so small a triangle that its normal underflows
-        const glm::vec3 normal = glm::dot(scaled, direction) > 0.f ? -unit(scaled) : unit(scaled);
-        const glm::vec3 point = glm::vec3(rays[i].ox, rays[i].oy, rays[i].oz) + hits[i].t * direction;
-        all.push_back({point + offset * normal, normal});
-    }
-    return all;
+/// A direction with density cos / pi about the normal.
+glm::vec3 cosine_direction(const glm::vec3& normal, Pcg& random) {
+    const float z = 2 * random.uniform() - 1, phi = 6.2831853f * random.uniform(), r = std::sqrt(1 - z * z);
+    const glm::vec3 sum = normal + glm::vec3(r * std::cos(phi), r * std::sin(phi), z);
+    return glm::dot(sum, sum) > 1e-6f ? glm::normalize(sum) : normal;
 }
 
-RaySet shadow_rays(const BenchScene& scene, const std::vector<Surface>& from) {
-    const float radius = 0.03f * std::sqrt(glm::dot(scene.bounds.extent(), scene.bounds.extent())) * 0.5f;
-    scenes::Random random(51);
-    RaySet set{"shadow", true, {}};
-    for (const Surface& s : from)
-        set.rays.push_back(ray_from(s.point, scene.light + radius * random.in_ball() - s.point, 0.9999f));
-    return set;
-}
-
-/// A unit vector on a sphere around the tip of the normal is distributed by the cosine.
-RaySet bounce_rays(const std::vector<Surface>& from) {
-    scenes::Random random(52);
-    RaySet set{"bounce", false, {}};
-    for (const Surface& s : from) {
-        glm::vec3 ball = random.in_ball();
-        while (glm::dot(ball, ball) < 1e-4f) ball = random.in_ball();
-        const glm::vec3 direction = s.normal + unit(ball);
-        set.rays.push_back(ray_from(s.point, glm::dot(direction, direction) > 1e-6f ? unit(direction) : s.normal));
-    }
-    return set;
-}
-
-std::filesystem::path ray_file(const BenchScene& scene) {
-    return std::filesystem::path(scene.name).replace_extension(".ray");
-}
-
-bool has_recorded_rays(const BenchScene& scene) {
-    return scene.name.ends_with(".scn") && std::filesystem::exists(ray_file(scene));
-}
-
-std::vector<RaySet> recorded_rays(const std::filesystem::path& path) {
-    const std::vector<std::uint32_t> words = read_words(path);
-    std::vector<RaySet> sets = {{"primary", false, {}}, {"shadow", true, {}}, {"bounce", false, {}}};
-    std::size_t at = 4;
-    for (std::size_t i = 0; i < sets.size(); ++i) {
-        sets[i].rays.resize(words.at(i + 1));
-        const std::size_t size = sets[i].rays.size() * sizeof(Ray) / 4;
-        if (at + size > words.size()) throw Error(ErrorKind::user, path.string() + " is shorter than it says");
-        std::memcpy(sets[i].rays.data(), words.data() + at, size * 4);
-        at += size;
-    }
-    return sets;
+std::vector<Ray> shuffled(std::vector<Ray> rays, const std::vector<Ray>& more, Pcg& random) {
+    rays.insert(rays.end(), more.begin(), more.end());
+    for (std::size_t i = rays.size(); i > 1; --i) std::swap(rays[i - 1], rays[random.next() % i]);
+    return rays;
 }
 
 }  // namespace
@@ -106,23 +46,6 @@ std::vector<std::uint32_t> read_words(const std::filesystem::path& path) {
     std::vector<std::uint32_t> words(std::size_t(file.tellg()) / 4 + 1);
     file.seekg(0).read(reinterpret_cast<char*>(words.data()), std::streamsize(words.size() * 4));
     return words;
-}
-
-BenchScene open_scene(const std::string& name) {
-    BenchScene opened;
-    opened.name = name;
-    Scene scene;
-    if (name.ends_with(".scn")) {
-        scene.meshes = load_meshes(name);
-    } else {
-        Warnings warnings;
-        scene = load_scene(name, warnings);
-    }
-    opened.bounds = bounds_of(scene);
-    opened.camera = scene.camera.value_or(automatic_camera(opened.bounds, 40.f, 16.f / 9.f));
-    opened.light = find_light(scene, opened.bounds);
-    opened.meshes = std::move(scene.meshes);
-    return opened;
 }
 
 std::vector<Mesh> load_meshes(const std::string& name) {
@@ -177,21 +100,101 @@ std::vector<Ray> random_rays(const Bounds& bounds, std::size_t count) {
     };
     for (Ray& ray : rays) {
         const glm::vec3 from = point();
-        ray = ray_from(from, point() - from);
+        const glm::vec3 direction = point() - from;
+        ray = {from.x, from.y, from.z, 0, direction.x, direction.y, direction.z, 1e30f};
     }
     return rays;
 }
 
-std::vector<RaySet> make_rays(const Bvh& bvh, const BenchScene& scene, unsigned width, unsigned height) {
-    std::vector<RaySet> sets;
-    if (has_recorded_rays(scene)) {
-        sets = recorded_rays(ray_file(scene));
-    } else {
-        std::vector<Ray> primary = primary_rays(scene.camera, width, height, false);
-        const std::vector<Surface> from = surfaces(scene, primary, closest_hit(bvh, primary));
-        sets = {{"primary", false, std::move(primary)}, shadow_rays(scene, from), bounce_rays(from)};
+std::vector<View> three_views(const std::string& name, const Scene& scene) {
+    const Bounds bounds = bounds_of(scene);
+    const glm::vec3 extent = bounds.extent();
+    const float unit = std::max({extent.x, extent.y, extent.z}) / 1000;
+    const auto view = [&](glm::vec3 eye, glm::vec3 target, float fov, glm::vec3 light) {
+        View made;
+        made.camera.position = bounds.center() + unit * eye;
+        made.camera.target = bounds.center() + unit * target;
+        made.camera.vertical_fov = fov;
+        made.light = bounds.center() + unit * light;
+        return made;
+    };
+    if (name.find("sponza") != name.npos)
+        return {view({-330, -110, 10}, {200, -60, -60}, 75, {60, 150, 0}),
+                view({330, -110, -10}, {-200, -80, 60}, 75, {60, 150, 0}),
+                view({-50, 40, 20}, {300, -120, -80}, 75, {60, 150, 0})};
+    if (name.find("sibenik") != name.npos)
+        return {view({-420, -200, 0}, {300, -120, 20}, 75, {0, 200, 0}),
+                view({200, -100, 60}, {-300, -50, -50}, 75, {0, 200, 0}),
+                view({0, -250, 0}, {300, 100, 10}, 75, {0, 200, 0})};
+    std::vector<View> views;
+    const Camera front = automatic_camera(bounds, 40.f, 4.f / 3.f);
+    for (const float angle : {0.f, 2.1f, 4.2f}) {
+        const glm::vec3 d = (front.position - front.target) * 0.55f;
+        View made;
+        made.camera = front;
+        const float c = std::cos(angle), s = std::sin(angle);
+        made.camera.position = front.target + glm::vec3(c * d.x + s * d.z, d.y, c * d.z - s * d.x);
+        made.light = bounds.center() + unit * glm::vec3(900, 1500, 900);
+        views.push_back(made);
     }
-    sets.push_back({"random", false, random_rays(scene.bounds, sets[0].rays.size())});
+    return views;
+}
+
+RaySets make_rays(const Device& device, const Scene& scene, const std::vector<View>& views, unsigned width,
+                  unsigned height) {
+    RaySets sets;
+    std::vector<glm::uvec3> triangles;
+    std::vector<glm::vec3> positions;
+    for (const Mesh& mesh : scene.meshes) {
+        const glm::uvec3 base{std::uint32_t(positions.size())};
+        for (const glm::uvec3& t : mesh.triangles) triangles.push_back(base + t);
+        positions.insert(positions.end(), mesh.positions.begin(), mesh.positions.end());
+    }
+    const glm::vec3 extent = bounds_of(scene).extent();
+    const float lift = 1e-5f * std::max({extent.x, extent.y, extent.z});
+    const Bvh bvh = Bvh::build(device, scene.meshes);
+    Pcg random;
+    for (const View& view : views) {
+        std::vector<Ray> rays = primary_rays(view.camera, width, height, false);
+        for (Ray& ray : rays) {
+            const glm::vec3 d = glm::normalize(glm::vec3(ray.dx, ray.dy, ray.dz));
+            ray.dx = d.x, ray.dy = d.y, ray.dz = d.z;
+        }
+        const std::vector<Hit> hits = closest_hit(bvh, rays);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            if (hits[i].primitive == CLARAY_MISS) continue;
+            const glm::uvec3 t = triangles[hits[i].primitive];
+            const glm::vec3 a = positions[t.x], d(rays[i].dx, rays[i].dy, rays[i].dz);
+            glm::vec3 normal = glm::normalize(glm::cross(positions[t.y] - a, positions[t.z] - a));
+            if (!(glm::dot(normal, d) < 0)) normal = -normal;
+            if (!(glm::dot(normal, normal) > 0.5f)) continue;
+            const glm::vec3 from = glm::vec3(rays[i].ox, rays[i].oy, rays[i].oz) + hits[i].t * d + lift * normal;
+            const glm::vec3 to = view.light - from, bounce = cosine_direction(normal, random);
+            const float distance = glm::length(to);
+            const glm::vec3 direction = to / distance;
+            sets.shadow.push_back(
+                {from.x, from.y, from.z, 0, direction.x, direction.y, direction.z, distance * 0.9999f});
+            sets.bounce.push_back({from.x, from.y, from.z, 0, bounce.x, bounce.y, bounce.z, 1e30f});
+        }
+        sets.primary.insert(sets.primary.end(), rays.begin(), rays.end());
+    }
+    sets.mixed = shuffled(sets.primary, sets.bounce, random);
+    return sets;
+}
+
+RaySets read_rays(const std::filesystem::path& path) {
+    const std::vector<std::uint32_t> words = read_words(path);
+    RaySets sets;
+    std::size_t at = 4, i = 1;
+    for (std::vector<Ray>* rays : {&sets.primary, &sets.shadow, &sets.bounce}) {
+        rays->resize(words.at(i++));
+        const std::size_t size = rays->size() * sizeof(Ray) / 4;
+        if (at + size > words.size()) throw Error(ErrorKind::user, path.string() + " is shorter than it says");
+        std::memcpy(rays->data(), words.data() + at, size * 4);
+        at += size;
+    }
+    Pcg random;
+    sets.mixed = shuffled(sets.primary, sets.bounce, random);
     return sets;
 }
 

@@ -8,23 +8,8 @@
 
 namespace claray::bench {
 
-/// Rays of one kind, in the order in which they are traced.
-struct RaySet {
-    std::string kind;      ///< "primary", "shadow", "bounce", "random"
-    bool any_hit = false;  ///< asked whether they hit, not what
-    std::vector<Ray> rays;
-};
-
-/// A scene by built-in name or OBJ, with what its rays need; also the plain binary NAME.scn: u32 'SCN1', vertices,
-/// triangles, 0; positions; indices; with its rays in NAME.ray.
-struct BenchScene {
-    std::string name;
-    std::vector<Mesh> meshes;
-    Bounds bounds;
-    Camera camera;
-    glm::vec3 light{0.f};  ///< shadow rays go to a small ball around it
-};
-[[nodiscard]] BenchScene open_scene(const std::string& name);
+/// The meshes of a scene by built-in name or file, or of the plain binary NAME.scn: u32 'SCN1', vertices, triangles, 0;
+/// positions; indices.
 [[nodiscard]] std::vector<Mesh> load_meshes(const std::string& name);
 
 /// A file of 32-bit words.
@@ -35,10 +20,26 @@ struct BenchScene {
 /// Rays between random points of the box, scaled by 1.5 around its centre.
 [[nodiscard]] std::vector<Ray> random_rays(const Bounds& bounds, std::size_t count);
 
-/// All kinds of rays of a scene: primary rays of width x height pixels in scanline order; from each hit, a hair's
-/// breadth off the surface, a shadow ray to the light and a cosine-distributed bounce; as many random ones as primary.
-/// The rays of a .ray file (u32 'RAY1', three counts; primary, shadow and bounce rays) replace all but the random
-/// ones. `bvh` is the structure over the scene's meshes; since hits are the same on all devices, so are the rays.
-[[nodiscard]] std::vector<RaySet> make_rays(const Bvh& bvh, const BenchScene& scene, unsigned width, unsigned height);
+/// A camera, and the light that shadow rays go to.
+struct View {
+    Camera camera;
+    glm::vec3 light;
+};
+
+/// Three views. Halls are looked at from the inside, by their name; all else from three sides.
+[[nodiscard]] std::vector<View> three_views(const std::string& name, const Scene& scene);
+
+/// Rays by kind, in the order in which they are traced.
+struct RaySets {
+    std::vector<Ray> primary, shadow, bounce;
+    std::vector<Ray> mixed;  ///< the primary and bounce rays in random order
+};
+
+/// Primary rays in scanline order, then from each hit, a hair's breadth off the surface, a ray to the view's light and
+/// a cosine-distributed bounce.
+[[nodiscard]] RaySets make_rays(const Device& device, const Scene& scene, const std::vector<View>& views,
+                                unsigned width, unsigned height);
+/// The same from NAME.ray: u32 'RAY1', three counts; primary, shadow and bounce rays.
+[[nodiscard]] RaySets read_rays(const std::filesystem::path& path);
 
 }  // namespace claray::bench
