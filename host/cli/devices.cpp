@@ -1,11 +1,11 @@
 // claray devices: what OpenCL has to offer on this machine.
-#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "claray/device.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/table.hpp"
 
 namespace claray::cli {
 namespace {
@@ -24,25 +24,7 @@ std::string short_extensions(const DeviceInfo& info) {
     return text;
 }
 
-std::string gigabytes(std::uint64_t bytes) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.1f GB", double(bytes) * 1e-9);
-    return text;
-}
-
-using Row = std::vector<std::string>;
-
-void print_table(const std::vector<Row>& rows) {
-    std::vector<std::size_t> widths(rows[0].size());
-    for (const Row& row : rows)
-        for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
-    for (const Row& row : rows) {
-        std::string line;
-        for (std::size_t i = 0; i < row.size(); ++i) line += row[i] + std::string(widths[i] - row[i].size() + 2, ' ');
-        line.erase(line.find_last_not_of(' ') + 1);
-        std::printf("%s\n", line.c_str());
-    }
-}
+std::string gigabytes(std::uint64_t bytes) { return fixed(double(bytes) * 1e-9, 1) + " GB"; }
 
 void print_as_table(const std::vector<DeviceInfo>& infos) {
     std::vector<Row> rows = {{"index", "name", "type", "platform", "driver", "memory", "max allocation", "extensions"}};

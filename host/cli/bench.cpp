@@ -1,0 +1,211 @@
+// claray bench: how fast builds and rays are here.
+#include "host/bench/bench.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "claray/io.hpp"
+#include "host/bench/names.hpp"
+#include "host/cli/commands.hpp"
+#include "host/cli/render_options.hpp"
+#include "host/cli/table.hpp"
+#include "host/io/file.hpp"
+
+namespace claray::cli {
+namespace {
+
+struct Options {
+    bench::BenchOptions bench;
+    std::vector<std::string> devices;
+    std::filesystem::path csv;
+    bool json = false, stages = false;
+};
+
+std::string short_count(double count) {
+    static constexpr std::pair<double, const char*> units[] = {{1e9, "G"}, {1e6, "M"}, {1e3, "k"}};
+    for (const auto& [unit, name] : units)
+        if (count >= unit) return fixed(count / unit, count / unit < 10 ? 1 : 0) + " " + name;
+    return fixed(count, 0);
+}
+
+void print_results(const bench::SceneResult& scene) {
+    Row head = {"preset", "layout", "build ms", "spread", "Mtri/s", "span ms", "refit ms", "SAH", "MB"};
+    for (const auto& kind : scene.presets.at(0).kinds) head.push_back(kind.name);
+    std::vector<Row> rows = {head};
+    for (const bench::PresetResult& p : scene.presets) {
+        Row row = {p.preset,
+                   p.layout,
+                   fixed(p.build.milliseconds(), 3),
+                   fixed(100 * p.build.spread(), 0) + " %",
+                   fixed(p.mtriangles_per_second(), 1),
+                   fixed(p.build.span(), 3),
+                   fixed(p.refit.milliseconds(), 3),
+                   fixed(p.statistics.sah_cost, 1),
+                   fixed(double(p.statistics.bytes) * 1e-6, 1)};
+        for (const auto& kind : p.kinds) row.push_back(fixed(kind.mrays_per_second(), 2));
+        rows.push_back(std::move(row));
+    }
+    std::printf("%s: %zu triangles; rays in Mrays/s\n", scene.scene.c_str(), scene.triangles);
+    print_table(rows, 2);
+}
+
+void print_stages(const bench::SceneResult& scene) {
+    std::vector<Row> rows = {{"build ms"}};
+    std::map<std::string, Row> stages;
+    for (std::size_t i = 0; i < scene.presets.size(); ++i) {
+        rows[0].push_back(scene.presets[i].preset);
+        for (const auto& [stage, ms] : scene.presets[i].build.commands) {
+            Row& row = stages.try_emplace(stage, scene.presets.size() + 1).first->second;
+            row[0] = stage;
+            row[i + 1] = fixed(ms, 3);
+        }
+    }
+    for (const auto& [stage, row] : stages) rows.push_back(row);
+    print_table(rows, 1);
+}
+
+/// Milliseconds to build and trace, and which preset is the quickest from how many rays on.
+void print_together(const bench::SceneResult& scene) {
+    Row head = {"build + trace, ms", "preset"};
+    for (const double rays : bench::ray_counts()) head.push_back(short_count(rays) + " rays");
+    std::vector<Row> rows = {head};
+    std::string winners;
+    for (std::size_t kind = 0; kind < scene.presets.at(0).kinds.size(); ++kind) {
+        const std::string& name = scene.presets[0].kinds[kind].name;
+        for (const bench::PresetResult& preset : scene.presets) {
+            Row row = {name, preset.preset};
+            for (const double rays : bench::ray_counts())
+                row.push_back(fixed(bench::build_and_trace(preset, kind, rays), 2));
+            rows.push_back(std::move(row));
+        }
+        winners += (winners.empty() ? "" : "; ") + name + ":";
+        const char* separator = " ";
+        for (const bench::Winner& winner : bench::quickest_presets(scene, kind)) {
+            winners += separator + winner.preset;
+            if (winner.from_rays > 0) winners += " from " + short_count(winner.from_rays) + " rays on";
+            separator = ", ";
+        }
+    }
+    print_table(rows, 2);
+    std::printf("quickest together: %s\n", winners.c_str());
+}
+
+nlohmann::ordered_json as_json(const bench::SceneResult& scene) {
+    nlohmann::ordered_json presets = nlohmann::ordered_json::array();
+    for (const bench::PresetResult& p : scene.presets) {
+        nlohmann::ordered_json rays, together;
+        for (std::size_t kind = 0; kind < p.kinds.size(); ++kind) {
+            rays[p.kinds[kind].name] = {{"rays", p.kinds[kind].rays},
+                                        {"milliseconds", p.kinds[kind].timing.milliseconds()},
+                                        {"spread", p.kinds[kind].timing.spread()},
+                                        {"mrays_per_second", p.kinds[kind].mrays_per_second()}};
+            for (const double count : bench::ray_counts())
+                together[p.kinds[kind].name].push_back(
+                    {{"rays", count}, {"milliseconds", bench::build_and_trace(p, kind, count)}});
+        }
+        presets.push_back({{"preset", p.preset},
+                           {"layout", p.layout},
+                           {"build",
+                            {{"milliseconds", p.build.milliseconds()},
+                             {"span", p.build.span()},
+                             {"spread", p.build.spread()},
+                             {"mtriangles_per_second", p.mtriangles_per_second()},
+                             {"stages", p.build.commands}}},
+                           {"refit", {{"milliseconds", p.refit.milliseconds()}}},
+                           {"triangles", p.statistics.triangles},
+                           {"culled", p.statistics.culled},
+                           {"height", p.statistics.height},
+                           {"sah_cost", p.statistics.sah_cost},
+                           {"bytes", p.statistics.bytes},
+                           {"rays", rays},
+                           {"build_and_trace", together}});
+    }
+    nlohmann::ordered_json quickest;
+    for (std::size_t kind = 0; kind < scene.presets.at(0).kinds.size(); ++kind)
+        for (const bench::Winner& winner : bench::quickest_presets(scene, kind))
+            quickest[scene.presets[0].kinds[kind].name].push_back(
+                {{"preset", winner.preset}, {"from_rays", winner.from_rays}});
+    return {{"scene", scene.scene}, {"triangles", scene.triangles}, {"presets", presets}, {"quickest", quickest}};
+}
+
+std::vector<Device> open_devices(const std::vector<std::string>& selectors) {
+    std::vector<Device> devices;
+    if (selectors.empty()) devices.push_back(Device::open());
+    for (const std::string& selector : selectors) {
+        if (selector != "all") {
+            devices.push_back(Device::open(selector));
+            continue;
+        }
+        for (const DeviceInfo& info : list_devices()) devices.push_back(Device::open(std::to_string(info.index)));
+    }
+    return devices;
+}
+
+void run(const Options& options) {
+    if (!options.csv.empty()) check_file_writable(options.csv);
+    std::string csv = bench::bench_csv_header();
+    nlohmann::ordered_json report = nlohmann::ordered_json::array();
+    for (const Device& device : open_devices(options.devices)) {
+        const DeviceInfo& info = device.info();
+        nlohmann::ordered_json scenes = nlohmann::ordered_json::array();
+        if (!options.json)
+            std::printf("%s, driver %s; medians of %d interleaved rounds by the device's clock\n", info.name.c_str(),
+                        info.driver.c_str(), options.bench.repeat);
+        for (const std::string& name : options.bench.scenes) {
+            const bench::SceneResult scene = bench::run_bench(device, name, options.bench);
+            csv += bench::bench_csv(info, scene);
+            if (options.json) {
+                scenes.push_back(as_json(scene));
+                continue;
+            }
+            std::printf("\n");
+            print_results(scene);
+            if (options.stages) print_stages(scene);
+            print_together(scene);
+            std::fflush(stdout);
+        }
+        report.push_back({{"device", info.name}, {"driver", info.driver}, {"scenes", scenes}});
+    }
+    if (options.json) std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    if (!options.csv.empty()) write_file(options.csv, csv);
+}
+
+}  // namespace
+
+void add_bench_command(CLI::App& app, Action& action) {
+    CLI::App* command = app.add_subcommand("bench", "Time builds and rays: scenes x presets x kinds of rays x devices");
+    command->footer(
+        "Shadow rays ask whether they hit anything, the others what they hit first; random rays are the primary and\n"
+        "bounce rays in random order. 'build ms' is the time of all commands of a build; 'span ms' adds the pauses\n"
+        "between them, and it is what counts in build + trace.\n"
+        "Example:\n"
+        "  claray bench --scene sponza.obj --scene terrain:10000000 --size 1920x1080 --device gpu --csv gpu.csv");
+    auto options = std::make_shared<Options>();
+    Options& o = *options;
+    o.bench.scenes = {"soup:50000", "terrain:200000", "hair:50000"};
+    for (const auto& [name, builder] : bench::builders) o.bench.presets.push_back(builder);
+    command->add_option("--scene,scenes", o.bench.scenes,
+                        "OBJ files, built-in scenes, or NAME.scn with NAME.ray [soup:50000 terrain:200000 hair:50000]");
+    command->add_option("--preset", o.bench.presets, "fast, balanced; all where this is not given")
+        ->delimiter(',')
+        ->allow_extra_args(false)
+        ->transform(CLI::CheckedTransformer(bench::builders, CLI::ignore_case).description(""))
+        ->type_name("NAME");
+    command->add_option("--layout", o.bench.layout, "Tree that is traversed: auto, binary or wide [auto]")
+        ->transform(CLI::CheckedTransformer(bench::layouts, CLI::ignore_case).description(""))
+        ->type_name("NAME");
+    command->add_option_function<std::string>(
+        "--size", [&o](const std::string& text) { std::tie(o.bench.width, o.bench.height) = parse_size(text); },
+        "WIDTHxHEIGHT of each of the three views [320x180]");
+    command->add_option("--repeat", o.bench.repeat, "Rounds that count [9]")->check(CLI::Range(1, 1000));
+    command->add_option("--device", o.devices, "cpu, gpu, an index, a part of the name, or all; may be repeated")
+        ->allow_extra_args(false);
+    command->add_option("--csv", o.csv, "Also write a file of comma-separated values");
+    command->add_flag("--stages", o.stages, "Also print the stages of the builds");
+    command->add_flag("--json", o.json, "Print the result as JSON");
+    command->callback([&action, options] { action = [options] { run(*options); }; });
+}
+
+}  // namespace claray::cli
