@@ -26,7 +26,7 @@ Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& wit
                     "choose 30 or 63");
     if (of.indices.size() / 3 >= triangle_limit)
         throw Error(ErrorKind::user,
-                    "too many triangles: " + std::to_string(of.indices.size() / 3) + ", the limit is 2^31 - 2");
+                    "too many triangles: " + std::to_string(of.indices.size() / 3) + ", the limit is 2^29 - 2");
     allocate();
     const Defines bits = {{"CODE_BITS", std::to_string(config.morton_bits)}};
     reset_ = load_kernel(device, "build/bounds.cl", "reset_header");

@@ -110,7 +110,7 @@ static inline uint collapse_node(global const BvhNode* nodes, global const LeafT
             wide[index].child[i] = CLARAY_NO_CHILD;
         } else if (slots.area[i] < 0.0f) {
             const uint triangles = fill_block(nodes, leaves, source, &blocks[block]);
-            wide[index].child[i] = CLARAY_LEAF | ((triangles - 1) << CLARAY_BLOCK_COUNT_SHIFT) | block++;
+            wide[index].child[i] = CLARAY_LEAF | ((triangles - 1) << CLARAY_LEAF_COUNT_SHIFT) | block++;
         } else {
             wide[below].source[0] = source;
             wide[index].child[i] = below++;
@@ -151,6 +151,6 @@ kernel void refit_wide(global const BvhNode* nodes, global const LeafTriangle* l
         const uint source = wide[index].source[i], child = wide[index].child[i];
         if (child == CLARAY_NO_CHILD) continue;
         store_slot(&wide[index], i, box_of_child(nodes, leaves, source));
-        if (is_leaf(child)) fill_block(nodes, leaves, source, &blocks[child & CLARAY_BLOCK_SLOT]);
+        if (is_leaf(child)) fill_block(nodes, leaves, source, &blocks[child & CLARAY_SLOT]);
     }
 }

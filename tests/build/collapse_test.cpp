@@ -30,8 +30,8 @@ void walk_wide(const std::vector<WideNode>& nodes, const std::vector<TriangleBlo
             walk_wide(nodes, blocks, n.child[i], box, check);
             continue;
         }
-        const TriangleBlock& block = blocks[n.child[i] & CLARAY_BLOCK_SLOT];
-        const unsigned count = ((n.child[i] >> CLARAY_BLOCK_COUNT_SHIFT) & 3) + 1;
+        const TriangleBlock& block = blocks[n.child[i] & CLARAY_SLOT];
+        const unsigned count = CLARAY_LEAF_COUNT(n.child[i]);
         for (unsigned lane = 0; lane < count; ++lane) {
             check.primitives.insert(block.primitive[lane]);
             for (const glm::vec3 v : {glm::vec3(block.v0x[lane], block.v0y[lane], block.v0z[lane]),

@@ -6,9 +6,12 @@
 
 CLARAY_SHARED_BEGIN
 
-/// A reference to a child: with the top bit set a leaf, whose slot is the rest; otherwise the index of a node.
+/// A reference to a child: with the top bit set a leaf, 1nn. .... its triangles less one, then its first slot; otherwise
+/// the index of a node.
 #define CLARAY_LEAF 0x80000000u
-#define CLARAY_SLOT 0x7fffffffu
+#define CLARAY_LEAF_COUNT_SHIFT 29
+#define CLARAY_LEAF_COUNT(child) ((((child) >> CLARAY_LEAF_COUNT_SHIFT) & 3u) + 1u)
+#define CLARAY_SLOT 0x1fffffffu
 /// No child: an empty slot of a wide node, or the root of an empty structure.
 #define CLARAY_NO_CHILD 0xffffffffu
 
@@ -44,9 +47,6 @@ CLARAY_LAYOUT(LeafTriangle, 48)
 
 #define CLARAY_WIDTH 8
 #define CLARAY_BLOCK 4
-/// Where a reference to a wide leaf keeps its number of triangles less one, above the index of its block.
-#define CLARAY_BLOCK_COUNT_SHIFT 29
-#define CLARAY_BLOCK_SLOT 0x1fffffffu
 
 /// Inner node of the wide tree, structure of arrays: one ray tests all boxes at once. Empty slots hold boxes that no
 /// ray meets (lo = +inf, hi = -inf).
