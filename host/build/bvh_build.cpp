@@ -6,6 +6,7 @@ namespace claray {
 namespace {
 
 constexpr std::uint32_t group = 256;
+constexpr std::size_t pieces_a_range = 196;  // MAX_WAITING of kernels/build/serial.clh
 constexpr std::size_t triangle_limit = CLARAY_SLOT;
 
 Layout resolve(Layout layout, const Device& device) {
@@ -33,10 +34,20 @@ Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& wit
     bounds_ = load_kernel(device, "build/bounds.cl", "compute_bounds");
     finish_bounds_ = load_kernel(device, "build/bounds.cl", "finish_bounds");
     codes_ = load_kernel(device, "build/morton_codes.cl", "compute_morton_codes", bits);
-    lbvh_ = load_kernel(device, "build/lbvh.cl", "build_lbvh", bits);
+    if (ranges == 0) {
+        lbvh_ = load_kernel(device, "build/lbvh.cl", "build_lbvh", bits);
+    } else {
+        lbvh_ranges_ = load_kernel(device, "build/lbvh_serial.cl", "build_lbvh_ranges", bits);
+        join_lbvh_ = load_kernel(device, "build/lbvh_serial.cl", "join_lbvh_ranges", bits);
+    }
     if (config.builder == Builder::balanced) {
-        begin_hploc_ = load_kernel(device, "build/hploc.cl", "begin_hploc", bits);
-        hploc_ = load_kernel(device, "build/hploc.cl", "build_hploc", bits);
+        if (ranges == 0) {
+            begin_hploc_ = load_kernel(device, "build/hploc.cl", "begin_hploc", bits);
+            hploc_ = load_kernel(device, "build/hploc.cl", "build_hploc", bits);
+        } else {
+            hploc_ranges_ = load_kernel(device, "build/hploc_serial.cl", "build_hploc_ranges", bits);
+            join_hploc_ = load_kernel(device, "build/hploc_serial.cl", "join_hploc_ranges", bits);
+        }
     }
     if (layout == Layout::wide) {
         begin_collapse_ = load_kernel(device, "build/collapse.cl", "begin_collapse");
@@ -52,6 +63,12 @@ void Bvh::State::allocate() {
     leaves = Buffer<LeafTriangle>(device, count);
     order = Buffer<std::uint32_t>(device, count);
     arrivals = Buffer<std::uint32_t>(device, count);
+    if (const unsigned per_unit = device.tuning("build/serial", "RANGES_PER_UNIT"); per_unit != 0) {
+        const unsigned least = std::max(1u, device.tuning("build/serial", "RANGE_LEAVES"));
+        ranges = std::clamp(count / least, 1u, device.info().compute_units * per_unit);
+        pieces = Buffer<std::uint32_t>(device, ranges * 2 * pieces_a_range);
+        piece_counts = Buffer<std::uint32_t>(device, std::size_t(2) * ranges);
+    }
     if (config.builder == Builder::balanced) {
         clusters = Buffer<std::uint32_t>(device, count);
         node_count = Buffer<std::uint32_t>(device, 1);
@@ -95,6 +112,12 @@ void Bvh::State::build_tree(Buffer<Code>& codes, RadixSort<Code>& sort) {
 
 template <class Code>
 void Bvh::State::build_lbvh(const Buffer<Code>& codes) {
+    if (ranges != 0) {
+        lbvh_ranges_.run({ranges, 1}, triangles.positions, triangles.indices, triangles.geometries, triangles.masks,
+                         codes, order, nodes, leaves, header, ranges, pieces, piece_counts);
+        join_lbvh_.run({1, 1}, codes, nodes, leaves, header, ranges, pieces, piece_counts);
+        return;
+    }
     arrivals.fill(0xffffffffu);
     lbvh_.run({count, group}, triangles.positions, triangles.indices, triangles.geometries, triangles.masks, codes,
               order, nodes, leaves, arrivals, header);
@@ -102,6 +125,12 @@ void Bvh::State::build_lbvh(const Buffer<Code>& codes) {
 
 template <class Code>
 void Bvh::State::build_hploc(const Buffer<Code>& codes) {
+    if (ranges != 0) {
+        hploc_ranges_.run({ranges, 1}, triangles.positions, triangles.indices, triangles.geometries, triangles.masks,
+                          codes, order, nodes, leaves, clusters, header, ranges, pieces, piece_counts);
+        join_hploc_.run({1, 1}, codes, nodes, leaves, clusters, header, ranges, pieces, piece_counts);
+        return;
+    }
     arrivals.fill(0xffffffffu);
     node_count.fill(0);
     begin_hploc_.run({count, group}, triangles.positions, triangles.indices, triangles.geometries, triangles.masks,

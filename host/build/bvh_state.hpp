@@ -31,6 +31,8 @@ struct Bvh::State {
     // Scratch, kept for rebuilding.
     Buffer<std::uint32_t> bound_keys, codes32, order, arrivals, clusters, node_count;
     Buffer<std::uint64_t> codes64;
+    Buffer<std::uint32_t> pieces, piece_counts;  // of the serial schedule
+    std::uint32_t ranges = 0;                    // work-items of the serial schedule; 0: every leaf climbs by itself
     std::unique_ptr<RadixSort<std::uint32_t>> sort32;
     std::unique_ptr<RadixSort<std::uint64_t>> sort64;
 
@@ -44,7 +46,7 @@ private:
     template <class Code>
     void build_hploc(const Buffer<Code>& codes);
 
-    Kernel reset_, bounds_, finish_bounds_, codes_, lbvh_, begin_hploc_, hploc_, refit_, begin_collapse_,
+    Kernel reset_, bounds_, finish_bounds_, codes_, lbvh_, begin_hploc_, hploc_, refit_, lbvh_ranges_, join_lbvh_, hploc_ranges_, join_hploc_, begin_collapse_,
         collapse_level_, collapse_subtrees_, refit_wide_;
 };
 

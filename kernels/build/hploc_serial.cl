@@ -1,0 +1,253 @@
+// The tree of hploc.cl by the serial schedule for CPUs. The clusters of all subtrees that wait on the stack form one list
+// from left to right, so that a meeting works on the list's end, and nothing is read back from memory. Nodes are numbered
+// from the range's first leaf on, as they are made.
+#include "build/serial.clh"
+
+/// As in hploc.cl.
+#define MAX_CLUSTERS 16u
+#define SEARCH_RADIUS 8u
+
+/// The fourth lanes hold bits: the child in lo, height and count as in BvhNode in hi.
+typedef struct Cluster {
+    float4 lo, hi;
+} Cluster;
+
+typedef struct Waiting {
+    uint first, left;  // leaf, and the level of the border before it
+    uint begin;        // in the list
+} Waiting;
+
+typedef struct Stack {
+    Cluster list[MAX_CLUSTERS * MAX_WAITING + 2 * MAX_CLUSTERS];
+    Waiting waiting[MAX_WAITING];
+    uint depth, outward;  // as in lbvh_serial.cl
+    uint length;          // of the list
+    uint node, node_end;  // the next one to be made, and where free numbers end
+    // Where there are more free numbers, for joining: those that the ranges did not use.
+    uint range, ranges, valid;
+    global const uint2* piece_counts;
+} Stack;
+
+static inline uint take_node(Stack* stack) {
+    while (stack->node == stack->node_end) {
+        const uint range = stack->range++;
+        stack->node = range_begin(range, stack->ranges, stack->valid) + stack->piece_counts[range].y;
+        stack->node_end = range_begin(range + 1, stack->ranges, stack->valid);
+    }
+    return stack->node++;
+}
+
+static inline Cluster merge_clusters(global BvhNode* nodes, uint index, Cluster a, Cluster b) {
+    global BvhNode* node = &nodes[index];
+    store_boxes(node, a.lo, a.hi, b.lo, b.hi);
+    const uint child0 = as_uint(a.lo.w), child1 = as_uint(b.lo.w), of_a = as_uint(a.hi.w), of_b = as_uint(b.hi.w);
+    const uint height = min(1 + max(of_a >> 24, of_b >> 24), 255u);
+    const uint count = min((of_a & CLARAY_COUNT_LIMIT) + (of_b & CLARAY_COUNT_LIMIT), CLARAY_COUNT_LIMIT);
+    const uint height_count = (height << 24) | count;
+    vstore4((uint4)(child0, child1, CLARAY_NO_CHILD, height_count), 3, (global uint*)node);
+    if (!is_leaf(child0)) nodes[child0].parent = index;
+    if (!is_leaf(child1)) nodes[child1].parent = index;
+    Cluster merged = {lesser(a.lo, b.lo), greater(a.hi, b.hi)};
+    merged.lo.w = as_float(index), merged.hi.w = as_float(height_count);
+    return merged;
+}
+
+// ---- the nearest neighbours of up to 32 clusters, eight at a time ----------------------------------------------------
+
+#define MOST (2 * MAX_CLUSTERS)
+#define LANES 8u
+
+typedef struct Search {
+    float lox[MOST + LANES + SEARCH_RADIUS], loy[MOST + LANES + SEARCH_RADIUS], loz[MOST + LANES + SEARCH_RADIUS];
+    float hix[MOST + LANES + SEARCH_RADIUS], hiy[MOST + LANES + SEARCH_RADIUS], hiz[MOST + LANES + SEARCH_RADIUS];
+    float area[SEARCH_RADIUS][SEARCH_RADIUS + MOST];  // of i and i + 1 + row, at SEARCH_RADIUS + i
+    uint distance[MOST];                              // index of the nearest XOR the own
+} Search;
+
+/// The lower (upper) two floats of each half of both, interleaved.
+#define UNPACK_LOW(a, b) (float8)(a.s0, b.s0, a.s1, b.s1, a.s4, b.s4, a.s5, b.s5)
+#define UNPACK_HIGH(a, b) (float8)(a.s2, b.s2, a.s3, b.s3, a.s6, b.s6, a.s7, b.s7)
+
+/// Rows i .. i + 7 of the list as columns.
+static inline void load_columns(Search* search, const Cluster* list, uint i) {
+    const float* rows = (const float*)(list + i);
+    const float8 r0 = vload8(0, rows), r1 = vload8(1, rows), r2 = vload8(2, rows), r3 = vload8(3, rows);
+    const float8 r4 = vload8(4, rows), r5 = vload8(5, rows), r6 = vload8(6, rows), r7 = vload8(7, rows);
+    const float8 xy01 = UNPACK_LOW(r0, r1), xy23 = UNPACK_LOW(r2, r3), xy45 = UNPACK_LOW(r4, r5),
+                 xy67 = UNPACK_LOW(r6, r7);
+    const float8 z01 = UNPACK_HIGH(r0, r1), z23 = UNPACK_HIGH(r2, r3), z45 = UNPACK_HIGH(r4, r5),
+                 z67 = UNPACK_HIGH(r6, r7);
+    vstore8((float8)(xy01.s01, xy23.s01, xy45.s01, xy67.s01), 0, search->lox + i);
+    vstore8((float8)(xy01.s23, xy23.s23, xy45.s23, xy67.s23), 0, search->loy + i);
+    vstore8((float8)(z01.s01, z23.s01, z45.s01, z67.s01), 0, search->loz + i);
+    vstore8((float8)(xy01.s45, xy23.s45, xy45.s45, xy67.s45), 0, search->hix + i);
+    vstore8((float8)(xy01.s67, xy23.s67, xy45.s67, xy67.s67), 0, search->hiy + i);
+    vstore8((float8)(z01.s45, z23.s45, z45.s45, z67.s45), 0, search->hiz + i);
+}
+
+/// Boxes behind the last cluster, so huge that the area round them and any other is infinite.
+static inline void store_sentinels(Search* search, uint count) {
+    const float8 low = (float8)(-1e30f), high = (float8)(1e30f);
+    for (uint i = count; i < count + LANES + SEARCH_RADIUS; i += LANES) {
+        vstore8(low, 0, search->lox + i), vstore8(low, 0, search->loy + i), vstore8(low, 0, search->loz + i);
+        vstore8(high, 0, search->hix + i), vstore8(high, 0, search->hiy + i), vstore8(high, 0, search->hiz + i);
+    }
+}
+
+static inline float8 lesser8(float8 a, float8 b) { return select(b, a, a < b); }
+static inline float8 greater8(float8 a, float8 b) { return select(b, a, a > b); }
+
+/// Areas round clusters i .. i + 7 and each of the next SEARCH_RADIUS.
+static inline void measure_pairs(Search* search, uint i) {
+    const float8 lox = vload8(0, search->lox + i), loy = vload8(0, search->loy + i), loz = vload8(0, search->loz + i);
+    const float8 hix = vload8(0, search->hix + i), hiy = vload8(0, search->hiy + i), hiz = vload8(0, search->hiz + i);
+    for (uint step = 1; step <= SEARCH_RADIUS; ++step) {
+        const uint j = i + step;
+        const float8 x = greater8(hix, vload8(0, search->hix + j)) - lesser8(lox, vload8(0, search->lox + j));
+        const float8 y = greater8(hiy, vload8(0, search->hiy + j)) - lesser8(loy, vload8(0, search->loy + j));
+        const float8 z = greater8(hiz, vload8(0, search->hiz + j)) - lesser8(loz, vload8(0, search->loz + j));
+        vstore8(x * y + y * z + z * x, 0, search->area[step - 1] + SEARCH_RADIUS + i);  // half_area
+    }
+}
+
+/// The nearest of clusters i .. i + 7: the least area, and among equal ones the least XOR of the indices.
+static inline void choose_nearest(Search* search, uint i) {
+    float8 best = (float8)(INFINITY);
+    for (uint step = 1; step <= SEARCH_RADIUS; ++step) {
+        const float* areas = search->area[step - 1] + SEARCH_RADIUS + i;
+        best = lesser8(lesser8(vload8(0, areas), best), vload8(0, areas - step));
+    }
+    const uint8 own = (uint8)(0, 1, 2, 3, 4, 5, 6, 7) + i;
+    uint8 distance = (uint8)(0xffffffffu);
+    for (uint step = 1; step <= SEARCH_RADIUS; ++step) {
+        const float* areas = search->area[step - 1] + SEARCH_RADIUS + i;
+        distance = select(distance, min(distance, own ^ (own + step)), vload8(0, areas) == best);
+        distance = select(distance, min(distance, own ^ (own - step)), vload8(0, areas - step) == best);
+    }
+    vstore8(distance, 0, search->distance + i);
+}
+
+/// Bit i: clusters i and i ^ distance[i] are each other's nearest.
+static inline uint find_mutual(Search* search, const Cluster* list, uint count) {
+    for (uint i = 0; i < count; i += LANES) load_columns(search, list, i);
+    store_sentinels(search, count);
+    for (uint i = 0; i < count; i += LANES) measure_pairs(search, i);
+    for (uint i = 0; i < count; i += LANES) choose_nearest(search, i);
+    uint mutual = 0;
+    for (uint i = 0; i < count; ++i) {
+        const uint distance = search->distance[i];
+        mutual |= (uint)(search->distance[i ^ distance] == distance) << i;
+    }
+    return mutual;
+}
+
+/// Merges mutual nearest neighbours until at most `limit` clusters of the list's end, from `begin` on, are left.
+static inline void merge_down(global BvhNode* nodes, Stack* stack, Search* search, uint begin, uint limit) {
+    Cluster* list = stack->list + begin;
+    uint count = stack->length - begin;
+    while (count > limit) {
+        const uint mutual = find_mutual(search, list, count);
+        uint left = 0;
+        for (uint i = 0; i < count; ++i) {
+            const uint other = i ^ search->distance[i];
+            if ((mutual >> i & 1) == 0) list[left++] = list[i];
+            else if (i < other) list[left++] = merge_clusters(nodes, take_node(stack), list[i], list[other]);
+        }
+        count = left;
+    }
+    stack->length = begin + count;
+}
+
+/// The subtree on the list's end, `added`, ends with leaf `last`, whose border on the right has level `right`: meets what is
+/// left of it as far as that goes.
+static inline void add_subtree(global BvhNode* nodes, Stack* stack, Search* search, Waiting added, uint last, uint right,
+                               uint valid) {
+    while (added.left <= right && stack->depth > stack->outward) {
+        added = stack->waiting[--stack->depth];
+        const uint size = last - added.first + 1;
+        if (size > MAX_CLUSTERS || size == valid)
+            merge_down(nodes, stack, search, added.begin, size == valid ? 1 : MAX_CLUSTERS);
+    }
+    stack->waiting[stack->depth++] = added;
+    if (added.left <= right) stack->outward = stack->depth;
+}
+
+static inline void begin_stack(Stack* stack, Search* search, uint node, uint node_end) {
+    stack->depth = stack->outward = stack->length = stack->range = 0;
+    stack->node = node, stack->node_end = node_end;
+    for (uint row = 0; row < SEARCH_RADIUS; ++row) vstore8((float8)(INFINITY), 0, search->area[row]);
+}
+
+/// One item a range. `pieces` receives the subtrees that are left, as (clusters, last leaf), MAX_WAITING a range, and
+/// `clusters` those of each from its first leaf on; `piece_counts` receives (pieces, nodes made).
+kernel void build_hploc_ranges(global const float* positions, global const uint* indices,
+                               global const uint* geometries, global const uint* masks, global const Code* codes,
+                               global const uint* order, global BvhNode* nodes, global LeafTriangle* leaves,
+                               global uint* clusters, global const BvhHeader* header, uint ranges,
+                               global uint2* pieces, global uint2* piece_counts) {
+    const uint range = get_global_id(0), valid = header->valid;
+    if (range >= ranges) return;
+    const uint begin = range_begin(range, ranges, valid), end = range_begin(range + 1, ranges, valid);
+    Stack stack;
+    Search search;
+    begin_stack(&stack, &search, begin, CLARAY_NO_CHILD);
+    uint left = border(codes, begin - 1, valid);
+    for (uint leaf = begin; leaf < end; ++leaf) {
+        prefetch_leaf(positions, indices, geometries, order, leaf, valid);
+        const uint primitive = order[leaf];
+        const Triangle triangle = load_triangle(positions, indices, primitive);
+        store_leaf(&leaves[leaf], triangle, primitive, geometries, masks);
+        const float4 v0 = (float4)(triangle.v0, 0.0f), v1 = (float4)(triangle.v1, 0.0f),
+                     v2 = (float4)(triangle.v2, 0.0f);
+        Cluster cluster = {lesser(lesser(v0, v1), v2), greater(greater(v0, v1), v2)};
+        cluster.lo.w = as_float(CLARAY_LEAF | leaf), cluster.hi.w = as_float(1u);
+        const Waiting added = {leaf, left, stack.length};
+        stack.list[stack.length++] = cluster;
+        left = border(codes, leaf, valid);
+        add_subtree(nodes, &stack, &search, added, leaf, left, valid);
+    }
+    for (uint i = 0; i < stack.depth; ++i) {
+        const bool top = i + 1 == stack.depth;
+        const Waiting piece = stack.waiting[i];
+        const uint count = (top ? stack.length : stack.waiting[i + 1].begin) - piece.begin;
+        for (uint k = 0; k < count; ++k) clusters[piece.first + k] = as_uint(stack.list[piece.begin + k].lo.w);
+        pieces[range * MAX_WAITING + i] = (uint2)(count, top ? end - 1 : stack.waiting[i + 1].first - 1);
+    }
+    piece_counts[range] = (uint2)(stack.depth, stack.node - begin);
+}
+
+static inline Cluster load_cluster(global const BvhNode* nodes, global const LeafTriangle* leaves, uint child) {
+    const Box box = box_of_child(nodes, leaves, child);
+    const uint height_count = is_leaf(child) ? 1 : nodes[child].height_count;
+    const Cluster cluster = {(float4)(box.lo, as_float(child)), (float4)(box.hi, as_float(height_count))};
+    return cluster;
+}
+
+/// Joins what the ranges left; by a single item. Nodes get the numbers that the ranges had no use for.
+kernel void join_hploc_ranges(global const Code* codes, global BvhNode* nodes, global const LeafTriangle* leaves,
+                              global const uint* clusters, global BvhHeader* header, uint ranges,
+                              global const uint2* pieces, global const uint2* piece_counts) {
+    const uint valid = header->valid;
+    if (get_global_id(0) != 0 || valid == 0) return;
+    Stack stack;
+    Search search;
+    begin_stack(&stack, &search, 0, 0);
+    stack.ranges = ranges, stack.valid = valid, stack.piece_counts = piece_counts;
+    uint left = NO_BORDER, first = 0;
+    for (uint range = 0; range < ranges; ++range) {
+        for (uint i = 0; i < piece_counts[range].x; ++i) {
+            const uint2 piece = pieces[range * MAX_WAITING + i];
+            const Waiting added = {first, left, stack.length};
+            for (uint k = 0; k < piece.x; ++k)
+                stack.list[stack.length++] = load_cluster(nodes, leaves, clusters[first + k]);
+            left = border(codes, piece.y, valid);
+            add_subtree(nodes, &stack, &search, added, piece.y, left, valid);
+            first = piece.y + 1;
+        }
+    }
+    const Cluster root = stack.list[0];
+    const uint child = as_uint(root.lo.w);
+    if (!is_leaf(child)) nodes[child].parent = CLARAY_NO_CHILD;
+    const Box box = {root.lo.xyz, root.hi.xyz};
+    finish_tree(header, child, box, is_leaf(child) ? 0 : as_uint(root.hi.w) >> 24);
+}
