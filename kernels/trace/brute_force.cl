@@ -3,13 +3,13 @@
 #include "trace/query.clh"
 
 static inline Hit test_all(global const BvhHeader* header, global const LeafTriangle* leaves, Ray ray, uint mask, bool any) {
-    Hit hit = no_hit(ray.tmax);
-    if (!ray_valid(ray)) return hit;
+    if (!ray_valid(ray)) return no_hit(ray.tmax);
     const PreparedRay prepared = prepare_ray(ray, CULL_BACK_FACES, mask);
+    Candidate best = no_candidate(ray.tmax);
     const uint valid = header->valid;
     for (uint i = 0; i < valid; ++i)
-        if (hit_leaf(&prepared, &leaves[i], &hit) && any) break;
-    return hit;
+        if (try_leaf(&prepared, leaves, i, ray.tmax, &best) && any) break;
+    return finish_candidate(&prepared, leaves, best, ray.tmax, any);
 }
 
 kernel void brute_force_closest_hit(global const BvhHeader* header, global const LeafTriangle* leaves,
