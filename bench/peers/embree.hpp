@@ -46,8 +46,8 @@ public:
     EmbreeQuery(const EmbreeScene& scene, std::span<const Ray> rays, Packets packets, bool any, bool coherent,
                 unsigned threads);
     ~EmbreeQuery();
-    /// Milliseconds of one trace of all rays.
-    double run();
+    /// Milliseconds of one trace of all rays, by the wall clock or the process' processor time over its threads.
+    double run(bool cpu_time);
     [[nodiscard]] PeerHits hits() const;
 
 private:

@@ -17,6 +17,7 @@ struct Device::State {
     Profiler profiler;
     std::map<std::string, cl::Program> programs;  // by file, options and, for a user's source, its text
     std::map<std::string, unsigned> tuning;       // "kernel parameter" -> value, as resolved for this device
+    cl::Buffer ray_queue;                         // see host/trace/query_kernel.hpp; made when first used
 };
 
 }  // namespace claray

@@ -16,11 +16,6 @@ std::uint32_t choose_capacity(const Device& device, std::uint64_t most_paths) {
     return std::uint32_t(std::max<std::uint64_t>(1, std::min({tuned, most_paths, memory, allocation})));
 }
 
-/// A query's kernel under a name of its own, so that the profiler tells the kinds of rays apart.
-Kernel trace_kernel(const Device& device, const Bvh& bvh, const char* file, const char* function, const char* name) {
-    return Kernel(device, load_kernel(device, file, function, bvh.defines()).handle(), name);
-}
-
 }  // namespace
 
 Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const FrameData& frame, Sampler sampler,
@@ -29,9 +24,7 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
       scene_(scene),
       frame_(frame),
       bounces_per_look_(std::max(1u, device.tuning("render/wavefront", "BOUNCES_PER_LOOK"))),
-      shade_group_(device.tuning("render/shade_surface", "GROUP_SIZE")),
-      trace_group_(device.tuning("trace/closest_hit", "GROUP_SIZE")),
-      shadow_group_(device.tuning("trace/any_hit", "GROUP_SIZE")) {
+      shade_group_(device.tuning("render/shade_surface", "GROUP_SIZE")) {
     const std::uint32_t paths = choose_capacity(device, most_paths);
     for (int i = 0; i < 2; ++i) {
         rays_[i] = Buffer<Ray>(device, paths);
@@ -48,15 +41,15 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
     const Defines with_sampler = {{"SAMPLER", std::to_string(std::uint32_t(sampler))}};
     defines.insert(defines.end(), with_sampler.begin(), with_sampler.end());
     generate_ = load_kernel(device, "render/generate_rays.cl", "generate_rays", with_sampler);
-    trace_camera_ = trace_kernel(device, scene.bvh, "trace/closest_hit.cl", "closest_hit", trace_camera_name);
-    trace_bounce_ = trace_kernel(device, scene.bvh, "trace/closest_hit.cl", "closest_hit", trace_bounce_name);
+    trace_camera_ = QueryKernel(scene.bvh, QueryKernel::Kind::closest, {}, trace_camera_name);
+    trace_bounce_ = QueryKernel(scene.bvh, QueryKernel::Kind::closest, {}, trace_bounce_name);
     shade_ = load_kernel(device, "render/shade_surface.cl", "shade_surface", defines);
     advance_ = load_kernel(device, "render/advance_queues.cl", "advance_queues");
     if (scene.lights == 0) return;
     shadow_rays_ = Buffer<Ray>(device, paths);
     shadow_light_ = Buffer<LightSample>(device, paths);
     occluded_ = Buffer<std::uint8_t>(device, paths);
-    trace_shadow_ = trace_kernel(device, scene.bvh, "trace/any_hit.cl", "any_hit", trace_shadow_name);
+    trace_shadow_ = QueryKernel(scene.bvh, QueryKernel::Kind::any, {}, trace_shadow_name);
     add_light_ = load_kernel(device, "render/add_light.cl", "add_light");
 }
 
@@ -82,8 +75,8 @@ void Wavefront::trace(const Batch& batch) {
 
 void Wavefront::bounce(const Batch& batch, std::uint32_t depth, std::uint32_t limit) {
     const int in = depth % 2, out = 1 - in;
-    Kernel& trace = depth == 0 ? trace_camera_ : trace_bounce_;
-    trace.run({limit, trace_group_}, scene_.bvh, rays_[in], hits_, limit, lengths_[in], nullptr, nullptr);
+    QueryKernel& trace = depth == 0 ? trace_camera_ : trace_bounce_;
+    trace.run(rays_[in], hits_, limit, lengths_[in]);
     shade_.run({limit, shade_group_}, batch, frame_, depth, scene_, lengths_[in], limit, rays_[in], hits_, states_[in],
                radiance_, lengths_[out], rays_[out], states_[out], shadow_length_, shadow_rays_, shadow_light_);
     if (scene_.lights != 0 && depth < frame_.max_depth) trace_shadows(limit);
@@ -91,7 +84,7 @@ void Wavefront::bounce(const Batch& batch, std::uint32_t depth, std::uint32_t li
 }
 
 void Wavefront::trace_shadows(std::uint32_t limit) {
-    trace_shadow_.run({limit, shadow_group_}, scene_.bvh, shadow_rays_, occluded_, limit, shadow_length_, nullptr);
+    trace_shadow_.run(shadow_rays_, occluded_, limit, shadow_length_);
     add_light_.run({limit, 64}, shadow_length_, limit, occluded_, shadow_light_, radiance_);
 }
 

@@ -6,6 +6,7 @@
 #include "claray/renderer.hpp"
 #include "claray/shared/path.h"
 #include "host/render/scene_buffers.hpp"
+#include "host/trace/query_kernel.hpp"
 
 namespace claray {
 
@@ -43,7 +44,7 @@ private:
     Device device_;
     SceneBuffers scene_;
     FrameData frame_;
-    unsigned bounces_per_look_, shade_group_, trace_group_, shadow_group_;
+    unsigned bounces_per_look_, shade_group_;
     std::uint64_t camera_rays_ = 0;
 
     Buffer<Ray> rays_[2], shadow_rays_;
@@ -54,7 +55,8 @@ private:
     Buffer<std::uint8_t> occluded_;
     Buffer<float> radiance_;
     Buffer<std::uint64_t> totals_;
-    Kernel generate_, trace_camera_, trace_bounce_, shade_, trace_shadow_, add_light_, advance_;
+    Kernel generate_, shade_, add_light_, advance_;
+    QueryKernel trace_camera_, trace_bounce_, trace_shadow_;
 };
 
 }  // namespace claray

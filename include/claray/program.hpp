@@ -59,6 +59,10 @@ private:
         const cl_mem memory = buffer.memory()();  // null where nothing is allocated: an absent buffer
         set_argument(index++, sizeof memory, &memory);
     }
+    void bind(unsigned& index, const cl::Buffer& buffer) {
+        const cl_mem memory = buffer();
+        set_argument(index++, sizeof memory, &memory);
+    }
     void bind(unsigned& index, std::nullptr_t) {
         const cl_mem absent = nullptr;
         set_argument(index++, sizeof absent, &absent);

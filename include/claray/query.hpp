@@ -12,7 +12,7 @@ struct QueryOptions {
     bool cull_back_faces = false;     ///< only triangles whose vertices appear counterclockwise are hit
     bool brute_force = false;         ///< tests every triangle, without the tree: same hits, for comparison
     Buffer<std::uint32_t> ray_masks;  ///< per ray; empty: every ray sees every mesh
-    Buffer<Visits> visits;            ///< where allocated, receives what each ray cost (closest hit only)
+    Buffer<Visits> visits;            ///< where allocated, receives what each ray cost
 };
 
 /// The first hit of every ray; enqueued, not waited for. Hits are the same bit for bit on every layout: among equal

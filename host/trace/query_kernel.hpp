@@ -1,0 +1,42 @@
+// A query over arrays of rays: its kernel for one structure and one set of options, and how many items it is run with.
+#pragma once
+
+#include <algorithm>
+
+#include "claray/query.hpp"
+
+namespace claray {
+
+/// The two words of kernels/trace/ray_queue.clh, one pair a device: its commands run one after another.
+[[nodiscard]] const cl::Buffer& ray_queue(const Device& device);
+
+class QueryKernel {
+public:
+    enum class Kind { closest, any };
+
+    QueryKernel() = default;
+    /// The profiler shows its times under `name`, or under the kernel's where that is empty.
+    QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options = {}, const std::string& name = {});
+
+    /// Traces the first min(*count, capacity) rays, or `capacity` where `count` is absent; enqueued. `results` holds
+    /// Hits or, for any hit, bytes.
+    template <class Result>
+    void run(const Buffer<Ray>& rays, Buffer<Result>& results, std::uint32_t capacity,
+             const Buffer<std::uint32_t>& count = {}) {
+        const std::size_t items = std::min((std::size_t(capacity) + rays_per_item_ - 1) / rays_per_item_, most_items_);
+        if (options_.brute_force)
+            kernel_.run({items, group_}, bvh_.header_buffer(), bvh_.leaves(), rays, results, capacity, count,
+                        options_.ray_masks);
+        else
+            kernel_.run({items, group_}, bvh_, rays, results, capacity, count, options_.ray_masks, options_.visits,
+                        ray_queue(bvh_.device()));
+    }
+
+private:
+    Bvh bvh_;
+    QueryOptions options_;
+    Kernel kernel_;
+    std::size_t rays_per_item_ = 1, group_ = 64, most_items_ = std::size_t(-1);
+};
+
+}  // namespace claray
