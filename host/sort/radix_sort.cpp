@@ -7,6 +7,8 @@ namespace {
 
 constexpr const char* file = "sort/radix_sort.cl";
 constexpr const char* stage = "sort/radix_sort";
+constexpr const char* bucket_file = "sort/bucket_sort.cl";
+constexpr const char* bucket_stage = "sort/bucket_sort";
 constexpr unsigned digits = 256, digit_bits = 8;
 constexpr std::size_t onesweep_limit = std::size_t(1) << 30;  // a look-back word counts in 30 bits
 
@@ -21,8 +23,6 @@ unsigned items_that_fit(const Device& device, std::size_t key_bytes, unsigned gr
                                            " bytes of local memory");
     return unsigned(std::min<std::size_t>(wanted, most));
 }
-
-unsigned passes_for(unsigned key_bits, unsigned bits) { return (key_bits + bits - 1) / bits; }
 
 }  // namespace
 
@@ -50,12 +50,14 @@ RadixSort<Key>::RadixSort(const Device& device, std::size_t capacity, const Conf
         scan_ = load_kernel(device, file, "scan_histogram", defines);
         sort_digit_ = load_kernel(device, file, "sort_digit", defines);
     } else {
-        run_bits_ = device.tuning(stage, "RUN_BITS");
-        runs_ = std::max(1u, device.info().compute_units * device.tuning(stage, "RUNS_PER_UNIT"));
-        histogram_ = Buffer<std::uint32_t>(device, std::size_t(runs_) << run_bits_);
-        count_runs_ = load_kernel(device, file, "count_runs", defines);
-        scan_runs_ = load_kernel(device, file, "scan_runs", defines);
-        scatter_runs_ = load_kernel(device, file, "scatter_runs", defines);
+        const unsigned units = device.info().compute_units;
+        runs_ = std::max(1u, units * device.tuning(bucket_stage, "RUNS_PER_UNIT"));
+        shares_ = std::max(1u, units * device.tuning(bucket_stage, "SHARES_PER_UNIT"));
+        histogram_ = Buffer<std::uint32_t>(device, std::size_t(runs_) << device.tuning(bucket_stage, "BUCKET_BITS"));
+        count_buckets_ = load_kernel(device, bucket_file, "count_buckets", defines);
+        scan_buckets_ = load_kernel(device, bucket_file, "scan_buckets", defines);
+        fill_buckets_ = load_kernel(device, bucket_file, "fill_buckets", defines);
+        sort_buckets_ = load_kernel(device, bucket_file, "sort_buckets", defines);
     }
 }
 
@@ -68,7 +70,7 @@ void RadixSort<Key>::sort(Buffer<Key>& keys, Buffer<std::uint32_t>& values, std:
     if (config_.onesweep)
         sort_onesweep(keys, values, std::uint32_t(count));
     else
-        sort_runs(keys, values, std::uint32_t(count));
+        sort_by_buckets(keys, values, std::uint32_t(count));
 }
 
 template <class Key>
@@ -79,7 +81,7 @@ void RadixSort<Key>::sort_onesweep(Buffer<Key>& keys, Buffer<std::uint32_t>& val
     const std::size_t counting = std::min<std::size_t>(std::size_t(digit_groups_) * group_size_, count);
     count_all_.run({counting, group_size_}, keys, count, histogram_);
     scan_.run({sizeof(Key) * digits, digits}, histogram_);
-    const unsigned passes = passes_for(config_.key_bits, digit_bits);
+    const unsigned passes = (config_.key_bits + digit_bits - 1) / digit_bits;
     for (std::uint32_t pass = 0; pass < passes; ++pass) {
         const Buffer<std::uint32_t> positions = pass == 0 ? Buffer<std::uint32_t>() : values;
         sort_digit_.run({std::size_t(tiles) * group_size_, group_size_}, keys, positions, other_keys_, other_values_,
@@ -90,18 +92,12 @@ void RadixSort<Key>::sort_onesweep(Buffer<Key>& keys, Buffer<std::uint32_t>& val
 }
 
 template <class Key>
-void RadixSort<Key>::sort_runs(Buffer<Key>& keys, Buffer<std::uint32_t>& values, std::uint32_t count) {
-    const unsigned passes = passes_for(config_.key_bits, run_bits_);
-    const std::uint32_t runs = runs_;
-    for (unsigned pass = 0; pass < passes; ++pass) {
-        const std::uint32_t shift = pass * run_bits_;
-        const Buffer<std::uint32_t> positions = pass == 0 ? Buffer<std::uint32_t>() : values;
-        count_runs_.run({runs, 1}, keys, count, shift, runs, histogram_);
-        scan_runs_.run({1, 1}, runs, histogram_);
-        scatter_runs_.run({runs, 1}, keys, positions, other_keys_, other_values_, count, shift, runs, histogram_);
-        std::swap(keys, other_keys_);
-        std::swap(values, other_values_);
-    }
+void RadixSort<Key>::sort_by_buckets(Buffer<Key>& keys, Buffer<std::uint32_t>& values, std::uint32_t count) {
+    const std::uint32_t bits = config_.key_bits, runs = runs_;
+    count_buckets_.run({runs, 1}, keys, count, bits, runs, histogram_);
+    scan_buckets_.run({1, 1}, runs, histogram_);
+    fill_buckets_.run({runs, 1}, keys, other_keys_, other_values_, count, bits, runs, histogram_);
+    sort_buckets_.run({shares_, 1}, other_keys_, other_values_, keys, values, count, bits, runs, histogram_);
 }
 
 template <class Key>

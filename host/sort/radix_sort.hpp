@@ -1,4 +1,5 @@
-// Stable radix sort of keys with 32-bit values on the device: kernels/sort/radix_sort.cl.
+// Stable radix sort of keys with 32-bit values on the device: kernels/sort/radix_sort.cl on GPUs, bucket_sort.cl on
+// CPUs.
 #pragma once
 
 #include "claray/program.hpp"
@@ -11,7 +12,7 @@ template <class Key>
 class RadixSort {
 public:
     struct Config {
-        bool onesweep = true;                 ///< the GPU's schedule; otherwise the CPU's
+        bool onesweep = true;                 ///< the GPU's schedule; otherwise the CPU's, buckets
         unsigned key_bits = 8 * sizeof(Key);  ///< only the lowest bits of the keys are compared
     };
     /// The schedule that the tuning table gives for the device.
@@ -27,15 +28,15 @@ public:
 
 private:
     void sort_onesweep(Buffer<Key>& keys, Buffer<std::uint32_t>& values, std::uint32_t count);
-    void sort_runs(Buffer<Key>& keys, Buffer<std::uint32_t>& values, std::uint32_t count);
+    void sort_by_buckets(Buffer<Key>& keys, Buffer<std::uint32_t>& values, std::uint32_t count);
 
     Config config_;
     std::size_t capacity_;
-    unsigned group_size_ = 0, tile_ = 0, run_bits_ = 0, runs_ = 0;
+    unsigned group_size_ = 0, tile_ = 0, runs_ = 0, shares_ = 0;
     unsigned digit_groups_ = 0;
     Buffer<Key> other_keys_;
     Buffer<std::uint32_t> other_values_, histogram_, states_;  // states_: the tickets, then the look-back words
-    Kernel count_all_, scan_, sort_digit_, count_runs_, scan_runs_, scatter_runs_;
+    Kernel count_all_, scan_, sort_digit_, count_buckets_, scan_buckets_, fill_buckets_, sort_buckets_;
 };
 
 }  // namespace claray

@@ -1,9 +1,7 @@
-// Stable least-significant-digit radix sort of keys with 32-bit values. Two schedules:
-//   GPU: Onesweep (Adinets and Merrill 2022): histograms of all digits in one read, then a single kernel a digit that
-//        ranks its tile and learns its offset by decoupled look-back (Merrill and Garland 2016). Tiles are numbered by
-//        tickets, so that a tile only ever waits for tiles that already run: no forward-progress guarantee is needed.
-//   CPU: every work-item sorts one long run of keys by private counters: count, scan, scatter.
-// Both give the same order: a stable sort has only one.
+// Stable least-significant-digit radix sort of keys with 32-bit values for GPUs: Onesweep (Adinets and Merrill 2022).
+// Histograms of all digits in one read, then a single kernel a digit that ranks its tile and learns its offset by decoupled
+// look-back (Merrill and Garland 2016). Tiles are numbered by tickets, so that a tile only ever waits for tiles that already
+// run: no forward-progress guarantee is needed. CPUs sort by bucket_sort.cl, to the same order: a stable sort has only one.
 #include "compute/portable.clh"
 
 #ifndef KEY_BITS
@@ -28,8 +26,6 @@ typedef uint Key;
 #define TILE (GROUP_SIZE * ITEMS)
 
 static inline uint digit_of(Key key, uint shift) { return (uint)(key >> shift) & (DIGITS - 1); }
-
-// ---- GPU -----------------------------------------------------------------------------------------------------------
 
 /// Adds the histograms of all digits of all keys to `histogram`: PASSES x DIGITS counters, zero before.
 kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
@@ -180,54 +176,5 @@ void sort_digit(global const Key* keys_in, global const uint* values_in, global 
     for (uint i = 0; i < ITEMS; ++i) {
         const uint at = item + i * GROUP_SIZE;
         if (at < in_tile) values_out[targets[i]] = staged_values[at];
-    }
-}
-
-// ---- CPU -----------------------------------------------------------------------------------------------------------
-
-#ifndef RUN_BITS
-#define RUN_BITS 8  // bits a pass
-#endif
-#define RUN_DIGITS (1u << RUN_BITS)
-
-static inline uint run_digit(Key key, uint shift) { return (uint)(key >> shift) & (RUN_DIGITS - 1); }
-
-static inline uint run_begin(uint run, uint runs, uint count) { return (uint)((ulong)count * run / runs); }
-
-/// Counts the digits of one run of keys an item: counts[digit * runs + run].
-kernel void count_runs(global const Key* keys, uint count, uint shift, uint runs, global uint* counts) {
-    const uint run = get_global_id(0);
-    if (run >= runs) return;
-    uint counters[RUN_DIGITS];
-    for (uint digit = 0; digit < RUN_DIGITS; ++digit) counters[digit] = 0;
-    const uint end = run_begin(run + 1, runs, count);
-    for (uint i = run_begin(run, runs, count); i < end; ++i) ++counters[run_digit(keys[i], shift)];
-    for (uint digit = 0; digit < RUN_DIGITS; ++digit) counts[digit * runs + run] = counters[digit];
-}
-
-/// Exclusive prefix sum of all counts, by a single item.
-kernel void scan_runs(uint runs, global uint* counts) {
-    if (get_global_id(0) != 0) return;
-    uint sum = 0;
-    for (uint i = 0; i < RUN_DIGITS * runs; ++i) {
-        const uint value = counts[i];
-        counts[i] = sum;
-        sum += value;
-    }
-}
-
-/// Moves the keys and values of one run an item to their places. Without `values_in` the values are the positions.
-kernel void scatter_runs(global const Key* keys_in, global const uint* values_in, global Key* keys_out,
-                         global uint* values_out, uint count, uint shift, uint runs, global const uint* counts) {
-    const uint run = get_global_id(0);
-    if (run >= runs) return;
-    uint offsets[RUN_DIGITS];
-    for (uint digit = 0; digit < RUN_DIGITS; ++digit) offsets[digit] = counts[digit * runs + run];
-    const uint end = run_begin(run + 1, runs, count);
-    for (uint i = run_begin(run, runs, count); i < end; ++i) {
-        const Key key = keys_in[i];
-        const uint to = offsets[run_digit(key, shift)]++;
-        keys_out[to] = key;
-        values_out[to] = values_in ? values_in[i] : i;
     }
 }

@@ -3,28 +3,20 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
 #include <limits>
 
 #include "tests/build/support.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/meshes.hpp"
-#include "tests/support/process.hpp"
 
 namespace claray::test {
 namespace {
 
-/// The tests' device with `rows` added to its tuning table.
-Device tuned(const std::string& rows) {
-    const TemporaryFolder folder;
-    std::ofstream(folder / "local.txt") << rows;
-    const ScopedEnvironment local("CLARAY_TUNING", (folder / "local.txt").string());
-    return Device::open(std::to_string(device().info().index));
-}
-
-Device climbing() { return tuned("* build/serial RANGES_PER_UNIT 0\n"); }
-Device serial(unsigned per_unit) {
-    return tuned("* build/serial RANGES_PER_UNIT " + std::to_string(per_unit) + "\n* build/serial RANGE_LEAVES 1\n");
+Device with_ranges(unsigned per_unit) {
+    Device opened = Device::open(std::to_string(device().info().index));
+    opened.set_tuning("build/serial", "RANGES_PER_UNIT", per_unit);
+    opened.set_tuning("build/serial", "RANGE_LEAVES", 1);
+    return opened;
 }
 
 struct Case {
@@ -34,11 +26,11 @@ struct Case {
 const Case cases[] = {{Builder::fast, 63}, {Builder::fast, 30}, {Builder::balanced, 63}, {Builder::balanced, 30}};
 
 void expect_same_trees(const std::vector<Mesh>& meshes, const std::string& what) {
-    static const Device expected = climbing(), few = serial(1), many = serial(17);
+    static const Device climbing = with_ranges(0), few = with_ranges(1), many = with_ranges(17);
     for (const auto& [builder, bits] : cases) {
         SCOPED_TRACE(what + (builder == Builder::fast ? ", fast, " : ", balanced, ") + std::to_string(bits));
         const Bvh::Config config = {.builder = builder, .morton_bits = bits, .layout = Layout::binary};
-        const Bvh wanted = Bvh::build(expected, meshes, config);
+        const Bvh wanted = Bvh::build(climbing, meshes, config);
         for (const Device& on : {few, many}) {
             Bvh bvh = Bvh::build(on, meshes, config);
             bvh.rebuild();  // numbers left over from the first build must not show

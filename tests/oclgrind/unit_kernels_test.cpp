@@ -14,6 +14,12 @@ namespace {
 
 // Every test opens a device of its own: Oclgrind's must be closed before the statics of its compiler are destroyed.
 
+Device open_device() {
+    Device device = Device::open();
+    device.set_tuning("sort/bucket_sort", "BUCKET_BITS", 5);  // or most time would go into empty buckets
+    return device;
+}
+
 /// `count` triangles in the unit cube; every tenth is junk that the build must leave out.
 Mesh soup(std::size_t count) {
     std::mt19937 random(7);
@@ -53,7 +59,7 @@ void sort_all(const Device& device, bool onesweep) {
 }
 
 TEST(UnitKernels, SortBothSchedules) {
-    const Device device = Device::open();
+    const Device device = open_device();
     std::printf("on %s\n", device.info().name.c_str());
     for (const bool onesweep : {false, true}) {
         sort_all<std::uint32_t>(device, onesweep);
@@ -64,7 +70,7 @@ TEST(UnitKernels, SortBothSchedules) {
 class UnitKernelsOnLayout : public testing::TestWithParam<Layout> {};
 
 TEST_P(UnitKernelsOnLayout, BuildRefitAndTrace) {
-    const Device device = Device::open();
+    const Device device = open_device();
     const std::vector<Ray> rays = rays_through_the_cube(65);
     for (const unsigned bits : {30u, 63u})
         for (const std::size_t count : {0u, 1u, 2u, 3u, 130u}) {
@@ -87,6 +93,22 @@ TEST_P(UnitKernelsOnLayout, BuildRefitAndTrace) {
                 EXPECT_EQ(occluded[i] != 0, expected[i].primitive != CLARAY_MISS);
             }
         }
+}
+
+/// Both builders by both schedules: every leaf climbs by itself, or one work-item joins a range.
+TEST(UnitKernels, BuildBySchedule) {
+    const Device device = open_device();
+    for (const unsigned ranges : {0u, 5u}) {
+        device.set_tuning("build/serial", "RANGES_PER_UNIT", ranges);
+        device.set_tuning("build/serial", "RANGE_LEAVES", 1);
+        for (const Builder builder : {Builder::fast, Builder::balanced})
+            for (const std::size_t count : {0u, 1u, 2u, 130u}) {
+                const Mesh mesh = soup(count);
+                const Bvh bvh = Bvh::build(device, {&mesh, 1}, {.builder = builder});
+                EXPECT_EQ(bvh.header().valid, count - count / 10);
+                EXPECT_TRUE(bvh.validate().ok()) << count << " triangles, " << ranges << " ranges";
+            }
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Layouts, UnitKernelsOnLayout, testing::Values(Layout::binary, Layout::wide));
