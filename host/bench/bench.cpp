@@ -1,58 +1,15 @@
 #include "host/bench/bench.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
 #include <limits>
-#include <memory>
 #include <sstream>
 
-#include "claray/query.hpp"
+#include "host/bench/device_rays.hpp"
 #include "host/bench/names.hpp"
 #include "host/bench/rays.hpp"
 
 namespace claray::bench {
 namespace {
-
-/// Rays of one kind on the device, and room for what they find.
-struct DeviceRays {
-    std::string name;
-    bool any_hit;
-    Buffer<Ray> rays;
-    Buffer<Hit> hits;
-    Buffer<std::uint8_t> occluded;
-
-    DeviceRays(const Device& device, std::string kind, bool any, const std::vector<Ray>& of)
-        : name(std::move(kind)),
-          any_hit(any),
-          rays(device, of),
-          hits(device, any ? 0 : of.size()),
-          occluded(device, any ? of.size() : 0) {}
-
-    void trace(const Bvh& bvh) { any_hit ? claray::any_hit(bvh, rays, occluded) : closest_hit(bvh, rays, hits); }
-    [[nodiscard]] std::string results() const {
-        const auto bytes = [](const auto& values) {
-            return std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof values[0]);
-        };
-        return any_hit ? bytes(occluded.read()) : bytes(hits.read());
-    }
-};
-
-std::vector<DeviceRays> upload_rays(const Device& device, const std::string& name, const std::vector<Mesh>& meshes,
-                                    const BenchOptions& options) {
-    Scene scene;
-    scene.meshes = meshes;
-    const std::filesystem::path recorded = std::filesystem::path(name).replace_extension(".ray");
-    const RaySets sets = name.ends_with(".scn") && std::filesystem::exists(recorded)
-                             ? read_rays(recorded)
-                             : make_rays(device, scene, three_views(name, scene), options.width, options.height);
-    std::vector<DeviceRays> all;
-    all.emplace_back(device, "primary", false, sets.primary);
-    all.emplace_back(device, "shadow", true, sets.shadow);
-    all.emplace_back(device, "bounce", false, sets.bounce);
-    all.emplace_back(device, "random", false, sets.mixed);
-    return all;
-}
 
 void check_same_hits(const std::string& scene, std::vector<DeviceRays>& kinds, const std::vector<Bvh>& bvhs) {
     for (DeviceRays& kind : kinds) {
@@ -87,7 +44,7 @@ double PresetResult::mtriangles_per_second() const {
 
 SceneResult run_bench(const Device& device, const std::string& scene, const BenchOptions& options) {
     const std::vector<Mesh> meshes = load_meshes(scene);
-    std::vector<DeviceRays> kinds = upload_rays(device, scene, meshes, options);
+    std::vector<DeviceRays> kinds = upload_rays(device, scene, meshes, options.width, options.height);
     std::vector<Bvh> bvhs;
     for (const Builder preset : options.presets)
         bvhs.push_back(Bvh::build(device, meshes, {.builder = preset, .layout = options.layout}));

@@ -13,5 +13,6 @@ void add_devices_command(CLI::App& app, Action& action);
 void add_scenes_command(CLI::App& app, Action& action);
 void add_render_command(CLI::App& app, Action& action);
 void add_bench_command(CLI::App& app, Action& action);
+void add_tune_command(CLI::App& app, Action& action);
 
 }  // namespace claray::cli

@@ -1,5 +1,6 @@
 #include "host/compute/tuning.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
@@ -9,12 +10,29 @@
 namespace claray {
 namespace {
 
-/// '*' any device; "cpu", "gpu": its type; otherwise a part of the device's name.
-bool pattern_matches(const std::string& pattern, const DeviceInfo& info) {
-    return pattern == "*" || pattern == to_string(info.type) || info.name.find(pattern) != std::string::npos;
+std::string read_table(const std::filesystem::path& path, const std::string& who) {
+    std::ifstream file(path);
+    if (!file) throw Error(ErrorKind::user, who + "cannot read " + path.string());
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
 }
 
 }  // namespace
+
+bool pattern_matches(const std::string& pattern, const DeviceInfo& info) {
+    if (pattern == "*" || pattern == to_string(info.type)) return true;
+    const auto same = [](char in_name, char in_pattern) { return in_pattern == '_' || in_pattern == in_name; };
+    return std::search(info.name.begin(), info.name.end(), pattern.begin(), pattern.end(), same) != info.name.end();
+}
+
+std::filesystem::path local_tuning_path() {
+    const std::filesystem::path file = std::filesystem::path("claray") / "tuning.txt";
+    if (const char* xdg = std::getenv("XDG_CONFIG_HOME"); xdg != nullptr && *xdg) return xdg / file;
+    if (const char* home = std::getenv("HOME"); home != nullptr && *home)
+        return std::filesystem::path(home) / ".config" / file;
+    return {};
+}
 
 void apply_tuning(const std::string& text, const std::string& name, const DeviceInfo& info,
                   std::map<std::string, unsigned>& values) {
@@ -35,13 +53,12 @@ void apply_tuning(const std::string& text, const std::string& name, const Device
 std::map<std::string, unsigned> tuning_for(const DeviceInfo& info) {
     std::map<std::string, unsigned> values;
     apply_tuning(kernel_source("tuning.txt").text, "tuning.txt", info, values);
-    if (const char* local = std::getenv("CLARAY_TUNING"); local != nullptr && *local != '\0') {
-        std::ifstream file(local);
-        if (!file) throw Error(ErrorKind::user, std::string("CLARAY_TUNING: cannot read ") + local);
-        std::ostringstream text;
-        text << file.rdbuf();
-        apply_tuning(text.str(), local, info, values);
-    }
+    const std::filesystem::path users = local_tuning_path();
+    std::error_code unreadable;
+    if (!users.empty() && std::filesystem::exists(users, unreadable))
+        apply_tuning(read_table(users, ""), users.string(), info, values);
+    if (const char* local = std::getenv("CLARAY_TUNING"); local != nullptr && *local != '\0')
+        apply_tuning(read_table(local, "CLARAY_TUNING: "), local, info, values);
     return values;
 }
 

@@ -1,6 +1,7 @@
 // The tuning table: values per device, kernel and parameter, kept out of the code (habit of hashcat's tunings/).
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <string>
 
@@ -8,9 +9,17 @@
 
 namespace claray {
 
-/// Resolves kernels/tuning.txt, then the file named by $CLARAY_TUNING, for one device: "kernel parameter" -> value.
-/// Later rows win over earlier ones, and only rows whose pattern matches count. Throws ErrorKind::user naming the line
-/// of a malformed row.
+/// Whether a row of this pattern is for this device: '*' any; "cpu", "gpu": its type; otherwise a part of its name, in
+/// which '_' stands for any one character.
+bool pattern_matches(const std::string& pattern, const DeviceInfo& info);
+
+/// The user's own table, $XDG_CONFIG_HOME/claray/tuning.txt or ~/.config/claray/tuning.txt; empty where neither
+/// variable is set. It need not exist. `claray tune` writes it.
+std::filesystem::path local_tuning_path();
+
+/// Resolves kernels/tuning.txt, then the user's table where there is one, then the file named by $CLARAY_TUNING, for
+/// one device: "kernel parameter" -> value. Later rows win over earlier ones, and only rows whose pattern matches
+/// count. Throws ErrorKind::user naming the line of a malformed row.
 std::map<std::string, unsigned> tuning_for(const DeviceInfo& info);
 
 /// The same for one table's text; `name` appears in errors.

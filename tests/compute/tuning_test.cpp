@@ -38,6 +38,28 @@ TEST(Tuning, LaterRowsThatMatchWin) {
     EXPECT_EQ(value_for(table, device_named("NVIDIA H200", DeviceType::gpu)), 4294967295u);
 }
 
+TEST(Tuning, PatternsArePartsOfTheNameAndUnderscoresStandForAnything) {
+    const DeviceInfo info = device_named("NVIDIA H200 NVL", DeviceType::gpu);
+    for (const char* pattern : {"*", "gpu", "H200", "NVIDIA_H200", "NVIDIA_H200_NVL", "H_00"})
+        EXPECT_TRUE(pattern_matches(pattern, info)) << pattern;
+    for (const char* pattern : {"cpu", "h200", "H100", "NVIDIAH200", "NVIDIA_H200_NVL_", "H200__NVL"})
+        EXPECT_FALSE(pattern_matches(pattern, info)) << pattern;
+}
+
+TEST(Tuning, UsersTableLiesBetweenTheBuiltInAndTheNamedOne) {
+    const TemporaryFolder folder;
+    const ScopedEnvironment config("XDG_CONFIG_HOME", folder.path().string());
+    EXPECT_EQ(local_tuning_path(), folder / "claray/tuning.txt");
+    EXPECT_NO_THROW((void)tuning_for(device().info())) << "it need not exist";
+    std::filesystem::create_directory(folder / "claray");
+    std::ofstream(folder / "claray/tuning.txt") << "* sort/radix_sort GROUP_SIZE 1\n* sort/radix_sort ITEMS 2\n";
+    std::ofstream(folder / "named.txt") << "* sort/radix_sort ITEMS 3\n";
+    EXPECT_EQ(tuning_for(device().info()).at("sort/radix_sort ITEMS"), 2u);
+    const ScopedEnvironment named("CLARAY_TUNING", (folder / "named.txt").string());
+    EXPECT_EQ(tuning_for(device().info()).at("sort/radix_sort GROUP_SIZE"), 1u);
+    EXPECT_EQ(tuning_for(device().info()).at("sort/radix_sort ITEMS"), 3u);
+}
+
 TEST(Tuning, MalformedRowsNameTableAndLine) {
     for (const char* row : {"*", "* kernel", "* kernel P", "* kernel P many", "* kernel P -1", "* kernel P 4294967296",
                             "* kernel P 1 2", "* kernel P 1.5"}) {

@@ -1,0 +1,98 @@
+// claray tune: which values of the tuning table are faster on this device.
+#include "host/bench/tune.hpp"
+
+#include <cstdio>
+#include <memory>
+
+#include "claray/io.hpp"
+#include "host/cli/commands.hpp"
+#include "host/cli/render_options.hpp"
+#include "host/cli/table.hpp"
+#include "host/compute/tuning.hpp"
+#include "host/io/file.hpp"
+
+namespace claray::cli {
+namespace {
+
+struct Options {
+    bench::TuneOptions tune;
+    std::string device;
+    std::filesystem::path output;
+    bool dry_run = false;
+};
+
+std::string verdict(const bench::Trial& trial) {
+    if (!trial.failure.empty()) return trial.failure;
+    if (trial.in_force) return "in force";
+    return trial.kept ? "kept" : "";
+}
+
+void print_trials(const std::vector<bench::Trial>& trials) {
+    std::vector<Row> rows = {{trials.at(0).kernel + " " + trials[0].parameter, "ms", "time", "noise", ""}};
+    for (const bench::Trial& trial : trials) {
+        const bool failed = !trial.failure.empty();
+        rows.push_back({"  " + std::to_string(trial.value), failed ? "" : fixed(trial.milliseconds, 3),
+                        failed ? "" : fixed(trial.ratio, 3), failed ? "" : fixed(trial.noise, 3), verdict(trial)});
+    }
+    print_table(rows, 1);
+    std::fflush(stdout);
+}
+
+std::filesystem::path choose_output(const Options& options) {
+    const std::filesystem::path path = options.output.empty() ? local_tuning_path() : options.output;
+    if (path.empty())
+        throw Error(ErrorKind::usage, "no place for the tuning table: neither XDG_CONFIG_HOME nor HOME is set",
+                    "name a file: -o FILE");
+    if (options.output.empty()) std::filesystem::create_directories(path.parent_path());
+    check_file_writable(path);
+    return path;
+}
+
+void run(const Options& options) {
+    const std::filesystem::path output = options.dry_run ? std::filesystem::path() : choose_output(options);
+    const Device device = Device::open(options.device);
+    std::printf("%s, driver %s; paired medians of %d interleaved rounds by the device's clock\n",
+                device.info().name.c_str(), device.info().driver.c_str(), options.tune.repeat);
+    const auto rows = bench::tune(device, options.tune, bench::candidates_for(device.info()), print_trials);
+    if (rows.empty()) {
+        std::printf("nothing is faster than what is in force\n");
+        return;
+    }
+    if (options.dry_run) {
+        std::printf("rows for a tuning table:\n%s", bench::with_rows("", device.info(), rows).c_str());
+        return;
+    }
+    std::error_code none;
+    const std::string before = std::filesystem::exists(output, none) ? read_file(output, "check the path") : "";
+    write_file(output, bench::with_rows(before, device.info(), rows));
+    std::printf("%zu rows written to %s%s\n", rows.size(), output.c_str(),
+                options.output.empty() ? "" : "; CLARAY_TUNING names the file to use");
+}
+
+}  // namespace
+
+void add_tune_command(CLI::App& app, Action& action) {
+    CLI::App* command = app.add_subcommand("tune", "Find the values of the tuning table that are faster on a device");
+    command->footer(
+        "Values come from kernels/tuning_candidates.txt. 'time' is relative to the value in force. A value is kept "
+        "where\n"
+        "it saves 2 % and twice the noise, twice over, and changes no result. Without -o the rows go to\n"
+        "$XDG_CONFIG_HOME/claray/tuning.txt, which is read whenever a device is opened.\n"
+        "Example:\n"
+        "  claray tune --device gpu --scene terrain:1000000 --size 960x540 --only trace/");
+    auto options = std::make_shared<Options>();
+    Options& o = *options;
+    o.tune.scenes = {"soup:30000", "terrain:100000"};
+    command->add_option("--scene,scenes", o.tune.scenes, "Scenes to measure with [soup:30000 terrain:100000]");
+    command->add_option_function<std::string>(
+        "--size", [&o](const std::string& text) { std::tie(o.tune.width, o.tune.height) = parse_size(text); },
+        "WIDTHxHEIGHT of each of the three views [192x108]");
+    command->add_option("--repeat", o.tune.repeat, "Rounds that count [9]")->check(CLI::Range(3, 1000));
+    command->add_option("--only", o.tune.only, "Only parameters whose 'kernel PARAMETER' holds this text");
+    command->add_option("--device", o.device, "cpu, gpu, an index or a part of the name (see claray devices)");
+    command->add_option("-o,--output", o.output, "The table to add rows to");
+    command->add_flag("--dry-run", o.dry_run, "Print the rows, write nothing");
+    command->callback([&action, options] { action = [options] { run(*options); }; });
+}
+
+}  // namespace claray::cli

@@ -1,0 +1,51 @@
+// claray tune: its table, its file, its bad input.
+#include "tests/cli/claray.hpp"
+#include "tests/support/device.hpp"
+
+namespace claray::test {
+namespace {
+
+ProcessResult tune(std::vector<std::string> more, const Environment& environment = {}) {
+    std::vector<std::string> all = {"tune",
+                                    "--scene",
+                                    "soup:300",
+                                    "--size",
+                                    "16x8",
+                                    "--repeat",
+                                    "3",
+                                    "--only",
+                                    "trace/any_hit GROUP_SIZE",
+                                    "--device",
+                                    std::to_string(device().info().index)};
+    all.insert(all.end(), more.begin(), more.end());
+    return run_claray(all, environment);
+}
+
+TEST(TuneCommand, PrintsWhatItTried) {
+    const ProcessResult result = tune({"--dry-run"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    for (const char* words : {"trace/any_hit GROUP_SIZE", "in force", "noise"})
+        EXPECT_NE(result.output.find(words), std::string::npos) << words;
+    const bool rows = result.output.find("rows for a tuning table") != std::string::npos;
+    const bool none = result.output.find("nothing is faster") != std::string::npos;
+    EXPECT_NE(rows, none) << result.output;
+}
+
+TEST(TuneCommand, WritesATableThatIsReadAgain) {
+    const TemporaryFolder folder;
+    const Environment home = {{"XDG_CONFIG_HOME", folder.path().string()}};
+    const ProcessResult result = tune({}, home);
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    const auto table = folder / "claray/tuning.txt";
+    EXPECT_EQ(std::filesystem::exists(table), result.output.find("rows written to") != std::string::npos);
+    EXPECT_EQ(run_claray({"bench", "soup:10", "--size", "8x8", "--repeat", "1"}, home).exit_code, 0);
+}
+
+TEST(TuneCommand, BadInput) {
+    EXPECT_TRUE(failed_with(tune({"--repeat", "1"}), 2, "--repeat"));
+    EXPECT_TRUE(failed_with(tune({"-o", "/no/such/folder/t.txt"}), 1, "/no/such/folder"));
+    EXPECT_TRUE(failed_with(tune({"nonsense"}), 2, "nonsense"));
+}
+
+}  // namespace
+}  // namespace claray::test
