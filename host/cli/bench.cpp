@@ -11,7 +11,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/render_options.hpp"
 #include "host/cli/table.hpp"
-#include "host/io/file.hpp"
+#include "host/compute/file.hpp"
 
 namespace claray::cli {
 namespace {

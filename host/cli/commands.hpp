@@ -4,6 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 
+#include "claray/bvh.hpp"
+
 namespace claray::cli {
 
 /// What the command line asks for; set while it is parsed, run afterwards.
@@ -14,5 +16,9 @@ void add_scenes_command(CLI::App& app, Action& action);
 void add_render_command(CLI::App& app, Action& action);
 void add_bench_command(CLI::App& app, Action& action);
 void add_tune_command(CLI::App& app, Action& action);
+void add_build_command(CLI::App& app, Action& action);
+
+/// --builder, --layout and --morton-bits, for the commands that build a tree.
+void add_bvh_options(CLI::App& command, Bvh::Config& config);
 
 }  // namespace claray::cli

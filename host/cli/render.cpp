@@ -6,7 +6,6 @@
 
 #include "claray/io.hpp"
 #include "claray/renderer.hpp"
-#include "host/bench/names.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/render_options.hpp"
@@ -101,16 +100,7 @@ void add_quality_options(CLI::App& command, RenderOptions& o) {
 
 void add_machine_options(CLI::App& command, RenderOptions& o) {
     command.add_option("--device", o.device, "cpu, gpu, an index or a part of the name (see claray devices)");
-    command.add_option("--morton-bits", o.config.bvh.morton_bits, "Bits of a Morton code: 30 or 63 [63]")
-        ->check(CLI::IsMember({30, 63}));
-    command
-        .add_option("--builder", o.config.bvh.builder,
-                    "How the tree is built: fast or balanced (better, slower) [fast]")
-        ->transform(CLI::CheckedTransformer(bench::builders, CLI::ignore_case).description(""))
-        ->type_name("NAME");
-    command.add_option("--layout", o.config.bvh.layout, "Tree that is traversed: auto, binary or wide [auto]")
-        ->transform(CLI::CheckedTransformer(bench::layouts, CLI::ignore_case).description(""))
-        ->type_name("NAME");
+    add_bvh_options(command, o.config.bvh);
     command.add_flag("--stats", o.stats, "Print build time, rays per second and memory");
     command.add_flag("--json", o.json, "Print the result and all statistics as JSON");
     command.add_option("--trace", o.trace, "Write every device command to FILE (JSON) for ui.perfetto.dev");

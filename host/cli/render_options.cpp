@@ -3,7 +3,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "host/io/file.hpp"
+#include "host/compute/file.hpp"
 
 namespace claray::cli {
 namespace {

@@ -9,7 +9,7 @@
 #include "host/cli/render_options.hpp"
 #include "host/cli/table.hpp"
 #include "host/compute/tuning.hpp"
-#include "host/io/file.hpp"
+#include "host/compute/file.hpp"
 
 namespace claray::cli {
 namespace {

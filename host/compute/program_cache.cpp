@@ -1,10 +1,8 @@
 #include "host/compute/program_cache.hpp"
 
-#define XXH_INLINE_ALL
 #include <fcntl.h>
 #include <sys/file.h>
 #include <unistd.h>
-#include <xxhash.h>
 
 #include <array>
 #include <atomic>
@@ -23,7 +21,7 @@ namespace fs = std::filesystem;
 
 // "CLRP", format version, then the XXH3-128 of the binary that follows.
 constexpr std::array<unsigned char, 8> magic = {'C', 'L', 'R', 'P', 1, 0, 0, 0};
-constexpr std::size_t header_bytes = magic.size() + sizeof(XXH128_canonical_t);
+constexpr std::size_t header_bytes = magic.size() + sizeof(Digest);
 
 fs::path cache_folder() {
     if (const char* folder = std::getenv("CLARAY_CACHE_DIR"); folder != nullptr && *folder) return folder;
@@ -32,24 +30,7 @@ fs::path cache_folder() {
     return {};
 }
 
-XXH128_canonical_t checksum(const unsigned char* data, std::size_t bytes) {
-    XXH128_canonical_t canonical;
-    XXH128_canonicalFromHash(&canonical, XXH3_128bits(data, bytes));
-    return canonical;
-}
-
 }  // namespace
-
-std::string hash128(const std::string& data) {
-    const XXH128_canonical_t digest = checksum(reinterpret_cast<const unsigned char*>(data.data()), data.size());
-    std::string text;
-    for (const unsigned char byte : digest.digest) {
-        char digits[3];
-        std::snprintf(digits, sizeof digits, "%02x", byte);
-        text += digits;
-    }
-    return text;
-}
 
 CacheLock::CacheLock() {
     const fs::path folder = cache_folder();
@@ -58,7 +39,8 @@ CacheLock::CacheLock() {
     fs::create_directories(folder, ignored);
     folder_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (folder_ < 0) return;
-    while (::flock(folder_, LOCK_EX) != 0 && errno == EINTR) {}
+    while (::flock(folder_, LOCK_EX) != 0 && errno == EINTR) {
+    }
 }
 
 CacheLock::~CacheLock() {
@@ -72,8 +54,8 @@ std::optional<std::vector<unsigned char>> load_cached_program(const std::string&
     if (!file) return {};
     std::vector<unsigned char> data((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
     if (data.size() <= header_bytes || std::memcmp(data.data(), magic.data(), magic.size()) != 0) return {};
-    const XXH128_canonical_t sum = checksum(data.data() + header_bytes, data.size() - header_bytes);
-    if (std::memcmp(data.data() + magic.size(), sum.digest, sizeof sum.digest) != 0) return {};
+    const Digest sum = digest_of(data.data() + header_bytes, data.size() - header_bytes);
+    if (std::memcmp(data.data() + magic.size(), sum.data(), sum.size()) != 0) return {};
     data.erase(data.begin(), data.begin() + header_bytes);
     return data;
 }
@@ -88,9 +70,9 @@ void store_cached_program(const std::string& key, const std::vector<unsigned cha
         folder / (key + "." + std::to_string(::getpid()) + "." + std::to_string(serial++) + ".tmp");
     {
         std::ofstream file(temporary, std::ios::binary);
-        const XXH128_canonical_t sum = checksum(binary.data(), binary.size());
+        const Digest sum = digest_of(binary.data(), binary.size());
         file.write(reinterpret_cast<const char*>(magic.data()), std::streamsize(magic.size()));
-        file.write(reinterpret_cast<const char*>(sum.digest), sizeof sum.digest);
+        file.write(reinterpret_cast<const char*>(sum.data()), sum.size());
         file.write(reinterpret_cast<const char*>(binary.data()), std::streamsize(binary.size()));
         if (!file.flush()) {
             fs::remove(temporary, ignored);

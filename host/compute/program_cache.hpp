@@ -5,15 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "host/compute/hash.hpp"
+
 namespace claray {
 
-/// 128 bits as 32 hexadecimal digits (XXH3).
-std::string hash128(const std::string& data);
-
-/// Held while a program is looked up, compiled and stored: of many processes that start at once one compiles, the others
-/// then find its binary. It also keeps them out of a crash of PoCL 3.1, which lists its own cache folder while it hands
-/// out a binary, and follows temporary folders that other processes have removed by then. Without a folder that can
-/// be opened nothing is locked.
+/// Held while a program is looked up, compiled and stored: of many processes that start at once one compiles, the
+/// others then find its binary. It also keeps them out of a crash of PoCL 3.1, which lists its own cache folder while
+/// it hands out a binary, and follows temporary folders that other processes have removed by then. Without a folder
+/// that can be opened nothing is locked.
 class CacheLock {
 public:
     CacheLock();

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "claray/error.hpp"
-#include "host/io/file.hpp"
+#include "host/compute/file.hpp"
 
 namespace claray {
 namespace {

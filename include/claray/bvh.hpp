@@ -1,6 +1,7 @@
 // The acceleration structure: build, rebuild, refit, validate.
 #pragma once
 
+#include <filesystem>
 #include <span>
 
 #include "claray/buffer.hpp"
@@ -72,6 +73,14 @@ public:
     [[nodiscard]] static Bvh build(const Device& device, const TriangleBuffers& triangles) {
         return build(device, triangles, Config{});
     }
+
+    /// Writes the structure and its triangles to a file, so that `load` gives what was saved: same tree, same hits, and it
+    /// can be refitted and rebuilt. Written by temporary file and rename. Throws ErrorKind::user where that fails.
+    void save(const std::filesystem::path& path) const;
+    /// A saved structure, on any device; a wide tree is made from the binary one in the file. Throws ErrorKind::user,
+    /// naming the file, where it can't be read, is damaged, or was written by another version.
+    [[nodiscard]] static Bvh load(const Device& device, const std::filesystem::path& path,
+                                  Layout layout = Layout::automatic);
 
     /// Builds anew, in the same memory, after the positions in `triangles().positions` have changed.
     void rebuild();

@@ -12,7 +12,7 @@ TEST(Commands, VersionAndHelp) {
     const ProcessResult version = run_claray({"--version"});
     EXPECT_EQ(version.exit_code, 0);
     EXPECT_EQ(version.output.substr(0, 7), "claray ");
-    for (const char* command : {"", "devices", "scenes", "render", "bench", "tune"}) {
+    for (const char* command : {"", "devices", "scenes", "render", "build", "bench", "tune"}) {
         std::vector<std::string> arguments = {"--help"};
         if (*command) arguments.insert(arguments.begin(), command);
         const ProcessResult help = run_claray(arguments);

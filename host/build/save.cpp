@@ -1,0 +1,202 @@
+// A built structure as a file, and back. docs/formats.md describes the bytes.
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstddef>
+#include <cstring>
+#include <fstream>
+
+#include "host/build/bvh_state.hpp"
+#include "host/compute/file.hpp"
+#include "host/compute/hash.hpp"
+
+namespace claray {
+namespace {
+
+constexpr std::array<char, 8> magic = {'C', 'L', 'R', 'B', 'V', 'H', '\r', '\n'};
+constexpr std::uint32_t current_version = 1;
+constexpr std::uint32_t byte_order = 0x01020304;  // reads otherwise on a machine of the other byte order
+/// What the arrays are made of: a file of other structs is not ours to read.
+constexpr std::uint32_t struct_sizes = sizeof(BvhNode) << 16 | sizeof(LeafTriangle) << 8 | sizeof(BvhHeader);
+constexpr std::size_t chunk_bytes = std::size_t(16) << 20;
+
+/// The beginning of a file. Then the arrays in the order of their counts, and the digest of all that follows the
+/// header.
+struct FileHeader {
+    std::array<char, 8> name;
+    std::uint32_t version;
+    std::uint32_t order;
+    std::uint32_t structs;
+    std::uint32_t builder;
+    std::uint32_t morton_bits;
+    std::uint32_t spare;
+    std::uint64_t file_bytes;
+    std::uint64_t nodes, leaves, positions, indices, geometries, masks;  // elements
+    BvhHeader bvh;
+    Digest digest;  // of this header up to here
+};
+static_assert(sizeof(FileHeader) == 168);
+
+Digest digest_of_header(const FileHeader& header) { return digest_of(&header, offsetof(FileHeader, digest)); }
+
+/// Writes a buffer in pieces, so that host memory need not hold it.
+template <class T>
+void write_buffer(NewFile& file, Hasher& hasher, const Buffer<T>& buffer) {
+    std::vector<T> chunk;
+    for (std::size_t done = 0; done < buffer.size(); done += chunk.size()) {
+        chunk.resize(std::min(buffer.size() - done, chunk_bytes / sizeof(T)));
+        buffer.read(std::span<T>(chunk), done);
+        hasher.add(chunk.data(), chunk.size() * sizeof(T));
+        file.write(chunk.data(), chunk.size() * sizeof(T));
+    }
+}
+
+/// A saved structure while it is read. Every error names the file and what to do.
+class SavedFile {
+public:
+    explicit SavedFile(const std::filesystem::path& path) : path_(path), file_(path, std::ios::binary | std::ios::ate) {
+        std::error_code none;
+        if (std::filesystem::is_directory(path, none)) refuse("it is a folder", "name a file");
+        if (!file_) refuse(std::strerror(errno), "check the path");
+        bytes_ = std::uint64_t(file_.tellg());
+        file_.seekg(0);
+        read_header();
+    }
+
+    [[nodiscard]] const FileHeader& header() const { return header_; }
+
+    /// The first `count` elements of a buffer that holds as many.
+    template <class T>
+    void fill(Buffer<T>& buffer, std::uint64_t count) {
+        std::vector<T> chunk;
+        for (std::uint64_t done = 0; done < count; done += chunk.size()) {
+            chunk.resize(std::min<std::uint64_t>(count - done, chunk_bytes / sizeof(T)));
+            read(chunk.data(), chunk.size() * sizeof(T));
+            hasher_.add(chunk.data(), chunk.size() * sizeof(T));
+            buffer.write(std::span<const T>(chunk), done);
+        }
+    }
+
+    void check_digest() {
+        Digest digest;
+        read(digest.data(), digest.size());
+        if (digest != hasher_.digest()) refuse_damaged("its checksum is wrong");
+    }
+
+    [[noreturn]] void refuse_damaged(const std::string& why) const {
+        refuse("the file is damaged: " + why, "build the structure anew and save it again");
+    }
+
+private:
+    [[noreturn]] void refuse(const std::string& why, const std::string& remedy) const {
+        throw Error(ErrorKind::user, "cannot load '" + path_.string() + "': " + why, remedy);
+    }
+
+    void read(void* data, std::size_t bytes) {
+        if (!file_.read(static_cast<char*>(data), std::streamsize(bytes))) refuse_damaged("it ends too early");
+    }
+
+    void read_header() {
+        if (bytes_ < sizeof(FileHeader)) {
+            std::array<char, 8> begin{};
+            file_.read(begin.data(), begin.size());
+            if (!std::equal(begin.begin(), begin.begin() + file_.gcount(), magic.begin()) || file_.gcount() == 0)
+                refuse_stranger();
+            refuse_damaged("it ends too early");
+        }
+        read(&header_, sizeof header_);
+        if (header_.name != magic) refuse_stranger();
+        if (header_.order != byte_order)
+            refuse("it was written on a machine of another byte order", "build the structure on this machine");
+        if (header_.version != current_version)
+            refuse("it has format " + std::to_string(header_.version) + ", this claray reads format " +
+                       std::to_string(current_version),
+                   header_.version > current_version ? "use a newer claray, or build the structure anew"
+                                                     : "build the structure anew and save it again");
+        if (header_.digest != digest_of_header(header_)) refuse_damaged("the checksum of its header is wrong");
+        if (header_.structs != struct_sizes)
+            refuse("its nodes or triangles have another layout", "build the structure anew and save it again");
+        if (header_.file_bytes != bytes_)
+            refuse_damaged("it has " + std::to_string(bytes_) + " bytes instead of " +
+                           std::to_string(header_.file_bytes));
+    }
+
+    [[noreturn]] void refuse_stranger() const {
+        refuse("it is no saved structure", "name a file that Bvh::save wrote");
+    }
+
+    std::filesystem::path path_;
+    std::ifstream file_;
+    std::uint64_t bytes_ = 0;
+    FileHeader header_{};
+    Hasher hasher_;
+};
+
+}  // namespace
+
+void Bvh::save(const std::filesystem::path& path) const {
+    const State& s = *state_;
+    FileHeader header{};
+    header.name = magic;
+    header.version = current_version;
+    header.order = byte_order;
+    header.structs = struct_sizes;
+    header.builder = std::uint32_t(s.config.builder);
+    header.morton_bits = s.config.morton_bits;
+    header.nodes = s.nodes.size();
+    header.leaves = s.leaves.size();
+    header.positions = s.triangles.positions.size();
+    header.indices = s.triangles.indices.size();
+    header.geometries = s.triangles.geometries.size();
+    header.masks = s.triangles.masks.size();
+    header.bvh = s.read_header();
+    header.file_bytes = sizeof header + s.nodes.bytes() + s.leaves.bytes() + s.triangles.positions.bytes() +
+                        s.triangles.indices.bytes() + s.triangles.geometries.bytes() + s.triangles.masks.bytes() +
+                        sizeof(Digest);
+    header.digest = digest_of_header(header);
+
+    NewFile file(path);
+    Hasher hasher;
+    file.write(&header, sizeof header);
+    write_buffer(file, hasher, s.nodes);
+    write_buffer(file, hasher, s.leaves);
+    write_buffer(file, hasher, s.triangles.positions);
+    write_buffer(file, hasher, s.triangles.indices);
+    write_buffer(file, hasher, s.triangles.geometries);
+    write_buffer(file, hasher, s.triangles.masks);
+    const Digest digest = hasher.digest();
+    file.write(digest.data(), digest.size());
+    file.commit();
+}
+
+Bvh Bvh::load(const Device& device, const std::filesystem::path& path, Layout layout) {
+    SavedFile file(path);
+    const FileHeader& header = file.header();
+    Config config;
+    config.builder = Builder(header.builder);
+    config.morton_bits = header.morton_bits;
+    config.layout = layout;
+
+    TriangleBuffers triangles;
+    triangles.positions = Buffer<float>(device, header.positions);
+    triangles.indices = Buffer<std::uint32_t>(device, header.indices);
+    if (header.geometries > 0) triangles.geometries = Buffer<std::uint32_t>(device, header.geometries);
+    if (header.masks > 0) triangles.masks = Buffer<std::uint32_t>(device, header.masks);
+    Bvh bvh;
+    bvh.state_ = std::make_shared<State>(device, triangles, config);
+    State& s = *bvh.state_;
+    if (s.nodes.size() != header.nodes || s.leaves.size() != header.leaves)
+        file.refuse_damaged("its tree and its triangles don't belong together");
+    file.fill(s.nodes, header.nodes);
+    file.fill(s.leaves, header.leaves);
+    file.fill(s.triangles.positions, header.positions);
+    file.fill(s.triangles.indices, header.indices);
+    file.fill(s.triangles.geometries, header.geometries);
+    file.fill(s.triangles.masks, header.masks);
+    file.check_digest();
+    s.header.write(std::span(&header.bvh, 1));
+    if (s.layout == Layout::wide) s.collapse();
+    return bvh;
+}
+
+}  // namespace claray

@@ -1,0 +1,129 @@
+// claray build: what a tree costs and how good it is; and a file to keep it in.
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "host/bench/measure.hpp"
+#include "host/bench/names.hpp"
+#include "host/bench/rays.hpp"
+#include "host/cli/commands.hpp"
+#include "host/cli/table.hpp"
+#include "host/compute/file.hpp"
+
+namespace claray::cli {
+namespace {
+
+struct Options {
+    std::string scene, device;
+    Bvh::Config config;
+    std::filesystem::path output;
+    int repeat = 5;
+    bool json = false;
+};
+
+constexpr const char* saved_extension = ".cbvh";
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+struct Report {
+    BvhStatistics statistics;
+    std::string hash, layout;
+    bool valid = false;
+    bench::Timing build;                        // no rounds where the structure was loaded
+    double load_seconds = 0, save_seconds = 0;  // 0: not done
+};
+
+Report make_report(const Device& device, const Options& options) {
+    Report report;
+    const auto begin = std::chrono::steady_clock::now();
+    const bool saved = options.scene.ends_with(saved_extension);
+    Bvh bvh = saved ? Bvh::load(device, options.scene, options.config.layout)
+                    : Bvh::build(device, bench::load_meshes(options.scene), options.config);
+    if (saved)
+        report.load_seconds = seconds_since(begin);
+    else
+        report.build = bench::measure_rounds(device, options.repeat, {[&bvh] { bvh.rebuild(); }})[0];
+    report.statistics = bvh.statistics();
+    report.hash = bvh.hash();
+    report.layout = bench::name_of(bench::layouts, bvh.layout());
+    report.valid = bvh.validate().ok();
+    if (!options.output.empty()) {
+        const auto before = std::chrono::steady_clock::now();
+        bvh.save(options.output);
+        report.save_seconds = seconds_since(before);
+    }
+    return report;
+}
+
+void print_as_text(const Device& device, const Options& options, const Report& r) {
+    const BvhStatistics& s = r.statistics;
+    std::printf("%s on %s\n", options.scene.c_str(), device.info().name.c_str());
+    std::printf("tree          %s, %u triangles (%u culled), height %u, SAH cost %.2f, %.1f MB, %s\n", r.layout.c_str(),
+                s.triangles, s.culled, s.height, s.sah_cost, double(s.bytes) * 1e-6, r.valid ? "valid" : "INVALID");
+    std::printf("hash          %s\n", r.hash.c_str());
+    if (r.load_seconds > 0) std::printf("loaded        in %.2f s\n", r.load_seconds);
+    if (!r.build.rounds.empty()) {
+        std::printf("build         %.3f ms, %.1f Mtri/s; %.3f ms with the pauses between commands; median of %zu\n",
+                    r.build.milliseconds(), double(s.triangles) * 1e-3 / r.build.milliseconds(), r.build.span(),
+                    r.build.rounds.size());
+        std::vector<Row> rows;
+        for (const auto& [stage, ms] : r.build.commands) rows.push_back({"  " + stage, fixed(ms, 3) + " ms"});
+        print_table(rows, 1);
+    }
+    if (r.save_seconds > 0)
+        std::printf("saved         %s, %.1f MB in %.2f s\n", options.output.c_str(),
+                    double(std::filesystem::file_size(options.output)) * 1e-6, r.save_seconds);
+}
+
+void print_as_json(const Device& device, const Options& options, const Report& r) {
+    nlohmann::ordered_json report = {{"scene", options.scene},
+                                     {"device", device.info().name},
+                                     {"layout", r.layout},
+                                     {"triangles", r.statistics.triangles},
+                                     {"culled", r.statistics.culled},
+                                     {"height", r.statistics.height},
+                                     {"sah_cost", r.statistics.sah_cost},
+                                     {"bytes", r.statistics.bytes},
+                                     {"hash", r.hash},
+                                     {"valid", r.valid}};
+    if (!r.build.rounds.empty())
+        report["build"] = {
+            {"milliseconds", r.build.milliseconds()}, {"span", r.build.span()}, {"stages", r.build.commands}};
+    if (r.load_seconds > 0) report["load_seconds"] = r.load_seconds;
+    if (r.save_seconds > 0) report["save_seconds"] = r.save_seconds;
+    std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+}
+
+void run(const Options& options) {
+    if (!options.output.empty()) check_file_writable(options.output);
+    const Device device = Device::open(options.device);
+    const Report report = make_report(device, options);
+    options.json ? print_as_json(device, options, report) : print_as_text(device, options, report);
+    if (!report.valid)
+        throw Error(ErrorKind::device, "the tree of " + options.scene + " is not valid on " + device.info().name,
+                    "report this with the output of 'claray devices --json'");
+}
+
+}  // namespace
+
+void add_build_command(CLI::App& app, Action& action) {
+    CLI::App* command = app.add_subcommand("build", "Build a tree: its cost stage by stage, its quality; or save it");
+    command->footer(
+        "A saved tree can be loaded on any device: Bvh::load, or 'claray build FILE.cbvh', which checks it.\n"
+        "Example:\n"
+        "  claray build scene.obj --builder balanced -o scene.cbvh");
+    auto options = std::make_shared<Options>();
+    Options& o = *options;
+    command->add_option("scene", o.scene, "An OBJ file, a built-in scene, or a saved tree (.cbvh)")->required();
+    command->add_option("-o,--output", o.output, "Save the tree and its triangles: FILE.cbvh");
+    add_bvh_options(*command, o.config);
+    command->add_option("--repeat", o.repeat, "Builds to take the median of [5]")->check(CLI::Range(1, 1000));
+    command->add_option("--device", o.device, "cpu, gpu, an index or a part of the name (see claray devices)");
+    command->add_flag("--json", o.json, "Print the result as JSON");
+    command->callback([&action, options] { action = [options] { run(*options); }; });
+}
+
+}  // namespace claray::cli

@@ -1,0 +1,129 @@
+#include "host/compute/file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <utility>
+
+#include "claray/error.hpp"
+
+namespace claray {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void fail(const std::string& action, const fs::path& path, int error) {
+    const char* remedy = "check the path";
+    if (error == ENOSPC || error == EDQUOT || error == EFBIG) remedy = "free some space or choose another folder";
+    if (error == EACCES || error == EPERM || error == EROFS) remedy = "choose a folder that you may write to";
+    if (error == ENOENT || error == ENOTDIR) remedy = "create the folder first";
+    if (error == EISDIR) remedy = "name a file in the folder";
+    throw Error(ErrorKind::user, action + " '" + path.string() + "': " + std::strerror(error), remedy);
+}
+
+/// Links are followed, so that renaming replaces what they point to and not the link.
+fs::path resolve(const fs::path& path) {
+    std::error_code error;
+    const fs::path target = fs::is_symlink(path, error) ? fs::canonical(path, error) : path;
+    return error || target.empty() ? path : target;
+}
+
+/// Devices and pipes (/dev/null, /dev/stdout) must be written to, never replaced by a file.
+bool is_special(const fs::path& path) {
+    std::error_code error;
+    const fs::file_status status = fs::status(path, error);
+    return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
+}
+
+/// The name of a new file is safe on disk only after its folder is. Not every file system can sync a folder.
+void sync_folder_of(const fs::path& path) {
+    const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+    const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor < 0) return;
+    ::fsync(descriptor);
+    ::close(descriptor);
+}
+
+void refuse_folder(const fs::path& path) {
+    std::error_code error;
+    if (path.empty() || !path.has_filename() || fs::is_directory(path, error)) fail("cannot write", path, EISDIR);
+}
+
+}  // namespace
+
+std::string read_file(const fs::path& path, const std::string& remedy) {
+    std::error_code error;
+    const fs::file_status status = fs::status(path, error);
+    const auto refuse = [&](const std::string& why) {
+        throw Error(ErrorKind::user, "cannot read '" + path.string() + "': " + why, remedy);
+    };
+    if (!fs::exists(status)) refuse(error ? error.message() : "No such file or directory");
+    if (!fs::is_regular_file(status)) refuse("not a regular file");
+    std::ifstream file(path, std::ios::binary | std::ios::ate);
+    if (!file) refuse(std::strerror(errno));
+    std::string bytes(std::size_t(file.tellg()), '\0');
+    file.seekg(0).read(bytes.data(), std::streamsize(bytes.size()));
+    if (!file) refuse("read error");
+    return bytes;
+}
+
+NewFile::NewFile(const fs::path& path) : path_(path) {
+    refuse_folder(path);
+    target_ = resolve(path);
+    if (is_special(target_))
+        file_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC);
+    else
+        create();
+    if (file_ < 0) fail("cannot write", path, errno);
+}
+
+NewFile::~NewFile() {
+    if (file_ >= 0) ::close(file_);
+    if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+// A name may be taken by what a crashed process of the same number left behind.
+void NewFile::create() {
+    static std::atomic<unsigned> serial{0};
+    for (int attempt = 0; attempt < 100; ++attempt) {
+        fs::path name = target_;
+        name += "." + std::to_string(::getpid()) + "." + std::to_string(serial++) + ".tmp";
+        file_ = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (file_ >= 0) temporary_ = name;
+        if (file_ >= 0 || errno != EEXIST) return;
+    }
+}
+
+void NewFile::write(const void* data, std::size_t bytes) {
+    for (std::size_t done = 0; done < bytes;) {
+        const ssize_t count = ::write(file_, static_cast<const char*>(data) + done, bytes - done);
+        if (count < 0 && errno == EINTR) continue;
+        if (count <= 0) fail("cannot write", path_, errno);
+        done += std::size_t(count);
+    }
+}
+
+void NewFile::commit() {
+    if (!temporary_.empty() && ::fsync(file_) != 0) fail("cannot write", path_, errno);
+    // Some file systems report a failed write only now.
+    if (::close(std::exchange(file_, -1)) != 0) fail("cannot write", path_, errno);
+    if (temporary_.empty()) return;
+    if (::rename(temporary_.c_str(), target_.c_str()) != 0) fail("cannot write", path_, errno);
+    temporary_.clear();
+    sync_folder_of(target_);
+}
+
+void write_file(const fs::path& path, const std::string& bytes) {
+    NewFile file(path);
+    file.write(bytes.data(), bytes.size());
+    file.commit();
+}
+
+void check_file_writable(const fs::path& path) { const NewFile file(path); }
+
+}  // namespace claray

@@ -1,0 +1,38 @@
+// Files as a whole: read one, write one so that there is never half of it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace claray {
+
+/// The bytes of a file. Throws ErrorKind::user where it can't be read; `remedy` completes that message.
+[[nodiscard]] std::string read_file(const std::filesystem::path& path, const std::string& remedy);
+
+/// A file that appears under its name, complete and safe on disk, when `commit` is called, and otherwise never: it is
+/// written beside its place and renamed. Links are followed; devices and pipes are written in place. All functions
+/// throw ErrorKind::user naming the path.
+class NewFile {
+public:
+    explicit NewFile(const std::filesystem::path& path);
+    ~NewFile();
+    NewFile(const NewFile&) = delete;
+    NewFile& operator=(const NewFile&) = delete;
+
+    void write(const void* data, std::size_t bytes);
+    void commit();
+
+private:
+    void create();
+
+    std::filesystem::path path_, target_, temporary_;  // no temporary file where the target is written in place
+    int file_ = -1;
+};
+
+/// A whole file as a NewFile; public in claray/io.hpp.
+void write_file(const std::filesystem::path& path, const std::string& bytes);
+
+/// Throws what writing to this path would, as far as can be told without writing.
+void check_file_writable(const std::filesystem::path& path);
+
+}  // namespace claray
