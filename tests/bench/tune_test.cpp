@@ -50,16 +50,22 @@ TEST(Candidates, MalformedRowsNameTableAndLine) {
         })) << row;
 }
 
-TEST(Candidates, AreParametersOfTheTuningTable) {
+TEST(Candidates, AreTheParametersOfTheTuningTable) {
     for (const DeviceType type : {DeviceType::cpu, DeviceType::gpu}) {
         const DeviceInfo info = named("some device", type);
         std::map<std::string, unsigned> tuned;
         apply_tuning(kernel_source("tuning.txt").text, "tuning.txt", info, tuned);
+        std::set<std::string> tried;
         for (const TuningCandidates& of : candidates_for(info)) {
+            tried.insert(of.kernel + " " + of.parameter);
             EXPECT_EQ(tuned.count(of.kernel + " " + of.parameter), 1u)
                 << of.kernel << " " << of.parameter << " is not in kernels/tuning.txt";
             EXPECT_EQ(std::set<unsigned>(of.values.begin(), of.values.end()).size(), of.values.size());
         }
+        for (const auto& [name, value] : tuned)
+            EXPECT_EQ(tried.count(name), 1u)
+                << "add a row for " << name
+                << " to kernels/tuning_candidates.txt, with one value if it is not to be tried";
     }
 }
 

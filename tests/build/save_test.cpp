@@ -26,10 +26,11 @@ protected:
     }
     [[nodiscard]] testing::AssertionResult refused(const std::string& bytes, const std::string& words) const {
         const fs::path file = file_of(bytes);
-        const auto result = throws_error(
-            ErrorKind::user, "cannot load '" + file.string() + "': ", [&] { (void)Bvh::load(device(), file); });
-        if (!result) return result;
-        return throws_error(ErrorKind::user, words, [&] { (void)Bvh::load(device(), file); });
+        const auto result = throws_error(ErrorKind::user, words, [&] { (void)Bvh::load(device(), file); });
+        const std::string message = result.message();
+        if (result && message.find("cannot load '" + file.string() + "': ") == std::string::npos)
+            return testing::AssertionFailure() << "the file is not named: " << message;
+        return result;
     }
     [[nodiscard]] std::string saved(const Bvh& bvh) const {
         bvh.save(path());
@@ -97,9 +98,9 @@ TEST_F(Save, KeepsGeometriesMasksAndCulledTriangles) {
 }
 
 TEST_F(Save, LargerThanAChunk) {
-    const Bvh bvh = build(soup(300'000, 0.01f, 5), 63, Layout::automatic);
+    const Bvh bvh = build(soup(200'000, 0.01f, 5), 63, Layout::automatic);
     bvh.save(path());
-    EXPECT_GT(fs::file_size(path()), 2u * (16u << 20));
+    EXPECT_GT(fs::file_size(path()), (16u << 20));
     expect_same(bvh, Bvh::load(device(), path()));
 }
 
@@ -155,7 +156,7 @@ TEST_F(Save, EveryFlippedBitOfTheHeaderIsRefused) {
 TEST_F(Save, FlippedBitsAnywhereAreRefused) {
     const std::string good = saved(build(soup(200, 0.3f, 7)));
     Random random(5);
-    for (int i = 0; i < 400; ++i) {
+    for (int i = 0; i < 150; ++i) {
         std::string bad = good;
         const std::size_t at = header_bytes + random.below(std::uint32_t(good.size() - header_bytes));
         bad[at] = char(bad[at] ^ (1 << random.below(8)));
