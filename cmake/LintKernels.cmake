@@ -1,14 +1,16 @@
 # Compiles every kernel alone by clang, once for each kind of device: cmake -DSOURCE_DIR= -DCLANG= -P this.
 set(kind_cpu -DCLARAY_CPU=1)
 set(kind_gpu -DCLARAY_CPU=0)
-set(kind_nvidia -DCLARAY_CPU=0 -DCLARAY_NVIDIA=1 --target=nvptx64-unknown-nvcl -Dasm=__asm__)  # C99 reserves no `asm`
+set(kind_nvidia -DCLARAY_CPU=0 -DCLARAY_NVIDIA=1 --target=nvptx64-unknown-nvcl -Dasm=__asm__  # C99 reserves no `asm`
+    -DRAY_QUEUE=1)
+set(kind_nvidia_coherent ${kind_nvidia} -DCOHERENT=1)
 file(GLOB_RECURSE kernels RELATIVE "${SOURCE_DIR}" "${SOURCE_DIR}/kernels/*.cl")
 if(NOT kernels)
     message(FATAL_ERROR "no kernels under ${SOURCE_DIR}/kernels")
 endif()
 set(failed 0)
 foreach(kernel IN LISTS kernels)
-    foreach(kind cpu gpu nvidia)
+    foreach(kind cpu gpu nvidia nvidia_coherent)
         execute_process(
             COMMAND "${CLANG}" -x cl -cl-std=CL1.2 -fsyntax-only -Wall -Wextra -Werror -Wno-unused-function -Wno-unused-parameter
                     -Iinclude -Ikernels ${kind_${kind}} "${kernel}"
@@ -21,6 +23,6 @@ foreach(kernel IN LISTS kernels)
 endforeach()
 list(LENGTH kernels count)
 if(failed)
-    message(FATAL_ERROR "${failed} of ${count} x 3 kernel compilations failed")
+    message(FATAL_ERROR "${failed} of ${count} x 4 kernel compilations failed")
 endif()
 message(STATUS "all ${count} kernels compile alone, for CPUs, GPUs and NVIDIA's")

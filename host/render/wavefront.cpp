@@ -41,8 +41,10 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
     const Defines with_sampler = {{"SAMPLER", std::to_string(std::uint32_t(sampler))}};
     defines.insert(defines.end(), with_sampler.begin(), with_sampler.end());
     generate_ = load_kernel(device, "render/generate_rays.cl", "generate_rays", with_sampler);
-    trace_camera_ = QueryKernel(scene.bvh, QueryKernel::Kind::closest, {}, trace_camera_name);
-    trace_bounce_ = QueryKernel(scene.bvh, QueryKernel::Kind::closest, {}, trace_bounce_name);
+    QueryOptions camera, bounce;
+    camera.coherence = Coherence::coherent, bounce.coherence = Coherence::incoherent;
+    trace_camera_ = QueryKernel(scene.bvh, QueryKernel::Kind::closest, camera, trace_camera_name);
+    trace_bounce_ = QueryKernel(scene.bvh, QueryKernel::Kind::closest, bounce, trace_bounce_name);
     shade_ = load_kernel(device, "render/shade_surface.cl", "shade_surface", defines);
     advance_ = load_kernel(device, "render/advance_queues.cl", "advance_queues");
     if (scene.lights == 0) return;

@@ -10,24 +10,49 @@ namespace claray {
 const cl::Buffer& ray_queue(const Device& device) {
     cl::Buffer& queue = device.state().ray_queue;
     if (!queue()) {
-        queue = detail::allocate(device, 2 * sizeof(std::uint32_t));
-        detail::fill_bytes(device, queue, 0, 2 * sizeof(std::uint32_t));
+        queue = detail::allocate(device, 3 * sizeof(std::uint32_t));
+        detail::fill_bytes(device, queue, 0, 3 * sizeof(std::uint32_t));
     }
     return queue;
 }
 
 QueryKernel::QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options, const std::string& name)
     : bvh_(bvh), options_(options) {
+    const Device& device = bvh.device();
     const std::string query = kind == Kind::closest ? "closest_hit" : "any_hit";
     const std::string stem = options.brute_force ? "trace/brute_force" : "trace/" + query;
     const std::string function = options.brute_force ? "brute_force_" + query : query;
-    kernel_ = load_kernel(bvh.device(), stem + ".cl", function, query_defines(bvh.defines(), options));
-    if (!name.empty()) kernel_ = Kernel(bvh.device(), kernel_.handle(), name);
-    if (options.brute_force) return;
-    rays_per_item_ = std::max(1u, bvh.device().tuning(stem, "RAYS_PER_ITEM"));
-    group_ = bvh.device().tuning(stem, "GROUP_SIZE");
-    if (bvh.device().tuning(stem, "RAY_QUEUE") != 0 && bvh.layout() == Layout::binary)
-        most_items_ = std::max(1u, bvh.device().info().compute_units * bvh.device().tuning(stem, "GROUPS_PER_UNIT")) * group_;
+    const Defines common = query_defines(bvh.defines(), options);
+    const auto load = [&](const Defines& more) {
+        Defines defines = common;
+        defines.insert(defines.end(), more.begin(), more.end());
+        const Kernel kernel = load_kernel(device, stem + ".cl", function, defines);
+        kernels_.push_back(name.empty() ? kernel : Kernel(device, kernel.handle(), name));
+    };
+    if (options.brute_force) {
+        load({});
+        return;
+    }
+    rays_per_item_ = std::max(1u, device.tuning(stem, "RAYS_PER_ITEM"));
+    group_ = device.tuning(stem, "GROUP_SIZE");
+    if (device.tuning(stem, "RAY_QUEUE") == 0 || bvh.layout() != Layout::binary) {
+        load({{"RAY_QUEUE", "0"}});
+        return;
+    }
+    most_items_ = std::max(1u, device.info().compute_units * device.tuning(stem, "GROUPS_PER_UNIT")) * group_;
+    // Rays that need not find the nearest hit are short enough for the simple schedule.
+    if (kind == Kind::any || options.visits.allocated() || options.coherence == Coherence::coherent) {
+        load({{"COHERENT", "1"}});
+    } else if (options.coherence == Coherence::incoherent) {
+        load({{"COHERENT", "0"}});
+    } else {
+        load({{"COHERENT", "1"}, {"CHOOSE", "1"}});
+        load({{"COHERENT", "0"}, {"CHOOSE", "1"}});
+        sample_group_ = 256;
+        sample_ = load_kernel(device, "trace/sample_coherence.cl", "sample_coherence",
+                              {{"GROUP_SIZE", std::to_string(sample_group_)}});
+        sample_ = Kernel(device, sample_.handle(), kernels_[0].name());  // part of the query's time
+    }
 }
 
 }  // namespace claray

@@ -7,7 +7,7 @@
 
 namespace claray {
 
-/// The two words of kernels/trace/ray_queue.clh, one pair a device: its commands run one after another.
+/// The three words of kernels/trace/ray_queue.clh, the same for all queries of a device: its commands run one after another.
 [[nodiscard]] const cl::Buffer& ray_queue(const Device& device);
 
 class QueryKernel {
@@ -24,19 +24,23 @@ public:
     void run(const Buffer<Ray>& rays, Buffer<Result>& results, std::uint32_t capacity,
              const Buffer<std::uint32_t>& count = {}) {
         const std::size_t items = std::min((std::size_t(capacity) + rays_per_item_ - 1) / rays_per_item_, most_items_);
-        if (options_.brute_force)
-            kernel_.run({items, group_}, bvh_.header_buffer(), bvh_.leaves(), rays, results, capacity, count,
-                        options_.ray_masks);
-        else
-            kernel_.run({items, group_}, bvh_, rays, results, capacity, count, options_.ray_masks, options_.visits,
-                        ray_queue(bvh_.device()));
+        if (options_.brute_force) {
+            kernels_[0].run({items, group_}, bvh_.header_buffer(), bvh_.leaves(), rays, results, capacity, count,
+                            options_.ray_masks);
+            return;
+        }
+        const cl::Buffer& queue = ray_queue(bvh_.device());
+        if (kernels_.size() > 1) sample_.run({sample_group_, sample_group_}, rays, capacity, count, queue);
+        for (Kernel& kernel : kernels_)
+            kernel.run({items, group_}, bvh_, rays, results, capacity, count, options_.ray_masks, options_.visits, queue);
     }
 
 private:
     Bvh bvh_;
     QueryOptions options_;
-    Kernel kernel_;
-    std::size_t rays_per_item_ = 1, group_ = 64, most_items_ = std::size_t(-1);
+    std::vector<Kernel> kernels_;  // two schedules, of which the device chooses one, or one
+    Kernel sample_;
+    std::size_t rays_per_item_ = 1, group_ = 64, most_items_ = std::size_t(-1), sample_group_ = 64;
 };
 
 }  // namespace claray

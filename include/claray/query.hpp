@@ -8,9 +8,17 @@
 
 namespace claray {
 
+/// Whether neighbouring rays of an array point the same way, as a camera's do. Only speed depends on it.
+enum class Coherence {
+    automatic,  ///< a sample of the rays decides
+    coherent,
+    incoherent
+};
+
 struct QueryOptions {
     bool cull_back_faces = false;     ///< only triangles whose vertices appear counterclockwise are hit
     bool brute_force = false;         ///< tests every triangle, without the tree: same hits, for comparison
+    Coherence coherence = Coherence::automatic;
     Buffer<std::uint32_t> ray_masks;  ///< per ray; empty: every ray sees every mesh
     Buffer<Visits> visits;            ///< where allocated, receives what each ray cost
 };

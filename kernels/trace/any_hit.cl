@@ -2,7 +2,7 @@
 #include "trace/ray_queue.clh"
 
 /// As the kernel closest_hit; writes 1 for a hit and 0 for none.
-kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
+kernel QUERY_GROUP
 void any_hit(CLARAY_BVH_PARAMETERS, global const Ray* rays, global uchar* occluded, uint capacity,
              global const uint* count, global const uint* masks, global Visits* visits, volatile global uint* queue) {
     const uint all = rays_to_trace(capacity, count);
@@ -10,6 +10,7 @@ void any_hit(CLARAY_BVH_PARAMETERS, global const Ray* rays, global uchar* occlud
     const Query query = {rays, masks, all, true, 0, occluded};
     trace_queue(CLARAY_BVH, &query, queue);
 #else
+    if (CHOOSE && queue[2] != COHERENT) return;
     FOR_EACH_RAY(i, all) {
         Visits visited = {0, 0};
         const Hit hit = claray_trace(CLARAY_BVH, rays[i], true, CULL_BACK_FACES, mask_of_ray(masks, i), &visited);

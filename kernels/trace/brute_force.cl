@@ -8,7 +8,7 @@ static inline Hit test_all(global const BvhHeader* header, global const LeafTria
     Candidate best = no_candidate(ray.tmax);
     const uint valid = header->valid;
     for (uint i = 0; i < valid; ++i)
-        if (try_leaf(&prepared, leaves, i, ray.tmax, &best) && any) break;
+        if (try_leaf(&prepared, leaves, i, &best) && any) break;
     return finish_candidate(&prepared, leaves, best, ray.tmax, any);
 }
 

@@ -2,8 +2,8 @@
 #include "trace/ray_queue.clh"
 
 /// Traces the first min(capacity, *count) rays, or all where `count` is absent. `masks` and `visits` are read and written
-/// where the macros CLARAY_RAY_MASKS and CLARAY_COUNT_VISITS say so; `queue` is two words, zero before and after.
-kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
+/// where the macros CLARAY_RAY_MASKS and CLARAY_COUNT_VISITS say so; `queue`: see ray_queue.clh.
+kernel QUERY_GROUP
 void closest_hit(CLARAY_BVH_PARAMETERS, global const Ray* rays, global Hit* hits, uint capacity,
                  global const uint* count, global const uint* masks, global Visits* visits, volatile global uint* queue) {
     const uint all = rays_to_trace(capacity, count);
@@ -11,6 +11,7 @@ void closest_hit(CLARAY_BVH_PARAMETERS, global const Ray* rays, global Hit* hits
     const Query query = {rays, masks, all, false, hits, 0};
     trace_queue(CLARAY_BVH, &query, queue);
 #else
+    if (CHOOSE && queue[2] != COHERENT) return;
     FOR_EACH_RAY(i, all) {
         Visits visited = {0, 0};
         hits[i] = claray_trace(CLARAY_BVH, rays[i], false, CULL_BACK_FACES, mask_of_ray(masks, i), &visited);
