@@ -14,6 +14,16 @@ Layout resolve(Layout layout, const Device& device) {
     return device.tuning("trace/closest_hit", "WIDE") != 0 ? Layout::wide : Layout::binary;
 }
 
+/// As many subtrees at least, fewer than eight times as many, are collapsed by an item each.
+std::uint32_t subtrees_for(const Device& device) {
+    return device.info().compute_units * device.tuning("build/collapse", "SUBTREES_PER_UNIT");
+}
+
+/// Wide nodes whose numbers an item takes at once: few enough that what is left over costs little memory.
+std::uint32_t numbers_at_once(std::uint32_t count, const Device& device) {
+    return std::clamp(count / (64u * CLARAY_WIDTH * std::max(subtrees_for(device), 1u)), 1u, 32u);
+}
+
 }  // namespace
 
 Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& with)
@@ -84,8 +94,11 @@ void Bvh::State::allocate() {
     }
     if (layout == Layout::wide) {
         // A node with a wide child has 8 slots, one without has at least 5 triangles: at most count / 4 nodes in all.
-        wide_nodes = Buffer<WideNode>(device, count / 4 + 1);
-        wide_blocks = Buffer<TriangleBlock>(device, std::max(count, 1u));
+        // Every subtree may leave all but one of the numbers that it took at once unused.
+        const std::size_t spare =
+            std::size_t(CLARAY_WIDTH) * subtrees_for(device) * (numbers_at_once(count, device) - 1);
+        wide_nodes = Buffer<WideNode>(device, count / 4 + 1 + spare);
+        wide_blocks = Buffer<TriangleBlock>(device, std::max(count, 1u) + 2 * spare);
     }
 }
 
@@ -151,13 +164,14 @@ void Bvh::State::build() {
 void Bvh::State::collapse() {
     begin_collapse_.run({1, 1}, header, wide_nodes);
     std::uint32_t begin = 0, end = read_header().wide_nodes;
-    const std::uint32_t enough = device.info().compute_units * device.tuning("build/collapse", "SUBTREES_PER_UNIT");
+    const std::uint32_t enough = subtrees_for(device), at_once = numbers_at_once(count, device);
     while (begin < end && end - begin < enough) {
         collapse_level_.run({end - begin, 1}, nodes, leaves, wide_nodes, wide_blocks, header, begin, end);
         begin = end;
         end = read_header().wide_nodes;
     }
-    collapse_subtrees_.run({end - begin, 1}, nodes, leaves, wide_nodes, wide_blocks, header, begin, end);
+    collapse_subtrees_.run({end - begin, 1}, nodes, leaves, wide_nodes, wide_blocks, header, begin, end, at_once,
+                           std::uint32_t(config.builder == Builder::fast));
 }
 
 void Bvh::State::refit() {

@@ -1,24 +1,47 @@
 // The wide tree from the binary one, level by level from the root: a wide node starts from a binary node's children and
 // opens the one with the largest area until it is full (Wald et al. 2008, "Getting Rid of Packets").
+#include "build/columns.clh"
 #include "build/triangles.clh"
 
-/// A subtree of so few leaves becomes one block of triangles.
-static inline bool fits_block(global const BvhNode* nodes, uint child) {
-    return is_leaf(child) || (nodes[child].height_count & CLARAY_COUNT_LIMIT) <= CLARAY_BLOCK;
+/// Leaves below a child; a subtree of at most CLARAY_BLOCK becomes one block of triangles.
+static inline uint leaves_below(global const BvhNode* nodes, uint child) {
+    return is_leaf(child) ? 1 : nodes[child].height_count & CLARAY_COUNT_LIMIT;
+}
+
+/// Subtrees of at most so many leaves come into the cache as a whole.
+#ifndef FETCHED_LEAVES
+#define FETCHED_LEAVES 64u
+#endif
+
+/// Asks for the `count` - 1 nodes of the subtree `child` of node `parent`. Their numbers are known where a node has the
+/// number of the leaf before its split; clustering on CPUs numbers them one after the other, the root last.
+static inline void fetch_subtree(global const BvhNode* nodes, bool by_split, uint parent, uint side, uint child,
+                                 uint count) {
+    const uint end = !by_split ? child : side == 0 ? parent - 1 : parent + count - 1;
+    for (uint i = 0; i + 1 < count && i <= end; ++i) prefetch_line(&nodes[end - i]);
 }
 
 /// Stores row i of four leaves, 3 coordinates and a word each, as four rows of a block.
 #define STORE_ROWS(row, to_x, to_y, to_z, to_w)                                                              \
-    vstore4((float4)(a[row].x, b[row].x, c[row].x, d[row].x), 0, to_x);                                      \
-    vstore4((float4)(a[row].y, b[row].y, c[row].y, d[row].y), 0, to_y);                                      \
-    vstore4((float4)(a[row].z, b[row].z, c[row].z, d[row].z), 0, to_z);                                      \
-    vstore4(as_uint4((float4)(a[row].w, b[row].w, c[row].w, d[row].w)), 0, to_w)
+    store_streaming4((float4)(a[row].x, b[row].x, c[row].x, d[row].x), (global float4*)(to_x));              \
+    store_streaming4((float4)(a[row].y, b[row].y, c[row].y, d[row].y), (global float4*)(to_y));              \
+    store_streaming4((float4)(a[row].z, b[row].z, c[row].z, d[row].z), (global float4*)(to_z));              \
+    store_streaming4((float4)(a[row].w, b[row].w, c[row].w, d[row].w), (global float4*)(to_w))
 
-/// The leaves below `child`, at most CLARAY_BLOCK, from left to right; returns how many. Lanes that are left over repeat
-/// the last leaf and are not looked at.
-static inline uint fill_block(global const BvhNode* nodes, global const LeafTriangle* leaves, uint child,
-                              global TriangleBlock* block) {
-    uint stack[CLARAY_BLOCK], slots[CLARAY_BLOCK], depth = 0, count = 0;
+static inline void fill_block(global const LeafTriangle* leaves, const uint* slots, global TriangleBlock* block) {
+    global const float4* a = (global const float4*)&leaves[slots[0]];
+    global const float4* b = (global const float4*)&leaves[slots[1]];
+    global const float4* c = (global const float4*)&leaves[slots[2]];
+    global const float4* d = (global const float4*)&leaves[slots[3]];
+    STORE_ROWS(0, block->v0x, block->v0y, block->v0z, block->primitive);
+    STORE_ROWS(1, block->v1x, block->v1y, block->v1z, block->geometry);
+    STORE_ROWS(2, block->v2x, block->v2y, block->v2z, block->mask);
+}
+
+/// The leaves below `child`, at most CLARAY_BLOCK, from left to right. Lanes that are left over repeat the last leaf and are
+/// not looked at.
+static inline void list_leaves(global const BvhNode* nodes, uint child, uint* slots) {
+    uint stack[CLARAY_BLOCK], depth = 0, count = 0;
     stack[depth++] = child;
     while (depth != 0) {
         const uint top = stack[--depth];
@@ -30,55 +53,178 @@ static inline uint fill_block(global const BvhNode* nodes, global const LeafTria
         }
     }
     for (uint lane = count; lane < CLARAY_BLOCK; ++lane) slots[lane] = slots[count - 1];
-    global const float4* a = (global const float4*)&leaves[slots[0]];
-    global const float4* b = (global const float4*)&leaves[slots[1]];
-    global const float4* c = (global const float4*)&leaves[slots[2]];
-    global const float4* d = (global const float4*)&leaves[slots[3]];
-    STORE_ROWS(0, block->v0x, block->v0y, block->v0z, block->primitive);
-    STORE_ROWS(1, block->v1x, block->v1y, block->v1z, block->geometry);
-    STORE_ROWS(2, block->v2x, block->v2y, block->v2z, block->mask);
-    return count;
 }
 
+static inline void prefetch_children(global const BvhNode* nodes, uint index) {
+    prefetch_line(&nodes[nodes[index].child0 & CLARAY_SLOT]);
+    prefetch_line(&nodes[nodes[index].child1 & CLARAY_SLOT]);
+}
+
+// ---- what an item makes --------------------------------------------------------------------------------------------
+
+/// Blocks are filled later, when what they need has come into the cache: so many blocks later their leaves are listed, and
+/// as many again later they are filled.
+#define DELAY 16u
+
+typedef struct Output {
+    global const BvhNode* nodes;
+    global const LeafTriangle* leaves;
+    global WideNode* wide;
+    global TriangleBlock* blocks;
+    volatile global BvhHeader* header;
+    uint node, node_end, block, block_end;  // numbers taken, so many at once that items seldom meet at the counters
+    uint nodes_at_once, blocks_at_once;
+    bool by_split;
+    uint fills;                                 // asked for so far
+    uint fill_slots[2 * DELAY][CLARAY_BLOCK];  // at first the child alone
+    uint fill_block[2 * DELAY];
+} Output;
+
+static inline Output begin_output(global const BvhNode* nodes, global const LeafTriangle* leaves, global WideNode* wide,
+                                  global TriangleBlock* blocks, volatile global BvhHeader* header, uint at_once,
+                                  bool by_split) {
+    Output out;
+    out.nodes = nodes, out.leaves = leaves, out.wide = wide, out.blocks = blocks, out.header = header;
+    out.node = out.node_end = out.block = out.block_end = out.fills = 0;
+    out.by_split = by_split;
+    out.nodes_at_once = at_once, out.blocks_at_once = 2 * at_once - 1;
+    return out;
+}
+
+static inline uint take_node(Output* out) {
+    if (out->node == out->node_end) {
+        out->node = atomic_add(&out->header->wide_nodes, out->nodes_at_once);
+        out->node_end = out->node + out->nodes_at_once;
+    }
+    return out->node++;
+}
+
+static inline uint take_block(Output* out) {
+    if (out->block == out->block_end) {
+        out->block = atomic_add(&out->header->wide_blocks, out->blocks_at_once);
+        out->block_end = out->block + out->blocks_at_once;
+    }
+    return out->block++;
+}
+
+static inline void list_fill(Output* out, uint fill) {
+    uint* slots = out->fill_slots[fill % (2 * DELAY)];
+    list_leaves(out->nodes, slots[0], slots);
+    for (uint lane = 0; lane < CLARAY_BLOCK; ++lane) prefetch_line(&out->leaves[slots[lane]]);
+    prefetch_line(&out->leaves[slots[CLARAY_BLOCK - 1]].mask);
+}
+
+static inline void finish_fill(Output* out, uint fill) {
+    const uint at = fill % (2 * DELAY);
+    fill_block(out->leaves, out->fill_slots[at], &out->blocks[out->fill_block[at]]);
+}
+
+/// Makes a block of the `count` leaves below `child`; returns the reference to it.
+static inline uint add_block(Output* out, uint child, uint count) {
+    const uint fill = out->fills++, at = fill % (2 * DELAY), block = take_block(out);
+    if (fill >= DELAY) list_fill(out, fill - DELAY);
+    if (fill >= 2 * DELAY) finish_fill(out, fill - 2 * DELAY);
+    out->fill_slots[at][0] = child, out->fill_block[at] = block;
+    if (count > 2) prefetch_children(out->nodes, child);
+    return CLARAY_LEAF | ((count - 1) << CLARAY_LEAF_COUNT_SHIFT) | block;
+}
+
+/// Fills what is left to be filled, and marks the numbers that are left over as nodes without children.
+static inline void finish_output(Output* out) {
+    const uint fills = out->fills;
+    for (uint fill = fills > DELAY ? fills - DELAY : 0; fill < fills; ++fill) list_fill(out, fill);
+    for (uint fill = fills > 2 * DELAY ? fills - 2 * DELAY : 0; fill < fills; ++fill) finish_fill(out, fill);
+    for (; out->node < out->node_end; ++out->node)
+        for (uint i = 0; i < CLARAY_WIDTH; ++i) out->wide[out->node].child[i] = CLARAY_NO_CHILD;
+    finish_streaming();
+}
+
+// ---- one wide node -------------------------------------------------------------------------------------------------
+
 typedef struct Slots {
-    uint child[CLARAY_WIDTH];
-    Box box[CLARAY_WIDTH];
-    float area[CLARAY_WIDTH];  // negative for what becomes a block
+    float boxes[CLARAY_WIDTH][8];  // lo and the child's bits, hi
+    ulong rank[CLARAY_WIDTH];      // the largest area first, then the lowest slot; 0: not to be opened
+    uint leaves[CLARAY_WIDTH];     // below each
     uint count;
 } Slots;
 
-static inline void set_slot(global const BvhNode* nodes, Slots* slots, uint at, uint child, Box box) {
-    slots->child[at] = child;
-    slots->box[at] = box;
-    slots->area[at] = fits_block(nodes, child) ? -1.0f : half_area(box);
+static inline void set_slot(Slots* slots, uint at, uint child, uint leaves_below, float4 lo, float4 hi) {
+    const float4 extent = hi - lo;
+    const float4 sides = extent * extent.yzxw;
+    const float area = sides.x + sides.y + sides.z;  // half_area
+    lo.w = as_float(child);
+    vstore4(lo, 0, slots->boxes[at]);
+    vstore4(hi, 1, slots->boxes[at]);
+    slots->leaves[at] = leaves_below;
+    slots->rank[at] = leaves_below <= CLARAY_BLOCK ? 0 : (ulong)as_uint(area) << 32 | (CLARAY_WIDTH - at);
 }
 
-/// Replaces slot `at` by the two children of its node.
-static inline void open_slot(global const BvhNode* nodes, Slots* slots, uint at) {
-    global const BvhNode* node = &nodes[slots->child[at]];
-    set_slot(nodes, slots, at, node->child0, child_box(node, 0));
-    set_slot(nodes, slots, slots->count++, node->child1, child_box(node, 1));
-}
-
-static inline Slots open_children(global const BvhNode* nodes, global const LeafTriangle* leaves, uint root) {
-    Slots slots;
-    slots.count = 1;
-    set_slot(nodes, &slots, 0, root, box_of_child(nodes, leaves, root));
-    if (!is_leaf(root)) open_slot(nodes, &slots, 0);  // even where all would fit one block
-    while (slots.count < CLARAY_WIDTH) {
-        uint best = 0;
-        for (uint i = 1; i < slots.count; ++i)
-            if (slots.area[i] > slots.area[best]) best = i;
-        if (slots.area[best] < 0.0f) break;
-        open_slot(nodes, &slots, best);
+/// Replaces slot `at` by the two children of `index`.
+static inline void open_slot(const Output* out, Slots* slots, uint at, uint index) {
+    global const BvhNode* node = &out->nodes[index];
+    global const float4* rows = (global const float4*)node;
+    const uint child0 = node->child0, child1 = node->child1;
+    const uint count0 = leaves_below(out->nodes, child0), count1 = leaves_below(out->nodes, child1);
+    if (count0 + count1 > FETCHED_LEAVES) {
+        if (count0 <= FETCHED_LEAVES) fetch_subtree(out->nodes, out->by_split, index, 0, child0, count0);
+        if (count1 <= FETCHED_LEAVES) fetch_subtree(out->nodes, out->by_split, index, 1, child1, count1);
     }
-    return slots;
+    const float4 xy0 = rows[0], xy1 = rows[1], z = rows[2];
+    set_slot(slots, at, child0, count0, (float4)(xy0.xz, z.x, 0.0f), (float4)(xy0.yw, z.y, 0.0f));
+    set_slot(slots, slots->count++, child1, count1, (float4)(xy1.xz, z.z, 0.0f), (float4)(xy1.yw, z.w, 0.0f));
 }
 
-static inline void store_slot(global WideNode* wide, uint i, Box box) {
-    wide->lox[i] = box.lo.x, wide->loy[i] = box.lo.y, wide->loz[i] = box.lo.z;
-    wide->hix[i] = box.hi.x, wide->hiy[i] = box.hi.y, wide->hiz[i] = box.hi.z;
+/// The slots of the wide node that stands for `root`; those beyond the count hold a box that no ray meets.
+static inline void open_children(const Output* out, uint root, Slots* slots) {
+    for (uint i = 0; i < CLARAY_WIDTH; ++i) {
+        vstore4((float4)((float3)(INFINITY), as_float(CLARAY_NO_CHILD)), 0, slots->boxes[i]);
+        vstore4((float4)(-INFINITY), 1, slots->boxes[i]);
+        slots->rank[i] = 0;
+    }
+    slots->count = 1;
+    if (is_leaf(root)) {
+        const Box box = box_of_child(out->nodes, out->leaves, root);
+        set_slot(slots, 0, root, 1, (float4)(box.lo, 0.0f), (float4)(box.hi, 0.0f));
+        return;
+    }
+    open_slot(out, slots, 0, root);  // even where all would fit one block
+    while (slots->count < CLARAY_WIDTH) {
+        ulong best = 0;
+        for (uint i = 0; i < CLARAY_WIDTH; ++i) best = max(best, slots->rank[i]);
+        if (best == 0) break;
+        const uint at = CLARAY_WIDTH - (uint)best;
+        open_slot(out, slots, at, as_uint(slots->boxes[at][3]));
+    }
 }
+
+/// Fills wide node `index`, which stands for binary node `root`. Lists the wide nodes below it as (index, binary node);
+/// returns their number.
+static inline uint collapse_node(Output* out, uint index, uint root, uint2* below) {
+    Slots slots;
+    open_children(out, root, &slots);
+    uint child[CLARAY_WIDTH], count = 0;
+    for (uint i = 0; i < CLARAY_WIDTH; ++i) {
+        const uint source = as_uint(slots.boxes[i][3]);
+        if (i >= slots.count) {
+            child[i] = CLARAY_NO_CHILD;
+        } else if (slots.rank[i] == 0) {
+            child[i] = add_block(out, source, slots.leaves[i]);
+        } else {
+            child[i] = take_node(out);
+            prefetch_children(out->nodes, source);
+            below[count++] = (uint2)(child[i], source);
+        }
+    }
+    const Columns boxes = load_columns(slots.boxes[0]);
+    global float8* rows = (global float8*)&out->wide[index];
+    store_streaming8(boxes.lox, &rows[0]), store_streaming8(boxes.hix, &rows[1]);
+    store_streaming8(boxes.loy, &rows[2]), store_streaming8(boxes.hiy, &rows[3]);
+    store_streaming8(boxes.loz, &rows[4]), store_streaming8(boxes.hiz, &rows[5]);
+    store_streaming8(as_float8(vload8(0, child)), &rows[6]), store_streaming8(boxes.low, &rows[7]);
+    return count;
+}
+
+// ---- kernels -------------------------------------------------------------------------------------------------------
 
 /// The first wide node stands for the binary root.
 kernel void begin_collapse(global BvhHeader* header, global WideNode* wide) {
@@ -88,58 +234,35 @@ kernel void begin_collapse(global BvhHeader* header, global WideNode* wide) {
     wide[0].source[0] = header->root;
 }
 
-/// Fills a wide node, whose `source[0]` names the binary node, and appends the nodes below it: returns the first, their
-/// number in `below_count`.
-static inline uint collapse_node(global const BvhNode* nodes, global const LeafTriangle* leaves, global WideNode* wide,
-                                 global TriangleBlock* blocks, volatile global BvhHeader* header, uint index,
-                                 uint* below_count) {
-    const Slots slots = open_children(nodes, leaves, wide[index].source[0]);
-    const Box none = {(float3)(INFINITY), (float3)(-INFINITY)};
-    uint blocks_here = 0;
-    for (uint i = 0; i < slots.count; ++i) blocks_here += slots.area[i] < 0.0f;
-    *below_count = slots.count - blocks_here;
-    uint block = atomic_add(&header->wide_blocks, blocks_here);
-    const uint first_below = *below_count != 0 ? atomic_add(&header->wide_nodes, *below_count) : 0;
-    uint below = first_below;
-    for (uint i = 0; i < CLARAY_WIDTH; ++i) {
-        const bool used = i < slots.count;
-        const uint source = used ? slots.child[i] : CLARAY_NO_CHILD;
-        store_slot(&wide[index], i, used ? slots.box[i] : none);
-        wide[index].source[i] = source;
-        if (!used) {
-            wide[index].child[i] = CLARAY_NO_CHILD;
-        } else if (slots.area[i] < 0.0f) {
-            const uint triangles = fill_block(nodes, leaves, source, &blocks[block]);
-            wide[index].child[i] = CLARAY_LEAF | ((triangles - 1) << CLARAY_LEAF_COUNT_SHIFT) | block++;
-        } else {
-            wide[below].source[0] = source;
-            wide[index].child[i] = below++;
-        }
-    }
-    return first_below;
-}
-
-/// One level: wide nodes begin .. end - 1, one item each.
+/// One level: wide nodes begin .. end - 1, one item each. `source[0]` names the binary node that a wide node is for.
 kernel void collapse_level(global const BvhNode* nodes, global const LeafTriangle* leaves, global WideNode* wide,
                            global TriangleBlock* blocks, volatile global BvhHeader* header, uint begin, uint end) {
     const uint index = begin + get_global_id(0);
     if (index >= end) return;
-    uint below_count;
-    collapse_node(nodes, leaves, wide, blocks, header, index, &below_count);
+    Output out = begin_output(nodes, leaves, wide, blocks, header, 1, true);
+    uint2 below[CLARAY_WIDTH];
+    const uint count = collapse_node(&out, index, wide[index].source[0], below);
+    for (uint i = 0; i < count; ++i) wide[below[i].x].source[0] = below[i].y;
+    finish_output(&out);
 }
 
 /// All that is below wide nodes begin .. end - 1, one item a subtree, depth first: a small subtree's nodes lie close
-/// together and stay in the cache, and so will the wide nodes when they are traversed.
+/// together and stay in the cache, and so will the wide nodes when they are traversed. `at_once`: wide nodes whose numbers are
+/// taken at once; `by_split`: how the binary nodes are numbered, see fetch_subtree.
 kernel void collapse_subtrees(global const BvhNode* nodes, global const LeafTriangle* leaves, global WideNode* wide,
-                              global TriangleBlock* blocks, volatile global BvhHeader* header, uint begin, uint end) {
-    if (begin + get_global_id(0) >= end) return;
-    uint stack[CLARAY_MAX_HEIGHT * (CLARAY_WIDTH - 1) + 1], depth = 0;
-    stack[depth++] = begin + get_global_id(0);
+                              global TriangleBlock* blocks, volatile global BvhHeader* header, uint begin, uint end,
+                              uint at_once, uint by_split) {
+    const uint index = begin + get_global_id(0);
+    if (index >= end) return;
+    Output out = begin_output(nodes, leaves, wide, blocks, header, at_once, by_split != 0);
+    uint2 stack[CLARAY_MAX_HEIGHT * (CLARAY_WIDTH - 1) + CLARAY_WIDTH];
+    uint depth = 0;
+    stack[depth++] = (uint2)(index, wide[index].source[0]);
     while (depth != 0) {
-        uint below_count;
-        const uint first = collapse_node(nodes, leaves, wide, blocks, header, stack[--depth], &below_count);
-        for (uint i = below_count; i-- > 0;) stack[depth++] = first + i;
+        const uint2 top = stack[--depth];
+        depth += collapse_node(&out, top.x, top.y, stack + depth);
     }
+    finish_output(&out);
 }
 
 /// Copies boxes and triangles of a refitted binary tree into the wide tree; one item a wide node.
@@ -150,7 +273,13 @@ kernel void refit_wide(global const BvhNode* nodes, global const LeafTriangle* l
     for (uint i = 0; i < CLARAY_WIDTH; ++i) {
         const uint source = wide[index].source[i], child = wide[index].child[i];
         if (child == CLARAY_NO_CHILD) continue;
-        store_slot(&wide[index], i, box_of_child(nodes, leaves, source));
-        if (is_leaf(child)) fill_block(nodes, leaves, source, &blocks[child & CLARAY_SLOT]);
+        const Box box = box_of_child(nodes, leaves, source);
+        wide[index].lox[i] = box.lo.x, wide[index].loy[i] = box.lo.y, wide[index].loz[i] = box.lo.z;
+        wide[index].hix[i] = box.hi.x, wide[index].hiy[i] = box.hi.y, wide[index].hiz[i] = box.hi.z;
+        if (!is_leaf(child)) continue;
+        uint slots[CLARAY_BLOCK];
+        list_leaves(nodes, source, slots);
+        fill_block(leaves, slots, &blocks[child & CLARAY_SLOT]);
     }
+    finish_streaming();
 }

@@ -1,6 +1,7 @@
 // The tree of hploc.cl by the serial schedule for CPUs. The clusters of all subtrees that wait on the stack form one list
 // from left to right, so that a meeting works on the list's end, and nothing is read back from memory. Nodes are numbered
 // from the range's first leaf on, as they are made.
+#include "build/columns.clh"
 #include "build/serial.clh"
 
 /// As in hploc.cl.
@@ -64,25 +65,12 @@ typedef struct Search {
     uint distance[MOST];                              // index of the nearest XOR the own
 } Search;
 
-/// The lower (upper) two floats of each half of both, interleaved.
-#define UNPACK_LOW(a, b) (float8)(a.s0, b.s0, a.s1, b.s1, a.s4, b.s4, a.s5, b.s5)
-#define UNPACK_HIGH(a, b) (float8)(a.s2, b.s2, a.s3, b.s3, a.s6, b.s6, a.s7, b.s7)
-
-/// Rows i .. i + 7 of the list as columns.
-static inline void load_columns(Search* search, const Cluster* list, uint i) {
-    const float* rows = (const float*)(list + i);
-    const float8 r0 = vload8(0, rows), r1 = vload8(1, rows), r2 = vload8(2, rows), r3 = vload8(3, rows);
-    const float8 r4 = vload8(4, rows), r5 = vload8(5, rows), r6 = vload8(6, rows), r7 = vload8(7, rows);
-    const float8 xy01 = UNPACK_LOW(r0, r1), xy23 = UNPACK_LOW(r2, r3), xy45 = UNPACK_LOW(r4, r5),
-                 xy67 = UNPACK_LOW(r6, r7);
-    const float8 z01 = UNPACK_HIGH(r0, r1), z23 = UNPACK_HIGH(r2, r3), z45 = UNPACK_HIGH(r4, r5),
-                 z67 = UNPACK_HIGH(r6, r7);
-    vstore8((float8)(xy01.s01, xy23.s01, xy45.s01, xy67.s01), 0, search->lox + i);
-    vstore8((float8)(xy01.s23, xy23.s23, xy45.s23, xy67.s23), 0, search->loy + i);
-    vstore8((float8)(z01.s01, z23.s01, z45.s01, z67.s01), 0, search->loz + i);
-    vstore8((float8)(xy01.s45, xy23.s45, xy45.s45, xy67.s45), 0, search->hix + i);
-    vstore8((float8)(xy01.s67, xy23.s67, xy45.s67, xy67.s67), 0, search->hiy + i);
-    vstore8((float8)(z01.s45, z23.s45, z45.s45, z67.s45), 0, search->hiz + i);
+/// Clusters i .. i + 7 of the list.
+static inline void load_clusters(Search* search, const Cluster* list, uint i) {
+    const Columns columns = load_columns((const float*)(list + i));
+    vstore8(columns.lox, 0, search->lox + i), vstore8(columns.hix, 0, search->hix + i);
+    vstore8(columns.loy, 0, search->loy + i), vstore8(columns.hiy, 0, search->hiy + i);
+    vstore8(columns.loz, 0, search->loz + i), vstore8(columns.hiz, 0, search->hiz + i);
 }
 
 /// Boxes behind the last cluster, so huge that the area round them and any other is infinite.
@@ -129,7 +117,7 @@ static inline void choose_nearest(Search* search, uint i) {
 
 /// Bit i: clusters i and i ^ distance[i] are each other's nearest.
 static inline uint find_mutual(Search* search, const Cluster* list, uint count) {
-    for (uint i = 0; i < count; i += LANES) load_columns(search, list, i);
+    for (uint i = 0; i < count; i += LANES) load_clusters(search, list, i);
     store_sentinels(search, count);
     for (uint i = 0; i < count; i += LANES) measure_pairs(search, i);
     for (uint i = 0; i < count; i += LANES) choose_nearest(search, i);

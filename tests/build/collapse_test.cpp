@@ -1,6 +1,7 @@
 // The wide tree: build/collapse.cl.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -12,7 +13,7 @@ namespace {
 
 struct WideCheck {
     std::multiset<std::uint32_t> primitives;
-    std::size_t nodes = 0;
+    std::size_t nodes = 0, blocks = 0;
 };
 
 void walk_wide(const std::vector<WideNode>& nodes, const std::vector<TriangleBlock>& blocks, std::uint32_t index,
@@ -30,6 +31,7 @@ void walk_wide(const std::vector<WideNode>& nodes, const std::vector<TriangleBlo
             walk_wide(nodes, blocks, n.child[i], box, check);
             continue;
         }
+        ++check.blocks;
         const TriangleBlock& block = blocks[n.child[i] & CLARAY_SLOT];
         const unsigned count = CLARAY_LEAF_COUNT(n.child[i]);
         for (unsigned lane = 0; lane < count; ++lane) {
@@ -48,8 +50,31 @@ TEST(WideBvh, HoldsEveryTriangleOnceInContainingBoxes) {
         WideCheck check;
         walk_wide(bvh.wide_nodes().read(), bvh.wide_blocks().read(), 0, Bounds{glm::vec3(-10), glm::vec3(10)}, check);
         EXPECT_EQ(check.nodes, bvh.header().wide_nodes);
+        EXPECT_EQ(check.blocks, bvh.header().wide_blocks);
         ASSERT_EQ(check.primitives.size(), count);
         for (std::uint32_t i = 0; i < count; ++i) EXPECT_EQ(check.primitives.count(i), 1u);
+    }
+}
+
+/// In large scenes numbers are taken several at once, and nodes with none of them are left over.
+TEST(WideBvh, MarksWhatIsLeftOver) {
+    const std::size_t count = 150'000;
+    for (const Builder builder : {Builder::fast, Builder::balanced}) {
+        const Bvh bvh = build(soup(count, 0.01f, 1), 63, Layout::wide, builder);
+        const std::vector<WideNode> nodes = bvh.wide_nodes().read();
+        const BvhHeader header = bvh.header();
+        WideCheck check;
+        walk_wide(nodes, bvh.wide_blocks().read(), 0, Bounds{glm::vec3(-10), glm::vec3(10)}, check);
+        EXPECT_EQ(std::set(check.primitives.begin(), check.primitives.end()).size(), count);
+        EXPECT_EQ(check.primitives.size(), count);
+        ASSERT_LE(header.wide_nodes, nodes.size());
+        EXPECT_LE(header.wide_blocks, bvh.wide_blocks().size());
+        std::size_t empty = 0;
+        for (std::uint32_t i = 0; i < header.wide_nodes; ++i)
+            empty += std::all_of(std::begin(nodes[i].child), std::end(nodes[i].child),
+                                 [](std::uint32_t child) { return child == CLARAY_NO_CHILD; });
+        EXPECT_EQ(check.nodes + empty, header.wide_nodes);
+        EXPECT_LT(empty, count / 100);
     }
 }
 
