@@ -41,12 +41,14 @@ Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& wit
     allocate();
     const Defines bits = {{"CODE_BITS", std::to_string(config.morton_bits)}};
     reset_ = load_kernel(device, "build/bounds.cl", "reset_header");
-    bounds_ = load_kernel(device, "build/bounds.cl", "compute_bounds");
     finish_bounds_ = load_kernel(device, "build/bounds.cl", "finish_bounds");
-    codes_ = load_kernel(device, "build/morton_codes.cl", "compute_morton_codes", bits);
     if (ranges == 0) {
+        bounds_ = load_kernel(device, "build/bounds.cl", "compute_bounds");
+        codes_ = load_kernel(device, "build/morton_codes.cl", "compute_morton_codes", bits);
         lbvh_ = load_kernel(device, "build/lbvh.cl", "build_lbvh", bits);
     } else {
+        centroids_ = load_kernel(device, "build/centroids.cl", "compute_centroids", bits);
+        encode_ = load_kernel(device, "build/centroids.cl", "encode_centroids", bits);
         lbvh_ranges_ = load_kernel(device, "build/lbvh_serial.cl", "build_lbvh_ranges", bits);
         join_lbvh_ = load_kernel(device, "build/lbvh_serial.cl", "join_lbvh_ranges", bits);
     }
@@ -105,14 +107,21 @@ void Bvh::State::allocate() {
 void Bvh::State::compute_bounds() {
     const std::uint32_t axis_bits = config.morton_bits / 3;
     reset_.run({1, 1}, header, bound_keys);
-    const std::size_t items = std::min<std::size_t>(count, std::size_t(device.info().compute_units) * 8 * group);
-    bounds_.run({items, group}, triangles.positions, triangles.indices, count, header, bound_keys);
+    if (ranges != 0) {  // the leaves' memory is free until the tree is built
+        centroids_.run({ranges, 1}, triangles.positions, triangles.indices, count, header, bound_keys, ranges, leaves);
+    } else {
+        const std::size_t items = std::min<std::size_t>(count, std::size_t(device.info().compute_units) * 8 * group);
+        bounds_.run({items, group}, triangles.positions, triangles.indices, count, header, bound_keys);
+    }
     finish_bounds_.run({1, 1}, header, bound_keys, count, axis_bits);
 }
 
 template <class Code>
 void Bvh::State::build_tree(Buffer<Code>& codes, RadixSort<Code>& sort) {
-    codes_.run({count, group}, triangles.positions, triangles.indices, count, header, codes);
+    if (ranges != 0)
+        encode_.run({ranges, 1}, leaves, count, header, ranges, codes);
+    else
+        codes_.run({count, group}, triangles.positions, triangles.indices, count, header, codes);
     sort.sort(codes, order, count);
     if (config.builder == Builder::fast) {
         build_lbvh(codes);

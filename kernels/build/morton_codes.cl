@@ -1,24 +1,6 @@
 // A Morton code for every triangle's centroid, on the grid that bounds.cl laid.
+#include "build/morton_codes.clh"
 #include "build/triangles.clh"
-#include "claray/shared/morton.h"
-
-#ifndef CODE_BITS
-#define CODE_BITS 63  // 30 or 63
-#endif
-
-#if CODE_BITS == 63
-typedef ulong Code;
-#define AXIS_BITS 21
-#define MORTON morton63
-#else
-typedef uint Code;
-#define AXIS_BITS 10
-#define MORTON morton30
-#endif
-
-static inline uint grid_cell(float offset, float scale) {
-    return min((uint)(offset * scale), (1u << AXIS_BITS) - 1);
-}
 
 /// Culled triangles get a code above all others, so that sorting puts them behind the tree's leaves.
 kernel void compute_morton_codes(global const float* positions, global const uint* indices, uint count,
