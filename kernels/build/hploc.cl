@@ -31,18 +31,14 @@ static inline bool nearer(float area, uint distance, float best_area, uint best_
 
 /// Height saturates: a tree higher than the stack of a traversal is not used (see host/build).
 static inline Cluster merge_clusters(global BvhNode* nodes, uint index, Cluster a, Cluster b) {
-    global BvhNode* node = &nodes[index];
-    store_child_box(node, 0, a.box);
-    store_child_box(node, 1, b.box);
-    node->child0 = a.child, node->child1 = b.child;
-    if (!is_leaf(a.child)) nodes[a.child].parent = index;
-    if (!is_leaf(b.child)) nodes[b.child].parent = index;
     Cluster merged;
     merged.child = index;
     merged.box = box_union(a.box, b.box);
     merged.height = min(1 + max(a.height, b.height), 255u);
     merged.count = min(a.count + b.count, CLARAY_COUNT_LIMIT);
-    node->height_count = (merged.height << 24) | merged.count;
+    store_node(&nodes[index], a.box, b.box, a.child, b.child, CLARAY_NO_CHILD, (merged.height << 24) | merged.count);
+    if (!is_leaf(a.child)) nodes[a.child].parent = index;
+    if (!is_leaf(b.child)) nodes[b.child].parent = index;
     return merged;
 }
 
