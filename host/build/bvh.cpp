@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "host/build/bvh_state.hpp"
+#include "host/build/require_memory.hpp"
 #include "host/compute/program_cache.hpp"
 
 namespace claray {
@@ -49,10 +50,12 @@ void append_bytes(std::string& bytes, const T& value) {
 }  // namespace
 
 Bvh Bvh::build(const Device& device, std::span<const Mesh> meshes, const Config& config) {
+    require_memory(device, meshes, config);
     return build(device, upload(device, meshes), config);
 }
 
 Bvh Bvh::build(const Device& device, const TriangleBuffers& triangles, const Config& config) {
+    require_memory(device, triangles, config);
     Bvh bvh;
     bvh.state_ = std::make_shared<State>(device, triangles, config);
     bvh.state_->build();

@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "host/build/bvh_state.hpp"
+#include "host/build/require_memory.hpp"
 #include "host/compute/file.hpp"
 #include "host/compute/hash.hpp"
 
@@ -177,11 +178,9 @@ Bvh Bvh::load(const Device& device, const std::filesystem::path& path, Layout la
     config.morton_bits = header.morton_bits;
     config.layout = layout;
 
-    TriangleBuffers triangles;
-    triangles.positions = Buffer<float>(device, header.positions);
-    triangles.indices = Buffer<std::uint32_t>(device, header.indices);
-    if (header.geometries > 0) triangles.geometries = Buffer<std::uint32_t>(device, header.geometries);
-    if (header.masks > 0) triangles.masks = Buffer<std::uint32_t>(device, header.masks);
+    const TriangleCounts counts = {header.positions, header.indices, header.geometries, header.masks};
+    require_memory(device, counts, config);
+    const TriangleBuffers triangles = allocate_triangles(device, counts);
     Bvh bvh;
     bvh.state_ = std::make_shared<State>(device, triangles, config);
     State& s = *bvh.state_;

@@ -10,6 +10,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/table.hpp"
 #include "host/compute/file.hpp"
+#include "host/compute/memory.hpp"
 
 namespace claray::cli {
 namespace {
@@ -30,6 +31,7 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
 
 struct Report {
     BvhStatistics statistics;
+    BvhMemory memory;
     std::string hash, layout;
     bool valid = false;
     bench::Timing build;                        // no rounds where the structure was loaded
@@ -47,6 +49,8 @@ Report make_report(const Device& device, const Options& options) {
     else
         report.build = bench::measure_rounds(device, options.repeat, {[&bvh] { bvh.rebuild(); }})[0];
     report.statistics = bvh.statistics();
+    report.memory =
+        Bvh::memory_needed(device, bvh.triangles().positions.size() / 3, bvh.triangle_count(), options.config);
     report.hash = bvh.hash();
     report.layout = bench::name_of(bench::layouts, bvh.layout());
     report.valid = bvh.validate().ok();
@@ -63,6 +67,9 @@ void print_as_text(const Device& device, const Options& options, const Report& r
     std::printf("%s on %s\n", options.scene.c_str(), device.info().name.c_str());
     std::printf("tree          %s, %u triangles (%u culled), height %u, SAH cost %.2f, %.1f MB, %s\n", r.layout.c_str(),
                 s.triangles, s.culled, s.height, s.sah_cost, double(s.bytes) * 1e-6, r.valid ? "valid" : "INVALID");
+    if (!r.build.rounds.empty())
+        std::printf("memory        %s to build, scratch and triangles included; the largest buffer %s\n",
+                    size_text(r.memory.bytes).c_str(), size_text(r.memory.largest_buffer).c_str());
     std::printf("hash          %s\n", r.hash.c_str());
     if (r.load_seconds > 0) std::printf("loaded        in %.2f s\n", r.load_seconds);
     if (!r.build.rounds.empty()) {
@@ -90,8 +97,11 @@ void print_as_json(const Device& device, const Options& options, const Report& r
                                      {"hash", r.hash},
                                      {"valid", r.valid}};
     if (!r.build.rounds.empty())
-        report["build"] = {
-            {"milliseconds", r.build.milliseconds()}, {"span", r.build.span()}, {"stages", r.build.commands}};
+        report["build"] = {{"milliseconds", r.build.milliseconds()},
+                           {"span", r.build.span()},
+                           {"memory_bytes", r.memory.bytes},
+                           {"largest_buffer_bytes", r.memory.largest_buffer},
+                           {"stages", r.build.commands}};
     if (r.load_seconds > 0) report["load_seconds"] = r.load_seconds;
     if (r.save_seconds > 0) report["save_seconds"] = r.save_seconds;
     std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());

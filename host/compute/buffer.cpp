@@ -1,11 +1,10 @@
 #include "claray/buffer.hpp"
 
 #include "host/compute/device_state.hpp"
+#include "host/compute/memory.hpp"
 
 namespace claray::detail {
 namespace {
-
-std::string megabytes(std::uint64_t bytes) { return std::to_string((bytes + 999'999) / 1'000'000) + " MB"; }
 
 [[noreturn]] void fail(const Device& device, const char* doing, const cl::Error& error) {
     throw Error(ErrorKind::device, std::string("cannot ") + doing + " on " + device.info().name + ": " + error.what() +
@@ -14,21 +13,34 @@ std::string megabytes(std::uint64_t bytes) { return std::to_string((bytes + 999'
 
 }  // namespace
 
-cl::Buffer allocate(const Device& device, std::size_t bytes) {
+std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes) {
     const DeviceInfo& info = device.info();
-    if (bytes > info.max_allocation)
-        throw Error(ErrorKind::device,
-                    "out of device memory: " + info.name + " gives at most " + megabytes(info.max_allocation) +
-                        " in one buffer, " + megabytes(bytes) + " are needed",
-                    "use a smaller scene or image, or another device");
-    try {
-        return cl::Buffer(device.context(), CL_MEM_READ_WRITE, bytes);
-    } catch (const cl::Error& error) {
-        throw Error(ErrorKind::device,
-                    "out of device memory: " + info.name + " cannot give " + megabytes(bytes) + " of its " +
-                        megabytes(info.memory) + " (OpenCL error " + std::to_string(error.err()) + ")",
-                    "use a smaller scene or image, or another device");
+    if (MemoryPlan* plan = device.state().plan; plan != nullptr) {
+        plan->add(bytes);
+        return {};
     }
+    const auto refuse = [&](const std::string& why) {
+        throw Error(
+            ErrorKind::device,
+            "out of device memory: a buffer of " + size_text(bytes) + " is needed on " + info.name + ", which " + why,
+            "use a smaller scene or image, or another device");
+    };
+    if (bytes > bytes_available(device))
+        refuse("has " + size_text(bytes_available(device)) + " of its " + size_text(info.memory) + " left");
+    const auto in_use = device.state().in_use;
+    try {
+        // Larger than CL_DEVICE_MAX_MEM_ALLOC_SIZE is for the driver to decide.
+        auto made = std::make_unique<cl::Buffer>(device.context(), CL_MEM_READ_WRITE, bytes);
+        *in_use += bytes;
+        return {made.release(), [in_use, bytes](const cl::Buffer* buffer) {
+                    *in_use -= bytes;
+                    delete buffer;
+                }};
+    } catch (const cl::Error& error) {
+        refuse(bytes > info.max_allocation ? "gives at most " + size_text(info.max_allocation) + " in one buffer"
+                                           : "does not give it (OpenCL error " + std::to_string(error.err()) + ")");
+    }
+    return {};
 }
 
 void write(const Device& device, const cl::Buffer& buffer, std::size_t offset, const void* data,

@@ -1,6 +1,7 @@
 // What the copies of a Device share. Internal to host/compute.
 #pragma once
 
+#include <atomic>
 #include <map>
 #include <memory>
 #include <string>
@@ -9,6 +10,8 @@
 
 namespace claray {
 
+class MemoryPlan;
+
 struct Device::State {
     DeviceInfo info;
     cl::Device device;
@@ -16,8 +19,10 @@ struct Device::State {
     cl::CommandQueue queue;
     Profiler profiler;
     std::map<std::string, cl::Program> programs;  // by file, options and, for a user's source, its text
-    std::map<std::string, unsigned> tuning;       // "kernel parameter" -> value, as resolved for this device
-    cl::Buffer ray_queue;                         // see host/trace/query_kernel.hpp; made when first used
+    MemoryPlan* plan = nullptr;                   // where set, buffers are not made but added up
+    std::shared_ptr<std::atomic<std::uint64_t>> in_use = std::make_shared<std::atomic<std::uint64_t>>(0);  // bytes
+    std::map<std::string, unsigned> tuning;  // "kernel parameter" -> value, as resolved for this device
+    std::shared_ptr<cl::Buffer> ray_queue;   // see host/trace/query_kernel.hpp; made when first used
 };
 
 }  // namespace claray

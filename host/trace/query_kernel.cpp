@@ -8,12 +8,12 @@
 namespace claray {
 
 const cl::Buffer& ray_queue(const Device& device) {
-    cl::Buffer& queue = device.state().ray_queue;
-    if (!queue()) {
+    std::shared_ptr<cl::Buffer>& queue = device.state().ray_queue;
+    if (!queue) {
         queue = detail::allocate(device, 3 * sizeof(std::uint32_t));
-        detail::fill_bytes(device, queue, 0, 3 * sizeof(std::uint32_t));
+        detail::fill_bytes(device, *queue, 0, 3 * sizeof(std::uint32_t));
     }
-    return queue;
+    return *queue;
 }
 
 QueryKernel::QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options, const std::string& name)

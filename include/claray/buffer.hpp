@@ -10,8 +10,9 @@
 namespace claray {
 
 namespace detail {
-/// Checks against the device's limits, then allocates. Throws ErrorKind::device with the bytes needed and available.
-[[nodiscard]] cl::Buffer allocate(const Device& device, std::size_t bytes);
+/// Checks against what the device has left, then allocates. Throws ErrorKind::device with the bytes needed and
+/// available.
+[[nodiscard]] std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes);
 void write(const Device& device, const cl::Buffer& buffer, std::size_t offset, const void* data, std::size_t bytes);
 void read(const Device& device, const cl::Buffer& buffer, std::size_t offset, void* data, std::size_t bytes);
 void copy(const Device& device, const cl::Buffer& from, const cl::Buffer& to, std::size_t bytes);
@@ -37,19 +38,22 @@ public:
 
     [[nodiscard]] std::size_t size() const noexcept { return size_; }
     [[nodiscard]] std::size_t bytes() const noexcept { return size_ * sizeof(T); }
-    [[nodiscard]] bool allocated() const noexcept { return memory_() != nullptr; }
-    [[nodiscard]] const cl::Buffer& memory() const noexcept { return memory_; }
+    [[nodiscard]] bool allocated() const noexcept { return memory_ != nullptr; }
+    [[nodiscard]] const cl::Buffer& memory() const noexcept {
+        static const cl::Buffer none;
+        return memory_ ? *memory_ : none;
+    }
     [[nodiscard]] const Device& device() const { return *device_; }
 
     /// Blocks until `data` is copied to the elements from `offset` on.
     void write(std::span<const T> data, std::size_t offset = 0) {
         check(offset, data.size());
-        if (!data.empty()) detail::write(*device_, memory_, offset * sizeof(T), data.data(), data.size_bytes());
+        if (!data.empty()) detail::write(*device_, memory(), offset * sizeof(T), data.data(), data.size_bytes());
     }
     /// Blocks until `data` is filled from the elements from `offset` on.
     void read(std::span<T> data, std::size_t offset = 0) const {
         check(offset, data.size());
-        if (!data.empty()) detail::read(*device_, memory_, offset * sizeof(T), data.data(), data.size_bytes());
+        if (!data.empty()) detail::read(*device_, memory(), offset * sizeof(T), data.data(), data.size_bytes());
     }
     /// All elements. Blocks.
     [[nodiscard]] std::vector<T> read() const {
@@ -61,7 +65,7 @@ public:
     void fill(unsigned word) {
         static_assert(sizeof(T) % 4 == 0);
         if (!allocated()) throw Error(ErrorKind::usage, "cannot fill a buffer that was never allocated");
-        detail::fill_bytes(*device_, memory_, word, bytes_for(size_));
+        detail::fill_bytes(*device_, memory(), word, bytes_for(size_));
     }
     /// Makes room for at least `count` elements; the content is lost when the buffer grows.
     void reserve(const Device& device, std::size_t count) {
@@ -80,7 +84,7 @@ private:
                                               std::to_string(offset) + " on, of " + std::to_string(size_));
     }
     std::shared_ptr<Device> device_;
-    cl::Buffer memory_;
+    std::shared_ptr<cl::Buffer> memory_;  // counted in what is in use on the device
     std::size_t size_ = 0;
 };
 

@@ -54,6 +54,12 @@ struct TriangleBuffers {
     Buffer<std::uint32_t> masks;
 };
 
+/// Device memory that a build takes: the triangles, the structure, and the scratch that is kept for rebuilding.
+struct BvhMemory {
+    std::uint64_t bytes = 0;
+    std::uint64_t largest_buffer = 0;
+};
+
 /// A bounding volume hierarchy in device memory. A handle: copies share the structure.
 class Bvh {
 public:
@@ -63,7 +69,8 @@ public:
         Layout layout = Layout::automatic;
     };
 
-    /// Builds over the triangles of all meshes; primitive indices count over all meshes in order.
+    /// Builds over the triangles of all meshes; primitive indices count over all meshes in order. Throws
+    /// ErrorKind::device, before anything is uploaded or computed, where the device has too little memory.
     [[nodiscard]] static Bvh build(const Device& device, std::span<const Mesh> meshes, const Config& config);
     [[nodiscard]] static Bvh build(const Device& device, std::span<const Mesh> meshes) {
         return build(device, meshes, Config{});
@@ -74,8 +81,12 @@ public:
         return build(device, triangles, Config{});
     }
 
-    /// Writes the structure and its triangles to a file, so that `load` gives what was saved: same tree, same hits, and it
-    /// can be refitted and rebuilt. Written by temporary file and rename. Throws ErrorKind::user where that fails.
+    /// What building over so many vertices and triangles takes on the device.
+    [[nodiscard]] static BvhMemory memory_needed(const Device& device, std::size_t vertices, std::size_t triangles,
+                                                 const Config& config);
+
+    /// Writes the structure and its triangles to a file, so that `load` gives what was saved: same tree, same hits, and
+    /// it can be refitted and rebuilt. Written by temporary file and rename. Throws ErrorKind::user where that fails.
     void save(const std::filesystem::path& path) const;
     /// A saved structure, on any device; a wide tree is made from the binary one in the file. Throws ErrorKind::user,
     /// naming the file, where it can't be read, is damaged, or was written by another version.

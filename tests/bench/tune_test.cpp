@@ -51,8 +51,8 @@ TEST(Candidates, MalformedRowsNameTableAndLine) {
 }
 
 TEST(Candidates, AreTheParametersOfTheTuningTable) {
-    for (const DeviceType type : {DeviceType::cpu, DeviceType::gpu}) {
-        const DeviceInfo info = named("some device", type);
+    for (const DeviceInfo& info : {named("some device", DeviceType::cpu), named("some device", DeviceType::gpu),
+                                   named("NVIDIA something", DeviceType::gpu)}) {
         std::map<std::string, unsigned> tuned;
         apply_tuning(kernel_source("tuning.txt").text, "tuning.txt", info, tuned);
         std::set<std::string> tried;

@@ -1,0 +1,45 @@
+#include "host/compute/memory.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "host/compute/device_state.hpp"
+
+namespace claray {
+
+MemoryPlan::MemoryPlan(const Device& device) : device_(device) {
+    if (device.state().plan != nullptr) throw Error(ErrorKind::usage, "a plan of memory within another one");
+    device.state().plan = this;
+}
+
+MemoryPlan::~MemoryPlan() { device_.state().plan = nullptr; }
+
+void MemoryPlan::add(std::uint64_t bytes) {
+    bytes_ = bytes > UINT64_MAX - bytes_ ? UINT64_MAX : bytes_ + bytes;
+    largest_ = std::max(largest_, bytes);
+}
+
+std::uint64_t bytes_in_use(const Device& device) { return *device.state().in_use; }
+
+std::uint64_t bytes_available(const Device& device) {
+    const std::uint64_t all = device.info().memory, used = bytes_in_use(device);
+    return all > used ? all - used : 0;
+}
+
+bool gives_buffer(const Device& device, std::uint64_t bytes) {
+    if (bytes <= device.info().max_allocation) return true;
+    if (bytes > bytes_available(device)) return false;
+    cl_int status = CL_SUCCESS;
+    const cl_mem memory = clCreateBuffer(device.context()(), CL_MEM_READ_WRITE, bytes, nullptr, &status);
+    if (memory != nullptr) clReleaseMemObject(memory);
+    return status == CL_SUCCESS;
+}
+
+std::string size_text(std::uint64_t bytes) {
+    char text[32];
+    const bool large = bytes >= 1'000'000'000;
+    std::snprintf(text, sizeof text, large ? "%.2f GB" : "%.1f MB", double(bytes) * (large ? 1e-9 : 1e-6));
+    return text;
+}
+
+}  // namespace claray
