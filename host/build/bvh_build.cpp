@@ -83,7 +83,6 @@ void Bvh::State::allocate() {
     }
     if (config.builder == Builder::balanced) {
         clusters = Buffer<std::uint32_t>(device, count);
-        node_count = Buffer<std::uint32_t>(device, 1);
     }
     if (config.morton_bits == 63) {
         codes64 = Buffer<std::uint64_t>(device, count);
@@ -154,11 +153,10 @@ void Bvh::State::build_hploc(const Buffer<Code>& codes) {
         return;
     }
     arrivals.fill(0xffffffffu);
-    node_count.fill(0);
     begin_hploc_.run({count, group}, triangles.positions, triangles.indices, triangles.geometries, triangles.masks,
                      order, leaves, clusters, header);
     hploc_.run({count, device.tuning("build/hploc", "GROUP_SIZE")}, codes, nodes, leaves, arrivals, clusters,
-               node_count, header);
+               header);
 }
 
 void Bvh::State::build() {

@@ -29,7 +29,7 @@ struct Bvh::State {
     Buffer<TriangleBlock> wide_blocks;
 
     // Scratch, kept for rebuilding.
-    Buffer<std::uint32_t> bound_keys, codes32, order, arrivals, clusters, node_count;
+    Buffer<std::uint32_t> bound_keys, codes32, order, arrivals, clusters;
     Buffer<std::uint64_t> codes64;
     Buffer<std::uint32_t> pieces, piece_counts;  // of the serial schedule
     std::uint32_t ranges = 0;                    // work-items of the serial schedule; 0: every leaf climbs by itself

@@ -4,15 +4,23 @@
 // GPUs let a warp work on one meeting place; the portable schedule lets a single work-item. Both merge the same pairs.
 #include "build/radix_tree.clh"
 
+#ifndef GROUP_SIZE
+#define GROUP_SIZE 128
+#endif
+
 /// Clusters that a subtree hands up: half a warp.
 #define MAX_CLUSTERS 16u
 /// How far along the curve a cluster looks for its nearest neighbour.
 #define SEARCH_RADIUS 8u
 
+// A cluster keeps the number of one of its leaves, the first in the list where it arose; each number is given up at most
+// once, when its cluster is the second of a merge, and then numbers the new node. So no counter is needed, node 0 is
+// there if any is, and the numbering is the same everywhere.
 typedef struct Cluster {
     uint child;
     Box box;
     uint height, count;  // of the subtree
+    uint number;         // until a node has a parent, its word for that keeps the number
 } Cluster;
 
 static inline Cluster load_cluster(global const BvhNode* nodes, global const LeafTriangle* leaves, uint child) {
@@ -21,6 +29,7 @@ static inline Cluster load_cluster(global const BvhNode* nodes, global const Lea
     cluster.box = box_of_child(nodes, leaves, child);
     const uint height_count = is_leaf(child) ? 1 : nodes[child].height_count;
     cluster.height = height_count >> 24, cluster.count = height_count & CLARAY_COUNT_LIMIT;
+    cluster.number = is_leaf(child) ? child & CLARAY_SLOT : nodes[child].parent;
     return cluster;
 }
 
@@ -30,13 +39,15 @@ static inline bool nearer(float area, uint distance, float best_area, uint best_
 }
 
 /// Height saturates: a tree higher than the stack of a traversal is not used (see host/build).
-static inline Cluster merge_clusters(global BvhNode* nodes, uint index, Cluster a, Cluster b) {
+static inline Cluster merge_clusters(global BvhNode* nodes, Cluster a, Cluster b) {
+    const uint index = b.number - 1;  // leaf 0 stays in the first cluster, so that its number is never given up
     Cluster merged;
     merged.child = index;
     merged.box = box_union(a.box, b.box);
     merged.height = min(1 + max(a.height, b.height), 255u);
     merged.count = min(a.count + b.count, CLARAY_COUNT_LIMIT);
-    store_node(&nodes[index], a.box, b.box, a.child, b.child, CLARAY_NO_CHILD, (merged.height << 24) | merged.count);
+    merged.number = a.number;
+    store_node(&nodes[index], a.box, b.box, a.child, b.child, a.number, (merged.height << 24) | merged.count);
     if (!is_leaf(a.child)) nodes[a.child].parent = index;
     if (!is_leaf(b.child)) nodes[b.child].parent = index;
     return merged;
@@ -59,7 +70,7 @@ static inline uint gather_clusters(global const BvhNode* nodes, global const Lea
 }
 
 /// Merges all pairs of mutual nearest neighbours; returns how many clusters are left, in the same order.
-static inline uint merge_mutual(global BvhNode* nodes, volatile global uint* node_count, Cluster* list, uint count) {
+static inline uint merge_mutual(global BvhNode* nodes, Cluster* list, uint count) {
     uint nearest[2 * MAX_CLUSTERS];
     for (uint i = 0; i < count; ++i) {
         float best_area = INFINITY;
@@ -76,19 +87,19 @@ static inline uint merge_mutual(global BvhNode* nodes, volatile global uint* nod
     for (uint i = 0; i < count; ++i) {
         const uint other = nearest[i];
         if (nearest[other] != i) list[left++] = list[i];
-        else if (i < other) list[left++] = merge_clusters(nodes, atomic_inc(node_count), list[i], list[other]);
+        else if (i < other) list[left++] = merge_clusters(nodes, list[i], list[other]);
     }
     return left;
 }
 
 /// The meeting of leaves first .. split and split + 1 .. last, by one work-item.
 static inline void meet(global BvhNode* nodes, global const LeafTriangle* leaves, global uint* clusters, uint first,
-                        uint split, uint last, uint valid, volatile global uint* node_count, global BvhHeader* header) {
+                        uint split, uint last, uint valid, global BvhHeader* header) {
     Cluster list[2 * MAX_CLUSTERS];
     uint count = gather_clusters(nodes, leaves, clusters, first, split, list, 0);
     count = gather_clusters(nodes, leaves, clusters, split + 1, last, list, count);
     const bool is_root = last - first + 1 == valid;
-    while (count > (is_root ? 1 : MAX_CLUSTERS)) count = merge_mutual(nodes, node_count, list, count);
+    while (count > (is_root ? 1 : MAX_CLUSTERS)) count = merge_mutual(nodes, list, count);
     if (is_root) {
         finish_clusters(nodes, header, list[0]);
         return;
@@ -116,23 +127,33 @@ static inline Cluster shuffle_cluster(Cluster c, uint lane) {
     shuffled.box = shuffle_box(c.box, lane);
     shuffled.height = warp_shuffle(c.height, lane);
     shuffled.count = warp_shuffle(c.count, lane);
+    shuffled.number = warp_shuffle(c.number, lane);
     return shuffled;
 }
 
-/// Item k receives cluster k of both sides; returns their number.
-static inline uint gather_by_warp(global const BvhNode* nodes, global const LeafTriangle* leaves,
-                                  global const uint* clusters, uint first, uint split, uint last, Cluster* mine) {
+/// Where two subtrees meet: leaves first .. split and split + 1 .. last.
+typedef struct Meeting {
+    uint first, split, last;
+} Meeting;
+
+/// Half a warp looks at the slots of each side's clusters.
+static inline uint slot_of_lane(Meeting m) {
     const uint lane = (uint)get_local_id(0) % WARP;
-    const bool left = lane < MAX_CLUSTERS;
-    const uint at = left ? first + lane : split + 1 + lane - MAX_CLUSTERS;
-    const uint child = at <= (left ? split : last) ? clusters[at] : CLARAY_NO_CHILD;
+    return lane < MAX_CLUSTERS ? m.first + lane : m.split + 1 + lane - MAX_CLUSTERS;
+}
+static inline bool slot_in_meeting(Meeting m, uint slot) {
+    return slot <= ((uint)get_local_id(0) % WARP < MAX_CLUSTERS ? m.split : m.last);
+}
+
+/// From the child that each item found in its slot (CLARAY_NO_CHILD: none) to how many there are on both sides; the item whose
+/// cluster this one takes is `source`.
+static inline uint close_ranks(uint child, uint* source) {
+    const uint lane = (uint)get_local_id(0) % WARP;
     const uint missing = warp_ballot(child == CLARAY_NO_CHILD);
     const uint of_left = lowest_bit(missing | (1u << MAX_CLUSTERS));
     const uint missing_right = missing >> MAX_CLUSTERS;
     const uint of_right = missing_right != 0 ? lowest_bit(missing_right) : MAX_CLUSTERS;
-    const uint source = lane < of_left ? lane : min(MAX_CLUSTERS + lane - of_left, WARP - 1);
-    const uint gathered = warp_shuffle(child, source);
-    if (lane < of_left + of_right) *mine = load_cluster(nodes, leaves, gathered);
+    *source = lane < of_left ? lane : min(MAX_CLUSTERS + lane - of_left, WARP - 1);
     return of_left + of_right;
 }
 
@@ -154,18 +175,13 @@ static inline uint nearest_in_warp(Cluster mine, uint count) {
 }
 
 /// As merge_mutual, a cluster an item. `scratch` is a word of local memory an item of the warp.
-static inline uint merge_by_warp(global BvhNode* nodes, volatile global uint* node_count, Cluster* mine, uint count,
-                                 local uint* scratch) {
+static inline uint merge_by_warp(global BvhNode* nodes, Cluster* mine, uint count, local uint* scratch) {
     const uint lane = (uint)get_local_id(0) % WARP, below = (1u << lane) - 1;
     const uint nearest = nearest_in_warp(*mine, count);
     const bool mutual = warp_shuffle(nearest, nearest) == lane && lane < count && nearest != lane;
     const Cluster other = shuffle_cluster(*mine, nearest);
     const bool merges = mutual && lane < nearest;
-    const uint merging = warp_ballot(merges);
-    uint base = 0;
-    if (lane == 0) base = atomic_add(node_count, popcount(merging));
-    base = warp_shuffle(base, 0);
-    if (merges) *mine = merge_clusters(nodes, base + popcount(merging & below), *mine, other);
+    if (merges) *mine = merge_clusters(nodes, *mine, other);
 
     const bool keeps = lane < count && (!mutual || merges);
     const uint keeping = warp_ballot(keeps);
@@ -178,22 +194,118 @@ static inline uint merge_by_warp(global BvhNode* nodes, volatile global uint* no
     return left;
 }
 
+/// Merges until no more clusters are left than a meeting hands up, or the root.
+static inline uint merge_to_limit(global BvhNode* nodes, Cluster* mine, uint count, bool is_root, local uint* scratch) {
+    while (count > (is_root ? 1 : MAX_CLUSTERS)) count = merge_by_warp(nodes, mine, count, scratch);
+    return count;
+}
+
 /// As meet, by a whole warp.
 static inline void meet_by_warp(global BvhNode* nodes, global const LeafTriangle* leaves, global uint* clusters,
-                                uint first, uint split, uint last, uint valid, volatile global uint* node_count,
-                                global BvhHeader* header, local uint* scratch) {
-    const uint lane = (uint)get_local_id(0) % WARP;
+                                Meeting m, uint valid, global BvhHeader* header, local uint* scratch) {
+    const uint lane = (uint)get_local_id(0) % WARP, slot = slot_of_lane(m);
+    const uint child = slot_in_meeting(m, slot) ? clusters[slot] : CLARAY_NO_CHILD;
+    uint source;
+    uint count = close_ranks(child, &source);
+    const uint gathered = warp_shuffle(child, source);
     Cluster mine;
-    uint count = gather_by_warp(nodes, leaves, clusters, first, split, last, &mine);
-    const bool is_root = last - first + 1 == valid;
-    while (count > (is_root ? 1 : MAX_CLUSTERS)) count = merge_by_warp(nodes, node_count, &mine, count, scratch);
+    if (lane < count) mine = load_cluster(nodes, leaves, gathered);
+    const bool is_root = m.last - m.first + 1 == valid;
+    count = merge_to_limit(nodes, &mine, count, is_root, scratch);
     if (is_root) {
         if (lane == 0) finish_clusters(nodes, header, mine);
     } else {
-        if (lane < count) clusters[first + lane] = mine.child;
-        if (lane == count && count < MAX_CLUSTERS) clusters[first + lane] = CLARAY_NO_CHILD;
+        if (lane < count) clusters[m.first + lane] = mine.child;
+        if (lane == count && count < MAX_CLUSTERS) clusters[m.first + lane] = CLARAY_NO_CHILD;
     }
     warp_barrier();  // what the warp wrote comes before the owner's next arrival
+}
+
+// ---- one work-group ------------------------------------------------------------------------------------------------
+// Subtrees within a group's own leaves meet in local memory, where neither fences nor loads of nodes are needed.
+
+typedef struct GroupClusters {
+    float lox[GROUP_SIZE], loy[GROUP_SIZE], loz[GROUP_SIZE], hix[GROUP_SIZE], hiy[GROUP_SIZE], hiz[GROUP_SIZE];
+    uint child[GROUP_SIZE], height_count[GROUP_SIZE], number[GROUP_SIZE];
+} GroupClusters;
+
+static inline void store_in_group(local GroupClusters* group, uint i, Cluster c) {
+    group->lox[i] = c.box.lo.x, group->loy[i] = c.box.lo.y, group->loz[i] = c.box.lo.z;
+    group->hix[i] = c.box.hi.x, group->hiy[i] = c.box.hi.y, group->hiz[i] = c.box.hi.z;
+    group->child[i] = c.child, group->height_count[i] = (c.height << 24) | c.count, group->number[i] = c.number;
+}
+
+static inline Cluster load_from_group(local const GroupClusters* group, uint i) {
+    Cluster c;
+    c.box.lo = (float3)(group->lox[i], group->loy[i], group->loz[i]);
+    c.box.hi = (float3)(group->hix[i], group->hiy[i], group->hiz[i]);
+    c.child = group->child[i], c.number = group->number[i];
+    c.height = group->height_count[i] >> 24, c.count = group->height_count[i] & CLARAY_COUNT_LIMIT;
+    return c;
+}
+
+/// As meet_by_warp; `begin` is the group's first leaf.
+static inline void meet_in_group(global BvhNode* nodes, local GroupClusters* group, uint begin, Meeting m, uint valid,
+                                 global BvhHeader* header, local uint* scratch) {
+    const uint lane = (uint)get_local_id(0) % WARP, slot = slot_of_lane(m);
+    const uint child = slot_in_meeting(m, slot) ? group->child[slot - begin] : CLARAY_NO_CHILD;
+    uint source;
+    uint count = close_ranks(child, &source);
+    const uint gathered = warp_shuffle(slot, source) - begin;
+    Cluster mine;
+    if (lane < count) mine = load_from_group(group, gathered);
+    warp_barrier();  // all have read before any writes
+    const bool is_root = m.last - m.first + 1 == valid;
+    count = merge_to_limit(nodes, &mine, count, is_root, scratch);
+    if (is_root) {
+        if (lane == 0) finish_clusters(nodes, header, mine);
+    } else {
+        if (lane < count) store_in_group(group, m.first - begin + lane, mine);
+        if (lane == count && count < MAX_CLUSTERS) group->child[m.first - begin + lane] = CLARAY_NO_CHILD;
+    }
+    warp_barrier();
+}
+
+/// Climbs from every leaf of the group as far as both siblings are in it, leaves begin .. end - 1. True for an item that has to
+/// go on outside; `first` and `last` are its subtree then.
+static inline bool climb_in_group(global const Code* codes, global BvhNode* nodes, local GroupClusters* group,
+                                  volatile local uint* arrivals, uint begin, uint end, uint valid,
+                                  global BvhHeader* header, local uint* scratch, uint* first, uint* last) {
+    bool climbing = *first < end && valid > 1, outside = false, waits = false;
+    uint split = 0, arrival = 0;
+    while (true) {
+        bool meets = false;
+        if (climbing) {
+            const bool right_neighbour = parent_is_right(codes, *first, *last, valid);
+            split = right_neighbour ? *last : *first - 1;
+            outside = split < begin || split + 1 >= end;
+            climbing = !outside;
+            if (climbing) {
+                arrival = right_neighbour ? *first : *last;
+                mem_fence(CLK_LOCAL_MEM_FENCE);
+                const uint other_end = atomic_xchg(&arrivals[split - begin], arrival);
+                waits = other_end == NO_ARRIVAL;
+                climbing = !waits;
+                if (climbing) {
+                    mem_fence(CLK_LOCAL_MEM_FENCE);
+                    if (right_neighbour) *last = other_end;
+                    else *first = other_end;
+                    const uint size = *last - *first + 1;
+                    meets = size > MAX_CLUSTERS || size == valid;
+                    climbing = size != valid;
+                }
+            }
+        }
+        for (uint waiting = warp_ballot(meets); waiting != 0; waiting &= waiting - 1) {
+            const uint owner = lowest_bit(waiting);
+            const Meeting m = {warp_shuffle(*first, owner), warp_shuffle(split, owner), warp_shuffle(*last, owner)};
+            meet_in_group(nodes, group, begin, m, valid, header, scratch);
+        }
+        if (warp_ballot(climbing) == 0) break;
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    // Whose sibling has come meanwhile is done; where none has, it comes from another group.
+    return outside || (waits && arrivals[split - begin] == arrival);
 }
 
 #endif
@@ -212,22 +324,26 @@ kernel void begin_hploc(global const float* positions, global const uint* indice
     if (valid == 1) finish_tree(header, CLARAY_LEAF, box_of(triangle), 0);
 }
 
-#ifndef GROUP_SIZE
-#define GROUP_SIZE 64
-#endif
-
-/// `arrivals` holds NO_ARRIVAL for every leaf but the last, `node_count` is zero. Every item climbs from its leaf as long as
-/// it is the second to arrive.
+/// `arrivals` holds NO_ARRIVAL for every leaf but the last. Every item climbs from its leaf as long as it is the second to
+/// arrive.
 kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
 void build_hploc(global const Code* codes, global BvhNode* nodes, global const LeafTriangle* leaves,
-                 volatile global uint* arrivals, global uint* clusters, volatile global uint* node_count,
-                 global BvhHeader* header) {
-#if CLARAY_USE_PTX
-    local uint scratch[GROUP_SIZE];
-#endif
+                 volatile global uint* arrivals, global uint* clusters, global BvhHeader* header) {
     const uint leaf = get_global_id(0), valid = header->valid;
     uint first = leaf, last = leaf, split = 0;
     bool climbing = leaf < valid && valid > 1;
+#if CLARAY_USE_PTX
+    local GroupClusters group;
+    local uint group_arrivals[GROUP_SIZE], scratch_of_group[GROUP_SIZE];
+    const uint item = get_local_id(0), begin = leaf - item, end = min(begin + GROUP_SIZE, valid);
+    local uint* scratch = &scratch_of_group[item / WARP * WARP];
+    group_arrivals[item] = NO_ARRIVAL;
+    if (leaf < valid) store_in_group(&group, item, load_cluster(nodes, leaves, clusters[leaf]));
+    barrier(CLK_LOCAL_MEM_FENCE);
+    climbing = climb_in_group(codes, nodes, &group, group_arrivals, begin, end, valid, header, scratch, &first, &last);
+    if (leaf < valid) clusters[leaf] = group.child[item];
+    barrier(CLK_GLOBAL_MEM_FENCE);
+#endif
     while (true) {
         bool meets = false;
         if (climbing) {
@@ -249,13 +365,12 @@ void build_hploc(global const Code* codes, global BvhNode* nodes, global const L
         // The warp goes from one meeting place of its items to the next.
         for (uint waiting = warp_ballot(meets); waiting != 0; waiting &= waiting - 1) {
             const uint owner = lowest_bit(waiting);
-            meet_by_warp(nodes, leaves, clusters, warp_shuffle(first, owner), warp_shuffle(split, owner),
-                         warp_shuffle(last, owner), valid, node_count, header,
-                         &scratch[get_local_id(0) / WARP * WARP]);
+            const Meeting m = {warp_shuffle(first, owner), warp_shuffle(split, owner), warp_shuffle(last, owner)};
+            meet_by_warp(nodes, leaves, clusters, m, valid, header, scratch);
         }
         if (warp_ballot(climbing) == 0) break;
 #else
-        if (meets) meet(nodes, leaves, clusters, first, split, last, valid, node_count, header);
+        if (meets) meet(nodes, leaves, clusters, first, split, last, valid, header);
         if (!climbing) break;
 #endif
     }
