@@ -60,9 +60,10 @@ void read(const Device& device, const cl::Buffer& buffer, std::size_t offset, vo
     fail(device, "read a buffer", error);
 }
 
-void copy(const Device& device, const cl::Buffer& from, const cl::Buffer& to, std::size_t bytes) try {
+void copy(const Device& device, const cl::Buffer& from, const cl::Buffer& to, std::size_t bytes,
+          std::size_t offset) try {
     cl::Event event;
-    device.queue().enqueueCopyBuffer(from, to, 0, 0, bytes, nullptr, &event);
+    device.queue().enqueueCopyBuffer(from, to, 0, offset, bytes, nullptr, &event);
     device.profiler().add("copy_buffer", event);
 } catch (const cl::Error& error) {
     fail(device, "copy a buffer", error);

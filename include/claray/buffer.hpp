@@ -15,7 +15,9 @@ namespace detail {
 [[nodiscard]] std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes);
 void write(const Device& device, const cl::Buffer& buffer, std::size_t offset, const void* data, std::size_t bytes);
 void read(const Device& device, const cl::Buffer& buffer, std::size_t offset, void* data, std::size_t bytes);
-void copy(const Device& device, const cl::Buffer& from, const cl::Buffer& to, std::size_t bytes);
+/// To the bytes of `to` from `offset` on; asynchronous.
+void copy(const Device& device, const cl::Buffer& from, const cl::Buffer& to, std::size_t bytes,
+          std::size_t offset = 0);
 void fill_bytes(const Device& device, const cl::Buffer& buffer, unsigned pattern, std::size_t bytes);
 }  // namespace detail
 

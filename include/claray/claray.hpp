@@ -5,6 +5,7 @@
 #include "claray/bvh.hpp"
 #include "claray/device.hpp"
 #include "claray/error.hpp"
+#include "claray/instances.hpp"
 #include "claray/mesh.hpp"
 #include "claray/profiler.hpp"
 #include "claray/program.hpp"

@@ -6,6 +6,7 @@
 
 #include "claray/program.hpp"
 #include "claray/shared/bvh_node.h"
+#include "claray/shared/instance.h"
 #include "claray/shared/path.h"
 #include "claray/shared/scene.h"
 #include "claray/shared/types.h"
@@ -57,6 +58,15 @@ const Field fields[] = {
     FIELD(BvhHeader, culled),
     FIELD(BvhHeader, wide_nodes),
     FIELD(BvhHeader, scale_z),
+    FIELD(Instance, row2),
+    FIELD(Instance, bottom),
+    FIELD(Instance, id),
+    FIELD(PlacedInstance, row1),
+    FIELD(PlacedInstance, mask),
+    FIELD(BottomRange, first_leaf),
+    FIELD(InstanceHit, v),
+    FIELD(InstanceHit, geometry),
+    FIELD(InstanceHit, instance),
     FIELD(MaterialData, albedo_r),
     FIELD(MaterialData, kind),
     FIELD(MaterialData, roughness),
@@ -88,7 +98,7 @@ const Field fields[] = {
 /// A kernel that writes offset and size of every field's struct.
 std::string layout_kernel() {
     std::ostringstream source;
-    for (const char* header : {"types", "bvh_node", "scene", "path"})
+    for (const char* header : {"types", "bvh_node", "instance", "scene", "path"})
         source << "#include \"claray/shared/" << header << ".h\"\n";
     source << "kernel void layout(global uint2* out) {\n";
     std::size_t i = 0;

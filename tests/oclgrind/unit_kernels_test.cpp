@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <random>
 
-#include "claray/query.hpp"
+#include "claray/instances.hpp"
 #include "host/sort/radix_sort.hpp"
 
 namespace claray::test {
@@ -108,6 +108,36 @@ TEST(UnitKernels, BuildBySchedule) {
                 EXPECT_EQ(bvh.header().valid, count - count / 10);
                 EXPECT_TRUE(bvh.validate().ok()) << count << " triangles, " << ranges << " ranges";
             }
+    }
+}
+
+TEST_P(UnitKernelsOnLayout, PlaceAndTraceInstances) {
+    const Device device = open_device();
+    const std::vector<Ray> rays = rays_through_the_cube(65);
+    std::vector<Bvh> bottoms;
+    for (const std::size_t count : {20u, 0u, 3u}) {
+        const Mesh mesh = soup(count);
+        bottoms.push_back(Bvh::build(device, {&mesh, 1}, {.layout = GetParam()}));
+    }
+    for (const std::size_t count : {0u, 1u, 2u, 67u}) {
+        std::vector<Instance> instances;
+        for (std::uint32_t i = 0; i < count; ++i) {  // of bottom levels that are empty and missing, too
+            glm::mat4 m(1.f);
+            m[3] = glm::vec4(0.1f * float(i % 7) - 0.3f, 0.05f * float(i % 5), 0.01f * float(i), 1.f);
+            instances.push_back(make_instance(m, i % 4));
+        }
+        InstancedBvh bvh = InstancedBvh::build(bottoms, instances);
+        bvh.refit();
+        bvh.rebuild();
+        EXPECT_TRUE(bvh.validate().ok()) << count << " instances";
+        QueryOptions every;
+        every.brute_force = true;
+        const auto hits = closest_hit(bvh, rays), expected = closest_hit(bvh, rays, every);
+        const auto occluded = any_hit(bvh, rays);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            EXPECT_EQ(hits[i].instance, expected[i].instance);
+            EXPECT_EQ(occluded[i] != 0, expected[i].primitive != CLARAY_MISS);
+        }
     }
 }
 

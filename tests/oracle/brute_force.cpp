@@ -58,15 +58,25 @@ double distance_to(const Rows& m, std::size_t i, const double* o, const double* 
 
 Oracle::Oracle(std::span<const Mesh> meshes) {
     for (const Mesh& mesh : meshes)
-        for (const glm::uvec3& t : mesh.triangles) {
-            for (int axis = 0; axis < 3; ++axis) {
-                const double a = mesh.positions[t.x][axis];
-                v0_[axis].push_back(a);
-                e1_[axis].push_back(mesh.positions[t.y][axis] - a);
-                e2_[axis].push_back(mesh.positions[t.z][axis] - a);
-            }
-            ++count_;
-        }
+        for (const glm::uvec3& t : mesh.triangles) add(mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]);
+    pad();
+}
+
+Oracle::Oracle(std::span<const glm::dvec3> corners) {
+    for (std::size_t i = 0; i + 2 < corners.size(); i += 3) add(corners[i], corners[i + 1], corners[i + 2]);
+    pad();
+}
+
+void Oracle::add(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+    for (int axis = 0; axis < 3; ++axis) {
+        v0_[axis].push_back(a[axis]);
+        e1_[axis].push_back(b[axis] - a[axis]);
+        e2_[axis].push_back(c[axis] - a[axis]);
+    }
+    ++count_;
+}
+
+void Oracle::pad() {
     const std::size_t padded = (count_ + block - 1) / block * block;
     for (auto* rows : {v0_, e1_, e2_})
         for (int axis = 0; axis < 3; ++axis) rows[axis].resize(padded, 0.0);  // no edges: never hit

@@ -20,6 +20,8 @@ struct OracleHit {
 class Oracle {
 public:
     explicit Oracle(std::span<const Mesh> meshes);
+    /// Three corners a triangle.
+    explicit Oracle(std::span<const glm::dvec3> corners);
 
     /// The nearest hit at tmin < t <= tmax; of equal ones the first triangle.
     [[nodiscard]] OracleHit closest_hit(const Ray& ray) const;
@@ -27,6 +29,8 @@ public:
     [[nodiscard]] std::size_t triangles() const { return count_; }
 
 private:
+    void add(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
+    void pad();
     void test_block(const Ray& ray, std::size_t at, OracleHit& hit) const;
 
     std::size_t count_ = 0;

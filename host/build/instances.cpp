@@ -1,0 +1,191 @@
+#include "claray/instances.hpp"
+
+#include <algorithm>
+
+#include "host/build/instances_state.hpp"
+
+namespace claray {
+namespace {
+
+constexpr std::size_t group = 64;  // GROUP_SIZE of build/instances.cl
+
+/// The parts of one bottom level that rays visit.
+struct BottomSize {
+    std::size_t nodes = 0, leaves = 0;
+};
+
+BottomSize size_of(const Bvh& bvh, const BvhHeader& header) {
+    if (bvh.layout() == Layout::wide) return {header.wide_nodes, header.wide_blocks};
+    return {bvh.nodes().size(), bvh.leaves().size()};
+}
+
+void check_bottoms(std::span<const Bvh> bottoms) {
+    if (bottoms.empty())
+        throw Error(ErrorKind::usage, "instances of nothing: no bottom level was given", "build at least one Bvh");
+    for (const Bvh& bvh : bottoms) {
+        if (bvh.device().context()() != bottoms[0].device().context()())
+            throw Error(ErrorKind::usage, "bottom levels of different devices", "build all of them on one Device");
+        if (bvh.layout() != bottoms[0].layout())
+            throw Error(ErrorKind::usage, "bottom levels of different layouts", "build all of them with one layout");
+    }
+}
+
+template <class T>
+void append(const Device& device, const Buffer<T>& from, Buffer<T>& to, std::size_t at, std::size_t count) {
+    if (count != 0) detail::copy(device, from.memory(), to.memory(), count * sizeof(T), at * sizeof(T));
+}
+
+}  // namespace
+
+Instance make_instance(const glm::mat4& m, std::uint32_t bottom, std::uint32_t mask, std::uint32_t id) {
+    Instance instance{};
+    for (int k = 0; k < 4; ++k) instance.row0[k] = m[k].x, instance.row1[k] = m[k].y, instance.row2[k] = m[k].z;
+    instance.bottom = bottom;
+    instance.mask = mask;
+    instance.id = id;
+    return instance;
+}
+
+InstancedBvh::State::State(std::span<const Bvh> bottoms, const Buffer<Instance>& of, const Config& with)
+    : device((check_bottoms(bottoms), bottoms[0].device())), instances(of), config(with) {
+    const std::size_t count = of.size();
+    if (count >= CLARAY_SLOT / 3)
+        throw Error(ErrorKind::user, "too many instances: " + std::to_string(count) + ", the limit is 2^31 / 3");
+    take_bottoms(bottoms);
+    placed = Buffer<PlacedInstance>(device, count);
+    widening = Buffer<float>(device, 1);
+    boxes.positions = Buffer<float>(device, 9 * count);
+    boxes.indices = Buffer<std::uint32_t>(device, 3 * count);
+    load_kernel(device, "build/instances.cl", "number_corners")
+        .run({3 * count, 256}, boxes.indices, std::uint32_t(3 * count));
+    place_ = load_kernel(device, "build/instances.cl", "place_instances");
+    place();
+    top = Bvh::build(device, boxes,
+                     {.builder = config.builder, .morton_bits = config.morton_bits, .layout = Layout::binary});
+}
+
+void InstancedBvh::State::take_bottoms(std::span<const Bvh> bottoms) {
+    check_bottoms(bottoms);
+    layout = bottoms[0].layout();
+    defines = bottoms[0].defines();
+    nodes = {}, leaves = {}, wide_nodes = {}, wide_blocks = {};
+    if (bottoms.size() > 1) {
+        shared.reset();
+        copy_bottoms(bottoms);
+        return;
+    }
+    shared = bottoms[0];
+    headers = shared->header_buffer();
+    ranges = Buffer<BottomRange>(device, std::vector<BottomRange>(1));
+    bottom_bytes = shared->statistics().bytes;
+}
+
+void InstancedBvh::State::copy_bottoms(std::span<const Bvh> bottoms) {
+    std::vector<BvhHeader> host_headers;
+    std::vector<BottomRange> host_ranges;
+    BottomSize all;
+    for (const Bvh& bvh : bottoms) {
+        host_headers.push_back(bvh.header());
+        host_ranges.push_back({std::uint32_t(all.nodes), std::uint32_t(all.leaves)});
+        const BottomSize size = size_of(bvh, host_headers.back());
+        all = {all.nodes + size.nodes, all.leaves + size.leaves};
+    }
+    if (std::max(all.nodes, all.leaves) > 0xffffffffu)
+        throw Error(ErrorKind::user, "bottom levels of more than 2^32 nodes or leaves in all");
+    headers = Buffer<BvhHeader>(device, host_headers);
+    ranges = Buffer<BottomRange>(device, host_ranges);
+    const bool wide = layout == Layout::wide;
+    if (wide) {
+        wide_nodes = Buffer<WideNode>(device, all.nodes);
+        wide_blocks = Buffer<TriangleBlock>(device, all.leaves);
+    } else {
+        nodes = Buffer<BvhNode>(device, all.nodes);
+        leaves = Buffer<LeafTriangle>(device, all.leaves);
+    }
+    bottom_bytes = headers.bytes() + wide_nodes.bytes() + wide_blocks.bytes() + nodes.bytes() + leaves.bytes();
+    for (std::size_t i = 0; i < bottoms.size(); ++i) {
+        const BottomSize size = size_of(bottoms[i], host_headers[i]);
+        const BottomRange at = host_ranges[i];
+        if (wide) {
+            append(device, bottoms[i].wide_nodes(), wide_nodes, at.first_node, size.nodes);
+            append(device, bottoms[i].wide_blocks(), wide_blocks, at.first_leaf, size.leaves);
+        } else {
+            append(device, bottoms[i].nodes(), nodes, at.first_node, size.nodes);
+            append(device, bottoms[i].leaves(), leaves, at.first_leaf, size.leaves);
+        }
+    }
+}
+
+void InstancedBvh::State::place() {
+    widening.fill(0);
+    const std::size_t count = instances.size();
+    const std::size_t items = std::min<std::size_t>(count, std::size_t(device.info().compute_units) * 32 * group);
+    place_.run({items, group}, instances, std::uint32_t(count), headers, std::uint32_t(ranges.size()), placed,
+               boxes.positions, widening);
+}
+
+InstancedBvh InstancedBvh::build(std::span<const Bvh> bottoms, const Buffer<Instance>& instances,
+                                 const Config& config) {
+    InstancedBvh bvh;
+    bvh.state_ = std::make_shared<State>(bottoms, instances, config);
+    return bvh;
+}
+
+InstancedBvh InstancedBvh::build(std::span<const Bvh> bottoms, std::span<const Instance> instances,
+                                 const Config& config) {
+    check_bottoms(bottoms);
+    return build(bottoms, Buffer<Instance>(bottoms[0].device(), instances), config);
+}
+
+void InstancedBvh::rebuild() {
+    state_->place();
+    state_->top->rebuild();
+}
+
+void InstancedBvh::refit() {
+    state_->place();
+    state_->top->refit();
+}
+
+void InstancedBvh::replace_bottoms(std::span<const Bvh> bottoms) { state_->take_bottoms(bottoms); }
+
+const Buffer<Instance>& InstancedBvh::instances() const { return state_->instances; }
+std::size_t InstancedBvh::instance_count() const { return state_->instances.size(); }
+Layout InstancedBvh::layout() const { return state_->layout; }
+const Device& InstancedBvh::device() const { return state_->device; }
+const Bvh& InstancedBvh::top() const { return *state_->top; }
+BvhValidation InstancedBvh::validate() const { return state_->top->validate(); }
+Defines InstancedBvh::defines() const { return state_->defines; }
+
+InstanceStatistics InstancedBvh::statistics() const {
+    const BvhStatistics top = state_->top->statistics();
+    InstanceStatistics statistics;
+    statistics.instances = top.triangles;
+    statistics.culled = top.culled;
+    statistics.height = top.height;
+    statistics.sah_cost = top.sah_cost;
+    statistics.widening = state_->widening.read()[0];
+    statistics.top_bytes = top.bytes + state_->instances.bytes() + state_->placed.bytes();
+    statistics.bottom_bytes = state_->bottom_bytes;
+    return statistics;
+}
+
+void InstancedBvh::bind(Kernel& kernel, unsigned& index) const {
+    const Bvh& top = *state_->top;
+    kernel.set(index, top.header_buffer());
+    kernel.set(index, top.nodes());
+    kernel.set(index, top.leaves());
+    kernel.set(index, state_->widening);
+    kernel.set(index, state_->placed);
+    kernel.set(index, state_->ranges);
+    if (state_->shared) {
+        kernel.set(index, *state_->shared);
+        return;
+    }
+    kernel.set(index, state_->headers);
+    const bool wide = layout() == Layout::wide;
+    wide ? kernel.set(index, state_->wide_nodes) : kernel.set(index, state_->nodes);
+    wide ? kernel.set(index, state_->wide_blocks) : kernel.set(index, state_->leaves);
+}
+
+}  // namespace claray

@@ -1,0 +1,43 @@
+// What the copies of an InstancedBvh share. Internal to host/build.
+#pragma once
+
+#include <optional>
+
+#include "claray/instances.hpp"
+
+namespace claray {
+
+struct InstancedBvh::State {
+    State(std::span<const Bvh> bottoms, const Buffer<Instance>& of, const Config& with);
+
+    void take_bottoms(std::span<const Bvh> bottoms);
+    void place();
+
+    Device device;
+    Buffer<Instance> instances;
+    Config config;
+    Layout layout = Layout::automatic;  // of the bottom levels
+    Defines defines;
+
+    // The bottom levels: one that is shared, or copies of several behind each other.
+    std::optional<Bvh> shared;
+    Buffer<BvhHeader> headers;
+    Buffer<BottomRange> ranges;
+    Buffer<BvhNode> nodes;
+    Buffer<LeafTriangle> leaves;
+    Buffer<WideNode> wide_nodes;
+    Buffer<TriangleBlock> wide_blocks;
+    std::uint64_t bottom_bytes = 0;
+
+    Buffer<PlacedInstance> placed;
+    Buffer<float> widening;
+    TriangleBuffers boxes;  // a triangle that spans the box of each instance
+    std::optional<Bvh> top;
+
+private:
+    void copy_bottoms(std::span<const Bvh> bottoms);
+
+    Kernel place_;
+};
+
+}  // namespace claray

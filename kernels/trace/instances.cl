@@ -1,0 +1,43 @@
+// Queries of arrays of rays against instances.
+#include "trace/traverse_instances.clh"
+#include "trace/query.clh"
+
+#ifndef EVERY_INSTANCE
+#define EVERY_INSTANCE 0  // 1: without the top level, to show what it saves and to check it
+#endif
+
+static inline InstanceHit trace_every_instance(CLARAY_INSTANCES_PARAMETERS, Ray ray, bool any, uint mask, Visits* visits) {
+    InstanceHit best = no_instance_hit(ray.tmax);
+    if (!ray_valid(ray)) return best;
+    const uint valid = claray_top->valid;
+    for (uint i = 0; i < valid; ++i)
+        if (hit_instance(CLARAY_INSTANCES, claray_top_leaves[i].primitive, ray, any, CULL_BACK_FACES, mask, &best, visits) && any)
+            break;
+    return best;
+}
+
+static inline InstanceHit trace_ray(CLARAY_INSTANCES_PARAMETERS, Ray ray, bool any, uint mask, Visits* visits) {
+    if (EVERY_INSTANCE) return trace_every_instance(CLARAY_INSTANCES, ray, any, mask, visits);
+    return claray_trace_instances(CLARAY_INSTANCES, ray, any, CULL_BACK_FACES, mask, visits);
+}
+
+/// As the kernel closest_hit.
+kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
+void closest_hit_instances(CLARAY_INSTANCES_PARAMETERS, global const Ray* rays, global InstanceHit* hits, uint capacity,
+                           global const uint* count, global const uint* masks, global Visits* visits) {
+    const uint i = get_global_id(0);
+    if (i >= rays_to_trace(capacity, count)) return;
+    Visits visited = {0, 0};
+    hits[i] = trace_ray(CLARAY_INSTANCES, rays[i], false, mask_of_ray(masks, i), &visited);
+    if (CLARAY_COUNT_VISITS) visits[i] = visited;
+}
+
+/// As the kernel any_hit.
+kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
+void any_hit_instances(CLARAY_INSTANCES_PARAMETERS, global const Ray* rays, global uchar* occluded, uint capacity,
+                       global const uint* count, global const uint* masks) {
+    const uint i = get_global_id(0);
+    if (i >= rays_to_trace(capacity, count)) return;
+    Visits unused = {0, 0};
+    occluded[i] = trace_ray(CLARAY_INSTANCES, rays[i], true, mask_of_ray(masks, i), &unused).primitive != CLARAY_MISS;
+}

@@ -1,0 +1,22 @@
+// Instances for tests: transforms of all kinds, and bottom levels.
+#pragma once
+
+#include "claray/instances.hpp"
+#include "tests/support/meshes.hpp"
+
+namespace claray::test {
+
+/// The structure of each mesh.
+std::vector<Bvh> build_bottoms(std::span<const Mesh> meshes, Layout layout);
+
+/// Rotates by a random rotation.
+glm::mat4 random_rotation(Random& random);
+
+/// `count` instances of random bottom levels in the cube of half side `half`: rotated, scaled differently along the
+/// axes before and after, every third mirrored.
+std::vector<Instance> random_instances(std::size_t count, std::uint32_t bottoms, float half, float scale,
+                                       std::uint64_t seed);
+
+bool same(const InstanceHit& a, const InstanceHit& b);
+
+}  // namespace claray::test
