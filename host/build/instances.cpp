@@ -49,8 +49,8 @@ Instance make_instance(const glm::mat4& m, std::uint32_t bottom, std::uint32_t m
 InstancedBvh::State::State(std::span<const Bvh> bottoms, const Buffer<Instance>& of, const Config& with)
     : device((check_bottoms(bottoms), bottoms[0].device())), instances(of), config(with) {
     const std::size_t count = of.size();
-    if (count >= CLARAY_SLOT / 3)
-        throw Error(ErrorKind::user, "too many instances: " + std::to_string(count) + ", the limit is 2^31 / 3");
+    if (count >= CLARAY_SLOT)
+        throw Error(ErrorKind::user, "too many instances: " + std::to_string(count) + ", the limit is 2^29 - 2");
     take_bottoms(bottoms);
     placed = Buffer<PlacedInstance>(device, count);
     widening = Buffer<float>(device, 1);
