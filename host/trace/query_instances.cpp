@@ -1,15 +1,21 @@
+#include <algorithm>
+
 #include "claray/instances.hpp"
 #include "host/trace/query_options.hpp"
 
 namespace claray {
 namespace {
 
-constexpr const char* file = "trace/instances.cl";
-
-Defines defines_for(const InstancedBvh& bvh, const QueryOptions& options) {
+template <class... Arguments>
+void trace(const InstancedBvh& bvh, const char* function, const QueryOptions& options, std::size_t rays,
+           const Arguments&... arguments) {
+    const Device& device = bvh.device();
     Defines defines = query_defines(bvh.defines(), options);
     if (options.brute_force) defines.emplace_back("EVERY_INSTANCE", "1");
-    return defines;
+    const std::size_t rays_per_item = std::max(1u, device.tuning("trace/instances", "RAYS_PER_ITEM"));
+    load_kernel(device, "trace/instances.cl", function, defines)
+        .run({(rays + rays_per_item - 1) / rays_per_item, device.tuning("trace/instances", "GROUP_SIZE")}, bvh,
+             arguments...);
 }
 
 }  // namespace
@@ -17,9 +23,8 @@ Defines defines_for(const InstancedBvh& bvh, const QueryOptions& options) {
 void closest_hit(const InstancedBvh& bvh, const Buffer<Ray>& rays, Buffer<InstanceHit>& hits,
                  const QueryOptions& options, const Buffer<std::uint32_t>& count) {
     check_sizes(rays.size(), hits.size(), options);
-    load_kernel(bvh.device(), file, "closest_hit_instances", defines_for(bvh, options))
-        .run({rays.size(), bvh.device().tuning("trace/instances", "GROUP_SIZE")}, bvh, rays, hits,
-             std::uint32_t(rays.size()), count, options.ray_masks, options.visits);
+    trace(bvh, "closest_hit_instances", options, rays.size(), rays, hits, std::uint32_t(rays.size()), count,
+          options.ray_masks, options.visits);
 }
 
 void any_hit(const InstancedBvh& bvh, const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded,
@@ -27,9 +32,8 @@ void any_hit(const InstancedBvh& bvh, const Buffer<Ray>& rays, Buffer<std::uint8
     check_sizes(rays.size(), occluded.size(), options);
     QueryOptions without_visits = options;
     without_visits.visits = {};
-    load_kernel(bvh.device(), file, "any_hit_instances", defines_for(bvh, without_visits))
-        .run({rays.size(), bvh.device().tuning("trace/instances", "GROUP_SIZE")}, bvh, rays, occluded,
-             std::uint32_t(rays.size()), count, options.ray_masks);
+    trace(bvh, "any_hit_instances", without_visits, rays.size(), rays, occluded, std::uint32_t(rays.size()), count,
+          options.ray_masks);
 }
 
 std::vector<InstanceHit> closest_hit(const InstancedBvh& bvh, std::span<const Ray> rays, const QueryOptions& options) {

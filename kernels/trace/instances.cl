@@ -25,19 +25,20 @@ static inline InstanceHit trace_ray(CLARAY_INSTANCES_PARAMETERS, Ray ray, bool a
 kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
 void closest_hit_instances(CLARAY_INSTANCES_PARAMETERS, global const Ray* rays, global InstanceHit* hits, uint capacity,
                            global const uint* count, global const uint* masks, global Visits* visits) {
-    const uint i = get_global_id(0);
-    if (i >= rays_to_trace(capacity, count)) return;
-    Visits visited = {0, 0};
-    hits[i] = trace_ray(CLARAY_INSTANCES, rays[i], false, mask_of_ray(masks, i), &visited);
-    if (CLARAY_COUNT_VISITS) visits[i] = visited;
+    const uint all = rays_to_trace(capacity, count);
+    FOR_EACH_RAY(i, all) {
+        Visits visited = {0, 0};
+        hits[i] = trace_ray(CLARAY_INSTANCES, rays[i], false, mask_of_ray(masks, i), &visited);
+        if (CLARAY_COUNT_VISITS) visits[i] = visited;
+    }
 }
 
 /// As the kernel any_hit.
 kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
 void any_hit_instances(CLARAY_INSTANCES_PARAMETERS, global const Ray* rays, global uchar* occluded, uint capacity,
                        global const uint* count, global const uint* masks) {
-    const uint i = get_global_id(0);
-    if (i >= rays_to_trace(capacity, count)) return;
+    const uint all = rays_to_trace(capacity, count);
     Visits unused = {0, 0};
-    occluded[i] = trace_ray(CLARAY_INSTANCES, rays[i], true, mask_of_ray(masks, i), &unused).primitive != CLARAY_MISS;
+    FOR_EACH_RAY(i, all)
+        occluded[i] = trace_ray(CLARAY_INSTANCES, rays[i], true, mask_of_ray(masks, i), &unused).primitive != CLARAY_MISS;
 }
