@@ -1,0 +1,114 @@
+// Example 6: instances. Thousands of copies of two built-in meshes ride on a wave: one of your own kernels moves their
+// transforms in device memory, claray builds its top level anew for every frame, and another kernel traces the picture:
+// field_000.png, field_001.png, ... The meshes' own trees are built once.
+//   example_06_instances [FRAMES [SIDE]]      SIDE x SIDE instances
+#include <algorithm>
+#include <claray/claray.hpp>
+#include <claray/io.hpp>
+#include <cstdio>
+#include <cstdlib>
+
+namespace {
+
+constexpr unsigned width = 480, height = 270;
+
+const char* source = R"(
+    #include "claray/shared/scene.h"
+    #include "trace/traverse_instances.clh"
+
+    // Puts a turned and scaled copy on every point of a grid over -1 .. 1 in x and z, as high as the wave is there.
+    kernel void move(global Instance* instances, uint side, float time) {
+        const uint i = get_global_id(0);
+        if (i >= side * side) return;
+        const float x = 2.0f * (i % side + 0.5f) / side - 1.0f, z = 2.0f * (i / side + 0.5f) / side - 1.0f;
+        const float distance = sqrt(x * x + z * z), phase = 12.0f * distance - 3.0f * time;
+        const float size = 0.8f / side, s = size * sin(phase), c = size * cos(phase);
+        const float transform[12] = {c, 0.0f, s, x, 0.0f, size, 0.0f, 0.08f * sin(phase), -s, 0.0f, c, z};
+        for (uint k = 0; k < 4; ++k) {
+            instances[i].row0[k] = transform[k];
+            instances[i].row1[k] = transform[4 + k];
+            instances[i].row2[k] = transform[8 + k];
+        }
+        instances[i].bottom = i % 2;
+        instances[i].mask = 0xffffffffu;
+        instances[i].id = i;
+    }
+
+    // A colour for every instance, and the light of a lamp at the camera: how squarely the ray meets the wave there.
+    kernel void draw(CLARAY_INSTANCES_PARAMETERS, CameraData camera, uint width, uint height, global float* image) {
+        const uint pixel = get_global_id(0);
+        if (pixel >= width * height) return;
+        const float sx = 2.0f * (pixel % width + 0.5f) / width - 1.0f, sy = 1.0f - 2.0f * (pixel / width + 0.5f) / height;
+        const float3 d = (float3)(camera.forward_x + sx * camera.right_x + sy * camera.up_x,
+                                  camera.forward_y + sx * camera.right_y + sy * camera.up_y,
+                                  camera.forward_z + sx * camera.right_z + sy * camera.up_z);
+        const Ray ray = {camera.x, camera.y, camera.z, 0.0f, d.x, d.y, d.z, INFINITY};
+        const InstanceHit hit = claray_closest_instance(CLARAY_INSTANCES, ray);
+        float3 color = (float3)(0.05f, 0.07f, 0.1f);
+        if (hit.primitive != CLARAY_MISS) {
+            const uint id = claray_placed[hit.instance].id;
+            const float3 p = (float3)(camera.x, camera.y, camera.z) + hit.t * d;
+            const Ray to_sun = {p.x, p.y + 1e-4f, p.z, 1e-4f, 0.5f, 1.0f, 0.3f, INFINITY};
+            const float light = claray_any_instance(CLARAY_INSTANCES, to_sun) ? 0.25f : 1.0f;
+            color = light * (0.6f + 0.4f * cos(id * (float3)(0.9f, 1.7f, 2.3f)));
+        }
+        vstore3(color, pixel, image);
+    })";
+
+// Scaled and moved into the unit cube on the ground.
+std::vector<claray::Mesh> in_unit_cube(std::vector<claray::Mesh> meshes) {
+    claray::Bounds bounds;
+    for (const claray::Mesh& mesh : meshes)
+        for (const glm::vec3& p : mesh.positions) bounds.grow(p);
+    const glm::vec3 size = bounds.extent();
+    for (claray::Mesh& mesh : meshes)
+        for (glm::vec3& p : mesh.positions) p = (p - bounds.center()) / std::max({size.x, size.y, size.z});
+    return meshes;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+    const unsigned frames = argc > 1 ? unsigned(std::atoi(argv[1])) : 30;
+    const unsigned side = argc > 2 ? std::max(1u, unsigned(std::atoi(argv[2]))) : 100;
+    const claray::Device device = claray::Device::open();
+
+    // The bottom levels: the structures that are placed.
+    std::vector<claray::Bvh> bottoms;
+    for (const char* name : {"crate", "spheres"})
+        bottoms.push_back(claray::Bvh::build(device, in_unit_cube(claray::builtin_scene(name).value().meshes)));
+
+    // The instances live in device memory: a kernel writes them, `rebuild` reads them there.
+    const claray::Buffer<claray::Instance> instances(device, std::size_t(side) * side);
+    const claray::Defines defines = bottoms[0].defines();
+    claray::Kernel move = claray::compile_kernel(device, source, "move", defines);
+    claray::Kernel draw = claray::compile_kernel(device, source, "draw", defines);
+    move.run({instances.size(), 64}, instances, side, 0.f);
+    claray::InstancedBvh bvh = claray::InstancedBvh::build(bottoms, instances);
+
+    claray::Buffer<float> pixels(device, width * height * 3);
+    const claray::Camera camera{{0.f, 0.6f, 1.3f}, {0.f, -0.1f, 0.f}, {0.f, 1.f, 0.f}, 50.f};
+    const claray::CameraData camera_data = claray::camera_data(camera, float(width) / height);
+    for (unsigned frame = 0; frame < frames; ++frame) {
+        move.run({instances.size(), 64}, instances, side, 0.1f * float(frame));
+        bvh.rebuild();
+        draw.run({width * height, 64}, bvh, camera_data, width, height, pixels);
+
+        claray::Image image{width, height, {}};
+        const std::vector<float> values = pixels.read();
+        for (std::size_t i = 0; i < values.size(); i += 3)
+            image.pixels.emplace_back(values[i], values[i + 1], values[i + 2]);
+        char name[32];
+        std::snprintf(name, sizeof name, "field_%03u.png", frame);
+        claray::write_image(name, image);
+    }
+    const claray::InstanceStatistics s = bvh.statistics();
+    std::printf("%u instances of %zu structures; %.1f MB for the top level, %.1f MB for the bottom\n", s.instances,
+                bottoms.size(), double(s.top_bytes) * 1e-6, double(s.bottom_bytes) * 1e-6);
+    for (const auto& [kernel, summary] : device.profiler().summary())
+        std::printf("%-24s %8.3f ms on average\n", kernel.c_str(), summary.milliseconds / double(summary.count));
+    return s.instances == instances.size() ? 0 : 1;
+} catch (const claray::Error& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return int(error.kind());
+}
