@@ -184,9 +184,9 @@ kernel void build_hploc_ranges(global const float* positions, global const uint*
         prefetch_leaf(positions, indices, geometries, order, leaf, valid);
         const uint primitive = order[leaf];
         const Triangle triangle = load_triangle(positions, indices, primitive);
-        store_leaf(&leaves[leaf], triangle, primitive, geometries, masks);
         const float4 v0 = (float4)(triangle.v0, 0.0f), v1 = (float4)(triangle.v1, 0.0f),
                      v2 = (float4)(triangle.v2, 0.0f);
+        stream_leaf(&leaves[leaf], v0, v1, v2, primitive, geometries, masks);
         Cluster cluster = {lesser(lesser(v0, v1), v2), greater(greater(v0, v1), v2)};
         cluster.lo.w = as_float(CLARAY_LEAF | leaf), cluster.hi.w = as_float(1u);
         const Waiting added = {leaf, left, stack.length};
@@ -201,6 +201,7 @@ kernel void build_hploc_ranges(global const float* positions, global const uint*
         for (uint k = 0; k < count; ++k) clusters[piece.first + k] = as_uint(stack.list[piece.begin + k].lo.w);
         pieces[range * MAX_WAITING + i] = (uint2)(count, top ? end - 1 : stack.waiting[i + 1].first - 1);
     }
+    finish_streaming();
     piece_counts[range] = (uint2)(stack.depth, stack.node - begin);
 }
 

@@ -49,9 +49,9 @@ kernel void build_lbvh_ranges(global const float* positions, global const uint* 
         prefetch_leaf(positions, indices, geometries, order, leaf, valid);
         const uint primitive = order[leaf];
         const Triangle triangle = load_triangle(positions, indices, primitive);
-        store_leaf(&leaves[leaf], triangle, primitive, geometries, masks);
         const float4 v0 = (float4)(triangle.v0, 0.0f), v1 = (float4)(triangle.v1, 0.0f),
                      v2 = (float4)(triangle.v2, 0.0f);
+        stream_leaf(&leaves[leaf], v0, v1, v2, primitive, geometries, masks);
         const uint right = border(codes, leaf, valid);
         const Subtree subtree = {
             lesser(lesser(v0, v1), v2), greater(greater(v0, v1), v2), CLARAY_LEAF | leaf, leaf, 0, left};
@@ -62,6 +62,7 @@ kernel void build_lbvh_ranges(global const float* positions, global const uint* 
         const uint last = i + 1 < stack.depth ? stack.waiting[i + 1].first - 1 : end - 1;
         pieces[range * MAX_WAITING + i] = (uint2)(stack.waiting[i].child, last);
     }
+    finish_streaming();
     piece_counts[range] = stack.depth;
 }
 
