@@ -13,12 +13,9 @@ static inline uint leaves_below(global const BvhNode* nodes, uint child) {
 #define FETCHED_LEAVES 64u
 #endif
 
-/// Asks for the `count` - 1 nodes of the subtree `child` of node `parent`. Their numbers are known where a node has the
-/// number of the leaf before its split; clustering on CPUs numbers them one after the other, the root last.
-static inline void fetch_subtree(global const BvhNode* nodes, bool by_split, uint parent, uint side, uint child,
-                                 uint count) {
-    const uint end = !by_split ? child : side == 0 ? parent - 1 : parent + count - 1;
-    for (uint i = 0; i + 1 < count && i <= end; ++i) prefetch_line(&nodes[end - i]);
+static inline uint end_leaf(global const BvhNode* nodes, uint child, uint side) {
+    while (!is_leaf(child)) child = child_of(&nodes[child], side);
+    return child & CLARAY_SLOT;
 }
 
 /// Stores row i of four leaves, 3 coordinates and a word each, as four rows of a block.
@@ -54,6 +51,11 @@ static inline void list_leaves(global const BvhNode* nodes, uint child, uint* sl
     }
     for (uint lane = count; lane < CLARAY_BLOCK; ++lane) slots[lane] = slots[count - 1];
 }
+
+/// `first`, its first leaf, is only known where nodes are numbered by their splits.
+typedef struct Subtree {
+    uint child, first, count;
+} Subtree;
 
 static inline void prefetch_children(global const BvhNode* nodes, uint index) {
     prefetch_line(&nodes[nodes[index].child0 & CLARAY_SLOT]);
@@ -107,11 +109,16 @@ static inline uint take_block(Output* out) {
     return out->block++;
 }
 
-static inline void list_fill(Output* out, uint fill) {
-    uint* slots = out->fill_slots[fill % (2 * DELAY)];
-    list_leaves(out->nodes, slots[0], slots);
+static inline void fetch_leaves(const Output* out, const uint* slots) {
     for (uint lane = 0; lane < CLARAY_BLOCK; ++lane) prefetch_line(&out->leaves[slots[lane]]);
     prefetch_line(&out->leaves[slots[CLARAY_BLOCK - 1]].mask);
+}
+
+static inline void list_fill(Output* out, uint fill) {
+    if (out->by_split) return;
+    uint* slots = out->fill_slots[fill % (2 * DELAY)];
+    list_leaves(out->nodes, slots[0], slots);
+    fetch_leaves(out, slots);
 }
 
 static inline void finish_fill(Output* out, uint fill) {
@@ -119,14 +126,21 @@ static inline void finish_fill(Output* out, uint fill) {
     fill_block(out->leaves, out->fill_slots[at], &out->blocks[out->fill_block[at]]);
 }
 
-/// Makes a block of the `count` leaves below `child`; returns the reference to it.
-static inline uint add_block(Output* out, uint child, uint count) {
+/// Makes a block of the leaves below a subtree; returns the reference to it.
+static inline uint add_block(Output* out, Subtree subtree) {
     const uint fill = out->fills++, at = fill % (2 * DELAY), block = take_block(out);
     if (fill >= DELAY) list_fill(out, fill - DELAY);
     if (fill >= 2 * DELAY) finish_fill(out, fill - 2 * DELAY);
-    out->fill_slots[at][0] = child, out->fill_block[at] = block;
-    if (count > 2) prefetch_children(out->nodes, child);
-    return CLARAY_LEAF | ((count - 1) << CLARAY_LEAF_COUNT_SHIFT) | block;
+    uint* slots = out->fill_slots[at];
+    out->fill_block[at] = block;
+    slots[0] = subtree.child;
+    if (out->by_split) {
+        for (uint lane = 0; lane < CLARAY_BLOCK; ++lane) slots[lane] = subtree.first + min(lane, subtree.count - 1);
+        fetch_leaves(out, slots);
+    } else if (subtree.count > 2) {
+        prefetch_children(out->nodes, subtree.child);
+    }
+    return CLARAY_LEAF | ((subtree.count - 1) << CLARAY_LEAF_COUNT_SHIFT) | block;
 }
 
 /// Fills what is left to be filled, and marks the numbers that are left over as nodes without children.
@@ -144,47 +158,62 @@ static inline void finish_output(Output* out) {
 typedef struct Slots {
     float boxes[CLARAY_WIDTH][8];  // lo and the child's bits, hi
     ulong rank[CLARAY_WIDTH];      // the largest area first, then the lowest slot; 0: not to be opened
-    uint leaves[CLARAY_WIDTH];     // below each
+    Subtree subtrees[CLARAY_WIDTH];
     uint count;
 } Slots;
 
-static inline void set_slot(Slots* slots, uint at, uint child, uint leaves_below, float4 lo, float4 hi) {
+/// Asks for the nodes of a small subtree, or for the first of a larger one. Node i of the linear tree splits behind leaf i,
+/// so that nodes have the numbers of the leaves; clustering on CPUs numbers nodes as they are made, the root last.
+static inline void fetch_subtree(const Output* out, Subtree subtree) {
+    if (subtree.count < 2) return;
+    const uint wanted = subtree.count <= FETCHED_LEAVES ? subtree.count - 1 : 1;
+    const uint first = out->by_split && wanted > 1 ? subtree.first : subtree.child + 1 - min(subtree.child + 1, wanted);
+    for (uint i = first; i < first + wanted; ++i) prefetch_line(&out->nodes[i]);
+}
+
+static inline void set_slot(Slots* slots, uint at, Subtree subtree, float4 lo, float4 hi) {
     const float4 extent = hi - lo;
     const float4 sides = extent * extent.yzxw;
     const float area = sides.x + sides.y + sides.z;  // half_area
-    lo.w = as_float(child);
+    lo.w = as_float(subtree.child);
     vstore4(lo, 0, slots->boxes[at]);
     vstore4(hi, 1, slots->boxes[at]);
-    slots->leaves[at] = leaves_below;
-    slots->rank[at] = leaves_below <= CLARAY_BLOCK ? 0 : (ulong)as_uint(area) << 32 | (CLARAY_WIDTH - at);
+    slots->subtrees[at] = subtree;
+    slots->rank[at] = subtree.count <= CLARAY_BLOCK ? 0 : (ulong)as_uint(area) << 32 | (CLARAY_WIDTH - at);
 }
 
-/// Replaces slot `at` by the two children of `index`.
-static inline void open_slot(const Output* out, Slots* slots, uint at, uint index) {
-    global const BvhNode* node = &out->nodes[index];
+/// Replaces slot `at` by the two children of `subtree`, a node.
+static inline void open_slot(const Output* out, Slots* slots, uint at, Subtree subtree) {
+    global const BvhNode* node = &out->nodes[subtree.child];
     global const float4* rows = (global const float4*)node;
-    const uint child0 = node->child0, child1 = node->child1;
-    const uint count0 = leaves_below(out->nodes, child0), count1 = leaves_below(out->nodes, child1);
-    if (count0 + count1 > FETCHED_LEAVES) {
-        if (count0 <= FETCHED_LEAVES) fetch_subtree(out->nodes, out->by_split, index, 0, child0, count0);
-        if (count1 <= FETCHED_LEAVES) fetch_subtree(out->nodes, out->by_split, index, 1, child1, count1);
+    Subtree a = {node->child0, subtree.first, 0}, b = {node->child1, subtree.child + 1, 0};
+    if (out->by_split) {
+        a.count = subtree.child + 1 - subtree.first;
+        b.count = subtree.count - a.count;
+    } else {
+        a.count = leaves_below(out->nodes, a.child);
+        b.count = leaves_below(out->nodes, b.child);
+    }
+    if (subtree.count > FETCHED_LEAVES) {
+        fetch_subtree(out, a);
+        fetch_subtree(out, b);
     }
     const float4 xy0 = rows[0], xy1 = rows[1], z = rows[2];
-    set_slot(slots, at, child0, count0, (float4)(xy0.xz, z.x, 0.0f), (float4)(xy0.yw, z.y, 0.0f));
-    set_slot(slots, slots->count++, child1, count1, (float4)(xy1.xz, z.z, 0.0f), (float4)(xy1.yw, z.w, 0.0f));
+    set_slot(slots, at, a, (float4)(xy0.xz, z.x, 0.0f), (float4)(xy0.yw, z.y, 0.0f));
+    set_slot(slots, slots->count++, b, (float4)(xy1.xz, z.z, 0.0f), (float4)(xy1.yw, z.w, 0.0f));
 }
 
 /// The slots of the wide node that stands for `root`; those beyond the count hold a box that no ray meets.
-static inline void open_children(const Output* out, uint root, Slots* slots) {
+static inline void open_children(const Output* out, Subtree root, Slots* slots) {
     for (uint i = 0; i < CLARAY_WIDTH; ++i) {
         vstore4((float4)((float3)(INFINITY), as_float(CLARAY_NO_CHILD)), 0, slots->boxes[i]);
         vstore4((float4)(-INFINITY), 1, slots->boxes[i]);
         slots->rank[i] = 0;
     }
     slots->count = 1;
-    if (is_leaf(root)) {
-        const Box box = box_of_child(out->nodes, out->leaves, root);
-        set_slot(slots, 0, root, 1, (float4)(box.lo, 0.0f), (float4)(box.hi, 0.0f));
+    if (is_leaf(root.child)) {
+        const Box box = box_of_child(out->nodes, out->leaves, root.child);
+        set_slot(slots, 0, root, (float4)(box.lo, 0.0f), (float4)(box.hi, 0.0f));
         return;
     }
     open_slot(out, slots, 0, root);  // even where all would fit one block
@@ -193,30 +222,35 @@ static inline void open_children(const Output* out, uint root, Slots* slots) {
         for (uint i = 0; i < CLARAY_WIDTH; ++i) best = max(best, slots->rank[i]);
         if (best == 0) break;
         const uint at = CLARAY_WIDTH - (uint)best;
-        open_slot(out, slots, at, as_uint(slots->boxes[at][3]));
+        open_slot(out, slots, at, slots->subtrees[at]);
     }
 }
 
-/// Fills wide node `index`, which stands for binary node `root`. Lists the wide nodes below it as (index, binary node);
-/// returns their number.
-static inline uint collapse_node(Output* out, uint index, uint root, uint2* below) {
+typedef struct Wide {
+    uint index;
+    Subtree root;
+} Wide;
+
+/// Fills a wide node. Lists the wide nodes below it; returns their number.
+static inline uint collapse_node(Output* out, Wide wide, Wide* below) {
     Slots slots;
-    open_children(out, root, &slots);
+    open_children(out, wide.root, &slots);
     uint child[CLARAY_WIDTH], count = 0;
     for (uint i = 0; i < CLARAY_WIDTH; ++i) {
-        const uint source = as_uint(slots.boxes[i][3]);
+        const Subtree subtree = slots.subtrees[i];
         if (i >= slots.count) {
             child[i] = CLARAY_NO_CHILD;
         } else if (slots.rank[i] == 0) {
-            child[i] = add_block(out, source, slots.leaves[i]);
+            child[i] = add_block(out, subtree);
         } else {
             child[i] = take_node(out);
-            prefetch_children(out->nodes, source);
-            below[count++] = (uint2)(child[i], source);
+            if (!out->by_split) prefetch_children(out->nodes, subtree.child);
+            const Wide next = {child[i], subtree};
+            below[count++] = next;
         }
     }
     const Columns boxes = load_columns(slots.boxes[0]);
-    global float8* rows = (global float8*)&out->wide[index];
+    global float8* rows = (global float8*)&out->wide[wide.index];
     store_streaming8(boxes.lox, &rows[0]), store_streaming8(boxes.hix, &rows[1]);
     store_streaming8(boxes.loy, &rows[2]), store_streaming8(boxes.hiy, &rows[3]);
     store_streaming8(boxes.loz, &rows[4]), store_streaming8(boxes.hiz, &rows[5]);
@@ -225,6 +259,14 @@ static inline uint collapse_node(Output* out, uint index, uint root, uint2* belo
 }
 
 // ---- kernels -------------------------------------------------------------------------------------------------------
+
+/// The wide node that `source[0]` prepares.
+static inline Wide prepared_node(const Output* out, uint index) {
+    const uint child = out->wide[index].source[0];
+    const uint first = end_leaf(out->nodes, child, 0), count = end_leaf(out->nodes, child, 1) - first + 1;
+    const Wide wide = {index, {child, first, out->by_split ? count : leaves_below(out->nodes, child)}};
+    return wide;
+}
 
 /// The first wide node stands for the binary root.
 kernel void begin_collapse(global BvhHeader* header, global WideNode* wide) {
@@ -239,28 +281,28 @@ kernel void collapse_level(global const BvhNode* nodes, global const LeafTriangl
                            global TriangleBlock* blocks, volatile global BvhHeader* header, uint begin, uint end) {
     const uint index = begin + get_global_id(0);
     if (index >= end) return;
-    Output out = begin_output(nodes, leaves, wide, blocks, header, 1, true);
-    uint2 below[CLARAY_WIDTH];
-    const uint count = collapse_node(&out, index, wide[index].source[0], below);
-    for (uint i = 0; i < count; ++i) wide[below[i].x].source[0] = below[i].y;
+    Output out = begin_output(nodes, leaves, wide, blocks, header, 1, false);
+    Wide below[CLARAY_WIDTH];
+    const uint count = collapse_node(&out, prepared_node(&out, index), below);
+    for (uint i = 0; i < count; ++i) wide[below[i].index].source[0] = below[i].root.child;
     finish_output(&out);
 }
 
 /// All that is below wide nodes begin .. end - 1, one item a subtree, depth first: a small subtree's nodes lie close
 /// together and stay in the cache, and so will the wide nodes when they are traversed. `at_once`: wide nodes whose numbers are
-/// taken at once; `by_split`: how the binary nodes are numbered, see fetch_subtree.
+/// taken at once; `by_split`: how the binary nodes are numbered, see fetch_subtree. The last come first: they may still be in the cache.
 kernel void collapse_subtrees(global const BvhNode* nodes, global const LeafTriangle* leaves, global WideNode* wide,
                               global TriangleBlock* blocks, volatile global BvhHeader* header, uint begin, uint end,
                               uint at_once, uint by_split) {
-    const uint index = begin + get_global_id(0);
-    if (index >= end) return;
+    if (begin + get_global_id(0) >= end) return;
+    const uint index = end - 1 - get_global_id(0);
     Output out = begin_output(nodes, leaves, wide, blocks, header, at_once, by_split != 0);
-    uint2 stack[CLARAY_MAX_HEIGHT * (CLARAY_WIDTH - 1) + CLARAY_WIDTH];
+    Wide stack[CLARAY_MAX_HEIGHT * (CLARAY_WIDTH - 1) + CLARAY_WIDTH];
     uint depth = 0;
-    stack[depth++] = (uint2)(index, wide[index].source[0]);
+    stack[depth++] = prepared_node(&out, index);
     while (depth != 0) {
-        const uint2 top = stack[--depth];
-        depth += collapse_node(&out, top.x, top.y, stack + depth);
+        const Wide top = stack[--depth];
+        depth += collapse_node(&out, top, stack + depth);
     }
     finish_output(&out);
 }
