@@ -289,8 +289,8 @@ kernel void collapse_level(global const BvhNode* nodes, global const LeafTriangl
 }
 
 /// All that is below wide nodes begin .. end - 1, one item a subtree, depth first: a small subtree's nodes lie close
-/// together and stay in the cache, and so will the wide nodes when they are traversed. `at_once`: wide nodes whose numbers are
-/// taken at once; `by_split`: how the binary nodes are numbered, see fetch_subtree. The last come first: they may still be in the cache.
+/// together and stay in the cache, and so will the wide nodes when they are traversed. The last come first: they may still
+/// be in the cache. `at_once`: wide nodes whose numbers are taken at once; `by_split`: see fetch_subtree.
 kernel void collapse_subtrees(global const BvhNode* nodes, global const LeafTriangle* leaves, global WideNode* wide,
                               global TriangleBlock* blocks, volatile global BvhHeader* header, uint begin, uint end,
                               uint at_once, uint by_split) {
