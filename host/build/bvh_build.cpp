@@ -155,8 +155,7 @@ void Bvh::State::build_hploc(const Buffer<Code>& codes) {
     arrivals.fill(0xffffffffu);
     begin_hploc_.run({count, group}, triangles.positions, triangles.indices, triangles.geometries, triangles.masks,
                      order, leaves, clusters, header);
-    hploc_.run({count, device.tuning("build/hploc", "GROUP_SIZE")}, codes, nodes, leaves, arrivals, clusters,
-               header);
+    hploc_.run({count, device.tuning("build/hploc", "GROUP_SIZE")}, codes, nodes, leaves, arrivals, clusters, header);
 }
 
 void Bvh::State::build() {

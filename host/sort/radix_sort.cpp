@@ -43,9 +43,8 @@ RadixSort<Key>::RadixSort(const Device& device, std::size_t capacity, const Conf
         tile_ = group_size_ * items;
         defines.emplace_back("ITEMS", std::to_string(items));
         digit_groups_ = 4 * device.info().compute_units;
-        histogram_ = Buffer<std::uint32_t>(device, sizeof(Key) * digits);
         const std::size_t tiles = (capacity + tile_ - 1) / tile_;
-        states_ = Buffer<std::uint32_t>(device, sizeof(Key) * (1 + tiles * digits));
+        histogram_ = Buffer<std::uint32_t>(device, sizeof(Key) * (digits + 1 + tiles * digits));
         count_all_ = load_kernel(device, file, "count_all_digits", defines);
         scan_ = load_kernel(device, file, "scan_histogram", defines);
         sort_digit_ = load_kernel(device, file, "sort_digit", defines);
@@ -76,7 +75,6 @@ void RadixSort<Key>::sort(Buffer<Key>& keys, Buffer<std::uint32_t>& values, std:
 template <class Key>
 void RadixSort<Key>::sort_onesweep(Buffer<Key>& keys, Buffer<std::uint32_t>& values, std::uint32_t count) {
     histogram_.fill(0);
-    states_.fill(0);
     const std::uint32_t tiles = (count + tile_ - 1) / tile_;
     const std::size_t counting = std::min<std::size_t>(std::size_t(digit_groups_) * group_size_, count);
     count_all_.run({counting, group_size_}, keys, count, histogram_);
@@ -85,7 +83,7 @@ void RadixSort<Key>::sort_onesweep(Buffer<Key>& keys, Buffer<std::uint32_t>& val
     for (std::uint32_t pass = 0; pass < passes; ++pass) {
         const Buffer<std::uint32_t> positions = pass == 0 ? Buffer<std::uint32_t>() : values;
         sort_digit_.run({std::size_t(tiles) * group_size_, group_size_}, keys, positions, other_keys_, other_values_,
-                        count, std::uint32_t(pass * digit_bits), pass, histogram_, states_, tiles);
+                        count, std::uint32_t(pass * digit_bits), pass, histogram_, tiles);
         std::swap(keys, other_keys_);
         std::swap(values, other_values_);
     }
@@ -102,7 +100,7 @@ void RadixSort<Key>::sort_by_buckets(Buffer<Key>& keys, Buffer<std::uint32_t>& v
 
 template <class Key>
 std::size_t RadixSort<Key>::scratch_bytes() const {
-    return other_keys_.bytes() + other_values_.bytes() + histogram_.bytes() + states_.bytes();
+    return other_keys_.bytes() + other_values_.bytes() + histogram_.bytes();
 }
 
 template class RadixSort<std::uint32_t>;

@@ -35,7 +35,7 @@ private:
     unsigned group_size_ = 0, tile_ = 0, runs_ = 0, shares_ = 0;
     unsigned digit_groups_ = 0;
     Buffer<Key> other_keys_;
-    Buffer<std::uint32_t> other_values_, histogram_, states_;  // states_: the tickets, then the look-back words
+    Buffer<std::uint32_t> other_values_, histogram_;  // followed by tickets and look-back words
     Kernel count_all_, scan_, sort_digit_, count_buckets_, scan_buckets_, fill_buckets_, sort_buckets_;
 };
 

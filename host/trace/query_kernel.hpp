@@ -7,7 +7,8 @@
 
 namespace claray {
 
-/// The three words of kernels/trace/ray_queue.clh, the same for all queries of a device: its commands run one after another.
+/// The three words of kernels/trace/ray_queue.clh, the same for all queries of a device: its commands run one after
+/// another.
 [[nodiscard]] const cl::Buffer& ray_queue(const Device& device);
 
 class QueryKernel {
@@ -32,7 +33,8 @@ public:
         const cl::Buffer& queue = ray_queue(bvh_.device());
         if (kernels_.size() > 1) sample_.run({sample_group_, sample_group_}, rays, capacity, count, queue);
         for (Kernel& kernel : kernels_)
-            kernel.run({items, group_}, bvh_, rays, results, capacity, count, options_.ray_masks, options_.visits, queue);
+            kernel.run({items, group_}, bvh_, rays, results, capacity, count, options_.ray_masks, options_.visits,
+                       queue);
     }
 
 private:

@@ -86,12 +86,12 @@ static inline uint look_back(volatile global uint* states, uint tile, uint digit
     return sum;
 }
 
-/// Sorts by the digit at `shift`. `tickets_and_states` is zero before the first pass: a ticket for each pass, then the
+/// Sorts by the digit at `shift`. Behind `histogram` follow, zero before the first pass, a ticket for each pass, then the
 /// look-back words, tiles x DIGITS for each pass. Without `values_in` the values are the keys' positions.
 kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
 void sort_digit(global const Key* keys_in, global const uint* values_in, global Key* keys_out, global uint* values_out,
-                uint count, uint shift, uint pass, global const uint* histogram,
-                volatile global uint* tickets_and_states, uint tiles) {
+                uint count, uint shift, uint pass, volatile global uint* histogram, uint tiles) {
+    volatile global uint* tickets = histogram + PASSES * DIGITS;
     local Key staged[TILE];  // the tile in sorted order; its values afterwards
     local uint warp_counts[WARPS][DIGITS];
     local uint target[DIGITS];
@@ -105,8 +105,8 @@ void sort_digit(global const Key* keys_in, global const uint* values_in, global 
     local uint shared_tile;
 
     const uint item = get_local_id(0), warp = item / WARP, lane = item % WARP;
-    volatile global uint* states = tickets_and_states + PASSES + (size_t)pass * tiles * DIGITS;
-    if (item == 0) shared_tile = atomic_inc(&tickets_and_states[pass]);
+    volatile global uint* states = tickets + PASSES + (size_t)pass * tiles * DIGITS;
+    if (item == 0) shared_tile = atomic_inc(&tickets[pass]);
     for (uint w = 0; w < WARPS; ++w) {
         warp_counts[w][item] = 0;
 #if !CLARAY_USE_PTX
