@@ -22,7 +22,7 @@ const char* source = R"(
         if (i >= side * side) return;
         const float x = 2.0f * (i % side + 0.5f) / side - 1.0f, z = 2.0f * (i / side + 0.5f) / side - 1.0f;
         const float distance = sqrt(x * x + z * z), phase = 12.0f * distance - 3.0f * time;
-        const float size = 0.8f / side, s = size * sin(phase), c = size * cos(phase);
+        const float size = 1.6f / side, s = size * sin(phase), c = size * cos(phase);
         const float transform[12] = {c, 0.0f, s, x, 0.0f, size, 0.0f, 0.08f * sin(phase), -s, 0.0f, c, z};
         for (uint k = 0; k < 4; ++k) {
             instances[i].row0[k] = transform[k];
@@ -70,7 +70,7 @@ std::vector<claray::Mesh> in_unit_cube(std::vector<claray::Mesh> meshes) {
 
 int main(int argc, char** argv) try {
     const unsigned frames = argc > 1 ? unsigned(std::atoi(argv[1])) : 30;
-    const unsigned side = argc > 2 ? std::max(1u, unsigned(std::atoi(argv[2]))) : 100;
+    const unsigned side = argc > 2 ? std::max(1u, unsigned(std::atoi(argv[2]))) : 60;
     const claray::Device device = claray::Device::open();
 
     // The bottom levels: the structures that are placed.

@@ -119,8 +119,7 @@ void InstancedBvh::State::copy_bottoms(std::span<const Bvh> bottoms) {
 void InstancedBvh::State::place() {
     widening.fill(0);
     const std::size_t count = instances.size();
-    const std::size_t items = std::min<std::size_t>(count, std::size_t(device.info().compute_units) * 32 * group);
-    place_.run({items, group}, instances, std::uint32_t(count), headers, std::uint32_t(ranges.size()), placed,
+    place_.run({count, group}, instances, std::uint32_t(count), headers, std::uint32_t(ranges.size()), placed,
                boxes.positions, widening);
 }
 

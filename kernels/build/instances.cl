@@ -131,18 +131,18 @@ static inline float place_instance(global const Instance* instance, global const
     return widening;
 }
 
-/// `widening`, zero before, becomes the largest of all instances; of positive floats the bits have the same order. Items
-/// stride over the instances, so that a few suffice on CPUs.
+/// `widening`, zero before, becomes the largest of all instances; of positive floats the bits have the same order.
 kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
 void place_instances(global const Instance* instances, uint count, global const BvhHeader* bottoms, uint bottom_count,
                      global PlacedInstance* placed, global float* corners, volatile global uint* widening) {
     local uint group_widening;
     if (get_local_id(0) == 0) group_widening = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
-    float widest = 0.0f;
-    for (uint i = get_global_id(0); i < count; i += get_global_size(0))
-        widest = fmax(widest, place_instance(&instances[i], bottoms, bottom_count, &placed[i], corners + 9 * (size_t)i));
-    atomic_max(&group_widening, as_uint(widest));
+    const size_t i = get_global_id(0);
+    if (i < count) {
+        const float mine = place_instance(&instances[i], bottoms, bottom_count, &placed[i], corners + 9 * i);
+        atomic_max(&group_widening, as_uint(mine));
+    }
     barrier(CLK_LOCAL_MEM_FENCE);
     if (get_local_id(0) == 0) atomic_max(widening, group_widening);
 }
