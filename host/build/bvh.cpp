@@ -79,7 +79,8 @@ const Buffer<BvhHeader>& Bvh::header_buffer() const { return state_->header; }
 BvhStatistics Bvh::statistics() const {
     const BvhHeader header = state_->read_header();
     BvhStatistics statistics;
-    statistics.triangles = header.valid;
+    statistics.triangles = state_->count - header.culled;
+    statistics.references = header.valid - statistics.triangles;
     statistics.culled = header.culled;
     statistics.height = header.height;
     statistics.bytes = sizeof(BvhHeader);
@@ -87,33 +88,26 @@ BvhStatistics Bvh::statistics() const {
         statistics.bytes += header.wide_nodes * sizeof(WideNode) + header.wide_blocks * sizeof(TriangleBlock);
     else
         statistics.bytes += state_->nodes.bytes() + state_->leaves.bytes();
-    if (header.valid < 2) {
-        statistics.sah_cost = header.valid;
-        return statistics;
-    }
-    const std::size_t items = 4096;
-    Buffer<float> sums(device(), 2 * items);
-    load_kernel(device(), "build/validate.cl", "sum_areas").run({items, 64}, state_->nodes, state_->header, sums);
-    double area = 0;
-    for (const float sum : sums.read()) area += sum;
-    const double x = double(header.hix) - header.lox, y = double(header.hiy) - header.loy,
-                 z = double(header.hiz) - header.loz;
-    statistics.sah_cost = area / (x * y + y * z + z * x);
+    statistics.sah_cost = state_->sah_cost();
     return statistics;
 }
 
+double Bvh::cost_growth() const { return state_->built_cost > 0 ? state_->sah_cost() / state_->built_cost : 1; }
+bool Bvh::should_rebuild(double most_growth) const { return cost_growth() > most_growth; }
+
 BvhValidation Bvh::validate() const {
     const std::uint32_t count = state_->count;
-    Buffer<std::uint32_t> seen(device(), count), of_nodes(device(), 2), of_leaves(device(), 2);
+    Buffer<std::uint32_t> seen(device(), count), of_nodes(device(), 2), of_leaves(device(), 3);
     seen.fill(0), of_nodes.fill(0), of_leaves.fill(0);
     load_kernel(device(), "build/validate.cl", "validate_nodes")
-        .run({count, 64}, state_->nodes, state_->leaves, state_->header, count, seen, of_nodes);
+        .run({state_->nodes.size(), 64}, state_->nodes, state_->leaves, state_->header, count, seen, of_nodes);
     load_kernel(device(), "build/validate.cl", "validate_leaves")
-        .run({count, 64}, state_->triangles.positions, state_->triangles.indices, count, seen, of_leaves);
+        .run({count, 64}, state_->triangles.positions, state_->triangles.indices, count, state_->nodes, state_->leaves,
+             state_->header, seen, of_leaves);
     const std::vector<std::uint32_t> nodes = of_nodes.read(), leaves = of_leaves.read();
     return {.leaves_missing = leaves[0],
             .leaves_repeated = leaves[1],
-            .boxes_not_containing = nodes[0],
+            .boxes_not_containing = nodes[0] + leaves[2],
             .links_broken = nodes[1]};
 }
 

@@ -35,6 +35,13 @@ Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& wit
     if (config.morton_bits != 30 && config.morton_bits != 63)
         throw Error(ErrorKind::usage, "no Morton codes of " + std::to_string(config.morton_bits) + " bits",
                     "choose 30 or 63");
+    if (config.max_leaf_triangles < 1 || config.max_leaf_triangles > 4)
+        throw Error(ErrorKind::usage, "no leaves of " + std::to_string(config.max_leaf_triangles) + " triangles",
+                    "choose 1 to 4");
+    if (!(config.split_budget >= 0))
+        throw Error(ErrorKind::usage,
+                    "no splitting of " + std::to_string(config.split_budget) + " references a triangle",
+                    "choose 0 or more");
     if (of.indices.size() / 3 >= triangle_limit)
         throw Error(ErrorKind::user,
                     "too many triangles: " + std::to_string(of.indices.size() / 3) + ", the limit is 2^29 - 2");
@@ -43,7 +50,8 @@ Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& wit
     reset_ = load_kernel(device, "build/bounds.cl", "reset_header");
     finish_bounds_ = load_kernel(device, "build/bounds.cl", "finish_bounds");
     if (ranges == 0) {
-        bounds_ = load_kernel(device, "build/bounds.cl", "compute_bounds");
+        bounds_ = load_kernel(device, "build/bounds.cl", "compute_bounds",
+                              {{"WHOLE_BOXES", config.builder == Builder::high ? "1" : "0"}});
         codes_ = load_kernel(device, "build/morton_codes.cl", "compute_morton_codes", bits);
         lbvh_ = load_kernel(device, "build/lbvh.cl", "build_lbvh", bits);
     } else {
@@ -52,14 +60,12 @@ Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& wit
         lbvh_ranges_ = load_kernel(device, "build/lbvh_serial.cl", "build_lbvh_ranges", bits);
         join_lbvh_ = load_kernel(device, "build/lbvh_serial.cl", "join_lbvh_ranges", bits);
     }
-    if (config.builder == Builder::balanced) {
-        if (ranges == 0) {
-            begin_hploc_ = load_kernel(device, "build/hploc.cl", "begin_hploc", bits);
-            hploc_ = load_kernel(device, "build/hploc.cl", "build_hploc", bits);
-        } else {
-            hploc_ranges_ = load_kernel(device, "build/hploc_serial.cl", "build_hploc_ranges", bits);
-            join_hploc_ = load_kernel(device, "build/hploc_serial.cl", "join_hploc_ranges", bits);
-        }
+    if (config.builder == Builder::balanced && ranges != 0) {
+        hploc_ranges_ = load_kernel(device, "build/hploc_serial.cl", "build_hploc_ranges", bits);
+        join_hploc_ = load_kernel(device, "build/hploc_serial.cl", "join_hploc_ranges", bits);
+    } else if (config.builder != Builder::fast) {
+        begin_hploc_ = load_kernel(device, "build/hploc.cl", "begin_hploc", bits);
+        hploc_ = load_kernel(device, "build/hploc.cl", "build_hploc", bits);
     }
     if (layout == Layout::wide) {
         begin_collapse_ = load_kernel(device, "build/collapse.cl", "begin_collapse");
@@ -69,37 +75,48 @@ Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& wit
 }
 
 void Bvh::State::allocate() {
+    std::uint32_t capacity = count;  // of leaves
+    if (config.builder == Builder::high) {
+        presplit = Presplit(device, count, config.split_budget, config.morton_bits);
+        capacity = presplit.capacity();
+        other_nodes = Buffer<BvhNode>(device, capacity);
+        other_leaves = Buffer<LeafTriangle>(device, capacity);
+        reinsertion = Reinsertion(device, capacity);
+        renumber = TreeLayout(device, capacity, 1, false);
+        finish = TreeLayout(device, capacity, layout == Layout::binary ? config.max_leaf_triangles : 1, true);
+    }
     header = Buffer<BvhHeader>(device, 1);
     bound_keys = Buffer<std::uint32_t>(device, 6);
-    nodes = Buffer<BvhNode>(device, count);
-    leaves = Buffer<LeafTriangle>(device, count);
-    order = Buffer<std::uint32_t>(device, count);
-    arrivals = Buffer<std::uint32_t>(device, count);
-    if (const unsigned per_unit = device.tuning("build/serial", "RANGES_PER_UNIT"); per_unit != 0) {
+    nodes = Buffer<BvhNode>(device, capacity);
+    leaves = Buffer<LeafTriangle>(device, capacity);
+    order = Buffer<std::uint32_t>(device, capacity);
+    arrivals = Buffer<std::uint32_t>(device, capacity);
+    const unsigned per_unit = device.tuning("build/serial", "RANGES_PER_UNIT");
+    if (per_unit != 0 && config.builder != Builder::high) {
         const unsigned least = std::max(1u, device.tuning("build/serial", "RANGE_LEAVES"));
         ranges = std::clamp(count / least, 1u, device.info().compute_units * per_unit);
         pieces = Buffer<std::uint32_t>(device, ranges * 2 * pieces_a_range);
         piece_counts = Buffer<std::uint32_t>(device, std::size_t(2) * ranges);
     }
-    if (config.builder == Builder::balanced) {
-        clusters = Buffer<std::uint32_t>(device, count);
+    if (config.builder != Builder::fast) {
+        clusters = Buffer<std::uint32_t>(device, capacity);
     }
     if (config.morton_bits == 63) {
-        codes64 = Buffer<std::uint64_t>(device, count);
+        codes64 = Buffer<std::uint64_t>(device, capacity);
         sort64 =
-            std::make_unique<RadixSort<std::uint64_t>>(device, count, RadixSort<std::uint64_t>::config_for(device));
+            std::make_unique<RadixSort<std::uint64_t>>(device, capacity, RadixSort<std::uint64_t>::config_for(device));
     } else {
-        codes32 = Buffer<std::uint32_t>(device, count);
+        codes32 = Buffer<std::uint32_t>(device, capacity);
         sort32 =
-            std::make_unique<RadixSort<std::uint32_t>>(device, count, RadixSort<std::uint32_t>::config_for(device));
+            std::make_unique<RadixSort<std::uint32_t>>(device, capacity, RadixSort<std::uint32_t>::config_for(device));
     }
     if (layout == Layout::wide) {
         // A node with a wide child has 8 slots, one without has at least 5 triangles: at most count / 4 nodes in all.
         // Every subtree may leave all but one of the numbers that it took at once unused.
         const std::size_t spare =
-            std::size_t(CLARAY_WIDTH) * subtrees_for(device) * (numbers_at_once(count, device) - 1);
-        wide_nodes = Buffer<WideNode>(device, count / 4 + 1 + spare);
-        wide_blocks = Buffer<TriangleBlock>(device, std::max(count, 1u) + 2 * spare);
+            std::size_t(CLARAY_WIDTH) * subtrees_for(device) * (numbers_at_once(capacity, device) - 1);
+        wide_nodes = Buffer<WideNode>(device, capacity / 4 + 1 + spare);
+        wide_blocks = Buffer<TriangleBlock>(device, std::max(capacity, 1u) + 2 * spare);
     }
 }
 
@@ -117,6 +134,10 @@ void Bvh::State::compute_bounds() {
 
 template <class Code>
 void Bvh::State::build_tree(Buffer<Code>& codes, RadixSort<Code>& sort) {
+    if (config.builder == Builder::high) {
+        build_high(codes, sort);
+        return;
+    }
     if (ranges != 0)
         encode_.run({ranges, 1}, leaves, count, header, ranges, codes);
     else
@@ -129,6 +150,27 @@ void Bvh::State::build_tree(Buffer<Code>& codes, RadixSort<Code>& sort) {
     build_hploc(codes);
     // Clustering has no bound on the height; a tree that is too high for the stack of a traversal is not used.
     if (read_header().height > CLARAY_MAX_HEIGHT) build_lbvh(codes);
+}
+
+/// Leaves are references until the last copy of the tree turns them into triangles.
+template <class Code>
+void Bvh::State::build_high(Buffer<Code>& codes, RadixSort<Code>& sort) {
+    const std::uint32_t to_sort = presplit.split(triangles, header, bound_keys, codes);
+    sort.sort(codes, order, to_sort);
+    presplit.gather(order, leaves, clusters, header);
+    cluster(codes, to_sort);
+    if (read_header().height <= CLARAY_MAX_HEIGHT) {
+        renumber.copy(triangles, nodes, leaves, to_sort, arrivals, header, other_nodes, other_leaves);
+        reinsertion.run(other_nodes, arrivals, header, config.optimization_rounds, 1);
+        if (read_header().height <= CLARAY_MAX_HEIGHT) {
+            finish.copy(triangles, other_nodes, other_leaves, to_sort, arrivals, header, nodes, leaves);
+            return;
+        }
+    }
+    compute_bounds();  // begins anew: counts triangles instead of references
+    codes_.run({count, group}, triangles.positions, triangles.indices, count, header, codes);
+    sort.sort(codes, order, count);
+    build_lbvh(codes);
 }
 
 template <class Code>
@@ -152,13 +194,21 @@ void Bvh::State::build_hploc(const Buffer<Code>& codes) {
         join_hploc_.run({1, 1}, codes, nodes, leaves, clusters, header, ranges, pieces, piece_counts);
         return;
     }
-    arrivals.fill(0xffffffffu);
     begin_hploc_.run({count, group}, triangles.positions, triangles.indices, triangles.geometries, triangles.masks,
                      order, leaves, clusters, header);
-    hploc_.run({count, device.tuning("build/hploc", "GROUP_SIZE")}, codes, nodes, leaves, arrivals, clusters, header);
+    cluster(codes, count);
+}
+
+/// The tree over `leaves` and `clusters`.
+template <class Code>
+void Bvh::State::cluster(const Buffer<Code>& codes, std::uint32_t leaf_count) {
+    arrivals.fill(0xffffffffu);
+    hploc_.run({leaf_count, device.tuning("build/hploc", "GROUP_SIZE")}, codes, nodes, leaves, arrivals, clusters,
+               header);
 }
 
 void Bvh::State::build() {
+    built_cost = 0;
     compute_bounds();
     if (sort64)
         build_tree(codes64, *sort64);
@@ -185,10 +235,23 @@ void Bvh::State::refit() {
         refit_ = load_kernel(device, "build/refit.cl", "refit_nodes");
         refit_wide_ = load_kernel(device, "build/collapse.cl", "refit_wide");
     }
+    if (built_cost == 0) built_cost = sah_cost();
     arrivals.fill(0);
-    refit_.run({count, group}, triangles.positions, triangles.indices, nodes, leaves, arrivals, header);
+    refit_.run({nodes.size(), group}, triangles.positions, triangles.indices, nodes, leaves, arrivals, header);
     if (layout == Layout::wide)
         refit_wide_.run({wide_nodes.size(), 64}, nodes, leaves, wide_nodes, wide_blocks, header);
+}
+
+double Bvh::State::sah_cost() const {
+    const BvhHeader h = read_header();
+    if (h.inner_nodes == 0) return h.valid;
+    const std::size_t items = 4096;
+    const Buffer<float> sums(device, 2 * items);
+    load_kernel(device, "build/validate.cl", "sum_areas").run({items, 64}, nodes, header, sums);
+    double area = 0;
+    for (const float sum : sums.read()) area += sum;
+    const double x = double(h.hix) - h.lox, y = double(h.hiy) - h.loy, z = double(h.hiz) - h.loz;
+    return area / (x * y + y * z + z * x);
 }
 
 BvhHeader Bvh::State::read_header() const { return header.read()[0]; }

@@ -4,6 +4,9 @@
 #include <memory>
 
 #include "claray/bvh.hpp"
+#include "host/build/presplit.hpp"
+#include "host/build/reinsertion.hpp"
+#include "host/build/tree_layout.hpp"
 #include "host/sort/radix_sort.hpp"
 
 namespace claray {
@@ -15,12 +18,15 @@ struct Bvh::State {
     void refit();
     void collapse();
     [[nodiscard]] BvhHeader read_header() const;
+    [[nodiscard]] double sah_cost() const;
 
     Device device;
     TriangleBuffers triangles;
     Config config;
     Layout layout;
     std::uint32_t count;  // triangles of the input, culled ones included
+
+    double built_cost = 0;  // the cost before the first refit; 0: none since the last build
 
     Buffer<BvhHeader> header;
     Buffer<BvhNode> nodes;
@@ -36,15 +42,26 @@ struct Bvh::State {
     std::unique_ptr<RadixSort<std::uint32_t>> sort32;
     std::unique_ptr<RadixSort<std::uint64_t>> sort64;
 
+    // Of the builder `high`: a second tree, for copying to and fro.
+    Buffer<BvhNode> other_nodes;
+    Buffer<LeafTriangle> other_leaves;
+    Presplit presplit;
+    Reinsertion reinsertion;
+    TreeLayout renumber, finish;
+
 private:
     void allocate();
     void compute_bounds();
     template <class Code>
     void build_tree(Buffer<Code>& codes, RadixSort<Code>& sort);
     template <class Code>
+    void build_high(Buffer<Code>& codes, RadixSort<Code>& sort);
+    template <class Code>
     void build_lbvh(const Buffer<Code>& codes);
     template <class Code>
     void build_hploc(const Buffer<Code>& codes);
+    template <class Code>
+    void cluster(const Buffer<Code>& codes, std::uint32_t leaf_count);
 
     Kernel reset_, centroids_, encode_, bounds_, finish_bounds_, codes_, lbvh_, begin_hploc_, hploc_, refit_,
         lbvh_ranges_, join_lbvh_, hploc_ranges_, join_hploc_, begin_collapse_, collapse_level_, collapse_subtrees_,

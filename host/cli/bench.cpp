@@ -188,7 +188,7 @@ void add_bench_command(CLI::App& app, Action& action) {
     for (const auto& [name, builder] : bench::builders) o.bench.presets.push_back(builder);
     command->add_option("--scene,scenes", o.bench.scenes,
                         "OBJ files, built-in scenes, or NAME.scn with NAME.ray [soup:50000 terrain:200000 hair:50000]");
-    command->add_option("--preset", o.bench.presets, "fast, balanced; all where this is not given")
+    command->add_option("--preset", o.bench.presets, "fast, balanced, high; all where this is not given")
         ->delimiter(',')
         ->allow_extra_args(false)
         ->transform(CLI::CheckedTransformer(bench::builders, CLI::ignore_case).description(""))

@@ -21,14 +21,16 @@ enum class Layout {
 
 /// How the tree is built: time for quality.
 enum class Builder {
-    fast,     ///< linear BVH (Apetrei 2014)
-    balanced  ///< hierarchical locally-ordered clustering (Benthin et al. 2024): a better tree
+    fast,      ///< linear BVH (Apetrei 2014)
+    balanced,  ///< hierarchical locally-ordered clustering (Benthin et al. 2024): a better tree
+    high  ///< balanced, over large triangles split into several boxes, then improved by moving nodes: the best tree
 };
 
 /// Measured facts of a built structure.
 struct BvhStatistics {
-    std::uint32_t triangles = 0;  ///< in the tree
-    std::uint32_t culled = 0;     ///< left out: not finite, beyond 1e18, or with two equal vertices
+    std::uint32_t triangles = 0;   ///< in the tree
+    std::uint32_t culled = 0;      ///< left out: not finite, beyond 1e18, or with two equal vertices
+    std::uint32_t references = 0;  ///< leaves beyond one a triangle, of triangles that were split
     std::uint32_t height = 0;
     double sah_cost = 0;      ///< surface area heuristic: 1 per box pair, 1 per triangle, relative to the root's area
     std::uint64_t bytes = 0;  ///< device memory of the structure, without scratch
@@ -36,10 +38,11 @@ struct BvhStatistics {
 
 /// The outcome of `Bvh::validate`; all counts are 0 for a sound structure.
 struct BvhValidation {
-    std::uint32_t leaves_missing = 0;        ///< triangles that no leaf holds
-    std::uint32_t leaves_repeated = 0;       ///< triangles that several leaves hold
-    std::uint32_t boxes_not_containing = 0;  ///< child boxes that don't contain what is below
-    std::uint32_t links_broken = 0;          ///< parents that don't point back, or indices out of range
+    std::uint32_t leaves_missing = 0;   ///< triangles that no leaf holds
+    std::uint32_t leaves_repeated = 0;  ///< triangles that several leaves hold whole
+    std::uint32_t boxes_not_containing =
+        0;                           ///< child boxes that don't contain what is below, split triangles not covered
+    std::uint32_t links_broken = 0;  ///< parents that don't point back, or indices out of range
     [[nodiscard]] bool ok() const {
         return leaves_missing + leaves_repeated + boxes_not_containing + links_broken == 0;
     }
@@ -67,6 +70,14 @@ public:
         Builder builder = Builder::fast;
         unsigned morton_bits = 63;  ///< 30 or 63 bits a code: 10 or 21 an axis
         Layout layout = Layout::automatic;
+        /// `high` only: further references that splitting large triangles may make, per triangle; 0 splits none. A
+        /// refit undoes what splitting gains, so that 0 is for what moves.
+        double split_budget = 0.5;
+        /// `high` only: rounds of moving nodes.
+        unsigned optimization_rounds = 8;
+        /// `high` in the binary layout only: triangles a leaf may hold where the surface area heuristic says so, up
+        /// to 4.
+        unsigned max_leaf_triangles = 1;
     };
 
     /// Builds over the triangles of all meshes; primitive indices count over all meshes in order. Throws
@@ -98,6 +109,12 @@ public:
     /// Keeps the tree and recomputes all boxes after the positions have changed: faster than `rebuild`, and a worse
     /// tree the more has moved. Triangles culled at the last build stay out; ones that became NaN can't be hit.
     void refit();
+    /// How many times the tree's SAH cost at its last build it costs now, after refits: 1 where nothing moved. Measured
+    /// on the device in about the time of a refit; waits for it.
+    [[nodiscard]] double cost_growth() const;
+    /// Whether the tree is so much worse than when it was built that a rebuild pays: by Lauterbach et al. 2006
+    /// ("RT-DEFORM"), who rebuilt at 40 %.
+    [[nodiscard]] bool should_rebuild(double most_growth = 1.4) const;
 
     [[nodiscard]] const TriangleBuffers& triangles() const;
     [[nodiscard]] std::size_t triangle_count() const;

@@ -5,6 +5,9 @@
 #ifndef GROUP_SIZE
 #define GROUP_SIZE 256
 #endif
+#ifndef WHOLE_BOXES
+#define WHOLE_BOXES 0  // 1: the grid is laid over the triangles' boxes, for parts of triangles (presplit.cl)
+#endif
 
 /// First kernel of every build.
 kernel void reset_header(global BvhHeader* header, global uint* keys) {
@@ -15,7 +18,7 @@ kernel void reset_header(global BvhHeader* header, global uint* keys) {
     header->root = CLARAY_NO_CHILD;
     header->valid = header->culled = header->height = header->wide_nodes = header->wide_blocks = 0;
     header->scale_x = header->scale_y = header->scale_z = 0.0f;
-    header->spare = 0;
+    header->inner_nodes = 0;
     for (uint axis = 0; axis < 3; ++axis) keys[axis] = 0xffffffffu, keys[3 + axis] = 0;
 }
 
@@ -46,8 +49,12 @@ void compute_bounds(global const float* positions, global const uint* indices, u
         const Triangle triangle = load_triangle(positions, indices, i);
         if (!triangle_valid(triangle)) continue;
         const Box box = box_of(triangle);
+#if WHOLE_BOXES
+        lo = fmin(lo, box.lo + box.lo), hi = fmax(hi, box.hi + box.hi);
+#else
         const float3 centroid = box.lo + box.hi;
         lo = fmin(lo, centroid), hi = fmax(hi, centroid);
+#endif
         ++valid;
     }
     atomic_add(&group_valid, valid);
@@ -79,6 +86,7 @@ static inline float grid_scale(float extent, float cells) {
 /// Lays a grid of 2^axis_bits cells an axis over the centroids: origin and scale go to the header.
 kernel void finish_bounds(global BvhHeader* header, global const uint* keys, uint count, uint axis_bits) {
     if (get_global_id(0) != 0) return;
+    header->inner_nodes = max(header->valid, 1u) - 1;
     header->culled = count - header->valid;
     if (header->valid == 0) return;
     const float cells = (float)(1u << axis_bits);

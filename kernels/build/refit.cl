@@ -11,18 +11,27 @@ static inline Box refit_leaf(global const float* positions, global const uint* i
     return triangle_valid(t) ? box_of(t) : none;
 }
 
+static inline Box refit_leaves(global const float* positions, global const uint* indices, global LeafTriangle* leaves,
+                               uint child) {
+    const uint first = child & CLARAY_SLOT, end = first + CLARAY_LEAF_COUNT(child);
+    Box box = refit_leaf(positions, indices, &leaves[first]);
+    for (uint slot = first + 1; slot < end; ++slot) box = box_union(box, refit_leaf(positions, indices, &leaves[slot]));
+    return box;
+}
+
 /// One item a node. It does what its leaf children need; a node with a leaf goes on upwards, or waits for its other
 /// child, as in lbvh.cl. `arrivals` is zero before.
 kernel void refit_nodes(global const float* positions, global const uint* indices, global BvhNode* nodes,
                         global LeafTriangle* leaves, volatile global uint* arrivals, global BvhHeader* header) {
-    const uint start = get_global_id(0), valid = header->valid;
-    if (valid == 1 && start == 0) store_header_box(header, refit_leaf(positions, indices, &leaves[0]));
-    if (valid < 2 || start >= valid - 1) return;
+    const uint start = get_global_id(0);
+    if (header->inner_nodes == 0 && start == 0 && header->valid != 0)
+        store_header_box(header, refit_leaves(positions, indices, leaves, header->root));
+    if (start >= header->inner_nodes) return;
     uint ready = 0;
     for (uint side = 0; side < 2; ++side) {
         const uint child = child_of(&nodes[start], side);
         if (!is_leaf(child)) continue;
-        store_child_box(&nodes[start], side, refit_leaf(positions, indices, &leaves[child & CLARAY_SLOT]));
+        store_child_box(&nodes[start], side, refit_leaves(positions, indices, leaves, child));
         ++ready;
     }
     uint index = start;

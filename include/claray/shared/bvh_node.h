@@ -75,12 +75,12 @@ CLARAY_LAYOUT(TriangleBlock, 192)
 typedef struct BvhHeader {
     float lox, loy, loz, hix, hiy, hiz;  // bounds of all valid triangles; lo > hi where there is none
     uint root;                           // child reference: a node, a leaf, or CLARAY_NO_CHILD
-    uint valid;                          // triangles in the tree
+    uint valid;                          // triangles in the leaves, one that was split counted for each of its parts
     uint culled;                         // triangles left out: not finite, huge, or without area
     uint height;                         // levels of inner nodes below and including the root
     uint wide_nodes, wide_blocks;        // of the wide tree, where there is one
     float scale_x, scale_y, scale_z;     // cells of the Morton grid per unit of length
-    uint spare;
+    uint inner_nodes;                    // of the binary tree
 } BvhHeader;
 CLARAY_LAYOUT(BvhHeader, 64)
 
