@@ -11,7 +11,7 @@
 #define GROUP_SIZE 256  // one work-item a digit: must be 256
 #endif
 #ifndef ITEMS
-#define ITEMS 12  // keys a work-item
+#define ITEMS 15  // keys a work-item
 #endif
 
 #if KEY_BITS == 64
