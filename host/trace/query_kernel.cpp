@@ -35,6 +35,7 @@ QueryKernel::QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options,
     }
     rays_per_item_ = std::max(1u, device.tuning(stem, "RAYS_PER_ITEM"));
     group_ = device.tuning(stem, "GROUP_SIZE");
+    if (bvh.layout() == Layout::wide && !options.visits.allocated()) most_in_batch_ = device.tuning(stem, "BATCH");
     if (device.tuning(stem, "RAY_QUEUE") == 0 || bvh.layout() != Layout::binary) {
         load({{"RAY_QUEUE", "0"}});
         return;
@@ -53,6 +54,13 @@ QueryKernel::QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options,
                               {{"GROUP_SIZE", std::to_string(sample_group_)}});
         sample_ = Kernel(device, sample_.handle(), kernels_[0].name());  // part of the query's time
     }
+}
+
+std::uint32_t QueryKernel::batch_size(std::uint32_t capacity) const {
+    constexpr std::uint32_t packet = 64;
+    if (most_in_batch_ < packet) return most_in_batch_;
+    const std::uint32_t share = capacity / (8 * std::max(1u, bvh_.device().info().compute_units));
+    return std::clamp(share / packet * packet, packet, most_in_batch_);
 }
 
 }  // namespace claray

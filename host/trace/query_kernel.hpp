@@ -24,7 +24,9 @@ public:
     template <class Result>
     void run(const Buffer<Ray>& rays, Buffer<Result>& results, std::uint32_t capacity,
              const Buffer<std::uint32_t>& count = {}) {
-        const std::size_t items = std::min((std::size_t(capacity) + rays_per_item_ - 1) / rays_per_item_, most_items_);
+        const std::uint32_t batch = batch_size(capacity);
+        const std::size_t rays_per_item = std::max<std::size_t>(batch, rays_per_item_);
+        const std::size_t items = std::min((std::size_t(capacity) + rays_per_item - 1) / rays_per_item, most_items_);
         if (options_.brute_force) {
             kernels_[0].run({items, group_}, bvh_.header_buffer(), bvh_.leaves(), rays, results, capacity, count,
                             options_.ray_masks);
@@ -34,15 +36,19 @@ public:
         if (kernels_.size() > 1) sample_.run({sample_group_, sample_group_}, rays, capacity, count, queue);
         for (Kernel& kernel : kernels_)
             kernel.run({items, group_}, bvh_, rays, results, capacity, count, options_.ray_masks, options_.visits,
-                       queue);
+                       queue, batch);
     }
 
 private:
+    /// Rays of a batch: as many as tuned, but few enough to keep all compute units equally busy. 0: no batches.
+    [[nodiscard]] std::uint32_t batch_size(std::uint32_t capacity) const;
+
     Bvh bvh_;
     QueryOptions options_;
     std::vector<Kernel> kernels_;  // two schedules, of which the device chooses one, or one
     Kernel sample_;
     std::size_t rays_per_item_ = 1, group_ = 64, most_items_ = std::size_t(-1), sample_group_ = 64;
+    std::uint32_t most_in_batch_ = 0;
 };
 
 }  // namespace claray

@@ -1,0 +1,215 @@
+// Batches of rays on CPUs: packets of coherent rays and streams of others find, bit for bit, what each ray finds alone.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/oracle/brute_force.hpp"
+#include "tests/support/device.hpp"
+#include "tests/support/meshes.hpp"
+#include "tests/support/query.hpp"
+
+namespace claray::test {
+namespace {
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+constexpr float nan = std::numeric_limits<float>::quiet_NaN();
+
+bool same(const Hit& a, const Hit& b) {
+    const bool same_t = a.t == b.t || (std::isnan(a.t) && std::isnan(b.t));  // a miss returns the ray's tmax, even NaN
+    return same_t && a.u == b.u && a.v == b.v && a.primitive == b.primitive && a.geometry == b.geometry;
+}
+
+/// The hits of rays that are traced one by one: counting their costs rules batches out.
+std::vector<Hit> alone(const Bvh& bvh, const std::vector<Ray>& rays, QueryOptions options = {}) {
+    Buffer<Hit> hits(device(), rays.size());
+    options.visits = Buffer<Visits>(device(), rays.size());
+    closest_hit(bvh, Buffer<Ray>(device(), rays), hits, options);
+    return hits.read();
+}
+
+/// Compares batches with single rays, and returns the share of rays that hit.
+double expect_same_as_alone(const Bvh& bvh, const std::vector<Ray>& rays, const QueryOptions& options = {}) {
+    const std::vector<Hit> hits = closest_hit(bvh, rays, options), expected = alone(bvh, rays, options);
+    const std::vector<std::uint8_t> occluded = any_hit(bvh, rays, options);
+    std::size_t wrong = 0, wrong_any = 0, found = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        wrong += !same(hits[i], expected[i]);
+        wrong_any += (occluded[i] != 0) != (expected[i].primitive != CLARAY_MISS);
+        found += expected[i].primitive != CLARAY_MISS;
+    }
+    EXPECT_EQ(wrong, 0u) << "of " << rays.size();
+    EXPECT_EQ(wrong_any, 0u) << "of " << rays.size();
+    return rays.empty() ? 0.0 : double(found) / double(rays.size());
+}
+
+Bvh build(const Mesh& mesh) { return Bvh::build(device(), std::span(&mesh, 1), {.layout = Layout::wide}); }
+
+/// Rays through the pixels of a pinhole at `eye` that looks at `target`, row by row.
+std::vector<Ray> camera_rays(glm::vec3 eye, glm::vec3 target, unsigned width, unsigned height, float spread = 0.8f) {
+    const glm::vec3 forward = glm::normalize(target - eye);
+    const glm::vec3 side =
+        std::fabs(forward.y) < 0.9f ? glm::cross(forward, glm::vec3(0, 1, 0)) : glm::vec3(1.f, 0.f, 0.f);
+    const glm::vec3 right = glm::normalize(side), up = glm::cross(right, forward);
+    std::vector<Ray> rays;
+    for (unsigned y = 0; y < height; ++y)
+        for (unsigned x = 0; x < width; ++x) {
+            const float u = (float(x) + 0.5f) / float(width) * 2 - 1, v = 1 - (float(y) + 0.5f) / float(height) * 2;
+            rays.push_back(make_ray(eye, forward + spread * (u * right + v * up)));
+        }
+    return rays;
+}
+
+TEST(Batch, CameraRaysHitAsAlone) {
+    const Mesh mesh = soup(20'011, 0.05f, 1);
+    const Bvh bvh = build(mesh);
+    // Along each axis both ways, where slopes change their signs and components are zero, and obliquely.
+    for (const glm::vec3 eye :
+         {glm::vec3(0, 0, 3), glm::vec3(0, 0, -3), glm::vec3(3, 0, 0), glm::vec3(-3, 0, 0), glm::vec3(0, 3, 0),
+          glm::vec3(0, -3, 0), glm::vec3(2, 1, 2), glm::vec3(0.1f, 0.2f, -0.1f)})
+        EXPECT_GT(expect_same_as_alone(bvh, camera_rays(eye, glm::vec3(0.f), 129, 67)), 0.1);
+}
+
+TEST(Batch, CameraRaysEqualTheOracle) {
+    const Mesh mesh = soup(3001, 0.2f, 2);
+    const std::vector<Ray> rays = camera_rays({0.4f, 0.3f, 2.5f}, glm::vec3(0.f), 160, 90);
+    const HitComparison result =
+        compare(closest_hit(build(mesh), rays), Oracle(std::span(&mesh, 1)).closest_hits(rays));
+    EXPECT_GT(result.hits, 1000u);
+    EXPECT_EQ(result.wrong, 0u);
+}
+
+TEST(Batch, AnyNumberOfRays) {
+    const Bvh bvh = build(soup(2000, 0.2f, 3));
+    const std::vector<Ray> coherent = camera_rays({0, 0, 3}, glm::vec3(0.f), 128, 80);
+    const std::vector<Ray> wild = random_rays(10'240, 1.5f, 1.f, 4);
+    for (const std::size_t count :
+         {1u, 2u, 15u, 16u, 17u, 63u, 64u, 65u, 127u, 255u, 256u, 257u, 1000u, 4097u, 10'240u}) {
+        expect_same_as_alone(bvh, {coherent.begin(), coherent.begin() + std::ptrdiff_t(count)});
+        expect_same_as_alone(bvh, {wild.begin(), wild.begin() + std::ptrdiff_t(count)});
+    }
+}
+
+TEST(Batch, RaysToAPointAndParallelRays) {
+    const Mesh mesh = soup(5000, 0.1f, 5);
+    const Bvh bvh = build(mesh);
+    const glm::vec3 light(0.7f, 5.f, 0.9f);
+    std::vector<Ray> to_light, towards_sun;
+    for (unsigned y = 0; y < 64; ++y)
+        for (unsigned x = 0; x < 96; ++x) {
+            const glm::vec3 from(float(x) / 48 - 1, -1.2f, float(y) / 32 - 1);
+            to_light.push_back(make_ray(from, light - from, 0.f, 0.9999f));
+            towards_sun.push_back(make_ray(from, {0.1f, 1.f, -0.2f}, 0.f, 100.f));
+        }
+    EXPECT_GT(expect_same_as_alone(bvh, to_light), 0.1);
+    EXPECT_GT(expect_same_as_alone(bvh, towards_sun), 0.1);
+}
+
+TEST(Batch, RandomRaysHitAsAlone) {
+    const Bvh bvh = build(soup(20'011, 0.05f, 6));
+    EXPECT_GT(expect_same_as_alone(bvh, random_rays(50'021, 1.5f, 1.f, 7)), 0.1);
+    std::vector<Ray> bounded = random_rays(20'011, 1.5f, 1.f, 8);
+    Random random(9);
+    for (Ray& ray : bounded) ray.tmin = random.uniform(0.f, 2.f), ray.tmax = ray.tmin + random.uniform(0.f, 2.f);
+    expect_same_as_alone(bvh, bounded);
+}
+
+TEST(Batch, CoherentAndRandomRaysMixed) {
+    const Bvh bvh = build(soup(5000, 0.1f, 10));
+    std::vector<Ray> rays = camera_rays({0, 0.5f, 3}, glm::vec3(0.f), 100, 41);
+    const std::vector<Ray> wild = random_rays(3001, 1.5f, 1.f, 11);
+    rays.insert(rays.begin() + 777, wild.begin(), wild.begin() + 1000);
+    rays.insert(rays.end(), wild.begin() + 1000, wild.end());
+    for (std::size_t i = 0; i < rays.size(); i += 97) rays[i] = wild[i % wild.size()];
+    expect_same_as_alone(bvh, rays);
+}
+
+TEST(Batch, RaysThatAreNoRaysAmongOthers) {
+    const Bvh bvh = build(soup(5000, 0.1f, 12));
+    for (std::vector<Ray> rays : {camera_rays({0, 0, 3}, glm::vec3(0.f), 90, 90), random_rays(8001, 1.5f, 1.f, 13)}) {
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            const std::size_t kind = i * 2654435761u % 41;
+            if (kind == 0) rays[i].ox = nan;
+            if (kind == 1) rays[i].dy = infinity;
+            if (kind == 2) rays[i].dx = rays[i].dy = rays[i].dz = 0;
+            if (kind == 3) rays[i].tmax = -1;
+            if (kind == 4) rays[i].tmin = nan;
+            if (kind == 5) rays[i].tmax = nan;
+            if (kind == 6) rays[i].tmax = infinity;
+        }
+        rays[0].dz = nan;
+        expect_same_as_alone(bvh, rays);
+    }
+    const std::vector<Ray> none(500, make_ray({nan, 0, 0}, {0, 0, 1}));
+    EXPECT_EQ(expect_same_as_alone(bvh, none), 0.0);
+}
+
+TEST(Batch, EqualDistancesGoToTheLowestPrimitive) {
+    Mesh mesh = sphere(3);
+    const std::vector<glm::uvec3> once = mesh.triangles;
+    for (int copy = 0; copy < 3; ++copy) mesh.triangles.insert(mesh.triangles.end(), once.begin(), once.end());
+    const Bvh bvh = build(mesh);
+    const std::vector<Ray> coherent = camera_rays({0, 0, 3}, glm::vec3(0.f), 120, 80, 0.4f);
+    EXPECT_GT(expect_same_as_alone(bvh, coherent), 0.3);
+    EXPECT_GT(expect_same_as_alone(bvh, random_rays(9001, 0.5f, 3.f, 14)), 0.9);
+    for (const Hit& hit : closest_hit(bvh, coherent))
+        ASSERT_TRUE(hit.primitive == CLARAY_MISS || hit.primitive < once.size());
+}
+
+TEST(Batch, RaysThroughEdgesOfAGridFarAway) {
+    Mesh mesh = grid(32);
+    const glm::vec3 offset(148376.f, 1234.f, -223423.f);
+    for (glm::vec3& p : mesh.positions) p = p * 64.f + offset;
+    const Bvh bvh = build(mesh);
+    std::vector<Ray> rays;  // at vertices and at midpoints of edges
+    for (int y = 1; y < 128; ++y)
+        for (int x = 1; x < 128; ++x) {
+            const glm::vec3 eye = offset + glm::vec3(31.f, 33.f, 100.f);
+            rays.push_back(make_ray(eye, offset + glm::vec3(float(x) * 0.5f, float(y) * 0.5f, 0.f) - eye));
+        }
+    EXPECT_EQ(expect_same_as_alone(bvh, rays), 1.0);
+}
+
+TEST(Batch, MasksAndCulling) {
+    std::vector<Mesh> meshes = {soup(2000, 0.1f, 15), soup(2000, 0.1f, 16)};
+    meshes[0].mask = 1, meshes[1].mask = 2;
+    const Bvh bvh = Bvh::build(device(), meshes, {.layout = Layout::wide});
+    for (const std::vector<Ray>& rays :
+         {camera_rays({0, 0, 3}, glm::vec3(0.f), 90, 90), random_rays(8001, 1.5f, 1.f, 17)}) {
+        QueryOptions cull, masked;
+        cull.cull_back_faces = true;
+        std::vector<std::uint32_t> masks(rays.size());
+        for (std::size_t i = 0; i < masks.size(); ++i) masks[i] = std::uint32_t(i * 2654435761u >> 30);
+        masked.ray_masks = Buffer<std::uint32_t>(device(), masks);
+        EXPECT_GT(expect_same_as_alone(bvh, rays, cull), 0.1);
+        EXPECT_GT(expect_same_as_alone(bvh, rays, masked), 0.1);
+    }
+}
+
+TEST(Batch, CountOnTheDevice) {
+    const Bvh bvh = build(soup(2000, 0.2f, 18));
+    const std::vector<Ray> host = camera_rays({0, 0, 3}, glm::vec3(0.f), 100, 50);
+    const std::vector<Hit> expected = alone(bvh, host);
+    Buffer<Hit> hits(device(), host.size());
+    hits.fill(0x12345678u);
+    closest_hit(bvh, Buffer<Ray>(device(), host), hits, {},
+                Buffer<std::uint32_t>(device(), std::vector<std::uint32_t>{1777}));
+    const std::vector<Hit> found = hits.read();
+    for (std::size_t i = 0; i < host.size(); ++i) {
+        if (i < 1777)
+            ASSERT_TRUE(same(found[i], expected[i])) << i;
+        else
+            ASSERT_EQ(found[i].geometry, 0x12345678u) << i;
+    }
+}
+
+TEST(Batch, TinyStructures) {
+    for (const std::size_t count : {0u, 1u, 2u, 3u, 5u, 9u}) {
+        const Bvh bvh = build(soup(count, 0.8f, 40 + count));
+        expect_same_as_alone(bvh, camera_rays({0, 0, 3}, glm::vec3(0.f), 64, 40));
+        expect_same_as_alone(bvh, random_rays(2000, 1.5f, 1.f, 19));
+    }
+}
+
+}  // namespace
+}  // namespace claray::test
