@@ -73,7 +73,7 @@ void report(const Device& device, const std::string& name, std::size_t count, co
     const InstanceStatistics s = bvh.statistics();
     std::printf(
         "%s: %u instances of %u triangles: top level %.3f ms (with pauses %.3f), %.1f Minstances/s; refit %.3f ms;\n"
-        "    primary %.1f, random %.1f, random any hit %.1f Mrays/s; top %.1f MB, bottom %.1f MB; %s\n",
+        "    primary %.3g, random %.3g, random any hit %.3g Mrays/s; top %.1f MB, bottom %.1f MB; %s\n",
         name.c_str(), s.instances, bottom.header().valid, rebuild, times[1].span(),
         double(s.instances) * 1e-3 / rebuild, refit, mrays(2), mrays(3), mrays(4), double(s.top_bytes) * 1e-6,
         double(s.bottom_bytes) * 1e-6, bvh.validate().ok() ? "valid" : "INVALID");
