@@ -30,7 +30,7 @@ struct FileHeader {
     std::uint32_t structs;
     std::uint32_t builder;
     std::uint32_t morton_bits;
-    std::uint32_t spare;
+    std::uint32_t high;  // of the builder `high`: rounds, and above 16 bits triangles a leaf
     std::uint64_t file_bytes;
     std::uint64_t nodes, leaves, positions, indices, geometries, masks;  // elements
     BvhHeader bvh;
@@ -144,6 +144,7 @@ void Bvh::save(const std::filesystem::path& path) const {
     header.structs = struct_sizes;
     header.builder = std::uint32_t(s.config.builder);
     header.morton_bits = s.config.morton_bits;
+    header.high = std::min(s.config.optimization_rounds, 0xffffu) | s.config.max_leaf_triangles << 16;
     header.nodes = s.nodes.size();
     header.leaves = s.leaves.size();
     header.positions = s.triangles.positions.size();
@@ -170,6 +171,20 @@ void Bvh::save(const std::filesystem::path& path) const {
     file.commit();
 }
 
+namespace {
+
+/// The settings of the builder `high` with which the structure was built: the room for parts of triangles tells the
+/// budget.
+void restore_high(const FileHeader& header, Bvh::Config& config) {
+    const auto triangles = double(header.indices / 3);
+    config.optimization_rounds = header.high & 0xffffu;
+    config.max_leaf_triangles = std::clamp(header.high >> 16, 1u, 4u);
+    config.split_budget = triangles > 0 ? std::max(0.0, (double(header.leaves) - triangles + 0.5) / triangles) : 0.0;
+    if (config.max_leaf_triangles > 1 && config.layout == Layout::automatic) config.layout = Layout::binary;
+}
+
+}  // namespace
+
 Bvh Bvh::load(const Device& device, const std::filesystem::path& path, Layout layout) {
     SavedFile file(path);
     const FileHeader& header = file.header();
@@ -177,6 +192,7 @@ Bvh Bvh::load(const Device& device, const std::filesystem::path& path, Layout la
     config.builder = Builder(header.builder);
     config.morton_bits = header.morton_bits;
     config.layout = layout;
+    if (config.builder == Builder::high) restore_high(header, config);
 
     const TriangleCounts counts = {header.positions, header.indices, header.geometries, header.masks};
     require_memory(device, counts, config);
@@ -184,6 +200,8 @@ Bvh Bvh::load(const Device& device, const std::filesystem::path& path, Layout la
     Bvh bvh;
     bvh.state_ = std::make_shared<State>(device, triangles, config);
     State& s = *bvh.state_;
+    if (s.layout == Layout::wide && config.max_leaf_triangles > 1)
+        file.refuse("its leaves hold several triangles, of which no wide tree is made", "load it in the binary layout");
     if (s.nodes.size() != header.nodes || s.leaves.size() != header.leaves)
         file.refuse_damaged("its tree and its triangles don't belong together");
     file.fill(s.nodes, header.nodes);

@@ -10,6 +10,7 @@
 #include "tests/oracle/brute_force.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/process.hpp"
 #include "tests/support/query.hpp"
 
 namespace claray::test {
@@ -262,6 +263,74 @@ TEST_P(HighOnLayout, RefitAndRebuild) {
 
 INSTANTIATE_TEST_SUITE_P(Layouts, HighOnLayout, testing::Values(Layout::binary, Layout::wide),
                          [](const auto& layout) { return layout.param == Layout::binary ? "Binary" : "Wide"; });
+
+class HighWithLeaves : public testing::TestWithParam<unsigned> {};
+
+TEST_P(HighWithLeaves, AreTheSameTriangles) {
+    Bvh::Config config;
+    config.builder = Builder::high;
+    config.layout = Layout::binary;
+    config.max_leaf_triangles = GetParam();
+    for (const std::size_t count : {0u, 1u, 2u, 3u, 5u, 9u, 2000u}) {
+        const Mesh mesh = count < 10 ? soup(count, 0.3f, count) : hall(count);
+        Bvh bvh = Bvh::build(device(), std::span(&mesh, 1), config);
+        SCOPED_TRACE(testing::Message() << mesh.triangles.size() << " triangles");
+        expect_valid(bvh);
+        std::size_t most = 0;
+        const std::vector<BvhNode> nodes = bvh.nodes().read();
+        for (std::uint32_t i = 0; i < bvh.header().inner_nodes; ++i)
+            for (const std::uint32_t child : {nodes[i].child0, nodes[i].child1})
+                if (child & CLARAY_LEAF) most = std::max<std::size_t>(most, CLARAY_LEAF_COUNT(child));
+        EXPECT_LE(most, GetParam());
+        if (count == 2000) EXPECT_GT(most, 1u);
+        const double cost = bvh.statistics().sah_cost;
+        config.max_leaf_triangles = 1;
+        EXPECT_LE(cost, 1.00001 * Bvh::build(device(), std::span(&mesh, 1), config).statistics().sah_cost);
+        config.max_leaf_triangles = GetParam();
+
+        const std::vector<Ray> rays = random_rays(3001, 4.f, 1.f, 5);
+        const std::vector<Hit> expected = closest_hit(bvh, rays, brute_force);
+        for (const bool refitted : {false, true}) {
+            if (refitted) bvh.refit();
+            if (refitted) expect_valid(bvh);
+            const std::vector<Hit> hits = closest_hit(bvh, rays);
+            for (std::size_t i = 0; i < rays.size(); ++i) {
+                ASSERT_EQ(hits[i].primitive, expected[i].primitive) << "ray " << i;
+                ASSERT_EQ(hits[i].t, expected[i].t);
+            }
+        }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Leaves, HighWithLeaves, testing::Values(2u, 3u, 4u));
+
+TEST(High, RefusesOtherLeavesAndBudgets) {
+    const Mesh mesh = grid(2);
+    for (const unsigned leaf : {0u, 5u})
+        EXPECT_THROW((void)Bvh::build(device(), std::span(&mesh, 1), {.max_leaf_triangles = leaf}), Error);
+    EXPECT_THROW((void)build_high(mesh, -1.0, 1), Error);
+    EXPECT_THROW((void)build_high(mesh, std::nan(""), 1), Error);
+}
+
+TEST(High, IsSavedAndLoadedWithItsSettings) {
+    const Mesh mesh = hall(500);
+    const TemporaryFolder folder;
+    Bvh::Config config;
+    config.builder = Builder::high;
+    config.layout = Layout::binary;
+    config.split_budget = 0.23;
+    config.optimization_rounds = 3;
+    for (const unsigned leaf : {1u, 4u}) {
+        config.max_leaf_triangles = leaf;
+        const Bvh saved = Bvh::build(device(), std::span(&mesh, 1), config);
+        saved.save(folder / "high.cbvh");
+        Bvh loaded = Bvh::load(device(), folder / "high.cbvh");
+        EXPECT_EQ(loaded.hash(), saved.hash());
+        loaded.rebuild();
+        EXPECT_EQ(loaded.hash(), saved.hash());
+        if (leaf > 1) EXPECT_THROW((void)Bvh::load(device(), folder / "high.cbvh", Layout::wide), Error);
+    }
+}
 
 TEST(High, CullsJunkAndKeepsIndices) {
     const Mesh clean = hall(1000);

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "claray/query.hpp"
@@ -65,6 +66,36 @@ TEST_P(RefitTest, TrianglesThatBecomeNanVanish) {
     const HitComparison result = compare(closest_hit(bvh, rays), Oracle(std::span(&mesh, 1)).closest_hits(rays));
     EXPECT_GT(result.hits, 0u);
     EXPECT_EQ(result.wrong, 0u);
+}
+
+/// A twist that grows: neighbours in the tree drift apart.
+TEST_P(RefitTest, TellsWhenToRebuild) {
+    const Mesh still = sphere(4);
+    for (const Builder builder : {Builder::fast, Builder::balanced, Builder::high}) {
+        Bvh bvh = Bvh::build(device(), std::span(&still, 1), {.builder = builder, .layout = GetParam()});
+        Buffer<float> positions = bvh.triangles().positions;
+        EXPECT_EQ(bvh.cost_growth(), 1.0);
+        double before = 1;
+        for (const float turns : {0.f, 0.25f, 0.5f, 1.f, 2.f}) {
+            Mesh twisted = still;
+            for (glm::vec3& p : twisted.positions) {
+                const float angle = 6.2831853f * turns * p.z;
+                p = {std::cos(angle) * p.x - std::sin(angle) * p.y, std::sin(angle) * p.x + std::cos(angle) * p.y, p.z};
+            }
+            positions.write(flat(twisted));
+            bvh.refit();
+            EXPECT_GE(bvh.cost_growth(), before * 0.999);
+            before = bvh.cost_growth();
+            if (turns == 0.f) EXPECT_FALSE(bvh.should_rebuild());
+        }
+        EXPECT_GT(before, 2.0);
+        EXPECT_TRUE(bvh.should_rebuild());
+        EXPECT_FALSE(bvh.should_rebuild(1.01 * before));
+        bvh.rebuild();
+        EXPECT_EQ(bvh.cost_growth(), 1.0);
+        bvh.refit();
+        EXPECT_FALSE(bvh.should_rebuild());
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Layouts, RefitTest, testing::Values(Layout::binary, Layout::wide),
