@@ -201,7 +201,9 @@ Bvh Bvh::load(const Device& device, const std::filesystem::path& path, Layout la
     bvh.state_ = std::make_shared<State>(device, triangles, config);
     State& s = *bvh.state_;
     if (s.layout == Layout::wide && config.max_leaf_triangles > 1)
-        file.refuse("its leaves hold several triangles, of which no wide tree is made", "load it in the binary layout");
+        throw Error(ErrorKind::user,
+                    path.string() + ": its leaves hold several triangles, of which no wide tree is made",
+                    "load it in the binary layout");
     if (s.nodes.size() != header.nodes || s.leaves.size() != header.leaves)
         file.refuse_damaged("its tree and its triangles don't belong together");
     file.fill(s.nodes, header.nodes);

@@ -282,7 +282,9 @@ TEST_P(HighWithLeaves, AreTheSameTriangles) {
             for (const std::uint32_t child : {nodes[i].child0, nodes[i].child1})
                 if (child & CLARAY_LEAF) most = std::max<std::size_t>(most, CLARAY_LEAF_COUNT(child));
         EXPECT_LE(most, GetParam());
-        if (count == 2000) EXPECT_GT(most, 1u);
+        if (count == 2000) {
+            EXPECT_GT(most, 1u);
+        }
         const double cost = bvh.statistics().sah_cost;
         config.max_leaf_triangles = 1;
         EXPECT_LE(cost, 1.00001 * Bvh::build(device(), std::span(&mesh, 1), config).statistics().sah_cost);
@@ -328,7 +330,9 @@ TEST(High, IsSavedAndLoadedWithItsSettings) {
         EXPECT_EQ(loaded.hash(), saved.hash());
         loaded.rebuild();
         EXPECT_EQ(loaded.hash(), saved.hash());
-        if (leaf > 1) EXPECT_THROW((void)Bvh::load(device(), folder / "high.cbvh", Layout::wide), Error);
+        if (leaf > 1) {
+            EXPECT_THROW((void)Bvh::load(device(), folder / "high.cbvh", Layout::wide), Error);
+        }
     }
 }
 
