@@ -8,8 +8,8 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/render_options.hpp"
 #include "host/cli/table.hpp"
-#include "host/compute/tuning.hpp"
 #include "host/compute/file.hpp"
+#include "host/compute/tuning.hpp"
 
 namespace claray::cli {
 namespace {
