@@ -5,6 +5,7 @@
 
 #include "host/compute/device_state.hpp"
 #include "host/compute/kernel_sources.hpp"
+#include "host/compute/memory.hpp"
 #include "host/compute/program_cache.hpp"
 
 namespace claray {
@@ -174,6 +175,13 @@ void Kernel::enqueue(Range range, unsigned arguments) try {
                                           range.local ? cl::NDRange(range.local) : cl::NullRange, nullptr, &event);
     device_->profiler().add(name_, event);
 } catch (const cl::Error& error) {
+    // Drivers may put off an allocation until the buffer is first used, and other programs may hold memory too.
+    if (error.err() == CL_MEM_OBJECT_ALLOCATION_FAILURE)
+        throw Error(ErrorKind::device,
+                    "out of device memory: " + device_->info().name + " can't hold the buffers of the kernel " + name_ +
+                        ", where claray uses " + size_text(bytes_in_use(*device_)) + " of its " +
+                        size_text(device_->info().memory),
+                    "end other programs that use the device, or use a smaller scene");
     throw Error(ErrorKind::device, "cannot run the kernel " + name_ + " on " + device_->info().name + ": " +
                                        error.what() + " gave " + std::to_string(error.err()));
 }
