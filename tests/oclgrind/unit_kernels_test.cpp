@@ -102,7 +102,7 @@ TEST(UnitKernels, BuildBySchedule) {
         device.set_tuning("build/serial", "RANGES_PER_UNIT", ranges);
         device.set_tuning("build/serial", "RANGE_LEAVES", 1);
         for (const Builder builder : {Builder::fast, Builder::balanced, Builder::high})
-            for (const std::size_t count : {0u, 1u, 2u, 130u}) {
+            for (const std::size_t count : {2u, 70u}) {
                 const Mesh mesh = soup(count);
                 const Bvh bvh = Bvh::build(device, {&mesh, 1}, {.builder = builder});
                 EXPECT_EQ(bvh.statistics().triangles, count - count / 10);
