@@ -1,4 +1,5 @@
-// Rays a second: bench_trace [--device D] [--builder fast|balanced|high] [--layout binary|wide] [--bits 30|63] [--repeat N]
+// Rays a second: bench_trace [--device D] [--builder fast|balanced|high] [--layout binary|wide] [--bits 30|63]
+// [--repeat N]
 // [--csv FILE] [SCENE...] SCENE is a built-in name, an OBJ, or NAME.scn with NAME.ray (three kinds of rays) and
 // NAME.ref (their hits) beside it.
 #include <CLI/CLI.hpp>

@@ -9,9 +9,8 @@
 
 namespace claray::bench {
 
-inline const std::vector<std::pair<std::string, Builder>> builders = {{"fast", Builder::fast},
-                                                                      {"balanced", Builder::balanced},
-                                                                      {"high", Builder::high}};
+inline const std::vector<std::pair<std::string, Builder>> builders = {
+    {"fast", Builder::fast}, {"balanced", Builder::balanced}, {"high", Builder::high}};
 inline const std::vector<std::pair<std::string, Layout>> layouts = {
     {"auto", Layout::automatic}, {"binary", Layout::binary}, {"wide", Layout::wide}};
 

@@ -7,8 +7,8 @@
 
 #include "claray/error.hpp"
 #include "claray/io.hpp"
-#include "host/io/color.hpp"
 #include "host/compute/file.hpp"
+#include "host/io/color.hpp"
 #include "host/io/stb_image_write.hpp"
 
 namespace claray {

@@ -16,8 +16,8 @@ enum class Coherence {
 };
 
 struct QueryOptions {
-    bool cull_back_faces = false;     ///< only triangles whose vertices appear counterclockwise are hit
-    bool brute_force = false;         ///< tests every triangle, without the tree: same hits, for comparison
+    bool cull_back_faces = false;  ///< only triangles whose vertices appear counterclockwise are hit
+    bool brute_force = false;      ///< tests every triangle, without the tree: same hits, for comparison
     Coherence coherence = Coherence::automatic;
     Buffer<std::uint32_t> ray_masks;  ///< per ray; empty: every ray sees every mesh
     Buffer<Visits> visits;            ///< where allocated, receives what each ray cost

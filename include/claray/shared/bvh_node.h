@@ -6,8 +6,8 @@
 
 CLARAY_SHARED_BEGIN
 
-/// A reference to a child: with the top bit set a leaf, 1nn. .... its triangles less one, then its first slot; otherwise
-/// the index of a node.
+/// A reference to a child: with the top bit set a leaf, 1nn. .... its triangles less one, then its first slot;
+/// otherwise the index of a node.
 #define CLARAY_LEAF 0x80000000u
 #define CLARAY_LEAF_COUNT_SHIFT 29
 #define CLARAY_LEAF_COUNT(child) ((((child) >> CLARAY_LEAF_COUNT_SHIFT) & 3u) + 1u)
