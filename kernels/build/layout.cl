@@ -88,9 +88,7 @@ kernel void measure_subtrees(global const BvhNode* nodes, global const LeafTrian
     if (start >= header->inner_nodes) return;
     uint ready = (is_leaf(nodes[start].child0) ? 1 : 0) + (is_leaf(nodes[start].child1) ? 1 : 0);
     for (uint index = start; ready != 0; ready = 1) {
-        device_fence();
-        if (atomic_add(&arrivals[index], ready) + ready < 2) return;  // the other child is still to come
-        device_fence();
+        if (!both_children_ready(arrivals, index, ready)) return;
         subtrees[index] = measure(&nodes[index], leaves, subtrees);
         index = nodes[index].parent;
         if (index == CLARAY_NO_CHILD) return;

@@ -36,9 +36,7 @@ kernel void refit_nodes(global const float* positions, global const uint* indice
     }
     uint index = start;
     while (ready != 0) {
-        device_fence();
-        if (atomic_add(&arrivals[index], ready) + ready < 2) return;  // the other child is still to come
-        device_fence();
+        if (!both_children_ready(arrivals, index, ready)) return;
         global BvhNode* node = &nodes[index];
         const Box box = box_union(child_box(node, 0), child_box(node, 1));
         const uint parent = node->parent;

@@ -245,9 +245,7 @@ kernel void update_nodes(global BvhNode* nodes, volatile global uint* arrivals, 
     if (start >= header->inner_nodes) return;
     uint ready = (is_leaf(nodes[start].child0) ? 1 : 0) + (is_leaf(nodes[start].child1) ? 1 : 0);
     for (uint index = start; ready != 0; ready = 1) {
-        device_fence();
-        if (atomic_add(&arrivals[index], ready) + ready < 2) return;  // the other child is still to come
-        device_fence();
+        if (!both_children_ready(arrivals, index, ready)) return;
         global BvhNode* node = &nodes[index];
         uint height = 0, count = 0;
         for (uint side = 0; side < 2; ++side) {
