@@ -16,11 +16,13 @@
 
 namespace claray::bench {
 
-/// --builder, --bits and --layout.
+/// --builder, --bits, --layout, --leaf and --split.
 inline void add_bvh_options(CLI::App& app, Bvh::Config& config) {
     app.add_option("--builder", config.builder)->transform(CLI::CheckedTransformer(builders));
     app.add_option("--layout", config.layout)->transform(CLI::CheckedTransformer(layouts));
     app.add_option("--bits", config.morton_bits);
+    app.add_option("--leaf", config.max_leaf_triangles);
+    app.add_option("--split", config.split_budget);
 }
 
 /// Rows for a file of comma-separated values; writes nothing where the path is empty. Every row begins with the device.

@@ -72,7 +72,7 @@ private:
 Lights collect_lights(const Scene& scene) {
     Lights lights;
     collect_triangles(scene, lights.triangles);
-    for (const PointLight& light : scene.point_lights) {
+    for (const Light& light : scene.lights) {
         if (!(luminance(light.intensity) > 0)) continue;
         lights.points.push_back({light.position.x, light.position.y, light.position.z, light.intensity.x,
                                  light.intensity.y, light.intensity.z, 0u, 0.f});

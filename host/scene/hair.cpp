@@ -98,7 +98,7 @@ Scene hair(std::size_t count) {
     for (std::size_t done = 0; done < count; done += triangles_a_strand)
         add_strand(mesh, std::min(triangles_a_strand, count - done), half_width, random);
     scene.meshes.push_back(std::move(mesh));
-    scene.point_lights = {{{-3.f, 4.f, 4.f}, glm::vec3(60.f, 55.f, 48.f)}};
+    scene.lights = {point_light({-3.f, 4.f, 4.f}, {60.f, 55.f, 48.f})};
     scene.sky = {{0.8f, 0.82f, 0.85f}, {0.5f, 0.6f, 0.8f}};
     scene.camera = Camera{{2.2f, 0.7f, 4.6f}, {0.f, -0.25f, 0.f}, {0.f, 1.f, 0.f}, 46.f};
     return scene;

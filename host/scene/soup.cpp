@@ -28,7 +28,7 @@ Scene soup(std::size_t count) {
         add_triangle(mesh, a, b, c, random.below(std::uint32_t(scene.materials.size())));
     }
     scene.meshes.push_back(std::move(mesh));
-    scene.point_lights = {{{-1.f, 3.f, 3.f}, glm::vec3(26.f, 24.f, 21.f)}};
+    scene.lights = {point_light({-1.f, 3.f, 3.f}, {26.f, 24.f, 21.f})};
     scene.sky = {{0.7f, 0.74f, 0.8f}, {0.35f, 0.5f, 0.8f}};
     scene.camera = Camera{{1.75f, 1.45f, 2.6f}, {0.5f, 0.47f, 0.5f}, {0.f, 1.f, 0.f}, 34.f};
     return scene;

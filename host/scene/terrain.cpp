@@ -85,7 +85,7 @@ Scene terrain(std::size_t count) {
                        lambert("bright leaf", {0.2f, 0.24f, 0.04f})};
     const unsigned columns = grid_columns(count);
     scene.meshes = {make_ground(columns), make_bushes(count - 2 * std::size_t(columns) * columns)};
-    scene.point_lights = {{{-160.f, 190.f, 130.f}, glm::vec3(2.1e5f, 1.9e5f, 1.55e5f)}};
+    scene.lights = {point_light({-160.f, 190.f, 130.f}, {2.1e5f, 1.9e5f, 1.55e5f})};
     scene.sky = {{0.72f, 0.76f, 0.8f}, {0.18f, 0.34f, 0.7f}};
     scene.camera = Camera{{0.f, 25.f, 64.f}, {0.f, 8.f, -10.f}, {0.f, 1.f, 0.f}, 42.f};
     return scene;

@@ -63,8 +63,8 @@ void validate(const Scene& scene) {
         check_material(scene.materials[i], name_of("material", scene.materials[i].name, i));
     for (std::size_t i = 0; i < scene.meshes.size(); ++i)
         check_mesh(scene.meshes[i], name_of("mesh", scene.meshes[i].name, i), scene.materials.size());
-    for (std::size_t i = 0; i < scene.point_lights.size(); ++i) {
-        const PointLight& light = scene.point_lights[i];
+    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+        const Light& light = scene.lights[i];
         if (glm::any(glm::isnan(light.position)) || glm::any(glm::isinf(light.position)) || !sound(light.intensity))
             refuse("point light " + to_string(i) + ": a value is not finite or negative", "correct the value");
     }

@@ -6,6 +6,7 @@
 
 #include "claray/mesh.hpp"
 #include "claray/shared/scene.h"
+#include "claray/texture.hpp"
 
 namespace claray {
 
@@ -13,23 +14,85 @@ enum class MaterialKind : std::uint32_t {
     lambert = CLARAY_LAMBERT,
     mirror = CLARAY_MIRROR,
     glass = CLARAY_GLASS,
-    metal = CLARAY_METAL
+    metal = CLARAY_METAL,
+    blinn_phong = CLARAY_BLINN_PHONG,
+    principled = CLARAY_PRINCIPLED
 };
 
-/// Colours are linear Rec. 709.
+/// What the opacity does (glTF's alphaMode).
+enum class AlphaMode : std::uint32_t {
+    opaque,  ///< nothing
+    mask,    ///< the surface is there where the opacity reaches `alpha_cutoff`
+    blend    ///< it is there with the opacity as probability
+};
+
+/// Colours are linear Rec. 709. A texture multiplies the value beside it.
 struct Material {
     std::string name;
     MaterialKind kind = MaterialKind::lambert;
-    glm::vec3 albedo{0.7f};   ///< Lambert: albedo; mirror and metal: reflectance at normal incidence; glass: tint
+    /// Lambert, Blinn-Phong: diffuse albedo; mirror and metal: reflectance at normal incidence; glass: tint of what is
+    /// transmitted; principled: glTF's base colour.
+    glm::vec3 albedo{0.7f};
     glm::vec3 emission{0.f};  ///< radiance of the front and the back, W / (m^2 sr)
-    float roughness = 0.3f;   ///< metal only, 0..1; GGX alpha = roughness^2
-    float ior = 1.5f;         ///< glass only
+    float roughness = 0.3f;   ///< metal, glass, principled: 0..1; GGX alpha = roughness^2
+    float ior = 1.5f;         ///< glass, principled
+
+    float metallic = 0.f;      ///< principled: 0 a dielectric, 1 a metal
+    float transmission = 0.f;  ///< principled: share of the dielectric's base that refracts instead of scattering
+    float clearcoat = 0.f;     ///< principled: share of a dielectric coat of index 1.5
+    float clearcoat_roughness = 0.f;  ///< 0..1
+    glm::vec3 specular{0.f};          ///< Blinn-Phong: the highlight's colour
+    float shininess = 32.f;           ///< Blinn-Phong: its exponent
+
+    /// Beer's law inside: `attenuation` of white is left after `attenuation_distance`. 0: nothing is absorbed.
+    glm::vec3 attenuation{1.f};
+    float attenuation_distance = 0.f;
+
+    float opacity = 1.f;
+    AlphaMode alpha_mode = AlphaMode::opaque;
+    float alpha_cutoff = 0.5f;
+    bool cull_back =
+        false;  ///< rays pass through where they meet the back (glTF: doubleSided = false); solid glass has both
+
+    TextureUse albedo_map;               ///< RGB; its alpha multiplies the opacity
+    TextureUse emission_map;             ///< RGB
+    TextureUse metallic_roughness_map;   ///< green: roughness, blue: metallic (glTF)
+    TextureUse transmission_map;         ///< red
+    TextureUse clearcoat_map;            ///< red: clearcoat
+    TextureUse clearcoat_roughness_map;  ///< green: its roughness
+    TextureUse opacity_map;              ///< red
+    TextureUse normal_map;               ///< tangent space, 0.5 is 0; +y along increasing v of the glTF convention
+    float normal_scale = 1.f;
+    TextureUse height_map;  ///< red, times `height_scale` in units of the scene; shifts the normal only
+    float height_scale = 1.f;
+    TextureUse light_map;  ///< RGB irradiance that is used in place of light from elsewhere
 };
 
-struct PointLight {
-    glm::vec3 position{0.f};
-    glm::vec3 intensity{1.f};  ///< W / sr
+enum class LightKind : std::uint32_t {
+    point = CLARAY_POINT_LIGHT,
+    directional = CLARAY_DIRECTIONAL_LIGHT,
+    spot = CLARAY_SPOT_LIGHT
 };
+
+/// A light without extent.
+struct Light {
+    std::string name;
+    LightKind kind = LightKind::point;
+    glm::vec3 position{0.f};
+    glm::vec3 direction{0.f, -1.f, 0.f};  ///< in which it shines; not for points
+    glm::vec3 intensity{1.f};             ///< W / sr; directional: irradiance of a surface that faces it, W / m^2
+    float inner_angle = 0.f;              ///< spot: radians from the axis, up to which it shines fully
+    float outer_angle = 0.785398163f;  ///< spot: from which on it does not shine at all (KHR_lights_punctual's falloff)
+    float range = 0.f;                 ///< beyond which it fades to nothing (KHR_lights_punctual); 0: none
+    /// a0, a1, a2: intensity / (a0 + a1 d + a2 d^2) at distance d; the physical inverse square is 0, 0, 1.
+    glm::vec3 attenuation{0.f, 0.f, 1.f};
+};
+
+[[nodiscard]] inline Light point_light(const glm::vec3& position, const glm::vec3& intensity) {
+    Light light;
+    light.position = position, light.intensity = intensity;
+    return light;
+}
 
 /// Radiance of rays that leave the scene, from `horizon` (and below) to `zenith`. Black unless set.
 struct Sky {
@@ -37,20 +100,41 @@ struct Sky {
     glm::vec3 zenith{0.f};
 };
 
-/// A pinhole camera.
+/// An image around the scene, in place of the sky.
+struct Environment {
+    /// One image: latitude and longitude, its middle column towards -z and +y at the top. Six: the faces +x -x +y -y +z
+    /// -z of a cube, as OpenGL orients them. Linear or sRGB; none: there is no environment.
+    std::vector<Texture> images;
+    float strength = 1.f;
+    float rotation = 0.f;  ///< radians about +y, counter-clockwise seen from above
+};
+
 struct Camera {
     glm::vec3 position{0.f, 0.f, 5.f};
     glm::vec3 target{0.f};
     glm::vec3 up{0.f, 1.f, 0.f};
-    float vertical_fov = 40.f;  ///< degrees
+    float vertical_fov = 40.f;    ///< degrees
+    float aperture_radius = 0.f;  ///< of a thin lens; 0: a pinhole
+    float focus_distance = 0.f;   ///< of the plane that is sharp, along the view; 0: the target's
+    std::optional<glm::vec3> position_end = {}, target_end = {};  ///< when the shutter closes, where the camera moves
+};
+
+/// A mesh placed in the scene.
+struct MeshInstance {
+    std::uint32_t mesh = 0;
+    glm::mat4 transform{1.f};                     ///< affine, invertible
+    std::optional<glm::mat4> transform_end = {};  ///< when the shutter closes, where it moves; the path is linear
 };
 
 struct Scene {
     std::string name;
     std::vector<Mesh> meshes;
+    std::vector<MeshInstance> instances;  ///< empty: every mesh once, where it is
     std::vector<Material> materials;
-    std::vector<PointLight> point_lights;
+    std::vector<Texture> textures;
+    std::vector<Light> lights;
     Sky sky;
+    Environment environment;
     std::optional<Camera> camera;  ///< empty: `automatic_camera` looks at the whole
 };
 

@@ -122,7 +122,7 @@ TEST(ClosedSphere, EveryBounceAddsHalfOfTheLast) {
     Scene scene;
     scene.materials = {lambert(0.5f)};
     scene.meshes = {sphere(5)};
-    scene.point_lights = {{{0, 0, 0}, glm::vec3(float(pi))}};
+    scene.lights = {point_light({0, 0, 0}, glm::vec3(float(pi)))};
     scene.camera = Camera{{0, 0, 0.3f}, {0, 0, -1}, {0, 1, 0}, 60.f};
     double area = 0;  // of the polyhedron, over which the lamp's flux is spread
     for (const glm::uvec3& t : scene.meshes[0].triangles) {
@@ -146,7 +146,7 @@ TEST(DirectLight, PointLightFollowsInverseSquareAndCosine) {
             scene.materials = {lambert(0.6f)};
             scene.meshes = {square(1.f, 0.f)};
             const glm::vec3 towards(std::sin(angle), std::cos(angle), 0);
-            scene.point_lights = {{float(distance) * towards, glm::vec3(5.f)}};
+            scene.lights = {point_light(float(distance) * towards, glm::vec3(5.f))};
             scene.camera = narrow_camera({0, 1, 1}, {0, 0, 0});
             const double expected = 0.6 / pi * 5 * std::cos(angle) / (distance * distance);
             const double radiance = mean(render_image(scene, {.width = 2, .height = 2, .spp = 4, .max_depth = 1})).x;

@@ -18,7 +18,8 @@ Scene many_lights() {
     Scene scene;
     scene.materials = {lambert(0.5f), emitter(1.f), emitter(7.f)};
     scene.meshes = {square(1.f, 0.f, 0), square(1.f, 2.f, 1), square(0.03f, 3.f, 2), square(5.f, 4.f, 2)};
-    scene.point_lights = {{{0, 1, 0}, glm::vec3(10.f)}, {{1, 1, 0}, glm::vec3(0.f)}, {{2, 1, 0}, glm::vec3(0.5f)}};
+    scene.lights = {point_light({0, 1, 0}, glm::vec3(10.f)), point_light({1, 1, 0}, glm::vec3(0.f)),
+                    point_light({2, 1, 0}, glm::vec3(0.5f))};
     return scene;
 }
 

@@ -161,7 +161,7 @@ TEST(Renderer, StatisticsCountEveryRay) {
     Scene scene;  // a floor that fills the view, a point light above: one shadow ray and one bounce a sample
     scene.materials = {lambert(1.f)};
     scene.meshes = {square(50.f, 0.f)};
-    scene.point_lights = {{{0, 3, 0}, glm::vec3(1.f)}};
+    scene.lights = {point_light({0, 3, 0}, glm::vec3(1.f))};
     scene.sky = {glm::vec3(1.f), glm::vec3(1.f)};
     scene.camera = Camera{{0, 2, 0}, {0, 0, 0}, {0, 0, 1}, 30.f};
     Renderer renderer(device(), scene, {.width = 33, .height = 17, .spp = 5});

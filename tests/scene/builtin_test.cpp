@@ -42,7 +42,7 @@ TEST_P(Builtin, IsValidNamedAndLit) {
     EXPECT_EQ(scene.name, GetParam());
     const bool emits = std::any_of(scene.materials.begin(), scene.materials.end(),
                                    [](const Material& m) { return m.emission.x > 0.f; });
-    EXPECT_TRUE(emits || scene.sky.zenith.x > 0.f || !scene.point_lights.empty());
+    EXPECT_TRUE(emits || scene.sky.zenith.x > 0.f || !scene.lights.empty());
     for (const Material& m : scene.materials) {
         EXPECT_LE(std::max({m.albedo.x, m.albedo.y, m.albedo.z}), 1.f) << m.name << " reflects more than it gets";
         EXPECT_FALSE(m.name.empty());

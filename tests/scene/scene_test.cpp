@@ -192,9 +192,9 @@ TEST(Validate, ChecksMaterials) {
 
 TEST(Validate, ChecksLights) {
     Scene scene = valid_scene();
-    scene.point_lights = {PointLight{}, PointLight{{0, NAN, 0}, {1, 1, 1}}};
+    scene.lights = {Light{}, point_light({0, NAN, 0}, {1, 1, 1})};
     expect_invalid(scene, "point light 1");
-    scene.point_lights = {PointLight{{0, 0, 0}, {1, -1, 1}}};
+    scene.lights = {point_light({0, 0, 0}, {1, -1, 1})};
     expect_invalid(scene, "point light 0");
     scene = valid_scene();
     scene.sky.zenith.x = -1.f;

@@ -10,6 +10,12 @@ CLARAY_SHARED_BEGIN
 #define CLARAY_MIRROR 1u
 #define CLARAY_GLASS 2u
 #define CLARAY_METAL 3u
+#define CLARAY_BLINN_PHONG 4u
+#define CLARAY_PRINCIPLED 5u
+
+#define CLARAY_POINT_LIGHT 0u
+#define CLARAY_DIRECTIONAL_LIGHT 1u
+#define CLARAY_SPOT_LIGHT 2u
 
 typedef struct MaterialData {
     float albedo_r, albedo_g, albedo_b;  // Lambert: albedo; mirror, metal: reflectance at normal incidence; glass: tint
