@@ -61,7 +61,8 @@ struct Material {
     TextureUse clearcoat_map;            ///< red: clearcoat
     TextureUse clearcoat_roughness_map;  ///< green: its roughness
     TextureUse opacity_map;              ///< red
-    TextureUse normal_map;               ///< tangent space, 0.5 is 0; +y along increasing v of the glTF convention
+    TextureUse normal_map;  ///< tangent space, 0.5 is 0; +x to the right and +y up in the image, that is along
+                            ///< decreasing v (glTF, OpenGL)
     float normal_scale = 1.f;
     TextureUse height_map;  ///< red, times `height_scale` in units of the scene; shifts the normal only
     float height_scale = 1.f;
