@@ -103,6 +103,9 @@ void add_machine_options(CLI::App& command, RenderOptions& o) {
     add_bvh_options(command, o.config.bvh);
     command.add_flag("--stats", o.stats, "Print build time, rays per second and memory");
     command.add_flag("--json", o.json, "Print the result and all statistics as JSON");
+    command.add_option_function<std::string>(
+        "--effects", [&o](const std::string& text) { o.config.effects = parse_effect_overrides(text); },
+        "For experiments: +NAME compiles an effect in, -NAME strips the scene of it (see claray explain)");
     command.add_option("--trace", o.trace, "Write every device command to FILE (JSON) for ui.perfetto.dev");
     command.add_flag("-q,--quiet", o.quiet, "No progress");
 }

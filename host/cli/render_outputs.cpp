@@ -53,6 +53,20 @@ nlohmann::ordered_json as_json(const RayCount& count) {
     return {{"rays", count.rays}, {"milliseconds", count.milliseconds}, {"mrays_per_second", count.mrays_per_second()}};
 }
 
+/// Names, in the order of all_effects.
+nlohmann::ordered_json as_json(EffectSet effects) {
+    nlohmann::ordered_json names = nlohmann::ordered_json::array();
+    for (const Effect effect : all_effects())
+        if (effects.has(effect)) names.push_back(name_of(effect));
+    return names;
+}
+
+void print_overrides(const EffectOverrides& overrides) {
+    if (!overrides.any()) return;
+    std::printf("effects are overridden: compiled in: %s; taken from the scene: %s\n", to_string(overrides.add).c_str(),
+                to_string(overrides.remove).c_str());
+}
+
 void print_statistics(const Device& device, const RenderStatistics& s) {
     const CompileStatistics compile = compile_statistics();
     std::printf("device        %s\n", device.info().name.c_str());
@@ -61,6 +75,7 @@ void print_statistics(const Device& device, const RenderStatistics& s) {
     std::printf("build         %.2f ms, %u triangles (%u culled), height %u, SAH cost %.1f, %.1f MB\n",
                 s.build_milliseconds, s.bvh.triangles, s.bvh.culled, s.bvh.height, s.bvh.sah_cost,
                 double(s.bvh.bytes) * 1e-6);
+    std::printf("effects       %s\n", to_string(s.effects).c_str());
     print_rays("camera rays", s.camera);
     print_rays("bounce rays", s.bounce);
     print_rays("shadow rays", s.shadow);
@@ -79,6 +94,7 @@ void print_as_text(const Device& device, const Renderer& renderer, const RenderO
                    const Outcome& outcome) {
     const RenderStatistics statistics = renderer.statistics();
     const RenderProgress& p = outcome.progress;
+    print_overrides(options.config.effects);
     if (options.stats) print_statistics(device, statistics);
     std::printf("%s: %ux%u, %u spp in %.2f s", options.output.c_str(), options.config.width, options.config.height,
                 p.spp, p.seconds);
@@ -113,6 +129,9 @@ void print_as_json(const Device& device, const Renderer& renderer, const RenderO
           {"height", s.bvh.height},
           {"sah_cost", s.bvh.sah_cost},
           {"bytes", s.bvh.bytes}}},
+        {"effects", as_json(s.effects)},
+        {"effect_overrides",
+         {{"add", as_json(options.config.effects.add)}, {"remove", as_json(options.config.effects.remove)}}},
         {"rays", {{"camera", as_json(s.camera)}, {"bounce", as_json(s.bounce)}, {"shadow", as_json(s.shadow)}}},
         {"device_bytes", s.device_bytes}};
     std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());

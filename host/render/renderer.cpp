@@ -101,7 +101,9 @@ struct Renderer::State {
           bvh(Bvh::build(on, checked(scene).meshes, with.bvh)),
           build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
           buffers(on, scene, bvh),
-          wavefront(on, buffers, frame_data(scene, buffers, with), with.sampler, std::uint64_t(pixels()) * with.spp),
+          wavefront(on, buffers, frame_data(scene, buffers, with),
+                    WavefrontKernels(buffers, with.sampler, buffers.effects | with.effects.add),
+                    std::uint64_t(pixels()) * with.spp),
           film(on, pixels()),
           schedule(pixels(), with.spp, wavefront.capacity()) {
         for (const char* name : {trace_camera_name, trace_bounce_name, trace_shadow_name})
@@ -150,7 +152,9 @@ RayCount Renderer::State::rays(const char* name, std::uint64_t count) const {
 }
 
 Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig& config)
-    : state_(std::make_shared<State>(device, scene, config)) {}
+    : state_(config.effects.remove.empty()
+                 ? std::make_shared<State>(device, scene, config)
+                 : std::make_shared<State>(device, without_effects(scene, config.effects.remove), config)) {}
 
 RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>& progress) {
     State& state = *state_;
@@ -183,6 +187,7 @@ RenderStatistics Renderer::statistics() const {
     statistics.shadow = state.rays(trace_shadow_name, totals.shadow);
     statistics.device_bytes =
         statistics.bvh.bytes + state.buffers.bytes() + state.wavefront.bytes() + state.film.bytes();
+    statistics.effects = state.buffers.effects;
     statistics.dropped_samples = state.film.noise().dropped;
     return statistics;
 }
@@ -194,8 +199,8 @@ Aovs Renderer::aovs() const {
     Buffer<Visits> visits(device, state.wavefront.capacity());
     Buffer<float> depth(device, capacity), normal(device, 3 * capacity), albedo(device, 3 * capacity);
     Buffer<std::uint32_t> primitive(device, capacity), visited(device, capacity);
-    Kernel write = load_kernel(device, "render/write_aovs.cl", "write_aovs",
-                               {{"NORMALS", state.buffers.normals.allocated() ? "1" : "0"}});
+    Kernel write =
+        load_kernel(device, "render/write_aovs.cl", "write_aovs", defines_of(state.buffers.effects, Stage::aovs));
     Aovs aovs{std::vector<float>(pixels), std::vector<glm::vec3>(pixels), std::vector<glm::vec3>(pixels),
               std::vector<std::uint32_t>(pixels), std::vector<std::uint32_t>(pixels)};
     const auto floats = [](std::vector<glm::vec3>& v, std::size_t at, std::size_t n) {

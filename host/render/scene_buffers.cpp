@@ -34,23 +34,16 @@ std::vector<std::uint32_t> all_triangle_materials(const Scene& scene) {
 
 }  // namespace
 
-SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Bvh& with) : bvh(with) {
+SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Bvh& with)
+    : bvh(with), effects(effects_of(scene)) {
     const std::vector<float> vertex_normals = all_normals(scene);
     if (!vertex_normals.empty()) normals = Buffer<float>(device, vertex_normals);
     const std::vector<std::uint32_t> of_triangles = all_triangle_materials(scene);
     triangle_materials = Buffer<std::uint32_t>(device, of_triangles);
 
-    std::vector<bool> used(scene.materials.size());
-    for (const std::uint32_t material : of_triangles) used[material] = true;
     std::vector<MaterialData> data;
-    for (std::size_t i = 0; i < scene.materials.size(); ++i) {
-        data.push_back(data_of(scene.materials[i]));
-        if (!used[i]) continue;
-        material_kinds |= 1u << data.back().kind;
-        emits = emits || scene.materials[i].emission != glm::vec3(0.f);
-    }
+    for (const Material& material : scene.materials) data.push_back(data_of(material));
     materials = Buffer<MaterialData>(device, data);
-    emits = emits || scene.sky.horizon != glm::vec3(0.f) || scene.sky.zenith != glm::vec3(0.f);
 
     const Lights found = collect_lights(scene);
     triangle_lights = Buffer<TriangleLight>(device, found.triangles);
@@ -67,12 +60,6 @@ void SceneBuffers::bind(Kernel& kernel, unsigned& index) const {
     kernel.set(index, materials);
     kernel.set(index, triangle_lights);
     kernel.set(index, point_lights);
-}
-
-Defines SceneBuffers::defines() const {
-    return {{"NORMALS", normals.allocated() ? "1" : "0"},
-            {"LIGHTS", lights != 0 ? "1" : "0"},
-            {"MATERIALS", std::to_string(material_kinds) + "u"}};
 }
 
 std::uint64_t SceneBuffers::bytes() const {

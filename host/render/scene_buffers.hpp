@@ -2,11 +2,12 @@
 #pragma once
 
 #include "claray/bvh.hpp"
-#include "claray/scene.hpp"
+#include "host/render/effects.hpp"
 
 namespace claray {
 
 struct SceneBuffers {
+    /// Uploads what the scene calls for.
     SceneBuffers(const Device& device, const Scene& scene, const Bvh& bvh);
 
     Bvh bvh;                // whose positions and indices are shared
@@ -15,15 +16,12 @@ struct SceneBuffers {
     Buffer<MaterialData> materials;
     Buffer<TriangleLight> triangle_lights;
     Buffer<PointLightData> point_lights;
-    std::uint32_t lights = 0;     // triangles and points
-    float light_density = 0;      // FrameData::light_density
-    unsigned material_kinds = 0;  // a bit for every MaterialKind in use
-    bool emits = false;           // a path can gather radiance by hitting something: a sky or emissive triangles
+    std::uint32_t lights = 0;  // triangles and points
+    float light_density = 0;   // FrameData::light_density
+    EffectSet effects;         // of the scene
 
     /// Binds SCENE_PARAMETERS of render/shade_surface.cl.
     void bind(Kernel& kernel, unsigned& index) const;
-    /// Macros that leave out of the kernels what the scene has no use for.
-    [[nodiscard]] Defines defines() const;
     [[nodiscard]] std::uint64_t bytes() const;
 };
 

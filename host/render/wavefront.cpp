@@ -18,13 +18,33 @@ std::uint32_t choose_capacity(const Device& device, std::uint64_t most_paths) {
 
 }  // namespace
 
-Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const FrameData& frame, Sampler sampler,
+WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, EffectSet with) : effects(with) {
+    const Device& device = scene.bvh.device();
+    const auto defines = [&](Stage stage) {
+        Defines all = defines_of(effects, stage);
+        all.emplace_back("SAMPLER", std::to_string(std::uint32_t(sampler)));
+        return all;
+    };
+    QueryOptions coherent, incoherent;
+    coherent.coherence = Coherence::coherent, incoherent.coherence = Coherence::incoherent;
+    generate = load_kernel(device, "render/generate_rays.cl", "generate_rays", defines(Stage::generate));
+    trace_camera = QueryKernel(scene.bvh, QueryKernel::Kind::closest, coherent, trace_camera_name);
+    trace_bounce = QueryKernel(scene.bvh, QueryKernel::Kind::closest, incoherent, trace_bounce_name);
+    shade = load_kernel(device, "render/shade_surface.cl", "shade_surface", defines(Stage::shade));
+    advance = load_kernel(device, "render/advance_queues.cl", "advance_queues");
+    if (scene.lights == 0) return;
+    trace_shadow = QueryKernel(scene.bvh, QueryKernel::Kind::any, {}, trace_shadow_name);
+    add_light = load_kernel(device, "render/add_light.cl", "add_light");
+}
+
+Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const FrameData& frame, WavefrontKernels kernels,
                      std::uint64_t most_paths)
     : device_(device),
       scene_(scene),
       frame_(frame),
       bounces_per_look_(std::max(1u, device.tuning("render/wavefront", "BOUNCES_PER_LOOK"))),
-      shade_group_(device.tuning("render/shade_surface", "GROUP_SIZE")) {
+      shade_group_(device.tuning("render/shade_surface", "GROUP_SIZE")),
+      kernels_(std::move(kernels)) {
     const std::uint32_t paths = choose_capacity(device, most_paths);
     for (int i = 0; i < 2; ++i) {
         rays_[i] = Buffer<Ray>(device, paths);
@@ -36,23 +56,10 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
     shadow_length_ = Buffer<std::uint32_t>(device, 1);
     totals_ = Buffer<std::uint64_t>(device, 2);
     totals_.fill(0);
-
-    Defines defines = scene.defines();
-    const Defines with_sampler = {{"SAMPLER", std::to_string(std::uint32_t(sampler))}};
-    defines.insert(defines.end(), with_sampler.begin(), with_sampler.end());
-    generate_ = load_kernel(device, "render/generate_rays.cl", "generate_rays", with_sampler);
-    QueryOptions camera, bounce;
-    camera.coherence = Coherence::coherent, bounce.coherence = Coherence::incoherent;
-    trace_camera_ = QueryKernel(scene.bvh, QueryKernel::Kind::closest, camera, trace_camera_name);
-    trace_bounce_ = QueryKernel(scene.bvh, QueryKernel::Kind::closest, bounce, trace_bounce_name);
-    shade_ = load_kernel(device, "render/shade_surface.cl", "shade_surface", defines);
-    advance_ = load_kernel(device, "render/advance_queues.cl", "advance_queues");
     if (scene.lights == 0) return;
     shadow_rays_ = Buffer<Ray>(device, paths);
     shadow_light_ = Buffer<LightSample>(device, paths);
     occluded_ = Buffer<std::uint8_t>(device, paths);
-    trace_shadow_ = QueryKernel(scene.bvh, QueryKernel::Kind::any, {}, trace_shadow_name);
-    add_light_ = load_kernel(device, "render/add_light.cl", "add_light");
 }
 
 void Wavefront::generate(const Batch& batch, bool centers) {
@@ -60,7 +67,7 @@ void Wavefront::generate(const Batch& batch, bool centers) {
     lengths_[0].fill(paths);
     lengths_[1].fill(0);
     shadow_length_.fill(0);
-    generate_.run({paths, 64}, batch, frame_, std::uint32_t(centers), rays_[0], states_[0], radiance_);
+    kernels_.generate.run({paths, 64}, batch, frame_, std::uint32_t(centers), rays_[0], states_[0], radiance_);
 }
 
 void Wavefront::trace(const Batch& batch) {
@@ -68,7 +75,7 @@ void Wavefront::trace(const Batch& batch) {
     std::uint32_t limit = batch.pixels * batch.samples;  // of rays in the queue, as far as the host knows
     camera_rays_ += limit;
     // A path that was scattered for the last time may still end in a light or in the sky.
-    const std::uint64_t waves = std::uint64_t(frame_.max_depth) + (scene_.emits ? 1 : 0);
+    const std::uint64_t waves = std::uint64_t(frame_.max_depth) + ((scene_.effects & emitters).empty() ? 0 : 1);
     for (std::uint32_t depth = 0; depth < waves && limit != 0; ++depth) {
         bounce(batch, depth, limit);
         if ((depth + 1) % bounces_per_look_ == 0 && depth + 1 < waves) limit = lengths_[(depth + 1) % 2].read()[0];
@@ -77,17 +84,18 @@ void Wavefront::trace(const Batch& batch) {
 
 void Wavefront::bounce(const Batch& batch, std::uint32_t depth, std::uint32_t limit) {
     const int in = depth % 2, out = 1 - in;
-    QueryKernel& trace = depth == 0 ? trace_camera_ : trace_bounce_;
+    QueryKernel& trace = depth == 0 ? kernels_.trace_camera : kernels_.trace_bounce;
     trace.run(rays_[in], hits_, limit, lengths_[in]);
-    shade_.run({limit, shade_group_}, batch, frame_, depth, scene_, lengths_[in], limit, rays_[in], hits_, states_[in],
-               radiance_, lengths_[out], rays_[out], states_[out], shadow_length_, shadow_rays_, shadow_light_);
+    kernels_.shade.run({limit, shade_group_}, batch, frame_, depth, scene_, lengths_[in], limit, rays_[in], hits_,
+                       states_[in], radiance_, lengths_[out], rays_[out], states_[out], shadow_length_, shadow_rays_,
+                       shadow_light_);
     if (scene_.lights != 0 && depth < frame_.max_depth) trace_shadows(limit);
-    advance_.run({1, 0}, lengths_[in], lengths_[out], shadow_length_, totals_);
+    kernels_.advance.run({1, 0}, lengths_[in], lengths_[out], shadow_length_, totals_);
 }
 
 void Wavefront::trace_shadows(std::uint32_t limit) {
-    trace_shadow_.run(shadow_rays_, occluded_, limit, shadow_length_);
-    add_light_.run({limit, 64}, shadow_length_, limit, occluded_, shadow_light_, radiance_);
+    kernels_.trace_shadow.run(shadow_rays_, occluded_, limit, shadow_length_);
+    kernels_.add_light.run({limit, 64}, shadow_length_, limit, occluded_, shadow_light_, radiance_);
 }
 
 void Wavefront::trace_centers(const Batch& batch, Buffer<Visits>& visits) {

@@ -15,9 +15,20 @@ inline constexpr const char* trace_camera_name = "trace_camera_rays";
 inline constexpr const char* trace_bounce_name = "trace_bounce_rays";
 inline constexpr const char* trace_shadow_name = "trace_shadow_rays";
 
+/// The stages' kernels for a set of effects, which may be larger than the scene's: what it does not call for changes no
+/// bit of the image.
+struct WavefrontKernels {
+    WavefrontKernels() = default;
+    WavefrontKernels(const SceneBuffers& scene, Sampler sampler, EffectSet effects);
+
+    EffectSet effects;
+    Kernel generate, shade, add_light, advance;
+    QueryKernel trace_camera, trace_bounce, trace_shadow;
+};
+
 class Wavefront {
 public:
-    Wavefront(const Device& device, const SceneBuffers& scene, const FrameData& frame, Sampler sampler,
+    Wavefront(const Device& device, const SceneBuffers& scene, const FrameData& frame, WavefrontKernels kernels,
               std::uint64_t most_paths);
 
     [[nodiscard]] std::uint32_t capacity() const { return std::uint32_t(rays_[0].size()); }
@@ -55,8 +66,7 @@ private:
     Buffer<std::uint8_t> occluded_;
     Buffer<float> radiance_;
     Buffer<std::uint64_t> totals_;
-    Kernel generate_, shade_, add_light_, advance_;
-    QueryKernel trace_camera_, trace_bounce_, trace_shadow_;
+    WavefrontKernels kernels_;
 };
 
 }  // namespace claray

@@ -4,6 +4,7 @@
 #include "claray/buffer.hpp"
 #include "claray/bvh.hpp"
 #include "claray/device.hpp"
+#include "claray/effects.hpp"
 #include "claray/error.hpp"
 #include "claray/instances.hpp"
 #include "claray/mesh.hpp"

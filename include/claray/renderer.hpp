@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "claray/bvh.hpp"
-#include "claray/scene.hpp"
+#include "claray/effects.hpp"
 
 namespace claray {
 
@@ -24,6 +24,7 @@ struct RenderConfig {
     double noise = 0;    ///< stop at this noise (see RenderProgress) where > 0; asked from 16 samples a pixel on
     Sampler sampler = Sampler::sobol;
     Bvh::Config bvh = {};
+    EffectOverrides effects = {};  ///< for experiments; effects are derived from the scene
 };
 
 /// What a render has done so far.
@@ -45,6 +46,7 @@ struct RenderStatistics {
     double build_milliseconds = 0;  ///< device time of the acceleration structure
     BvhStatistics bvh;
     RayCount camera, bounce, shadow;
+    EffectSet effects;  ///< that the scene calls for, after `RenderConfig::effects`
     std::uint64_t device_bytes = 0;
     std::uint64_t dropped_samples = 0;  ///< NaN, infinite or above 1e30, left out of the image
 };

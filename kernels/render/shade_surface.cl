@@ -12,6 +12,9 @@
 #ifndef LIGHTS
 #define LIGHTS 1  // 1: there are lights that shadow rays can be sent to
 #endif
+#ifndef SKY
+#define SKY 1  // 1: rays that leave the scene bring light
+#endif
 #ifndef ROULETTE_DEPTH
 #define ROULETTE_DEPTH 3  // surfaces that a path meets before chance may end it
 #endif
@@ -122,7 +125,9 @@ static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PAR
     next->wanted = shadow->wanted = false;
     const float3 direction = (float3)(ray.dx, ray.dy, ray.dz), outgoing = -direction;
     if (hit.primitive == CLARAY_MISS) {
+#if SKY
         add_radiance(radiance, state.path, throughput_of(state) * sky_radiance(frame.sky, direction));
+#endif
         return;
     }
     const Surface surface = surface_at(hit, outgoing, positions, indices, normals);
@@ -138,7 +143,7 @@ static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PAR
     const SamplePair choice = draw_words(samples, DIMENSION_CHOICE(depth));
     const Frame shading_frame = make_frame(surface.shading);
 #if LIGHTS
-    if (!is_delta(&material))
+    if (frame.lights != 0 && !is_delta(&material))
         *shadow = sample_light(frame, samples, depth, state, &surface, &material, shading_frame, outgoing, choice.x,
                                triangle_lights, point_lights);
 #endif

@@ -1,0 +1,109 @@
+#include "host/render/effects.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "claray/error.hpp"
+
+namespace claray {
+namespace {
+
+constexpr unsigned generate = unsigned(Stage::generate), trace = unsigned(Stage::trace), shade = unsigned(Stage::shade),
+                   aovs = unsigned(Stage::aovs);
+
+/// An effect without a row is not known to the kernels. Effects that share a macro are bits of its value.
+struct Row {
+    Effect effect;
+    const char* name;
+    const char* macro;
+    unsigned bit;
+    unsigned stages;
+};
+constexpr std::array rows = {
+    Row{Effect::smooth_normals, "smooth-normals", "NORMALS", 0, shade | aovs},
+    Row{Effect::lambert, "lambert", "MATERIALS", CLARAY_LAMBERT, shade},
+    Row{Effect::mirror, "mirror", "MATERIALS", CLARAY_MIRROR, shade},
+    Row{Effect::glass, "glass", "MATERIALS", CLARAY_GLASS, shade},
+    Row{Effect::metal, "metal", "MATERIALS", CLARAY_METAL, shade},
+    Row{Effect::emissive_triangles, "emissive-triangles", "LIGHTS", 0, shade},
+    Row{Effect::point_lights, "point-lights", "LIGHTS", 0, shade},
+    Row{Effect::sky, "sky", "SKY", 0, shade},
+};
+constexpr auto known = [] {
+    std::array<Effect, rows.size()> effects{};
+    for (std::size_t i = 0; i < rows.size(); ++i) effects[i] = rows[i].effect;
+    return effects;
+}();
+
+const Row* row_of(Effect effect) {
+    const auto row = std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return r.effect == effect; });
+    return row == rows.end() ? nullptr : &*row;
+}
+
+Effect effect_named(const std::string& name) {
+    for (const Row& row : rows)
+        if (name == row.name) return row.effect;
+    throw Error(ErrorKind::usage, "--effects: there is no effect '" + name + "'",
+                "there are: " + to_string(full_effects()));
+}
+
+}  // namespace
+
+const char* name_of(Effect effect) {
+    const Row* row = row_of(effect);
+    return row ? row->name : "unknown";
+}
+
+std::span<const Effect> all_effects() { return known; }
+
+EffectSet full_effects() {
+    EffectSet all;
+    for (const Effect effect : known) all.add(effect);
+    return all;
+}
+
+std::string to_string(EffectSet effects) {
+    std::string text;
+    for (const Effect effect : known)
+        if (effects.has(effect)) text += (text.empty() ? "" : ", ") + std::string(name_of(effect));
+    return text.empty() ? "nothing" : text;
+}
+
+EffectOverrides parse_effect_overrides(const std::string& text) {
+    EffectOverrides overrides;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        const std::string item = text.substr(begin, end - begin);
+        begin = end + 1;
+        if (item.empty() || (item[0] != '+' && item[0] != '-'))
+            throw Error(ErrorKind::usage, "--effects: '" + item + "' begins with neither + nor -",
+                        "write +NAME or -NAME, separated by commas: +metal,-sky");
+        (item[0] == '+' ? overrides.add : overrides.remove).add(effect_named(item.substr(1)));
+    }
+    if (!(overrides.add & overrides.remove).empty())
+        throw Error(ErrorKind::usage,
+                    "--effects: both added and removed: " + to_string(overrides.add & overrides.remove),
+                    "write each effect once");
+    return overrides;
+}
+
+bool concerns(Effect effect, Stage stage) {
+    const Row* row = row_of(effect);
+    return row && (row->stages & unsigned(stage)) != 0;
+}
+
+Defines defines_of(EffectSet effects, Stage stage) {
+    Defines defines;
+    std::vector<unsigned> values;
+    for (const Row& row : rows) {
+        if ((row.stages & unsigned(stage)) == 0) continue;
+        const auto at = std::find_if(defines.begin(), defines.end(), [&](auto& d) { return d.first == row.macro; });
+        const auto index = std::size_t(at - defines.begin());
+        if (at == defines.end()) defines.emplace_back(row.macro, ""), values.push_back(0);
+        values[index] |= effects.has(row.effect) ? 1u << row.bit : 0u;
+    }
+    for (std::size_t i = 0; i < defines.size(); ++i) defines[i].second = std::to_string(values[i]);
+    return defines;
+}
+
+}  // namespace claray

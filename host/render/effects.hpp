@@ -1,0 +1,31 @@
+// The one place that knows which macros of which kernels belong to an effect. A new effect is: an enumerator of Effect,
+// a row in effects.cpp, who calls for it and how a scene is stripped of it in effects_of.cpp, a scene in
+// tests/render/effects_test.cpp, and in the kernels a macro whose default is "all of it". Its code must find nothing to
+// do in scenes without the effect (an absent buffer is null, a count is 0): kernels may know more than the scene needs.
+#pragma once
+
+#include "claray/effects.hpp"
+#include "claray/program.hpp"
+
+namespace claray {
+
+/// Kernels that are compiled for a set of effects.
+enum class Stage : unsigned {
+    generate = 1,  // render/generate_rays.cl
+    trace = 2,     // trace/closest_hit.cl, trace/any_hit.cl
+    shade = 4,     // render/shade_surface.cl
+    aovs = 8       // render/write_aovs.cl
+};
+
+/// The macros of a stage, all of them, 0 where the effect is not in the set.
+[[nodiscard]] Defines defines_of(EffectSet effects, Stage stage);
+/// Whether the effect is code in that stage's kernels.
+[[nodiscard]] bool concerns(Effect effect, Stage stage);
+
+/// Effects that shadow rays are traced for.
+inline constexpr EffectSet sampled_lights = {Effect::emissive_triangles, Effect::point_lights,
+                                             Effect::directional_lights, Effect::spot_lights, Effect::environment};
+/// Effects by which a path gathers radiance where it ends.
+inline constexpr EffectSet emitters = {Effect::emissive_triangles, Effect::sky, Effect::environment};
+
+}  // namespace claray

@@ -1,0 +1,182 @@
+// What a scene calls for, and scenes that are stripped of it.
+#include <algorithm>
+#include <map>
+
+#include "claray/effects.hpp"
+
+namespace claray {
+namespace {
+
+bool shines(const glm::vec3& c) { return c.x > 0 || c.y > 0 || c.z > 0; }
+
+Effect effect_of(MaterialKind kind) {
+    switch (kind) {
+        case MaterialKind::mirror: return Effect::mirror;
+        case MaterialKind::glass: return Effect::glass;
+        case MaterialKind::metal: return Effect::metal;
+        case MaterialKind::blinn_phong: return Effect::blinn_phong;
+        case MaterialKind::principled: return Effect::principled;
+        default: return Effect::lambert;
+    }
+}
+
+Effect effect_of(LightKind kind) {
+    switch (kind) {
+        case LightKind::directional: return Effect::directional_lights;
+        case LightKind::spot: return Effect::spot_lights;
+        default: return Effect::point_lights;
+    }
+}
+
+/// "the material 'gold'", or by its number where it has no name.
+std::string described(const char* kind, const std::string& name, std::size_t index) {
+    return std::string("the ") + kind + " " + (name.empty() ? std::to_string(index) : "'" + name + "'");
+}
+
+/// Calls `call(effect, kind of thing, its name, its index)` for everything that calls for an effect.
+template <class Call>
+class Visitor {
+public:
+    Visitor(const Scene& scene, Call call) : scene_(scene), call_(std::move(call)) {}
+
+    void visit() {
+        for (std::size_t i = 0; i < scene_.meshes.size(); ++i)
+            if (!scene_.meshes[i].normals.empty()) call_(Effect::smooth_normals, "mesh", scene_.meshes[i].name, i);
+        const std::vector<bool> used = used_materials();
+        for (std::size_t i = 0; i < scene_.materials.size(); ++i)
+            if (used[i]) visit(scene_.materials[i], i);
+        for (std::size_t i = 0; i < scene_.lights.size(); ++i)
+            if (shines(scene_.lights[i].intensity))
+                call_(effect_of(scene_.lights[i].kind), "light", scene_.lights[i].name, i);
+        visit_surroundings();
+        if (scene_.camera) visit(*scene_.camera);
+        for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
+            call_(Effect::instances, "instance", {}, i);
+            if (scene_.instances[i].transform_end) call_(Effect::instance_motion, "instance", {}, i);
+        }
+    }
+
+private:
+    [[nodiscard]] std::vector<bool> used_materials() const {
+        std::vector<bool> used(scene_.materials.size());
+        for (const Mesh& mesh : scene_.meshes) {
+            if (mesh.materials.empty() && !mesh.triangles.empty() && !used.empty()) used[0] = true;
+            for (const std::uint32_t material : mesh.materials)
+                if (material < used.size()) used[material] = true;
+        }
+        return used;
+    }
+
+    void visit(const Material& m, std::size_t index) {
+        const auto call = [&](Effect effect, bool wanted) {
+            if (wanted) call_(effect, "material", m.name, index);
+        };
+        call(effect_of(m.kind), true);
+        call(Effect::emissive_triangles, shines(m.emission));
+        const bool principled = m.kind == MaterialKind::principled;
+        call(Effect::transmission, principled && m.transmission > 0);
+        call(Effect::clearcoat, principled && m.clearcoat > 0);
+        call(Effect::absorption, m.attenuation_distance > 0 && m.attenuation != glm::vec3(1.f));
+        call(Effect::culling, m.cull_back);
+        call(Effect::cut_outs, m.alpha_mode != AlphaMode::opaque);
+        visit_textures(m);
+        const auto call_map = [&](Effect effect, const TextureUse& use) {
+            if (use.used()) call_(effect, "texture", texture(use.texture).name, use.texture);
+        };
+        call_map(Effect::normal_maps, m.normal_map);
+        call_map(Effect::height_maps, m.height_map);
+        call_map(Effect::light_maps, m.light_map);
+    }
+
+    void visit_textures(const Material& m) {
+        for (const TextureUse* use :
+             {&m.albedo_map, &m.emission_map, &m.metallic_roughness_map, &m.transmission_map, &m.clearcoat_map,
+              &m.clearcoat_roughness_map, &m.opacity_map, &m.normal_map, &m.height_map, &m.light_map}) {
+            if (!use->used()) continue;
+            const Texture& image = texture(use->texture);
+            call_(Effect::textures, "texture", image.name, use->texture);
+            if (image.filter == Filter::trilinear) call_(Effect::mip_maps, "texture", image.name, use->texture);
+        }
+    }
+
+    void visit_surroundings() {
+        const bool image = !scene_.environment.images.empty() && scene_.environment.strength > 0;
+        if (image) call_(Effect::environment, "environment", scene_.environment.images[0].name, 0);
+        if (!image && (shines(scene_.sky.horizon) || shines(scene_.sky.zenith))) call_(Effect::sky, "sky", {}, 0);
+    }
+
+    void visit(const Camera& camera) {
+        if (camera.aperture_radius > 0) call_(Effect::depth_of_field, "camera", {}, 0);
+        if (camera.position_end || camera.target_end) call_(Effect::camera_motion, "camera", {}, 0);
+    }
+
+    [[nodiscard]] const Texture& texture(std::uint32_t index) const {
+        static const Texture none;
+        return index < scene_.textures.size() ? scene_.textures[index] : none;
+    }
+
+    const Scene& scene_;
+    Call call_;
+};
+
+void strip(Material& m, EffectSet effects) {
+    const auto lost = [&](Effect effect) { return effects.has(effect); };
+    if (lost(effect_of(m.kind))) m.kind = MaterialKind::lambert;
+    if (lost(Effect::emissive_triangles)) m.emission = glm::vec3(0.f);
+    if (lost(Effect::transmission)) m.transmission = 0.f, m.transmission_map = {};
+    if (lost(Effect::clearcoat)) m.clearcoat = 0.f, m.clearcoat_map = {};
+    if (lost(Effect::absorption)) m.attenuation_distance = 0.f;
+    if (lost(Effect::culling)) m.cull_back = false;
+    if (lost(Effect::cut_outs)) m.alpha_mode = AlphaMode::opaque;
+    if (lost(Effect::textures))
+        m.albedo_map = m.emission_map = m.metallic_roughness_map = m.transmission_map = m.clearcoat_map =
+            m.clearcoat_roughness_map = m.opacity_map = m.normal_map = m.height_map = m.light_map = {};
+    if (lost(Effect::normal_maps)) m.normal_map = {};
+    if (lost(Effect::height_maps)) m.height_map = {};
+    if (lost(Effect::light_maps)) m.light_map = {};
+}
+
+}  // namespace
+
+std::vector<EffectCause> causes_of_effects(const Scene& scene) {
+    std::map<Effect, EffectCause> causes;
+    Visitor visitor(scene, [&](Effect effect, const char* kind, const std::string& name, std::size_t index) {
+        EffectCause& cause = causes[effect];
+        if (cause.count++ > 0) return;
+        cause.effect = effect;
+        const bool only_one = kind == std::string_view("camera") || kind == std::string_view("sky");
+        cause.first = only_one ? std::string("the ") + kind : described(kind, name, index);
+    });
+    visitor.visit();
+    std::vector<EffectCause> found;
+    for (const Effect effect : all_effects())
+        if (const auto cause = causes.find(effect); cause != causes.end()) found.push_back(cause->second);
+    return found;
+}
+
+EffectSet effects_of(const Scene& scene) {
+    EffectSet effects;
+    Visitor visitor(scene, [&](Effect effect, const char*, const std::string&, std::size_t) { effects.add(effect); });
+    visitor.visit();
+    return effects & full_effects();
+}
+
+Scene without_effects(Scene scene, EffectSet effects) {
+    const auto lost = [&](Effect effect) { return effects.has(effect); };
+    for (Mesh& mesh : scene.meshes)
+        if (lost(Effect::smooth_normals)) mesh.normals.clear();
+    for (Material& material : scene.materials) strip(material, effects);
+    for (Texture& texture : scene.textures)
+        if (lost(Effect::mip_maps) && texture.filter == Filter::trilinear) texture.filter = Filter::bilinear;
+    std::erase_if(scene.lights, [&](const Light& light) { return lost(effect_of(light.kind)); });
+    if (lost(Effect::sky)) scene.sky = {};
+    if (lost(Effect::environment)) scene.environment = {};
+    if (scene.camera && lost(Effect::depth_of_field)) scene.camera->aperture_radius = 0.f;
+    if (scene.camera && lost(Effect::camera_motion)) scene.camera->position_end = scene.camera->target_end = {};
+    for (MeshInstance& instance : scene.instances)
+        if (lost(Effect::instance_motion)) instance.transform_end = {};
+    if (lost(Effect::instances)) scene.instances.clear();
+    return scene;
+}
+
+}  // namespace claray

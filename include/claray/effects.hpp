@@ -1,0 +1,99 @@
+// What a scene calls for: kernels hold the code of these effects and of no other, and what none of them needs is
+// neither uploaded nor run.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "claray/scene.hpp"
+
+namespace claray {
+
+/// Each is a piece of kernel code that a scene can do without.
+enum class Effect : std::uint8_t {
+    smooth_normals,
+    lambert,
+    mirror,
+    glass,
+    metal,
+    blinn_phong,
+    principled,
+    transmission,
+    clearcoat,
+    absorption,
+    culling,
+    emissive_triangles,
+    point_lights,
+    directional_lights,
+    spot_lights,
+    sky,
+    environment,
+    textures,
+    mip_maps,
+    normal_maps,
+    height_maps,
+    light_maps,
+    cut_outs,
+    depth_of_field,
+    camera_motion,
+    instances,
+    instance_motion
+};
+
+class EffectSet {
+public:
+    constexpr EffectSet() = default;
+    constexpr EffectSet(std::initializer_list<Effect> effects) {
+        for (const Effect effect : effects) add(effect);
+    }
+    constexpr void add(Effect effect) { bits_ |= bit(effect); }
+    constexpr void remove(Effect effect) { bits_ &= ~bit(effect); }
+    [[nodiscard]] constexpr bool has(Effect effect) const { return (bits_ & bit(effect)) != 0; }
+    [[nodiscard]] constexpr bool empty() const { return bits_ == 0; }
+    [[nodiscard]] constexpr bool contains(EffectSet other) const { return (other.bits_ & ~bits_) == 0; }
+    [[nodiscard]] constexpr EffectSet operator|(EffectSet other) const { return EffectSet(bits_ | other.bits_); }
+    [[nodiscard]] constexpr EffectSet operator-(EffectSet other) const { return EffectSet(bits_ & ~other.bits_); }
+    [[nodiscard]] constexpr EffectSet operator&(EffectSet other) const { return EffectSet(bits_ & other.bits_); }
+    constexpr bool operator==(const EffectSet&) const = default;
+
+private:
+    explicit constexpr EffectSet(std::uint64_t bits) : bits_(bits) {}
+    static constexpr std::uint64_t bit(Effect effect) { return std::uint64_t(1) << unsigned(effect); }
+    std::uint64_t bits_ = 0;
+};
+
+/// As users write it: "smooth-normals".
+[[nodiscard]] const char* name_of(Effect effect);
+/// Every effect that the kernels know, in the order in which they are shown.
+[[nodiscard]] std::span<const Effect> all_effects();
+/// The same as a set: what the generic kernels can do.
+[[nodiscard]] EffectSet full_effects();
+/// "lambert, point-lights"; "nothing" where the set is empty.
+[[nodiscard]] std::string to_string(EffectSet effects);
+
+/// What the scene calls for.
+[[nodiscard]] EffectSet effects_of(const Scene& scene);
+
+struct EffectCause {
+    Effect effect{};
+    std::string first;      ///< who calls for it: "the material 'gold'"
+    std::size_t count = 0;  ///< how many do
+};
+/// Why: one row for every effect of `effects_of`, in the order of `all_effects`.
+[[nodiscard]] std::vector<EffectCause> causes_of_effects(const Scene& scene);
+
+/// For experiments: effects that are compiled in though nothing calls for them, which changes no pixel, and effects
+/// that the scene is stripped of, which changes the image.
+struct EffectOverrides {
+    EffectSet add, remove;
+    [[nodiscard]] bool any() const { return !add.empty() || !remove.empty(); }
+};
+/// "+textures,-sky". Throws ErrorKind::usage for what is no such list.
+[[nodiscard]] EffectOverrides parse_effect_overrides(const std::string& text);
+/// The scene stripped of some effects, by the same rules as `effects_of`: no normals, no lights of a kind, a material
+/// of that kind is Lambert, a lens is a pinhole, and so on.
+[[nodiscard]] Scene without_effects(Scene scene, EffectSet effects);
+
+}  // namespace claray

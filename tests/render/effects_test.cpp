@@ -1,0 +1,140 @@
+// What a scene calls for is derived from it, and what it does not call for costs and changes nothing.
+#include "claray/effects.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <functional>
+
+#include "host/render/effects.hpp"
+#include "tests/render/scenes.hpp"
+#include "tests/support/device.hpp"
+#include "tests/support/errors.hpp"
+
+namespace claray::test {
+namespace {
+
+bool same_bits(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0;
+}
+
+/// A diffuse square in the dark.
+Scene plain_scene() {
+    Scene scene;
+    scene.materials = {lambert(0.5f)};
+    scene.meshes = {square(1.f, 0.f)};
+    scene.camera = narrow_camera({0, 3, 3}, {0, 0, 0});
+    return scene;
+}
+
+/// A scene with one reason for each effect that the kernels know, built without knowing how effects are derived.
+std::vector<std::pair<Effect, Scene>> scenes_by_effect() {
+    std::vector<std::pair<Effect, Scene>> scenes;
+    const auto add = [&](Effect effect, const std::function<void(Scene&)>& change) {
+        Scene scene = plain_scene();
+        change(scene);
+        scenes.emplace_back(effect, std::move(scene));
+    };
+    const auto add_kind = [&](Effect effect, MaterialKind kind) {
+        add(effect, [&](Scene& s) { s.materials[0].kind = kind; });
+    };
+    add(Effect::smooth_normals, [](Scene& s) { s.meshes[0].normals.assign(4, {0, 1, 0}); });
+    add_kind(Effect::mirror, MaterialKind::mirror);
+    add_kind(Effect::glass, MaterialKind::glass);
+    add_kind(Effect::metal, MaterialKind::metal);
+    add(Effect::emissive_triangles, [](Scene& s) { s.materials[0].emission = {1, 0, 0}; });
+    add(Effect::point_lights, [](Scene& s) { s.lights = {point_light({0, 2, 0}, {0, 0, 1})}; });
+    add(Effect::sky, [](Scene& s) { s.sky.zenith = {0, 0, 1}; });
+    return scenes;
+}
+
+TEST(Effects, AreDerivedFromTheScene) {
+    EXPECT_EQ(effects_of(plain_scene()), EffectSet{Effect::lambert});
+    EXPECT_EQ(effects_of(Scene()), EffectSet());
+    for (const auto& [effect, scene] : scenes_by_effect())
+        EXPECT_TRUE(effects_of(scene).has(effect)) << name_of(effect) << ": " << to_string(effects_of(scene));
+    Scene idle = plain_scene();
+    idle.materials.push_back(material(MaterialKind::glass, 1.f));  // on no triangle
+    idle.lights = {point_light({0, 1, 0}, {0, 0, 0})};             // black
+    EXPECT_EQ(effects_of(idle), EffectSet{Effect::lambert});
+}
+
+TEST(Effects, SayWhoCallsForThem) {
+    Scene scene = plain_scene();
+    scene.materials[0].name = "paint";
+    scene.lights = {point_light({0, 1, 0}, {1, 1, 1}), point_light({0, 2, 0}, {1, 1, 1})};
+    const std::vector<EffectCause> causes = causes_of_effects(scene);
+    ASSERT_EQ(causes.size(), 2u);
+    EXPECT_EQ(causes[0].effect, Effect::lambert);
+    EXPECT_EQ(causes[0].first, "the material 'paint'");
+    EXPECT_EQ(causes[0].count, 1u);
+    EXPECT_EQ(causes[1].effect, Effect::point_lights);
+    EXPECT_EQ(causes[1].first, "the light 0");
+    EXPECT_EQ(causes[1].count, 2u);
+}
+
+TEST(Effects, CausesAreTheSet) {
+    for (const char* name : {"cornell", "spheres", "hills", "crate"}) {
+        const Scene scene = *builtin_scene(name);
+        EffectSet named;
+        for (const EffectCause& cause : causes_of_effects(scene)) named.add(cause.effect);
+        EXPECT_EQ(named, effects_of(scene)) << name;
+    }
+}
+
+TEST(Effects, StrippedScenesDoNotCallForThem) {
+    for (const auto& [effect, scene] : scenes_by_effect()) {
+        const EffectSet left = effects_of(without_effects(scene, {effect}));
+        EXPECT_FALSE(left.has(effect)) << name_of(effect);
+        EXPECT_TRUE((effects_of(scene) | EffectSet{Effect::lambert}).contains(left)) << name_of(effect);
+    }
+}
+
+TEST(Effects, OverridesAreParsed) {
+    const EffectOverrides overrides = parse_effect_overrides("+mirror,-sky,+glass");
+    EXPECT_EQ(overrides.add, (EffectSet{Effect::mirror, Effect::glass}));
+    EXPECT_EQ(overrides.remove, EffectSet{Effect::sky});
+    for (const char* bad : {"", "mirror", "+", "+mirrors", "+mirror,", "+mirror,-mirror", "*sky"})
+        EXPECT_TRUE(throws_error(ErrorKind::usage, "--effects", [&] { (void)parse_effect_overrides(bad); })) << bad;
+}
+
+TEST(Effects, EveryMacroIsZeroOrItsBits) {
+    for (const Stage stage : {Stage::generate, Stage::trace, Stage::shade, Stage::aovs}) {
+        const Defines none = defines_of({}, stage);
+        for (const auto& [name, value] : none) EXPECT_EQ(value, "0") << name;
+        for (const Effect effect : all_effects()) {
+            const Defines one = defines_of({effect}, stage);
+            ASSERT_EQ(one.size(), none.size());
+            std::size_t changed = 0;
+            for (std::size_t i = 0; i < one.size(); ++i) changed += one[i] != none[i];
+            EXPECT_EQ(changed, concerns(effect, stage) ? 1u : 0u) << name_of(effect);
+        }
+    }
+}
+
+/// The image is the same whatever else the kernels could do.
+TEST(Effects, CompiledInButUnusedChangeNoBit) {
+    for (const char* name : {"cornell", "spheres", "crate"}) {
+        const Scene scene = *builtin_scene(name);
+        RenderConfig config{.width = 48, .height = 40, .spp = 5};
+        const std::vector<glm::vec3> image = render_image(scene, config);
+        config.effects.add = full_effects();
+        EXPECT_TRUE(same_bits(image, render_image(scene, config))) << name;
+    }
+    // Without lights, normals or a sky; every effect by itself would find nothing to work on.
+    RenderConfig config{.width = 16, .height = 16, .spp = 2, .effects = {full_effects(), {}}};
+    EXPECT_EQ(mean(render_image(plain_scene(), config)), glm::dvec3(0.0));
+}
+
+TEST(Effects, TakenFromTheSceneAreGone) {
+    Scene scene = *builtin_scene("cornell");
+    scene.sky.zenith = scene.sky.horizon = glm::vec3(0.5f);
+    const RenderConfig config{.width = 16, .height = 16, .spp = 4, .effects = {{}, {Effect::emissive_triangles}}};
+    for (Material& m : scene.materials) m.emission = glm::vec3(0.f);
+    const std::vector<glm::vec3> by_hand = render_image(scene, {.width = 16, .height = 16, .spp = 4});
+    scene.materials.back().emission = glm::vec3(9.f);
+    EXPECT_TRUE(same_bits(by_hand, render_image(scene, config)));
+}
+
+}  // namespace
+}  // namespace claray::test
