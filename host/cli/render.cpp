@@ -77,6 +77,17 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
         ->check(CLI::IsMember(std::vector<std::string>(std::begin(aov_names), std::end(aov_names))));
 }
 
+/// Refuses what is no finite number above `least`, or not that where it is `included`.
+CLI::Validator number_above(const std::string& range, float least, bool included) {
+    const auto check = [range, least, included](const std::string& text) {
+        float value = NAN;
+        const bool ok = CLI::detail::lexical_cast(text, value) && std::isfinite(value) &&
+                        (value > least || (included && value == least));
+        return ok ? std::string() : "'" + text + "' is not a number of " + range;
+    };
+    return CLI::Validator(check, "");
+}
+
 void add_camera_options(CLI::App& command, RenderOptions& o) {
     const auto add_vector = [&](const char* name, std::optional<glm::vec3>& vector, const char* description) {
         command.add_option_function<std::string>(
@@ -86,6 +97,14 @@ void add_camera_options(CLI::App& command, RenderOptions& o) {
     add_vector("--look-at", o.look_at, "The point in the middle of the image, X,Y,Z");
     add_vector("--up", o.up, "The direction that is up in the image, X,Y,Z [0,1,0]");
     command.add_option("--fov", o.fov, "Vertical field of view in degrees [40]");
+    command
+        .add_option("--aperture", o.aperture,
+                    "Radius of the lens, in units of the scene: blurs what is not in focus [0]")
+        ->check(number_above("0 or more", 0.f, true));
+    command.add_option("--focus-distance", o.focus_distance, "Distance along the view that is sharp [the target's]")
+        ->check(number_above("more than 0", 0.f, false));
+    add_vector("--camera-end", o.camera_end, "Position when the shutter closes, X,Y,Z: motion blur");
+    add_vector("--look-at-end", o.look_at_end, "The point in the middle when the shutter closes, X,Y,Z");
 }
 
 void add_quality_options(CLI::App& command, RenderOptions& o) {

@@ -50,8 +50,13 @@ glm::vec3 parse_vector(const std::string& option, const std::string& text) {
 Camera choose_camera(const Scene& scene, const RenderOptions& options) {
     const float aspect = float(options.config.width) / float(options.config.height);
     Camera camera = scene.camera.value_or(automatic_camera(bounds_of(scene), options.fov.value_or(40.f), aspect));
-    if (options.camera) camera.position = *options.camera;
-    if (options.look_at) camera.target = *options.look_at;
+    // A camera that is put elsewhere keeps no motion of the scene's.
+    if (options.camera) camera.position = *options.camera, camera.position_end.reset();
+    if (options.look_at) camera.target = *options.look_at, camera.target_end.reset();
+    if (options.camera_end) camera.position_end = options.camera_end;
+    if (options.look_at_end) camera.target_end = options.look_at_end;
+    if (options.aperture) camera.aperture_radius = *options.aperture;
+    if (options.focus_distance) camera.focus_distance = *options.focus_distance;
     if (options.up) camera.up = *options.up;
     if (options.fov) camera.vertical_fov = *options.fov;
     return camera;

@@ -17,8 +17,10 @@ struct RenderOptions {
     std::string device;
     RenderConfig config;
     std::optional<glm::vec3> camera, look_at, up;
-    std::optional<float> fov;  // degrees, vertical
-    float exposure = 0;        // stops
+    std::optional<float> fov;                          // degrees, vertical
+    std::optional<float> aperture, focus_distance;     // of a thin lens
+    std::optional<glm::vec3> camera_end, look_at_end;  // when the shutter closes
+    float exposure = 0;                                // stops
     ToneMap tone_map = ToneMap::aces;
     std::vector<std::string> aovs;
     std::filesystem::path trace;

@@ -28,6 +28,8 @@ constexpr std::array rows = {
     Row{Effect::emissive_triangles, "emissive-triangles", "LIGHTS", 0, shade},
     Row{Effect::point_lights, "point-lights", "LIGHTS", 0, shade},
     Row{Effect::sky, "sky", "SKY", 0, shade},
+    Row{Effect::depth_of_field, "depth-of-field", "DEPTH_OF_FIELD", 0, generate},
+    Row{Effect::camera_motion, "camera-motion", "CAMERA_MOTION", 0, generate},
 };
 constexpr auto known = [] {
     std::array<Effect, rows.size()> effects{};

@@ -107,7 +107,7 @@ private:
 
     void visit(const Camera& camera) {
         if (camera.aperture_radius > 0) call_(Effect::depth_of_field, "camera", {}, 0);
-        if (camera.position_end || camera.target_end) call_(Effect::camera_motion, "camera", {}, 0);
+        if (moves(camera)) call_(Effect::camera_motion, "camera", {}, 0);
     }
 
     [[nodiscard]] const Texture& texture(std::uint32_t index) const {

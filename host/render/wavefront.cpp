@@ -67,7 +67,8 @@ void Wavefront::generate(const Batch& batch, bool centers) {
     lengths_[0].fill(paths);
     lengths_[1].fill(0);
     shadow_length_.fill(0);
-    kernels_.generate.run({paths, 64}, batch, frame_, std::uint32_t(centers), rays_[0], states_[0], radiance_);
+    kernels_.generate.run({paths, 64}, batch, frame_, std::uint32_t(centers), rays_[0], states_[0], radiance_,
+                          times_[0]);
 }
 
 void Wavefront::trace(const Batch& batch) {

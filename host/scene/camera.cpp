@@ -35,27 +35,69 @@ Camera automatic_camera(const Bounds& bounds, float vertical_fov, float aspect) 
     return camera;
 }
 
+namespace {
+
+/// Where between 0 and 1 the vector a + t b is shortest.
+double nearest_to_zero(const glm::dvec3& a, const glm::dvec3& b) {
+    const double length2 = glm::dot(b, b);
+    return length2 > 0 ? std::clamp(-glm::dot(a, b) / length2, 0.0, 1.0) : 0.0;
+}
+
+void check_view(const glm::dvec3& view, const glm::dvec3& change, const glm::dvec3& up) {
+    const bool moves = change != glm::dvec3(0.0);
+    if (!(glm::length(view + nearest_to_zero(view, change) * change) > 0.0))
+        refuse(moves ? "on its way it meets the point that it looks at" : "it stands where it looks at",
+               "move the position or the target");
+    const glm::dvec3 sideways = glm::cross(view, up), sideways_change = glm::cross(change, up);
+    const double t = nearest_to_zero(sideways, sideways_change);
+    if (!(glm::length(sideways + t * sideways_change) > 1e-6 * glm::length(up) * glm::length(view + t * change)))
+        refuse(moves ? "on its way it looks along its up vector" : "it looks along its up vector",
+               "choose another up, such as 0,0,1");
+}
+
+void check_lens(const Camera& camera) {
+    if (!(camera.aperture_radius >= 0.f) || std::isinf(camera.aperture_radius))
+        refuse("the aperture is negative or not finite", "give the radius of the lens, or 0 for a pinhole");
+    if (!(camera.focus_distance >= 0.f) || std::isinf(camera.focus_distance))
+        refuse("the focus distance is negative or not finite", "give the distance of what is to be sharp");
+}
+
+}  // namespace
+
+bool moves(const Camera& camera) {
+    return camera.position_end.value_or(camera.position) != camera.position ||
+           camera.target_end.value_or(camera.target) != camera.target;
+}
+
 CameraData camera_data(const Camera& camera, float aspect) {
-    if (!finite(camera.position) || !finite(camera.target) || !finite(camera.up))
+    const glm::vec3 position_end = camera.position_end.value_or(camera.position);
+    const glm::vec3 target_end = camera.target_end.value_or(camera.target);
+    if (!finite(camera.position) || !finite(camera.target) || !finite(camera.up) || !finite(position_end) ||
+        !finite(target_end))
         refuse("a coordinate is not finite", "give three numbers each for position, target and up");
     if (!(camera.vertical_fov > 0.f && camera.vertical_fov < 180.f))
         refuse("the field of view is not between 0 and 180 degrees", "40 is a good start");
     if (!(aspect > 0.f) || std::isinf(aspect))
         refuse("the aspect ratio is not positive", "give a size of at least 1x1");
+    check_lens(camera);
 
     const glm::dvec3 view = glm::dvec3(camera.target) - glm::dvec3(camera.position);
+    const glm::dvec3 move = glm::dvec3(position_end) - glm::dvec3(camera.position);
+    const glm::dvec3 view_move = glm::dvec3(target_end) - glm::dvec3(position_end) - view;
+    check_view(view, view_move, camera.up);
     const double distance = glm::length(view);
-    if (!(distance > 0.0)) refuse("it stands where it looks at", "move the position or the target");
     const glm::dvec3 forward = view / distance;
-    const glm::dvec3 sideways = glm::cross(forward, glm::dvec3(camera.up));
-    if (!(glm::length(sideways) > 1e-6 * glm::length(glm::dvec3(camera.up))))
-        refuse("it looks along its up vector", "choose another up, such as 0,0,1");
+    const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(camera.up)));
 
     const double half_height = std::tan(0.5 * glm::radians(double(camera.vertical_fov)));
-    const glm::dvec3 right = glm::normalize(sideways);
     const glm::vec3 f(forward), r(right * (half_height * aspect)), u(glm::cross(right, forward) * half_height);
+    const glm::vec3 m(move), v(view), w(view_move), a(glm::normalize(glm::dvec3(camera.up)));
     const glm::vec3& p = camera.position;
-    return {p.x, p.y, p.z, f.x, f.y, f.z, r.x, r.y, r.z, u.x, u.y, u.z};
+    const bool follows_target = camera.focus_distance == 0.f;
+    const float focus = !follows_target ? camera.focus_distance : moves(camera) ? 0.f : float(distance);
+    return {
+        p.x, p.y, p.z, f.x, f.y, f.z, r.x, r.y, r.z, u.x, u.y, u.z, camera.aperture_radius,      focus,
+        m.x, m.y, m.z, v.x, v.y, v.z, w.x, w.y, w.z, a.x, a.y, a.z, float(half_height * aspect), float(half_height)};
 }
 
 }  // namespace claray

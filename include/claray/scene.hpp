@@ -146,9 +146,11 @@ struct Scene {
 /// bounding sphere just fits. A scene without extent is looked at from distance 1.
 [[nodiscard]] Camera automatic_camera(const Bounds& bounds, float vertical_fov = 40.f, float aspect = 1.f);
 
-/// Camera as kernels read it. `aspect` = width / height. Throws ErrorKind::usage where the position is the target, `up`
-/// is parallel to the view, or the angle is outside (0, 180).
+/// Camera as kernels read it. `aspect` = width / height. Throws ErrorKind::usage where at some time the position is the
+/// target or `up` is parallel to the view, the angle is outside (0, 180), or the lens is no lens.
 [[nodiscard]] CameraData camera_data(const Camera& camera, float aspect);
+/// Whether it moves while the shutter is open.
+[[nodiscard]] bool moves(const Camera& camera);
 
 /// Throws ErrorKind::user where an index is out of range (naming the mesh and the triangle), a per-vertex or
 /// per-triangle array has the wrong length, or a material value is not finite or negative. Positions may be anything:

@@ -56,6 +56,41 @@ TEST(Camera, DataSpanTheImagePlane) {
     }
 }
 
+TEST(Camera, LensAndMotionAreChecked) {
+    const auto refused = [](auto&& damage, const std::string& what) {
+        Camera camera;
+        damage(camera);
+        try {
+            static_cast<void>(camera_data(camera, 1.f));
+        } catch (const Error& error) {
+            return error.kind() == ErrorKind::usage && std::string(error.what()).find(what) != std::string::npos;
+        }
+        return false;
+    };
+    EXPECT_TRUE(refused([](Camera& c) { c.aperture_radius = -1.f; }, "aperture"));
+    EXPECT_TRUE(refused([](Camera& c) { c.aperture_radius = NAN; }, "aperture"));
+    EXPECT_TRUE(refused([](Camera& c) { c.aperture_radius = INFINITY; }, "aperture"));
+    EXPECT_TRUE(refused([](Camera& c) { c.focus_distance = -1.f; }, "focus distance"));
+    EXPECT_TRUE(refused([](Camera& c) { c.focus_distance = NAN; }, "focus distance"));
+    EXPECT_TRUE(refused([](Camera& c) { c.position_end = glm::vec3(NAN, 0, 0); }, "not finite"));
+    EXPECT_TRUE(refused([](Camera& c) { c.target_end = glm::vec3(0, INFINITY, 0); }, "not finite"));
+    EXPECT_TRUE(refused([](Camera& c) { c.position_end = glm::vec3(0, 0, -5); }, "meets the point"));
+    EXPECT_TRUE(refused([](Camera& c) { c.target_end = glm::vec3(0, 7, 5), c.target.y = -7; }, "along its up"));
+}
+
+TEST(Camera, FocusesOnItsTargetUnlessTold) {
+    Camera camera;
+    EXPECT_EQ(camera_data(camera, 1.f).focus, 5.f);
+    EXPECT_FALSE(moves(camera));
+    camera.target_end = camera.target;
+    EXPECT_FALSE(moves(camera));
+    camera.target_end = glm::vec3(1, 0, 0);
+    EXPECT_TRUE(moves(camera));
+    EXPECT_EQ(camera_data(camera, 1.f).focus, 0.f);  // of every time anew
+    camera.focus_distance = 2.5f;
+    EXPECT_EQ(camera_data(camera, 1.f).focus, 2.5f);
+}
+
 TEST(Camera, DataAreAtRightAnglesFromAnywhere) {
     const CameraData data = camera_data(Camera{{1e6f, -3, 7}, {2, 5e5f, 1}, {0.3f, 1, -0.2f}, 33.f}, 1.5f);
     EXPECT_NEAR(glm::length(forward(data)), 1.f, 1e-6f);

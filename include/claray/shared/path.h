@@ -40,7 +40,7 @@ typedef struct FrameData {
     float light_density;  // probability per area, and per luminance of its radiance, of sampling a point on a triangle
                           // light
 } FrameData;
-CLARAY_LAYOUT(FrameData, 100)
+CLARAY_LAYOUT(FrameData, 164)
 
 /// A pixel's sums, in two parts each: the value is sum + error. The samples of odd index are summed once more, by
 /// themselves, for the estimate of the noise.

@@ -50,14 +50,22 @@ typedef struct PointLightData {
 } PointLightData;
 CLARAY_LAYOUT(PointLightData, 32)
 
-/// A pinhole camera. `right` and `up` span half the image plane at distance 1 along `forward`.
+/// A pinhole camera or a thin lens, as the shutter opens. `right` and `up` span half the image plane at distance 1 along
+/// `forward`. What follows `aperture` is read under DEPTH_OF_FIELD, what follows `move` under CAMERA_MOTION.
 typedef struct CameraData {
     float x, y, z;
     float forward_x, forward_y, forward_z;
     float right_x, right_y, right_z;
     float up_x, up_y, up_z;
+    float aperture;                           // radius of the lens; 0: a pinhole
+    float focus;                              // distance of the sharp plane along `forward`; 0: the target's, in motion
+    float move_x, move_y, move_z;             // of the position until the shutter closes
+    float view_x, view_y, view_z;             // from the position to the target, as the shutter opens
+    float view_move_x, view_move_y, view_move_z;  // its change until the shutter closes
+    float above_x, above_y, above_z;          // unit direction that is up in the image
+    float half_width, half_height;            // lengths of `right` and `up`
 } CameraData;
-CLARAY_LAYOUT(CameraData, 48)
+CLARAY_LAYOUT(CameraData, 112)
 
 /// Radiance from where no surface is: from `horizon` (direction.y <= 0) to `zenith` (direction.y = 1), linear in y.
 typedef struct SkyData {
