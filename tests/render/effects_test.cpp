@@ -45,6 +45,8 @@ std::vector<std::pair<Effect, Scene>> scenes_by_effect() {
     add(Effect::emissive_triangles, [](Scene& s) { s.materials[0].emission = {1, 0, 0}; });
     add(Effect::point_lights, [](Scene& s) { s.lights = {point_light({0, 2, 0}, {0, 0, 1})}; });
     add(Effect::sky, [](Scene& s) { s.sky.zenith = {0, 0, 1}; });
+    add(Effect::depth_of_field, [](Scene& s) { s.camera->aperture_radius = 0.1f; });
+    add(Effect::camera_motion, [](Scene& s) { s.camera->target_end = glm::vec3(1, 0, 0); });
     return scenes;
 }
 
