@@ -30,6 +30,11 @@ constexpr std::array rows = {
     Row{Effect::sky, "sky", "SKY", 0, shade},
     Row{Effect::depth_of_field, "depth-of-field", "DEPTH_OF_FIELD", 0, generate},
     Row{Effect::camera_motion, "camera-motion", "CAMERA_MOTION", 0, generate},
+    Row{Effect::textures, "textures", "TEXTURES", 0, shade | aovs},
+    Row{Effect::mip_maps, "mip-maps", "MIPMAPS", 0, shade | aovs},
+    Row{Effect::normal_maps, "normal-maps", "NORMAL_MAPS", 0, shade | aovs},
+    Row{Effect::height_maps, "height-maps", "HEIGHT_MAPS", 0, shade | aovs},
+    Row{Effect::light_maps, "light-maps", "LIGHT_MAPS", 0, shade | aovs},
 };
 constexpr auto known = [] {
     std::array<Effect, rows.size()> effects{};

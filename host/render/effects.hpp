@@ -26,6 +26,7 @@ enum class Stage : unsigned {
 inline constexpr EffectSet sampled_lights = {Effect::emissive_triangles, Effect::point_lights,
                                              Effect::directional_lights, Effect::spot_lights, Effect::environment};
 /// Effects by which a path gathers radiance where it ends.
-inline constexpr EffectSet emitters = {Effect::emissive_triangles, Effect::sky, Effect::environment};
+inline constexpr EffectSet emitters = {Effect::emissive_triangles, Effect::sky, Effect::environment,
+                                       Effect::light_maps};
 
 }  // namespace claray

@@ -91,7 +91,7 @@ private:
     void visit_textures(const Material& m) {
         for (const TextureUse* use :
              {&m.albedo_map, &m.emission_map, &m.metallic_roughness_map, &m.transmission_map, &m.clearcoat_map,
-              &m.clearcoat_roughness_map, &m.opacity_map, &m.normal_map, &m.height_map, &m.light_map}) {
+              &m.clearcoat_roughness_map, &m.normal_map, &m.height_map, &m.light_map}) {
             if (!use->used()) continue;
             const Texture& image = texture(use->texture);
             call_(Effect::textures, "texture", image.name, use->texture);

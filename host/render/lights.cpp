@@ -32,8 +32,9 @@ void collect_triangles(const Scene& scene, std::vector<TriangleLight>& lights) {
     std::uint32_t primitive = 0;
     for (const Mesh& mesh : scene.meshes)
         for (std::size_t i = 0; i < mesh.triangles.size(); ++i, ++primitive) {
-            const glm::vec3 emission = scene.materials[mesh.materials.empty() ? 0 : mesh.materials[i]].emission;
-            if (!(luminance(emission) > 0)) continue;
+            const Material& material = scene.materials[mesh.materials.empty() ? 0 : mesh.materials[i]];
+            const glm::vec3 emission = material.emission;
+            if (!(luminance(emission) > 0) || material.emission_map.used()) continue;  // maps: found by chance alone
             const glm::uvec3 t = mesh.triangles[i];
             const glm::vec3 a = mesh.positions[t.x], b = mesh.positions[t.y], c = mesh.positions[t.z];
             if (!can_be_hit(a, b, c)) continue;

@@ -211,7 +211,8 @@ Aovs Renderer::aovs() const {
         state.wavefront.trace_centers({std::uint32_t(first), std::uint32_t(n), 0, 1}, visits);
         write.run({n, 64}, std::uint32_t(n), state.wavefront.rays(), state.wavefront.hits(), visits,
                   state.bvh.triangles().positions, state.bvh.triangles().indices, state.buffers.normals,
-                  state.buffers.triangle_materials, state.buffers.materials, depth, normal, albedo, primitive, visited);
+                  state.buffers.triangle_materials, state.buffers.materials, depth, normal, albedo, primitive, visited,
+                  state.buffers.textures.store);
         depth.read({&aovs.depth[first], n});
         primitive.read({&aovs.primitive[first], n});
         visited.read({&aovs.visits[first], n});

@@ -45,6 +45,8 @@ SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Bvh& 
     for (const Material& material : scene.materials) data.push_back(data_of(material));
     materials = Buffer<MaterialData>(device, data);
 
+    textures = Textures(device, scene);
+
     const Lights found = collect_lights(scene);
     triangle_lights = Buffer<TriangleLight>(device, found.triangles);
     point_lights = Buffer<PointLightData>(device, found.points);
@@ -60,11 +62,13 @@ void SceneBuffers::bind(Kernel& kernel, unsigned& index) const {
     kernel.set(index, materials);
     kernel.set(index, triangle_lights);
     kernel.set(index, point_lights);
+    kernel.set(index, textures.store);
 }
 
 std::uint64_t SceneBuffers::bytes() const {
     return bvh.triangles().positions.bytes() + bvh.triangles().indices.bytes() + normals.bytes() +
-           triangle_materials.bytes() + materials.bytes() + triangle_lights.bytes() + point_lights.bytes();
+           triangle_materials.bytes() + materials.bytes() + triangle_lights.bytes() + point_lights.bytes() +
+           textures.store.bytes();
 }
 
 }  // namespace claray

@@ -3,6 +3,7 @@
 
 #include "claray/bvh.hpp"
 #include "host/render/effects.hpp"
+#include "host/render/textures.hpp"
 
 namespace claray {
 
@@ -16,6 +17,7 @@ struct SceneBuffers {
     Buffer<MaterialData> materials;
     Buffer<TriangleLight> triangle_lights;
     Buffer<PointLightData> point_lights;
+    Textures textures;
     std::uint32_t lights = 0;  // triangles and points
     float light_density = 0;   // FrameData::light_density
     EffectSet effects;         // of the scene

@@ -50,6 +50,7 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
         rays_[i] = Buffer<Ray>(device, paths);
         states_[i] = Buffer<PathState>(device, paths);
         lengths_[i] = Buffer<std::uint32_t>(device, 1);
+        if (scene.textures.mipmaps) cones_[i] = Buffer<RayCone>(device, paths);
     }
     hits_ = Buffer<Hit>(device, paths);
     radiance_ = Buffer<float>(device, 3 * std::size_t(paths));
@@ -89,7 +90,7 @@ void Wavefront::bounce(const Batch& batch, std::uint32_t depth, std::uint32_t li
     trace.run(rays_[in], hits_, limit, lengths_[in]);
     kernels_.shade.run({limit, shade_group_}, batch, frame_, depth, scene_, lengths_[in], limit, rays_[in], hits_,
                        states_[in], radiance_, lengths_[out], rays_[out], states_[out], shadow_length_, shadow_rays_,
-                       shadow_light_);
+                       shadow_light_, cones_[in], cones_[out]);
     if (scene_.lights != 0 && depth < frame_.max_depth) trace_shadows(limit);
     kernels_.advance.run({1, 0}, lengths_[in], lengths_[out], shadow_length_, totals_);
 }
@@ -113,7 +114,8 @@ Wavefront::Totals Wavefront::totals() const {
 
 std::uint64_t Wavefront::bytes() const {
     return rays_[0].bytes() + rays_[1].bytes() + shadow_rays_.bytes() + states_[0].bytes() + states_[1].bytes() +
-           hits_.bytes() + shadow_light_.bytes() + occluded_.bytes() + radiance_.bytes();
+           hits_.bytes() + shadow_light_.bytes() + occluded_.bytes() + radiance_.bytes() + cones_[0].bytes() +
+           cones_[1].bytes();
 }
 
 }  // namespace claray

@@ -61,6 +61,7 @@ private:
     Buffer<Ray> rays_[2], shadow_rays_;
     Buffer<PathState> states_[2];
     Buffer<float> times_[2], shadow_times_;             // of the rays; not allocated where nothing but the camera moves
+    Buffer<RayCone> cones_[2];  // where textures have mip maps
     Buffer<std::uint32_t> lengths_[2], shadow_length_;  // of the queues; one element each
     Buffer<Hit> hits_;
     Buffer<LightSample> shadow_light_;

@@ -6,6 +6,7 @@
 #include "render/samples.clh"
 #include "shade/bsdf.clh"
 #include "shade/light.clh"
+#include "shade/maps.clh"
 #include "shade/sky.clh"
 #include "shade/surface.clh"
 
@@ -22,14 +23,16 @@
 #define SCENE_PARAMETERS                                                                                       \
     global const float *positions, global const uint *indices, global const float *normals,                    \
         global const uint *triangle_materials, global const MaterialData *materials,                           \
-        global const TriangleLight *triangle_lights, global const PointLightData *point_lights
-#define SCENE positions, indices, normals, triangle_materials, materials, triangle_lights, point_lights
+        global const TriangleLight *triangle_lights, global const PointLightData *point_lights, \
+        global const uint *textures
+#define SCENE positions, indices, normals, triangle_materials, materials, triangle_lights, point_lights, textures
 
 /// A ray to be traced, with what goes along with it.
 typedef struct NextRay {
     bool wanted;
     Ray ray;
     PathState state;
+    RayCone cone;  // under MIPMAPS
 } NextRay;
 typedef struct NextShadow {
     bool wanted;
@@ -119,9 +122,23 @@ static inline NextRay sample_direction(PathSamples samples, uint depth, PathStat
     return next;
 }
 
+/// The footprint of a camera ray: a pixel.
+static inline RayCone camera_cone(FrameData frame) {
+    const CameraData c = frame.camera;
+    const RayCone cone = {0.0f, 2.0f * length((float3)(c.up_x, c.up_y, c.up_z)) / (float)frame.height};
+    return cone;
+}
+
+/// A scattered ray stands for its neighbours in the lobe that it was drawn from: its cone has a 64th of the solid angle for
+/// which the density stands. Mirrors keep the cone.
+static inline RayCone scattered_cone(RayCone cone, float distance, float pdf) {
+    const RayCone next = {cone.width + cone.spread * distance, pdf > 0.0f ? fmax(cone.spread, 0.25f * rsqrt(PI * pdf)) : cone.spread};
+    return next;
+}
+
 /// Works on the hit of one ray: radiance is added at once, rays to be traced are returned.
 static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PARAMETERS, Ray ray, Hit hit, PathState state,
-                             global float* radiance, NextRay* next, NextShadow* shadow) {
+                             RayCone cone, global float* radiance, NextRay* next, NextShadow* shadow) {
     next->wanted = shadow->wanted = false;
     const float3 direction = (float3)(ray.dx, ray.dy, ray.dz), outgoing = -direction;
     if (hit.primitive == CLARAY_MISS) {
@@ -130,13 +147,26 @@ static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PAR
 #endif
         return;
     }
-    const Surface surface = surface_at(hit, outgoing, positions, indices, normals);
-    const MaterialData material = materials[triangle_materials[hit.primitive]];
+    Surface surface = surface_at(hit, outgoing, positions, indices, normals);
+    MaterialData material = materials[triangle_materials[hit.primitive]];
+    MapValues maps = {false, false, (float3)(0.0f)};
+#if TEXTURES
+    if (textures)
+        maps = apply_maps(textures, triangle_materials[hit.primitive], indices, hit, outgoing,
+                          cone.width + cone.spread * hit.t, &surface, &material);
+#endif
     const float3 emission = (float3)(material.emission_r, material.emission_g, material.emission_b);
     if (largest(emission) > 0.0f)
         add_radiance(radiance, state.path,
                      throughput_of(state) * emission *
-                         emission_weight(&surface, emission, hit, outgoing, state.pdf, frame.light_density));
+                         (maps.maps_emission ? 1.0f
+                                             : emission_weight(&surface, emission, hit, outgoing, state.pdf, frame.light_density)));
+#if TEXTURES && LIGHT_MAPS
+    if (maps.has_light && !surface.inside) {
+        add_radiance(radiance, state.path, throughput_of(state) * albedo_of(&material) * maps.light * INV_PI);
+        return;
+    }
+#endif
     if (depth >= frame.max_depth) return;
 
     const PathSamples samples = samples_of(batch, state.path, frame.seed);
@@ -148,6 +178,9 @@ static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PAR
                                triangle_lights, point_lights);
 #endif
     *next = sample_direction(samples, depth, state, &surface, &material, shading_frame, outgoing, unit_float(choice.y));
+#if MIPMAPS
+    if (next->wanted) next->cone = scattered_cone(cone, hit.t, next->state.pdf);
+#endif
 }
 
 /// Shades the first *length rays, which have met `depth` surfaces before this one. Fills the next queue and, under LIGHTS,
@@ -156,19 +189,28 @@ kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
 void shade_surface(Batch batch, FrameData frame, uint depth, SCENE_PARAMETERS, global const uint* length, uint capacity,
                    global const Ray* rays, global const Hit* hits, global const PathState* states, global float* radiance,
                    global uint* next_length, global Ray* next_rays, global PathState* next_states,
-                   global uint* shadow_length, global Ray* shadow_rays, global LightSample* shadow_light) {
+                   global uint* shadow_length, global Ray* shadow_rays, global LightSample* shadow_light,
+                   global const RayCone* cones, global RayCone* next_cones) {
     local uint scratch[2];
     const uint i = get_global_id(0);
     NextRay next;
     NextShadow shadow;
     next.wanted = shadow.wanted = false;
-    if (i < min(*length, capacity))
-        shade_hit(batch, frame, depth, SCENE, rays[i], hits[i], states[i], radiance, &next, &shadow);
+    if (i < min(*length, capacity)) {
+        RayCone cone = camera_cone(frame);
+#if MIPMAPS
+        if (cones && depth != 0) cone = cones[i];
+#endif
+        shade_hit(batch, frame, depth, SCENE, rays[i], hits[i], states[i], cone, radiance, &next, &shadow);
+    }
 
     const uint slot = reserve_slot(next_length, next.wanted, scratch);
     if (next.wanted) {
         next_rays[slot] = next.ray;
         next_states[slot] = next.state;
+#if MIPMAPS
+        if (next_cones) next_cones[slot] = next.cone;
+#endif
     }
 #if LIGHTS
     const uint shadow_slot = reserve_slot(shadow_length, shadow.wanted, scratch);

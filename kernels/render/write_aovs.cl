@@ -1,12 +1,13 @@
 // Facts of the surfaces that the camera rays meet first.
 #include "claray/shared/path.h"
 #include "claray/shared/types.h"
-#include "shade/surface.clh"
+#include "shade/maps.clh"
 
 kernel void write_aovs(uint count, global const Ray* rays, global const Hit* hits, global const Visits* visits,
                        global const float* positions, global const uint* indices, global const float* normals,
                        global const uint* triangle_materials, global const MaterialData* materials, global float* depth,
-                       global float* normal, global float* albedo, global uint* primitive, global uint* visited) {
+                       global float* normal, global float* albedo, global uint* primitive, global uint* visited,
+                       global const uint* textures) {
     const uint i = get_global_id(0);
     if (i >= count) return;
     const Hit hit = hits[i];
@@ -17,8 +18,14 @@ kernel void write_aovs(uint count, global const Ray* rays, global const Hit* hit
     float3 shading = (float3)(0.0f), color = (float3)(0.0f);
     if (!missed) {
         const Ray ray = rays[i];
-        const MaterialData material = materials[triangle_materials[hit.primitive]];
-        shading = surface_at(hit, -(float3)(ray.dx, ray.dy, ray.dz), positions, indices, normals).shading;
+        const float3 outgoing = -(float3)(ray.dx, ray.dy, ray.dz);
+        MaterialData material = materials[triangle_materials[hit.primitive]];
+        Surface surface = surface_at(hit, outgoing, positions, indices, normals);
+#if TEXTURES
+        if (textures)
+            apply_maps(textures, triangle_materials[hit.primitive], indices, hit, outgoing, 0.0f, &surface, &material);
+#endif
+        shading = surface.shading;
         color = (float3)(material.albedo_r, material.albedo_g, material.albedo_b);
     }
     vstore3(shading, i, normal);

@@ -1,0 +1,230 @@
+#include "host/render/textures.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <map>
+
+#include "host/render/mip_map.hpp"
+
+namespace claray {
+namespace {
+
+[[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
+    throw Error(ErrorKind::user, what, remedy);
+}
+
+std::string name_of(const Scene& scene, std::uint32_t texture) {
+    const std::string& name = scene.textures[texture].name;
+    return name.empty() ? "texture " + std::to_string(texture) : "texture '" + name + "'";
+}
+
+const Texture& checked(const Scene& scene, std::uint32_t index) {
+    if (index >= scene.textures.size())
+        refuse("a material refers to texture " + std::to_string(index) + " of " + std::to_string(scene.textures.size()),
+               "add the texture to the scene");
+    const Texture& t = scene.textures[index];
+    constexpr unsigned largest = 1u << (CLARAY_TEXTURE_LEVELS - 1);
+    if (t.width == 0 || t.height == 0 || t.width > largest || t.height > largest)
+        refuse(name_of(scene, index) + " has " + std::to_string(t.width) + "x" + std::to_string(t.height) + " texels",
+               "a texture has 1 to " + std::to_string(largest) + " a side");
+    if (t.channels == 0 || t.channels > 4)
+        refuse(name_of(scene, index) + " has " + std::to_string(t.channels) + " channels", "give it 1 to 4");
+    const std::size_t expected = std::size_t(t.width) * t.height * t.channels;
+    const std::size_t there = t.format == TexelFormat::float32 ? t.floats.size() : t.bytes.size();
+    if (there != expected)
+        refuse(name_of(scene, index) + " holds " + std::to_string(there) + " values for " + std::to_string(t.width) +
+                   "x" + std::to_string(t.height) + " texels of " + std::to_string(t.channels),
+               "give one for every channel of every texel");
+    return t;
+}
+
+std::vector<bool> used_materials(const Scene& scene) {
+    std::vector<bool> used(scene.materials.size());
+    for (const Mesh& mesh : scene.meshes) {
+        if (mesh.materials.empty() && !mesh.triangles.empty()) used[0] = true;
+        for (const std::uint32_t material : mesh.materials) used[material] = true;
+    }
+    return used;
+}
+
+/// The maps that count for a material of this kind, at their CLARAY_..._MAP.
+std::array<TextureUse, CLARAY_MAPS> maps_of(const Material& m) {
+    std::array<TextureUse, CLARAY_MAPS> maps;
+    maps[CLARAY_ALBEDO_MAP] = m.albedo_map;
+    if (has_emission_map(m)) maps[CLARAY_EMISSION_MAP] = m.emission_map;
+    maps[CLARAY_HEIGHT_MAP] = m.height_map;
+    maps[CLARAY_NORMAL_MAP] = m.normal_map;
+    const bool principled = m.kind == MaterialKind::principled;
+    if (principled || m.kind == MaterialKind::metal || m.kind == MaterialKind::glass)
+        maps[CLARAY_METALLIC_ROUGHNESS_MAP] = m.metallic_roughness_map;
+    if (principled) {
+        maps[CLARAY_TRANSMISSION_MAP] = m.transmission_map;
+        maps[CLARAY_CLEARCOAT_MAP] = m.clearcoat_map;
+        maps[CLARAY_CLEARCOAT_ROUGHNESS_MAP] = m.clearcoat_roughness_map;
+    }
+    if (m.kind == MaterialKind::lambert) maps[CLARAY_LIGHT_MAP] = m.light_map;
+    return maps;
+}
+
+/// KHR_texture_transform: scale, then rotate, then shift; the image's v runs downwards.
+TextureUseData data_of(const TextureUse& use, std::uint32_t texture) {
+    const double c = std::cos(double(use.rotation)), s = std::sin(double(use.rotation));
+    return {float(c * use.scale.x), float(s * use.scale.y), use.offset.x, float(-s * use.scale.x),
+            float(c * use.scale.y), use.offset.y,           texture,      use.uv_set};
+}
+
+/// Grows word by word; the sections begin at multiples of 16 bytes.
+class StoreWriter {
+public:
+    StoreWriter() : words_(sizeof(TextureStore) / 4) {}
+
+    std::uint32_t begin_section() {
+        words_.resize((words_.size() + 3) / 4 * 4);
+        if (words_.size() > 0xfffffff0u) refuse("the textures take more than 16 GiB", "use smaller ones");
+        return std::uint32_t(words_.size());
+    }
+    template <class T>
+    std::uint32_t add(const std::vector<T>& values) {
+        const std::uint32_t at = begin_section();
+        words_.resize(words_.size() + values.size() * sizeof(T) / 4);
+        std::memcpy(words_.data() + at, values.data(), values.size() * sizeof(T));
+        return at;
+    }
+    [[nodiscard]] const std::vector<std::uint32_t>& finish(const TextureStore& sections) {
+        std::memcpy(words_.data(), &sections, sizeof sections);
+        return words_;
+    }
+
+private:
+    std::vector<std::uint32_t> words_;
+};
+
+/// Collects what the used materials need.
+class Collector {
+public:
+    Collector(const Scene& scene, const std::vector<bool>& used)
+        : scene_(scene), of_materials_(scene.materials.size()) {
+        for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+            MaterialMaps& maps = of_materials_[i];
+            std::fill(std::begin(maps.use), std::end(maps.use), CLARAY_NO_MAP);
+            maps.normal_scale = scene.materials[i].normal_scale, maps.height_scale = scene.materials[i].height_scale;
+            if (used[i]) add_maps(scene.materials[i], maps);
+        }
+    }
+
+    unsigned uv_sets = 0;
+    bool mipmaps = false, normal_maps = false;
+
+    [[nodiscard]] bool empty() const { return uses_.empty(); }
+
+    /// Writes images, uses and materials; returns the bytes of the images.
+    std::uint64_t write(StoreWriter& store, TextureStore& sections) const {
+        sections.decode = store.add(decode_tables());
+        std::vector<TextureData> data;
+        std::uint64_t bytes = 0;
+        for (const std::uint32_t index : textures_) data.push_back(write_texture(store, scene_.textures[index], bytes));
+        sections.textures = store.add(data);
+        sections.uses = store.add(uses_);
+        sections.materials = store.add(of_materials_);
+        return bytes;
+    }
+
+private:
+    void add_maps(const Material& material, MaterialMaps& maps) {
+        const std::array<TextureUse, CLARAY_MAPS> uses = maps_of(material);
+        for (std::uint32_t map = 0; map < CLARAY_MAPS; ++map) {
+            if (!uses[map].used()) continue;
+            maps.use[map] = std::uint32_t(uses_.size());
+            normal_maps = normal_maps || map == CLARAY_NORMAL_MAP;
+            if (uses[map].uv_set > 1)
+                refuse("a map lies on set " + std::to_string(uses[map].uv_set) + " of texture coordinates",
+                       "a mesh has the sets 0 and 1");
+            uv_sets |= 1u << uses[map].uv_set;
+            uses_.push_back(data_of(uses[map], slot_of(uses[map].texture)));
+        }
+    }
+
+    std::uint32_t slot_of(std::uint32_t texture) {
+        const Texture& t = checked(scene_, texture);
+        const auto [at, fresh] = slots_.try_emplace(texture, std::uint32_t(textures_.size()));
+        if (fresh) {
+            textures_.push_back(texture);
+            mipmaps = mipmaps || levels_of(t) > 1;
+        }
+        return at->second;
+    }
+
+    static unsigned levels_of(const Texture& t) {
+        return t.filter == Filter::trilinear ? mip_levels(t.width, t.height) : 1;
+    }
+
+    static TextureData write_texture(StoreWriter& store, const Texture& t, std::uint64_t& bytes) {
+        TextureData data{};
+        data.width = t.width, data.height = t.height, data.channels = t.channels;
+        data.levels = levels_of(t);
+        data.format = std::uint32_t(t.format), data.filter = std::uint32_t(t.filter);
+        data.wrap_u = std::uint32_t(t.wrap_u), data.wrap_v = std::uint32_t(t.wrap_v);
+        const std::vector<std::vector<std::uint32_t>> levels = packed_levels(t, data.levels);
+        for (std::size_t level = 0; level < levels.size(); ++level) {
+            data.offset[level] = store.add(levels[level]);
+            bytes += 4 * levels[level].size();
+        }
+        return data;
+    }
+
+    static std::vector<float> decode_tables() {
+        std::vector<float> tables;
+        for (int i = 0; i < 256; ++i) tables.push_back(float(i) / 255.f);
+        for (int i = 0; i < 256; ++i) tables.push_back(decode_srgb(std::uint8_t(i)));
+        return tables;
+    }
+
+    const Scene& scene_;
+    std::vector<MaterialMaps> of_materials_;
+    std::vector<TextureUseData> uses_;
+    std::vector<std::uint32_t> textures_;  // of the scene, in the order of the store
+    std::map<std::uint32_t, std::uint32_t> slots_;
+};
+
+/// One array of all meshes' vertices; zeros where a mesh has none.
+template <class Vector>
+std::vector<Vector> of_all_meshes(const Scene& scene, std::vector<Vector> Mesh::*member, const char* what) {
+    std::vector<Vector> all;
+    for (const Mesh& mesh : scene.meshes) {
+        const std::vector<Vector>& values = mesh.*member;
+        if (!values.empty() && values.size() != mesh.positions.size())
+            refuse("mesh '" + mesh.name + "': " + std::to_string(values.size()) + " " + what + " for " +
+                       std::to_string(mesh.positions.size()) + " vertices",
+                   "give one each, or none");
+        all.insert(all.end(), values.begin(), values.end());
+        if (values.empty()) all.resize(all.size() + mesh.positions.size(), Vector(0.f));
+    }
+    return all;
+}
+
+}  // namespace
+
+bool has_emission_map(const Material& material) {
+    return material.emission_map.used() && material.emission != glm::vec3(0.f);
+}
+
+Textures::Textures(const Device& device, const Scene& scene) {
+    const Collector found(scene, used_materials(scene));
+    if (found.empty()) return;
+    mipmaps = found.mipmaps;
+    StoreWriter writer;
+    TextureStore sections{};
+    texel_bytes = found.write(writer, sections);
+    if (found.uv_sets & 1u) sections.uvs[0] = writer.add(of_all_meshes(scene, &Mesh::uvs, "texture coordinates"));
+    if (found.uv_sets & 2u)
+        sections.uvs[1] = writer.add(of_all_meshes(scene, &Mesh::uvs1, "second texture coordinates"));
+    const bool tangents =
+        std::any_of(scene.meshes.begin(), scene.meshes.end(), [](auto& m) { return !m.tangents.empty(); });
+    if (found.normal_maps && tangents)
+        sections.tangents = writer.add(of_all_meshes(scene, &Mesh::tangents, "tangents"));
+    store = Buffer<std::uint32_t>(device, writer.finish(sections));
+}
+
+}  // namespace claray

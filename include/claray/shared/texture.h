@@ -1,0 +1,89 @@
+// Textures in device memory: one buffer of 32-bit words, the store, that begins with a TextureStore and holds everything
+// that textures need. Images of OpenCL are not asked for: devices may lack them, and their filters are too coarse (8 bits
+// of fraction) and differ.
+#ifndef CLARAY_SHARED_TEXTURE_H
+#define CLARAY_SHARED_TEXTURE_H
+
+#include "claray/shared/portable.h"
+
+CLARAY_SHARED_BEGIN
+
+#define CLARAY_REPEAT 0u
+#define CLARAY_MIRRORED 1u
+#define CLARAY_CLAMPED 2u
+
+#define CLARAY_NEAREST 0u
+#define CLARAY_BILINEAR 1u
+#define CLARAY_TRILINEAR 2u
+
+#define CLARAY_SRGB8 0u
+#define CLARAY_LINEAR8 1u
+#define CLARAY_FLOAT32 2u
+
+/// What a material can be given by a texture.
+#define CLARAY_ALBEDO_MAP 0u
+#define CLARAY_EMISSION_MAP 1u
+#define CLARAY_METALLIC_ROUGHNESS_MAP 2u
+#define CLARAY_TRANSMISSION_MAP 3u
+#define CLARAY_CLEARCOAT_MAP 4u
+#define CLARAY_CLEARCOAT_ROUGHNESS_MAP 5u
+#define CLARAY_HEIGHT_MAP 6u  // before the normal map, which turns what it left
+#define CLARAY_NORMAL_MAP 7u
+#define CLARAY_LIGHT_MAP 8u
+#define CLARAY_MAPS 9
+
+#define CLARAY_NO_MAP 0xffffffffu
+#define CLARAY_TEXTURE_LEVELS 15  // a side of 2^14 texels, and so on down to one
+
+/// Where the sections of the store begin, in words; 0 where there is none.
+typedef struct TextureStore {
+    uint textures;   // TextureData
+    uint uses;       // TextureUseData
+    uint materials;  // MaterialMaps, one a material of the scene
+    uint decode;     // floats: what the 256 bytes mean under CLARAY_LINEAR8, then what they mean under CLARAY_SRGB8
+    uint uvs[2];     // two floats a vertex
+    uint tangents;   // four floats a vertex; 0 0 0 0 where a mesh has none
+    uint cutouts;    // a word a triangle: where its CutoutData begins, or CLARAY_NO_MAP where it is opaque
+} TextureStore;
+CLARAY_LAYOUT(TextureStore, 32)
+
+/// Texels lie row by row, in bytes (of three channels a fourth is added, so that a texel is a word) or floats.
+typedef struct TextureData {
+    uint width, height;
+    uint levels;                         // of the mip map; 1: the image alone
+    uint channels;                       // 1 to 4: grey, grey and alpha, RGB, RGBA
+    uint format, filter;                 // CLARAY_SRGB8 ..., CLARAY_NEAREST ...
+    uint wrap_u, wrap_v;                 // CLARAY_REPEAT ...
+    uint offset[CLARAY_TEXTURE_LEVELS];  // of each level, in words
+    uint spare;
+} TextureData;
+CLARAY_LAYOUT(TextureData, 96)
+
+/// A texture as a material uses it: u' = m00 u + m01 v + m02, v' = m10 u + m11 v + m12.
+typedef struct TextureUseData {
+    float m00, m01, m02;
+    float m10, m11, m12;
+    uint texture;
+    uint uv_set;  // 0 or 1
+} TextureUseData;
+CLARAY_LAYOUT(TextureUseData, 32)
+
+/// The maps of a material, each the index of a TextureUseData or CLARAY_NO_MAP.
+typedef struct MaterialMaps {
+    uint use[CLARAY_MAPS];
+    float normal_scale;
+    float height_scale;
+    uint spare;
+} MaterialMaps;
+CLARAY_LAYOUT(MaterialMaps, 48)
+
+/// The footprint of a path: a cone round its ray (Akenine-Moeller et al. 2019, Ray Tracing Gems ch. 20).
+typedef struct RayCone {
+    float width;   // at the ray's origin
+    float spread;  // how much wider a unit of length on
+} RayCone;
+CLARAY_LAYOUT(RayCone, 8)
+
+CLARAY_SHARED_END
+
+#endif
