@@ -9,6 +9,7 @@
 #include "claray/shared/instance.h"
 #include "claray/shared/path.h"
 #include "claray/shared/scene.h"
+#include "claray/shared/texture.h"
 #include "claray/shared/types.h"
 #include "tests/support/device.hpp"
 
@@ -95,13 +96,24 @@ const Field fields[] = {
     FIELD(FilmPixel, odd_sum),
     FIELD(FilmPixel, count),
     FIELD(FilmPixel, dropped),
+    FIELD(TextureStore, decode),
+    FIELD(TextureStore, uvs),
+    FIELD(TextureStore, cutouts),
+    FIELD(TextureData, format),
+    FIELD(TextureData, wrap_v),
+    FIELD(TextureData, offset),
+    FIELD(TextureUseData, m12),
+    FIELD(TextureUseData, uv_set),
+    FIELD(MaterialMaps, use),
+    FIELD(MaterialMaps, height_scale),
+    FIELD(RayCone, spread),
 };
 #undef FIELD
 
 /// A kernel that writes offset and size of every field's struct.
 std::string layout_kernel() {
     std::ostringstream source;
-    for (const char* header : {"types", "bvh_node", "instance", "scene", "path"})
+    for (const char* header : {"types", "bvh_node", "instance", "scene", "path", "texture"})
         source << "#include \"claray/shared/" << header << ".h\"\n";
     source << "kernel void layout(global uint2* out) {\n";
     std::size_t i = 0;
