@@ -8,6 +8,7 @@
 
 #include "host/render/effects.hpp"
 #include "tests/render/scenes.hpp"
+#include "tests/render/textures.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 
@@ -45,6 +46,19 @@ std::vector<std::pair<Effect, Scene>> scenes_by_effect() {
     add(Effect::emissive_triangles, [](Scene& s) { s.materials[0].emission = {1, 0, 0}; });
     add(Effect::point_lights, [](Scene& s) { s.lights = {point_light({0, 2, 0}, {0, 0, 1})}; });
     add(Effect::sky, [](Scene& s) { s.sky.zenith = {0, 0, 1}; });
+    const auto add_map = [&](Effect effect, TextureUse Material::*map, Filter filter) {
+        add(effect, [&](Scene& s) {
+            s.textures = {random_texture({4, 4}, 3, TexelFormat::linear8, 1)};
+            s.textures[0].filter = filter;
+            (s.materials[0].*map).texture = 0;
+            s.meshes[0].uvs.assign(4, glm::vec2(0.3f));
+        });
+    };
+    add_map(Effect::textures, &Material::albedo_map, Filter::bilinear);
+    add_map(Effect::mip_maps, &Material::albedo_map, Filter::trilinear);
+    add_map(Effect::normal_maps, &Material::normal_map, Filter::bilinear);
+    add_map(Effect::height_maps, &Material::height_map, Filter::bilinear);
+    add_map(Effect::light_maps, &Material::light_map, Filter::bilinear);
     add(Effect::depth_of_field, [](Scene& s) { s.camera->aperture_radius = 0.1f; });
     add(Effect::camera_motion, [](Scene& s) { s.camera->target_end = glm::vec3(1, 0, 0); });
     return scenes;
