@@ -57,7 +57,7 @@ std::string png_bytes(const Image& image, float exposure, ToneMap tone_map) {
             const float value = gain * pixel[k];
             bytes.push_back(srgb_from_linear(tone_map == ToneMap::aces ? aces(value) : value));
         }
-    return encode_png(image.width, image.height, bytes);
+    return encode_png(image.width, image.height, 3, bytes);
 }
 
 std::string hdr_bytes(const Image& image) {
@@ -100,6 +100,21 @@ void write_image(const fs::path& path, const Image& image, float exposure, ToneM
 void write_pfm(const fs::path& path, unsigned width, unsigned height, const std::vector<float>& values) {
     check_size(path, width, height, values.size(), most_pixels_a_side);
     write_file(path, pfm_bytes(width, height, 1, values.data()));
+}
+
+void write_texture(const fs::path& path, const Texture& texture) {
+    const bool real = texture.format == TexelFormat::float32;
+    if (format_of(path) != (real ? Format::pfm : Format::png))
+        throw Error(ErrorKind::usage, "cannot write '" + path.string() + "': the texture's texels don't fit its format",
+                    "name it .png for bytes and .pfm for floats");
+    const unsigned n = texture.channels;
+    if (n < 1 || n > 4 || (real && n != 1 && n != 3))
+        throw Error(ErrorKind::usage, "cannot write '" + path.string() + "': it has " + std::to_string(n) + " channels",
+                    "PNG takes 1 to 4, PFM 1 or 3");
+    const std::size_t values = real ? texture.floats.size() : texture.bytes.size();
+    check_size(path, texture.width, texture.height, values % n ? 0 : values / n, most_pixels_a_side);
+    if (real) return write_file(path, pfm_bytes(texture.width, texture.height, n, texture.floats.data()));
+    write_encoded(path, encode_png(texture.width, texture.height, n, texture.bytes));
 }
 
 void check_writable(const fs::path& path) {

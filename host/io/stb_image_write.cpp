@@ -20,10 +20,10 @@ void append(void* context, void* data, int size) {
 
 }  // namespace
 
-std::string encode_png(unsigned width, unsigned height, const std::vector<std::uint8_t>& rgb) {
+std::string encode_png(unsigned width, unsigned height, unsigned channels, const std::vector<std::uint8_t>& texels) {
     std::string bytes;
-    const int w = int(width), h = int(height);
-    return stbi_write_png_to_func(append, &bytes, w, h, 3, rgb.data(), 3 * w) ? bytes : std::string();
+    const int w = int(width), h = int(height), n = int(channels);
+    return stbi_write_png_to_func(append, &bytes, w, h, n, texels.data(), n * w) ? bytes : std::string();
 }
 
 std::string encode_hdr(unsigned width, unsigned height, const std::vector<float>& rgb) {

@@ -7,8 +7,9 @@
 
 namespace claray {
 
-/// Three channels a pixel, at most 16384 pixels a side. Empty where memory runs out.
-[[nodiscard]] std::string encode_png(unsigned width, unsigned height, const std::vector<std::uint8_t>& rgb);
+/// 1 to 4 channels a pixel, HDR 3; at most 16384 pixels a side. Empty where memory runs out.
+[[nodiscard]] std::string encode_png(unsigned width, unsigned height, unsigned channels,
+                                     const std::vector<std::uint8_t>& texels);
 [[nodiscard]] std::string encode_hdr(unsigned width, unsigned height, const std::vector<float>& rgb);
 
 }  // namespace claray

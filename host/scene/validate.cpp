@@ -1,4 +1,7 @@
+// What a scene must fulfil before it is rendered.
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "claray/error.hpp"
 #include "claray/scene.hpp"
@@ -16,60 +19,230 @@ std::string name_of(const std::string& kind, const std::string& name, std::size_
     return name.empty() ? kind + " " + to_string(index) : kind + " '" + name + "'";
 }
 
+bool finite(const glm::vec2& v) { return std::isfinite(v.x) && std::isfinite(v.y); }
+bool finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 bool sound(float value) { return std::isfinite(value) && value >= 0.f; }
 bool sound(const glm::vec3& v) { return sound(v.x) && sound(v.y) && sound(v.z); }
+bool share(float value) { return value >= 0.f && value <= 1.f; }
+bool share(const glm::vec3& v) { return share(v.x) && share(v.y) && share(v.z); }
 
-void check_length(const std::string& mesh, const char* array, std::size_t length, std::size_t expected,
-                  const char* per) {
-    if (length != 0 && length != expected)
-        refuse(mesh + ": " + to_string(length) + " " + array + " for " + to_string(expected) + " " + per,
-               "give one each, or none");
+/// Says of one thing what is wrong with it.
+class Check {
+public:
+    explicit Check(std::string name) : name_(std::move(name)) {}
+    void sound(bool ok, const char* value) const {
+        if (!ok) refuse(name_ + ": its " + value + " is negative or not finite", "correct the value");
+    }
+    void finite(bool ok, const char* value) const {
+        if (!ok) refuse(name_ + ": its " + value + " is not finite", "correct the value");
+    }
+    void share(bool ok, const char* value) const {
+        if (!ok) refuse(name_ + ": its " + value + " is not in 0..1", "correct the value");
+    }
+    void that(bool ok, const std::string& fault, const char* remedy) const {
+        if (!ok) refuse(name_ + ": " + fault, remedy);
+    }
+
+private:
+    std::string name_;
+};
+
+void check_length(const Check& check, const char* array, std::size_t length, std::size_t expected, const char* per) {
+    check.that(length == 0 || length == expected,
+               to_string(length) + " " + array + " for " + to_string(expected) + " " + per, "give one each, or none");
 }
 
-void check_mesh(const Mesh& mesh, const std::string& name, std::size_t materials) {
-    check_length(name, "normals", mesh.normals.size(), mesh.positions.size(), "vertices");
-    check_length(name, "texture coordinates", mesh.uvs.size(), mesh.positions.size(), "vertices");
-    check_length(name, "materials", mesh.materials.size(), mesh.triangles.size(), "triangles");
+void check_mesh(const Mesh& mesh, const Check& check, std::size_t materials) {
+    check_length(check, "normals", mesh.normals.size(), mesh.positions.size(), "vertices");
+    check_length(check, "texture coordinates", mesh.uvs.size(), mesh.positions.size(), "vertices");
+    check_length(check, "second texture coordinates", mesh.uvs1.size(), mesh.positions.size(), "vertices");
+    check_length(check, "tangents", mesh.tangents.size(), mesh.positions.size(), "vertices");
+    check_length(check, "materials", mesh.materials.size(), mesh.triangles.size(), "triangles");
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const glm::uvec3& t = mesh.triangles[i];
         for (int k = 0; k < 3; ++k)
             if (t[k] >= mesh.positions.size())
-                refuse(name + ": triangle " + to_string(i) + " refers to vertex " + to_string(t[k]) + " of " +
-                           to_string(mesh.positions.size()),
-                       "indices count from 0");
+                check.that(false,
+                           "triangle " + to_string(i) + " refers to vertex " + to_string(t[k]) + " of " +
+                               to_string(mesh.positions.size()),
+                           "indices count from 0");
         const std::uint32_t material = mesh.materials.empty() ? 0 : mesh.materials[i];
         if (material >= materials)
-            refuse(name + ": triangle " + to_string(i) + " refers to material " + to_string(material) + " of " +
-                       to_string(materials),
-                   "add the material to the scene");
+            check.that(false,
+                       "triangle " + to_string(i) + " refers to material " + to_string(material) + " of " +
+                           to_string(materials),
+                       "add the material to the scene");
     }
 }
 
-void check_material(const Material& material, const std::string& name) {
-    const auto check = [&](bool ok, const char* value) {
-        if (!ok) refuse(name + ": its " + value + " is negative or not finite", "correct the value");
+void check_texture_use(const TextureUse& use, const Check& check, const std::string& name, std::size_t textures) {
+    if (!use.used()) return;
+    check.that(use.texture < textures,
+               "its " + name + " refers to texture " + to_string(use.texture) + " of " + to_string(textures),
+               "add the texture to the scene");
+    check.that(use.uv_set < 2, "its " + name + " uses texture coordinates " + to_string(use.uv_set),
+               "meshes have the sets 0 and 1");
+    check.that(finite(use.offset) && finite(use.scale) && std::isfinite(use.rotation),
+               "the transform of its " + name + " is not finite", "correct the value");
+}
+
+void check_maps(const Material& material, const Check& check, std::size_t textures) {
+    const std::pair<const TextureUse*, const char*> maps[] = {
+        {&material.albedo_map, "albedo map"},
+        {&material.emission_map, "emission map"},
+        {&material.metallic_roughness_map, "metallic-roughness map"},
+        {&material.transmission_map, "transmission map"},
+        {&material.clearcoat_map, "clearcoat map"},
+        {&material.clearcoat_roughness_map, "clearcoat roughness map"},
+        {&material.opacity_map, "opacity map"},
+        {&material.normal_map, "normal map"},
+        {&material.height_map, "height map"},
+        {&material.light_map, "light map"},
     };
-    check(sound(material.albedo), "albedo");
-    check(sound(material.emission), "emission");
-    check(sound(material.roughness), "roughness");
-    check(sound(material.ior) && material.ior > 0.f, "index of refraction");
-    if (std::uint32_t(material.kind) > CLARAY_METAL) refuse(name + ": unknown kind", "use a MaterialKind");
+    for (const auto& [use, name] : maps) check_texture_use(*use, check, name, textures);
+}
+
+void check_material(const Material& material, const Check& check, std::size_t textures) {
+    check.that(std::uint32_t(material.kind) <= CLARAY_PRINCIPLED, "unknown kind", "use a MaterialKind");
+    check.that(material.alpha_mode <= AlphaMode::blend, "unknown alpha mode", "use an AlphaMode");
+    check.sound(sound(material.albedo), "albedo");
+    check.sound(sound(material.emission), "emission");
+    check.share(share(material.roughness), "roughness");
+    check.sound(sound(material.ior) && material.ior > 0.f, "index of refraction");
+    check.share(share(material.metallic), "metallic");
+    check.share(share(material.transmission), "transmission");
+    check.share(share(material.clearcoat), "clearcoat");
+    check.share(share(material.clearcoat_roughness), "clearcoat roughness");
+    check.sound(sound(material.specular), "specular colour");
+    check.sound(sound(material.shininess), "shininess");
+    check.share(share(material.attenuation), "attenuation colour");
+    check.sound(sound(material.attenuation_distance), "attenuation distance");
+    check.share(share(material.opacity), "opacity");
+    check.sound(sound(material.alpha_cutoff), "alpha cutoff");
+    check.finite(std::isfinite(material.normal_scale), "normal scale");
+    check.finite(std::isfinite(material.height_scale), "height scale");
+    check_maps(material, check, textures);
+}
+
+/// `radiance`: no texel may be negative.
+void check_texture(const Texture& texture, const Check& check, bool radiance) {
+    const bool real = texture.format == TexelFormat::float32;
+    check.that(texture.format <= TexelFormat::float32, "unknown texel format", "use a TexelFormat");
+    check.that(texture.wrap_u <= Wrap::clamp && texture.wrap_v <= Wrap::clamp && texture.filter <= Filter::trilinear,
+               "unknown wrap mode or filter", "use a Wrap and a Filter");
+    check.that(texture.width > 0 && texture.height > 0, "it has no texels", "give a width and a height");
+    check.that(texture.channels >= 1 && texture.channels <= 4, to_string(texture.channels) + " channels", "use 1 to 4");
+    const std::size_t expected = std::size_t(texture.width) * texture.height * texture.channels;
+    const std::size_t size = real ? texture.floats.size() : texture.bytes.size();
+    check.that(size == expected && (real ? texture.bytes.size() : texture.floats.size()) == 0,
+               to_string(size) + (real ? " floats" : " bytes") + " for " + to_string(texture.width) + "x" +
+                   to_string(texture.height) + " texels of " + to_string(texture.channels) + " channels",
+               "give width * height * channels of what its format says, and nothing else");
+    for (std::size_t i = 0; i < texture.floats.size(); ++i) {
+        const float value = texture.floats[i];
+        if (std::isfinite(value) && (value >= 0.f || !radiance)) continue;
+        const std::size_t texel = i / texture.channels;
+        check.that(false,
+                   "texel (" + to_string(texel % texture.width) + ", " + to_string(texel / texture.width) + ") is " +
+                       to_string(value),
+                   radiance ? "radiance is finite and not negative" : "texels are finite");
+    }
+}
+
+void check_light(const Light& light, const Check& check) {
+    check.that(light.kind <= LightKind::spot, "unknown kind", "use a LightKind");
+    check.finite(finite(light.position), "position");
+    check.sound(sound(light.intensity), "intensity");
+    check.sound(sound(light.range), "range");
+    check.sound(sound(light.attenuation), "attenuation");
+    check.that(light.attenuation != glm::vec3(0.f), "its attenuation is 0 everywhere",
+               "the physical inverse square is 0, 0, 1");
+    if (light.kind == LightKind::point) return;
+    const float length = glm::length(light.direction);
+    check.that(std::isfinite(length) && length > 0.f, "its direction is none", "give a finite direction other than 0");
+    if (light.kind == LightKind::directional) return;
+    constexpr float right_angle = 1.57079637f;  // rounded up, so that a right angle itself passes
+    check.that(light.inner_angle >= 0.f && light.inner_angle <= light.outer_angle && light.outer_angle <= right_angle &&
+                   light.outer_angle > 0.f,
+               "its cone is from " + to_string(light.inner_angle) + " to " + to_string(light.outer_angle),
+               "use 0 <= inner <= outer <= pi / 2, outer above 0");
+}
+
+void check_environment(const Environment& environment) {
+    const Check check("environment");
+    const std::size_t images = environment.images.size();
+    check.sound(sound(environment.strength), "strength");
+    check.finite(std::isfinite(environment.rotation), "rotation");
+    check.that(images == 0 || images == 1 || images == 6, to_string(images) + " images",
+               "give one in latitude and longitude, or the six faces of a cube");
+    for (std::size_t i = 0; i < images; ++i) {
+        const Texture& image = environment.images[i];
+        check_texture(image, Check(name_of("environment image", image.name, i)), true);
+        if (images == 6)
+            check.that(
+                image.width == image.height && image.width == environment.images[0].width,
+                "face " + to_string(i) + " of its cube is " + to_string(image.width) + "x" + to_string(image.height),
+                "use squares of one size");
+    }
+}
+
+void check_camera(const Camera& camera) {
+    const Check check("camera");
+    check.sound(sound(camera.aperture_radius), "aperture radius");
+    check.sound(sound(camera.focus_distance), "focus distance");
+    check.finite(!camera.position_end || finite(*camera.position_end), "position when the shutter closes");
+    check.finite(!camera.target_end || finite(*camera.target_end), "target when the shutter closes");
+}
+
+/// The determinant of what is scaled so that its largest entry is 1 tells a flat transform from a small one.
+void check_transform(const glm::mat4& transform, const Check& check, const char* when) {
+    float largest = 0.f;
+    bool all_finite = true;
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row) {
+            all_finite = all_finite && std::isfinite(transform[column][row]);
+            if (column < 3 && row < 3) largest = std::max(largest, std::abs(transform[column][row]));
+        }
+    const std::string what = std::string("its transform") + when;
+    check.that(all_finite, what + " is not finite", "correct the value");
+    check.that(transform[0][3] == 0.f && transform[1][3] == 0.f && transform[2][3] == 0.f && transform[3][3] == 1.f,
+               what + " is not affine", "its last row must be 0 0 0 1");
+    const double determinant = largest > 0.f ? glm::determinant(glm::dmat3(transform) / double(largest)) : 0.0;
+    check.that(std::abs(determinant) > 1e-30, what + " cannot be inverted", "use scales other than 0");
+}
+
+void check_instance(const MeshInstance& instance, const Check& check, std::size_t meshes) {
+    check.that(instance.mesh < meshes, "it refers to mesh " + to_string(instance.mesh) + " of " + to_string(meshes),
+               "indices count from 0");
+    check_transform(instance.transform, check, "");
+    if (instance.transform_end) check_transform(*instance.transform_end, check, " when the shutter closes");
 }
 
 }  // namespace
 
 void validate(const Scene& scene) {
-    for (std::size_t i = 0; i < scene.materials.size(); ++i)
-        check_material(scene.materials[i], name_of("material", scene.materials[i].name, i));
-    for (std::size_t i = 0; i < scene.meshes.size(); ++i)
-        check_mesh(scene.meshes[i], name_of("mesh", scene.meshes[i].name, i), scene.materials.size());
-    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
-        const Light& light = scene.lights[i];
-        if (glm::any(glm::isnan(light.position)) || glm::any(glm::isinf(light.position)) || !sound(light.intensity))
-            refuse("point light " + to_string(i) + ": a value is not finite or negative", "correct the value");
-    }
-    if (!sound(scene.sky.horizon) || !sound(scene.sky.zenith))
-        refuse("sky: a value is not finite or negative", "correct the value");
+    const auto each = [](const auto& things, const char* kind, const auto& check) {
+        for (std::size_t i = 0; i < things.size(); ++i) check(things[i], i, kind);
+    };
+    each(scene.textures, "texture", [&](const Texture& texture, std::size_t i, const char* kind) {
+        check_texture(texture, Check(name_of(kind, texture.name, i)), false);
+    });
+    each(scene.materials, "material", [&](const Material& material, std::size_t i, const char* kind) {
+        check_material(material, Check(name_of(kind, material.name, i)), scene.textures.size());
+    });
+    each(scene.meshes, "mesh", [&](const Mesh& mesh, std::size_t i, const char* kind) {
+        check_mesh(mesh, Check(name_of(kind, mesh.name, i)), scene.materials.size());
+    });
+    each(scene.instances, "instance", [&](const MeshInstance& instance, std::size_t i, const char* kind) {
+        check_instance(instance, Check(name_of(kind, {}, i)), scene.meshes.size());
+    });
+    each(scene.lights, "light", [&](const Light& light, std::size_t i, const char* kind) {
+        check_light(light, Check(name_of(kind, light.name, i)));
+    });
+    const Check sky("sky");
+    sky.sound(sound(scene.sky.horizon) && sound(scene.sky.zenith), "radiance");
+    check_environment(scene.environment);
+    if (scene.camera) check_camera(*scene.camera);
 }
 
 }  // namespace claray

@@ -13,14 +13,35 @@ namespace claray {
 /// What a loader noticed and mended: lines for the user.
 using Warnings = std::vector<std::string>;
 
-/// Loads a Wavefront OBJ with its MTL. Polygons become triangles, negative indices are resolved, faces of one group or
-/// object are one mesh. MTL: Kd, Ke, Ns, Ni, d, Tf, illum and the PBR keys Pr and Pm choose among claray's materials. A
-/// missing MTL is a warning and gives grey Lambert. Throws ErrorKind::user naming the file (and line, where known)
-/// for a missing or empty file, an index out of range, or no face at all.
+/// Loads a Wavefront OBJ with its MTL and the images that used materials name. Polygons become triangles, negative
+/// indices are resolved, faces of one group or object are one mesh. docs/formats.md says what each MTL key becomes. A
+/// missing MTL is a warning and gives grey Lambert. Throws ErrorKind::user naming the file (and line, where known) for
+/// a missing or empty file, an index out of range, no face at all, and an image that is missing, broken, too large or
+/// outside the OBJ's folder.
 [[nodiscard]] Scene load_obj(const std::filesystem::path& path, Warnings& warnings);
 
-/// A built-in scene by name, or else a file by its extension (.obj).
+/// Loads glTF 2.0, as text (.gltf) or binary (.glb): triangles, the node hierarchy, the first camera, punctual lights,
+/// metallic-roughness materials with the extensions in docs/formats.md, and the images that used materials name. Meshes
+/// that no node uses twice are placed in the world; otherwise Scene::instances places them. What is left out is warned
+/// of. Throws ErrorKind::user naming the file and the object for whatever the format forbids, an extension that is
+/// required and unknown, and an image or buffer that is missing, broken, too large or outside the file's folder.
+[[nodiscard]] Scene load_gltf(const std::filesystem::path& path, Warnings& warnings);
+
+/// A built-in scene by name, or else a file by its extension (.obj, .gltf, .glb).
 [[nodiscard]] Scene load_scene(const std::string& name_or_path, Warnings& warnings);
+
+/// Reads PNG, JPEG, BMP, TGA, Radiance HDR or PFM, told by content. `eight_bit` says what bytes mean: srgb8 or linear8;
+/// images of 16 bits become linear float32, HDR and PFM are float32 as they are. At most 16384 pixels a side and 1 GiB
+/// decoded. Throws ErrorKind::user naming the file where it is missing, broken, cut off or too large.
+[[nodiscard]] Texture load_image(const std::filesystem::path& path, TexelFormat eight_bit = TexelFormat::srgb8);
+
+/// Writes the texels as they are: .png for textures of bytes, .pfm for float32 of 1 or 3 channels. Throws like
+/// write_image.
+void write_texture(const std::filesystem::path& path, const Texture& texture);
+
+/// An image in latitude and longitude; or a folder with the faces of a cube, px nx py ny pz nz with any extension that
+/// load_image reads.
+[[nodiscard]] Environment load_environment(const std::filesystem::path& path);
 
 /// Linear colour, row by row from the top left.
 struct Image {

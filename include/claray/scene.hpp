@@ -152,9 +152,10 @@ struct Scene {
 /// Whether it moves while the shutter is open.
 [[nodiscard]] bool moves(const Camera& camera);
 
-/// Throws ErrorKind::user where an index is out of range (naming the mesh and the triangle), a per-vertex or
-/// per-triangle array has the wrong length, or a material value is not finite or negative. Positions may be anything:
-/// triangles that are not finite are culled and counted when the structure is built.
+/// Throws ErrorKind::user, naming the thing and the value, where an index is out of range, an array has the wrong
+/// length, a value is not finite, negative or not in 0..1 where it must be, an instance's transform is not affine or
+/// can't be inverted, or an environment is neither one image nor a cube. Positions may be anything: triangles that are
+/// not finite are culled and counted when the structure is built.
 void validate(const Scene& scene);
 
 /// The built-in scenes: "cornell", "spheres", "crate", "hills", "terrain:N", "soup:N", "fan:N", "hair:N" (N

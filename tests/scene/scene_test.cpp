@@ -202,38 +202,158 @@ TEST(Validate, ChecksLengths) {
     scene.meshes[0].uvs.resize(4);
     expect_invalid(scene, "4 texture coordinates");
     scene = valid_scene();
+    scene.meshes[0].uvs1.resize(1);
+    expect_invalid(scene, "1 second texture coordinates");
+    scene = valid_scene();
+    scene.meshes[0].tangents.resize(1);
+    expect_invalid(scene, "1 tangents");
+    scene = valid_scene();
     scene.meshes[0].materials = {0, 0};
     expect_invalid(scene, "2 materials for 1 triangles");
 }
 
-TEST(Validate, ChecksMaterials) {
+TEST(Validate, ChecksMaterialIndices) {
     Scene scene = valid_scene();
     scene.meshes[0].materials = {1};
     expect_invalid(scene, "material 1 of 1");
     scene = valid_scene();
     scene.materials.clear();
     expect_invalid(scene, "material 0 of 0");
-    const auto with = [](auto change) {
-        Scene changed = valid_scene();
-        change(changed.materials[0]);
-        return changed;
+}
+
+/// A valid scene that has one of everything, changed.
+template <class Change>
+Scene with(Change&& change) {
+    Scene scene = valid_scene();
+    Texture texture;
+    texture.name = "wood";
+    texture.width = 2, texture.height = 1, texture.channels = 3;
+    texture.bytes = {1, 2, 3, 4, 5, 6};
+    scene.textures = {texture};
+    scene.materials[0].albedo_map.texture = 0;
+    Light spot;
+    spot.kind = LightKind::spot;
+    scene.lights = {point_light({0, 0, 0}, {1, 1, 1}), spot};
+    scene.instances = {MeshInstance{}};
+    Texture sky;
+    sky.width = sky.height = 2, sky.channels = 1;
+    sky.format = TexelFormat::float32;
+    sky.floats = {0, 1, 2, 3};
+    scene.environment.images = {sky};
+    scene.camera = Camera{};
+    validate(scene);
+    change(scene);
+    return scene;
+}
+
+TEST(Validate, ChecksMaterialValues) {
+    const auto expect = [](const std::string& word, auto change) {
+        expect_invalid(with([&](Scene& s) { change(s.materials[0]); }), word);
     };
-    expect_invalid(with([](Material& m) { m.albedo.y = -0.1f; }), "albedo");
-    expect_invalid(with([](Material& m) { m.emission.z = NAN; }), "emission");
-    expect_invalid(with([](Material& m) { m.roughness = INFINITY; }), "roughness");
-    expect_invalid(with([](Material& m) { m.ior = 0.f; }), "refraction");
-    expect_invalid(with([](Material& m) { m.kind = MaterialKind(4); }), "kind");
+    expect("albedo is negative", [](Material& m) { m.albedo.y = -0.1f; });
+    expect("emission", [](Material& m) { m.emission.z = NAN; });
+    expect("roughness is not in 0..1", [](Material& m) { m.roughness = INFINITY; });
+    expect("roughness", [](Material& m) { m.roughness = 1.5f; });
+    expect("refraction", [](Material& m) { m.ior = 0.f; });
+    expect("kind", [](Material& m) { m.kind = MaterialKind(6); });
+    expect("metallic", [](Material& m) { m.metallic = -0.1f; });
+    expect("transmission", [](Material& m) { m.transmission = 1.1f; });
+    expect("clearcoat is", [](Material& m) { m.clearcoat = NAN; });
+    expect("clearcoat roughness", [](Material& m) { m.clearcoat_roughness = 2.f; });
+    expect("specular", [](Material& m) { m.specular.x = -1.f; });
+    expect("shininess", [](Material& m) { m.shininess = -1.f; });
+    expect("attenuation colour", [](Material& m) { m.attenuation.x = 1.5f; });
+    expect("attenuation distance", [](Material& m) { m.attenuation_distance = -1.f; });
+    expect("opacity", [](Material& m) { m.opacity = 1.5f; });
+    expect("alpha mode", [](Material& m) { m.alpha_mode = AlphaMode(3); });
+    expect("alpha cutoff", [](Material& m) { m.alpha_cutoff = -1.f; });
+    expect("normal scale", [](Material& m) { m.normal_scale = NAN; });
+    expect("height scale", [](Material& m) { m.height_scale = INFINITY; });
+}
+
+TEST(Validate, ChecksMaps) {
+    TextureUse Material::*const maps[] = {
+        &Material::albedo_map,       &Material::emission_map,  &Material::metallic_roughness_map,
+        &Material::transmission_map, &Material::clearcoat_map, &Material::clearcoat_roughness_map,
+        &Material::opacity_map,      &Material::normal_map,    &Material::height_map,
+        &Material::light_map};
+    for (const auto map : maps)
+        expect_invalid(with([&](Scene& s) { (s.materials[0].*map).texture = 1; }), "map refers to texture 1 of 1");
+    expect_invalid(with([](Scene& s) { s.materials[0].albedo_map.uv_set = 2; }), "texture coordinates 2");
+    expect_invalid(with([](Scene& s) { s.materials[0].albedo_map.scale.x = NAN; }), "transform of its albedo map");
+    expect_invalid(with([](Scene& s) { s.materials[0].albedo_map.rotation = INFINITY; }), "transform");
+}
+
+TEST(Validate, ChecksTextures) {
+    const auto expect = [](const std::string& word, auto change) {
+        expect_invalid(with([&](Scene& s) { change(s.textures[0]); }), word);
+    };
+    expect("texture 'wood': it has no texels", [](Texture& t) { t.width = 0; });
+    expect("7 bytes for 2x1 texels of 3 channels", [](Texture& t) { t.bytes.push_back(0); });
+    expect("0 floats", [](Texture& t) { t.format = TexelFormat::float32; });
+    expect("5 channels", [](Texture& t) { t.channels = 5; });
+    expect("wrap", [](Texture& t) { t.wrap_v = Wrap(3); });
+    expect("texel format", [](Texture& t) { t.format = TexelFormat(3); });
+    expect("texel (1, 0) is", [](Texture& t) {
+        t.format = TexelFormat::float32;
+        t.bytes.clear(), t.floats.resize(6, -1.f), t.floats[4] = NAN;
+    });
 }
 
 TEST(Validate, ChecksLights) {
-    Scene scene = valid_scene();
-    scene.lights = {Light{}, point_light({0, NAN, 0}, {1, 1, 1})};
-    expect_invalid(scene, "point light 1");
-    scene.lights = {point_light({0, 0, 0}, {1, -1, 1})};
-    expect_invalid(scene, "point light 0");
-    scene = valid_scene();
-    scene.sky.zenith.x = -1.f;
-    expect_invalid(scene, "sky");
+    const auto expect = [](const std::string& word, auto change) {
+        expect_invalid(with([&](Scene& s) { change(s.lights[1]); }), word);
+    };
+    expect("light 1: its position", [](Light& l) { l.position.y = NAN; });
+    expect("intensity", [](Light& l) { l.intensity.y = -1.f; });
+    expect("range", [](Light& l) { l.range = NAN; });
+    expect("attenuation", [](Light& l) { l.attenuation.x = -1.f; });
+    expect("attenuation", [](Light& l) { l.attenuation = glm::vec3(0.f); });
+    expect("direction", [](Light& l) { l.direction = glm::vec3(0.f); });
+    expect("cone", [](Light& l) { l.inner_angle = 1.f; });
+    expect("cone", [](Light& l) { l.outer_angle = 1.6f; });
+    expect("light 'lamp': unknown kind", [](Light& l) { l.name = "lamp", l.kind = LightKind(3); });
+    EXPECT_NO_THROW(validate(with([](Scene& s) { s.lights[0].direction = glm::vec3(0.f); }))) << "a point has none";
+    expect_invalid(with([](Scene& s) { s.sky.zenith.x = -1.f; }), "sky");
+}
+
+TEST(Validate, ChecksInstances) {
+    const auto expect = [](const std::string& word, auto change) {
+        expect_invalid(with([&](Scene& s) { change(s.instances[0]); }), word);
+    };
+    expect("instance 0: it refers to mesh 1 of 1", [](MeshInstance& i) { i.mesh = 1; });
+    expect("not finite", [](MeshInstance& i) { i.transform[3].x = NAN; });
+    expect("not affine", [](MeshInstance& i) { i.transform[0].w = 0.1f; });
+    expect("cannot be inverted", [](MeshInstance& i) { i.transform[1] = glm::vec4(0.f); });
+    expect("cannot be inverted", [](MeshInstance& i) { i.transform[1] = 2.f * i.transform[0]; });
+    expect("when the shutter closes cannot",
+           [](MeshInstance& i) { i.transform_end = glm::mat4(0.f), (*i.transform_end)[3].w = 1.f; });
+    EXPECT_NO_THROW(validate(with([](Scene& s) {
+        for (int k = 0; k < 3; ++k) s.instances[0].transform[k] *= 1e-12f;
+    }))) << "small is not flat";
+}
+
+TEST(Validate, ChecksEnvironment) {
+    const auto expect = [](const std::string& word, auto change) {
+        expect_invalid(with([&](Scene& s) { change(s.environment); }), word);
+    };
+    expect("strength", [](Environment& e) { e.strength = -1.f; });
+    expect("rotation", [](Environment& e) { e.rotation = NAN; });
+    expect("2 images", [](Environment& e) { e.images.push_back(e.images[0]); });
+    expect("texel (1, 1) is -1", [](Environment& e) { e.images[0].floats[3] = -1.f; });
+    expect("face 3 of its cube is 4x1", [](Environment& e) {
+        e.images.resize(6, e.images[0]);
+        e.images[3].width = 4, e.images[3].height = 1;
+    });
+    EXPECT_NO_THROW(validate(with([](Scene& s) { s.environment.images.resize(6, s.environment.images[0]); })));
+    EXPECT_NO_THROW(validate(with([](Scene& s) { s.environment.images.clear(); })));
+}
+
+TEST(Validate, ChecksTheCamera) {
+    expect_invalid(with([](Scene& s) { s.camera->aperture_radius = -1.f; }), "aperture");
+    expect_invalid(with([](Scene& s) { s.camera->focus_distance = NAN; }), "focus");
+    expect_invalid(with([](Scene& s) { s.camera->position_end = glm::vec3(NAN); }), "shutter");
+    expect_invalid(with([](Scene& s) { s.camera->target_end = glm::vec3(INFINITY); }), "shutter");
 }
 
 }  // namespace

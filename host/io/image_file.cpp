@@ -1,0 +1,179 @@
+// Image files in: PNG, JPEG, BMP, TGA, HDR through stb_image, and PFM.
+#include "host/io/image_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+
+#include "claray/error.hpp"
+#include "host/compute/file.hpp"
+#include "host/io/png_check.hpp"
+#include "host/io/stb_image_read.hpp"
+
+namespace claray {
+namespace {
+
+namespace fs = std::filesystem;
+using std::to_string;
+
+[[noreturn]] void refuse(const std::string& what, const std::string& why, const std::string& remedy) {
+    throw Error(ErrorKind::user, "cannot read " + what + ": " + why, remedy);
+}
+
+void check_size(const std::string& what, std::uint64_t width, std::uint64_t height, std::uint64_t texel_bytes,
+                std::size_t room) {
+    const std::string size = to_string(width) + "x" + to_string(height);
+    if (width == 0 || height == 0) refuse(what, "its size is " + size, "export it again");
+    if (width > largest_image_side || height > largest_image_side)
+        refuse(what, "its size is " + size + ", the largest is " + to_string(largest_image_side) + " pixels a side",
+               "scale it down");
+    const std::uint64_t bytes = width * height * texel_bytes;
+    if (bytes > room)
+        refuse(what,
+               size + " take " + to_string(bytes) + " bytes of memory, and " + to_string(room) +
+                   " are left of the limit of " + to_string(largest_image_bytes),
+               "scale images down");
+}
+
+/// No format here packs tighter than this (deflate: 1032 to 1), so that a few broken bytes can't ask for a gigabyte.
+void check_plausible(const std::string& what, const ImageShape& shape, std::size_t file_bytes) {
+    constexpr std::uint64_t most_packed = 4096;
+    if (std::uint64_t(shape.width) * shape.height * shape.channels > most_packed * file_bytes)
+        refuse(what,
+               "it is cut off: " + to_string(file_bytes) + " bytes for " + to_string(shape.width) + "x" +
+                   to_string(shape.height),
+               "export it again");
+}
+
+float linear_from_srgb16(float value) {
+    return value <= 0.04045f ? value / 12.92f : std::pow((value + 0.055f) / 1.055f, 2.4f);
+}
+
+/// 16 bits a channel keep their precision as linear floats; alpha, the last of 2 or 4 channels, is linear already.
+std::vector<float> floats_of(const std::vector<std::uint16_t>& words, unsigned channels, bool srgb) {
+    std::vector<float> floats(words.size());
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        const float value = float(words[i]) / 65535.f;
+        const bool alpha = channels % 2 == 0 && i % channels == channels - 1;
+        floats[i] = srgb && !alpha ? linear_from_srgb16(value) : value;
+    }
+    return floats;
+}
+
+/// The next word of a PFM's header.
+std::string_view word(std::string_view& rest) {
+    const auto blank = [](char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; };
+    std::size_t begin = 0;
+    while (begin < rest.size() && blank(rest[begin])) ++begin;
+    std::size_t end = begin;
+    while (end < rest.size() && !blank(rest[end])) ++end;
+    const std::string_view found = rest.substr(begin, end - begin);
+    rest.remove_prefix(end);
+    return found;
+}
+
+template <class T>
+T number(std::string_view text, const std::string& what) {
+    T value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || text.empty())
+        refuse(what, "its PFM header is broken", "export it again");
+    return value;
+}
+
+void swap_bytes(std::vector<float>& values) {
+    for (float& value : values) {
+        auto bytes = std::bit_cast<std::array<char, sizeof(float)>>(value);
+        std::reverse(bytes.begin(), bytes.end());
+        value = std::bit_cast<float>(bytes);
+    }
+}
+
+bool is_pfm(std::string_view bytes) {
+    return bytes.size() > 3 && bytes[0] == 'P' && (bytes[1] == 'F' || bytes[1] == 'f') &&
+           (bytes[2] == '\n' || bytes[2] == '\r' || bytes[2] == ' ');
+}
+
+/// Portable float map (Debevec): three words, one blank, rows from the bottom up; a negative scale says little endian.
+Texture decode_pfm(std::string_view bytes, const std::string& what, std::size_t room) {
+    Texture texture;
+    texture.format = TexelFormat::float32;
+    texture.channels = bytes[1] == 'F' ? 3 : 1;
+    std::string_view rest = bytes.substr(2);
+    texture.width = number<unsigned>(word(rest), what);
+    texture.height = number<unsigned>(word(rest), what);
+    const float scale = number<float>(word(rest), what);
+    check_size(what, texture.width, texture.height, texture.channels * sizeof(float), room);
+    const std::size_t row = std::size_t(texture.width) * texture.channels;
+    if (rest.size() < 1 + row * texture.height * sizeof(float)) refuse(what, "it is cut off", "export it again");
+    texture.floats.resize(row * texture.height);
+    const char* in = rest.data() + 1;
+    for (unsigned y = texture.height; y-- > 0; in += row * sizeof(float))
+        std::memcpy(texture.floats.data() + y * row, in, row * sizeof(float));
+    if ((scale < 0.f) != (std::endian::native == std::endian::little)) swap_bytes(texture.floats);
+    return texture;
+}
+
+void check_png_file(std::string_view bytes, const std::string& what, std::size_t room) {
+    PngHeader header;
+    const std::string fault = check_png(bytes, header);
+    if (!fault.empty()) refuse(what, fault, "export it again");
+    check_size(what, header.width, header.height, 1, room);
+}
+
+}  // namespace
+
+Texture decode_texture(std::string_view bytes, const std::string& what, TexelFormat eight_bit, std::size_t room) {
+    if (bytes.empty()) refuse(what, "it is empty", "export it again");
+    if (is_pfm(bytes)) return decode_pfm(bytes, what, room);
+    if (is_png(bytes)) check_png_file(bytes, what, room);
+    std::optional<ImageShape> shape = image_shape(bytes);
+    if (!shape) refuse(what, "it is no PNG, JPEG, BMP, TGA, HDR or PFM image", "convert it to one of these");
+    const bool real = shape->radiance || shape->sixteen_bits;
+    check_size(what, shape->width, shape->height, shape->channels * (real ? sizeof(float) : 1), room);
+    check_plausible(what, *shape, bytes.size());
+    DecodedImage image;
+    const std::string fault = decode_image(bytes, *shape, image);
+    if (!fault.empty()) refuse(what, "the image is broken (" + fault + ")", "export it again");
+
+    Texture texture;
+    texture.width = shape->width, texture.height = shape->height, texture.channels = shape->channels;
+    texture.format = real ? TexelFormat::float32 : eight_bit;
+    texture.bytes = std::move(image.bytes);
+    texture.floats = shape->radiance ? std::move(image.floats)
+                                     : floats_of(image.words, shape->channels, eight_bit == TexelFormat::srgb8);
+    return texture;
+}
+
+Texture load_image(const fs::path& path, TexelFormat eight_bit) {
+    if (eight_bit == TexelFormat::float32)
+        throw Error(ErrorKind::usage, "load_image: bytes are not floats", "ask for srgb8 or linear8");
+    Texture texture = decode_texture(read_file(path, "check the path"), "'" + path.string() + "'", eight_bit);
+    texture.name = path.filename().string();
+    return texture;
+}
+
+Environment load_environment(const fs::path& path) {
+    Environment environment;
+    std::error_code error;
+    if (!fs::is_directory(path, error)) {
+        environment.images.push_back(load_image(path));
+        return environment;
+    }
+    for (const char* face : {"px", "nx", "py", "ny", "pz", "nz"}) {
+        fs::path found;
+        for (const fs::directory_entry& entry : fs::directory_iterator(path, error))
+            if (entry.path().stem() == face && entry.is_regular_file(error)) found = entry.path();
+        if (found.empty())
+            throw Error(ErrorKind::user,
+                        "'" + path.string() + "' has no image '" + face + "' for that face of the cube",
+                        "put px, nx, py, ny, pz and nz there, or name one image in latitude and longitude");
+        environment.images.push_back(load_image(found));
+    }
+    return environment;
+}
+
+}  // namespace claray
