@@ -238,7 +238,7 @@ Scene with(Change&& change) {
     Texture sky;
     sky.width = sky.height = 2, sky.channels = 1;
     sky.format = TexelFormat::float32;
-    sky.floats = {0, 1, 2, 3};
+    sky.floats.assign(4, 1.f);
     scene.environment.images = {sky};
     scene.camera = Camera{};
     validate(scene);
@@ -296,7 +296,7 @@ TEST(Validate, ChecksTextures) {
     expect("texel format", [](Texture& t) { t.format = TexelFormat(3); });
     expect("texel (1, 0) is", [](Texture& t) {
         t.format = TexelFormat::float32;
-        t.bytes.clear(), t.floats.resize(6, -1.f), t.floats[4] = NAN;
+        t.bytes.clear(), t.floats.assign(6, -1.f), t.floats[4] = NAN;
     });
 }
 
