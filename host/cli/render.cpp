@@ -22,6 +22,12 @@ Scene load(const RenderOptions& options) {
     return scene;
 }
 
+/// Empty where the system does not tell.
+std::string this_program() {
+    std::error_code unknown;
+    return std::filesystem::read_symlink("/proc/self/exe", unknown).string();
+}
+
 void warn_of_culled(const Renderer& renderer) {
     const BvhStatistics bvh = renderer.statistics().bvh;
     if (bvh.culled > 0)
@@ -46,7 +52,9 @@ void render(const RenderOptions& options) {
     check_outputs(options);
     const Device device = Device::open(options.device);
     device.profiler().keep_records(!options.trace.empty());
-    Renderer renderer(device, load(options), options.config);
+    RenderConfig config = options.config;
+    if (!options.wait_for_kernels) config.compiler = this_program();
+    Renderer renderer(device, load(options), config);
 
     warn_of_culled(renderer);
 
@@ -125,6 +133,8 @@ void add_machine_options(CLI::App& command, RenderOptions& o) {
     command.add_option_function<std::string>(
         "--effects", [&o](const std::string& text) { o.config.effects = parse_effect_overrides(text); },
         "For experiments: +NAME compiles an effect in, -NAME strips the scene of it (see claray explain)");
+    command.add_flag("--wait-for-kernels", o.wait_for_kernels,
+                     "Compile the scene's own kernels first, not while others already render");
     command.add_option("--trace", o.trace, "Write every device command to FILE (JSON) for ui.perfetto.dev");
     command.add_flag("-q,--quiet", o.quiet, "No progress");
 }

@@ -25,6 +25,7 @@ struct RenderOptions {
     std::vector<std::string> aovs;
     std::filesystem::path trace;
     bool stats = false, json = false, quiet = false;
+    bool wait_for_kernels = false;
 };
 
 inline constexpr const char* aov_names[] = {"depth", "normal", "albedo", "primitive", "heat"};

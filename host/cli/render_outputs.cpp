@@ -67,11 +67,27 @@ void print_overrides(const EffectOverrides& overrides) {
                 to_string(overrides.remove).c_str());
 }
 
+const char* name_of(KernelStart start) {
+    switch (start) {
+        case KernelStart::generic: return "generic";
+        case KernelStart::quick: return "quick";
+        default: return "own";
+    }
+}
+
+void print_start(const RenderStatistics& s) {
+    std::printf("first pixel   %.2f s, by %s kernels", s.first_pixel_seconds,
+                s.start == KernelStart::own ? "the scene's own" : name_of(s.start));
+    if (s.start != KernelStart::own && s.own_kernels) std::printf("; its own from sample %u on", s.own_kernels_from);
+    std::printf("\n");
+}
+
 void print_statistics(const Device& device, const RenderStatistics& s) {
     const CompileStatistics compile = compile_statistics();
     std::printf("device        %s\n", device.info().name.c_str());
     std::printf("kernels       %u compiled, %u from the cache, %.0f ms\n", compile.compiled, compile.from_cache,
                 compile.milliseconds);
+    print_start(s);
     std::printf("build         %.2f ms, %u triangles (%u culled), height %u, SAH cost %.1f, %.1f MB\n",
                 s.build_milliseconds, s.bvh.triangles, s.bvh.culled, s.bvh.height, s.bvh.sah_cost,
                 double(s.bvh.bytes) * 1e-6);
@@ -121,7 +137,13 @@ void print_as_json(const Device& device, const Renderer& renderer, const RenderO
         {"interrupted", outcome.interrupted},
         {"dropped_samples", s.dropped_samples},
         {"kernels",
-         {{"compiled", compile.compiled}, {"from_cache", compile.from_cache}, {"milliseconds", compile.milliseconds}}},
+         {{"compiled", compile.compiled},
+          {"from_cache", compile.from_cache},
+          {"milliseconds", compile.milliseconds},
+          {"start", name_of(s.start)},
+          {"own_kernels", s.own_kernels},
+          {"own_kernels_from", s.own_kernels_from}}},
+        {"first_pixel_seconds", s.first_pixel_seconds},
         {"build",
          {{"milliseconds", s.build_milliseconds},
           {"triangles", s.bvh.triangles},

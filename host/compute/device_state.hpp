@@ -18,6 +18,7 @@ struct Device::State {
     cl::Context context;
     cl::CommandQueue queue;
     Profiler profiler;
+    bool store_programs = true;  // in the cache on disk; PoCL compiles them a second time for that
     std::map<std::string, cl::Program> programs;  // by file, options and, for a user's source, its text
     MemoryPlan* plan = nullptr;                   // where set, buffers are not made but added up
     std::shared_ptr<std::atomic<std::uint64_t>> in_use = std::make_shared<std::atomic<std::uint64_t>>(0);  // bytes

@@ -76,6 +76,18 @@ std::string to_string(EffectSet effects) {
     return text.empty() ? "nothing" : text;
 }
 
+EffectSet parse_effects(const std::string& text) {
+    EffectSet effects;
+    if (text == "nothing") return effects;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        const std::size_t first = std::min(text.find_first_not_of(' ', begin), end);
+        effects.add(effect_named(text.substr(first, end - first)));
+        begin = end + 1;
+    }
+    return effects;
+}
+
 EffectOverrides parse_effect_overrides(const std::string& text) {
     EffectOverrides overrides;
     for (std::size_t begin = 0; begin <= text.size();) {

@@ -3,8 +3,11 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
+#include <memory>
 
+#include "host/compute/device_state.hpp"
 #include "host/render/film.hpp"
+#include "host/render/kernel_choice.hpp"
 #include "host/render/schedule.hpp"
 #include "host/render/wavefront.hpp"
 
@@ -91,25 +94,46 @@ private:
     std::deque<cl::Event> events_;
 };
 
+/// Programs that are compiled in its lifetime are not stored.
+class Unstored {
+public:
+    explicit Unstored(const Device& device) : device_(device) { device_.state().store_programs = false; }
+    ~Unstored() { device_.state().store_programs = true; }
+    Unstored(const Unstored&) = delete;
+    Unstored& operator=(const Unstored&) = delete;
+
+private:
+    Device device_;
+};
+
+Bvh::Config with_layout(Bvh::Config config, Layout layout) {
+    config.layout = layout;
+    return config;
+}
+
 }  // namespace
 
 struct Renderer::State {
     State(const Device& on, const Scene& scene, const RenderConfig& with)
         : device(on),
           config(checked(with)),
+          set_up(Clock::now()),
+          plan(plan_kernels(on, effects_of(checked(scene)), with)),
+          unstored(plan.start == KernelStart::quick ? std::make_unique<Unstored>(on) : nullptr),
           milliseconds_before(kernel_milliseconds(on)),
-          bvh(Bvh::build(on, checked(scene).meshes, with.bvh)),
+          bvh(Bvh::build(on, scene.meshes, with_layout(with.bvh, plan.first.layout))),
           build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
           buffers(on, scene, bvh),
           wavefront(on, buffers, frame_data(scene, buffers, with),
-                    WavefrontKernels(buffers, with.sampler, buffers.effects | with.effects.add),
-                    std::uint64_t(pixels()) * with.spp),
+                    WavefrontKernels(buffers, with.sampler, plan.first.effects), std::uint64_t(pixels()) * with.spp),
           film(on, pixels()),
           schedule(pixels(), with.spp, wavefront.capacity()) {
         for (const char* name : {trace_camera_name, trace_bounce_name, trace_shadow_name})
             before[name] = device.profiler().milliseconds(name);
     }
 
+    void first_pixel();
+    void take_over_when_compiled();
     [[nodiscard]] std::uint32_t pixels() const { return config.width * config.height; }
     [[nodiscard]] RenderProgress measure() const;
     [[nodiscard]] bool target_met() const;
@@ -117,6 +141,13 @@ struct Renderer::State {
 
     Device device;
     RenderConfig config;
+    Clock::time_point set_up;
+    KernelPlan plan;
+    std::unique_ptr<Unstored> unstored;  // until the first pixel is there
+    CompileProcess compiler;
+    double first_pixel_seconds = 0;
+    unsigned own_kernels_from = 0;
+    bool own_kernels = false;
     double milliseconds_before;  // on the device, by whatever ran there earlier
     Bvh bvh;
     double build_milliseconds;
@@ -147,6 +178,29 @@ bool Renderer::State::target_met() const {
     return noise > 0 && noise <= config.noise;
 }
 
+/// Waits for it. Everything that follows has time.
+void Renderer::State::first_pixel() {
+    device.finish();
+    first_pixel_seconds = seconds_since(set_up);
+    unstored.reset();
+    own_kernels = plan.first == plan.last;
+    if (own_kernels)
+        remember_as_cached(device, plan.last, config);
+    else
+        compiler.start(config.compiler, device, plan.last, config);
+}
+
+/// Between two batches, so that no path sees two kinds of kernels; the image would be the same even then.
+void Renderer::State::take_over_when_compiled() {
+    if (!compiler.finished() || !are_cached(device, plan.last, config)) return;
+    if (plan.last.layout != plan.first.layout)
+        bvh = Bvh::build(device, bvh.triangles(), with_layout(config.bvh, plan.last.layout));
+    buffers.bvh = bvh;
+    wavefront.take_over(bvh, WavefrontKernels(buffers, config.sampler, plan.last.effects));
+    own_kernels = true;
+    own_kernels_from = unsigned(schedule.samples() / pixels());
+}
+
 RayCount Renderer::State::rays(const char* name, std::uint64_t count) const {
     return {count, std::max(0.0, device.profiler().milliseconds(name) - before.at(name))};
 }
@@ -166,6 +220,8 @@ RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>
         state.wavefront.trace(batch);
         state.film.accumulate(batch, state.wavefront.radiance());
         in_flight.submitted();
+        if (state.first_pixel_seconds == 0) state.first_pixel();
+        if (!state.own_kernels) state.take_over_when_compiled();
         if (!progress || seconds_since(last_report) < seconds_between_reports) continue;
         if (!progress(state.measure())) break;
         last_report = Clock::now();
@@ -187,9 +243,21 @@ RenderStatistics Renderer::statistics() const {
     statistics.shadow = state.rays(trace_shadow_name, totals.shadow);
     statistics.device_bytes =
         statistics.bvh.bytes + state.buffers.bytes() + state.wavefront.bytes() + state.film.bytes();
+    statistics.first_pixel_seconds = state.first_pixel_seconds;
+    statistics.start = state.plan.start;
+    statistics.own_kernels = state.own_kernels;
+    statistics.own_kernels_from = state.own_kernels_from;
     statistics.effects = state.buffers.effects;
     statistics.dropped_samples = state.film.noise().dropped;
     return statistics;
+}
+
+void compile_kernels(const Device& device, EffectSet effects, const RenderConfig& with) {
+    RenderConfig config = with;
+    config.width = config.height = 4, config.spp = 1, config.max_depth = 2;
+    config.effects.add = effects;
+    config.compiler.clear();
+    Renderer(device, scene_calling_for(effects), config).render();
 }
 
 Aovs Renderer::aovs() const {

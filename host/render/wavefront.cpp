@@ -63,6 +63,11 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
     occluded_ = Buffer<std::uint8_t>(device, paths);
 }
 
+void Wavefront::take_over(const Bvh& bvh, WavefrontKernels kernels) {
+    scene_.bvh = bvh;
+    kernels_ = std::move(kernels);
+}
+
 void Wavefront::generate(const Batch& batch, bool centers) {
     const std::uint32_t paths = batch.pixels * batch.samples;
     lengths_[0].fill(paths);

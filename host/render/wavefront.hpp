@@ -32,6 +32,8 @@ public:
               std::uint64_t most_paths);
 
     [[nodiscard]] std::uint32_t capacity() const { return std::uint32_t(rays_[0].size()); }
+    /// Goes on with other kernels, and with the tree that they traverse. The next batch is the first to see them.
+    void take_over(const Bvh& bvh, WavefrontKernels kernels);
     /// Traces the paths of a batch of at most `capacity()`; enqueued. Their radiance is in `radiance()`.
     void trace(const Batch& batch);
     [[nodiscard]] const Buffer<float>& radiance() const { return radiance_; }

@@ -73,6 +73,9 @@ private:
 /// "lambert, point-lights"; "nothing" where the set is empty.
 [[nodiscard]] std::string to_string(EffectSet effects);
 
+/// The reverse, with or without blanks. Throws ErrorKind::usage for a name that is none.
+[[nodiscard]] EffectSet parse_effects(const std::string& text);
+
 /// What the scene calls for.
 [[nodiscard]] EffectSet effects_of(const Scene& scene);
 
@@ -95,5 +98,7 @@ struct EffectOverrides {
 /// The scene stripped of some effects, by the same rules as `effects_of`: no normals, no lights of a kind, a material
 /// of that kind is Lambert, a lens is a pinhole, and so on.
 [[nodiscard]] Scene without_effects(Scene scene, EffectSet effects);
+/// A square with lights and a camera that calls for the effects, and for `lambert`, as simply as can be.
+[[nodiscard]] Scene scene_calling_for(EffectSet effects);
 
 }  // namespace claray

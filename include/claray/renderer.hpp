@@ -25,6 +25,9 @@ struct RenderConfig {
     Sampler sampler = Sampler::sobol;
     Bvh::Config bvh = {};
     EffectOverrides effects = {};  ///< for experiments; effects are derived from the scene
+    /// The program `claray`, where it shall compile kernels while others already render; empty: rendering begins when
+    /// the scene's own kernels are compiled. The image is the same.
+    std::string compiler = {};
 };
 
 /// What a render has done so far.
@@ -42,7 +45,18 @@ struct RayCount {
     [[nodiscard]] double mrays_per_second() const { return milliseconds > 0 ? double(rays) * 1e-3 / milliseconds : 0; }
 };
 
+/// With which kernels a render began.
+enum class KernelStart {
+    own,      ///< those compiled for the scene's effects
+    generic,  ///< those that know all effects: the cache had them, and not the scene's own
+    quick     ///< those that compile fastest: the cache had none
+};
+
 struct RenderStatistics {
+    double first_pixel_seconds = 0;  ///< from the renderer's set-up to the first batch of samples
+    KernelStart start = KernelStart::own;
+    unsigned own_kernels_from = 0;  ///< samples a pixel that were done when the scene's own kernels took over
+    bool own_kernels = false;       ///< whether they have
     double build_milliseconds = 0;  ///< device time of the acceleration structure
     BvhStatistics bvh;
     RayCount camera, bounce, shadow;
@@ -83,5 +97,8 @@ public:
 private:
     std::shared_ptr<State> state_;
 };
+
+/// Compiles into the cache all kernels that renders of scenes with just these effects need.
+void compile_kernels(const Device& device, EffectSet effects, const RenderConfig& config = {});
 
 }  // namespace claray

@@ -1,0 +1,42 @@
+// claray compile: kernels are compiled ahead.
+#include <cstdio>
+#include <memory>
+
+#include "claray/renderer.hpp"
+#include "host/cli/commands.hpp"
+
+namespace claray::cli {
+namespace {
+
+struct CompileOptions {
+    std::string device, effects;
+    RenderConfig config;
+    bool quiet = false;
+};
+
+void compile(const CompileOptions& options) {
+    const Device device = Device::open(options.device);
+    const EffectSet effects = options.effects.empty() ? full_effects() : parse_effects(options.effects);
+    compile_kernels(device, effects, options.config);
+    const CompileStatistics statistics = compile_statistics();
+    if (!options.quiet)
+        std::printf("%s: %u compiled, %u from the cache, %.1f s\n", to_string(effects).c_str(), statistics.compiled,
+                    statistics.from_cache, statistics.milliseconds * 1e-3);
+}
+
+}  // namespace
+
+void add_compile_command(CLI::App& app, Action& action) {
+    CLI::App* command = app.add_subcommand("compile", "Compile kernels ahead, so that a first picture comes at once");
+    command->footer(
+        "Without --effects: the generic kernels, with which renders of new scenes begin. claray render does this by\n"
+        "itself in the background.");
+    auto options = std::make_shared<CompileOptions>();
+    command->add_option("--effects", options->effects, "What the kernels shall know: NAME,NAME... [all]");
+    command->add_option("--device", options->device, "cpu, gpu, an index or a part of the name (see claray devices)");
+    add_bvh_options(*command, options->config.bvh);
+    command->add_flag("-q,--quiet", options->quiet, "Print nothing");
+    command->callback([&action, options] { action = [options] { compile(*options); }; });
+}
+
+}  // namespace claray::cli

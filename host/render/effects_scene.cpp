@@ -1,0 +1,96 @@
+// The simplest scene that calls for a set of effects.
+#include "claray/effects.hpp"
+
+namespace claray {
+namespace {
+
+Mesh unit_square(std::uint32_t material) {
+    Mesh mesh;
+    const float height = 0.1f * float(material);
+    mesh.positions = {{-1, height, 1}, {1, height, 1}, {1, height, -1}, {-1, height, -1}};
+    mesh.uvs = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    mesh.materials = {material, material};
+    return mesh;
+}
+
+Texture grey_texture(Filter filter) {
+    Texture texture;
+    texture.name = "grey";
+    texture.width = texture.height = 2;
+    texture.bytes.assign(16, 128);
+    texture.filter = filter;
+    return texture;
+}
+
+TextureUse use_of_texture() {
+    TextureUse use;
+    use.texture = 0;
+    return use;
+}
+
+std::vector<Material> materials_for(EffectSet effects) {
+    std::vector<Material> materials(1);
+    const auto add = [&](Effect effect, MaterialKind kind) {
+        if (!effects.has(effect)) return;
+        materials.emplace_back();
+        materials.back().kind = kind;
+    };
+    add(Effect::mirror, MaterialKind::mirror);
+    add(Effect::glass, MaterialKind::glass);
+    add(Effect::metal, MaterialKind::metal);
+    add(Effect::blinn_phong, MaterialKind::blinn_phong);
+    add(Effect::principled, MaterialKind::principled);
+    Material& last = materials.back();  // the principled one where there is one
+    if (effects.has(Effect::transmission)) last.transmission = 0.5f;
+    if (effects.has(Effect::clearcoat)) last.clearcoat = 0.5f;
+    if (effects.has(Effect::absorption)) last.attenuation = glm::vec3(0.5f), last.attenuation_distance = 1.f;
+    if (effects.has(Effect::culling)) last.cull_back = true;
+    if (effects.has(Effect::cut_outs)) last.alpha_mode = AlphaMode::mask;
+    if (effects.has(Effect::emissive_triangles)) last.emission = glm::vec3(1.f);
+    if (effects.has(Effect::textures) || effects.has(Effect::mip_maps)) last.albedo_map = use_of_texture();
+    if (effects.has(Effect::normal_maps)) last.normal_map = use_of_texture();
+    if (effects.has(Effect::height_maps)) last.height_map = use_of_texture();
+    if (effects.has(Effect::light_maps)) last.light_map = use_of_texture();
+    return materials;
+}
+
+void add_light(Scene& scene, LightKind kind) {
+    Light light;
+    light.kind = kind;
+    light.position = {0.f, 2.f, 0.f};
+    scene.lights.push_back(light);
+}
+
+}  // namespace
+
+Scene scene_calling_for(EffectSet effects) {
+    Scene scene;
+    scene.materials = materials_for(effects);
+    for (std::uint32_t i = 0; i < scene.materials.size(); ++i) scene.meshes.push_back(unit_square(i));
+    if (effects.has(Effect::smooth_normals))
+        for (Mesh& mesh : scene.meshes) mesh.normals.assign(mesh.positions.size(), {0.f, 1.f, 0.f});
+    const EffectSet textured = {Effect::textures,    Effect::mip_maps,   Effect::normal_maps,
+                                Effect::height_maps, Effect::light_maps, Effect::cut_outs};
+    if (!(effects & textured).empty())
+        scene.textures = {grey_texture(effects.has(Effect::mip_maps) ? Filter::trilinear : Filter::bilinear)};
+    if (effects.has(Effect::point_lights)) add_light(scene, LightKind::point);
+    if (effects.has(Effect::directional_lights)) add_light(scene, LightKind::directional);
+    if (effects.has(Effect::spot_lights)) add_light(scene, LightKind::spot);
+    if (effects.has(Effect::sky)) scene.sky = {glm::vec3(1.f), glm::vec3(1.f)};
+    if (effects.has(Effect::environment)) scene.environment.images = {grey_texture(Filter::bilinear)};
+    Camera camera{{0.f, 3.f, 3.f}, {0.f, 0.f, 0.f}, {0.f, 1.f, 0.f}, 60.f};
+    if (effects.has(Effect::depth_of_field)) camera.aperture_radius = 0.01f;
+    if (effects.has(Effect::camera_motion)) camera.position_end = glm::vec3(0.f, 3.f, 3.1f);
+    scene.camera = camera;
+    if (!(effects & EffectSet{Effect::instances, Effect::instance_motion}).empty())
+        for (std::uint32_t i = 0; i < scene.meshes.size(); ++i) {
+            MeshInstance instance;
+            instance.mesh = i;
+            if (effects.has(Effect::instance_motion)) instance.transform_end = glm::mat4(1.f);
+            scene.instances.push_back(instance);
+        }
+    return scene;
+}
+
+}  // namespace claray

@@ -1,0 +1,94 @@
+// A render that begins with other kernels than the scene's own and changes over while it runs gives the same image.
+#include "host/render/kernel_choice.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "tests/render/scenes.hpp"
+#include "tests/support/device.hpp"
+#include "tests/support/process.hpp"
+
+namespace claray::test {
+namespace {
+
+class KernelChoices : public testing::Test {
+protected:
+    /// The configuration whose compiler does nothing, successfully.
+    [[nodiscard]] static RenderConfig config() {
+        RenderConfig config{.width = 40, .height = 30, .spp = 200};
+        config.compiler = "/bin/true";
+        return config;
+    }
+    [[nodiscard]] static KernelChoice own(const Scene& scene) {
+        RenderConfig here;
+        return plan_kernels(device(), effects_of(scene), here).last;
+    }
+    void SetUp() override { device().set_tuning("render/wavefront", "PATHS", 1200); }  // many batches
+    void TearDown() override { device().set_tuning("render/wavefront", "PATHS", paths_); }
+
+    /// Renders with kernels that give way soon after the first batch.
+    void expect_same_image(const Scene& scene, KernelStart start) {
+        Renderer renderer(device(), scene, config());
+        remember_as_cached(device(), own(scene), config());
+        renderer.render();
+        const RenderStatistics statistics = renderer.statistics();
+        EXPECT_EQ(statistics.start, start);
+        EXPECT_GT(statistics.first_pixel_seconds, 0);
+        EXPECT_TRUE(statistics.own_kernels);
+        EXPECT_GT(statistics.own_kernels_from, 0u);
+        EXPECT_LT(statistics.own_kernels_from, config().spp);
+        RenderConfig fixed = config();
+        fixed.compiler.clear();
+        const std::vector<glm::vec3> changed = renderer.image(), image = render_image(scene, fixed);
+        ASSERT_EQ(changed.size(), image.size());
+        EXPECT_EQ(std::memcmp(changed.data(), image.data(), image.size() * sizeof image[0]), 0);
+    }
+
+    unsigned paths_ = device().tuning("render/wavefront", "PATHS");
+    TemporaryFolder folder_;
+    ScopedEnvironment cache_{"CLARAY_CACHE_DIR", folder_.path().string()};
+};
+
+TEST_F(KernelChoices, BeginWithWhatTheCacheHolds) {
+    const Scene scene = *builtin_scene("cornell");
+    const EffectSet effects = effects_of(scene);
+    const KernelChoice last = own(scene);
+    const auto start = [&] { return plan_kernels(device(), effects, config()).start; };
+    const bool has_quicker = last.layout == Layout::wide;
+    EXPECT_EQ(start(), has_quicker ? KernelStart::quick : KernelStart::own);
+    remember_as_cached(device(), {full_effects(), last.layout}, config());
+    EXPECT_EQ(start(), KernelStart::generic);
+    EXPECT_EQ(plan_kernels(device(), effects, config()).last, last);
+    remember_as_cached(device(), last, config());
+    EXPECT_EQ(start(), KernelStart::own);
+    // Without a compiler there is nothing to wait for.
+    EXPECT_EQ(plan_kernels(device(), {Effect::mirror}, RenderConfig()).start, KernelStart::own);
+}
+
+TEST_F(KernelChoices, GenericKernelsGiveWayWithoutASeam) {
+    for (const char* name : {"cornell", "spheres"}) {
+        const ScopedEnvironment empty("CLARAY_CACHE_DIR", (folder_ / name).string());
+        const Scene scene = *builtin_scene(name);
+        remember_as_cached(device(), {full_effects(), own(scene).layout}, config());
+        expect_same_image(scene, KernelStart::generic);
+    }
+}
+
+TEST_F(KernelChoices, QuickKernelsGiveWayWithoutASeam) {
+    const Scene scene = *builtin_scene("cornell");
+    if (own(scene).layout != Layout::wide) GTEST_SKIP() << "the device traverses the binary tree anyway";
+    expect_same_image(scene, KernelStart::quick);
+}
+
+TEST(CompileKernels, MakesEveryKernelThatARenderNeeds) {
+    const Scene scene = *builtin_scene("hills");
+    RenderConfig config{.width = 8, .height = 8, .spp = 1};
+    compile_kernels(device(), effects_of(scene), config);
+    const unsigned before = compile_statistics().compiled + compile_statistics().from_cache;
+    (void)render_image(scene, config);
+    EXPECT_EQ(compile_statistics().compiled + compile_statistics().from_cache, before);
+}
+
+}  // namespace
+}  // namespace claray::test
