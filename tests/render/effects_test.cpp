@@ -7,7 +7,6 @@
 
 #include "host/render/effects.hpp"
 #include "tests/render/scenes.hpp"
-#include "tests/render/textures.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 
