@@ -46,9 +46,14 @@ Instance make_instance(const glm::mat4& m, std::uint32_t bottom, std::uint32_t m
     return instance;
 }
 
-InstancedBvh::State::State(std::span<const Bvh> bottoms, const Buffer<Instance>& of, const Config& with)
-    : device((check_bottoms(bottoms), bottoms[0].device())), instances(of), config(with) {
+InstancedBvh::State::State(std::span<const Bvh> bottoms, const Buffer<Instance>& of, const Buffer<Instance>& to,
+                           const Config& with)
+    : device((check_bottoms(bottoms), bottoms[0].device())), instances(of), ends(to), config(with) {
     const std::size_t count = of.size();
+    if (to.allocated() && to.size() != count)
+        throw Error(ErrorKind::usage,
+                    std::to_string(count) + " instances, but " + std::to_string(to.size()) + " ends of their motion",
+                    "give one each; one that stands still ends where it begins");
     if (count >= CLARAY_SLOT)
         throw Error(ErrorKind::user, "too many instances: " + std::to_string(count) + ", the limit is 2^29 - 2");
     take_bottoms(bottoms);
@@ -68,6 +73,7 @@ void InstancedBvh::State::take_bottoms(std::span<const Bvh> bottoms) {
     check_bottoms(bottoms);
     layout = bottoms[0].layout();
     defines = bottoms[0].defines();
+    if (ends.allocated()) defines.emplace_back("CLARAY_INSTANCE_MOTION", "1");
     nodes = {}, leaves = {}, wide_nodes = {}, wide_blocks = {};
     if (bottoms.size() > 1) {
         shared.reset();
@@ -119,14 +125,19 @@ void InstancedBvh::State::copy_bottoms(std::span<const Bvh> bottoms) {
 void InstancedBvh::State::place() {
     widening.fill(0);
     const std::size_t count = instances.size();
-    place_.run({count, group}, instances, std::uint32_t(count), headers, std::uint32_t(ranges.size()), placed,
+    place_.run({count, group}, instances, ends, std::uint32_t(count), headers, std::uint32_t(ranges.size()), placed,
                boxes.positions, widening);
 }
 
 InstancedBvh InstancedBvh::build(std::span<const Bvh> bottoms, const Buffer<Instance>& instances,
                                  const Config& config) {
+    return build(bottoms, instances, Buffer<Instance>(), config);
+}
+
+InstancedBvh InstancedBvh::build(std::span<const Bvh> bottoms, const Buffer<Instance>& instances,
+                                 const Buffer<Instance>& ends, const Config& config) {
     InstancedBvh bvh;
-    bvh.state_ = std::make_shared<State>(bottoms, instances, config);
+    bvh.state_ = std::make_shared<State>(bottoms, instances, ends, config);
     return bvh;
 }
 
@@ -134,6 +145,13 @@ InstancedBvh InstancedBvh::build(std::span<const Bvh> bottoms, std::span<const I
                                  const Config& config) {
     check_bottoms(bottoms);
     return build(bottoms, Buffer<Instance>(bottoms[0].device(), instances), config);
+}
+
+InstancedBvh InstancedBvh::build(std::span<const Bvh> bottoms, std::span<const Instance> instances,
+                                 std::span<const Instance> ends, const Config& config) {
+    check_bottoms(bottoms);
+    const Device& device = bottoms[0].device();
+    return build(bottoms, Buffer<Instance>(device, instances), Buffer<Instance>(device, ends), config);
 }
 
 void InstancedBvh::rebuild() {
@@ -149,6 +167,7 @@ void InstancedBvh::refit() {
 void InstancedBvh::replace_bottoms(std::span<const Bvh> bottoms) { state_->take_bottoms(bottoms); }
 
 const Buffer<Instance>& InstancedBvh::instances() const { return state_->instances; }
+const Buffer<Instance>& InstancedBvh::ends() const { return state_->ends; }
 std::size_t InstancedBvh::instance_count() const { return state_->instances.size(); }
 Layout InstancedBvh::layout() const { return state_->layout; }
 const Device& InstancedBvh::device() const { return state_->device; }
@@ -164,7 +183,7 @@ InstanceStatistics InstancedBvh::statistics() const {
     statistics.height = top.height;
     statistics.sah_cost = top.sah_cost;
     statistics.widening = state_->widening.read()[0];
-    statistics.top_bytes = top.bytes + state_->instances.bytes() + state_->placed.bytes();
+    statistics.top_bytes = top.bytes + state_->instances.bytes() + state_->ends.bytes() + state_->placed.bytes();
     statistics.bottom_bytes = state_->bottom_bytes;
     return statistics;
 }
@@ -177,14 +196,23 @@ void InstancedBvh::bind(Kernel& kernel, unsigned& index) const {
     kernel.set(index, state_->widening);
     kernel.set(index, state_->placed);
     kernel.set(index, state_->ranges);
-    if (state_->shared) {
-        kernel.set(index, *state_->shared);
+    state_->bind_bottoms(kernel, index);
+    if (!state_->ends.allocated()) return;
+    kernel.set(index, state_->instances);
+    kernel.set(index, state_->ends);
+}
+
+const Buffer<PlacedInstance>& InstancedBvh::placed() const { return state_->placed; }
+
+void InstancedBvh::State::bind_bottoms(Kernel& kernel, unsigned& index) const {
+    if (shared) {
+        kernel.set(index, *shared);
         return;
     }
-    kernel.set(index, state_->headers);
-    const bool wide = layout() == Layout::wide;
-    wide ? kernel.set(index, state_->wide_nodes) : kernel.set(index, state_->nodes);
-    wide ? kernel.set(index, state_->wide_blocks) : kernel.set(index, state_->leaves);
+    kernel.set(index, headers);
+    const bool wide = layout == Layout::wide;
+    wide ? kernel.set(index, wide_nodes) : kernel.set(index, nodes);
+    wide ? kernel.set(index, wide_blocks) : kernel.set(index, leaves);
 }
 
 }  // namespace claray

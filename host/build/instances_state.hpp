@@ -8,13 +8,14 @@
 namespace claray {
 
 struct InstancedBvh::State {
-    State(std::span<const Bvh> bottoms, const Buffer<Instance>& of, const Config& with);
+    State(std::span<const Bvh> bottoms, const Buffer<Instance>& of, const Buffer<Instance>& to, const Config& with);
 
     void take_bottoms(std::span<const Bvh> bottoms);
     void place();
+    void bind_bottoms(Kernel& kernel, unsigned& index) const;
 
     Device device;
-    Buffer<Instance> instances;
+    Buffer<Instance> instances, ends;  // ends: not allocated where nothing can move
     Config config;
     Layout layout = Layout::automatic;  // of the bottom levels
     Defines defines;

@@ -1,39 +1,33 @@
-#include <algorithm>
-
-#include "claray/instances.hpp"
+#include "host/trace/instance_query.hpp"
 #include "host/trace/query_options.hpp"
 
 namespace claray {
-namespace {
 
-template <class... Arguments>
-void trace(const InstancedBvh& bvh, const char* function, const QueryOptions& options, std::size_t rays,
-           const Arguments&... arguments) {
+InstanceQuery::InstanceQuery(const InstancedBvh& bvh, Kind kind, const QueryOptions& options, const std::string& name)
+    : bvh_(bvh), kind_(kind), options_(options) {
     const Device& device = bvh.device();
-    Defines defines = query_defines(bvh.defines(), options);
+    if (kind == Kind::any) options_.visits = {};
+    Defines defines = query_defines(bvh.defines(), options_);
     if (options.brute_force) defines.emplace_back("EVERY_INSTANCE", "1");
-    const std::size_t rays_per_item = std::max(1u, device.tuning("trace/instances", "RAYS_PER_ITEM"));
-    load_kernel(device, "trace/instances.cl", function, defines)
-        .run({(rays + rays_per_item - 1) / rays_per_item, device.tuning("trace/instances", "GROUP_SIZE")}, bvh,
-             arguments...);
+    kernel_ = load_kernel(device, "trace/instances.cl",
+                          kind == Kind::closest ? "closest_hit_instances" : "any_hit_instances", defines);
+    if (!name.empty()) kernel_ = Kernel(device, kernel_.handle(), name);
+    rays_per_item_ = std::max(1u, device.tuning("trace/instances", "RAYS_PER_ITEM"));
+    group_ = device.tuning("trace/instances", "GROUP_SIZE");
 }
-
-}  // namespace
 
 void closest_hit(const InstancedBvh& bvh, const Buffer<Ray>& rays, Buffer<InstanceHit>& hits,
                  const QueryOptions& options, const Buffer<std::uint32_t>& count) {
     check_sizes(rays.size(), hits.size(), options);
-    trace(bvh, "closest_hit_instances", options, rays.size(), rays, hits, std::uint32_t(rays.size()), count,
-          options.ray_masks, options.visits);
+    InstanceQuery(bvh, InstanceQuery::Kind::closest, options)
+        .run(rays, hits, std::uint32_t(rays.size()), count, options.ray_times);
 }
 
 void any_hit(const InstancedBvh& bvh, const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded,
              const QueryOptions& options, const Buffer<std::uint32_t>& count) {
     check_sizes(rays.size(), occluded.size(), options);
-    QueryOptions without_visits = options;
-    without_visits.visits = {};
-    trace(bvh, "any_hit_instances", without_visits, rays.size(), rays, occluded, std::uint32_t(rays.size()), count,
-          options.ray_masks);
+    InstanceQuery(bvh, InstanceQuery::Kind::any, options)
+        .run(rays, occluded, std::uint32_t(rays.size()), count, options.ray_times);
 }
 
 std::vector<InstanceHit> closest_hit(const InstancedBvh& bvh, std::span<const Ray> rays, const QueryOptions& options) {

@@ -48,8 +48,17 @@ public:
         return build(bottoms, instances, Config{});
     }
 
-    /// Builds the top level anew, in the same memory, after `instances()` has changed. With Builder::fast all of it is
-    /// enqueued and nothing waits for the device.
+    /// Over instances that move while rays are traced that have times (QueryOptions::ray_times): at time 0 they are as
+    /// `instances` say, at time 1 as `ends`, of which only the transforms count, and in between their matrices run on a
+    /// straight line. Boxes of the top level hold the whole way. An instance whose matrix may lose its inverse on the
+    /// way, as in half a turn, is counted and left out. Those that end where they begin cost what they always do.
+    [[nodiscard]] static InstancedBvh build(std::span<const Bvh> bottoms, std::span<const Instance> instances,
+                                            std::span<const Instance> ends, const Config& config);
+    [[nodiscard]] static InstancedBvh build(std::span<const Bvh> bottoms, const Buffer<Instance>& instances,
+                                            const Buffer<Instance>& ends, const Config& config);
+
+    /// Builds the top level anew, in the same memory, after `instances()` or `ends()` has changed. With Builder::fast
+    /// all of it is enqueued and nothing waits for the device.
     void rebuild();
     /// Keeps the top level's tree and recomputes its boxes: faster than `rebuild`, and a worse tree the more has moved.
     /// Instances culled at the last build stay out; ones that lose their inverse can't be hit.
@@ -60,6 +69,10 @@ public:
 
     /// Device memory of the instances, to be written by the host or by kernels.
     [[nodiscard]] const Buffer<Instance>& instances() const;
+    /// The same for where they move to; not allocated where it was built without.
+    [[nodiscard]] const Buffer<Instance>& ends() const;
+    /// The instances as traversals read them, as the shutter opens.
+    [[nodiscard]] const Buffer<PlacedInstance>& placed() const;
     [[nodiscard]] std::size_t instance_count() const;
     [[nodiscard]] Layout layout() const;  ///< of the bottom levels
     [[nodiscard]] const Device& device() const;

@@ -20,6 +20,7 @@ struct QueryOptions {
     bool brute_force = false;      ///< tests every triangle, without the tree: same hits, for comparison
     Coherence coherence = Coherence::automatic;
     Buffer<std::uint32_t> ray_masks;  ///< per ray; empty: every ray sees every mesh
+    Buffer<float> ray_times;          ///< per ray, 0 to 1, for an InstancedBvh in motion; empty: all are of time 0
     Buffer<Visits> visits;            ///< where allocated, receives what each ray cost
 };
 

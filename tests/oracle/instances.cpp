@@ -8,16 +8,27 @@ namespace {
 
 constexpr double unit_roundoff = 0x1p-24;
 
-glm::dvec3 to_world(const Instance& i, const glm::dvec3& p) {
-    const auto row = [&](const float* r) { return r[0] * p.x + r[1] * p.y + r[2] * p.z + r[3]; };
-    return {row(i.row0), row(i.row1), row(i.row2)};
+/// x' = linear x + origin.
+struct Placement {
+    glm::dmat3 linear;
+    glm::dvec3 origin;
+};
+
+Placement placement_of(const Instance& i) {
+    Placement p;
+    for (int k = 0; k < 3; ++k) p.linear[k] = {i.row0[k], i.row1[k], i.row2[k]};
+    p.origin = {i.row0[3], i.row1[3], i.row2[3]};
+    return p;
+}
+
+Placement placement_at(const Instance& begin, const Instance& end, double time) {
+    const Placement a = placement_of(begin), b = placement_of(end);
+    return {a.linear * (1 - time) + b.linear * time, a.origin * (1 - time) + b.origin * time};
 }
 
 /// A bound on how far rounding displaces a ray in the object, relative to its distance: |A| |A^-1|, by rows, times the
 /// roundings of a product of matrix and vector and of what it consists of.
-double relative_error(const Instance& i) {
-    glm::dmat3 a;
-    for (int k = 0; k < 3; ++k) a[k] = {i.row0[k], i.row1[k], i.row2[k]};
+double relative_error(const glm::dmat3& a) {
     const glm::dmat3 inverse = glm::inverse(a);
     double worst = 0;
     for (int row = 0; row < 3; ++row) {
@@ -53,21 +64,32 @@ Crossing cross_plane(const Ray& ray, const glm::dvec3* v) {
 }  // namespace
 
 std::vector<glm::dvec3> world_corners(std::span<const Mesh> bottoms, std::span<const Instance> instances) {
+    return world_corners(bottoms, instances, instances, 0);
+}
+
+std::vector<glm::dvec3> world_corners(std::span<const Mesh> bottoms, std::span<const Instance> begins,
+                                      std::span<const Instance> ends, double time) {
     std::vector<glm::dvec3> corners;
-    for (const Instance& instance : instances) {
-        const Mesh& mesh = bottoms[instance.bottom];
+    for (std::size_t i = 0; i < begins.size(); ++i) {
+        const Placement at = placement_at(begins[i], ends[i], time);
+        const Mesh& mesh = bottoms[begins[i].bottom];
         for (const glm::uvec3& t : mesh.triangles)
-            for (int k = 0; k < 3; ++k) corners.push_back(to_world(instance, mesh.positions[t[k]]));
+            for (int k = 0; k < 3; ++k) corners.push_back(at.linear * glm::dvec3(mesh.positions[t[k]]) + at.origin);
     }
     return corners;
 }
 
 InstanceOracle::InstanceOracle(std::span<const Mesh> bottoms, std::span<const Instance> instances)
-    : corners_(world_corners(bottoms, instances)), oracle_(corners_) {
-    for (const Instance& instance : instances) {
+    : InstanceOracle(bottoms, instances, instances, 0) {}
+
+InstanceOracle::InstanceOracle(std::span<const Mesh> bottoms, std::span<const Instance> begins,
+                               std::span<const Instance> ends, double time)
+    : corners_(world_corners(bottoms, begins, ends, time)), oracle_(corners_) {
+    for (std::size_t i = 0; i < begins.size(); ++i) {
+        const Placement at = placement_at(begins[i], ends[i], time);
         first_.push_back(error_.size());
-        error_.resize(error_.size() + bottoms[instance.bottom].triangles.size(), relative_error(instance));
-        origins_.resize(error_.size(), {instance.row0[3], instance.row1[3], instance.row2[3]});
+        error_.resize(error_.size() + bottoms[begins[i].bottom].triangles.size(), relative_error(at.linear));
+        origins_.resize(error_.size(), at.origin);
     }
 }
 

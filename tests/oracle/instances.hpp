@@ -20,6 +20,10 @@ public:
     /// `bottoms[i]` is the mesh of bottom level i.
     InstanceOracle(std::span<const Mesh> bottoms, std::span<const Instance> instances);
 
+    /// At a time between 0 and 1, on the way from `begins` to `ends`.
+    InstanceOracle(std::span<const Mesh> bottoms, std::span<const Instance> begins, std::span<const Instance> ends,
+                   double time);
+
     [[nodiscard]] InstanceComparison compare(std::span<const Ray> rays, std::span<const InstanceHit> hits) const;
 
 private:
@@ -36,5 +40,7 @@ private:
 
 /// All triangles in the world, instance by instance.
 [[nodiscard]] std::vector<glm::dvec3> world_corners(std::span<const Mesh> bottoms, std::span<const Instance> instances);
+[[nodiscard]] std::vector<glm::dvec3> world_corners(std::span<const Mesh> bottoms, std::span<const Instance> begins,
+                                                    std::span<const Instance> ends, double time);
 
 }  // namespace claray::test

@@ -25,7 +25,7 @@ typedef struct PlacedInstance {
     uint bottom;
     uint mask;
     uint id;
-    uint spare;
+    uint moves;  // 1: all this is as the shutter opens only
 } PlacedInstance;
 CLARAY_LAYOUT(PlacedInstance, 64)
 

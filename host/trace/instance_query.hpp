@@ -1,0 +1,38 @@
+// A query over arrays of rays against instances: its kernel for one structure and one set of options.
+#pragma once
+
+#include <algorithm>
+
+#include "claray/instances.hpp"
+
+namespace claray {
+
+class InstanceQuery {
+public:
+    enum class Kind { closest, any };
+
+    InstanceQuery() = default;
+    /// The profiler shows its times under `name`, or under the kernel's where that is empty.
+    InstanceQuery(const InstancedBvh& bvh, Kind kind, const QueryOptions& options = {}, const std::string& name = {});
+
+    /// Traces the first min(*count, capacity) rays, or `capacity` where `count` is absent; enqueued. `results` holds
+    /// InstanceHits or, for any hit, bytes. `times`, of the rays, may be absent.
+    template <class Result>
+    void run(const Buffer<Ray>& rays, Buffer<Result>& results, std::uint32_t capacity,
+             const Buffer<std::uint32_t>& count, const Buffer<float>& times) {
+        const Range range{(std::size_t(capacity) + rays_per_item_ - 1) / rays_per_item_, group_};
+        if (kind_ == Kind::closest)
+            kernel_.run(range, bvh_, rays, results, capacity, count, options_.ray_masks, times, options_.visits);
+        else
+            kernel_.run(range, bvh_, rays, results, capacity, count, options_.ray_masks, times);
+    }
+
+private:
+    InstancedBvh bvh_;
+    Kind kind_ = Kind::closest;
+    QueryOptions options_;
+    Kernel kernel_;
+    std::size_t rays_per_item_ = 1, group_ = 64;
+};
+
+}  // namespace claray
