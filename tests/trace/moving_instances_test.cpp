@@ -162,6 +162,7 @@ TEST_P(MovingInstances, WhatLosesItsInverseIsLeftOut) {
     EXPECT_EQ(culled(turned(175)), 0u);
     EXPECT_EQ(culled(turned(180)), 1u);
     EXPECT_EQ(culled(make_instance(glm::scale(glm::mat4(1.f), glm::vec3(-1, 1, 1)))), 1u);
+    EXPECT_EQ(culled(make_instance(glm::scale(glm::mat4(1.f), glm::vec3(-0.37f, 1, 1)))), 1u);
     EXPECT_EQ(culled(make_instance(glm::mat4(0.f))), 1u);
     Instance broken = still;
     broken.row1[3] = NAN;
