@@ -7,6 +7,7 @@
 #include "claray/error.hpp"
 #include "host/io/mtl.hpp"
 #include "host/io/obj_file.hpp"
+#include "host/io/pale_sky.hpp"
 #include "host/io/triangulate.hpp"
 
 namespace claray {
@@ -131,11 +132,6 @@ void make_materials(const ObjFile& file, Scene& scene, Warnings& warnings) {
     if (textured) warnings.push_back(std::to_string(textured) + " materials name textures, which are left out");
 }
 
-bool emits(const Scene& scene) {
-    return std::any_of(scene.materials.begin(), scene.materials.end(),
-                       [](const Material& m) { return m.emission != glm::vec3(0.f); });
-}
-
 }  // namespace
 
 Scene load_obj(const std::filesystem::path& path, Warnings& warnings) {
@@ -146,10 +142,7 @@ Scene load_obj(const std::filesystem::path& path, Warnings& warnings) {
     make_materials(file, scene, warnings);
     if (file.degenerate_faces)
         warnings.push_back(std::to_string(file.degenerate_faces) + " faces of fewer than 3 vertices were left out");
-    if (!emits(scene)) {
-        scene.sky = {{0.8f, 0.82f, 0.85f}, {1.1f, 1.15f, 1.25f}};
-        warnings.push_back("no material emits light: a pale sky lights the scene");
-    }
+    light_by_pale_sky(scene, warnings);
     return scene;
 }
 

@@ -13,10 +13,12 @@ Scene load_scene(const std::string& name_or_path, Warnings& warnings) {
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return std::tolower(c); });
     if (extension == ".obj") return load_obj(path, warnings);
+    if (extension == ".gltf" || extension == ".glb") return load_gltf(path, warnings);
 
     std::string known;
     for (const char* name : builtin_scene_names()) known += std::string(known.empty() ? "" : ", ") + name;
-    throw Error(ErrorKind::usage, "no scene '" + name_or_path + "'", "give a .obj file or one of " + known);
+    throw Error(ErrorKind::usage, "no scene '" + name_or_path + "'",
+                "give a .obj, .gltf or .glb file or one of " + known);
 }
 
 }  // namespace claray

@@ -50,7 +50,7 @@ TEST_F(BadInput, FolderAsScene) {
 }
 TEST_F(BadInput, UnknownScene) {
     EXPECT_TRUE(
-        failed_with(render("no-such-scene"), 2, "no scene 'no-such-scene'; give a .obj file or one of cornell"));
+        failed_with(render("no-such-scene"), 2, "no scene 'no-such-scene'; give a .obj, .gltf or .glb file or one of cornell"));
 }
 TEST_F(BadInput, BadTriangleCount) { EXPECT_TRUE(failed_with(render("soup:many"), 2, "soup:N")); }
 TEST_F(BadInput, EmptyObj) { EXPECT_TRUE(failed_with(render(file("empty.obj", "")), 1, "empty.obj")); }

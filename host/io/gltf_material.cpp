@@ -1,0 +1,221 @@
+#include "host/io/gltf_material.hpp"
+
+#include "host/compute/file.hpp"
+#include "host/io/image_file.hpp"
+
+namespace claray {
+namespace {
+
+using std::to_string;
+
+/// A number of an extension; `fallback` where it is not given.
+float number(const tinygltf::Value& object, const char* key, float fallback) {
+    if (!object.IsObject() || !object.Has(key)) return fallback;
+    const tinygltf::Value& value = object.Get(key);
+    return value.IsNumber() ? float(value.GetNumberAsDouble()) : fallback;
+}
+
+/// An index of an extension; -1 where it is none.
+int index_in(const tinygltf::Value& object, const char* key, int fallback) {
+    const float value = number(object, key, float(fallback));
+    return value >= 0.f && value < 1e6f ? int(value) : -1;
+}
+
+/// Up to N numbers of an array.
+template <int N>
+glm::vec<N, float> numbers(const tinygltf::Value& object, const char* key, glm::vec<N, float> fallback) {
+    if (!object.IsObject() || !object.Has(key) || !object.Get(key).IsArray()) return fallback;
+    const tinygltf::Value& array = object.Get(key);
+    for (int k = 0; k < N && std::size_t(k) < array.ArrayLen(); ++k)
+        if (array.Get(std::size_t(k)).IsNumber()) fallback[k] = float(array.Get(std::size_t(k)).GetNumberAsDouble());
+    return fallback;
+}
+
+/// An extension of an object; an empty value where it has none.
+const tinygltf::Value& extension(const tinygltf::ExtensionMap& extensions, const char* name) {
+    static const tinygltf::Value none;
+    const auto found = extensions.find(name);
+    return found == extensions.end() ? none : found->second;
+}
+
+glm::vec3 color(const std::vector<double>& values, const glm::vec3& fallback) {
+    return values.size() < 3 ? fallback : glm::vec3(float(values[0]), float(values[1]), float(values[2]));
+}
+
+Wrap wrap_of(int mode, const GltfFile& file) {
+    switch (mode) {
+        case TINYGLTF_TEXTURE_WRAP_REPEAT: return Wrap::repeat;
+        case TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE: return Wrap::clamp;
+        case TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT: return Wrap::mirror;
+        default: file.fail("a sampler has the unknown wrap mode " + to_string(mode));
+    }
+}
+
+/// What is not said is filtered as well as can be; mip levels are left out where the file does.
+Filter filter_of(const tinygltf::Sampler& sampler) {
+    if (sampler.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST) return Filter::nearest;
+    const bool no_levels =
+        sampler.minFilter == TINYGLTF_TEXTURE_FILTER_NEAREST || sampler.minFilter == TINYGLTF_TEXTURE_FILTER_LINEAR;
+    return no_levels ? Filter::bilinear : Filter::trilinear;
+}
+
+}  // namespace
+
+std::uint32_t GltfMaterials::index_of(int material, const std::string& user) {
+    const std::size_t count = file_.model.materials.size();
+    if (material >= 0 && std::size_t(material) >= count)
+        file_.fail(user + " refers to material " + to_string(material) + " of " + to_string(count));
+    std::uint32_t& index = known_[material < 0 ? count : std::size_t(material)];
+    if (index != unknown) return index;
+    index = std::uint32_t(scene_.materials.size());
+    static const tinygltf::Material standard;
+    const tinygltf::Material& source = material < 0 ? standard : file_.model.materials[std::size_t(material)];
+    Material made =
+        make(source, material < 0 ? "the default material" : gltf_name("material", source.name, std::size_t(material)));
+    scene_.materials.push_back(std::move(made));
+    return index;
+}
+
+// A texture whose factor is 0 changes nothing and is not loaded.
+Material GltfMaterials::make(const tinygltf::Material& source, const std::string& name) {
+    const tinygltf::PbrMetallicRoughness& base = source.pbrMetallicRoughness;
+    Material material;
+    material.name = source.name;
+    material.kind = MaterialKind::principled;
+    material.albedo = color(base.baseColorFactor, glm::vec3(1.f));
+    material.opacity = base.baseColorFactor.size() > 3 ? float(base.baseColorFactor[3]) : 1.f;
+    material.metallic = float(base.metallicFactor);
+    material.roughness = float(base.roughnessFactor);
+    material.emission = color(source.emissiveFactor, glm::vec3(0.f));
+    material.cull_back = !source.doubleSided;
+    material.alpha_cutoff = float(source.alphaCutoff);
+    if (source.alphaMode == "MASK")
+        material.alpha_mode = AlphaMode::mask;
+    else if (source.alphaMode == "BLEND")
+        material.alpha_mode = AlphaMode::blend;
+    else if (source.alphaMode != "OPAQUE")
+        file_.fail(name + " has the unknown alpha mode '" + source.alphaMode + "'");
+
+    material.albedo_map = use(base.baseColorTexture.index, base.baseColorTexture.texCoord,
+                              base.baseColorTexture.extensions, TexelFormat::srgb8, name);
+    if (material.metallic != 0.f || material.roughness != 0.f)
+        material.metallic_roughness_map =
+            use(base.metallicRoughnessTexture.index, base.metallicRoughnessTexture.texCoord,
+                base.metallicRoughnessTexture.extensions, TexelFormat::linear8, name);
+    material.normal_map = use(source.normalTexture.index, source.normalTexture.texCoord,
+                              source.normalTexture.extensions, TexelFormat::linear8, name);
+    material.normal_scale = float(source.normalTexture.scale);
+    if (material.emission != glm::vec3(0.f))
+        material.emission_map = use(source.emissiveTexture.index, source.emissiveTexture.texCoord,
+                                    source.emissiveTexture.extensions, TexelFormat::srgb8, name);
+    add_extensions(material, source, name);
+    return material;
+}
+
+void GltfMaterials::add_extensions(Material& material, const tinygltf::Material& source, const std::string& name) {
+    const auto& all = source.extensions;
+    material.emission *= number(extension(all, "KHR_materials_emissive_strength"), "emissiveStrength", 1.f);
+
+    material.ior = number(extension(all, "KHR_materials_ior"), "ior", 1.5f);
+    if (material.ior == 0.f) {  // the extension's way to ask for another model of materials
+        warnings_.push_back(name + " has an index of refraction of 0: 1.5 is used");
+        material.ior = 1.5f;
+    }
+
+    const tinygltf::Value& transmission = extension(all, "KHR_materials_transmission");
+    material.transmission = number(transmission, "transmissionFactor", 0.f);
+    if (material.transmission != 0.f) {
+        material.transmission_map = use(transmission, "transmissionTexture", name);
+        material.cull_back = false;  // what enters a solid leaves by a back
+    }
+
+    const tinygltf::Value& volume = extension(all, "KHR_materials_volume");
+    material.attenuation = numbers<3>(volume, "attenuationColor", glm::vec3(1.f));
+    material.attenuation_distance = number(volume, "attenuationDistance", 0.f);
+
+    const tinygltf::Value& clearcoat = extension(all, "KHR_materials_clearcoat");
+    material.clearcoat = number(clearcoat, "clearcoatFactor", 0.f);
+    material.clearcoat_roughness = number(clearcoat, "clearcoatRoughnessFactor", 0.f);
+    if (material.clearcoat == 0.f) return;
+    material.clearcoat_map = use(clearcoat, "clearcoatTexture", name);
+    material.clearcoat_roughness_map = use(clearcoat, "clearcoatRoughnessTexture", name);
+    if (clearcoat.IsObject() && clearcoat.Has("clearcoatNormalTexture"))
+        warnings_.push_back(name + ": the normal map of its clearcoat is left out");
+}
+
+TextureUse GltfMaterials::use(int index, int uv_set, const tinygltf::ExtensionMap& extensions, TexelFormat format,
+                              const std::string& user) {
+    TextureUse result;
+    if (index < 0) return result;
+    const tinygltf::Value& transform = extension(extensions, "KHR_texture_transform");
+    result.offset = numbers<2>(transform, "offset", glm::vec2(0.f));
+    result.scale = numbers<2>(transform, "scale", glm::vec2(1.f));
+    result.rotation = number(transform, "rotation", 0.f);
+    const int set = index_in(transform, "texCoord", uv_set);
+    if (set != 0 && set != 1) {
+        warnings_.push_back(user + ": a texture by coordinates TEXCOORD_" + to_string(set) +
+                            " is left out, only 0 and 1 are read");
+        return {};
+    }
+    result.uv_set = std::uint32_t(set);
+    result.texture = texture(index, format, user);
+    return result;
+}
+
+TextureUse GltfMaterials::use(const tinygltf::Value& object, const char* key, const std::string& user) {
+    if (!object.IsObject() || !object.Has(key)) return {};
+    const tinygltf::Value& info = object.Get(key);
+    tinygltf::ExtensionMap extensions;
+    if (info.IsObject() && info.Has("extensions") && info.Get("extensions").IsObject())
+        extensions = info.Get("extensions").Get<tinygltf::Value::Object>();
+    return use(index_in(info, "index", -1), index_in(info, "texCoord", 0), extensions, TexelFormat::linear8, user);
+}
+
+std::uint32_t GltfMaterials::texture(int index, TexelFormat format, const std::string& user) {
+    const tinygltf::Model& model = file_.model;
+    if (std::size_t(index) >= model.textures.size())
+        file_.fail(user + " refers to texture " + to_string(index) + " of " + to_string(model.textures.size()));
+    const tinygltf::Texture& texture = model.textures[std::size_t(index)];
+    const std::string name = gltf_name("texture", texture.name, std::size_t(index));
+    if (texture.source < 0 || std::size_t(texture.source) >= model.images.size())
+        file_.fail(name + (texture.source < 0 ? " has no image that claray can read"
+                                              : " refers to image " + to_string(texture.source) + " of " +
+                                                    to_string(model.images.size())),
+                   "export images as PNG or JPEG");
+    TextureSettings settings;
+    settings.eight_bit = format;
+    if (texture.sampler >= 0) {
+        if (std::size_t(texture.sampler) >= model.samplers.size())
+            file_.fail(name + " refers to sampler " + to_string(texture.sampler) + " of " +
+                       to_string(model.samplers.size()));
+        const tinygltf::Sampler& sampler = model.samplers[std::size_t(texture.sampler)];
+        settings.wrap_u = wrap_of(sampler.wrapS, file_);
+        settings.wrap_v = wrap_of(sampler.wrapT, file_);
+        settings.filter = filter_of(sampler);
+    }
+    return textures_.add(to_string(texture.source), settings, [&](TexelFormat eight_bit, std::size_t room) {
+        return decode(texture.source, eight_bit, room);
+    });
+}
+
+Texture GltfMaterials::decode(int index, TexelFormat eight_bit, std::size_t room) {
+    const tinygltf::Image& image = file_.model.images[std::size_t(index)];
+    const std::string name = gltf_name("image", image.name, std::size_t(index));
+    const std::string what = name + " of '" + file_.path.string() + "'";
+    Texture texture;
+    if (image.bufferView >= 0) {
+        texture = decode_texture(file_.view(image.bufferView, name), what, eight_bit, room);
+    } else if (!image.image.empty()) {
+        const std::string_view bytes(reinterpret_cast<const char*>(image.image.data()), image.image.size());
+        texture = decode_texture(bytes, what, eight_bit, room);
+    } else {
+        const auto folder = file_.path.parent_path();
+        const auto path = path_in_scene(folder, folder, percent_decoded(image.uri));
+        const std::string bytes = read_file(path, "put the image beside the glTF");
+        texture = decode_texture(bytes, "'" + path.string() + "'", eight_bit, room);
+    }
+    texture.name = !image.name.empty() ? image.name : !image.uri.empty() ? image.uri : "image " + to_string(index);
+    return texture;
+}
+
+}  // namespace claray

@@ -1,0 +1,162 @@
+#include "host/io/gltf_mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/io/gltf_accessor.hpp"
+
+namespace claray {
+namespace {
+
+using std::to_string;
+
+/// glTF 2.0, section 3.7.2.1: how vertices form triangles.
+std::vector<glm::uvec3> triangles_of(const std::vector<std::uint32_t>& indices, int mode) {
+    std::vector<glm::uvec3> triangles;
+    const std::size_t count = indices.size();
+    if (mode == TINYGLTF_MODE_TRIANGLES) {
+        triangles.reserve(count / 3);
+        for (std::size_t i = 0; i + 2 < count; i += 3)
+            triangles.emplace_back(indices[i], indices[i + 1], indices[i + 2]);
+    } else if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
+        for (std::size_t i = 0; i + 2 < count; ++i)
+            triangles.emplace_back(indices[i], indices[i + 1 + i % 2], indices[i + 2 - i % 2]);
+    } else {
+        for (std::size_t i = 0; i + 2 < count; ++i) triangles.emplace_back(indices[i + 1], indices[i + 2], indices[0]);
+    }
+    return triangles;
+}
+
+bool usable(const glm::vec3& v) {
+    const float length = glm::length(v);
+    return std::isfinite(length) && length > 1e-12f;
+}
+
+/// Normals of length 1; those of no length become that of the vertex's triangles.
+void mend_normals(Mesh& mesh) {
+    bool all = true;
+    for (glm::vec3& normal : mesh.normals) {
+        const bool good = usable(normal);
+        normal = good ? glm::normalize(normal) : glm::vec3(0.f);
+        all = all && good;
+    }
+    if (all) return;
+    std::vector<glm::vec3> sums(mesh.positions.size(), glm::vec3(0.f));
+    for (const glm::uvec3& t : mesh.triangles) {
+        const glm::vec3& origin = mesh.positions[t.x];
+        const glm::vec3 area = glm::cross(mesh.positions[t.y] - origin, mesh.positions[t.z] - origin);
+        for (int k = 0; k < 3; ++k) sums[t[k]] += area;
+    }
+    for (std::size_t i = 0; i < sums.size(); ++i)
+        if (mesh.normals[i] == glm::vec3(0.f))
+            mesh.normals[i] = usable(sums[i]) ? glm::normalize(sums[i]) : glm::vec3(0.f, 1.f, 0.f);
+}
+
+/// Tangents of length 1; where one is of no length, none are kept: they come from the triangles' own coordinates then.
+void mend_tangents(Mesh& mesh) {
+    for (glm::vec4& tangent : mesh.tangents) {
+        if (!usable(glm::vec3(tangent)) || !std::isfinite(tangent.w)) return mesh.tangents.clear();
+        tangent = glm::vec4(glm::normalize(glm::vec3(tangent)), tangent.w < 0.f ? -1.f : 1.f);
+    }
+}
+
+void mend_uvs(std::vector<glm::vec2>& uvs) {
+    for (glm::vec2& uv : uvs)
+        if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = glm::vec2(0.f);
+}
+
+/// Reads the attributes of one primitive.
+class Attributes {
+public:
+    Attributes(const GltfFile& file, const tinygltf::Primitive& primitive, std::string name)
+        : file_(file), primitive_(primitive), name_(std::move(name)) {}
+
+    [[nodiscard]] bool has(const char* attribute) const { return primitive_.attributes.count(attribute) > 0; }
+
+    /// Nothing where the primitive has no such attribute.
+    template <int N>
+    [[nodiscard]] std::vector<glm::vec<N, float>> read(const char* attribute) {
+        const auto found = primitive_.attributes.find(attribute);
+        if (found == primitive_.attributes.end()) return {};
+        auto values = read_vectors<N>(file_, found->second, name_ + ": " + attribute);
+        if (vertices_ == none) vertices_ = values.size();
+        if (values.size() != vertices_)
+            file_.fail(name_ + ": " + attribute + " has " + to_string(values.size()) + " elements for " +
+                       to_string(vertices_) + " vertices");
+        return values;
+    }
+
+private:
+    static constexpr std::size_t none = ~std::size_t(0);
+    const GltfFile& file_;
+    const tinygltf::Primitive& primitive_;
+    std::string name_;
+    std::size_t vertices_ = none;
+};
+
+std::vector<std::uint32_t> indices_of(const GltfFile& file, const tinygltf::Primitive& primitive, std::size_t vertices,
+                                      const std::string& name) {
+    if (primitive.indices >= 0) {
+        std::vector<std::uint32_t> indices = read_indices(file, primitive.indices, name + ": its indices");
+        for (std::size_t i = 0; i < indices.size(); ++i)
+            if (indices[i] >= vertices)
+                file.fail(name + ": index " + to_string(i) + " refers to vertex " + to_string(indices[i]) + " of " +
+                          to_string(vertices));
+        return indices;
+    }
+    std::vector<std::uint32_t> indices(vertices);
+    for (std::size_t i = 0; i < vertices; ++i) indices[i] = std::uint32_t(i);
+    return indices;
+}
+
+}  // namespace
+
+std::optional<Mesh> read_primitive(const GltfFile& file, std::size_t mesh_index, std::size_t primitive_index,
+                                   std::uint32_t material, bool tangents, GltfLeftOut& left_out) {
+    const tinygltf::Mesh& source = file.model.meshes[mesh_index];
+    const tinygltf::Primitive& primitive = source.primitives[primitive_index];
+    const std::string name = gltf_name("mesh", source.name, mesh_index) + ", primitive " + to_string(primitive_index);
+    if (primitive.mode < TINYGLTF_MODE_POINTS || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN)
+        file.fail(name + " has the unknown mode " + to_string(primitive.mode));
+    Attributes attributes(file, primitive, name);
+    if (primitive.mode < TINYGLTF_MODE_TRIANGLES) return ++left_out.not_triangles, std::nullopt;
+    if (!attributes.has("POSITION")) return ++left_out.without_positions, std::nullopt;
+    left_out.with_colors += attributes.has("COLOR_0");
+    left_out.with_targets += !primitive.targets.empty();
+
+    Mesh mesh;
+    mesh.name = source.name.empty() ? "mesh " + to_string(mesh_index) : source.name;
+    if (source.primitives.size() > 1) mesh.name += " / " + to_string(primitive_index);
+    mesh.positions = attributes.read<3>("POSITION");
+    const std::vector<std::uint32_t> indices = indices_of(file, primitive, mesh.positions.size(), name);
+    if (primitive.mode == TINYGLTF_MODE_TRIANGLES && indices.size() % 3 != 0)
+        file.fail(name + ": " + to_string(indices.size()) + " indices are no whole number of triangles");
+    mesh.triangles = triangles_of(indices, primitive.mode);
+    mesh.materials.assign(mesh.triangles.size(), material);
+    mesh.normals = attributes.read<3>("NORMAL");
+    mesh.uvs = attributes.read<2>("TEXCOORD_0");
+    mesh.uvs1 = attributes.read<2>("TEXCOORD_1");
+    if (tangents && !mesh.normals.empty()) mesh.tangents = attributes.read<4>("TANGENT");
+    mend_normals(mesh);
+    mend_tangents(mesh);
+    mend_uvs(mesh.uvs);
+    mend_uvs(mesh.uvs1);
+    if (mesh.triangles.empty()) return std::nullopt;
+    return mesh;
+}
+
+Mesh transformed(Mesh mesh, const glm::dmat4& transform) {
+    if (transform == glm::dmat4(1.0)) return mesh;
+    const glm::dmat3 linear(transform);
+    const bool mirrors = glm::determinant(linear) < 0.0;
+    const glm::dmat3 for_normals = glm::transpose(glm::inverse(linear));
+    for (glm::vec3& p : mesh.positions) p = glm::vec3(transform * glm::dvec4(glm::dvec3(p), 1.0));
+    for (glm::vec3& n : mesh.normals) n = glm::vec3(glm::normalize(for_normals * glm::dvec3(n)));
+    for (glm::vec4& t : mesh.tangents)
+        t = glm::vec4(glm::normalize(linear * glm::dvec3(t.x, t.y, t.z)), mirrors ? -t.w : t.w);
+    if (mirrors)
+        for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);
+    return mesh;
+}
+
+}  // namespace claray

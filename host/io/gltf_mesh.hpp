@@ -1,0 +1,24 @@
+// glTF primitives to meshes.
+#pragma once
+
+#include <optional>
+
+#include "host/io/gltf_file.hpp"
+
+namespace claray {
+
+/// What was left out of the meshes, for one warning each.
+struct GltfLeftOut {
+    std::size_t not_triangles = 0, without_positions = 0, with_colors = 0, with_targets = 0;
+};
+
+/// One primitive, all of whose triangles are of `material`; nothing where it holds no triangles. Tangents are read
+/// where `tangents` says that something looks at them.
+[[nodiscard]] std::optional<Mesh> read_primitive(const GltfFile& file, std::size_t mesh, std::size_t primitive,
+                                                 std::uint32_t material, bool tangents, GltfLeftOut& left_out);
+
+/// The mesh as it stands in the world. A transform that mirrors turns the triangles round, so that their fronts stay
+/// fronts (glTF 2.0, section 3.7.4).
+[[nodiscard]] Mesh transformed(Mesh mesh, const glm::dmat4& transform);
+
+}  // namespace claray
