@@ -14,6 +14,7 @@ using Action = std::function<void()>;
 void add_devices_command(CLI::App& app, Action& action);
 void add_scenes_command(CLI::App& app, Action& action);
 void add_render_command(CLI::App& app, Action& action);
+void add_explain_command(CLI::App& app, Action& action);
 void add_compile_command(CLI::App& app, Action& action);
 void add_bench_command(CLI::App& app, Action& action);
 void add_tune_command(CLI::App& app, Action& action);

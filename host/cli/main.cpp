@@ -53,6 +53,7 @@ int run(int argc, char** argv) {
     claray::cli::add_devices_command(app, action);
     claray::cli::add_scenes_command(app, action);
     claray::cli::add_render_command(app, action);
+    claray::cli::add_explain_command(app, action);
     claray::cli::add_compile_command(app, action);
     claray::cli::add_build_command(app, action);
     claray::cli::add_bench_command(app, action);

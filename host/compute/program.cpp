@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "host/compute/build_report.hpp"
 #include "host/compute/device_state.hpp"
 #include "host/compute/kernel_sources.hpp"
 #include "host/compute/memory.hpp"
@@ -70,7 +71,8 @@ std::string with_file_name(std::string log, const KernelSource& main) {
 
 /// Compiles with every other file as a named header, so that #include works on every driver and messages keep their
 /// file and line. CLHPP's Program::compile takes no headers (as of 3.0), hence the C call.
-cl::Program compile_from_source(const Device& device, const KernelSource& main, const std::string& options) {
+cl::Program compile_from_source(const Device& device, const KernelSource& main, const std::string& options,
+                                std::string* log = nullptr) {
     const cl::Context& context = device.context();
     const cl_device_id id = device.state().device();
     std::vector<cl::Program> headers;
@@ -92,7 +94,9 @@ cl::Program compile_from_source(const Device& device, const KernelSource& main, 
     if (linked != CL_SUCCESS)
         throw_build_error(device, main, options,
                           result ? build_log(cl::Program(result), device.state().device) : "the link step failed");
-    return cl::Program(result);
+    const cl::Program linked_program(result);
+    if (log) *log = build_log(program, device.state().device) + '\n' + build_log(linked_program, device.state().device);
+    return linked_program;
 }
 
 /// Nothing where the driver refuses a binary that it made itself (an update that kept its version string, say).
@@ -187,6 +191,40 @@ void Kernel::enqueue(Range range, unsigned arguments) try {
                     "end other programs that use the device, or use a smaller scene");
     throw Error(ErrorKind::device, "cannot run the kernel " + name_ + " on " + device_->info().name + ": " +
                                        error.what() + " gave " + std::to_string(error.err()));
+}
+
+BuildReport report_build(const Device& device, const std::string& file, const Defines& defines) try {
+    KernelSource source = kernel_source(file);
+    // Drivers have caches of their own: a declaration makes the source a new one.
+    const auto now = std::chrono::system_clock::now().time_since_epoch().count();
+    source.text += "\nvoid claray_never_seen_" + std::to_string(now) + "(void);\n";
+    std::string options = build_options(device, with_tuning(device, file, defines), Math::strict), log;
+    if (is_nvidia(device)) options += " -cl-nv-verbose";
+    BuildReport report;
+    const auto begin = std::chrono::steady_clock::now();
+    const cl::Program program = compile_from_source(device, source, options, &log);
+    (void)program.getInfo<CL_PROGRAM_BINARIES>();  // PoCL makes machine code no sooner than it is asked for
+    report.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    read_build_log(log, report);
+    return report;
+} catch (const cl::Error& error) {
+    throw Error(ErrorKind::device, "cannot compile " + file + " on " + device.info().name + ": " + error.what() +
+                                       " gave " + std::to_string(error.err()));
+}
+
+void read_build_log(const std::string& log, BuildReport& report) {
+    const auto number_before = [&](std::size_t at) {
+        const std::size_t end = log.find_last_of("0123456789", at);
+        if (end == std::string::npos) return 0u;
+        const std::size_t before = log.find_last_not_of("0123456789", end);
+        return unsigned(std::stoul(log.substr(before + 1, end - before)));
+    };
+    const auto largest = [&](const std::string& words, std::optional<unsigned>& value) {
+        for (std::size_t at = 0; (at = log.find(words, at)) != std::string::npos; at += words.size())
+            value = std::max(value.value_or(0), number_before(at));
+    };
+    largest(" registers", report.registers);
+    largest(" bytes spill stores", report.spill_bytes);
 }
 
 Kernel load_kernel(const Device& device, const std::string& file, const std::string& function, const Defines& defines,

@@ -1,0 +1,161 @@
+#include "host/bench/explain.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "host/bench/measure.hpp"
+#include "host/render/effects.hpp"
+
+namespace claray::bench {
+namespace {
+
+constexpr unsigned endless = 1u << 20;  // samples a pixel
+constexpr int rounds_before = 3;        // which grow to the size of a batch and find their kernels
+
+/// Device time of all that a batch of samples needs; what the renderer measures of the image is not part of it.
+double milliseconds_of_batch(const Device& device, Renderer& renderer) {
+    device.finish();
+    device.profiler().reset();
+    (void)renderer.render([](const RenderProgress&) { return false; });
+    double total = 0;
+    for (const auto& [name, summary] : device.profiler().summary())
+        if (name != "measure_noise" && name != "write_buffer" && name != "read_buffer") total += summary.milliseconds;
+    return total;
+}
+
+class Explainer {
+public:
+    Explainer(const Device& device, const Scene& scene, const RenderConfig& config, const ExplainOptions& options)
+        : device_(device), scene_(scene), config_(config), options_(options) {
+        config_.spp = endless;
+        config_.compiler.clear();
+    }
+
+    /// Compares a variant with the scene's own kernels.
+    Variant compare_with_own(const EffectOverrides& overrides, EffectSet concerned, double& ratio) {
+        RenderConfig config = config_;
+        config.effects = overrides;
+        Renderer own(device_, scene_, config_), other(device_, scene_, config);
+        const PairedTimes times =
+            compare(device_, own, other, std::size_t(config.width) * config.height, options_.rounds);
+        own_times_.push_back(times.first);
+        own_bytes_ = own.statistics().device_bytes;
+        own_effects_ = own.statistics().effects;
+        Variant variant;
+        variant.bytes = other.statistics().device_bytes;
+        variant.milliseconds = times.second;
+        ratio = times.ratio;
+        add_compilation(other.statistics().effects | overrides.add, concerned, variant);
+        return variant;
+    }
+
+    [[nodiscard]] Variant own() {
+        Variant variant;
+        variant.milliseconds = median(own_times_);
+        variant.bytes = own_bytes_;
+        add_compilation(own_effects_, full_effects(), variant);
+        return variant;
+    }
+    /// Compile time of the scene's own kernels of which these effects are a part.
+    [[nodiscard]] double own_compilation(EffectSet concerned) {
+        Variant variant;
+        add_compilation(own_effects_, concerned, variant);
+        return variant.compile_milliseconds;
+    }
+
+private:
+    /// Of the kernels of which one of the effects is a part.
+    void add_compilation(EffectSet effects, EffectSet concerned, Variant& variant) {
+        if (!options_.compile_times) return;
+        const std::pair<Stage, const char*> files[] = {{Stage::generate, "render/generate_rays.cl"},
+                                                       {Stage::trace, "trace/closest_hit.cl"},
+                                                       {Stage::trace, "trace/any_hit.cl"},
+                                                       {Stage::shade, "render/shade_surface.cl"}};
+        for (const auto& [stage, file] : files) {
+            const auto is_part = [&, at = stage](Effect effect) {
+                return concerned.has(effect) && concerns(effect, at);
+            };
+            if (!std::any_of(all_effects().begin(), all_effects().end(), is_part)) continue;
+            const BuildReport& report = build(file, defines_of(effects, stage));
+            variant.compile_milliseconds += report.milliseconds;
+            if (stage == Stage::shade) variant.registers = report.registers, variant.spill_bytes = report.spill_bytes;
+        }
+    }
+
+    /// Compiled once for every set of macros.
+    const BuildReport& build(const std::string& file, const Defines& defines) {
+        std::string key = file;
+        for (const auto& [name, value] : defines) key += ' ' + name + '=' + value;
+        const auto found = builds_.find(key);
+        if (found != builds_.end()) return found->second;
+        return builds_.emplace(key, report_build(device_, file, defines)).first->second;
+    }
+
+    std::map<std::string, BuildReport> builds_;
+    Device device_;
+    const Scene& scene_;
+    RenderConfig config_;
+    ExplainOptions options_;
+    std::vector<double> own_times_;
+    std::uint64_t own_bytes_ = 0;
+    EffectSet own_effects_;
+};
+
+}  // namespace
+
+PairedTimes compare(const Device& device, Renderer& first, Renderer& second, std::size_t pixels, int rounds) {
+    std::vector<double> firsts, seconds, ratios;
+    std::uint64_t samples_before = 0;
+    for (int round = -rounds_before; round < rounds; ++round) {
+        double a = 0, b = 0;
+        if (round % 2 == 0)
+            a = milliseconds_of_batch(device, first), b = milliseconds_of_batch(device, second);
+        else
+            b = milliseconds_of_batch(device, second), a = milliseconds_of_batch(device, first);
+        const std::uint64_t samples = first.statistics().camera.rays;
+        const double frames = double(samples - samples_before) / double(pixels);
+        samples_before = samples;
+        if (round < 0 || !(a > 0)) continue;
+        firsts.push_back(a / frames), seconds.push_back(b / frames), ratios.push_back(b / a);
+    }
+    return {median(firsts), median(seconds), median(ratios)};
+}
+
+Explanation explain(const Device& device, const Scene& scene, const RenderConfig& config, const ExplainOptions& options,
+                    const std::function<void(const std::string&)>& progress) {
+    const auto tell = [&](const std::string& what) {
+        if (progress) progress(what);
+    };
+    const Scene stripped = config.effects.remove.empty() ? Scene() : without_effects(scene, config.effects.remove);
+    const Scene& explained = config.effects.remove.empty() ? scene : stripped;
+    RenderConfig plain = config;
+    plain.effects = {};
+    Explainer explainer(device, explained, plain, options);
+    Explanation explanation;
+    tell("everything compiled in");
+    explanation.full = explainer.compare_with_own({full_effects(), {}}, full_effects(), explanation.full_ratio);
+
+    const EffectSet called_for = effects_of(explained);
+    const std::vector<EffectCause> causes = causes_of_effects(explained);
+    for (const Effect effect : all_effects()) {
+        if (!options.only.has(effect)) continue;
+        ExplainedEffect row;
+        row.effect = effect;
+        row.called_for = called_for.has(effect);
+        row.fixed = row.called_for && effect == Effect::lambert;
+        for (const EffectCause& cause : causes)
+            if (cause.effect == effect) row.cause = cause;
+        if (!row.fixed) {
+            tell(std::string(row.called_for ? "without " : "with ") + name_of(effect));
+            const EffectOverrides overrides =
+                row.called_for ? EffectOverrides{{}, {effect}} : EffectOverrides{{effect}, {}};
+            row.other = explainer.compare_with_own(overrides, {effect}, row.ratio);
+            row.own_compile_milliseconds = explainer.own_compilation({effect});
+        }
+        explanation.effects.push_back(std::move(row));
+    }
+    explanation.own = explainer.own();
+    return explanation;
+}
+
+}  // namespace claray::bench

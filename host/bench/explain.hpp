@@ -1,0 +1,53 @@
+// What each effect of a scene costs: with and without it, by turns.
+#pragma once
+
+#include <functional>
+
+#include "claray/renderer.hpp"
+#include "host/compute/build_report.hpp"
+
+namespace claray::bench {
+
+/// A renderer of the scene for one set of effects.
+struct Variant {
+    double milliseconds = 0;  ///< device time of one frame: a sample for every pixel
+    double compile_milliseconds = 0;
+    std::optional<unsigned> registers, spill_bytes;  ///< of the shading kernel
+    std::uint64_t bytes = 0;                         ///< device memory
+};
+
+struct ExplainedEffect {
+    Effect effect{};
+    bool called_for = false;
+    EffectCause cause;                    ///< where it is called for
+    bool fixed = false;                   ///< nothing can take its place: only Lambert
+    Variant other;                        ///< the scene without it, or with it compiled in though nothing calls for it
+    double own_compile_milliseconds = 0;  ///< of the same kernels as compiled for the scene
+    double ratio = 1;  ///< time of `other` over that of the scene's own kernels, from pairs of frames
+};
+
+struct Explanation {
+    Variant own;            ///< what the scene calls for and nothing else
+    Variant full;           ///< everything compiled in
+    double full_ratio = 1;  ///< as in ExplainedEffect
+    std::vector<ExplainedEffect> effects;
+};
+
+struct ExplainOptions {
+    EffectSet only = full_effects();  ///< what to measure
+    int rounds = 7;                   ///< pairs of batches that are compared for each
+    bool compile_times = true;        ///< compile all kernels once more for their time
+};
+[[nodiscard]] Explanation explain(const Device& device, const Scene& scene, const RenderConfig& config,
+                                  const ExplainOptions& options,
+                                  const std::function<void(const std::string&)>& progress = {});
+
+/// The times of two renderers over the same samples, by turns: milliseconds of one frame each, and the median over the
+/// rounds of the second's time over the first's.
+struct PairedTimes {
+    double first = 0, second = 0, ratio = 1;
+};
+[[nodiscard]] PairedTimes compare(const Device& device, Renderer& first, Renderer& second, std::size_t pixels,
+                                  int rounds);
+
+}  // namespace claray::bench

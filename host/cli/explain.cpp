@@ -1,0 +1,190 @@
+// claray explain: what a scene calls for, why, and what it costs.
+#include "host/bench/explain.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <tuple>
+
+#include "claray/io.hpp"
+#include "host/cli/bars.hpp"
+#include "host/cli/commands.hpp"
+#include "host/cli/render_options.hpp"
+#include "host/cli/table.hpp"
+#include "host/compute/file.hpp"
+
+namespace claray::cli {
+namespace {
+
+using bench::ExplainedEffect;
+using bench::Explanation;
+using bench::Variant;
+
+struct Options {
+    std::string scene, device, effects, only;
+    RenderConfig config = {.width = 128, .height = 128};
+    bench::ExplainOptions measure;
+    std::filesystem::path svg;
+    bool json = false, quiet = false;
+};
+
+/// Milliseconds that the effect adds to a frame; for one that nothing calls for, that it would add.
+double cost(const ExplainedEffect& e, const Variant& own) {
+    return e.called_for ? own.milliseconds * (1 - e.ratio) : own.milliseconds * (e.ratio - 1);
+}
+
+double compile_cost(const ExplainedEffect& e) {
+    const double difference = e.other.compile_milliseconds - e.own_compile_milliseconds;
+    return e.called_for ? -difference : difference;
+}
+
+std::string reason(const EffectCause& cause) {
+    if (cause.count == 0) return "nothing";
+    return cause.count == 1 ? cause.first : cause.first + " and " + std::to_string(cause.count - 1) + " more";
+}
+
+std::string told(const std::optional<unsigned>& value) { return value ? std::to_string(*value) : "not told"; }
+
+std::string kilobytes(double bytes) { return fixed(bytes * 1e-3, 1); }
+
+Row row_of(const ExplainedEffect& e, const Variant& own) {
+    Row row = {name_of(e.effect), e.called_for ? reason(e.cause) : "-"};
+    if (e.fixed) {
+        for (int i = 0; i < 6; ++i) row.emplace_back("-");
+        return row;
+    }
+    const double with = e.called_for ? own.milliseconds : own.milliseconds * e.ratio;
+    const double without = e.called_for ? own.milliseconds * e.ratio : own.milliseconds;
+    const double bytes = e.called_for ? double(own.bytes) - double(e.other.bytes) : 0;
+    const Variant& other = e.other;
+    row.insert(row.end(), {fixed(with, 3), fixed(without, 3), fixed(cost(e, own), 3), fixed(compile_cost(e), 0),
+                           kilobytes(bytes), told(other.registers)});
+    return row;
+}
+
+void print_variant(const char* name, const Variant& v) {
+    std::printf("%-20s %.3f ms a frame, compiled in %.0f ms, %.1f kB on the device, registers: %s, spilled bytes: %s\n",
+                name, v.milliseconds, v.compile_milliseconds, double(v.bytes) * 1e-3, told(v.registers).c_str(),
+                told(v.spill_bytes).c_str());
+}
+
+void print_text(const Explanation& x, const Options& o, const Device& device) {
+    std::printf("%s on %s, %ux%u, one sample a pixel\n", o.scene.c_str(), device.info().name.c_str(), o.config.width,
+                o.config.height);
+    if (!o.effects.empty()) std::printf("effects are overridden: %s\n", o.effects.c_str());
+    for (const bool called_for : {true, false}) {
+        std::vector<Row> rows = {{called_for ? "called for" : "left out", "by", "ms with", "ms without", "ms more",
+                                  "compile ms more", "kB", "registers"}};
+        rows[0].back() += called_for ? " without" : " with";
+        for (const ExplainedEffect& e : x.effects)
+            if (e.called_for == called_for) rows.push_back(row_of(e, x.own));
+        std::printf("\n");
+        if (rows.size() > 1) print_table(rows, 2);
+    }
+    std::printf("\n");
+    print_variant("the scene's own", x.own);
+    print_variant("everything", x.full);
+    std::printf("leaving out what nothing calls for: %.2f times as fast, %.0f ms less to compile\n", x.full_ratio,
+                x.full.compile_milliseconds - x.own.compile_milliseconds);
+}
+
+nlohmann::ordered_json told_json(const std::optional<unsigned>& value) {
+    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
+nlohmann::ordered_json as_json(const Variant& v) {
+    return {{"milliseconds", v.milliseconds},
+            {"compile_milliseconds", v.compile_milliseconds},
+            {"bytes", v.bytes},
+            {"registers", told_json(v.registers)},
+            {"spill_bytes", told_json(v.spill_bytes)}};
+}
+
+nlohmann::ordered_json as_json(const ExplainedEffect& e, const Variant& own) {
+    nlohmann::ordered_json row = {{"name", name_of(e.effect)},
+                                  {"called_for", e.called_for},
+                                  {"by", e.called_for ? nlohmann::ordered_json(e.cause.first) : nullptr},
+                                  {"count", e.cause.count}};
+    if (e.fixed) return row;
+    row["milliseconds_more"] = cost(e, own);
+    row["compile_milliseconds_more"] = compile_cost(e);
+    row["bytes"] = e.called_for ? std::int64_t(own.bytes) - std::int64_t(e.other.bytes) : 0;
+    row["ratio"] = e.ratio;
+    row[e.called_for ? "without" : "with"] = as_json(e.other);
+    return row;
+}
+
+void print_json(const Explanation& x, const Options& o, const Device& device) {
+    nlohmann::ordered_json effects = nlohmann::ordered_json::array();
+    for (const ExplainedEffect& e : x.effects) effects.push_back(as_json(e, x.own));
+    const nlohmann::ordered_json report = {
+        {"scene", o.scene},          {"device", device.info().name},  {"width", o.config.width},
+        {"height", o.config.height}, {"effect_overrides", o.effects}, {"own", as_json(x.own)},
+        {"full", as_json(x.full)},   {"full_ratio", x.full_ratio},    {"effects", effects}};
+    std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+}
+
+void write_svg(const Explanation& x, const Options& o, const Device& device) {
+    BarChart chart;
+    chart.title = "What the effects of " + o.scene + " cost";
+    chart.subtitle = "milliseconds of a frame of " + fixed(x.own.milliseconds, 2) + " ms (" +
+                     std::to_string(o.config.width) + "x" + std::to_string(o.config.height) +
+                     ", one sample a pixel) on " + device.info().name;
+    chart.strong = "called for: what it adds", chart.weak = "left out: what it would add";
+    for (const ExplainedEffect& e : x.effects)
+        if (!e.fixed) chart.bars.push_back({name_of(e.effect), cost(e, x.own), e.called_for});
+    chart.bars.push_back({"everything", x.own.milliseconds * (x.full_ratio - 1), false});
+    write_file(o.svg, svg_of(chart));
+}
+
+void explain(const Options& options) {
+    if (!options.svg.empty()) check_file_writable(options.svg);
+    RenderConfig config = options.config;
+    if (!options.effects.empty()) config.effects = parse_effect_overrides(options.effects);
+    if (!config.effects.add.empty())
+        throw Error(ErrorKind::usage, "--effects: explain measures every effect that could be added",
+                    "write -NAME to take effects from the scene first");
+    bench::ExplainOptions measure = options.measure;
+    if (!options.only.empty()) measure.only = parse_effects(options.only);
+    Warnings warnings;
+    const Scene scene = load_scene(options.scene, warnings);
+    for (const std::string& warning : warnings) std::fprintf(stderr, "claray: warning: %s\n", warning.c_str());
+    const Device device = Device::open(options.device);
+    const Explanation explanation = bench::explain(device, scene, config, measure, [&](const std::string& what) {
+        if (!options.quiet) std::fprintf(stderr, "measuring %s\n", what.c_str());
+    });
+    options.json ? print_json(explanation, options, device) : print_text(explanation, options, device);
+    if (!options.svg.empty()) write_svg(explanation, options, device);
+}
+
+}  // namespace
+
+void add_explain_command(CLI::App& app, Action& action) {
+    CLI::App* command = app.add_subcommand("explain", "Tell what a scene calls for, why, and what each effect costs");
+    command->footer(
+        "Every effect is measured against the scene's own kernels over the same samples, by turns.\n"
+        "Examples:\n"
+        "  claray explain spheres\n"
+        "  claray explain scene.gltf --device gpu --size 1024x1024 --svg cost.svg\n"
+        "  claray explain cornell --only mirror,glass --json");
+    auto o = std::make_shared<Options>();
+    command->add_option("scene", o->scene, "A scene file, or a built-in scene (see claray scenes)")->required();
+    command->add_option_function<std::string>(
+        "--size", [o](const std::string& text) { std::tie(o->config.width, o->config.height) = parse_size(text); },
+        "WIDTHxHEIGHT in pixels [128x128]");
+    command->add_option("--max-depth", o->config.max_depth, "Surfaces a path may meet [8]")->check(CLI::Range(1, 1024));
+    command->add_option("--rounds", o->measure.rounds, "Pairs of batches that are compared for each effect [7]")
+        ->check(CLI::Range(1, 1000));
+    command->add_flag("!--no-compile-times", o->measure.compile_times, "Don't compile everything again for its time");
+    command->add_option("--only", o->only, "Measure these effects only: NAME,NAME...");
+    command->add_option("--effects", o->effects, "-NAME,-NAME... takes effects from the scene first");
+    command->add_option("--svg", o->svg, "Write a bar chart");
+    command->add_option("--device", o->device, "cpu, gpu, an index or a part of the name (see claray devices)");
+    add_bvh_options(*command, o->config.bvh);
+    command->add_flag("--json", o->json, "Print as JSON");
+    command->add_flag("-q,--quiet", o->quiet, "No progress");
+    command->callback([&action, o] { action = [o] { explain(*o); }; });
+}
+
+}  // namespace claray::cli
