@@ -21,6 +21,11 @@ struct CornerHash {
     }
 };
 
+/// MTL counts v from the bottom of an image, claray from the top.
+glm::vec2 from_the_top(const glm::vec2& uv) {
+    return std::isfinite(uv.x) && std::isfinite(uv.y) ? glm::vec2(uv.x, 1.f - uv.y) : glm::vec2(0.f);
+}
+
 /// A normal of no direction is as good as none.
 bool usable(const glm::vec3& n) {
     const float length = glm::length(n);
@@ -71,7 +76,8 @@ private:
         mesh_.positions.push_back(file_.positions[std::size_t(corner.position)]);
         if (has_normals_)
             mesh_.normals.push_back(own ? glm::normalize(file_.normals[std::size_t(corner.normal)]) : flat);
-        if (has_uvs_) mesh_.uvs.push_back(corner.uv >= 0 ? file_.uvs[std::size_t(corner.uv)] : glm::vec2(0.f));
+        if (has_uvs_)
+            mesh_.uvs.push_back(corner.uv >= 0 ? from_the_top(file_.uvs[std::size_t(corner.uv)]) : glm::vec2(0.f));
         return found->second;
     }
 
@@ -103,33 +109,39 @@ std::vector<Mesh> make_meshes(const ObjFile& file, const std::string& fallback_n
     return meshes;
 }
 
-/// The materials that faces use, by name; their indices in the file become indices in the scene.
-void make_materials(const ObjFile& file, Scene& scene, Warnings& warnings) {
-    std::unordered_map<std::string, const tinyobj::material_t*> defined;
-    for (const tinyobj::material_t& mtl : file.mtl_materials)
-        if (!mtl.name.empty()) defined.try_emplace(mtl.name, &mtl);
+/// The materials that faces use, by name, and their images; their indices in the file become indices in the scene.
+void make_materials(const ObjFile& file, const std::filesystem::path& folder, Scene& scene, Warnings& warnings) {
+    std::unordered_map<std::string, std::size_t> defined;
+    for (std::size_t i = 0; i < file.mtl_materials.size(); ++i)
+        if (!file.mtl_materials[i].name.empty()) defined.try_emplace(file.mtl_materials[i].name, i);
 
     constexpr std::uint32_t unused = 0xffffffffu;
     std::vector<std::uint32_t> index(file.material_names.size(), unused);
-    std::size_t textured = 0;
+    MtlMaps maps(folder, scene, warnings);
+    const auto make = [&](const std::string& name) {
+        const auto found = defined.find(name);
+        if (found == defined.end()) {
+            // A missing MTL was reported once already.
+            if (!name.empty() && !file.mtl_materials.empty())
+                warnings.push_back("material '" + name + "' is not defined: it becomes grey");
+            return grey_lambert(name);
+        }
+        const tinyobj::material_t& mtl = file.mtl_materials[found->second];
+        Material material = material_from_mtl(mtl, warnings);
+        maps.add(material, mtl, file.mtl_folders[found->second]);
+        return material;
+    };
     for (Mesh& mesh : scene.meshes) {
         for (std::uint32_t& material : mesh.materials) {
             std::uint32_t& mapped = index[material];
             if (mapped == unused) {
                 mapped = std::uint32_t(scene.materials.size());
-                const std::string& name = file.material_names[material];
-                const auto found = defined.find(name);
-                const bool known = found != defined.end();
-                scene.materials.push_back(known ? material_from_mtl(*found->second, warnings) : grey_lambert(name));
-                if (known) textured += !found->second->diffuse_texname.empty();
-                // A missing MTL was reported once already.
-                if (!known && !name.empty() && !file.mtl_materials.empty())
-                    warnings.push_back("material '" + name + "' is not defined: it becomes grey");
+                scene.materials.push_back(make(file.material_names[material]));
             }
             material = mapped;
         }
     }
-    if (textured) warnings.push_back(std::to_string(textured) + " materials name textures, which are left out");
+    maps.scale_heights();
 }
 
 }  // namespace
@@ -139,7 +151,7 @@ Scene load_obj(const std::filesystem::path& path, Warnings& warnings) {
     scene.name = path.stem().string();
     const ObjFile file = read_obj(path, warnings);
     scene.meshes = make_meshes(file, scene.name);
-    make_materials(file, scene, warnings);
+    make_materials(file, path.parent_path(), scene, warnings);
     if (file.degenerate_faces)
         warnings.push_back(std::to_string(file.degenerate_faces) + " faces of fewer than 3 vertices were left out");
     light_by_pale_sky(scene, warnings);

@@ -14,12 +14,25 @@ float largest(const glm::vec3& c) { return std::max({c.x, c.y, c.z}); }
 float roughness_from_exponent(float exponent) { return std::pow(2.f / (std::max(exponent, 0.f) + 2.f), 0.25f); }
 
 bool is_transparent(const tinyobj::material_t& mtl) {
-    return mtl.illum == 4 || mtl.illum == 6 || mtl.illum == 7 || mtl.illum == 9 || mtl.dissolve < 0.5f;
+    return mtl.illum == 4 || mtl.illum == 6 || mtl.illum == 7 || mtl.illum == 9 ||
+           (mtl.dissolve < 0.5f && mtl.alpha_texname.empty());
 }
 bool is_reflecting(const tinyobj::material_t& mtl) { return mtl.illum == 3 || mtl.illum == 5 || mtl.illum == 8; }
 
+/// The keys of the PBR extension are there; 0 is what tinyobjloader says of those that are not.
+bool is_physical(const tinyobj::material_t& mtl) {
+    return mtl.roughness > 0.f || mtl.metallic > 0.f || mtl.clearcoat_thickness > 0.f ||
+           mtl.clearcoat_roughness > 0.f || !mtl.roughness_texname.empty() || !mtl.metallic_texname.empty();
+}
+/// A metal and nothing else, which the simpler kind says as well.
+bool is_bare_metal(const tinyobj::material_t& mtl) {
+    return mtl.metallic >= 1.f && mtl.clearcoat_thickness <= 0.f && mtl.roughness_texname.empty() &&
+           mtl.metallic_texname.empty();
+}
+
 void make_glass(Material& material, const tinyobj::material_t& mtl) {
     material.kind = MaterialKind::glass;
+    material.roughness = mtl.roughness;
     const glm::vec3 filter = color(mtl.transmittance);  // 0 where the file doesn't say
     material.albedo = largest(filter) > 0.f ? filter : glm::vec3(1.f);
     material.ior = mtl.ior > 1.f ? mtl.ior : 1.5f;  // 1 where the file doesn't say
@@ -30,6 +43,26 @@ void make_metal(Material& material, const glm::vec3& reflectance, float roughnes
     material.kind = roughness * roughness < 1e-3f ? MaterialKind::mirror : MaterialKind::metal;
     material.albedo = reflectance;
     material.roughness = roughness;
+}
+
+/// A texture multiplies the value beside it: where the file names only the texture, that is 1.
+void make_principled(Material& material, const tinyobj::material_t& mtl, float by_exponent) {
+    material.kind = MaterialKind::principled;
+    material.metallic = mtl.metallic == 0.f && !mtl.metallic_texname.empty() ? 1.f : mtl.metallic;
+    material.roughness = mtl.roughness != 0.f             ? mtl.roughness
+                         : !mtl.roughness_texname.empty() ? 1.f
+                         : mtl.shininess > 1.f            ? by_exponent
+                                                          : 0.f;
+    material.clearcoat = mtl.clearcoat_thickness;
+    material.clearcoat_roughness = mtl.clearcoat_roughness;
+    material.ior = mtl.ior > 1.f ? mtl.ior : 1.5f;
+}
+
+/// What is dissolved but still no glass lets a share of the light pass straight on.
+void set_opacity(Material& material, const tinyobj::material_t& mtl) {
+    if (material.kind == MaterialKind::glass || !(mtl.dissolve < 1.f)) return;
+    material.opacity = mtl.dissolve;
+    material.alpha_mode = AlphaMode::blend;
 }
 
 /// Clamps into lo..hi; NaN becomes lo.
@@ -46,7 +79,9 @@ void repair(Material& material, Warnings& warnings) {
         if (!std::isfinite(material.emission[k])) material.emission[k] = -1.f;  // there is no sensible radiance for it
         moved |= clamp(material.emission[k], 0.f, std::numeric_limits<float>::max());
     }
-    moved |= clamp(material.roughness, 0.f, 1.f);
+    for (float* value : {&material.roughness, &material.metallic, &material.clearcoat, &material.clearcoat_roughness,
+                         &material.opacity})
+        moved |= clamp(*value, 0.f, 1.f);
     moved |= clamp(material.ior, 1e-3f, 1e3f);
     if (moved) warnings.push_back("material '" + material.name + "': values out of range were moved into it");
 }
@@ -63,12 +98,15 @@ Material material_from_mtl(const tinyobj::material_t& mtl, Warnings& warnings) {
     const bool has_exponent = mtl.shininess > 1.f;  // 1 where the file doesn't say
     if (is_transparent(mtl))
         make_glass(material, mtl);
-    else if (mtl.metallic >= 0.5f)
+    else if (is_bare_metal(mtl))
         make_metal(material, material.albedo, mtl.roughness > 0.f || !has_exponent ? mtl.roughness : by_exponent);
+    else if (is_physical(mtl))
+        make_principled(material, mtl, by_exponent);
     else if (is_reflecting(mtl) && largest(specular) > 0.f)
         make_metal(material, specular, has_exponent && mtl.shininess < 500.f ? by_exponent : 0.f);
     else if (largest(material.albedo) <= 0.f && largest(specular) > 0.f)
         make_metal(material, specular, by_exponent);
+    set_opacity(material, mtl);
     repair(material, warnings);
     return material;
 }

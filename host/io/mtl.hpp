@@ -3,17 +3,54 @@
 
 #include <tiny_obj_loader.h>
 
-#include "claray/io.hpp"
+#include "host/io/scene_textures.hpp"
 
 namespace claray {
 
-/// Chooses the kind by what the file says of light: a transparent illumination model (4, 6, 7, 9) or d < 0.5 is glass;
-/// Pm
-/// >= 0.5, or Ks alone, is metal; a reflecting model (3, 5, 8) is mirror or metal by its exponent; all else is Lambert.
-/// Values outside their range are moved into it, with a warning.
+/// Chooses the kind by what the file says of light, as docs/formats.md tells, and takes the values over. Values outside
+/// their range are moved into it, with a warning. No texture is read yet.
 [[nodiscard]] Material material_from_mtl(const tinyobj::material_t& mtl, Warnings& warnings);
 
 /// What a mesh without material is made of.
 [[nodiscard]] Material grey_lambert(const std::string& name);
+
+/// Loads the images that materials name and hangs them into these.
+class MtlMaps {
+public:
+    /// `root`: the OBJ's folder, which no image may leave.
+    MtlMaps(std::filesystem::path root, Scene& scene, Warnings& warnings)
+        : root_(std::move(root)), scene_(scene), textures_(scene), warnings_(warnings) {}
+
+    /// `folder`: that of the MTL, to which names are relative.
+    void add(Material& material, const tinyobj::material_t& mtl, const std::filesystem::path& folder);
+
+    /// Height maps are measured in texels, once it is known how large these are in the scene: for every material with
+    /// one from `bump`, by the area of its triangles over that of their texture coordinates.
+    void scale_heights();
+
+private:
+    using Options = tinyobj::texture_option_t;
+    [[nodiscard]] Texture read(const std::filesystem::path& folder, const std::string& name, TexelFormat eight_bit,
+                               std::size_t room) const;
+    [[nodiscard]] TextureUse color(const std::filesystem::path& folder, const std::string& name, const Options& options,
+                                   TexelFormat eight_bit);
+    [[nodiscard]] TextureUse scalar(const std::filesystem::path& folder, const std::string& name,
+                                    const Options& options, bool prefer_alpha);
+    void add_roughness_and_metallic(Material& material, const tinyobj::material_t& mtl,
+                                    const std::filesystem::path& folder);
+    void add_opacity(Material& material, const tinyobj::material_t& mtl, const std::filesystem::path& folder);
+    void add_relief(Material& material, const tinyobj::material_t& mtl, const std::filesystem::path& folder);
+    [[nodiscard]] std::vector<double> texel_sizes() const;
+
+    std::filesystem::path root_;
+    Scene& scene_;
+    SceneTextures textures_;
+    Warnings& warnings_;
+    std::vector<std::string> in_texels_;  ///< materials whose height is measured in texels
+};
+
+/// The text of an MTL with the numbers that -o, -s, -t and -mm may leave out filled in: tinyobjloader would take the
+/// image's name for the next number.
+[[nodiscard]] std::string with_all_option_numbers(const std::string& mtl);
 
 }  // namespace claray

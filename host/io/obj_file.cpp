@@ -12,6 +12,7 @@
 
 #include "claray/error.hpp"
 #include "host/compute/file.hpp"
+#include "host/io/mtl.hpp"
 
 namespace claray {
 namespace {
@@ -72,8 +73,8 @@ std::string_view trim(std::string_view text) {
 /// Reads the MTL files that the OBJ names, from the OBJ's folder.
 class MtlReader : public tinyobj::MaterialReader {
 public:
-    MtlReader(fs::path folder, const LineBuffer& lines, Warnings& warnings)
-        : folder_(std::move(folder)), lines_(lines), warnings_(warnings) {}
+    MtlReader(fs::path folder, const LineBuffer& lines, std::vector<fs::path>& folders, Warnings& warnings)
+        : folder_(std::move(folder)), lines_(lines), folders_(folders), warnings_(warnings) {}
 
     // The parser asks for one name after the other until one is found. But the format wants all of them read, and a
     // name may hold blanks: so all is done at the first.
@@ -106,15 +107,17 @@ private:
     }
 
     void load(const std::string& name, std::vector<tinyobj::material_t>& materials, std::map<std::string, int>& map) {
-        std::istringstream text(read_file(folder_ / name, "check its permissions"));
+        std::istringstream text(with_all_option_numbers(read_file(folder_ / name, "check its permissions")));
         std::string remarks, errors;
         tinyobj::LoadMtl(&map, &materials, &text, &remarks, &errors);
+        folders_.resize(materials.size(), (folder_ / name).parent_path());
         std::istringstream lines(remarks);
         for (std::string line; std::getline(lines, line);) warnings_.push_back(name + ": " + line);
     }
 
     fs::path folder_;
     const LineBuffer& lines_;
+    std::vector<fs::path>& folders_;
     Warnings& warnings_;
     std::size_t line_ = 0;  // of the latest mtllib
 };
@@ -267,7 +270,7 @@ ObjFile read_obj(const fs::path& path, Warnings& warnings) {
     LineBuffer lines(std::move(text));
     std::istream stream(&lines);
     Reader reader(path, file, lines);
-    MtlReader mtl_reader(path.parent_path(), lines, warnings);
+    MtlReader mtl_reader(path.parent_path(), lines, file.mtl_folders, warnings);
     tinyobj::LoadObjWithCallback(stream, Reader::callbacks(), &reader, &mtl_reader);
     reader.check_forward_references();
     if (file.polygons.empty())

@@ -28,6 +28,7 @@ struct ObjFile {
     std::vector<std::string> groups;                 ///< by object and group name; the first is unnamed
     std::vector<std::string> material_names;         ///< as `usemtl` names them; the first is unnamed
     std::vector<tinyobj::material_t> mtl_materials;  ///< what the MTL files define
+    std::vector<std::filesystem::path> mtl_folders;  ///< of each, that of its file
     std::size_t degenerate_faces = 0;                ///< faces of fewer than 3 corners, left out
 };
 

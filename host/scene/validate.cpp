@@ -52,12 +52,25 @@ void check_length(const Check& check, const char* array, std::size_t length, std
                to_string(length) + " " + array + " for " + to_string(expected) + " " + per, "give one each, or none");
 }
 
+/// Positions may be anything, but what is looked up by a coordinate must be somewhere.
+template <class Vectors>
+void check_vectors(const Check& check, const char* array, const Vectors& vectors) {
+    for (std::size_t i = 0; i < vectors.size(); ++i)
+        for (int k = 0; k < Vectors::value_type::length(); ++k)
+            if (!std::isfinite(vectors[i][k]))
+                check.that(false, "vertex " + to_string(i) + " of its " + array + " is not finite",
+                           "correct the value");
+}
+
 void check_mesh(const Mesh& mesh, const Check& check, std::size_t materials) {
     check_length(check, "normals", mesh.normals.size(), mesh.positions.size(), "vertices");
     check_length(check, "texture coordinates", mesh.uvs.size(), mesh.positions.size(), "vertices");
     check_length(check, "second texture coordinates", mesh.uvs1.size(), mesh.positions.size(), "vertices");
     check_length(check, "tangents", mesh.tangents.size(), mesh.positions.size(), "vertices");
     check_length(check, "materials", mesh.materials.size(), mesh.triangles.size(), "triangles");
+    check_vectors(check, "texture coordinates", mesh.uvs);
+    check_vectors(check, "second texture coordinates", mesh.uvs1);
+    check_vectors(check, "tangents", mesh.tangents);
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const glm::uvec3& t = mesh.triangles[i];
         for (int k = 0; k < 3; ++k)

@@ -132,7 +132,7 @@ TEST_F(Obj, VerticesAreSharedWherePositionNormalAndUvAgree) {
     const Mesh shared = load(unit_square + attributes + first + "f 1/1/1 3/3/1 4/4/1\n").meshes.at(0);
     EXPECT_EQ(shared.positions.size(), 4u);
     EXPECT_EQ(shared.normals.at(0), glm::vec3(0.f, 0.f, 1.f));  // made unit
-    EXPECT_EQ(shared.uvs.at(shared.triangles[1].z), glm::vec2(0.f, 1.f));
+    EXPECT_EQ(shared.uvs.at(shared.triangles[1].z), glm::vec2(0.f, 0.f)) << "v is counted from the top";
 
     const Mesh other_normal = load(unit_square + attributes + first + "f 1/1/2 3/3/2 4/4/2\n").meshes.at(0);
     EXPECT_EQ(other_normal.positions.size(), 6u);

@@ -212,6 +212,18 @@ TEST(Validate, ChecksLengths) {
     expect_invalid(scene, "2 materials for 1 triangles");
 }
 
+TEST(Validate, ChecksWhatVerticesCarry) {
+    Scene scene = valid_scene();
+    scene.meshes[0].uvs = {{0, 0}, {1, INFINITY}, {0, 1}};
+    expect_invalid(scene, "vertex 1 of its texture coordinates is not finite");
+    scene = valid_scene();
+    scene.meshes[0].uvs1 = {{0, 0}, {1, 0}, {NAN, 1}};
+    expect_invalid(scene, "vertex 2 of its second texture coordinates");
+    scene = valid_scene();
+    scene.meshes[0].tangents.resize(3, glm::vec4(1, 0, 0, NAN));
+    expect_invalid(scene, "vertex 0 of its tangents");
+}
+
 TEST(Validate, ChecksMaterialIndices) {
     Scene scene = valid_scene();
     scene.meshes[0].materials = {1};

@@ -1,0 +1,76 @@
+#include <cctype>
+#include <charconv>
+#include <sstream>
+
+#include "host/io/mtl.hpp"
+
+namespace claray {
+namespace {
+
+bool is_number(const std::string& word) {
+    const char* begin = word.c_str() + (word[0] == '+');
+    float value = 0.f;
+    const auto [end, error] = std::from_chars(begin, word.c_str() + word.size(), value);
+    return error == std::errc() && end == word.c_str() + word.size();
+}
+
+/// How many numbers an option takes at most, and what stands for those that are left out.
+struct Option {
+    const char* name;
+    int numbers;
+    const char* fallback;
+};
+constexpr Option options[] = {{"-o", 3, "0"}, {"-s", 3, "1"}, {"-t", 3, "0"}, {"-mm", 2, "0"}};
+
+bool names_an_image(const std::string& key) {
+    return key.rfind("map_", 0) == 0 || key == "bump" || key == "norm" || key == "disp" || key == "refl";
+}
+
+/// The words of a line, as long as they are options; the rest, a name that may hold blanks, is left as it is.
+std::string padded(const std::string& line) {
+    std::istringstream in(line);
+    std::string word, result;
+    if (!(in >> word) || !names_an_image(word)) return line;
+    result = word;
+    const Option* option = nullptr;
+    int given = 0;
+    const auto finish = [&] {
+        for (; option != nullptr && given < option->numbers; ++given)
+            result += " " + std::string(std::string_view(option->name) == "-mm" && given == 1 ? "1" : option->fallback);
+        option = nullptr;
+    };
+    bool wants_argument = false;
+    for (std::streampos before = in.tellg(); in >> word; before = in.tellg()) {
+        if (option != nullptr && given < option->numbers && is_number(word)) {
+            result += " " + word;
+            ++given;
+            continue;
+        }
+        finish();
+        const bool is_option = word[0] == '-' && word.size() > 1;
+        if (!is_option && !wants_argument) {
+            const std::string rest = line.substr(std::size_t(before));
+            return result + " " + rest.substr(rest.find_first_not_of(" \t"));
+        }
+        wants_argument = is_option;
+        for (const Option& known : options)
+            if (is_option && word == known.name) option = &known, given = 0, wants_argument = false;
+        result += " " + word;
+    }
+    finish();
+    return result;
+}
+
+}  // namespace
+
+std::string with_all_option_numbers(const std::string& mtl) {
+    std::string result, line;
+    std::istringstream lines(mtl);
+    while (std::getline(lines, line)) {
+        while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back()))) line.pop_back();
+        result += padded(line) + "\n";
+    }
+    return result;
+}
+
+}  // namespace claray
