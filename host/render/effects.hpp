@@ -28,5 +28,8 @@ inline constexpr EffectSet sampled_lights = {Effect::emissive_triangles, Effect:
 /// Effects by which a path gathers radiance where it ends.
 inline constexpr EffectSet emitters = {Effect::emissive_triangles, Effect::sky, Effect::environment,
                                        Effect::light_maps};
+/// Effects that change how noisy an image is but not what it converges to. No scene can be stripped of them: to take
+/// one away leaves its code out of the kernels.
+inline constexpr EffectSet aids = {Effect::many_lights};
 
 }  // namespace claray

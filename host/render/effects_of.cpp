@@ -3,6 +3,7 @@
 #include <map>
 
 #include "claray/effects.hpp"
+#include "host/render/lights.hpp"
 
 namespace claray {
 namespace {
@@ -46,8 +47,8 @@ public:
         for (std::size_t i = 0; i < scene_.materials.size(); ++i)
             if (used[i]) visit(scene_.materials[i], i);
         for (std::size_t i = 0; i < scene_.lights.size(); ++i)
-            if (shines(scene_.lights[i].intensity))
-                call_(effect_of(scene_.lights[i].kind), "light", scene_.lights[i].name, i);
+            if (shines(scene_.lights[i].intensity)) visit(scene_.lights[i], i);
+        if (near_lights(scene_) >= lights_for_a_tree) call_(Effect::many_lights, "scene", scene_.name, 0);
         visit_surroundings();
         if (scene_.camera) visit(*scene_.camera);
         for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
@@ -65,6 +66,11 @@ private:
                 if (material < used.size()) used[material] = true;
         }
         return used;
+    }
+
+    void visit(const Light& light, std::size_t index) {
+        call_(effect_of(light.kind), "light", light.name, index);
+        if (has_falloff(light)) call_(Effect::light_falloff, "light", light.name, index);
     }
 
     void visit(const Material& m, std::size_t index) {
@@ -102,7 +108,7 @@ private:
     void visit_surroundings() {
         const bool image = !scene_.environment.images.empty() && scene_.environment.strength > 0;
         if (image) call_(Effect::environment, "environment", scene_.environment.images[0].name, 0);
-        if (!image && (shines(scene_.sky.horizon) || shines(scene_.sky.zenith))) call_(Effect::sky, "sky", {}, 0);
+        if (shines(scene_.sky.horizon) || shines(scene_.sky.zenith)) call_(Effect::sky, "sky", {}, 0);
     }
 
     void visit(const Camera& camera) {
@@ -169,6 +175,8 @@ Scene without_effects(Scene scene, EffectSet effects) {
     for (Texture& texture : scene.textures)
         if (lost(Effect::mip_maps) && texture.filter == Filter::trilinear) texture.filter = Filter::bilinear;
     std::erase_if(scene.lights, [&](const Light& light) { return lost(effect_of(light.kind)); });
+    for (Light& light : scene.lights)
+        if (lost(Effect::light_falloff)) light.range = 0.f, light.attenuation = {0.f, 0.f, 1.f};
     if (lost(Effect::sky)) scene.sky = {};
     if (lost(Effect::environment)) scene.environment = {};
     if (scene.camera && lost(Effect::depth_of_field)) scene.camera->aperture_radius = 0.f;

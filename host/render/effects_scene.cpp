@@ -1,5 +1,8 @@
 // The simplest scene that calls for a set of effects.
+#include <algorithm>
+
 #include "claray/effects.hpp"
+#include "host/render/lights.hpp"
 
 namespace claray {
 namespace {
@@ -62,6 +65,20 @@ void add_light(Scene& scene, LightKind kind) {
     scene.lights.push_back(light);
 }
 
+/// As many triangles of the last material, or else as many near lights, as make a tree worth while.
+void multiply_lights(Scene& scene, bool emissive) {
+    Mesh& mesh = scene.meshes.back();
+    while (emissive && mesh.triangles.size() < lights_for_a_tree) {
+        mesh.triangles.push_back(mesh.triangles[0]);
+        mesh.materials.push_back(mesh.materials[0]);
+    }
+    if (emissive) return;
+    Light light;
+    for (const Light& other : scene.lights)
+        if (other.kind != LightKind::directional) light = other;
+    scene.lights.insert(scene.lights.end(), lights_for_a_tree, light);
+}
+
 }  // namespace
 
 Scene scene_calling_for(EffectSet effects) {
@@ -77,6 +94,12 @@ Scene scene_calling_for(EffectSet effects) {
     if (effects.has(Effect::point_lights)) add_light(scene, LightKind::point);
     if (effects.has(Effect::directional_lights)) add_light(scene, LightKind::directional);
     if (effects.has(Effect::spot_lights)) add_light(scene, LightKind::spot);
+    if (effects.has(Effect::light_falloff)) {
+        if ((effects & EffectSet{Effect::point_lights, Effect::spot_lights}).empty())
+            add_light(scene, LightKind::point);
+        for (Light& light : scene.lights) light.range = 10.f;
+    }
+    if (effects.has(Effect::many_lights)) multiply_lights(scene, effects.has(Effect::emissive_triangles));
     if (effects.has(Effect::sky)) scene.sky = {glm::vec3(1.f), glm::vec3(1.f)};
     if (effects.has(Effect::environment)) scene.environment.images = {grey_texture(Filter::bilinear)};
     Camera camera{{0.f, 3.f, 3.f}, {0.f, 0.f, 0.f}, {0.f, 1.f, 0.f}, 60.f};

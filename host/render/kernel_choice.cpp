@@ -8,6 +8,7 @@
 #include "host/compute/hash.hpp"
 #include "host/compute/kernel_sources.hpp"
 #include "host/compute/program_cache.hpp"
+#include "host/render/effects.hpp"
 
 extern char** environ;
 
@@ -44,7 +45,8 @@ void remember_as_cached(const Device& device, const KernelChoice& choice, const 
 }
 
 KernelPlan plan_kernels(const Device& device, EffectSet effects, const RenderConfig& config) {
-    const KernelChoice own = {effects | config.effects.add, tuned_layout(device, config.bvh.layout)};
+    const KernelChoice own = {(effects | config.effects.add) - (config.effects.remove & aids),
+                              tuned_layout(device, config.bvh.layout)};
     KernelPlan plan{KernelStart::own, own, own};
     if (config.compiler.empty() || are_cached(device, own, config)) return plan;
     const KernelChoice generic = {full_effects(), own.layout};

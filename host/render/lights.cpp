@@ -4,8 +4,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/render/environment.hpp"
+#include "host/render/light_tree.hpp"
+
 namespace claray {
 namespace {
+
+constexpr double pi = std::numbers::pi;
 
 double luminance(const glm::vec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
 
@@ -44,22 +49,88 @@ void collect_triangles(const Scene& scene, std::vector<TriangleLight>& lights) {
         }
 }
 
+bool shines_far(const Light& light) { return light.kind == LightKind::directional; }
+
+PunctualLight punctual_light(const Light& light) {
+    PunctualLight data{};
+    data.x = light.position.x, data.y = light.position.y, data.z = light.position.z;
+    data.intensity_r = light.intensity.x, data.intensity_g = light.intensity.y, data.intensity_b = light.intensity.z;
+    data.kind = std::uint32_t(light.kind);
+    const glm::vec3 direction = glm::normalize(light.direction);
+    data.direction_x = direction.x, data.direction_y = direction.y, data.direction_z = direction.z;
+    // As KHR_lights_punctual computes them; the least difference of cosines is the specification's.
+    const double outer = std::cos(double(light.outer_angle)), inner = std::cos(double(light.inner_angle));
+    const double scale = 1 / std::max(0.001, inner - outer);
+    data.cone_scale = float(scale), data.cone_offset = float(-outer * scale);
+    data.inverse_range = light.range > 0.f ? 1.f / light.range : 0.f;
+    data.attenuation_0 = light.attenuation.x, data.attenuation_1 = light.attenuation.y;
+    data.attenuation_2 = light.attenuation.z;
+    return data;
+}
+
+/// Points and spots, then directional lights; black ones are left out.
+void collect_punctual(const Scene& scene, Lights& lights) {
+    for (const bool far : {false, true})
+        for (const Light& light : scene.lights) {
+            if (shines_far(light) != far || !(luminance(light.intensity) > 0)) continue;
+            lights.punctual.push_back(punctual_light(light));
+        }
+}
+
+double power_of(const TriangleLight& l) {
+    return 2 * pi * l.area * luminance({l.emission_r, l.emission_g, l.emission_b});
+}
+
+/// `radius` of the scene: attenuation that is not physical counts at half of it, where much of the scene may be.
+double power_of(const PunctualLight& l, double radius) {
+    const double intensity = luminance({l.intensity_r, l.intensity_g, l.intensity_b});
+    if (l.kind == CLARAY_DIRECTIONAL_LIGHT) return intensity * pi * radius * radius;
+    const double d = 0.5 * radius, divisor = l.attenuation_0 + d * (l.attenuation_1 + d * l.attenuation_2);
+    const bool plain = l.attenuation_0 == 0.f && l.attenuation_1 == 0.f;
+    const double at_one = plain ? intensity / l.attenuation_2 : intensity * d * d / divisor;
+    if (l.kind == CLARAY_POINT_LIGHT) return 4 * pi * at_one;
+    const double outer = -l.cone_offset / l.cone_scale, inner = outer + 1 / l.cone_scale;
+    return 2 * pi * at_one * (1 - 0.5 * (outer + inner));
+}
+
+LightBounds bounds_of(const TriangleLight& l) {
+    const glm::vec3 a(l.v0x, l.v0y, l.v0z), e1(l.e1x, l.e1y, l.e1z), e2(l.e2x, l.e2y, l.e2z);
+    LightBounds bounds;
+    bounds.box.grow(a), bounds.box.grow(a + e1), bounds.box.grow(a + e2);
+    bounds.axis = glm::vec3(glm::normalize(glm::cross(glm::dvec3(e1), glm::dvec3(e2))));
+    bounds.two_sided = true;
+    return bounds;
+}
+
+LightBounds bounds_of(const PunctualLight& l) {
+    LightBounds bounds;
+    bounds.box.grow({l.x, l.y, l.z});
+    bounds.axis = {l.direction_x, l.direction_y, l.direction_z};
+    const bool spot = l.kind == CLARAY_SPOT_LIGHT;
+    bounds.spread = spot ? 0.f : float(pi);
+    bounds.reach = spot ? float(std::acos(std::clamp(-double(l.cone_offset) / l.cone_scale, -1.0, 1.0))) : float(pi);
+    return bounds;
+}
+
 /// Hands out 2^32 numbers in proportion to power, at least one to every light, so that none is lost to rounding.
 class Distribution {
 public:
+    struct Share {
+        std::uint32_t last;  // of the light's numbers
+        float probability;
+    };
     Distribution(double total_power, std::size_t lights) : total_(total_power), left_(lights) {}
 
-    template <class Light>
-    void add(Light& light, double power) {
+    Share next(double power) {
         --left_;
         sum_ += power;
         const double range = 4294967296.0;
         const auto ideal = std::uint64_t(std::clamp(std::round(sum_ / total_ * range), 0.0, range));
         const std::uint64_t end =
             left_ == 0 ? std::uint64_t(range) : std::clamp(ideal, begin_ + 1, std::uint64_t(range) - left_);
-        light.cumulative = std::uint32_t(end - 1);
-        light.probability = float(double(end - begin_) / range);
+        const Share share = {std::uint32_t(end - 1), float(double(end - begin_) / range)};
         begin_ = end;
+        return share;
     }
 
 private:
@@ -68,29 +139,103 @@ private:
     std::uint64_t begin_ = 0;
 };
 
+/// The tree over triangles, points and spots.
+void plant_tree(Lights& lights, const std::vector<double>& powers) {
+    std::vector<LightBounds> bounds;
+    for (const TriangleLight& light : lights.triangles) bounds.push_back(bounds_of(light));
+    for (const PunctualLight& light : lights.punctual)
+        if (light.kind != CLARAY_DIRECTIONAL_LIGHT) bounds.push_back(bounds_of(light));
+    for (std::size_t i = 0; i < bounds.size(); ++i) bounds[i].power = float(powers[i]);
+    LightTree tree = build_light_tree(bounds);
+    lights.tree = std::move(tree.nodes);
+    for (std::size_t i = 0; i < lights.triangles.size(); ++i)
+        lights.trails.push_back({lights.triangles[i].primitive, tree.trails[i]});
+    lights.data.tree_probability = float((lights.data.tree_last + 1.0) / 4294967296.0);
+}
+
+/// Near lights (the first ones) and far ones get at least a quarter each.
+void balance(std::vector<double>& powers, std::size_t near) {
+    double of_near = 0, of_far = 0;
+    for (std::size_t i = 0; i < powers.size(); ++i) (i < near ? of_near : of_far) += powers[i];
+    if (!(of_near > 0 && of_far > 0)) return;
+    const double share = std::clamp(of_far / (of_near + of_far), 0.25, 0.75);
+    const double factor = share / (1 - share) * of_near / of_far;
+    for (std::size_t i = near; i < powers.size(); ++i) powers[i] *= factor;
+}
+
+/// Fills in how lights are picked. `environment`: the power of the environment, 0 where there is none.
+void distribute(Lights& lights, double environment, double radius, std::size_t for_a_tree) {
+    std::vector<double> powers;
+    for (const TriangleLight& light : lights.triangles) powers.push_back(power_of(light));
+    for (const PunctualLight& light : lights.punctual) powers.push_back(power_of(light, radius));
+    const auto far = std::size_t(std::count_if(lights.punctual.begin(), lights.punctual.end(), [](const auto& light) {
+        return light.kind == CLARAY_DIRECTIONAL_LIGHT;
+    }));
+    const std::size_t near = powers.size() - far;
+    if (environment > 0) powers.push_back(environment);
+    if (powers.empty()) return;
+    balance(powers, near);
+
+    double total = 0;
+    for (const double power : powers) total += power;
+    Distribution distribution(total, powers.size());
+    LightsData& data = lights.data;
+    for (std::size_t i = 0; i < powers.size(); ++i) {
+        const Distribution::Share share = distribution.next(powers[i]);
+        if (i < lights.triangles.size())
+            lights.triangles[i].cumulative = share.last, lights.triangles[i].probability = share.probability;
+        else if (i - lights.triangles.size() < lights.punctual.size())
+            lights.punctual[i - lights.triangles.size()].cumulative = share.last,
+                                lights.punctual[i - lights.triangles.size()].probability = share.probability;
+        else
+            data.environment.probability = share.probability;
+        if (i + 1 == near) data.tree_last = share.last;
+    }
+    data.triangles = std::uint32_t(lights.triangles.size());
+    data.near = std::uint32_t(near);
+    data.count = std::uint32_t(powers.size());
+    if (!lights.triangles.empty()) data.density = float(2 * pi / total);
+    if (near >= std::max<std::size_t>(for_a_tree, 2)) plant_tree(lights, powers);
+}
+
 }  // namespace
 
-Lights collect_lights(const Scene& scene) {
+bool has_falloff(const Light& light) {
+    const bool physical = light.range == 0.f && light.attenuation == glm::vec3(0.f, 0.f, 1.f);
+    return !shines_far(light) && !physical;
+}
+
+std::size_t near_lights(const Scene& scene) {
+    std::size_t count = 0;
+    for (const Light& light : scene.lights) count += !shines_far(light) && luminance(light.intensity) > 0;
+    for (const Mesh& mesh : scene.meshes)
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+            count += luminance(scene.materials[mesh.materials.empty() ? 0 : mesh.materials[i]].emission) > 0;
+    return count;
+}
+
+float sampled_emission(const Material& material) {
+    if (material.emission_map.used()) return 0.f;
+    const glm::vec3 c = material.emission;
+    return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;  // as shade/vector.clh does it
+}
+
+Lights collect_lights(const Scene& scene, std::size_t for_a_tree) {
     Lights lights;
     collect_triangles(scene, lights.triangles);
-    for (const Light& light : scene.lights) {
-        if (!(luminance(light.intensity) > 0)) continue;
-        lights.points.push_back({light.position.x, light.position.y, light.position.z, light.intensity.x,
-                                 light.intensity.y, light.intensity.z, 0u, 0.f});
+    collect_punctual(scene, lights);
+    const Bounds bounds = bounds_of(scene);
+    const double radius = bounds.empty() ? 1 : std::max(0.5 * glm::length(glm::dvec3(bounds.extent())), 1e-18);
+    EnvironmentImage image;
+    if (!scene.environment.images.empty()) image = environment_image(scene.environment);
+    if (image.integral > 0) {  // a black one is nothing to be seen or sampled
+        const double turn = scene.environment.rotation / (2 * pi);
+        lights.data.environment = {image.width, image.height, float(turn - std::floor(turn)), image.density, 0.f};
+        lights.environment_texels = std::move(image.texels);
+        lights.environment_cdf = std::move(image.cdf);
     }
-    const auto power_of_triangle = [](const TriangleLight& l) {
-        return 2 * std::numbers::pi * l.area * luminance({l.emission_r, l.emission_g, l.emission_b});
-    };
-    const auto power_of_point = [](const PointLightData& l) {
-        return 4 * std::numbers::pi * luminance({l.intensity_r, l.intensity_g, l.intensity_b});
-    };
-    double total = 0;
-    for (const TriangleLight& light : lights.triangles) total += power_of_triangle(light);
-    for (const PointLightData& light : lights.points) total += power_of_point(light);
-    Distribution distribution(total, lights.size());
-    for (TriangleLight& light : lights.triangles) distribution.add(light, power_of_triangle(light));
-    for (PointLightData& light : lights.points) distribution.add(light, power_of_point(light));
-    if (!lights.triangles.empty()) lights.density = float(2 * std::numbers::pi / total);
+    const double environment = image.integral * pi * radius * radius;
+    distribute(lights, environment, radius, for_a_tree);
     return lights;
 }
 

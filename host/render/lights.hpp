@@ -1,4 +1,4 @@
-// The lights of a scene as one distribution by power.
+// The lights of a scene, as the kernels of shade/light.clh read them.
 #pragma once
 
 #include <vector>
@@ -7,16 +7,35 @@
 
 namespace claray {
 
+/// Host data of a scene's lights. What the scene has no use for is empty.
 struct Lights {
     std::vector<TriangleLight> triangles;
-    std::vector<PointLightData> points;
-    float density = 0;  ///< FrameData::light_density
+    std::vector<PunctualLight> punctual;  // points and spots before directional lights
+    std::vector<LightNode> tree;          // empty: lights are picked by power alone
+    std::vector<LightTrail> trails;       // of triangles, where there is a tree
+    std::vector<float> environment_texels, environment_cdf;
+    LightsData data{};
 
-    [[nodiscard]] std::size_t size() const { return triangles.size() + points.size(); }
+    /// Of those that shadow rays are sent to, the environment included.
+    [[nodiscard]] std::size_t size() const { return data.count; }
 };
 
-/// Emissive triangles that can be hit, and point lights, each picked in proportion to its radiant power: 2 pi times
-/// area times the luminance of its radiance (both sides emit), or 4 pi times the luminance of its intensity.
-[[nodiscard]] Lights collect_lights(const Scene& scene);
+/// With as many lights (triangles, points and spots), a tree picks among them.
+inline constexpr std::size_t lights_for_a_tree = 16;
+
+/// Emissive triangles that can be hit, lights without extent, and the environment, each picked in proportion to its
+/// radiant power: 2 pi times area times the luminance of its radiance (both sides emit), the luminance of its intensity
+/// times the solid angle that it shines into, or, for lights from far away, of its irradiance times the scene's cross
+/// section. Where there are near lights and far ones, either get at least a quarter: which of them matter is a question
+/// of place. Throws ErrorKind::user where a texel of the environment is negative or not finite.
+[[nodiscard]] Lights collect_lights(const Scene& scene, std::size_t for_a_tree = lights_for_a_tree);
+
+/// Whether a light has a range, or another attenuation than the inverse square.
+[[nodiscard]] bool has_falloff(const Light& light);
+/// Emissive triangles, points and spots, among them perhaps some that can't be hit.
+[[nodiscard]] std::size_t near_lights(const Scene& scene);
+
+/// The luminance by which emissive triangles of a material are sampled: MaterialData::sampled_emission.
+[[nodiscard]] float sampled_emission(const Material& material);
 
 }  // namespace claray

@@ -51,14 +51,12 @@ FrameData frame_data(const Scene& scene, const SceneBuffers& buffers, const Rend
     FrameData frame{};
     frame.camera = camera_of(scene, config);
     const glm::vec3 h = scene.sky.horizon, z = scene.sky.zenith;
-    frame.sky = {h.x, h.y, h.z, z.x, z.y, z.z};
+    if (scene.environment.images.empty()) frame.sky = {h.x, h.y, h.z, z.x, z.y, z.z};
     frame.width = config.width;
     frame.height = config.height;
     frame.seed = config.seed;
     frame.max_depth = config.max_depth;
-    frame.triangle_lights = std::uint32_t(buffers.triangle_lights.size());
     frame.lights = buffers.lights;
-    frame.light_density = buffers.light_density;
     return frame;
 }
 

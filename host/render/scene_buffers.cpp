@@ -9,7 +9,7 @@ namespace {
 
 MaterialData data_of(const Material& m) {
     return {m.albedo.x,   m.albedo.y,  m.albedo.z, std::uint32_t(m.kind), m.emission.x, m.emission.y,
-            m.emission.z, m.roughness, m.ior};
+            m.emission.z, m.roughness, m.ior,      sampled_emission(m)};
 }
 
 std::vector<float> all_normals(const Scene& scene) {
@@ -49,9 +49,12 @@ SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Bvh& 
 
     const Lights found = collect_lights(scene);
     triangle_lights = Buffer<TriangleLight>(device, found.triangles);
-    point_lights = Buffer<PointLightData>(device, found.points);
-    lights = std::uint32_t(found.size());
-    light_density = found.density;
+    punctual_lights = Buffer<PunctualLight>(device, found.punctual);
+    light_tree = Buffer<LightNode>(device, found.tree);
+    light_trails = Buffer<LightTrail>(device, found.trails);
+    environment_texels = Buffer<float>(device, found.environment_texels);
+    environment_cdf = Buffer<float>(device, found.environment_cdf);
+    lights = found.data;
 }
 
 void SceneBuffers::bind(Kernel& kernel, unsigned& index) const {
@@ -61,13 +64,18 @@ void SceneBuffers::bind(Kernel& kernel, unsigned& index) const {
     kernel.set(index, triangle_materials);
     kernel.set(index, materials);
     kernel.set(index, triangle_lights);
-    kernel.set(index, point_lights);
+    kernel.set(index, punctual_lights);
+    kernel.set(index, light_tree);
+    kernel.set(index, light_trails);
+    kernel.set(index, environment_texels);
+    kernel.set(index, environment_cdf);
     kernel.set(index, textures.store);
 }
 
 std::uint64_t SceneBuffers::bytes() const {
     return bvh.triangles().positions.bytes() + bvh.triangles().indices.bytes() + normals.bytes() +
-           triangle_materials.bytes() + materials.bytes() + triangle_lights.bytes() + point_lights.bytes() +
+           triangle_materials.bytes() + materials.bytes() + triangle_lights.bytes() + punctual_lights.bytes() +
+           light_tree.bytes() + light_trails.bytes() + environment_texels.bytes() + environment_cdf.bytes() +
            textures.store.bytes();
 }
 

@@ -16,11 +16,13 @@ struct SceneBuffers {
     Buffer<std::uint32_t> triangle_materials;
     Buffer<MaterialData> materials;
     Buffer<TriangleLight> triangle_lights;
-    Buffer<PointLightData> point_lights;
+    Buffer<PunctualLight> punctual_lights;
+    Buffer<LightNode> light_tree;
+    Buffer<LightTrail> light_trails;
+    Buffer<float> environment_texels, environment_cdf;
     Textures textures;
-    std::uint32_t lights = 0;  // triangles and points
-    float light_density = 0;   // FrameData::light_density
-    EffectSet effects;         // of the scene
+    LightsData lights{};  // lights.count: of those that shadow rays are sent to
+    EffectSet effects;    // of the scene
 
     /// Binds SCENE_PARAMETERS of render/shade_surface.cl.
     void bind(Kernel& kernel, unsigned& index) const;

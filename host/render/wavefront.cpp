@@ -32,7 +32,7 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, E
     trace_bounce = QueryKernel(scene.bvh, QueryKernel::Kind::closest, incoherent, trace_bounce_name);
     shade = load_kernel(device, "render/shade_surface.cl", "shade_surface", defines(Stage::shade));
     advance = load_kernel(device, "render/advance_queues.cl", "advance_queues");
-    if (scene.lights == 0) return;
+    if (scene.lights.count == 0) return;
     trace_shadow = QueryKernel(scene.bvh, QueryKernel::Kind::any, {}, trace_shadow_name);
     add_light = load_kernel(device, "render/add_light.cl", "add_light");
 }
@@ -57,7 +57,8 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
     shadow_length_ = Buffer<std::uint32_t>(device, 1);
     totals_ = Buffer<std::uint64_t>(device, 2);
     totals_.fill(0);
-    if (scene.lights == 0) return;
+    if (scene.light_tree.allocated()) shading_normals_ = Buffer<float>(device, 3 * std::size_t(paths));
+    if (scene.lights.count == 0) return;
     shadow_rays_ = Buffer<Ray>(device, paths);
     shadow_light_ = Buffer<LightSample>(device, paths);
     occluded_ = Buffer<std::uint8_t>(device, paths);
@@ -94,9 +95,9 @@ void Wavefront::bounce(const Batch& batch, std::uint32_t depth, std::uint32_t li
     QueryKernel& trace = depth == 0 ? kernels_.trace_camera : kernels_.trace_bounce;
     trace.run(rays_[in], hits_, limit, lengths_[in]);
     kernels_.shade.run({limit, shade_group_}, batch, frame_, depth, scene_, lengths_[in], limit, rays_[in], hits_,
-                       states_[in], radiance_, lengths_[out], rays_[out], states_[out], shadow_length_, shadow_rays_,
-                       shadow_light_, cones_[in], cones_[out]);
-    if (scene_.lights != 0 && depth < frame_.max_depth) trace_shadows(limit);
+                       states_[in], radiance_, shading_normals_, lengths_[out], rays_[out], states_[out],
+                       shadow_length_, shadow_rays_, shadow_light_, cones_[in], cones_[out]);
+    if (scene_.lights.count != 0 && depth < frame_.max_depth) trace_shadows(limit);
     kernels_.advance.run({1, 0}, lengths_[in], lengths_[out], shadow_length_, totals_);
 }
 
@@ -120,7 +121,7 @@ Wavefront::Totals Wavefront::totals() const {
 std::uint64_t Wavefront::bytes() const {
     return rays_[0].bytes() + rays_[1].bytes() + shadow_rays_.bytes() + states_[0].bytes() + states_[1].bytes() +
            hits_.bytes() + shadow_light_.bytes() + occluded_.bytes() + radiance_.bytes() + cones_[0].bytes() +
-           cones_[1].bytes();
+           cones_[1].bytes() + shading_normals_.bytes();
 }
 
 }  // namespace claray

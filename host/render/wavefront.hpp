@@ -69,6 +69,7 @@ private:
     Buffer<LightSample> shadow_light_;
     Buffer<std::uint8_t> occluded_;
     Buffer<float> radiance_;
+    Buffer<float> shading_normals_;  // a path each; for the light tree only
     Buffer<std::uint64_t> totals_;
     WavefrontKernels kernels_;
 };

@@ -28,6 +28,8 @@ enum class Effect : std::uint8_t {
     point_lights,
     directional_lights,
     spot_lights,
+    light_falloff,
+    many_lights,
     sky,
     environment,
     textures,

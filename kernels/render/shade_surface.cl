@@ -1,31 +1,23 @@
 // The stage between two traces: a path gathers what the surface or the sky emits, asks for light by a shadow ray, and goes
-// on in a direction chosen by the material. Light from emissive triangles is found in both ways, weighted by multiple
-// importance sampling (Veach 1997, chapter 9).
+// on in a direction chosen by the material. Light from emissive triangles and from an environment is found in both ways,
+// weighted by multiple importance sampling (Veach 1997, chapter 9).
 #include "claray/shared/types.h"
 #include "render/queue.clh"
 #include "render/samples.clh"
 #include "shade/bsdf.clh"
 #include "shade/light.clh"
 #include "shade/maps.clh"
-#include "shade/sky.clh"
 #include "shade/surface.clh"
 
-#ifndef LIGHTS
-#define LIGHTS 1  // 1: there are lights that shadow rays can be sent to
-#endif
-#ifndef SKY
-#define SKY 1  // 1: rays that leave the scene bring light
-#endif
 #ifndef ROULETTE_DEPTH
 #define ROULETTE_DEPTH 3  // surfaces that a path meets before chance may end it
 #endif
 
 #define SCENE_PARAMETERS                                                                                       \
     global const float *positions, global const uint *indices, global const float *normals,                    \
-        global const uint *triangle_materials, global const MaterialData *materials,                           \
-        global const TriangleLight *triangle_lights, global const PointLightData *point_lights, \
+        global const uint *triangle_materials, global const MaterialData *materials, LIGHT_PARAMETERS,         \
         global const uint *textures
-#define SCENE positions, indices, normals, triangle_materials, materials, triangle_lights, point_lights, textures
+#define SCENE positions, indices, normals, triangle_materials, materials, LIGHT_BUFFERS, textures
 
 /// A ray to be traced, with what goes along with it.
 typedef struct NextRay {
@@ -53,31 +45,29 @@ static inline void add_radiance(global float* radiance, uint path, float3 value)
     vstore3(vload3(path, radiance) + value, path, radiance);
 }
 
-/// The share of emission that belongs to the path; the rest was or will be found by sampling the lights.
-static inline float emission_weight(const Surface* surface, float3 emission, Hit hit, float3 outgoing, float pdf,
-                                    float light_density) {
-    if (!LIGHTS || pdf == 0.0f) return 1.0f;
-    const float cosine = fabs(dot(surface->geometric, outgoing));
-    return power_heuristic(pdf, light_pdf(emission, light_density, hit.t * hit.t, cosine));
+/// The share of emission that belongs to the path; the rest was or will be found by sampling the lights. `normal` is that
+/// of the surface before, for the tree.
+static inline float emission_weight(const Lights* lights, const Surface* surface, float emission, Hit hit, Ray ray,
+                                    float3 normal, float pdf) {
+    if (!TRIANGLE_LIGHTS || pdf == 0.0f) return 1.0f;
+    const float cosine = fabs(dot(surface->geometric, -(float3)(ray.dx, ray.dy, ray.dz)));
+    const float3 from = (float3)(ray.ox, ray.oy, ray.oz);
+    return power_heuristic(
+        pdf, triangle_light_pdf(lights, emission, hit.primitive, from, normal, hit.t * hit.t, cosine));
 }
 
 #if LIGHTS
 /// A shadow ray to a light picked at random.
-static inline NextShadow sample_light(FrameData frame, PathSamples samples, uint depth, PathState state,
+static inline NextShadow sample_light(const Lights* lights, PathSamples samples, uint depth, PathState state,
                                       const Surface* surface, const MaterialData* material, Frame shading_frame,
-                                      float3 outgoing, uint choice, global const TriangleLight* triangle_lights,
-                                      global const PointLightData* point_lights) {
+                                      float3 outgoing, uint choice) {
     NextShadow next;
     next.wanted = false;
     const float3 from = leave_surface(surface, true);
-    const uint light = pick_light(choice, frame.triangle_lights, frame.lights, triangle_lights, point_lights);
     LightView view;
-    const bool visible =
-        light < frame.triangle_lights
-            ? view_triangle_light(triangle_lights[light], frame.light_density, from,
-                                  draw(samples, DIMENSION_LIGHT(depth)), &view)
-            : view_point_light(point_lights[light - frame.triangle_lights], from, &view);
-    if (!visible || dot(view.direction, surface->geometric) <= 0.0f) return next;
+    if (!view_light(lights, from, surface->shading, choice, draw(samples, DIMENSION_LIGHT(depth)), &view) ||
+        dot(view.direction, surface->geometric) <= 0.0f)
+        return next;
     float bsdf_pdf;
     const float3 reflected =
         eval_bsdf(material, to_local(shading_frame, outgoing), to_local(shading_frame, view.direction), &bsdf_pdf);
@@ -85,7 +75,7 @@ static inline NextShadow sample_light(FrameData frame, PathSamples samples, uint
     const float3 light_sum = throughput_of(state) * reflected * view.radiance * weight;
     if (light_sum.x == 0.0f && light_sum.y == 0.0f && light_sum.z == 0.0f) return next;
     next.wanted = true;
-    next.ray = make_ray(from, view.towards, 1.0f);
+    next.ray = make_ray(from, view.towards, view.reach);
     next.light.r = light_sum.x, next.light.g = light_sum.y, next.light.b = light_sum.z;
     next.light.path = state.path;
     return next;
@@ -136,31 +126,37 @@ static inline RayCone scattered_cone(RayCone cone, float distance, float pdf) {
     return next;
 }
 
-/// Works on the hit of one ray: radiance is added at once, rays to be traced are returned.
+/// Works on the hit of one ray: radiance is added at once, rays to be traced are returned. `shading_normals` (a path each)
+/// goes from one surface to the next where there is a tree of lights.
 static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PARAMETERS, Ray ray, Hit hit, PathState state,
-                             RayCone cone, global float* radiance, NextRay* next, NextShadow* shadow) {
+                             RayCone cone, global float* radiance, global float* shading_normals, NextRay* next,
+                             NextShadow* shadow) {
     next->wanted = shadow->wanted = false;
+    const Lights lights = make_lights(frame.lights, LIGHT_BUFFERS);
     const float3 direction = (float3)(ray.dx, ray.dy, ray.dz), outgoing = -direction;
     if (hit.primitive == CLARAY_MISS) {
-#if SKY
-        add_radiance(radiance, state.path, throughput_of(state) * sky_radiance(frame.sky, direction));
+#if SKY || ENVIRONMENT
+        add_radiance(radiance, state.path,
+                     throughput_of(state) * background_radiance(&lights, frame.sky, direction, state.pdf));
 #endif
         return;
     }
     Surface surface = surface_at(hit, outgoing, positions, indices, normals);
     MaterialData material = materials[triangle_materials[hit.primitive]];
-    MapValues maps = {false, false, (float3)(0.0f)};
 #if TEXTURES
+    MapValues maps = {false, (float3)(0.0f)};
     if (textures)
         maps = apply_maps(textures, triangle_materials[hit.primitive], indices, hit, outgoing,
                           cone.width + cone.spread * hit.t, &surface, &material);
 #endif
     const float3 emission = (float3)(material.emission_r, material.emission_g, material.emission_b);
-    if (largest(emission) > 0.0f)
+    if (largest(emission) > 0.0f) {
+        const bool by_tree = LIGHT_TREE && lights.data.tree_probability > 0.0f && depth > 0;
+        const float3 normal = by_tree ? load3(shading_normals, state.path) : (float3)(0.0f);
         add_radiance(radiance, state.path,
                      throughput_of(state) * emission *
-                         (maps.maps_emission ? 1.0f
-                                             : emission_weight(&surface, emission, hit, outgoing, state.pdf, frame.light_density)));
+                         emission_weight(&lights, &surface, material.sampled_emission, hit, ray, normal, state.pdf));
+    }
 #if TEXTURES && LIGHT_MAPS
     if (maps.has_light && !surface.inside) {
         add_radiance(radiance, state.path, throughput_of(state) * albedo_of(&material) * maps.light * INV_PI);
@@ -173,9 +169,11 @@ static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PAR
     const SamplePair choice = draw_words(samples, DIMENSION_CHOICE(depth));
     const Frame shading_frame = make_frame(surface.shading);
 #if LIGHTS
-    if (frame.lights != 0 && !is_delta(&material))
-        *shadow = sample_light(frame, samples, depth, state, &surface, &material, shading_frame, outgoing, choice.x,
-                               triangle_lights, point_lights);
+    if (lights.data.count != 0 && !is_delta(&material))
+        *shadow = sample_light(&lights, samples, depth, state, &surface, &material, shading_frame, outgoing, choice.x);
+#endif
+#if LIGHT_TREE && TRIANGLE_LIGHTS
+    if (lights.data.tree_probability > 0.0f) vstore3(surface.shading, state.path, shading_normals);
 #endif
     *next = sample_direction(samples, depth, state, &surface, &material, shading_frame, outgoing, unit_float(choice.y));
 #if MIPMAPS
@@ -188,6 +186,7 @@ static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PAR
 kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
 void shade_surface(Batch batch, FrameData frame, uint depth, SCENE_PARAMETERS, global const uint* length, uint capacity,
                    global const Ray* rays, global const Hit* hits, global const PathState* states, global float* radiance,
+                   global float* shading_normals,
                    global uint* next_length, global Ray* next_rays, global PathState* next_states,
                    global uint* shadow_length, global Ray* shadow_rays, global LightSample* shadow_light,
                    global const RayCone* cones, global RayCone* next_cones) {
@@ -201,7 +200,7 @@ void shade_surface(Batch batch, FrameData frame, uint depth, SCENE_PARAMETERS, g
 #if MIPMAPS
         if (cones && depth != 0) cone = cones[i];
 #endif
-        shade_hit(batch, frame, depth, SCENE, rays[i], hits[i], states[i], cone, radiance, &next, &shadow);
+        shade_hit(batch, frame, depth, SCENE, rays[i], hits[i], states[i], cone, radiance, shading_normals, &next, &shadow);
     }
 
     const uint slot = reserve_slot(next_length, next.wanted, scratch);

@@ -61,7 +61,7 @@ const char* const source = R"(
 )";
 
 MaterialData material_data(std::uint32_t kind, float roughness = 0.f, float ior = 1.5f) {
-    return {1.f, 1.f, 1.f, kind, 0.f, 0.f, 0.f, roughness, ior};
+    return {1.f, 1.f, 1.f, kind, 0.f, 0.f, 0.f, roughness, ior, 0.f};
 }
 
 struct Direction {

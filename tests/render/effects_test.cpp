@@ -70,7 +70,8 @@ TEST(Effects, CausesAreTheSet) {
 
 TEST(Effects, StrippedScenesDoNotCallForThem) {
     for (const auto& [effect, scene] : scenes_by_effect()) {
-        if (effect == Effect::lambert) continue;  // is what other materials turn into
+        if (effect == Effect::lambert) continue;      // is what other materials turn into
+        if (effect == Effect::many_lights) continue;  // see host/render/effects.hpp: aids
         const EffectSet left = effects_of(without_effects(scene, {effect}));
         EXPECT_FALSE(left.has(effect)) << name_of(effect);
         EXPECT_TRUE((effects_of(scene) | EffectSet{Effect::lambert}).contains(left)) << name_of(effect);
@@ -128,6 +129,18 @@ TEST(Effects, TakenFromTheSceneAreGone) {
     const std::vector<glm::vec3> by_hand = render_image(scene, {.width = 16, .height = 16, .spp = 4});
     scene.materials.back().emission = glm::vec3(9.f);
     EXPECT_TRUE(same_bits(by_hand, render_image(scene, config)));
+}
+
+/// Without the tree, lights are picked by power: another noise, the same light.
+TEST(Effects, ManyLightsAreAnAid) {
+    Scene scene = plain_scene();
+    for (int i = 0; i < 30; ++i) scene.lights.push_back(point_light({0.2f * float(i) - 3, 1, 0.5f}, glm::vec3(0.1f)));
+    RenderConfig config{.width = 16, .height = 16, .spp = 64, .max_depth = 1};
+    const std::vector<glm::vec3> with_tree = render_image(scene, config);
+    config.effects.remove = {Effect::many_lights};
+    const std::vector<glm::vec3> by_power = render_image(scene, config);
+    EXPECT_FALSE(same_bits(with_tree, by_power));
+    EXPECT_NEAR(mean(with_tree).x / mean(by_power).x, 1, 0.01);
 }
 
 }  // namespace

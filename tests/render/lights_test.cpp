@@ -38,12 +38,12 @@ TEST(Lights, ProbabilitiesAreProportionalToPower) {
     const Lights lights = collect_lights(many_lights());
     const std::vector<double> shares = expected_shares();
     ASSERT_EQ(lights.triangles.size(), 6u);
-    ASSERT_EQ(lights.points.size(), 2u);
+    ASSERT_EQ(lights.punctual.size(), 2u);
     for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(lights.triangles[i].probability / shares[i], 1, 1e-5) << i;
-    for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(lights.points[i].probability / shares[6 + i], 1, 1e-5) << i;
-    EXPECT_EQ(lights.points.back().cumulative, 0xffffffffu);
+    for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(lights.punctual[i].probability / shares[6 + i], 1, 1e-5) << i;
+    EXPECT_EQ(lights.punctual.back().cumulative, 0xffffffffu);
     // Density of a point on a lamp of radiance 7: the light's probability over its area.
-    EXPECT_NEAR(7 * lights.density / (lights.triangles[4].probability / lights.triangles[4].area), 1, 1e-5);
+    EXPECT_NEAR(7 * lights.data.density / (lights.triangles[4].probability / lights.triangles[4].area), 1, 1e-5);
 }
 
 TEST(Lights, KernelPicksByTheDistribution) {
@@ -51,9 +51,9 @@ TEST(Lights, KernelPicksByTheDistribution) {
     Kernel kernel = compile_kernel(device(), R"(
         #include "shade/light.clh"
         kernel void pick(global const uint* random, global uint* picked, uint triangle_lights, uint lights,
-                         global const TriangleLight* triangles, global const PointLightData* points) {
+                         global const TriangleLight* triangles, global const PunctualLight* punctual) {
             const uint i = get_global_id(0);
-            picked[i] = pick_light(random[i], triangle_lights, lights, triangles, points);
+            picked[i] = pick_light(random[i], 0, triangle_lights, lights, triangles, punctual);
         })",
                                    "pick");
     const std::uint32_t count = 1u << 20;
@@ -66,7 +66,7 @@ TEST(Lights, KernelPicksByTheDistribution) {
     }
     const Buffer<std::uint32_t> input(device(), random), output(device(), count);
     kernel.run({count}, input, output, 6u, 8u, Buffer<TriangleLight>(device(), lights.triangles),
-               Buffer<PointLightData>(device(), lights.points));
+               Buffer<PunctualLight>(device(), lights.punctual));
     const std::vector<std::uint32_t> picked = output.read();
     EXPECT_EQ(picked[0], 0u);
     EXPECT_EQ(picked[1], 7u);

@@ -32,15 +32,12 @@ CLARAY_LAYOUT(Batch, 16)
 typedef struct FrameData {
     CameraData camera;
     SkyData sky;
+    LightsData lights;
     uint width, height;
     uint seed;
     uint max_depth;        // surfaces that scatter, at most
-    uint triangle_lights;  // they come first among the lights
-    uint lights;
-    float light_density;  // probability per area, and per luminance of its radiance, of sampling a point on a triangle
-                          // light
 } FrameData;
-CLARAY_LAYOUT(FrameData, 164)
+CLARAY_LAYOUT(FrameData, 196)
 
 /// A pixel's sums, in two parts each: the value is sum + error. The samples of odd index are summed once more, by
 /// themselves, for the estimate of the noise.

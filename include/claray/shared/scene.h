@@ -23,11 +23,13 @@ typedef struct MaterialData {
     float emission_r, emission_g, emission_b;  // radiance, W / (m^2 sr)
     float roughness;                           // metal: alpha = roughness^2 (GGX)
     float ior;                                 // glass: index of refraction, inside over outside
+    float sampled_emission;  // luminance by which the lights sample its triangles; 0: they do not
 } MaterialData;
-CLARAY_LAYOUT(MaterialData, 36)
+CLARAY_LAYOUT(MaterialData, 40)
 
-// All lights form one distribution, the triangles before the points, in which each is picked in proportion to its
-// power: a random 32-bit number picks the first light whose `cumulative` is not below it.
+// Lights are numbered: emissive triangles, points and spots, directional lights, the environment. A random 32-bit number
+// picks the first one whose `cumulative` is not below it, the environment if there is none; where there is a tree, numbers
+// up to LightsData::tree_last go there instead.
 
 /// An emissive triangle.
 typedef struct TriangleLight {
@@ -35,20 +37,72 @@ typedef struct TriangleLight {
     float e1x, e1y, e1z;  // v1 - v0
     float e2x, e2y, e2z;  // v2 - v0
     float area;
-    float emission_r, emission_g, emission_b;
+    float emission_r, emission_g, emission_b;  // of textured ones the average
     uint primitive;
     uint cumulative;    // 2^32 times the share of power of all lights up to and including this one, less 1
     float probability;  // of picking this light
 } TriangleLight;
 CLARAY_LAYOUT(TriangleLight, 64)
 
-typedef struct PointLightData {
-    float x, y, z;
-    float intensity_r, intensity_g, intensity_b;  // radiant intensity, W / sr
+/// A light without extent.
+typedef struct PunctualLight {
+    float x, y, z;                                // position; not of directional ones
+    float intensity_r, intensity_g, intensity_b;  // radiant intensity, W / sr; directional: irradiance, W / m^2
     uint cumulative;                              // as in TriangleLight
     float probability;
-} PointLightData;
-CLARAY_LAYOUT(PointLightData, 32)
+    float direction_x, direction_y, direction_z;  // in which it shines, unit length; not of points
+    uint kind;                                    // CLARAY_POINT_LIGHT ...
+    float cone_scale, cone_offset;                // spot: clamp(cosine * scale + offset, 0, 1)^2
+    float inverse_range;                          // 0: unlimited
+    float attenuation_0, attenuation_1, attenuation_2;
+} PunctualLight;
+CLARAY_LAYOUT(PunctualLight, 72)
+
+#define CLARAY_LIGHT_TREE_WIDTH 4
+#define CLARAY_LIGHT_TREE_HEIGHT 16      // a trail of 32 bits says which child on each level
+#define CLARAY_LIGHT_LEAF 0x80000000u    // a child that is the light of that number
+#define CLARAY_TWO_SIDED_CONE 2.0f
+
+/// What a node of the light tree knows about its children: a sphere that holds a child's lights, a cone that holds the
+/// directions in which they shine most, and their power. Missing children have no power.
+typedef struct LightNode {
+    float x[4], y[4], z[4];
+    float radius2[4];
+    float axis_x[4], axis_y[4], axis_z[4];
+    float cos_spread[4];  // of the angle between the cone's axis and its border
+    float cos_reach[4];   // how far from those directions light reaches; two-sided where CLARAY_TWO_SIDED_CONE
+    float power[4];
+    uint child[4];  // index of a node, or CLARAY_LIGHT_LEAF
+} LightNode;
+CLARAY_LAYOUT(LightNode, 176)
+
+/// Where in the tree a triangle light is. In the order of the triangle lights.
+typedef struct LightTrail {
+    uint primitive;
+    uint trail;  // which child to take on each level, two bits each, the lowest first
+} LightTrail;
+CLARAY_LAYOUT(LightTrail, 8)
+
+/// An image of latitudes and longitudes round the scene, and how its directions are sampled (shade/environment.clh).
+typedef struct EnvironmentData {
+    uint width, height;  // 0: there is none
+    float turn;         // added to the column's coordinate, which goes from 0 to 1
+    float density;      // per steradian and per weight over the sine
+    float probability;  // of sampling the environment rather than another light
+} EnvironmentData;
+CLARAY_LAYOUT(EnvironmentData, 20)
+
+/// How many lights there are and how they are picked.
+typedef struct LightsData {
+    uint triangles;  // they come first
+    uint near;       // triangles, points and spots: what the tree holds, if there is one
+    uint count;      // of all, the environment included
+    float density;   // probability per area, and per luminance of its radiance, of sampling a point on a triangle
+    uint tree_last;
+    float tree_probability;  // 0: there is no tree
+    EnvironmentData environment;
+} LightsData;
+CLARAY_LAYOUT(LightsData, 44)
 
 /// A pinhole camera or a thin lens, as the shutter opens. `right` and `up` span half the image plane at distance 1 along
 /// `forward`. What follows `aperture` is read under DEPTH_OF_FIELD, what follows `move` under CAMERA_MOTION.

@@ -1,0 +1,28 @@
+// A tree over lights, by which one of them can be picked by how much it matters at a point.
+#pragma once
+
+#include <vector>
+
+#include "claray/scene.hpp"
+
+namespace claray {
+
+/// What the tree needs to know of one light.
+struct LightBounds {
+    Bounds box;
+    glm::vec3 axis{0, 0, 1};  // of the cone that holds the directions in which it shines most
+    float spread = 0;         // radians from the axis to the cone's border; pi: everywhere
+    float reach = 0;          // radians from there to where its light ends; not of two-sided ones
+    bool two_sided = false;   // shines by the cosine to both sides
+    float power = 0;
+};
+
+struct LightTree {
+    std::vector<LightNode> nodes;       // the first is the root
+    std::vector<std::uint32_t> trails;  // of every light: two bits a level, the lowest first
+};
+
+/// Top down, by the surface area orientation heuristic in a simple form (Conty Estevez and Kulla 2018, section 4.4).
+[[nodiscard]] LightTree build_light_tree(const std::vector<LightBounds>& lights);
+
+}  // namespace claray
