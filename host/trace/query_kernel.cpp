@@ -41,6 +41,8 @@ QueryKernel::QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options,
         // once.
         most_in_batch_ = std::min(most_in_batch_, 8192u), group_ = 1;
         load({{"RAY_QUEUE", "0"}, {"BATCH", std::to_string(most_in_batch_)}, {"GROUP_SIZE", "1"}});
+        sort_from_ = device.tuning(stem, "SORT_FROM");
+        if (sort_from_ != 0) sample_ = load_kernel(device, "trace/ray_keys.cl", "sample_order");
         return;
     }
     if (device.tuning(stem, "RAY_QUEUE") == 0 || bvh.layout() != Layout::binary) {
@@ -61,6 +63,20 @@ QueryKernel::QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options,
                               {{"GROUP_SIZE", std::to_string(sample_group_)}});
         sample_ = Kernel(device, sample_.handle(), kernels_[0].name());  // part of the query's time
     }
+}
+
+Buffer<std::uint32_t> QueryKernel::order_of(const Buffer<Ray>& rays, std::uint32_t capacity,
+                                            const Buffer<std::uint32_t>& count) {
+    if (sort_from_ == 0 || capacity < sort_from_ || count.allocated()) return {};
+    const Device& device = bvh_.device();
+    if (options_.coherence == Coherence::coherent) return {};
+    const cl::Buffer& queue = ray_queue(device);
+    sample_.run({1, 1}, bvh_.header_buffer(), rays, capacity, queue);
+    std::uint32_t in_any_order = 0;
+    detail::read(device, queue, 2 * sizeof(in_any_order), &in_any_order, sizeof(in_any_order));
+    if (in_any_order == 0) return {};
+    if (!ray_order_ || ray_order_->capacity() < capacity) ray_order_ = std::make_shared<RayOrder>(device, capacity);
+    return ray_order_->sort(bvh_, rays, capacity);
 }
 
 std::uint32_t QueryKernel::batch_size(std::uint32_t capacity) const {

@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "claray/query.hpp"
+#include "host/trace/ray_order.hpp"
 
 namespace claray {
 
@@ -33,22 +34,29 @@ public:
             return;
         }
         const cl::Buffer& queue = ray_queue(bvh_.device());
+        const Buffer<std::uint32_t> order = order_of(rays, capacity, count);
         if (kernels_.size() > 1) sample_.run({sample_group_, sample_group_}, rays, capacity, count, queue);
         for (Kernel& kernel : kernels_)
             kernel.run({items, group_}, bvh_, rays, results, capacity, count, options_.ray_masks, options_.visits,
-                       queue, batch);
+                       queue, batch, order);
     }
 
 private:
     /// Rays of a batch: as many as tuned, but few enough to keep all compute units equally busy. 0: no batches.
     [[nodiscard]] std::uint32_t batch_size(std::uint32_t capacity) const;
 
+    /// The order in which rays are traced, or no buffer. Waits for a sample of the rays where it has to know whether
+    /// they are in any order.
+    [[nodiscard]] Buffer<std::uint32_t> order_of(const Buffer<Ray>& rays, std::uint32_t capacity,
+                                                 const Buffer<std::uint32_t>& count);
+
     Bvh bvh_;
     QueryOptions options_;
     std::vector<Kernel> kernels_;  // two schedules, of which the device chooses one, or one
     Kernel sample_;
+    std::shared_ptr<RayOrder> ray_order_;
     std::size_t rays_per_item_ = 1, group_ = 64, most_items_ = std::size_t(-1), sample_group_ = 64;
-    std::uint32_t most_in_batch_ = 0;
+    std::uint32_t most_in_batch_ = 0, sort_from_ = 0;
 };
 
 }  // namespace claray

@@ -5,13 +5,13 @@
 kernel QUERY_GROUP
 void any_hit(CLARAY_BVH_PARAMETERS, global const Ray* rays, global uchar* occluded, uint capacity,
              global const uint* count, global const uint* masks, global Visits* visits, volatile global uint* queue,
-             uint batch) {
+             uint batch, global const uint* sorted) {
     const uint all = rays_to_trace(capacity, count);
 #if USE_RAY_QUEUE
     const Query query = {rays, masks, all, true, 0, occluded};
     trace_queue(CLARAY_BVH, &query, queue);
 #elif USE_BATCHES
-    const BatchQuery query = {rays, masks, true, CULL_BACK_FACES, 0, occluded};
+    const BatchQuery query = {rays, masks, sorted, true, CULL_BACK_FACES, 0, occluded};
     trace_batch(CLARAY_BVH, &query, (uint)get_global_id(0) * batch, batch, all);
 #else
     if (CHOOSE && queue[2] != COHERENT) return;

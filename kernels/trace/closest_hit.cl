@@ -2,17 +2,18 @@
 #include "trace/ray_queue.clh"
 
 /// Traces the first min(capacity, *count) rays, or all where `count` is absent. `masks` and `visits` are read and written
-/// where the macros CLARAY_RAY_MASKS and CLARAY_COUNT_VISITS say so; `queue`: see ray_queue.clh; `batch`: rays an item, see batch.clh.
+/// where the macros CLARAY_RAY_MASKS and CLARAY_COUNT_VISITS say so; `queue`: see ray_queue.clh; `batch`: rays an item, and
+/// `sorted`: their order or null, see batch.clh.
 kernel QUERY_GROUP
 void closest_hit(CLARAY_BVH_PARAMETERS, global const Ray* rays, global Hit* hits, uint capacity,
                  global const uint* count, global const uint* masks, global Visits* visits, volatile global uint* queue,
-                 uint batch) {
+                 uint batch, global const uint* sorted) {
     const uint all = rays_to_trace(capacity, count);
 #if USE_RAY_QUEUE
     const Query query = {rays, masks, all, false, hits, 0};
     trace_queue(CLARAY_BVH, &query, queue);
 #elif USE_BATCHES
-    const BatchQuery query = {rays, masks, false, CULL_BACK_FACES, hits, 0};
+    const BatchQuery query = {rays, masks, sorted, false, CULL_BACK_FACES, hits, 0};
     trace_batch(CLARAY_BVH, &query, (uint)get_global_id(0) * batch, batch, all);
 #else
     if (CHOOSE && queue[2] != COHERENT) return;

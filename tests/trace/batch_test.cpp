@@ -114,6 +114,66 @@ TEST(Batch, RandomRaysHitAsAlone) {
     expect_same_as_alone(bvh, bounded);
 }
 
+TEST(Batch, ManyRaysInAnyOrderHitAsAlone) {  // enough of them to be sorted first
+    std::vector<Mesh> meshes = {soup(4000, 0.1f, 20), soup(4000, 0.1f, 21)};
+    meshes[0].mask = 1, meshes[1].mask = 2;
+    const Bvh bvh = Bvh::build(device(), meshes, {.layout = Layout::wide});
+    std::vector<Ray> rays = random_rays(60'011, 1.5f, 1.f, 22);
+    const std::vector<Ray> pinhole = camera_rays({0.1f, 0.2f, 3}, glm::vec3(0.f), 121, 95);
+    rays.insert(rays.end(), pinhole.begin(), pinhole.end());
+    for (std::size_t i = 0; i < rays.size(); ++i) std::swap(rays[i], rays[i * 2654435761u % rays.size()]);
+    for (std::size_t i = 0; i < rays.size(); i += 101) rays[i].ox = nan;
+    for (std::size_t i = 1; i < rays.size(); i += 103) rays[i].tmax = 0.5f;
+    EXPECT_GT(expect_same_as_alone(bvh, rays), 0.1);
+    QueryOptions masked;
+    std::vector<std::uint32_t> masks(rays.size());
+    for (std::size_t i = 0; i < masks.size(); ++i) masks[i] = std::uint32_t(i * 2654435761u >> 30);
+    masked.ray_masks = Buffer<std::uint32_t>(device(), masks);
+    EXPECT_GT(expect_same_as_alone(bvh, rays, masked), 0.1);
+}
+
+/// Rays that end, or start, within roundings of a surface, before it and behind it.
+TEST(Batch, RaysThatEndNearSurfaces) {
+    const Mesh mesh = soup(3000, 0.2f, 23);
+    const Bvh bvh = build(mesh);
+    const glm::vec3 eye(0.3f, 0.2f, 3.f), sun(0.1f, 0.2f, -1.f);
+    std::vector<Ray> parallel;
+    for (unsigned y = 0; y < 80; ++y)
+        for (unsigned x = 0; x < 120; ++x)
+            parallel.push_back(make_ray({float(x) / 60 - 1, float(y) / 40 - 1, 2.f}, sun, 0.f, 100.f));
+    std::size_t part = 0;
+    for (std::vector<Ray> rays : {camera_rays(eye, glm::vec3(0.f), 120, 80), parallel}) {
+        const std::vector<Hit> hits = alone(bvh, rays);
+        std::vector<Ray> back = rays;  // from the surface to the eye
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            const float factor = 1.f + float(int(i * 2654435761u % 15) - 7) * 0x1p-23f;
+            if (hits[i].primitive == CLARAY_MISS) continue;
+            rays[i].tmax = hits[i].t * factor;
+            const glm::vec3 o(rays[i].ox, rays[i].oy, rays[i].oz), d(rays[i].dx, rays[i].dy, rays[i].dz);
+            back[i] = make_ray(o + d * (hits[i].t * factor), -d * hits[i].t, 0.f, 0.9999f);
+        }
+        const double found = expect_same_as_alone(bvh, rays), back_found = expect_same_as_alone(bvh, back);
+        EXPECT_GT(found, 0.1) << part;
+        EXPECT_GT(back_found, 0.1) << part++;
+    }
+}
+
+/// Rays from a light in the middle of a room to all sides, and back.
+TEST(Batch, RaysFromALightToAllSides) {
+    const Bvh bvh = build(soup(20'011, 0.05f, 24));
+    const glm::vec3 light(0.05f, -0.1f, 0.15f);
+    std::vector<Ray> from, to;
+    for (unsigned y = 0; y < 100; ++y)
+        for (unsigned x = 0; x < 200; ++x) {
+            const float a = (float(x) + 0.5f) * 0.0314159f, z = (float(y) + 0.5f) / 50 - 1, r = std::sqrt(1 - z * z);
+            const glm::vec3 d(r * std::cos(a), r * std::sin(a), z);
+            from.push_back(make_ray(light, d));
+            to.push_back(make_ray(light + 1.3f * d, -1.3f * d, 0.f, 0.9999f));
+        }
+    EXPECT_GT(expect_same_as_alone(bvh, from), 0.1);
+    EXPECT_GT(expect_same_as_alone(bvh, to), 0.1);
+}
+
 TEST(Batch, CoherentAndRandomRaysMixed) {
     const Bvh bvh = build(soup(5000, 0.1f, 10));
     std::vector<Ray> rays = camera_rays({0, 0.5f, 3}, glm::vec3(0.f), 100, 41);

@@ -1,0 +1,29 @@
+#include "host/trace/ray_order.hpp"
+
+namespace claray {
+namespace {
+
+constexpr unsigned key_bits = 31;
+constexpr std::size_t rays_per_item = 1024;  // both as kernels/trace/ray_keys.cl has them
+
+RadixSort<std::uint32_t>::Config sort_config(const Device& device) {
+    auto config = RadixSort<std::uint32_t>::config_for(device);
+    config.key_bits = key_bits;
+    return config;
+}
+
+}  // namespace
+
+RayOrder::RayOrder(const Device& device, std::uint32_t capacity)
+    : keys_(device, capacity),
+      order_(device, capacity),
+      sort_(device, capacity, sort_config(device)),
+      make_keys_(load_kernel(device, "trace/ray_keys.cl", "ray_keys")) {}
+
+const Buffer<std::uint32_t>& RayOrder::sort(const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t count) {
+    make_keys_.run({(count + rays_per_item - 1) / rays_per_item, 1}, bvh.header_buffer(), rays, count, keys_);
+    sort_.sort(keys_, order_, count);
+    return order_;
+}
+
+}  // namespace claray
