@@ -14,7 +14,8 @@ struct FixedScene {
     Scene (*make)();
 };
 constexpr std::array fixed_scenes = {FixedScene{"cornell", scenes::cornell}, FixedScene{"spheres", scenes::spheres},
-                                     FixedScene{"crate", scenes::crate}, FixedScene{"hills", scenes::hills}};
+                                     FixedScene{"crate", scenes::crate}, FixedScene{"hills", scenes::hills},
+                                     FixedScene{"effects", scenes::effects}};
 
 struct CountedScene {
     std::string_view name;
@@ -26,7 +27,8 @@ constexpr std::array counted_scenes = {CountedScene{"terrain", 1, scenes::terrai
                                        CountedScene{"hair", 1, scenes::hair}};
 
 constexpr std::size_t most_triangles = 100'000'000;
-constexpr std::array names = {"cornell", "spheres", "crate", "hills", "terrain:N", "soup:N", "fan:N", "hair:N"};
+constexpr std::array names = {"cornell",     "spheres",   "crate",  "hills", "effects",
+                              "effect:NAME", "terrain:N", "soup:N", "fan:N", "hair:N"};
 
 std::size_t parse_count(const CountedScene& scene, std::string_view text) {
     std::size_t count = 0;
@@ -50,6 +52,11 @@ std::optional<Scene> builtin_scene(const std::string& name) {
         return made;
     }
     const std::size_t colon = name.find(':');
+    if (name.starts_with("effect:")) {
+        Scene made = scenes::effect_alone(name.substr(colon + 1));
+        made.name = name;
+        return made;
+    }
     for (const CountedScene& scene : counted_scenes) {
         if (std::string_view(name).substr(0, colon) != scene.name) continue;
         const std::string_view text = colon == std::string::npos ? "" : std::string_view(name).substr(colon + 1);

@@ -158,7 +158,8 @@ struct Scene {
 /// not finite are culled and counted when the structure is built.
 void validate(const Scene& scene);
 
-/// The built-in scenes: "cornell", "spheres", "crate", "hills", "terrain:N", "soup:N", "fan:N", "hair:N" (N
+/// The built-in scenes: "cornell", "spheres", "crate", "hills", "effects" (all of them), "effect:NAME" (one of them, by
+/// the name that `claray explain` gives it), "terrain:N", "soup:N", "fan:N", "hair:N" (N
 /// triangles). Nothing where `name` is none of them. Throws ErrorKind::usage for a bad N.
 [[nodiscard]] std::optional<Scene> builtin_scene(const std::string& name);
 [[nodiscard]] std::span<const char* const> builtin_scene_names();

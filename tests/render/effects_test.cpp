@@ -107,6 +107,33 @@ TEST(Effects, EveryMacroIsZeroOrItsBits) {
     }
 }
 
+/// One scene for each, and one for all at once. All are rendered by the generic kernels, which compile once.
+TEST(Effects, HaveBuiltInScenes) {
+    RenderConfig config{.width = 24, .height = 16, .spp = 4, .max_depth = 5, .effects = {full_effects(), {}}};
+    const auto expect_picture = [&](const Scene& scene) {
+        const glm::dvec3 light = mean(render_image(scene, config));
+        EXPECT_TRUE(light.x > 0.01 && light.x < 10) << light.x;
+    };
+    // What an effect can't be had without, beside Lambert and one kind of light.
+    const EffectSet base = {Effect::lambert,       Effect::sky,        Effect::point_lights,
+                            Effect::glass,         Effect::principled, Effect::textures,
+                            Effect::mip_maps,      Effect::instances,  Effect::emissive_triangles,
+                            Effect::smooth_normals};
+    for (const Effect effect : all_effects()) {
+        SCOPED_TRACE(name_of(effect));
+        const Scene scene = *builtin_scene(std::string("effect:") + name_of(effect));
+        validate(scene);
+        EXPECT_TRUE(effects_of(scene).has(effect));
+        EXPECT_EQ(effects_of(scene) - base - EffectSet{effect}, EffectSet());
+        expect_picture(scene);
+    }
+    const Scene all = *builtin_scene("effects");
+    validate(all);
+    EXPECT_EQ(effects_of(all), full_effects() - EffectSet{Effect::sky});  // an environment is in its place
+    expect_picture(all);
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "mirror", [] { (void)builtin_scene("effect:stars"); }));
+}
+
 /// The image is the same whatever else the kernels could do.
 TEST(Effects, CompiledInButUnusedChangeNoBit) {
     for (const char* name : {"cornell", "spheres", "crate"}) {
