@@ -1,4 +1,6 @@
 // claray compile: kernels are compiled ahead.
+#include <unistd.h>
+
 #include <cstdio>
 #include <memory>
 
@@ -11,13 +13,17 @@ namespace {
 struct CompileOptions {
     std::string device, effects;
     RenderConfig config;
-    bool quiet = false;
+    bool quiet = false, and_generic = false;
 };
 
 void compile(const CompileOptions& options) {
     const Device device = Device::open(options.device);
     const EffectSet effects = options.effects.empty() ? full_effects() : parse_effects(options.effects);
     compile_kernels(device, effects, options.config);
+    if (options.and_generic) {
+        (void)::nice(10);  // nobody waits for these
+        compile_kernels(device, full_effects(), options.config);
+    }
     const CompileStatistics statistics = compile_statistics();
     if (!options.quiet)
         std::printf("%s: %u compiled, %u from the cache, %.1f s\n", to_string(effects).c_str(), statistics.compiled,
@@ -35,6 +41,7 @@ void add_compile_command(CLI::App& app, Action& action) {
     command->add_option("--effects", options->effects, "What the kernels shall know: NAME,NAME... [all]");
     command->add_option("--device", options->device, "cpu, gpu, an index or a part of the name (see claray devices)");
     add_bvh_options(*command, options->config.bvh);
+    command->add_flag("--and-generic", options->and_generic, "Afterwards the generic kernels, too");
     command->add_flag("-q,--quiet", options->quiet, "Print nothing");
     command->callback([&action, options] { action = [options] { compile(*options); }; });
 }

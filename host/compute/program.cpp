@@ -110,17 +110,15 @@ std::optional<cl::Program> build_from_binary(const Device& device, const std::ve
 
 cl::Program compile(const Device& device, const KernelSource& main, const std::string& options) {
     const std::string key = cache_key(device, main, options);
-    std::optional<CacheLock> lock(std::in_place);
+    const CacheLock lock;
     if (const auto binary = load_cached_program(key))
         if (auto program = build_from_binary(device, *binary)) {
             ++statistics.from_cache;
             return *program;
         }
-    const bool store = device.state().store_programs;
-    if (!store) lock.reset();  // nobody waits for it
     cl::Program program = compile_from_source(device, main, options);
     ++statistics.compiled;
-    if (!store) return program;
+    if (!device.state().store_programs) return program;
     const auto binaries = program.getInfo<CL_PROGRAM_BINARIES>();
     if (!binaries.empty()) store_cached_program(key, binaries[0]);
     return program;

@@ -32,19 +32,20 @@ fs::path cache_folder() {
 
 }  // namespace
 
-CacheLock::CacheLock() {
+CacheLock::CacheLock(const std::string& name) {
     const fs::path folder = cache_folder();
     if (folder.empty()) return;
     std::error_code ignored;
     fs::create_directories(folder, ignored);
-    folder_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (folder_ < 0) return;
-    while (::flock(folder_, LOCK_EX) != 0 && errno == EINTR) {
+    file_ = name.empty() ? ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)
+                         : ::open((folder / (name + ".lock")).c_str(), O_RDONLY | O_CREAT | O_CLOEXEC, 0644);
+    if (file_ < 0) return;
+    while (::flock(file_, LOCK_EX) != 0 && errno == EINTR) {
     }
 }
 
 CacheLock::~CacheLock() {
-    if (folder_ >= 0) ::close(folder_);  // which unlocks
+    if (file_ >= 0) ::close(file_);  // which unlocks
 }
 
 std::optional<std::vector<unsigned char>> load_cached_program(const std::string& key) {

@@ -15,13 +15,14 @@ namespace claray {
 /// that can be opened nothing is locked.
 class CacheLock {
 public:
-    CacheLock();
+    /// Of the whole cache, or of a name in it, which is then a file that stays.
+    explicit CacheLock(const std::string& name = {});
     ~CacheLock();
     CacheLock(const CacheLock&) = delete;
     CacheLock& operator=(const CacheLock&) = delete;
 
 private:
-    int folder_ = -1;
+    int file_ = -1;
 };
 
 /// The stored binary of a key, or nothing where there is none, it cannot be read, or its checksum is wrong. A bad file

@@ -1,8 +1,11 @@
 #include "host/render/kernel_choice.hpp"
 
+#include <fcntl.h>
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include <thread>
 
 #include "host/compute/device_state.hpp"
 #include "host/compute/hash.hpp"
@@ -20,28 +23,47 @@ Layout tuned_layout(const Device& device, Layout layout) {
     return device.tuning("trace/closest_hit", "WIDE") != 0 ? Layout::wide : Layout::binary;
 }
 
-/// Of all that the kernels depend on.
-std::string key_of(const Device& device, const KernelChoice& choice, const RenderConfig& config) {
+EffectSet effects_of_stage(EffectSet effects, Stage stage) {
+    EffectSet of_stage;
+    for (const Effect effect : all_effects())
+        if (effects.has(effect) && concerns(effect, stage)) of_stage.add(effect);
+    return of_stage;
+}
+
+/// Of all that the kernels depend on; `part`: "all" of them, or "trace" for the queries' and the tree's.
+std::string key_of(const Device& device, const KernelChoice& choice, const RenderConfig& config,
+                   const std::string& part) {
     const DeviceInfo& info = device.info();
-    std::string all = "renderer\n" + info.platform + '\n' + info.name + '\n' + info.driver + '\n' + info.version + '\n';
+    const bool lit = !(choice.effects & sampled_lights).empty();
+    const EffectSet effects = part == "all" ? choice.effects : effects_of_stage(choice.effects, Stage::trace);
+    std::string all = "renderer " + part + (lit ? " with shadows\n" : "\n") + info.platform + '\n' + info.name + '\n' +
+                      info.driver + '\n' + info.version + '\n';
     for (const KernelSource& source : kernel_sources()) all += source.path + '\n' + source.text + '\n';
     for (const auto& [name, value] : device.state().tuning) all += name + ' ' + std::to_string(value) + '\n';
     for (const int value : {int(choice.layout), int(config.sampler), int(config.bvh.builder),
                             int(config.bvh.morton_bits), int(config.bvh.max_leaf_triangles),
                             int(config.bvh.split_budget > 0), int(config.bvh.optimization_rounds > 0)})
         all += std::to_string(value) + '\n';
-    return hash128(all + to_string(choice.effects));
+    return hash128(all + to_string(effects));
 }
 
 }  // namespace
 
 bool are_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config) {
-    return load_cached_program(key_of(device, choice, config)).has_value();
+    return load_cached_program(key_of(device, choice, config, "all")).has_value();
 }
 
 void remember_as_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config) {
-    const std::string text = to_string(choice.effects);
-    store_cached_program(key_of(device, choice, config), {text.begin(), text.end()});
+    for (const char* part : {"all", "trace"}) {
+        const std::string text = std::string(part) + " of " + to_string(choice.effects);
+        store_cached_program(key_of(device, choice, config, part), {text.begin(), text.end()});
+    }
+}
+
+void compile_once(const Device& device, const KernelChoice& choice, const RenderConfig& config,
+                  const std::function<void()>& compile) {
+    const CacheLock lock(key_of(device, choice, config, "all"));
+    if (!are_cached(device, choice, config)) compile();
 }
 
 KernelPlan plan_kernels(const Device& device, EffectSet effects, const RenderConfig& config) {
@@ -51,42 +73,39 @@ KernelPlan plan_kernels(const Device& device, EffectSet effects, const RenderCon
     if (config.compiler.empty() || are_cached(device, own, config)) return plan;
     const KernelChoice generic = {full_effects(), own.layout};
     const KernelChoice quick = {own.effects, config.bvh.layout == Layout::automatic ? Layout::binary : own.layout};
+    const bool can_trace = load_cached_program(key_of(device, own, config, "trace")).has_value();
     if (generic != own && are_cached(device, generic, config))
         plan.start = KernelStart::generic, plan.first = generic;
-    else if (quick != own)
+    else if (quick != own && !can_trace)
         plan.start = KernelStart::quick, plan.first = quick;
     return plan;
 }
 
-void CompileProcess::start(const std::string& program, const Device& device, const KernelChoice& choice,
-                           const RenderConfig& config) {
-    std::vector<std::string> arguments = {program,
-                                          "compile",
-                                          "--quiet",
-                                          "--device",
-                                          std::to_string(device.info().index),
-                                          "--effects",
-                                          to_string(choice.effects),
-                                          "--layout",
-                                          choice.layout == Layout::wide ? "wide" : "binary",
-                                          "--morton-bits",
-                                          std::to_string(config.bvh.morton_bits),
-                                          "--builder",
-                                          config.bvh.builder == Builder::fast       ? "fast"
-                                          : config.bvh.builder == Builder::balanced ? "balanced"
-                                                                                    : "high"};
+void start_compiler(const std::string& program, const Device& device, const KernelChoice& choice,
+                    const RenderConfig& config) {
+    const char* builder = config.bvh.builder == Builder::fast       ? "fast"
+                          : config.bvh.builder == Builder::balanced ? "balanced"
+                                                                    : "high";
+    std::vector<std::string> arguments = {program, "compile", "--quiet", "--and-generic"};
+    const auto add = [&](const char* option, const std::string& value) {
+        arguments.emplace_back(option), arguments.push_back(value);
+    };
+    add("--device", std::to_string(device.info().index));
+    add("--effects", to_string(choice.effects));
+    add("--layout", choice.layout == Layout::wide ? "wide" : "binary");
+    add("--morton-bits", std::to_string(config.bvh.morton_bits));
+    add("--builder", builder);
     std::vector<char*> pointers;
     for (std::string& argument : arguments) pointers.push_back(argument.data());
     pointers.push_back(nullptr);
+    posix_spawn_file_actions_t silence;
+    ::posix_spawn_file_actions_init(&silence);
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})  // so that no pipe waits for it
+        ::posix_spawn_file_actions_addopen(&silence, stream, "/dev/null", O_RDWR, 0);
     pid_t id = 0;
-    if (::posix_spawn(&id, program.c_str(), nullptr, nullptr, pointers.data(), environ) == 0) id_ = id;
-}
-
-bool CompileProcess::finished() {
-    int status = 0;
-    if (id_ == 0 || ::waitpid(id_, &status, WNOHANG) != id_) return false;
-    id_ = 0;
-    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+    if (::posix_spawn(&id, program.c_str(), &silence, nullptr, pointers.data(), environ) == 0)
+        std::thread([id] { ::waitpid(id, nullptr, 0); }).detach();  // lest it stays as a zombie
+    ::posix_spawn_file_actions_destroy(&silence);
 }
 
 }  // namespace claray

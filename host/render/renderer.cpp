@@ -4,6 +4,7 @@
 #include <cmath>
 #include <deque>
 #include <memory>
+#include <optional>
 
 #include "host/compute/device_state.hpp"
 #include "host/render/film.hpp"
@@ -112,11 +113,12 @@ Bvh::Config with_layout(Bvh::Config config, Layout layout) {
 }  // namespace
 
 struct Renderer::State {
-    State(const Device& on, const Scene& scene, const RenderConfig& with)
+    /// `exactly`: kernels for these effects, whatever the scene calls for.
+    State(const Device& on, const Scene& scene, const RenderConfig& with, std::optional<EffectSet> exactly = {})
         : device(on),
           config(checked(with)),
           set_up(Clock::now()),
-          plan(plan_kernels(on, effects_of(checked(scene)), with)),
+          plan(plan_kernels(on, exactly ? *exactly : effects_of(checked(scene)), with)),
           unstored(plan.start == KernelStart::quick ? std::make_unique<Unstored>(on) : nullptr),
           milliseconds_before(kernel_milliseconds(on)),
           bvh(Bvh::build(on, scene.meshes, with_layout(with.bvh, plan.first.layout))),
@@ -142,7 +144,6 @@ struct Renderer::State {
     Clock::time_point set_up;
     KernelPlan plan;
     std::unique_ptr<Unstored> unstored;  // until the first pixel is there
-    CompileProcess compiler;
     double first_pixel_seconds = 0;
     unsigned own_kernels_from = 0;
     bool own_kernels = false;
@@ -185,12 +186,12 @@ void Renderer::State::first_pixel() {
     if (own_kernels)
         remember_as_cached(device, plan.last, config);
     else
-        compiler.start(config.compiler, device, plan.last, config);
+        start_compiler(config.compiler, device, plan.last, config);
 }
 
 /// Between two batches, so that no path sees two kinds of kernels; the image would be the same even then.
 void Renderer::State::take_over_when_compiled() {
-    if (!compiler.finished() || !are_cached(device, plan.last, config)) return;
+    if (!are_cached(device, plan.last, config)) return;
     if (plan.last.layout != plan.first.layout)
         bvh = Bvh::build(device, bvh.triangles(), with_layout(config.bvh, plan.last.layout));
     buffers.bvh = bvh;
@@ -253,9 +254,16 @@ RenderStatistics Renderer::statistics() const {
 void compile_kernels(const Device& device, EffectSet effects, const RenderConfig& with) {
     RenderConfig config = with;
     config.width = config.height = 4, config.spp = 1, config.max_depth = 2;
-    config.effects.add = effects;
     config.compiler.clear();
-    Renderer(device, scene_calling_for(effects), config).render();
+    const KernelChoice choice = plan_kernels(device, effects, config).last;
+    compile_once(device, choice, config, [&] {
+        Renderer::State state(device, scene_calling_for(effects), config, effects);
+        const Batch batch = state.schedule.next();
+        state.wavefront.trace(batch);
+        state.film.accumulate(batch, state.wavefront.radiance());
+        (void)state.film.resolve();
+        remember_as_cached(device, choice, config);
+    });
 }
 
 Aovs Renderer::aovs() const {

@@ -52,6 +52,16 @@ void make_instance_move(Scene& scene) {
     scene.instances[ball_material].transform_end = end;
 }
 
+/// Small lights of many colours in rows above the floor.
+void make_many_lights(Scene& scene) {
+    scene.sky = {};
+    for (int i = 0; i < 49; ++i) {
+        const glm::vec3 color(float(1 + i % 3), float(1 + i % 4), float(1 + i % 5));
+        scene.lights.push_back(
+            point_light({0.75f * float(i % 7) - 2.2f, 0.25f, 0.75f * float(i / 7) - 2.6f}, 0.012f * color));
+    }
+}
+
 void make_light_map(Scene& scene) { scene.materials[floor_material].light_map = add_texture(scene, pool_of_light()); }
 
 struct Alone {
@@ -107,6 +117,12 @@ constexpr std::array alone = {
               light.direction = glm::vec3(0.1f, 0.4f, 0.1f) - light.position;
               light.intensity *= 2.f, light.inner_angle = 0.15f, light.outer_angle = 0.33f;
           }},
+    Alone{"light-falloff",
+          [](Scene& s) {
+              Light& light = replace_sky_by(s, LightKind::point);
+              light.attenuation = {1.f, 0.2f, 0.f}, light.intensity = glm::vec3(6.f), light.range = 4.5f;
+          }},
+    Alone{"many-lights", make_many_lights},
     Alone{"sky", [](Scene&) {}},
     Alone{"environment", [](Scene& s) { s.sky = {}, s.environment.images = {evening_environment()}; }},
     Alone{"textures", [](Scene& s) { s.materials[floor_material].albedo_map = add_texture(s, checks()); }},

@@ -148,6 +148,35 @@ TEST(Effects, CompiledInButUnusedChangeNoBit) {
     EXPECT_EQ(mean(render_image(plain_scene(), config)), glm::dvec3(0.0));
 }
 
+/// Asked of the profiler and of the buffers, under kernels that could do everything.
+TEST(Effects, WithoutThemThereIsNoPassAndNoMemory) {
+    const RenderConfig config{.width = 16, .height = 16, .spp = 1, .effects = {full_effects(), {}}};
+    const auto bytes = [&](const Scene& scene) {
+        Renderer renderer(device(), scene, config);
+        renderer.render();
+        return renderer.statistics().device_bytes;
+    };
+    Scene scene = plain_scene();
+    scene.sky.zenith = glm::vec3(1.f);
+    device().finish();
+    device().profiler().reset();
+    const std::uint64_t plain = bytes(scene);
+    const auto& commands = device().profiler().summary();
+    EXPECT_EQ(commands.count("trace_bounce_rays"), 1u);
+    EXPECT_EQ(commands.count("trace_shadow_rays"), 0u);
+    EXPECT_EQ(commands.count("add_light"), 0u);
+
+    Scene coordinates = scene;  // and an image, that nothing uses
+    coordinates.meshes[0].uvs.assign(4, glm::vec2(0.5f));
+    coordinates.textures = builtin_scene("effect:textures")->textures;
+    EXPECT_EQ(bytes(coordinates), plain);
+    coordinates.materials[0].albedo_map.texture = 0;
+    EXPECT_GT(bytes(coordinates), plain + 64 * 64);
+    Scene lit = scene;
+    lit.lights = {point_light({0, 2, 0}, {1, 1, 1})};
+    EXPECT_GT(bytes(lit), plain + 256 * sizeof(Ray));
+}
+
 TEST(Effects, TakenFromTheSceneAreGone) {
     Scene scene = *builtin_scene("cornell");
     scene.sky.zenith = scene.sky.horizon = glm::vec3(0.5f);

@@ -84,6 +84,8 @@ TEST_F(KernelChoices, QuickKernelsGiveWayWithoutASeam) {
 TEST(CompileKernels, MakesEveryKernelThatARenderNeeds) {
     const Scene scene = *builtin_scene("hills");
     RenderConfig config{.width = 8, .height = 8, .spp = 1};
+    const TemporaryFolder folder;
+    const ScopedEnvironment empty("CLARAY_CACHE_DIR", folder.path().string());
     compile_kernels(device(), effects_of(scene), config);
     const unsigned before = compile_statistics().compiled + compile_statistics().from_cache;
     (void)render_image(scene, config);
