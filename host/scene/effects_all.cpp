@@ -60,6 +60,11 @@ void add_lights(Scene& scene) {
     scene.materials.push_back(lamp("lamp", {14.f, 12.f, 9.f}));
     Light light = point_light({2.4f, 1.9f, 1.4f}, {3.f, 2.f, 1.4f});
     scene.lights.push_back(light);
+    for (int i = 0; i < 20; ++i) {  // a chain of small lights along the wall, each of which shines not far
+        Light small = point_light({0.25f * float(i) - 2.4f, 0.08f, -1.9f}, {0.02f, 0.012f, 0.006f});
+        small.range = 2.f;
+        scene.lights.push_back(small);
+    }
     light.kind = LightKind::spot, light.position = {0.f, 3.5f, 1.f}, light.direction = {0.f, -1.f, -0.45f};
     light.intensity = {8.f, 9.f, 12.f}, light.inner_angle = 0.2f, light.outer_angle = 0.4f;
     scene.lights.push_back(light);
