@@ -253,7 +253,9 @@ RenderStatistics Renderer::statistics() const {
 
 void compile_kernels(const Device& device, EffectSet effects, const RenderConfig& with) {
     RenderConfig config = with;
-    config.width = config.height = 4, config.spp = 1, config.max_depth = 2;
+    // PoCL compiles a kernel once for grids of 2^16 items and more and once for smaller ones: the first bounce of these
+    // paths is the one, the others are the other.
+    config.width = config.height = 256, config.spp = 1, config.max_depth = 3;
     config.compiler.clear();
     const KernelChoice choice = plan_kernels(device, effects, config).last;
     compile_once(device, choice, config, [&] {
