@@ -47,7 +47,7 @@ fs::path path_in_scene(const fs::path& root, const fs::path& folder, std::string
     std::replace(name.begin(), name.end(), '\\', '/');
     if (name[0] == '/') refuse("is absolute");
     const fs::path base = root.empty() ? fs::path(".") : root;
-    const fs::path path = (folder.empty() ? fs::path(".") : folder) / name;
+    fs::path path = (folder.empty() ? fs::path(".") : folder) / name;
     try {
         if (!is_below(base, path)) refuse("leaves the scene's folder");
     } catch (const fs::filesystem_error& error) {

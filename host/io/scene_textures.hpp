@@ -3,6 +3,7 @@
 
 #include <map>
 #include <tuple>
+#include <utility>
 
 #include "claray/io.hpp"
 
@@ -22,7 +23,10 @@ struct TextureSettings {
     TexelFormat eight_bit = TexelFormat::srgb8;
     Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
     Filter filter = Filter::trilinear;
-    auto operator<=>(const TextureSettings&) const = default;
+    [[nodiscard]] bool operator<(const TextureSettings& other) const {
+        return std::tie(eight_bit, wrap_u, wrap_v, filter) <
+               std::tie(other.eight_bit, other.wrap_u, other.wrap_v, other.filter);
+    }
 };
 
 /// Fills Scene::textures: each image once for each use that reads it differently, and all together within the limit.
@@ -44,7 +48,7 @@ private:
 
     Scene& scene_;
     std::size_t room_ = std::size_t(1) << 30;
-    std::map<std::tuple<std::string, TextureSettings>, std::uint32_t> known_;
+    std::map<std::pair<std::string, TextureSettings>, std::uint32_t> known_;
 };
 
 }  // namespace claray

@@ -10,6 +10,14 @@
 #pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC diagnostic ignored "-Wsign-compare"
 #pragma GCC diagnostic ignored "-Wshadow"
+#ifdef __clang_analyzer__  // memory that it takes for lost in stb_image is not ours to mend
+void* opaque_malloc(std::size_t size);
+void* opaque_realloc(void* memory, std::size_t size);
+void opaque_free(void* memory);
+#define STBI_MALLOC opaque_malloc
+#define STBI_REALLOC opaque_realloc
+#define STBI_FREE opaque_free
+#endif
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_NO_STDIO
