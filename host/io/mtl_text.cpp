@@ -57,7 +57,6 @@ std::string padded(const std::string& line) {
             if (is_option && word == known.name) option = &known, given = 0, wants_argument = false;
         result += " " + word;
     }
-    finish();
     return result;
 }
 

@@ -73,6 +73,25 @@ TEST_F(Gltf, BinaryIsTheSame) {
     EXPECT_EQ(load_scene((folder / "scene.gltf").string(), warnings).meshes.size(), 1u);
 }
 
+TEST_F(Gltf, BinaryChunksStayInTheirFile) {
+    builder.triangle();
+    const auto refuse_glb = [&](const std::string& glb, const char* words) {
+        const auto path = folder.file("bad.glb", glb);
+        expect_error(ErrorKind::user, {"bad.glb", words}, [&] { static_cast<void>(load_gltf(path, warnings)); });
+    };
+    const std::string glb = builder.glb();
+    const std::size_t binary = glb.find(std::string("BIN\0", 4)) - 4;
+    for (const int more : {4, 8, 100}) {  // tinygltf 2.7 takes up to 8 bytes from behind the end
+        std::string longer = glb;
+        longer[binary] = char(longer[binary] + more);
+        refuse_glb(longer, "chunk 1 is cut off");
+    }
+    std::string without = glb;
+    without[12] = char(0xfc), without[13] = without[14] = without[15] = char(0xff);  // adds up to less than 2^32
+    refuse_glb(without, "chunk 0 is cut off");
+    EXPECT_EQ(load_gltf(folder.file("more.glb", glb + "behind"), warnings).meshes.size(), 1u);
+}
+
 TEST_F(Gltf, IndicesOfEveryType) {
     builder.triangle();
     const std::vector<glm::uvec3> expected = {{2, 1, 0}};
@@ -124,6 +143,8 @@ TEST_F(Gltf, AttributesOfEveryType) {
     EXPECT_EQ(mesh.uvs, (std::vector<glm::vec2>{{0, 1}, {1, 0}, {0, 0}}));
     EXPECT_EQ(mesh.uvs1, (std::vector<glm::vec2>{{0, 1}, {0.2f, 0}, {0, 0}}));
     EXPECT_TRUE(mesh.tangents.empty()) << "no normal map looks at them";
+    attributes["TEXCOORD_0"] = builder.accessor<std::int8_t>("VEC2", {-128, -127, 127, 0, 0, 0}, true);
+    EXPECT_EQ(load().meshes.at(0).uvs[0], glm::vec2(-1.f)) << "there is no value below -1";
     // KHR_mesh_quantization: integers that are not normalized.
     attributes["POSITION"] = builder.accessor<std::int16_t>("VEC3", {0, 0, 0, 100, 0, 0, 0, -5, 0});
     builder.root["extensionsRequired"] = {"KHR_mesh_quantization"};
@@ -205,6 +226,9 @@ TEST_F(Gltf, MeshesUsedTwiceAreInstances) {
     EXPECT_NEAR(turned.x, 1, 1e-6);
     EXPECT_NEAR(turned.y, 4, 1e-6);
     EXPECT_NEAR(turned.z, 3, 1e-6);
+    builder.root["nodes"].erase(2);
+    builder.root["nodes"][0]["children"] = {1};
+    EXPECT_EQ(load().instances.size(), 2u);
 }
 
 TEST_F(Gltf, PrimitivesAreMeshesAndOnlyWhatIsUsedIsRead) {
