@@ -238,7 +238,7 @@ void add_hall(Writer& out, const Materials& m, float detail) {
     out.node({{"mesh", out.mesh("ceiling", quad({-6, 4.5f, -4}, {12, 0, 0}, {0, 0, 8}, {6, 4}), m.plaster)}});
     const auto flutes = [](float v) {
         const float base = glm::smoothstep(0.f, 0.06f, v) * (1.f - glm::smoothstep(0.94f, 1.f, v));
-        return vec2(0.38f - 0.12f * base + 0.015f * std::sin(60.f * pi * v) * base, 4.5f * v);
+        return vec2(0.38f - 0.12f * base + 0.02f * std::sin(24.f * pi * v) * base, 4.5f * v);
     };
     const int column = out.mesh("column", lathe(int(48 * detail), int(90 * detail), {2, 6}, flutes), m.marble);
     for (int i = 0; i < 4; ++i) out.node({{"mesh", column}}, vec3(5.4f, 0, -3.3f + 2.2f * float(i)), 0.7f * float(i));
