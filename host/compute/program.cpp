@@ -108,14 +108,18 @@ std::optional<cl::Program> build_from_binary(const Device& device, const std::ve
     return {};
 }
 
+std::optional<cl::Program> load_from_cache(const Device& device, const std::string& key) {
+    const auto binary = load_cached_program(key);
+    auto program = binary ? build_from_binary(device, *binary) : std::nullopt;
+    if (program) ++statistics.from_cache;
+    return program;
+}
+
 cl::Program compile(const Device& device, const KernelSource& main, const std::string& options) {
     const std::string key = cache_key(device, main, options);
+    if (const auto program = load_from_cache(device, key)) return *program;  // without waiting for others that compile
     const CacheLock lock;
-    if (const auto binary = load_cached_program(key))
-        if (auto program = build_from_binary(device, *binary)) {
-            ++statistics.from_cache;
-            return *program;
-        }
+    if (const auto program = load_from_cache(device, key)) return *program;
     cl::Program program = compile_from_source(device, main, options);
     ++statistics.compiled;
     if (!device.state().store_programs) return program;
