@@ -38,7 +38,10 @@ void warn_of_culled(const Renderer& renderer) {
 /// Renders until a target is met or a signal comes.
 Outcome run_renderer(Renderer& renderer, const RenderOptions& options) {
     ProgressDisplay display(options.config, progress_style(options.quiet));
+    bool warned = false;
     const RenderProgress progress = renderer.render([&](const RenderProgress& so_far) {
+        if (!warned) warn_of_culled(renderer);  // no sooner, for counting takes time, too
+        warned = true;
         display.show(so_far);
         return !InterruptGuard::interrupted();
     });
@@ -55,8 +58,6 @@ void render(const RenderOptions& options) {
     RenderConfig config = options.config;
     if (!options.wait_for_kernels) config.compiler = this_program();
     Renderer renderer(device, load(options), config);
-
-    warn_of_culled(renderer);
 
     const InterruptGuard guard;
     const Outcome outcome = run_renderer(renderer, options);
