@@ -49,24 +49,10 @@ Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& wit
     const Defines bits = {{"CODE_BITS", std::to_string(config.morton_bits)}};
     reset_ = load_kernel(device, "build/bounds.cl", "reset_header");
     finish_bounds_ = load_kernel(device, "build/bounds.cl", "finish_bounds");
-    if (ranges == 0) {
+    if (ranges == 0)
         bounds_ = load_kernel(device, "build/bounds.cl", "compute_bounds",
                               {{"WHOLE_BOXES", config.builder == Builder::high ? "1" : "0"}});
-        codes_ = load_kernel(device, "build/morton_codes.cl", "compute_morton_codes", bits);
-        lbvh_ = load_kernel(device, "build/lbvh.cl", "build_lbvh", bits);
-    } else {
-        centroids_ = load_kernel(device, "build/centroids.cl", "compute_centroids", bits);
-        encode_ = load_kernel(device, "build/centroids.cl", "encode_centroids", bits);
-        lbvh_ranges_ = load_kernel(device, "build/lbvh_serial.cl", "build_lbvh_ranges", bits);
-        join_lbvh_ = load_kernel(device, "build/lbvh_serial.cl", "join_lbvh_ranges", bits);
-    }
-    if (config.builder == Builder::balanced && ranges != 0) {
-        hploc_ranges_ = load_kernel(device, "build/hploc_serial.cl", "build_hploc_ranges", bits);
-        join_hploc_ = load_kernel(device, "build/hploc_serial.cl", "join_hploc_ranges", bits);
-    } else if (config.builder != Builder::fast) {
-        begin_hploc_ = load_kernel(device, "build/hploc.cl", "begin_hploc", bits);
-        hploc_ = load_kernel(device, "build/hploc.cl", "build_hploc", bits);
-    }
+    if (config.builder != Builder::high) load_for_sorting(bits);
     if (layout == Layout::wide) {
         begin_collapse_ = load_kernel(device, "build/collapse.cl", "begin_collapse");
         collapse_level_ = load_kernel(device, "build/collapse.cl", "collapse_level");
@@ -74,11 +60,30 @@ Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& wit
     }
 }
 
+void Bvh::State::load_for_sorting(const Defines& bits) {
+    const bool balanced = config.builder == Builder::balanced;
+    if (ranges == 0) {
+        codes_ = load_kernel(device, "build/morton_codes.cl", "compute_morton_codes", bits);
+        lbvh_ = load_kernel(device, "build/lbvh.cl", "build_lbvh", bits);
+        if (!balanced) return;
+        begin_hploc_ = load_kernel(device, "build/hploc.cl", "begin_hploc", bits);
+        hploc_ = load_kernel(device, "build/hploc.cl", "build_hploc", bits);
+        return;
+    }
+    centroids_ = load_kernel(device, "build/centroids.cl", "compute_centroids", bits);
+    encode_ = load_kernel(device, "build/centroids.cl", "encode_centroids", bits);
+    lbvh_ranges_ = load_kernel(device, "build/lbvh_serial.cl", "build_lbvh_ranges", bits);
+    join_lbvh_ = load_kernel(device, "build/lbvh_serial.cl", "join_lbvh_ranges", bits);
+    if (!balanced) return;
+    hploc_ranges_ = load_kernel(device, "build/hploc_serial.cl", "build_hploc_ranges", bits);
+    join_hploc_ = load_kernel(device, "build/hploc_serial.cl", "join_hploc_ranges", bits);
+}
+
 void Bvh::State::allocate() {
     std::uint32_t capacity = count;  // of leaves
     if (config.builder == Builder::high) {
-        presplit = Presplit(device, count, config.split_budget, config.morton_bits);
-        capacity = presplit.capacity();
+        sbvh = Sbvh(device, count, config.split_budget);
+        capacity = sbvh.capacity();
         other_nodes = Buffer<BvhNode>(device, capacity);
         other_leaves = Buffer<LeafTriangle>(device, capacity);
         reinsertion = Reinsertion(device, capacity);
@@ -89,27 +94,8 @@ void Bvh::State::allocate() {
     bound_keys = Buffer<std::uint32_t>(device, 6);
     nodes = Buffer<BvhNode>(device, capacity);
     leaves = Buffer<LeafTriangle>(device, capacity);
-    order = Buffer<std::uint32_t>(device, capacity);
     arrivals = Buffer<std::uint32_t>(device, capacity);
-    const unsigned per_unit = device.tuning("build/serial", "RANGES_PER_UNIT");
-    if (per_unit != 0 && config.builder != Builder::high) {
-        const unsigned least = std::max(1u, device.tuning("build/serial", "RANGE_LEAVES"));
-        ranges = std::clamp(count / least, 1u, device.info().compute_units * per_unit);
-        pieces = Buffer<std::uint32_t>(device, ranges * 2 * pieces_a_range);
-        piece_counts = Buffer<std::uint32_t>(device, std::size_t(2) * ranges);
-    }
-    if (config.builder != Builder::fast) {
-        clusters = Buffer<std::uint32_t>(device, capacity);
-    }
-    if (config.morton_bits == 63) {
-        codes64 = Buffer<std::uint64_t>(device, capacity);
-        sort64 =
-            std::make_unique<RadixSort<std::uint64_t>>(device, capacity, RadixSort<std::uint64_t>::config_for(device));
-    } else {
-        codes32 = Buffer<std::uint32_t>(device, capacity);
-        sort32 =
-            std::make_unique<RadixSort<std::uint32_t>>(device, capacity, RadixSort<std::uint32_t>::config_for(device));
-    }
+    if (config.builder != Builder::high) allocate_for_sorting();
     if (layout == Layout::wide) {
         // A node with a wide child has 8 slots, one without has at least 5 triangles: at most count / 4 nodes in all.
         // Every subtree may leave all but one of the numbers that it took at once unused.
@@ -117,6 +103,28 @@ void Bvh::State::allocate() {
             std::size_t(CLARAY_WIDTH) * subtrees_for(device) * (numbers_at_once(capacity, device) - 1);
         wide_nodes = Buffer<WideNode>(device, capacity / 4 + 1 + spare);
         wide_blocks = Buffer<TriangleBlock>(device, std::max(capacity, 1u) + 2 * spare);
+    }
+}
+
+/// What the builders that begin with Morton codes need.
+void Bvh::State::allocate_for_sorting() {
+    order = Buffer<std::uint32_t>(device, count);
+    const unsigned per_unit = device.tuning("build/serial", "RANGES_PER_UNIT");
+    if (per_unit != 0) {
+        const unsigned least = std::max(1u, device.tuning("build/serial", "RANGE_LEAVES"));
+        ranges = std::clamp(count / least, 1u, device.info().compute_units * per_unit);
+        pieces = Buffer<std::uint32_t>(device, ranges * 2 * pieces_a_range);
+        piece_counts = Buffer<std::uint32_t>(device, std::size_t(2) * ranges);
+    }
+    if (config.builder == Builder::balanced) clusters = Buffer<std::uint32_t>(device, count);
+    if (config.morton_bits == 63) {
+        codes64 = Buffer<std::uint64_t>(device, count);
+        sort64 =
+            std::make_unique<RadixSort<std::uint64_t>>(device, count, RadixSort<std::uint64_t>::config_for(device));
+    } else {
+        codes32 = Buffer<std::uint32_t>(device, count);
+        sort32 =
+            std::make_unique<RadixSort<std::uint32_t>>(device, count, RadixSort<std::uint32_t>::config_for(device));
     }
 }
 
@@ -134,10 +142,6 @@ void Bvh::State::compute_bounds() {
 
 template <class Code>
 void Bvh::State::build_tree(Buffer<Code>& codes, RadixSort<Code>& sort) {
-    if (config.builder == Builder::high) {
-        build_high(codes, sort);
-        return;
-    }
     if (ranges != 0)
         encode_.run({ranges, 1}, leaves, count, header, ranges, codes);
     else
@@ -153,24 +157,19 @@ void Bvh::State::build_tree(Buffer<Code>& codes, RadixSort<Code>& sort) {
 }
 
 /// Leaves are references until the last copy of the tree turns them into triangles.
-template <class Code>
-void Bvh::State::build_high(Buffer<Code>& codes, RadixSort<Code>& sort) {
-    const std::uint32_t to_sort = presplit.split(triangles, header, bound_keys, codes);
-    sort.sort(codes, order, to_sort);
-    presplit.gather(order, leaves, clusters, header);
-    cluster(codes, to_sort);
-    if (read_header().height <= CLARAY_MAX_HEIGHT) {
-        renumber.copy(triangles, nodes, leaves, to_sort, arrivals, header, other_nodes, other_leaves);
-        reinsertion.run(other_nodes, arrivals, header, config.optimization_rounds, 1);
-        if (read_header().height <= CLARAY_MAX_HEIGHT) {
-            finish.copy(triangles, other_nodes, other_leaves, to_sort, arrivals, header, nodes, leaves);
-            return;
-        }
+void Bvh::State::build_high(unsigned rounds) {
+    if (rounds == 0) {
+        sbvh.build(triangles, bound_keys, other_nodes, other_leaves, header);
+    } else {
+        sbvh.build(triangles, bound_keys, nodes, leaves, header);
+        renumber.copy(triangles, nodes, leaves, sbvh.capacity(), arrivals, header, other_nodes, other_leaves);
+        reinsertion.run(other_nodes, arrivals, header, rounds, 1);
     }
+    finish.copy(triangles, other_nodes, other_leaves, sbvh.capacity(), arrivals, header, nodes, leaves);
+    // Moving nodes has no bound on the height; a tree that is too high for the stack of a traversal is not used.
+    if (rounds == 0 || read_header().height <= CLARAY_MAX_HEIGHT) return;
     compute_bounds();  // begins anew: counts triangles instead of references
-    codes_.run({count, group}, triangles.positions, triangles.indices, count, header, codes);
-    sort.sort(codes, order, count);
-    build_lbvh(codes);
+    build_high(0);
 }
 
 template <class Code>
@@ -196,21 +195,16 @@ void Bvh::State::build_hploc(const Buffer<Code>& codes) {
     }
     begin_hploc_.run({count, group}, triangles.positions, triangles.indices, triangles.geometries, triangles.masks,
                      order, leaves, clusters, header);
-    cluster(codes, count);
-}
-
-/// The tree over `leaves` and `clusters`.
-template <class Code>
-void Bvh::State::cluster(const Buffer<Code>& codes, std::uint32_t leaf_count) {
     arrivals.fill(0xffffffffu);
-    hploc_.run({leaf_count, device.tuning("build/hploc", "GROUP_SIZE")}, codes, nodes, leaves, arrivals, clusters,
-               header);
+    hploc_.run({count, device.tuning("build/hploc", "GROUP_SIZE")}, codes, nodes, leaves, arrivals, clusters, header);
 }
 
 void Bvh::State::build() {
     built_cost = 0;
     compute_bounds();
-    if (sort64)
+    if (config.builder == Builder::high)
+        build_high(config.optimization_rounds);
+    else if (sort64)
         build_tree(codes64, *sort64);
     else
         build_tree(codes32, *sort32);

@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "claray/bvh.hpp"
-#include "host/build/presplit.hpp"
 #include "host/build/reinsertion.hpp"
+#include "host/build/sbvh.hpp"
 #include "host/build/tree_layout.hpp"
 #include "host/sort/radix_sort.hpp"
 
@@ -45,23 +45,22 @@ struct Bvh::State {
     // Of the builder `high`: a second tree, for copying to and fro.
     Buffer<BvhNode> other_nodes;
     Buffer<LeafTriangle> other_leaves;
-    Presplit presplit;
+    Sbvh sbvh;
     Reinsertion reinsertion;
     TreeLayout renumber, finish;
 
 private:
     void allocate();
+    void allocate_for_sorting();
+    void load_for_sorting(const Defines& bits);
     void compute_bounds();
     template <class Code>
     void build_tree(Buffer<Code>& codes, RadixSort<Code>& sort);
-    template <class Code>
-    void build_high(Buffer<Code>& codes, RadixSort<Code>& sort);
+    void build_high(unsigned rounds);
     template <class Code>
     void build_lbvh(const Buffer<Code>& codes);
     template <class Code>
     void build_hploc(const Buffer<Code>& codes);
-    template <class Code>
-    void cluster(const Buffer<Code>& codes, std::uint32_t leaf_count);
 
     Kernel reset_, centroids_, encode_, bounds_, finish_bounds_, codes_, lbvh_, begin_hploc_, hploc_, refit_,
         lbvh_ranges_, join_lbvh_, hploc_ranges_, join_hploc_, begin_collapse_, collapse_level_, collapse_subtrees_,

@@ -74,10 +74,10 @@ public:
         /// refit undoes what splitting gains, so that 0 is for what moves.
         double split_budget = 0.5;
         /// `high` only: rounds of moving nodes.
-        unsigned optimization_rounds = 8;
+        unsigned optimization_rounds = 2;
         /// `high` in the binary layout only: triangles a leaf may hold where the surface area heuristic says so, up
         /// to 4.
-        unsigned max_leaf_triangles = 1;
+        unsigned max_leaf_triangles = 4;
     };
 
     /// Builds over the triangles of all meshes; primitive indices count over all meshes in order. Throws

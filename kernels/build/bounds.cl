@@ -6,7 +6,7 @@
 #define GROUP_SIZE 256
 #endif
 #ifndef WHOLE_BOXES
-#define WHOLE_BOXES 0  // 1: the grid is laid over the triangles' boxes, for parts of triangles (presplit.cl)
+#define WHOLE_BOXES 0  // 1: the bounds of the triangles' whole boxes instead (sbvh.cl)
 #endif
 
 /// First kernel of every build.
