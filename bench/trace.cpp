@@ -1,6 +1,7 @@
 // Rays a second: bench_trace [--device D] [--builder fast|balanced|high] [--layout binary|wide] [--bits 30|63]
 // [--repeat N]
-// [--csv FILE] [SCENE...] SCENE is a built-in name, an OBJ, or NAME.scn with NAME.ray (three kinds of rays) and
+// [--hints] [--csv FILE] [SCENE...] --hints tells the queries which rays are coherent, as the renderer does, instead of
+// letting them find out. SCENE is a built-in name, an OBJ, or NAME.scn with NAME.ray (three kinds of rays) and
 // NAME.ref (their hits) beside it.
 #include <CLI/CLI.hpp>
 #include <cmath>
@@ -17,10 +18,14 @@ struct Options {
     Bvh::Config bvh;
     unsigned width = 1920, height = 1080;
     int repeat = 11;
+    bool hints = false;
 };
 
-double closest_mrays(const Bvh& bvh, const Buffer<Ray>& rays, Buffer<Hit>& hits, int repeat) {
-    const auto ms = bench::measure(bvh.device(), repeat, [&] { closest_hit(bvh, rays, hits); });
+double closest_mrays(const Bvh& bvh, const Buffer<Ray>& rays, Buffer<Hit>& hits, int repeat,
+                     Coherence coherence = Coherence::automatic) {
+    QueryOptions query;
+    query.coherence = coherence;
+    const auto ms = bench::measure(bvh.device(), repeat, [&] { closest_hit(bvh, rays, hits, query); });
     return double(rays.size()) * 1e-3 / ms.at("closest_hit");
 }
 
@@ -55,9 +60,10 @@ void trace_recorded(const Device& device, const Bvh& bvh, const std::string& nam
         bounce(device, std::span(rays + n0 + n1, n2));
     Buffer<Hit> hits(device, n0), bounce_hits(device, n2);
     Buffer<std::uint8_t> occluded(device, n1);
-    const double mrays[3] = {closest_mrays(bvh, primary, hits, options.repeat),
+    const auto hint = [&](Coherence known) { return options.hints ? known : Coherence::automatic; };
+    const double mrays[3] = {closest_mrays(bvh, primary, hits, options.repeat, hint(Coherence::coherent)),
                              any_mrays(bvh, shadow, occluded, options.repeat),
-                             closest_mrays(bvh, bounce, bounce_hits, options.repeat)};
+                             closest_mrays(bvh, bounce, bounce_hits, options.repeat, hint(Coherence::incoherent))};
     const std::vector<std::uint8_t> occluded_found = occluded.read();
     std::size_t shadow_differences = 0;
     for (std::size_t i = 0; i < n1; ++i) shadow_differences += (occluded_found[i] != 0) != (occluded_reference[i] != 0);
@@ -102,6 +108,7 @@ int main(int argc, char** argv) try {
     app.add_option("--width", options.width);
     app.add_option("--height", options.height);
     bench::add_bvh_options(app, options.bvh);
+    app.add_flag("--hints", options.hints);
     app.add_option("--csv", csv_path);
     app.add_option("scenes", scenes);
     CLI11_PARSE(app, argc, argv);

@@ -2,26 +2,20 @@
 #include "trace/ray.clh"
 #include "trace/query.clh"
 
-#define SAMPLES_PER_ITEM 8
-
-/// One group. Compares rays of one warp, 16 apart, all over the array; queue[2] becomes 1 where three quarters of them point
-/// the same way to within some 25 degrees.
+/// One group, one sample an item, since all else waits for it. Compares rays of one warp, 16 apart, all over the array; queue[2]
+/// becomes 1 where three quarters of them point the same way to within some 25 degrees.
 kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
 void sample_coherence(global const Ray* rays, uint capacity, global const uint* count, global uint* queue) {
     local uint alike;
     if (get_local_id(0) == 0) alike = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
-    const uint all = rays_to_trace(capacity, count), samples = SAMPLES_PER_ITEM * GROUP_SIZE;
-    uint mine = 0;
-    for (uint k = 0; k < SAMPLES_PER_ITEM; ++k) {
-        const uint sample = k * GROUP_SIZE + (uint)get_local_id(0);
-        const uint i = min((uint)((ulong)all * sample / samples), all < 17 ? 0 : all - 17), j = min(i + 16, all - 1);
-        if (all == 0) break;
+    const uint all = rays_to_trace(capacity, count);
+    if (all != 0) {
+        const uint i = min((uint)((ulong)all * get_local_id(0) / GROUP_SIZE), all < 17 ? 0 : all - 17), j = min(i + 16, all - 1);
         const float3 a = (float3)(rays[i].dx, rays[i].dy, rays[i].dz), b = (float3)(rays[j].dx, rays[j].dy, rays[j].dz);
         const float along = dot(a, b);
-        mine += along > 0.0f && along * along > 0.8f * dot(a, a) * dot(b, b);
+        if (along > 0.0f && along * along > 0.8f * dot(a, a) * dot(b, b)) atomic_inc(&alike);
     }
-    atomic_add(&alike, mine);
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (get_local_id(0) == 0) queue[2] = alike * 4 >= samples * 3;
+    if (get_local_id(0) == 0) queue[2] = alike * 4 >= GROUP_SIZE * 3;
 }
