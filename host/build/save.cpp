@@ -144,7 +144,8 @@ void Bvh::save(const std::filesystem::path& path) const {
     header.structs = struct_sizes;
     header.builder = std::uint32_t(s.config.builder);
     header.morton_bits = s.config.morton_bits;
-    header.high = std::min(s.config.optimization_rounds, 0xffffu) | s.config.max_leaf_triangles << 16;
+    header.high = std::min(s.config.optimization_rounds, 0xffffu) |
+                  (s.layout == Layout::wide ? 1u : s.config.max_leaf_triangles) << 16;
     header.nodes = s.nodes.size();
     header.leaves = s.leaves.size();
     header.positions = s.triangles.positions.size();
@@ -180,7 +181,6 @@ void restore_high(const FileHeader& header, Bvh::Config& config) {
     config.optimization_rounds = header.high & 0xffffu;
     config.max_leaf_triangles = std::clamp(header.high >> 16, 1u, 4u);
     config.split_budget = triangles > 0 ? std::max(0.0, (double(header.leaves) - triangles + 0.5) / triangles) : 0.0;
-    if (config.max_leaf_triangles > 1 && config.layout == Layout::automatic) config.layout = Layout::binary;
 }
 
 }  // namespace
@@ -200,10 +200,6 @@ Bvh Bvh::load(const Device& device, const std::filesystem::path& path, Layout la
     Bvh bvh;
     bvh.state_ = std::make_shared<State>(device, triangles, config);
     State& s = *bvh.state_;
-    if (s.layout == Layout::wide && config.max_leaf_triangles > 1)
-        throw Error(ErrorKind::user,
-                    path.string() + ": its leaves hold several triangles, of which no wide tree is made",
-                    "load it in the binary layout");
     if (s.nodes.size() != header.nodes || s.leaves.size() != header.leaves)
         file.refuse_damaged("its tree and its triangles don't belong together");
     file.fill(s.nodes, header.nodes);
@@ -214,7 +210,10 @@ Bvh Bvh::load(const Device& device, const std::filesystem::path& path, Layout la
     file.fill(s.triangles.masks, header.masks);
     file.check_digest();
     s.header.write(std::span(&header.bvh, 1));
-    if (s.layout == Layout::wide) s.collapse();
+    if (s.layout == Layout::wide && config.max_leaf_triangles > 1)
+        s.build();  // the wide tree has its own leaves
+    else if (s.layout == Layout::wide)
+        s.collapse();
     return bvh;
 }
 
