@@ -34,9 +34,9 @@ struct Explanation {
 };
 
 struct ExplainOptions {
-    EffectSet only = full_effects();  ///< what to measure
-    int rounds = 7;                   ///< pairs of batches that are compared for each
-    bool compile_times = true;        ///< compile all kernels once more for their time
+    EffectSet only = known_effects();  ///< what to measure
+    int rounds = 7;                    ///< pairs of batches that are compared for each
+    bool compile_times = true;         ///< compile all kernels once more for their time
 };
 [[nodiscard]] Explanation explain(const Device& device, const Scene& scene, const RenderConfig& config,
                                   const ExplainOptions& options,

@@ -11,7 +11,8 @@ namespace {
 constexpr unsigned generate = unsigned(Stage::generate), trace = unsigned(Stage::trace), shade = unsigned(Stage::shade),
                    aovs = unsigned(Stage::aovs);
 
-/// An effect without a row is not known to the kernels. Effects that share a macro are bits of its value.
+/// An effect without a row is not known to the kernels. Effects that share a macro are bits of its value. Those without
+/// a macro are not added to kernels: the structure that is traced brings them (host/render/structure.hpp).
 struct Row {
     Effect effect;
     const char* name;
@@ -35,6 +36,8 @@ constexpr std::array rows = {
     Row{Effect::environment, "environment", "ENVIRONMENT", 0, shade},
     Row{Effect::depth_of_field, "depth-of-field", "DEPTH_OF_FIELD", 0, generate},
     Row{Effect::camera_motion, "camera-motion", "CAMERA_MOTION", 0, generate},
+    Row{Effect::instances, "instances", nullptr, 0, 0},
+    Row{Effect::instance_motion, "instance-motion", nullptr, 0, 0},
     Row{Effect::textures, "textures", "TEXTURES", 0, shade | aovs},
     Row{Effect::mip_maps, "mip-maps", "MIPMAPS", 0, shade | aovs},
     Row{Effect::normal_maps, "normal-maps", "NORMAL_MAPS", 0, shade | aovs},
@@ -68,9 +71,16 @@ const char* name_of(Effect effect) {
 
 std::span<const Effect> all_effects() { return known; }
 
-EffectSet full_effects() {
+EffectSet known_effects() {
     EffectSet all;
     for (const Effect effect : known) all.add(effect);
+    return all;
+}
+
+EffectSet full_effects() {
+    EffectSet all;
+    for (const Row& row : rows)
+        if (row.macro) all.add(row.effect);
     return all;
 }
 

@@ -4,6 +4,7 @@
 
 #include "claray/effects.hpp"
 #include "host/render/lights.hpp"
+#include "host/scene/placement.hpp"
 
 namespace claray {
 namespace {
@@ -53,7 +54,7 @@ public:
         if (scene_.camera) visit(*scene_.camera);
         for (std::size_t i = 0; i < scene_.instances.size(); ++i) {
             call_(Effect::instances, "instance", {}, i);
-            if (scene_.instances[i].transform_end) call_(Effect::instance_motion, "instance", {}, i);
+            if (moves(scene_.instances[i])) call_(Effect::instance_motion, "instance", {}, i);
         }
     }
 
@@ -164,7 +165,7 @@ EffectSet effects_of(const Scene& scene) {
     EffectSet effects;
     Visitor visitor(scene, [&](Effect effect, const char*, const std::string&, std::size_t) { effects.add(effect); });
     visitor.visit();
-    return effects & full_effects();
+    return effects & known_effects();
 }
 
 Scene without_effects(Scene scene, EffectSet effects) {

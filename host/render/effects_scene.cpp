@@ -110,6 +110,8 @@ Scene scene_calling_for(EffectSet effects) {
         for (std::uint32_t i = 0; i < scene.meshes.size(); ++i) {
             MeshInstance instance;
             instance.mesh = i;
+            scene.instances.push_back(instance);
+            instance.transform[3].x = 3.f;  // twice, or it would be baked into the world
             if (effects.has(Effect::instance_motion)) instance.transform_end = glm::mat4(1.f);
             scene.instances.push_back(instance);
         }

@@ -70,6 +70,8 @@ KernelPlan plan_kernels(const Device& device, EffectSet effects, const RenderCon
     const KernelChoice own = {(effects | config.effects.add) - (config.effects.remove & aids),
                               tuned_layout(device, config.bvh.layout)};
     KernelPlan plan{KernelStart::own, own, own};
+    // The generic and the quick kernels are those of scenes without instances.
+    if (effects.has(Effect::instances)) return plan;
     if (config.compiler.empty() || are_cached(device, own, config)) return plan;
     const KernelChoice generic = {full_effects(), own.layout};
     const KernelChoice quick = {own.effects, config.bvh.layout == Layout::automatic ? Layout::binary : own.layout};

@@ -6,6 +6,7 @@
 
 #include "host/render/environment.hpp"
 #include "host/render/light_tree.hpp"
+#include "host/render/structure.hpp"
 
 namespace claray {
 namespace {
@@ -33,20 +34,61 @@ TriangleLight triangle_light(const glm::vec3& a, const glm::vec3& b, const glm::
     return light;
 }
 
-void collect_triangles(const Scene& scene, std::vector<TriangleLight>& lights) {
-    std::uint32_t primitive = 0;
-    for (const Mesh& mesh : scene.meshes)
-        for (std::size_t i = 0; i < mesh.triangles.size(); ++i, ++primitive) {
-            const Material& material = scene.materials[mesh.materials.empty() ? 0 : mesh.materials[i]];
-            const glm::vec3 emission = material.emission;
-            if (!(luminance(emission) > 0) || material.emission_map.used()) continue;  // maps: found by chance alone
-            const glm::uvec3 t = mesh.triangles[i];
-            const glm::vec3 a = mesh.positions[t.x], b = mesh.positions[t.y], c = mesh.positions[t.z];
-            if (!can_be_hit(a, b, c)) continue;
-            lights.push_back(triangle_light(a, b, c, emission));
-            lights.back().primitive = primitive;
-            if (!(lights.back().area > 0)) lights.pop_back();
+/// Of a mesh that is placed in the world by `transform`; its first triangle has the number `first`.
+void collect_triangles(const Scene& scene, const Mesh& mesh, const glm::dmat4& transform, std::uint32_t first,
+                       std::vector<TriangleLight>& lights) {
+    const auto place = [&](std::uint32_t vertex) {
+        return glm::vec3(transform * glm::dvec4(mesh.positions[vertex], 1.0));
+    };
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const Material& material = scene.materials[mesh.materials.empty() ? 0 : mesh.materials[i]];
+        const glm::vec3 emission = material.emission;
+        if (!(luminance(emission) > 0) || material.emission_map.used()) continue;  // maps: found by chance alone
+        const glm::uvec3 t = mesh.triangles[i];
+        const glm::vec3 a = place(t.x), b = place(t.y), c = place(t.z);
+        if (!can_be_hit(a, b, c)) continue;
+        lights.push_back(triangle_light(a, b, c, emission));
+        lights.back().primitive = first + std::uint32_t(i);
+        if (!(lights.back().area > 0)) lights.pop_back();
+    }
+}
+
+/// Grows the bounds on how far off its lights a ray to an instance may end (docs/numerics.md): 8 roundings of |A|
+/// |A^-1| times the way that it has in the object.
+void grow_instance_errors(const Mesh& mesh, const glm::dmat4& transform, LightsData& data) {
+    if (transform == glm::dmat4(1.0)) return;  // nothing is rounded there
+    const glm::dmat3 linear(transform), inverse = glm::inverse(linear);
+    double error = 0, reach = 0;
+    for (int row = 0; row < 3; ++row) {
+        double sum = 0;
+        for (int i = 0; i < 9; ++i) sum += std::abs(linear[i % 3][row] * inverse[i / 3][i % 3]);
+        error = std::max(error, 8 * 0x1p-24 * sum);
+    }
+    for (const glm::vec3& p : mesh.positions) reach = std::max(reach, glm::length(linear * glm::dvec3(p)));
+    data.instance_error = std::max(data.instance_error, float(error));
+    if (std::isfinite(reach)) data.instance_reach = std::max(data.instance_reach, float(reach));
+}
+
+/// What moves is not among them: its light is found by chance alone.
+void collect_triangles(const Scene& scene, std::vector<TriangleLight>& lights, LightsData& data) {
+    std::uint32_t first = 0;
+    if (scene.instances.empty()) {
+        for (const Mesh& mesh : scene.meshes) {
+            collect_triangles(scene, mesh, glm::dmat4(1.0), first, lights);
+            first += std::uint32_t(mesh.triangles.size());
         }
+        return;
+    }
+    const std::vector<std::uint32_t> numbers = first_light_numbers(scene);
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        const MeshInstance& instance = scene.instances[i];
+        if (moves(instance)) continue;
+        const Mesh& mesh = scene.meshes[instance.mesh];
+        const glm::dmat4 transform(instance.transform);
+        const std::size_t before = lights.size();
+        collect_triangles(scene, mesh, transform, numbers[i], lights);
+        if (lights.size() != before) grow_instance_errors(mesh, transform, data);
+    }
 }
 
 bool shines_far(const Light& light) { return light.kind == LightKind::directional; }
@@ -208,9 +250,14 @@ bool has_falloff(const Light& light) {
 std::size_t near_lights(const Scene& scene) {
     std::size_t count = 0;
     for (const Light& light : scene.lights) count += !shines_far(light) && luminance(light.intensity) > 0;
-    for (const Mesh& mesh : scene.meshes)
+    std::vector<std::size_t> of_meshes;
+    for (const Mesh& mesh : scene.meshes) {
+        of_meshes.push_back(0);
         for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-            count += luminance(scene.materials[mesh.materials.empty() ? 0 : mesh.materials[i]].emission) > 0;
+            of_meshes.back() += luminance(scene.materials[mesh.materials.empty() ? 0 : mesh.materials[i]].emission) > 0;
+        if (scene.instances.empty()) count += of_meshes.back();
+    }
+    for (const MeshInstance& instance : scene.instances) count += moves(instance) ? 0 : of_meshes[instance.mesh];
     return count;
 }
 
@@ -222,7 +269,7 @@ float sampled_emission(const Material& material) {
 
 Lights collect_lights(const Scene& scene, std::size_t for_a_tree) {
     Lights lights;
-    collect_triangles(scene, lights.triangles);
+    collect_triangles(scene, lights.triangles, lights.data);
     collect_punctual(scene, lights);
     const Bounds bounds = bounds_of(scene);
     const double radius = bounds.empty() ? 1 : std::max(0.5 * glm::length(glm::dvec3(bounds.extent())), 1e-18);

@@ -113,17 +113,19 @@ Bvh::Config with_layout(Bvh::Config config, Layout layout) {
 }  // namespace
 
 struct Renderer::State {
-    /// `exactly`: kernels for these effects, whatever the scene calls for.
-    State(const Device& on, const Scene& scene, const RenderConfig& with, std::optional<EffectSet> exactly = {})
+    /// `baked`, `of`: see PlacedScene. `exactly`: kernels for these effects, whatever the scene calls for.
+    State(const Device& on, const Scene& scene, const RenderConfig& with, std::size_t baked = 0,
+          TriangleNumbers of = {}, std::optional<EffectSet> exactly = {})
         : device(on),
+          numbers(std::move(of)),
           config(checked(with)),
           set_up(Clock::now()),
           plan(plan_kernels(on, exactly ? *exactly : effects_of(checked(scene)), with)),
           unstored(plan.start == KernelStart::quick ? std::make_unique<Unstored>(on) : nullptr),
           milliseconds_before(kernel_milliseconds(on)),
-          bvh(Bvh::build(on, scene.meshes, with_layout(with.bvh, plan.first.layout))),
+          structure(on, scene, baked, with_layout(with.bvh, plan.first.layout)),
           build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
-          buffers(on, scene, bvh),
+          buffers(on, scene, structure),
           wavefront(on, buffers, frame_data(scene, buffers, with),
                     WavefrontKernels(buffers, with.sampler, plan.first.effects), std::uint64_t(pixels()) * with.spp),
           film(on, pixels()),
@@ -140,6 +142,7 @@ struct Renderer::State {
     [[nodiscard]] RayCount rays(const char* name, std::uint64_t count) const;
 
     Device device;
+    TriangleNumbers numbers;  // in the user's scene, where that has instances
     RenderConfig config;
     Clock::time_point set_up;
     KernelPlan plan;
@@ -148,7 +151,7 @@ struct Renderer::State {
     unsigned own_kernels_from = 0;
     bool own_kernels = false;
     double milliseconds_before;  // on the device, by whatever ran there earlier
-    Bvh bvh;
+    Structure structure;
     double build_milliseconds;
     SceneBuffers buffers;
     Wavefront wavefront;
@@ -192,10 +195,9 @@ void Renderer::State::first_pixel() {
 /// Between two batches, so that no path sees two kinds of kernels; the image would be the same even then.
 void Renderer::State::take_over_when_compiled() {
     if (!are_cached(device, plan.last, config)) return;
-    if (plan.last.layout != plan.first.layout)
-        bvh = Bvh::build(device, bvh.triangles(), with_layout(config.bvh, plan.last.layout));
-    buffers.bvh = bvh;
-    wavefront.take_over(bvh, WavefrontKernels(buffers, config.sampler, plan.last.effects));
+    if (plan.last.layout != plan.first.layout) structure = structure.rebuilt(with_layout(config.bvh, plan.last.layout));
+    buffers.structure = structure;
+    wavefront.take_over(structure, WavefrontKernels(buffers, config.sampler, plan.last.effects));
     own_kernels = true;
     own_kernels_from = unsigned(schedule.samples() / pixels());
 }
@@ -204,10 +206,14 @@ RayCount Renderer::State::rays(const char* name, std::uint64_t count) const {
     return {count, std::max(0.0, device.profiler().milliseconds(name) - before.at(name))};
 }
 
-Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig& config)
-    : state_(config.effects.remove.empty()
-                 ? std::make_shared<State>(device, scene, config)
-                 : std::make_shared<State>(device, without_effects(scene, config.effects.remove), config)) {}
+Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig& config) {
+    const auto state_of = [&](const Scene& wanted) {
+        if (wanted.instances.empty()) return std::make_shared<State>(device, wanted, config);
+        PlacedScene placed = place_instances(checked(wanted));
+        return std::make_shared<State>(device, placed.scene, config, placed.baked, std::move(placed.numbers));
+    };
+    state_ = config.effects.remove.empty() ? state_of(scene) : state_of(without_effects(scene, config.effects.remove));
+}
 
 RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>& progress) {
     State& state = *state_;
@@ -236,7 +242,7 @@ RenderStatistics Renderer::statistics() const {
     const Wavefront::Totals totals = state.wavefront.totals();
     RenderStatistics statistics;
     statistics.build_milliseconds = state.build_milliseconds;
-    statistics.bvh = state.bvh.statistics();
+    statistics.bvh = state.structure.statistics();
     statistics.camera = state.rays(trace_camera_name, totals.camera);
     statistics.bounce = state.rays(trace_bounce_name, totals.bounce);
     statistics.shadow = state.rays(trace_shadow_name, totals.shadow);
@@ -259,7 +265,7 @@ void compile_kernels(const Device& device, EffectSet effects, const RenderConfig
     config.compiler.clear();
     const KernelChoice choice = plan_kernels(device, effects, config).last;
     compile_once(device, choice, config, [&] {
-        Renderer::State state(device, scene_calling_for(effects), config, effects);
+        Renderer::State state(device, scene_calling_for(effects), config, 0, {}, effects);
         const Batch batch = state.schedule.next();
         state.wavefront.trace(batch);
         state.film.accumulate(batch, state.wavefront.radiance());
@@ -276,8 +282,9 @@ Aovs Renderer::aovs() const {
     Buffer<Visits> visits(device, state.wavefront.capacity());
     Buffer<float> depth(device, capacity), normal(device, 3 * capacity), albedo(device, 3 * capacity);
     Buffer<std::uint32_t> primitive(device, capacity), visited(device, capacity);
-    Kernel write =
-        load_kernel(device, "render/write_aovs.cl", "write_aovs", defines_of(state.buffers.effects, Stage::aovs));
+    Defines defines = defines_of(state.buffers.effects, Stage::aovs);
+    for (const auto& define : state.structure.defines()) defines.push_back(define);
+    Kernel write = load_kernel(device, "render/write_aovs.cl", "write_aovs", defines);
     Aovs aovs{std::vector<float>(pixels), std::vector<glm::vec3>(pixels), std::vector<glm::vec3>(pixels),
               std::vector<std::uint32_t>(pixels), std::vector<std::uint32_t>(pixels)};
     const auto floats = [](std::vector<glm::vec3>& v, std::size_t at, std::size_t n) {
@@ -287,15 +294,17 @@ Aovs Renderer::aovs() const {
         const std::size_t n = std::min(capacity, pixels - first);
         state.wavefront.trace_centers({std::uint32_t(first), std::uint32_t(n), 0, 1}, visits);
         write.run({n, 64}, std::uint32_t(n), state.wavefront.rays(), state.wavefront.hits(), visits,
-                  state.bvh.triangles().positions, state.bvh.triangles().indices, state.buffers.normals,
+                  state.structure.triangles().positions, state.structure.triangles().indices, state.buffers.normals,
                   state.buffers.triangle_materials, state.buffers.materials, depth, normal, albedo, primitive, visited,
-                  state.buffers.textures.store);
+                  state.buffers.textures.store, state.structure);
         depth.read({&aovs.depth[first], n});
         primitive.read({&aovs.primitive[first], n});
         visited.read({&aovs.visits[first], n});
         normal.read(floats(aovs.normal, first, n));
         albedo.read(floats(aovs.albedo, first, n));
     }
+    if (!state.numbers.empty())
+        for (std::uint32_t& triangle : aovs.primitive) triangle = state.numbers.number_there(triangle);
     return aovs;
 }
 

@@ -34,8 +34,8 @@ std::vector<std::uint32_t> all_triangle_materials(const Scene& scene) {
 
 }  // namespace
 
-SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Bvh& with)
-    : bvh(with), effects(effects_of(scene)) {
+SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Structure& with)
+    : structure(with), effects(effects_of(scene)) {
     const std::vector<float> vertex_normals = all_normals(scene);
     if (!vertex_normals.empty()) normals = Buffer<float>(device, vertex_normals);
     const std::vector<std::uint32_t> of_triangles = all_triangle_materials(scene);
@@ -58,8 +58,8 @@ SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Bvh& 
 }
 
 void SceneBuffers::bind(Kernel& kernel, unsigned& index) const {
-    kernel.set(index, bvh.triangles().positions);
-    kernel.set(index, bvh.triangles().indices);
+    kernel.set(index, structure.triangles().positions);
+    kernel.set(index, structure.triangles().indices);
     kernel.set(index, normals);
     kernel.set(index, triangle_materials);
     kernel.set(index, materials);
@@ -70,10 +70,11 @@ void SceneBuffers::bind(Kernel& kernel, unsigned& index) const {
     kernel.set(index, environment_texels);
     kernel.set(index, environment_cdf);
     kernel.set(index, textures.store);
+    structure.bind(kernel, index);
 }
 
 std::uint64_t SceneBuffers::bytes() const {
-    return bvh.triangles().positions.bytes() + bvh.triangles().indices.bytes() + normals.bytes() +
+    return structure.triangles().positions.bytes() + structure.triangles().indices.bytes() + normals.bytes() +
            triangle_materials.bytes() + materials.bytes() + triangle_lights.bytes() + punctual_lights.bytes() +
            light_tree.bytes() + light_trails.bytes() + environment_texels.bytes() + environment_cdf.bytes() +
            textures.store.bytes();

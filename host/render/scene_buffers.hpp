@@ -1,17 +1,17 @@
 // A scene's shading data in device memory.
 #pragma once
 
-#include "claray/bvh.hpp"
 #include "host/render/effects.hpp"
+#include "host/render/structure.hpp"
 #include "host/render/textures.hpp"
 
 namespace claray {
 
 struct SceneBuffers {
     /// Uploads what the scene calls for.
-    SceneBuffers(const Device& device, const Scene& scene, const Bvh& bvh);
+    SceneBuffers(const Device& device, const Scene& scene, const Structure& structure);
 
-    Bvh bvh;                // whose positions and indices are shared
+    Structure structure;    // whose positions and indices are shared
     Buffer<float> normals;  // per vertex; not allocated where no mesh has any
     Buffer<std::uint32_t> triangle_materials;
     Buffer<MaterialData> materials;

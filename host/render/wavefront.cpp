@@ -19,21 +19,23 @@ std::uint32_t choose_capacity(const Device& device, std::uint64_t most_paths) {
 }  // namespace
 
 WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, EffectSet with) : effects(with) {
-    const Device& device = scene.bvh.device();
+    const Device& device = scene.structure.device();
     const auto defines = [&](Stage stage) {
         Defines all = defines_of(effects, stage);
+        const Defines structure = scene.structure.defines();
+        all.insert(all.end(), structure.begin(), structure.end());
         all.emplace_back("SAMPLER", std::to_string(std::uint32_t(sampler)));
         return all;
     };
     QueryOptions coherent, incoherent;
     coherent.coherence = Coherence::coherent, incoherent.coherence = Coherence::incoherent;
     generate = load_kernel(device, "render/generate_rays.cl", "generate_rays", defines(Stage::generate));
-    trace_camera = QueryKernel(scene.bvh, QueryKernel::Kind::closest, coherent, trace_camera_name);
-    trace_bounce = QueryKernel(scene.bvh, QueryKernel::Kind::closest, incoherent, trace_bounce_name);
+    trace_camera = SceneQuery(scene.structure, QueryKernel::Kind::closest, coherent, trace_camera_name);
+    trace_bounce = SceneQuery(scene.structure, QueryKernel::Kind::closest, incoherent, trace_bounce_name);
     shade = load_kernel(device, "render/shade_surface.cl", "shade_surface", defines(Stage::shade));
     advance = load_kernel(device, "render/advance_queues.cl", "advance_queues");
     if (scene.lights.count == 0) return;
-    trace_shadow = QueryKernel(scene.bvh, QueryKernel::Kind::any, {}, trace_shadow_name);
+    trace_shadow = SceneQuery(scene.structure, QueryKernel::Kind::any, {}, trace_shadow_name);
     add_light = load_kernel(device, "render/add_light.cl", "add_light");
 }
 
@@ -50,9 +52,10 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
         rays_[i] = Buffer<Ray>(device, paths);
         states_[i] = Buffer<PathState>(device, paths);
         lengths_[i] = Buffer<std::uint32_t>(device, 1);
+        if (scene.structure.moves()) times_[i] = Buffer<float>(device, paths);
         if (scene.textures.mipmaps) cones_[i] = Buffer<RayCone>(device, paths);
     }
-    hits_ = Buffer<Hit>(device, paths);
+    hits_ = SceneHits(scene.structure, paths);
     radiance_ = Buffer<float>(device, 3 * std::size_t(paths));
     shadow_length_ = Buffer<std::uint32_t>(device, 1);
     totals_ = Buffer<std::uint64_t>(device, 2);
@@ -62,10 +65,11 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
     shadow_rays_ = Buffer<Ray>(device, paths);
     shadow_light_ = Buffer<LightSample>(device, paths);
     occluded_ = Buffer<std::uint8_t>(device, paths);
+    if (scene.structure.moves()) shadow_times_ = Buffer<float>(device, paths);
 }
 
-void Wavefront::take_over(const Bvh& bvh, WavefrontKernels kernels) {
-    scene_.bvh = bvh;
+void Wavefront::take_over(const Structure& structure, WavefrontKernels kernels) {
+    scene_.structure = structure;
     kernels_ = std::move(kernels);
 }
 
@@ -92,17 +96,21 @@ void Wavefront::trace(const Batch& batch) {
 
 void Wavefront::bounce(const Batch& batch, std::uint32_t depth, std::uint32_t limit) {
     const int in = depth % 2, out = 1 - in;
-    QueryKernel& trace = depth == 0 ? kernels_.trace_camera : kernels_.trace_bounce;
-    trace.run(rays_[in], hits_, limit, lengths_[in]);
+    SceneQuery& trace = depth == 0 ? kernels_.trace_camera : kernels_.trace_bounce;
+    trace.closest(rays_[in], hits_, limit, lengths_[in], times_[in]);
     kernels_.shade.run({limit, shade_group_}, batch, frame_, depth, scene_, lengths_[in], limit, rays_[in], hits_,
                        states_[in], radiance_, shading_normals_, lengths_[out], rays_[out], states_[out],
-                       shadow_length_, shadow_rays_, shadow_light_, cones_[in], cones_[out]);
+                       shadow_length_, shadow_rays_, shadow_light_, cones_[in], cones_[out], times_between(in, out));
     if (scene_.lights.count != 0 && depth < frame_.max_depth) trace_shadows(limit);
     kernels_.advance.run({1, 0}, lengths_[in], lengths_[out], shadow_length_, totals_);
 }
 
+Wavefront::Times Wavefront::times_between(int in, int out) const {
+    return {scene_.structure.moves(), times_[in], times_[out], shadow_times_};
+}
+
 void Wavefront::trace_shadows(std::uint32_t limit) {
-    kernels_.trace_shadow.run(shadow_rays_, occluded_, limit, shadow_length_);
+    kernels_.trace_shadow.any(shadow_rays_, occluded_, limit, shadow_length_, shadow_times_);
     kernels_.add_light.run({limit, 64}, shadow_length_, limit, occluded_, shadow_light_, radiance_);
 }
 
@@ -110,7 +118,8 @@ void Wavefront::trace_centers(const Batch& batch, Buffer<Visits>& visits) {
     generate(batch, true);
     QueryOptions options;
     options.visits = visits;
-    closest_hit(scene_.bvh, rays_[0], hits_, options, lengths_[0]);
+    SceneQuery(scene_.structure, QueryKernel::Kind::closest, options, {})
+        .closest(rays_[0], hits_, batch.pixels * batch.samples, lengths_[0], times_[0]);
 }
 
 Wavefront::Totals Wavefront::totals() const {
@@ -121,7 +130,7 @@ Wavefront::Totals Wavefront::totals() const {
 std::uint64_t Wavefront::bytes() const {
     return rays_[0].bytes() + rays_[1].bytes() + shadow_rays_.bytes() + states_[0].bytes() + states_[1].bytes() +
            hits_.bytes() + shadow_light_.bytes() + occluded_.bytes() + radiance_.bytes() + cones_[0].bytes() +
-           cones_[1].bytes() + shading_normals_.bytes();
+           cones_[1].bytes() + shading_normals_.bytes() + times_[0].bytes() + times_[1].bytes() + shadow_times_.bytes();
 }
 
 }  // namespace claray

@@ -6,7 +6,6 @@
 #include "claray/renderer.hpp"
 #include "claray/shared/path.h"
 #include "host/render/scene_buffers.hpp"
-#include "host/trace/query_kernel.hpp"
 
 namespace claray {
 
@@ -23,7 +22,7 @@ struct WavefrontKernels {
 
     EffectSet effects;
     Kernel generate, shade, add_light, advance;
-    QueryKernel trace_camera, trace_bounce, trace_shadow;
+    SceneQuery trace_camera, trace_bounce, trace_shadow;
 };
 
 class Wavefront {
@@ -33,14 +32,14 @@ public:
 
     [[nodiscard]] std::uint32_t capacity() const { return std::uint32_t(rays_[0].size()); }
     /// Goes on with other kernels, and with the tree that they traverse. The next batch is the first to see them.
-    void take_over(const Bvh& bvh, WavefrontKernels kernels);
+    void take_over(const Structure& structure, WavefrontKernels kernels);
     /// Traces the paths of a batch of at most `capacity()`; enqueued. Their radiance is in `radiance()`.
     void trace(const Batch& batch);
     [[nodiscard]] const Buffer<float>& radiance() const { return radiance_; }
     /// First hits of rays through the pixels' centres, and what they cost; enqueued.
     void trace_centers(const Batch& batch, Buffer<Visits>& visits);
     [[nodiscard]] const Buffer<Ray>& rays() const { return rays_[0]; }
-    [[nodiscard]] const Buffer<Hit>& hits() const { return hits_; }
+    [[nodiscard]] const SceneHits& hits() const { return hits_; }
 
     struct Totals {
         std::uint64_t camera = 0, bounce = 0, shadow = 0;
@@ -54,6 +53,16 @@ private:
     void bounce(const Batch& batch, std::uint32_t depth, std::uint32_t limit);
     void trace_shadows(std::uint32_t limit);
 
+    /// Binds TIME_PARAMETERS of render/shade_surface.cl.
+    struct Times {
+        bool any = false;
+        Buffer<float> in, out, shadow;
+        void bind(Kernel& kernel, unsigned& index) const {
+            if (any) kernel.set(index, in), kernel.set(index, out), kernel.set(index, shadow);
+        }
+    };
+    [[nodiscard]] Times times_between(int in, int out) const;
+
     Device device_;
     SceneBuffers scene_;
     FrameData frame_;
@@ -63,9 +72,9 @@ private:
     Buffer<Ray> rays_[2], shadow_rays_;
     Buffer<PathState> states_[2];
     Buffer<float> times_[2], shadow_times_;             // of the rays; not allocated where nothing but the camera moves
-    Buffer<RayCone> cones_[2];  // where textures have mip maps
+    Buffer<RayCone> cones_[2];                          // where textures have mip maps
     Buffer<std::uint32_t> lengths_[2], shadow_length_;  // of the queues; one element each
-    Buffer<Hit> hits_;
+    SceneHits hits_;
     Buffer<LightSample> shadow_light_;
     Buffer<std::uint8_t> occluded_;
     Buffer<float> radiance_;

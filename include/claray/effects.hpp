@@ -70,7 +70,9 @@ private:
 [[nodiscard]] const char* name_of(Effect effect);
 /// Every effect that the kernels know, in the order in which they are shown.
 [[nodiscard]] std::span<const Effect> all_effects();
-/// The same as a set: what the generic kernels can do.
+/// The same as a set.
+[[nodiscard]] EffectSet known_effects();
+/// What the generic kernels can do: all but instances, which have kernels of their own.
 [[nodiscard]] EffectSet full_effects();
 /// "lambert, point-lights"; "nothing" where the set is empty.
 [[nodiscard]] std::string to_string(EffectSet effects);

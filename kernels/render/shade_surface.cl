@@ -16,8 +16,13 @@
 #define SCENE_PARAMETERS                                                                                       \
     global const float *positions, global const uint *indices, global const float *normals,                    \
         global const uint *triangle_materials, global const MaterialData *materials, LIGHT_PARAMETERS,         \
-        global const uint *textures
-#define SCENE positions, indices, normals, triangle_materials, materials, LIGHT_BUFFERS, textures
+        global const uint *textures INSTANCE_PARAMETERS
+#define SCENE positions, indices, normals, triangle_materials, materials, LIGHT_BUFFERS, textures INSTANCE_BUFFERS
+#if INSTANCE_MOTION
+#define TIME_PARAMETERS , global const float *times, global float *next_times, global float *shadow_times
+#else
+#define TIME_PARAMETERS
+#endif
 
 /// A ray to be traced, with what goes along with it.
 typedef struct NextRay {
@@ -45,15 +50,15 @@ static inline void add_radiance(global float* radiance, uint path, float3 value)
     vstore3(vload3(path, radiance) + value, path, radiance);
 }
 
-/// The share of emission that belongs to the path; the rest was or will be found by sampling the lights. `normal` is that
-/// of the surface before, for the tree.
-static inline float emission_weight(const Lights* lights, const Surface* surface, float emission, Hit hit, Ray ray,
-                                    float3 normal, float pdf) {
+/// The share of emission that belongs to the path; the rest was or will be found by sampling the lights. `light` is
+/// the triangle's TriangleLight::primitive, `normal` that of the surface before, for the tree.
+static inline float emission_weight(const Lights* lights, const Surface* surface, float emission, uint light, float t,
+                                    Ray ray, float3 normal, float pdf) {
     if (!TRIANGLE_LIGHTS || pdf == 0.0f) return 1.0f;
     const float cosine = fabs(dot(surface->geometric, -(float3)(ray.dx, ray.dy, ray.dz)));
     const float3 from = (float3)(ray.ox, ray.oy, ray.oz);
     return power_heuristic(
-        pdf, triangle_light_pdf(lights, emission, hit.primitive, from, normal, hit.t * hit.t, cosine));
+        pdf, triangle_light_pdf(lights, emission, light, from, normal, t * t, cosine));
 }
 
 #if LIGHTS
@@ -128,12 +133,17 @@ static inline RayCone scattered_cone(RayCone cone, float distance, float pdf) {
 
 /// Works on the hit of one ray: radiance is added at once, rays to be traced are returned. `shading_normals` (a path each)
 /// goes from one surface to the next where there is a tree of lights.
-static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PARAMETERS, Ray ray, Hit hit, PathState state,
-                             RayCone cone, global float* radiance, global float* shading_normals, NextRay* next,
+static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PARAMETERS, Ray ray, SceneHit found, float time,
+                             PathState state, RayCone cone, global float* radiance, global float* shading_normals, NextRay* next,
                              NextShadow* shadow) {
     next->wanted = shadow->wanted = false;
     const Lights lights = make_lights(frame.lights, LIGHT_BUFFERS);
     const float3 direction = (float3)(ray.dx, ray.dy, ray.dz), outgoing = -direction;
+#if INSTANCES
+    const Hit hit = hit_in_scene(found, instances);
+#else
+    const Hit hit = found;
+#endif
     if (hit.primitive == CLARAY_MISS) {
 #if SKY || ENVIRONMENT
         add_radiance(radiance, state.path,
@@ -141,7 +151,12 @@ static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PAR
 #endif
         return;
     }
+#if INSTANCES
+    const Placement placement = placement_of(found.instance, time INSTANCE_BUFFERS);
+    Surface surface = surface_of_instance(hit, &placement, outgoing, positions, indices, normals);
+#else
     Surface surface = surface_at(hit, outgoing, positions, indices, normals);
+#endif
     MaterialData material = materials[triangle_materials[hit.primitive]];
 #if TEXTURES
     MapValues maps = {false, (float3)(0.0f)};
@@ -153,9 +168,16 @@ static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PAR
     if (largest(emission) > 0.0f) {
         const bool by_tree = LIGHT_TREE && lights.data.tree_probability > 0.0f && depth > 0;
         const float3 normal = by_tree ? load3(shading_normals, state.path) : (float3)(0.0f);
+#if INSTANCES
+        const uint number = instances[found.instance].tag + found.primitive;
+        const float sampled = INSTANCE_MOTION && placed[found.instance].moves ? 0.0f : material.sampled_emission;
+#else
+        const uint number = hit.primitive;
+        const float sampled = material.sampled_emission;
+#endif
         add_radiance(radiance, state.path,
                      throughput_of(state) * emission *
-                         emission_weight(&lights, &surface, material.sampled_emission, hit, ray, normal, state.pdf));
+                         emission_weight(&lights, &surface, sampled, number, hit.t, ray, normal, state.pdf));
     }
 #if TEXTURES && LIGHT_MAPS
     if (maps.has_light && !surface.inside) {
@@ -185,28 +207,35 @@ static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PAR
 /// the queue of shadow rays; both lengths begin at 0.
 kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
 void shade_surface(Batch batch, FrameData frame, uint depth, SCENE_PARAMETERS, global const uint* length, uint capacity,
-                   global const Ray* rays, global const Hit* hits, global const PathState* states, global float* radiance,
+                   global const Ray* rays, global const SceneHit* hits, global const PathState* states, global float* radiance,
                    global float* shading_normals,
                    global uint* next_length, global Ray* next_rays, global PathState* next_states,
                    global uint* shadow_length, global Ray* shadow_rays, global LightSample* shadow_light,
-                   global const RayCone* cones, global RayCone* next_cones) {
+                   global const RayCone* cones, global RayCone* next_cones TIME_PARAMETERS) {
     local uint scratch[2];
     const uint i = get_global_id(0);
     NextRay next;
     NextShadow shadow;
     next.wanted = shadow.wanted = false;
+    float time = 0.0f;
     if (i < min(*length, capacity)) {
         RayCone cone = camera_cone(frame);
 #if MIPMAPS
         if (cones && depth != 0) cone = cones[i];
 #endif
-        shade_hit(batch, frame, depth, SCENE, rays[i], hits[i], states[i], cone, radiance, shading_normals, &next, &shadow);
+#if INSTANCE_MOTION
+        time = times[i];
+#endif
+        shade_hit(batch, frame, depth, SCENE, rays[i], hits[i], time, states[i], cone, radiance, shading_normals, &next, &shadow);
     }
 
     const uint slot = reserve_slot(next_length, next.wanted, scratch);
     if (next.wanted) {
         next_rays[slot] = next.ray;
         next_states[slot] = next.state;
+#if INSTANCE_MOTION
+        next_times[slot] = time;
+#endif
 #if MIPMAPS
         if (next_cones) next_cones[slot] = next.cone;
 #endif
@@ -216,6 +245,9 @@ void shade_surface(Batch batch, FrameData frame, uint depth, SCENE_PARAMETERS, g
     if (shadow.wanted) {
         shadow_rays[shadow_slot] = shadow.ray;
         shadow_light[shadow_slot] = shadow.light;
+#if INSTANCE_MOTION
+        shadow_times[shadow_slot] = time;
+#endif
     }
 #endif
 }

@@ -3,14 +3,18 @@
 #include "claray/shared/types.h"
 #include "shade/maps.clh"
 
-kernel void write_aovs(uint count, global const Ray* rays, global const Hit* hits, global const Visits* visits,
+kernel void write_aovs(uint count, global const Ray* rays, global const SceneHit* hits, global const Visits* visits,
                        global const float* positions, global const uint* indices, global const float* normals,
                        global const uint* triangle_materials, global const MaterialData* materials, global float* depth,
                        global float* normal, global float* albedo, global uint* primitive, global uint* visited,
-                       global const uint* textures) {
+                       global const uint* textures INSTANCE_PARAMETERS) {
     const uint i = get_global_id(0);
     if (i >= count) return;
+#if INSTANCES
+    const Hit hit = hit_in_scene(hits[i], instances);
+#else
     const Hit hit = hits[i];
+#endif
     const bool missed = hit.primitive == CLARAY_MISS;
     primitive[i] = hit.primitive;
     visited[i] = visits[i].nodes + visits[i].triangles;
@@ -20,7 +24,12 @@ kernel void write_aovs(uint count, global const Ray* rays, global const Hit* hit
         const Ray ray = rays[i];
         const float3 outgoing = -(float3)(ray.dx, ray.dy, ray.dz);
         MaterialData material = materials[triangle_materials[hit.primitive]];
+#if INSTANCES
+        const Placement placement = placement_of(hits[i].instance, 0.0f INSTANCE_BUFFERS);
+        Surface surface = surface_of_instance(hit, &placement, outgoing, positions, indices, normals);
+#else
         Surface surface = surface_at(hit, outgoing, positions, indices, normals);
+#endif
 #if TEXTURES
         if (textures)
             apply_maps(textures, triangle_materials[hit.primitive], indices, hit, outgoing, 0.0f, &surface, &material);

@@ -39,6 +39,7 @@ TEST(Effects, AreDerivedFromTheScene) {
     for (const auto& [effect, scene] : scenes_by_effect())
         EXPECT_TRUE(effects_of(scene).has(effect)) << name_of(effect) << ": " << to_string(effects_of(scene));
     EXPECT_EQ(effects_of(scene_calling_for(full_effects())), full_effects());
+    EXPECT_EQ(effects_of(scene_calling_for(known_effects())), known_effects());
     Scene idle = plain_scene();
     idle.materials.push_back(material(MaterialKind::glass, 1.f));  // on no triangle
     idle.lights = {point_light({0, 1, 0}, {0, 0, 0})};             // black

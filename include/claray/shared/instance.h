@@ -14,7 +14,7 @@ typedef struct Instance {
     uint bottom;  // index of the structure, in the order in which they were given
     uint mask;    // a ray sees the instance where its mask and this one share a bit
     uint id;      // the caller's own; claray only keeps it
-    uint spare;
+    uint tag;     // another of the caller's
 } Instance;
 CLARAY_LAYOUT(Instance, 64)
 

@@ -37,7 +37,7 @@ typedef struct FrameData {
     uint seed;
     uint max_depth;        // surfaces that scatter, at most
 } FrameData;
-CLARAY_LAYOUT(FrameData, 196)
+CLARAY_LAYOUT(FrameData, 204)
 
 /// A pixel's sums, in two parts each: the value is sum + error. The samples of odd index are summed once more, by
 /// themselves, for the estimate of the noise.

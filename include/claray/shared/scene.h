@@ -100,9 +100,11 @@ typedef struct LightsData {
     float density;   // probability per area, and per luminance of its radiance, of sampling a point on a triangle
     uint tree_last;
     float tree_probability;  // 0: there is no tree
+    float instance_error;    // of a ray that goes to a light which is an instance, relative to the distance from the
+    float instance_reach;    // object's origin; and how far from that the lights are. Read under INSTANCES only
     EnvironmentData environment;
 } LightsData;
-CLARAY_LAYOUT(LightsData, 44)
+CLARAY_LAYOUT(LightsData, 52)
 
 /// A pinhole camera or a thin lens, as the shutter opens. `right` and `up` span half the image plane at distance 1 along
 /// `forward`. What follows `aperture` is read under DEPTH_OF_FIELD, what follows `move` under CAMERA_MOTION.

@@ -1,0 +1,160 @@
+#include "host/render/structure.hpp"
+
+#include <algorithm>
+
+namespace claray {
+namespace {
+
+/// As Bvh::build would, had it one tree to build over all of them.
+TriangleBuffers upload_all(const Device& device, const Scene& scene) {
+    std::vector<float> positions;
+    std::vector<std::uint32_t> indices;
+    for (const Mesh& mesh : scene.meshes) {
+        const auto base = std::uint32_t(positions.size() / 3);
+        for (const glm::vec3& p : mesh.positions) positions.insert(positions.end(), {p.x, p.y, p.z});
+        for (const glm::uvec3& t : mesh.triangles) indices.insert(indices.end(), {base + t.x, base + t.y, base + t.z});
+    }
+    TriangleBuffers buffers;
+    buffers.positions = Buffer<float>(device, positions);
+    buffers.indices = Buffer<std::uint32_t>(device, indices);
+    return buffers;
+}
+
+struct BottomLevels {
+    std::vector<Bvh> bvhs;
+    std::vector<std::uint32_t> of_meshes;        // which of them holds a mesh
+    std::vector<std::uint32_t> first_triangles;  // of each, among those of the scene
+    std::vector<bool> empty;
+    BvhStatistics statistics;
+};
+
+/// One over all that is baked, and one for every other mesh.
+BottomLevels build_bottoms(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config) {
+    BottomLevels levels;
+    std::uint32_t triangles = 0;
+    for (std::size_t i = 0; i < scene.meshes.size();) {
+        const std::size_t count = i == 0 && baked > 0 ? baked : 1;
+        const Bvh bvh = Bvh::build(device, std::span(scene.meshes).subspan(i, count), config);
+        const BvhStatistics statistics = bvh.statistics();
+        levels.statistics.triangles += statistics.triangles;
+        levels.statistics.culled += statistics.culled;
+        levels.statistics.references += statistics.references;
+        levels.statistics.height = std::max(levels.statistics.height, statistics.height);
+        levels.of_meshes.resize(i + count, std::uint32_t(levels.bvhs.size()));
+        levels.first_triangles.push_back(triangles);
+        levels.empty.push_back(statistics.triangles == 0);
+        levels.bvhs.push_back(bvh);
+        for (std::size_t end = i + count; i < end; ++i) triangles += std::uint32_t(scene.meshes[i].triangles.size());
+    }
+    return levels;
+}
+
+bool shines(const Scene& scene, const Mesh& mesh) {
+    const auto shines = [&](std::uint32_t material) { return scene.materials[material].emission != glm::vec3(0.f); };
+    return mesh.materials.empty() ? !mesh.triangles.empty() && shines(0)
+                                  : std::any_of(mesh.materials.begin(), mesh.materials.end(), shines);
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> first_light_numbers(const Scene& scene) {
+    std::vector<bool> shining;
+    for (const Mesh& mesh : scene.meshes) shining.push_back(shines(scene, mesh));
+    std::vector<std::uint32_t> first;
+    std::uint64_t numbers = 0;
+    for (const MeshInstance& instance : scene.instances) {
+        // What is baked into the world counts in any case: there, triangles of all its meshes are numbered through.
+        const bool counts = shining[instance.mesh] || instance.transform == glm::mat4(1.f);
+        first.push_back(counts ? std::uint32_t(numbers) : 0u);
+        if (counts) numbers += scene.meshes[instance.mesh].triangles.size();
+    }
+    if (numbers > 0xffffffffu)
+        throw Error(ErrorKind::user, "instances of objects that shine have more than 2^32 triangles",
+                    "put what shines into a mesh of its own");
+    return first;
+}
+
+Structure::Structure(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config) {
+    if (!scene.instances.empty()) {
+        build_instances(device, scene, baked, config);
+        return;
+    }
+    bvh_ = Bvh::build(device, scene.meshes, config);
+    triangles_ = bvh_.triangles();
+    statistics_ = bvh_.statistics();
+}
+
+void Structure::build_instances(const Device& device, const Scene& scene, std::size_t baked,
+                                const Bvh::Config& config) {
+    BottomLevels levels = build_bottoms(device, scene, baked, config);
+    const std::vector<std::uint32_t> lights = first_light_numbers(scene);
+    std::vector<Instance> begins, ends;
+    bool any_moves = false;
+    std::size_t empty = 0;
+    // All that is baked is the first instance, whose first triangle and light are those of the first mesh.
+    for (std::size_t i = 0; i < scene.instances.size(); i += i == 0 && baked > 0 ? baked : 1) {
+        const MeshInstance& instance = scene.instances[i];
+        const std::uint32_t bottom = levels.of_meshes[instance.mesh];
+        begins.push_back(make_instance(instance.transform, bottom, 0xffffffffu, levels.first_triangles[bottom]));
+        begins.back().tag = lights[i];
+        ends.push_back(make_instance(instance.transform_end.value_or(instance.transform), bottom));
+        any_moves = any_moves || claray::moves(instance);
+        empty += levels.empty[bottom];
+    }
+    const InstancedBvh::Config top{.builder = Builder::balanced, .morton_bits = config.morton_bits};
+    instanced_ =
+        any_moves ? InstancedBvh::build(levels.bvhs, begins, ends, top) : InstancedBvh::build(levels.bvhs, begins, top);
+    const InstanceStatistics statistics = instanced_->statistics();
+    if (statistics.culled > empty)
+        throw Error(ErrorKind::user,
+                    std::to_string(statistics.culled - empty) + " of " + std::to_string(begins.size()) +
+                        " instances can't be placed: their transforms, or those on the way, can't be inverted",
+                    "use other scales than 0, and less than half a turn of motion");
+    triangles_ = levels.bvhs.size() == 1 ? levels.bvhs[0].triangles() : upload_all(device, scene);
+    statistics_ = levels.statistics;
+    statistics_.height += statistics.height;
+    statistics_.sah_cost = statistics.sah_cost;
+    statistics_.bytes = statistics.top_bytes + statistics.bottom_bytes;
+}
+
+Structure Structure::rebuilt(const Bvh::Config& config) const {
+    Structure other;
+    other.bvh_ = Bvh::build(device(), triangles_, config);
+    other.triangles_ = triangles_;
+    other.statistics_ = other.bvh_.statistics();
+    return other;
+}
+
+const Device& Structure::device() const { return instanced_ ? instanced_->device() : bvh_.device(); }
+
+Defines Structure::defines() const {
+    return {{"INSTANCES", instanced_ ? "1" : "0"}, {"INSTANCE_MOTION", moves() ? "1" : "0"}};
+}
+
+void Structure::bind(Kernel& kernel, unsigned& index) const {
+    if (!instanced_) return;
+    kernel.set(index, instanced_->instances());
+    kernel.set(index, instanced_->ends());
+    kernel.set(index, instanced_->placed());
+}
+
+SceneHits::SceneHits(const Structure& structure, std::size_t count) {
+    if (structure.instanced())
+        of_instances = Buffer<InstanceHit>(structure.device(), count);
+    else
+        of_triangles = Buffer<Hit>(structure.device(), count);
+}
+
+SceneQuery::SceneQuery(const Structure& structure, QueryKernel::Kind kind, const QueryOptions& options,
+                       const std::string& name)
+    : instanced_(structure.instanced().has_value()) {
+    if (instanced_)
+        of_instances_ =
+            InstanceQuery(*structure.instanced(),
+                          kind == QueryKernel::Kind::closest ? InstanceQuery::Kind::closest : InstanceQuery::Kind::any,
+                          options, name);
+    else
+        of_triangles_ = QueryKernel(structure.bvh(), kind, options, name);
+}
+
+}  // namespace claray

@@ -1,0 +1,88 @@
+// What a scene's rays are traced through: one tree over all triangles or, where it has instances, one of trees.
+#pragma once
+
+#include <optional>
+
+#include "claray/instances.hpp"
+#include "host/scene/placement.hpp"
+#include "host/trace/instance_query.hpp"
+#include "host/trace/query_kernel.hpp"
+
+namespace claray {
+
+/// Instance::tag: the number of an instance's first triangle among those of all instances whose objects shine.
+/// Ascending in the order of the instances; 0 for those that don't. TriangleLight::primitive counts like this.
+[[nodiscard]] std::vector<std::uint32_t> first_light_numbers(const Scene& scene);
+
+class Structure {
+public:
+    Structure() = default;
+    /// `baked` as in PlacedScene. Throws ErrorKind::user where an instance can't be placed.
+    Structure(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config);
+
+    /// One tree built anew in another way.
+    [[nodiscard]] Structure rebuilt(const Bvh::Config& config) const;
+
+    [[nodiscard]] const Device& device() const;
+    /// Triangles of all meshes, in order.
+    [[nodiscard]] const TriangleBuffers& triangles() const { return triangles_; }
+    [[nodiscard]] const Bvh& bvh() const { return bvh_; }
+    [[nodiscard]] const std::optional<InstancedBvh>& instanced() const { return instanced_; }
+    [[nodiscard]] bool moves() const { return instanced_ && instanced_->ends().allocated(); }
+    /// Of one tree; of a tree of trees: triangles and bytes of all, the height that a ray descends at most, and the
+    /// top level's cost.
+    [[nodiscard]] const BvhStatistics& statistics() const { return statistics_; }
+    /// Macros of kernels that read hits.
+    [[nodiscard]] Defines defines() const;
+    /// Binds INSTANCE_PARAMETERS of shade/instance.clh.
+    void bind(Kernel& kernel, unsigned& index) const;
+
+private:
+    void build_instances(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config);
+
+    Bvh bvh_;
+    std::optional<InstancedBvh> instanced_;
+    TriangleBuffers triangles_;
+    BvhStatistics statistics_;
+};
+
+/// Hits of either kind.
+struct SceneHits {
+    SceneHits() = default;
+    SceneHits(const Structure& structure, std::size_t count);
+
+    Buffer<Hit> of_triangles;
+    Buffer<InstanceHit> of_instances;
+
+    void bind(Kernel& kernel, unsigned& index) const {
+        of_instances.allocated() ? kernel.set(index, of_instances) : kernel.set(index, of_triangles);
+    }
+    [[nodiscard]] std::uint64_t bytes() const { return of_triangles.bytes() + of_instances.bytes(); }
+};
+
+/// A query of either kind.
+class SceneQuery {
+public:
+    SceneQuery() = default;
+    SceneQuery(const Structure& structure, QueryKernel::Kind kind, const QueryOptions& options,
+               const std::string& name);
+
+    /// `times` of the rays, where something moves.
+    void closest(const Buffer<Ray>& rays, SceneHits& hits, std::uint32_t capacity, const Buffer<std::uint32_t>& count,
+                 const Buffer<float>& times) {
+        instanced_ ? of_instances_.run(rays, hits.of_instances, capacity, count, times)
+                   : of_triangles_.run(rays, hits.of_triangles, capacity, count);
+    }
+    void any(const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded, std::uint32_t capacity,
+             const Buffer<std::uint32_t>& count, const Buffer<float>& times) {
+        instanced_ ? of_instances_.run(rays, occluded, capacity, count, times)
+                   : of_triangles_.run(rays, occluded, capacity, count);
+    }
+
+private:
+    bool instanced_ = false;
+    QueryKernel of_triangles_;
+    InstanceQuery of_instances_;
+};
+
+}  // namespace claray
