@@ -9,20 +9,41 @@ Bounds bounds_of(const Mesh& mesh) {
     return bounds;
 }
 
+namespace {
+
+/// Of a box that is placed in the world: that of its corners.
+void grow(Bounds& bounds, const Bounds& part, const glm::mat4& transform) {
+    for (int corner = 0; corner < 8; ++corner) {
+        const glm::vec3 p(corner & 1 ? part.hi.x : part.lo.x, corner & 2 ? part.hi.y : part.lo.y,
+                          corner & 4 ? part.hi.z : part.lo.z);
+        const glm::vec3 placed(transform * glm::vec4(p, 1.f));
+        if (!glm::any(glm::isnan(placed)) && !glm::any(glm::isinf(placed))) bounds.grow(placed);
+    }
+}
+
+}  // namespace
+
 Bounds bounds_of(const Scene& scene) {
     Bounds bounds;
-    for (const Mesh& mesh : scene.meshes) {
-        const Bounds part = bounds_of(mesh);
-        if (part.empty()) continue;
-        bounds.grow(part.lo);
-        bounds.grow(part.hi);
+    std::vector<Bounds> parts;
+    for (const Mesh& mesh : scene.meshes) parts.push_back(bounds_of(mesh));
+    if (scene.instances.empty())
+        for (const Bounds& part : parts)
+            if (!part.empty()) bounds.grow(part.lo), bounds.grow(part.hi);
+    for (const MeshInstance& instance : scene.instances) {
+        if (instance.mesh >= parts.size() || parts[instance.mesh].empty()) continue;
+        grow(bounds, parts[instance.mesh], instance.transform);
+        if (instance.transform_end) grow(bounds, parts[instance.mesh], *instance.transform_end);
     }
     return bounds;
 }
 
 std::size_t triangle_count(const Scene& scene) {
     std::size_t count = 0;
-    for (const Mesh& mesh : scene.meshes) count += mesh.triangles.size();
+    if (scene.instances.empty())
+        for (const Mesh& mesh : scene.meshes) count += mesh.triangles.size();
+    for (const MeshInstance& instance : scene.instances)
+        if (instance.mesh < scene.meshes.size()) count += scene.meshes[instance.mesh].triangles.size();
     return count;
 }
 

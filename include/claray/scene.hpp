@@ -139,7 +139,9 @@ struct Scene {
     std::optional<Camera> camera;  ///< empty: `automatic_camera` looks at the whole
 };
 
+/// Of all that is placed in it, the ends of motion included; of what is turned, the box of its turned box.
 [[nodiscard]] Bounds bounds_of(const Scene& scene);
+/// Of all that is placed in it.
 [[nodiscard]] std::size_t triangle_count(const Scene& scene);
 
 /// Looks at the centre of the bounds from the front, a little from above and from the right, so far away that the

@@ -117,7 +117,7 @@ void expect_same_image(const Scene& a, const Scene& b, RenderConfig config) {
 TEST(RenderedInstances, EqualTheFlatScene) {
     const Scene scene = spheres_and_floor(), flat = flattened(scene);
     ASSERT_FALSE(place_instances(scene).scene.instances.empty());
-    const RenderConfig config{.width = 60, .height = 40, .spp = 16};
+    const RenderConfig config{.width = 60, .height = 40, .spp = 8};
     expect_same_aovs(aovs_of(scene, config), aovs_of(flat, config));
     expect_same_image(scene, flat, config);
 }
@@ -150,9 +150,243 @@ TEST(RenderedInstances, LampsShineAsIfFlat) {
                        {2, glm::scale(at({0, 1.5f, -1}), glm::vec3(0.1f))},
                        {2, glm::scale(at({0.5f, 0.3f, 1}), glm::vec3(0.05f, -0.2f, 0.05f))}};
     scene.camera = Camera{{0, 4, 4}, {0, 0, 0}, {0, 1, 0}, 40.f};
-    expect_same_image(scene, flattened(scene), {.width = 48, .height = 48, .spp = 32, .max_depth = 2});
+    expect_same_image(scene, flattened(scene), {.width = 48, .height = 48, .spp = 16, .max_depth = 2});
     // By light sampling alone it is the same light: without it, lamps would hardly ever be found.
     EXPECT_GT(mean(render_image(scene, {.width = 16, .height = 16, .spp = 4, .max_depth = 1})).x, 0.1);
+}
+
+/// Shadow rays end before their lamp, though rays on their way into an object far from its origin are rounded a lot.
+TEST(RenderedInstances, LampsFarFromTheirOriginsShineAsIfFlat) {
+    Scene scene;
+    scene.materials = {lambert(0.6f), emitter(4.f)};
+    scene.meshes = {square(3.f, 0.f), square(0.3f, 0.f, 1)};
+    const glm::vec3 away(3000, -1000, 2000);
+    for (glm::vec3& p : scene.meshes[1].positions) p += away;
+    const glm::mat4 turn = glm::rotate(glm::mat4(1.f), 0.7f, glm::normalize(glm::vec3(1, 2, 3)));
+    const glm::vec3 home = -glm::vec3(turn * glm::vec4(away, 1.f));
+    scene.instances = {{0}, {1, at(home + glm::vec3(-1, 1, 0)) * turn}, {1, at(home + glm::vec3(1, 0.5f, 0)) * turn}};
+    scene.camera = Camera{{0, 4, 4}, {0, 0, 0}, {0, 1, 0}, 40.f};
+    expect_same_image(scene, flattened(scene), {.width = 24, .height = 24, .spp = 32, .max_depth = 1});
+}
+
+// ---- motion
+
+/// The mean of every column of the image.
+std::vector<double> column_means(const std::vector<glm::vec3>& image, unsigned width) {
+    std::vector<double> means(width);
+    for (std::size_t i = 0; i < image.size(); ++i) means[i % width] += image[i].x * width / double(image.size());
+    return means;
+}
+
+/// The edge of a lamp that moves to the left covers pixels for a share of the time that rises linearly.
+TEST(MovingInstances, AnEdgeBecomesALinearRamp) {
+    Scene scene;
+    scene.materials = {emitter(1.f)};
+    Mesh wall;
+    wall.positions = {{0, -5, -2}, {5, -5, -2}, {5, 5, -2}, {0, 5, -2}};
+    wall.triangles = {{0, 1, 2}, {0, 2, 3}};
+    scene.meshes = {wall};
+    scene.instances = {{0, glm::mat4(1.f), at({-0.3f, 0, 0})}};
+    scene.camera = Camera{{0, 0, 0}, {0, 0, -1}, {0, 1, 0}, float(2 * std::atan(0.2) * 180 / 3.14159265358979)};
+    const unsigned width = 40, height = 20, spp = 64;
+    const std::vector<double> means = column_means(
+        render_image(scene,
+                     {.width = width, .height = height, .spp = spp, .max_depth = 1, .sampler = Sampler::independent}),
+        width);
+    const auto integral = [](double x) {  // of the ramp from 0 at -0.15 to 1 at 0
+        const double s = std::clamp((x + 0.15) / 0.15, 0.0, 1.0);
+        return 0.5 * s * s * 0.15 + std::max(0.0, x);
+    };
+    for (unsigned i = 0; i < width; ++i) {
+        const double a = (i * 2.0 / width - 1) * 0.4, b = ((i + 1) * 2.0 / width - 1) * 0.4;
+        const double expected = (integral(b) - integral(a)) / (b - a);
+        const double sigma = std::sqrt(std::max(0.0, expected * (1 - expected)) / (height * spp));
+        EXPECT_NEAR(means[i], expected, 3 * sigma + 1e-6) << "column " << i;
+    }
+}
+
+/// Objects that move, turn and grow, a mirror that shows them and a lamp among them: the image is the mean of the still
+/// images of all times.
+TEST(MovingInstances, ImageIsTheMeanOverAllTimes) {
+    Scene scene;
+    scene.materials = {lambert(0.7f), material(MaterialKind::mirror, 0.9f), emitter(5.f)};
+    scene.meshes = {square(3.f, 0.f), smooth_sphere(3, 1), square(0.8f, 0.f, 2)};
+    const glm::mat4 sphere_from = glm::scale(at({-0.6f, 0.5f, 0}), glm::vec3(0.4f)),
+                    sphere_to = glm::scale(at({0.8f, 0.6f, 0.4f}), glm::vec3(0.5f, 0.6f, 0.4f)),
+                    lamp_from = at({0, 2, -0.5f}), lamp_to = glm::rotate(at({0.8f, 1.6f, 0}), 0.8f, glm::vec3(0, 0, 1));
+    scene.instances = {{0}, {1, sphere_from, sphere_to}, {2, lamp_from, lamp_to}};
+    scene.camera = Camera{{0, 3, 4}, {0, 0.4f, 0}, {0, 1, 0}, 40.f};
+    RenderConfig config{.width = 24, .height = 24, .spp = 64, .max_depth = 3};
+    const glm::dvec3 moving = mean(render_image(scene, config));
+    const int times = 16;
+    glm::dvec3 expected(0.0);
+    config.spp = 16;
+    for (int i = 0; i < times; ++i) {
+        const float t = (float(i) + 0.5f) / float(times);
+        Scene still = scene;
+        still.instances[1] = {1, sphere_from + (sphere_to - sphere_from) * t};
+        still.instances[2] = {2, lamp_from + (lamp_to - lamp_from) * t};
+        config.seed = std::uint32_t(i + 1);
+        expected += mean(render_image(flattened(still), config)) / double(times);
+    }
+    EXPECT_NEAR(moving.x / expected.x, 1, 0.01);
+}
+
+/// As the shutter opens.
+TEST(MovingInstances, AovsAreOfTimeZero) {
+    Scene scene;
+    scene.materials = {lambert(0.5f)};
+    scene.meshes = {sphere(2)};
+    scene.instances = {{0, glm::mat4(1.f), at({3, 1, 0})}};
+    scene.camera = Camera{{0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 40.f};
+    const RenderConfig config{.width = 32, .height = 32, .spp = 1};
+    const Aovs moving = aovs_of(scene, config);
+    scene.instances[0].transform_end.reset();
+    expect_same_aovs(moving, aovs_of(flattened(scene), config));
+}
+
+// ---- rays that leave a transformed triangle
+
+struct Way {
+    const char* name;
+    float offset, scale;
+    bool moves;
+};
+void PrintTo(const Way& way, std::ostream* out) { *out << way.name; }
+class LeavingInstances : public testing::TestWithParam<Way> {};
+
+TEST_P(LeavingInstances, NoRayHitsTheTriangleThatItLeaves) {
+    const Way way = GetParam();
+    const std::uint32_t triangles = 100, instance_count = 20, rays_each = 128;
+    const std::uint32_t count = triangles * instance_count * rays_each;
+    const Mesh mesh = soup(triangles, 0.3f, 42);
+    std::vector<Instance> begins = random_instances(instance_count, 1, 3.f * way.scale, way.scale, 7), ends = begins;
+    for (Instance& i : begins) i.row0[3] += way.offset, i.row1[3] -= way.offset, i.id = 0;
+    ends = begins;
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+        ends[i].row0[3] += way.scale, ends[i].row1[3] += 0.5f * way.scale;
+        for (float& entry : ends[i].row2) entry *= 1.25f;
+    }
+    const Bvh bottom = Bvh::build(device(), std::span(&mesh, 1));
+    const InstancedBvh bvh = way.moves ? InstancedBvh::build(std::span(&bottom, 1), begins, ends, {})
+                                       : InstancedBvh::build(std::span(&bottom, 1), begins);
+    Kernel leave = compile_kernel(
+        device(), R"(
+        #include "claray/shared/rng.h"
+        #include "shade/surface.clh"
+        kernel void leave(uint count, uint rays_each, uint triangles, global const float* positions,
+                          global const uint* indices, global Ray* rays, global float* clearance INSTANCE_PARAMETERS) {
+            const uint i = get_global_id(0);
+            if (i >= count) return;
+            const SamplePair a = independent_pair(i, 1u), b = independent_pair(i, 2u), c = independent_pair(i, 3u);
+            const float root = sqrt(unit_float(a.x));
+            const uint number = i / rays_each;
+            const Hit hit = {0.0f, root * (1.0f - unit_float(a.y)), root * unit_float(a.y), number % triangles, 0u};
+            const Placement placement = placement_of(number / triangles, 0.375f INSTANCE_BUFFERS);
+            const float3 view = (float3)(unit_float(b.x), unit_float(b.y), unit_float(c.x)) - 0.5f;
+            const Surface s = surface_of_instance(hit, &placement, normalize(view), positions, indices, 0);
+            const bool viewers_side = i & 1;
+            float3 d = normalize((float3)(unit_float(c.x), unit_float(c.y), unit_float(a.x)) - 0.5f);
+            if ((dot(d, s.geometric) > 0.0f) != viewers_side) d = -d;
+            if (i % 8 == 0) d = normalize(d - 0.999f * dot(d, s.geometric) * s.geometric);  // grazing
+            const float3 o = leave_surface(&s, viewers_side);
+            const Ray ray = {o.x, o.y, o.z, 0.0f, d.x, d.y, d.z, INFINITY};
+            rays[i] = ray;
+            clearance[i] = s.clearance;
+        })",
+        "leave", {{"NORMALS", "0"}, {"TEXTURES", "0"}, {"INSTANCES", "1"}, {"INSTANCE_MOTION", way.moves ? "1" : "0"}});
+    Buffer<Ray> rays(device(), count);
+    const Buffer<float> clearance(device(), count);
+    leave.run({count, 64}, count, rays_each, triangles, bottom.triangles().positions, bottom.triangles().indices, rays,
+              clearance, bvh.instances(), bvh.ends(), bvh.placed());
+    QueryOptions options;
+    options.ray_times = Buffer<float>(device(), std::vector<float>(count, 0.375f));
+    const std::vector<InstanceHit> hits = closest_hit(bvh, rays.read(), options);
+    std::size_t self_hits = 0;
+    float farthest = 0;
+    const std::vector<float> clearances = clearance.read();
+    for (std::uint32_t i = 0; i < count; ++i) {
+        self_hits += hits[i].primitive == i / rays_each % triangles && hits[i].instance == i / rays_each / triangles;
+        farthest = std::max(farthest, clearances[i]);
+    }
+    EXPECT_EQ(self_hits, 0u) << "of " << count;
+    EXPECT_LT(farthest, 1e-4f * way.scale + 2e-6f * way.offset);
+}
+
+INSTANTIATE_TEST_SUITE_P(Ways, LeavingInstances,
+                         testing::Values(Way{"Origin", 0, 1, false}, Way{"Far", 1e4f, 1, false},
+                                         Way{"Tiny", 0, 1e-4f, false}, Way{"Moving", 0, 1, true},
+                                         Way{"MovingFar", 1e4f, 1, true}),
+                         [](const auto& way) { return way.param.name; });
+
+// ---- which instances are baked
+
+TEST(PlaceInstances, BakesWhatHasNoOtherAndStandsStill) {
+    Scene scene = spheres_and_floor();
+    scene.instances = {{1, at({1, 2, 3})}, {0}};
+    const PlacedScene baked = place_instances(scene);
+    EXPECT_TRUE(baked.scene.instances.empty());
+    ASSERT_EQ(baked.scene.meshes.size(), 2u);
+    EXPECT_EQ(baked.scene.meshes[0].positions[5], scene.meshes[1].positions[5] + glm::vec3(1, 2, 3));
+    EXPECT_EQ(baked.numbers.number_there(0), 2u);  // the first of the sphere, behind the floor's two
+    EXPECT_EQ(baked.numbers.number_there(std::uint32_t(scene.meshes[1].triangles.size())), 0u);
+    EXPECT_EQ(baked.numbers.number_there(CLARAY_MISS), CLARAY_MISS);
+
+    scene.instances.push_back({2, glm::mat4(1.f), at({1, 0, 0})});  // moves
+    scene.instances.push_back({3, at({0, 0, 1})});
+    scene.instances.push_back({3, at({0, 0, 2})});
+    const PlacedScene both = place_instances(scene);
+    EXPECT_EQ(both.baked, 2u);
+    ASSERT_EQ(both.scene.instances.size(), 5u);
+    EXPECT_EQ(both.scene.meshes.size(), 4u);
+    EXPECT_EQ(both.scene.instances[1].transform, glm::mat4(1.f));
+    EXPECT_EQ(both.scene.instances[4].mesh, 3u);
+    EXPECT_EQ(both.scene.instances[3].transform, at({0, 0, 1}));
+}
+
+TEST(PlaceInstances, LeavesWhatFloat32WouldBend) {
+    Scene scene;
+    scene.materials = {lambert(0.5f)};
+    scene.meshes = {sphere(3)};
+    scene.instances = {{0, at({1e3f, 0, 0})}};
+    EXPECT_TRUE(place_instances(scene).scene.instances.empty());
+    scene.instances = {{0, at({1e6f, 0, 0})}};
+    EXPECT_EQ(place_instances(scene).scene.instances.size(), 1u);
+}
+
+TEST(PlaceInstances, MirroredFrontsStayFronts) {
+    const Mesh mesh = smooth_sphere(1, 0),
+               mirrored = transformed(mesh, glm::scale(glm::mat4(1.f), glm::vec3(-1, 2, 1)));
+    for (const glm::uvec3& t : mirrored.triangles) {
+        const auto& p = mirrored.positions;
+        const glm::vec3 normal = glm::cross(p[t.y] - p[t.x], p[t.z] - p[t.x]);
+        EXPECT_GT(glm::dot(normal, p[t.x]), 0.f);
+        EXPECT_GT(glm::dot(normal, mirrored.normals[t.x]), 0.f);
+    }
+}
+
+TEST(PlaceInstances, RefusesHalfATurn) {
+    Scene scene;
+    scene.materials = {lambert(0.5f)};
+    scene.meshes = {sphere(1)};
+    scene.instances = {{0, glm::mat4(1.f), glm::rotate(glm::mat4(1.f), 3.14159265f, glm::vec3(0, 1, 0))}};
+    EXPECT_TRUE(throws_error(ErrorKind::user, "half a turn", [&] { (void)Renderer(device(), scene, {.spp = 1}); }));
+}
+
+/// Auxiliary images number triangles as the scene does, whatever was baked.
+TEST(PlaceInstances, AovsNumberTheScenesTriangles) {
+    Scene scene;
+    scene.materials = {lambert(0.5f)};
+    scene.meshes = {square(1.f, 0.f), square(1.f, 0.f), square(1.f, 0.f)};
+    scene.instances = {{2, at({2.5f, 0, 0})}, {0, at({-2.5f, 0, 0})}, {1, at({0, 0, -1.25f})}, {1, at({0, 0, 1.25f})}};
+    scene.camera = Camera{{0, 6, 0}, {0, 0, 0}, {0, 0, -1}, 60.f};
+    const Aovs aovs = aovs_of(scene, {.width = 33, .height = 33, .spp = 1});
+    const auto number_at = [&](unsigned x, unsigned y) { return aovs.primitive[x + 33 * y] / 2; };
+    EXPECT_EQ(number_at(28, 16), 2u);
+    EXPECT_EQ(number_at(4, 16), 0u);
+    EXPECT_EQ(number_at(16, 10), 1u);
+    EXPECT_EQ(number_at(16, 22), 1u);
+    EXPECT_EQ(aovs.primitive[0], CLARAY_MISS);
 }
 
 }  // namespace

@@ -45,6 +45,23 @@ TEST(Bounds, LeaveOutWhatIsNotFinite) {
     EXPECT_EQ(triangle_count(scene), 2u);
 }
 
+TEST(Bounds, HoldInstancesWhereTheyAreAndWhereTheyGo) {
+    Scene scene = valid_scene();
+    scene.meshes.push_back(triangle());
+    MeshInstance instance;
+    instance.mesh = 1;
+    instance.transform[3] = glm::vec4(10, 0, 0, 1);
+    scene.instances.push_back(instance);
+    instance.transform[0] = glm::vec4(-2, 0, 0, 0);
+    instance.transform_end = glm::mat4(1.f);
+    (*instance.transform_end)[3] = glm::vec4(0, 5, 0, 1);
+    scene.instances.push_back(instance);
+    const Bounds bounds = bounds_of(scene);
+    EXPECT_EQ(bounds.lo, glm::vec3(0, 0, 0));
+    EXPECT_EQ(bounds.hi, glm::vec3(11, 6, 0));
+    EXPECT_EQ(triangle_count(scene), 2u);
+}
+
 TEST(Camera, DataSpanTheImagePlane) {
     const Camera camera{{1, 2, 3}, {1, 2, -7}, {0, 5, 0}, 90.f};
     const CameraData data = camera_data(camera, 2.f);
