@@ -270,7 +270,7 @@ void compile_kernels(const Device& device, EffectSet effects, const RenderConfig
         state.wavefront.trace(batch);
         state.film.accumulate(batch, state.wavefront.radiance());
         (void)state.film.resolve();
-        (void)state.bvh.statistics();
+        (void)state.structure.statistics();
         remember_as_cached(device, choice, config);
     });
 }

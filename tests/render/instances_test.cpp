@@ -77,7 +77,6 @@ void expect_same_aovs(const Aovs& a, const Aovs& b) {
 
 /// Means over tiles of both images, of the same expectation, differ by their noise only.
 void expect_same_image(const Scene& a, const Scene& b, RenderConfig config) {
-    config.sampler = Sampler::independent;
     const unsigned runs = 8;
     const unsigned tiles = 3;
     std::vector<double> sum[2], square_sum[2];
@@ -150,7 +149,7 @@ TEST(RenderedInstances, LampsShineAsIfFlat) {
                        {2, glm::scale(at({0, 1.5f, -1}), glm::vec3(0.1f))},
                        {2, glm::scale(at({0.5f, 0.3f, 1}), glm::vec3(0.05f, -0.2f, 0.05f))}};
     scene.camera = Camera{{0, 4, 4}, {0, 0, 0}, {0, 1, 0}, 40.f};
-    expect_same_image(scene, flattened(scene), {.width = 48, .height = 48, .spp = 16, .max_depth = 2});
+    expect_same_image(scene, flattened(scene), {.width = 48, .height = 48, .spp = 32, .max_depth = 2});
     // By light sampling alone it is the same light: without it, lamps would hardly ever be found.
     EXPECT_GT(mean(render_image(scene, {.width = 16, .height = 16, .spp = 4, .max_depth = 1})).x, 0.1);
 }
@@ -166,7 +165,7 @@ TEST(RenderedInstances, LampsFarFromTheirOriginsShineAsIfFlat) {
     const glm::vec3 home = -glm::vec3(turn * glm::vec4(away, 1.f));
     scene.instances = {{0}, {1, at(home + glm::vec3(-1, 1, 0)) * turn}, {1, at(home + glm::vec3(1, 0.5f, 0)) * turn}};
     scene.camera = Camera{{0, 4, 4}, {0, 0, 0}, {0, 1, 0}, 40.f};
-    expect_same_image(scene, flattened(scene), {.width = 24, .height = 24, .spp = 32, .max_depth = 1});
+    expect_same_image(scene, flattened(scene), {.width = 32, .height = 32, .spp = 64, .max_depth = 1});
 }
 
 // ---- motion
