@@ -10,6 +10,7 @@
 
 #include "claray/error.hpp"
 #include "host/compute/file.hpp"
+#include "host/io/jpeg_check.hpp"
 #include "host/io/png_check.hpp"
 #include "host/io/stb_image_read.hpp"
 
@@ -130,6 +131,8 @@ Texture decode_texture(std::string_view bytes, const std::string& what, TexelFor
     if (bytes.empty()) refuse(what, "it is empty", "export it again");
     if (is_pfm(bytes)) return decode_pfm(bytes, what, room);
     if (is_png(bytes)) check_png_file(bytes, what, room);
+    if (bytes.substr(0, 2) == "\xff\xd8" && !jpeg_tables_fit(bytes))
+        refuse(what, "the image is broken (a Huffman table is too long)", "export it again");
     std::optional<ImageShape> shape = image_shape(bytes);
     if (!shape) refuse(what, "it is no PNG, JPEG, BMP, TGA, HDR or PFM image", "convert it to one of these");
     const bool real = shape->radiance || shape->sixteen_bits;

@@ -163,6 +163,19 @@ TEST_F(LoadImage, PngsChecksumsAreChecked) {
     }
 }
 
+/// stb_image would write behind its arrays: every table of the file, one after the other, gets a count too many.
+TEST_F(LoadImage, JpegsHuffmanTablesAreBounded) {
+    const std::string whole = from_base64(test::jpeg);
+    std::size_t tables = 0;
+    for (std::size_t at = whole.find("\xff\xc4"); at != std::string::npos; at = whole.find("\xff\xc4", at + 1)) {
+        std::string broken = whole;
+        broken[at + 6] = broken[at + 7] = char(0xff);
+        refuse(broken, {"image.any", "Huffman"});
+        ++tables;
+    }
+    EXPECT_GT(tables, 0u);
+}
+
 /// Whatever the bytes are, the result is an image that is whole, or one line.
 TEST_F(LoadImage, BrokenBytesNeverCrash) {
     std::minstd_rand random(1);
