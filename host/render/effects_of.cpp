@@ -4,6 +4,7 @@
 
 #include "claray/effects.hpp"
 #include "host/render/lights.hpp"
+#include "host/render/material_data.hpp"
 #include "host/scene/placement.hpp"
 
 namespace claray {
@@ -81,9 +82,12 @@ private:
         call(effect_of(m.kind), true);
         call(Effect::emissive_triangles, shines(m.emission));
         const bool principled = m.kind == MaterialKind::principled;
+        call(Effect::metal, principled && m.metallic > 0);
         call(Effect::transmission, principled && m.transmission > 0);
-        call(Effect::clearcoat, principled && m.clearcoat > 0);
-        call(Effect::absorption, m.attenuation_distance > 0 && m.attenuation != glm::vec3(1.f));
+        call(Effect::rough_glass, has_rough_glass(m));
+        call(Effect::clearcoat, has_clearcoat(m));
+        call(Effect::coated_metal, has_coated_metal(m));
+        call(Effect::absorption, absorbs_inside(m));
         call(Effect::culling, m.cull_back);
         call(Effect::cut_outs, m.alpha_mode != AlphaMode::opaque);
         visit_textures(m);
@@ -130,6 +134,9 @@ void strip(Material& m, EffectSet effects) {
     const auto lost = [&](Effect effect) { return effects.has(effect); };
     if (lost(effect_of(m.kind))) m.kind = MaterialKind::lambert;
     if (lost(Effect::emissive_triangles)) m.emission = glm::vec3(0.f);
+    if (lost(Effect::metal)) m.metallic = 0.f;
+    if (lost(Effect::rough_glass) && has_rough_glass(m)) m.roughness = m.clearcoat_roughness = 0.f;
+    if (lost(Effect::coated_metal) && has_coated_metal(m)) m.clearcoat = 0.f;
     if (lost(Effect::transmission)) m.transmission = 0.f, m.transmission_map = {};
     if (lost(Effect::clearcoat)) m.clearcoat = 0.f, m.clearcoat_map = {};
     if (lost(Effect::absorption)) m.attenuation_distance = 0.f;

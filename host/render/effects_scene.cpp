@@ -34,19 +34,25 @@ TextureUse use_of_texture() {
 
 std::vector<Material> materials_for(EffectSet effects) {
     std::vector<Material> materials(1);
-    const auto add = [&](Effect effect, MaterialKind kind) {
-        if (!effects.has(effect)) return;
+    const auto add = [&](EffectSet causes, MaterialKind kind) {
+        if ((effects & causes).empty()) return;
         materials.emplace_back();
         materials.back().kind = kind;
+        materials.back().roughness = effects.has(Effect::rough_glass) ? 0.5f : 0.f;
     };
-    add(Effect::mirror, MaterialKind::mirror);
-    add(Effect::glass, MaterialKind::glass);
-    add(Effect::metal, MaterialKind::metal);
-    add(Effect::blinn_phong, MaterialKind::blinn_phong);
-    add(Effect::principled, MaterialKind::principled);
+    const bool transmits = effects.has(Effect::transmission);
+    const EffectSet in_glass = {Effect::rough_glass, Effect::absorption};
+    add({Effect::mirror}, MaterialKind::mirror);
+    add(transmits ? EffectSet{Effect::glass} : EffectSet{Effect::glass} | in_glass, MaterialKind::glass);
+    if (effects.has(Effect::absorption))
+        materials.back().attenuation = glm::vec3(0.5f), materials.back().attenuation_distance = 1.f;
+    add({Effect::metal}, MaterialKind::metal);
+    add({Effect::blinn_phong}, MaterialKind::blinn_phong);
+    add({Effect::principled, Effect::transmission, Effect::clearcoat, Effect::coated_metal}, MaterialKind::principled);
     Material& last = materials.back();  // the principled one where there is one
-    if (effects.has(Effect::transmission)) last.transmission = 0.5f;
+    if (transmits) last.transmission = 0.5f;
     if (effects.has(Effect::clearcoat)) last.clearcoat = 0.5f;
+    if (effects.has(Effect::coated_metal)) last.clearcoat = last.metallic = 0.5f;
     if (effects.has(Effect::absorption)) last.attenuation = glm::vec3(0.5f), last.attenuation_distance = 1.f;
     if (effects.has(Effect::culling)) last.cull_back = true;
     if (effects.has(Effect::cut_outs)) last.alpha_mode = AlphaMode::mask;

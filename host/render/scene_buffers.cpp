@@ -3,13 +3,19 @@
 #include <algorithm>
 
 #include "host/render/lights.hpp"
+#include "host/render/material_data.hpp"
 
 namespace claray {
 namespace {
 
-MaterialData data_of(const Material& m) {
-    return {m.albedo.x,   m.albedo.y,  m.albedo.z, std::uint32_t(m.kind), m.emission.x, m.emission.y,
-            m.emission.z, m.roughness, m.ior,      sampled_emission(m)};
+/// Those that some triangle has.
+std::vector<Material> used_materials(const Scene& scene, const std::vector<std::uint32_t>& of_triangles) {
+    std::vector<bool> used(scene.materials.size());
+    for (const std::uint32_t material : of_triangles) used[material] = true;
+    std::vector<Material> found;
+    for (std::size_t i = 0; i < used.size(); ++i)
+        if (used[i]) found.push_back(scene.materials[i]);
+    return found;
 }
 
 std::vector<float> all_normals(const Scene& scene) {
@@ -42,8 +48,10 @@ SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Struc
     triangle_materials = Buffer<std::uint32_t>(device, of_triangles);
 
     std::vector<MaterialData> data;
-    for (const Material& material : scene.materials) data.push_back(data_of(material));
+    const EnergyTables tables(used_materials(scene, of_triangles));
+    for (const Material& material : scene.materials) data.push_back(material_data(material, tables));
     materials = Buffer<MaterialData>(device, data);
+    if (!tables.data().empty()) energy_tables = Buffer<float>(device, tables.data());
 
     textures = Textures(device, scene);
 
@@ -63,6 +71,7 @@ void SceneBuffers::bind(Kernel& kernel, unsigned& index) const {
     kernel.set(index, normals);
     kernel.set(index, triangle_materials);
     kernel.set(index, materials);
+    kernel.set(index, energy_tables);
     kernel.set(index, triangle_lights);
     kernel.set(index, punctual_lights);
     kernel.set(index, light_tree);
@@ -75,7 +84,7 @@ void SceneBuffers::bind(Kernel& kernel, unsigned& index) const {
 
 std::uint64_t SceneBuffers::bytes() const {
     return structure.triangles().positions.bytes() + structure.triangles().indices.bytes() + normals.bytes() +
-           triangle_materials.bytes() + materials.bytes() + triangle_lights.bytes() + punctual_lights.bytes() +
+           triangle_materials.bytes() + materials.bytes() + energy_tables.bytes() + triangle_lights.bytes() + punctual_lights.bytes() +
            light_tree.bytes() + light_trails.bytes() + environment_texels.bytes() + environment_cdf.bytes() +
            textures.store.bytes();
 }

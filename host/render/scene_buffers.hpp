@@ -15,6 +15,7 @@ struct SceneBuffers {
     Buffer<float> normals;  // per vertex; not allocated where no mesh has any
     Buffer<std::uint32_t> triangle_materials;
     Buffer<MaterialData> materials;
+    Buffer<float> energy_tables;  // not allocated where no material needs them
     Buffer<TriangleLight> triangle_lights;
     Buffer<PunctualLight> punctual_lights;
     Buffer<LightNode> light_tree;

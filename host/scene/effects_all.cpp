@@ -28,7 +28,8 @@ void add_balls(Scene& scene) {
     absorbing.attenuation = {0.15f, 0.7f, 0.5f}, absorbing.attenuation_distance = 0.4f;
     Material& phong = add_ball(scene, lambert("Blinn-Phong", {0.5f, 0.1f, 0.08f}), -1.25f, 0.45f);
     phong.kind = MaterialKind::blinn_phong, phong.specular = glm::vec3(0.3f), phong.shininess = 60.f;
-    add_ball(scene, principled("coated", {0.1f, 0.25f, 0.6f}, 0.7f), -0.4f, 0.25f).clearcoat = 1.f;
+    Material& coated = add_ball(scene, principled("coated", {0.1f, 0.25f, 0.6f}, 0.6f), -0.4f, 0.25f);
+    coated.metallic = coated.clearcoat = 1.f;
     add_ball(scene, principled("transmitting", {0.95f, 0.8f, 0.5f}, 0.15f), 1.35f, 0.55f).transmission = 0.9f;
     add_ball(scene, lambert("rippled", glm::vec3(0.6f)), 0.6f, -0.9f, 0.4f).normal_map =
         add_texture(scene, ripples_as_normals());

@@ -87,7 +87,13 @@ constexpr std::array alone = {
               ball(s).specular = glm::vec3(0.3f), ball(s).shininess = 60.f;
           }},
     Alone{"principled", make_principled},
-    Alone{"transmission", [](Scene& s) { make_principled(s), ball(s).transmission = 0.9f, ball(s).roughness = 0.1f; }},
+    Alone{"transmission", [](Scene& s) { make_principled(s), ball(s).transmission = 0.9f, ball(s).roughness = 0.f; }},
+    Alone{"rough-glass", [](Scene& s) { make_glass(s), ball(s).roughness = 0.4f; }},
+    Alone{"coated-metal",
+          [](Scene& s) {
+              set_kind(s, MaterialKind::principled, {0.9f, 0.25f, 0.12f}, 0.5f);
+              ball(s).metallic = ball(s).clearcoat = 1.f;
+          }},
     Alone{"clearcoat", [](Scene& s) { make_principled(s), ball(s).clearcoat = 1.f, ball(s).roughness = 0.7f; }},
     Alone{"absorption",
           [](Scene& s) {

@@ -199,6 +199,7 @@ Material mirror(const char* name, const glm::vec3& reflectance) {
 Material glass(const char* name, const glm::vec3& tint, float ior) {
     Material material = make_material(name, MaterialKind::glass, tint);
     material.ior = ior;
+    material.roughness = 0.f;
     return material;
 }
 

@@ -15,9 +15,10 @@
 
 #define SCENE_PARAMETERS                                                                                       \
     global const float *positions, global const uint *indices, global const float *normals,                    \
-        global const uint *triangle_materials, global const MaterialData *materials, LIGHT_PARAMETERS,         \
-        global const uint *textures INSTANCE_PARAMETERS
-#define SCENE positions, indices, normals, triangle_materials, materials, LIGHT_BUFFERS, textures INSTANCE_BUFFERS
+        global const uint *triangle_materials, global const MaterialData *materials,                           \
+        global const float *energy_tables, LIGHT_PARAMETERS, global const uint *textures INSTANCE_PARAMETERS
+#define SCENE                                                                                                  \
+    positions, indices, normals, triangle_materials, materials, energy_tables, LIGHT_BUFFERS, textures INSTANCE_BUFFERS
 #if INSTANCE_MOTION
 #define TIME_PARAMETERS , global const float *times, global float *next_times, global float *shadow_times
 #else
@@ -41,6 +42,11 @@ static inline float3 throughput_of(PathState state) {
     return (float3)(state.throughput_r, state.throughput_g, state.throughput_b);
 }
 
+static inline PathState attenuated(PathState state, float3 transmittance) {
+    state.throughput_r *= transmittance.x, state.throughput_g *= transmittance.y, state.throughput_b *= transmittance.z;
+    return state;
+}
+
 static inline Ray make_ray(float3 origin, float3 direction, float tmax) {
     const Ray ray = {origin.x, origin.y, origin.z, 0.0f, direction.x, direction.y, direction.z, tmax};
     return ray;
@@ -62,20 +68,37 @@ static inline float emission_weight(const Lights* lights, const Surface* surface
 }
 
 #if LIGHTS
+/// A light as seen from the surface: from the viewer's side, or from behind where light goes through. False where none can
+/// arrive.
+static inline bool view_light_beside(const Lights* lights, const Surface* surface, bool viewers_side, uint choice,
+                                     float2 random, float3* from, LightView* view) {
+    *from = leave_surface(surface, viewers_side);
+    if (!view_light(lights, *from, surface->shading, choice, random, view)) return false;
+    const float above = dot(view->direction, surface->geometric);
+    return viewers_side ? above > 0.0f : above < 0.0f;
+}
+
 /// A shadow ray to a light picked at random.
 static inline NextShadow sample_light(const Lights* lights, PathSamples samples, uint depth, PathState state,
-                                      const Surface* surface, const MaterialData* material, Frame shading_frame,
-                                      float3 outgoing, uint choice) {
+                                      const Surface* surface, const MaterialData* material,
+                                      global const float* energy_tables, Frame shading_frame, float3 outgoing,
+                                      uint choice) {
     NextShadow next;
     next.wanted = false;
-    const float3 from = leave_surface(surface, true);
+    const float2 random = draw(samples, DIMENSION_LIGHT(depth));
+    float3 from;
     LightView view;
-    if (!view_light(lights, from, surface->shading, choice, draw(samples, DIMENSION_LIGHT(depth)), &view) ||
-        dot(view.direction, surface->geometric) <= 0.0f)
-        return next;
+    bool viewers_side = true;
+    if (!view_light_beside(lights, surface, true, choice, random, &from, &view)) {
+        if (!is_translucent(material)) return next;
+        viewers_side = false;
+        if (!view_light_beside(lights, surface, false, choice, random, &from, &view)) return next;
+    }
+    const float3 incoming = to_local(shading_frame, view.direction);
+    if (incoming.z > 0.0f != viewers_side) return next;  // the shading normal says otherwise than the triangle
     float bsdf_pdf;
-    const float3 reflected =
-        eval_bsdf(material, to_local(shading_frame, outgoing), to_local(shading_frame, view.direction), &bsdf_pdf);
+    const float3 reflected = eval_bsdf(material, energy_tables, to_local(shading_frame, outgoing), incoming,
+                                       surface->inside, &bsdf_pdf);
     const float weight = view.pdf > 0.0f ? power_heuristic(view.pdf, bsdf_pdf) : 1.0f;
     const float3 light_sum = throughput_of(state) * reflected * view.radiance * weight;
     if (light_sum.x == 0.0f && light_sum.y == 0.0f && light_sum.z == 0.0f) return next;
@@ -89,12 +112,13 @@ static inline NextShadow sample_light(const Lights* lights, PathSamples samples,
 
 /// The ray on which the path goes on, if it does.
 static inline NextRay sample_direction(PathSamples samples, uint depth, PathState state, const Surface* surface,
-                                       const MaterialData* material, Frame shading_frame, float3 outgoing, float chance) {
+                                       const MaterialData* material, global const float* energy_tables,
+                                       Frame shading_frame, float3 outgoing, float chance, float lobe) {
     NextRay next;
     next.wanted = false;
     BsdfSample sample;
-    if (!sample_bsdf(material, to_local(shading_frame, outgoing), surface->inside, draw(samples, DIMENSION_BSDF(depth)),
-                     &sample))
+    if (!sample_bsdf(material, energy_tables, to_local(shading_frame, outgoing), surface->inside,
+                     (float3)(draw(samples, DIMENSION_BSDF(depth)), lobe), &sample))
         return next;
     float3 direction = to_world(shading_frame, sample.incoming);
     const bool viewers_side = sample.incoming.z > 0.0f;
@@ -164,6 +188,9 @@ static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PAR
         maps = apply_maps(textures, triangle_materials[hit.primitive], indices, hit, outgoing,
                           cone.width + cone.spread * hit.t, &surface, &material);
 #endif
+#if ABSORPTION
+    if (surface.inside) state = attenuated(state, transmittance_of(&material, hit.t));
+#endif
     const float3 emission = (float3)(material.emission_r, material.emission_g, material.emission_b);
     if (largest(emission) > 0.0f) {
         const bool by_tree = LIGHT_TREE && lights.data.tree_probability > 0.0f && depth > 0;
@@ -190,14 +217,22 @@ static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PAR
     const PathSamples samples = samples_of(batch, state.path, frame.seed);
     const SamplePair choice = draw_words(samples, DIMENSION_CHOICE(depth));
     const Frame shading_frame = make_frame(surface.shading);
+    float lobe = 0.0f;
+#if LOBES
+    const float2 lobes = draw(samples, DIMENSION_LOBE(depth));
+    resolve_principled(&material, lobes.x);
+    lobe = lobes.y;
+#endif
 #if LIGHTS
     if (lights.data.count != 0 && !is_delta(&material))
-        *shadow = sample_light(&lights, samples, depth, state, &surface, &material, shading_frame, outgoing, choice.x);
+        *shadow = sample_light(&lights, samples, depth, state, &surface, &material, energy_tables, shading_frame,
+                               outgoing, choice.x);
 #endif
 #if LIGHT_TREE && TRIANGLE_LIGHTS
     if (lights.data.tree_probability > 0.0f) vstore3(surface.shading, state.path, shading_normals);
 #endif
-    *next = sample_direction(samples, depth, state, &surface, &material, shading_frame, outgoing, unit_float(choice.y));
+    *next = sample_direction(samples, depth, state, &surface, &material, energy_tables, shading_frame, outgoing,
+                             unit_float(choice.y), lobe);
 #if MIPMAPS
     if (next->wanted) next->cone = scattered_cone(cone, hit.t, next->state.pdf);
 #endif

@@ -119,7 +119,7 @@ TEST(Effects, HaveBuiltInScenes) {
     const EffectSet base = {Effect::lambert,       Effect::sky,        Effect::point_lights,
                             Effect::glass,         Effect::principled, Effect::textures,
                             Effect::mip_maps,      Effect::instances,  Effect::emissive_triangles,
-                            Effect::smooth_normals};
+                            Effect::smooth_normals, Effect::metal,     Effect::clearcoat};
     for (const Effect effect : all_effects()) {
         SCOPED_TRACE(name_of(effect));
         const Scene scene = *builtin_scene(std::string("effect:") + name_of(effect));

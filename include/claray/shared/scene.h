@@ -12,20 +12,27 @@ CLARAY_SHARED_BEGIN
 #define CLARAY_METAL 3u
 #define CLARAY_BLINN_PHONG 4u
 #define CLARAY_PRINCIPLED 5u
+#define CLARAY_COATED_METAL 6u  // what a principled material may turn out to be at a hit; no material's kind on the host
 
 #define CLARAY_POINT_LIGHT 0u
 #define CLARAY_DIRECTIONAL_LIGHT 1u
 #define CLARAY_SPOT_LIGHT 2u
 
 typedef struct MaterialData {
-    float albedo_r, albedo_g, albedo_b;  // Lambert: albedo; mirror, metal: reflectance at normal incidence; glass: tint
-    uint kind;                           // CLARAY_LAMBERT ...
+    float albedo_r, albedo_g, albedo_b;        // see Material::albedo
+    uint kind;                                 // CLARAY_LAMBERT ...
     float emission_r, emission_g, emission_b;  // radiance, W / (m^2 sr)
-    float roughness;                           // metal: alpha = roughness^2 (GGX)
-    float ior;                                 // glass: index of refraction, inside over outside
+    float roughness;                           // alpha = roughness^2 (GGX)
+    float ior;                                 // index of refraction, inside over outside
     float sampled_emission;  // luminance by which the lights sample its triangles; 0: they do not
+    float metallic, transmission;              // principled
+    float clearcoat, clearcoat_roughness;      // principled
+    float specular_r, specular_g, specular_b;  // Blinn-Phong; specular + albedo <= 1
+    float shininess;                           // Blinn-Phong
+    float absorption_r, absorption_g, absorption_b;  // inside, per unit of length
+    uint energy, coat_energy;  // where the blocks of its ior and of its coat begin in the energy tables
 } MaterialData;
-CLARAY_LAYOUT(MaterialData, 40)
+CLARAY_LAYOUT(MaterialData, 92)
 
 // Lights are numbered: emissive triangles, points and spots, directional lights, the environment. A random 32-bit number
 // picks the first one whose `cumulative` is not below it, the environment if there is none; where there is a tree, numbers

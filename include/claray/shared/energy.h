@@ -1,0 +1,28 @@
+// Layout of the tables that tell how much light rough surfaces scatter once (host/render/energy_tables.hpp).
+#ifndef CLARAY_SHARED_ENERGY_H
+#define CLARAY_SHARED_ENERGY_H
+
+/// A table: rows by roughness 0..1, in each as many values by cosine_place or loss_place in
+/// kernels/shade/bsdf_ggx.clh; then each row's average over the hemisphere; that
+/// of losses over alpha^2, in proportion to which they roughly are.
+#define CLARAY_ENERGY_SIZE 32
+#define CLARAY_ENERGY_TABLE (CLARAY_ENERGY_SIZE * (CLARAY_ENERGY_SIZE + 1))
+
+// All tables lie one behind the other: first the conductor's, what of light one reflection loses. Then come blocks.
+
+/// The block of an index of refraction: what a dielectric does not reflect; what neither comes back nor goes through, from
+/// outside and from inside; and the share of diffuse light from outside that a smooth interface lets through.
+#define CLARAY_UNREFLECTED 0
+#define CLARAY_LOST_OUTSIDE CLARAY_ENERGY_TABLE
+#define CLARAY_LOST_INSIDE (2 * CLARAY_ENERGY_TABLE)
+#define CLARAY_TRANSMITTANCE (3 * CLARAY_ENERGY_TABLE)
+#define CLARAY_ENERGY_BLOCK (3 * CLARAY_ENERGY_TABLE + 1)
+
+/// Behind the coat's block: what a metal under it is scaled by, by the coat's roughness, the metal's (fewer steps) and
+/// cosine_place.
+#define CLARAY_COAT_IOR 1.5f
+#define CLARAY_METAL_SIZE 16
+#define CLARAY_COAT_SCALES CLARAY_ENERGY_BLOCK
+#define CLARAY_COAT_TABLE (CLARAY_ENERGY_SIZE * CLARAY_METAL_SIZE * CLARAY_ENERGY_SIZE)
+
+#endif
