@@ -250,6 +250,7 @@ struct Way {
     const char* name;
     float offset, scale;
     bool moves;
+    float away = 0;  // of the triangles from their object's origin, which is then as far from the world's
 };
 void PrintTo(const Way& way, std::ostream* out) { *out << way.name; }
 class LeavingInstances : public testing::TestWithParam<Way> {};
@@ -258,9 +259,14 @@ TEST_P(LeavingInstances, NoRayHitsTheTriangleThatItLeaves) {
     const Way way = GetParam();
     const std::uint32_t triangles = 100, instance_count = 20, rays_each = 128;
     const std::uint32_t count = triangles * instance_count * rays_each;
-    const Mesh mesh = soup(triangles, 0.3f, 42);
+    Mesh mesh = soup(triangles, 0.3f, 42);
+    for (glm::vec3& p : mesh.positions) p += glm::vec3(way.away, 0, 0);
     std::vector<Instance> begins = random_instances(instance_count, 1, 3.f * way.scale, way.scale, 7), ends = begins;
-    for (Instance& i : begins) i.row0[3] += way.offset, i.row1[3] -= way.offset, i.id = 0;
+    for (Instance& i : begins) {
+        i.row0[3] += way.offset - i.row0[0] * way.away, i.row1[3] -= way.offset + i.row1[0] * way.away;
+        i.row2[3] -= i.row2[0] * way.away;
+        i.id = 0;
+    }
     ends = begins;
     for (std::size_t i = 0; i < ends.size(); ++i) {
         ends[i].row0[3] += way.scale, ends[i].row1[3] += 0.5f * way.scale;
@@ -309,13 +315,13 @@ TEST_P(LeavingInstances, NoRayHitsTheTriangleThatItLeaves) {
         farthest = std::max(farthest, clearances[i]);
     }
     EXPECT_EQ(self_hits, 0u) << "of " << count;
-    EXPECT_LT(farthest, 1e-4f * way.scale + 2e-6f * way.offset);
+    EXPECT_LT(farthest, 1e-4f * way.scale + 2e-6f * way.offset + 1e-5f * way.away);
 }
 
 INSTANTIATE_TEST_SUITE_P(Ways, LeavingInstances,
                          testing::Values(Way{"Origin", 0, 1, false}, Way{"Far", 1e4f, 1, false},
-                                         Way{"Tiny", 0, 1e-4f, false}, Way{"Moving", 0, 1, true},
-                                         Way{"MovingFar", 1e4f, 1, true}),
+                                         Way{"Tiny", 0, 1e-4f, false}, Way{"AwayFromTheirOrigins", 0, 1, false, 1000},
+                                         Way{"Moving", 0, 1, true}, Way{"MovingFar", 1e4f, 1, true}),
                          [](const auto& way) { return way.param.name; });
 
 // ---- which instances are baked
