@@ -4,6 +4,7 @@ set(kind_gpu -DCLARAY_CPU=0)
 set(kind_nvidia -DCLARAY_CPU=0 -DCLARAY_NVIDIA=1 --target=nvptx64-unknown-nvcl -Dasm=__asm__  # C99 reserves no `asm`
     -DRAY_QUEUE=1)
 set(kind_effects -DCLARAY_CPU=1 -DCLARAY_INSTANCE_MOTION=1 -DINSTANCES=1 -DINSTANCE_MOTION=1)  # what is off unless told
+set(kind_cutouts ${kind_gpu} -DCLARAY_CUTOUTS=1)
 set(kind_nvidia_coherent ${kind_nvidia} -DCOHERENT=1)
 file(GLOB_RECURSE kernels RELATIVE "${SOURCE_DIR}" "${SOURCE_DIR}/kernels/*.cl")
 if(NOT kernels)
@@ -11,7 +12,7 @@ if(NOT kernels)
 endif()
 set(failed 0)
 foreach(kernel IN LISTS kernels)
-    foreach(kind cpu gpu effects nvidia nvidia_coherent)
+    foreach(kind cpu gpu effects cutouts nvidia nvidia_coherent)
         execute_process(
             COMMAND "${CLANG}" -x cl -cl-std=CL1.2 -fsyntax-only -Wall -Wextra -Werror -Wno-unused-function -Wno-unused-parameter
                     -Iinclude -Ikernels ${kind_${kind}} "${kernel}"
@@ -24,6 +25,6 @@ foreach(kernel IN LISTS kernels)
 endforeach()
 list(LENGTH kernels count)
 if(failed)
-    message(FATAL_ERROR "${failed} of ${count} x 5 kernel compilations failed")
+    message(FATAL_ERROR "${failed} of ${count} x 6 kernel compilations failed")
 endif()
 message(STATUS "all ${count} kernels compile alone, for CPUs, GPUs and NVIDIA's")

@@ -146,8 +146,22 @@ void Bvh::bind(Kernel& kernel, unsigned& index) const {
         kernel.set(index, state_->nodes);
         kernel.set(index, state_->leaves);
     }
+    bind_cutouts(kernel, index);
 }
 
-Defines Bvh::defines() const { return {{"CLARAY_WIDE", layout() == Layout::wide ? "1" : "0"}}; }
+void Bvh::bind_cutouts(Kernel& kernel, unsigned& index) const {
+    if (!has_cutouts()) return;
+    kernel.set(index, state_->cutouts);
+    kernel.set(index, std::uint32_t(0));
+}
+
+void Bvh::set_cutouts(const Buffer<std::uint32_t>& store) { state_->cutouts = store; }
+bool Bvh::has_cutouts() const { return state_->cutouts.allocated(); }
+
+Defines Bvh::defines() const {
+    Defines defines = {{"CLARAY_WIDE", layout() == Layout::wide ? "1" : "0"}};
+    if (has_cutouts()) defines.emplace_back("CLARAY_CUTOUTS", "1");
+    return defines;
+}
 
 }  // namespace claray

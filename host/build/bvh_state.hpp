@@ -33,6 +33,7 @@ struct Bvh::State {
     Buffer<LeafTriangle> leaves;
     Buffer<WideNode> wide_nodes;
     Buffer<TriangleBlock> wide_blocks;
+    Buffer<std::uint32_t> cutouts;  // see Bvh::set_cutouts
 
     // Scratch, kept for rebuilding.
     Buffer<std::uint32_t> bound_keys, codes32, order, arrivals, clusters;

@@ -6,6 +6,7 @@
 #include "host/render/lights.hpp"
 #include "host/render/material_data.hpp"
 #include "host/scene/placement.hpp"
+#include "host/render/cutouts.hpp"
 
 namespace claray {
 namespace {
@@ -89,7 +90,7 @@ private:
         call(Effect::coated_metal, has_coated_metal(m));
         call(Effect::absorption, absorbs_inside(m));
         call(Effect::culling, m.cull_back);
-        call(Effect::cut_outs, m.alpha_mode != AlphaMode::opaque);
+        call(Effect::cut_outs, is_cut_out(scene_, m));
         visit_textures(m);
         const auto call_map = [&](Effect effect, const TextureUse& use) {
             if (use.used()) call_(effect, "texture", texture(use.texture).name, use.texture);

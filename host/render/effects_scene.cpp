@@ -55,7 +55,7 @@ std::vector<Material> materials_for(EffectSet effects) {
     if (effects.has(Effect::coated_metal)) last.clearcoat = last.metallic = 0.5f;
     if (effects.has(Effect::absorption)) last.attenuation = glm::vec3(0.5f), last.attenuation_distance = 1.f;
     if (effects.has(Effect::culling)) last.cull_back = true;
-    if (effects.has(Effect::cut_outs)) last.alpha_mode = AlphaMode::mask;
+    if (effects.has(Effect::cut_outs)) last.alpha_mode = AlphaMode::blend, last.opacity = 0.5f;
     if (effects.has(Effect::emissive_triangles)) last.emission = glm::vec3(1.f);
     if (effects.has(Effect::textures) || effects.has(Effect::mip_maps)) last.albedo_map = use_of_texture();
     if (effects.has(Effect::normal_maps)) last.normal_map = use_of_texture();

@@ -2,52 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstring>
 #include <map>
 
+#include "host/render/cutouts.hpp"
 #include "host/render/mip_map.hpp"
+#include "host/render/texture_use.hpp"
 
 namespace claray {
 namespace {
-
-[[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
-    throw Error(ErrorKind::user, what, remedy);
-}
-
-std::string name_of(const Scene& scene, std::uint32_t texture) {
-    const std::string& name = scene.textures[texture].name;
-    return name.empty() ? "texture " + std::to_string(texture) : "texture '" + name + "'";
-}
-
-const Texture& checked(const Scene& scene, std::uint32_t index) {
-    if (index >= scene.textures.size())
-        refuse("a material refers to texture " + std::to_string(index) + " of " + std::to_string(scene.textures.size()),
-               "add the texture to the scene");
-    const Texture& t = scene.textures[index];
-    constexpr unsigned largest = 1u << (CLARAY_TEXTURE_LEVELS - 1);
-    if (t.width == 0 || t.height == 0 || t.width > largest || t.height > largest)
-        refuse(name_of(scene, index) + " has " + std::to_string(t.width) + "x" + std::to_string(t.height) + " texels",
-               "a texture has 1 to " + std::to_string(largest) + " a side");
-    if (t.channels == 0 || t.channels > 4)
-        refuse(name_of(scene, index) + " has " + std::to_string(t.channels) + " channels", "give it 1 to 4");
-    const std::size_t expected = std::size_t(t.width) * t.height * t.channels;
-    const std::size_t there = t.format == TexelFormat::float32 ? t.floats.size() : t.bytes.size();
-    if (there != expected)
-        refuse(name_of(scene, index) + " holds " + std::to_string(there) + " values for " + std::to_string(t.width) +
-                   "x" + std::to_string(t.height) + " texels of " + std::to_string(t.channels),
-               "give one for every channel of every texel");
-    return t;
-}
-
-std::vector<bool> used_materials(const Scene& scene) {
-    std::vector<bool> used(scene.materials.size());
-    for (const Mesh& mesh : scene.meshes) {
-        if (mesh.materials.empty() && !mesh.triangles.empty()) used[0] = true;
-        for (const std::uint32_t material : mesh.materials) used[material] = true;
-    }
-    return used;
-}
 
 /// The maps that count for a material of this kind, at their CLARAY_..._MAP.
 std::array<TextureUse, CLARAY_MAPS> maps_of(const Material& m) {
@@ -68,13 +31,6 @@ std::array<TextureUse, CLARAY_MAPS> maps_of(const Material& m) {
     return maps;
 }
 
-/// KHR_texture_transform: scale, then rotate, then shift; the image's v runs downwards.
-TextureUseData data_of(const TextureUse& use, std::uint32_t texture) {
-    const double c = std::cos(double(use.rotation)), s = std::sin(double(use.rotation));
-    return {float(c * use.scale.x), float(s * use.scale.y), use.offset.x, float(-s * use.scale.x),
-            float(c * use.scale.y), use.offset.y,           texture,      use.uv_set};
-}
-
 /// Grows word by word; the sections begin at multiples of 16 bytes.
 class StoreWriter {
 public:
@@ -82,7 +38,8 @@ public:
 
     std::uint32_t begin_section() {
         words_.resize((words_.size() + 3) / 4 * 4);
-        if (words_.size() > 0xfffffff0u) refuse("the textures take more than 16 GiB", "use smaller ones");
+        if (words_.size() > 0xfffffff0u)
+            throw Error(ErrorKind::user, "the textures take more than 16 GiB", "use smaller ones");
         return std::uint32_t(words_.size());
     }
     template <class T>
@@ -117,11 +74,23 @@ public:
     unsigned uv_sets = 0;
     bool mipmaps = false, normal_maps = false;
 
-    [[nodiscard]] bool empty() const { return uses_.empty(); }
+    [[nodiscard]] bool empty() const { return textures_.empty(); }
+    [[nodiscard]] bool has_maps() const { return !uses_.empty(); }
+
+    /// The texture's index in the store; it is uploaded.
+    std::uint32_t slot_of(std::uint32_t texture) {
+        const Texture& t = checked_texture(scene_, texture);
+        const auto [at, fresh] = slots_.try_emplace(texture, std::uint32_t(textures_.size()));
+        if (fresh) {
+            textures_.push_back(texture);
+            mipmaps = mipmaps || levels_of(t) > 1;
+        }
+        return at->second;
+    }
 
     /// Writes images, uses and materials; returns the bytes of the images.
     std::uint64_t write(StoreWriter& store, TextureStore& sections) const {
-        sections.decode = store.add(decode_tables());
+        if (!empty()) sections.decode = store.add(decode_tables());
         std::vector<TextureData> data;
         std::uint64_t bytes = 0;
         for (const std::uint32_t index : textures_) data.push_back(write_texture(store, scene_.textures[index], bytes));
@@ -138,22 +107,9 @@ private:
             if (!uses[map].used()) continue;
             maps.use[map] = std::uint32_t(uses_.size());
             normal_maps = normal_maps || map == CLARAY_NORMAL_MAP;
-            if (uses[map].uv_set > 1)
-                refuse("a map lies on set " + std::to_string(uses[map].uv_set) + " of texture coordinates",
-                       "a mesh has the sets 0 and 1");
             uv_sets |= 1u << uses[map].uv_set;
             uses_.push_back(data_of(uses[map], slot_of(uses[map].texture)));
         }
-    }
-
-    std::uint32_t slot_of(std::uint32_t texture) {
-        const Texture& t = checked(scene_, texture);
-        const auto [at, fresh] = slots_.try_emplace(texture, std::uint32_t(textures_.size()));
-        if (fresh) {
-            textures_.push_back(texture);
-            mipmaps = mipmaps || levels_of(t) > 1;
-        }
-        return at->second;
     }
 
     static unsigned levels_of(const Texture& t) {
@@ -190,18 +146,24 @@ private:
 
 /// One array of all meshes' vertices; zeros where a mesh has none.
 template <class Vector>
-std::vector<Vector> of_all_meshes(const Scene& scene, std::vector<Vector> Mesh::*member, const char* what) {
+std::vector<Vector> of_all_meshes(const Scene& scene, std::vector<Vector> Mesh::*member) {
     std::vector<Vector> all;
     for (const Mesh& mesh : scene.meshes) {
         const std::vector<Vector>& values = mesh.*member;
-        if (!values.empty() && values.size() != mesh.positions.size())
-            refuse("mesh '" + mesh.name + "': " + std::to_string(values.size()) + " " + what + " for " +
-                       std::to_string(mesh.positions.size()) + " vertices",
-                   "give one each, or none");
         all.insert(all.end(), values.begin(), values.end());
         if (values.empty()) all.resize(all.size() + mesh.positions.size(), Vector(0.f));
     }
     return all;
+}
+
+void add_cutouts(const Cutouts& cutouts, StoreWriter& writer, TextureStore& sections) {
+    sections.cutout_materials = writer.add(cutouts.materials);
+    sections.first_triangles = writer.add(cutouts.first_triangles);
+    const std::uint32_t records = writer.add(cutouts.records);
+    std::vector<std::uint32_t> of_triangles = cutouts.of_triangles;
+    for (std::uint32_t& at : of_triangles)
+        if (at != CLARAY_NO_MAP) at += records;
+    sections.cutouts = writer.add(of_triangles);
 }
 
 }  // namespace
@@ -211,19 +173,22 @@ bool has_emission_map(const Material& material) {
 }
 
 Textures::Textures(const Device& device, const Scene& scene) {
-    const Collector found(scene, used_materials(scene));
-    if (found.empty()) return;
+    const std::vector<bool> used = used_materials(scene);
+    Collector found(scene, used);
+    const Cutouts cutouts(scene, used, [&](std::uint32_t texture) { return found.slot_of(texture); });
+    culls_back_faces = culls_everywhere(scene, used);
+    has_cutouts = !cutouts.empty();
+    if (!found.has_maps() && !has_cutouts) return;
     mipmaps = found.mipmaps;
     StoreWriter writer;
     TextureStore sections{};
     texel_bytes = found.write(writer, sections);
-    if (found.uv_sets & 1u) sections.uvs[0] = writer.add(of_all_meshes(scene, &Mesh::uvs, "texture coordinates"));
-    if (found.uv_sets & 2u)
-        sections.uvs[1] = writer.add(of_all_meshes(scene, &Mesh::uvs1, "second texture coordinates"));
+    if (found.uv_sets & 1u) sections.uvs[0] = writer.add(of_all_meshes(scene, &Mesh::uvs));
+    if (found.uv_sets & 2u) sections.uvs[1] = writer.add(of_all_meshes(scene, &Mesh::uvs1));
     const bool tangents =
         std::any_of(scene.meshes.begin(), scene.meshes.end(), [](auto& m) { return !m.tangents.empty(); });
-    if (found.normal_maps && tangents)
-        sections.tangents = writer.add(of_all_meshes(scene, &Mesh::tangents, "tangents"));
+    if (found.normal_maps && tangents) sections.tangents = writer.add(of_all_meshes(scene, &Mesh::tangents));
+    if (has_cutouts) add_cutouts(cutouts, writer, sections);
     store = Buffer<std::uint32_t>(device, writer.finish(sections));
 }
 

@@ -7,16 +7,17 @@
 
 namespace claray {
 
-/// Not allocated where no used material has a map. Images that no map needs, texture coordinates that no map lies on
-/// and mip maps that no filter reads are not uploaded.
+/// Not allocated where no used material has a map, nor anything cut out. Images that no map needs, texture coordinates
+/// that no map lies on and mip maps that no filter reads are not uploaded.
 struct Textures {
     Textures() = default;
-    /// Throws ErrorKind::user where a map names no texture, or a texture has no size or another number of texels than
-    /// its size says.
+    /// For a scene that `validate` accepts. Throws ErrorKind::user where a texture has more than 2^14 texels a side.
     Textures(const Device& device, const Scene& scene);
 
     Buffer<std::uint32_t> store;
     bool mipmaps = false;
+    bool has_cutouts = false;       ///< rays pass through some triangles: the store is to be given to the structure
+    bool culls_back_faces = false;  ///< all triangles have only a front, which queries are told
     std::uint64_t texel_bytes = 0;  ///< of the store, mip maps included
 };
 

@@ -27,15 +27,16 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, E
         all.emplace_back("SAMPLER", std::to_string(std::uint32_t(sampler)));
         return all;
     };
-    QueryOptions coherent, incoherent;
+    QueryOptions coherent, incoherent, shadow;
     coherent.coherence = Coherence::coherent, incoherent.coherence = Coherence::incoherent;
+    coherent.cull_back_faces = incoherent.cull_back_faces = shadow.cull_back_faces = scene.textures.culls_back_faces;
     generate = load_kernel(device, "render/generate_rays.cl", "generate_rays", defines(Stage::generate));
     trace_camera = SceneQuery(scene.structure, QueryKernel::Kind::closest, coherent, trace_camera_name);
     trace_bounce = SceneQuery(scene.structure, QueryKernel::Kind::closest, incoherent, trace_bounce_name);
     shade = load_kernel(device, "render/shade_surface.cl", "shade_surface", defines(Stage::shade));
     advance = load_kernel(device, "render/advance_queues.cl", "advance_queues");
     if (scene.lights.count == 0) return;
-    trace_shadow = SceneQuery(scene.structure, QueryKernel::Kind::any, {}, trace_shadow_name);
+    trace_shadow = SceneQuery(scene.structure, QueryKernel::Kind::any, shadow, trace_shadow_name);
     add_light = load_kernel(device, "render/add_light.cl", "add_light");
 }
 
@@ -118,6 +119,7 @@ void Wavefront::trace_centers(const Batch& batch, Buffer<Visits>& visits) {
     generate(batch, true);
     QueryOptions options;
     options.visits = visits;
+    options.cull_back_faces = scene_.textures.culls_back_faces;
     SceneQuery(scene_.structure, QueryKernel::Kind::closest, options, {})
         .closest(rays_[0], hits_, batch.pixels * batch.samples, lengths_[0], times_[0]);
 }

@@ -12,6 +12,12 @@ namespace claray {
 /// another.
 [[nodiscard]] const cl::Buffer& ray_queue(const Device& device);
 
+/// Binds CLARAY_CUTOUTS_PARAMETERS alone.
+struct CutoutsOf {
+    const Bvh& bvh;
+    void bind(Kernel& kernel, unsigned& index) const { bvh.bind_cutouts(kernel, index); }
+};
+
 class QueryKernel {
 public:
     enum class Kind { closest, any };
@@ -29,8 +35,8 @@ public:
         const std::size_t rays_per_item = std::max<std::size_t>(batch, rays_per_item_);
         const std::size_t items = std::min((std::size_t(capacity) + rays_per_item - 1) / rays_per_item, most_items_);
         if (options_.brute_force) {
-            kernels_[0].run({items, group_}, bvh_.header_buffer(), bvh_.leaves(), rays, results, capacity, count,
-                            options_.ray_masks);
+            kernels_[0].run({items, group_}, bvh_.header_buffer(), bvh_.leaves(), CutoutsOf{bvh_}, rays, results,
+                            capacity, count, options_.ray_masks);
             return;
         }
         const cl::Buffer& queue = ray_queue(bvh_.device());

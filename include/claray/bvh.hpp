@@ -116,6 +116,12 @@ public:
     /// ("RT-DEFORM"), who rebuilt at 40 %.
     [[nodiscard]] bool should_rebuild(double most_growth = 1.4) const;
 
+    /// Makes rays pass through what is cut out of the triangles: `store` is what the renderer makes of a scene's textures
+    /// (include/claray/shared/texture.h). All kernels that trace this structure are compiled for it; one that is not
+    /// allocated takes it away again.
+    void set_cutouts(const Buffer<std::uint32_t>& store);
+    [[nodiscard]] bool has_cutouts() const;
+
     [[nodiscard]] const TriangleBuffers& triangles() const;
     [[nodiscard]] std::size_t triangle_count() const;
     [[nodiscard]] Layout layout() const;
@@ -137,6 +143,8 @@ public:
 
     /// Binds the kernel parameters CLARAY_BVH_PARAMETERS of trace/closest_hit.clh.
     void bind(Kernel& kernel, unsigned& index) const;
+    /// Binds CLARAY_CUTOUTS_PARAMETERS of trace/ray.clh: nothing where nothing is cut out.
+    void bind_cutouts(Kernel& kernel, unsigned& index) const;
     /// Macros with which a kernel that includes trace/closest_hit.clh must be compiled for this structure.
     [[nodiscard]] Defines defines() const;
 

@@ -61,7 +61,7 @@ TEST(AlbedoMap, LambertPlaneUnderALampEqualsTheClosedForm) {
 
 TEST(AlbedoMap, BytesFollowTheSrgbCurve) {
     Texture t = random_texture({1, 1}, 3, TexelFormat::srgb8, 1);
-    t.bytes = {188, 55, 255};
+    t.bytes[0] = 188, t.bytes[1] = 55, t.bytes[2] = 255;
     const glm::dvec3 color = seen_at(plane_under_sky(t), 0.4, 0.6);
     const auto curve = [](double byte) { return std::pow((byte / 255 + 0.055) / 1.055, 2.4); };
     EXPECT_NEAR(color.x, curve(188), 1e-5);
@@ -155,9 +155,8 @@ TEST(TextureCoordinateSets, EachMapHasItsOwn) {
 
 /// A checkerboard that runs to the horizon: where squares are far below a pixel, one sample a pixel sees grey.
 TEST(Footprint, CheckerboardFadesToGrey) {
-    Texture checker;
-    checker.width = checker.height = 2, checker.channels = 1, checker.format = TexelFormat::linear8;
-    checker.bytes = {0, 255, 255, 0};
+    Texture checker = random_texture({2, 2}, 1, TexelFormat::linear8, 1);
+    for (unsigned i = 0; i < 4; ++i) checker.bytes[i] = i == 1 || i == 2 ? 255 : 0;
     const auto far_rows = [&](Filter filter) {
         checker.filter = filter;
         Scene scene = plane_under_sky(checker);
@@ -194,8 +193,8 @@ TEST(Footprint, GoesOnBeyondAMirror) {
     scene.materials = {emitter(1.f), material(MaterialKind::mirror, 1.f)};
     scene.materials[0].emission_map.texture = 0;
     scene.meshes = {mapped_square(), square(1.f, 8.f, 1)};
-    // 64 pixels across 2 units at distance 12: 4 texels a pixel or more.
-    scene.camera = Camera{{0, 4, 0}, {0, 8, 0}, {0, 0, 1}, 9.5f};
+    // A pixel is 2.4 texels wide at distance 12, where the image is; from the mirror it would be 1.6.
+    scene.camera = Camera{{0, 4, 0}, {0, 8, 0}, {0, 0, 1}, 5.73f};
     const auto image = render_image(scene, {.width = 64, .height = 64, .spp = 1, .max_depth = 2});
     for (const glm::vec3& c : image) ASSERT_NEAR(c.x, 0.5f, 0.02f);
 }

@@ -16,7 +16,7 @@ template <class Function>
     for (unsigned y = 0; y < size.y; ++y)
         for (unsigned x = 0; x < size.x; ++x) {
             const glm::vec3 c(value((double(x) + 0.5) / size.x, (double(y) + 0.5) / size.y));
-            t.floats.insert(t.floats.end(), {c.x, c.y, c.z});
+            for (int k = 0; k < 3; ++k) t.floats.push_back(c[k]);
         }
     return t;
 }

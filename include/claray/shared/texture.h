@@ -43,9 +43,12 @@ typedef struct TextureStore {
     uint decode;     // floats: what the 256 bytes mean under CLARAY_LINEAR8, then what they mean under CLARAY_SRGB8
     uint uvs[2];     // two floats a vertex
     uint tangents;   // four floats a vertex; 0 0 0 0 where a mesh has none
-    uint cutouts;    // a word a triangle: where its CutoutData begins, or CLARAY_NO_MAP where it is opaque
+    uint cutouts;    // a word a triangle: where its record begins (see CutoutMaterial), or CLARAY_NO_MAP where it is solid
+    uint cutout_materials;  // CutoutMaterial
+    uint first_triangles;   // a word a mesh: the index of its first triangle
+    uint spare[2];
 } TextureStore;
-CLARAY_LAYOUT(TextureStore, 32)
+CLARAY_LAYOUT(TextureStore, 48)
 
 /// Texels lie row by row, in bytes (of three channels a fourth is added, so that a texel is a word) or floats.
 typedef struct TextureData {
@@ -76,6 +79,21 @@ typedef struct MaterialMaps {
     uint spare;
 } MaterialMaps;
 CLARAY_LAYOUT(MaterialMaps, 48)
+
+#define CLARAY_CUT_MASK 1u   // there where the opacity reaches the cut-off
+#define CLARAY_CUT_BLEND 2u  // there with the opacity as probability
+#define CLARAY_CUT_BACK 4u   // not there when met from behind
+
+/// Where rays pass through triangles that they meet. The record of such a triangle is the index of its CutoutMaterial, and
+/// then for each of the two textures that are there the coordinates of the three corners, transformed.
+typedef struct CutoutMaterial {
+    uint mode;     // CLARAY_CUT_...
+    float opacity, cutoff;
+    uint albedo;   // the texture whose alpha multiplies the opacity, or CLARAY_NO_MAP
+    uint opacity_map;  // the one whose red does
+    uint spare[3];
+} CutoutMaterial;
+CLARAY_LAYOUT(CutoutMaterial, 32)
 
 /// The footprint of a path: a cone round its ray (Akenine-Moeller et al. 2019, Ray Tracing Gems ch. 20).
 typedef struct RayCone {

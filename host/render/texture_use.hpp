@@ -1,0 +1,20 @@
+// Textures as materials use them.
+#pragma once
+
+#include "claray/scene.hpp"
+#include "claray/shared/texture.h"
+
+namespace claray {
+
+/// The texture of that index, of a scene that `validate` accepts. Throws ErrorKind::user where it is larger than the
+/// kernels' mip maps.
+[[nodiscard]] const Texture& checked_texture(const Scene& scene, std::uint32_t index);
+
+/// KHR_texture_transform as a matrix: scale, then rotate, then shift; `texture` is the index in the store.
+[[nodiscard]] TextureUseData data_of(const TextureUse& use, std::uint32_t texture);
+[[nodiscard]] glm::vec2 transformed(const TextureUse& use, const glm::vec2& uv);
+
+/// For every material, whether a triangle has it.
+[[nodiscard]] std::vector<bool> used_materials(const Scene& scene);
+
+}  // namespace claray
