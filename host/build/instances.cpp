@@ -7,6 +7,10 @@
 namespace claray {
 namespace {
 
+void without_cutouts(Defines& defines) {
+    std::erase_if(defines, [](const auto& define) { return define.first == "CLARAY_CUTOUTS"; });
+}
+
 constexpr std::size_t group = 64;  // GROUP_SIZE of build/instances.cl
 
 /// The parts of one bottom level that rays visit.
@@ -73,6 +77,7 @@ void InstancedBvh::State::take_bottoms(std::span<const Bvh> bottoms) {
     check_bottoms(bottoms);
     layout = bottoms[0].layout();
     defines = bottoms[0].defines();
+    if (bottoms.size() > 1) without_cutouts(defines);  // copies have none of their own
     if (ends.allocated()) defines.emplace_back("CLARAY_INSTANCE_MOTION", "1");
     nodes = {}, leaves = {}, wide_nodes = {}, wide_blocks = {};
     if (bottoms.size() > 1) {
@@ -202,6 +207,15 @@ void InstancedBvh::bind(Kernel& kernel, unsigned& index) const {
     kernel.set(index, state_->ends);
 }
 
+void InstancedBvh::set_cutouts(const Buffer<std::uint32_t>& store) {
+    if (state_->shared)
+        state_->shared->set_cutouts(store);
+    else
+        state_->cutouts = store;
+    without_cutouts(state_->defines);
+    if (store.allocated()) state_->defines.emplace_back("CLARAY_CUTOUTS", "1");
+}
+
 const Buffer<PlacedInstance>& InstancedBvh::placed() const { return state_->placed; }
 
 void InstancedBvh::State::bind_bottoms(Kernel& kernel, unsigned& index) const {
@@ -213,6 +227,9 @@ void InstancedBvh::State::bind_bottoms(Kernel& kernel, unsigned& index) const {
     const bool wide = layout == Layout::wide;
     wide ? kernel.set(index, wide_nodes) : kernel.set(index, nodes);
     wide ? kernel.set(index, wide_blocks) : kernel.set(index, leaves);
+    if (!cutouts.allocated()) return;
+    kernel.set(index, cutouts);
+    kernel.set(index, std::uint32_t(0));  // claray_first_triangle, which every instance replaces by its own
 }
 
 }  // namespace claray

@@ -28,6 +28,7 @@ struct InstancedBvh::State {
     Buffer<LeafTriangle> leaves;
     Buffer<WideNode> wide_nodes;
     Buffer<TriangleBlock> wide_blocks;
+    Buffer<std::uint32_t> cutouts;  // of several bottom levels; a shared one has its own
     std::uint64_t bottom_bytes = 0;
 
     Buffer<PlacedInstance> placed;

@@ -72,7 +72,6 @@ Cutouts::Cutouts(const Scene& scene, const std::vector<bool>& used,
     }
     if (materials.empty()) return;
     for (const Mesh& mesh : scene.meshes) {
-        first_triangles.push_back(std::uint32_t(of_triangles.size()));
         for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
             const std::uint32_t index = mesh.materials.empty() ? 0 : mesh.materials[i];
             const std::uint32_t material = of_materials[index];

@@ -16,9 +16,8 @@ struct Cutouts {
             const std::function<std::uint32_t(std::uint32_t)>& slot_of);
 
     std::vector<CutoutMaterial> materials;
-    std::vector<std::uint32_t> records;          ///< one behind the other
-    std::vector<std::uint32_t> of_triangles;     ///< index of the record's first word, or CLARAY_NO_MAP
-    std::vector<std::uint32_t> first_triangles;  ///< of the meshes
+    std::vector<std::uint32_t> records;       ///< one behind the other
+    std::vector<std::uint32_t> of_triangles;  ///< index of the record's first word, or CLARAY_NO_MAP
 
     [[nodiscard]] bool empty() const { return records.empty(); }
 };

@@ -196,6 +196,7 @@ void Renderer::State::first_pixel() {
 void Renderer::State::take_over_when_compiled() {
     if (!are_cached(device, plan.last, config)) return;
     if (plan.last.layout != plan.first.layout) structure = structure.rebuilt(with_layout(config.bvh, plan.last.layout));
+    structure.set_cutouts(buffers.textures.cutouts());
     buffers.structure = structure;
     wavefront.take_over(structure, WavefrontKernels(buffers, config.sampler, plan.last.effects));
     own_kernels = true;

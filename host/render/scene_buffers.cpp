@@ -54,7 +54,7 @@ SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Struc
     if (!tables.data().empty()) energy_tables = Buffer<float>(device, tables.data());
 
     textures = Textures(device, scene);
-    structure.set_cutouts(textures.has_cutouts ? textures.store : Buffer<std::uint32_t>());
+    structure.set_cutouts(textures.cutouts());
 
     const Lights found = collect_lights(scene);
     triangle_lights = Buffer<TriangleLight>(device, found.triangles);

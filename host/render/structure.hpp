@@ -28,6 +28,8 @@ public:
     [[nodiscard]] const TriangleBuffers& triangles() const { return triangles_; }
     [[nodiscard]] const Bvh& bvh() const { return bvh_; }
     [[nodiscard]] const std::optional<InstancedBvh>& instanced() const { return instanced_; }
+    /// See Bvh::set_cutouts.
+    void set_cutouts(const Buffer<std::uint32_t>& store) { instanced_ ? instanced_->set_cutouts(store) : bvh_.set_cutouts(store); }
     [[nodiscard]] bool moves() const { return instanced_ && instanced_->ends().allocated(); }
     /// Of one tree; of a tree of trees: triangles and bytes of all, the height that a ray descends at most, and the
     /// top level's cost.

@@ -158,7 +158,6 @@ std::vector<Vector> of_all_meshes(const Scene& scene, std::vector<Vector> Mesh::
 
 void add_cutouts(const Cutouts& cutouts, StoreWriter& writer, TextureStore& sections) {
     sections.cutout_materials = writer.add(cutouts.materials);
-    sections.first_triangles = writer.add(cutouts.first_triangles);
     const std::uint32_t records = writer.add(cutouts.records);
     std::vector<std::uint32_t> of_triangles = cutouts.of_triangles;
     for (std::uint32_t& at : of_triangles)

@@ -19,6 +19,9 @@ struct Textures {
     bool has_cutouts = false;       ///< rays pass through some triangles: the store is to be given to the structure
     bool culls_back_faces = false;  ///< all triangles have only a front, which queries are told
     std::uint64_t texel_bytes = 0;  ///< of the store, mip maps included
+
+    /// What structures are given by `set_cutouts`.
+    [[nodiscard]] Buffer<std::uint32_t> cutouts() const { return has_cutouts ? store : Buffer<std::uint32_t>(); }
 };
 
 /// Whether a map of this material is emission that varies over its triangles.

@@ -67,6 +67,10 @@ public:
     /// `refit` must follow.
     void replace_bottoms(std::span<const Bvh> bottoms);
 
+    /// As Bvh::set_cutouts. An instance's `id` is then the index, in the store, of its structure's first triangle. A
+    /// structure that is the only one is given the store itself.
+    void set_cutouts(const Buffer<std::uint32_t>& store);
+
     /// Device memory of the instances, to be written by the host or by kernels.
     [[nodiscard]] const Buffer<Instance>& instances() const;
     /// The same for where they move to; not allocated where it was built without.

@@ -12,6 +12,7 @@
 #include "tests/render/scenes.hpp"
 #include "tests/render/textures.hpp"
 #include "tests/support/device.hpp"
+#include "tests/support/instances.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/query.hpp"
 
@@ -183,6 +184,29 @@ TEST_P(Cutouts, HitsDependOnNoTree) {
     EXPECT_TRUE(same(closest_hit(split, rays), hits));
     split.set_cutouts({});
     EXPECT_FALSE(same(closest_hit(split, rays), hits));
+}
+
+/// Each mesh as an instance that stays where it is: the same hits as of one structure.
+TEST_P(Cutouts, InstancesKnowTheirTriangles) {
+    const Scene scene = mixed_soup(2'000);
+    CutoutScene whole(scene, GetParam());
+    const std::vector<Bvh> bottoms = build_bottoms(scene.meshes, GetParam());
+    const auto first = std::uint32_t(scene.meshes[0].triangles.size());
+    InstancedBvh instances =
+        InstancedBvh::build(bottoms, std::vector<Instance>{make_instance(glm::mat4(1.f), 0, 0xffffffffu, 0),
+                                                           make_instance(glm::mat4(1.f), 1, 0xffffffffu, first)});
+    instances.set_cutouts(whole.textures.store);
+    const std::vector<Ray> rays = random_rays(5'000, 3.f, 0.9f, 8);
+    const std::vector<Hit> expected = closest_hit(whole.bvh, rays);
+    const std::vector<InstanceHit> hits = closest_hit(instances, rays);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        ASSERT_EQ(hits[i].t, expected[i].t);
+        if (expected[i].primitive == CLARAY_MISS) continue;
+        ASSERT_EQ(hits[i].primitive + (hits[i].instance == 1 ? first : 0), expected[i].primitive);
+    }
+    EXPECT_EQ(any_hit(instances, rays), any_hit(whole.bvh, rays));
+    instances.set_cutouts({});
+    EXPECT_NE(any_hit(instances, rays), any_hit(whole.bvh, rays));
 }
 
 INSTANTIATE_TEST_SUITE_P(Layouts, Cutouts, testing::Values(Layout::binary, Layout::wide),

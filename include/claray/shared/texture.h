@@ -45,8 +45,7 @@ typedef struct TextureStore {
     uint tangents;   // four floats a vertex; 0 0 0 0 where a mesh has none
     uint cutouts;    // a word a triangle: where its record begins (see CutoutMaterial), or CLARAY_NO_MAP where it is solid
     uint cutout_materials;  // CutoutMaterial
-    uint first_triangles;   // a word a mesh: the index of its first triangle
-    uint spare[2];
+    uint spare[3];
 } TextureStore;
 CLARAY_LAYOUT(TextureStore, 48)
 
