@@ -3,10 +3,11 @@
 #include <map>
 
 #include "claray/effects.hpp"
+#include "host/render/cutouts.hpp"
 #include "host/render/lights.hpp"
 #include "host/render/material_data.hpp"
 #include "host/scene/placement.hpp"
-#include "host/render/cutouts.hpp"
+#include "host/render/lights.hpp"
 
 namespace claray {
 namespace {

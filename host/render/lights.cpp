@@ -40,16 +40,21 @@ void collect_triangles(const Scene& scene, const Mesh& mesh, const glm::dmat4& t
     const auto place = [&](std::uint32_t vertex) {
         return glm::vec3(transform * glm::dvec4(mesh.positions[vertex], 1.0));
     };
+    const bool flips = glm::determinant(glm::dmat3(transform)) < 0;  // fronts stay those of the object
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const Material& material = scene.materials[mesh.materials.empty() ? 0 : mesh.materials[i]];
+        const bool mirrored = flips && material.cull_back;
         const glm::vec3 emission = material.emission;
-        if (!(luminance(emission) > 0) || material.emission_map.used()) continue;  // maps: found by chance alone
+        if (!(sampled_emission(material) > 0)) continue;
         const glm::uvec3 t = mesh.triangles[i];
-        const glm::vec3 a = place(t.x), b = place(t.y), c = place(t.z);
+        const glm::vec3 a = place(t.x), b = place(mirrored ? t.z : t.y), c = place(mirrored ? t.y : t.z);
         if (!can_be_hit(a, b, c)) continue;
         lights.push_back(triangle_light(a, b, c, emission));
         lights.back().primitive = first + std::uint32_t(i);
-        if (!(lights.back().area > 0)) lights.pop_back();
+        if (!(lights.back().area > 0))
+            lights.pop_back();
+        else if (material.cull_back)
+            lights.back().area = -lights.back().area;
     }
 }
 
@@ -120,7 +125,7 @@ void collect_punctual(const Scene& scene, Lights& lights) {
 }
 
 double power_of(const TriangleLight& l) {
-    return 2 * pi * l.area * luminance({l.emission_r, l.emission_g, l.emission_b});
+    return 2 * pi * std::abs(l.area) * luminance({l.emission_r, l.emission_g, l.emission_b});
 }
 
 /// `radius` of the scene: attenuation that is not physical counts at half of it, where much of the scene may be.
@@ -262,7 +267,8 @@ std::size_t near_lights(const Scene& scene) {
 }
 
 float sampled_emission(const Material& material) {
-    if (material.emission_map.used()) return 0.f;
+    // Maps, and lamps with holes, are found by chance alone.
+    if (material.emission_map.used() || material.alpha_mode != AlphaMode::opaque) return 0.f;
     const glm::vec3 c = material.emission;
     return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;  // as shade/vector.clh does it
 }

@@ -188,7 +188,7 @@ TEST_P(Cutouts, HitsDependOnNoTree) {
 
 /// Each mesh as an instance that stays where it is: the same hits as of one structure.
 TEST_P(Cutouts, InstancesKnowTheirTriangles) {
-    const Scene scene = mixed_soup(2'000);
+    const Scene scene = mixed_soup(300);
     CutoutScene whole(scene, GetParam());
     const std::vector<Bvh> bottoms = build_bottoms(scene.meshes, GetParam());
     const auto first = std::uint32_t(scene.meshes[0].triangles.size());

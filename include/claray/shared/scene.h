@@ -43,7 +43,7 @@ typedef struct TriangleLight {
     float v0x, v0y, v0z;
     float e1x, e1y, e1z;  // v1 - v0
     float e2x, e2y, e2z;  // v2 - v0
-    float area;
+    float area;                                // negative where it shines to the front alone
     float emission_r, emission_g, emission_b;  // of textured ones the average
     uint primitive;
     uint cumulative;    // 2^32 times the share of power of all lights up to and including this one, less 1
