@@ -19,6 +19,7 @@ void add_compile_command(CLI::App& app, Action& action);
 void add_bench_command(CLI::App& app, Action& action);
 void add_tune_command(CLI::App& app, Action& action);
 void add_build_command(CLI::App& app, Action& action);
+void add_bake_command(CLI::App& app, Action& action);
 
 /// --builder, --layout and --morton-bits, for the commands that build a tree.
 void add_bvh_options(CLI::App& command, Bvh::Config& config);

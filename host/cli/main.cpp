@@ -55,6 +55,7 @@ int run(int argc, char** argv) {
     claray::cli::add_render_command(app, action);
     claray::cli::add_explain_command(app, action);
     claray::cli::add_compile_command(app, action);
+    claray::cli::add_bake_command(app, action);
     claray::cli::add_build_command(app, action);
     claray::cli::add_bench_command(app, action);
     claray::cli::add_tune_command(app, action);

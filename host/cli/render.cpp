@@ -18,6 +18,7 @@ Scene load(const RenderOptions& options) {
     Warnings warnings;
     Scene scene = load_scene(options.scene, warnings);
     for (const std::string& warning : warnings) std::fprintf(stderr, "claray: warning: %s\n", warning.c_str());
+    use_light_maps(scene, options.light_maps);
     scene.camera = choose_camera(scene, options);
     return scene;
 }
@@ -75,6 +76,7 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
     command.add_option_function<std::string>(
         "--size", [&o](const std::string& text) { std::tie(o.config.width, o.config.height) = parse_size(text); },
         "WIDTHxHEIGHT in pixels [512x512]");
+    command.add_option("--light-map", o.light_maps, "MESH=FILE: light of a mesh from claray bake; may be repeated");
     command.add_option("--exposure", o.exposure, "Brightens a PNG by this many stops [0]");
     const std::map<std::string, ToneMap> tone_maps = {{"none", ToneMap::none}, {"aces", ToneMap::aces}};
     command.add_option("--tone-map", o.tone_map, "Of a PNG: none (clamp) or aces (filmic) [aces]")

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "claray/light_map.hpp"
 #include "host/compute/file.hpp"
 
 namespace claray::cli {
@@ -60,6 +61,20 @@ Camera choose_camera(const Scene& scene, const RenderOptions& options) {
     if (options.up) camera.up = *options.up;
     if (options.fov) camera.vertical_fov = *options.fov;
     return camera;
+}
+
+void use_light_maps(Scene& scene, const std::vector<std::string>& light_maps) {
+    for (const std::string& text : light_maps) {
+        const std::size_t equals = text.find('=');
+        const auto mesh = parse_number<std::size_t>(std::string_view(text).substr(0, equals));
+        if (equals == std::string::npos || !mesh)
+            throw Error(ErrorKind::usage, "--light-map: '" + text + "' names no mesh and file",
+                        "write MESH=FILE: 0=floor.pfm");
+        Texture map = load_image(text.substr(equals + 1));
+        map.filter = Filter::bilinear;
+        map.wrap_u = map.wrap_v = Wrap::clamp;
+        use_light_map(scene, *mesh, std::move(map), light_map_uv_set(scene, *mesh));
+    }
 }
 
 std::pair<std::filesystem::path, std::filesystem::path> aov_paths(const std::filesystem::path& output,

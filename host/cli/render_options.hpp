@@ -23,6 +23,7 @@ struct RenderOptions {
     float exposure = 0;                                // stops
     ToneMap tone_map = ToneMap::aces;
     std::vector<std::string> aovs;
+    std::vector<std::string> light_maps;  // "0=floor.pfm"
     std::filesystem::path trace;
     bool stats = false, json = false, quiet = false;
     bool wait_for_kernels = false;
@@ -37,6 +38,9 @@ inline constexpr const char* aov_names[] = {"depth", "normal", "albedo", "primit
 
 /// The scene's own camera, else the automatic one, with what the command line changes.
 [[nodiscard]] Camera choose_camera(const Scene& scene, const RenderOptions& options);
+
+/// Lets meshes show the light maps that the command line names. Throws ErrorKind::usage for what is not MESH=FILE.
+void use_light_maps(Scene& scene, const std::vector<std::string>& light_maps);
 
 /// out.png, depth -> {out.depth.png, out.depth.pfm}
 [[nodiscard]] std::pair<std::filesystem::path, std::filesystem::path> aov_paths(const std::filesystem::path& output,

@@ -18,7 +18,8 @@ std::uint32_t choose_capacity(const Device& device, std::uint64_t most_paths) {
 
 }  // namespace
 
-WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, EffectSet with) : effects(with) {
+WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, EffectSet with, bool baking)
+    : effects(with) {
     const Device& device = scene.structure.device();
     const auto defines = [&](Stage stage) {
         Defines all = defines_of(effects, stage);
@@ -30,10 +31,13 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, E
     QueryOptions coherent, incoherent, shadow;
     coherent.coherence = Coherence::coherent, incoherent.coherence = Coherence::incoherent;
     coherent.cull_back_faces = incoherent.cull_back_faces = shadow.cull_back_faces = scene.textures.culls_back_faces;
-    generate = load_kernel(device, "render/generate_rays.cl", "generate_rays", defines(Stage::generate));
+    Defines shading = defines(Stage::shade);
+    if (baking) shading.emplace_back("BAKE", "1");
+    generate = baking ? load_kernel(device, "render/generate_texels.cl", "generate_texels")
+                      : load_kernel(device, "render/generate_rays.cl", "generate_rays", defines(Stage::generate));
     trace_camera = SceneQuery(scene.structure, QueryKernel::Kind::closest, coherent, trace_camera_name);
     trace_bounce = SceneQuery(scene.structure, QueryKernel::Kind::closest, incoherent, trace_bounce_name);
-    shade = load_kernel(device, "render/shade_surface.cl", "shade_surface", defines(Stage::shade));
+    shade = load_kernel(device, "render/shade_surface.cl", "shade_surface", shading);
     advance = load_kernel(device, "render/advance_queues.cl", "advance_queues");
     if (scene.lights.count == 0) return;
     trace_shadow = SceneQuery(scene.structure, QueryKernel::Kind::any, shadow, trace_shadow_name);
@@ -85,20 +89,35 @@ void Wavefront::generate(const Batch& batch, bool centers) {
 
 void Wavefront::trace(const Batch& batch) {
     generate(batch, false);
+    trace_paths(batch, false);
+}
+
+void Wavefront::trace_from(const Buffer<Hit>& points, const Batch& batch) {
+    const std::uint32_t paths = batch.pixels * batch.samples;
+    lengths_[0].fill(paths);
+    lengths_[1].fill(0);
+    shadow_length_.fill(0);
+    kernels_.generate.run({paths, 64}, batch, points, scene_.structure.triangles().positions,
+                          scene_.structure.triangles().indices,
+                          rays_[0], hits_, states_[0], radiance_);
+    trace_paths(batch, true);
+}
+
+void Wavefront::trace_paths(const Batch& batch, bool arrived) {
     std::uint32_t limit = batch.pixels * batch.samples;  // of rays in the queue, as far as the host knows
     camera_rays_ += limit;
     // A path that was scattered for the last time may still end in a light or in the sky.
     const std::uint64_t waves = std::uint64_t(frame_.max_depth) + ((scene_.effects & emitters).empty() ? 0 : 1);
     for (std::uint32_t depth = 0; depth < waves && limit != 0; ++depth) {
-        bounce(batch, depth, limit);
+        bounce(batch, depth, limit, arrived && depth == 0);
         if ((depth + 1) % bounces_per_look_ == 0 && depth + 1 < waves) limit = lengths_[(depth + 1) % 2].read()[0];
     }
 }
 
-void Wavefront::bounce(const Batch& batch, std::uint32_t depth, std::uint32_t limit) {
+void Wavefront::bounce(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived) {
     const int in = depth % 2, out = 1 - in;
     SceneQuery& trace = depth == 0 ? kernels_.trace_camera : kernels_.trace_bounce;
-    trace.closest(rays_[in], hits_, limit, lengths_[in], times_[in]);
+    if (!arrived) trace.closest(rays_[in], hits_, limit, lengths_[in], times_[in]);
     kernels_.shade.run({limit, shade_group_}, batch, frame_, depth, scene_, lengths_[in], limit, rays_[in], hits_,
                        states_[in], radiance_, shading_normals_, lengths_[out], rays_[out], states_[out],
                        shadow_length_, shadow_rays_, shadow_light_, cones_[in], cones_[out], times_between(in, out));

@@ -18,7 +18,8 @@ inline constexpr const char* trace_shadow_name = "trace_shadow_rays";
 /// bit of the image.
 struct WavefrontKernels {
     WavefrontKernels() = default;
-    WavefrontKernels(const SceneBuffers& scene, Sampler sampler, EffectSet effects);
+    /// `baking`: for Wavefront::trace_from.
+    WavefrontKernels(const SceneBuffers& scene, Sampler sampler, EffectSet effects, bool baking = false);
 
     EffectSet effects;
     Kernel generate, shade, add_light, advance;
@@ -35,6 +36,9 @@ public:
     void take_over(const Structure& structure, WavefrontKernels kernels);
     /// Traces the paths of a batch of at most `capacity()`; enqueued. Their radiance is in `radiance()`.
     void trace(const Batch& batch);
+    /// The same for paths that have arrived at points of surfaces, one a pixel of the batch: these are white
+    /// Lambertians that emit nothing, whatever their material.
+    void trace_from(const Buffer<Hit>& points, const Batch& batch);
     [[nodiscard]] const Buffer<float>& radiance() const { return radiance_; }
     /// First hits of rays through the pixels' centres, and what they cost; enqueued.
     void trace_centers(const Batch& batch, Buffer<Visits>& visits);
@@ -50,7 +54,8 @@ public:
 
 private:
     void generate(const Batch& batch, bool centers);
-    void bounce(const Batch& batch, std::uint32_t depth, std::uint32_t limit);
+    void trace_paths(const Batch& batch, bool arrived);
+    void bounce(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived);
     void trace_shadows(std::uint32_t limit);
 
     /// Binds TIME_PARAMETERS of render/shade_surface.cl.

@@ -7,6 +7,7 @@
 #include "claray/effects.hpp"
 #include "claray/error.hpp"
 #include "claray/instances.hpp"
+#include "claray/light_map.hpp"
 #include "claray/mesh.hpp"
 #include "claray/profiler.hpp"
 #include "claray/program.hpp"

@@ -9,6 +9,9 @@
 #include "shade/maps.clh"
 #include "shade/surface.clh"
 
+#ifndef BAKE
+#define BAKE 0  // 1: paths begin at surfaces, which count as white Lambertians that emit nothing
+#endif
 #ifndef ROULETTE_DEPTH
 #define ROULETTE_DEPTH 3  // surfaces that a path meets before chance may end it
 #endif
@@ -182,9 +185,16 @@ static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PAR
     Surface surface = surface_at(hit, outgoing, positions, indices, normals);
 #endif
     MaterialData material = materials[triangle_materials[hit.primitive]];
+#if BAKE
+    if (depth == 0) {
+        material.kind = CLARAY_LAMBERT;
+        material.albedo_r = material.albedo_g = material.albedo_b = 1.0f;
+        material.emission_r = material.emission_g = material.emission_b = 0.0f;
+    }
+#endif
 #if TEXTURES
     MapValues maps = {false, (float3)(0.0f)};
-    if (textures)
+    if (textures && !(BAKE && depth == 0))
         maps = apply_maps(textures, triangle_materials[hit.primitive], indices, hit, outgoing,
                           cone.width + cone.spread * hit.t, &surface, &material);
 #endif

@@ -1,0 +1,62 @@
+// claray bake: the light that falls on a mesh becomes an image.
+#include <cstdio>
+#include <memory>
+#include <tuple>
+
+#include "claray/io.hpp"
+#include "claray/light_map.hpp"
+#include "host/cli/commands.hpp"
+#include "host/cli/progress.hpp"
+#include "host/cli/render_options.hpp"
+
+namespace claray::cli {
+namespace {
+
+struct Options {
+    std::string scene, device;
+    std::filesystem::path output;
+    std::size_t mesh = 0;
+    LightMapConfig config;
+};
+
+void bake(Options options) {
+    const std::filesystem::path extension = options.output.extension();
+    if (extension != ".pfm" && extension != ".hdr")
+        throw Error(ErrorKind::usage, "--output: '" + options.output.string() + "' can't hold irradiance",
+                    "name a file .hdr or .pfm");
+    check_writable(options.output);
+    Warnings warnings;
+    const Scene scene = load_scene(options.scene, warnings);
+    for (const std::string& warning : warnings) std::fprintf(stderr, "claray: warning: %s\n", warning.c_str());
+    options.config.uv_set = light_map_uv_set(scene, options.mesh);
+    const InterruptGuard guard;
+    const Texture map = bake_light_map(Device::open(options.device), scene, options.mesh, options.config,
+                                       [](double) { return !InterruptGuard::interrupted(); });
+    Image image{map.width, map.height, {}};
+    for (std::size_t i = 0; i < map.floats.size(); i += 3)
+        image.pixels.emplace_back(map.floats[i], map.floats[i + 1], map.floats[i + 2]);
+    write_image(options.output, image);
+    std::printf("%s: irradiance of mesh %zu, %ux%u texels on coordinates %u\n", options.output.string().c_str(),
+                options.mesh, map.width, map.height, options.config.uv_set);
+}
+
+}  // namespace
+
+void add_bake_command(CLI::App& app, Action& action) {
+    CLI::App* command = app.add_subcommand("bake", "Compute the light that falls on a mesh, for render --light-map");
+    auto o = std::make_shared<Options>();
+    command->add_option("scene", o->scene, "A scene file, or a built-in scene (see claray scenes)")->required();
+    command->add_option("-o,--output", o->output, "The light map: .hdr or .pfm")->required();
+    command->add_option("--mesh", o->mesh, "The mesh, counted from 0 [0]");
+    command->add_option_function<std::string>(
+        "--size", [o](const std::string& text) { std::tie(o->config.width, o->config.height) = parse_size(text); },
+        "WIDTHxHEIGHT in texels [128x128]");
+    command->add_option("--spp", o->config.spp, "Paths a texel [256]")->check(CLI::Range(1, 1 << 24));
+    command->add_option("--max-depth", o->config.max_depth, "Surfaces a path may meet; 1 is direct light only [16]")
+        ->check(CLI::Range(1, 1024));
+    command->add_option("--seed", o->config.seed, "Another number gives other noise [0]");
+    command->add_option("--device", o->device, "cpu, gpu, an index or a part of the name (see claray devices)");
+    command->callback([&action, o] { action = [o] { bake(*o); }; });
+}
+
+}  // namespace claray::cli

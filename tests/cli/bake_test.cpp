@@ -1,0 +1,37 @@
+// claray bake, and claray render with what it wrote.
+#include <fstream>
+
+#include "tests/cli/claray.hpp"
+
+namespace claray::test {
+namespace {
+
+std::string write_square(const TemporaryFolder& folder) {
+    const std::string path = (folder / "square.obj").string();
+    std::ofstream(path) << "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+                           "f 1/1 2/2 3/3 4/4\n";
+    return path;
+}
+
+TEST(BakeCommand, WritesWhatRenderShows) {
+    const TemporaryFolder folder;
+    const std::string scene = write_square(folder), map = (folder / "light.pfm").string();
+    const ProcessResult baked = run_claray({"bake", scene, "-o", map, "--size", "8x8", "--spp", "4"});
+    ASSERT_EQ(baked.exit_code, 0) << baked.errors;
+    EXPECT_NE(baked.output.find("8x8 texels on coordinates 0"), std::string::npos) << baked.output;
+    const ProcessResult rendered = run_claray({"render", scene, "-o", (folder / "image.pfm").string(), "--size", "8x8",
+                                               "--spp", "1", "--light-map", "0=" + map, "--quiet"});
+    EXPECT_EQ(rendered.exit_code, 0) << rendered.errors;
+}
+
+TEST(BakeCommand, BadInput) {
+    const TemporaryFolder folder;
+    const std::string scene = write_square(folder), map = (folder / "light.pfm").string();
+    EXPECT_TRUE(failed_with(run_claray({"bake", scene, "-o", "light.png"}), 2, ".hdr or .pfm"));
+    EXPECT_TRUE(failed_with(run_claray({"bake", scene, "-o", map, "--mesh", "3"}), 1, "there is no mesh 3"));
+    EXPECT_TRUE(failed_with(run_claray({"bake", "cornell", "-o", map}), 1, "no texture coordinates"));
+    EXPECT_TRUE(failed_with(run_claray({"render", scene, "-o", map, "--light-map", "floor"}), 2, "MESH=FILE"));
+}
+
+}  // namespace
+}  // namespace claray::test
