@@ -4,8 +4,8 @@ set(kind_gpu -DCLARAY_CPU=0)
 set(kind_nvidia -DCLARAY_CPU=0 -DCLARAY_NVIDIA=1 --target=nvptx64-unknown-nvcl -Dasm=__asm__  # C99 reserves no `asm`
     -DRAY_QUEUE=1)
 set(kind_effects -DCLARAY_CPU=1 -DCLARAY_INSTANCE_MOTION=1 -DINSTANCES=1 -DINSTANCE_MOTION=1)  # what is off unless told
-set(kind_cutouts ${kind_gpu} -DCLARAY_CUTOUTS=1)
 set(kind_nvidia_coherent ${kind_nvidia} -DCOHERENT=1)
+set(kind_cutouts ${kind_nvidia_coherent} -DCLARAY_CUTOUTS=1)
 file(GLOB_RECURSE kernels RELATIVE "${SOURCE_DIR}" "${SOURCE_DIR}/kernels/*.cl")
 if(NOT kernels)
     message(FATAL_ERROR "no kernels under ${SOURCE_DIR}/kernels")
