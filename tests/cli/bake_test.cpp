@@ -6,10 +6,13 @@
 namespace claray::test {
 namespace {
 
+/// A square that shines, so that nobody has to warn of the dark.
 std::string write_square(const TemporaryFolder& folder) {
     const std::string path = (folder / "square.obj").string();
-    std::ofstream(path) << "v -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
-                           "f 1/1 2/2 3/3 4/4\n";
+    std::ofstream(folder / "square.mtl") << "newmtl lamp\nKd 0.5 0.5 0.5\nKe 1 1 1\n";
+    std::ofstream(path)
+        << "mtllib square.mtl\nusemtl lamp\nv -1 0 1\nv 1 0 1\nv 1 0 -1\nv -1 0 -1\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+           "f 1/1 2/2 3/3 4/4\n";
     return path;
 }
 

@@ -182,7 +182,7 @@ struct Grid {
 
 /// The integral of the density over each bin, by the midpoint rule.
 std::vector<double> expected_shares(const TestedMaterial& material, const glm::vec3& outgoing, const Grid& grid) {
-    const int fine = 16;
+    const int fine = 32;
     std::vector<float> directions;
     std::vector<double> solid_angles;
     std::vector<std::size_t> bins;
