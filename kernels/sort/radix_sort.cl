@@ -11,7 +11,7 @@
 #define GROUP_SIZE 256  // one work-item a digit: must be 256
 #endif
 #ifndef ITEMS
-#define ITEMS 15  // keys a work-item
+#define ITEMS 13  // keys a work-item
 #endif
 
 #if KEY_BITS == 64
@@ -24,6 +24,8 @@ typedef uint Key;
 #define PASSES (KEY_BITS / 8)
 #define WARPS (GROUP_SIZE / 32)
 #define TILE (GROUP_SIZE * ITEMS)
+#define MASKS_AS_KEYS (WARPS * DIGITS * 4 / (KEY_BITS / 8))
+#define STAGED (TILE > MASKS_AS_KEYS ? TILE : MASKS_AS_KEYS)
 
 static inline uint digit_of(Key key, uint shift) { return (uint)(key >> shift) & (DIGITS - 1); }
 
@@ -72,18 +74,44 @@ void scan_histogram(global uint* histogram) {
 #define STATE_INCLUSIVE 0x80000000u  // the count of this tile and all before it
 #define STATE_COUNT 0x3fffffffu
 
-/// Keys of `digit` in all tiles before `tile`.
+/// What is known of the tile `back` tiles before `tile`: zero if nothing yet.
+static inline uint state_before(volatile global uint* states, uint tile, uint back, uint digit) {
+    return back <= tile ? load_coherent(&states[(tile - back) * DIGITS + digit]) : 0;
+}
+
+/// Keys of `digit` in all tiles before `tile`. Four states are fetched at once, since each fetch takes as long as memory does. They
+/// count up to the first that is not known yet or that includes all before it.
 static inline uint look_back(volatile global uint* states, uint tile, uint digit) {
     uint sum = 0;
-    for (uint before = tile; before-- > 0;) {
-        uint state;
-        do {
-            state = load_coherent(&states[before * DIGITS + digit]);
-        } while (state == 0);
-        sum += state & STATE_COUNT;
-        if (state & STATE_INCLUSIVE) break;
+    while (tile > 0) {
+        const uint a = state_before(states, tile, 1, digit), b = state_before(states, tile, 2, digit),
+                   c = state_before(states, tile, 3, digit), d = state_before(states, tile, 4, digit);
+        const bool ends_a = (a & STATE_INCLUSIVE) != 0, takes_b = a != 0 && !ends_a && b != 0,
+                   ends_b = takes_b && (b & STATE_INCLUSIVE), takes_c = takes_b && !ends_b && c != 0,
+                   ends_c = takes_c && (c & STATE_INCLUSIVE), takes_d = takes_c && !ends_c && d != 0,
+                   ends_d = takes_d && (d & STATE_INCLUSIVE);
+        sum += (a & STATE_COUNT) + (takes_b ? b & STATE_COUNT : 0) + (takes_c ? c & STATE_COUNT : 0) +
+               (takes_d ? d & STATE_COUNT : 0);
+        if (ends_a || ends_b || ends_c || ends_d) break;
+        tile -= (a != 0) + takes_b + takes_c + takes_d;
     }
     return sum;
+}
+
+/// Of each key, how many of its digit come before it: `next` tells of those before this warp's keys, and afterwards of those before
+/// the next warp's. `masks` is zero before and after; an item leaves its bit there for others of its digit.
+static inline void rank_keys(const Key* keys, uint shift, local uint* next, local uint* masks, uint* ranks) {
+    const uint lane = (uint)get_local_id(0) % WARP;
+    for (uint i = 0; i < ITEMS; ++i) {
+        const uint digit = digit_of(keys[i], shift);
+        atomic_or(&masks[digit], 1u << lane);
+        warp_barrier();
+        const uint peers = masks[digit], before = popcount(peers & ((1u << lane) - 1));
+        ranks[i] = next[digit] + before;
+        warp_barrier();
+        if (before == 0) next[digit] += popcount(peers), masks[digit] = 0;
+        warp_barrier();
+    }
 }
 
 /// Sorts by the digit at `shift`. Behind `histogram` follow, zero before the first pass, a ticket for each pass, then the
@@ -92,73 +120,56 @@ kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
 void sort_digit(global const Key* keys_in, global const uint* values_in, global Key* keys_out, global uint* values_out,
                 uint count, uint shift, uint pass, volatile global uint* histogram, uint tiles) {
     volatile global uint* tickets = histogram + PASSES * DIGITS;
-    local Key staged[TILE];  // the tile in sorted order; its values afterwards
+    local Key staged[STAGED];  // first the masks of the warps, then the tile in sorted order, then its values
     local uint warp_counts[WARPS][DIGITS];
     local uint target[DIGITS];
     local uint scratch[GROUP_SIZE];
-#if !CLARAY_USE_PTX
-    local uint match_scratch[WARPS][DIGITS];
-#define MATCH_SCRATCH match_scratch[warp]
-#else
-#define MATCH_SCRATCH 0
-#endif
     local uint shared_tile;
 
     const uint item = get_local_id(0), warp = item / WARP, lane = item % WARP;
     volatile global uint* states = tickets + PASSES + (size_t)pass * tiles * DIGITS;
+    local uint* masks = (local uint*)staged;
     if (item == 0) shared_tile = atomic_inc(&tickets[pass]);
-    for (uint w = 0; w < WARPS; ++w) {
-        warp_counts[w][item] = 0;
-#if !CLARAY_USE_PTX
-        match_scratch[w][item] = 0;
-#endif
-    }
+    for (uint w = 0; w < WARPS; ++w) warp_counts[w][item] = masks[w * DIGITS + item] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
     const uint tile = shared_tile, first = tile * TILE, in_tile = min((uint)TILE, count - first);
 
     // A warp's keys are consecutive, so that rank order is input order. Padding sorts behind everything.
     Key keys[ITEMS];
-    uint ranks[ITEMS];
+    uint values[ITEMS], ranks[ITEMS];
     const uint base = warp * (WARP * ITEMS) + lane;
     for (uint i = 0; i < ITEMS; ++i) {
         const uint at = base + i * WARP;
         keys[i] = at < in_tile ? keys_in[first + at] : ~(Key)0;
     }
     for (uint i = 0; i < ITEMS; ++i) {
-        const uint digit = digit_of(keys[i], shift);
-        const uint peers = warp_match(digit, MATCH_SCRATCH);
-        const uint before = popcount(peers & ((1u << lane) - 1));
-        ranks[i] = warp_counts[warp][digit] + before;
-        warp_barrier();
-        if (before == 0) warp_counts[warp][digit] += popcount(peers);
-        warp_barrier();
+        const uint at = base + i * WARP;
+        values[i] = values_in && at < in_tile ? values_in[first + at] : first + at;
     }
-    barrier(CLK_LOCAL_MEM_FENCE);
 
-    // From here on item i owns digit i.
+    // The tile's counts are told before anything else is done, since other tiles wait for them. Item i owns digit i here.
+    for (uint i = 0; i < ITEMS; ++i) atomic_inc(&warp_counts[warp][digit_of(keys[i], shift)]);
+    barrier(CLK_LOCAL_MEM_FENCE);
     uint total = 0;
-    for (uint w = 0; w < WARPS; ++w) {
-        const uint in_warp = warp_counts[w][item];
-        warp_counts[w][item] = total;
-        total += in_warp;
-    }
+    for (uint w = 0; w < WARPS; ++w) total += warp_counts[w][item];
     atomic_xchg(&states[tile * DIGITS + item], (tile == 0 ? STATE_INCLUSIVE : STATE_TILE) | total);
     const uint begin = group_exclusive_sum(total, scratch);  // of the digit within the tile
-    for (uint w = 0; w < WARPS; ++w) warp_counts[w][item] += begin;
-    if (tile != 0) {
-        const uint previous = look_back(states, tile, item);
-        atomic_xchg(&states[tile * DIGITS + item], STATE_INCLUSIVE | (previous + total));
-        target[item] = histogram[pass * DIGITS + item] + previous - begin;
-    } else {
-        target[item] = histogram[pass * DIGITS + item] - begin;
+    uint next = begin;
+    for (uint w = 0; w < WARPS; ++w) {
+        const uint in_warp = warp_counts[w][item];
+        warp_counts[w][item] = next;
+        next += in_warp;
     }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    rank_keys(keys, shift, warp_counts[warp], &masks[warp * DIGITS], ranks);
     barrier(CLK_LOCAL_MEM_FENCE);
 
-    for (uint i = 0; i < ITEMS; ++i) {
-        ranks[i] += warp_counts[warp][digit_of(keys[i], shift)];
-        staged[ranks[i]] = keys[i];
-    }
+    for (uint i = 0; i < ITEMS; ++i) staged[ranks[i]] = keys[i];
+    const uint previous = look_back(states, tile, item);
+    if (tile != 0) atomic_xchg(&states[tile * DIGITS + item], STATE_INCLUSIVE | (previous + total));
+    target[item] = histogram[pass * DIGITS + item] + previous - begin;
     barrier(CLK_LOCAL_MEM_FENCE);
+
     uint targets[ITEMS];
     for (uint i = 0; i < ITEMS; ++i) {
         const uint at = item + i * GROUP_SIZE;
@@ -168,10 +179,7 @@ void sort_digit(global const Key* keys_in, global const uint* values_in, global 
     }
     barrier(CLK_LOCAL_MEM_FENCE);
     local uint* staged_values = (local uint*)staged;
-    for (uint i = 0; i < ITEMS; ++i) {
-        const uint at = base + i * WARP;
-        if (at < in_tile) staged_values[ranks[i]] = values_in ? values_in[first + at] : first + at;
-    }
+    for (uint i = 0; i < ITEMS; ++i) staged_values[ranks[i]] = values[i];
     barrier(CLK_LOCAL_MEM_FENCE);
     for (uint i = 0; i < ITEMS; ++i) {
         const uint at = item + i * GROUP_SIZE;
