@@ -58,8 +58,7 @@ double least_bytes(const std::string& stage, double vertices_a_triangle) {
     if (stage == "count_all_digits") return code;
     if (stage == "sort_digit") return 8 * 2 * (code + 4) - 4;  // the first of eight passes reads no values
     if (stage == "build_lbvh") return gathered + code + leaf + node;
-    if (stage == "begin_hploc") return gathered + leaf + 4;
-    if (stage == "build_hploc") return leaf + code + node + 2 * 4;
+    if (stage == "build_hploc") return gathered + leaf + code + node + 4;
     if (stage == "refit_nodes") return in_order + 2 * leaf + 2 * node;
     return 0;
 }

@@ -66,7 +66,6 @@ void Bvh::State::load_for_sorting(const Defines& bits) {
         codes_ = load_kernel(device, "build/morton_codes.cl", "compute_morton_codes", bits);
         lbvh_ = load_kernel(device, "build/lbvh.cl", "build_lbvh", bits);
         if (!balanced) return;
-        begin_hploc_ = load_kernel(device, "build/hploc.cl", "begin_hploc", bits);
         hploc_ = load_kernel(device, "build/hploc.cl", "build_hploc", bits);
         return;
     }
@@ -193,10 +192,9 @@ void Bvh::State::build_hploc(const Buffer<Code>& codes) {
         join_hploc_.run({1, 1}, codes, nodes, leaves, clusters, header, ranges, pieces, piece_counts);
         return;
     }
-    begin_hploc_.run({count, group}, triangles.positions, triangles.indices, triangles.geometries, triangles.masks,
-                     order, leaves, clusters, header);
     arrivals.fill(0xffffffffu);
-    hploc_.run({count, device.tuning("build/hploc", "GROUP_SIZE")}, codes, nodes, leaves, arrivals, clusters, header);
+    hploc_.run({count, device.tuning("build/hploc", "GROUP_SIZE")}, triangles.positions, triangles.indices,
+               triangles.geometries, triangles.masks, codes, order, nodes, leaves, arrivals, clusters, header);
 }
 
 void Bvh::State::build() {

@@ -63,7 +63,7 @@ private:
     template <class Code>
     void build_hploc(const Buffer<Code>& codes);
 
-    Kernel reset_, centroids_, encode_, bounds_, finish_bounds_, codes_, lbvh_, begin_hploc_, hploc_, refit_,
+    Kernel reset_, centroids_, encode_, bounds_, finish_bounds_, codes_, lbvh_, hploc_, refit_,
         lbvh_ranges_, join_lbvh_, hploc_ranges_, join_hploc_, begin_collapse_, collapse_level_, collapse_subtrees_,
         refit_wide_;
 };

@@ -2,16 +2,11 @@
 // Morton codes as in lbvh.cl, but hand up clusters instead of one node. Where two meet, the nearest clusters along the
 // curve are merged until at most MAX_CLUSTERS are left, so that what ends up together is near in space, not in code.
 // GPUs let a warp work on one meeting place; the portable schedule lets a single work-item. Both merge the same pairs.
-#include "build/radix_tree.clh"
+#include "build/hploc.clh"
 
 #ifndef GROUP_SIZE
 #define GROUP_SIZE 128
 #endif
-
-/// Clusters that a subtree hands up: half a warp.
-#define MAX_CLUSTERS 16u
-/// How far along the curve a cluster looks for its nearest neighbour.
-#define SEARCH_RADIUS 8u
 
 // A cluster keeps the number of one of its leaves, the first in the list where it arose; each number is given up at most
 // once, when its cluster is the second of a merge, and then numbers the new node. So no counter is needed, node 0 is
@@ -19,23 +14,23 @@
 typedef struct Cluster {
     uint child;
     Box box;
-    uint height, count;  // of the subtree
-    uint number;         // until a node has a parent, its word for that keeps the number
+    uint height_count;  // of the subtree, as in BvhNode
+    uint number;        // until a node has a parent, its word for that keeps the number
 } Cluster;
 
 static inline Cluster load_cluster(global const BvhNode* nodes, global const LeafTriangle* leaves, uint child) {
     Cluster cluster;
     cluster.child = child;
     cluster.box = box_of_child(nodes, leaves, child);
-    const uint height_count = is_leaf(child) ? 1 : nodes[child].height_count;
-    cluster.height = height_count >> 24, cluster.count = height_count & CLARAY_COUNT_LIMIT;
+    cluster.height_count = is_leaf(child) ? 1 : nodes[child].height_count;
     cluster.number = is_leaf(child) ? child & CLARAY_SLOT : nodes[child].parent;
     return cluster;
 }
 
-/// Area of the box round both, and the tie that prefers neighbours in pairs, so that equal clusters give a balanced tree.
-static inline bool nearer(float area, uint distance, float best_area, uint best_distance) {
-    return area < best_area || (area == best_area && distance < best_distance);
+static inline uint pair_key(Box a, Box b, uint i_xor_j) {
+    const Box both = box_union(a, b);
+    const float3 extent = both.hi - both.lo;
+    return PAIR_KEY(as_uint, extent.x, extent.y, extent.z, i_xor_j);
 }
 
 /// Height saturates: a tree higher than the stack of a traversal is not used (see host/build).
@@ -44,10 +39,11 @@ static inline Cluster merge_clusters(global BvhNode* nodes, Cluster a, Cluster b
     Cluster merged;
     merged.child = index;
     merged.box = box_union(a.box, b.box);
-    merged.height = min(1 + max(a.height, b.height), 255u);
-    merged.count = min(a.count + b.count, CLARAY_COUNT_LIMIT);
+    const uint height = min(1 + max(a.height_count >> 24, b.height_count >> 24), 255u);
+    const uint count = (a.height_count & CLARAY_COUNT_LIMIT) + (b.height_count & CLARAY_COUNT_LIMIT);
+    merged.height_count = (height << 24) | min(count, CLARAY_COUNT_LIMIT);
     merged.number = a.number;
-    store_node(&nodes[index], a.box, b.box, a.child, b.child, a.number, (merged.height << 24) | merged.count);
+    store_node(&nodes[index], a.box, b.box, a.child, b.child, a.number, merged.height_count);
     if (!is_leaf(a.child)) nodes[a.child].parent = index;
     if (!is_leaf(b.child)) nodes[b.child].parent = index;
     return merged;
@@ -55,7 +51,7 @@ static inline Cluster merge_clusters(global BvhNode* nodes, Cluster a, Cluster b
 
 static inline void finish_clusters(global BvhNode* nodes, global BvhHeader* header, Cluster root) {
     if (!is_leaf(root.child)) nodes[root.child].parent = CLARAY_NO_CHILD;
-    finish_tree(header, root.child, root.box, root.height);
+    finish_tree(header, root.child, root.box, root.height_count >> 24);
 }
 
 // ---- one work-item -------------------------------------------------------------------------------------------------
@@ -71,22 +67,19 @@ static inline uint gather_clusters(global const BvhNode* nodes, global const Lea
 
 /// Merges all pairs of mutual nearest neighbours; returns how many clusters are left, in the same order.
 static inline uint merge_mutual(global BvhNode* nodes, Cluster* list, uint count) {
-    uint nearest[2 * MAX_CLUSTERS];
+    uint keys[2 * MAX_CLUSTERS];
+    for (uint i = 0; i < count; ++i) keys[i] = NO_PAIR;
     for (uint i = 0; i < count; ++i) {
-        float best_area = INFINITY;
-        uint best = i;
-        const uint end = min(count, i + SEARCH_RADIUS + 1);
-        for (uint j = i > SEARCH_RADIUS ? i - SEARCH_RADIUS : 0; j < end; ++j) {
-            if (j == i) continue;
-            const float area = half_area(box_union(list[i].box, list[j].box));
-            if (best == i || nearer(area, i ^ j, best_area, i ^ best)) best = j, best_area = area;
+        for (uint j = i + 1; j < min(count, i + SEARCH_RADIUS + 1); ++j) {
+            const uint key = pair_key(list[i].box, list[j].box, i ^ j);
+            keys[i] = min(keys[i], key);
+            keys[j] = min(keys[j], key);
         }
-        nearest[i] = best;
     }
     uint left = 0;
     for (uint i = 0; i < count; ++i) {
-        const uint other = nearest[i];
-        if (nearest[other] != i) list[left++] = list[i];
+        const uint other = i ^ (keys[i] & PAIR_INDEX);
+        if (keys[other] != keys[i]) list[left++] = list[i];
         else if (i < other) list[left++] = merge_clusters(nodes, list[i], list[other]);
     }
     return left;
@@ -125,8 +118,7 @@ static inline Cluster shuffle_cluster(Cluster c, uint lane) {
     Cluster shuffled;
     shuffled.child = warp_shuffle(c.child, lane);
     shuffled.box = shuffle_box(c.box, lane);
-    shuffled.height = warp_shuffle(c.height, lane);
-    shuffled.count = warp_shuffle(c.count, lane);
+    shuffled.height_count = warp_shuffle(c.height_count, lane);
     shuffled.number = warp_shuffle(c.number, lane);
     return shuffled;
 }
@@ -157,47 +149,48 @@ static inline uint close_ranks(uint child, uint* source) {
     return of_left + of_right;
 }
 
-/// The nearest neighbour of each item's cluster: every pair is measured once, by its lower item.
-static inline uint nearest_in_warp(Cluster mine, uint count) {
+/// The key of each item's cluster and the nearest to it, of those of items 0 .. count - 1. Every pair is measured once, by its
+/// lower item; items beyond have no pair, which is also what a lane below zero, counted from the top, shuffles down.
+static inline uint nearest_in_warp(Box mine, uint count) {
     const uint lane = (uint)get_local_id(0) % WARP;
-    float best_area = INFINITY;
-    uint best = lane;
+    uint best = NO_PAIR;
+    #pragma unroll
     for (uint step = 1; step <= SEARCH_RADIUS; ++step) {
-        const Box other = shuffle_box(mine.box, min(lane + step, WARP - 1));
-        const float area = half_area(box_union(mine.box, other));
-        if (lane + step < count && nearer(area, lane ^ (lane + step), best_area, lane ^ best))
-            best = lane + step, best_area = area;
-        const float area_before = warp_shuffle_float(area, lane >= step ? lane - step : lane);
-        if (lane >= step && lane < count && nearer(area_before, lane ^ (lane - step), best_area, lane ^ best))
-            best = lane - step, best_area = area_before;
+        const uint other = lane + step;
+        uint key = pair_key(mine, shuffle_box(mine, other % WARP), lane ^ other);
+        if (other >= count) key = NO_PAIR;
+        best = min(best, min(key, warp_shuffle(key, (lane - step) % WARP)));
     }
     return best;
 }
 
-/// As merge_mutual, a cluster an item. `scratch` is a word of local memory an item of the warp.
-static inline uint merge_by_warp(global BvhNode* nodes, Cluster* mine, uint count, local uint* scratch) {
-    const uint lane = (uint)get_local_id(0) % WARP, below = (1u << lane) - 1;
-    const uint nearest = nearest_in_warp(*mine, count);
-    const bool mutual = warp_shuffle(nearest, nearest) == lane && lane < count && nearest != lane;
+/// As merge_mutual, a cluster an item; returns which items have one now.
+static inline uint merge_by_warp(global BvhNode* nodes, Cluster* mine, uint count) {
+    const uint lane = (uint)get_local_id(0) % WARP, key = nearest_in_warp(mine->box, count);
+    const uint nearest = lane ^ (key & PAIR_INDEX);
+    const bool mutual = warp_shuffle(key, nearest) == key && lane < count, merges = mutual && lane < nearest;
     const Cluster other = shuffle_cluster(*mine, nearest);
-    const bool merges = mutual && lane < nearest;
     if (merges) *mine = merge_clusters(nodes, *mine, other);
-
-    const bool keeps = lane < count && (!mutual || merges);
-    const uint keeping = warp_ballot(keeps);
-    if (keeps) scratch[popcount(keeping & below)] = lane;
-    warp_barrier();
-    const uint left = popcount(keeping);
-    const uint source = lane < left ? scratch[lane] : lane;
-    warp_barrier();
-    *mine = shuffle_cluster(*mine, source);
-    return left;
+    return warp_ballot(lane < count && (!mutual || merges));
 }
 
-/// Merges until no more clusters are left than a meeting hands up, or the root.
+/// Merges until no more clusters are left than a meeting hands up, or the root. Returns which items hold them, in order; `scratch`
+/// is a word of local memory an item of the warp.
 static inline uint merge_to_limit(global BvhNode* nodes, Cluster* mine, uint count, bool is_root, local uint* scratch) {
-    while (count > (is_root ? 1 : MAX_CLUSTERS)) count = merge_by_warp(nodes, mine, count, scratch);
-    return count;
+    const uint lane = (uint)get_local_id(0) % WARP, limit = is_root ? 1 : MAX_CLUSTERS;
+    uint holders = (uint)(((ulong)1 << count) - 1);
+    while (count > limit) {
+        if (holders >> (count - 1) != 1) {  // others lie between them
+            if (holders >> lane & 1) scratch[popcount(holders & ((1u << lane) - 1))] = lane;
+            warp_barrier();
+            const uint source = lane < count ? scratch[lane] : lane;
+            warp_barrier();
+            *mine = shuffle_cluster(*mine, source);
+        }
+        holders = merge_by_warp(nodes, mine, count);
+        count = popcount(holders);
+    }
+    return holders;
 }
 
 /// As meet, by a whole warp.
@@ -211,12 +204,14 @@ static inline void meet_by_warp(global BvhNode* nodes, global const LeafTriangle
     Cluster mine;
     if (lane < count) mine = load_cluster(nodes, leaves, gathered);
     const bool is_root = m.last - m.first + 1 == valid;
-    count = merge_to_limit(nodes, &mine, count, is_root, scratch);
+    const uint holders = merge_to_limit(nodes, &mine, count, is_root, scratch);
+    const bool holds = holders >> lane & 1;
     if (is_root) {
-        if (lane == 0) finish_clusters(nodes, header, mine);
+        if (holds) finish_clusters(nodes, header, mine);
     } else {
-        if (lane < count) clusters[m.first + lane] = mine.child;
-        if (lane == count && count < MAX_CLUSTERS) clusters[m.first + lane] = CLARAY_NO_CHILD;
+        if (holds) clusters[m.first + popcount(holders & ((1u << lane) - 1))] = mine.child;
+        count = popcount(holders);
+        if (lane == count && count < MAX_CLUSTERS) clusters[m.first + count] = CLARAY_NO_CHILD;
     }
     warp_barrier();  // what the warp wrote comes before the owner's next arrival
 }
@@ -227,20 +222,20 @@ static inline void meet_by_warp(global BvhNode* nodes, global const LeafTriangle
 typedef struct GroupClusters {
     float lox[GROUP_SIZE], loy[GROUP_SIZE], loz[GROUP_SIZE], hix[GROUP_SIZE], hiy[GROUP_SIZE], hiz[GROUP_SIZE];
     uint child[GROUP_SIZE], height_count[GROUP_SIZE], number[GROUP_SIZE];
+    uint level[GROUP_SIZE + 1];  // of the borders before each leaf and behind the last
 } GroupClusters;
 
 static inline void store_in_group(local GroupClusters* group, uint i, Cluster c) {
     group->lox[i] = c.box.lo.x, group->loy[i] = c.box.lo.y, group->loz[i] = c.box.lo.z;
     group->hix[i] = c.box.hi.x, group->hiy[i] = c.box.hi.y, group->hiz[i] = c.box.hi.z;
-    group->child[i] = c.child, group->height_count[i] = (c.height << 24) | c.count, group->number[i] = c.number;
+    group->child[i] = c.child, group->height_count[i] = c.height_count, group->number[i] = c.number;
 }
 
 static inline Cluster load_from_group(local const GroupClusters* group, uint i) {
     Cluster c;
     c.box.lo = (float3)(group->lox[i], group->loy[i], group->loz[i]);
     c.box.hi = (float3)(group->hix[i], group->hiy[i], group->hiz[i]);
-    c.child = group->child[i], c.number = group->number[i];
-    c.height = group->height_count[i] >> 24, c.count = group->height_count[i] & CLARAY_COUNT_LIMIT;
+    c.child = group->child[i], c.height_count = group->height_count[i], c.number = group->number[i];
     return c;
 }
 
@@ -256,27 +251,29 @@ static inline void meet_in_group(global BvhNode* nodes, local GroupClusters* gro
     if (lane < count) mine = load_from_group(group, gathered);
     warp_barrier();  // all have read before any writes
     const bool is_root = m.last - m.first + 1 == valid;
-    count = merge_to_limit(nodes, &mine, count, is_root, scratch);
+    const uint holders = merge_to_limit(nodes, &mine, count, is_root, scratch);
+    const bool holds = holders >> lane & 1;
     if (is_root) {
-        if (lane == 0) finish_clusters(nodes, header, mine);
+        if (holds) finish_clusters(nodes, header, mine);
     } else {
-        if (lane < count) store_in_group(group, m.first - begin + lane, mine);
-        if (lane == count && count < MAX_CLUSTERS) group->child[m.first - begin + lane] = CLARAY_NO_CHILD;
+        if (holds) store_in_group(group, m.first - begin + popcount(holders & ((1u << lane) - 1)), mine);
+        count = popcount(holders);
+        if (lane == count && count < MAX_CLUSTERS) group->child[m.first - begin + count] = CLARAY_NO_CHILD;
     }
     warp_barrier();
 }
 
 /// Climbs from every leaf of the group as far as both siblings are in it, leaves begin .. end - 1. True for an item that has to
 /// go on outside; `first` and `last` are its subtree then.
-static inline bool climb_in_group(global const Code* codes, global BvhNode* nodes, local GroupClusters* group,
-                                  volatile local uint* arrivals, uint begin, uint end, uint valid,
-                                  global BvhHeader* header, local uint* scratch, uint* first, uint* last) {
+static inline bool climb_in_group(global BvhNode* nodes, local GroupClusters* group, volatile local uint* arrivals,
+                                  uint begin, uint end, uint valid, global BvhHeader* header, local uint* scratch,
+                                  uint* first, uint* last) {
     bool climbing = *first < end && valid > 1, outside = false, waits = false;
     uint split = 0, arrival = 0;
     while (true) {
         bool meets = false;
         if (climbing) {
-            const bool right_neighbour = parent_is_right(codes, *first, *last, valid);
+            const bool right_neighbour = group->level[*last + 1 - begin] < group->level[*first - begin];
             split = right_neighbour ? *last : *first - 1;
             outside = split < begin || split + 1 >= end;
             climbing = !outside;
@@ -312,23 +309,13 @@ static inline bool climb_in_group(global const Code* codes, global BvhNode* node
 
 // ---- kernels -------------------------------------------------------------------------------------------------------
 
-/// Leaves, and a cluster of each.
-kernel void begin_hploc(global const float* positions, global const uint* indices, global const uint* geometries,
-                        global const uint* masks, global const uint* order, global LeafTriangle* leaves,
-                        global uint* clusters, global BvhHeader* header) {
-    const uint leaf = get_global_id(0), valid = header->valid;
-    if (leaf >= valid) return;
-    const Triangle triangle = load_triangle(positions, indices, order[leaf]);
-    store_leaf(&leaves[leaf], triangle, order[leaf], geometries, masks);
-    clusters[leaf] = CLARAY_LEAF | leaf;
-    if (valid == 1) finish_tree(header, CLARAY_LEAF, box_of(triangle), 0);
-}
-
-/// `arrivals` holds NO_ARRIVAL for every leaf but the last. Every item climbs from its leaf as long as it is the second to
-/// arrive.
+/// `codes` sorted, `order[i]` the triangle of leaf i; `arrivals` holds NO_ARRIVAL for every leaf but the last. Every item climbs
+/// from its leaf as long as it is the second to arrive.
 kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
-void build_hploc(global const Code* codes, global BvhNode* nodes, global const LeafTriangle* leaves,
-                 volatile global uint* arrivals, global uint* clusters, global BvhHeader* header) {
+void build_hploc(global const float* positions, global const uint* indices, global const uint* geometries,
+                 global const uint* masks, global const Code* codes, global const uint* order, global BvhNode* nodes,
+                 global LeafTriangle* leaves, volatile global uint* arrivals, global uint* clusters,
+                 global BvhHeader* header) {
     const uint leaf = get_global_id(0), valid = header->valid;
     uint first = leaf, last = leaf, split = 0;
     bool climbing = leaf < valid && valid > 1;
@@ -338,11 +325,25 @@ void build_hploc(global const Code* codes, global BvhNode* nodes, global const L
     const uint item = get_local_id(0), begin = leaf - item, end = min(begin + GROUP_SIZE, valid);
     local uint* scratch = &scratch_of_group[item / WARP * WARP];
     group_arrivals[item] = NO_ARRIVAL;
-    if (leaf < valid) store_in_group(&group, item, load_cluster(nodes, leaves, clusters[leaf]));
+    if (item == 0) group.level[0] = border(codes, begin - 1, valid);
+    group.level[item + 1] = border(codes, leaf, valid);
+#endif
+    if (leaf < valid) {
+        const uint primitive = order[leaf];
+        const Triangle triangle = load_triangle(positions, indices, primitive);
+        store_leaf(&leaves[leaf], triangle, primitive, geometries, masks);
+        const Cluster cluster = {CLARAY_LEAF | leaf, box_of(triangle), 1, leaf};
+        if (valid == 1) finish_tree(header, cluster.child, cluster.box, 0);
+#if CLARAY_USE_PTX
+        store_in_group(&group, item, cluster);
+    }
     barrier(CLK_LOCAL_MEM_FENCE);
-    climbing = climb_in_group(codes, nodes, &group, group_arrivals, begin, end, valid, header, scratch, &first, &last);
+    climbing = climb_in_group(nodes, &group, group_arrivals, begin, end, valid, header, scratch, &first, &last);
     if (leaf < valid) clusters[leaf] = group.child[item];
     barrier(CLK_GLOBAL_MEM_FENCE);
+#else
+        clusters[leaf] = cluster.child;
+    }
 #endif
     while (true) {
         bool meets = false;

@@ -2,11 +2,8 @@
 // from left to right, so that a meeting works on the list's end, and nothing is read back from memory. Nodes are numbered
 // from the range's first leaf on, as they are made.
 #include "build/columns.clh"
+#include "build/hploc.clh"
 #include "build/serial.clh"
-
-/// As in hploc.cl.
-#define MAX_CLUSTERS 16u
-#define SEARCH_RADIUS 8u
 
 /// The fourth lanes hold bits: the child in lo, height and count as in BvhNode in hi.
 typedef struct Cluster {
@@ -56,13 +53,13 @@ static inline Cluster merge_clusters(global BvhNode* nodes, uint index, Cluster 
 // ---- the nearest neighbours of up to 32 clusters, eight at a time ----------------------------------------------------
 
 #define MOST (2 * MAX_CLUSTERS)
-#define LANES 8u
+#define LANES 8u  // not less than SEARCH_RADIUS
 
 typedef struct Search {
-    float lox[MOST + LANES + SEARCH_RADIUS], loy[MOST + LANES + SEARCH_RADIUS], loz[MOST + LANES + SEARCH_RADIUS];
-    float hix[MOST + LANES + SEARCH_RADIUS], hiy[MOST + LANES + SEARCH_RADIUS], hiz[MOST + LANES + SEARCH_RADIUS];
-    float area[SEARCH_RADIUS][SEARCH_RADIUS + MOST];  // of i and i + 1 + row, at SEARCH_RADIUS + i
-    uint distance[MOST];                              // index of the nearest XOR the own
+    float lox[MOST + 2 * LANES], loy[MOST + 2 * LANES], loz[MOST + 2 * LANES];  // with room for sentinels
+    float hix[MOST + 2 * LANES], hiy[MOST + 2 * LANES], hiz[MOST + 2 * LANES];
+    uint key[SEARCH_RADIUS][SEARCH_RADIUS + MOST];  // of i and i + 1 + row, at SEARCH_RADIUS + i
+    uint least[MOST];                               // key of a cluster and the nearest to it
 } Search;
 
 /// Clusters i .. i + 7 of the list.
@@ -76,7 +73,7 @@ static inline void load_clusters(Search* search, const Cluster* list, uint i) {
 /// Boxes behind the last cluster, so huge that the area round them and any other is infinite.
 static inline void store_sentinels(Search* search, uint count) {
     const float8 low = (float8)(-1e30f), high = (float8)(1e30f);
-    for (uint i = count; i < count + LANES + SEARCH_RADIUS; i += LANES) {
+    for (uint i = count; i < count + 2 * LANES; i += LANES) {
         vstore8(low, 0, search->lox + i), vstore8(low, 0, search->loy + i), vstore8(low, 0, search->loz + i);
         vstore8(high, 0, search->hix + i), vstore8(high, 0, search->hiy + i), vstore8(high, 0, search->hiz + i);
     }
@@ -85,37 +82,31 @@ static inline void store_sentinels(Search* search, uint count) {
 static inline float8 lesser8(float8 a, float8 b) { return select(b, a, a < b); }
 static inline float8 greater8(float8 a, float8 b) { return select(b, a, a > b); }
 
-/// Areas round clusters i .. i + 7 and each of the next SEARCH_RADIUS.
+/// Keys of clusters i .. i + 7 and each of the next SEARCH_RADIUS.
 static inline void measure_pairs(Search* search, uint i) {
     const float8 lox = vload8(0, search->lox + i), loy = vload8(0, search->loy + i), loz = vload8(0, search->loz + i);
     const float8 hix = vload8(0, search->hix + i), hiy = vload8(0, search->hiy + i), hiz = vload8(0, search->hiz + i);
+    const uint8 own = (uint8)(0, 1, 2, 3, 4, 5, 6, 7) + i;
     for (uint step = 1; step <= SEARCH_RADIUS; ++step) {
         const uint j = i + step;
         const float8 x = greater8(hix, vload8(0, search->hix + j)) - lesser8(lox, vload8(0, search->lox + j));
         const float8 y = greater8(hiy, vload8(0, search->hiy + j)) - lesser8(loy, vload8(0, search->loy + j));
         const float8 z = greater8(hiz, vload8(0, search->hiz + j)) - lesser8(loz, vload8(0, search->loz + j));
-        vstore8(x * y + y * z + z * x, 0, search->area[step - 1] + SEARCH_RADIUS + i);  // half_area
+        vstore8(PAIR_KEY(as_uint8, x, y, z, own ^ (own + step)), 0, search->key[step - 1] + SEARCH_RADIUS + i);
     }
 }
 
-/// The nearest of clusters i .. i + 7: the least area, and among equal ones the least XOR of the indices.
+/// The least keys of clusters i .. i + 7.
 static inline void choose_nearest(Search* search, uint i) {
-    float8 best = (float8)(INFINITY);
+    uint8 least = (uint8)(NO_PAIR);
     for (uint step = 1; step <= SEARCH_RADIUS; ++step) {
-        const float* areas = search->area[step - 1] + SEARCH_RADIUS + i;
-        best = lesser8(lesser8(vload8(0, areas), best), vload8(0, areas - step));
+        const uint* keys = search->key[step - 1] + SEARCH_RADIUS + i;
+        least = min(least, min(vload8(0, keys), vload8(0, keys - step)));
     }
-    const uint8 own = (uint8)(0, 1, 2, 3, 4, 5, 6, 7) + i;
-    uint8 distance = (uint8)(0xffffffffu);
-    for (uint step = 1; step <= SEARCH_RADIUS; ++step) {
-        const float* areas = search->area[step - 1] + SEARCH_RADIUS + i;
-        distance = select(distance, min(distance, own ^ (own + step)), vload8(0, areas) == best);
-        distance = select(distance, min(distance, own ^ (own - step)), vload8(0, areas - step) == best);
-    }
-    vstore8(distance, 0, search->distance + i);
+    vstore8(least, 0, search->least + i);
 }
 
-/// Bit i: clusters i and i ^ distance[i] are each other's nearest.
+/// Bit i: cluster i and the nearest to it are each other's nearest.
 static inline uint find_mutual(Search* search, const Cluster* list, uint count) {
     for (uint i = 0; i < count; i += LANES) load_clusters(search, list, i);
     store_sentinels(search, count);
@@ -123,8 +114,8 @@ static inline uint find_mutual(Search* search, const Cluster* list, uint count) 
     for (uint i = 0; i < count; i += LANES) choose_nearest(search, i);
     uint mutual = 0;
     for (uint i = 0; i < count; ++i) {
-        const uint distance = search->distance[i];
-        mutual |= (uint)(search->distance[i ^ distance] == distance) << i;
+        const uint key = search->least[i];
+        mutual |= (uint)(search->least[i ^ (key & PAIR_INDEX)] == key) << i;
     }
     return mutual;
 }
@@ -137,7 +128,7 @@ static inline void merge_down(global BvhNode* nodes, Stack* stack, Search* searc
         const uint mutual = find_mutual(search, list, count);
         uint left = 0;
         for (uint i = 0; i < count; ++i) {
-            const uint other = i ^ search->distance[i];
+            const uint other = i ^ (search->least[i] & PAIR_INDEX);
             if ((mutual >> i & 1) == 0) list[left++] = list[i];
             else if (i < other) list[left++] = merge_clusters(nodes, take_node(stack), list[i], list[other]);
         }
@@ -163,7 +154,7 @@ static inline void add_subtree(global BvhNode* nodes, Stack* stack, Search* sear
 static inline void begin_stack(Stack* stack, Search* search, uint node, uint node_end) {
     stack->depth = stack->outward = stack->length = stack->range = 0;
     stack->node = node, stack->node_end = node_end;
-    for (uint row = 0; row < SEARCH_RADIUS; ++row) vstore8((float8)(INFINITY), 0, search->area[row]);
+    for (uint row = 0; row < SEARCH_RADIUS; ++row) vstore8((uint8)(NO_PAIR), 0, search->key[row]);
 }
 
 /// One item a range. `pieces` receives the subtrees that are left, as (clusters, last leaf), MAX_WAITING a range, and
