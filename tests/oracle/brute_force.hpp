@@ -1,51 +1,13 @@
-// The oracle: every ray against every triangle in float64 on the host. Shares the structs with the kernels and nothing
-// else: another test (Moeller and Trumbore 1997), another precision, another order.
+// The oracle of `claray verify`, for the other tests.
 #pragma once
 
-#include <cstdint>
-#include <span>
-#include <vector>
-
-#include "claray/mesh.hpp"
-#include "claray/shared/types.h"
+#include "host/verify/oracle.hpp"
 
 namespace claray::test {
 
-struct OracleHit {
-    double t = 0;
-    std::uint32_t primitive = CLARAY_MISS;
-};
-
-/// Triangles of all meshes in order, ready for testing.
-class Oracle {
-public:
-    explicit Oracle(std::span<const Mesh> meshes);
-    /// Three corners a triangle.
-    explicit Oracle(std::span<const glm::dvec3> corners);
-
-    /// The nearest hit at tmin < t <= tmax; of equal ones the first triangle.
-    [[nodiscard]] OracleHit closest_hit(const Ray& ray) const;
-    [[nodiscard]] std::vector<OracleHit> closest_hits(std::span<const Ray> rays) const;  ///< on all cores
-    [[nodiscard]] std::size_t triangles() const { return count_; }
-
-private:
-    void add(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
-    void pad();
-    void test_block(const Ray& ray, std::size_t at, OracleHit& hit) const;
-
-    std::size_t count_ = 0;
-    std::vector<double> v0_[3], e1_[3], e2_[3];  // padded to whole blocks
-};
-
-/// How a device's hits compare with the oracle's.
-struct HitComparison {
-    std::size_t rays = 0, hits = 0;
-    std::size_t ties = 0;         ///< another primitive at a distance within 1 ulp of the nearest: allowed
-    std::size_t wrong = 0;        ///< missed, invented, or another primitive or distance
-    double worst_t_ulp = 0;       ///< largest error of t over the agreeing hits, in units in the last place
-    std::size_t first_wrong = 0;  ///< index of a ray, where any is wrong
-};
-
-[[nodiscard]] HitComparison compare(std::span<const Hit> hits, std::span<const OracleHit> expected);
+using verify::compare;
+using verify::HitComparison;
+using verify::Oracle;
+using verify::OracleHit;
 
 }  // namespace claray::test

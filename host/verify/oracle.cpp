@@ -1,12 +1,15 @@
-#include "tests/oracle/brute_force.hpp"
+#include "host/verify/oracle.hpp"
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <thread>
 
-namespace claray::test {
+#include "host/verify/exact.hpp"
+
+namespace claray::verify {
 namespace {
 
 constexpr std::size_t block = 64;
@@ -72,7 +75,10 @@ void Oracle::add(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) 
         v0_[axis].push_back(a[axis]);
         e1_[axis].push_back(b[axis] - a[axis]);
         e2_[axis].push_back(c[axis] - a[axis]);
+        const double edge = std::max(std::fabs(e1_[axis].back()), std::fabs(e2_[axis].back()));
+        if (edge < infinity) longest_edge_ = std::max(longest_edge_, edge);
     }
+    for (const glm::dvec3& corner : {a, b, c}) corners_.emplace_back(corner);
     ++count_;
 }
 
@@ -121,6 +127,76 @@ std::vector<OracleHit> Oracle::closest_hits(std::span<const Ray> rays) const {
     return hits;
 }
 
+const char* to_string(Fault fault) {
+    switch (fault) {
+        case Fault::none: return "right";
+        case Fault::missed: return "missed a triangle that the ray passes through";
+        case Fault::invented: return "hit a triangle that the ray does not meet";
+        case Fault::not_nearest: return "hit what is not the nearest";
+        case Fault::bad_distance: return "has a distance off by more than 1 ulp";
+    }
+    return "";
+}
+
+Fault Oracle::judge(const Ray& ray, const Hit& hit) const {
+    const double o[3] = {ray.ox, ray.oy, ray.oz}, d[3] = {ray.dx, ray.dy, ray.dz};
+    const Rows rows = {{v0_[0].data(), v0_[1].data(), v0_[2].data()},
+                       {e1_[0].data(), e1_[1].data(), e1_[2].data()},
+                       {e2_[0].data(), e2_[1].data(), e2_[2].data()}};
+    const auto place = [&](std::size_t i) {
+        return place_of(ray, corners_[3 * i], corners_[3 * i + 1], corners_[3 * i + 2]);
+    };
+    const auto ulp = [](double t) {
+        const auto nearest = float(t);
+        return double(std::nextafter(std::fabs(nearest), std::numeric_limits<float>::infinity())) - std::fabs(nearest);
+    };
+    double t_hit = infinity;
+    if (hit.primitive != CLARAY_MISS) {
+        if (hit.primitive >= count_ || place(hit.primitive) == Place::outside) return Fault::invented;
+        t_hit = distance_to(rows, hit.primitive, o, d);
+        if (!(std::fabs(double(hit.t) - t_hit) <= ulp(t_hit))) return Fault::bad_distance;
+    }
+    // What float64 leaves in doubt, and all that it takes for inside, is asked exactly.
+    const double size = std::max({std::fabs(d[0]), std::fabs(d[1]), std::fabs(d[2])});
+    double insides[block];
+    for (std::size_t at = 0; at < v0_[0].size(); at += block) {
+        block_insides(rows, at, o, d, insides);
+        for (std::size_t k = 0; k < block && at + k < count_; ++k) {
+            double from = longest_edge_;
+            for (int axis = 0; axis < 3; ++axis) from = std::max(from, std::fabs(o[axis] - v0_[axis][at + k]));
+            if (!(insides[k] >= -1e-14 * size * from * longest_edge_) || at + k == hit.primitive) continue;
+            const double t = distance_to(rows, at + k, o, d), slack = ulp(t);
+            if (!(t > ray.tmin + slack && t < ray.tmax - slack && t + slack < t_hit)) continue;
+            if (place(at + k) == Place::inside)
+                return hit.primitive == CLARAY_MISS ? Fault::missed : Fault::not_nearest;
+        }
+    }
+    return Fault::none;
+}
+
+Oracle::Verdict Oracle::judge(std::span<const Ray> rays, std::span<const Hit> hits) const {
+    Verdict verdict;
+    verdict.rays = rays.size();
+    std::atomic<std::size_t> next{0};
+    std::mutex mutex;
+    const auto work = [&] {
+        for (std::size_t begin; (begin = next.fetch_add(256)) < rays.size();)
+            for (std::size_t i = begin; i < std::min(begin + 256, rays.size()); ++i) {
+                const Fault fault = judge(rays[i], hits[i]);
+                if (fault == Fault::none) continue;
+                const std::lock_guard lock(mutex);
+                if (verdict.wrong++ == 0 || i < verdict.first_wrong)
+                    verdict.first_wrong = i, verdict.first_fault = fault;
+            }
+    };
+    std::vector<std::thread> threads;
+    for (unsigned i = 1; i < std::thread::hardware_concurrency(); ++i) threads.emplace_back(work);
+    work();
+    for (std::thread& thread : threads) thread.join();
+    for (const Hit& hit : hits) verdict.hits += hit.primitive != CLARAY_MISS;
+    return verdict;
+}
+
 HitComparison compare(std::span<const Hit> hits, std::span<const OracleHit> expected) {
     HitComparison result;
     result.rays = hits.size();
@@ -141,4 +217,4 @@ HitComparison compare(std::span<const Hit> hits, std::span<const OracleHit> expe
     return result;
 }
 
-}  // namespace claray::test
+}  // namespace claray::verify

@@ -1,10 +1,10 @@
-#include "tests/support/meshes.hpp"
+#include "host/verify/shapes.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 
-namespace claray::test {
+namespace claray::verify {
 
 Mesh soup(std::size_t count, float size, std::uint64_t seed) {
     Random random(seed);
@@ -85,4 +85,4 @@ std::vector<Ray> random_rays(std::size_t count, float radius, float half, std::u
     return rays;
 }
 
-}  // namespace claray::test
+}  // namespace claray::verify

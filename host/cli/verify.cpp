@@ -1,0 +1,154 @@
+// claray verify: whether this device and its driver can be trusted with the cases that break ray tracers.
+#include "claray/verify.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "host/cli/commands.hpp"
+#include "host/cli/table.hpp"
+#include "host/cli/verify_html.hpp"
+#include "host/compute/file.hpp"
+
+namespace claray::cli {
+namespace {
+
+struct Options {
+    VerifyOptions verify;
+    std::vector<std::string> cases;
+    std::string device, json;
+    std::filesystem::path html;
+    bool full = false, quick = false, list = false;
+};
+
+std::string number(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g", value);
+    return text;
+}
+
+void list_cases() {
+    std::vector<Row> rows = {{"case", "family", "what must hold"}};
+    for (const VerifyCase& c : verify_cases()) rows.push_back({c.name, c.family, c.what});
+    print_table(rows);
+    std::printf("\nleft out, since they wait for a feature:\n");
+    rows.clear();
+    for (const VerifyCase& c : verify_cases_left_out()) rows.push_back({c.name, c.family, c.what});
+    print_table(rows);
+}
+
+void print_result(const VerifyResult& result) {
+    for (const VerifyCheck& c : result.checks) {
+        const bool first = &c == &result.checks.front();
+        std::printf("%-18s %-58s %11llu  %9s <= %-8s %-22s %-5s %s\n", first ? result.name.c_str() : "", c.what.c_str(),
+                    static_cast<unsigned long long>(c.tried), number(c.worst).c_str(), number(c.bar).c_str(),
+                    c.unit.c_str(), c.holds() ? "holds" : "FAILS",
+                    first ? (fixed(result.seconds, 2) + " s").c_str() : "");
+    }
+    for (const auto& [name, value] : result.facts) std::printf("%-18s %s: %s\n", "", name.c_str(), value.c_str());
+    if (!result.holds()) {
+        for (const std::string& failure : result.failures) std::printf("  %s\n", failure.c_str());
+        std::printf("  again: %s\n", result.command.c_str());
+    }
+    std::fflush(stdout);
+}
+
+nlohmann::ordered_json as_json(const VerifyResult& result) {
+    nlohmann::ordered_json checks = nlohmann::ordered_json::array(), facts = nlohmann::ordered_json::object();
+    for (const VerifyCheck& c : result.checks)
+        checks.push_back({{"what", c.what},
+                          {"tried", c.tried},
+                          {"worst", c.worst},
+                          {"bar", c.bar},
+                          {"unit", c.unit},
+                          {"time", c.time},
+                          {"holds", c.holds()}});
+    for (const auto& [name, value] : result.facts) facts[name] = value;
+    return {{"case", result.name}, {"holds", result.holds()},    {"seconds", result.seconds},
+            {"seed", result.seed}, {"command", result.command},  {"checks", checks},
+            {"facts", facts},      {"failures", result.failures}};
+}
+
+std::string json_of(const Device& device, const Options& options, const std::vector<VerifyResult>& results,
+                    double seconds) {
+    nlohmann::ordered_json cases = nlohmann::ordered_json::array(), left_out = nlohmann::ordered_json::array();
+    for (const VerifyResult& result : results) cases.push_back(as_json(result));
+    for (const VerifyCase& c : verify_cases_left_out()) left_out.push_back({{"case", c.name}, {"waits_for", c.what}});
+    const nlohmann::ordered_json report = {
+        {"device", device.info().name},
+        {"driver", device.info().driver},
+        {"effort", options.full ? "full" : "quick"},
+        {"seconds", seconds},
+        {"holds", std::all_of(results.begin(), results.end(), [](const VerifyResult& r) { return r.holds(); })},
+        {"cases", cases},
+        {"left_out", left_out}};
+    return report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
+}
+
+void verify(const Options& options) {
+    if (options.list) return list_cases();
+    const bool json_to_output = options.json == "-";
+    if (!options.json.empty() && !json_to_output) check_file_writable(options.json);
+    if (!options.html.empty()) check_file_writable(options.html);
+    VerifyOptions how = options.verify;
+    how.effort = options.full ? Effort::full : Effort::quick;
+    std::vector<std::string> names = options.cases;
+    if (names.empty())
+        for (const VerifyCase& c : verify_cases()) names.push_back(c.name);
+    const Device device = Device::open(options.device);
+    if (!json_to_output)
+        std::printf("%s, driver %s\n%-18s %-58s %11s  %9s    %-8s\n", device.info().name.c_str(),
+                    device.info().driver.c_str(), "case", "figure", "tried", "worst", "bar");
+    std::vector<VerifyResult> results;
+    double seconds = 0;
+    for (const std::string& name : names) {
+        results.push_back(run_verify_case(device, name, how));
+        seconds += results.back().seconds;
+        if (!json_to_output) print_result(results.back());
+    }
+    const std::string json = json_of(device, options, results, seconds);
+    if (json_to_output)
+        std::fputs(json.c_str(), stdout);
+    else if (!options.json.empty())
+        write_file(options.json, json);
+    if (!options.html.empty()) write_file(options.html, html_of(device.info(), results));
+    const auto failed = std::count_if(results.begin(), results.end(), [](const VerifyResult& r) { return !r.holds(); });
+    if (!json_to_output) std::printf("%zu cases in %.1f s\n", results.size(), seconds);
+    if (failed > 0) {
+        std::string which;
+        for (const VerifyResult& r : results)
+            if (!r.holds()) which += (which.empty() ? "" : ", ") + r.name;
+        std::fflush(stdout);
+        throw Error(ErrorKind::device,
+                    std::to_string(failed) + " of " + std::to_string(results.size()) + " cases fail on " +
+                        device.info().name + ": " + which,
+                    "don't trust this driver with them; the commands above run them again");
+    }
+}
+
+}  // namespace
+
+void add_verify_command(CLI::App& app, Action& action) {
+    CLI::App* command = app.add_subcommand("verify", "Try the cases that break ray tracers on this device and driver");
+    command->footer(
+        "Every case has a bar; the exit code is 3 where one does not hold, and each failure names the command that\n"
+        "repeats it. docs/numerics.md tells what the cases are and what is guaranteed.\n"
+        "Examples:\n"
+        "  claray verify --device gpu\n"
+        "  claray verify --full --json verify.json --html verify.html\n"
+        "  claray verify --case edges --case boxes --seed 7");
+    auto o = std::make_shared<Options>();
+    command->add_flag("--quick", o->quick, "Seconds in all (this is what it does unless told)");
+    command->add_flag("--full", o->full, "With the counts that the bars are meant for: minutes")->excludes("--quick");
+    command->add_option("--case", o->cases, "Only this case; may be repeated")->allow_extra_args(false);
+    command->add_flag("--list", o->list, "Print the cases and what they wait for that are left out");
+    command->add_option("--seed", o->verify.seed, "Of random rays and meshes [1]");
+    command->add_flag("!--no-times", o->verify.times, "Don't check ratios of times, which a busy machine disturbs");
+    command->add_option("--json", o->json, "Write the results as JSON to this file; - is standard output");
+    command->add_option("--html", o->html, "Write a report with pictures of failures");
+    command->add_option("--device", o->device, "cpu, gpu, an index or a part of the name (see claray devices)");
+    command->callback([&action, o] { action = [o] { verify(*o); }; });
+}
+
+}  // namespace claray::cli

@@ -1,0 +1,48 @@
+// The cases: one function each, in the file of its family.
+#pragma once
+
+#include "host/verify/run.hpp"
+
+namespace claray::verify {
+
+// device.cpp
+void arithmetic(Run& run);
+void approximations(Run& run);
+void float_atomics(Run& run);
+void sort_order(Run& run);
+
+// edges.cpp
+void edges(Run& run);
+void vertices(Run& run);
+void fans(Run& run);
+void closed_meshes(Run& run);
+void integer_edges(Run& run);
+
+// boxes.cpp
+void boxes(Run& run);
+void axis_rays(Run& run);
+
+// triangles.cpp
+void slivers(Run& run);
+void rays_in_planes(Run& run);
+void scales(Run& run);
+void huge_coordinates(Run& run);
+void far_origins(Run& run);
+void close_surfaces(Run& run);
+void duplicates(Run& run);
+void ray_ends(Run& run);
+
+// trees.cpp
+void tiny_counts(Run& run);
+void junk(Run& run);
+void equal_codes(Run& run);
+void stadium(Run& run);
+void stack_depth(Run& run);
+void rebuilds(Run& run);
+
+// same_results.cpp
+void tree_hashes(Run& run);
+void hit_hashes(Run& run);
+void image_hashes(Run& run);
+
+}  // namespace claray::verify

@@ -1,0 +1,70 @@
+// One case at work: what it may use, and where it writes down what it finds.
+#pragma once
+
+#include <span>
+
+#include "claray/bvh.hpp"
+#include "claray/query.hpp"
+#include "claray/verify.hpp"
+
+namespace claray::verify {
+
+class Run {
+public:
+    Run(const Device& device, const VerifyOptions& options, VerifyResult& result)
+        : device_(device), options_(options), result_(result) {}
+
+    [[nodiscard]] const Device& device() const { return device_; }
+    [[nodiscard]] std::uint64_t seed() const { return options_.seed; }
+    [[nodiscard]] bool full() const { return options_.effort == Effort::full; }
+    [[nodiscard]] bool times() const { return options_.times; }
+    template <class T>
+    [[nodiscard]] T count(T quick, T full_count) const {
+        return full() ? full_count : quick;
+    }
+
+    /// Writes down a figure; it holds where worst <= bar.
+    void check(const std::string& what, std::uint64_t tried, double worst, double bar, const std::string& unit);
+    /// The same for a ratio of times.
+    void check_time(const std::string& what, std::uint64_t tried, double worst, double bar);
+    void fact(const std::string& name, const std::string& value);
+    /// The first wrong thing of a kind.
+    void failure(const std::string& what);
+    void picture(VerifyPicture picture);
+
+private:
+    const Device& device_;
+    const VerifyOptions& options_;
+    VerifyResult& result_;
+};
+
+/// Wrong ones among many, with the first of them.
+struct Tally {
+    std::uint64_t tried = 0, wrong = 0, first = 0;
+    void add(bool right) {
+        if (!right && wrong++ == 0) first = tried;
+        ++tried;
+    }
+};
+
+/// In hexadecimal floating point, so that it can be typed in again exactly.
+[[nodiscard]] std::string text_of(const Ray& ray);
+
+/// The triangles around a ray, seen along it; the ray is the dot in the middle, `wrong` is filled.
+[[nodiscard]] VerifyPicture picture_along(const Ray& ray, const Mesh& mesh, std::uint32_t wrong,
+                                          const std::string& title);
+/// Curves over x, such as what was found and what was expected; scaled to their common range.
+struct Curve {
+    std::vector<double> x, y;
+    std::uint32_t color;
+};
+[[nodiscard]] VerifyPicture picture_of_curves(std::vector<Curve> curves, const std::string& title);
+
+/// Both layouts, for cases that must hold in either, with their names.
+struct NamedLayout {
+    Layout layout;
+    const char* name;
+};
+inline constexpr NamedLayout layouts[] = {{Layout::binary, "binary"}, {Layout::wide, "wide"}};
+
+}  // namespace claray::verify

@@ -1,0 +1,108 @@
+#include "claray/verify.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+#include "host/verify/cases.hpp"
+
+namespace claray {
+namespace {
+
+struct Entry {
+    VerifyCase about;
+    void (*run)(verify::Run&);
+};
+
+const std::vector<Entry>& entries() {
+    using namespace verify;
+    static const std::vector<Entry> all = {
+        {{"arithmetic", "device",
+          "+ - * and fma, and with float64 division, are rounded as IEEE 754 says; nothing is contracted"},
+         arithmetic},
+        {{"approximations", "device", "Reciprocals and square roots are as good as error bounds assume"},
+         approximations},
+        {{"float-atomics", "device",
+          "Minima and maxima of floats by integer atomics, with -0, denormals and infinities"},
+         float_atomics},
+        {{"sort", "device", "Radix sort is stable, with many equal keys"}, sort_order},
+        {{"edges", "triangles",
+          "From inside a closed mesh rays through edges hit, and exactly one triangle claims them"},
+         edges},
+        {{"vertices", "triangles", "The same through vertices"}, vertices},
+        {{"integer-edges", "triangles", "Rays that meet edges and vertices with determinants of exactly 0"},
+         integer_edges},
+        {{"fans", "triangles", "Fans of 4 to 65,536 triangles are hit everywhere, once"}, fans},
+        {{"closed-meshes", "triangles", "Random closed meshes are left everywhere, once"}, closed_meshes},
+        {{"slivers", "triangles", "Slivers and tiny triangles against exact arithmetic"}, slivers},
+        {{"rays-in-planes", "triangles", "Rays in a triangle's plane hit nothing"}, rays_in_planes},
+        {{"scales", "triangles", "Scaling everything by a power of two changes no hit"}, scales},
+        {{"huge-coordinates", "triangles", "Scenes far from the origin against exact arithmetic"}, huge_coordinates},
+        {{"far-origins", "triangles", "Rays that begin far from the scene against exact arithmetic"}, far_origins},
+        {{"close-surfaces", "triangles", "Of sheets one rounding apart the first is hit"}, close_surfaces},
+        {{"duplicates", "triangles", "Of triangles at one place the first of the input is hit"}, duplicates},
+        {{"ray-ends", "triangles", "Rays are open at tmin and closed at tmax; NaN, infinite and zero ones hit nothing"},
+         ray_ends},
+        {{"boxes", "boxes", "No box test misses a box that a grazing ray meets"}, boxes},
+        {{"axis-rays", "boxes", "Rays along the axes that begin on boxes' faces: right, and as fast as others"},
+         axis_rays},
+        {{"tiny-counts", "trees", "0, 1, 2 and a few triangles by every builder and layout"}, tiny_counts},
+        {{"junk", "trees", "A tenth of NaN, infinite, huge and degenerate triangles changes no hit"}, junk},
+        {{"equal-codes", "trees", "Equal, collinear and planar triangles: sound trees of bounded height"}, equal_codes},
+        {{"stadium", "trees", "Nine tenths of the triangles in a cluster of 1e-4 of the scene"}, stadium},
+        {{"stack-depth", "trees", "The deepest tree that codes allow needs no more than the stack"}, stack_depth},
+        {{"rebuilds", "trees", "Rebuilding again and again gives one sound tree: the fences work"}, rebuilds},
+        {{"tree-hashes", "sameness", "Every device and run builds the same trees"}, tree_hashes},
+        {{"hit-hashes", "sameness", "Every device, layout, order and schedule finds the same hits"}, hit_hashes},
+        {{"image-hashes", "sameness", "A device renders the same image in every run, whatever the batches"},
+         image_hashes},
+    };
+    return all;
+}
+
+}  // namespace
+
+bool VerifyResult::holds() const {
+    return std::all_of(checks.begin(), checks.end(), [](const VerifyCheck& c) { return c.holds(); });
+}
+
+const std::vector<VerifyCase>& verify_cases() {
+    static const std::vector<VerifyCase> cases = [] {
+        std::vector<VerifyCase> all;
+        for (const Entry& entry : entries()) all.push_back(entry.about);
+        return all;
+    }();
+    return cases;
+}
+
+const std::vector<VerifyCase>& verify_cases_left_out() {
+    static const std::vector<VerifyCase> cases = {
+        {"depth-to-position", "images", "reversed float depth: there is no depth buffer to reconstruct from"},
+        {"packed-normals", "images", "octahedral normals of 2 x 16 bits: normals are kept as floats"},
+        {"spherical-harmonics", "images", "spherical harmonics: light is not kept as such"},
+        {"wave-equation", "images", "the wave equation: water is not simulated"},
+    };
+    return cases;
+}
+
+VerifyResult run_verify_case(const Device& device, const std::string& name, const VerifyOptions& options) {
+    const auto found =
+        std::find_if(entries().begin(), entries().end(), [&](const Entry& e) { return e.about.name == name; });
+    if (found == entries().end()) {
+        std::string names;
+        for (const Entry& entry : entries()) names += (names.empty() ? "" : ", ") + entry.about.name;
+        throw Error(ErrorKind::usage, "there is no case '" + name + "'", "choose one of " + names);
+    }
+    VerifyResult result;
+    result.name = name, result.seed = options.seed;
+    result.command = "claray verify --case " + name + (options.effort == Effort::full ? " --full" : " --quick") +
+                     " --seed " + std::to_string(options.seed) + " --device '" + std::to_string(device.info().index) +
+                     "'";
+    const auto begin = std::chrono::steady_clock::now();
+    verify::Run run(device, options, result);
+    found->run(run);
+    device.finish();
+    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return result;
+}
+
+}  // namespace claray

@@ -1,0 +1,53 @@
+// Every case of `claray verify`, with few rays, and without bars for times.
+#include "claray/verify.hpp"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "tests/support/device.hpp"
+#include "tests/support/errors.hpp"
+
+namespace claray {
+
+void PrintTo(const VerifyCase& c, std::ostream* out) { *out << c.name; }
+
+}  // namespace claray
+
+namespace claray::test {
+namespace {
+
+class Verify : public testing::TestWithParam<VerifyCase> {};
+
+TEST_P(Verify, Holds) {
+    const VerifyResult result = run_verify_case(device(), GetParam().name, {.times = false});
+    EXPECT_FALSE(result.checks.empty());
+    for (const VerifyCheck& check : result.checks) {
+        EXPECT_TRUE(check.holds()) << check.what << ": " << check.worst << ' ' << check.unit << " of " << check.tried
+                                   << ", bar " << check.bar;
+        EXPECT_GT(check.tried, 0u) << check.what;
+    }
+    for (const std::string& failure : result.failures) ADD_FAILURE() << failure << "\nagain: " << result.command;
+}
+
+std::string test_name(const testing::TestParamInfo<VerifyCase>& info) {
+    std::string name = info.param.name;
+    for (char& c : name)
+        if (c == '-') c = '_';
+    return name;
+}
+INSTANTIATE_TEST_SUITE_P(Cases, Verify, testing::ValuesIn(verify_cases()), test_name);
+
+TEST(VerifyCases, HaveNamesOfTheirOwn) {
+    std::set<std::string> names;
+    for (const VerifyCase& c : verify_cases()) EXPECT_TRUE(names.insert(c.name).second) << c.name;
+    for (const VerifyCase& c : verify_cases_left_out()) EXPECT_TRUE(names.insert(c.name).second) << c.name;
+}
+
+TEST(VerifyCases, UnknownNamesAreRefusedWithThoseThatExist) {
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "choose one of arithmetic",
+                             [] { (void)run_verify_case(device(), "no-such-case"); }));
+}
+
+}  // namespace
+}  // namespace claray::test
