@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "host/build/bvh_state.hpp"
+#include "host/build/host_tree.hpp"
 #include "host/build/require_memory.hpp"
 #include "host/compute/program_cache.hpp"
 
@@ -59,6 +60,18 @@ Bvh Bvh::build(const Device& device, const TriangleBuffers& triangles, const Con
     Bvh bvh;
     bvh.state_ = std::make_shared<State>(device, triangles, config);
     bvh.state_->build();
+    return bvh;
+}
+
+Bvh Bvh::build_by_host(const Device& device, std::span<const Mesh> meshes, const Config& with) {
+    Config config = with;
+    config.layout = Layout::binary, config.builder = Builder::fast;
+    Bvh bvh;
+    bvh.state_ = std::make_shared<State>(device, upload(device, meshes), config, true);
+    const HostTree tree = build_host_tree(meshes);
+    bvh.state_->nodes.write(tree.nodes);
+    bvh.state_->leaves.write(tree.leaves);
+    bvh.state_->header.write(std::span(&tree.header, 1));
     return bvh;
 }
 

@@ -26,7 +26,7 @@ std::uint32_t numbers_at_once(std::uint32_t count, const Device& device) {
 
 }  // namespace
 
-Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& with)
+Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& with, bool by_host)
     : device(on),
       triangles(of),
       config(with),
@@ -46,6 +46,12 @@ Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& wit
         throw Error(ErrorKind::user,
                     "too many triangles: " + std::to_string(of.indices.size() / 3) + ", the limit is 2^29 - 2");
     allocate();
+    if (!by_host) prepare_to_build();
+}
+
+void Bvh::State::prepare_to_build() {
+    prepared_ = true;
+    if (config.builder != Builder::high) allocate_for_sorting();
     const Defines bits = {{"CODE_BITS", std::to_string(config.morton_bits)}};
     reset_ = load_kernel(device, "build/bounds.cl", "reset_header");
     finish_bounds_ = load_kernel(device, "build/bounds.cl", "finish_bounds");
@@ -94,7 +100,6 @@ void Bvh::State::allocate() {
     nodes = Buffer<BvhNode>(device, capacity);
     leaves = Buffer<LeafTriangle>(device, capacity);
     arrivals = Buffer<std::uint32_t>(device, capacity);
-    if (config.builder != Builder::high) allocate_for_sorting();
     if (layout == Layout::wide) {
         // A node with a wide child has 8 slots, one without has at least 5 triangles: at most count / 4 nodes in all.
         // Every subtree may leave all but one of the numbers that it took at once unused.
@@ -198,6 +203,7 @@ void Bvh::State::build_hploc(const Buffer<Code>& codes) {
 }
 
 void Bvh::State::build() {
+    if (!prepared_) prepare_to_build();
     built_cost = 0;
     compute_bounds();
     if (config.builder == Builder::high)

@@ -12,7 +12,8 @@
 namespace claray {
 
 struct Bvh::State {
-    State(const Device& on, const TriangleBuffers& of, const Config& with);
+    /// `by_host`: the tree will be filled in. What building takes is loaded and allocated once it is asked for.
+    State(const Device& on, const TriangleBuffers& of, const Config& with, bool by_host = false);
 
     void build();
     void refit();
@@ -51,6 +52,7 @@ struct Bvh::State {
     TreeLayout renumber, finish;
 
 private:
+    void prepare_to_build();
     void allocate();
     void allocate_for_sorting();
     void load_for_sorting(const Defines& bits);
@@ -63,6 +65,7 @@ private:
     template <class Code>
     void build_hploc(const Buffer<Code>& codes);
 
+    bool prepared_ = false;
     Kernel reset_, centroids_, encode_, bounds_, finish_bounds_, codes_, lbvh_, hploc_, refit_,
         lbvh_ranges_, join_lbvh_, hploc_ranges_, join_hploc_, begin_collapse_, collapse_level_, collapse_subtrees_,
         refit_wide_;

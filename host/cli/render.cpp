@@ -29,11 +29,10 @@ std::string this_program() {
     return std::filesystem::read_symlink("/proc/self/exe", unknown).string();
 }
 
-void warn_of_culled(const Renderer& renderer) {
-    const BvhStatistics bvh = renderer.statistics().bvh;
-    if (bvh.culled > 0)
-        std::fprintf(stderr, "claray: warning: %u of %u triangles are left out: not finite, huge, or without area\n",
-                     bvh.culled, bvh.culled + bvh.triangles);
+void warn_of_culled(const RenderProgress& progress) {
+    if (progress.culled > 0)
+        std::fprintf(stderr, "claray: warning: triangles are left out that are not finite, huge, or without area: %u\n",
+                     progress.culled);
 }
 
 /// Renders until a target is met or a signal comes.
@@ -41,7 +40,7 @@ Outcome run_renderer(Renderer& renderer, const RenderOptions& options) {
     ProgressDisplay display(options.config, progress_style(options.quiet));
     bool warned = false;
     const RenderProgress progress = renderer.render([&](const RenderProgress& so_far) {
-        if (!warned) warn_of_culled(renderer);  // no sooner, for counting takes time, too
+        if (!warned) warn_of_culled(so_far);
         warned = true;
         display.show(so_far);
         return !InterruptGuard::interrupted();

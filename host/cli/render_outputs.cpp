@@ -76,8 +76,8 @@ const char* name_of(KernelStart start) {
 }
 
 void print_start(const RenderStatistics& s) {
-    std::printf("first pixel   %.2f s, by %s kernels", s.first_pixel_seconds,
-                s.start == KernelStart::own ? "the scene's own" : name_of(s.start));
+    std::printf("first pixel   %.2f s (processor time %.2f s), by %s kernels", s.first_pixel_seconds,
+                s.first_pixel_processor_seconds, s.start == KernelStart::own ? "the scene's own" : name_of(s.start));
     if (s.start != KernelStart::own && s.own_kernels) std::printf("; its own from sample %u on", s.own_kernels_from);
     std::printf("\n");
 }
@@ -108,17 +108,16 @@ void write_aovs(const Renderer& renderer, const RenderOptions& options) {
 
 void print_as_text(const Device& device, const Renderer& renderer, const RenderOptions& options,
                    const Outcome& outcome) {
-    const RenderStatistics statistics = renderer.statistics();
     const RenderProgress& p = outcome.progress;
     print_overrides(options.config.effects);
-    if (options.stats) print_statistics(device, statistics);
+    if (options.stats) print_statistics(device, renderer.statistics());
     std::printf("%s: %ux%u, %u spp in %.2f s", options.output.c_str(), options.config.width, options.config.height,
                 p.spp, p.seconds);
     if (p.noise > 0) std::printf(", noise %.2f %%", 100 * p.noise);
     std::printf("%s\n", outcome.interrupted ? ", interrupted" : "");
-    if (statistics.dropped_samples > 0)
+    if (p.dropped_samples > 0)
         std::fprintf(stderr, "claray: warning: %llu samples were not finite and are left out\n",
-                     static_cast<unsigned long long>(statistics.dropped_samples));
+                     static_cast<unsigned long long>(p.dropped_samples));
 }
 
 void print_as_json(const Device& device, const Renderer& renderer, const RenderOptions& options,
@@ -144,6 +143,7 @@ void print_as_json(const Device& device, const Renderer& renderer, const RenderO
           {"own_kernels", s.own_kernels},
           {"own_kernels_from", s.own_kernels_from}}},
         {"first_pixel_seconds", s.first_pixel_seconds},
+        {"first_pixel_processor_seconds", s.first_pixel_processor_seconds},
         {"build",
          {{"milliseconds", s.build_milliseconds},
           {"triangles", s.bvh.triangles},

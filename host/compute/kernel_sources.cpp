@@ -1,5 +1,6 @@
 #include "host/compute/kernel_sources.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -46,6 +47,32 @@ const KernelSource& kernel_source(const std::string& path) {
     for (const KernelSource& source : kernel_sources())
         if (source.path == path) return source;
     throw Error(ErrorKind::usage, "no kernel file " + path);
+}
+
+namespace {
+
+/// In the order in which they are first named; names that are no file of claray's are left to the compiler.
+void add_included(const std::string& text, std::vector<const KernelSource*>& found) {
+    const std::string directive = "#include \"";
+    for (std::size_t at = 0; (at = text.find(directive, at)) != std::string::npos;) {
+        at += directive.size();
+        const std::string path = text.substr(at, text.find('"', at) - at);
+        const auto named = [&](const auto& source) { return source.path == path; };
+        const auto& all = kernel_sources();
+        const auto source = std::find_if(all.begin(), all.end(), named);
+        if (source == all.end()) continue;
+        if (std::find(found.begin(), found.end(), &*source) != found.end()) continue;
+        found.push_back(&*source);
+        add_included(source->text, found);
+    }
+}
+
+}  // namespace
+
+std::vector<const KernelSource*> included_sources(const std::string& text) {
+    std::vector<const KernelSource*> found;
+    add_included(text, found);
+    return found;
 }
 
 }  // namespace claray

@@ -21,4 +21,7 @@ const std::vector<KernelSource>& kernel_sources();
 /// Throws ErrorKind::usage where there is no such file.
 const KernelSource& kernel_source(const std::string& path);
 
+/// The files that a text includes, directly or through others, whatever its macros are.
+std::vector<const KernelSource*> included_sources(const std::string& text);
+
 }  // namespace claray

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 
 #include "host/compute/build_report.hpp"
 #include "host/compute/device_state.hpp"
+#include "host/compute/joint_program.hpp"
 #include "host/compute/kernel_sources.hpp"
 #include "host/compute/memory.hpp"
 #include "host/compute/program_cache.hpp"
@@ -37,8 +39,7 @@ std::string cache_key(const Device& device, const KernelSource& main, const std:
     const DeviceInfo& info = device.info();
     std::string all = info.platform + '\n' + info.name + '\n' + info.driver + '\n' + info.version + '\n' + options +
                       '\n' + main.path + '\n' + main.text + '\n';
-    for (const KernelSource& source : kernel_sources())
-        if (!source.path.ends_with(".cl")) all += source.path + '\n' + source.text + '\n';
+    for (const KernelSource* source : included_sources(main.text)) all += source->path + '\n' + source->text + '\n';
     return hash128(all);
 }
 
@@ -69,8 +70,9 @@ std::string with_file_name(std::string log, const KernelSource& main) {
                                        " with options '" + options + "':\n" + with_file_name(log, main));
 }
 
-/// Compiles with every other file as a named header, so that #include works on every driver and messages keep their
-/// file and line. CLHPP's Program::compile takes no headers (as of 3.0), hence the C call.
+/// Compiles with what it includes as named headers, so that #include works on every driver and messages keep their
+/// file and line. Not with all there are: PoCL writes each to a file (70 take it 30 ms). CLHPP's Program::compile takes
+/// no headers (as of 3.0), hence the C call.
 cl::Program compile_from_source(const Device& device, const KernelSource& main, const std::string& options,
                                 std::string* log = nullptr) {
     const cl::Context& context = device.context();
@@ -78,15 +80,15 @@ cl::Program compile_from_source(const Device& device, const KernelSource& main, 
     std::vector<cl::Program> headers;
     std::vector<cl_program> handles;
     std::vector<const char*> names;
-    for (const KernelSource& source : kernel_sources()) {
-        if (!source.path.ends_with(".clh") && !source.path.ends_with(".h")) continue;
-        headers.emplace_back(context, source.text);
+    for (const KernelSource* source : included_sources(main.text)) {
+        headers.emplace_back(context, source->text);
         handles.push_back(headers.back()());
-        names.push_back(source.path.c_str());
+        names.push_back(source->path.c_str());
     }
     const cl::Program program(context, name_line(device, main) + main.text);
     const cl_int compiled = clCompileProgram(program(), 1, &id, options.c_str(), cl_uint(handles.size()),
-                                             handles.data(), names.data(), nullptr, nullptr);
+                                             handles.empty() ? nullptr : handles.data(),
+                                             names.empty() ? nullptr : names.data(), nullptr, nullptr);
     if (compiled != CL_SUCCESS) throw_build_error(device, main, options, build_log(program, device.state().device));
     cl_int linked = CL_SUCCESS;
     const cl_program object = program();
@@ -128,18 +130,26 @@ cl::Program compile(const Device& device, const KernelSource& main, const std::s
     return program;
 }
 
+/// Of Device::State::programs.
+std::string key_in_memory(const KernelSource& main, const std::string& options, bool user_source) {
+    return main.path + '\n' + options + '\n' + (user_source ? main.text : "");
+}
+
+cl::Program timed_compile(const Device& device, const KernelSource& main, const std::string& options) {
+    const auto begin = std::chrono::steady_clock::now();
+    cl::Program program = compile(device, main, options);
+    statistics.milliseconds +=
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    return program;
+}
+
 Kernel kernel_of(const Device& device, const KernelSource& main, const std::string& function, const Defines& defines,
                  Math math, bool user_source) try {
     const std::string options = build_options(device, defines, math);
-    const std::string in_memory = main.path + '\n' + options + '\n' + (user_source ? main.text : "");
+    const std::string key = key_in_memory(main, options, user_source);
     auto& programs = device.state().programs;
-    auto found = programs.find(in_memory);
-    if (found == programs.end()) {
-        const auto begin = std::chrono::steady_clock::now();
-        found = programs.emplace(in_memory, compile(device, main, options)).first;
-        statistics.milliseconds +=
-            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-    }
+    auto found = programs.find(key);
+    if (found == programs.end()) found = programs.emplace(key, timed_compile(device, main, options)).first;
     return Kernel(device, cl::Kernel(found->second, function.c_str()), function);
 } catch (const cl::Error& error) {
     throw Error(ErrorKind::device, "cannot load the kernel " + function + " of " + main.path + " on " +
@@ -231,7 +241,40 @@ void read_build_log(const std::string& log, BuildReport& report) {
 
 Kernel load_kernel(const Device& device, const std::string& file, const std::string& function, const Defines& defines,
                    Math math) {
-    return kernel_of(device, kernel_source(file), function, with_tuning(device, file, defines), math, false);
+    const Defines all = with_tuning(device, file, defines);
+    if (device.state().requests == nullptr) return kernel_of(device, kernel_source(file), function, all, math, false);
+    if (math == Math::strict) device.state().requests->push_back({file, all});
+    return Kernel(device, {}, function);
+}
+
+namespace {
+
+/// What `load` asks for.
+std::vector<KernelRequest> requests_of(const Device& device, const std::function<void()>& load) {
+    struct Noted {
+        const Device& device;
+        std::vector<KernelRequest> requests;
+        explicit Noted(const Device& on) : device(on) { device.state().requests = &requests; }
+        ~Noted() { device.state().requests = nullptr; }
+    } noted(device);
+    load();
+    return noted.requests;
+}
+
+}  // namespace
+
+void compile_jointly(const Device& device, const std::function<void()>& load) {
+    const JointSource joint = join(requests_of(device, load));
+    if (joint.members.size() < 2) return;
+    try {
+        const cl::Program program = timed_compile(device, joint.source, build_options(device, {}, Math::strict));
+        for (const KernelRequest& member : joint.members) {
+            const std::string options = build_options(device, member.defines, Math::strict);
+            device.state().programs.emplace(key_in_memory(kernel_source(member.file), options, false), program);
+        }
+    } catch (const Error&) {
+        return;  // each is then compiled for itself, and says what is wrong
+    }
 }
 
 Kernel compile_kernel(const Device& device, const std::string& source, const std::string& function,

@@ -12,6 +12,11 @@ class Film {
 public:
     Film(const Device& device, std::uint32_t pixels);
 
+    struct Kernels {
+        explicit Kernels(const Device& device);
+        Kernel accumulate, resolve, noise;
+    };
+
     /// Adds the radiance (3 floats a path) of a batch; enqueued.
     void accumulate(const Batch& batch, const Buffer<float>& radiance);
     /// Mean radiance of every pixel. Blocks.
@@ -29,8 +34,7 @@ private:
     Device device_;
     Buffer<FilmPixel> pixels_;
     Buffer<NoiseSums> sums_;
-    Kernel accumulate_;
-    mutable Kernel resolve_, noise_;
+    mutable Kernels kernels_;
 };
 
 }  // namespace claray

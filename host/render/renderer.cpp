@@ -2,11 +2,13 @@
 
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <deque>
 #include <memory>
 #include <optional>
 
 #include "host/compute/device_state.hpp"
+#include "host/compute/joint_program.hpp"
 #include "host/render/film.hpp"
 #include "host/render/kernel_choice.hpp"
 #include "host/render/schedule.hpp"
@@ -21,8 +23,11 @@ constexpr unsigned largest_side = 1u << 14;
 constexpr unsigned least_spp_for_noise = 16;
 constexpr double seconds_between_reports = 0.2;
 constexpr std::size_t batches_in_flight = 2;
+constexpr std::size_t most_triangles_by_host = 1u << 20;
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+double processor_seconds() { return double(std::clock()) / CLOCKS_PER_SEC; }
 
 const RenderConfig& checked(const RenderConfig& config) {
     const auto refuse = [](const std::string& what, const char* remedy) {
@@ -110,6 +115,16 @@ Bvh::Config with_layout(Bvh::Config config, Layout layout) {
     return config;
 }
 
+/// The quick kernels' tree comes from the host, unless that would take longer than compiling the builder.
+Structure first_structure(const Device& device, const Scene& scene, std::size_t baked, const KernelPlan& plan,
+                          const Bvh::Config& config) {
+    std::size_t triangles = 0;
+    for (const Mesh& mesh : scene.meshes) triangles += mesh.triangles.size();
+    if (plan.start == KernelStart::quick && plan.first.layout == Layout::binary && triangles <= most_triangles_by_host)
+        return Structure::by_host(device, scene, config);
+    return {device, scene, baked, with_layout(config, plan.first.layout)};
+}
+
 }  // namespace
 
 struct Renderer::State {
@@ -123,17 +138,17 @@ struct Renderer::State {
           plan(plan_kernels(on, exactly ? *exactly : effects_of(checked(scene)), with)),
           unstored(plan.start == KernelStart::quick ? std::make_unique<Unstored>(on) : nullptr),
           milliseconds_before(kernel_milliseconds(on)),
-          structure(on, scene, baked, with_layout(with.bvh, plan.first.layout)),
+          structure(first_structure(on, scene, baked, plan, with.bvh)),
           build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
           buffers(on, scene, structure),
-          wavefront(on, buffers, frame_data(scene, buffers, with),
-                    WavefrontKernels(buffers, with.sampler, plan.first.effects), std::uint64_t(pixels()) * with.spp),
+          wavefront(on, buffers, frame_data(scene, buffers, with), first_kernels(), std::uint64_t(pixels()) * with.spp),
           film(on, pixels()),
           schedule(pixels(), with.spp, wavefront.capacity()) {
         for (const char* name : {trace_camera_name, trace_bounce_name, trace_shadow_name})
             before[name] = device.profiler().milliseconds(name);
     }
 
+    [[nodiscard]] WavefrontKernels first_kernels() const;
     void first_pixel();
     void take_over_when_compiled();
     [[nodiscard]] std::uint32_t pixels() const { return config.width * config.height; }
@@ -147,7 +162,9 @@ struct Renderer::State {
     Clock::time_point set_up;
     KernelPlan plan;
     std::unique_ptr<Unstored> unstored;  // until the first pixel is there
-    double first_pixel_seconds = 0;
+    double set_up_processor = processor_seconds();
+    double first_pixel_seconds = 0, first_pixel_processor_seconds = 0;
+    std::uint32_t culled = 0;
     unsigned own_kernels_from = 0;
     bool own_kernels = false;
     double milliseconds_before;  // on the device, by whatever ran there earlier
@@ -161,11 +178,24 @@ struct Renderer::State {
     std::map<std::string, double> before;  // the profiler's times when this render was set up
 };
 
+WavefrontKernels Renderer::State::first_kernels() const {
+    const auto load = [this] { return WavefrontKernels(buffers, config.sampler, plan.first.effects); };
+    if (plan.start == KernelStart::quick)
+        compile_jointly(device, [&] {
+            (void)load();
+            (void)Film::Kernels(device);
+        });
+    return load();
+}
+
 RenderProgress Renderer::State::measure() const {
     RenderProgress progress;
     progress.spp = unsigned(schedule.samples() / pixels());
     progress.spp_target = config.spp;
-    progress.noise = film.noise().relative;
+    const Film::Noise noise = film.noise();
+    progress.noise = noise.relative;
+    progress.dropped_samples = noise.dropped;
+    progress.culled = culled;
     progress.seconds = seconds_since(begin);
     return progress;
 }
@@ -184,6 +214,8 @@ bool Renderer::State::target_met() const {
 void Renderer::State::first_pixel() {
     device.finish();
     first_pixel_seconds = seconds_since(set_up);
+    first_pixel_processor_seconds = processor_seconds() - set_up_processor;
+    culled = structure.culled();
     unstored.reset();
     own_kernels = plan.first == plan.last;
     if (own_kernels)
@@ -250,6 +282,7 @@ RenderStatistics Renderer::statistics() const {
     statistics.device_bytes =
         statistics.bvh.bytes + state.buffers.bytes() + state.wavefront.bytes() + state.film.bytes();
     statistics.first_pixel_seconds = state.first_pixel_seconds;
+    statistics.first_pixel_processor_seconds = state.first_pixel_processor_seconds;
     statistics.start = state.plan.start;
     statistics.own_kernels = state.own_kernels;
     statistics.own_kernels_from = state.own_kernels_from;

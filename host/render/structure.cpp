@@ -81,7 +81,13 @@ Structure::Structure(const Device& device, const Scene& scene, std::size_t baked
     }
     bvh_ = Bvh::build(device, scene.meshes, config);
     triangles_ = bvh_.triangles();
-    statistics_ = bvh_.statistics();
+}
+
+Structure Structure::by_host(const Device& device, const Scene& scene, const Bvh::Config& config) {
+    Structure structure;
+    structure.bvh_ = Bvh::build_by_host(device, scene.meshes, config);
+    structure.triangles_ = structure.bvh_.triangles();
+    return structure;
 }
 
 void Structure::build_instances(const Device& device, const Scene& scene, std::size_t baked,
@@ -121,7 +127,6 @@ Structure Structure::rebuilt(const Bvh::Config& config) const {
     Structure other;
     other.bvh_ = Bvh::build(device(), triangles_, config);
     other.triangles_ = triangles_;
-    other.statistics_ = other.bvh_.statistics();
     return other;
 }
 

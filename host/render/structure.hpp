@@ -20,6 +20,9 @@ public:
     /// `baked` as in PlacedScene. Throws ErrorKind::user where an instance can't be placed.
     Structure(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config);
 
+    /// Of a scene without instances; see Bvh::build_by_host.
+    [[nodiscard]] static Structure by_host(const Device& device, const Scene& scene, const Bvh::Config& config);
+
     /// One tree built anew in another way.
     [[nodiscard]] Structure rebuilt(const Bvh::Config& config) const;
 
@@ -32,8 +35,10 @@ public:
     void set_cutouts(const Buffer<std::uint32_t>& store) { instanced_ ? instanced_->set_cutouts(store) : bvh_.set_cutouts(store); }
     [[nodiscard]] bool moves() const { return instanced_ && instanced_->ends().allocated(); }
     /// Of one tree; of a tree of trees: triangles and bytes of all, the height that a ray descends at most, and the
-    /// top level's cost.
-    [[nodiscard]] const BvhStatistics& statistics() const { return statistics_; }
+    /// top level's cost. Blocks.
+    [[nodiscard]] BvhStatistics statistics() const { return instanced_ ? statistics_ : bvh_.statistics(); }
+    /// Triangles left out.
+    [[nodiscard]] std::uint32_t culled() const { return instanced_ ? statistics_.culled : bvh_.header().culled; }
     /// Macros of kernels that read hits.
     [[nodiscard]] Defines defines() const;
     /// Binds INSTANCE_PARAMETERS of shade/instance.clh.
@@ -45,7 +50,7 @@ private:
     Bvh bvh_;
     std::optional<InstancedBvh> instanced_;
     TriangleBuffers triangles_;
-    BvhStatistics statistics_;
+    BvhStatistics statistics_;  // of a tree of trees
 };
 
 /// Hits of either kind.

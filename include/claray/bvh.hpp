@@ -92,6 +92,10 @@ public:
         return build(device, triangles, Config{});
     }
 
+    /// Builds on the host, always in the binary layout: a worse tree, but no kernel has to be compiled before. `rebuild`
+    /// builds on the device, as `fast`.
+    [[nodiscard]] static Bvh build_by_host(const Device& device, std::span<const Mesh> meshes, const Config& config);
+
     /// What building over so many vertices and triangles takes on the device.
     [[nodiscard]] static BvhMemory memory_needed(const Device& device, std::size_t vertices, std::size_t triangles,
                                                  const Config& config);

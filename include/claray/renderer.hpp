@@ -36,6 +36,8 @@ struct RenderProgress {
     unsigned spp_target = 0;
     double seconds = 0;  ///< since the first sample was begun
     double noise = 0;    ///< standard error of luminance, root mean square over pixels, over the mean; 0: not yet known
+    std::uint64_t dropped_samples = 0;  ///< NaN, infinite or above 1e30, left out of the image
+    std::uint32_t culled = 0;           ///< triangles left out: not finite, huge, or without area
 };
 
 /// Rays traced and the device time they took.
@@ -54,6 +56,7 @@ enum class KernelStart {
 
 struct RenderStatistics {
     double first_pixel_seconds = 0;  ///< from the renderer's set-up to the first batch of samples
+    double first_pixel_processor_seconds = 0;  ///< of all threads of the process meanwhile
     KernelStart start = KernelStart::own;
     unsigned own_kernels_from = 0;  ///< samples a pixel that were done when the scene's own kernels took over
     bool own_kernels = false;       ///< whether they have
@@ -62,7 +65,7 @@ struct RenderStatistics {
     RayCount camera, bounce, shadow;
     EffectSet effects;  ///< that the scene calls for, after `RenderConfig::effects`
     std::uint64_t device_bytes = 0;
-    std::uint64_t dropped_samples = 0;  ///< NaN, infinite or above 1e30, left out of the image
+    std::uint64_t dropped_samples = 0;  ///< as in RenderProgress
 };
 
 /// Per-pixel facts of the first surface that the pixel's centre sees.

@@ -76,9 +76,25 @@ TEST_F(KernelChoices, GenericKernelsGiveWayWithoutASeam) {
 }
 
 TEST_F(KernelChoices, QuickKernelsGiveWayWithoutASeam) {
-    const Scene scene = *builtin_scene("cornell");
+    for (const char* name : {"cornell", "spheres"}) {
+        const ScopedEnvironment empty("CLARAY_CACHE_DIR", (folder_ / name).string());
+        const Scene scene = *builtin_scene(name);
+        if (own(scene).layout != Layout::wide) GTEST_SKIP() << "the device traverses the binary tree anyway";
+        expect_same_image(scene, KernelStart::quick);
+    }
+}
+
+TEST_F(KernelChoices, QuickKernelsAreOneProgramAndNeedNoBuilder) {
+    const Scene scene = *builtin_scene("crate");
     if (own(scene).layout != Layout::wide) GTEST_SKIP() << "the device traverses the binary tree anyway";
-    expect_same_image(scene, KernelStart::quick);
+    const Device fresh = Device::open(std::to_string(device().info().index));  // has no kernel in memory
+    const unsigned before = compile_statistics().compiled;
+    RenderConfig once = config();
+    once.spp = 1;
+    Renderer renderer(fresh, scene, once);
+    renderer.render();
+    EXPECT_EQ(compile_statistics().compiled, before + 1);
+    EXPECT_GT(renderer.statistics().first_pixel_processor_seconds, 0);
 }
 
 TEST(CompileKernels, MakesEveryKernelThatARenderNeeds) {

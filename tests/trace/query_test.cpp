@@ -36,6 +36,14 @@ bool same(const Hit& a, const Hit& b) {
     return a.t == b.t && a.u == b.u && a.v == b.v && a.primitive == b.primitive && a.geometry == b.geometry;
 }
 
+TEST(HostTree, GivesTheSameHits) {
+    const Mesh mesh = soup(5003, 0.1f, 1);
+    const std::vector<Ray> rays = random_rays(5003, 2.f, 1.f, 2);
+    const std::vector<Hit> host = closest_hit(Bvh::build_by_host(device(), std::span(&mesh, 1), {}), rays),
+                           other = closest_hit(Bvh::build(device(), std::span(&mesh, 1), {}), rays);
+    for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_TRUE(same(host[i], other[i])) << i;
+}
+
 TEST_P(QueryTest, HitsOfSoupEqualTheOracle) {
     const Mesh mesh = soup(5003, 0.1f, 1);
     const Bvh bvh = build(mesh);

@@ -1,0 +1,93 @@
+#include "host/compute/joint_program.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <set>
+
+namespace claray {
+namespace {
+
+bool is_part_of_name(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+
+bool in_comment(const std::string& text, std::size_t at) {
+    const std::size_t comment = text.rfind("//", at), line = text.rfind('\n', at);
+    return comment != std::string::npos && (line == std::string::npos || comment > line);
+}
+
+/// Outside of comments.
+bool mentions(const std::string& text, const std::string& name) {
+    for (std::size_t at = 0; (at = text.find(name, at)) != std::string::npos; ++at) {
+        const std::size_t end = at + name.size();
+        const bool whole =
+            (at == 0 || !is_part_of_name(text[at - 1])) && (end == text.size() || !is_part_of_name(text[end]));
+        if (whole && !in_comment(text, at)) return true;
+    }
+    return false;
+}
+
+/// Empty where none is given. Of a macro that is given twice the compiler takes the last.
+std::string value_of(const KernelRequest& request, const std::string& macro) {
+    for (auto define = request.defines.rbegin(); define != request.defines.rend(); ++define)
+        if (define->first == macro) return define->second;
+    return {};
+}
+
+/// What a macro is where none is given; empty where none of the headers has a default for it.
+std::string default_of(const std::vector<const KernelSource*>& headers, const std::string& macro) {
+    const std::string directive = "#ifndef " + macro + "\n#define " + macro + ' ';
+    for (const KernelSource* header : headers) {
+        const std::size_t at = header->text.find(directive);
+        if (at == std::string::npos) continue;
+        const std::size_t begin = at + directive.size();
+        return header->text.substr(begin, header->text.find_first_of(" \n", begin) - begin);
+    }
+    return {};
+}
+
+/// What both files include.
+std::vector<const KernelSource*> shared_headers(const KernelRequest& a, const KernelRequest& b) {
+    std::vector<const KernelSource*> of_a = included_sources(kernel_source(a.file).text);
+    const std::vector<const KernelSource*> of_b = included_sources(kernel_source(b.file).text);
+    std::erase_if(
+        of_a, [&](const KernelSource* header) { return std::find(of_b.begin(), of_b.end(), header) == of_b.end(); });
+    return of_a;
+}
+
+std::set<std::string> macros_of(const KernelRequest& request) {
+    std::set<std::string> macros;
+    for (const auto& [name, value] : request.defines) macros.insert(name);
+    return macros;
+}
+
+bool can_share(const KernelRequest& a, const KernelRequest& b) {
+    if (a.file == b.file) return false;
+    std::set<std::string> macros = macros_of(a);
+    macros.merge(macros_of(b));
+    const std::vector<const KernelSource*> headers = shared_headers(a, b);
+    return std::none_of(macros.begin(), macros.end(), [&](const std::string& macro) {
+        const auto mentioning = [&](const KernelSource* header) { return mentions(header->text, macro); };
+        if (std::none_of(headers.begin(), headers.end(), mentioning)) return false;
+        const std::string otherwise = default_of(headers, macro), of_a = value_of(a, macro), of_b = value_of(b, macro);
+        return (of_a.empty() ? otherwise : of_a) != (of_b.empty() ? otherwise : of_b);
+    });
+}
+
+}  // namespace
+
+JointSource join(const std::vector<KernelRequest>& requests) {
+    JointSource joint{{"several kernels", {}}, {}};
+    std::set<std::string> defined;
+    for (const KernelRequest& request : requests) {
+        const auto fits = [&](const KernelRequest& member) { return can_share(member, request); };
+        if (!std::all_of(joint.members.begin(), joint.members.end(), fits)) continue;
+        for (const std::string& macro : defined) joint.source.text += "#undef " + macro + '\n';
+        defined = macros_of(request);
+        for (const std::string& macro : defined)
+            joint.source.text += "#define " + macro + ' ' + value_of(request, macro) + '\n';
+        joint.source.text += "#include \"" + request.file + "\"\n";
+        joint.members.push_back(request);
+    }
+    return joint;
+}
+
+}  // namespace claray
