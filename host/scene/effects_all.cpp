@@ -33,9 +33,9 @@ void add_balls(Scene& scene) {
     add_ball(scene, principled("transmitting", {0.95f, 0.8f, 0.5f}, 0.15f), 1.35f, 0.55f).transmission = 0.9f;
     add_ball(scene, lambert("rippled", glm::vec3(0.6f)), 0.6f, -0.9f, 0.4f).normal_map =
         add_texture(scene, ripples_as_normals());
-    Material& bowl = add_ball(scene, lambert("bowl", {0.3f, 0.55f, 0.3f}), 1.5f, -0.8f, 0.4f);
-    bowl.cull_back = true;
-    for (glm::uvec3& t : scene.meshes.back().triangles) std::swap(t.y, t.z);  // inside out
+    scene.meshes.push_back(open_bowl({1.5f, 0.4f, -0.8f}, 0.4f, std::uint32_t(scene.materials.size())));
+    scene.materials.push_back(lambert("bowl", {0.3f, 0.55f, 0.3f}));
+    scene.materials.back().cull_back = true;
 }
 
 void add_rectangles(Scene& scene) {

@@ -102,7 +102,8 @@ constexpr std::array alone = {
           }},
     Alone{"culling",
           [](Scene& s) {
-              for (glm::uvec3& t : s.meshes[ball_material].triangles) std::swap(t.y, t.z);  // inside out: a bowl
+              s.meshes[ball_material] = open_bowl({-0.35f, 0.8f, 0.f}, 0.8f, ball_material);
+              s.meshes[ball_material].normals.clear();
               ball(s).cull_back = true;
           }},
     Alone{"emissive-triangles",

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "host/scene/noise.hpp"
 #include "host/scene/shapes.hpp"
@@ -35,6 +36,24 @@ Mesh textured_ball(const glm::vec3& center, float radius, unsigned levels, std::
     Mesh mesh = make_sphere(center, radius, levels, material);
     for (const glm::vec3& p : mesh.positions)
         mesh.uvs.emplace_back(0.5f + 0.5f * (p.x - center.x) / radius, 0.5f - 0.5f * (p.y - center.y) / radius);
+    return mesh;
+}
+
+Mesh open_bowl(const glm::vec3& center, float radius, std::uint32_t material) {
+    constexpr unsigned rings = 16, sides = 64;
+    const auto at = [&](unsigned ring) {  // radius and height
+        const double angle = 0.5 * std::numbers::pi * ring / rings;
+        return glm::vec2(radius * float(std::sin(angle)), -radius * float(std::cos(angle)));
+    };
+    Mesh mesh;
+    for (unsigned ring = 1; ring < rings; ++ring) {
+        const glm::vec2 low = at(ring), high = at(ring + 1);
+        add_frustum(mesh, center + glm::vec3(0.f, low.y, 0.f), low.x, high.x, high.y - low.y, sides, material);
+    }
+    for (glm::uvec3& t : mesh.triangles) std::swap(t.y, t.z);  // the inside is the front
+    const glm::vec2 bottom = at(1);
+    add_frustum(mesh, center + glm::vec3(0.f, bottom.y, 0.f), bottom.x, 0.f, -radius - bottom.y, sides, material);
+    for (const glm::vec3& p : mesh.positions) mesh.normals.push_back(glm::normalize(center - p));
     return mesh;
 }
 

@@ -15,6 +15,8 @@ enum StageMaterial : std::uint32_t { floor_material, ball_material, block_materi
 [[nodiscard]] Scene empty_stage();
 /// A ball with texture coordinates: its front seen as a disc.
 [[nodiscard]] Mesh textured_ball(const glm::vec3& center, float radius, unsigned levels, std::uint32_t material);
+/// The lower half of a sphere, whose front is the inside.
+[[nodiscard]] Mesh open_bowl(const glm::vec3& center, float radius, std::uint32_t material);
 /// The rectangle of add_rectangle with texture coordinates 0..1, the top left corner of an image at center - u + v.
 [[nodiscard]] Mesh textured_rectangle(const glm::vec3& center, const glm::vec3& u, const glm::vec3& v,
                                       std::uint32_t material);
