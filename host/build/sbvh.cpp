@@ -36,7 +36,7 @@ Sbvh::Sbvh(const Device& device, std::uint32_t count, double budget)
     scan_ = load_kernel(device, file, "scan_tiles", of_tiles);
     place_ = load_kernel(device, file, "place_references", of_tiles);
     begin_ = load_kernel(device, file, "begin_splitting", of_tiles);
-    finish_subtrees_ = load_kernel(device, file, "finish_subtrees", of_tiles);
+    finish_subtrees_ = load_kernel(device, "build/sbvh_small.cl", "finish_subtrees");
     finish_ = load_kernel(device, file, "finish_splitting", of_tiles);
 }
 

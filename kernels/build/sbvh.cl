@@ -2,71 +2,22 @@
 // through them by a plane that gives a triangle on both sides a reference for each part (Stich, Friedrich and Dietrich 2009,
 // "Spatial Splits in Bounding Volume Hierarchies"). All nodes of a level are split at once, a work-group each; the
 // order of a node's references never matters but where it is kept, so the tree is the same on every device.
-#include "build/references.clh"
+#include "build/sbvh.clh"
+#include "compute/group_sum.clh"
 
 #ifndef GROUP
 #define GROUP 64
 #endif
-#define BINS 32u
-/// Nodes of so many references are not split through triangles any more, and one group finishes all that is below them.
-#define SMALL 32u
-/// From this depth on nodes are halved, so that no tree is higher than the stack of a traversal.
-#define HALVING_DEPTH 48u
+#include "build/bins.clh"
+#include "build/clip_triangle.clh"
+
 /// Children that share less than this part of the root's area are not worth a split through triangles (Stich et al. use the
 /// same).
 #define LEAST_OVERLAP 1e-5f
 /// Triangles that a group of count_references and place_references looks after.
 #define TILE 2048u
 
-/// A box and whose it is, in two rows of 16 bytes: lo and the primitive, hi.
-typedef struct Reference {
-    Box box;
-    uint primitive;
-} Reference;
-
-static inline Reference load_reference(global const float4* rows, uint i) {
-    const float4 lo = rows[2 * i], hi = rows[2 * i + 1];
-    const Reference reference = {{lo.xyz, hi.xyz}, as_uint(lo.w)};
-    return reference;
-}
-
-static inline void save_reference(global float4* rows, uint i, Box box, uint primitive) {
-    rows[2 * i] = (float4)(box.lo, as_float(primitive));
-    rows[2 * i + 1] = (float4)(box.hi, 0.0f);
-}
-
-/// A node to be split: `count` references from `at` on, within `capacity` places from `begin` on that are its own.
-typedef struct SplitTask {
-    uint begin, capacity, at, count;
-    uint node;
-    uint depth;  // odd: the references are in the second buffer
-} SplitTask;
-
-// What `counters` counts: nodes, leaves, small tasks, then tasks by level for large and for medium nodes.
-#define NODES 0
-#define LEAVES 1
-#define SMALL_TASKS 2
-#define TASKS_OF_LEVEL(level, size) (3 + 2 * (level) + (size))
-#define LARGE 4096u
-
 // ---- references of all triangles, in their order ------------------------------------------------------------------------
-
-/// The exclusive prefix sum of one value an item; the group's total in `total`.
-static inline uint group_prefix(uint value, local uint* scratch, uint* total) {
-    const uint item = get_local_id(0);
-    scratch[item] = value;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint step = 1; step < GROUP; step *= 2) {
-        const uint before = item >= step ? scratch[item - step] : 0;
-        barrier(CLK_LOCAL_MEM_FENCE);
-        scratch[item] += before;
-        barrier(CLK_LOCAL_MEM_FENCE);
-    }
-    *total = scratch[GROUP - 1];
-    const uint prefix = scratch[item] - value;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    return prefix;
-}
 
 kernel __attribute__((reqd_work_group_size(GROUP, 1, 1)))
 void count_references(global const float* positions, global const uint* indices, uint count, global uint* tile_sums) {
@@ -90,7 +41,7 @@ void scan_tiles(global uint* tile_sums, uint tiles) {
     const uint begin = min(item * run, tiles), end = min(begin + run, tiles);
     uint sum = 0, total;
     for (uint i = begin; i < end; ++i) sum += tile_sums[i];
-    uint prefix = group_prefix(sum, scratch, &total);
+    uint prefix = group_exclusive_sum(sum, scratch, &total);
     for (uint i = begin; i < end; ++i) {
         const uint value = tile_sums[i];
         tile_sums[i] = prefix;
@@ -113,7 +64,7 @@ void place_references(global const float* positions, global const uint* indices,
             valid = triangle_valid(triangle);
         }
         uint total;
-        const uint place = group_prefix(valid ? 1 : 0, scratch, &total);
+        const uint place = group_exclusive_sum(valid ? 1 : 0, scratch, &total);
         if (valid) save_reference(references, first + place, box_of(triangle), i);
         first += total;
     }
@@ -144,169 +95,6 @@ kernel void begin_splitting(global const BvhHeader* header, uint capacity, globa
         small[0] = root;
         counters[SMALL_TASKS] = 1;
     }
-}
-
-// ---- boxes that a group grows together ----------------------------------------------------------------------------------
-
-#define BOX_WORDS 6
-
-static inline void clear_box(volatile local uint* words) {
-    for (uint k = 0; k < 3; ++k) words[k] = 0xffffffffu, words[3 + k] = 0;
-}
-
-/// Looks before it writes: nearly all boxes lie within what others have added.
-static inline void grow_box(volatile local uint* words, Box box) {
-    const uint lo[3] = {float_key(box.lo.x), float_key(box.lo.y), float_key(box.lo.z)};
-    const uint hi[3] = {float_key(box.hi.x), float_key(box.hi.y), float_key(box.hi.z)};
-    for (uint k = 0; k < 3; ++k) {
-        if (lo[k] < words[k]) atomic_min(&words[k], lo[k]);
-        if (hi[k] > words[3 + k]) atomic_max(&words[3 + k], hi[k]);
-    }
-}
-
-static inline Box empty_box(void) {
-    const Box box = {(float3)(INFINITY), (float3)(-INFINITY)};
-    return box;
-}
-
-/// An empty box where nothing was added.
-static inline Box grown_box(volatile local const uint* words) {
-    if (words[0] > words[3]) return empty_box();
-    const Box box = {(float3)(float_from_key(words[0]), float_from_key(words[1]), float_from_key(words[2])),
-                     (float3)(float_from_key(words[3]), float_from_key(words[4]), float_from_key(words[5]))};
-    return box;
-}
-
-// ---- parts of triangles -------------------------------------------------------------------------------------------------
-
-typedef struct SplitPlane {
-    uint axis;
-    float position;
-} SplitPlane;
-
-static inline bool box_empty(Box box) { return !(box.lo.x <= box.hi.x && box.lo.y <= box.hi.y && box.lo.z <= box.hi.z); }
-
-static inline Box box_with(Box box, float3 point) {
-    const Box grown = {fmin(box.lo, point), fmax(box.hi, point)};
-    return grown;
-}
-
-static inline Box box_intersection(Box a, Box b) {
-    const Box box = {fmax(a.lo, b.lo), fmin(a.hi, b.hi)};
-    return box;
-}
-
-/// A box that holds the point in which edge ab crosses the plane strictly between its ends. With u = 2^-24 the parameter
-/// p is off by at most 8 u of itself, so a coordinate by 9 u of the edge's extent and 2 u of its size: the pad is
-/// larger, and the edge's own extent bounds the rest.
-static inline Box edge_crossing(float3 a, float3 b, uint axis, float plane) {
-    const float from = component(a, axis), to = component(b, axis);
-    const float length = fabs(to - from);
-    const float p = length > 1e-30f ? fabs(plane - from) * strict_reciprocal(length) : 0.5f;
-    const float3 edge = b - a;
-    const float slack = length > 1e-30f ? 9.5367432e-7f : 1.0f;  // 16 u, or the whole edge
-    const float3 pad = slack * fabs(edge) + 2.3841858e-7f * fmax(fabs(a), fabs(b)) + (float3)(1e-36f);
-    const float3 point = a + edge * p;
-    const Box near = {point - pad, point + pad}, all_of_it = {fmin(a, b), fmax(a, b)};
-    return box_intersection(near, all_of_it);
-}
-
-/// The parts of a reference on either side of a plane, each in a box as small as the triangle's edges allow. Every point of
-/// the triangle in `box` is in one of the two.
-static inline void split_reference(Triangle t, Box box, SplitPlane plane, Box* left, Box* right) {
-    const Box nothing = {(float3)(INFINITY), (float3)(-INFINITY)};
-    Box below = nothing, above = nothing;
-    const float3 corner[3] = {t.v0, t.v1, t.v2};
-    for (uint i = 0; i < 3; ++i) {
-        const float3 a = corner[i], b = corner[i == 2 ? 0 : i + 1];
-        const float from = component(a, plane.axis), to = component(b, plane.axis);
-        if (from <= plane.position) below = box_with(below, a);
-        if (from >= plane.position) above = box_with(above, a);
-        if (fmin(from, to) < plane.position && plane.position < fmax(from, to)) {
-            const Box crossing = edge_crossing(a, b, plane.axis, plane.position);
-            below = box_union(below, crossing);
-            above = box_union(above, crossing);
-        }
-    }
-    below.hi = with_component(below.hi, plane.axis, fmin(component(below.hi, plane.axis), plane.position));
-    above.lo = with_component(above.lo, plane.axis, fmax(component(above.lo, plane.axis), plane.position));
-    *left = box_intersection(below, box);
-    *right = box_intersection(above, box);
-}
-
-// ---- bins ---------------------------------------------------------------------------------------------------------------
-
-/// BINS slabs of equal width from `lo` on; scale 0: the axis has no extent.
-typedef struct Slabs {
-    float lo, scale, width;
-} Slabs;
-
-static inline Slabs make_slabs(float lo, float hi) {
-    const float extent = hi - lo;
-    Slabs slabs = {lo, 0.0f, 0.0f};
-    if (extent > 1e-30f) {
-        slabs.scale = (float)BINS * strict_reciprocal(extent);
-        slabs.width = extent * (1.0f / (float)BINS);
-    }
-    return slabs;
-}
-
-static inline uint slab_of(Slabs slabs, float x) {
-    return (uint)clamp((int)((x - slabs.lo) * slabs.scale), 0, (int)BINS - 1);
-}
-
-static inline float plane_after(Slabs slabs, uint bin) { return slabs.lo + slabs.width * (float)(bin + 1); }
-
-/// What is counted in a bin: references that begin there and that end there, which is the same between triangles.
-typedef struct Bins {
-    volatile local uint *boxes, *begin, *end;
-} Bins;
-
-static inline void clear_bins(Bins bins) {
-    for (uint i = get_local_id(0); i < 3 * BINS; i += GROUP) {
-        clear_box(bins.boxes + i * BOX_WORDS);
-        bins.begin[i] = bins.end[i] = 0;
-    }
-}
-
-typedef struct Candidate {
-    float cost;  // areas times references of both sides, over the node's area; INFINITY: none
-    uint bin;    // the last one on the left
-} Candidate;
-
-/// The best border between bins of one axis, by the two sweeps of binned building (Wald 2007). Splits that would need more
-/// than `limit` references, or leave all on both sides, don't count.
-static inline Candidate best_border(Bins bins, uint axis, float over_area, uint count, uint limit) {
-    float right_cost[BINS];
-    uint right_count[BINS];
-    Box box = empty_box();
-    uint references = 0;
-    for (uint i = BINS - 1; i > 0; --i) {
-        const uint bin = axis * BINS + i;
-        box = box_union(box, grown_box(bins.boxes + bin * BOX_WORDS));
-        references += bins.end[bin];
-        right_count[i] = references;
-        right_cost[i] = references == 0 ? 0.0f : half_area(box) * over_area * (float)references;
-    }
-    Candidate best = {INFINITY, 0};
-    box = empty_box();
-    references = 0;
-    for (uint i = 0; i + 1 < BINS; ++i) {
-        const uint bin = axis * BINS + i;
-        box = box_union(box, grown_box(bins.boxes + bin * BOX_WORDS));
-        references += bins.begin[bin];
-        const uint right = right_count[i + 1];
-        if (references == 0 || right == 0 || references + right > limit || (references == count && right == count)) continue;
-        const float cost = half_area(box) * over_area * (float)references + right_cost[i + 1];
-        if (cost < best.cost) best.cost = cost, best.bin = i;
-    }
-    return best;
-}
-
-static inline Box box_of_bins(Bins bins, uint axis, uint begin, uint end) {
-    Box box = empty_box();
-    for (uint i = begin; i < end; ++i) box = box_union(box, grown_box(bins.boxes + (axis * BINS + i) * BOX_WORDS));
-    return box;
 }
 
 // ---- splitting a node ---------------------------------------------------------------------------------------------------
@@ -500,7 +288,7 @@ void split_nodes(global const SplitTask* tasks, global SplitTask* large, global 
             }
             const bool to_left = !box_empty(left), to_right = !box_empty(right);
             uint total;
-            const uint before = group_prefix((to_left ? 1 : 0) + (to_right ? 0x10000 : 0), scratch, &total);
+            const uint before = group_exclusive_sum((to_left ? 1 : 0) + (to_right ? 0x10000 : 0), scratch, &total);
             if (to_left) {
                 save_reference(to, task.begin + left_count + (before & 0xffff), left, reference.primitive);
                 left_box = box_union(left_box, left);
@@ -539,153 +327,6 @@ void split_nodes(global const SplitTask* tasks, global SplitTask* large, global 
     node->child1 = child1;
     if (!is_leaf(child0)) nodes[child0].parent = task.node;
     if (!is_leaf(child1)) nodes[child1].parent = task.node;
-}
-
-// ---- small nodes --------------------------------------------------------------------------------------------------------
-
-/// References of a small node, as they are sorted into subtrees: rows of SMALL coordinates, lo.x lo.y lo.z hi.x hi.y hi.z.
-typedef local const float* SmallBoxes;
-
-static inline Box small_box(SmallBoxes rows, uint i) {
-    const Box box = {(float3)(rows[i], rows[SMALL + i], rows[2 * SMALL + i]),
-                     (float3)(rows[3 * SMALL + i], rows[4 * SMALL + i], rows[5 * SMALL + i])};
-    return box;
-}
-
-static inline float doubled_centroid(SmallBoxes rows, uint axis, uint i) {
-    return rows[axis * SMALL + i] + rows[(3 + axis) * SMALL + i];
-}
-
-static inline Box box_of_range(SmallBoxes rows, uint begin, uint end) {
-    Box box = small_box(rows, begin);
-    for (uint i = begin + 1; i < end; ++i) box = box_union(box, small_box(rows, i));
-    return box;
-}
-
-/// A split behind the centroid of one reference, on one axis.
-typedef struct SmallSplit {
-    float cost, centroid;
-    uint axis;
-} SmallSplit;
-
-/// The best of the splits behind reference i of a range, on all axes: references whose doubled centroid is not larger go left.
-static inline SmallSplit split_behind(SmallBoxes rows, uint begin, uint end, uint i) {
-    SmallSplit best = {INFINITY, 0.0f, 3};
-    for (uint axis = 0; axis < 3; ++axis) {
-        const float border = doubled_centroid(rows, axis, i);
-        Box left = empty_box(), right = left;
-        uint left_count = 0;
-        for (uint j = begin; j < end; ++j) {
-            const Box box = small_box(rows, j);
-            if (doubled_centroid(rows, axis, j) <= border) {
-                left = box_union(left, box);
-                ++left_count;
-            } else {
-                right = box_union(right, box);
-            }
-        }
-        const uint right_count = end - begin - left_count;
-        if (right_count == 0) continue;
-        const float cost = half_area(left) * (float)left_count + half_area(right) * (float)right_count;
-        if (cost < best.cost) best.cost = cost, best.centroid = border, best.axis = axis;
-    }
-    return best;
-}
-
-static inline bool better(SmallSplit a, SmallSplit b) {
-    if (a.cost != b.cost) return a.cost < b.cost;
-    if (a.axis != b.axis) return a.axis < b.axis;
-    return a.centroid < b.centroid;
-}
-
-typedef struct SmallTask {
-    uint begin, end, node, depth;
-} SmallTask;
-
-/// A group of SMALL items a task: all splits of a subtree, each the best of all.
-kernel __attribute__((reqd_work_group_size(SMALL, 1, 1)))
-void finish_subtrees(global const SplitTask* tasks, global const float4* even, global const float4* odd,
-                     global BvhNode* nodes, global LeafTriangle* leaves, volatile global uint* counters) {
-    local float rows[6 * SMALL], sorted_rows[6 * SMALL];
-    local uint primitives[SMALL], sorted_primitives[SMALL];
-    local SmallSplit splits[SMALL];
-    local SmallTask stack[SMALL];
-    local SmallSplit best;
-    local uint goes_left[SMALL];
-    const uint item = get_local_id(0);
-    const SplitTask task = tasks[get_group_id(0)];
-    if (item < task.count) {
-        const Reference reference = load_reference(task.depth % 2 == 0 ? even : odd, task.at + item);
-        for (uint axis = 0; axis < 3; ++axis) {
-            rows[axis * SMALL + item] = component(reference.box.lo, axis);
-            rows[(3 + axis) * SMALL + item] = component(reference.box.hi, axis);
-        }
-        primitives[item] = reference.primitive;
-    }
-    const SmallTask root = {0, task.count, task.node, task.depth};
-    if (item == 0) stack[0] = root;
-    uint depth = 1;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    while (depth != 0) {
-        const SmallTask current = stack[--depth];
-        const uint count = current.end - current.begin, i = current.begin + item;
-        const bool mine = item < count;
-        if (mine) splits[item] = split_behind(rows, current.begin, current.end, i);
-        barrier(CLK_LOCAL_MEM_FENCE);
-        if (item == 0) {
-            best = splits[0];
-            for (uint k = 1; k < count; ++k)
-                if (better(splits[k], best)) best = splits[k];
-            if (current.depth >= HALVING_DEPTH) best.axis = 3;
-        }
-        barrier(CLK_LOCAL_MEM_FENCE);
-        if (mine) {
-            const uint axis = min(best.axis, 2u);
-            goes_left[item] = best.axis == 3 ? item < count / 2 : doubled_centroid(rows, axis, i) <= best.centroid;
-        }
-        barrier(CLK_LOCAL_MEM_FENCE);
-        uint left_count = 0, before = 0;
-        for (uint k = 0; k < count; ++k) {
-            if (k < item) before += goes_left[k];
-            left_count += goes_left[k];
-        }
-        if (mine) {
-            const uint place = current.begin + (goes_left[item] ? before : left_count + item - before);
-            for (uint row = 0; row < 6; ++row) sorted_rows[row * SMALL + place] = rows[row * SMALL + i];
-            sorted_primitives[place] = primitives[i];
-        }
-        barrier(CLK_LOCAL_MEM_FENCE);
-        if (mine) {
-            for (uint row = 0; row < 6; ++row) rows[row * SMALL + i] = sorted_rows[row * SMALL + i];
-            primitives[i] = sorted_primitives[i];
-        }
-        barrier(CLK_LOCAL_MEM_FENCE);
-        const uint inner = (left_count > 1 ? 1 : 0) + (count - left_count > 1 ? 1 : 0);
-        if (item == 0) {
-            const uint middle = current.begin + left_count;
-            SmallTask sides[2] = {{current.begin, middle, 0, current.depth + 1}, {middle, current.end, 0, current.depth + 1}};
-            uint place = depth, next = inner == 0 ? 0 : atomic_add(&counters[NODES], inner);
-            global BvhNode* node = &nodes[current.node];
-            uint children[2];
-            for (uint side = 0; side < 2; ++side) {
-                const Box box = box_of_range(rows, sides[side].begin, sides[side].end);
-                store_child_box(node, side, box);
-                if (sides[side].end - sides[side].begin == 1) {
-                    const uint slot = atomic_inc(&counters[LEAVES]);
-                    store_reference(&leaves[slot], box, primitives[sides[side].begin]);
-                    children[side] = CLARAY_LEAF | slot;
-                } else {
-                    sides[side].node = children[side] = next++;
-                    nodes[sides[side].node].parent = current.node;
-                    stack[place++] = sides[side];
-                }
-            }
-            node->child0 = children[0];
-            node->child1 = children[1];
-        }
-        depth += inner;
-        barrier(CLK_LOCAL_MEM_FENCE);
-    }
 }
 
 /// The header of the tree of references.

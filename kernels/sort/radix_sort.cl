@@ -2,6 +2,7 @@
 // Histograms of all digits in one read, then a single kernel a digit that ranks its tile and learns its offset by decoupled
 // look-back (Merrill and Garland 2016). Tiles are numbered by tickets, so that a tile only ever waits for tiles that already
 // run: no forward-progress guarantee is needed. CPUs sort by bucket_sort.cl, to the same order: a stable sort has only one.
+#include "compute/group_sum.clh"
 #include "compute/portable.clh"
 
 #ifndef KEY_BITS
@@ -45,28 +46,13 @@ void count_all_digits(global const Key* keys, uint count, global uint* histogram
         if (counters[i] != 0) atomic_add(&histogram[i], counters[i]);
 }
 
-/// Exclusive prefix sum of one value an item over the group; `scratch` holds GROUP_SIZE words (Hillis and Steele 1986).
-static inline uint group_exclusive_sum(uint value, local uint* scratch) {
-    const uint item = get_local_id(0);
-    scratch[item] = value;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint step = 1; step < GROUP_SIZE; step *= 2) {
-        const uint before = item >= step ? scratch[item - step] : 0;
-        barrier(CLK_LOCAL_MEM_FENCE);
-        scratch[item] += before;
-        barrier(CLK_LOCAL_MEM_FENCE);
-    }
-    const uint sum = scratch[item] - value;
-    barrier(CLK_LOCAL_MEM_FENCE);
-    return sum;
-}
-
 /// Turns each digit position's histogram into the offsets where its digits begin: one group a pass.
 kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
 void scan_histogram(global uint* histogram) {
     local uint scratch[GROUP_SIZE];
     const uint i = get_global_id(0);
-    histogram[i] = group_exclusive_sum(histogram[i], scratch);
+    uint total;
+    histogram[i] = group_exclusive_sum(histogram[i], scratch, &total);
 }
 
 // A look-back word: 2 bits of state above 30 bits of count.
@@ -150,10 +136,10 @@ void sort_digit(global const Key* keys_in, global const uint* values_in, global 
     // The tile's counts are told before anything else is done, since other tiles wait for them. Item i owns digit i here.
     for (uint i = 0; i < ITEMS; ++i) atomic_inc(&warp_counts[warp][digit_of(keys[i], shift)]);
     barrier(CLK_LOCAL_MEM_FENCE);
-    uint total = 0;
+    uint total = 0, all;
     for (uint w = 0; w < WARPS; ++w) total += warp_counts[w][item];
     atomic_xchg(&states[tile * DIGITS + item], (tile == 0 ? STATE_INCLUSIVE : STATE_TILE) | total);
-    const uint begin = group_exclusive_sum(total, scratch);  // of the digit within the tile
+    const uint begin = group_exclusive_sum(total, scratch, &all);  // of the digit within the tile
     uint next = begin;
     for (uint w = 0; w < WARPS; ++w) {
         const uint in_warp = warp_counts[w][item];
