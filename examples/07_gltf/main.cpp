@@ -22,7 +22,9 @@ json factors(vec3 color, float metallic, float roughness) {
 json glass(vec3 color, float roughness, float ior) {
     return {{"pbrMetallicRoughness", factors(color, 0.f, roughness)},
             {"extensions",
-             {{"KHR_materials_transmission", {{"transmissionFactor", 1.f}}}, {"KHR_materials_ior", {{"ior", ior}}}}}};
+             {{"KHR_materials_transmission", {{"transmissionFactor", 1.f}}},
+              {"KHR_materials_volume", {{"thicknessFactor", 1.f}}},  // otherwise these were thin walls, not solids
+              {"KHR_materials_ior", {{"ior", ior}}}}}};
 }
 
 struct Materials {

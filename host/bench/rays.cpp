@@ -6,6 +6,7 @@
 #include <fstream>
 
 #include "claray/io.hpp"
+#include "host/scene/placement.hpp"
 
 namespace claray::bench {
 namespace {
@@ -48,10 +49,18 @@ std::vector<std::uint32_t> read_words(const std::filesystem::path& path) {
     return words;
 }
 
+std::vector<Mesh> world_meshes(const Scene& scene) {
+    if (scene.instances.empty()) return scene.meshes;
+    std::vector<Mesh> meshes;
+    for (const MeshInstance& instance : scene.instances)
+        meshes.push_back(transformed(scene.meshes[instance.mesh], instance.transform));
+    return meshes;
+}
+
 std::vector<Mesh> load_meshes(const std::string& name) {
     if (!name.ends_with(".scn")) {
         Warnings warnings;
-        return load_scene(name, warnings).meshes;
+        return world_meshes(load_scene(name, warnings));
     }
     const std::vector<std::uint32_t> words = read_words(name);
     Mesh mesh;

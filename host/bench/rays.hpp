@@ -8,7 +8,10 @@
 
 namespace claray::bench {
 
-/// The meshes of a scene by built-in name or file, or of the plain binary NAME.scn: u32 'SCN1', vertices, triangles, 0;
+/// All meshes where they stand, each as often as it does: one tree over them holds all that is seen as the shutter opens.
+[[nodiscard]] std::vector<Mesh> world_meshes(const Scene& scene);
+
+/// The same of a scene by built-in name or file, or of the plain binary NAME.scn: u32 'SCN1', vertices, triangles, 0;
 /// positions; indices.
 [[nodiscard]] std::vector<Mesh> load_meshes(const std::string& name);
 

@@ -123,6 +123,7 @@ void add_build_command(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand("build", "Build a tree: its cost stage by stage, its quality; or save it");
     command->footer(
         "A saved tree can be loaded on any device: Bvh::load, or 'claray build FILE.cbvh', which checks it.\n"
+        "Instances are put where they stand, into one tree.\n"
         "Example:\n"
         "  claray build scene.obj --builder balanced -o scene.cbvh");
     auto options = std::make_shared<Options>();

@@ -29,6 +29,13 @@ Light& replace_sky_by(Scene& scene, LightKind kind) {
     return scene.lights[0];
 }
 
+/// With a sun that coats reflect.
+void replace_sky_by_evening(Scene& scene) { scene.sky = {}, scene.environment.images = {evening_environment()}; }
+
+void move(Mesh& mesh, const glm::vec3& offset) {
+    for (glm::vec3& p : mesh.positions) p += offset;
+}
+
 /// Rows of small balls, all the same mesh.
 void make_instances(Scene& scene) {
     scene.meshes = {scene.meshes[0], textured_ball({0, 0, 0}, 1.f, 3, ball_material)};
@@ -71,7 +78,8 @@ struct Alone {
 constexpr std::array alone = {
     Alone{"smooth-normals",
           [](Scene& s) {
-              s.meshes[ball_material] = textured_ball({-0.35f, 0.8f, 0.f}, 0.8f, 4, ball_material);
+              // So coarse that its outline shows how round it is not.
+              s.meshes[ball_material] = textured_ball({-0.35f, 0.8f, 0.f}, 0.8f, 2, ball_material);
           }},
     Alone{"lambert", [](Scene&) {}},
     Alone{"mirror", [](Scene& s) { set_kind(s, MaterialKind::mirror, glm::vec3(0.9f), 0.f); }},
@@ -93,19 +101,27 @@ constexpr std::array alone = {
           [](Scene& s) {
               set_kind(s, MaterialKind::principled, {0.9f, 0.25f, 0.12f}, 0.5f);
               ball(s).metallic = ball(s).clearcoat = 1.f;
+              replace_sky_by_evening(s);
           }},
-    Alone{"clearcoat", [](Scene& s) { make_principled(s), ball(s).clearcoat = 1.f, ball(s).roughness = 0.7f; }},
+    Alone{"clearcoat",
+          [](Scene& s) {
+              make_principled(s), ball(s).clearcoat = 1.f, ball(s).roughness = 0.7f;
+              replace_sky_by_evening(s);
+          }},
     Alone{"absorption",
           [](Scene& s) {
               make_glass(s);
               ball(s).attenuation = {0.2f, 0.7f, 0.5f}, ball(s).attenuation_distance = 0.6f;
           }},
-    Alone{"culling",
-          [](Scene& s) {
-              s.meshes[ball_material] = open_bowl({-0.35f, 0.8f, 0.f}, 0.8f, ball_material);
-              s.meshes[ball_material].normals.clear();
-              ball(s).cull_back = true;
-          }},
+    Alone{
+        "culling",
+        [](Scene& s) {
+            s.meshes[ball_material] = open_bowl({-0.35f, 0.8f, 0.f}, 0.8f, ball_material);
+            s.meshes[ball_material].normals.clear();
+            s.meshes.push_back(textured_ball({-0.35f, 0.5f, 0.1f}, 0.35f, 3, block_material));  // seen through its wall
+            s.meshes.back().normals.clear();
+            ball(s).cull_back = true;
+        }},
     Alone{"emissive-triangles",
           [](Scene& s) {
               s.sky = {};
@@ -131,7 +147,7 @@ constexpr std::array alone = {
           }},
     Alone{"many-lights", make_many_lights},
     Alone{"sky", [](Scene&) {}},
-    Alone{"environment", [](Scene& s) { s.sky = {}, s.environment.images = {evening_environment()}; }},
+    Alone{"environment", replace_sky_by_evening},
     Alone{"textures", [](Scene& s) { s.materials[floor_material].albedo_map = add_texture(s, checks()); }},
     Alone{"mip-maps",
           [](Scene& s) {
@@ -153,8 +169,17 @@ constexpr std::array alone = {
               s.meshes[block_material] =
                   textured_rectangle({1.05f, 0.7f, 0.5f}, {0.6f, 0.f, 0.15f}, {0.f, 0.7f, 0.f}, block_material);
           }},
-    Alone{"depth-of-field", [](Scene& s) { s.camera->aperture_radius = 0.12f, s.camera->focus_distance = 4.f; }},
-    Alone{"camera-motion", [](Scene& s) { s.camera->position_end = s.camera->position + glm::vec3(0.25f, 0.f, 0.f); }},
+    Alone{"depth-of-field",
+          [](Scene& s) {
+              move(s.meshes[ball_material], {-0.2f, 0.f, -2.f});
+              move(s.meshes[block_material], {-0.6f, 0.f, 0.9f});
+              s.camera->aperture_radius = 0.1f, s.camera->focus_distance = 3.4f;
+          }},
+    Alone{"camera-motion",
+          [](Scene& s) {
+              s.camera->position_end = s.camera->position + glm::vec3(0.25f, 0.f, 0.f);
+              s.camera->target_end = s.camera->target + glm::vec3(0.25f, 0.f, 0.f);
+          }},
     Alone{"instances", make_instances},
     Alone{"instance-motion", make_instance_move},
 };

@@ -39,6 +39,28 @@ TEST(Measure, RoundsRunEveryTaskByTurns) {
     EXPECT_EQ(timings[2].milliseconds(), 0) << "no command, no time";
 }
 
+TEST(WorldMeshes, AreAllThatIsSeen) {
+    Scene scene;
+    scene.meshes = {test::soup(3, 0.5f, 1), test::soup(4, 0.5f, 2)};
+    EXPECT_EQ(world_meshes(scene).size(), 2u);
+    glm::mat4 mirrored(2.f);
+    mirrored[0][0] = -2.f, mirrored[3] = {5.f, 0.f, 0.f, 1.f};
+    scene.instances = {{1}, {1}};
+    scene.instances[1].transform = mirrored;
+    const std::vector<Mesh> meshes = world_meshes(scene);
+    ASSERT_EQ(meshes.size(), 2u) << "what no instance places is not seen";
+    EXPECT_EQ(meshes[0].positions, scene.meshes[1].positions);
+    const glm::vec3 p = scene.meshes[1].positions[3];
+    EXPECT_EQ(meshes[1].positions[3], glm::vec3(5.f - 2.f * p.x, 2.f * p.y, 2.f * p.z));
+    EXPECT_EQ(meshes[1].triangles.size(), 4u);
+}
+
+TEST(WorldMeshes, OfABuiltInScene) {
+    std::size_t triangles = 0;
+    for (const Mesh& mesh : load_meshes("effect:instances")) triangles += mesh.triangles.size();
+    EXPECT_EQ(triangles, 2u + 25u * 1280u);
+}
+
 PresetResult preset(const std::string& name, double build, double ms_per_million) {
     PresetResult result;
     result.preset = name;

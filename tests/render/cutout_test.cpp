@@ -249,6 +249,18 @@ TEST(AlphaMask, CoversTheAreaOfItsMask) {
     EXPECT_NEAR(mean(render_image(scene, fine)).x, 0, 1e-6);
 }
 
+/// What has just the opacity of the cut-off is there, as glTF has it.
+TEST(AlphaMask, IsThereFromTheCutOffOn) {
+    Scene scene = leaf_card(random_texture({2, 1}, 4, TexelFormat::linear8, 1));
+    scene.textures[0].bytes = {0, 0, 0, 255, 0, 0, 0, 0};
+    scene.textures[0].filter = Filter::nearest;
+    scene.materials[0].alpha_mode = AlphaMode::mask;
+    scene.materials[0].opacity = scene.materials[0].alpha_cutoff = 0.5f;
+    EXPECT_NEAR(mean(render_image(scene, fine)).x, 0.5, 0.01);
+    scene.materials[0].opacity = std::nextafter(0.5f, 0.f);
+    EXPECT_EQ(mean(render_image(scene, fine)).x, 1);
+}
+
 /// Far away a leaf keeps its area, since cut-outs are looked up in the finest level.
 TEST(AlphaMask, KeepsItsAreaFarAway) {
     Scene scene = leaf_card(disc(64, 0.35));
