@@ -40,6 +40,27 @@ void stadium(Run& run);
 void stack_depth(Run& run);
 void rebuilds(Run& run);
 
+// materials.cpp
+void ggx_density(Run& run);
+void ggx_energy(Run& run);
+void furnaces(Run& run);
+void fresnel(Run& run);
+void bsdf_reciprocity(Run& run);
+void bsdf_sampling(Run& run);
+void shading_normals(Run& run);
+
+// images.cpp
+void self_intersection(Run& run);
+void nan_pixels(Run& run);
+void accumulation(Run& run);
+void srgb(Run& run);
+void environment_poles(Run& run);
+void height_fields(Run& run);
+void alpha_coverage(Run& run);
+void light_distance_zero(Run& run);
+void shadow_terminator(Run& run);
+void image_statistics(Run& run);
+
 // same_results.cpp
 void tree_hashes(Run& run);
 void hit_hashes(Run& run);

@@ -71,7 +71,7 @@ void arithmetic64(Run& run, const std::vector<float>& of) {
     const char* const names[6] = {"a + b", "a - b", "a * b", "fma(a, b, c)", "a / b", "sign of a a - b c"};
     std::vector<double> triples(of.begin(), of.end());
     for (std::size_t i = 0; i < triples.size(); ++i)
-        triples[i] *= 1.0 + double(i % 97) * 0x1p-40;  // more bits than float32 has
+        triples[i] *= 1.0 + double(i % 97) * 0x1p-40;         // more bits than float32 has
     for (std::size_t i = 0; i + 2 < triples.size(); i += 12)  // a a - b c is then hardly anything
         triples[i + 1] = std::nextafter(triples[i], 1e300), triples[i + 2] = std::nextafter(triples[i], -1e300);
     const auto count = std::uint32_t(triples.size() / 3);

@@ -1,0 +1,235 @@
+#include "host/verify/bsdf.hpp"
+
+#include <algorithm>
+#include <complex>
+
+namespace claray::verify {
+
+std::vector<Sampled> TestedMaterial::draw(const glm::vec3& o, std::uint32_t count) const {
+    const Buffer<Sampled> out(device_, count);
+    run("sample", count, o.x, o.y, o.z, count, out);
+    return out.read();
+}
+
+TestedMaterial::Evaluated TestedMaterial::evaluate(const glm::vec3& o, const std::vector<float>& directions) const {
+    const auto count = std::uint32_t(directions.size() / 3);
+    const Buffer<float> values(device_, count), pdfs(device_, count);
+    run("eval", count, o.x, o.y, o.z, count, Buffer<float>(device_, directions), values, pdfs);
+    return {values.read(), pdfs.read()};
+}
+
+double chance_of_chi_squared(double chi2, double degrees) {
+    const double variance = 2 / (9 * degrees);
+    const double z = (std::cbrt(chi2 / degrees) - (1 - variance)) / std::sqrt(variance);
+    return 0.5 * std::erfc(z / std::numbers::sqrt2);
+}
+
+namespace {
+
+Material plain_metal(float roughness) { return white(MaterialKind::metal, roughness); }
+Material plain_glass(float roughness) { return white(MaterialKind::glass, roughness); }
+Material dense_glass(float roughness) { return white(MaterialKind::glass, roughness, 2.2f); }
+Material bubble(float roughness) { return white(MaterialKind::glass, roughness, 1 / 1.33f); }
+Material plastic(float roughness) { return white(MaterialKind::principled, roughness); }
+Material dense_plastic(float roughness) { return white(MaterialKind::principled, roughness, 2.4f); }
+
+/// Shininess of about that roughness.
+Material blinn_phong(float roughness) {
+    Material m = white(MaterialKind::blinn_phong, roughness);
+    m.albedo = glm::vec3(0.5f), m.specular = glm::vec3(0.5f);
+    m.shininess = roughness > 0.f ? 2.f / std::pow(roughness, 4.f) - 2.f : 0.5f;
+    return m;
+}
+Material only_highlight(float roughness) {
+    Material m = blinn_phong(roughness);
+    m.albedo = glm::vec3(0.f), m.specular = glm::vec3(1.f);
+    return m;
+}
+/// Metal under a coat; its own roughness and the coat's differ.
+Material coated_metal(float roughness) {
+    Material m = white(MaterialKind::principled, roughness);
+    m.metallic = 1.f, m.clearcoat = 1.f, m.clearcoat_roughness = 0.1f;
+    return m;
+}
+Material under_rough_coat(float roughness) {
+    Material m = coated_metal(0.35f);
+    m.clearcoat_roughness = roughness;
+    return m;
+}
+Material mixture(float roughness) {
+    Material m = white(MaterialKind::principled, roughness, 1.4f);
+    m.metallic = 0.4f, m.clearcoat = 0.6f, m.clearcoat_roughness = 0.2f, m.transmission = 0.5f;
+    return m;
+}
+
+const std::vector<Kind> kinds = {
+    {"Lambert", [](float r) { return white(MaterialKind::lambert, r); }},
+    {"Mirror", [](float r) { return white(MaterialKind::mirror, r); }},
+    {"Metal", plain_metal},
+    {"Glass", plain_glass},
+    {"GlassInside", plain_glass, true},
+    {"DenseGlass", dense_glass},
+    {"DenseGlassInside", dense_glass, true},
+    {"Bubble", bubble},
+    {"BubbleInside", bubble, true},
+    {"BlinnPhong", blinn_phong, false, false},
+    {"OnlyHighlight", only_highlight, false, false},
+    {"Plastic", plastic},
+    {"DensePlastic", dense_plastic},
+    {"CoatedMetal", coated_metal},
+    {"UnderRoughCoat", under_rough_coat},
+    {"Mixture", mixture, false, true, true},
+    {"MixtureInside", mixture, true, true, true},
+};
+
+/// Coated metal is what a principled material with these values always turns out to be at a hit.
+bool turns_into(const Kind& kind, std::uint32_t what) {
+    return what == CLARAY_COATED_METAL && (kind.make == coated_metal || kind.make == under_rough_coat);
+}
+
+// ---- chi-squared
+
+/// Half of a grid over the sphere: equal turns around an axis, and rings that are narrow near it, as the lobe there is.
+/// Only directions above the horizon, or only those below it, belong to it.
+struct Grid {
+    glm::dvec3 axis, side, other;
+    bool above;
+    std::vector<double> edges;  ///< angles from the axis
+    static constexpr int turns = 20, rings = 24;
+
+    Grid(const glm::dvec3& towards, double width) : axis(glm::normalize(towards)), above(axis.z > 0) {
+        side = glm::normalize(glm::cross(axis, std::abs(axis.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
+        other = glm::cross(axis, side);
+        const double stretch = std::clamp(2.2 - 1.15 * std::log(width), 0.1, 12.0);  // first rings: width / 4
+        for (int i = 0; i <= rings; ++i) edges.push_back(pi * std::sinh(i * stretch / rings) / std::sinh(stretch));
+    }
+    static constexpr std::size_t size() { return std::size_t(rings) * turns; }
+    /// The bin that a direction lies in.
+    [[nodiscard]] std::size_t bin(const glm::dvec3& d) const {
+        const double x = glm::dot(d, side), y = glm::dot(d, other);
+        const double angle = std::atan2(std::hypot(x, y), glm::dot(d, axis));
+        const auto ring = std::upper_bound(edges.begin() + 1, edges.end() - 1, angle) - edges.begin() - 1;
+        const double turn = std::atan2(y, x) / (2 * pi) + 0.5;
+        return std::size_t(ring) * turns + std::min(int(turn * turns), turns - 1);
+    }
+    [[nodiscard]] glm::dvec3 direction(double angle, double turn) const {
+        const double phi = (turn - 0.5) * 2 * pi;
+        return std::cos(angle) * axis + std::sin(angle) * (std::cos(phi) * side + std::sin(phi) * other);
+    }
+};
+
+/// The integral of the density over each bin, by the midpoint rule.
+std::vector<double> expected_shares(const TestedMaterial& material, const glm::vec3& outgoing, const Grid& grid) {
+    const int fine = 32;
+    std::vector<float> directions;
+    std::vector<double> solid_angles;
+    std::vector<std::size_t> bins;
+    for (int ring = 0; ring < Grid::rings; ++ring)
+        for (int turn = 0; turn < Grid::turns; ++turn)
+            for (int i = 0; i < fine; ++i) {
+                const double width = (grid.edges[ring + 1] - grid.edges[ring]) / fine;
+                const double angle = grid.edges[ring] + (i + 0.5) * width;
+                const double area = 2 * std::sin(angle) * std::sin(width / 2) * 2 * pi / Grid::turns / fine;
+                for (int j = 0; j < fine; ++j) {
+                    const glm::dvec3 d = grid.direction(angle, (turn + (j + 0.5) / fine) / Grid::turns);
+                    if ((d.z > 0) != grid.above) continue;
+                    directions.insert(directions.end(), {float(d.x), float(d.y), float(d.z)});
+                    solid_angles.push_back(area);
+                    bins.push_back(std::size_t(ring) * Grid::turns + turn);
+                }
+            }
+    const std::vector<float> pdfs = material.evaluate(outgoing, directions).pdfs;
+    std::vector<double> shares(Grid::size());
+    for (std::size_t i = 0; i < pdfs.size(); ++i) shares[bins[i]] += pdfs[i] * solid_angles[i];
+    return shares;
+}
+
+/// The chance that a sampler with the density it claims would be off by more. Samples that are not valid or come from a
+/// delta function are in no bin.
+Agreement agreement(const TestedMaterial& material, const glm::vec3& outgoing, const std::vector<Grid>& grids,
+                    std::uint32_t count) {
+    std::vector<std::vector<double>> observed(grids.size(), std::vector<double>(Grid::size()));
+    double valid = 0;
+    for (const Sampled& s : material.draw(outgoing, count)) {
+        if (!s.valid || s.pdf == 0) continue;
+        ++valid;
+        for (std::size_t g = 0; g < grids.size(); ++g)
+            if ((s.z > 0) == grids[g].above) ++observed[g][grids[g].bin({s.x, s.y, s.z})];
+    }
+    double chi2 = 0, degrees = 0, rare_observed = 0, rare_expected = 0, total = 0;
+    const auto add = [&](double seen, double expected) {
+        chi2 += (seen - expected) * (seen - expected) / expected, ++degrees;
+    };
+    for (std::size_t g = 0; g < grids.size(); ++g) {
+        const std::vector<double> shares = expected_shares(material, outgoing, grids[g]);
+        for (std::size_t i = 0; i < shares.size(); ++i) {
+            const double expected = count * shares[i];
+            total += shares[i];
+            if (expected < 20)
+                rare_observed += observed[g][i], rare_expected += expected;
+            else
+                add(observed[g][i], expected);
+        }
+    }
+    if (rare_expected >= 20) add(rare_observed, rare_expected);
+    return {degrees > 0 ? chance_of_chi_squared(chi2, degrees) : 1, std::abs(total - valid / count)};
+}
+
+/// Grids around the directions of ideal reflection and refraction where a lobe is narrow, else around the normal.
+std::vector<Grid> grids_for(const Kind& kind, float roughness, const glm::vec3& o) {
+    const Material m = kind.make(roughness);
+    double width = 1;
+    for (const float r : {m.roughness, m.clearcoat > 0 ? m.clearcoat_roughness : 1.f})
+        if (r > 0.03f) width = std::min(width, double(r) * r);
+    const double eta = kind.inside ? 1 / m.ior : m.ior, below = 1 - (1 - o.z * o.z) / (eta * eta);
+    const bool narrow = width < 0.1;
+    std::vector<Grid> grids = {Grid(narrow ? glm::dvec3(-o.x, -o.y, o.z) : glm::dvec3(0, 0, 1), narrow ? width : 1)};
+    if (m.kind == MaterialKind::glass) {
+        const bool refracted = narrow && below > 0;
+        const glm::dvec3 through(-o.x / eta, -o.y / eta, -std::sqrt(std::max(below, 0.0)));
+        grids.emplace_back(refracted ? through : glm::dvec3(0, 0, -1), refracted ? width * std::abs(eta - 1) / 2 : 1);
+    }
+    return grids;
+}
+
+}  // namespace
+
+const std::vector<Kind>& bsdf_kinds() { return kinds; }
+
+TestedMaterial tested(const Device& device, const Kind& kind, float roughness) {
+    TestedMaterial material(device, kind.make(roughness), kind.inside);
+    if (turns_into(kind, CLARAY_COATED_METAL)) material.become(CLARAY_COATED_METAL);
+    return material;
+}
+
+Agreement agreement_of_samples(const Device& device, const Kind& kind, float roughness, const glm::vec3& outgoing,
+                               std::uint32_t samples) {
+    return agreement(tested(device, kind, roughness), outgoing, grids_for(kind, roughness, outgoing), samples);
+}
+
+/// Fresnel's equations in float64 complex arithmetic, which needs no case for total reflection.
+double fresnel_reference(double cosine, double eta) {
+    const std::complex<double> t = std::sqrt(std::complex<double>(1 - (1 - cosine * cosine) / (eta * eta)));
+    const std::complex<double> s = (cosine - eta * t) / (cosine + eta * t), p = (eta * cosine - t) / (eta * cosine + t);
+    return 0.5 * (std::norm(s) + std::norm(p));
+}
+
+/// By the midpoint rule over microfacet normals. With u = the distribution's
+/// own cumulative function the integrand is G2 (o.h) / (cos_o cos_h), which is smooth.
+double single_scattering_albedo(double alpha, double cosine) {
+    const auto lambda = [&](double z) { return 0.5 * (std::sqrt(1 + alpha * alpha * (1 - z * z) / (z * z)) - 1); };
+    const double ox = std::sqrt(1 - cosine * cosine);
+    const int n = 1000;
+    double sum = 0;
+    for (int i = 0; i < n; ++i)
+        for (int j = 0; j < n; ++j) {
+            const double u = (i + 0.5) / n, phi = 2 * pi * (j + 0.5) / n;
+            const double tangent2 = alpha * alpha * u / (1 - u), hz = 1 / std::sqrt(1 + tangent2);
+            const double hx = std::sqrt(1 - hz * hz) * std::cos(phi);
+            const double oh = ox * hx + cosine * hz, iz = 2 * oh * hz - cosine;
+            if (oh > 0 && iz > 0) sum += oh / (cosine * hz) / (1 + lambda(cosine) + lambda(iz));
+        }
+    return sum / n / n;
+}
+
+}  // namespace claray::verify

@@ -1,0 +1,25 @@
+// Directions that an environment image is sampled with, and the density that is claimed for directions.
+#define ENVIRONMENT 1
+#include "claray/shared/rng.h"
+#include "shade/environment.clh"
+
+/// Four numbers a sample: the direction, and its density.
+kernel void sample_environment(EnvironmentData image, global const float* texels, global const float* cdf, uint count, uint seed,
+                               global float* samples) {
+    const uint i = get_global_id(0);
+    if (i >= count) return;
+    const SamplePair a = independent_pair(i, hash_word(seed));
+    LightView view;
+    view_environment(image, texels, cdf, (float2)(unit_float(a.x), unit_float(a.y)), &view);
+    vstore4((float4)(view.direction, view.pdf), i, samples);
+}
+
+/// The density of each direction (three numbers).
+kernel void density_of_environment(EnvironmentData image, global const float* texels, uint count, global const float* directions,
+                                   global float* densities) {
+    const uint i = get_global_id(0);
+    if (i >= count) return;
+    float pdf;
+    environment_radiance(image, texels, vload3(i, directions), &pdf);
+    densities[i] = pdf;
+}
