@@ -5,7 +5,8 @@
 
 namespace claray::verify {
 
-/// Empty where none is committed.
+/// Empty where none is committed. A builder that makes other trees changes those of its trees; `claray verify --case
+/// tree-hashes` prints them.
 [[nodiscard]] std::string expected_hash(const std::string& name);
 
 }  // namespace claray::verify
