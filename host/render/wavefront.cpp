@@ -5,6 +5,12 @@
 namespace claray {
 namespace {
 
+/// Consecutive paths that an item of shade_surface works on.
+std::uint32_t paths_per_item(const Device& device) {
+    if (device.info().type != DeviceType::cpu) return 1;
+    return std::max(1u, device.tuning("render/shade_surface", "PATHS_PER_ITEM"));
+}
+
 constexpr std::uint64_t bytes_per_path = 2 * (sizeof(Ray) + sizeof(PathState)) + sizeof(Ray) + sizeof(Hit) +
                                          sizeof(LightSample) + sizeof(std::uint8_t) + 3 * sizeof(float);
 
@@ -51,6 +57,7 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
       frame_(frame),
       bounces_per_look_(std::max(1u, device.tuning("render/wavefront", "BOUNCES_PER_LOOK"))),
       shade_group_(device.tuning("render/shade_surface", "GROUP_SIZE")),
+      paths_per_item_(paths_per_item(device)),
       kernels_(std::move(kernels)) {
     const std::uint32_t paths = choose_capacity(device, most_paths);
     for (int i = 0; i < 2; ++i) {
@@ -98,8 +105,7 @@ void Wavefront::trace_from(const Buffer<Hit>& points, const Batch& batch) {
     lengths_[1].fill(0);
     shadow_length_.fill(0);
     kernels_.generate.run({paths, 64}, batch, points, scene_.structure.triangles().positions,
-                          scene_.structure.triangles().indices,
-                          rays_[0], hits_, states_[0], radiance_);
+                          scene_.structure.triangles().indices, rays_[0], hits_, states_[0], radiance_);
     trace_paths(batch, true);
 }
 
@@ -118,7 +124,8 @@ void Wavefront::bounce(const Batch& batch, std::uint32_t depth, std::uint32_t li
     const int in = depth % 2, out = 1 - in;
     SceneQuery& trace = depth == 0 ? kernels_.trace_camera : kernels_.trace_bounce;
     if (!arrived) trace.closest(rays_[in], hits_, limit, lengths_[in], times_[in]);
-    kernels_.shade.run({limit, shade_group_}, batch, frame_, depth, scene_, lengths_[in], limit, rays_[in], hits_,
+    const std::uint32_t items = (limit + paths_per_item_ - 1) / paths_per_item_;
+    kernels_.shade.run({items, shade_group_}, batch, frame_, depth, scene_, lengths_[in], limit, rays_[in], hits_,
                        states_[in], radiance_, shading_normals_, lengths_[out], rays_[out], states_[out],
                        shadow_length_, shadow_rays_, shadow_light_, cones_[in], cones_[out], times_between(in, out));
     if (scene_.lights.count != 0 && depth < frame_.max_depth) trace_shadows(limit);

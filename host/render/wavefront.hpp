@@ -71,7 +71,7 @@ private:
     Device device_;
     SceneBuffers scene_;
     FrameData frame_;
-    unsigned bounces_per_look_, shade_group_;
+    unsigned bounces_per_look_, shade_group_, paths_per_item_;
     std::uint64_t camera_rays_ = 0;
 
     Buffer<Ray> rays_[2], shadow_rays_;

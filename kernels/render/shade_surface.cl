@@ -12,6 +12,9 @@
 #ifndef BAKE
 #define BAKE 0  // 1: paths begin at surfaces, which count as white Lambertians that emit nothing
 #endif
+#ifndef PATHS_PER_ITEM
+#define PATHS_PER_ITEM 64  // consecutive rays that an item shades, on CPUs; on GPUs 1
+#endif
 #ifndef ROULETTE_DEPTH
 #define ROULETTE_DEPTH 3  // surfaces that a path meets before chance may end it
 #endif
@@ -82,13 +85,13 @@ static inline bool view_light_beside(const Lights* lights, const Surface* surfac
 }
 
 /// A shadow ray to a light picked at random.
-static inline NextShadow sample_light(const Lights* lights, PathSamples samples, uint depth, PathState state,
+static inline NextShadow sample_light(const Lights* lights, const SurfaceSamples* samples, PathState state,
                                       const Surface* surface, const MaterialData* material,
                                       global const float* energy_tables, Frame shading_frame, float3 outgoing,
                                       uint choice) {
     NextShadow next;
     next.wanted = false;
-    const float2 random = draw(samples, DIMENSION_LIGHT(depth));
+    const float2 random = floats_of(words_at(samples, AT_LIGHT));
     float3 from;
     LightView view;
     bool viewers_side = true;
@@ -114,14 +117,14 @@ static inline NextShadow sample_light(const Lights* lights, PathSamples samples,
 #endif
 
 /// The ray on which the path goes on, if it does.
-static inline NextRay sample_direction(PathSamples samples, uint depth, PathState state, const Surface* surface,
+static inline NextRay sample_direction(const SurfaceSamples* samples, uint depth, PathState state, const Surface* surface,
                                        const MaterialData* material, global const float* energy_tables,
                                        Frame shading_frame, float3 outgoing, float chance, float lobe) {
     NextRay next;
     next.wanted = false;
     BsdfSample sample;
     if (!sample_bsdf(material, energy_tables, to_local(shading_frame, outgoing), surface->inside,
-                     (float3)(draw(samples, DIMENSION_BSDF(depth)), lobe), &sample))
+                     (float3)(floats_of(words_at(samples, AT_BSDF)), lobe), &sample))
         return next;
     float3 direction = to_world(shading_frame, sample.incoming);
     const bool viewers_side = sample.incoming.z > 0.0f;
@@ -224,29 +227,38 @@ static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PAR
 #endif
     if (depth >= frame.max_depth) return;
 
-    const PathSamples samples = samples_of(batch, state.path, frame.seed);
-    const SamplePair choice = draw_words(samples, DIMENSION_CHOICE(depth));
+    const SurfaceSamples samples = samples_at(samples_of(batch, state.path, frame.seed), depth);
+    const SamplePair choice = words_at(&samples, AT_CHOICE);
     const Frame shading_frame = make_frame(surface.shading);
     float lobe = 0.0f;
 #if LOBES
-    const float2 lobes = draw(samples, DIMENSION_LOBE(depth));
+    const float2 lobes = floats_of(words_at(&samples, AT_LOBE));
     resolve_principled(&material, lobes.x);
     lobe = lobes.y;
 #endif
 #if LIGHTS
     if (lights.data.count != 0 && !is_delta(&material))
-        *shadow = sample_light(&lights, samples, depth, state, &surface, &material, energy_tables, shading_frame,
+        *shadow = sample_light(&lights, &samples, state, &surface, &material, energy_tables, shading_frame,
                                outgoing, choice.x);
 #endif
 #if LIGHT_TREE && TRIANGLE_LIGHTS
     if (lights.data.tree_probability > 0.0f) vstore3(surface.shading, state.path, shading_normals);
 #endif
-    *next = sample_direction(samples, depth, state, &surface, &material, energy_tables, shading_frame, outgoing,
+    *next = sample_direction(&samples, depth, state, &surface, &material, energy_tables, shading_frame, outgoing,
                              unit_float(choice.y), lobe);
 #if MIPMAPS
     if (next->wanted) next->cone = scattered_cone(cone, hit.t, next->state.pdf);
 #endif
 }
+
+/// Where shade_sixteen.clh does the work.
+#define SHADE_SIXTEEN                                                                                                   \
+    (CLARAY_CPU && MATERIALS == 1u << CLARAY_LAMBERT && !NORMALS && !TEXTURES && !MIPMAPS && !INSTANCES && !BAKE &&     \
+     !ENVIRONMENT && !LIGHT_TREE && !SPOT_LIGHTS && !DIRECTIONAL_LIGHTS && !LIGHT_FALLOFF && !ABSORPTION &&             \
+     !(TRIANGLE_LIGHTS && POINT_LIGHTS))
+#if SHADE_SIXTEEN
+#include "render/shade_sixteen.clh"
+#endif
 
 /// Shades the first *length rays, which have met `depth` surfaces before this one. Fills the next queue and, under LIGHTS,
 /// the queue of shadow rays; both lengths begin at 0.
@@ -257,41 +269,60 @@ void shade_surface(Batch batch, FrameData frame, uint depth, SCENE_PARAMETERS, g
                    global uint* next_length, global Ray* next_rays, global PathState* next_states,
                    global uint* shadow_length, global Ray* shadow_rays, global LightSample* shadow_light,
                    global const RayCone* cones, global RayCone* next_cones TIME_PARAMETERS) {
+    const uint all = min(*length, capacity);
+#if SHADE_SIXTEEN
+    const uint begin = (uint)get_global_id(0) * PATHS_PER_ITEM, end = min(begin + PATHS_PER_ITEM, all);
+    Shaded16 shaded;
+    for (uint i = begin; i < end; i += 16) {
+        shade_sixteen(batch, frame, depth, SCENE, rays + i, hits + i, states + i, min(16u, end - i), radiance, &shaded);
+        store_next16(&shaded, next_length, next_rays, next_states);
+        store_shadows16(&shaded, shadow_length, shadow_rays, shadow_light);
+    }
+#else
+#if CLARAY_CPU
+    const uint begin = (uint)get_global_id(0) * PATHS_PER_ITEM, end = min(begin + PATHS_PER_ITEM, all);
+    for (uint i = begin; i < end; ++i)
+#else
     local uint scratch[2];
     const uint i = get_global_id(0);
-    NextRay next;
-    NextShadow shadow;
-    next.wanted = shadow.wanted = false;
-    float time = 0.0f;
-    if (i < min(*length, capacity)) {
-        RayCone cone = camera_cone(frame);
+#endif
+    {
+        NextRay next;
+        NextShadow shadow;
+        next.wanted = shadow.wanted = false;
+        float time = 0.0f;
+        if (i < all) {
+            RayCone cone = camera_cone(frame);
 #if MIPMAPS
-        if (cones && depth != 0) cone = cones[i];
+            if (cones && depth != 0) cone = cones[i];
 #endif
 #if INSTANCE_MOTION
-        time = times[i];
+            time = times[i];
 #endif
-        shade_hit(batch, frame, depth, SCENE, rays[i], hits[i], time, states[i], cone, radiance, shading_normals, &next, &shadow);
-    }
+            shade_hit(batch, frame, depth, SCENE, rays[i], hits[i], time, states[i], cone, radiance, shading_normals, &next,
+                      &shadow);
+        }
 
-    const uint slot = reserve_slot(next_length, next.wanted, scratch);
-    if (next.wanted) {
-        next_rays[slot] = next.ray;
-        next_states[slot] = next.state;
+        const uint slot = RESERVE_SLOT(next_length, next.wanted, scratch);
+        if (next.wanted) {
+            next_rays[slot] = next.ray;
+            next_states[slot] = next.state;
 #if INSTANCE_MOTION
-        next_times[slot] = time;
+            next_times[slot] = time;
 #endif
 #if MIPMAPS
-        if (next_cones) next_cones[slot] = next.cone;
+            if (next_cones) next_cones[slot] = next.cone;
 #endif
-    }
+        }
 #if LIGHTS
-    const uint shadow_slot = reserve_slot(shadow_length, shadow.wanted, scratch);
-    if (shadow.wanted) {
-        shadow_rays[shadow_slot] = shadow.ray;
-        shadow_light[shadow_slot] = shadow.light;
+        const uint shadow_slot = RESERVE_SLOT(shadow_length, shadow.wanted, scratch);
+        if (shadow.wanted) {
+            shadow_rays[shadow_slot] = shadow.ray;
+            shadow_light[shadow_slot] = shadow.light;
 #if INSTANCE_MOTION
-        shadow_times[shadow_slot] = time;
+            shadow_times[shadow_slot] = time;
+#endif
+        }
 #endif
     }
 #endif

@@ -150,6 +150,35 @@ TEST(Effects, CompiledInButUnusedChangeNoBit) {
     EXPECT_EQ(mean(render_image(plain_scene(), config)), glm::dvec3(0.0));
 }
 
+/// Where surfaces are flat and diffuse and lights of one kind, CPUs shade sixteen rays at once
+/// (render/shade_sixteen.clh). Kernels that know of spots shade them one by one.
+TEST(Effects, DiffuseScenesAreShadedWithTheSameBitsSixteenAtOnce) {
+    Scene dark = *builtin_scene("cornell");
+    for (Material& m : dark.materials) m.emission = glm::vec3(0.f);
+    Scene points = dark;
+    points.lights = {point_light({0.2f, 0.5f, 0.1f}, {1, 2, 3}), point_light({0.4f, 0.3f, 0.3f}, {2, 1, 1})};
+    Scene open = points;
+    open.sky = {glm::vec3(0.3f), glm::vec3(0.5f, 0.6f, 1.f)};
+    open.meshes.resize(open.meshes.size() - 1);
+    Scene needle = dark;  // a light so narrow that the square of its normal, as it is computed, underflows
+    needle.materials.push_back(emitter(1e19f));
+    needle.materials.back().cull_back = true;
+    Mesh light;
+    light.positions = {{0.1f, 0.4f, 0}, {0.4f, 0.4f, 0}, {0.1f, 0.4f, 1e-20f}};
+    light.triangles = {{0, 1, 2}};
+    light.materials = {std::uint32_t(needle.materials.size() - 1)};
+    needle.meshes.push_back(light);
+    const Scene scenes[] = {*builtin_scene("cornell"), dark, points, open, needle};
+    for (std::size_t i = 0; i < std::size(scenes); ++i)
+        for (const unsigned width : {1u, 13u}) {
+            RenderConfig config{.width = width, .height = 11, .spp = 3, .max_depth = 6};
+            const std::vector<glm::vec3> image = render_image(scenes[i], config);
+            EXPECT_EQ(mean(image).x > 0, i != 1);
+            config.effects.add = {Effect::spot_lights};
+            EXPECT_TRUE(same_bits(image, render_image(scenes[i], config))) << "scene " << i << ", width " << width;
+        }
+}
+
 /// Asked of the profiler and of the buffers, under kernels that could do everything.
 TEST(Effects, WithoutThemThereIsNoPassAndNoMemory) {
     const RenderConfig config{.width = 16, .height = 16, .spp = 1, .effects = {full_effects(), {}}};

@@ -6,6 +6,9 @@
 #include <set>
 #include <vector>
 
+#include "claray/program.hpp"
+#include "tests/support/device.hpp"
+
 namespace claray::test {
 namespace {
 
@@ -107,6 +110,36 @@ TEST(Rng, SobolConvergesFasterThanIndependentSamples) {
         return std::sqrt(squares / 200);
     };
     EXPECT_LT(error(CLARAY_SOBOL), 0.1 * error(CLARAY_INDEPENDENT));
+}
+
+/// Kernels for CPUs draw in vectors, those for GPUs one by one.
+TEST(Rng, DevicesDrawWhatTheHostDraws) {
+    const std::uint32_t count = 1000, seed = 7, dimensions = 4;
+    for (const std::uint32_t sampler : {CLARAY_SOBOL, CLARAY_INDEPENDENT}) {
+        Kernel draw = compile_kernel(device(), R"(
+            #include "render/samples.clh"
+            kernel void draw_all(uint count, uint seed, global uint* words) {
+                const uint i = get_global_id(0);
+                if (i >= count) return;
+                const Batch batch = {5u, count, 3u, 6u};
+                const SurfaceSamples at = samples_at(samples_of(batch, i, seed), i % 7);
+                for (uint which = 0; which < 4; ++which) {
+                    const SamplePair pair = words_at(&at, which);
+                    words[8 * i + 2 * which] = pair.x, words[8 * i + 2 * which + 1] = pair.y;
+                }
+            })",
+                                     "draw_all", {{"SAMPLER", std::to_string(sampler)}});
+        Buffer<std::uint32_t> words(device(), 2 * dimensions * count);
+        draw.run({count, 0}, count, seed, words);
+        const std::vector<std::uint32_t> drawn = words.read();
+        for (std::uint32_t i = 0; i < count; ++i)
+            for (std::uint32_t which = 0; which < dimensions; ++which) {
+                const std::uint32_t depth = i % 7, dimension = which < 3 ? 1 + 3 * depth + which : 0x80000000u + depth;
+                const SamplePair pair = sample_pair(sampler, hash_words(5 + i / 6, seed), 3 + i % 6, dimension);
+                ASSERT_EQ(drawn[2 * (dimensions * i + which)], pair.x) << i << ' ' << which;
+                ASSERT_EQ(drawn[2 * (dimensions * i + which) + 1], pair.y) << i << ' ' << which;
+            }
+    }
 }
 
 }  // namespace

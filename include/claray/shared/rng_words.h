@@ -1,0 +1,77 @@
+// The functions of rng.h, for words CLARAY_WORD, pairs of them CLARAY_PAIR, and under names CLARAY_OF_WORD(name): kernels for
+// CPUs include it a second time for vectors of words.
+
+/// A bijection of 32-bit words whose output bits all depend on all input bits (constants: Wellons 2018, "lowbias32").
+CLARAY_SHARED_FUNCTION CLARAY_WORD CLARAY_OF_WORD(hash_word)(CLARAY_WORD x) {
+    x ^= x >> 16;
+    x *= 0x7feb352du;
+    x ^= x >> 15;
+    x *= 0x846ca68bu;
+    return x ^ (x >> 16);
+}
+
+CLARAY_SHARED_FUNCTION CLARAY_WORD CLARAY_OF_WORD(hash_words)(CLARAY_WORD a, CLARAY_WORD b) {
+    return CLARAY_OF_WORD(hash_word)(a ^ (CLARAY_OF_WORD(hash_word)(b + 0x9e3779b9u) * 0x85ebca6bu));
+}
+
+CLARAY_SHARED_FUNCTION CLARAY_WORD CLARAY_OF_WORD(reverse_bits)(CLARAY_WORD x) {
+    x = ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
+    x = ((x >> 2) & 0x33333333u) | ((x & 0x33333333u) << 2);
+    x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
+    x = ((x >> 8) & 0x00ff00ffu) | ((x & 0x00ff00ffu) << 8);
+    return (x >> 16) | (x << 16);
+}
+
+/// Owen scrambling of a number whose bits are in reverse: every bit is flipped or not by a hash of the bits below it.
+/// The constants are Vegdahl's (2021, "Building a better LK hash").
+CLARAY_SHARED_FUNCTION CLARAY_WORD CLARAY_OF_WORD(owen_scramble_reversed)(CLARAY_WORD x, CLARAY_WORD seed) {
+    x ^= x * 0x3d20adeau;
+    x += seed;
+    x *= (seed >> 16) | 1u;
+    x ^= x * 0x05526c56u;
+    return x ^ (x * 0x53a22864u);
+}
+
+/// Bits of the second Sobol dimension in reverse. Its generator matrix is Pascal's triangle modulo 2, the fifth
+/// Kronecker power of (1 1; 0 1), hence these five steps instead of a loop over 32 direction numbers.
+CLARAY_SHARED_FUNCTION CLARAY_WORD CLARAY_OF_WORD(sobol_second_reversed)(CLARAY_WORD index) {
+    index ^= (index >> 1) & 0x55555555u;
+    index ^= (index >> 2) & 0x33333333u;
+    index ^= (index >> 4) & 0x0f0f0f0fu;
+    index ^= (index >> 8) & 0x00ff00ffu;
+    return index ^ (index >> 16);
+}
+
+/// Point `index` of a shuffled and scrambled Sobol sequence; seeds give independent sequences.
+CLARAY_SHARED_FUNCTION CLARAY_PAIR CLARAY_OF_WORD(sobol_pair)(CLARAY_WORD index, CLARAY_WORD seed) {
+    CLARAY_PAIR pair;
+    index = CLARAY_OF_WORD(reverse_bits)(CLARAY_OF_WORD(owen_scramble_reversed)(CLARAY_OF_WORD(reverse_bits)(index), seed));
+    pair.x = CLARAY_OF_WORD(reverse_bits)(CLARAY_OF_WORD(owen_scramble_reversed)(index, CLARAY_OF_WORD(hash_word)(seed ^ 0x68bc21ebu)));
+    pair.y = CLARAY_OF_WORD(reverse_bits)(CLARAY_OF_WORD(owen_scramble_reversed)(CLARAY_OF_WORD(sobol_second_reversed)(index), CLARAY_OF_WORD(hash_word)(seed ^ 0x02e5be93u)));
+    return pair;
+}
+
+/// Independent numbers from a counter (pcg2d of Jarzynski and Olano 2020, "Hash functions for GPU rendering").
+CLARAY_SHARED_FUNCTION CLARAY_PAIR CLARAY_OF_WORD(independent_pair)(CLARAY_WORD index, CLARAY_WORD seed) {
+    CLARAY_PAIR pair;
+    pair.x = index * 1664525u + 1013904223u;
+    pair.y = seed * 1664525u + 1013904223u;
+    pair.x += pair.y * 1664525u;
+    pair.y += pair.x * 1664525u;
+    pair.x ^= pair.x >> 16;
+    pair.y ^= pair.y >> 16;
+    pair.x += pair.y * 1664525u;
+    pair.y += pair.x * 1664525u;
+    pair.x ^= pair.x >> 16;
+    pair.y ^= pair.y >> 16;
+    return pair;
+}
+
+/// The pair of numbers that sample `sample` of a pixel uses for `dimension`. Samples alternate between two sequences
+/// that are scrambled independently, so that the difference of their means tells the error of both (Owen 1997:
+/// replicated randomised quasi-Monte Carlo).
+CLARAY_SHARED_FUNCTION CLARAY_PAIR CLARAY_OF_WORD(sample_pair)(uint sampler, CLARAY_WORD pixel_seed, CLARAY_WORD sample,
+                                                               CLARAY_WORD dimension) {
+    const CLARAY_WORD seed = CLARAY_OF_WORD(hash_words)(pixel_seed ^ (sample & 1u), dimension);
+    return sampler == CLARAY_SOBOL ? CLARAY_OF_WORD(sobol_pair)(sample >> 1, seed) : CLARAY_OF_WORD(independent_pair)(sample, seed);
+}
