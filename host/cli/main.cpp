@@ -13,7 +13,7 @@
 
 namespace {
 
-/// A compiler's log has many lines: they go to a file, and the first line names it.
+/// What is to be reported of a device or a compiler has many lines: they go to a file, and the first line names it.
 std::string one_line(const std::string& message) {
     const std::size_t end = message.find('\n');
     if (end == std::string::npos) return message;
@@ -22,9 +22,9 @@ std::string one_line(const std::string& message) {
         std::filesystem::temp_directory_path(no_folder) / ("claray-" + std::to_string(::getpid()) + ".log");
     try {
         claray::write_file(path, message + "\n");
-        return message.substr(0, end) + " the log is in " + path.string();
+        return message.substr(0, end) + "; the log is in " + path.string();
     } catch (const claray::Error&) {
-        return message.substr(0, end) + " and the log could not be written to " + path.string();
+        return message.substr(0, end) + "; the log could not be written to " + path.string();
     }
 }
 

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <map>
 #include <memory>
+#include <optional>
 #include <tuple>
 
 #include "claray/io.hpp"
@@ -35,20 +36,29 @@ void warn_of_culled(const RenderProgress& progress) {
                      progress.culled);
 }
 
-/// Renders until a target is met or a signal comes.
+/// Renders until a target is met or a signal comes. Before the first samples there is nothing to save, and a signal
+/// ends the program as usual, even while a driver compiles.
 Outcome run_renderer(Renderer& renderer, const RenderOptions& options) {
     ProgressDisplay display(options.config, progress_style(options.quiet));
-    bool warned = false;
+    std::optional<InterruptGuard> guard;
     const RenderProgress progress = renderer.render([&](const RenderProgress& so_far) {
-        if (!warned) warn_of_culled(so_far);
-        warned = true;
+        if (!guard) {
+            warn_of_culled(so_far);
+            guard.emplace();
+        }
         display.show(so_far);
         return !InterruptGuard::interrupted();
     });
     display.finish(progress);
     if (progress.spp == 0)
-        throw Error(ErrorKind::user, "interrupted before the first sample: there is no image to write");
+        throw Error(ErrorKind::user, "interrupted before every pixel had a sample: there is no image to write");
     return {progress, InterruptGuard::interrupted()};
+}
+
+/// What else is to be written is, before it is an error that the checkpoint could not.
+void refuse_lost_checkpoint(const Renderer& renderer) {
+    const std::string error = renderer.statistics().checkpoint_error;
+    if (!error.empty()) throw Error(ErrorKind::user, "the last checkpoint could not be written: " + error);
 }
 
 void render(const RenderOptions& options) {
@@ -59,7 +69,6 @@ void render(const RenderOptions& options) {
     if (!options.wait_for_kernels) config.compiler = this_program();
     Renderer renderer(device, load(options), config);
 
-    const InterruptGuard guard;
     const Outcome outcome = run_renderer(renderer, options);
     write_image(options.output, {options.config.width, options.config.height, renderer.image()}, options.exposure,
                 options.tone_map);
@@ -67,6 +76,7 @@ void render(const RenderOptions& options) {
     if (!options.trace.empty()) write_trace(options.trace, device.profiler().records(), device.info().name);
     options.json ? print_as_json(device, renderer, options, outcome)
                  : print_as_text(device, renderer, options, outcome);
+    refuse_lost_checkpoint(renderer);
 }
 
 void add_image_options(CLI::App& command, RenderOptions& o) {
@@ -127,6 +137,15 @@ void add_quality_options(CLI::App& command, RenderOptions& o) {
     command.add_option("--seed", o.config.seed, "Another number gives other noise [0]");
 }
 
+void add_checkpoint_options(CLI::App& command, RenderOptions& o) {
+    command.add_option("--checkpoint", o.config.checkpoint, "Write FILE now and then, from which --resume goes on");
+    command.add_option("--checkpoint-every", o.config.checkpoint_seconds, "That often: 30s, 5min, 2h [30s]")
+        ->transform(CLI::AsNumberWithUnit(std::map<std::string, double>{{"s", 1}, {"min", 60}, {"h", 3600}}))
+        ->check(CLI::PositiveNumber);
+    command.add_option("--resume", o.config.resume,
+                       "Go on from what --checkpoint wrote for the same scene and settings");
+}
+
 void add_machine_options(CLI::App& command, RenderOptions& o) {
     command.add_option("--device", o.device, "cpu, gpu, an index or a part of the name (see claray devices)");
     add_bvh_options(command, o.config.bvh);
@@ -147,6 +166,7 @@ void add_render_command(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand("render", "Render a scene to an image by path tracing");
     command->footer(
         "Ctrl-C stops early and writes the image as it is.\n"
+        "--time counts anew after --resume; --spp may be larger than before.\n"
         "Examples:\n"
         "  claray render cornell -o cornell.png --spp 1024 --noise 0.02\n"
         "  claray render bunny.obj -o bunny.hdr --size 1920x1080 --time 60 --stats\n"
@@ -156,6 +176,7 @@ void add_render_command(CLI::App& app, Action& action) {
     add_image_options(*command, *options);
     add_camera_options(*command, *options);
     add_quality_options(*command, *options);
+    add_checkpoint_options(*command, *options);
     add_machine_options(*command, *options);
     command->callback([&action, options] { action = [options] { render(*options); }; });
 }

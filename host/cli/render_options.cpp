@@ -91,6 +91,7 @@ void check_outputs(const RenderOptions& options) {
         check_writable(raw);
     }
     if (!options.trace.empty()) check_file_writable(options.trace);
+    if (!options.config.checkpoint.empty()) check_file_writable(options.config.checkpoint);
 }
 
 }  // namespace claray::cli

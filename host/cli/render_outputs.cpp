@@ -95,6 +95,7 @@ void print_statistics(const Device& device, const RenderStatistics& s) {
     print_rays("camera rays", s.camera);
     print_rays("bounce rays", s.bounce);
     print_rays("shadow rays", s.shadow);
+    std::printf("longest       %.1f ms, %s\n", s.longest_milliseconds, s.longest_command.c_str());
     std::printf("memory        %.1f MB on the device\n", double(s.device_bytes) * 1e-6);
 }
 
@@ -155,6 +156,7 @@ void print_as_json(const Device& device, const Renderer& renderer, const RenderO
         {"effect_overrides",
          {{"add", as_json(options.config.effects.add)}, {"remove", as_json(options.config.effects.remove)}}},
         {"rays", {{"camera", as_json(s.camera)}, {"bounce", as_json(s.bounce)}, {"shadow", as_json(s.shadow)}}},
+        {"longest_command", {{"name", s.longest_command}, {"milliseconds", s.longest_milliseconds}}},
         {"device_bytes", s.device_bytes}};
     std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
 }

@@ -1,17 +1,10 @@
 #include "claray/buffer.hpp"
 
+#include "host/compute/device_error.hpp"
 #include "host/compute/device_state.hpp"
 #include "host/compute/memory.hpp"
 
 namespace claray::detail {
-namespace {
-
-[[noreturn]] void fail(const Device& device, const char* doing, const cl::Error& error) {
-    throw Error(ErrorKind::device, std::string("cannot ") + doing + " on " + device.info().name + ": " + error.what() +
-                                       " gave " + std::to_string(error.err()));
-}
-
-}  // namespace
 
 std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes) {
     const DeviceInfo& info = device.info();
@@ -29,6 +22,7 @@ std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes) {
         refuse("has " + size_text(bytes_available(device)) + " of its " + size_text(info.memory) + " left");
     const auto in_use = device.state().in_use;
     try {
+        fail_if_asked(device.state().failing_allocation, CL_MEM_OBJECT_ALLOCATION_FAILURE);
         // Larger than CL_DEVICE_MAX_MEM_ALLOC_SIZE is for the driver to decide.
         auto made = std::make_unique<cl::Buffer>(device.context(), CL_MEM_READ_WRITE, bytes);
         *in_use += bytes;
@@ -49,7 +43,7 @@ void write(const Device& device, const cl::Buffer& buffer, std::size_t offset, c
     device.queue().enqueueWriteBuffer(buffer, CL_TRUE, offset, bytes, data, nullptr, &event);
     device.profiler().add("write_buffer", event);
 } catch (const cl::Error& error) {
-    fail(device, "write a buffer", error);
+    throw_device_error(device, "write a buffer", error);
 }
 
 void read(const Device& device, const cl::Buffer& buffer, std::size_t offset, void* data, std::size_t bytes) try {
@@ -57,7 +51,7 @@ void read(const Device& device, const cl::Buffer& buffer, std::size_t offset, vo
     device.queue().enqueueReadBuffer(buffer, CL_TRUE, offset, bytes, data, nullptr, &event);
     device.profiler().add("read_buffer", event);
 } catch (const cl::Error& error) {
-    fail(device, "read a buffer", error);
+    throw_device_error(device, "read a buffer", error);
 }
 
 void copy(const Device& device, const cl::Buffer& from, const cl::Buffer& to, std::size_t bytes,
@@ -66,7 +60,7 @@ void copy(const Device& device, const cl::Buffer& from, const cl::Buffer& to, st
     device.queue().enqueueCopyBuffer(from, to, 0, offset, bytes, nullptr, &event);
     device.profiler().add("copy_buffer", event);
 } catch (const cl::Error& error) {
-    fail(device, "copy a buffer", error);
+    throw_device_error(device, "copy a buffer", error);
 }
 
 void fill_bytes(const Device& device, const cl::Buffer& buffer, unsigned pattern, std::size_t bytes) try {
@@ -74,7 +68,7 @@ void fill_bytes(const Device& device, const cl::Buffer& buffer, unsigned pattern
     device.queue().enqueueFillBuffer(buffer, cl_uint(pattern), 0, bytes, nullptr, &event);
     device.profiler().add("fill_buffer", event);
 } catch (const cl::Error& error) {
-    fail(device, "fill a buffer", error);
+    throw_device_error(device, "fill a buffer", error);
 }
 
 }  // namespace claray::detail

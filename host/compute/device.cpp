@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "host/compute/device_error.hpp"
 #include "host/compute/device_state.hpp"
 #include "host/compute/tuning.hpp"
 
@@ -194,8 +195,7 @@ void Device::finish() const try {
     state_->queue.finish();
     state_->profiler.collect();
 } catch (const cl::Error& error) {
-    throw Error(ErrorKind::device, "cannot finish the work on " + info().name + ": " + error.what() + " gave " +
-                                       std::to_string(error.err()));
+    throw_device_error(*this, "finish the work", error);
 }
 
 }  // namespace claray

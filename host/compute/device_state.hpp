@@ -19,13 +19,14 @@ struct Device::State {
     cl::Context context;
     cl::CommandQueue queue;
     Profiler profiler;
-    bool store_programs = true;  // in the cache on disk; PoCL compiles them a second time for that
+    bool store_programs = true;                   // in the cache on disk; PoCL compiles them a second time for that
     std::map<std::string, cl::Program> programs;  // by file, options and, for a user's source, its text
     std::vector<KernelRequest>* requests = nullptr;  // where set, kernels are not loaded but noted down
     MemoryPlan* plan = nullptr;                   // where set, buffers are not made but added up
     std::shared_ptr<std::atomic<std::uint64_t>> in_use = std::make_shared<std::atomic<std::uint64_t>>(0);  // bytes
-    std::map<std::string, unsigned> tuning;  // "kernel parameter" -> value, as resolved for this device
-    std::shared_ptr<cl::Buffer> ray_queue;   // see host/trace/query_kernel.hpp; made when first used
+    unsigned failing_allocation = 0, failing_command = 0;  // for tests: see host/compute/memory.hpp
+    std::map<std::string, unsigned> tuning;                // "kernel parameter" -> value, as resolved for this device
+    std::shared_ptr<cl::Buffer> ray_queue;                 // see host/trace/query_kernel.hpp; made when first used
 };
 
 }  // namespace claray

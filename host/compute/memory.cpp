@@ -35,6 +35,13 @@ bool gives_buffer(const Device& device, std::uint64_t bytes) {
     return status == CL_SUCCESS;
 }
 
+void fail_allocation(const Device& device, unsigned nth) { device.state().failing_allocation = nth; }
+void fail_command(const Device& device, unsigned nth) { device.state().failing_command = nth; }
+
+void fail_if_asked(unsigned& countdown, int error) {
+    if (countdown != 0 && --countdown == 0) throw cl::Error(error, "an injected failure");
+}
+
 std::string size_text(std::uint64_t bytes) {
     char text[32];
     const bool large = bytes >= 1'000'000'000;

@@ -35,6 +35,12 @@ private:
 /// AMD's drivers, for instance, promise a quarter of the memory and often give more.
 [[nodiscard]] bool gives_buffer(const Device& device, std::uint64_t bytes);
 
+/// For tests: the nth allocation, or the nth run of a kernel, from now on fails as if the driver refused; 0: none does.
+void fail_allocation(const Device& device, unsigned nth);
+void fail_command(const Device& device, unsigned nth);
+/// Counts down to 1, where it throws this error of OpenCL; at 0 it does nothing.
+void fail_if_asked(unsigned& countdown, int error);
+
 /// "12.3 MB", "4.56 GB"
 [[nodiscard]] std::string size_text(std::uint64_t bytes);
 

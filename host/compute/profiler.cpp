@@ -25,6 +25,7 @@ void Profiler::collect() {
         summary.end = std::max(summary.end, record.end);
         ++summary.count;
         summary.milliseconds += record.milliseconds();
+        summary.longest = std::max(summary.longest, record.milliseconds());
         if (keep_records_) records_.push_back(std::move(record));
     }
     pending_.clear();

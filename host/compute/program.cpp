@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "host/compute/build_report.hpp"
+#include "host/compute/device_error.hpp"
 #include "host/compute/device_state.hpp"
 #include "host/compute/joint_program.hpp"
 #include "host/compute/kernel_sources.hpp"
@@ -66,8 +67,9 @@ std::string with_file_name(std::string log, const KernelSource& main) {
 
 [[noreturn]] void throw_build_error(const Device& device, const KernelSource& main, const std::string& options,
                                     const std::string& log) {
-    throw Error(ErrorKind::device, "cannot compile the kernel " + main.path + " for " + device.info().name +
-                                       " with options '" + options + "':\n" + with_file_name(log, main));
+    throw Error(ErrorKind::device,
+                "cannot compile the kernel " + main.path + " for " + device.info().name + " with options '" + options +
+                    "'\n" + failure_report(device, main.path + ' ' + options) + "log:\n" + with_file_name(log, main));
 }
 
 /// Compiles with what it includes as named headers, so that #include works on every driver and messages keep their
@@ -152,9 +154,20 @@ Kernel kernel_of(const Device& device, const KernelSource& main, const std::stri
     if (found == programs.end()) found = programs.emplace(key, timed_compile(device, main, options)).first;
     return Kernel(device, cl::Kernel(found->second, function.c_str()), function);
 } catch (const cl::Error& error) {
-    throw Error(ErrorKind::device, "cannot load the kernel " + function + " of " + main.path + " on " +
-                                       device.info().name + ": " + error.what() + " gave " +
-                                       std::to_string(error.err()));
+    throw_device_error(device, "load the kernel " + function + " of " + main.path, error);
+}
+
+/// A kernel's file and options, or nothing where that is not known any more.
+std::string compiled_with(const Device& device, const cl::Kernel& kernel) try {
+    const auto program = kernel.getInfo<CL_KERNEL_PROGRAM>();
+    for (const auto& [key, known] : device.state().programs) {
+        if (known() != program()) continue;
+        const std::size_t path = key.find('\n');
+        return key.substr(0, path) + ' ' + key.substr(path + 1, key.find('\n', path + 1) - path - 1);
+    }
+    return {};
+} catch (const cl::Error&) {
+    return {};
 }
 
 /// The file's tuning values first, so that the caller's macros win.
@@ -189,6 +202,7 @@ void Kernel::enqueue(Range range, unsigned arguments) try {
     if (range.global == 0) return;
     std::size_t global = range.global;
     if (range.local != 0) global = (global + range.local - 1) / range.local * range.local;
+    fail_if_asked(device_->state().failing_command, CL_OUT_OF_RESOURCES);
     cl::Event event;
     device_->queue().enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange(global),
                                           range.local ? cl::NDRange(range.local) : cl::NullRange, nullptr, &event);
@@ -201,8 +215,7 @@ void Kernel::enqueue(Range range, unsigned arguments) try {
                         ", where claray uses " + size_text(bytes_in_use(*device_)) + " of its " +
                         size_text(device_->info().memory),
                     "end other programs that use the device, or use a smaller scene");
-    throw Error(ErrorKind::device, "cannot run the kernel " + name_ + " on " + device_->info().name + ": " +
-                                       error.what() + " gave " + std::to_string(error.err()));
+    throw_device_error(*device_, "run the kernel " + name_, error, compiled_with(*device_, kernel_));
 }
 
 BuildReport report_build(const Device& device, const std::string& file, const Defines& defines) try {
@@ -220,8 +233,7 @@ BuildReport report_build(const Device& device, const std::string& file, const De
     read_build_log(log, report);
     return report;
 } catch (const cl::Error& error) {
-    throw Error(ErrorKind::device, "cannot compile " + file + " on " + device.info().name + ": " + error.what() +
-                                       " gave " + std::to_string(error.err()));
+    throw_device_error(device, "compile " + file, error);
 }
 
 void read_build_log(const std::string& log, BuildReport& report) {

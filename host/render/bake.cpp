@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <chrono>
 #include <map>
 #include <numbers>
 
@@ -77,12 +78,16 @@ std::vector<glm::vec3> radiance_of(const Device& device, const Scene& scene, con
     const Buffer<Hit> points(device, texels.points);
     Film film(device, count);
     Schedule schedule(count, config.spp, wavefront.capacity());
+    Pace pace(device.tuning("render/wavefront", "FIRST_PATHS"), wavefront.capacity());
     const double all = double(count) * config.spp;
     while (!schedule.finished()) {
-        const Batch batch = schedule.next();
+        const auto begin = std::chrono::steady_clock::now();
+        const Batch batch = schedule.next(pace.paths());
         wavefront.trace_from(points, batch);
         film.accumulate(batch, wavefront.radiance());
         device.finish();
+        const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begin;
+        pace.took(batch.pixels * batch.samples, taken.count());
         if (progress && !progress(double(schedule.samples()) / all))
             throw Error(ErrorKind::user, "interrupted: there is no light map to write");
     }

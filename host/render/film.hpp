@@ -22,6 +22,10 @@ public:
     /// Mean radiance of every pixel. Blocks.
     [[nodiscard]] std::vector<glm::vec3> resolve() const;
 
+    /// The sums themselves, and back. Block.
+    [[nodiscard]] std::vector<FilmPixel> pixels() const { return pixels_.read(); }
+    void set_pixels(const std::vector<FilmPixel>& pixels) { pixels_.write(pixels); }
+
     struct Noise {
         double relative = 0;  ///< as in RenderProgress
         std::uint64_t dropped = 0;

@@ -7,8 +7,11 @@
 #include <memory>
 #include <optional>
 
+#include "host/compute/device_error.hpp"
 #include "host/compute/device_state.hpp"
+#include "host/compute/file.hpp"
 #include "host/compute/joint_program.hpp"
+#include "host/render/checkpoint.hpp"
 #include "host/render/film.hpp"
 #include "host/render/kernel_choice.hpp"
 #include "host/render/schedule.hpp"
@@ -40,6 +43,7 @@ const RenderConfig& checked(const RenderConfig& config) {
     if (config.max_depth == 0) refuse("a maximum depth of 0", "give at least 1, which is direct light only");
     if (!(config.seconds >= 0)) refuse("a time limit that is no time", "give seconds, or 0 for no limit");
     if (!(config.noise >= 0)) refuse("a noise limit that is negative or no number", "0.01 is a good start");
+    if (!(config.checkpoint_seconds > 0)) refuse("checkpoints every 0 seconds or less", "30 is a good start");
     return config;
 }
 
@@ -74,28 +78,36 @@ double kernel_milliseconds(const Device& device) {
     return total;
 }
 
-/// Keeps the host from running far ahead of the device, so that a stop takes effect soon.
+/// Keeps the host from running far ahead of the device, so that a stop takes effect soon, and sets the pace.
 class InFlight {
 public:
-    explicit InFlight(const Device& device) : device_(device) {}
+    InFlight(const Device& device, Pace& pace) : device_(device), pace_(pace) {}
 
     /// To be called after each batch; waits for the one before the last.
-    void submitted() try {
+    void submitted(std::uint32_t paths) try {
         cl::Event done;
         device_.queue().enqueueMarkerWithWaitList(nullptr, &done);
         device_.queue().flush();
-        events_.push_back(done);
-        if (events_.size() < batches_in_flight) return;
-        events_.front().wait();
-        events_.pop_front();
+        batches_.push_back({done, paths});
+        if (batches_.size() < batches_in_flight) return;
+        batches_.front().done.wait();
+        const Clock::time_point now = Clock::now();
+        if (before_) pace_.took(batches_.front().paths, 1e3 * std::chrono::duration<double>(now - *before_).count());
+        before_ = now;
+        batches_.pop_front();
     } catch (const cl::Error& error) {
-        throw Error(ErrorKind::device, "cannot render on " + device_.info().name + ": " + error.what() + " gave " +
-                                           std::to_string(error.err()));
+        throw_device_error(device_, "render", error);
     }
 
 private:
+    struct Submitted {
+        cl::Event done;
+        std::uint32_t paths;
+    };
     Device device_;
-    std::deque<cl::Event> events_;
+    Pace& pace_;
+    std::deque<Submitted> batches_;
+    std::optional<Clock::time_point> before_;  // when the batch before was seen to end
 };
 
 /// Programs that are compiled in its lifetime are not stored.
@@ -143,7 +155,8 @@ struct Renderer::State {
           buffers(on, scene, structure),
           wavefront(on, buffers, frame_data(scene, buffers, with), first_kernels(), std::uint64_t(pixels()) * with.spp),
           film(on, pixels()),
-          schedule(pixels(), with.spp, wavefront.capacity()) {
+          schedule(pixels(), with.spp, wavefront.capacity()),
+          pace(on.tuning("render/wavefront", "FIRST_PATHS"), wavefront.capacity()) {
         for (const char* name : {trace_camera_name, trace_bounce_name, trace_shadow_name})
             before[name] = device.profiler().milliseconds(name);
     }
@@ -151,6 +164,7 @@ struct Renderer::State {
     [[nodiscard]] WavefrontKernels first_kernels() const;
     void first_pixel();
     void take_over_when_compiled();
+    void save_checkpoint();
     [[nodiscard]] std::uint32_t pixels() const { return config.width * config.height; }
     [[nodiscard]] RenderProgress measure() const;
     [[nodiscard]] bool target_met() const;
@@ -174,7 +188,10 @@ struct Renderer::State {
     Wavefront wavefront;
     Film film;
     Schedule schedule;
-    Clock::time_point begin;
+    Pace pace;
+    RenderIdentity identity;  // where checkpoints are written
+    std::string checkpoint_error;
+    std::optional<Clock::time_point> begin;
     std::map<std::string, double> before;  // the profiler's times when this render was set up
 };
 
@@ -196,7 +213,7 @@ RenderProgress Renderer::State::measure() const {
     progress.noise = noise.relative;
     progress.dropped_samples = noise.dropped;
     progress.culled = culled;
-    progress.seconds = seconds_since(begin);
+    progress.seconds = begin ? seconds_since(*begin) : 0;
     return progress;
 }
 
@@ -204,7 +221,7 @@ RenderProgress Renderer::State::measure() const {
 bool Renderer::State::target_met() const {
     if (schedule.finished()) return true;
     const unsigned spp = schedule.complete_passes_spp();
-    if (config.seconds > 0 && spp > 0 && seconds_since(begin) >= config.seconds) return true;
+    if (config.seconds > 0 && spp > 0 && begin && seconds_since(*begin) >= config.seconds) return true;
     if (!(config.noise > 0) || spp < least_spp_for_noise || !schedule.between_passes()) return false;
     const double noise = film.noise().relative;
     return noise > 0 && noise <= config.noise;
@@ -235,6 +252,17 @@ void Renderer::State::take_over_when_compiled() {
     own_kernels_from = unsigned(schedule.samples() / pixels());
 }
 
+/// A full disk must not end a render of hours: it is tried again, and the last failure is told.
+void Renderer::State::save_checkpoint() {
+    const Checkpoint checkpoint{schedule.position(), film.pixels()};
+    try {
+        write_checkpoint(config.checkpoint, identity, checkpoint);
+        checkpoint_error.clear();
+    } catch (const Error& error) {
+        checkpoint_error = error.what();
+    }
+}
+
 RayCount Renderer::State::rays(const char* name, std::uint64_t count) const {
     return {count, std::max(0.0, device.profiler().milliseconds(name) - before.at(name))};
 }
@@ -245,25 +273,42 @@ Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig&
         PlacedScene placed = place_instances(checked(wanted));
         return std::make_shared<State>(device, placed.scene, config, placed.baked, std::move(placed.numbers));
     };
+    RenderIdentity identity;
+    std::optional<Checkpoint> from;  // read before time is spent on the structure
+    const bool resumes = !config.resume.empty(), saves = !config.checkpoint.empty();
+    if (resumes || saves) identity = identity_of(checked(scene), checked(config));
+    if (resumes) from = read_checkpoint(config.resume, identity, config.spp);
+    if (saves) check_file_writable(config.checkpoint);
     state_ = config.effects.remove.empty() ? state_of(scene) : state_of(without_effects(scene, config.effects.remove));
+    state_->identity = identity;
+    if (!from) return;
+    state_->schedule.go_to(from->position);
+    state_->film.set_pixels(from->pixels);
 }
 
 RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>& progress) {
     State& state = *state_;
-    if (state.schedule.samples() == 0) state.begin = Clock::now();
-    InFlight in_flight(state.device);
+    if (!state.begin) state.begin = Clock::now();
+    const bool saves = !state.config.checkpoint.empty();
+    InFlight in_flight(state.device, state.pace);
     Clock::time_point last_report;  // long ago: the first batch is reported at once
+    Clock::time_point last_checkpoint = Clock::now();
     while (!state.target_met()) {
-        const Batch batch = state.schedule.next();
+        const Batch batch = state.schedule.next(state.pace.paths());
         state.wavefront.trace(batch);
         state.film.accumulate(batch, state.wavefront.radiance());
-        in_flight.submitted();
+        in_flight.submitted(batch.pixels * batch.samples);
         if (state.first_pixel_seconds == 0) state.first_pixel();
         if (!state.own_kernels) state.take_over_when_compiled();
+        if (saves && seconds_since(last_checkpoint) >= state.config.checkpoint_seconds) {
+            state.save_checkpoint();
+            last_checkpoint = Clock::now();
+        }
         if (!progress || seconds_since(last_report) < seconds_between_reports) continue;
         if (!progress(state.measure())) break;
         last_report = Clock::now();
     }
+    if (saves) state.save_checkpoint();
     state.device.finish();
     return state.measure();
 }
@@ -287,6 +332,10 @@ RenderStatistics Renderer::statistics() const {
     statistics.own_kernels = state.own_kernels;
     statistics.own_kernels_from = state.own_kernels_from;
     statistics.effects = state.buffers.effects;
+    statistics.checkpoint_error = state.checkpoint_error;
+    for (const auto& [name, summary] : state.device.profiler().summary())
+        if (summary.longest > statistics.longest_milliseconds)
+            statistics.longest_milliseconds = summary.longest, statistics.longest_command = name;
     statistics.dropped_samples = state.film.noise().dropped;
     return statistics;
 }

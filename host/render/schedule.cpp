@@ -5,30 +5,51 @@
 namespace claray {
 namespace {
 constexpr std::uint32_t largest_pass = 16;  // samples a pixel, unless the whole image with more fits into one batch
-}
+constexpr double batch_milliseconds = 100;
+}  // namespace
 
 Schedule::Schedule(std::uint32_t pixels, std::uint32_t spp, std::uint32_t paths_in_flight)
     : pixels_(pixels), spp_(spp), paths_(paths_in_flight) {}
 
+/// Depends on nothing that differs from run to run: between passes is where a render may stop.
 std::uint32_t Schedule::pass_samples() const {
+    if (!between_passes()) return at_.pass;
     const std::uint32_t limit = std::min(std::max(largest_pass, paths_ / pixels_), paths_);
-    return std::min({std::max(done_, 1u), limit, spp_ - done_});
+    return std::min({std::max(at_.done, 1u), limit, spp_ - at_.done});
 }
 
-Batch Schedule::next() {
+Batch Schedule::next(std::uint32_t most_paths) {
+    const std::uint32_t most = std::max(1u, std::min(most_paths, paths_));
+    at_.pass = pass_samples();
     Batch batch{};
-    batch.first_pixel = pixel_;
-    batch.first_sample = done_;
-    batch.samples = pass_samples();
-    batch.pixels = std::min(paths_ / batch.samples, pixels_ - pixel_);
-    pixel_ += batch.pixels;
-    if (pixel_ == pixels_) pixel_ = 0, done_ += batch.samples;
+    batch.first_pixel = at_.pixel;
+    batch.first_sample = at_.done + at_.sample;
+    batch.samples = std::min(at_.pass - at_.sample, most);
+    batch.pixels = 1;
+    if (batch.samples < at_.pass) {  // a part of one pixel
+        at_.sample += batch.samples;
+        if (at_.sample < at_.pass) return batch;
+        at_.sample = 0;
+    } else {
+        batch.pixels = std::min(most / batch.samples, pixels_ - at_.pixel);
+    }
+    at_.pixel += batch.pixels;
+    if (at_.pixel == pixels_) at_.pixel = 0, at_.done += at_.pass;
     return batch;
 }
 
 std::uint64_t Schedule::samples() const {
-    const std::uint64_t of_this_pass = pixel_ == 0 ? 0 : std::uint64_t(pixel_) * pass_samples();
-    return std::uint64_t(done_) * pixels_ + of_this_pass;
+    return std::uint64_t(at_.done) * pixels_ + std::uint64_t(at_.pixel) * pass_samples() + at_.sample;
+}
+
+/// What took longer than it should is cut at once. Only full batches say that more would do: small ones are mostly
+/// overhead.
+void Pace::took(std::uint32_t paths, double milliseconds) {
+    const double share = batch_milliseconds / std::max(milliseconds, 1e-3);
+    if (share < 1)
+        paths_ = std::min(paths_, std::uint32_t(std::max(1.0, double(paths) * std::max(share, 0.125))));
+    else if (paths > paths_ / 2)
+        paths_ = std::max(paths_, std::uint32_t(std::min(double(most_), double(paths) * std::min(share, 4.0))));
 }
 
 }  // namespace claray

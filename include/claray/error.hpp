@@ -13,7 +13,7 @@ enum class ErrorKind : int {
     device = 3  ///< OpenCL: no platform, a failed kernel build, out of device memory
 };
 
-/// `what()` is one line: "what failed: why; remedy".
+/// `what()` is one line, "what failed: why; remedy", to which failures of a device add lines of report.
 class Error : public std::runtime_error {
 public:
     Error(ErrorKind kind, const std::string& message, const std::string& remedy = {})

@@ -21,6 +21,7 @@ struct ProfileRecord {
 struct ProfileSummary {
     std::uint64_t count = 0;
     double milliseconds = 0;
+    double longest = 0;                ///< milliseconds of the longest one
     std::uint64_t start = 0, end = 0;  ///< of the first and of the last command, in nanoseconds of the device's clock
 };
 

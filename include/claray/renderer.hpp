@@ -1,6 +1,7 @@
 // Images: a progressive path tracer.
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 
@@ -28,6 +29,14 @@ struct RenderConfig {
     /// The program `claray`, where it shall compile kernels while others already render; empty: rendering begins when
     /// the scene's own kernels are compiled. The image is the same.
     std::string compiler = {};
+    /// Where not empty, the file that `render` writes every so many seconds and when it returns: a render that ends by
+    /// whatever can go on from there.
+    std::filesystem::path checkpoint = {};
+    double checkpoint_seconds = 30;
+    /// Where not empty, such a file to go on from. It must be of the same scene and of the same width, height, seed,
+    /// depth, sampler and choice of effects; `spp` may be larger. On the same device the image is the same bit for bit as
+    /// one rendered without a break.
+    std::filesystem::path resume = {};
 };
 
 /// What a render has done so far.
@@ -65,6 +74,9 @@ struct RenderStatistics {
     RayCount camera, bounce, shadow;
     EffectSet effects;  ///< that the scene calls for, after `RenderConfig::effects`
     std::uint64_t device_bytes = 0;
+    double longest_milliseconds = 0;    ///< of all commands of this device so far
+    std::string longest_command;        ///< its name
+    std::string checkpoint_error;       ///< why the last checkpoint could not be written; empty where it could
     std::uint64_t dropped_samples = 0;  ///< as in RenderProgress
 };
 
@@ -81,13 +93,14 @@ struct Aovs {
 class Renderer {
 public:
     /// Uploads the scene and builds its acceleration structure. Throws ErrorKind::usage for a configuration out of
-    /// range, ErrorKind::user for a scene that `validate` refuses, ErrorKind::device where memory does not suffice.
+    /// range, ErrorKind::user for a scene that `validate` refuses or a checkpoint that does not fit or can't be written,
+    /// ErrorKind::device where memory does not suffice.
     Renderer(const Device& device, const Scene& scene, const RenderConfig& config);
 
     /// Adds samples until a target of the configuration is met. `progress` is called after the first batch of samples
     /// and then a few times a second; it returns false to stop, which takes one batch; the image is then valid, some
     /// pixels having more samples than others, and another call goes on where this one stopped. Returns what was
-    /// reached.
+    /// reached. A checkpoint that can't be written ends nothing: see RenderStatistics.
     RenderProgress render(const std::function<bool(const RenderProgress&)>& progress = {});
 
     /// Mean linear radiance so far, row by row from the top left.

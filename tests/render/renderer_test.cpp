@@ -13,6 +13,7 @@
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/tuning.hpp"
 
 namespace claray::test {
 namespace {
@@ -20,22 +21,6 @@ namespace {
 bool same_bits(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b) {
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0;
 }
-
-/// Sets a tuning value of the test's device until the end of the scope.
-class ScopedTuning {
-public:
-    ScopedTuning(std::string kernel, std::string parameter, unsigned value)
-        : kernel_(std::move(kernel)), parameter_(std::move(parameter)), before_(device().tuning(kernel_, parameter_)) {
-        device().set_tuning(kernel_, parameter_, value);
-    }
-    ~ScopedTuning() { device().set_tuning(kernel_, parameter_, before_); }
-    ScopedTuning(const ScopedTuning&) = delete;
-    ScopedTuning& operator=(const ScopedTuning&) = delete;
-
-private:
-    std::string kernel_, parameter_;
-    unsigned before_;
-};
 
 TEST(Renderer, SameConfigurationGivesTheSameBits) {
     const Scene scene = *builtin_scene("spheres");
@@ -47,13 +32,17 @@ TEST(Renderer, SameConfigurationGivesTheSameBits) {
     EXPECT_FALSE(same_bits(image, render_image(scene, other)));
 }
 
-TEST(Renderer, PathsInFlightDoNotChangeTheBits) {
+TEST(Renderer, SlicesDoNotChangeTheBits) {
     const Scene scene = *builtin_scene("cornell");
     const RenderConfig config{.width = 61, .height = 43, .spp = 21};
     const std::vector<glm::vec3> image = render_image(scene, config);
     for (const unsigned paths : {500u, 5'000u}) {
         const ScopedTuning tuning("render/wavefront", "PATHS", paths);
         EXPECT_TRUE(same_bits(image, render_image(scene, config))) << paths << " paths";
+    }
+    for (const unsigned paths : {5u, 500u}) {
+        const ScopedTuning tuning("render/wavefront", "FIRST_PATHS", paths);
+        EXPECT_TRUE(same_bits(image, render_image(scene, config))) << "beginning with " << paths << " paths";
     }
     const ScopedTuning tuning("render/wavefront", "BOUNCES_PER_LOOK", 3);
     EXPECT_TRUE(same_bits(image, render_image(scene, config))) << "counting every third bounce";
@@ -233,6 +222,7 @@ TEST(Renderer, RefusesBadConfigurations) {
     EXPECT_TRUE(refused({.max_depth = 0}, "depth"));
     EXPECT_TRUE(refused({.seconds = -1}, "time"));
     EXPECT_TRUE(refused({.noise = std::nan("")}, "noise"));
+    EXPECT_TRUE(refused({.checkpoint_seconds = 0}, "checkpoints every 0 seconds"));
     Scene broken = scene;
     broken.materials[0].albedo.x = std::nanf("");
     EXPECT_TRUE(throws_error(ErrorKind::user, "albedo", [&] { Renderer(device(), broken, {}); }));

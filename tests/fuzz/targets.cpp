@@ -1,0 +1,143 @@
+#include "tests/fuzz/targets.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <string>
+
+#include "claray/effects.hpp"
+#include "claray/io.hpp"
+#include "host/compute/hash.hpp"
+#include "host/compute/tuning.hpp"
+#include "host/render/checkpoint.hpp"
+#include "tests/support/device.hpp"
+#include "tests/support/process.hpp"
+
+namespace claray::test {
+namespace {
+
+using Bytes = std::span<const std::uint8_t>;
+
+/// A folder in memory where there is one, for the whole process.
+std::filesystem::path path_of(const std::string& name) {
+    static const TemporaryFolder folder;
+    return folder / name;
+}
+
+std::filesystem::path written(const std::string& name, Bytes bytes) {
+    const std::filesystem::path path = path_of(name);
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+    return path;
+}
+
+template <class Read>
+void expect_result_or_user_error(Read&& read) {
+    try {
+        read();
+    } catch (const Error& error) {
+        if (error.kind() == ErrorKind::user && std::strlen(error.what()) > 0) return;
+        std::fprintf(stderr, "an error of kind %d: %s\n", int(error.kind()), error.what());
+        std::abort();
+    }
+}
+
+/// What a loader returns must be a scene that a renderer takes.
+void check(const Scene& scene) {
+    try {
+        validate(scene);
+    } catch (const Error& error) {
+        std::fprintf(stderr, "the loader let through: %s\n", error.what());
+        std::abort();
+    }
+    (void)bounds_of(scene);
+    (void)triangle_count(scene);
+    (void)effects_of(scene);
+}
+
+void fuzz_obj(Bytes bytes) {
+    const auto path = written("input.obj", bytes);
+    expect_result_or_user_error([&] {
+        Warnings warnings;
+        check(load_obj(path, warnings));
+    });
+}
+
+void fuzz_mtl(Bytes bytes) {
+    static const std::string obj = "mtllib input.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n";
+    const auto path = written("fixed.obj", {reinterpret_cast<const std::uint8_t*>(obj.data()), obj.size()});
+    (void)written("input.mtl", bytes);
+    expect_result_or_user_error([&] {
+        Warnings warnings;
+        check(load_obj(path, warnings));
+    });
+}
+
+void fuzz_gltf(Bytes bytes) {
+    const bool binary = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
+    const auto path = written(binary ? "input.glb" : "input.gltf", bytes);
+    expect_result_or_user_error([&] {
+        Warnings warnings;
+        check(load_gltf(path, warnings));
+    });
+}
+
+void fuzz_image(Bytes bytes) {
+    const auto path = written("input.image", bytes);
+    expect_result_or_user_error([&] {
+        const Texture texture = load_image(path);
+        const std::size_t values = std::size_t(texture.width) * texture.height * texture.channels;
+        if (texture.bytes.size() + texture.floats.size() != values || values == 0) std::abort();
+    });
+}
+
+/// Puts the right checksum where a file has one of what is before it: a fuzzer would not get past it.
+void mend_digest(std::vector<std::uint8_t>& file, std::size_t begin, std::size_t end) {
+    if (begin > end || file.size() < end + sizeof(Digest)) return;
+    const Digest digest = digest_of(file.data() + begin, end - begin);
+    std::memcpy(file.data() + end, digest.data(), digest.size());
+}
+
+/// With the layout that is stored: nothing but the file's counts and sizes decides what happens.
+void fuzz_tree(Bytes bytes) {
+    std::vector<std::uint8_t> file(bytes.begin(), bytes.end());
+    constexpr std::size_t header = 168;
+    mend_digest(file, 0, header - sizeof(Digest));
+    if (file.size() >= header + sizeof(Digest)) mend_digest(file, header, file.size() - sizeof(Digest));
+    const auto path = written("input.cbvh", file);
+    expect_result_or_user_error([&] { (void)Bvh::load(device(), path, Layout::binary); });
+}
+
+void fuzz_checkpoint(Bytes bytes) {
+    std::vector<std::uint8_t> file(bytes.begin(), bytes.end());
+    constexpr std::size_t header = 112;
+    mend_digest(file, 0, header - sizeof(Digest));
+    if (file.size() >= header + sizeof(Digest)) mend_digest(file, header, file.size() - sizeof(Digest));
+    const auto path = written("input.checkpoint", file);
+    RenderIdentity identity;
+    identity.width = identity.height = 2;
+    if (file.size() >= header)  // as if it were of this very render
+        for (Digest* digest : {&identity.scene, &identity.settings, &identity.kernels})
+            std::memcpy(digest->data(), file.data() + 48 + 16 * (digest - &identity.scene), digest->size());
+    expect_result_or_user_error([&] { (void)read_checkpoint(path, identity, 8); });
+}
+
+void fuzz_tuning(Bytes bytes) {
+    DeviceInfo info;
+    info.name = "device";
+    expect_result_or_user_error([&] {
+        std::map<std::string, unsigned> values;
+        apply_tuning(std::string(bytes.begin(), bytes.end()), "input", info, values);
+    });
+}
+
+constexpr FuzzTarget targets[] = {{"obj", fuzz_obj},      {"mtl", fuzz_mtl},   {"gltf", fuzz_gltf},
+                                  {"image", fuzz_image},  {"tree", fuzz_tree}, {"checkpoint", fuzz_checkpoint},
+                                  {"tuning", fuzz_tuning}};
+
+}  // namespace
+
+std::span<const FuzzTarget> fuzz_targets() { return targets; }
+
+}  // namespace claray::test
