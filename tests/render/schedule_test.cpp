@@ -72,7 +72,9 @@ TEST(Pace, BatchesTakeATenthOfASecondOnAnyDevice) {
         for (int batch = 0; batch < 20; ++batch) {
             const std::uint32_t paths = pace.paths();
             const double taken = device.milliseconds(paths);
-            if (batch > 3) EXPECT_LE(taken, 110) << paths_a_second;
+            if (batch > 3) {
+                EXPECT_LE(taken, 110) << paths_a_second;
+            }
             pace.took(paths, taken);
         }
         const double taken = device.milliseconds(pace.paths());
