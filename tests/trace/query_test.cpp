@@ -122,11 +122,17 @@ TEST_P(QueryTest, RangeIsOpenAtTminAndClosedAtTmax) {
     const std::vector<Ray> rays = {make_ray(origin, down, 0, 1.f),      make_ray(origin, down, 0, before),
                                    make_ray(origin, down, 1.f, 2.f),    make_ray(origin, down, before, 2.f),
                                    make_ray(origin, down, 0, infinity), make_ray(origin, down, after, 2.f)};
-    const std::vector<Hit> hits = closest_hit(bvh, rays);
     const bool expected[] = {true, false, false, true, true, false};
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-        EXPECT_EQ(hits[i].primitive != CLARAY_MISS, expected[i]) << i;
-        EXPECT_EQ(hits[i].t, expected[i] ? 1.f : rays[i].tmax) << i;
+    // By itself, among others, one ray at a time, and without the tree.
+    QueryOptions incoherent, one_by_one, brute_force;
+    incoherent.coherence = Coherence::incoherent, brute_force.brute_force = true;
+    one_by_one.visits = Buffer<Visits>(device(), rays.size());
+    for (const QueryOptions& options : {QueryOptions{}, incoherent, one_by_one, brute_force}) {
+        const std::vector<Hit> hits = closest_hit(bvh, rays, options);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            EXPECT_EQ(hits[i].primitive != CLARAY_MISS, expected[i]) << i;
+            EXPECT_EQ(hits[i].t, expected[i] ? 1.f : rays[i].tmax) << i;
+        }
     }
 }
 
