@@ -10,13 +10,16 @@ set(kind_diffuse -DCLARAY_CPU=1 -DMATERIALS=1 -DNORMALS=0 -DTEXTURES=0 -DMIPMAPS
     -DSPOT_LIGHTS=0 -DDIRECTIONAL_LIGHTS=0 -DLIGHT_FALLOFF=0 -DABSORPTION=0)
 set(kind_diffuse_points ${kind_diffuse} -DTRIANGLE_LIGHTS=0)
 set(kind_diffuse_lamps ${kind_diffuse} -DPOINT_LIGHTS=0)
+set(kind_textbook -DCLARAY_CPU=1 -DCLARAY_TEXTBOOK_TRIANGLES=1 -DCLARAY_TEXTBOOK_BOXES=1 -DCLARAY_TEXTBOOK_OFFSET=1
+    -DCLARAY_TEXTBOOK_GGX=1 -DCLARAY_TEXTBOOK_SUMS=1)
+set(kind_textbook_wide ${kind_textbook} -DCLARAY_WIDE=1)
 file(GLOB_RECURSE kernels RELATIVE "${SOURCE_DIR}" "${SOURCE_DIR}/kernels/*.cl")
 if(NOT kernels)
     message(FATAL_ERROR "no kernels under ${SOURCE_DIR}/kernels")
 endif()
 set(failed 0)
 foreach(kernel IN LISTS kernels)
-    foreach(kind cpu gpu effects cutouts nvidia nvidia_coherent diffuse_points diffuse_lamps)
+    foreach(kind cpu gpu effects cutouts nvidia nvidia_coherent diffuse_points diffuse_lamps textbook textbook_wide)
         execute_process(
             COMMAND "${CLANG}" -x cl -cl-std=CL1.2 -fsyntax-only -Wall -Wextra -Werror -Wno-unused-function -Wno-unused-parameter
                     -Iinclude -Ikernels ${kind_${kind}} "${kernel}"
@@ -29,6 +32,6 @@ foreach(kernel IN LISTS kernels)
 endforeach()
 list(LENGTH kernels count)
 if(failed)
-    message(FATAL_ERROR "${failed} of ${count} x 8 kernel compilations failed")
+    message(FATAL_ERROR "${failed} of ${count} x 10 kernel compilations failed")
 endif()
 message(STATUS "all ${count} kernels compile alone, for CPUs, GPUs and NVIDIA's")

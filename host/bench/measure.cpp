@@ -53,7 +53,10 @@ std::vector<Timing> measure_rounds(const Device& device, int rounds, const std::
             if (round >= 0) add_round(device.profiler(), timings[i], commands[i]);
         }
     for (std::size_t i = 0; i < tasks.size(); ++i)
-        for (const auto& [name, values] : commands[i]) timings[i].commands[name] = median(values);
+        for (const auto& [name, values] : commands[i]) {
+            timings[i].commands[name] = median(values);
+            timings[i].least[name] = *std::min_element(values.begin(), values.end());
+        }
     return timings;
 }
 

@@ -18,6 +18,7 @@ namespace claray::bench {
 /// What one task took, in milliseconds of the device's clock.
 struct Timing {
     std::map<std::string, double> commands;  ///< median by name of kernel or transfer
+    std::map<std::string, double> least;     ///< the same, of its quickest round
     std::vector<double> rounds;              ///< all commands of a round together, one value a round
     std::vector<double> spans;               ///< from the start of a round's first command to the end of its last
 

@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "host/bench/compare.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/table.hpp"
 #include "host/cli/verify_html.hpp"
@@ -19,7 +20,10 @@ struct Options {
     std::vector<std::string> cases;
     std::string device, json;
     std::filesystem::path html;
-    bool full = false, quick = false, list = false;
+    std::vector<std::string> scenes = {"cornell",        "spheres",    "crate",     "hills",     "effects",
+                                       "terrain:200000", "soup:50000", "fan:50000", "hair:50000"};
+    int rounds = 9;
+    bool full = false, quick = false, list = false, compare = false;
 };
 
 std::string number(double value) {
@@ -86,6 +90,81 @@ std::string json_of(const Device& device, const Options& options, const std::vec
     return report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
 }
 
+struct Comparison {
+    std::vector<bench::ComparedFailures> failures;
+    std::vector<bench::ComparedTimes> times;
+    std::vector<bench::ComparedKernel> kernels;
+};
+
+void print_comparison(const Comparison& c) {
+    std::vector<Row> rows = {
+        {"remedy", "the textbook's", "case", "tried", "fails as shipped", "by the textbook", "unit"}};
+    for (const auto& f : c.failures)
+        rows.push_back({f.remedy, f.textbook, f.verify_case, std::to_string(f.tried), number(f.shipped),
+                        number(f.by_textbook), f.unit});
+    print_table(rows, 3);
+    std::printf(
+        "\nmilliseconds to trace, by turns: the textbook's (ray by ray), that with fast math, the same traversal with "
+        "the\n"
+        "remedies, and as shipped (with packets and sorting, where this device has them)\n");
+    rows = {{"scene", "rays", "textbook", "fast math", "robust", "as shipped", "robust / textbook", "of least",
+             "shipped / textbook"}};
+    for (const auto& t : c.times)
+        rows.push_back({t.scene, t.rays, fixed(t.textbook_ms, 2), fixed(t.fast_math_ms, 2), fixed(t.robust_ms, 2),
+                        fixed(t.shipped_ms, 2), fixed(t.ratio, 3), fixed(t.least_ratio, 3),
+                        fixed(t.shipped_ms / t.textbook_ms, 3)});
+    print_table(rows, 2);
+    std::printf("\nmilliseconds of kernels that shade and sum\n");
+    rows = {{"remedy", "kernel", "textbook", "as shipped", "shipped / textbook", "of least"}};
+    for (const auto& k : c.kernels)
+        rows.push_back({k.remedy, k.kernel, fixed(k.textbook_ms, 3), fixed(k.shipped_ms, 3),
+                        fixed(k.shipped_ms / k.textbook_ms, 3), fixed(k.least_ratio, 3)});
+    print_table(rows, 2);
+}
+
+std::string json_of(const Device& device, const Comparison& c) {
+    nlohmann::ordered_json report = {{"device", device.info().name}, {"driver", device.info().driver}};
+    for (const auto& f : c.failures)
+        report["failures"].push_back({{"remedy", f.remedy},
+                                      {"textbook", f.textbook},
+                                      {"case", f.verify_case},
+                                      {"tried", f.tried},
+                                      {"shipped", f.shipped},
+                                      {"by_textbook", f.by_textbook},
+                                      {"unit", f.unit}});
+    for (const auto& t : c.times)
+        report["times"].push_back({{"scene", t.scene},
+                                   {"rays", t.rays},
+                                   {"textbook_ms", t.textbook_ms},
+                                   {"fast_math_ms", t.fast_math_ms},
+                                   {"robust_ms", t.robust_ms},
+                                   {"shipped_ms", t.shipped_ms},
+                                   {"ratio", t.ratio},
+                                   {"least_ratio", t.least_ratio}});
+    for (const auto& k : c.kernels)
+        report["kernels"].push_back({{"remedy", k.remedy},
+                                     {"kernel", k.kernel},
+                                     {"textbook_ms", k.textbook_ms},
+                                     {"shipped_ms", k.shipped_ms},
+                                     {"least_ratio", k.least_ratio}});
+    return report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
+}
+
+void compare(const Options& options, const VerifyOptions& how) {
+    const Device device = Device::open(options.device);
+    Comparison c;
+    for (const bench::Remedy& remedy : bench::remedies())
+        for (auto& f : bench::compare_failures(device, remedy, how)) c.failures.push_back(f);
+    for (const std::string& scene : options.scenes)
+        for (auto& t : bench::compare_times(device, scene, 160, 90, options.rounds)) c.times.push_back(t);
+    c.kernels = bench::compare_kernels(device, options.rounds);
+    if (options.json != "-") print_comparison(c);
+    if (options.json == "-")
+        std::fputs(json_of(device, c).c_str(), stdout);
+    else if (!options.json.empty())
+        write_file(options.json, json_of(device, c));
+}
+
 void verify(const Options& options) {
     if (options.list) return list_cases();
     const bool json_to_output = options.json == "-";
@@ -93,6 +172,7 @@ void verify(const Options& options) {
     if (!options.html.empty()) check_file_writable(options.html);
     VerifyOptions how = options.verify;
     how.effort = options.full ? Effort::full : Effort::quick;
+    if (options.compare) return compare(options, how);
     std::vector<std::string> names = options.cases;
     if (names.empty())
         for (const VerifyCase& c : verify_cases()) names.push_back(c.name);
@@ -137,12 +217,18 @@ void add_verify_command(CLI::App& app, Action& action) {
         "Examples:\n"
         "  claray verify --device gpu\n"
         "  claray verify --full --json verify.json --html verify.html\n"
-        "  claray verify --case edges --case boxes --seed 7");
+        "  claray verify --case edges --case boxes --seed 7\n"
+        "  claray verify --compare --scene hair:50000 --scene sponza.obj");
     auto o = std::make_shared<Options>();
     command->add_flag("--quick", o->quick, "Seconds in all (this is what it does unless told)");
     command->add_flag("--full", o->full, "With the counts that the bars are meant for: minutes")->excludes("--quick");
     command->add_option("--case", o->cases, "Only this case; may be repeated")->allow_extra_args(false);
     command->add_flag("--list", o->list, "Print the cases and what they wait for that are left out");
+    command->add_flag("--compare", o->compare,
+                      "Show what each remedy costs: failures and times beside the textbook's versions");
+    command->add_option("--scene", o->scenes, "Scenes and files to compare times on [the built-in ones]")
+        ->allow_extra_args(false);
+    command->add_option("--rounds", o->rounds, "Rounds of times to compare [9]")->check(CLI::Range(1, 1000));
     command->add_option("--seed", o->verify.seed, "Of random rays and meshes [1]");
     command->add_flag("!--no-times", o->verify.times, "Don't check ratios of times, which a busy machine disturbs");
     command->add_option("--json", o->json, "Write the results as JSON to this file; - is standard output");

@@ -17,9 +17,13 @@ namespace {
 
 CompileStatistics statistics;
 
+/// What `claray verify --compare` shows the price of: geometry that is compiled like shading.
+const std::pair<std::string, std::string> fast_math = {"CLARAY_FAST_MATH", "1"};
+
 bool is_nvidia(const Device& device) { return device.info().vendor.find("NVIDIA") != std::string::npos; }
 
 std::string build_options(const Device& device, const Defines& defines, Math math) {
+    if (std::find(defines.begin(), defines.end(), fast_math) != defines.end()) math = Math::fast;
     std::string options = "-cl-std=CL1.2";
     if (math == Math::fast)
         options += " -cl-fast-relaxed-math";

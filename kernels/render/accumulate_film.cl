@@ -1,6 +1,7 @@
 // Last stage of a batch: the paths' radiance is added to their pixels, sample by sample, so that neither the size of the
 // batches nor the order in which paths end changes the sums.
 #include "claray/shared/path.h"
+#include "compute/textbook.clh"
 #include "shade/vector.clh"
 
 #define LARGEST_SAMPLE 1e30f  // 2^24 of these still fit in float32
@@ -9,6 +10,10 @@
 /// the sum can hold it (Dekker 1971, fast two-sum). Without the second step the errors would be summed naively, and once
 /// samples are below half an ulp of the sum those are all there is. Needs strict arithmetic.
 static inline void add_exactly(float* sum, float* error, float value) {
+#if CLARAY_TEXTBOOK_SUMS
+    *sum += value;
+    return;
+#endif
     const float total = *sum + value, rounded = total - *sum;
     const float lost = *error + ((*sum - (total - rounded)) + (value - rounded));
     *sum = total + lost;

@@ -1,0 +1,59 @@
+// claray verify: what it prints and writes, and that it notices textbook kernels.
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "claray/verify.hpp"
+#include "tests/cli/claray.hpp"
+
+namespace claray::test {
+namespace {
+
+TEST(VerifyCommand, ListsAllCasesAndWhatIsLeftOut) {
+    const ProcessResult result = run_claray({"verify", "--list"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    for (const VerifyCase& c : verify_cases()) EXPECT_NE(result.output.find(c.name + ' '), std::string::npos) << c.name;
+    for (const VerifyCase& c : verify_cases_left_out())
+        EXPECT_NE(result.output.find(c.name + ' '), std::string::npos) << c.name;
+}
+
+TEST(VerifyCommand, TellsWhatHolds) {
+    const ProcessResult result =
+        run_claray({"verify", "--case", "approximations", "--case", "float-atomics", "--json", "-"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    const auto report = nlohmann::json::parse(result.output);
+    EXPECT_EQ(report.at("holds"), true);
+    ASSERT_EQ(report.at("cases").size(), 2u);
+    EXPECT_EQ(report.at("cases")[0].at("case"), "approximations");
+    EXPECT_EQ(report.at("cases")[0].at("checks")[0].at("tried"), 100'000);
+    EXPECT_EQ(report.at("left_out").size(), verify_cases_left_out().size());
+}
+
+/// Moeller and Trumbore's test in place of the shipped one must be noticed, named, drawn, and repeated by the command
+/// that is printed.
+TEST(VerifyCommand, NoticesATextbookKernel) {
+    const TemporaryFolder folder;
+    const std::string tuning = (folder / "textbook.txt").string(), html = (folder / "report.html").string();
+    std::ofstream(tuning) << "* trace/closest_hit CLARAY_TEXTBOOK_TRIANGLES 1\n* trace/closest_hit BATCH 0\n";
+    const Environment environment = {{"CLARAY_TUNING", tuning}};
+    const ProcessResult result = run_claray(
+        {"verify", "--case", "edges", "--case", "float-atomics", "--seed", "3", "--html", html}, environment);
+    EXPECT_EQ(result.exit_code, 3);
+    EXPECT_NE(result.errors.find("1 of 2 cases fail"), std::string::npos) << result.errors;
+    EXPECT_NE(result.output.find("again: claray verify --case edges --quick --seed 3"), std::string::npos);
+    EXPECT_NE(result.output.find("origin 0x"), std::string::npos) << "the ray that leaks";
+    const std::string report = read_file(html);
+    EXPECT_NE(report.find("<svg"), std::string::npos) << "no picture of the leak";
+    EXPECT_EQ(report.find("http"), std::string::npos) << "it must need nothing from elsewhere";
+    EXPECT_NE(report.find("</html>"), std::string::npos);
+}
+
+TEST(VerifyCommand, RefusesWhatItDoesNotKnow) {
+    EXPECT_TRUE(failed_with(run_claray({"verify", "--case", "no-such-case"}), 2, "choose one of arithmetic"));
+    EXPECT_TRUE(failed_with(run_claray({"verify", "--quick", "--full"}), 2, "--quick"));
+    EXPECT_TRUE(
+        failed_with(run_claray({"verify", "--case", "srgb", "--json", "/no/such/folder/x.json"}), 1, "/no/such"));
+}
+
+}  // namespace
+}  // namespace claray::test
