@@ -1,5 +1,4 @@
 // Directions that an environment image is sampled with, and the density that is claimed for directions.
-#define ENVIRONMENT 1
 #include "claray/shared/rng.h"
 #include "shade/environment.clh"
 

@@ -1,5 +1,7 @@
 // Rays that leave random points of triangles for random directions on either side, some of them grazing.
+#ifndef NORMALS
 #define NORMALS 0
+#endif
 #include "claray/shared/rng.h"
 #include "shade/surface.clh"
 
