@@ -11,6 +11,7 @@
 
 #include "claray/mesh.hpp"
 #include "claray/shared/types.h"
+#include "host/build/host_tree.hpp"
 
 namespace claray::bench {
 
@@ -39,6 +40,9 @@ private:
     RTCScene scene_;
     double build_ms_ = 0;
 };
+
+/// A binary tree by Embree's builder, one triangle a leaf, as claray's own builders make them.
+[[nodiscard]] HostTree embree_tree(std::span<const Mesh> meshes, RTCBuildQuality quality);
 
 /// Rays laid out as Embree takes them; `run` resets them outside the time that it returns.
 class EmbreeQuery {

@@ -1,10 +1,12 @@
 // claray against Embree 3 in one process, on the same triangles and rays, taking turns: bench_peers [--device D]
 // [--builder B] [--repeat N] [--width W --height H] [--threads T] [--kinds primary,...] [--quality medium|high]
-// [--fast-mode] [--builds] [--csv FILE] [SCENE...]
+// [--fast-mode] [--embree-tree] [--builds] [--csv FILE] [SCENE...]
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <ctime>
+#include <optional>
 
 #include "bench/peers/embree.hpp"
 #include "bench/peers/rays.hpp"
@@ -19,7 +21,7 @@ struct Options {
     Bvh::Config bvh;
     unsigned width = 640, height = 480, threads = 2;
     int repeat = 9;
-    bool builds = false, rays = true, fast_mode = false, cpu_time = false;
+    bool builds = false, rays = true, fast_mode = false, cpu_time = false, embree_tree = false;
     RTCBuildQuality quality = RTC_BUILD_QUALITY_MEDIUM;
     std::string kinds = "primary,shadow,bounce,random";
     std::vector<std::string> scenes = {"terrain:1000000"};
@@ -56,20 +58,45 @@ struct Runner {
     std::vector<double> times;
 };
 
+/// Rays whose answers are not the same, bit for bit.
+std::size_t differences(const std::vector<Hit>& a, const std::vector<Hit>& b) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) count += std::memcmp(&a[i], &b[i], sizeof(Hit)) != 0;
+    return count;
+}
+std::size_t differences(const std::vector<std::uint8_t>& a, const std::vector<std::uint8_t>& b) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) count += a[i] != b[i];
+    return count;
+}
+
+/// `on_embree_tree` may be empty.
 void compare_rays(const std::string& scene, const std::string& kind, const std::vector<Ray>& rays, const Bvh& bvh,
-                  const bench::EmbreeScene& peer, const Options& options, bench::Csv& csv) {
+                  const std::optional<Bvh>& on_embree_tree, const bench::EmbreeScene& peer, const Options& options,
+                  bench::Csv& csv) {
     const bool any = kind == "shadow", coherent = kind == "primary" || any;
     const Buffer<Ray> device_rays(bvh.device(), rays);
     Buffer<Hit> hits(bvh.device(), any ? 0 : rays.size());
     Buffer<std::uint8_t> occluded(bvh.device(), any ? rays.size() : 0);
-    const auto ours = [&] {
+    const auto trace = [&](const Bvh& tree, Buffer<Hit>& to_hits, Buffer<std::uint8_t>& to_occluded) {
         return milliseconds(options, [&] {
-            any ? any_hit(bvh, device_rays, occluded) : closest_hit(bvh, device_rays, hits);
-            bvh.device().finish();
+            any ? any_hit(tree, device_rays, to_occluded) : closest_hit(tree, device_rays, to_hits);
+            tree.device().finish();
         });
     };
+    const auto ours = [&] { return trace(bvh, hits, occluded); };
     ours();
     std::vector<Runner> runners = {{"claray", ours, [] { return std::size_t(0); }, {}}};
+    Buffer<Hit> other_hits(bvh.device(), any ? 0 : rays.size());
+    Buffer<std::uint8_t> other_occluded(bvh.device(), any ? rays.size() : 0);
+    if (on_embree_tree)
+        runners.push_back({"claray on its tree",
+                           [&] { return trace(*on_embree_tree, other_hits, other_occluded); },
+                           [&] {
+                               return any ? differences(occluded.read(), other_occluded.read())
+                                          : differences(hits.read(), other_hits.read());
+                           },
+                           {}});
     const std::string letter = any ? "o" : "i";
     std::vector<std::pair<std::string, Packets>> forms = {{letter + "1", Packets::one}};
     if (kind != "random") {
@@ -163,13 +190,17 @@ void compare_scene(const std::string& name, const Device& device, const Options&
         bench::make_rays(device, scene, bench::three_views(name, scene), options.width, options.height);
     const Bvh bvh = Bvh::build(device, scene.meshes, options.bvh);
     const bench::EmbreeScene peer(scene.meshes, options.quality, !options.fast_mode, options.threads);
+    std::optional<Bvh> on_embree_tree;
+    if (options.embree_tree)
+        on_embree_tree =
+            Bvh::build_by_host(device, scene.meshes, bench::embree_tree(scene.meshes, options.quality), options.bvh);
     for (const std::string kind : {"primary", "shadow", "bounce", "random"}) {
         if (options.kinds.find(kind) == std::string::npos) continue;
         const std::vector<Ray>& rays = kind == "primary"  ? sets.primary
                                        : kind == "shadow" ? sets.shadow
                                        : kind == "bounce" ? sets.bounce
                                                           : sets.mixed;
-        compare_rays(short_name, kind, rays, bvh, peer, options, csv);
+        compare_rays(short_name, kind, rays, bvh, on_embree_tree, peer, options, csv);
     }
 }
 
@@ -190,6 +221,7 @@ int main(int argc, char** argv) try {
     app.add_option("--quality", options.quality, "Embree's tree")->transform(CLI::CheckedTransformer(qualities));
     app.add_flag("--fast-mode", options.fast_mode, "Embree without its robust mode: not watertight");
     app.add_flag("--cpu-time", options.cpu_time, "rays by processor time: for machines that others use too");
+    app.add_flag("--embree-tree", options.embree_tree, "claray's kernels also on a tree by Embree's builder");
     app.add_flag("--builds", options.builds, "time builds too");
     app.add_flag("!--no-rays", options.rays, "builds only");
     app.add_option("--csv", options.csv_path);

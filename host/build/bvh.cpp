@@ -66,12 +66,16 @@ Bvh Bvh::build(const Device& device, const TriangleBuffers& triangles, const Con
 Bvh Bvh::build_by_host(const Device& device, std::span<const Mesh> meshes, const Config& with) {
     Config config = with;
     config.layout = Layout::binary, config.builder = Builder::fast;
+    return build_by_host(device, meshes, build_host_tree(meshes), config);
+}
+
+Bvh Bvh::build_by_host(const Device& device, std::span<const Mesh> meshes, const HostTree& tree, const Config& config) {
     Bvh bvh;
-    bvh.state_ = std::make_shared<State>(device, upload(device, meshes), config, true);
-    const HostTree tree = build_host_tree(meshes);
+    bvh.state_ = std::make_shared<State>(device, upload(device, meshes), config, config.layout == Layout::binary);
     bvh.state_->nodes.write(tree.nodes);
     bvh.state_->leaves.write(tree.leaves);
     bvh.state_->header.write(std::span(&tree.header, 1));
+    if (bvh.layout() == Layout::wide) bvh.state_->collapse();
     return bvh;
 }
 

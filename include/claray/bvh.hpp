@@ -63,6 +63,8 @@ struct BvhMemory {
     std::uint64_t largest_buffer = 0;
 };
 
+struct HostTree;
+
 /// A bounding volume hierarchy in device memory. A handle: copies share the structure.
 class Bvh {
 public:
@@ -95,6 +97,9 @@ public:
     /// Builds on the host, always in the binary layout: a worse tree, but no kernel has to be compiled before. `rebuild`
     /// builds on the device, as `fast`.
     [[nodiscard]] static Bvh build_by_host(const Device& device, std::span<const Mesh> meshes, const Config& config);
+    /// Takes a tree that was made elsewhere (see host/build/host_tree.hpp), in any layout: to compare builders.
+    [[nodiscard]] static Bvh build_by_host(const Device& device, std::span<const Mesh> meshes, const HostTree& tree,
+                                           const Config& config);
 
     /// What building over so many vertices and triangles takes on the device.
     [[nodiscard]] static BvhMemory memory_needed(const Device& device, std::size_t vertices, std::size_t triangles,

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "host/build/host_tree.hpp"
 #include "tests/oracle/brute_force.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/meshes.hpp"
@@ -42,6 +43,16 @@ TEST(HostTree, GivesTheSameHits) {
     const std::vector<Hit> host = closest_hit(Bvh::build_by_host(device(), std::span(&mesh, 1), {}), rays),
                            other = closest_hit(Bvh::build(device(), std::span(&mesh, 1), {}), rays);
     for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_TRUE(same(host[i], other[i])) << i;
+}
+
+TEST_P(QueryTest, ATreeFromElsewhereGivesTheSameHits) {
+    const Mesh mesh = soup(5003, 0.1f, 1);
+    const std::span<const Mesh> meshes(&mesh, 1);
+    Bvh::Config config;
+    config.layout = GetParam();
+    const Bvh bvh = Bvh::build_by_host(device(), meshes, build_host_tree(meshes), config);
+    EXPECT_EQ(bvh.layout(), GetParam());
+    expect_oracle_hits(bvh, mesh, random_rays(20'011, 3.f, 1.f, 2));
 }
 
 TEST_P(QueryTest, HitsOfSoupEqualTheOracle) {
