@@ -1,5 +1,5 @@
 # cmake --install: libraries, headers, the program, the kernels as data for CLARAY_KERNEL_DIR, and the package files with
-# which find_package(claray) gives claray::claray, claray::io and claray::verify.
+# which find_package(claray) gives claray::claray, claray::io, claray::verify and claray::accuracy.
 include(CMakePackageConfigHelpers)
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/claray")
 
@@ -8,7 +8,9 @@ set_target_properties(claray_io PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION 
                                            EXPORT_NAME io INSTALL_RPATH "$ORIGIN")
 set_target_properties(claray_verify PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
                                                EXPORT_NAME verify INSTALL_RPATH "$ORIGIN")
-install(TARGETS claray claray_io claray_verify EXPORT claray
+set_target_properties(claray_accuracy PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+                                                 EXPORT_NAME accuracy INSTALL_RPATH "$ORIGIN")
+install(TARGETS claray claray_io claray_verify claray_accuracy EXPORT claray
         LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT claray FILE claray-targets.cmake NAMESPACE claray:: DESTINATION "${package_dir}")
 configure_package_config_file(cmake/claray-config.cmake.in claray-config.cmake INSTALL_DESTINATION "${package_dir}")

@@ -21,6 +21,7 @@ void add_tune_command(CLI::App& app, Action& action);
 void add_build_command(CLI::App& app, Action& action);
 void add_bake_command(CLI::App& app, Action& action);
 void add_verify_command(CLI::App& app, Action& action);
+void add_accuracy_command(CLI::App& app, Action& action);
 
 /// --builder, --layout and --morton-bits, for the commands that build a tree.
 void add_bvh_options(CLI::App& command, Bvh::Config& config);

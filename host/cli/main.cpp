@@ -60,6 +60,7 @@ int run(int argc, char** argv) {
     claray::cli::add_bench_command(app, action);
     claray::cli::add_tune_command(app, action);
     claray::cli::add_verify_command(app, action);
+    claray::cli::add_accuracy_command(app, action);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

@@ -1,0 +1,280 @@
+#include "host/accuracy/plot.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+namespace claray {
+namespace {
+
+constexpr double width = 760, height = 520, left = 84, right = 24, top = 84, bottom = 64;
+constexpr const char *ink = "#222", *pale = "#666", *grid = "#e4e4e4";
+/// Colours that people with any colour vision tell apart (Okabe and Ito 2008), dark ones first; shapes differ, too.
+constexpr std::array colors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
+
+std::string number(const char* format, double value) {
+    char text[48];
+    std::snprintf(text, sizeof text, format, value);
+    return text;
+}
+
+std::string escaped(const std::string& text) {
+    std::string out;
+    for (const char c : text) out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
+    return out;
+}
+
+std::string text(double x, double y, const char* anchor, double size, const char* color, const std::string& words,
+                 const std::string& more = {}) {
+    return "<text x=\"" + number("%.1f", x) + "\" y=\"" + number("%.1f", y) + "\" text-anchor=\"" + anchor +
+           "\" font-size=\"" + number("%.0f", size) + "\" fill=\"" + color + "\"" + more + ">" + escaped(words) +
+           "</text>\n";
+}
+
+std::string line(double x0, double y0, double x1, double y1, const char* color, double thick, const char* more = "") {
+    return "<line x1=\"" + number("%.1f", x0) + "\" y1=\"" + number("%.1f", y0) + "\" x2=\"" + number("%.1f", x1) +
+           "\" y2=\"" + number("%.1f", y1) + "\" stroke=\"" + color + "\" stroke-width=\"" + number("%.1f", thick) +
+           "\"" + more + "/>\n";
+}
+
+/// One logarithmic axis: values to pixels, and marks at decades or, where it is short, at parts of them.
+struct Axis {
+    double low, high, from, to;
+    Axis(std::vector<double> values, double pixel_from, double pixel_to) : from(pixel_from), to(pixel_to) {
+        std::erase_if(values, [](double v) { return !(v > 0); });
+        const auto [least, most] = std::minmax_element(values.begin(), values.end());
+        low = values.empty() ? 0.1 : *least / 1.3, high = values.empty() ? 1 : *most * 1.3;
+    }
+    [[nodiscard]] double at(double value) const {
+        return from + (to - from) * (std::log(value) - std::log(low)) / (std::log(high) - std::log(low));
+    }
+    [[nodiscard]] std::vector<double> ticks() const {
+        static const std::vector<double> whole = {1}, some = {1, 2, 5}, many = {1, 1.5, 2, 3, 4, 5, 6, 8};
+        const double range = high / low;
+        std::vector<double> ticks;
+        for (double decade = std::pow(10, std::floor(std::log10(low))); decade < high; decade *= 10)
+            for (const double part : range > 1000 ? whole : range > 10 ? some : many)
+                if (decade * part > low && decade * part < high) ticks.push_back(decade * part);
+        return ticks;
+    }
+};
+
+/// "0.002", "50", "1e-05"
+std::string tick_label(double value) { return number("%g", value); }
+
+std::string marker(double x, double y, std::size_t shape, const char* color, bool filled) {
+    const std::string paint =
+        std::string("fill=\"") + (filled ? color : "#fff") + "\" stroke=\"" + color + "\" stroke-width=\"2\"/>\n";
+    const auto points = [&](std::initializer_list<std::pair<double, double>> corners) {
+        std::string list = "<polygon points=\"";
+        for (const auto& [dx, dy] : corners) list += number("%.1f", x + dx) + "," + number("%.1f", y + dy) + " ";
+        return list + "\" " + paint;
+    };
+    switch (shape % 4) {
+        case 0: return "<circle cx=\"" + number("%.1f", x) + "\" cy=\"" + number("%.1f", y) + "\" r=\"5\" " + paint;
+        case 1: return points({{-5, -5}, {5, -5}, {5, 5}, {-5, 5}});
+        case 2: return points({{0, -6}, {6, 5}, {-6, 5}});
+        default: return points({{0, -6}, {6, 0}, {0, 6}, {-6, 0}});
+    }
+}
+
+std::vector<std::string> methods_of(const Study& study) {
+    std::vector<std::string> methods;
+    for (const StudyPoint& p : study.points)
+        if (std::find(methods.begin(), methods.end(), p.method) == methods.end()) methods.push_back(p.method);
+    return methods;
+}
+
+std::string draw_axes(const Axis& x, const Axis& y, const Study& study) {
+    std::string svg;
+    for (const double v : x.ticks()) {
+        svg += line(x.at(v), top, x.at(v), height - bottom, grid, 1);
+        svg += text(x.at(v), height - bottom + 18, "middle", 12, pale, tick_label(v));
+    }
+    for (const double v : y.ticks()) {
+        svg += line(left, y.at(v), width - right, y.at(v), grid, 1);
+        svg += text(left - 8, y.at(v) + 4, "end", 12, pale, tick_label(v));
+    }
+    svg += line(left, height - bottom, width - right, height - bottom, ink, 1) +
+           line(left, top, left, height - bottom, ink, 1);
+    svg += text((left + width - right) / 2, height - 20, "middle", 13, ink, "error (" + study.error + ")");
+    svg += text(22, (top + height - bottom) / 2, "middle", 13, ink, "seconds",
+                " transform=\"rotate(-90 22 " + number("%.0f", (top + height - bottom) / 2) + ")\"");
+    return svg;
+}
+
+/// Words and marks that labels must not cover.
+struct Taken {
+    double x0, y0, x1, y1;
+};
+
+bool is_free(const Taken& place, const std::vector<Taken>& taken) {
+    if (place.x0 < left || place.x1 > width - right || place.y0 < top || place.y1 > height - bottom) return false;
+    return std::none_of(taken.begin(), taken.end(), [&](const Taken& t) {
+        return place.x0 < t.x1 && t.x0 < place.x1 && place.y0 < t.y1 && t.y0 < place.y1;
+    });
+}
+
+/// The setting's name beside its mark, on the first of four sides with room; nothing where there is none.
+std::string draw_label(const std::string& words, double x, double y, std::vector<Taken>& taken) {
+    constexpr double size = 11, gap = 9;
+    const double length = 0.58 * size * double(words.size());
+    const std::pair<double, double> corners[] = {
+        {x + gap, y - gap - size}, {x - gap - length, y - gap - size}, {x + gap, y + 4}, {x - gap - length, y + 4}};
+    for (const auto& [left_end, upper_end] : corners) {
+        const Taken place = {left_end, upper_end, left_end + length, upper_end + size};
+        if (!is_free(place, taken)) continue;
+        taken.push_back(place);
+        return text(place.x0, place.y1 - 2, "start", size, pale, words);
+    }
+    return {};
+}
+
+bool is_drawn(const StudyPoint& p) { return p.failure.empty() && p.error.median > 0 && p.seconds.median > 0; }
+
+std::string draw_curve(const Study& study, const std::string& method, std::size_t index, const Axis& x, const Axis& y) {
+    const char* color = colors[index % colors.size()];
+    std::string path, marks;
+    bool gap = true;
+    for (const StudyPoint& p : study.points) {
+        if (p.method != method) continue;
+        if (!is_drawn(p)) {
+            gap = true;
+            continue;
+        }
+        const double px = x.at(p.error.median), py = y.at(p.seconds.median);
+        path += (gap ? " M" : " L") + number("%.1f", px) + " " + number("%.1f", py);
+        gap = false;
+        marks += line(x.at(std::max(p.error.low, x.low)), py, x.at(p.error.high), py, color, 1);
+        marks += line(px, y.at(std::max(p.seconds.low, y.low)), px, y.at(p.seconds.high), color, 1);
+        marks += marker(px, py, index, color, p.front);
+    }
+    return "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + color + "\" stroke-width=\"1.5\"/>\n" + marks;
+}
+
+/// Those of the front first, since room may run out.
+std::string draw_labels(const Study& study, const Axis& x, const Axis& y) {
+    std::vector<Taken> taken;
+    for (const StudyPoint& p : study.points)
+        if (is_drawn(p)) {
+            const double px = x.at(p.error.median), py = y.at(p.seconds.median);
+            taken.push_back({px - 6, py - 6, px + 6, py + 6});
+        }
+    std::string svg;
+    for (const bool front : {true, false})
+        for (const StudyPoint& p : study.points)
+            if (is_drawn(p) && p.front == front)
+                svg += draw_label(p.setting, x.at(p.error.median), y.at(p.seconds.median), taken);
+    return svg;
+}
+
+std::string table_of(const Study& study) {
+    std::string html =
+        "<table><tr><th>method</th><th>setting</th><th>error</th><th>quartiles</th><th>relMSE</th><th>perceptual</th>"
+        "<th>seconds</th><th>quartiles</th><th>runs</th><th>front</th></tr>\n";
+    for (const StudyPoint& p : study.points) {
+        html += "<tr><td>" + escaped(p.method) + "</td><td>" + escaped(p.setting) + "</td>";
+        if (!p.failure.empty()) {
+            html += "<td colspan=\"8\">" + escaped(p.failure) + "</td></tr>\n";
+            continue;
+        }
+        const auto cell = [&](const std::string& words) { html += "<td class=\"n\">" + words + "</td>"; };
+        cell(number("%.4g", p.error.median));
+        cell(number("%.3g", p.error.low) + " .. " + number("%.3g", p.error.high));
+        cell(p.errors.relmse > 0 ? number("%.3g", p.errors.relmse) : "");
+        cell(p.errors.perceptual > 0 ? number("%.3g", p.errors.perceptual) : "");
+        cell(number("%.4g", p.seconds.median));
+        cell(number("%.3g", p.seconds.low) + " .. " + number("%.3g", p.seconds.high));
+        cell(std::to_string(p.runs));
+        cell(p.front ? "yes" : "");
+        html += "</tr>\n";
+    }
+    return html + "</table>\n";
+}
+
+}  // namespace
+
+std::string svg_of(const Study& study, const std::string& subtitle) {
+    std::vector<double> errors, seconds;
+    for (const StudyPoint& p : study.points) {
+        if (!p.failure.empty()) continue;
+        errors.insert(errors.end(), {p.error.low, p.error.median, p.error.high});
+        seconds.insert(seconds.end(), {p.seconds.low, p.seconds.median, p.seconds.high});
+    }
+    if (study.floor > 0) errors.push_back(study.floor);
+    const Axis x(errors, left, width - right), y(seconds, height - bottom, top);
+    std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + number("%.0f", width) + " " +
+                      number("%.0f", height) + "\" width=\"" + number("%.0f", width) + "\" height=\"" +
+                      number("%.0f", height) +
+                      "\" font-family=\"sans-serif\">\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
+    svg += text(16, 26, "start", 18, ink, study.title) + text(16, 45, "start", 12, pale, subtitle);
+    if (study.floor > 0) {  // what the reference can't tell
+        const double end = x.at(study.floor);
+        svg += "<rect x=\"" + number("%.1f", left) + "\" y=\"" + number("%.1f", top) + "\" width=\"" +
+               number("%.1f", std::max(end - left, 0.0)) + "\" height=\"" + number("%.1f", height - bottom - top) +
+               "\" fill=\"#f3f0e6\"/>\n";
+    }
+    svg += draw_axes(x, y, study);
+    const std::vector<std::string> methods = methods_of(study);
+    double legend = left;
+    for (std::size_t i = 0; i < methods.size(); ++i) {
+        svg += draw_curve(study, methods[i], i, x, y);
+        svg += marker(legend + 6, 64, i, colors[i % colors.size()], true) +
+               text(legend + 17, 68, "start", 12, ink, methods[i]);
+        legend += 40 + 7.0 * double(methods[i].size());
+    }
+    svg += draw_labels(study, x, y);
+    if (study.floor > 0) svg += text(legend + 8, 68, "start", 12, pale, "shaded: below the reference's own error");
+    return svg + "</svg>\n";
+}
+
+std::string html_of(const std::vector<Study>& studies, const std::string& title, const std::string& subtitle) {
+    std::string html =
+        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>" + escaped(title) +
+        "</title>\n<style>body{font-family:sans-serif;max-width:64em;margin:2em auto;color:#222}table{border-collapse:"
+        "collapse;font-size:13px}td,th{padding:2px 10px;border-bottom:1px solid "
+        "#ddd;text-align:left}td.n{text-align:right;"
+        "font-variant-numeric:tabular-nums}p{max-width:48em}</style></head><body>\n<h1>" +
+        escaped(title) + "</h1>\n<p>" + escaped(subtitle) +
+        "</p>\n<p>Every point is a setting: the median of its runs, with the quartiles as whiskers. Filled points are "
+        "on the "
+        "front: no other point is at once faster and more accurate.</p>\n";
+    for (const Study& study : studies) {
+        html += "<h2>" + escaped(study.title) + "</h2>\n" + svg_of(study, subtitle);
+        if (study.reference_spp != 0)
+            html += "<p>Reference: " + std::to_string(study.reference_spp) + " samples a pixel, its own error " +
+                    number("%.3g", study.floor) +
+                    " of the mean, by the spread of the renders that it is the mean of.</p>\n";
+        html += "<ul>\n";
+        for (const std::string& finding : study.findings) html += "<li>" + escaped(finding) + "</li>\n";
+        html += "</ul>\n" + table_of(study);
+    }
+    return html + "</body></html>\n";
+}
+
+std::string csv_of(const std::vector<Study>& studies, const std::string& device, const std::string& driver,
+                   const std::string& scene) {
+    std::string csv =
+        "device,driver,scene,study,method,setting,value,runs,error,error_low,error_high,relmse,perceptual,seconds,"
+        "seconds_low,seconds_high,front,floor,failure\n";
+    const auto quoted = [](const std::string& words) {
+        std::string out = "\"";
+        for (const char c : words) out += c == '"' ? "\"\"" : std::string(1, c);
+        return out + '"';
+    };
+    for (const Study& study : studies)
+        for (const StudyPoint& p : study.points) {
+            csv += quoted(device) + ',' + quoted(driver) + ',' + quoted(scene) + ',' + study.name + ',' +
+                   quoted(p.method) + ',' + quoted(p.setting);
+            for (const double v : {p.value, double(p.runs), p.error.median, p.error.low, p.error.high, p.errors.relmse,
+                                   p.errors.perceptual, p.seconds.median, p.seconds.low, p.seconds.high,
+                                   p.front ? 1.0 : 0.0, study.floor})
+                csv += ',' + number("%.6g", v);
+            csv += ',' + quoted(p.failure) + '\n';
+        }
+    return csv;
+}
+
+}  // namespace claray

@@ -1,0 +1,139 @@
+// Converged images: the mean of many renders, kept in a file that a later run goes on from.
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include "claray/accuracy.hpp"
+#include "host/compute/file.hpp"
+#include "host/compute/hash.hpp"
+
+namespace claray {
+namespace {
+
+constexpr unsigned render_spp = 256;
+constexpr std::uint32_t least_renders = 4;         // below which their spread tells little
+constexpr std::uint32_t first_seed = 0x7e000000u;  // far from those that studies count up
+constexpr char magic[16] = "claray ref. 1\n";
+constexpr std::chrono::seconds between_saves(5);
+
+/// Of independent renders, by channel.
+struct Sums {
+    std::vector<double> values, squares;
+    std::uint32_t renders = 0;
+};
+
+std::vector<glm::vec3> render_once(const Device& device, const Scene& scene, RenderConfig config, unsigned spp,
+                                   std::uint32_t seed) {
+    config.spp = spp, config.seed = seed, config.seconds = config.noise = 0;
+    Renderer renderer(device, scene, config);
+    renderer.render();
+    return renderer.image();
+}
+
+/// A name that differs wherever the converged image may: renders are the same bit for bit for the same scene and
+/// settings, so a few samples tell.
+std::string name_of_reference(const Device& device, const Scene& scene, const RenderConfig& config) {
+    const std::vector<glm::vec3> probe = render_once(device, scene, config, 4, first_seed - 1);
+    std::string all = device.info().name + '\n' + device.info().driver + '\n' + std::to_string(config.width) + 'x' +
+                      std::to_string(config.height) + ' ' + std::to_string(config.max_depth) + '\n';
+    all.append(reinterpret_cast<const char*>(probe.data()), probe.size() * sizeof(glm::vec3));
+    return "reference-" + hash128(all) + ".bin";
+}
+
+std::string bytes_of(const Sums& sums) {
+    std::string bytes(magic, sizeof magic);
+    bytes.append(reinterpret_cast<const char*>(&sums.renders), sizeof sums.renders);
+    for (const std::vector<double>* part : {&sums.values, &sums.squares})
+        bytes.append(reinterpret_cast<const char*>(part->data()), part->size() * sizeof(double));
+    const Digest digest = digest_of(bytes.data(), bytes.size());
+    bytes.append(reinterpret_cast<const char*>(digest.data()), digest.size());
+    return bytes;
+}
+
+/// Nothing where the file is not there or not as it was written: then the work is done anew.
+std::optional<Sums> load(const std::filesystem::path& path, std::size_t values) {
+    std::error_code none;
+    if (!std::filesystem::exists(path, none)) return std::nullopt;
+    const std::string bytes = read_file(path, "");
+    const std::size_t body = sizeof magic + sizeof(std::uint32_t) + 2 * values * sizeof(double);
+    if (bytes.size() != body + sizeof(Digest) || std::memcmp(bytes.data(), magic, sizeof magic) != 0)
+        return std::nullopt;
+    const Digest digest = digest_of(bytes.data(), body);
+    if (std::memcmp(bytes.data() + body, digest.data(), sizeof digest) != 0) return std::nullopt;
+    Sums sums;
+    const char* from = bytes.data() + sizeof magic;
+    std::memcpy(&sums.renders, from, sizeof sums.renders);
+    from += sizeof sums.renders;
+    for (std::vector<double>* part : {&sums.values, &sums.squares}) {
+        part->resize(values);
+        std::memcpy(part->data(), from, values * sizeof(double));
+        from += values * sizeof(double);
+    }
+    return sums;
+}
+
+/// The mean, and how far it is off by the spread of the renders.
+ReferenceImage reference_of(const Sums& sums) {
+    ReferenceImage reference;
+    const std::size_t values = sums.values.size();
+    const double n = sums.renders;
+    reference.pixels.resize(values / 3);
+    reference.spp = render_spp * sums.renders;
+    double variance = 0, mean = 0;
+    for (std::size_t i = 0; i < values; ++i) {
+        const double value = sums.values[i] / n;
+        reference.pixels[i / 3][glm::length_t(i % 3)] = float(value);
+        mean += value;
+        variance += std::max(sums.squares[i] / n - value * value, 0.0) / (n - 1);
+    }
+    reference.uncertainty = std::sqrt(variance / double(values)) / std::max(mean / double(values), 1e-30);
+    return reference;
+}
+
+void add_render(Sums& sums, const Device& device, const Scene& scene, const RenderConfig& config) {
+    const auto image = render_once(device, scene, config, render_spp, first_seed + sums.renders);
+    for (std::size_t i = 0; i < 3 * image.size(); ++i) {
+        const double value = double(image[i / 3][glm::length_t(i % 3)]);
+        sums.values[i] += value, sums.squares[i] += value * value;
+    }
+    ++sums.renders;
+}
+
+}  // namespace
+
+ReferenceImage reference_image(const Device& device, const Scene& scene, const RenderConfig& config,
+                               const ReferenceOptions& options, const AccuracyProgress& progress) {
+    const std::size_t values = 3 * std::size_t(config.width) * config.height;
+    const std::filesystem::path path =
+        options.folder.empty() ? options.folder : options.folder / name_of_reference(device, scene, config);
+    Sums sums{std::vector<double>(values), std::vector<double>(values), 0};
+    if (!path.empty()) {
+        std::filesystem::create_directories(options.folder);
+        if (std::optional<Sums> kept = load(path, values)) sums = std::move(*kept);
+    }
+    auto saved = std::chrono::steady_clock::now();
+    bool changed = false;
+    const auto save = [&] {
+        if (!path.empty() && changed) write_file(path, bytes_of(sums));
+        saved = std::chrono::steady_clock::now(), changed = false;
+    };
+    const auto is_enough = [&] {
+        const unsigned spp = render_spp * sums.renders;
+        if (sums.renders < least_renders || spp < options.least_spp) return false;
+        return options.uncertainty <= 0 || spp >= options.most_spp ||
+               reference_of(sums).uncertainty <= options.uncertainty;
+    };
+    while (!is_enough()) {
+        add_render(sums, device, scene, config);
+        changed = true;
+        if (std::chrono::steady_clock::now() - saved > between_saves) save();
+        const unsigned spp = render_spp * sums.renders;
+        const double done = std::min(1.0, double(spp) / std::max(options.least_spp, render_spp * least_renders));
+        if (progress && !progress(done, "reference, " + std::to_string(spp) + " spp") && sums.renders > 1) break;
+    }
+    save();
+    return reference_of(sums);
+}
+
+}  // namespace claray

@@ -1,0 +1,42 @@
+// What studies have in common: statistics of repeated runs, the front, slopes.
+#include <algorithm>
+#include <cmath>
+
+#include "claray/accuracy.hpp"
+
+namespace claray {
+
+Spread spread_of(std::vector<double> values) {
+    if (values.empty()) return {};
+    std::sort(values.begin(), values.end());
+    const auto at = [&](double part) {
+        const double place = part * double(values.size() - 1);
+        const std::size_t below = std::size_t(place);
+        const double next = values[std::min(below + 1, values.size() - 1)];
+        return values[below] + (place - double(below)) * (next - values[below]);
+    };
+    return {at(0.25), at(0.5), at(0.75)};
+}
+
+void mark_front(std::vector<StudyPoint>& points) {
+    for (StudyPoint& p : points) {
+        p.front = p.failure.empty();
+        for (const StudyPoint& q : points)
+            if (q.failure.empty() && q.error.median <= p.error.median && q.seconds.median <= p.seconds.median &&
+                (q.error.median < p.error.median || q.seconds.median < p.seconds.median))
+                p.front = false;
+    }
+}
+
+double log_log_slope(std::span<const double> x, std::span<const double> y) {
+    double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+    for (std::size_t i = 0; i < std::min(x.size(), y.size()); ++i) {
+        if (!(x[i] > 0 && y[i] > 0)) continue;
+        const double a = std::log(x[i]), b = std::log(y[i]);
+        n += 1, sx += a, sy += b, sxx += a * a, sxy += a * b;
+    }
+    const double spread = n * sxx - sx * sx;
+    return n < 2 || spread <= 0 ? 0 : (n * sxy - sx * sy) / spread;
+}
+
+}  // namespace claray

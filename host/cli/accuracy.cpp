@@ -1,0 +1,194 @@
+// claray accuracy: what accuracy costs in time, for every setting of the methods that make an image.
+#include "claray/accuracy.hpp"
+
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <tuple>
+
+#include "claray/io.hpp"
+#include "host/accuracy/plot.hpp"
+#include "host/cli/commands.hpp"
+#include "host/cli/progress.hpp"
+#include "host/cli/render_options.hpp"
+#include "host/cli/table.hpp"
+#include "host/compute/file.hpp"
+
+namespace claray::cli {
+namespace {
+
+using RunStudy = Study (*)(const Device&, const Scene&, const StudyOptions&, const AccuracyProgress&);
+struct NamedStudy {
+    const char* name;
+    RunStudy run;
+};
+constexpr NamedStudy all_studies[] = {{"sampling", study_sampling}, {"depth", study_depth}};
+
+struct Options {
+    std::string scene, device, only;
+    StudyOptions study;
+    std::filesystem::path csv, html, svg;
+    bool quick = false, json = false, quiet = false;
+};
+
+std::string number(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g", value);
+    return text;
+}
+
+std::vector<NamedStudy> chosen_studies(const std::string& names) {
+    if (names.empty()) return {std::begin(all_studies), std::end(all_studies)};
+    std::vector<NamedStudy> chosen;
+    std::istringstream list(names);
+    for (std::string name; std::getline(list, name, ',');) {
+        const NamedStudy* found = nullptr;
+        for (const NamedStudy& study : all_studies)
+            if (name == study.name) found = &study;
+        if (!found)
+            throw Error(ErrorKind::usage, "--only: there is no study '" + name + "'", "choose of sampling, depth");
+        chosen.push_back(*found);
+    }
+    return chosen;
+}
+
+/// One line, drawn again: what is done, and how long the rest takes at this pace.
+AccuracyProgress show_progress(const std::string& study, bool quiet) {
+    const auto begin = std::chrono::steady_clock::now();
+    const auto shown = std::make_shared<double>(-1);
+    return [=](double done, const std::string& what) {
+        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        if (!quiet && (seconds - *shown > 2 || done >= 1)) {
+            *shown = seconds;
+            std::fprintf(stderr, "%s: %3.0f %%, %s, %.0f s left\n", study.c_str(), 100 * done, what.c_str(),
+                         done > 0 ? seconds * (1 - done) / done : 0.0);
+        }
+        return !InterruptGuard::interrupted();
+    };
+}
+
+void print_study(const Study& study) {
+    std::printf("\n%s: error is %s", study.title.c_str(), study.error.c_str());
+    if (study.reference_spp != 0)
+        std::printf("; reference of %u samples a pixel, its own error %s", study.reference_spp,
+                    number(study.floor).c_str());
+    std::printf("\n");
+    std::vector<Row> rows = {
+        {"method", "setting", "error", "quartiles", "relMSE", "perceptual", "seconds", "quartiles", "front"}};
+    for (const StudyPoint& p : study.points) {
+        if (!p.failure.empty()) {
+            rows.push_back({p.method, p.setting, "-", "-", "-", "-", number(p.seconds.median), "-", p.failure});
+            continue;
+        }
+        rows.push_back({p.method, p.setting, number(p.error.median), number(p.error.low) + ".." + number(p.error.high),
+                        p.errors.relmse > 0 ? number(p.errors.relmse) : "-",
+                        p.errors.perceptual > 0 ? number(p.errors.perceptual) : "-", number(p.seconds.median),
+                        number(p.seconds.low) + ".." + number(p.seconds.high), p.front ? "yes" : ""});
+    }
+    print_table(rows, 2);
+    for (const std::string& finding : study.findings) std::printf("%s\n", finding.c_str());
+}
+
+nlohmann::ordered_json as_json(const Spread& s) { return {{"low", s.low}, {"median", s.median}, {"high", s.high}}; }
+
+void print_json(const std::vector<Study>& studies, const Options& o, const Device& device) {
+    nlohmann::ordered_json report = {{"scene", o.scene},
+                                     {"device", device.info().name},
+                                     {"driver", device.info().driver},
+                                     {"width", o.study.config.width},
+                                     {"height", o.study.config.height}};
+    for (const Study& study : studies) {
+        nlohmann::ordered_json points = nlohmann::ordered_json::array();
+        for (const StudyPoint& p : study.points)
+            points.push_back({{"method", p.method},
+                              {"setting", p.setting},
+                              {"value", p.value},
+                              {"runs", p.runs},
+                              {"error", as_json(p.error)},
+                              {"relmse", p.errors.relmse},
+                              {"perceptual", p.errors.perceptual},
+                              {"seconds", as_json(p.seconds)},
+                              {"front", p.front},
+                              {"failure", p.failure}});
+        report["studies"].push_back({{"name", study.name},
+                                     {"error", study.error},
+                                     {"floor", study.floor},
+                                     {"reference_spp", study.reference_spp},
+                                     {"findings", study.findings},
+                                     {"points", points}});
+    }
+    std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+}
+
+std::string today() {
+    const std::time_t now = std::time(nullptr);
+    char text[16];
+    std::strftime(text, sizeof text, "%Y-%m-%d", std::localtime(&now));
+    return text;
+}
+
+void accuracy(Options o) {
+    const std::vector<NamedStudy> chosen = chosen_studies(o.only);
+    for (const std::filesystem::path& path : {o.csv, o.html})
+        if (!path.empty()) check_file_writable(path);
+    if (!o.svg.empty() && chosen.size() != 1)
+        throw Error(ErrorKind::usage, "--svg is the plot of one study", "choose it by --only, or use --html");
+    if (!o.svg.empty()) check_file_writable(o.svg);
+    if (o.quick) o.study.most_spp = std::min(o.study.most_spp, 32u), o.study.runs = std::min(o.study.runs, 3u);
+    if (o.quick)
+        o.study.config.width = std::min(o.study.config.width, 64u),
+        o.study.config.height = std::min(o.study.config.height, 64u);
+    Warnings warnings;
+    const Scene scene = load_scene(o.scene, warnings);
+    for (const std::string& warning : warnings) std::fprintf(stderr, "claray: warning: %s\n", warning.c_str());
+    const Device device = Device::open(o.device);
+    const InterruptGuard guard;
+    std::vector<Study> studies;
+    for (const NamedStudy& study : chosen)
+        studies.push_back(study.run(device, scene, o.study, show_progress(study.name, o.quiet)));
+    const DeviceInfo& info = device.info();
+    const std::string subtitle = o.scene + ", " + std::to_string(o.study.config.width) + "x" +
+                                 std::to_string(o.study.config.height) + ", " + info.name + ", driver " + info.driver +
+                                 ", " + today();
+    if (!o.csv.empty()) write_file(o.csv, csv_of(studies, info.name, info.driver, o.scene));
+    if (!o.html.empty()) write_file(o.html, html_of(studies, "What accuracy costs: " + o.scene, subtitle));
+    if (!o.svg.empty()) write_file(o.svg, svg_of(studies.front(), subtitle));
+    if (o.json) return print_json(studies, o, device);
+    std::printf("%s\n", subtitle.c_str());
+    for (const Study& study : studies) print_study(study);
+}
+
+}  // namespace
+
+void add_accuracy_command(CLI::App& app, Action& action) {
+    CLI::App* command = app.add_subcommand("accuracy", "Measure what accuracy costs in time, and draw it");
+    command->footer(
+        "Studies: sampling (samples a pixel, by sampler), depth (where paths end).\n"
+        "Examples:\n"
+        "  claray accuracy cornell --quick\n"
+        "  claray accuracy scene.gltf --device gpu --size 512x512 --spp 1024 --html accuracy.html --csv accuracy.csv");
+    auto o = std::make_shared<Options>();
+    command->add_option("scene", o->scene, "A scene file, or a built-in scene (see claray scenes)")->required();
+    command->add_option("--only", o->only, "These studies only: NAME,NAME...");
+    command->add_flag("--quick", o->quick, "64x64 pixels, 32 samples and 3 runs at most");
+    command->add_option_function<std::string>(
+        "--size",
+        [o](const std::string& text) { std::tie(o->study.config.width, o->study.config.height) = parse_size(text); },
+        "WIDTHxHEIGHT in pixels [128x128]");
+    command->add_option("--spp", o->study.most_spp, "Samples a pixel up to which it is measured [256]")
+        ->check(CLI::Range(1, 65536));
+    command->add_option("--runs", o->study.runs, "Repetitions with seeds of their own [5]")->check(CLI::Range(1, 1000));
+    command->add_option("--references", o->study.references, "Folder that keeps the references, to go on from");
+    command->add_option("--csv", o->csv, "Write all points");
+    command->add_option("--html", o->html, "Write a report with plots");
+    command->add_option("--svg", o->svg, "Write the plot of one study");
+    command->add_flag("--json", o->json, "Print as JSON");
+    command->add_option("--device", o->device, "cpu, gpu, an index or a part of the name (see claray devices)");
+    command->add_flag("-q,--quiet", o->quiet, "No progress");
+    command->callback([&action, o] { action = [o] { accuracy(*o); }; });
+}
+
+}  // namespace claray::cli

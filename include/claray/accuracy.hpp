@@ -1,0 +1,97 @@
+// What accuracy costs in time: error against seconds for every setting of a method, measured on this device.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "claray/renderer.hpp"
+
+namespace claray {
+
+/// How far an image is from another; of linear radiance.
+struct ImageError {
+    double rmse = 0;        ///< root of the mean squared difference of all channels, over the reference's mean
+    double relmse = 0;      ///< mean over channels of (difference / (reference + 1 % of its mean))^2
+    double perceptual = 0;  ///< 0 to 1: the colour term of FLIP (Andersson et al. 2020), both images exposed alike
+};
+
+/// Rows of `width` pixels. Throws ErrorKind::usage where the sizes differ or nothing is there to compare.
+[[nodiscard]] ImageError image_error(std::span<const glm::vec3> image, std::span<const glm::vec3> reference,
+                                     unsigned width);
+
+/// The mean of many renders with seeds of their own.
+struct ReferenceImage {
+    std::vector<glm::vec3> pixels;
+    unsigned spp = 0;
+    double uncertainty = 0;  ///< its own ImageError::rmse, from the spread of the renders it is the mean of
+};
+
+struct ReferenceOptions {
+    unsigned least_spp = 4096;
+    double uncertainty = 0;        ///< go on until this is reached, too, where > 0
+    unsigned most_spp = 1u << 20;  ///< but no further
+    /// Where it is kept and continued; empty: nowhere. The file's name tells scene, settings and device apart.
+    std::filesystem::path folder = {};
+};
+
+/// Tells how much is done, 0 to 1, of what; false stops.
+using AccuracyProgress = std::function<bool(double done, const std::string& what)>;
+
+/// A converged image of the scene as `config` would render it, by seeds that `config.seed` does not share.
+[[nodiscard]] ReferenceImage reference_image(const Device& device, const Scene& scene, const RenderConfig& config,
+                                             const ReferenceOptions& options, const AccuracyProgress& progress = {});
+
+/// Median and quartiles over repeated runs.
+struct Spread {
+    double low = 0, median = 0, high = 0;
+};
+[[nodiscard]] Spread spread_of(std::vector<double> values);
+
+/// One setting of one method.
+struct StudyPoint {
+    std::string method;   ///< a curve of the plot: "Sobol"
+    std::string setting;  ///< "64 spp"
+    double value = 0;     ///< the setting as a number
+    unsigned runs = 0;
+    Spread error, seconds;
+    ImageError errors;    ///< medians of all measures
+    bool front = false;   ///< no other point is at once faster and more accurate
+    std::string failure;  ///< why there is no figure
+};
+
+struct Study {
+    std::string name;   ///< "sampling"
+    std::string title;  ///< of the plot
+    std::string error;  ///< what `StudyPoint::error` measures
+    std::vector<StudyPoint> points;
+    double floor = 0;  ///< the reference's own uncertainty: errors below it tell nothing
+    unsigned reference_spp = 0;
+    std::vector<std::string> findings;  ///< slopes, plateaus, who wins where
+};
+
+struct StudyOptions {
+    RenderConfig config = {.width = 128, .height = 128};
+    unsigned most_spp = 256;                ///< settings go up to it by factors of two
+    unsigned runs = 5;                      ///< with seeds of their own
+    std::filesystem::path references = {};  ///< as ReferenceOptions::folder
+};
+
+/// Samples a pixel by each sampler: how fast noise goes down.
+[[nodiscard]] Study study_sampling(const Device& device, const Scene& scene, const StudyOptions& options,
+                                   const AccuracyProgress& progress = {});
+
+/// Depths at which paths end: what is left out for ever, however many samples there are. Errors are free of noise,
+/// since two independent renders are multiplied: E[(a - r)(b - r)] = bias^2.
+[[nodiscard]] Study study_depth(const Device& device, const Scene& scene, const StudyOptions& options,
+                                const AccuracyProgress& progress = {});
+
+/// Marks the points that no other one beats in both error and time.
+void mark_front(std::vector<StudyPoint>& points);
+
+/// The slope of log y over log x by least squares; 0 for fewer than two points.
+[[nodiscard]] double log_log_slope(std::span<const double> x, std::span<const double> y);
+
+}  // namespace claray

@@ -1,0 +1,39 @@
+// claray accuracy.
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/claray.hpp"
+
+namespace claray::test {
+namespace {
+
+TEST(Accuracy, WritesPointsAsJsonTableAndReport) {
+    const TemporaryFolder folder;
+    const std::string csv = (folder / "a.csv").string(), html = (folder / "a.html").string();
+    const ProcessResult result = run_claray({"accuracy", "cornell", "--size", "12x12", "--spp", "4", "--runs", "2",
+                                             "--csv", csv, "--html", html, "--json", "-q"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_EQ(result.errors, "");
+    const auto report = nlohmann::json::parse(result.output);
+    ASSERT_EQ(report.at("studies").size(), 2u);
+    const auto& sampling = report.at("studies")[0];
+    EXPECT_EQ(sampling.at("name"), "sampling");
+    ASSERT_EQ(sampling.at("points").size(), 6u);
+    EXPECT_EQ(sampling.at("points")[2].at("setting"), "4 spp");
+    EXPECT_GT(sampling.at("points")[0].at("error").at("median"), sampling.at("points")[2].at("error").at("median"));
+    EXPECT_EQ(read_file(html).find("<!doctype html>"), 0u);
+    EXPECT_NE(read_file(html).find("<svg"), std::string::npos);
+    const std::string rows = read_file(csv);
+    EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 1 + 6 + 8);
+}
+
+TEST(Accuracy, RefusesWhatItDoesNotKnow) {
+    EXPECT_TRUE(failed_with(run_claray({"accuracy", "cornell", "--only", "colour"}), 2, "there is no study 'colour'"));
+    EXPECT_TRUE(
+        failed_with(run_claray({"accuracy", "cornell", "--svg", "x.svg"}), 2, "--svg is the plot of one study"));
+    EXPECT_TRUE(failed_with(run_claray({"accuracy", "no_such_scene.obj"}), 1, "no_such_scene.obj"));
+    EXPECT_TRUE(failed_with(run_claray({"accuracy", "cornell", "--html", "/nowhere/x.html"}), 1, "/nowhere/x.html"));
+}
+
+}  // namespace
+}  // namespace claray::test
