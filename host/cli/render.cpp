@@ -18,6 +18,7 @@ namespace {
 Scene load(const RenderOptions& options) {
     Warnings warnings;
     Scene scene = load_scene(options.scene, warnings);
+    add_lights(scene, options.lights, warnings);
     for (const std::string& warning : warnings) std::fprintf(stderr, "claray: warning: %s\n", warning.c_str());
     use_light_maps(scene, options.light_maps);
     scene.camera = choose_camera(scene, options);
@@ -175,6 +176,7 @@ void add_render_command(CLI::App& app, Action& action) {
     auto options = std::make_shared<RenderOptions>();
     add_image_options(*command, *options);
     add_camera_options(*command, *options);
+    add_light_options(*command, options->lights);
     add_quality_options(*command, *options);
     add_checkpoint_options(*command, *options);
     add_machine_options(*command, *options);

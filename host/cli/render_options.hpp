@@ -8,6 +8,7 @@
 
 #include "claray/io.hpp"
 #include "claray/renderer.hpp"
+#include "host/cli/light_options.hpp"
 
 namespace claray::cli {
 
@@ -18,6 +19,7 @@ struct RenderOptions {
     RenderConfig config;
     std::optional<glm::vec3> camera, look_at, up;
     std::optional<float> fov;                          // degrees, vertical
+    LightOptions lights;
     std::optional<float> aperture, focus_distance;     // of a thin lens
     std::optional<glm::vec3> camera_end, look_at_end;  // when the shutter closes
     float exposure = 0;                                // stops
