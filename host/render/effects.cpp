@@ -49,6 +49,7 @@ constexpr std::array rows = {
     Row{Effect::mip_maps, "mip-maps", "MIPMAPS", 0, shade | aovs},
     Row{Effect::normal_maps, "normal-maps", "NORMAL_MAPS", 0, shade | aovs},
     Row{Effect::height_maps, "height-maps", "HEIGHT_MAPS", 0, shade | aovs},
+    Row{Effect::emission_maps, "emission-maps", "EMISSION_MAPS", 0, shade},
     Row{Effect::cut_outs, "cut-outs", "CUT_OUTS", 0, trace},
     Row{Effect::culling, "culling", "CUT_OUTS", 1, trace},
     Row{Effect::light_maps, "light-maps", "LIGHT_MAPS", 0, shade | aovs},

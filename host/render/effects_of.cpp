@@ -7,7 +7,6 @@
 #include "host/render/lights.hpp"
 #include "host/render/material_data.hpp"
 #include "host/scene/placement.hpp"
-#include "host/render/lights.hpp"
 
 namespace claray {
 namespace {
@@ -99,6 +98,7 @@ private:
         call_map(Effect::normal_maps, m.normal_map);
         call_map(Effect::height_maps, m.height_map);
         call_map(Effect::light_maps, m.light_map);
+        if (sampled_emission(m) < 0.f) call_map(Effect::emission_maps, m.emission_map);
     }
 
     void visit_textures(const Material& m) {
@@ -150,6 +150,7 @@ void strip(Material& m, EffectSet effects) {
     if (lost(Effect::normal_maps)) m.normal_map = {};
     if (lost(Effect::height_maps)) m.height_map = {};
     if (lost(Effect::light_maps)) m.light_map = {};
+    if (lost(Effect::emission_maps)) m.emission_map = {};
 }
 
 }  // namespace

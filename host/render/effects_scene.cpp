@@ -60,6 +60,7 @@ std::vector<Material> materials_for(EffectSet effects) {
     if (effects.has(Effect::textures) || effects.has(Effect::mip_maps)) last.albedo_map = use_of_texture();
     if (effects.has(Effect::normal_maps)) last.normal_map = use_of_texture();
     if (effects.has(Effect::height_maps)) last.height_map = use_of_texture();
+    if (effects.has(Effect::emission_maps)) last.emission = glm::vec3(1.f), last.emission_map = use_of_texture();
     if (effects.has(Effect::light_maps)) last.light_map = use_of_texture();
     return materials;
 }
@@ -94,7 +95,7 @@ Scene scene_calling_for(EffectSet effects) {
     if (effects.has(Effect::smooth_normals))
         for (Mesh& mesh : scene.meshes) mesh.normals.assign(mesh.positions.size(), {0.f, 1.f, 0.f});
     const EffectSet textured = {Effect::textures,    Effect::mip_maps,   Effect::normal_maps,
-                                Effect::height_maps, Effect::light_maps, Effect::cut_outs};
+                                Effect::height_maps, Effect::light_maps, Effect::cut_outs, Effect::emission_maps};
     if (!(effects & textured).empty())
         scene.textures = {grey_texture(effects.has(Effect::mip_maps) ? Filter::trilinear : Filter::bilinear)};
     if (effects.has(Effect::point_lights)) add_light(scene, LightKind::point);

@@ -21,25 +21,25 @@ struct Range {
 /// What a split is judged by.
 struct Summary {
     Bounds box;
-    glm::vec3 axes{0.f};  // sum of power times axis
-    float power = 0;
+    glm::vec3 axes{0.f};  // sum of intensity times axis
+    float intensity = 0;
 
     void add(const LightBounds& light, const glm::vec3& reference) {
         box.grow(light.box.lo), box.grow(light.box.hi);
         const bool turn = light.two_sided && glm::dot(light.axis, reference) < 0.f;
-        if (light.spread < pi) axes += turn ? -light.power * light.axis : light.power * light.axis;
-        power += light.power;
+        if (light.spread < pi) axes += turn ? -light.intensity * light.axis : light.intensity * light.axis;
+        intensity += light.intensity;
     }
     void add(const Summary& other) {
         if (!other.box.empty()) box.grow(other.box.lo), box.grow(other.box.hi);
-        axes += other.axes, power += other.power;
+        axes += other.axes, intensity += other.intensity;
     }
-    /// Power times the square of the diagonal (an area that lines have, too), from once for directions that agree to
-    /// twice for such that do not.
+    /// Intensity times the square of the diagonal (an area that lines have, too), from once for directions that agree
+    /// to twice for such that do not.
     [[nodiscard]] float cost() const {
-        if (box.empty() || !(power > 0)) return 0;
+        if (box.empty() || !(intensity > 0)) return 0;
         const glm::vec3 e = box.extent();
-        return power * glm::dot(e, e) * (2.f - std::min(glm::length(axes) / power, 1.f));
+        return intensity * glm::dot(e, e) * (2.f - std::min(glm::length(axes) / intensity, 1.f));
     }
 };
 
@@ -85,6 +85,7 @@ private:
     [[nodiscard]] std::size_t split(Range range);
     [[nodiscard]] float cost(Range range) const;
     [[nodiscard]] LightBounds bounds_of(Range range, float& radius2) const;
+    [[nodiscard]] bool alike(Range range, const LightBounds& bounds) const;
     std::uint32_t build(Range range, unsigned level, std::uint32_t trail);
 
     const std::vector<LightBounds>& lights_;
@@ -161,7 +162,7 @@ LightBounds Builder::bounds_of(Range range, float& radius2) const {
     LightBounds all = light(range.begin);
     for (std::size_t i = range.begin + 1; i < range.end; ++i) {
         all.box.grow(light(i).box.lo), all.box.grow(light(i).box.hi);
-        all.power += light(i).power;
+        all.intensity += light(i).intensity;
         join_cones(all, light(i));
     }
     radius2 = 0;
@@ -173,20 +174,31 @@ LightBounds Builder::bounds_of(Range range, float& radius2) const {
     return all;
 }
 
+/// Whether intensity is all that tells these lights apart from far away: they shine everywhere, or in about one
+/// direction.
+bool Builder::alike(Range range, const LightBounds& bounds) const {
+    if (bounds.spread < 0.3f) return true;
+    for (std::size_t i = range.begin; i < range.end; ++i)
+        if (light(i).spread < pi || light(i).reach < pi) return false;
+    return true;
+}
+
 std::uint32_t Builder::build(Range range, unsigned level, std::uint32_t trail) {
     const auto index = std::uint32_t(tree_.nodes.size());
     tree_.nodes.emplace_back();
     const std::vector<Range> parts = children_of(range, level);
     LightNode node{};
     for (std::size_t i = 0; i < parts.size(); ++i) {
-        const LightBounds bounds = bounds_of(parts[i], node.radius2[i]);
+        float radius2 = 0;
+        const LightBounds bounds = bounds_of(parts[i], radius2);
+        node.radius[i] = alike(parts[i], bounds) ? std::sqrt(radius2) : -std::sqrt(radius2);
         const glm::vec3 center = bounds.box.center();
         node.x[i] = center.x, node.y[i] = center.y, node.z[i] = center.z;
         node.axis_x[i] = bounds.axis.x, node.axis_y[i] = bounds.axis.y, node.axis_z[i] = bounds.axis.z;
-        node.cos_spread[i] = std::cos(bounds.spread);
-        if (bounds.spread >= pi) node.cos_spread[i] = -1.f;
+        node.cos_spread[i] = bounds.spread >= pi ? -1.f : std::cos(bounds.spread);
+        node.sin_spread[i] = bounds.spread >= pi ? 0.f : std::sin(bounds.spread);
         node.cos_reach[i] = bounds.two_sided ? CLARAY_TWO_SIDED_CONE : std::cos(std::min(bounds.reach, pi));
-        node.power[i] = bounds.power;
+        node.intensity[i] = bounds.intensity;
         const std::uint32_t below = trail | std::uint32_t(i) << 2 * level;
         if (parts[i].size() == 1) {
             node.child[i] = CLARAY_LIGHT_LEAF | order_[parts[i].begin];

@@ -14,12 +14,12 @@ struct LightBounds {
     float spread = 0;         // radians from the axis to the cone's border; pi: everywhere
     float reach = 0;          // radians from there to where its light ends; not of two-sided ones
     bool two_sided = false;   // shines by the cosine to both sides
-    float power = 0;
+    float intensity = 0;
 };
 
 struct LightTree {
     std::vector<LightNode> nodes;       // the first is the root
-    std::vector<std::uint32_t> trails;  // of every light: two bits a level, the lowest first
+    std::vector<std::uint32_t> trails;  // of every light: LightTrail::trail
 };
 
 /// Top down, by the surface area orientation heuristic in a simple form (Conty Estevez and Kulla 2018, section 4.4).

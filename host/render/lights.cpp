@@ -6,7 +6,10 @@
 
 #include "host/render/environment.hpp"
 #include "host/render/light_tree.hpp"
+#include "host/render/mean_texel.hpp"
 #include "host/render/structure.hpp"
+#include "host/render/texture_use.hpp"
+#include "host/render/textures.hpp"
 
 namespace claray {
 namespace {
@@ -34,9 +37,24 @@ TriangleLight triangle_light(const glm::vec3& a, const glm::vec3& b, const glm::
     return light;
 }
 
-/// Of a mesh that is placed in the world by `transform`; its first triangle has the number `first`.
-void collect_triangles(const Scene& scene, const Mesh& mesh, const glm::dmat4& transform, std::uint32_t first,
-                       std::vector<TriangleLight>& lights) {
+/// What a triangle emits on average: of its image only the part that lies on it counts.
+glm::vec3 mean_emission(const Scene& scene, const Material& material, const Mesh& mesh, const glm::uvec3& triangle) {
+    if (!has_emission_map(material)) return material.emission;
+    const TextureUse& use = material.emission_map;
+    const std::vector<glm::vec2>& uvs = use.uv_set == 0 ? mesh.uvs : mesh.uvs1;
+    glm::vec2 corners[3];
+    for (int k = 0; k < 3; ++k)
+        corners[k] = transformed(use, triangle[k] < uvs.size() ? uvs[triangle[k]] : glm::vec2(0.f));
+    return material.emission * mean_texel(scene.textures[use.texture], corners[0], corners[1], corners[2]);
+}
+
+/// Of mesh number `index` that is placed in the world by `transform`; its first triangle has the number `first`.
+void collect_triangles(const Scene& scene, std::uint32_t index, const glm::dmat4& transform, std::uint32_t first,
+                       Lights& collected) {
+    std::vector<TriangleLight>& lights = collected.triangles;
+    const Mesh& mesh = scene.meshes[index];
+    std::uint32_t in_memory = 0;  // where its triangles begin there
+    for (std::uint32_t i = 0; i < index; ++i) in_memory += std::uint32_t(scene.meshes[i].triangles.size());
     const auto place = [&](std::uint32_t vertex) {
         return glm::vec3(transform * glm::dvec4(mesh.positions[vertex], 1.0));
     };
@@ -44,17 +62,21 @@ void collect_triangles(const Scene& scene, const Mesh& mesh, const glm::dmat4& t
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const Material& material = scene.materials[mesh.materials.empty() ? 0 : mesh.materials[i]];
         const bool mirrored = flips && material.cull_back;
-        const glm::vec3 emission = material.emission;
-        if (!(sampled_emission(material) > 0)) continue;
+        if (sampled_emission(material) == 0.f) continue;
         const glm::uvec3 t = mesh.triangles[i];
+        const glm::vec3 emission = mean_emission(scene, material, mesh, t);
+        if (!(luminance(emission) > 0)) continue;
         const glm::vec3 a = place(t.x), b = place(mirrored ? t.z : t.y), c = place(mirrored ? t.y : t.z);
         if (!can_be_hit(a, b, c)) continue;
         lights.push_back(triangle_light(a, b, c, emission));
         lights.back().primitive = first + std::uint32_t(i);
-        if (!(lights.back().area > 0))
+        if (!(lights.back().area > 0)) {
             lights.pop_back();
-        else if (material.cull_back)
-            lights.back().area = -lights.back().area;
+            continue;
+        }
+        if (material.cull_back) lights.back().area = -lights.back().area;
+        const std::uint32_t turned = mirrored ? CLARAY_TURNED_LAMP : 0u;
+        collected.lamps.push_back(has_emission_map(material) ? (in_memory + std::uint32_t(i)) | turned : CLARAY_NO_MAP);
     }
 }
 
@@ -75,12 +97,12 @@ void grow_instance_errors(const Mesh& mesh, const glm::dmat4& transform, LightsD
 }
 
 /// What moves is not among them: its light is found by chance alone.
-void collect_triangles(const Scene& scene, std::vector<TriangleLight>& lights, LightsData& data) {
+void collect_triangles(const Scene& scene, Lights& lights) {
     std::uint32_t first = 0;
     if (scene.instances.empty()) {
-        for (const Mesh& mesh : scene.meshes) {
-            collect_triangles(scene, mesh, glm::dmat4(1.0), first, lights);
-            first += std::uint32_t(mesh.triangles.size());
+        for (std::uint32_t i = 0; i < scene.meshes.size(); ++i) {
+            collect_triangles(scene, i, glm::dmat4(1.0), first, lights);
+            first += std::uint32_t(scene.meshes[i].triangles.size());
         }
         return;
     }
@@ -90,9 +112,9 @@ void collect_triangles(const Scene& scene, std::vector<TriangleLight>& lights, L
         if (moves(instance)) continue;
         const Mesh& mesh = scene.meshes[instance.mesh];
         const glm::dmat4 transform(instance.transform);
-        const std::size_t before = lights.size();
-        collect_triangles(scene, mesh, transform, numbers[i], lights);
-        if (lights.size() != before) grow_instance_errors(mesh, transform, data);
+        const std::size_t before = lights.triangles.size();
+        collect_triangles(scene, instance.mesh, transform, numbers[i], lights);
+        if (lights.triangles.size() != before) grow_instance_errors(mesh, transform, lights.data);
     }
 }
 
@@ -124,20 +146,27 @@ void collect_punctual(const Scene& scene, Lights& lights) {
         }
 }
 
-double power_of(const TriangleLight& l) {
-    return 2 * pi * std::abs(l.area) * luminance({l.emission_r, l.emission_g, l.emission_b});
+/// What a light sends where it shines most, per steradian.
+double intensity_of(const TriangleLight& l) {
+    return std::abs(l.area) * luminance({l.emission_r, l.emission_g, l.emission_b});
 }
 
 /// `radius` of the scene: attenuation that is not physical counts at half of it, where much of the scene may be.
-double power_of(const PunctualLight& l, double radius) {
+double intensity_of(const PunctualLight& l, double radius) {
     const double intensity = luminance({l.intensity_r, l.intensity_g, l.intensity_b});
-    if (l.kind == CLARAY_DIRECTIONAL_LIGHT) return intensity * pi * radius * radius;
-    const double d = 0.5 * radius, divisor = l.attenuation_0 + d * (l.attenuation_1 + d * l.attenuation_2);
-    const bool plain = l.attenuation_0 == 0.f && l.attenuation_1 == 0.f;
-    const double at_one = plain ? intensity / l.attenuation_2 : intensity * d * d / divisor;
-    if (l.kind == CLARAY_POINT_LIGHT) return 4 * pi * at_one;
+    if (l.attenuation_0 == 0.f && l.attenuation_1 == 0.f) return intensity / l.attenuation_2;
+    const double d = 0.5 * radius;
+    return intensity * d * d / (l.attenuation_0 + d * (l.attenuation_1 + d * l.attenuation_2));
+}
+
+double power_of(const TriangleLight& l) { return 2 * pi * intensity_of(l); }
+
+double power_of(const PunctualLight& l, double radius) {
+    if (l.kind == CLARAY_DIRECTIONAL_LIGHT)
+        return luminance({l.intensity_r, l.intensity_g, l.intensity_b}) * pi * radius * radius;
+    if (l.kind == CLARAY_POINT_LIGHT) return 4 * pi * intensity_of(l, radius);
     const double outer = -l.cone_offset / l.cone_scale, inner = outer + 1 / l.cone_scale;
-    return 2 * pi * at_one * (1 - 0.5 * (outer + inner));
+    return 2 * pi * intensity_of(l, radius) * (1 - 0.5 * (outer + inner));
 }
 
 LightBounds bounds_of(const TriangleLight& l) {
@@ -145,7 +174,8 @@ LightBounds bounds_of(const TriangleLight& l) {
     LightBounds bounds;
     bounds.box.grow(a), bounds.box.grow(a + e1), bounds.box.grow(a + e2);
     bounds.axis = glm::vec3(glm::normalize(glm::cross(glm::dvec3(e1), glm::dvec3(e2))));
-    bounds.two_sided = true;
+    bounds.two_sided = l.area > 0;
+    bounds.reach = float(pi / 2);
     return bounds;
 }
 
@@ -186,13 +216,15 @@ private:
     std::uint64_t begin_ = 0;
 };
 
-/// The tree over triangles, points and spots.
-void plant_tree(Lights& lights, const std::vector<double>& powers) {
+/// The tree over triangles, points and spots. It weighs intensities, which it multiplies by cosines: the power of a
+/// spot says little about the few directions that it shines in.
+void plant_tree(Lights& lights, double radius) {
     std::vector<LightBounds> bounds;
-    for (const TriangleLight& light : lights.triangles) bounds.push_back(bounds_of(light));
+    for (const TriangleLight& light : lights.triangles)
+        bounds.push_back(bounds_of(light)), bounds.back().intensity = float(intensity_of(light));
     for (const PunctualLight& light : lights.punctual)
-        if (light.kind != CLARAY_DIRECTIONAL_LIGHT) bounds.push_back(bounds_of(light));
-    for (std::size_t i = 0; i < bounds.size(); ++i) bounds[i].power = float(powers[i]);
+        if (light.kind != CLARAY_DIRECTIONAL_LIGHT)
+            bounds.push_back(bounds_of(light)), bounds.back().intensity = float(intensity_of(light, radius));
     LightTree tree = build_light_tree(bounds);
     lights.tree = std::move(tree.nodes);
     for (std::size_t i = 0; i < lights.triangles.size(); ++i)
@@ -242,7 +274,7 @@ void distribute(Lights& lights, double environment, double radius, std::size_t f
     data.near = std::uint32_t(near);
     data.count = std::uint32_t(powers.size());
     if (!lights.triangles.empty()) data.density = float(2 * pi / total);
-    if (near >= std::max<std::size_t>(for_a_tree, 2)) plant_tree(lights, powers);
+    if (near >= std::max<std::size_t>(for_a_tree, 2)) plant_tree(lights, radius);
 }
 
 }  // namespace
@@ -267,15 +299,17 @@ std::size_t near_lights(const Scene& scene) {
 }
 
 float sampled_emission(const Material& material) {
-    // Maps, and lamps with holes, are found by chance alone.
-    if (material.emission_map.used() || material.alpha_mode != AlphaMode::opaque) return 0.f;
+    if (material.alpha_mode != AlphaMode::opaque) return 0.f;  // lamps with holes are found by chance alone
+    if (has_emission_map(material)) return -1.f;
     const glm::vec3 c = material.emission;
     return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;  // as shade/vector.clh does it
 }
 
 Lights collect_lights(const Scene& scene, std::size_t for_a_tree) {
     Lights lights;
-    collect_triangles(scene, lights.triangles, lights.data);
+    collect_triangles(scene, lights);
+    if (std::all_of(lights.lamps.begin(), lights.lamps.end(), [](auto lamp) { return lamp == CLARAY_NO_MAP; }))
+        lights.lamps.clear();
     collect_punctual(scene, lights);
     const Bounds bounds = bounds_of(scene);
     const double radius = bounds.empty() ? 1 : std::max(0.5 * glm::length(glm::dvec3(bounds.extent())), 1e-18);

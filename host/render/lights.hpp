@@ -13,6 +13,7 @@ struct Lights {
     std::vector<PunctualLight> punctual;  // points and spots before directional lights
     std::vector<LightNode> tree;          // empty: lights are picked by power alone
     std::vector<LightTrail> trails;       // of triangles, where there is a tree
+    std::vector<std::uint32_t> lamps;     // of triangles, where an image is on some: see shade/light_triangle.clh
     std::vector<float> environment_texels, environment_cdf;
     LightsData data{};
 
@@ -35,7 +36,8 @@ inline constexpr std::size_t lights_for_a_tree = 16;
 /// Emissive triangles, points and spots, among them perhaps some that can't be hit.
 [[nodiscard]] std::size_t near_lights(const Scene& scene);
 
-/// The luminance by which emissive triangles of a material are sampled: MaterialData::sampled_emission.
+/// The luminance by which emissive triangles of a material are sampled: MaterialData::sampled_emission, negative where
+/// an image is on them.
 [[nodiscard]] float sampled_emission(const Material& material);
 
 }  // namespace claray

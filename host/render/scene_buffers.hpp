@@ -20,6 +20,7 @@ struct SceneBuffers {
     Buffer<PunctualLight> punctual_lights;
     Buffer<LightNode> light_tree;
     Buffer<LightTrail> light_trails;
+    Buffer<std::uint32_t> lamps;  // not allocated where no image is on a lamp
     Buffer<float> environment_texels, environment_cdf;
     Textures textures;
     LightsData lights{};  // lights.count: of those that shadow rays are sent to

@@ -59,6 +59,10 @@ void add_lights(Scene& scene) {
     scene.meshes.push_back(
         make_lamp({-2.4f, 2.8f, 1.f}, {0.f, 0.3f, 0.f}, 0.3f, std::uint32_t(scene.materials.size())));
     scene.materials.push_back(lamp("lamp", {14.f, 12.f, 9.f}));
+    scene.meshes.push_back(textured_rectangle({-0.9f, 1.5f, -2.1f}, {0.3f, 0.f, 0.f}, {0.f, 0.2f, 0.f},
+                                              std::uint32_t(scene.materials.size())));
+    scene.materials.push_back(lamp("screen", {2.f, 3.f, 5.f}));
+    scene.materials.back().emission_map = add_texture(scene, checks());
     Light light = point_light({2.4f, 1.9f, 1.4f}, {3.f, 2.f, 1.4f});
     scene.lights.push_back(light);
     for (int i = 0; i < 20; ++i) {  // a chain of small lights along the wall, each of which shines not far

@@ -162,6 +162,14 @@ constexpr std::array alone = {
               s.materials[floor_material].height_scale = 0.4f;
           }},
     Alone{"light-maps", make_light_map},
+    Alone{"emission-maps",
+          [](Scene& s) {
+              s.sky = {};
+              s.meshes.push_back(
+                  textured_rectangle({-0.2f, 1.3f, -2.f}, {1.4f, 0.f, 0.f}, {0.f, 0.8f, 0.f}, stage_materials));
+              s.materials.push_back(lamp("screen", {9.f, 8.f, 7.f}));
+              s.materials.back().emission_map = add_texture(s, checks());
+          }},
     Alone{"cut-outs",
           [](Scene& s) {
               s.materials[block_material].opacity_map = add_texture(s, disc_opacity());

@@ -43,7 +43,8 @@ enum class Effect : std::uint8_t {
     depth_of_field,
     camera_motion,
     instances,
-    instance_motion
+    instance_motion,
+    emission_maps
 };
 
 class EffectSet {

@@ -69,7 +69,7 @@ static inline float emission_weight(const Lights* lights, const Surface* surface
     if (!TRIANGLE_LIGHTS || pdf == 0.0f) return 1.0f;
     const float cosine = fabs(dot(surface->geometric, -(float3)(ray.dx, ray.dy, ray.dz)));
     const float3 from = (float3)(ray.ox, ray.oy, ray.oz);
-    return power_heuristic(
+    return bsdf_weight(
         pdf, triangle_light_pdf(lights, emission, light, from, normal, t * t, cosine));
 }
 
@@ -105,7 +105,7 @@ static inline NextShadow sample_light(const Lights* lights, const SurfaceSamples
     float bsdf_pdf;
     const float3 reflected = eval_bsdf(material, energy_tables, to_local(shading_frame, outgoing), incoming,
                                        surface->inside, &bsdf_pdf);
-    const float weight = view.pdf > 0.0f ? power_heuristic(view.pdf, bsdf_pdf) : 1.0f;
+    const float weight = view.pdf > 0.0f ? light_weight(view.pdf, bsdf_pdf) : 1.0f;
     const float3 light_sum = throughput_of(state) * reflected * view.radiance * weight;
     if (light_sum.x == 0.0f && light_sum.y == 0.0f && light_sum.z == 0.0f) return next;
     next.wanted = true;
@@ -167,7 +167,11 @@ static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PAR
                              PathState state, RayCone cone, global float* radiance, global float* shading_normals, NextRay* next,
                              NextShadow* shadow) {
     next->wanted = shadow->wanted = false;
-    const Lights lights = make_lights(frame.lights, LIGHT_BUFFERS);
+    Lights lights = make_lights(frame.lights, LIGHT_BUFFERS);
+#if LAMP_IMAGES
+    lights.textures = textures, lights.indices = indices;
+    lights.triangle_materials = triangle_materials, lights.materials = materials;
+#endif
     const float3 direction = (float3)(ray.dx, ray.dy, ray.dz), outgoing = -direction;
 #if INSTANCES
     const Hit hit = hit_in_scene(found, instances);
@@ -255,7 +259,7 @@ static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PAR
 #define SHADE_SIXTEEN                                                                                                   \
     (CLARAY_CPU && MATERIALS == 1u << CLARAY_LAMBERT && !NORMALS && !TEXTURES && !MIPMAPS && !INSTANCES && !BAKE &&     \
      !ENVIRONMENT && !LIGHT_TREE && !SPOT_LIGHTS && !DIRECTIONAL_LIGHTS && !LIGHT_FALLOFF && !ABSORPTION &&             \
-     !(TRIANGLE_LIGHTS && POINT_LIGHTS))
+     !(TRIANGLE_LIGHTS && POINT_LIGHTS) && TECHNIQUES == 3)
 #if SHADE_SIXTEEN
 #include "render/shade_sixteen.clh"
 #endif

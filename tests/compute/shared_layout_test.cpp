@@ -81,7 +81,7 @@ const Field fields[] = {
     FIELD(PunctualLight, direction_z),
     FIELD(PunctualLight, inverse_range),
     FIELD(PunctualLight, attenuation_2),
-    FIELD(LightNode, radius2),
+    FIELD(LightNode, radius),
     FIELD(LightNode, cos_reach),
     FIELD(LightNode, child),
     FIELD(LightTrail, trail),

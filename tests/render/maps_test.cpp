@@ -6,6 +6,7 @@
 #include <cstring>
 #include <numbers>
 
+#include "host/render/lights.hpp"
 #include "tests/render/scenes.hpp"
 #include "tests/render/textures.hpp"
 #include "tests/support/device.hpp"
@@ -97,6 +98,43 @@ TEST(EmissionMap, LightsTheSceneAsItsMean) {
     const double plain = mean(render_image(scene, config)).x;
     scene.materials[1].emission_map.texture = 0;
     EXPECT_NEAR(mean(render_image(scene, config)).x / plain, 0.5, 0.005);
+}
+
+/// Texels become triangles of their own: the same light, and the lights know of it what each triangle emits on average.
+TEST(EmissionMap, IsSampledAsLampsOfItsTexels) {
+    Scene scene;
+    Texture image = float_texture({4, 1}, [](double u, double) { return u < 0.5 ? 0.0 : u < 0.75 ? 1.0 : 3.0; });
+    image.filter = Filter::nearest;
+    scene.textures = {image};
+    scene.materials = {lambert(0.6f), emitter(2.f)};
+    scene.materials[1].emission_map.texture = 0;
+    scene.meshes = {square(9.f, 0.f)};
+    Scene plain = scene;
+    plain.textures.clear(), plain.materials[1] = emitter(2.f), plain.materials.push_back(emitter(6.f));
+    const auto strip = [](float x0, float x1, std::uint32_t material) {
+        Mesh mesh;
+        mesh.positions = {{x0, 1, -1}, {x1, 1, -1}, {x1, 1, 1}, {x0, 1, 1}};
+        mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+        mesh.materials = {material, material};
+        mesh.uvs = {{0.25f * (x0 + 2), 0}, {0.25f * (x1 + 2), 0}, {0.25f * (x1 + 2), 1}, {0.25f * (x0 + 2), 1}};
+        return mesh;
+    };
+    scene.meshes.push_back(strip(-2, 0, 1)), scene.meshes.push_back(strip(0, 2, 1));
+    plain.meshes.push_back(strip(0, 1, 1)), plain.meshes.push_back(strip(1, 2, 2));
+
+    const Lights lights = collect_lights(scene);
+    ASSERT_EQ(lights.triangles.size(), 2u);  // the black half is none
+    double sum = 0;
+    for (const TriangleLight& t : lights.triangles) sum += double(t.emission_r) * t.area;
+    EXPECT_NEAR(sum / (2 * 2 + 6 * 2), 1, 0.02);
+
+    scene.camera = plain.camera = narrow_camera({0, 0.5f, 3}, {0.3f, 0, 0.2f});
+    const RenderConfig config{.width = 16, .height = 16, .spp = 256, .max_depth = 1};
+    Renderer mapped(device(), scene, config), split(device(), plain, config);
+    const double error_of_mapped = mapped.render().noise / 16, error_of_split = split.render().noise / 16;
+    const double error = std::hypot(error_of_mapped, error_of_split);
+    EXPECT_LT(error, 0.0015);
+    EXPECT_NEAR(mean(mapped.image()).x / mean(split.image()).x, 1, std::min(3 * error + 1e-4, 0.005));
 }
 
 TEST(RoughnessMap, MultipliesTheRoughness) {

@@ -24,7 +24,7 @@ typedef struct MaterialData {
     float emission_r, emission_g, emission_b;  // radiance, W / (m^2 sr)
     float roughness;                           // alpha = roughness^2 (GGX)
     float ior;                                 // index of refraction, inside over outside
-    float sampled_emission;  // luminance by which the lights sample its triangles; 0: they do not
+    float sampled_emission;  // luminance by which its triangles are sampled; 0: they are not; < 0: each by its own
     float metallic, transmission;              // principled
     float clearcoat, clearcoat_roughness;      // principled
     float specular_r, specular_g, specular_b;  // Blinn-Phong; specular + albedo <= 1
@@ -65,23 +65,25 @@ typedef struct PunctualLight {
 } PunctualLight;
 CLARAY_LAYOUT(PunctualLight, 72)
 
+#define CLARAY_TURNED_LAMP 0x80000000u   // of a triangle light with an image: second and third vertex have changed places
+
 #define CLARAY_LIGHT_TREE_WIDTH 4
 #define CLARAY_LIGHT_TREE_HEIGHT 16      // a trail of 32 bits says which child on each level
 #define CLARAY_LIGHT_LEAF 0x80000000u    // a child that is the light of that number
 #define CLARAY_TWO_SIDED_CONE 2.0f
 
 /// What a node of the light tree knows about its children: a sphere that holds a child's lights, a cone that holds the
-/// directions in which they shine most, and their power. Missing children have no power.
+/// directions in which they shine most, and their intensity there. Missing children have none.
 typedef struct LightNode {
     float x[4], y[4], z[4];
-    float radius2[4];
+    float radius[4];  // negative: other things than intensity tell its lights apart even from far away
     float axis_x[4], axis_y[4], axis_z[4];
-    float cos_spread[4];  // of the angle between the cone's axis and its border
-    float cos_reach[4];   // how far from those directions light reaches; two-sided where CLARAY_TWO_SIDED_CONE
-    float power[4];
+    float cos_spread[4], sin_spread[4];  // of the angle between the cone's axis and its border
+    float cos_reach[4];  // how far from that border light reaches; two-sided where CLARAY_TWO_SIDED_CONE
+    float intensity[4];
     uint child[4];  // index of a node, or CLARAY_LIGHT_LEAF
 } LightNode;
-CLARAY_LAYOUT(LightNode, 176)
+CLARAY_LAYOUT(LightNode, 192)
 
 /// Where in the tree a triangle light is. In the order of the triangle lights.
 typedef struct LightTrail {

@@ -1,0 +1,226 @@
+// The tree that picks among many lights: host/render/light_tree.cpp, shade/light_tree.clh.
+#include "host/render/light_tree.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "claray/program.hpp"
+#include "host/render/lights.hpp"
+#include "tests/render/scenes.hpp"
+#include "tests/support/device.hpp"
+#include "tests/support/statistics.hpp"
+
+namespace claray::test {
+namespace {
+
+/// Triangles, spots and points of very different power in a box; some at the same place.
+Scene many(std::uint32_t triangles, std::uint32_t spots, std::uint32_t points) {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<float> unit(-1.f, 1.f);
+    const auto place = [&] { return glm::vec3(2 * unit(random), 1.5f + unit(random), 2 * unit(random)); };
+    Scene scene;
+    scene.materials = {lambert(0.5f), emitter(0.3f), emitter(4.f)};
+    scene.meshes = {square(5.f, 0.f), Mesh{}};
+    Mesh& mesh = scene.meshes[1];
+    for (std::uint32_t i = 0; i < triangles; ++i) {
+        const glm::vec3 at = place();
+        for (int k = 0; k < 3; ++k)
+            mesh.positions.push_back(at + 0.1f * glm::vec3(unit(random), unit(random), unit(random)));
+        mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+        mesh.materials.push_back(1 + i % 2);
+    }
+    for (std::uint32_t i = 0; i < spots + points; ++i) {
+        Light light =
+            point_light(i % 5 == 4 ? scene.lights.back().position : place(), glm::vec3(0.1f + std::abs(unit(random))));
+        light.direction = place() - glm::vec3(0, 2, 0);
+        if (i < spots) light.kind = LightKind::spot;
+        scene.lights.push_back(light);
+    }
+    return scene;
+}
+
+const char* kernels = R"(
+    #include "shade/light.clh"
+    kernel void pick(global const LightNode* tree, float x, float y, float z, float nx, float ny, float nz,
+                     global const uint* random, uint count, global uint* light, global float* probability) {
+        const uint i = get_global_id(0);
+        if (i >= count) return;
+        float share;
+        light[i] = pick_from_tree(tree, (float3)(x, y, z), (float3)(nx, ny, nz), random[i], &share);
+        probability[i] = share;
+    }
+    kernel void probabilities(global const LightNode* tree, float x, float y, float z, float nx, float ny, float nz,
+                              global const uint* trails, uint count, global float* probability) {
+        const uint i = get_global_id(0);
+        if (i < count) probability[i] = tree_probability(tree, (float3)(x, y, z), (float3)(nx, ny, nz), trails[i]);
+    })";
+
+/// All trails of a tree, by walking through it; every light must be met once.
+std::vector<std::uint32_t> trails_of(const std::vector<LightNode>& tree, std::size_t lights) {
+    std::vector<std::uint32_t> trails(lights), met(lights, 0u);
+    const std::function<void(std::uint32_t, unsigned, std::uint32_t)> walk = [&](std::uint32_t node, unsigned level,
+                                                                                 std::uint32_t trail) {
+        ASSERT_LT(level, unsigned(CLARAY_LIGHT_TREE_HEIGHT));
+        for (std::uint32_t i = 0; i < CLARAY_LIGHT_TREE_WIDTH; ++i) {
+            if (tree[node].intensity[i] == 0) continue;
+            const std::uint32_t child = tree[node].child[i], below = trail | i << 2 * level;
+            if (child & CLARAY_LIGHT_LEAF) {
+                trails[child & ~CLARAY_LIGHT_LEAF] = below;
+                ++met[child & ~CLARAY_LIGHT_LEAF];
+            } else {
+                walk(child, level + 1, below);
+            }
+        }
+    };
+    walk(0, 0, 0);
+    EXPECT_EQ(met, std::vector<std::uint32_t>(lights, 1));
+    return trails;
+}
+
+struct Case {
+    const char* name;
+    std::uint32_t triangles, spots, points;
+};
+class LightTrees : public testing::TestWithParam<Case> {};
+
+TEST_P(LightTrees, LightsArePickedByTheProbabilityThatTheTrailGives) {
+    const Lights lights = collect_lights(many(GetParam().triangles, GetParam().spots, GetParam().points));
+    const std::size_t size = lights.data.near;
+    ASSERT_FALSE(lights.tree.empty());
+    const std::vector<std::uint32_t> trails = trails_of(lights.tree, size);
+    for (std::size_t i = 0; i < lights.trails.size(); ++i) {
+        EXPECT_EQ(lights.trails[i].trail, trails[i]);
+        EXPECT_EQ(lights.trails[i].primitive, lights.triangles[i].primitive);
+    }
+    const std::uint32_t count = 1u << 20;
+    std::mt19937 generator(9);
+    std::vector<std::uint32_t> random(count);
+    for (std::uint32_t& word : random) word = std::uint32_t(generator());
+    random[0] = 0, random[1] = 0xffffffffu;
+    const Buffer<LightNode> tree(device(), lights.tree);
+    const Buffer<std::uint32_t> input(device(), random), trail_buffer(device(), trails), picked(device(), count);
+    const Buffer<float> picked_probability(device(), count), probability(device(), size);
+    Kernel pick = compile_kernel(device(), kernels, "pick"), all = compile_kernel(device(), kernels, "probabilities");
+    for (const auto& [from, normal] : {std::pair{glm::vec3(0, 0, 0), glm::vec3(0, 1, 0)},
+                                       {glm::vec3(0.3f, 1.4f, 0.2f), glm::vec3(0.6f, 0, 0.8f)},
+                                       {glm::vec3(9, 1, 5), glm::vec3(0, 0, 0)},
+                                       {glm::vec3(0, 1.5f, 3), glm::vec3(0, 0, -1)}}) {
+        pick.run({count}, tree, from.x, from.y, from.z, normal.x, normal.y, normal.z, input, count, picked,
+                 picked_probability);
+        all.run({size}, tree, from.x, from.y, from.z, normal.x, normal.y, normal.z, trail_buffer, std::uint32_t(size),
+                probability);
+        const std::vector<float> expected_shares = probability.read(), shares = picked_probability.read();
+        std::vector<double> observed(size), expected(size);
+        double total = 0;
+        for (std::size_t i = 0; i < size; ++i)
+            expected[i] = double(count) * expected_shares[i], total += expected_shares[i];
+        EXPECT_NEAR(total, 1, 1e-5);
+        const std::vector<std::uint32_t> chosen = picked.read();
+        for (std::size_t i = 0; i < count; ++i) {
+            ASSERT_EQ(shares[i], expected_shares[chosen[i]]);
+            ASSERT_GT(shares[i], 0.f);
+            ++observed[chosen[i]];
+        }
+        const ChiSquared chi2 = chi_squared(observed, expected);
+        EXPECT_TRUE(chi2.plausible()) << chi2.value << " for " << chi2.degrees << " degrees of freedom";
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, LightTrees,
+                         testing::Values(Case{"Points", 0, 0, 17}, Case{"Triangles", 900, 0, 0},
+                                         Case{"Mixed", 300, 60, 200}, Case{"Spots", 0, 40, 0}),
+                         [](const auto& c) { return c.param.name; });
+
+/// No light that reaches a point may have probability 0 there.
+TEST(LightTree, MissesNoLight) {
+    const Scene scene = many(200, 80, 50);
+    const Lights lights = collect_lights(scene);
+    const std::size_t size = lights.data.near;
+    const std::vector<std::uint32_t> trails = trails_of(lights.tree, size);
+    const Buffer<LightNode> tree(device(), lights.tree);
+    const Buffer<std::uint32_t> trail_buffer(device(), trails);
+    const Buffer<float> probability(device(), size);
+    Kernel all = compile_kernel(device(), kernels, "probabilities");
+    std::mt19937 random(1);
+    std::uniform_real_distribution<float> unit(-1.f, 1.f);
+    for (int i = 0; i < 200; ++i) {
+        const glm::vec3 from(2 * unit(random), 1.5f + unit(random), 2 * unit(random));
+        const glm::vec3 normal = glm::normalize(glm::vec3(unit(random), unit(random), unit(random)));
+        all.run({size}, tree, from.x, from.y, from.z, normal.x, normal.y, normal.z, trail_buffer, std::uint32_t(size),
+                probability);
+        const std::vector<float> shares = probability.read();
+        for (std::size_t l = 0; l < size; ++l) {
+            bool reaches = false;
+            if (l < lights.triangles.size()) {
+                const TriangleLight& t = lights.triangles[l];
+                const glm::vec3 v0(t.v0x, t.v0y, t.v0z), e1(t.e1x, t.e1y, t.e1z), e2(t.e2x, t.e2y, t.e2z);
+                for (const glm::vec3& corner : {v0, v0 + e1, v0 + e2})
+                    reaches = reaches || glm::dot(corner - from, normal) > 0.f;
+            } else {
+                const PunctualLight& p = lights.punctual[l - lights.triangles.size()];
+                const glm::vec3 towards = glm::vec3(p.x, p.y, p.z) - from;
+                const glm::vec3 axis(p.direction_x, p.direction_y, p.direction_z);
+                const float cosine = glm::dot(-glm::normalize(towards), axis);
+                reaches = glm::dot(towards, normal) > 0.f &&
+                          (p.kind == CLARAY_POINT_LIGHT || cosine * p.cone_scale + p.cone_offset > 0.f);
+            }
+            if (reaches) {
+                ASSERT_GT(shares[l], 0.f) << "light " << l;
+            }
+        }
+    }
+}
+
+/// The same light, whichever way it is picked.
+TEST(LightTree, ChangesNoImageButItsNoise) {
+    for (const Scene& with : {many(200, 0, 0), many(0, 30, 40), many(50, 20, 20)}) {
+        Scene scene = with;
+        // Down to the floor, from below all lights: no choice among lights changes the noise of those in view.
+        scene.camera = Camera{{0, 0.4f, 1.3f}, {0, 0, 0.9f}, {0, 1, 0}, 40.f};
+        double means[2], errors[2];
+        for (const bool by_power : {false, true}) {
+            RenderConfig config{.width = 24, .height = 24, .spp = 256, .max_depth = 2};
+            if (by_power) config.effects.remove = {Effect::many_lights};
+            Renderer renderer(device(), scene, config);
+            errors[by_power] = renderer.render().noise / 24;
+            means[by_power] = mean(renderer.image()).x;
+        }
+        EXPECT_NEAR(means[0] / means[1], 1, 3 * std::hypot(errors[0], errors[1]) + 1e-4);
+        EXPECT_LT(errors[0], 0.8 * errors[1]);
+    }
+}
+
+/// Lights beside an environment and a directional light: the tree has its share of the random numbers.
+TEST(LightTree, SharesWithLightsFromFarAway) {
+    Scene scene = many(100, 0, 30);
+    scene.camera = Camera{{0, 0.4f, 2}, {0, 0, 0}, {0, 1, 0}, 40.f};
+    const RenderConfig config{.width = 24, .height = 24, .spp = 256, .max_depth = 1};
+    Scene far = scene;
+    far.lights.clear();
+    for (Material& m : far.materials) m.emission = glm::vec3(0.f);
+    Light sun;
+    sun.kind = LightKind::directional, sun.direction = {1, -1, 0.2f};
+    Texture image;
+    image.width = 2, image.height = 1, image.channels = 1, image.format = TexelFormat::float32;
+    image.floats = {0.2f, 0.1f};
+    far.lights = {sun}, far.environment.images = {image};
+    Scene both = scene;
+    both.lights.push_back(sun), both.environment = far.environment;
+    const double apart = mean(render_image(scene, config)).x + mean(render_image(far, config)).x;
+    EXPECT_NEAR(mean(render_image(both, config)).x / apart, 1, 0.005);
+}
+
+/// All lights at one place: no plane separates them, and the trails stay within their bits.
+TEST(LightTree, HoldsLightsThatCannotBeTold) {
+    std::vector<LightBounds> same(5000);
+    for (LightBounds& light : same) light.box.grow({1, 2, 3}), light.intensity = 1, light.spread = 3.2f;
+    (void)trails_of(build_light_tree(same).nodes, same.size());
+    for (std::size_t i = 0; i < same.size(); ++i) same[i].box = {}, same[i].box.grow({std::pow(0.98, double(i)), 0, 0});
+    (void)trails_of(build_light_tree(same).nodes, same.size());
+}
+
+}  // namespace
+}  // namespace claray::test
