@@ -204,6 +204,23 @@ TEST(Renderer, AovsAreOfThePixelCentres) {
         }
 }
 
+/// Edges that nearly agree: a plain cross product would be off by a hundredth.
+TEST(Renderer, SliversHaveTheirNormals) {
+    const glm::vec3 e1(0.7f, 1.1f, 1.3f), e2 = 0.99f * e1 + glm::vec3(0, 0, 1e-5f);
+    const glm::dvec3 normal = glm::normalize(glm::cross(glm::dvec3(e1), glm::dvec3(e2)));
+    Scene scene;
+    scene.materials = {lambert(0.5f)};
+    Mesh sliver;
+    sliver.positions = {glm::vec3(0), e1, e2};
+    sliver.triangles = {{0, 1, 2}};
+    scene.meshes = {sliver};
+    const glm::dvec3 middle = (glm::dvec3(e1) + glm::dvec3(e2)) / 3.0;
+    scene.camera = narrow_camera(glm::vec3(middle + normal), glm::vec3(middle));
+    const Aovs aovs = Renderer(device(), scene, {.width = 1, .height = 1, .spp = 1}).aovs();
+    ASSERT_EQ(aovs.primitive[0], 0u);
+    EXPECT_LT(glm::distance(glm::dvec3(aovs.normal[0]), normal), 1e-6);
+}
+
 TEST(Renderer, EmptySceneShowsTheSky) {
     Scene scene;
     scene.sky = {glm::vec3(0.5f), glm::vec3(0.5f)};

@@ -147,6 +147,33 @@ TEST_P(QueryTest, RangeIsOpenAtTminAndClosedAtTmax) {
     }
 }
 
+/// So small that the products of a triangle test underflow.
+TEST_P(QueryTest, MinuteScenesAreHitAsOthers) {
+    const Mesh mesh = sphere(3);
+    std::vector<Ray> rays;
+    Random random(9);
+    for (int i = 0; i < 500; ++i) {
+        const glm::vec3 from = 3.f * glm::normalize(glm::vec3(random.uniform(-1, 1), random.uniform(-1, 1), 1.f));
+        rays.push_back(make_ray(from, glm::vec3(random.uniform(-1, 1), random.uniform(-1, 1), 0.f) - from));
+    }
+    const std::vector<Hit> expected = closest_hit(build(mesh), rays);
+    for (const int power : {-50, -58, -62, -66}) {
+        Mesh small = mesh;
+        for (glm::vec3& p : small.positions) p *= std::exp2(float(power));
+        std::vector<Ray> close = rays;
+        for (Ray& r : close)
+            r.ox = std::ldexp(r.ox, power), r.oy = std::ldexp(r.oy, power), r.oz = std::ldexp(r.oz, power);
+        const Bvh bvh = build(small);
+        QueryOptions one_by_one, brute_force;
+        one_by_one.visits = Buffer<Visits>(device(), rays.size()), brute_force.brute_force = true;
+        for (const QueryOptions& options : {QueryOptions{}, one_by_one, brute_force}) {
+            const std::vector<Hit> hits = closest_hit(bvh, close, options);
+            for (std::size_t i = 0; i < rays.size(); ++i)
+                ASSERT_EQ(hits[i].primitive, expected[i].primitive) << "2^" << power << ", ray " << i;
+        }
+    }
+}
+
 TEST_P(QueryTest, CullsBackFaces) {
     const Mesh mesh = sphere(3);
     const Bvh bvh = build(mesh);
