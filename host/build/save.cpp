@@ -188,6 +188,8 @@ void restore_high(const FileHeader& header, Bvh::Config& config) {
 Bvh Bvh::load(const Device& device, const std::filesystem::path& path, Layout layout) {
     SavedFile file(path);
     const FileHeader& header = file.header();
+    if (header.builder > std::uint32_t(Builder::high) || (header.morton_bits != 30 && header.morton_bits != 63))
+        file.refuse_damaged("no builder makes such a tree");
     Config config;
     config.builder = Builder(header.builder);
     config.morton_bits = header.morton_bits;
