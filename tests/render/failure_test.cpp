@@ -147,7 +147,7 @@ TEST_F(Failures, LostDeviceLeavesACheckpoint) {
         report = error.what();
     }
     for (const char* words : {"cannot run the kernel ", "gave -5\n", "device: ", "driver: ", "kernel sources: ",
-                                     "compiled from and with: ", ".cl -cl-std=CL1.2 "})
+                              "compiled from and with: ", ".cl -cl-std=CL1.2 "})
         EXPECT_NE(report.find(words), std::string::npos) << words << " in " << report;
     config.resume = config.checkpoint;
     const std::vector<glm::vec3> resumed = render_image(scene, config);
