@@ -39,6 +39,9 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, E
     coherent.cull_back_faces = incoherent.cull_back_faces = shadow.cull_back_faces = scene.textures.culls_back_faces;
     Defines shading = defines(Stage::shade);
     if (baking) shading.emplace_back("BAKE", "1");
+    // On CPUs the binary tree is for a quick start, when what compiles longer isn't worth it.
+    const Structure& structure = scene.structure;
+    if (!structure.instanced() && structure.bvh().layout() == Layout::binary) shading.emplace_back("SIXTEEN", "0");
     generate = baking ? load_kernel(device, "render/generate_texels.cl", "generate_texels")
                       : load_kernel(device, "render/generate_rays.cl", "generate_rays", defines(Stage::generate));
     trace_camera = SceneQuery(scene.structure, QueryKernel::Kind::closest, coherent, trace_camera_name);

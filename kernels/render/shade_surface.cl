@@ -15,6 +15,9 @@
 #ifndef PATHS_PER_ITEM
 #define PATHS_PER_ITEM 64  // consecutive rays that an item shades, on CPUs; on GPUs 1
 #endif
+#ifndef SIXTEEN
+#define SIXTEEN 1  // 1: sixteen rays at once where that can be
+#endif
 #ifndef ROULETTE_DEPTH
 #define ROULETTE_DEPTH 3  // surfaces that a path meets before chance may end it
 #endif
@@ -256,9 +259,9 @@ static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PAR
 }
 
 /// Where shade_sixteen.clh does the work.
-#define SHADE_SIXTEEN                                                                                                   \
-    (CLARAY_CPU && MATERIALS == 1u << CLARAY_LAMBERT && !NORMALS && !TEXTURES && !MIPMAPS && !INSTANCES && !BAKE &&     \
-     !ENVIRONMENT && !LIGHT_TREE && !SPOT_LIGHTS && !DIRECTIONAL_LIGHTS && !LIGHT_FALLOFF && !ABSORPTION &&             \
+#define SHADE_SIXTEEN                                                                                                      \
+    (SIXTEEN && CLARAY_CPU && MATERIALS == 1u << CLARAY_LAMBERT && !NORMALS && !TEXTURES && !MIPMAPS && !INSTANCES && !BAKE && \
+     !ENVIRONMENT && !LIGHT_TREE && !SPOT_LIGHTS && !DIRECTIONAL_LIGHTS && !LIGHT_FALLOFF && !ABSORPTION &&                 \
      !(TRIANGLE_LIGHTS && POINT_LIGHTS) && TECHNIQUES == 3)
 #if SHADE_SIXTEEN
 #include "render/shade_sixteen.clh"
