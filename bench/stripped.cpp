@@ -24,7 +24,7 @@ struct Options {
 };
 
 struct Message {
-    double seconds = 0;       // of the processors
+    double seconds = 0;       // of the processors, a million samples
     std::uint64_t image = 0;  // a hash of its bits
 };
 
@@ -50,11 +50,12 @@ void serve(const Options& options, int orders, int replies) {
     message.image = hash_of(small.image());
     char order = 0;
     while (read(orders, &order, 1) == 1) {
-        device.finish();
+        const std::uint64_t samples = renderer.statistics().camera.rays;
         const std::clock_t begin = std::clock();
         for (unsigned i = 0; i < options.batches; ++i)
             (void)renderer.render([](const RenderProgress&) { return false; });
-        message.seconds = double(std::clock() - begin) / CLOCKS_PER_SEC;
+        const double seconds = double(std::clock() - begin) / CLOCKS_PER_SEC;
+        message.seconds = seconds * 1e6 / double(renderer.statistics().camera.rays - samples);
         if (write(replies, &message, sizeof message) != sizeof message) return;
     }
 }

@@ -20,6 +20,9 @@ endif()
 set(failed 0)
 foreach(kernel IN LISTS kernels)
     foreach(kind cpu gpu effects cutouts nvidia nvidia_coherent diffuse_points diffuse_lamps textbook textbook_wide)
+        if(kind MATCHES diffuse AND NOT kernel MATCHES shade_surface)
+            continue()
+        endif()
         execute_process(
             COMMAND "${CLANG}" -x cl -cl-std=CL1.2 -fsyntax-only -Wall -Wextra -Werror -Wno-unused-function -Wno-unused-parameter
                     -Iinclude -Ikernels ${kind_${kind}} "${kernel}"
@@ -32,6 +35,6 @@ foreach(kernel IN LISTS kernels)
 endforeach()
 list(LENGTH kernels count)
 if(failed)
-    message(FATAL_ERROR "${failed} of ${count} x 10 kernel compilations failed")
+    message(FATAL_ERROR "${failed} compilations of ${count} kernels failed")
 endif()
 message(STATUS "all ${count} kernels compile alone, for CPUs, GPUs and NVIDIA's")
