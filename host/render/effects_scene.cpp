@@ -60,8 +60,11 @@ std::vector<Material> materials_for(EffectSet effects) {
     if (effects.has(Effect::textures) || effects.has(Effect::mip_maps)) last.albedo_map = use_of_texture();
     if (effects.has(Effect::normal_maps)) last.normal_map = use_of_texture();
     if (effects.has(Effect::height_maps)) last.height_map = use_of_texture();
-    if (effects.has(Effect::emission_maps)) last.emission = glm::vec3(1.f), last.emission_map = use_of_texture();
     if (effects.has(Effect::light_maps)) last.light_map = use_of_texture();
+    if (effects.has(Effect::emission_maps)) {  // on a lamp of its own: those with holes are not sampled
+        materials.emplace_back();
+        materials.back().emission = glm::vec3(1.f), materials.back().emission_map = use_of_texture();
+    }
     return materials;
 }
 
