@@ -148,6 +148,35 @@ TEST(RoughnessMap, MultipliesTheRoughness) {
     EXPECT_EQ(seen_at(scene, 0.5, 0.5, config), seen_at(plain, 0.5, 0.5, config));
 }
 
+/// Each reads its own channel, as glTF has it: a map of one value is a factor.
+TEST(MaterialMaps, OfOneValueAreFactors) {
+    Material base = material(MaterialKind::principled, 0.8f, 0.6f);
+    base.metallic = 0.5f, base.transmission = 0.75f, base.clearcoat = 0.5f, base.clearcoat_roughness = 0.4f;
+    struct Case {
+        const char* name;
+        TextureUse Material::*map;
+        void (*multiply)(Material&);
+    };
+    const Case cases[] = {
+        {"metallic and roughness", &Material::metallic_roughness_map,
+         [](Material& m) { m.roughness *= 0.5f, m.metallic *= 0.75f; }},
+        {"transmission", &Material::transmission_map, [](Material& m) { m.transmission *= 0.25f; }},
+        {"clearcoat", &Material::clearcoat_map, [](Material& m) { m.clearcoat *= 0.25f; }},
+        {"clearcoat roughness", &Material::clearcoat_roughness_map, [](Material& m) { m.clearcoat_roughness *= 0.5f; }},
+    };
+    const RenderConfig config{.width = 8, .height = 8, .spp = 64};
+    for (const Case& one : cases) {
+        Scene scene =
+            plane_under_sky(float_texture({1, 1}, [](double, double) { return glm::vec3(0.25f, 0.5f, 0.75f); }));
+        scene.sky = {glm::vec3(0.1f), glm::vec3(1.f)};
+        scene.materials[0] = base;
+        Scene multiplied = scene;
+        one.multiply(multiplied.materials[0]);
+        scene.materials[0].*one.map = {.texture = 0};
+        EXPECT_EQ(seen_at(scene, 0.5, 0.5, config), seen_at(multiplied, 0.5, 0.5, config)) << one.name;
+    }
+}
+
 // ---- coordinates
 // -----------------------------------------------------------------------------------------------------
 
@@ -212,6 +241,20 @@ TEST(Footprint, CheckerboardFadesToGrey) {
     EXPECT_NEAR(mean, 0.5, 0.01);
     EXPECT_LT(variance, 1e-4);
     EXPECT_GT(far_rows(Filter::nearest).second, 0.1);  // what there was to do
+}
+
+/// Two texels a pixel, in stripes of two: where every stripe is one texel of level 1, its pixel sees 3/4 of it between
+/// its neighbours by bilinear filtering. Level 0 would show 7/8, level 2 grey.
+TEST(Footprint, PicksTheLevelWhoseTexelsArePixels) {
+    Scene scene;
+    scene.textures = {float_texture({64, 64}, [](double u, double) { return int(u * 32) % 2; })};
+    scene.textures[0].filter = Filter::trilinear;
+    scene.materials = {emitter(1.f)};
+    scene.materials[0].emission_map.texture = 0;
+    scene.meshes = {mapped_square()};
+    scene.camera = Camera{{0, 10, 0}, {0, 0, 0}, {0, 0, -1}, float(2 * std::atan(0.1) * 180 / pi)};
+    const auto image = render_image(scene, {.width = 32, .height = 32, .spp = 64, .max_depth = 1});
+    for (unsigned i = 32 * 15; i < 32 * 17; ++i) ASSERT_NEAR(image[i].x, i % 2 ? 0.75f : 0.25f, 0.03f) << i;
 }
 
 /// Near by, the finest level is seen: mip maps change nothing where a texel is larger than a pixel.
