@@ -113,6 +113,23 @@ TEST(Rng, SobolConvergesFasterThanIndependentSamples) {
 }
 
 /// Kernels for CPUs draw in vectors, those for GPUs one by one.
+TEST(Rng, NumbersAreBelowOneOnDevices) {
+    const std::vector<std::uint32_t> words = {0u, 1u, 255u, 256u, 0x7fffffffu, 0xffffff7fu, 0xffffff80u, 0xffffffffu};
+    Kernel convert = compile_kernel(device(), R"(
+        #include "render/samples.clh"
+        kernel void convert_words(global const uint* words, global float* numbers) {
+            numbers[get_global_id(0)] = unit_float(words[get_global_id(0)]);
+        })",
+                                    "convert_words");
+    Buffer<float> numbers(device(), words.size());
+    convert.run({words.size()}, Buffer<std::uint32_t>(device(), words), numbers);
+    const std::vector<float> converted = numbers.read();
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        EXPECT_EQ(converted[i], unit_float(words[i])) << words[i];
+        EXPECT_LT(converted[i], 1.f) << words[i];
+    }
+}
+
 TEST(Rng, DevicesDrawWhatTheHostDraws) {
     const std::uint32_t count = 1000, seed = 7, dimensions = 4;
     for (const std::uint32_t sampler : {CLARAY_SOBOL, CLARAY_INDEPENDENT}) {
