@@ -3,8 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <vector>
+
+#include "host/accuracy/svg.hpp"
 
 namespace claray {
 namespace {
@@ -14,24 +15,10 @@ constexpr const char *ink = "#222", *pale = "#666", *grid = "#e4e4e4";
 /// Colours that people with any colour vision tell apart (Okabe and Ito 2008), dark ones first; shapes differ, too.
 constexpr std::array colors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
 
-std::string number(const char* format, double value) {
-    char text[48];
-    std::snprintf(text, sizeof text, format, value);
-    return text;
-}
-
-std::string escaped(const std::string& text) {
-    std::string out;
-    for (const char c : text) out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
-    return out;
-}
-
-std::string text(double x, double y, const char* anchor, double size, const char* color, const std::string& words,
-                 const std::string& more = {}) {
-    return "<text x=\"" + number("%.1f", x) + "\" y=\"" + number("%.1f", y) + "\" text-anchor=\"" + anchor +
-           "\" font-size=\"" + number("%.0f", size) + "\" fill=\"" + color + "\"" + more + ">" + escaped(words) +
-           "</text>\n";
-}
+using svg::escaped;
+using svg::number;
+using svg::rectangle;
+using svg::text;
 
 std::string line(double x0, double y0, double x1, double y1, const char* color, double thick, const char* more = "") {
     return "<line x1=\"" + number("%.1f", x0) + "\" y1=\"" + number("%.1f", y0) + "\" x2=\"" + number("%.1f", x1) +
@@ -212,9 +199,7 @@ std::string svg_of(const Study& study, const std::string& subtitle) {
     svg += text(16, 26, "start", 18, ink, study.title) + text(16, 45, "start", 12, pale, subtitle);
     if (study.floor > 0) {  // what the reference can't tell
         const double end = x.at(study.floor);
-        svg += "<rect x=\"" + number("%.1f", left) + "\" y=\"" + number("%.1f", top) + "\" width=\"" +
-               number("%.1f", std::max(end - left, 0.0)) + "\" height=\"" + number("%.1f", height - bottom - top) +
-               "\" fill=\"#f3f0e6\"/>\n";
+        svg += rectangle(left, top, std::max(end - left, 0.0), height - bottom - top, "#f3f0e6");
     }
     svg += draw_axes(x, y, study);
     const std::vector<std::string> methods = methods_of(study);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/accuracy/svg.hpp"
 #include "host/cli/table.hpp"
 
 namespace claray::cli {
@@ -11,30 +12,8 @@ namespace {
 constexpr double width = 760, label_width = 170, value_width = 80, top = 92, pitch = 26, thickness = 16;
 constexpr const char *strong_color = "#2a6f97", *weak_color = "#b8c4cc", *ink = "#222", *pale_ink = "#666";
 
-std::string escaped(const std::string& text) {
-    std::string out;
-    for (const char c : text) {
-        if (c == '&')
-            out += "&amp;";
-        else if (c == '<')
-            out += "&lt;";
-        else if (c == '>')
-            out += "&gt;";
-        else
-            out += c;
-    }
-    return out;
-}
-
-std::string text(double x, double y, const char* anchor, double size, const char* color, const std::string& words) {
-    return "<text x=\"" + fixed(x, 1) + "\" y=\"" + fixed(y, 1) + "\" text-anchor=\"" + anchor + "\" font-size=\"" +
-           fixed(size, 0) + "\" fill=\"" + color + "\">" + escaped(words) + "</text>\n";
-}
-
-std::string rectangle(double x, double y, double w, double h, const char* color) {
-    return "<rect x=\"" + fixed(x, 1) + "\" y=\"" + fixed(y, 1) + "\" width=\"" + fixed(w, 1) + "\" height=\"" +
-           fixed(h, 1) + "\" fill=\"" + color + "\"/>\n";
-}
+using svg::rectangle;
+using svg::text;
 
 }  // namespace
 

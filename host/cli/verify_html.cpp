@@ -2,25 +2,13 @@
 
 #include <cstdio>
 
+#include "host/accuracy/svg.hpp"
 #include "host/cli/table.hpp"
 
 namespace claray::cli {
 namespace {
 
-std::string escaped(const std::string& text) {
-    std::string out;
-    for (const char c : text) {
-        if (c == '<')
-            out += "&lt;";
-        else if (c == '>')
-            out += "&gt;";
-        else if (c == '&')
-            out += "&amp;";
-        else
-            out += c;
-    }
-    return out;
-}
+using svg::escaped;
 
 std::string svg_of(const VerifyPicture& picture) {
     std::string svg = "<figure><svg viewBox=\"0 0 1 1\" width=\"420\" height=\"420\">";
@@ -45,11 +33,7 @@ std::string svg_of(const VerifyPicture& picture) {
     return svg + "</svg><figcaption>" + escaped(picture.title) + "</figcaption></figure>";
 }
 
-std::string number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.4g", value);
-    return text;
-}
+std::string number(double value) { return svg::number("%.4g", value); }
 
 std::string rows_of(const VerifyResult& result) {
     std::string rows;
