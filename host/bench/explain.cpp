@@ -76,10 +76,21 @@ private:
                 return concerned.has(effect) && concerns(effect, at);
             };
             if (!std::any_of(all_effects().begin(), all_effects().end(), is_part)) continue;
-            const BuildReport& report = build(file, defines_of(effects, stage));
+            const BuildReport& report = build(file, defines_for(effects, stage));
             variant.compile_milliseconds += report.milliseconds;
             if (stage == Stage::shade) variant.registers = report.registers, variant.spill_bytes = report.spill_bytes;
+            if (std::string(file) == "trace/closest_hit.cl" && wide() && has_cutouts(effects))
+                variant.compile_milliseconds += build("trace/cutouts.cl", {{"CLARAY_WIDE", "1"}}).milliseconds;
         }
+    }
+
+    [[nodiscard]] bool wide() const { return device_.tuning("trace/closest_hit", "WIDE") != 0; }
+    static bool has_cutouts(EffectSet effects) { return effects.has(Effect::cut_outs) || effects.has(Effect::culling); }
+
+    /// Kernels that trace are compiled for a structure; those of a wide one leave cut-outs to trace/cutouts.cl.
+    [[nodiscard]] Defines defines_for(EffectSet effects, Stage stage) const {
+        if (stage != Stage::trace) return defines_of(effects, stage);
+        return {{"CLARAY_WIDE", wide() ? "1" : "0"}, {"CLARAY_CUTOUTS", !wide() && has_cutouts(effects) ? "1" : "0"}};
     }
 
     /// Compiled once for every set of macros.

@@ -155,6 +155,11 @@ std::string Bvh::hash() const {
 }
 
 void Bvh::bind(Kernel& kernel, unsigned& index) const {
+    bind_solid(kernel, index);
+    bind_cutouts(kernel, index);
+}
+
+void Bvh::bind_solid(Kernel& kernel, unsigned& index) const {
     kernel.set(index, state_->header);
     if (layout() == Layout::wide) {
         kernel.set(index, state_->wide_nodes);
@@ -163,7 +168,6 @@ void Bvh::bind(Kernel& kernel, unsigned& index) const {
         kernel.set(index, state_->nodes);
         kernel.set(index, state_->leaves);
     }
-    bind_cutouts(kernel, index);
 }
 
 void Bvh::bind_cutouts(Kernel& kernel, unsigned& index) const {

@@ -22,7 +22,7 @@ QueryKernel::QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options,
     const std::string query = kind == Kind::closest ? "closest_hit" : "any_hit";
     const std::string stem = options.brute_force ? "trace/brute_force" : "trace/" + query;
     const std::string function = options.brute_force ? "brute_force_" + query : query;
-    const Defines common = query_defines(bvh.defines(), options);
+    Defines common = query_defines(bvh.defines(), options);
     const auto load = [&](const Defines& more) {
         Defines defines = common;
         defines.insert(defines.end(), more.begin(), more.end());
@@ -35,12 +35,20 @@ QueryKernel::QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options,
     }
     rays_per_item_ = std::max(1u, device.tuning(stem, "RAYS_PER_ITEM"));
     group_ = device.tuning(stem, "GROUP_SIZE");
-    if (bvh.layout() == Layout::wide && !options.visits.allocated() && !bvh.has_cutouts())
-        most_in_batch_ = device.tuning(stem, "BATCH");
+    if (bvh.layout() == Layout::wide && !options.visits.allocated()) most_in_batch_ = device.tuning(stem, "BATCH");
     if (most_in_batch_ != 0) {
         // A batch lies on the stack of the thread that traces it: more than 1 MB of it would be daring, or of two at
         // once.
         most_in_batch_ = std::min(most_in_batch_, 8192u), group_ = 1;
+        if (bvh.has_cutouts()) {
+            std::erase_if(common, [](const auto& define) { return define.first == "CLARAY_CUTOUTS"; });
+            Defines defines = query_defines(bvh.defines(), options);
+            defines.emplace_back("GROUP_SIZE", "1");
+            defines.emplace_back("RAYS_PER_ITEM", std::to_string(rays_per_item_));
+            retrace_ = load_kernel(device, "trace/cutouts.cl",
+                                   kind == Kind::closest ? "retrace_closest" : "retrace_any", defines);
+            if (!name.empty()) retrace_ = Kernel(device, retrace_.handle(), name);
+        }
         load({{"RAY_QUEUE", "0"}, {"BATCH", std::to_string(most_in_batch_)}, {"GROUP_SIZE", "1"}});
         sort_from_ = device.tuning(stem, "SORT_FROM");
         if (sort_from_ != 0) sample_ = load_kernel(device, "trace/ray_keys.cl", "sample_order");

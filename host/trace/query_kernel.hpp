@@ -18,6 +18,12 @@ struct CutoutsOf {
     void bind(Kernel& kernel, unsigned& index) const { bvh.bind_cutouts(kernel, index); }
 };
 
+/// Binds CLARAY_BVH_PARAMETERS of kernels that take all triangles for solid.
+struct SolidBvh {
+    const Bvh& bvh;
+    void bind(Kernel& kernel, unsigned& index) const { bvh.bind_solid(kernel, index); }
+};
+
 class QueryKernel {
 public:
     enum class Kind { closest, any };
@@ -42,12 +48,22 @@ public:
         const cl::Buffer& queue = ray_queue(bvh_.device());
         const Buffer<std::uint32_t> order = order_of(rays, capacity, count);
         if (kernels_.size() > 1) sample_.run({sample_group_, sample_group_}, rays, capacity, count, queue);
+        if (retraces()) {
+            kernels_[0].run({items, group_}, SolidBvh{bvh_}, rays, results, capacity, count, options_.ray_masks,
+                            options_.visits, queue, batch, order);
+            retrace_.run({(std::size_t(capacity) + rays_per_item_ - 1) / rays_per_item_, 1}, bvh_, rays, results,
+                         capacity, count, options_.ray_masks);
+            return;
+        }
         for (Kernel& kernel : kernels_)
             kernel.run({items, group_}, bvh_, rays, results, capacity, count, options_.ray_masks, options_.visits,
                        queue, batch, order);
     }
 
 private:
+    /// Batches know no cut-outs: rays that met one are traced again, one by one.
+    [[nodiscard]] bool retraces() const { return most_in_batch_ != 0 && bvh_.has_cutouts(); }
+
     /// Rays of a batch: as many as tuned, but few enough to keep all compute units equally busy. 0: no batches.
     [[nodiscard]] std::uint32_t batch_size(std::uint32_t capacity) const;
 
@@ -59,7 +75,7 @@ private:
     Bvh bvh_;
     QueryOptions options_;
     std::vector<Kernel> kernels_;  // two schedules, of which the device chooses one, or one
-    Kernel sample_;
+    Kernel sample_, retrace_;
     std::shared_ptr<RayOrder> ray_order_;
     std::size_t rays_per_item_ = 1, group_ = 64, most_items_ = std::size_t(-1), sample_group_ = 64;
     std::uint32_t most_in_batch_ = 0, sort_from_ = 0;

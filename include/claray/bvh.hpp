@@ -152,6 +152,8 @@ public:
 
     /// Binds the kernel parameters CLARAY_BVH_PARAMETERS of trace/closest_hit.clh.
     void bind(Kernel& kernel, unsigned& index) const;
+    /// The same for a kernel that takes all triangles for solid and is compiled without CLARAY_CUTOUTS.
+    void bind_solid(Kernel& kernel, unsigned& index) const;
     /// Binds CLARAY_CUTOUTS_PARAMETERS of trace/ray.clh: nothing where nothing is cut out.
     void bind_cutouts(Kernel& kernel, unsigned& index) const;
     /// Macros with which a kernel that includes trace/closest_hit.clh must be compiled for this structure.

@@ -56,14 +56,14 @@ TEST(ThinLens, CircleOfConfusionHasItsRadiusAndEnergy) {
         scene.camera = small_camera();
         scene.camera->aperture_radius = aperture;
         scene.camera->focus_distance = float(place.focus);
-        const unsigned size = 64;
+        const unsigned width = 96, height = 64;
         const std::vector<glm::vec3> image =
-            render_image(scene, {.width = size, .height = size, .spp = 256, .max_depth = 1});
-        const double radius = aperture * std::abs(1 / place.focus - 1 / place.z), pixel = 0.4 / size;
+            render_image(scene, {.width = width, .height = height, .spp = 256, .max_depth = 1});
+        const double radius = aperture * std::abs(1 / place.focus - 1 / place.z), pixel = 0.4 / height;
         double energy = 0, moment = 0, core = 0, beyond = 0;
         unsigned core_pixels = 0;
-        for (unsigned i = 0; i < size * size; ++i) {
-            const double x = (i % size + 0.5) * pixel - 0.2, y = (i / size + 0.5) * pixel - 0.2, r = std::hypot(x, y);
+        for (unsigned i = 0; i < width * height; ++i) {
+            const double x = (i % width + 0.5) * pixel - 0.3, y = (i / width + 0.5) * pixel - 0.2, r = std::hypot(x, y);
             energy += image[i].x * pixel * pixel;
             moment += image[i].x * pixel * pixel * r * r;
             if (r > radius + source * 1.01 + pixel) beyond += image[i].x;
@@ -77,6 +77,37 @@ TEST(ThinLens, CircleOfConfusionHasItsRadiusAndEnergy) {
         const double expected = radius > source ? radiance * source * source / (radius * radius) : radiance;
         EXPECT_NEAR(core / core_pixels / expected, 1, 0.01);
     }
+}
+
+/// Where on the lens a ray begins says nothing about where it goes through its pixel: a circle of confusion of one
+/// pixel's radius is spread over pixels as if both were drawn by themselves.
+TEST(ThinLens, IsSampledBesideThePixel) {
+    constexpr double source = 0.01, pixel = 0.4 / 64, z = 2, focus = 4;
+    Scene scene;
+    scene.materials = {emitter(1.f)};
+    scene.meshes = {disc(float(source * z), float(-z))};
+    scene.camera = small_camera();
+    scene.camera->aperture_radius = float(pixel / (1 / z - 1 / focus));
+    scene.camera->focus_distance = float(focus);
+    const std::vector<glm::vec3> image = render_image(scene, {.width = 64, .height = 64, .spp = 1024, .max_depth = 1});
+    double energy = 0, moment = 0;
+    for (unsigned i = 0; i < 64 * 64; ++i) {
+        const double x = (i % 64 + 0.5) * pixel - 0.2, y = (i / 64 + 0.5) * pixel - 0.2;
+        energy += image[i].x, moment += image[i].x * (x * x + y * y);
+    }
+    EXPECT_NEAR(std::sqrt(2 * (moment / energy - pixel * pixel / 6)) / std::hypot(pixel, source), 1, 0.02);
+}
+
+/// Auxiliary images are those of a pinhole.
+TEST(ThinLens, IsNotInAuxiliaryImages) {
+    Scene scene;
+    scene.materials = {emitter(1.f)};
+    scene.meshes = {disc(0.3f, -2.f)};
+    scene.camera = small_camera();
+    const auto depth = [&] { return Renderer(device(), scene, {.width = 32, .height = 32}).aovs().depth; };
+    const std::vector<float> sharp = depth();
+    scene.camera->aperture_radius = 0.5f, scene.camera->focus_distance = 5.f;
+    EXPECT_EQ(depth(), sharp);
 }
 
 /// What lies in the plane of focus is as sharp as through a pinhole: all rays of one film position meet there.

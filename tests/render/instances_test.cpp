@@ -231,6 +231,18 @@ TEST(MovingInstances, ImageIsTheMeanOverAllTimes) {
     EXPECT_NEAR(moving.x / expected.x, 1, 0.01);
 }
 
+/// A plate that moves away stands in the light's way for a quarter of the time.
+TEST(MovingInstances, ShadowsMoveAlong) {
+    Scene scene;
+    scene.materials = {lambert(1.f)};
+    scene.meshes = {square(3.f, 0.f), square(0.5f, 1.f)};
+    scene.instances = {{0}, {1, glm::mat4(1.f), at({2, 0, 0})}};
+    scene.lights = {point_light({0, 2, 0}, glm::vec3(4 * 3.14159265f))};
+    scene.camera = narrow_camera({0, 1, 3}, {0, 0, 0});
+    const RenderConfig config{.width = 4, .height = 4, .spp = 256, .max_depth = 1};
+    EXPECT_NEAR(mean(render_image(scene, config)).x, 0.75, 0.005);
+}
+
 /// As the shutter opens.
 TEST(MovingInstances, AovsAreOfTimeZero) {
     Scene scene;

@@ -107,6 +107,16 @@ TEST(LightMap, EndsPathsAndShadowRays) {
     EXPECT_EQ(renderer.statistics().bounce.rays, 0u);
 }
 
+TEST(LightMap, IsOfTheFrontAlone) {
+    Scene scene = floor_scene();
+    use_light_map(scene, 0, float_texture({1, 1}, [](double, double) { return 2.0; }));
+    for (const float side : {1.f, -1.f}) {
+        scene.camera = narrow_camera({0, side, 1}, {0, 0, 0});
+        EXPECT_NEAR(mean(render_image(scene, {.width = 2, .height = 2, .spp = 1})).x, side > 0 ? 0.6 / pi * 2 : 0,
+                    1e-5);
+    }
+}
+
 TEST(LightMap, GivesCopiesOfMaterials) {
     Scene scene = corner_scene();
     scene.meshes[1].materials.assign(2, 0);

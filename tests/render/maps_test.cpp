@@ -280,6 +280,27 @@ TEST(Footprint, GoesOnBeyondAMirror) {
     for (const glm::vec3& c : image) ASSERT_NEAR(c.x, 0.5f, 0.02f);
 }
 
+/// After a Lambertian, whose ray could have gone anywhere, a fine pattern is seen as its mean, and not as this or that
+/// texel.
+TEST(Footprint, IsWideAfterScattering) {
+    Scene scene;
+    scene.textures = {float_texture({256, 256}, [](double u, double v) { return (int(u * 256) + int(v * 256)) % 2; })};
+    scene.materials = {emitter(1.f), lambert(1.f)};
+    scene.materials[0].emission_map.texture = 0;
+    scene.meshes = {mapped_square(), square(0.01f, -0.5f, 1)};
+    for (glm::vec3& p : scene.meshes[0].positions) p *= 4.f;
+    scene.camera = narrow_camera({0.01f, -0.1f, 0}, {0, -0.5f, 0});
+    const auto spread = [&](Filter filter) {
+        scene.textures[0].filter = filter;
+        double sum = 0, squares = 0;
+        for (const glm::vec3& c : render_image(scene, {.width = 16, .height = 16, .spp = 1, .max_depth = 1}))
+            sum += c.x, squares += double(c.x) * c.x;
+        return squares / 256 - std::pow(sum / 256, 2);
+    };
+    EXPECT_GT(spread(Filter::nearest), 0.2);
+    EXPECT_LT(spread(Filter::trilinear), 0.05);
+}
+
 // ---- normals
 // ---------------------------------------------------------------------------------------------------------
 
@@ -349,6 +370,28 @@ TEST(NormalMap, SeenFromBehindIsTheSameSurface) {
     scene.camera = narrow_camera({0.2f, -1.f, 0.1f}, {0.2f, 0.f, 0.1f});
     const glm::vec3 normal = Renderer(device(), scene, {.width = 1, .height = 1}).aovs().normal[0];
     expect_near(glm::dvec3(normal), {-0.6, -0.8, 0}, 1e-6);
+}
+
+/// The image's top stays where it is when the object is mirrored.
+TEST(NormalMap, GivenTangentsOfMirroredInstances) {
+    Scene scene = with_normal_map({0.5f, 0.8f, 0.9f});
+    scene.meshes[0].tangents.assign(4, {1.f, 0.f, 0.f, 1.f});
+    const glm::dvec3 plain = normal_at(scene, 0.5, 0.5);
+    EXPECT_LT(plain.z, -0.1);
+    glm::mat4 mirrored(1.f), away(1.f);
+    mirrored[0][0] = -1.f, away[3] = {0.f, 0.f, 50.f, 1.f};
+    scene.instances = {{0, mirrored}, {0, away}};  // two, so that neither becomes part of the world
+    expect_near(normal_at(scene, 0.5, 0.5), plain, 1e-5);
+}
+
+/// Seen at a grazing angle by a mirror whose map tilts it away from the viewer: nothing is reflected into the surface.
+TEST(NormalMap, NeverReflectsDownwards) {
+    Scene scene = with_normal_map({0.9f, 0.5f, 0.8f});
+    scene.materials = {material(MaterialKind::mirror, 1.f), lambert(0.f)};
+    scene.materials[0].normal_map.texture = 0;
+    scene.meshes.push_back(square(10.f, -0.01f, 1));
+    scene.camera = narrow_camera({-1.f, 0.3f, 0.f}, {0, 0, 0});
+    EXPECT_NEAR(mean(render_image(scene, {.width = 2, .height = 2, .spp = 4})).x, 1, 1e-5);
 }
 
 TEST(NormalMap, WithoutCoordinatesChangesNothing) {

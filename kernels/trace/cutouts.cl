@@ -1,0 +1,33 @@
+// The second pass of queries over a structure with cut-outs, after one that took all triangles for solid: what hit a solid
+// triangle first, or none at all, is right; the others are traced again, one by one.
+#ifndef CLARAY_CUTOUTS
+#define CLARAY_CUTOUTS 1
+#endif
+#include "trace/closest_hit.clh"
+#include "trace/query.clh"
+
+/// `hits` holds the first pass'; its rays are the first min(capacity, *count).
+kernel QUERY_GROUP
+void retrace_closest(CLARAY_BVH_PARAMETERS, global const Ray* rays, global Hit* hits, uint capacity,
+                     global const uint* count, global const uint* masks) {
+    const uint all = rays_to_trace(capacity, count);
+    FOR_EACH_RAY(i, all) {
+        const uint primitive = hits[i].primitive;
+        if (primitive == CLARAY_MISS || cutout_of(claray_cutouts, claray_first_triangle + primitive) == CLARAY_NO_MAP) continue;
+        Visits unused = {0, 0};
+        hits[i] = claray_trace(CLARAY_BVH, rays[i], false, CULL_BACK_FACES, mask_of_ray(masks, i), &unused);
+    }
+}
+
+/// The same for rays that ask whether they hit anything: who hit something may have hit only what is cut out.
+kernel QUERY_GROUP
+void retrace_any(CLARAY_BVH_PARAMETERS, global const Ray* rays, global uchar* occluded, uint capacity,
+                 global const uint* count, global const uint* masks) {
+    const uint all = rays_to_trace(capacity, count);
+    FOR_EACH_RAY(i, all) {
+        if (!occluded[i]) continue;
+        Visits unused = {0, 0};
+        const Hit hit = claray_trace(CLARAY_BVH, rays[i], true, CULL_BACK_FACES, mask_of_ray(masks, i), &unused);
+        occluded[i] = hit.primitive != CLARAY_MISS;
+    }
+}
