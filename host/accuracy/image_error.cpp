@@ -3,17 +3,12 @@
 #include <cmath>
 
 #include "claray/accuracy.hpp"
+#include "host/accuracy/pixels.hpp"
 
 namespace claray {
 namespace {
 
 using Image = std::vector<glm::vec3>;
-
-double mean_of(std::span<const glm::vec3> image) {
-    double sum = 0;
-    for (const glm::vec3& p : image) sum += double(p.x) + double(p.y) + double(p.z);
-    return sum / (3.0 * double(image.size()));
-}
 
 // ---- the colour term of FLIP (Andersson et al. 2020, "FLIP: A Difference Evaluator for Alternating Images",
 // section 4.1) ----

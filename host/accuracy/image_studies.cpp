@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "claray/accuracy.hpp"
+#include "host/accuracy/pixels.hpp"
 
 namespace claray {
 namespace {
@@ -20,9 +21,9 @@ Run run(const Device& device, const Scene& scene, RenderConfig config) {
     return {renderer.image(), reached.seconds};
 }
 
-std::string told(const char* format, double a, double b = 0) {
+std::string told(const char* format, double value) {
     char text[160];
-    std::snprintf(text, sizeof text, format, a, b);
+    std::snprintf(text, sizeof text, format, value);
     return text;
 }
 
@@ -143,12 +144,6 @@ SquaredBias squared_bias(const std::vector<std::vector<glm::vec3>>& images, cons
     }
     // The reference's own error is in both factors.
     return {sum / pairs - reference.uncertainty * reference.uncertainty, std::sqrt((count - 1) / count * squares)};
-}
-
-double mean_of(const std::vector<glm::vec3>& pixels) {
-    double sum = 0;
-    for (const glm::vec3& p : pixels) sum += double(p.x + p.y + p.z);
-    return sum / (3.0 * double(pixels.size()));
 }
 
 StudyPoint depth_point(const Device& device, const Scene& scene, RenderConfig config, unsigned runs,

@@ -34,12 +34,6 @@ struct Options {
     bool quick = false, json = false, quiet = false;
 };
 
-std::string number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.4g", value);
-    return text;
-}
-
 std::vector<NamedStudy> chosen_studies(const std::string& names) {
     if (names.empty()) return {std::begin(all_studies), std::end(all_studies)};
     std::vector<NamedStudy> chosen;

@@ -28,4 +28,10 @@ std::string fixed(double value, int digits) {
     return text;
 }
 
+std::string number(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g", value);
+    return text;
+}
+
 }  // namespace claray::cli

@@ -13,5 +13,7 @@ void print_table(const std::vector<Row>& rows, std::size_t first_right = std::si
 
 /// "%.*f"
 [[nodiscard]] std::string fixed(double value, int digits);
+/// "%.4g", for what may be of any size.
+[[nodiscard]] std::string number(double value);
 
 }  // namespace claray::cli

@@ -26,12 +26,6 @@ struct Options {
     bool full = false, quick = false, list = false, compare = false;
 };
 
-std::string number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.4g", value);
-    return text;
-}
-
 void list_cases() {
     std::vector<Row> rows = {{"case", "family", "what must hold"}};
     for (const VerifyCase& c : verify_cases()) rows.push_back({c.name, c.family, c.what});

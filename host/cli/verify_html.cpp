@@ -33,8 +33,6 @@ std::string svg_of(const VerifyPicture& picture) {
     return svg + "</svg><figcaption>" + escaped(picture.title) + "</figcaption></figure>";
 }
 
-std::string number(double value) { return svg::number("%.4g", value); }
-
 std::string rows_of(const VerifyResult& result) {
     std::string rows;
     for (const VerifyCheck& c : result.checks)
