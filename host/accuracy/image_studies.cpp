@@ -1,10 +1,9 @@
 // Studies of images: samples a pixel, and where paths end.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
-#include "claray/accuracy.hpp"
 #include "host/accuracy/pixels.hpp"
+#include "host/accuracy/study.hpp"
 
 namespace claray {
 namespace {
@@ -21,19 +20,8 @@ Run run(const Device& device, const Scene& scene, RenderConfig config) {
     return {renderer.image(), reached.seconds};
 }
 
-std::string told(const char* format, double value) {
-    char text[160];
-    std::snprintf(text, sizeof text, format, value);
-    return text;
-}
-
 /// The part of a study that its reference takes, of what progress shows.
 constexpr double reference_share = 0.5;
-
-AccuracyProgress scaled(const AccuracyProgress& progress, double from, double to) {
-    if (!progress) return {};
-    return [=](double done, const std::string& what) { return progress(from + (to - from) * done, what); };
-}
 
 /// A curve of one sampler: errors and times of all its runs, a row a setting.
 struct Curve {

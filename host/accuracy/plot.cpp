@@ -5,12 +5,13 @@
 #include <cmath>
 #include <vector>
 
+#include "host/accuracy/study.hpp"
 #include "host/accuracy/svg.hpp"
 
 namespace claray {
 namespace {
 
-constexpr double width = 760, height = 520, left = 84, right = 24, top = 84, bottom = 64;
+constexpr double width = 760, height = 536, left = 84, right = 24, top = 100, bottom = 64;
 constexpr const char *ink = "#222", *pale = "#666", *grid = "#e4e4e4";
 /// Colours that people with any colour vision tell apart (Okabe and Ito 2008), dark ones first; shapes differ, too.
 constexpr std::array colors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
@@ -26,15 +27,17 @@ std::string line(double x0, double y0, double x1, double y1, const char* color, 
            "\"" + more + "/>\n";
 }
 
-/// One logarithmic axis: values to pixels, and marks at decades or, where it is short, at parts of them.
+/// One logarithmic axis: values to pixels, and marks at decades or, where it is short, at parts of them. What is 0 has
+/// a place of its own, where there is such.
 struct Axis {
-    double low, high, from, to;
+    double low, high, from, to, zero = 0;
     Axis(std::vector<double> values, double pixel_from, double pixel_to) : from(pixel_from), to(pixel_to) {
         std::erase_if(values, [](double v) { return !(v > 0); });
         const auto [least, most] = std::minmax_element(values.begin(), values.end());
         low = values.empty() ? 0.1 : *least / 1.3, high = values.empty() ? 1 : *most * 1.3;
     }
     [[nodiscard]] double at(double value) const {
+        if (!(value > 0)) return zero;
         return from + (to - from) * (std::log(value) - std::log(low)) / (std::log(high) - std::log(low));
     }
     [[nodiscard]] std::vector<double> ticks() const {
@@ -76,6 +79,11 @@ std::vector<std::string> methods_of(const Study& study) {
 
 std::string draw_axes(const Axis& x, const Axis& y, const Study& study) {
     std::string svg;
+    if (x.zero > 0) {
+        svg += line(x.zero, top, x.zero, height - bottom, grid, 1) +
+               line(x.from - 6, top, x.from - 6, height - bottom, pale, 1, " stroke-dasharray=\"3 4\"") +
+               text(x.zero, height - bottom + 18, "middle", 12, pale, "0");
+    }
     for (const double v : x.ticks()) {
         svg += line(x.at(v), top, x.at(v), height - bottom, grid, 1);
         svg += text(x.at(v), height - bottom + 18, "middle", 12, pale, tick_label(v));
@@ -87,7 +95,7 @@ std::string draw_axes(const Axis& x, const Axis& y, const Study& study) {
     svg += line(left, height - bottom, width - right, height - bottom, ink, 1) +
            line(left, top, left, height - bottom, ink, 1);
     svg += text((left + width - right) / 2, height - 20, "middle", 13, ink, "error (" + study.error + ")");
-    svg += text(22, (top + height - bottom) / 2, "middle", 13, ink, "seconds",
+    svg += text(22, (top + height - bottom) / 2, "middle", 13, ink, study.cost,
                 " transform=\"rotate(-90 22 " + number("%.0f", (top + height - bottom) / 2) + ")\"");
     return svg;
 }
@@ -114,12 +122,13 @@ std::string draw_label(const std::string& words, double x, double y, std::vector
         const Taken place = {left_end, upper_end, left_end + length, upper_end + size};
         if (!is_free(place, taken)) continue;
         taken.push_back(place);
-        return text(place.x0, place.y1 - 2, "start", size, pale, words);
+        return text(place.x0, place.y1 - 2, "start", size, pale, words,
+                    " stroke=\"#fff\" stroke-width=\"3\" stroke-linejoin=\"round\" paint-order=\"stroke\"");
     }
     return {};
 }
 
-bool is_drawn(const StudyPoint& p) { return p.failure.empty() && p.error.median > 0 && p.seconds.median > 0; }
+bool is_drawn(const StudyPoint& p) { return p.failure.empty() && p.error.median >= 0 && p.seconds.median > 0; }
 
 std::string draw_curve(const Study& study, const std::string& method, std::size_t index, const Axis& x, const Axis& y) {
     const char* color = colors[index % colors.size()];
@@ -134,10 +143,12 @@ std::string draw_curve(const Study& study, const std::string& method, std::size_
         const double px = x.at(p.error.median), py = y.at(p.seconds.median);
         path += (gap ? " M" : " L") + number("%.1f", px) + " " + number("%.1f", py);
         gap = false;
-        marks += line(x.at(std::max(p.error.low, x.low)), py, x.at(p.error.high), py, color, 1);
+        const double least = p.error.median > 0 ? std::max(p.error.low, x.low) : 0;
+        marks += line(x.at(least), py, x.at(p.error.high), py, color, 1);
         marks += line(px, y.at(std::max(p.seconds.low, y.low)), px, y.at(p.seconds.high), color, 1);
         marks += marker(px, py, index, color, p.front);
     }
+    if (!study.sweeps) return marks;
     return "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + color + "\" stroke-width=\"1.5\"/>\n" + marks;
 }
 
@@ -158,20 +169,29 @@ std::string draw_labels(const Study& study, const Axis& x, const Axis& y) {
 }
 
 std::string table_of(const Study& study) {
-    std::string html =
-        "<table><tr><th>method</th><th>setting</th><th>error</th><th>quartiles</th><th>relMSE</th><th>perceptual</th>"
-        "<th>seconds</th><th>quartiles</th><th>runs</th><th>front</th></tr>\n";
+    const std::vector<std::string> facts = fact_names(study);
+    std::string html = "<table><tr><th>method</th><th>setting</th><th>error</th><th>quartiles</th>";
+    if (facts.empty()) html += "<th>relMSE</th><th>perceptual</th>";
+    for (const std::string& fact : facts) html += "<th>" + escaped(fact) + "</th>";
+    html += "<th>" + escaped(study.cost) + "</th><th>quartiles</th><th>runs</th><th>front</th></tr>\n";
     for (const StudyPoint& p : study.points) {
         html += "<tr><td>" + escaped(p.method) + "</td><td>" + escaped(p.setting) + "</td>";
         if (!p.failure.empty()) {
-            html += "<td colspan=\"8\">" + escaped(p.failure) + "</td></tr>\n";
+            html += "<td colspan=\"" + number("%.0f", 6.0 + double(facts.empty() ? 2 : facts.size())) + "\">" +
+                    escaped(p.failure) + "</td></tr>\n";
             continue;
         }
         const auto cell = [&](const std::string& words) { html += "<td class=\"n\">" + words + "</td>"; };
         cell(number("%.4g", p.error.median));
         cell(number("%.3g", p.error.low) + " .. " + number("%.3g", p.error.high));
-        cell(p.errors.relmse > 0 ? number("%.3g", p.errors.relmse) : "");
-        cell(p.errors.perceptual > 0 ? number("%.3g", p.errors.perceptual) : "");
+        if (facts.empty()) {
+            cell(p.errors.relmse > 0 ? number("%.3g", p.errors.relmse) : "");
+            cell(p.errors.perceptual > 0 ? number("%.3g", p.errors.perceptual) : "");
+        }
+        for (const std::string& fact : facts) {
+            const double value = fact_of(p, fact);
+            cell(std::isnan(value) ? "" : number("%.4g", value));
+        }
         cell(number("%.4g", p.seconds.median));
         cell(number("%.3g", p.seconds.low) + " .. " + number("%.3g", p.seconds.high));
         cell(std::to_string(p.runs));
@@ -181,17 +201,41 @@ std::string table_of(const Study& study) {
     return html + "</table>\n";
 }
 
+/// Marks and names of the methods, in one row or two; returns what follows them.
+std::string draw_legend(const std::vector<std::string>& methods, const std::string& rest) {
+    double x = left, y = 64;
+    const auto place = [&](std::size_t letters) {
+        const double length = 40 + 7.0 * double(letters), at = x;
+        if (at + length - 23 <= width - 8 || y > 64) return x += length, at;
+        y += 18, x = left + length;
+        return left;
+    };
+    std::string svg;
+    for (std::size_t i = 0; i < methods.size(); ++i) {
+        const double at = place(methods[i].size());
+        svg +=
+            marker(at + 6, y, i, colors[i % colors.size()], true) + text(at + 17, y + 4, "start", 12, ink, methods[i]);
+    }
+    if (rest.empty()) return svg;
+    const double at = place(rest.size());
+    return svg + text(at + 8, y + 4, "start", 12, pale, rest);
+}
+
 }  // namespace
 
 std::string svg_of(const Study& study, const std::string& subtitle) {
     std::vector<double> errors, seconds;
+    bool some_are_zero = false;
     for (const StudyPoint& p : study.points) {
-        if (!p.failure.empty()) continue;
+        if (!is_drawn(p)) continue;
+        some_are_zero |= p.error.median == 0;
         errors.insert(errors.end(), {p.error.low, p.error.median, p.error.high});
         seconds.insert(seconds.end(), {p.seconds.low, p.seconds.median, p.seconds.high});
     }
     if (study.floor > 0) errors.push_back(study.floor);
-    const Axis x(errors, left, width - right), y(seconds, height - bottom, top);
+    Axis x(errors, some_are_zero ? left + 44 : left, width - right);
+    if (some_are_zero) x.zero = left + 18;
+    const Axis y(seconds, height - bottom, top);
     std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + number("%.0f", width) + " " +
                       number("%.0f", height) + "\" width=\"" + number("%.0f", width) + "\" height=\"" +
                       number("%.0f", height) +
@@ -203,15 +247,9 @@ std::string svg_of(const Study& study, const std::string& subtitle) {
     }
     svg += draw_axes(x, y, study);
     const std::vector<std::string> methods = methods_of(study);
-    double legend = left;
-    for (std::size_t i = 0; i < methods.size(); ++i) {
-        svg += draw_curve(study, methods[i], i, x, y);
-        svg += marker(legend + 6, 64, i, colors[i % colors.size()], true) +
-               text(legend + 17, 68, "start", 12, ink, methods[i]);
-        legend += 40 + 7.0 * double(methods[i].size());
-    }
+    for (std::size_t i = 0; i < methods.size(); ++i) svg += draw_curve(study, methods[i], i, x, y);
+    svg += draw_legend(methods, study.floor > 0 ? "shaded: below the reference's own error" : "");
     svg += draw_labels(study, x, y);
-    if (study.floor > 0) svg += text(legend + 8, 68, "start", 12, pale, "shaded: below the reference's own error");
     return svg + "</svg>\n";
 }
 
@@ -243,7 +281,7 @@ std::string csv_of(const std::vector<Study>& studies, const std::string& device,
                    const std::string& scene) {
     std::string csv =
         "device,driver,scene,study,method,setting,value,runs,error,error_low,error_high,relmse,perceptual,seconds,"
-        "seconds_low,seconds_high,front,floor,failure\n";
+        "seconds_low,seconds_high,front,floor,failure,facts\n";
     const auto quoted = [](const std::string& words) {
         std::string out = "\"";
         for (const char c : words) out += c == '"' ? "\"\"" : std::string(1, c);
@@ -257,7 +295,10 @@ std::string csv_of(const std::vector<Study>& studies, const std::string& device,
                                    p.errors.perceptual, p.seconds.median, p.seconds.low, p.seconds.high,
                                    p.front ? 1.0 : 0.0, study.floor})
                 csv += ',' + number("%.6g", v);
-            csv += ',' + quoted(p.failure) + '\n';
+            std::string facts;
+            for (const auto& [name, value] : p.facts)
+                facts += (facts.empty() ? "" : "; ") + name + " = " + number("%.6g", value);
+            csv += ',' + quoted(p.failure) + ',' + quoted(facts) + '\n';
         }
     return csv;
 }

@@ -2,9 +2,28 @@
 #include <algorithm>
 #include <cmath>
 
-#include "claray/accuracy.hpp"
+#include "host/accuracy/study.hpp"
 
 namespace claray {
+
+std::vector<std::string> fact_names(const Study& study) {
+    std::vector<std::string> names;
+    for (const StudyPoint& p : study.points)
+        for (const auto& [name, value] : p.facts)
+            if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    return names;
+}
+
+double fact_of(const StudyPoint& point, const std::string& name) {
+    for (const auto& [known, value] : point.facts)
+        if (known == name) return value;
+    return std::nan("");
+}
+
+AccuracyProgress scaled(const AccuracyProgress& progress, double from, double to) {
+    if (!progress) return {};
+    return [=](double done, const std::string& what) { return progress(from + (to - from) * done, what); };
+}
 
 Spread spread_of(std::vector<double> values) {
     if (values.empty()) return {};

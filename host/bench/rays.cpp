@@ -2,29 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 
-#include "claray/io.hpp"
+#include "host/bench/pcg.hpp"
 #include "host/scene/placement.hpp"
 
 namespace claray::bench {
 namespace {
-
-/// A generator of 32-bit numbers: PCG (O'Neill 2014).
-class Pcg {
-public:
-    std::uint32_t next() {
-        state_ = state_ * 6364136223846793005ull + 1442695040888963407ull;
-        const auto word = std::uint32_t(((state_ >> 18) ^ state_) >> 27);
-        const auto turn = std::uint32_t(state_ >> 59);
-        return (word >> turn) | (word << ((32 - turn) & 31));
-    }
-    float uniform() { return float(next() >> 8) * 0x1p-24f; }
-
-private:
-    std::uint64_t state_ = 1;
-};
 
 /// A direction with density cos / pi about the normal.
 glm::vec3 cosine_direction(const glm::vec3& normal, Pcg& random) {
@@ -33,21 +16,7 @@ glm::vec3 cosine_direction(const glm::vec3& normal, Pcg& random) {
     return glm::dot(sum, sum) > 1e-6f ? glm::normalize(sum) : normal;
 }
 
-std::vector<Ray> shuffled(std::vector<Ray> rays, const std::vector<Ray>& more, Pcg& random) {
-    rays.insert(rays.end(), more.begin(), more.end());
-    for (std::size_t i = rays.size(); i > 1; --i) std::swap(rays[i - 1], rays[random.next() % i]);
-    return rays;
-}
-
 }  // namespace
-
-std::vector<std::uint32_t> read_words(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary | std::ios::ate);
-    if (!file) throw Error(ErrorKind::user, "cannot read " + path.string());
-    std::vector<std::uint32_t> words(std::size_t(file.tellg()) / 4 + 1);
-    file.seekg(0).read(reinterpret_cast<char*>(words.data()), std::streamsize(words.size() * 4));
-    return words;
-}
 
 std::vector<Mesh> world_meshes(const Scene& scene) {
     if (scene.instances.empty()) return scene.meshes;
@@ -55,23 +24,6 @@ std::vector<Mesh> world_meshes(const Scene& scene) {
     for (const MeshInstance& instance : scene.instances)
         meshes.push_back(transformed(scene.meshes[instance.mesh], instance.transform));
     return meshes;
-}
-
-std::vector<Mesh> load_meshes(const std::string& name) {
-    if (!name.ends_with(".scn")) {
-        Warnings warnings;
-        return world_meshes(load_scene(name, warnings));
-    }
-    const std::vector<std::uint32_t> words = read_words(name);
-    Mesh mesh;
-    mesh.positions.resize(words.at(1));
-    mesh.triangles.resize(words.at(2));
-    if (4 + 3 * (mesh.positions.size() + mesh.triangles.size()) > words.size())
-        throw Error(ErrorKind::user, name + " is shorter than it says");
-    std::memcpy(mesh.positions.data(), &words.at(4), mesh.positions.size() * sizeof(glm::vec3));
-    std::memcpy(mesh.triangles.data(), &words.at(4 + 3 * mesh.positions.size()),
-                mesh.triangles.size() * sizeof(glm::uvec3));
-    return {std::move(mesh)};
 }
 
 std::vector<Ray> primary_rays(const Camera& camera, unsigned width, unsigned height, bool tiles) {
@@ -187,22 +139,6 @@ RaySets make_rays(const Device& device, const Scene& scene, const std::vector<Vi
         }
         sets.primary.insert(sets.primary.end(), rays.begin(), rays.end());
     }
-    sets.mixed = shuffled(sets.primary, sets.bounce, random);
-    return sets;
-}
-
-RaySets read_rays(const std::filesystem::path& path) {
-    const std::vector<std::uint32_t> words = read_words(path);
-    RaySets sets;
-    std::size_t at = 4, i = 1;
-    for (std::vector<Ray>* rays : {&sets.primary, &sets.shadow, &sets.bounce}) {
-        rays->resize(words.at(i++));
-        const std::size_t size = rays->size() * sizeof(Ray) / 4;
-        if (at + size > words.size()) throw Error(ErrorKind::user, path.string() + " is shorter than it says");
-        std::memcpy(rays->data(), words.data() + at, size * 4);
-        at += size;
-    }
-    Pcg random;
     sets.mixed = shuffled(sets.primary, sets.bounce, random);
     return sets;
 }

@@ -2,6 +2,7 @@
 #include "claray/accuracy.hpp"
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 #include <memory>
@@ -11,6 +12,7 @@
 
 #include "claray/io.hpp"
 #include "host/accuracy/plot.hpp"
+#include "host/accuracy/study.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/render_options.hpp"
@@ -25,7 +27,11 @@ struct NamedStudy {
     const char* name;
     RunStudy run;
 };
-constexpr NamedStudy all_studies[] = {{"sampling", study_sampling}, {"depth", study_depth}};
+constexpr NamedStudy all_studies[] = {{"hard-rays", study_hard_rays},
+                                      {"scene-rays", study_scene_rays},
+                                      {"nodes", study_nodes},
+                                      {"sampling", study_sampling},
+                                      {"depth", study_depth}};
 
 struct Options {
     std::string scene, device, only;
@@ -33,6 +39,12 @@ struct Options {
     std::filesystem::path csv, html, svg;
     bool quick = false, json = false, quiet = false;
 };
+
+std::string study_names() {
+    std::string names;
+    for (const NamedStudy& study : all_studies) names += (names.empty() ? "" : ", ") + std::string(study.name);
+    return names;
+}
 
 std::vector<NamedStudy> chosen_studies(const std::string& names) {
     if (names.empty()) return {std::begin(all_studies), std::end(all_studies)};
@@ -43,7 +55,7 @@ std::vector<NamedStudy> chosen_studies(const std::string& names) {
         for (const NamedStudy& study : all_studies)
             if (name == study.name) found = &study;
         if (!found)
-            throw Error(ErrorKind::usage, "--only: there is no study '" + name + "'", "choose of sampling, depth");
+            throw Error(ErrorKind::usage, "--only: there is no study '" + name + "'", "choose of " + study_names());
         chosen.push_back(*found);
     }
     return chosen;
@@ -70,17 +82,25 @@ void print_study(const Study& study) {
         std::printf("; reference of %u samples a pixel, its own error %s", study.reference_spp,
                     number(study.floor).c_str());
     std::printf("\n");
-    std::vector<Row> rows = {
-        {"method", "setting", "error", "quartiles", "relMSE", "perceptual", "seconds", "quartiles", "front"}};
+    const std::vector<std::string> facts = fact_names(study);
+    Row head = {"method", "setting", "error", "quartiles"};
+    if (facts.empty()) head.insert(head.end(), {"relMSE", "perceptual"});
+    head.insert(head.end(), facts.begin(), facts.end());
+    head.insert(head.end(), {study.cost, "quartiles", "front"});
+    std::vector<Row> rows = {head};
     for (const StudyPoint& p : study.points) {
-        if (!p.failure.empty()) {
-            rows.push_back({p.method, p.setting, "-", "-", "-", "-", number(p.seconds.median), "-", p.failure});
-            continue;
-        }
-        rows.push_back({p.method, p.setting, number(p.error.median), number(p.error.low) + ".." + number(p.error.high),
-                        p.errors.relmse > 0 ? number(p.errors.relmse) : "-",
-                        p.errors.perceptual > 0 ? number(p.errors.perceptual) : "-", number(p.seconds.median),
-                        number(p.seconds.low) + ".." + number(p.seconds.high), p.front ? "yes" : ""});
+        const bool failed = !p.failure.empty();
+        const auto cell = [&](double value) { return failed || std::isnan(value) ? "-" : number(value); };
+        Row row = {p.method, p.setting, cell(p.error.median),
+                   failed ? "-" : number(p.error.low) + ".." + number(p.error.high)};
+        if (facts.empty())
+            for (const double value : {p.errors.relmse, p.errors.perceptual})
+                row.push_back(value > 0 ? cell(value) : "-");
+        for (const std::string& fact : facts) row.push_back(cell(fact_of(p, fact)));
+        row.push_back(number(p.seconds.median));
+        row.push_back(failed ? "-" : number(p.seconds.low) + ".." + number(p.seconds.high));
+        row.push_back(failed ? p.failure : p.front ? "yes" : "");
+        rows.push_back(row);
     }
     print_table(rows, 2);
     for (const std::string& finding : study.findings) std::printf("%s\n", finding.c_str());
@@ -96,7 +116,7 @@ void print_json(const std::vector<Study>& studies, const Options& o, const Devic
                                      {"height", o.study.config.height}};
     for (const Study& study : studies) {
         nlohmann::ordered_json points = nlohmann::ordered_json::array();
-        for (const StudyPoint& p : study.points)
+        for (const StudyPoint& p : study.points) {
             points.push_back({{"method", p.method},
                               {"setting", p.setting},
                               {"value", p.value},
@@ -107,8 +127,11 @@ void print_json(const std::vector<Study>& studies, const Options& o, const Devic
                               {"seconds", as_json(p.seconds)},
                               {"front", p.front},
                               {"failure", p.failure}});
+            for (const auto& [name, value] : p.facts) points.back()["facts"][name] = value;
+        }
         report["studies"].push_back({{"name", study.name},
                                      {"error", study.error},
+                                     {"cost", study.cost},
                                      {"floor", study.floor},
                                      {"reference_spp", study.reference_spp},
                                      {"findings", study.findings},
@@ -132,6 +155,7 @@ void accuracy(Options o) {
         throw Error(ErrorKind::usage, "--svg is the plot of one study", "choose it by --only, or use --html");
     if (!o.svg.empty()) check_file_writable(o.svg);
     if (o.quick) o.study.most_spp = std::min(o.study.most_spp, 32u), o.study.runs = std::min(o.study.runs, 3u);
+    if (o.quick) o.study.rays = std::min<std::size_t>(o.study.rays, 1u << 16);
     if (o.quick)
         o.study.config.width = std::min(o.study.config.width, 64u),
         o.study.config.height = std::min(o.study.config.height, 64u);
@@ -175,6 +199,8 @@ void add_accuracy_command(CLI::App& app, Action& action) {
     command->add_option("--spp", o->study.most_spp, "Samples a pixel up to which it is measured [256]")
         ->check(CLI::Range(1, 65536));
     command->add_option("--runs", o->study.runs, "Repetitions with seeds of their own [5]")->check(CLI::Range(1, 1000));
+    command->add_option("--rays", o->study.rays, "Rays of the studies that make no image [1048576]")
+        ->check(CLI::Range(1024, 1 << 27));
     command->add_option("--references", o->study.references, "Folder that keeps the references, to go on from");
     command->add_option("--csv", o->csv, "Write all points");
     command->add_option("--html", o->html, "Write a report with plots");

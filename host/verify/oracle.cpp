@@ -94,6 +94,14 @@ OracleHit Oracle::closest_hit(const Ray& ray) const {
     return hit;
 }
 
+double Oracle::distance(const Ray& ray, std::size_t i) const {
+    const double o[3] = {ray.ox, ray.oy, ray.oz}, d[3] = {ray.dx, ray.dy, ray.dz};
+    return distance_to({{v0_[0].data(), v0_[1].data(), v0_[2].data()},
+                        {e1_[0].data(), e1_[1].data(), e1_[2].data()},
+                        {e2_[0].data(), e2_[1].data(), e2_[2].data()}},
+                       i, o, d);
+}
+
 void Oracle::test_block(const Ray& ray, std::size_t at, OracleHit& hit) const {
     const double o[3] = {ray.ox, ray.oy, ray.oz}, d[3] = {ray.dx, ray.dy, ray.dz};
     const Rows rows = {{v0_[0].data(), v0_[1].data(), v0_[2].data()},

@@ -31,6 +31,8 @@ public:
     [[nodiscard]] OracleHit closest_hit(const Ray& ray) const;
     [[nodiscard]] std::vector<OracleHit> closest_hits(std::span<const Ray> rays) const;  ///< on all cores
     [[nodiscard]] std::size_t triangles() const { return count_; }
+    /// From the ray's origin to the plane of triangle i; infinite where the plane holds the ray.
+    [[nodiscard]] double distance(const Ray& ray, std::size_t i) const;
 
     /// Holds a hit against exact arithmetic. A ray through the inside of a triangle must hit it or something nearer; of
     /// one through a border exactly either answer is right; what is hit must be met, at its exact distance to 1 ulp,

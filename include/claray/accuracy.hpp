@@ -57,15 +57,18 @@ struct StudyPoint {
     double value = 0;     ///< the setting as a number
     unsigned runs = 0;
     Spread error, seconds;
-    ImageError errors;    ///< medians of all measures
-    bool front = false;   ///< no other point is at once faster and more accurate
-    std::string failure;  ///< why there is no figure
+    ImageError errors;  ///< medians of all measures; none where no image is measured
+    std::vector<std::pair<std::string, double>> facts = {};  ///< further figures, by name with unit
+    bool front = false;                                      ///< no other point is at once faster and more accurate
+    std::string failure;                                     ///< why there is no figure
 };
 
 struct Study {
-    std::string name;   ///< "sampling"
-    std::string title;  ///< of the plot
-    std::string error;  ///< what `StudyPoint::error` measures
+    std::string name;              ///< "sampling"
+    std::string title;             ///< of the plot
+    std::string error;             ///< what `StudyPoint::error` measures
+    std::string cost = "seconds";  ///< what `StudyPoint::seconds` are for: "seconds per 10^6 rays"
+    bool sweeps = true;            ///< a method's settings follow each other, so that a plot joins its points
     std::vector<StudyPoint> points;
     double floor = 0;  ///< the reference's own uncertainty: errors below it tell nothing
     unsigned reference_spp = 0;
@@ -76,6 +79,7 @@ struct StudyOptions {
     RenderConfig config = {.width = 128, .height = 128};
     unsigned most_spp = 256;                ///< settings go up to it by factors of two
     unsigned runs = 5;                      ///< with seeds of their own
+    std::size_t rays = 1u << 20;            ///< of studies that trace rays without making an image
     std::filesystem::path references = {};  ///< as ReferenceOptions::folder
 };
 
@@ -86,6 +90,21 @@ struct StudyOptions {
 /// Depths at which paths end: what is left out for ever, however many samples there are. Errors are free of noise,
 /// since two independent renders are multiplied: E[(a - r)(b - r)] = bias^2.
 [[nodiscard]] Study study_depth(const Device& device, const Scene& scene, const StudyOptions& options,
+                                const AccuracyProgress& progress = {});
+
+/// Rays that no camera sends by chance: aimed at edges and vertices of closed meshes, near the origin and far from it.
+/// Tests of triangles and boxes from the literature, under three kinds of arithmetic, beside claray's, by one loop over
+/// one tree; wrong hits by a float64 oracle that asks exact arithmetic where it is in doubt.
+[[nodiscard]] Study study_hard_rays(const Device& device, const Scene& scene, const StudyOptions& options,
+                                    const AccuracyProgress& progress = {});
+
+/// The same on the scene's own rays: from its camera, and one bounce from what they hit.
+[[nodiscard]] Study study_scene_rays(const Device& device, const Scene& scene, const StudyOptions& options,
+                                     const AccuracyProgress& progress = {});
+
+/// Nodes with boxes of 32, 16 and 8 bits a plane, rounded outward: what smaller nodes cost in boxes that are entered in
+/// vain. The error is boxes tested beyond those of full floats; hits that differ make a point fail.
+[[nodiscard]] Study study_nodes(const Device& device, const Scene& scene, const StudyOptions& options,
                                 const AccuracyProgress& progress = {});
 
 /// Marks the points that no other one beats in both error and time.

@@ -1,0 +1,60 @@
+// Study of nodes: boxes in fewer bits.
+#include <cmath>
+
+#include "claray/shared/quantized_node.h"
+#include "host/accuracy/ray_variants.hpp"
+#include "host/accuracy/study.hpp"
+#include "host/bench/rays.hpp"
+
+namespace claray {
+namespace {
+
+std::size_t different(const std::vector<Hit>& a, const std::vector<Hit>& b) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        count += a[i].primitive != b[i].primitive || a[i].t != b[i].t || a[i].u != b[i].u || a[i].v != b[i].v;
+    return count;
+}
+
+}  // namespace
+
+Study study_nodes(const Device& device, const Scene& scene, const StudyOptions& options,
+                  const AccuracyProgress& progress) {
+    Study study;
+    study.name = "nodes", study.title = "Boxes in fewer bits";
+    study.error = "boxes tested beyond full floats, per ray", study.cost = "seconds per 10^6 rays";
+    const std::vector<Mesh> meshes = bench::world_meshes(scene);
+    const std::vector<Ray> rays = rays_of_scene(device, scene, meshes, options.rays);
+    std::vector<RayVariant> variants;
+    for (const unsigned bits : {32u, 16u, 8u})
+        variants.push_back(
+            {.method = "binary tree", .setting = std::to_string(bits) + " bits a plane", .node_bits = bits});
+    const auto traced = trace_variants(device, meshes, rays, variants, std::max(options.runs, 1u), progress);
+    for (std::size_t i = 0; i < variants.size(); ++i) {
+        StudyPoint point;
+        point.method = variants[i].method, point.setting = variants[i].setting, point.value = variants[i].node_bits;
+        point.runs = unsigned(traced[i].seconds.size());
+        if (traced[i].hits.empty()) {
+            point.failure = "was not run";
+        } else if (const std::size_t wrong = different(traced[i].hits, traced[0].hits); wrong != 0) {
+            point.failure = std::to_string(wrong) + " hits differ";
+        }
+        std::vector<double> seconds;
+        for (const double s : traced[i].seconds) seconds.push_back(s * 1e6 / double(rays.size()));
+        const double more = traced[i].boxes - traced[0].boxes;
+        const double bytes =
+            variants[i].node_bits == 32 ? sizeof(BvhNode) : 4.0 * CLARAY_QUANTIZED_WORDS(variants[i].node_bits);
+        point.error = {more, more, more}, point.seconds = spread_of(seconds);
+        point.facts = {
+            {"bytes a node", bytes}, {"boxes a ray", traced[i].boxes}, {"Mrays/s", 1 / point.seconds.median}};
+        study.points.push_back(point);
+        if (point.failure.empty() && i > 0)
+            study.findings.push_back(told("%s: the same hits, %.3g times the boxes, %.3g times the time",
+                                          point.setting.c_str(), traced[i].boxes / traced[0].boxes,
+                                          point.seconds.median / study.points[0].seconds.median));
+    }
+    mark_front(study.points);
+    return study;
+}
+
+}  // namespace claray

@@ -1,0 +1,37 @@
+// Rays traced in several ways on the same tree, timed by turns.
+#pragma once
+
+#include "claray/accuracy.hpp"
+#include "claray/query.hpp"
+
+namespace claray {
+
+/// One way: what kernels/accuracy/trace_variant.cl is compiled with, or the query that ships.
+struct RayVariant {
+    std::string method, setting;
+    Defines defines = {};
+    Math math = Math::strict;
+    unsigned node_bits = 32;
+    bool shipped = false;
+};
+
+struct TracedVariant {
+    std::vector<Hit> hits;
+    std::vector<double> seconds;  ///< of the device, a value a round; none where the study was stopped before
+    double boxes = 0;             ///< tested, a ray; not of what ships
+};
+
+/// Over a tree of the balanced builder.
+[[nodiscard]] std::vector<TracedVariant> trace_variants(const Device& device, std::span<const Mesh> meshes,
+                                                        std::span<const Ray> rays,
+                                                        const std::vector<RayVariant>& variants, unsigned rounds,
+                                                        const AccuracyProgress& progress);
+
+/// So many, or as many as a test of all against all triangles can do in about a second.
+[[nodiscard]] std::size_t rays_to_judge(std::size_t wanted, std::span<const Mesh> meshes);
+
+/// Half of them from the scene's camera through pixels' centres, the rest bounced off what those hit.
+[[nodiscard]] std::vector<Ray> rays_of_scene(const Device& device, const Scene& scene, std::span<const Mesh> meshes,
+                                             std::size_t count);
+
+}  // namespace claray
