@@ -10,9 +10,8 @@ namespace claray {
 const cl::Buffer& ray_queue(const Device& device) {
     std::shared_ptr<cl::Buffer>& queue = device.state().ray_queue;
     if (!queue) {
-        constexpr std::size_t bytes = 7 * sizeof(std::uint32_t);
-        queue = detail::allocate(device, bytes);
-        detail::fill_bytes(device, *queue, 0, bytes);
+        queue = detail::allocate(device, 3 * sizeof(std::uint32_t));
+        detail::fill_bytes(device, *queue, 0, 3 * sizeof(std::uint32_t));
     }
     return *queue;
 }
@@ -60,13 +59,11 @@ QueryKernel::QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options,
         return;
     }
     most_items_ = std::max(1u, device.info().compute_units * device.tuning(stem, "GROUPS_PER_UNIT")) * group_;
-    if (options.visits.allocated() || (kind == Kind::closest && options.coherence == Coherence::coherent)) {
+    // Rays that need not find the nearest hit are short enough for the simple schedule.
+    if (kind == Kind::any || options.visits.allocated() || options.coherence == Coherence::coherent) {
         load({{"COHERENT", "1"}});
     } else if (options.coherence == Coherence::incoherent) {
         load({{"COHERENT", "0"}});
-    } else if (kind == Kind::any) {
-        load({{"COHERENT", "1"}, {"HAND_OVER", "1"}});
-        load({{"COHERENT", "0"}, {"HAND_OVER", "1"}});
     } else {
         load({{"COHERENT", "1"}, {"CHOOSE", "1"}});
         load({{"COHERENT", "0"}, {"CHOOSE", "1"}});

@@ -8,7 +8,7 @@
 
 namespace claray {
 
-/// The words of kernels/trace/ray_queue.clh, the same for all queries of a device: its commands run one after
+/// The three words of kernels/trace/ray_queue.clh, the same for all queries of a device: its commands run one after
 /// another.
 [[nodiscard]] const cl::Buffer& ray_queue(const Device& device);
 
@@ -47,7 +47,7 @@ public:
         }
         const cl::Buffer& queue = ray_queue(bvh_.device());
         const Buffer<std::uint32_t> order = order_of(rays, capacity, count);
-        if (sample_group_ != 0) sample_.run({sample_group_, sample_group_}, rays, capacity, count, queue);
+        if (kernels_.size() > 1) sample_.run({sample_group_, sample_group_}, rays, capacity, count, queue);
         if (retraces()) {
             kernels_[0].run({items, group_}, SolidBvh{bvh_}, rays, results, capacity, count, options_.ray_masks,
                             options_.visits, queue, batch, order);
@@ -74,10 +74,10 @@ private:
 
     Bvh bvh_;
     QueryOptions options_;
-    std::vector<Kernel> kernels_;  // one schedule, or two that share the rays or of which the device chooses one
+    std::vector<Kernel> kernels_;  // two schedules, of which the device chooses one, or one
     Kernel sample_, retrace_;
     std::shared_ptr<RayOrder> ray_order_;
-    std::size_t rays_per_item_ = 1, group_ = 64, most_items_ = std::size_t(-1), sample_group_ = 0;
+    std::size_t rays_per_item_ = 1, group_ = 64, most_items_ = std::size_t(-1), sample_group_ = 64;
     std::uint32_t most_in_batch_ = 0, sort_from_ = 0;
 };
 

@@ -23,16 +23,6 @@ std::vector<Ray> rays_from_centre(std::size_t count, bool side_by_side) {
     return rays;
 }
 
-/// Rays towards the unit sphere from afar, of which every fourth hits and the others pass by a part of it or all.
-std::vector<Ray> rays_past_sphere(std::size_t count) {
-    std::vector<Ray> rays(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        const float angle = 2.4f * float(i), wide = i % 4 == 0 ? 0.9f : 1.f + 0.4f * float(i % 7);
-        rays[i] = {wide * std::cos(angle), wide * std::sin(angle), -5.f, 0.f, 0.f, 0.f, 1.f, 1e30f};
-    }
-    return rays;
-}
-
 std::uint32_t coherent(const std::vector<Ray>& rays) {
     Buffer<std::uint32_t> queue(device(), 3);
     queue.fill(7);
@@ -52,8 +42,7 @@ TEST(RayQueue, TellsCoherentRaysFromOthers) {
     EXPECT_EQ(coherent({}), 0u);
 }
 
-/// A device of its own on which all rays come from the queue, by few groups.
-Device device_with_queue() {
+TEST(RayQueue, FindsTheSameHitsInEverySchedule) {
     const Device fresh = Device::open(std::to_string(device().info().index));
     for (const char* query : {"trace/closest_hit", "trace/any_hit"}) {
         fresh.set_tuning(query, "RAY_QUEUE", 1);
@@ -61,11 +50,6 @@ Device device_with_queue() {
         fresh.set_tuning(query, "GROUP_SIZE", 64);
         fresh.set_tuning(query, "RAYS_PER_ITEM", 1);
     }
-    return fresh;
-}
-
-TEST(RayQueue, FindsTheSameHitsInEverySchedule) {
-    const Device fresh = device_with_queue();
     const Mesh mesh = sphere(3);
     const Bvh queued = Bvh::build(fresh, std::span(&mesh, 1), {.layout = Layout::binary});
     const Bvh plain = Bvh::build(device(), std::span(&mesh, 1), {.layout = Layout::binary});
@@ -83,16 +67,6 @@ TEST(RayQueue, FindsTheSameHitsInEverySchedule) {
                 }
             }
         }
-}
-
-TEST(RayQueue, HandsOverRaysThatEndFarApart) {
-    const Device fresh = device_with_queue();
-    const Mesh mesh = sphere(4);
-    const Bvh bvh = Bvh::build(fresh, std::span(&mesh, 1), {.layout = Layout::binary});
-    const std::vector<Ray> rays = rays_past_sphere(50'000);
-    const std::vector<std::uint8_t> occluded = any_hit(bvh, rays);
-    ASSERT_EQ(any_hit(bvh, rays), occluded);
-    for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(occluded[i], i % 4 == 0 ? 1 : 0) << i;
 }
 
 }  // namespace
