@@ -94,7 +94,7 @@ std::string draw_axes(const Axis& x, const Axis& y, const Study& study) {
     }
     svg += line(left, height - bottom, width - right, height - bottom, ink, 1) +
            line(left, top, left, height - bottom, ink, 1);
-    svg += text((left + width - right) / 2, height - 20, "middle", 13, ink, "error (" + study.error + ")");
+    svg += text((left + width - right) / 2, height - 20, "middle", 13, ink, study.error);
     svg += text(22, (top + height - bottom) / 2, "middle", 13, ink, study.cost,
                 " transform=\"rotate(-90 22 " + number("%.0f", (top + height - bottom) / 2) + ")\"");
     return svg;

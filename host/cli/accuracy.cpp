@@ -4,9 +4,11 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <ctime>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 #include <tuple>
 
@@ -27,11 +29,11 @@ struct NamedStudy {
     const char* name;
     RunStudy run;
 };
-constexpr NamedStudy all_studies[] = {{"hard-rays", study_hard_rays},
-                                      {"scene-rays", study_scene_rays},
-                                      {"nodes", study_nodes},
-                                      {"sampling", study_sampling},
-                                      {"depth", study_depth}};
+constexpr NamedStudy all_studies[] = {{"hard-rays", study_hard_rays}, {"scene-rays", study_scene_rays},
+                                      {"builds", study_builds},       {"nodes", study_nodes},
+                                      {"sampling", study_sampling},   {"techniques", study_techniques},
+                                      {"depth", study_depth},         {"arithmetic", study_arithmetic},
+                                      {"sums", study_sums},           {"filtering", study_filtering}};
 
 struct Options {
     std::string scene, device, only;
@@ -61,6 +63,26 @@ std::vector<NamedStudy> chosen_studies(const std::string& names) {
     return chosen;
 }
 
+/// Where references are kept until the end of the command, so that studies share them.
+class KeptReferences {
+public:
+    KeptReferences() {
+        std::string name = (std::filesystem::temp_directory_path() / "claray-references-XXXXXX").string();
+        if (!mkdtemp(name.data())) throw Error(ErrorKind::user, "cannot make the folder " + name, "set TMPDIR");
+        path_ = name;
+    }
+    ~KeptReferences() {
+        std::error_code none;
+        std::filesystem::remove_all(path_, none);
+    }
+    KeptReferences(const KeptReferences&) = delete;
+    KeptReferences& operator=(const KeptReferences&) = delete;
+    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+private:
+    std::filesystem::path path_;
+};
+
 /// One line, drawn again: what is done, and how long the rest takes at this pace.
 AccuracyProgress show_progress(const std::string& study, bool quiet) {
     const auto begin = std::chrono::steady_clock::now();
@@ -77,7 +99,7 @@ AccuracyProgress show_progress(const std::string& study, bool quiet) {
 }
 
 void print_study(const Study& study) {
-    std::printf("\n%s: error is %s", study.title.c_str(), study.error.c_str());
+    std::printf("\n%s: %s against %s", study.title.c_str(), study.error.c_str(), study.cost.c_str());
     if (study.reference_spp != 0)
         std::printf("; reference of %u samples a pixel, its own error %s", study.reference_spp,
                     number(study.floor).c_str());
@@ -164,6 +186,8 @@ void accuracy(Options o) {
     for (const std::string& warning : warnings) std::fprintf(stderr, "claray: warning: %s\n", warning.c_str());
     const Device device = Device::open(o.device);
     const InterruptGuard guard;
+    std::optional<KeptReferences> kept;
+    if (o.study.references.empty()) o.study.references = kept.emplace().path();
     std::vector<Study> studies;
     for (const NamedStudy& study : chosen)
         studies.push_back(study.run(device, scene, o.study, show_progress(study.name, o.quiet)));
@@ -184,7 +208,9 @@ void accuracy(Options o) {
 void add_accuracy_command(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand("accuracy", "Measure what accuracy costs in time, and draw it");
     command->footer(
-        "Studies: sampling (samples a pixel, by sampler), depth (where paths end).\n"
+        "Studies: hard-rays and scene-rays (tests of triangles and boxes), builds, nodes, sampling (samples a pixel, "
+        "by\n"
+        "sampler), techniques (of sampling), depth (where paths end), arithmetic, sums, filtering (docs/accuracy.md).\n"
         "Examples:\n"
         "  claray accuracy cornell --quick\n"
         "  claray accuracy scene.gltf --device gpu --size 512x512 --spp 1024 --html accuracy.html --csv accuracy.csv");

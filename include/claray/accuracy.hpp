@@ -87,6 +87,11 @@ struct StudyOptions {
 [[nodiscard]] Study study_sampling(const Device& device, const Scene& scene, const StudyOptions& options,
                                    const AccuracyProgress& progress = {});
 
+/// The same with lights or BSDFs sampled alone, without Russian roulette, and, where a tree picks among many lights,
+/// with lights picked by power.
+[[nodiscard]] Study study_techniques(const Device& device, const Scene& scene, const StudyOptions& options,
+                                     const AccuracyProgress& progress = {});
+
 /// Depths at which paths end: what is left out for ever, however many samples there are. Errors are free of noise,
 /// since two independent renders are multiplied: E[(a - r)(b - r)] = bias^2.
 [[nodiscard]] Study study_depth(const Device& device, const Scene& scene, const StudyOptions& options,
@@ -102,10 +107,30 @@ struct StudyOptions {
 [[nodiscard]] Study study_scene_rays(const Device& device, const Scene& scene, const StudyOptions& options,
                                      const AccuracyProgress& progress = {});
 
+/// Builders with codes of 30 and 63 bits, and refits against rebuilds of what has moved. The error is the time to trace
+/// with the tree, its cost the time to build it; findings tell from how many rays on which tree is done first.
+[[nodiscard]] Study study_builds(const Device& device, const Scene& scene, const StudyOptions& options,
+                                 const AccuracyProgress& progress = {});
+
 /// Nodes with boxes of 32, 16 and 8 bits a plane, rounded outward: what smaller nodes cost in boxes that are entered in
 /// vain. The error is boxes tested beyond those of full floats; hits that differ make a point fail.
 [[nodiscard]] Study study_nodes(const Device& device, const Scene& scene, const StudyOptions& options,
                                 const AccuracyProgress& progress = {});
+
+/// Fast math and other sums against strict arithmetic on the same samples: no noise is part of the error, which is what
+/// the arithmetic changes.
+[[nodiscard]] Study study_arithmetic(const Device& device, const Scene& scene, const StudyOptions& options,
+                                     const AccuracyProgress& progress = {});
+
+/// How samples are added up in a pixel: in two floats, in one, in half precision and in float64; up to 16 times
+/// `StudyOptions::rays` of them.
+[[nodiscard]] Study study_sums(const Device& device, const Scene& scene, const StudyOptions& options,
+                               const AccuracyProgress& progress = {});
+
+/// Textures by the nearest texel, bilinear and from mip maps, and images of a quarter and a 16th of the pixels. The
+/// truth is the finest level, bilinear, at full size.
+[[nodiscard]] Study study_filtering(const Device& device, const Scene& scene, const StudyOptions& options,
+                                    const AccuracyProgress& progress = {});
 
 /// Marks the points that no other one beats in both error and time.
 void mark_front(std::vector<StudyPoint>& points);

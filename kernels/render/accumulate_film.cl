@@ -10,8 +10,18 @@
 /// the sum can hold it (Dekker 1971, fast two-sum). Without the second step the errors would be summed naively, and once
 /// samples are below half an ulp of the sum those are all there is. Needs strict arithmetic.
 static inline void add_exactly(float* sum, float* error, float value) {
-#if CLARAY_TEXTBOOK_SUMS
+#if CLARAY_TEXTBOOK_SUMS == 1
     *sum += value;
+    return;
+#elif CLARAY_TEXTBOOK_SUMS == 2
+    ushort bits;
+    vstore_half(*sum + value, 0, (half*)&bits);
+    *sum = vload_half(0, (const half*)&bits);
+    return;
+#elif CLARAY_TEXTBOOK_SUMS == 3  // in 48 bits of it, which is what two floats hold
+    const real exact = (real)*sum + *error + value;
+    *sum = (float)exact;
+    *error = (float)(exact - *sum);
     return;
 #endif
     const float total = *sum + value, rounded = total - *sum;

@@ -262,7 +262,7 @@ static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PAR
 #define SHADE_SIXTEEN                                                                                                      \
     (SIXTEEN && CLARAY_CPU && MATERIALS == 1u << CLARAY_LAMBERT && !NORMALS && !TEXTURES && !MIPMAPS && !INSTANCES && !BAKE && \
      !ENVIRONMENT && !LIGHT_TREE && !SPOT_LIGHTS && !DIRECTIONAL_LIGHTS && !LIGHT_FALLOFF && !ABSORPTION &&                 \
-     !(TRIANGLE_LIGHTS && POINT_LIGHTS) && TECHNIQUES == 3)
+     !(TRIANGLE_LIGHTS && POINT_LIGHTS))
 #if SHADE_SIXTEEN
 #include "render/shade_sixteen.clh"
 #endif

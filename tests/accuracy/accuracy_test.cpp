@@ -228,6 +228,101 @@ TEST(Study, OfNodesKeepsAllHitsInFewerBytes) {
     EXPECT_LE(fact(2, "boxes a ray"), 2 * fact(0, "boxes a ray"));
 }
 
+TEST(Study, OfBuildsFindsBetterTreesAndWorseRefits) {
+    StudyOptions options;
+    options.rays = 4096, options.runs = 2;
+    const Study study = study_builds(device(), *builtin_scene("terrain:3000"), options);
+    ASSERT_EQ(study.points.size(), 12u);
+    const auto cost = [&](const char* method, const char* setting) {
+        return fact_of(point_named(study, method, setting), "SAH cost");
+    };
+    EXPECT_LT(cost("balanced", "63 bits"), cost("fast", "63 bits"));
+    EXPECT_LT(cost("high", "63 bits"), cost("balanced", "63 bits"));
+    EXPECT_GT(cost("refit", "moved 20 %"), cost("rebuild", "moved 20 %"));
+    EXPECT_GT(cost("refit", "moved 20 %"), cost("refit", "moved 1 %"));
+    for (const StudyPoint& p : study.points) {
+        EXPECT_GT(p.seconds.median, 0);
+        EXPECT_NEAR(fact_of(p, "Mrays/s"), 1 / p.error.median, 1e-6 / p.error.median);
+    }
+    // The tree named first is built first, the last one is traced fastest.
+    const auto trees_end = study.points.begin() + 6;
+    const auto quickest = std::min_element(study.points.begin(), trees_end,
+                                           [](auto& a, auto& b) { return a.seconds.median < b.seconds.median; });
+    const auto best = std::min_element(study.points.begin(), trees_end,
+                                       [](auto& a, auto& b) { return a.error.median < b.error.median; });
+    const std::string& crossings = study.findings.front();
+    EXPECT_EQ(crossings.find("building included, " + quickest->method + ", " + quickest->setting), 0u) << crossings;
+    EXPECT_TRUE(crossings.ends_with(best->method + ", " + best->setting) || best == quickest) << crossings;
+}
+
+TEST(Study, OfTechniquesSeesWhatSamplingLightsIsWorth) {
+    StudyOptions options;
+    options.config = {.width = 16, .height = 16};
+    options.most_spp = 16, options.runs = 3;
+    const Study study = study_techniques(device(), small_scene(), options);
+    ASSERT_EQ(study.points.size(), 4u * 5u);
+    const double both = point_named(study, "claray", "16 spp").error.median;
+    EXPECT_GT(point_named(study, "BSDFs alone", "16 spp").error.median, 2 * both);
+    EXPECT_LT(point_named(study, "no roulette", "16 spp").error.median, 1.5 * both);
+    EXPECT_LT(point_named(study, "lights alone", "16 spp").error.median, 1.5 * both);
+    EXPECT_NE(point_named(study, "no roulette", "16 spp").error.median, both);
+    EXPECT_NE(point_named(study, "lights alone", "16 spp").error.median, both);
+    // The scope of the other macros has ended: these are the images that always come.
+    options.most_spp = 1, options.runs = 1;
+    const Study again = study_techniques(device(), small_scene(), options);
+    Renderer renderer(device(), small_scene(), {.width = 16, .height = 16, .spp = 1});
+    renderer.render();
+    const ReferenceImage reference = reference_image(device(), small_scene(), options.config, {.least_spp = 64});
+    EXPECT_EQ(again.points[0].error.median, image_error(renderer.image(), reference.pixels, 16).rmse);
+}
+
+TEST(Study, OfArithmeticHasNoNoise) {
+    StudyOptions options;
+    options.config = {.width = 16, .height = 16};
+    options.most_spp = 8, options.runs = 1;
+    const Study study = study_arithmetic(device(), small_scene(), options);
+    const auto error = [&](const char* method) { return point_named(study, method, "8 spp").error.median; };
+    EXPECT_EQ(error("strict"), 0);
+    EXPECT_GT(error("fast shading"), 0);
+    EXPECT_LT(error("fast shading"), 1e-3);
+    // Half precision has 11 bits: rounding is off by 2^-12 to 2^-11 at worst, relatively.
+    const double in_half = point_named(study, "image in half", "8 spp").errors.relmse;
+    EXPECT_LT(in_half, 0x1p-22);
+    EXPECT_GT(in_half, 0x1p-27);
+    EXPECT_GT(error("sums in half"), error("image in half"));
+    EXPECT_GT(error("sums in float32"), 0);
+    EXPECT_LT(error("sums in float32"), 1e-6);
+}
+
+TEST(Study, OfSumsSeesFloatsThatGrowTooLarge) {
+    StudyOptions options;
+    options.rays = 1u << 14, options.runs = 1;
+    const Study study = study_sums(device(), {}, options);
+    const auto error = [&](const char* method) { return point_named(study, method, "2^18").error.median; };
+    EXPECT_LT(error("two floats"), 1e-7);
+    EXPECT_GT(error("one float"), 1e-6);
+    EXPECT_GT(error("half"), 0.1);
+    if (device().info().fp64) {
+        EXPECT_LT(error("float64"), 1e-7);
+    }
+}
+
+TEST(Study, OfFiltersSeesBiasThatSamplesDoNotMend) {
+    StudyOptions options;
+    options.config = {.width = 24, .height = 24};
+    options.most_spp = 64, options.runs = 1;
+    const Study study = study_filtering(device(), *builtin_scene("effect:mip-maps"), options);
+    const auto error = [&](const char* method, const char* setting) {
+        return point_named(study, method, setting).error.median;
+    };
+    EXPECT_LT(error("bilinear", "64 spp"), 0.5 * error("bilinear", "4 spp"));
+    EXPECT_LT(error("bilinear", "64 spp"), error("a quarter of the pixels", "64 spp"));
+    EXPECT_LT(error("a quarter of the pixels", "64 spp"), error("a 16th of the pixels", "64 spp"));
+    EXPECT_GT(error("a 16th of the pixels", "64 spp"), 0.8 * error("a 16th of the pixels", "32 spp"));
+    EXPECT_NE(error("trilinear", "64 spp"), error("bilinear", "64 spp"));
+    EXPECT_NE(error("nearest", "64 spp"), error("bilinear", "64 spp"));
+}
+
 TEST(Study, ThatIsStoppedSaysSo) {
     StudyOptions options;
     options.rays = 2048, options.runs = 1;

@@ -1,0 +1,96 @@
+// Studies of samples: how fast noise falls, by sampler and by what is sampled.
+#include <cmath>
+
+#include "host/accuracy/image_sweep.hpp"
+
+namespace claray {
+namespace {
+
+/// How fast the error falls with the samples, and whether it stops falling.
+void judge(Study& study, const std::string& method) {
+    std::vector<double> samples, errors;
+    for (const StudyPoint& p : study.points) {
+        if (p.method != method || !p.failure.empty() || p.value < 2) continue;
+        samples.push_back(p.value), errors.push_back(p.error.median);
+    }
+    if (samples.size() < 3) return;
+    study.findings.push_back(
+        method + told(": error falls with the samples to the power of %.3f", log_log_slope(samples, errors)));
+    const std::size_t tail = samples.size() - 3;
+    const double end = log_log_slope(std::span(samples).subspan(tail), std::span(errors).subspan(tail));
+    if (end > -0.25)
+        study.findings.push_back(method + told(": falls no further at %.4f: what is left is bias", errors.back()));
+}
+
+/// error^2 * seconds at the most samples: what a method takes for the same noise, times that of the first.
+void compare_efficiency(Study& study, const std::vector<ImageMethod>& methods) {
+    const auto work = [&](const std::string& method) {
+        double last = 0;
+        for (const StudyPoint& p : study.points)
+            if (p.method == method && p.failure.empty()) last = p.error.median * p.error.median * p.seconds.median;
+        return last;
+    };
+    const double first = work(methods.front().name);
+    for (std::size_t i = 1; i < methods.size(); ++i)
+        if (first > 0 && work(methods[i].name) > 0)
+            study.findings.push_back(methods[i].name +
+                                     told(" takes %.3g times as long as ", work(methods[i].name) / first) +
+                                     methods.front().name + " for the same error");
+}
+
+void sweep(Study& study, const Device& device, const Scene& scene, const StudyOptions& options,
+           const std::vector<ImageMethod>& methods, const AccuracyProgress& progress) {
+    const ReferenceImage reference = reference_for(study, device, scene, options, progress);
+    sweep_samples(
+        study, options, methods,
+        [&](const std::vector<glm::vec3>& image, const RenderConfig& config) {
+            return image_error(image, reference.pixels, config.width);
+        },
+        scaled(progress, reference_share, 1));
+    for (const ImageMethod& method : methods) judge(study, method.name);
+    compare_efficiency(study, methods);
+}
+
+}  // namespace
+
+Study study_sampling(const Device& device, const Scene& scene, const StudyOptions& options,
+                     const AccuracyProgress& progress) {
+    Study study;
+    study.name = "sampling", study.title = "Samples a pixel", study.error = "RMSE / mean";
+    const auto by = [&](Sampler sampler) {
+        return [&device, &scene, sampler](RenderConfig config) {
+            config.sampler = sampler;
+            return render_image(device, scene, config);
+        };
+    };
+    sweep(study, device, scene, options, {{"Sobol", by(Sampler::sobol)}, {"independent", by(Sampler::independent)}},
+          progress);
+    return study;
+}
+
+Study study_techniques(const Device& device, const Scene& scene, const StudyOptions& options,
+                       const AccuracyProgress& progress) {
+    Study study;
+    study.name = "techniques", study.title = "Light sampling, BSDF sampling, Russian roulette";
+    study.error = "RMSE / mean";
+    constexpr const char* shade = "render/shade_surface";
+    const auto with = [&](const char* macro, unsigned value) {
+        return [&device, &scene, macro, value](const RenderConfig& config) {
+            const MacroScope scope(device, {{shade, macro, value}});
+            return render_image(device, scene, config);
+        };
+    };
+    std::vector<ImageMethod> methods = {{"claray", with("TECHNIQUES", 3)},
+                                        {"lights alone", with("TECHNIQUES", 1)},
+                                        {"BSDFs alone", with("TECHNIQUES", 2)},
+                                        {"no roulette", with("ROULETTE_DEPTH", 1u << 20)}};
+    if (effects_of(scene).has(Effect::many_lights))
+        methods.push_back({"lights by power", [&](RenderConfig config) {
+                               config.effects.remove.add(Effect::many_lights);
+                               return render_image(device, scene, config);
+                           }});
+    sweep(study, device, scene, options, methods, progress);
+    return study;
+}
+
+}  // namespace claray
