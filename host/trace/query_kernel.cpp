@@ -59,10 +59,9 @@ QueryKernel::QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options,
         return;
     }
     most_items_ = std::max(1u, device.info().compute_units * device.tuning(stem, "GROUPS_PER_UNIT")) * group_;
-    // Rays that need not find the nearest hit are short enough for the simple schedule.
-    if (kind == Kind::any || options.visits.allocated() || options.coherence == Coherence::coherent) {
+    if (options.visits.allocated() || options.coherence == Coherence::coherent) {
         load({{"COHERENT", "1"}});
-    } else if (options.coherence == Coherence::incoherent) {
+    } else if (kind == Kind::any || options.coherence == Coherence::incoherent) {
         load({{"COHERENT", "0"}});
     } else {
         load({{"COHERENT", "1"}, {"CHOOSE", "1"}});

@@ -10,7 +10,7 @@ namespace claray {
 
 /// Whether neighbouring rays of an array point the same way, as a camera's do. Only speed depends on it.
 enum class Coherence {
-    automatic,  ///< a sample of the rays decides
+    automatic,  ///< a sample of the rays decides; any-hit rays on GPUs count as incoherent, since they end far apart
     coherent,
     incoherent
 };
