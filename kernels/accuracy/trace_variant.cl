@@ -99,13 +99,14 @@ static inline bool enter_box(const BoxRay* ray, float tbest, float2 x, float2 y,
 #if TRIANGLE_TEST == 0
 typedef Candidate Best;
 #define FARTHEST(best) (best).far
-static inline void try_triangles(const PreparedRay* ray, global const LeafTriangle* leaves, uint leaf, Best* best) {
-    try_leaves(ray, leaves, leaf, false, best, 0);
+static inline void try_triangles(const PreparedRay* ray, global const LeafTriangle* leaves, uint leaf, Best* best, Visits* visits) {
+    try_leaves(ray, leaves, leaf, false, best, visits);
 }
 #else
 typedef Hit Best;
 #define FARTHEST(best) (best).t
-static inline void try_triangles(const PreparedRay* ray, global const LeafTriangle* leaves, uint leaf, Best* best) {
+static inline void try_triangles(const PreparedRay* ray, global const LeafTriangle* leaves, uint leaf, Best* best, Visits* visits) {
+    if (CLARAY_COUNT_VISITS) visits->triangles += CLARAY_LEAF_COUNT(leaf);
     const uint first = leaf & CLARAY_SLOT, end = first + CLARAY_LEAF_COUNT(leaf);
     for (uint slot = first; slot < end; ++slot) {
         global const float4* rows = (global const float4*)&leaves[slot];
@@ -137,8 +138,7 @@ static inline Hit trace_variant_ray(global const BvhHeader* header, global const
     stack[0] = CLARAY_NO_CHILD;
     while (current != CLARAY_NO_CHILD) {
         if ((current & CLARAY_LEAF) != 0) {
-            if (CLARAY_COUNT_VISITS) visits->triangles += CLARAY_LEAF_COUNT(current);
-            try_triangles(ray, leaves, current, &best);
+            try_triangles(ray, leaves, current, &best, visits);
             current = stack[--depth];
             continue;
         }
