@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/render/number_shares.hpp"
+
 namespace claray {
 namespace {
 
@@ -76,6 +78,7 @@ public:
         for (std::size_t i = 0; i < lights.size(); ++i) order_[i] = std::uint32_t(i);
         tree_.trails.resize(lights.size());
         build({0, lights.size()}, 0, 0);
+        share_numbers();
     }
     [[nodiscard]] LightTree take() { return std::move(tree_); }
 
@@ -87,9 +90,11 @@ private:
     [[nodiscard]] LightBounds bounds_of(Range range, float& radius2) const;
     [[nodiscard]] bool alike(Range range, const LightBounds& bounds) const;
     std::uint32_t build(Range range, unsigned level, std::uint32_t trail);
+    void share_numbers();
 
     const std::vector<LightBounds>& lights_;
     std::vector<std::uint32_t> order_;
+    std::vector<std::array<Range, width>> ranges_;  // of the nodes' children
     LightTree tree_;
 };
 
@@ -185,8 +190,9 @@ bool Builder::alike(Range range, const LightBounds& bounds) const {
 
 std::uint32_t Builder::build(Range range, unsigned level, std::uint32_t trail) {
     const auto index = std::uint32_t(tree_.nodes.size());
-    tree_.nodes.emplace_back();
+    tree_.nodes.emplace_back(), ranges_.emplace_back();
     const std::vector<Range> parts = children_of(range, level);
+    std::copy(parts.begin(), parts.end(), ranges_[index].begin());
     LightNode node{};
     for (std::size_t i = 0; i < parts.size(); ++i) {
         float radius2 = 0;
@@ -209,6 +215,30 @@ std::uint32_t Builder::build(Range range, unsigned level, std::uint32_t trail) {
     }
     tree_.nodes[index] = node;
     return index;
+}
+
+/// The leaves with their numbers, and which of these every child has: consecutive ones, as its lights are.
+void Builder::share_numbers() {
+    const std::size_t count = order_.size();
+    double total = 0;
+    for (const LightBounds& light : lights_) total += light.intensity;
+    NumberShares shares(total, count);
+    tree_.leaves.resize(count), tree_.places.resize(count);
+    std::uint64_t cell = 0;  // the next one that has no start
+    for (std::size_t i = 0; i < count; ++i) {
+        const NumberShares::Share share = shares.next(light(i).intensity);
+        tree_.leaves[i].light = order_[i], tree_.leaves[i].first = share.first, tree_.leaves[i].last = share.last;
+        tree_.places[order_[i]] = std::uint32_t(i);
+        for (; cell < count && ((cell << 32) + count - 1) / count <= share.last; ++cell)
+            tree_.leaves[cell].start = std::uint32_t(i);
+    }
+    for (std::size_t node = 0; node < tree_.nodes.size(); ++node)
+        for (std::size_t i = 0; i < width; ++i) {
+            const Range range = ranges_[node][i];
+            if (range.size() == 0) continue;
+            tree_.nodes[node].first[i] = tree_.leaves[range.begin].first;
+            tree_.nodes[node].span[i] = tree_.leaves[range.end - 1].last - tree_.leaves[range.begin].first + 1;
+        }
 }
 
 }  // namespace

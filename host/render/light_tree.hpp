@@ -19,7 +19,9 @@ struct LightBounds {
 
 struct LightTree {
     std::vector<LightNode> nodes;       // the first is the root
+    std::vector<LightLeaf> leaves;      // in the order in which they hang below the nodes
     std::vector<std::uint32_t> trails;  // of every light: LightTrail::trail
+    std::vector<std::uint32_t> places;  // of every light: LightTrail::leaf
 };
 
 /// Top down, by the surface area orientation heuristic in a simple form (Conty Estevez and Kulla 2018, section 4.4).

@@ -6,6 +6,7 @@
 
 #include "host/render/environment.hpp"
 #include "host/render/light_tree.hpp"
+#include "host/render/number_shares.hpp"
 #include "host/render/mean_texel.hpp"
 #include "host/render/structure.hpp"
 #include "host/render/texture_use.hpp"
@@ -189,33 +190,6 @@ LightBounds bounds_of(const PunctualLight& l) {
     return bounds;
 }
 
-/// Hands out 2^32 numbers in proportion to power, at least one to every light, so that none is lost to rounding.
-class Distribution {
-public:
-    struct Share {
-        std::uint32_t last;  // of the light's numbers
-        float probability;
-    };
-    Distribution(double total_power, std::size_t lights) : total_(total_power), left_(lights) {}
-
-    Share next(double power) {
-        --left_;
-        sum_ += power;
-        const double range = 4294967296.0;
-        const auto ideal = std::uint64_t(std::clamp(std::round(sum_ / total_ * range), 0.0, range));
-        const std::uint64_t end =
-            left_ == 0 ? std::uint64_t(range) : std::clamp(ideal, begin_ + 1, std::uint64_t(range) - left_);
-        const Share share = {std::uint32_t(end - 1), float(double(end - begin_) / range)};
-        begin_ = end;
-        return share;
-    }
-
-private:
-    double total_, sum_ = 0;
-    std::size_t left_;
-    std::uint64_t begin_ = 0;
-};
-
 /// The tree over triangles, points and spots. It weighs intensities, which it multiplies by cosines: the power of a
 /// spot says little about the few directions that it shines in.
 void plant_tree(Lights& lights, double radius) {
@@ -226,9 +200,9 @@ void plant_tree(Lights& lights, double radius) {
         if (light.kind != CLARAY_DIRECTIONAL_LIGHT)
             bounds.push_back(bounds_of(light)), bounds.back().intensity = float(intensity_of(light, radius));
     LightTree tree = build_light_tree(bounds);
-    lights.tree = std::move(tree.nodes);
+    lights.tree = std::move(tree.nodes), lights.leaves = std::move(tree.leaves);
     for (std::size_t i = 0; i < lights.triangles.size(); ++i)
-        lights.trails.push_back({lights.triangles[i].primitive, tree.trails[i]});
+        lights.trails.push_back({lights.triangles[i].primitive, tree.trails[i], tree.places[i]});
     lights.data.tree_probability = float((lights.data.tree_last + 1.0) / 4294967296.0);
 }
 
@@ -257,10 +231,10 @@ void distribute(Lights& lights, double environment, double radius, std::size_t f
 
     double total = 0;
     for (const double power : powers) total += power;
-    Distribution distribution(total, powers.size());
+    NumberShares shares(total, powers.size());
     LightsData& data = lights.data;
     for (std::size_t i = 0; i < powers.size(); ++i) {
-        const Distribution::Share share = distribution.next(powers[i]);
+        const NumberShares::Share share = shares.next(powers[i]);
         if (i < lights.triangles.size())
             lights.triangles[i].cumulative = share.last, lights.triangles[i].probability = share.probability;
         else if (i - lights.triangles.size() < lights.punctual.size())

@@ -12,6 +12,7 @@ struct Lights {
     std::vector<TriangleLight> triangles;
     std::vector<PunctualLight> punctual;  // points and spots before directional lights
     std::vector<LightNode> tree;          // empty: lights are picked by power alone
+    std::vector<LightLeaf> leaves;        // of the tree
     std::vector<LightTrail> trails;       // of triangles, where there is a tree
     std::vector<std::uint32_t> lamps;     // of triangles, where an image is on some: see shade/light_triangle.clh
     std::vector<float> environment_texels, environment_cdf;

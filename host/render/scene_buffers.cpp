@@ -60,6 +60,7 @@ SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Struc
     triangle_lights = Buffer<TriangleLight>(device, found.triangles);
     punctual_lights = Buffer<PunctualLight>(device, found.punctual);
     light_tree = Buffer<LightNode>(device, found.tree);
+    light_leaves = Buffer<LightLeaf>(device, found.leaves);
     light_trails = Buffer<LightTrail>(device, found.trails);
     if (!found.lamps.empty()) lamps = Buffer<std::uint32_t>(device, found.lamps);
     environment_texels = Buffer<float>(device, found.environment_texels);
@@ -77,6 +78,7 @@ void SceneBuffers::bind(Kernel& kernel, unsigned& index) const {
     kernel.set(index, triangle_lights);
     kernel.set(index, punctual_lights);
     kernel.set(index, light_tree);
+    kernel.set(index, light_leaves);
     kernel.set(index, light_trails);
     kernel.set(index, lamps);
     kernel.set(index, environment_texels);
@@ -88,7 +90,7 @@ void SceneBuffers::bind(Kernel& kernel, unsigned& index) const {
 std::uint64_t SceneBuffers::bytes() const {
     return structure.triangles().positions.bytes() + structure.triangles().indices.bytes() + normals.bytes() +
            triangle_materials.bytes() + materials.bytes() + energy_tables.bytes() + triangle_lights.bytes() + punctual_lights.bytes() +
-           light_tree.bytes() + light_trails.bytes() + lamps.bytes() + environment_texels.bytes() + environment_cdf.bytes() +
+           light_tree.bytes() + light_leaves.bytes() + light_trails.bytes() + lamps.bytes() + environment_texels.bytes() + environment_cdf.bytes() +
            textures.store.bytes();
 }
 

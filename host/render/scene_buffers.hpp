@@ -19,6 +19,7 @@ struct SceneBuffers {
     Buffer<TriangleLight> triangle_lights;
     Buffer<PunctualLight> punctual_lights;
     Buffer<LightNode> light_tree;
+    Buffer<LightLeaf> light_leaves;
     Buffer<LightTrail> light_trails;
     Buffer<std::uint32_t> lamps;  // not allocated where no image is on a lamp
     Buffer<float> environment_texels, environment_cdf;

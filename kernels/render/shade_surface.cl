@@ -261,7 +261,7 @@ static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PAR
 /// Where shade_sixteen.clh does the work.
 #define SHADE_SIXTEEN                                                                                                      \
     (SIXTEEN && CLARAY_CPU && MATERIALS == 1u << CLARAY_LAMBERT && !NORMALS && !TEXTURES && !MIPMAPS && !INSTANCES && !BAKE && \
-     !ENVIRONMENT && !LIGHT_TREE && !SPOT_LIGHTS && !DIRECTIONAL_LIGHTS && !LIGHT_FALLOFF && !ABSORPTION &&                 \
+     !ENVIRONMENT && !SPOT_LIGHTS && !DIRECTIONAL_LIGHTS && !LIGHT_FALLOFF && !ABSORPTION &&                 \
      !(TRIANGLE_LIGHTS && POINT_LIGHTS))
 #if SHADE_SIXTEEN
 #include "render/shade_sixteen.clh"
@@ -281,7 +281,8 @@ void shade_surface(Batch batch, FrameData frame, uint depth, SCENE_PARAMETERS, g
     const uint begin = (uint)get_global_id(0) * PATHS_PER_ITEM, end = min(begin + PATHS_PER_ITEM, all);
     Shaded16 shaded;
     for (uint i = begin; i < end; i += 16) {
-        shade_sixteen(batch, frame, depth, SCENE, rays + i, hits + i, states + i, min(16u, end - i), radiance, &shaded);
+        shade_sixteen(batch, frame, depth, SCENE, rays + i, hits + i, states + i, min(16u, end - i), radiance, shading_normals,
+                      &shaded);
         store_next16(&shaded, next_length, next_rays, next_states);
         store_shadows16(&shaded, shadow_length, shadow_rays, shadow_light);
     }

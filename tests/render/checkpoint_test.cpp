@@ -1,7 +1,6 @@
 // Renders that stop and go on from a file.
 #include <gtest/gtest.h>
 
-#include <cstring>
 #include <fstream>
 
 #include "claray/renderer.hpp"
@@ -14,10 +13,6 @@
 
 namespace claray::test {
 namespace {
-
-bool same_bits(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0;
-}
 
 class CheckpointFiles : public testing::Test {
 protected:

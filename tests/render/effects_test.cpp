@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstring>
 
 #include "host/render/effects.hpp"
 #include "tests/render/scenes.hpp"
@@ -12,10 +11,6 @@
 
 namespace claray::test {
 namespace {
-
-bool same_bits(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0;
-}
 
 /// A diffuse square in the dark.
 Scene plain_scene() {

@@ -214,24 +214,17 @@ TEST(Environment, CubeEqualsItsPanorama) {
 // ---- the sampler ---------------------------------------------------------------------------------------------------
 
 const char* sampler_kernels = R"(
-    #include "shade/light.clh"
-    kernel void sample(EnvironmentData image, LIGHT_PARAMETERS, global const float* random, uint count, global float* out) {
+    #include "verify/environment.cl"
+    kernel void sample(EnvironmentData image, global const float* texels, global const float* cdf, global const float* random,
+                       uint count, global float* out) {
         const uint i = get_global_id(0);
         if (i >= count) return;
         LightView view;
-        view_environment(image, environment_texels, environment_cdf, vload2(i, random), &view);
+        view_environment(image, texels, cdf, vload2(i, random), &view);
         float pdf;
-        const float3 radiance = environment_radiance(image, environment_texels, view.direction, &pdf);
+        const float3 radiance = environment_radiance(image, texels, view.direction, &pdf);
         vstore3(view.direction, 2 * i, out);
         vstore3((float3)(view.pdf, pdf, view.radiance.x * view.pdf - radiance.x), 2 * i + 1, out);
-    }
-    kernel void density(EnvironmentData image, LIGHT_PARAMETERS, global const float* directions, uint count,
-                        global float* out) {
-        const uint i = get_global_id(0);
-        if (i >= count) return;
-        float pdf;
-        environment_radiance(image, environment_texels, load3(directions, i), &pdf);
-        out[i] = pdf;
     })";
 
 class EnvironmentSampler : public testing::TestWithParam<int> {
@@ -259,11 +252,6 @@ protected:
         texels = Buffer<float>(device(), lights.environment_texels);
         cdf = Buffer<float>(device(), lights.environment_cdf);
     }
-    template <class... Arguments>
-    void run(const char* name, std::uint32_t count, const Arguments&... arguments) {
-        compile_kernel(device(), sampler_kernels, name)
-            .run({count}, lights.data.environment, nullptr, nullptr, nullptr, nullptr, nullptr, texels, cdf, arguments...);
-    }
     Lights lights;
     Buffer<float> texels, cdf;
 };
@@ -275,7 +263,8 @@ TEST_P(EnvironmentSampler, DirectionsFollowTheDensity) {
     std::vector<float> random(2 * count);
     for (float& value : random) value = unit(generator);
     const Buffer<float> input(device(), random), output(device(), 6 * std::size_t(count));
-    run("sample", count, input, count, output);
+    compile_kernel(device(), sampler_kernels, "sample")
+        .run({count}, lights.data.environment, texels, cdf, input, count, output);
     const std::vector<float> samples = output.read();
 
     const int rows = 128, columns = 192, fine = 8;
@@ -288,7 +277,8 @@ TEST_P(EnvironmentSampler, DirectionsFollowTheDensity) {
         }
     const auto points = std::uint32_t(grid.size() / 3);
     const Buffer<float> densities(device(), points);
-    run("density", points, Buffer<float>(device(), grid), points, densities);
+    compile_kernel(device(), sampler_kernels, "density_of_environment")
+        .run({points}, lights.data.environment, texels, points, Buffer<float>(device(), grid), densities);
     const std::vector<float> pdfs = densities.read();
     std::vector<double> expected(rows * columns), observed(rows * columns);
     double total = 0;

@@ -44,18 +44,26 @@ Scene many(std::uint32_t triangles, std::uint32_t spots, std::uint32_t points) {
 
 const char* kernels = R"(
     #include "shade/light.clh"
-    kernel void pick(global const LightNode* tree, float x, float y, float z, float nx, float ny, float nz,
+    kernel void pick(global const LightNode* tree, global const LightLeaf* leaves, uint lights, float x, float y, float z, float nx, float ny, float nz,
                      global const uint* random, uint count, global uint* light, global float* probability) {
         const uint i = get_global_id(0);
         if (i >= count) return;
         float share;
-        light[i] = pick_from_tree(tree, (float3)(x, y, z), (float3)(nx, ny, nz), random[i], &share);
+        light[i] = pick_from_tree(tree, leaves, lights, (float3)(x, y, z), (float3)(nx, ny, nz), random[i], &share);
         probability[i] = share;
     }
-    kernel void probabilities(global const LightNode* tree, float x, float y, float z, float nx, float ny, float nz,
-                              global const uint* trails, uint count, global float* probability) {
+    kernel void find(global const LightLeaf* leaves, uint lights, global const uint* numbers, uint count,
+                     global uint* light) {
         const uint i = get_global_id(0);
-        if (i < count) probability[i] = tree_probability(tree, (float3)(x, y, z), (float3)(nx, ny, nz), trails[i]);
+        if (i < count) light[i] = find_leaf(leaves, lights, numbers[i]).light;
+    }
+    kernel void probabilities(global const LightNode* tree, global const LightLeaf* leaves, float x, float y, float z,
+                              float nx, float ny, float nz, global const uint* trails, uint count,
+                              global float* probability) {
+        const uint i = get_global_id(0);
+        if (i >= count) return;
+        const uint light = leaves[i].light;
+        probability[light] = tree_probability(tree, leaves + i, (float3)(x, y, z), (float3)(nx, ny, nz), trails[light]);
     })";
 
 /// All trails of a tree, by walking through it; every light must be met once.
@@ -94,6 +102,7 @@ TEST_P(LightTrees, LightsArePickedByTheProbabilityThatTheTrailGives) {
     for (std::size_t i = 0; i < lights.trails.size(); ++i) {
         EXPECT_EQ(lights.trails[i].trail, trails[i]);
         EXPECT_EQ(lights.trails[i].primitive, lights.triangles[i].primitive);
+        EXPECT_EQ(lights.leaves[lights.trails[i].leaf].light, i);
     }
     const std::uint32_t count = 1u << 20;
     std::mt19937 generator(9);
@@ -101,6 +110,7 @@ TEST_P(LightTrees, LightsArePickedByTheProbabilityThatTheTrailGives) {
     for (std::uint32_t& word : random) word = std::uint32_t(generator());
     random[0] = 0, random[1] = 0xffffffffu;
     const Buffer<LightNode> tree(device(), lights.tree);
+    const Buffer<LightLeaf> leaves(device(), lights.leaves);
     const Buffer<std::uint32_t> input(device(), random), trail_buffer(device(), trails), picked(device(), count);
     const Buffer<float> picked_probability(device(), count), probability(device(), size);
     Kernel pick = compile_kernel(device(), kernels, "pick"), all = compile_kernel(device(), kernels, "probabilities");
@@ -108,9 +118,9 @@ TEST_P(LightTrees, LightsArePickedByTheProbabilityThatTheTrailGives) {
                                        {glm::vec3(0.3f, 1.4f, 0.2f), glm::vec3(0.6f, 0, 0.8f)},
                                        {glm::vec3(9, 1, 5), glm::vec3(0, 0, 0)},
                                        {glm::vec3(0, 1.5f, 3), glm::vec3(0, 0, -1)}}) {
-        pick.run({count}, tree, from.x, from.y, from.z, normal.x, normal.y, normal.z, input, count, picked,
+        pick.run({count}, tree, leaves, std::uint32_t(size), from.x, from.y, from.z, normal.x, normal.y, normal.z, input, count, picked,
                  picked_probability);
-        all.run({size}, tree, from.x, from.y, from.z, normal.x, normal.y, normal.z, trail_buffer, std::uint32_t(size),
+        all.run({size}, tree, leaves, from.x, from.y, from.z, normal.x, normal.y, normal.z, trail_buffer, std::uint32_t(size),
                 probability);
         const std::vector<float> expected_shares = probability.read(), shares = picked_probability.read();
         std::vector<double> observed(size), expected(size);
@@ -134,6 +144,53 @@ INSTANTIATE_TEST_SUITE_P(Sizes, LightTrees,
                                          Case{"Mixed", 300, 60, 200}, Case{"Spots", 0, 40, 0}),
                          [](const auto& c) { return c.param.name; });
 
+/// The 2^32 numbers go to the leaves in turn, and from any of them a look at one leaf leads to the light that has it.
+TEST(LightTree, SharesItsNumbersByIntensity) {
+    const std::uint32_t sizes[] = {2, 3, 17, 1000};
+    for (const std::uint32_t size : sizes) {
+        std::mt19937 random(size);
+        std::uniform_real_distribution<float> unit(-1.f, 1.f);
+        std::vector<LightBounds> bounds(size);
+        double all = 0;
+        for (LightBounds& light : bounds) {
+            light.box.grow({unit(random), unit(random), unit(random)});
+            light.spread = 3.2f, light.intensity = std::exp(12.f * unit(random));
+            all += light.intensity;
+        }
+        const LightTree tree = build_light_tree(bounds);
+        std::uint64_t next = 0;
+        for (std::uint32_t i = 0; i < size; ++i) {
+            const LightLeaf& leaf = tree.leaves[i];
+            ASSERT_EQ(leaf.first, next);
+            ASSERT_GE(leaf.last, leaf.first);
+            next = std::uint64_t(leaf.last) + 1;
+            EXPECT_EQ(tree.places[leaf.light], i);
+            EXPECT_NEAR(double(next - leaf.first), 4294967296.0 * bounds[leaf.light].intensity / all, 2.0 + size);
+        }
+        EXPECT_EQ(next, std::uint64_t(1) << 32);
+        for (const LightNode& node : tree.nodes)
+            for (std::uint32_t i = 0; i < CLARAY_LIGHT_TREE_WIDTH; ++i) {
+                double below = 0;  // of the leaves that have numbers from the child's share
+                for (const LightLeaf& leaf : tree.leaves)
+                    if (leaf.first >= node.first[i] && leaf.last - node.first[i] < node.span[i])
+                        below += bounds[leaf.light].intensity;
+                EXPECT_NEAR(below, node.intensity[i], 1e-5 * node.intensity[i]);
+            }
+        Kernel find = compile_kernel(device(), kernels, "find");
+        std::vector<std::uint32_t> numbers = {0, 0xffffffffu}, expected = {0, size - 1};
+        for (std::uint32_t i = 0; i < size; ++i) {
+            numbers.insert(numbers.end(), {tree.leaves[i].first, tree.leaves[i].last});
+            expected.insert(expected.end(), {i, i});
+        }
+        const auto count = std::uint32_t(numbers.size());
+        const Buffer<std::uint32_t> found(device(), count);
+        find.run({count}, Buffer<LightLeaf>(device(), tree.leaves), size, Buffer<std::uint32_t>(device(), numbers),
+                 count, found);
+        for (std::uint32_t& leaf : expected) leaf = tree.leaves[leaf].light;
+        EXPECT_EQ(found.read(), expected) << size << " lights";
+    }
+}
+
 /// No light that reaches a point may have probability 0 there.
 TEST(LightTree, MissesNoLight) {
     const Scene scene = many(200, 80, 50);
@@ -141,6 +198,7 @@ TEST(LightTree, MissesNoLight) {
     const std::size_t size = lights.data.near;
     const std::vector<std::uint32_t> trails = trails_of(lights.tree, size);
     const Buffer<LightNode> tree(device(), lights.tree);
+    const Buffer<LightLeaf> leaves(device(), lights.leaves);
     const Buffer<std::uint32_t> trail_buffer(device(), trails);
     const Buffer<float> probability(device(), size);
     Kernel all = compile_kernel(device(), kernels, "probabilities");
@@ -149,7 +207,7 @@ TEST(LightTree, MissesNoLight) {
     for (int i = 0; i < 200; ++i) {
         const glm::vec3 from(2 * unit(random), 1.5f + unit(random), 2 * unit(random));
         const glm::vec3 normal = glm::normalize(glm::vec3(unit(random), unit(random), unit(random)));
-        all.run({size}, tree, from.x, from.y, from.z, normal.x, normal.y, normal.z, trail_buffer, std::uint32_t(size),
+        all.run({size}, tree, leaves, from.x, from.y, from.z, normal.x, normal.y, normal.z, trail_buffer, std::uint32_t(size),
                 probability);
         const std::vector<float> shares = probability.read();
         for (std::size_t l = 0; l < size; ++l) {
@@ -191,6 +249,19 @@ TEST(LightTree, ChangesNoImageButItsNoise) {
         EXPECT_NEAR(means[0] / means[1], 1, 3 * std::hypot(errors[0], errors[1]) + 1e-4);
         EXPECT_LT(errors[0], 0.8 * errors[1]);
     }
+}
+
+/// Sixteen rays at once (shade/light_tree_sixteen.clh), where there are no spots, pick the same lights.
+TEST(LightTree, PicksTheSameBitsSixteenAtOnce) {
+    for (const Scene& with : {many(16, 0, 0), many(200, 0, 0), many(0, 0, 70)})
+        for (const unsigned width : {1u, 13u}) {
+            Scene scene = with;
+            scene.camera = Camera{{0, 0.4f, 1.3f}, {0, 0.2f, 0}, {0, 1, 0}, 60.f};
+            RenderConfig config{.width = width, .height = 17, .spp = 5, .max_depth = 4};
+            const std::vector<glm::vec3> image = render_image(scene, config);
+            config.effects.add = {Effect::spot_lights};
+            EXPECT_TRUE(same_bits(image, render_image(scene, config))) << width;
+        }
 }
 
 /// Lights beside an environment and a directional light: the tree has its share of the random numbers.

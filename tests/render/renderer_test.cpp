@@ -6,7 +6,6 @@
 
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 #include "tests/render/scenes.hpp"
@@ -17,10 +16,6 @@
 
 namespace claray::test {
 namespace {
-
-bool same_bits(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0;
-}
 
 TEST(Renderer, SameConfigurationGivesTheSameBits) {
     const Scene scene = *builtin_scene("spheres");

@@ -1,5 +1,7 @@
 #include "tests/render/scenes.hpp"
 
+#include <cstring>
+
 #include "tests/support/device.hpp"
 
 namespace claray::test {
@@ -42,6 +44,10 @@ glm::dvec3 mean(const std::vector<glm::vec3>& image) {
     glm::dvec3 sum(0.0);
     for (const glm::vec3& pixel : image) sum += glm::dvec3(pixel);
     return sum / double(image.size());
+}
+
+bool same_bits(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0;
 }
 
 std::vector<glm::vec3> render_image(const Scene& scene, const RenderConfig& config) {

@@ -17,6 +17,7 @@ namespace claray::test {
 
 /// Mean over all pixels.
 [[nodiscard]] glm::dvec3 mean(const std::vector<glm::vec3>& image);
+[[nodiscard]] bool same_bits(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b);
 /// Renders to the end.
 [[nodiscard]] std::vector<glm::vec3> render_image(const Scene& scene, const RenderConfig& config);
 

@@ -91,7 +91,7 @@ static inline uint light_up(LightsData data, global const TriangleLight* all, Ve
     Vectors light_normal = triangle_normals16(e1, e2);
     const int16 behind = dot16(light_normal, towards) > 0.0f;
     light_normal = flipped16(light_normal, behind);
-    const Vectors more = scaled16(FLOAT_EPSILON * 2.0f, absolute16(towards));
+    const Vectors more = scaled16(FLOAT_EPSILON * 24.0f, absolute16(towards));
     const float16 clearance = clearances16(base, e1, e2, light_normal, &more);
     const float16 distance2 = dot16(towards, towards);
     const Vectors direction = scaled16(reciprocal_root16(distance2), towards);
@@ -136,7 +136,7 @@ kernel __attribute__((reqd_work_group_size(1, 1, 1)))
 void shade_surface(Batch batch, FrameData frame, uint depth, global const float* positions, global const uint* indices,
                    global const float* normals, global const uint* triangle_materials, global const MaterialData* materials,
                    global const float* energy_tables, global const TriangleLight* triangle_lights,
-                   global const PunctualLight* punctual_lights, global const LightNode* light_tree,
+                   global const PunctualLight* punctual_lights, global const LightNode* light_tree, global const LightLeaf* light_leaves,
                    global const LightTrail* light_trails, global const uint* lamps, global const float* environment_texels,
                    global const float* environment_cdf, global const uint* textures, global const uint* length, uint capacity,
                    global const Ray* rays, global const Hit* hits, global const PathState* states, global float* radiance,

@@ -73,7 +73,8 @@ CLARAY_LAYOUT(PunctualLight, 72)
 #define CLARAY_TWO_SIDED_CONE 2.0f
 
 /// What a node of the light tree knows about its children: a sphere that holds a child's lights, a cone that holds the
-/// directions in which they shine most, and their intensity there. Missing children have none.
+/// directions in which they shine most, and their intensity there. Missing children have none. Of 2^32 numbers, which are
+/// handed out in proportion to intensity, a child's lights have those from `first` on, `span` of them.
 typedef struct LightNode {
     float x[4], y[4], z[4];
     float radius[4];  // negative: other things than intensity tell its lights apart even from far away
@@ -82,15 +83,26 @@ typedef struct LightNode {
     float cos_reach[4];  // how far from that border light reaches; two-sided where CLARAY_TWO_SIDED_CONE
     float intensity[4];
     uint child[4];  // index of a node, or CLARAY_LIGHT_LEAF
+    uint first[4], span[4];
 } LightNode;
-CLARAY_LAYOUT(LightNode, 192)
+CLARAY_LAYOUT(LightNode, 224)
+
+/// A light in the order of the tree's leaves, and its share of the 2^32 numbers. Leaf i of n also tells where to look for the
+/// numbers from i 2^32 / n on (Chen and Asau 1974, "On generating random variates from an empirical distribution").
+typedef struct LightLeaf {
+    uint light;
+    uint first, last;
+    uint start;  // the leaf that has the first of those numbers
+} LightLeaf;
+CLARAY_LAYOUT(LightLeaf, 16)
 
 /// Where in the tree a triangle light is. In the order of the triangle lights.
 typedef struct LightTrail {
     uint primitive;
-    uint trail;  // which child to take on each level, two bits each, the lowest first
+    uint trail;   // which child to take on each level, two bits each, the lowest first
+    uint leaf;    // its place in the order of the leaves
 } LightTrail;
-CLARAY_LAYOUT(LightTrail, 8)
+CLARAY_LAYOUT(LightTrail, 12)
 
 /// An image of latitudes and longitudes round the scene, and how its directions are sampled (shade/environment.clh).
 typedef struct EnvironmentData {
