@@ -1,8 +1,10 @@
 // Study of bias: what settings leave out for ever.
+#include "host/accuracy/bias.hpp"
+
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
-#include "host/accuracy/image_sweep.hpp"
 #include "host/accuracy/pixels.hpp"
 
 namespace claray {
@@ -37,54 +39,104 @@ SquaredBias squared_bias(const std::vector<std::vector<glm::vec3>>& images, cons
     return {sum / pairs - reference.uncertainty * reference.uncertainty, std::sqrt((count - 1) / count * squares)};
 }
 
-StudyPoint depth_point(const Device& device, const Scene& scene, RenderConfig config, unsigned runs,
-                       const ReferenceImage& reference) {
-    StudyPoint point;
-    point.method = "path depth", point.setting = "depth " + std::to_string(config.max_depth);
-    point.value = config.max_depth, point.runs = 2 * std::max(runs, 2u);
-    std::vector<std::vector<glm::vec3>> images;
-    std::vector<double> seconds;
-    for (unsigned i = 0; i < point.runs; ++i) {
-        ++config.seed;
-        Rendered done = render_image(device, scene, config);
-        images.push_back(std::move(done.image)), seconds.push_back(done.seconds);
-    }
-    const SquaredBias bias = squared_bias(images, reference, mean_of(reference.pixels));
-    const auto root = [](double square) { return std::sqrt(std::max(square, 0.0)); };
-    constexpr double quartile = 0.6745;  // of a normal distribution, in standard deviations
-    point.error = {root(bias.square - quartile * bias.standard_error), root(bias.square),
-                   root(bias.square + quartile * bias.standard_error)};
-    point.errors.rmse = point.error.median;
-    point.seconds = spread_of(seconds);
-    if (bias.square < 2 * bias.standard_error || point.error.median <= reference.uncertainty)
-        point.failure = "no bias that can be told from noise";
-    return point;
+constexpr double quartile = 0.6745;  // of a normal distribution, in standard deviations
+
+/// Standard errors that chance stays below 97.7 times of 100: two where they are known well, more where few renders
+/// tell of them (Student's t by Cornish and Fisher's expansion: Abramowitz and Stegun 1964, 26.7.5).
+double doubtful(std::size_t renders) {
+    constexpr double z = 2;
+    const double freedom = double(renders) - 1;
+    return z + (z * z * z + z) / (4 * freedom) +
+           (5 * std::pow(z, 5) + 16 * z * z * z + 3 * z) / (96 * freedom * freedom);
 }
 
 }  // namespace
 
-Study study_depth(const Device& device, const Scene& scene, const StudyOptions& options,
-                  const AccuracyProgress& progress) {
+Renders render_independently(const std::function<Rendered(const RenderConfig&)>& method, RenderConfig config,
+                             unsigned runs) {
+    Renders renders;
+    for (unsigned i = 0; i < 2 * std::max(runs, 2u); ++i) {
+        ++config.seed;
+        Rendered done = method(config);
+        renders.images.push_back(std::move(done.image)), renders.seconds.push_back(done.seconds);
+    }
+    return renders;
+}
+
+StudyPoint bias_point(const std::string& method, const std::string& setting, double value, const Renders& renders,
+                      const ReferenceImage& reference) {
+    StudyPoint point;
+    point.method = method, point.setting = setting, point.value = value, point.runs = unsigned(renders.images.size());
+    const SquaredBias bias = squared_bias(renders.images, reference, mean_of(reference.pixels));
+    const auto root = [](double square) { return std::sqrt(std::max(square, 0.0)); };
+    point.error = {root(bias.square - quartile * bias.standard_error), root(bias.square),
+                   root(bias.square + quartile * bias.standard_error)};
+    point.errors.rmse = point.error.median;
+    point.seconds = spread_of(renders.seconds);
+    if (bias.square < doubtful(renders.images.size()) * bias.standard_error ||
+        point.error.median <= reference.uncertainty)
+        point.failure = "no bias that can be told from noise";
+    return point;
+}
+
+std::vector<float> bias_map(const Renders& renders, const ReferenceImage& reference) {
+    const double mean = mean_of(reference.pixels), n = double(renders.images.size());
+    std::vector<float> map(reference.pixels.size());
+    for (std::size_t p = 0; p < map.size(); ++p) {
+        glm::dvec3 sum(0), squares(0);  // sum over pairs = ((sum of all)^2 - sum of squares) / 2
+        for (const std::vector<glm::vec3>& image : renders.images) {
+            const glm::dvec3 off = glm::dvec3(image[p]) - glm::dvec3(reference.pixels[p]);
+            sum += off, squares += off * off;
+        }
+        const glm::dvec3 product = (sum * sum - squares) / (n * (n - 1));
+        map[p] = float(std::sqrt(std::max((product.x + product.y + product.z) / 3, 0.0)) / mean);
+    }
+    return map;
+}
+
+Study study_bias(const Device& device, const Scene& scene, const StudyOptions& options,
+                 const AccuracyProgress& progress) {
     Study study;
-    study.name = "depth", study.title = "Where paths end", study.error = "bias, RMS / mean";
+    study.name = "bias", study.title = "What is left out for ever: paths, bright samples, caustics";
+    study.error = "bias, RMS / mean";
     constexpr unsigned reference_depth = 64, depths[] = {1, 2, 3, 4, 6, 8, 12, 16};
+    constexpr double clamps[] = {1000, 100, 30, 10, 3, 1};
     RenderConfig config = options.config;
     config.max_depth = reference_depth;
-    const ReferenceImage reference =
-        reference_image(device, scene, config, {.least_spp = 64 * options.most_spp, .folder = options.references},
-                        scaled(progress, 0, reference_share));
+    const ReferenceImage reference = reference_image(device, scene, config,
+                                                     {.least_spp = options.reference_factor * options.most_spp,
+                                                      .seed = options.reference_seed,
+                                                      .folder = options.references},
+                                                     scaled(progress, 0, reference_share));
     study.floor = reference.uncertainty, study.reference_spp = reference.spp;
     const AccuracyProgress rest = scaled(progress, reference_share, 1);
     config.spp = options.most_spp;
-    for (const unsigned depth : depths) {
-        config.max_depth = depth;
-        const StudyPoint point = depth_point(device, scene, config, options.runs, reference);
-        study.points.push_back(point);
+    const double settings = double(std::size(depths) + std::size(clamps) + 1);
+    bool goes_on = true;
+    const auto add = [&](const char* method, const std::string& setting, double value, const RenderConfig& how,
+                         const std::vector<MacroScope::Macro>& macros) {
+        if (!goes_on) return;
+        const MacroScope scope(device, macros);
+        const Renders renders = render_independently(
+            [&](const RenderConfig& c) { return render_image(device, scene, c); }, how, options.runs);
+        const StudyPoint point = bias_point(method, setting, value, renders, reference);
         if (point.failure.empty())
             study.findings.push_back(
-                point.setting + told(" is off by %.3f %% of the mean, however many samples", 100 * point.error.median));
-        if (rest && !rest(double(study.points.size()) / double(std::size(depths)), point.setting)) break;
+                std::string(method) + ", " + setting +
+                told(": off by %.3f %% of the mean, however many samples", 100 * point.error.median));
+        study.points.push_back(point);
+        goes_on = !rest || rest(double(study.points.size()) / settings, setting);
+    };
+    for (const unsigned depth : depths) {
+        RenderConfig how = config;
+        how.max_depth = depth;
+        add("path depth", told("depth %u", depth), depth, how, {});
     }
+    const double mean = mean_of(reference.pixels);
+    for (const double clamp : clamps)
+        add("samples clamped", told("at %g x mean", clamp), clamp, config,
+            {{"render/accumulate_film", "CLAMP_BITS", std::bit_cast<std::uint32_t>(float(clamp * mean))}});
+    add("no caustics", "no caustics", 0, config, {{"render/shade_surface", "CAUSTICS", 0}});
     mark_front(study.points);
     return study;
 }

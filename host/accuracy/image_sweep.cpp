@@ -49,7 +49,9 @@ Rendered render_image(const Device& device, const Scene& scene, RenderConfig con
 ReferenceImage reference_for(Study& study, const Device& device, const Scene& scene, const StudyOptions& options,
                              const AccuracyProgress& progress) {
     ReferenceImage reference = reference_image(device, scene, options.config,
-                                               {.least_spp = 64 * options.most_spp, .folder = options.references},
+                                               {.least_spp = options.reference_factor * options.most_spp,
+                                                .seed = options.reference_seed,
+                                                .folder = options.references},
                                                scaled(progress, 0, reference_share));
     study.floor = reference.uncertainty, study.reference_spp = reference.spp;
     return reference;

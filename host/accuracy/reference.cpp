@@ -12,8 +12,7 @@ namespace claray {
 namespace {
 
 constexpr unsigned render_spp = 256;
-constexpr std::uint32_t least_renders = 4;         // below which their spread tells little
-constexpr std::uint32_t first_seed = 0x7e000000u;  // far from those that studies count up
+constexpr std::uint32_t least_renders = 4;  // below which their spread tells little
 constexpr char magic[16] = "claray ref. 1\n";
 constexpr std::chrono::seconds between_saves(5);
 
@@ -33,10 +32,12 @@ std::vector<glm::vec3> render_once(const Device& device, const Scene& scene, Ren
 
 /// A name that differs wherever the converged image may: renders are the same bit for bit for the same scene and
 /// settings, so a few samples tell.
-std::string name_of_reference(const Device& device, const Scene& scene, const RenderConfig& config) {
-    const std::vector<glm::vec3> probe = render_once(device, scene, config, 4, first_seed - 1);
+std::string name_of_reference(const Device& device, const Scene& scene, const RenderConfig& config,
+                              std::uint32_t seed) {
+    const std::vector<glm::vec3> probe = render_once(device, scene, config, 4, seed - 1);
     std::string all = device.info().name + '\n' + device.info().driver + '\n' + std::to_string(config.width) + 'x' +
-                      std::to_string(config.height) + ' ' + std::to_string(config.max_depth) + '\n';
+                      std::to_string(config.height) + ' ' + std::to_string(config.max_depth) + ' ' +
+                      std::to_string(seed) + '\n';
     all.append(reinterpret_cast<const char*>(probe.data()), probe.size() * sizeof(glm::vec3));
     return "reference-" + hash128(all) + ".bin";
 }
@@ -91,8 +92,8 @@ ReferenceImage reference_of(const Sums& sums) {
     return reference;
 }
 
-void add_render(Sums& sums, const Device& device, const Scene& scene, const RenderConfig& config) {
-    const auto image = render_once(device, scene, config, render_spp, first_seed + sums.renders);
+void add_render(Sums& sums, const Device& device, const Scene& scene, const RenderConfig& config, std::uint32_t seed) {
+    const auto image = render_once(device, scene, config, render_spp, seed + sums.renders);
     for (std::size_t i = 0; i < 3 * image.size(); ++i) {
         const double value = double(image[i / 3][glm::length_t(i % 3)]);
         sums.values[i] += value, sums.squares[i] += value * value;
@@ -105,8 +106,9 @@ void add_render(Sums& sums, const Device& device, const Scene& scene, const Rend
 ReferenceImage reference_image(const Device& device, const Scene& scene, const RenderConfig& config,
                                const ReferenceOptions& options, const AccuracyProgress& progress) {
     const std::size_t values = 3 * std::size_t(config.width) * config.height;
-    const std::filesystem::path path =
-        options.folder.empty() ? options.folder : options.folder / name_of_reference(device, scene, config);
+    const std::filesystem::path path = options.folder.empty()
+                                           ? options.folder
+                                           : options.folder / name_of_reference(device, scene, config, options.seed);
     Sums sums{std::vector<double>(values), std::vector<double>(values), 0};
     if (!path.empty()) {
         std::filesystem::create_directories(options.folder);
@@ -125,7 +127,7 @@ ReferenceImage reference_image(const Device& device, const Scene& scene, const R
                reference_of(sums).uncertainty <= options.uncertainty;
     };
     while (!is_enough()) {
-        add_render(sums, device, scene, config);
+        add_render(sums, device, scene, config, options.seed);
         changed = true;
         if (std::chrono::steady_clock::now() - saved > between_saves) save();
         const unsigned spp = render_spp * sums.renders;

@@ -1,6 +1,7 @@
 // claray accuracy: what accuracy costs in time, for every setting of the methods that make an image.
 #include "claray/accuracy.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -27,19 +28,25 @@ namespace {
 using RunStudy = Study (*)(const Device&, const Scene&, const StudyOptions&, const AccuracyProgress&);
 struct NamedStudy {
     const char* name;
-    RunStudy run;
+    RunStudy run;  ///< null for effects, which also make maps
 };
-constexpr NamedStudy all_studies[] = {{"hard-rays", study_hard_rays}, {"scene-rays", study_scene_rays},
-                                      {"builds", study_builds},       {"nodes", study_nodes},
-                                      {"sampling", study_sampling},   {"techniques", study_techniques},
-                                      {"depth", study_depth},         {"arithmetic", study_arithmetic},
-                                      {"sums", study_sums},           {"filtering", study_filtering}};
+constexpr NamedStudy all_studies[] = {{"hard-rays", study_hard_rays},
+                                      {"scene-rays", study_scene_rays},
+                                      {"builds", study_builds},
+                                      {"nodes", study_nodes},
+                                      {"sampling", study_sampling},
+                                      {"techniques", study_techniques},
+                                      {"bias", study_bias},
+                                      {"arithmetic", study_arithmetic},
+                                      {"sums", study_sums},
+                                      {"filtering", study_filtering},
+                                      {"effects", nullptr}};
 
 struct Options {
     std::string scene, device, only;
     StudyOptions study;
-    std::filesystem::path csv, html, svg;
-    bool quick = false, json = false, quiet = false;
+    std::filesystem::path csv, html, svg, maps;
+    bool quick = false, json = false, quiet = false, check = false;
 };
 
 std::string study_names() {
@@ -128,6 +135,22 @@ void print_study(const Study& study) {
     for (const std::string& finding : study.findings) std::printf("%s\n", finding.c_str());
 }
 
+/// A row a point: its error by both references.
+void print_check(const ErrorCheck& check) {
+    std::vector<Row> rows = {{"method", "setting", "error", "independent", "ratio"}};
+    for (std::size_t i = 0; i < check.reported.points.size(); ++i) {
+        const StudyPoint &a = check.reported.points[i], &b = check.independent.points[i];
+        if (a.failure.empty() && b.failure.empty())
+            rows.push_back({a.method, a.setting, number(a.error.median), number(b.error.median),
+                            fixed(a.error.median / b.error.median, 4)});
+    }
+    print_table(rows, 2);
+    std::printf(
+        "%u of %u points are within 10 %% of the error against an independent reference of %u samples a pixel, "
+        "the worst is off by %.2f %%\nindependent sampler: error falls with the samples to the power of %.3f\n",
+        check.within, check.points, check.independent.reference_spp, 100 * check.worst, check.slope);
+}
+
 nlohmann::ordered_json as_json(const Spread& s) { return {{"low", s.low}, {"median", s.median}, {"high", s.high}}; }
 
 void print_json(const std::vector<Study>& studies, const Options& o, const Device& device) {
@@ -162,6 +185,16 @@ void print_json(const std::vector<Study>& studies, const Options& o, const Devic
     std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
 }
 
+/// Every map as values and in false colours.
+void write_maps(const Options& o, const std::vector<ErrorMap>& maps) {
+    const RenderConfig& config = o.study.config;
+    for (const ErrorMap& map : maps) {
+        write_pfm(o.maps / (map.name + ".pfm"), config.width, config.height, map.pixels);
+        write_image(o.maps / (map.name + ".png"), false_color(config.width, config.height, map.pixels), 0,
+                    ToneMap::none);
+    }
+}
+
 std::string today() {
     const std::time_t now = std::time(nullptr);
     char text[16];
@@ -170,7 +203,14 @@ std::string today() {
 }
 
 void accuracy(Options o) {
+    if (!o.maps.empty() && o.only.empty()) o.only = "effects";
     const std::vector<NamedStudy> chosen = chosen_studies(o.only);
+    if (!o.maps.empty()) {
+        if (std::none_of(chosen.begin(), chosen.end(), [](const NamedStudy& s) { return s.run == nullptr; }))
+            throw Error(ErrorKind::usage, "--maps are made by the study effects", "add effects to --only");
+        std::filesystem::create_directories(o.maps);
+        check_file_writable(o.maps / "noise.pfm");
+    }
     for (const std::filesystem::path& path : {o.csv, o.html})
         if (!path.empty()) check_file_writable(path);
     if (!o.svg.empty() && chosen.size() != 1)
@@ -189,8 +229,15 @@ void accuracy(Options o) {
     std::optional<KeptReferences> kept;
     if (o.study.references.empty()) o.study.references = kept.emplace().path();
     std::vector<Study> studies;
-    for (const NamedStudy& study : chosen)
-        studies.push_back(study.run(device, scene, o.study, show_progress(study.name, o.quiet)));
+    if (o.check) return print_check(check_errors(device, scene, o.study, show_progress("check", o.quiet)));
+    std::vector<ErrorMap> maps;
+    for (const NamedStudy& study : chosen) {
+        const AccuracyProgress progress = show_progress(study.name, o.quiet);
+        studies.push_back(study.run
+                              ? study.run(device, scene, o.study, progress)
+                              : study_effects(device, scene, o.study, progress, o.maps.empty() ? nullptr : &maps));
+    }
+    write_maps(o, maps);
     const DeviceInfo& info = device.info();
     const std::string subtitle = o.scene + ", " + std::to_string(o.study.config.width) + "x" +
                                  std::to_string(o.study.config.height) + ", " + info.name + ", driver " + info.driver +
@@ -210,7 +257,7 @@ void add_accuracy_command(CLI::App& app, Action& action) {
     command->footer(
         "Studies: hard-rays and scene-rays (tests of triangles and boxes), builds, nodes, sampling (samples a pixel, "
         "by\n"
-        "sampler), techniques (of sampling), depth (where paths end), arithmetic, sums, filtering (docs/accuracy.md).\n"
+        "sampler), techniques (of sampling), bias, arithmetic, sums, filtering, effects (docs/accuracy.md).\n"
         "Examples:\n"
         "  claray accuracy cornell --quick\n"
         "  claray accuracy scene.gltf --device gpu --size 512x512 --spp 1024 --html accuracy.html --csv accuracy.csv");
@@ -231,6 +278,10 @@ void add_accuracy_command(CLI::App& app, Action& action) {
     command->add_option("--csv", o->csv, "Write all points");
     command->add_option("--html", o->html, "Write a report with plots");
     command->add_option("--svg", o->svg, "Write the plot of one study");
+    command->add_option("--maps", o->maps,
+                        "Folder for maps of the error of each pixel, without each effect (PFM and PNG)");
+    command->add_flag("--check", o->check,
+                      "Hold the errors of the study sampling against a reference 16 times as large");
     command->add_flag("--json", o->json, "Print as JSON");
     command->add_option("--device", o->device, "cpu, gpu, an index or a part of the name (see claray devices)");
     command->add_flag("-q,--quiet", o->quiet, "No progress");

@@ -31,8 +31,9 @@ struct ReferenceImage {
 
 struct ReferenceOptions {
     unsigned least_spp = 4096;
-    double uncertainty = 0;        ///< go on until this is reached, too, where > 0
-    unsigned most_spp = 1u << 20;  ///< but no further
+    double uncertainty = 0;            ///< go on until this is reached, too, where > 0
+    unsigned most_spp = 1u << 20;      ///< but no further
+    std::uint32_t seed = 0x7e000000u;  ///< of the first render, far from those that studies count up
     /// Where it is kept and continued; empty: nowhere. The file's name tells scene, settings and device apart.
     std::filesystem::path folder = {};
 };
@@ -81,21 +82,46 @@ struct StudyOptions {
     unsigned runs = 5;                      ///< with seeds of their own
     std::size_t rays = 1u << 20;            ///< of studies that trace rays without making an image
     std::filesystem::path references = {};  ///< as ReferenceOptions::folder
+    unsigned reference_factor = 64;         ///< samples of a reference, in those of the largest setting
+    std::uint32_t reference_seed = ReferenceOptions{}.seed;
 };
 
 /// Samples a pixel by each sampler: how fast noise goes down.
 [[nodiscard]] Study study_sampling(const Device& device, const Scene& scene, const StudyOptions& options,
                                    const AccuracyProgress& progress = {});
 
+/// Whether the errors that study_sampling reports are true: its images once more, against a reference of other seeds
+/// and 16 times the samples.
+struct ErrorCheck {
+    Study reported, independent;
+    unsigned points = 0, within = 0;  ///< points in both, and those whose error is the same to 10 %
+    double worst = 0;                 ///< how far, relatively, the worst point is off
+    double slope = 0;                 ///< of log error over log samples, of the independent sampler: -0.5 by theory
+};
+[[nodiscard]] ErrorCheck check_errors(const Device& device, const Scene& scene, const StudyOptions& options,
+                                      const AccuracyProgress& progress = {});
+
 /// The same with lights or BSDFs sampled alone, without Russian roulette, and, where a tree picks among many lights,
 /// with lights picked by power.
 [[nodiscard]] Study study_techniques(const Device& device, const Scene& scene, const StudyOptions& options,
                                      const AccuracyProgress& progress = {});
 
-/// Depths at which paths end: what is left out for ever, however many samples there are. Errors are free of noise,
-/// since two independent renders are multiplied: E[(a - r)(b - r)] = bias^2.
-[[nodiscard]] Study study_depth(const Device& device, const Scene& scene, const StudyOptions& options,
-                                const AccuracyProgress& progress = {});
+/// What is left out for ever, however many samples there are: paths that end at 1 to 16 surfaces (1: direct light
+/// alone), samples clamped at multiples of the image's mean, and no light that reaches a matt surface over mirrors or
+/// smooth glass. Errors are free of noise, since two independent renders are multiplied: E[(a - r)(b - r)] = bias^2.
+[[nodiscard]] Study study_bias(const Device& device, const Scene& scene, const StudyOptions& options,
+                               const AccuracyProgress& progress = {});
+
+/// One value per pixel, over the reference's mean.
+struct ErrorMap {
+    std::string name;  ///< "without-glass", "noise"
+    std::vector<float> pixels;
+};
+
+/// Each effect that the scene calls for left out (`without_effects`): what that is wrong by and what time it saves, in
+/// the image as a whole and, where `maps` is given, pixel by pixel, beside the noise of as many samples.
+[[nodiscard]] Study study_effects(const Device& device, const Scene& scene, const StudyOptions& options,
+                                  const AccuracyProgress& progress = {}, std::vector<ErrorMap>* maps = nullptr);
 
 /// Rays that no camera sends by chance: aimed at edges and vertices of closed meshes, near the origin and far from it.
 /// Tests of triangles and boxes from the literature, under three kinds of arithmetic, beside claray's, by one loop over

@@ -100,7 +100,9 @@ static inline bool enter_box(const BoxRay* ray, float tbest, float2 x, float2 y,
 typedef Candidate Best;
 #define FARTHEST(best) (best).far
 static inline void try_triangles(const PreparedRay* ray, global const LeafTriangle* leaves, uint leaf, Best* best, Visits* visits) {
-    try_leaves(ray, leaves, leaf, false, best, visits);
+    const uint first = leaf & CLARAY_SLOT, end = first + CLARAY_LEAF_COUNT(leaf);
+    if (CLARAY_COUNT_VISITS) visits->triangles += end - first;
+    for (uint slot = first; slot < end; ++slot) try_leaf(ray, leaves, slot, best);
 }
 #else
 typedef Hit Best;

@@ -5,6 +5,9 @@
 #include "shade/vector.clh"
 
 #define LARGEST_SAMPLE 1e30f  // 2^24 of these still fit in float32
+#ifndef CLAMP_BITS
+#define CLAMP_BITS 0u  // for studies: the bits of a float; brighter samples are darkened to it
+#endif
 
 /// Adds to a sum in two parts: what rounding loses (Knuth's two-sum) goes to `error`, which is then folded back so far as
 /// the sum can hold it (Dekker 1971, fast two-sum). Without the second step the errors would be summed naively, and once
@@ -40,6 +43,9 @@ static inline void add_sample(FilmPixel* pixel, float3 radiance, bool odd) {
         ++pixel->dropped;
         return;
     }
+#if CLAMP_BITS
+    radiance *= fmin(1.0f, as_float(CLAMP_BITS) / largest(fabs(radiance)));
+#endif
     add_exactly(&pixel->sum_r, &pixel->error_r, radiance.x);
     add_exactly(&pixel->sum_g, &pixel->error_g, radiance.y);
     add_exactly(&pixel->sum_b, &pixel->error_b, radiance.z);

@@ -21,6 +21,9 @@
 #ifndef ROULETTE_DEPTH
 #define ROULETTE_DEPTH 3  // surfaces that a path meets before chance may end it
 #endif
+#ifndef CAUSTICS
+#define CAUSTICS 1  // for studies; 0: paths that a rough surface has scattered end at mirrors and smooth glass
+#endif
 
 #define SCENE_PARAMETERS                                                                                       \
     global const float *positions, global const uint *indices, global const float *normals,                    \
@@ -233,6 +236,7 @@ static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PAR
     }
 #endif
     if (depth >= frame.max_depth) return;
+    if (!CAUSTICS && state.pdf > 0.0f && is_delta(&material)) return;
 
     const SurfaceSamples samples = samples_at(samples_of(batch, state.path, frame.seed), depth);
     const SamplePair choice = words_at(&samples, AT_CHOICE);

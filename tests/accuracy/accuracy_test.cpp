@@ -83,6 +83,12 @@ TEST(Study, FindsSlopesSpreadsAndTheFront) {
     EXPECT_FALSE(points[2].front || points[3].front);
 }
 
+const StudyPoint& point_named(const Study& study, const std::string& method, const std::string& setting) {
+    for (const StudyPoint& p : study.points)
+        if (p.method == method && p.setting == setting) return p;
+    throw Error(ErrorKind::usage, "no point " + method + ", " + setting);
+}
+
 Scene small_scene() { return *builtin_scene("cornell"); }
 
 TEST(ReferenceImage, GoesOnWhereItStoppedAndIsMadeAnewWhereItsFileIsDamaged) {
@@ -152,21 +158,79 @@ TEST(Study, OfSamplesFallsAsMonteCarloDoes) {
     EXPECT_LT(study.floor, errors.back());
 }
 
-TEST(Study, OfDepthSeesWhatPathsThatEndEarlyLeaveOut) {
+TEST(Study, OfBiasSeesWhatPathsThatEndEarlyLeaveOut) {
     StudyOptions options;
     options.config = {.width = 16, .height = 16};
-    options.most_spp = 64, options.runs = 3;
-    const Study study = study_depth(device(), small_scene(), options);
-    ASSERT_EQ(study.points.size(), 8u);
+    options.most_spp = 32, options.runs = 3;
+    const Study study = study_bias(device(), small_scene(), options);
+    ASSERT_EQ(study.points.size(), 15u);
     EXPECT_GT(study.points[0].error.median, 1.5 * study.points[1].error.median);
     EXPECT_GT(study.points[0].error.median, 0.2);
     EXPECT_FALSE(study.points[7].failure.empty());  // after 16 surfaces nothing is left that could be told
 }
 
-const StudyPoint& point_named(const Study& study, const std::string& method, const std::string& setting) {
-    for (const StudyPoint& p : study.points)
-        if (p.method == method && p.setting == setting) return p;
-    throw Error(ErrorKind::usage, "no point " + method + ", " + setting);
+TEST(Study, OfBiasSeesClampedSamplesAndCaustics) {
+    StudyOptions options;
+    options.config = {.width = 20, .height = 20};
+    options.most_spp = 32, options.runs = 4;
+    const Study study = study_bias(device(), *builtin_scene("spheres"), options);
+    const StudyPoint &hard = point_named(study, "samples clamped", "at 1 x mean"),
+                     &mild = point_named(study, "samples clamped", "at 10 x mean");
+    EXPECT_GT(hard.error.median, 0.2);
+    EXPECT_LT(mild.error.median, hard.error.median);
+    EXPECT_FALSE(point_named(study, "samples clamped", "at 1000 x mean").failure.empty());
+    EXPECT_EQ(point_named(study, "no caustics", "no caustics").failure, "");
+    const Study matt = study_bias(device(), small_scene(), options);  // has neither mirror nor glass
+    EXPECT_FALSE(point_named(matt, "no caustics", "no caustics").failure.empty());
+}
+
+TEST(Study, OfEffectsMapsWhatIsLostWithoutThem) {
+    StudyOptions options;
+    options.config = {.width = 24, .height = 24};
+    options.most_spp = 32, options.runs = 2;
+    std::vector<ErrorMap> maps;
+    const Study study = study_effects(device(), *builtin_scene("spheres"), options, {}, &maps);
+    ASSERT_EQ(study.points.size(), maps.size());
+    EXPECT_EQ(study.points[0].error.median, 0);
+    EXPECT_EQ(maps[0].name, "noise");
+    const auto rms = [](const std::vector<float>& values) {
+        double squares = 0;
+        for (const float v : values) squares += double(v) * v;
+        return std::sqrt(squares / double(values.size()));
+    };
+    for (std::size_t i = 1; i < maps.size(); ++i) {
+        EXPECT_EQ(maps[i].name, "without-" + study.points[i].setting);
+        if (study.points[i].error.median < 0.1) continue;  // in dim maps noise is clamped at 0
+        EXPECT_NEAR(rms(maps[i].pixels), study.points[i].error.median, 0.1 * study.points[i].error.median)
+            << maps[i].name;
+    }
+    EXPECT_GT(point_named(study, "left out", "sky").error.median, 0.5);
+    // Without the sky the pixels at the top, which see nothing else, are wrong by what the sky is.
+    const auto sky = std::find_if(maps.begin(), maps.end(), [](const ErrorMap& m) { return m.name == "without-sky"; });
+    const auto glass =
+        std::find_if(maps.begin(), maps.end(), [](const ErrorMap& m) { return m.name == "without-glass"; });
+    for (std::size_t x = 0; x < 24; ++x) {
+        EXPECT_GT(sky->pixels[x], 0.3f);
+        EXPECT_LT(glass->pixels[x], 0.01f);
+    }
+    EXPECT_LT(rms(maps[0].pixels), 1);
+}
+
+TEST(ErrorCheck, FindsReportedErrorsTrue) {
+    StudyOptions options;
+    options.config = {.width = 12, .height = 12};
+    options.most_spp = 4, options.runs = 2;
+    const ErrorCheck check = check_errors(device(), *builtin_scene("hills"), options);
+    EXPECT_EQ(check.points, 6u);
+    EXPECT_EQ(check.independent.reference_spp, 16u * 64 * 4);
+    EXPECT_GE(check.within, 5u);
+    EXPECT_NE(check.reported.points[0].error.median, check.independent.points[0].error.median);
+    EXPECT_NEAR(check.slope, -0.5, 0.15);  // of 144 pixels and two runs
+    // A reference with too few samples shows.
+    options.reference_factor = 1, options.most_spp = 512;
+    options.runs = 1;
+    const ErrorCheck bad = check_errors(device(), *builtin_scene("hills"), options);
+    EXPECT_LT(bad.within, bad.points);
 }
 
 TEST(Study, OfHardRaysFindsTheTextbooksLeaksAndNoneOfClarays) {

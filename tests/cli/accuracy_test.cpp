@@ -12,7 +12,7 @@ TEST(Accuracy, WritesPointsAsJsonTableAndReport) {
     const std::string csv = (folder / "a.csv").string(), html = (folder / "a.html").string();
     const ProcessResult result =
         run_claray({"accuracy", "cornell", "--size", "12x12", "--spp", "4", "--runs", "2", "--only",
-                    "sampling,depth,nodes", "--rays", "1024", "--csv", csv, "--html", html, "--json", "-q"});
+                    "sampling,bias,nodes", "--rays", "1024", "--csv", csv, "--html", html, "--json", "-q"});
     ASSERT_EQ(result.exit_code, 0) << result.errors;
     EXPECT_EQ(result.errors, "");
     const auto report = nlohmann::json::parse(result.output);
@@ -25,7 +25,7 @@ TEST(Accuracy, WritesPointsAsJsonTableAndReport) {
     EXPECT_EQ(read_file(html).find("<!doctype html>"), 0u);
     EXPECT_NE(read_file(html).find("<svg"), std::string::npos);
     const std::string rows = read_file(csv);
-    EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 1 + 6 + 8 + 3);
+    EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 1 + 6 + 15 + 3);
     EXPECT_EQ(report.at("studies")[2].at("points")[1].at("facts").at("bytes a node"), 48);
 }
 
