@@ -131,6 +131,8 @@ void add_camera_options(CLI::App& command, RenderOptions& o) {
 void add_quality_options(CLI::App& command, RenderOptions& o) {
     command.add_option("--spp", o.config.spp, "Samples a pixel [64]")->check(CLI::Range(1, 1 << 24));
     command.add_option("--time", o.config.seconds, "Stop after this many seconds")->check(CLI::PositiveNumber);
+    command.add_option("--error", o.config.error, "Stop at this RMSE over the mean, 0.01 for instance")
+        ->check(CLI::PositiveNumber);
     command.add_option("--noise", o.config.noise, "Stop at this relative standard error, 0.01 for instance")
         ->check(CLI::PositiveNumber);
     command.add_option("--max-depth", o.config.max_depth, "Surfaces a path may meet; 1 is direct light only [8]")

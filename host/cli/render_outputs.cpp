@@ -115,6 +115,7 @@ void print_as_text(const Device& device, const Renderer& renderer, const RenderO
     std::printf("%s: %ux%u, %u spp in %.2f s", options.output.c_str(), options.config.width, options.config.height,
                 p.spp, p.seconds);
     if (p.noise > 0) std::printf(", noise %.2f %%", 100 * p.noise);
+    if (p.error > 0) std::printf(", error %.3f %% (bound %.3f)", 100 * p.error, 100*p.error_bound);
     std::printf("%s\n", outcome.interrupted ? ", interrupted" : "");
     if (p.dropped_samples > 0)
         std::fprintf(stderr, "claray: warning: %llu samples were not finite and are left out\n",

@@ -25,11 +25,15 @@ struct FileHeader {
     std::uint32_t pixel_bytes;
     std::uint32_t width, height;
     Schedule::Position position;
-    std::uint32_t reserved;
+    std::uint32_t more_films;  // than one
     Digest scene, settings, kernels;
     Digest digest;  // of this header up to here
 };
 static_assert(sizeof(FileHeader) == 112);
+
+std::uint64_t pixels_of(const FileHeader& header) {
+    return std::uint64_t(header.width) * header.height * (1 + std::uint64_t(header.more_films));
+}
 
 Digest digest_of_header(const FileHeader& header) { return digest_of(&header, offsetof(FileHeader, digest)); }
 
@@ -56,8 +60,7 @@ public:
         if (header.version != current_version || header.pixel_bytes != sizeof(FilmPixel))
             refuse("it was written by another version of claray", "use that version, or render from the start");
         if (header.digest != digest_of_header(header)) refuse_damaged("the checksum of its header is wrong");
-        const std::uint64_t expected =
-            sizeof header + std::uint64_t(header.width) * header.height * sizeof(FilmPixel) + sizeof(Digest);
+        const std::uint64_t expected = sizeof header + pixels_of(header) * sizeof(FilmPixel) + sizeof(Digest);
         if (bytes_ != expected)
             refuse_damaged("it has " + std::to_string(bytes_) + " bytes instead of " + std::to_string(expected));
         return header;
@@ -96,7 +99,7 @@ std::string size_of(std::uint32_t width, std::uint32_t height) {
 }  // namespace
 
 RenderIdentity identity_of(const Scene& scene, const RenderConfig& config) {
-    RenderIdentity identity{config.width, config.height, digest_of(scene), {}, {}};
+    RenderIdentity identity{config.width, config.height, films_of(config), digest_of(scene), {}, {}};
     const std::string settings = std::to_string(config.seed) + ' ' + std::to_string(config.max_depth) + ' ' +
                                  std::to_string(int(config.sampler)) + ' ' + to_string(config.effects.remove);
     identity.settings = digest_of(settings.data(), settings.size());
@@ -117,6 +120,7 @@ void write_checkpoint(const std::filesystem::path& path, const RenderIdentity& i
     header.pixel_bytes = sizeof(FilmPixel);
     header.width = identity.width, header.height = identity.height;
     header.position = checkpoint.position;
+    header.more_films = identity.films - 1;
     header.scene = identity.scene, header.settings = identity.settings, header.kernels = identity.kernels;
     header.digest = digest_of_header(header);
     const std::size_t bytes = checkpoint.pixels.size() * sizeof(FilmPixel);
@@ -139,18 +143,22 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
         file.refuse("it is of another scene or camera", "give the scene and the camera that it was written for");
     if (header.settings != identity.settings)
         file.refuse("it was rendered with another seed, depth, sampler or choice of effects", "give the same settings");
+    if (header.more_films + 1 != identity.films)
+        file.refuse(
+            identity.films == 1 ? "it was rendered with --error, in two halves" : "it was rendered without --error",
+            identity.films == 1 ? "give --error, too" : "leave out --error, or render from the start");
     if (header.kernels != identity.kernels)
         file.refuse("it was written by a claray with other kernels", "use that version, or render from the start");
     const Schedule::Position& at = header.position;
     const bool within = at.pixel != 0 || at.sample != 0;
     if (at.pixel >= header.width * header.height || (within && at.sample >= at.pass))
         file.refuse_damaged("it stops where no image does");
-    const std::uint64_t most = std::uint64_t(at.done) + (within ? at.pass : 0);
+    const std::uint64_t most = (std::uint64_t(at.done) + (within ? at.pass : 0)) * identity.films;
     if (most > spp)
         file.refuse(
             "it has " + std::to_string(most) + " samples a pixel, and " + std::to_string(spp) + " are asked for",
             "give a larger --spp");
-    return {at, file.pixels(std::size_t(header.width) * header.height)};
+    return {at, file.pixels(pixels_of(header))};
 }
 
 }  // namespace claray

@@ -11,10 +11,14 @@
 
 namespace claray {
 
+/// How many films a render has.
+[[nodiscard]] inline std::uint32_t films_of(const RenderConfig& config) { return config.error > 0 ? 2 : 1; }
+
 /// What the samples of a render depend on, but for the device. Of two renders of the same identity one may go on where
 /// the other stopped, with another number of samples, too.
 struct RenderIdentity {
     std::uint32_t width = 0, height = 0;
+    std::uint32_t films = 1;  // 2 where samples are drawn in two halves, for the sake of the error
     Digest scene{};
     Digest settings{};  // seed, depth, sampler, effects that are left out
     Digest kernels{};   // their sources
@@ -25,7 +29,7 @@ struct RenderIdentity {
 /// How far a render has come.
 struct Checkpoint {
     Schedule::Position position;
-    std::vector<FilmPixel> pixels;
+    std::vector<FilmPixel> pixels;  // film after film
 };
 
 /// As NewFile: there is always a whole checkpoint under this name, the former one or this.

@@ -12,22 +12,31 @@ Film::Kernels::Kernels(const Device& device)
       resolve(load_kernel(device, "render/resolve_film.cl", "resolve_film")),
       noise(load_kernel(device, "render/resolve_film.cl", "measure_noise")) {}
 
-Film::Film(const Device& device, std::uint32_t pixels)
-    : device_(device), pixels_(device, pixels), sums_(device, noise_items), kernels_(device) {
-    pixels_.fill(0);
+Film::Film(const Device& device, std::uint32_t pixels, std::uint32_t films)
+    : device_(device),
+      count_(pixels),
+      films_(films),
+      pixels_(device, std::size_t(pixels) * films),
+      sums_(device, noise_items),
+      kernels_(device) {
+    clear();
+    if (films < 2) return;
+    error_sums_ = Buffer<ErrorSums>(device, noise_items);
+    measure_error_ = load_kernel(device, "render/measure_error.cl", "measure_error");
 }
 
-void Film::accumulate(const Batch& batch, const Buffer<float>& radiance) {
-    kernels_.accumulate.run({batch.pixels, 64}, batch, radiance, pixels_);
+void Film::accumulate(const Batch& batch, const Buffer<float>& radiance, std::uint32_t film) {
+    Batch within = batch;
+    within.first_pixel += film * count_;
+    kernels_.accumulate.run({batch.pixels, 64}, within, radiance, pixels_);
 }
 
 std::vector<glm::vec3> Film::resolve() const {
-    const auto count = std::uint32_t(pixels_.size());
-    const Buffer<float> image(device_, 3 * pixels_.size());
-    kernels_.resolve.run({count, 64}, pixels_, count, image);
+    const Buffer<float> image(device_, 3 * std::size_t(count_));
+    kernels_.resolve.run({count_, 64}, pixels_, count_, films_, image);
     const std::vector<float> values = image.read();
-    std::vector<glm::vec3> result(count);
-    for (std::size_t i = 0; i < count; ++i) result[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+    std::vector<glm::vec3> result(count_);
+    for (std::size_t i = 0; i < count_; ++i) result[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
     return result;
 }
 
@@ -41,8 +50,52 @@ Film::Noise Film::noise() const {
         pixels += sums.pixels;
         noise.dropped += sums.dropped;
     }
-    if (luminance > 0) noise.relative = std::sqrt(variance / pixels) / (luminance / pixels);
+    // The films' noise is independent, and their mean is what counts.
+    if (luminance > 0) noise.relative = std::sqrt(variance / pixels / films_) / (luminance / pixels);
     return noise;
+}
+
+Film::ErrorTotals Film::error_totals(float scale) const {
+    measure_error_.run({noise_items, 64}, pixels_, count_, scale, noise_items, error_sums_);
+    ErrorTotals total;
+    for (const ErrorSums& sums : error_sums_.read()) {
+        total.variance += sums.variance;
+        total.squares += sums.squares;
+        total.value += sums.value;
+        total.pixels += sums.pixels;
+    }
+    return total;
+}
+
+namespace {
+
+/// The quantile of Fisher's F distribution with as many degrees of freedom above as below that a normal variable has at
+/// `deviations` (Abramowitz and Stegun 1964, 26.6.16, whose second term vanishes).
+double quantile_of_f(double degrees, double deviations) {
+    const double h = degrees - 1, lambda = (deviations * deviations - 3) / 6;
+    return std::exp(2 * deviations * std::sqrt(h + lambda) / h);
+}
+
+}  // namespace
+
+/// With v the variance of a pixel as two films tell it, of true value s^2: v is s^2 times chi^2 of one degree of
+/// freedom, and so is the squared error of the pixel, independent of it. Sums of these over the pixels are about chi^2
+/// of (sum s^2)^2 / sum s^4 degrees (Welch and Satterthwaite), as many as there are pixels that share the error: so the
+/// image's squared error over its estimate is distributed as F. Expectations: v^2 has 3 s^4, and for n equal pixels
+/// (sum v)^2 / sum v^2 has about (n + 2) / 3. (Channels count as one, which makes the degrees fewer than they are.)
+/// Where fewer than six pixels have all the error they are mostly those that met a firefly: it is in the image as it is
+/// in the estimate, and a larger factor would buy nothing.
+Film::Error Film::error() const {
+    constexpr double deviations = 2, least_degrees = 6;
+    ErrorTotals total = error_totals(1);
+    if (!(total.value > 0)) return {};
+    const auto scale = float(std::exp2(-std::round(std::log2(total.value / (3 * total.pixels)))));
+    if (scale < 0x1p-10f || scale > 0x1p10f) total = error_totals(scale);
+    const double mean = total.value / (3 * total.pixels);
+    const double estimate = std::sqrt(total.variance / (3 * total.pixels)) / mean;
+    if (!(total.squares > 0)) return {estimate, estimate};
+    const double degrees = 3 * total.variance * total.variance / total.squares - 2;
+    return {estimate, estimate * std::sqrt(quantile_of_f(std::max(degrees, least_degrees), deviations))};
 }
 
 }  // namespace claray

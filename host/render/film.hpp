@@ -10,7 +10,8 @@ namespace claray {
 
 class Film {
 public:
-    Film(const Device& device, std::uint32_t pixels);
+    /// `films`: 1, or 2 that get samples of their own, which are independent: then the error can be told.
+    Film(const Device& device, std::uint32_t pixels, std::uint32_t films = 1);
 
     struct Kernels {
         explicit Kernels(const Device& device);
@@ -18,11 +19,14 @@ public:
     };
 
     /// Adds the radiance (3 floats a path) of a batch; enqueued.
-    void accumulate(const Batch& batch, const Buffer<float>& radiance);
+    void accumulate(const Batch& batch, const Buffer<float>& radiance, std::uint32_t film = 0);
+    [[nodiscard]] std::uint32_t films() const { return films_; }
+    /// Forgets all samples; enqueued.
+    void clear() { pixels_.fill(0); }
     /// Mean radiance of every pixel. Blocks.
     [[nodiscard]] std::vector<glm::vec3> resolve() const;
 
-    /// The sums themselves, and back. Block.
+    /// The sums themselves, film after film, and back. Block.
     [[nodiscard]] std::vector<FilmPixel> pixels() const { return pixels_.read(); }
     void set_pixels(const std::vector<FilmPixel>& pixels) { pixels_.write(pixels); }
 
@@ -32,13 +36,28 @@ public:
     };
     /// Blocks.
     [[nodiscard]] Noise noise() const;
-    [[nodiscard]] std::uint64_t bytes() const { return pixels_.bytes() + sums_.bytes(); }
+
+    struct Error {
+        double estimate = 0;  ///< root mean square of all channels over the mean; 0: nothing is known
+        double bound = 0;     ///< which the error exceeds in hardly one image of a hundred
+    };
+    /// Of two films; see docs/accuracy.md. Blocks.
+    [[nodiscard]] Error error() const;
+    [[nodiscard]] std::uint64_t bytes() const { return pixels_.bytes() + sums_.bytes() + error_sums_.bytes(); }
 
 private:
+    struct ErrorTotals {
+        double variance = 0, squares = 0, value = 0, pixels = 0;
+    };
+    [[nodiscard]] ErrorTotals error_totals(float scale) const;
+
     Device device_;
+    std::uint32_t count_, films_;
     Buffer<FilmPixel> pixels_;
     Buffer<NoiseSums> sums_;
+    Buffer<ErrorSums> error_sums_;  // of two films
     mutable Kernels kernels_;
+    mutable Kernel measure_error_;
 };
 
 }  // namespace claray

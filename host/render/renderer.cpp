@@ -24,11 +24,16 @@ using Clock = std::chrono::steady_clock;
 
 constexpr unsigned largest_side = 1u << 14;
 constexpr unsigned least_spp_for_noise = 16;
+constexpr unsigned least_passes_spp_for_error = 2;  // of each half
+constexpr unsigned spp_that_see_light = 1024;       // of each half
 constexpr double seconds_between_reports = 0.2;
 constexpr std::size_t batches_in_flight = 2;
 constexpr std::size_t most_triangles_by_host = 1u << 20;
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+/// Far from the seeds that people and studies count up.
+std::uint32_t seed_of_film(std::uint32_t seed, std::uint32_t film) { return film == 0 ? seed : seed ^ 0x9e3779b9u; }
 
 double processor_seconds() { return double(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -43,6 +48,7 @@ const RenderConfig& checked(const RenderConfig& config) {
     if (config.max_depth == 0) refuse("a maximum depth of 0", "give at least 1, which is direct light only");
     if (!(config.seconds >= 0)) refuse("a time limit that is no time", "give seconds, or 0 for no limit");
     if (!(config.noise >= 0)) refuse("a noise limit that is negative or no number", "0.01 is a good start");
+    if (!(config.error >= 0)) refuse("an error to reach that is negative or no number", "0.01 is a good start");
     if (!(config.checkpoint_seconds > 0)) refuse("checkpoints every 0 seconds or less", "30 is a good start");
     return config;
 }
@@ -154,8 +160,8 @@ struct Renderer::State {
           build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
           buffers(on, scene, structure),
           wavefront(on, buffers, frame_data(scene, buffers, with), first_kernels(), std::uint64_t(pixels()) * with.spp),
-          film(on, pixels()),
-          schedule(pixels(), with.spp, wavefront.capacity()),
+          film(on, pixels(), films_of(with)),
+          schedule(pixels(), with.spp / film.films() + with.spp % film.films(), wavefront.capacity()),
           pace(on.tuning("render/wavefront", "FIRST_PATHS"), wavefront.capacity()) {
         for (const char* name : {trace_camera_name, trace_bounce_name, trace_shadow_name})
             before[name] = device.profiler().milliseconds(name);
@@ -166,8 +172,13 @@ struct Renderer::State {
     void take_over_when_compiled();
     void save_checkpoint();
     [[nodiscard]] std::uint32_t pixels() const { return config.width * config.height; }
-    [[nodiscard]] RenderProgress measure() const;
-    [[nodiscard]] bool target_met() const;
+    [[nodiscard]] unsigned spp() const { return unsigned(schedule.samples() * film.films() / pixels()); }
+    [[nodiscard]] RenderProgress measure();
+    template <class Measure>
+    auto timed(const Measure& measure);
+    [[nodiscard]] bool target_met();
+    [[nodiscard]] bool error_met();
+    void trace(const Batch& batch, InFlight& in_flight);
     [[nodiscard]] RayCount rays(const char* name, std::uint64_t count) const;
 
     Device device;
@@ -192,6 +203,8 @@ struct Renderer::State {
     RenderIdentity identity;  // where checkpoints are written
     std::string checkpoint_error;
     std::optional<Clock::time_point> begin;
+    Film::Error last_error;                // when it was last asked for
+    double measuring_seconds = 0;          // for noise and error
     std::map<std::string, double> before;  // the profiler's times when this render was set up
 };
 
@@ -205,12 +218,23 @@ WavefrontKernels Renderer::State::first_kernels() const {
     return load();
 }
 
-RenderProgress Renderer::State::measure() const {
+/// What measuring takes is not what the batches take that are under way.
+template <class Measure>
+auto Renderer::State::timed(const Measure& measure) {
+    device.finish();
+    const Clock::time_point before_it = Clock::now();
+    const auto measured = measure();
+    measuring_seconds += seconds_since(before_it);
+    return measured;
+}
+
+RenderProgress Renderer::State::measure() {
     RenderProgress progress;
-    progress.spp = unsigned(schedule.samples() / pixels());
+    progress.spp = spp();
     progress.spp_target = config.spp;
-    const Film::Noise noise = film.noise();
+    const Film::Noise noise = timed([&] { return film.noise(); });
     progress.noise = noise.relative;
+    progress.error = last_error.estimate, progress.error_bound = last_error.bound;
     progress.dropped_samples = noise.dropped;
     progress.culled = culled;
     progress.seconds = begin ? seconds_since(*begin) : 0;
@@ -218,13 +242,33 @@ RenderProgress Renderer::State::measure() const {
 }
 
 /// Noise counts between passes only, so that where it stops does not depend on the time.
-bool Renderer::State::target_met() const {
+bool Renderer::State::target_met() {
     if (schedule.finished()) return true;
     const unsigned spp = schedule.complete_passes_spp();
     if (config.seconds > 0 && spp > 0 && begin && seconds_since(*begin) >= config.seconds) return true;
-    if (!(config.noise > 0) || spp < least_spp_for_noise || !schedule.between_passes()) return false;
-    const double noise = film.noise().relative;
+    if (!schedule.between_passes()) return false;
+    if (config.error > 0 && spp >= least_passes_spp_for_error && error_met()) return true;
+    if (!(config.noise > 0) || spp < least_spp_for_noise) return false;
+    const double noise = timed([&] { return film.noise(); }).relative;
     return noise > 0 && noise <= config.noise;
+}
+
+/// Passes double. The last one has as many samples as are missing, the error falling with their root, but no less than
+/// an eighth of what is there, since every look is a chance to stop by luck.
+bool Renderer::State::error_met() {
+    last_error = timed([&] { return film.error(); });
+    const double ratio = last_error.bound / config.error, done = schedule.complete_passes_spp();
+    if (!(last_error.bound > 0)) {
+        if (done >= spp_that_see_light)
+            throw Error(claray::ErrorKind::user,
+                        "the image is black after " + std::to_string(spp()) +
+                            " samples a pixel: an error relative to its mean has no meaning",
+                        "add light, or give --spp instead of --error");
+        return false;
+    }
+    if (ratio <= 1) return true;
+    schedule.limit_pass(std::uint32_t(std::clamp(std::ceil((ratio * ratio - 1) * done), std::ceil(done / 8), 1e9)));
+    return false;
 }
 
 /// Waits for it. Everything that follows has time.
@@ -249,7 +293,17 @@ void Renderer::State::take_over_when_compiled() {
     buffers.structure = structure;
     wavefront.take_over(structure, WavefrontKernels(buffers, config.sampler, plan.last.effects));
     own_kernels = true;
-    own_kernels_from = unsigned(schedule.samples() / pixels());
+    own_kernels_from = spp();
+}
+
+/// Every film gets it, from samples of its own.
+void Renderer::State::trace(const Batch& batch, InFlight& in_flight) {
+    for (std::uint32_t f = 0; f < film.films(); ++f) {
+        wavefront.set_seed(seed_of_film(config.seed, f));
+        wavefront.trace(batch);
+        film.accumulate(batch, wavefront.radiance(), f);
+        in_flight.submitted(batch.pixels * batch.samples);
+    }
 }
 
 /// A full disk must not end a render of hours: it is tried again, and the last failure is told.
@@ -294,10 +348,7 @@ RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>
     Clock::time_point last_report;  // long ago: the first batch is reported at once
     Clock::time_point last_checkpoint = Clock::now();
     while (!state.target_met()) {
-        const Batch batch = state.schedule.next(state.pace.paths());
-        state.wavefront.trace(batch);
-        state.film.accumulate(batch, state.wavefront.radiance());
-        in_flight.submitted(batch.pixels * batch.samples);
+        state.trace(state.schedule.next(state.pace.paths()), in_flight);
         if (state.first_pixel_seconds == 0) state.first_pixel();
         if (!state.own_kernels) state.take_over_when_compiled();
         if (saves && seconds_since(last_checkpoint) >= state.config.checkpoint_seconds) {
@@ -337,6 +388,7 @@ RenderStatistics Renderer::statistics() const {
         if (summary.longest > statistics.longest_milliseconds)
             statistics.longest_milliseconds = summary.longest, statistics.longest_command = name;
     statistics.dropped_samples = state.film.noise().dropped;
+    statistics.measuring_seconds = state.measuring_seconds;
     return statistics;
 }
 

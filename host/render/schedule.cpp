@@ -15,7 +15,7 @@ Schedule::Schedule(std::uint32_t pixels, std::uint32_t spp, std::uint32_t paths_
 std::uint32_t Schedule::pass_samples() const {
     if (!between_passes()) return at_.pass;
     const std::uint32_t limit = std::min(std::max(largest_pass, paths_ / pixels_), paths_);
-    return std::min({std::max(at_.done, 1u), limit, spp_ - at_.done});
+    return std::min({std::max(at_.done, 1u), limit, spp_ - at_.done, most_samples_});
 }
 
 Batch Schedule::next(std::uint32_t most_paths) {
@@ -34,7 +34,7 @@ Batch Schedule::next(std::uint32_t most_paths) {
         batch.pixels = std::min(most / batch.samples, pixels_ - at_.pixel);
     }
     at_.pixel += batch.pixels;
-    if (at_.pixel == pixels_) at_.pixel = 0, at_.done += at_.pass;
+    if (at_.pixel == pixels_) at_.pixel = 0, at_.done += at_.pass, most_samples_ = ~std::uint32_t(0);
     return batch;
 }
 

@@ -22,6 +22,8 @@ public:
     /// Samples of all pixels, those of an incomplete pass included.
     [[nodiscard]] std::uint64_t samples() const;
     [[nodiscard]] bool between_passes() const { return at_.pixel == 0 && at_.sample == 0; }
+    /// Lets the next pass have no more samples a pixel than these; between passes.
+    void limit_pass(std::uint32_t samples) { most_samples_ = samples; }
 
     struct Position {
         std::uint32_t done = 0;    // samples a pixel before this pass
@@ -36,6 +38,7 @@ private:
     [[nodiscard]] std::uint32_t pass_samples() const;
 
     std::uint32_t pixels_, spp_, paths_;
+    std::uint32_t most_samples_ = ~std::uint32_t(0);
     Position at_;
 };
 

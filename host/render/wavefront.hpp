@@ -34,6 +34,8 @@ public:
     [[nodiscard]] std::uint32_t capacity() const { return std::uint32_t(rays_[0].size()); }
     /// Goes on with other kernels, and with the tree that they traverse. The next batch is the first to see them.
     void take_over(const Structure& structure, WavefrontKernels kernels);
+    /// Of all batches from now on.
+    void set_seed(std::uint32_t seed) { frame_.seed = seed; }
     /// Traces the paths of a batch of at most `capacity()`; enqueued. Their radiance is in `radiance()`.
     void trace(const Batch& batch);
     /// The same for paths that have arrived at points of surfaces, one a pixel of the batch: these are white

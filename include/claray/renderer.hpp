@@ -23,6 +23,10 @@ struct RenderConfig {
     std::uint32_t seed = 0;
     double seconds = 0;  ///< stop after this time where > 0, but not before every pixel has a sample
     double noise = 0;    ///< stop at this noise (see RenderProgress) where > 0; asked from 16 samples a pixel on
+    /// Stop when the image's error (RMSE over the mean, as ImageError::rmse) is at most this where > 0, by an estimate
+    /// that holds in 95 of 100 renders; `spp` is the most that may be taken. Samples are then drawn in two independent
+    /// halves.
+    double error = 0;
     Sampler sampler = Sampler::sobol;
     Bvh::Config bvh = {};
     EffectOverrides effects = {};  ///< for experiments; effects are derived from the scene
@@ -34,8 +38,8 @@ struct RenderConfig {
     std::filesystem::path checkpoint = {};
     double checkpoint_seconds = 30;
     /// Where not empty, such a file to go on from. It must be of the same scene and of the same width, height, seed,
-    /// depth, sampler and choice of effects; `spp` may be larger. On the same device the image is the same bit for bit as
-    /// one rendered without a break.
+    /// depth, sampler and choice of effects; `spp` may be larger. On the same device the image is the same bit for bit
+    /// as one rendered without a break.
     std::filesystem::path resume = {};
 };
 
@@ -45,6 +49,8 @@ struct RenderProgress {
     unsigned spp_target = 0;
     double seconds = 0;  ///< since the first sample was begun
     double noise = 0;    ///< standard error of luminance, root mean square over pixels, over the mean; 0: not yet known
+    double error = 0;    ///< estimate of ImageError::rmse, where RenderConfig::error asks for it; 0: not yet known
+    double error_bound = 0;  ///< what it is less than, but for few renders: this is compared with RenderConfig::error
     std::uint64_t dropped_samples = 0;  ///< NaN, infinite or above 1e30, left out of the image
     std::uint32_t culled = 0;           ///< triangles left out: not finite, huge, or without area
 };
@@ -64,7 +70,7 @@ enum class KernelStart {
 };
 
 struct RenderStatistics {
-    double first_pixel_seconds = 0;  ///< from the renderer's set-up to the first batch of samples
+    double first_pixel_seconds = 0;            ///< from the renderer's set-up to the first batch of samples
     double first_pixel_processor_seconds = 0;  ///< of all threads of the process meanwhile
     KernelStart start = KernelStart::own;
     unsigned own_kernels_from = 0;  ///< samples a pixel that were done when the scene's own kernels took over
@@ -78,6 +84,7 @@ struct RenderStatistics {
     std::string longest_command;        ///< its name
     std::string checkpoint_error;       ///< why the last checkpoint could not be written; empty where it could
     std::uint64_t dropped_samples = 0;  ///< as in RenderProgress
+    double measuring_seconds = 0;       ///< for noise and error, of those that rendering took
 };
 
 /// Per-pixel facts of the first surface that the pixel's centre sees.
@@ -93,8 +100,8 @@ struct Aovs {
 class Renderer {
 public:
     /// Uploads the scene and builds its acceleration structure. Throws ErrorKind::usage for a configuration out of
-    /// range, ErrorKind::user for a scene that `validate` refuses or a checkpoint that does not fit or can't be written,
-    /// ErrorKind::device where memory does not suffice.
+    /// range, ErrorKind::user for a scene that `validate` refuses or a checkpoint that does not fit or can't be
+    /// written, ErrorKind::device where memory does not suffice.
     Renderer(const Device& device, const Scene& scene, const RenderConfig& config);
 
     /// Adds samples until a target of the configuration is met. `progress` is called after the first batch of samples

@@ -55,6 +55,24 @@ TEST_F(CheckpointFiles, ResumedIsUninterruptedBitForBit) {
     EXPECT_TRUE(same_bits(finish(resumed()), whole)) << "what is complete stays so";
 }
 
+TEST_F(CheckpointFiles, RendersToAnErrorGoOnInTwoHalves) {
+    RenderConfig plain = config_;
+    config_.spp = 4096, config_.error = 0.25;
+    RenderConfig whole = config_;
+    whole.checkpoint.clear();
+    const std::vector<glm::vec3> expected = finish(whole);
+    for (const unsigned paths : {3u, 1'000u, 10'000u}) {
+        const ScopedTuning tuning("render/wavefront", "FIRST_PATHS", paths);
+        render_a_part(config_, 1);
+        EXPECT_TRUE(same_bits(finish(resumed()), expected)) << paths << " paths at first";
+    }
+    plain.resume = config_.checkpoint;
+    EXPECT_TRUE(refused(plain, "it was rendered with --error, in two halves; give --error, too"));
+    plain.resume.clear();
+    (void)finish(plain);
+    EXPECT_TRUE(refused(resumed(), "it was rendered without --error"));
+}
+
 TEST_F(CheckpointFiles, MoreSamplesGoOnWhereFewerStopped) {
     RenderConfig few = config_;
     few.spp = 5;

@@ -106,6 +106,49 @@ TEST(Renderer, StopsAtTheNoiseLimit) {
     EXPECT_LT(progress.spp, 1000u);
 }
 
+double rmse_over_mean(const std::vector<glm::vec3>& image, const std::vector<glm::vec3>& reference) {
+    double squares = 0, sum = 0;
+    for (std::size_t i = 0; i < image.size(); ++i)
+        for (int c = 0; c < 3; ++c) {
+            squares += std::pow(double(image[i][c]) - double(reference[i][c]), 2);
+            sum += double(reference[i][c]);
+        }
+    return std::sqrt(squares / (3.0 * double(image.size()))) / (sum / (3.0 * double(image.size())));
+}
+
+TEST(Renderer, StopsAtAnErrorThatIsTrue) {
+    const Scene scene = *builtin_scene("spheres");
+    const auto reference = render_image(scene, {.width = 24, .height = 24, .spp = 2048, .seed = 99});
+    unsigned held = 0, last_spp = 0;
+    for (std::uint32_t seed = 0; seed < 8; ++seed) {
+        const double target = seed % 2 == 0 ? 0.15 : 0.08;
+        const RenderConfig config{.width = 24, .height = 24, .spp = 1u << 20, .seed = seed, .error = target};
+        Renderer renderer(device(), scene, config);
+        const RenderProgress reached = renderer.render();
+        const double error = rmse_over_mean(renderer.image(), reference);
+        held += error <= target;
+        EXPECT_GT(error, target / 3) << seed;
+        EXPECT_LE(reached.error_bound, target);
+        EXPECT_LT(reached.error, reached.error_bound);
+        if (seed % 2 == 1) {
+            EXPECT_GT(reached.spp, last_spp) << "a smaller error needs more";
+        }
+        last_spp = reached.spp;
+        EXPECT_GT(renderer.statistics().measuring_seconds, 0);
+    }
+    EXPECT_GE(held, 7u);
+    EXPECT_EQ(Renderer(device(), scene, {.width = 24, .height = 24, .spp = 9, .error = 1e-6}).render().spp, 10u)
+        << "no more than it may, in two halves";
+}
+
+TEST(Renderer, NoErrorIsToldOfABlackImage) {
+    Scene scene = *builtin_scene("crate");
+    scene.lights.clear(), scene.sky = {}, scene.environment = {};
+    for (Material& material : scene.materials) material.emission = glm::vec3(0.f);
+    Renderer renderer(device(), scene, {.width = 4, .height = 4, .spp = 1u << 24, .error = 0.1});
+    EXPECT_TRUE(throws_error(ErrorKind::user, "the image is black after 2048 samples a pixel", [&] { renderer.render(); }));
+}
+
 TEST(Renderer, StopsAtTheTimeLimit) {
     Renderer renderer(device(), *builtin_scene("cornell"),
                       {.width = 64, .height = 64, .spp = 1'000'000, .seconds = 0.7});
@@ -234,6 +277,8 @@ TEST(Renderer, RefusesBadConfigurations) {
     EXPECT_TRUE(refused({.max_depth = 0}, "depth"));
     EXPECT_TRUE(refused({.seconds = -1}, "time"));
     EXPECT_TRUE(refused({.noise = std::nan("")}, "noise"));
+    EXPECT_TRUE(refused({.error = -0.1}, "error"));
+    EXPECT_TRUE(refused({.error = std::nan("")}, "error"));
     EXPECT_TRUE(refused({.checkpoint_seconds = 0}, "checkpoints every 0 seconds"));
     Scene broken = scene;
     broken.materials[0].albedo.x = std::nanf("");

@@ -59,6 +59,15 @@ typedef struct NoiseSums {
 } NoiseSums;
 CLARAY_LAYOUT(NoiseSums, 16)
 
+/// Sums over some pixels, for the error of the mean of two films.
+typedef struct ErrorSums {
+    float variance;  // of the pixels' means, all channels
+    float squares;   // of the pixels' variances
+    float value;     // the pixels' means, all channels
+    uint pixels;     // with samples in both films
+} ErrorSums;
+CLARAY_LAYOUT(ErrorSums, 16)
+
 CLARAY_SHARED_END
 
 #endif
