@@ -46,9 +46,11 @@ const RenderConfig& checked(const RenderConfig& config) {
                "give 1 to 16384 pixels a side");
     if (config.spp == 0) refuse("0 samples a pixel", "give at least 1");
     if (config.max_depth == 0) refuse("a maximum depth of 0", "give at least 1, which is direct light only");
-    if (!(config.seconds >= 0)) refuse("a time limit that is no time", "give seconds, or 0 for no limit");
+    if (!(config.seconds >= 0 && std::isfinite(config.seconds)))
+        refuse("a time limit that is no time", "give seconds, or 0 for no limit");
     if (!(config.noise >= 0)) refuse("a noise limit that is negative or no number", "0.01 is a good start");
-    if (!(config.error >= 0)) refuse("an error to reach that is negative or no number", "0.01 is a good start");
+    if (!(config.error >= 0 && std::isfinite(config.error)))
+        refuse("an error to reach that is negative or no number", "0.01 is a good start");
     if (!(config.checkpoint_seconds > 0)) refuse("checkpoints every 0 seconds or less", "30 is a good start");
     return config;
 }
@@ -84,10 +86,24 @@ double kernel_milliseconds(const Device& device) {
     return total;
 }
 
+/// A last batch may be as short as this: half a percent of the time, but longer than launching takes.
+double least_milliseconds(double seconds) { return std::max(1.0, 5 * seconds); }
+
 /// Keeps the host from running far ahead of the device, so that a stop takes effect soon, and sets the pace.
 class InFlight {
 public:
     InFlight(const Device& device, Pace& pace) : device_(device), pace_(pace) {}
+
+    /// Paths whose batches are not yet known to be done.
+    [[nodiscard]] std::uint64_t paths() const {
+        std::uint64_t paths = 0;
+        for (const Submitted& batch : batches_) paths += batch.paths;
+        return paths;
+    }
+    /// Waits for the batch before the last, and for the last one.
+    void drain() {
+        while (!batches_.empty()) wait();
+    }
 
     /// To be called after each batch; waits for the one before the last.
     void submitted(std::uint32_t paths) try {
@@ -95,12 +111,7 @@ public:
         device_.queue().enqueueMarkerWithWaitList(nullptr, &done);
         device_.queue().flush();
         batches_.push_back({done, paths});
-        if (batches_.size() < batches_in_flight) return;
-        batches_.front().done.wait();
-        const Clock::time_point now = Clock::now();
-        if (before_) pace_.took(batches_.front().paths, 1e3 * std::chrono::duration<double>(now - *before_).count());
-        before_ = now;
-        batches_.pop_front();
+        if (batches_.size() >= batches_in_flight) wait();
     } catch (const cl::Error& error) {
         throw_device_error(device_, "render", error);
     }
@@ -110,6 +121,18 @@ private:
         cl::Event done;
         std::uint32_t paths;
     };
+
+    /// For the oldest batch.
+    void wait() try {
+        batches_.front().done.wait();
+        const Clock::time_point now = Clock::now();
+        if (before_) pace_.took(batches_.front().paths, 1e3 * std::chrono::duration<double>(now - *before_).count());
+        before_ = now;
+        batches_.pop_front();
+    } catch (const cl::Error& error) {
+        throw_device_error(device_, "render", error);
+    }
+
     Device device_;
     Pace& pace_;
     std::deque<Submitted> batches_;
@@ -178,6 +201,8 @@ struct Renderer::State {
     auto timed(const Measure& measure);
     [[nodiscard]] bool target_met();
     [[nodiscard]] bool error_met();
+    void warm_up();
+    [[nodiscard]] std::uint32_t paths_of_next_batch(InFlight& in_flight) const;
     void trace(const Batch& batch, InFlight& in_flight);
     [[nodiscard]] RayCount rays(const char* name, std::uint64_t count) const;
 
@@ -296,6 +321,28 @@ void Renderer::State::take_over_when_compiled() {
     own_kernels_from = spp();
 }
 
+/// Drivers compile or load kernels when they are first run, which is no part of the time that samples have.
+void Renderer::State::warm_up() {
+    const Batch few{0, std::min(pixels(), 64u), 0, 1};
+    Film scratch(device, few.pixels);
+    wavefront.trace(few);
+    scratch.accumulate(few, wavefront.radiance());
+    (void)scratch.noise();
+    wavefront.reset_totals();
+}
+
+/// Towards a time limit as many as half of what is left suffices for, since machines slow down without warning. Every pixel
+/// gets a sample in any case.
+std::uint32_t Renderer::State::paths_of_next_batch(InFlight& in_flight) const {
+    if (!(config.seconds > 0) || schedule.complete_passes_spp() == 0) return pace.paths();
+    const auto left = [&] {
+        return 1e3 * (config.seconds - seconds_since(*begin)) - pace.milliseconds_of(in_flight.paths());
+    };
+    const double least = least_milliseconds(config.seconds);
+    if (left() < least) in_flight.drain();  // what is said to take until then may be quicker
+    return pace.paths_within(std::max(left() / 2, least));
+}
+
 /// Every film gets it, from samples of its own.
 void Renderer::State::trace(const Batch& batch, InFlight& in_flight) {
     for (std::uint32_t f = 0; f < film.films(); ++f) {
@@ -342,13 +389,14 @@ Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig&
 
 RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>& progress) {
     State& state = *state_;
+    if (!state.begin && state.config.seconds > 0) state.warm_up();
     if (!state.begin) state.begin = Clock::now();
     const bool saves = !state.config.checkpoint.empty();
     InFlight in_flight(state.device, state.pace);
     Clock::time_point last_report;  // long ago: the first batch is reported at once
     Clock::time_point last_checkpoint = Clock::now();
     while (!state.target_met()) {
-        state.trace(state.schedule.next(state.pace.paths()), in_flight);
+        state.trace(state.schedule.next(state.paths_of_next_batch(in_flight)), in_flight);
         if (state.first_pixel_seconds == 0) state.first_pixel();
         if (!state.own_kernels) state.take_over_when_compiled();
         if (saves && seconds_since(last_checkpoint) >= state.config.checkpoint_seconds) {

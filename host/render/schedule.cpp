@@ -42,9 +42,15 @@ std::uint64_t Schedule::samples() const {
     return std::uint64_t(at_.done) * pixels_ + std::uint64_t(at_.pixel) * pass_samples() + at_.sample;
 }
 
+std::uint32_t Pace::paths_within(double milliseconds) const {
+    if (!(milliseconds_a_path_ > 0)) return paths_;
+    return std::uint32_t(std::clamp(milliseconds / milliseconds_a_path_, 1.0, double(paths_)));
+}
+
 /// What took longer than it should is cut at once. Only full batches say that more would do: small ones are mostly
 /// overhead.
 void Pace::took(std::uint32_t paths, double milliseconds) {
+    milliseconds_a_path_ = milliseconds / double(paths);
     const double share = batch_milliseconds / std::max(milliseconds, 1e-3);
     if (share < 1)
         paths_ = std::min(paths_, std::uint32_t(std::max(1.0, double(paths) * std::max(share, 0.125))));

@@ -50,11 +50,16 @@ public:
     Pace(std::uint32_t first, std::uint32_t most) : paths_(first < most ? first : most), most_(most) {}
 
     [[nodiscard]] std::uint32_t paths() const { return paths_; }
+    /// The same, of a batch that shall be done within this time, as far as is known how long paths take.
+    [[nodiscard]] std::uint32_t paths_within(double milliseconds) const;
+    /// How long so many paths take; 0 while it is not known.
+    [[nodiscard]] double milliseconds_of(std::uint64_t paths) const { return double(paths) * milliseconds_a_path_; }
     /// So long a batch of so many paths has taken.
     void took(std::uint32_t paths, double milliseconds);
 
 private:
     std::uint32_t paths_, most_;
+    double milliseconds_a_path_ = 0;
 };
 
 }  // namespace claray

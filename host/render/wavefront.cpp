@@ -74,7 +74,7 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
     radiance_ = Buffer<float>(device, 3 * std::size_t(paths));
     shadow_length_ = Buffer<std::uint32_t>(device, 1);
     totals_ = Buffer<std::uint64_t>(device, 2);
-    totals_.fill(0);
+    reset_totals();
     if (scene.light_tree.allocated()) shading_normals_ = Buffer<float>(device, 3 * std::size_t(paths));
     if (scene.lights.count == 0) return;
     shadow_rays_ = Buffer<Ray>(device, paths);
@@ -156,6 +156,11 @@ void Wavefront::trace_centers(const Batch& batch, Buffer<Visits>& visits) {
 Wavefront::Totals Wavefront::totals() const {
     const std::vector<std::uint64_t> totals = totals_.read();
     return {camera_rays_, totals[0], totals[1]};
+}
+
+void Wavefront::reset_totals() {
+    camera_rays_ = 0;
+    totals_.fill(0);
 }
 
 std::uint64_t Wavefront::bytes() const {

@@ -52,6 +52,8 @@ public:
     };
     /// Rays traced so far. Blocks.
     [[nodiscard]] Totals totals() const;
+    /// Counts anew; enqueued.
+    void reset_totals();
     [[nodiscard]] std::uint64_t bytes() const;
 
 private:
