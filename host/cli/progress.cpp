@@ -23,15 +23,18 @@ void handle(int signal_number, void (*handler)(int)) {
     sigaction(signal_number, &action, nullptr);
 }
 
-std::string noise_text(double noise) {
-    if (noise <= 0) return {};
-    char text[32];
-    std::snprintf(text, sizeof text, ", noise %.2f %%", 100 * noise);
+std::string noise_text(const RenderProgress& progress) {
+    if (progress.noise <= 0) return {};
+    char text[64];
+    if (progress.error_bound > 0)
+        std::snprintf(text, sizeof text, ", error below %.2f %%", 100 * progress.error_bound);
+    else
+        std::snprintf(text, sizeof text, ", noise %.2f %%", 100 * progress.noise);
     return text;
 }
 
 std::string time_left(const RenderProgress& progress, double fraction) {
-    if (fraction <= 0 || fraction >= 1) return {};
+    if (fraction < 1e-4 || fraction >= 1) return {};
     char text[32];
     std::snprintf(text, sizeof text, ", %.1f s left", progress.seconds * (1 - fraction) / fraction);
     return text;
@@ -46,6 +49,10 @@ double fraction_done(const RenderProgress& progress, const RenderConfig& config)
         const double ratio = config.noise / progress.noise;
         fraction = std::max(fraction, ratio * ratio);
     }
+    if (config.error > 0 && progress.error_bound > 0) {
+        const double ratio = config.error / progress.error_bound;
+        fraction = std::max(fraction, ratio * ratio);
+    }
     return std::clamp(fraction, 0.0, 1.0);
 }
 
@@ -57,8 +64,10 @@ ProgressStyle progress_style(bool quiet) {
 void ProgressDisplay::show(const RenderProgress& progress) {
     if (style_ == ProgressStyle::none) return;
     const double fraction = fraction_done(progress, config_);
-    const std::string facts = std::to_string(progress.spp) + "/" + std::to_string(config_.spp) + " spp" +
-                              time_left(progress, fraction) + noise_text(progress.noise);
+    const bool by_samples = config_.error <= 0 && config_.spp < 1u << 24;
+    const std::string facts = std::to_string(progress.spp) +
+                              (by_samples ? "/" + std::to_string(config_.spp) : std::string()) + " spp" +
+                              time_left(progress, fraction) + noise_text(progress);
     if (style_ == ProgressStyle::bar) {
         const int filled = int(fraction * bar_width);
         const std::string bar =

@@ -11,6 +11,7 @@
 #include "host/cli/progress.hpp"
 #include "host/cli/render_options.hpp"
 #include "host/cli/render_outputs.hpp"
+#include "host/cli/render_targets.hpp"
 
 namespace claray::cli {
 namespace {
@@ -39,17 +40,18 @@ void warn_of_culled(const RenderProgress& progress) {
 
 /// Renders until a target is met or a signal comes. Before the first samples there is nothing to save, and a signal
 /// ends the program as usual, even while a driver compiles.
-Outcome run_renderer(Renderer& renderer, const RenderOptions& options) {
+Outcome run_renderer(const Device& device, Renderer& renderer, const RenderOptions& options, TargetPlan* plan) {
     ProgressDisplay display(options.config, progress_style(options.quiet));
     std::optional<InterruptGuard> guard;
-    const RenderProgress progress = renderer.render([&](const RenderProgress& so_far) {
+    const auto show = [&](const RenderProgress& so_far) {
         if (!guard) {
             warn_of_culled(so_far);
             guard.emplace();
         }
         display.show(so_far);
         return !InterruptGuard::interrupted();
-    });
+    };
+    const RenderProgress progress = plan ? render_to_target(device, renderer, *plan, show) : renderer.render(show);
     display.finish(progress);
     if (progress.spp == 0)
         throw Error(ErrorKind::user, "interrupted before every pixel had a sample: there is no image to write");
@@ -68,16 +70,24 @@ void render(const RenderOptions& options) {
     device.profiler().keep_records(!options.trace.empty());
     RenderConfig config = options.config;
     if (!options.wait_for_kernels) config.compiler = this_program();
-    Renderer renderer(device, load(options), config);
+    const Scene scene = load(options);
+    std::optional<TargetPlan> plan;
+    if (options.picks_settings) {
+        plan = plan_render(device, scene, config, options.picks_builder);
+        config = plan->config;
+    }
+    Renderer renderer(device, scene, config);
 
-    const Outcome outcome = run_renderer(renderer, options);
+    const Outcome outcome = run_renderer(device, renderer, options, plan ? &*plan : nullptr);
     write_image(options.output, {options.config.width, options.config.height, renderer.image()}, options.exposure,
                 options.tone_map);
     write_aovs(renderer, options);
     if (!options.trace.empty()) write_trace(options.trace, device.profiler().records(), device.info().name);
-    options.json ? print_as_json(device, renderer, options, outcome)
-                 : print_as_text(device, renderer, options, outcome);
+    const TargetPlan* planned = plan ? &*plan : nullptr;
+    options.json ? print_as_json(device, renderer, options, outcome, planned)
+                 : print_as_text(device, renderer, options, outcome, planned);
     refuse_lost_checkpoint(renderer);
+    if (!outcome.interrupted) refuse_missed_error(config, outcome.progress);
 }
 
 void add_image_options(CLI::App& command, RenderOptions& o) {
@@ -96,17 +106,6 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
         ->take_all()
         ->delimiter(',')
         ->check(CLI::IsMember(std::vector<std::string>(std::begin(aov_names), std::end(aov_names))));
-}
-
-/// Refuses what is no finite number above `least`, or not that where it is `included`.
-CLI::Validator number_above(const std::string& range, float least, bool included) {
-    const auto check = [range, least, included](const std::string& text) {
-        float value = NAN;
-        const bool ok = CLI::detail::lexical_cast(text, value) && std::isfinite(value) &&
-                        (value > least || (included && value == least));
-        return ok ? std::string() : "'" + text + "' is not a number of " + range;
-    };
-    return CLI::Validator(check, "");
 }
 
 void add_camera_options(CLI::App& command, RenderOptions& o) {
@@ -130,9 +129,6 @@ void add_camera_options(CLI::App& command, RenderOptions& o) {
 
 void add_quality_options(CLI::App& command, RenderOptions& o) {
     command.add_option("--spp", o.config.spp, "Samples a pixel [64]")->check(CLI::Range(1, 1 << 24));
-    command.add_option("--time", o.config.seconds, "Stop after this many seconds")->check(CLI::PositiveNumber);
-    command.add_option("--error", o.config.error, "Stop at this RMSE over the mean, 0.01 for instance")
-        ->check(CLI::PositiveNumber);
     command.add_option("--noise", o.config.noise, "Stop at this relative standard error, 0.01 for instance")
         ->check(CLI::PositiveNumber);
     command.add_option("--max-depth", o.config.max_depth, "Surfaces a path may meet; 1 is direct light only [8]")
@@ -169,10 +165,13 @@ void add_render_command(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand("render", "Render a scene to an image by path tracing");
     command->footer(
         "Ctrl-C stops early and writes the image as it is.\n"
-        "--time counts anew after --resume; --spp may be larger than before.\n"
+        "With --error or --time the tree and the samples are picked by what claray tune measured of the device. "
+        "--time\n"
+        "is that of sampling: it begins when scene, tree and kernels are there, and ends before files are written. It\n"
+        "counts anew after --resume; --spp may be larger than before.\n"
         "Examples:\n"
-        "  claray render cornell -o cornell.png --spp 1024 --noise 0.02\n"
-        "  claray render bunny.obj -o bunny.hdr --size 1920x1080 --time 60 --stats\n"
+        "  claray render cornell -o cornell.png --error 0.02\n"
+        "  claray render bunny.obj -o bunny.hdr --size 1920x1080 --time 60s --stats\n"
         "  claray render terrain:1000000 -o terrain.png --aov depth,heat --trace trace.json");
     command->option_defaults()->take_last();  // so that scripts can override what they were given
     auto options = std::make_shared<RenderOptions>();
@@ -180,9 +179,13 @@ void add_render_command(CLI::App& app, Action& action) {
     add_camera_options(*command, *options);
     add_light_options(*command, options->lights);
     add_quality_options(*command, *options);
+    add_target_options(*command, *options);
     add_checkpoint_options(*command, *options);
     add_machine_options(*command, *options);
-    command->callback([&action, options] { action = [options] { render(*options); }; });
+    command->callback([&action, command, options] {
+        check_targets(*command, *options);
+        action = [options] { render(*options); };
+    });
 }
 
 }  // namespace claray::cli

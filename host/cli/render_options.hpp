@@ -18,7 +18,7 @@ struct RenderOptions {
     std::string device;
     RenderConfig config;
     std::optional<glm::vec3> camera, look_at, up;
-    std::optional<float> fov;                          // degrees, vertical
+    std::optional<float> fov;  // degrees, vertical
     LightOptions lights;
     std::optional<float> aperture, focus_distance;     // of a thin lens
     std::optional<glm::vec3> camera_end, look_at_end;  // when the shutter closes
@@ -29,6 +29,7 @@ struct RenderOptions {
     std::filesystem::path trace;
     bool stats = false, json = false, quiet = false;
     bool wait_for_kernels = false;
+    bool picks_settings = false, picks_builder = true;  // by target; the builder where none is asked for
 };
 
 inline constexpr const char* aov_names[] = {"depth", "normal", "albedo", "primitive", "heat"};

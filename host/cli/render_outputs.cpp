@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "claray/program.hpp"
+#include "host/cli/render_targets.hpp"
 
 namespace claray::cli {
 namespace {
@@ -82,7 +83,7 @@ void print_start(const RenderStatistics& s) {
     std::printf("\n");
 }
 
-void print_statistics(const Device& device, const RenderStatistics& s) {
+void print_statistics(const Device& device, const RenderStatistics& s, double seconds) {
     const CompileStatistics compile = compile_statistics();
     std::printf("device        %s\n", device.info().name.c_str());
     std::printf("kernels       %u compiled, %u from the cache, %.0f ms\n", compile.compiled, compile.from_cache,
@@ -96,6 +97,8 @@ void print_statistics(const Device& device, const RenderStatistics& s) {
     print_rays("bounce rays", s.bounce);
     print_rays("shadow rays", s.shadow);
     std::printf("longest       %.1f ms, %s\n", s.longest_milliseconds, s.longest_command.c_str());
+    std::printf("measuring     noise and error: %.1f ms, %.2f %% of the render\n", 1e3 * s.measuring_seconds,
+                seconds > 0 ? 100 * s.measuring_seconds / seconds : 0.0);
     std::printf("memory        %.1f MB on the device\n", double(s.device_bytes) * 1e-6);
 }
 
@@ -107,26 +110,28 @@ void write_aovs(const Renderer& renderer, const RenderOptions& options) {
     for (const std::string& name : options.aovs) write_aov(name, aovs, options);
 }
 
-void print_as_text(const Device& device, const Renderer& renderer, const RenderOptions& options,
-                   const Outcome& outcome) {
+void print_as_text(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,
+                   const TargetPlan* plan) {
     const RenderProgress& p = outcome.progress;
+    if (plan) print_picks(*plan);
     print_overrides(options.config.effects);
-    if (options.stats) print_statistics(device, renderer.statistics());
+    if (options.stats) print_statistics(device, renderer.statistics(), p.seconds);
     std::printf("%s: %ux%u, %u spp in %.2f s", options.output.c_str(), options.config.width, options.config.height,
                 p.spp, p.seconds);
     if (p.noise > 0) std::printf(", noise %.2f %%", 100 * p.noise);
-    if (p.error > 0) std::printf(", error %.3f %% (bound %.3f)", 100 * p.error, 100*p.error_bound);
+    if (p.error > 0) std::printf(", error %.2f %%", 100 * p.error);
     std::printf("%s\n", outcome.interrupted ? ", interrupted" : "");
+    if (plan) std::printf("reached: %s\n", account_of(*plan, p).c_str());
     if (p.dropped_samples > 0)
         std::fprintf(stderr, "claray: warning: %llu samples were not finite and are left out\n",
                      static_cast<unsigned long long>(p.dropped_samples));
 }
 
-void print_as_json(const Device& device, const Renderer& renderer, const RenderOptions& options,
-                   const Outcome& outcome) {
+void print_as_json(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,
+                   const TargetPlan* plan) {
     const RenderStatistics s = renderer.statistics();
     const CompileStatistics compile = compile_statistics();
-    const nlohmann::ordered_json report = {
+    nlohmann::ordered_json report = {
         {"output", options.output.string()},
         {"scene", options.scene},
         {"device", device.info().name},
@@ -135,6 +140,9 @@ void print_as_json(const Device& device, const Renderer& renderer, const RenderO
         {"spp", outcome.progress.spp},
         {"seconds", outcome.progress.seconds},
         {"noise", outcome.progress.noise},
+        {"error", outcome.progress.error},
+        {"error_bound", outcome.progress.error_bound},
+        {"measuring_seconds", s.measuring_seconds},
         {"interrupted", outcome.interrupted},
         {"dropped_samples", s.dropped_samples},
         {"kernels",
@@ -159,6 +167,12 @@ void print_as_json(const Device& device, const Renderer& renderer, const RenderO
         {"rays", {{"camera", as_json(s.camera)}, {"bounce", as_json(s.bounce)}, {"shadow", as_json(s.shadow)}}},
         {"longest_command", {{"name", s.longest_command}, {"milliseconds", s.longest_milliseconds}}},
         {"device_bytes", s.device_bytes}};
+    if (plan)
+        report["target"] = {{"error", plan->config.error},
+                            {"seconds", plan->config.seconds},
+                            {"promised_seconds", plan->promised_seconds},
+                            {"picks", plan->picks},
+                            {"reached", account_of(*plan, outcome.progress)}};
     std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "claray/device.hpp"
+#include "claray/target.hpp"
 #include "host/cli/render_options.hpp"
 
 namespace claray::cli {
@@ -15,9 +16,10 @@ struct Outcome {
     bool interrupted = false;
 };
 
-void print_as_text(const Device& device, const Renderer& renderer, const RenderOptions& options,
-                   const Outcome& outcome);
-void print_as_json(const Device& device, const Renderer& renderer, const RenderOptions& options,
-                   const Outcome& outcome);
+/// `plan`: null where nothing was picked.
+void print_as_text(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,
+                   const TargetPlan* plan);
+void print_as_json(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,
+                   const TargetPlan* plan);
 
 }  // namespace claray::cli

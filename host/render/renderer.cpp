@@ -193,6 +193,7 @@ struct Renderer::State {
     [[nodiscard]] WavefrontKernels first_kernels() const;
     void first_pixel();
     void take_over_when_compiled();
+    void adopt(const Structure& other);
     void save_checkpoint();
     [[nodiscard]] std::uint32_t pixels() const { return config.width * config.height; }
     [[nodiscard]] unsigned spp() const { return unsigned(schedule.samples() * film.films() / pixels()); }
@@ -313,12 +314,17 @@ void Renderer::State::first_pixel() {
 /// Between two batches, so that no path sees two kinds of kernels; the image would be the same even then.
 void Renderer::State::take_over_when_compiled() {
     if (!are_cached(device, plan.last, config)) return;
-    if (plan.last.layout != plan.first.layout) structure = structure.rebuilt(with_layout(config.bvh, plan.last.layout));
+    const bool rebuilds = plan.last.layout != plan.first.layout;
+    adopt(rebuilds ? structure.rebuilt(with_layout(config.bvh, plan.last.layout)) : structure);
+    own_kernels = true;
+    own_kernels_from = spp();
+}
+
+void Renderer::State::adopt(const Structure& other) {
+    structure = other;
     structure.set_cutouts(buffers.textures.cutouts());
     buffers.structure = structure;
     wavefront.take_over(structure, WavefrontKernels(buffers, config.sampler, plan.last.effects));
-    own_kernels = true;
-    own_kernels_from = spp();
 }
 
 /// Drivers compile or load kernels when they are first run, which is no part of the time that samples have.
@@ -331,8 +337,8 @@ void Renderer::State::warm_up() {
     wavefront.reset_totals();
 }
 
-/// Towards a time limit as many as half of what is left suffices for, since machines slow down without warning. Every pixel
-/// gets a sample in any case.
+/// Towards a time limit as many as half of what is left suffices for, since machines slow down without warning. Every
+/// pixel gets a sample in any case.
 std::uint32_t Renderer::State::paths_of_next_batch(InFlight& in_flight) const {
     if (!(config.seconds > 0) || schedule.complete_passes_spp() == 0) return pace.paths();
     const auto left = [&] {
@@ -340,7 +346,7 @@ std::uint32_t Renderer::State::paths_of_next_batch(InFlight& in_flight) const {
     };
     const double least = least_milliseconds(config.seconds);
     if (left() < least) in_flight.drain();  // what is said to take until then may be quicker
-    return pace.paths_within(std::max(left() / 2, least));
+    return pace.paths_within(std::max(left() / 2, least) / film.films());
 }
 
 /// Every film gets it, from samples of its own.
@@ -410,6 +416,25 @@ RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>
     if (saves) state.save_checkpoint();
     state.device.finish();
     return state.measure();
+}
+
+void Renderer::restart(std::uint32_t seed) {
+    State& state = *state_;
+    if (!state.config.checkpoint.empty())
+        throw Error(ErrorKind::usage, "a render that writes checkpoints can't begin anew", "leave the checkpoint out");
+    state.config.seed = seed;
+    state.schedule.go_to({});
+    state.film.clear();
+    state.last_error = {};
+    state.begin.reset();
+}
+
+bool Renderer::rebuild(const Bvh::Config& config) {
+    State& state = *state_;
+    if (state.structure.instanced() || !state.own_kernels) return false;
+    state.config.bvh = config;
+    state.adopt(state.structure.rebuilt(with_layout(config, state.plan.last.layout)));
+    return true;
 }
 
 std::vector<glm::vec3> Renderer::image() const { return state_->film.resolve(); }

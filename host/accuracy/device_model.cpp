@@ -1,0 +1,142 @@
+// How fast a device builds and renders: measured here, kept in the tuning table.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "claray/target.hpp"
+#include "host/compute/device_state.hpp"
+
+namespace claray {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr const char* table_name = "plan/model";
+constexpr Builder builders[] = {Builder::fast, Builder::balanced, Builder::high};
+constexpr unsigned side = 128;  // of the images that are rendered
+constexpr double least_seconds = 0.15;
+constexpr int rounds = 4;
+
+/// A figure of the model and its row: counts are whole there.
+struct Figure {
+    const char* parameter;
+    double scale;
+    double& (*of)(DeviceModel& model);
+};
+constexpr Figure figures[] = {
+    {"FAST_PICOSECONDS_PER_TRIANGLE", 1e3, [](DeviceModel& m) -> double& { return m.fast.build_nanoseconds; }},
+    {"BALANCED_PICOSECONDS_PER_TRIANGLE", 1e3, [](DeviceModel& m) -> double& { return m.balanced.build_nanoseconds; }},
+    {"HIGH_PICOSECONDS_PER_TRIANGLE", 1e3, [](DeviceModel& m) -> double& { return m.high.build_nanoseconds; }},
+    {"FAST_SAMPLES_PER_SECOND", 1, [](DeviceModel& m) -> double& { return m.fast.samples_per_second; }},
+    {"BALANCED_SAMPLES_PER_SECOND", 1, [](DeviceModel& m) -> double& { return m.balanced.samples_per_second; }},
+    {"HIGH_SAMPLES_PER_SECOND", 1, [](DeviceModel& m) -> double& { return m.high.samples_per_second; }},
+    {"INDEPENDENT_COST_PERMILLE", 1e3, [](DeviceModel& m) -> double& { return m.independent_cost; }},
+};
+
+double seconds_of(const std::function<void()>& work) {
+    const Clock::time_point begin = Clock::now();
+    work();
+    return std::chrono::duration<double>(Clock::now() - begin).count();
+}
+
+/// The second time, when all is compiled.
+double seconds_to_build(const Device& device, const Scene& scene, Builder builder) {
+    double least = INFINITY;
+    Bvh bvh = Bvh::build(device, scene.meshes, {.builder = builder});
+    for (int i = 0; i < 2; ++i)
+        least = std::min(least, seconds_of([&] {
+                             bvh.rebuild();
+                             device.finish();
+                         }));
+    return least;
+}
+
+/// Renders by turns, since machines are slower at times, for all trees alike.
+void measure_speeds(const Device& device, const Scene& scene, DeviceModel& model) {
+    RenderConfig config{.width = side, .height = side, .spp = 1};
+    const auto seconds_at = [&](unsigned spp) {
+        config.spp = spp;
+        Renderer renderer(device, scene, config);
+        (void)renderer.render();  // compiles
+        renderer.restart(1);
+        return renderer.render().seconds;
+    };
+    const double seconds = seconds_at(4);
+    config.spp = unsigned(std::clamp(4 * least_seconds / std::max(seconds, 1e-5), 1.0, 65536.0));
+    std::vector<Renderer> renderers;
+    for (const Builder builder : builders) {
+        config.bvh.builder = builder;
+        renderers.emplace_back(device, scene, config);
+        (void)renderers.back().render();
+    }
+    double least[] = {INFINITY, INFINITY, INFINITY};
+    for (std::uint32_t round = 1; round <= rounds; ++round)
+        for (std::size_t i = 0; i < renderers.size(); ++i) {
+            renderers[i].restart(round);
+            least[i] = std::min(least[i], renderers[i].render().seconds);
+        }
+    const double samples = double(side) * side * config.spp;
+    model.fast.samples_per_second = samples / least[0];
+    model.balanced.samples_per_second = samples / least[1];
+    model.high.samples_per_second = samples / least[2];
+}
+
+/// Error squared times seconds: what an error costs, since it falls with the root of the time.
+double cost_of_error(const Device& device, const Scene& scene, Sampler sampler) {
+    RenderConfig config{.width = side, .height = side, .spp = 32, .error = 1e-9, .sampler = sampler};
+    Renderer renderer(device, scene, config);
+    double squares = 0, seconds = INFINITY;
+    for (std::uint32_t round = 0; round < 3; ++round) {
+        renderer.restart(round);
+        const RenderProgress reached = renderer.render();
+        squares += reached.error * reached.error;
+        seconds = std::min(seconds, reached.seconds);
+    }
+    return squares * seconds;
+}
+
+}  // namespace
+
+const DeviceModel::Preset& DeviceModel::of(Builder builder) const {
+    switch (builder) {
+        case Builder::balanced: return balanced;
+        case Builder::high: return high;
+        default: return fast;
+    }
+}
+
+DeviceModel stored_model(const Device& device) {
+    DeviceModel model;
+    const auto& tuning = device.state().tuning;
+    for (const Figure& figure : figures) {
+        const auto row = tuning.find(std::string(table_name) + " " + figure.parameter);
+        if (row == tuning.end() || row->second == 0) return {};
+        figure.of(model) = row->second / figure.scale;
+    }
+    return model;
+}
+
+std::vector<ModelRow> rows_of(const DeviceModel& model) {
+    DeviceModel copy = model;
+    std::vector<ModelRow> rows;
+    for (const Figure& figure : figures) {
+        const double value = std::round(figure.of(copy) * figure.scale);
+        rows.push_back({table_name, figure.parameter, unsigned(std::clamp(value, 1.0, 4294967295.0))});
+    }
+    return rows;
+}
+
+DeviceModel measure_model(const Device& device, std::size_t triangles) {
+    const Scene scene = *builtin_scene("terrain:" + std::to_string(triangles));
+    DeviceModel model;
+    const double nanoseconds = 1e9 / double(triangles);
+    model.fast.build_nanoseconds = nanoseconds * seconds_to_build(device, scene, Builder::fast);
+    model.balanced.build_nanoseconds = nanoseconds * seconds_to_build(device, scene, Builder::balanced);
+    model.high.build_nanoseconds = nanoseconds * seconds_to_build(device, scene, Builder::high);
+    measure_speeds(device, scene, model);
+    model.independent_cost =
+        cost_of_error(device, scene, Sampler::independent) / cost_of_error(device, scene, Sampler::sobol);
+    return model;
+}
+
+}  // namespace claray

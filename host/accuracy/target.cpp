@@ -1,0 +1,205 @@
+// The planner: which builder and which samples reach a target soonest.
+#include "claray/target.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+namespace claray {
+namespace {
+
+constexpr double least_seconds_for_pilot = 60;  // below which measuring a device doesn't pay
+constexpr std::size_t pilot_triangles = 20'000;
+constexpr double seconds_to_foresee = 0.3;
+constexpr unsigned least_spp_to_foresee = 16;
+constexpr double sure_gain = 1.25;  // by which a better tree must save more than it costs: models err
+constexpr double late = 1.1;        // of a time limit
+
+std::string told(const char* format, auto... values) {
+    char text[320];
+    std::snprintf(text, sizeof text, format, values...);
+    return text;
+}
+
+/// "0.53 s", "2.1 min", "3.4 h", "12 days"
+std::string told_time(double seconds) {
+    if (seconds < 1e-3) return told("%.3g us", 1e6 * seconds);
+    if (seconds < 0.1) return told("%.3g ms", 1e3 * seconds);
+    if (seconds < 120) return told("%.3g s", seconds);
+    if (seconds < 7200) return told("%.3g min", seconds / 60);
+    if (seconds < 172'800) return told("%.3g h", seconds / 3600);
+    return told("%.4g days", seconds / 86'400);
+}
+
+const char* name_of(Builder builder) {
+    return builder == Builder::fast ? "fast" : builder == Builder::balanced ? "balanced" : "high";
+}
+
+double build_seconds(const DeviceModel& model, Builder builder, std::size_t triangles) {
+    return 1e-9 * model.of(builder).build_nanoseconds * double(triangles);
+}
+
+/// How many times as fast as `fast` is.
+double speed_of(const DeviceModel& model, Builder builder) {
+    return model.of(builder).samples_per_second / model.fast.samples_per_second;
+}
+
+std::size_t triangles_of(const Scene& scene) {
+    std::size_t triangles = 0;
+    for (const Mesh& mesh : scene.meshes) triangles += mesh.triangles.size();
+    return triangles;
+}
+
+/// On a device object of its own, so that what it runs is in nobody's statistics.
+DeviceModel pilot(const Device& device, std::vector<std::string>& picks) {
+    const DeviceModel model = measure_model(Device::open(std::to_string(device.info().index)), pilot_triangles);
+    picks.push_back("model: none of this device is stored (see claray tune), so a short one was measured");
+    return model;
+}
+
+std::string why(const TargetPlan& plan, Builder builder, double seconds) {
+    if (!plan.model.known()) return "tree: fast; no model of this device is stored (see claray tune)";
+    std::string text = told("tree: %s, for %zu triangles and about %s of sampling;", name_of(builder), plan.triangles,
+                            told_time(seconds).c_str());
+    for (const Builder other : {Builder::fast, Builder::balanced, Builder::high})
+        text += told(" %s %s and %.2f times the speed%s", name_of(other),
+                     told_time(build_seconds(plan.model, other, plan.triangles)).c_str(), speed_of(plan.model, other),
+                     other == Builder::high ? "" : ",");
+    return text;
+}
+
+void pick_sampler(TargetPlan& plan) {
+    if (plan.config.sampler != Sampler::sobol) return;
+    if (!plan.model.known()) {
+        plan.picks.emplace_back("samples: Sobol's, less noise for the same number");
+        return;
+    }
+    const double cost = plan.model.independent_cost;
+    plan.config.sampler = cost < 1 ? Sampler::independent : Sampler::sobol;
+    plan.picks.push_back(told("samples: %s; independent ones take %.2f times the time for the same error",
+                              cost < 1 ? "independent" : "Sobol's", cost));
+}
+
+/// What is foreseen from the samples since `first`, the error falling with their root.
+struct Forecast {
+    double spp = 0, seconds = 0;  // that the error needs
+    double seconds_a_sample = 0;  // for every pixel
+};
+
+Forecast forecast(const RenderProgress& first, const RenderProgress& so_far, double error) {
+    const double ratio = so_far.error_bound / error;
+    Forecast needed;
+    needed.spp = so_far.spp * ratio * ratio;
+    needed.seconds_a_sample = so_far.spp > first.spp ? (so_far.seconds - first.seconds) / (so_far.spp - first.spp)
+                                                     : so_far.seconds / so_far.spp;
+    needed.seconds = so_far.seconds + (needed.spp - so_far.spp) * needed.seconds_a_sample;
+    return needed;
+}
+
+void refuse_unreachable(const TargetPlan& plan, const Forecast& needed, const RenderProgress& so_far) {
+    const double most = plan.config.spp;
+    if (needed.spp <= 4 * most) return;  // a forecast errs
+    const double closest = so_far.error_bound * std::sqrt(so_far.spp / most);
+    throw Error(
+        ErrorKind::user,
+        told("an error of %g can't be reached: it needs about %.3g samples a pixel (%s), and %.0f are the most",
+             plan.config.error, needed.spp, told_time(needed.seconds).c_str(), most),
+        told("the closest is about --error %.2g, in %s", closest, told_time(most * needed.seconds_a_sample).c_str()));
+}
+
+void refuse_late(const RenderConfig& config, const RenderProgress& reached) {
+    if (!(config.seconds > 0) || reached.spp != 1 || reached.seconds <= late * config.seconds || !config.resume.empty())
+        return;
+    throw Error(ErrorKind::user,
+                "a time of " + told_time(config.seconds) + " can't be kept: a sample for every pixel takes " +
+                    told_time(reached.seconds),
+                "give that time, or a smaller --size or --max-depth");
+}
+
+}  // namespace
+
+Builder choose_builder(const DeviceModel& model, std::size_t triangles, double seconds, Builder built) {
+    if (!model.known()) return built;
+    Builder best = built;
+    double least = seconds / speed_of(model, built);
+    for (const Builder other : {Builder::fast, Builder::balanced, Builder::high}) {
+        if (other == built) continue;
+        const double tracing = seconds / speed_of(model, other), all = tracing + build_seconds(model, other, triangles);
+        const bool sure = seconds / speed_of(model, built) - tracing > sure_gain * (all - tracing);
+        if (sure && all < least) best = other, least = all;
+    }
+    return best;
+}
+
+TargetPlan plan_render(const Device& device, const Scene& scene, const RenderConfig& config, bool picks_builder) {
+    TargetPlan plan;
+    plan.config = config, plan.triangles = triangles_of(scene);
+    plan.picks_builder = picks_builder && scene.instances.empty();
+    plan.model = stored_model(device);
+    if (plan.picks_builder && !plan.model.known() && config.seconds >= least_seconds_for_pilot && config.error == 0)
+        plan.model = pilot(device, plan.picks);
+    pick_sampler(plan);
+    if (!picks_builder) plan.picks.push_back(told("tree: %s, as asked for", name_of(config.bvh.builder)));
+    if (!plan.picks_builder) return plan;
+    plan.config.bvh.builder = Builder::fast;
+    if (config.error > 0) {
+        plan.picks.emplace_back("tree: fast, until the first samples tell how long it takes");
+        return plan;
+    }
+    const Builder builder = choose_builder(plan.model, plan.triangles, config.seconds);
+    plan.config.bvh.builder = builder;
+    plan.picks.push_back(why(plan, builder, config.seconds));
+    plan.promised_seconds = config.seconds;
+    return plan;
+}
+
+RenderProgress render_to_target(const Device& device, Renderer& renderer, TargetPlan& plan,
+                                const std::function<bool(const RenderProgress&)>& progress) {
+    bool foresees = plan.config.error > 0;
+    std::optional<RenderProgress> first;
+    for (;;) {
+        std::optional<double> left;  // seconds, once foreseen
+        const RenderProgress reached = renderer.render([&](const RenderProgress& so_far) {
+            if (progress && !progress(so_far)) return false;
+            if (!foresees || !renderer.statistics().own_kernels) return true;
+            if (!first) first = so_far;
+            const bool known = so_far.error_bound > 0 && so_far.spp >= least_spp_to_foresee;
+            if (!known || so_far.seconds - first->seconds < seconds_to_foresee) return true;
+            const Forecast needed = forecast(*first, so_far, plan.config.error);
+            refuse_unreachable(plan, needed, so_far);
+            plan.promised_seconds = needed.seconds;
+            if (plan.config.seconds > 0) plan.promised_seconds = std::min(needed.seconds, plan.config.seconds);
+            left = plan.promised_seconds - so_far.seconds;
+            return false;
+        });
+        if (!left) {
+            refuse_late(plan.config, reached);
+            return reached;
+        }
+        foresees = false;
+        if (!plan.picks_builder) continue;
+        if (!plan.model.known() && *left >= least_seconds_for_pilot) plan.model = pilot(device, plan.picks);
+        const Builder builder = choose_builder(plan.model, plan.triangles, *left, plan.config.bvh.builder);
+        plan.picks.push_back(why(plan, builder, *left));
+        if (builder == plan.config.bvh.builder) continue;
+        const double gain = *left - *left / speed_of(plan.model, builder);
+        plan.promised_seconds += build_seconds(plan.model, builder, plan.triangles) - gain;
+        plan.config.bvh.builder = builder;
+        renderer.rebuild(plan.config.bvh);
+    }
+}
+
+std::string account_of(const TargetPlan& plan, const RenderProgress& reached) {
+    if (plan.config.error > 0) {
+        std::string text =
+            told("error %.3g, less than %.3g in 95 of 100 renders (promised: %.3g), in %s", reached.error,
+                 reached.error_bound, plan.config.error, told_time(reached.seconds).c_str());
+        if (plan.promised_seconds > 0) text += told(" (foreseen: %s)", told_time(plan.promised_seconds).c_str());
+        return text;
+    }
+    return told("%s (promised: %s), %u samples a pixel", told_time(reached.seconds).c_str(),
+                told_time(plan.config.seconds).c_str(), reached.spp);
+}
+
+}  // namespace claray

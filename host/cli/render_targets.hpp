@@ -1,0 +1,23 @@
+// Choosing by target on the command line of `claray render`.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "claray/target.hpp"
+#include "host/cli/render_options.hpp"
+
+namespace claray::cli {
+
+/// Refuses what is no finite number above `least`, or not that where it is `included`; `range` says it in words.
+[[nodiscard]] CLI::Validator number_above(const std::string& range, float least, bool included);
+
+void add_target_options(CLI::App& command, RenderOptions& options);
+/// Throws ErrorKind::usage where options contradict each other; sets what follows from them.
+void check_targets(const CLI::App& command, RenderOptions& options);
+
+/// What was picked and why.
+void print_picks(const TargetPlan& plan);
+/// Throws ErrorKind::user, saying what would be needed, where a render ended before it had the error asked for.
+void refuse_missed_error(const RenderConfig& config, const RenderProgress& reached);
+
+}  // namespace claray::cli

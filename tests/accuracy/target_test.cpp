@@ -1,0 +1,125 @@
+// host/accuracy: the planner and its model of the device. No test depends on what is fast.
+#include "claray/target.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/device.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/tuning.hpp"
+
+namespace claray::test {
+namespace {
+
+/// High takes 1 s for a million triangles and is then 1.5 times as fast; balanced takes 0.1 s and gains a tenth.
+DeviceModel simple_model() {
+    DeviceModel model;
+    model.fast = {10, 1e6}, model.balanced = {100, 1.1e6}, model.high = {1000, 1.5e6};
+    model.independent_cost = 1.3;
+    return model;
+}
+
+/// Rows of a model as a device has them after `claray tune`.
+Device device_with(const DeviceModel& model) {
+    const Device fresh = Device::open(std::to_string(device().info().index));
+    for (const ModelRow& row : rows_of(model)) fresh.set_tuning(row.kernel, row.parameter, row.value);
+    return fresh;
+}
+
+TEST(ChooseBuilder, TakesTheTreeWithWhichAllIsDoneSoonest) {
+    const DeviceModel model = simple_model();
+    constexpr std::size_t million = 1'000'000;
+    EXPECT_EQ(choose_builder(model, million, 0.01), Builder::fast);
+    EXPECT_EQ(choose_builder(model, million, 2), Builder::balanced);  // saves 0.18 s, high 0.67 s for 1 s
+    EXPECT_EQ(choose_builder(model, million, 30), Builder::high);
+    EXPECT_EQ(choose_builder(model, 100, 0.01), Builder::high) << "few triangles cost nothing";
+    EXPECT_EQ(choose_builder(model, million, 30, Builder::high), Builder::high) << "it is there";
+    EXPECT_EQ(choose_builder(model, million, 0.01, Builder::high), Builder::high);
+    EXPECT_EQ(choose_builder({}, million, 1e9), Builder::fast) << "nothing is known";
+    DeviceModel no_gain = model;
+    no_gain.high.samples_per_second = 0.9e6, no_gain.balanced.samples_per_second = 1e6;
+    EXPECT_EQ(choose_builder(no_gain, 100, 1e9), Builder::fast);
+}
+
+TEST(DeviceModel, RowsOfTheTuningTableKeepIt) {
+    const DeviceModel model = simple_model(), again = stored_model(device_with(model));
+    EXPECT_TRUE(again.known());
+    for (const Builder builder : {Builder::fast, Builder::balanced, Builder::high}) {
+        EXPECT_NEAR(again.of(builder).build_nanoseconds, model.of(builder).build_nanoseconds, 1e-3);
+        EXPECT_NEAR(again.of(builder).samples_per_second, model.of(builder).samples_per_second, 0.5);
+    }
+    EXPECT_NEAR(again.independent_cost, 1.3, 1e-3);
+    const Device partly = device_with(model);
+    partly.set_tuning("plan/model", "HIGH_SAMPLES_PER_SECOND", 0);
+    EXPECT_FALSE(stored_model(partly).known());
+}
+
+TEST(DeviceModel, IsMeasured) {
+    const DeviceModel model = measure_model(Device::open(std::to_string(device().info().index)), 500);
+    for (const Builder builder : {Builder::fast, Builder::balanced, Builder::high}) {
+        EXPECT_GT(model.of(builder).build_nanoseconds, 0);
+        EXPECT_GT(model.of(builder).samples_per_second, 0);
+    }
+    EXPECT_GT(model.independent_cost, 0.3);
+    EXPECT_LT(model.independent_cost, 30);
+}
+
+RenderConfig to_error(double error) { return {.width = 24, .height = 24, .spp = 1u << 24, .error = error}; }
+
+TEST(Plan, SaysWhatItPickedAndKeepsWhatWasAskedFor) {
+    const Device modelled = device_with(simple_model());
+    const Scene scene = *builtin_scene("terrain:2000");
+    RenderConfig config{.width = 24, .height = 24, .spp = 1u << 24, .seconds = 20};
+    const TargetPlan plan = plan_render(modelled, scene, config);
+    EXPECT_EQ(plan.config.bvh.builder, Builder::high);
+    EXPECT_EQ(plan.promised_seconds, 20);
+    ASSERT_EQ(plan.picks.size(), 2u);
+    EXPECT_NE(plan.picks[0].find("independent ones take 1.30 times the time"), std::string::npos) << plan.picks[0];
+    EXPECT_NE(plan.picks[1].find("tree: high, for 2000 triangles and about 20 s"), std::string::npos) << plan.picks[1];
+    EXPECT_NE(plan.picks[1].find("high 2 ms and 1.50 times the speed"), std::string::npos) << plan.picks[1];
+    config.bvh.builder = Builder::balanced;
+    EXPECT_EQ(plan_render(modelled, scene, config, false).config.bvh.builder, Builder::balanced);
+    DeviceModel noisy_sobol = simple_model();
+    noisy_sobol.independent_cost = 0.5;
+    EXPECT_EQ(plan_render(device_with(noisy_sobol), scene, config).config.sampler, Sampler::independent);
+    config.seconds = 1;
+    EXPECT_NE(plan_render(device(), scene, config).picks.back().find("no model of this device"), std::string::npos);
+}
+
+/// The tree is built anew on the way, which changes no bit of the image.
+TEST(RenderToTarget, BuildsTheTreeThatPaysOnTheWay) {
+    const Scene scene = *builtin_scene("cornell");
+    DeviceModel model = simple_model();
+    model.high.samples_per_second = 1e9;
+    const Device modelled = device_with(model);
+    TargetPlan plan = plan_render(modelled, scene, to_error(0.05));
+    EXPECT_EQ(plan.config.bvh.builder, Builder::fast);
+    Renderer renderer(modelled, scene, plan.config), other(modelled, scene, to_error(0.05));
+    const RenderProgress reached = render_to_target(modelled, renderer, plan);
+    (void)other.render();
+    EXPECT_LE(reached.error_bound, 0.05);
+    EXPECT_EQ(renderer.image(), other.image());
+    if (reached.seconds < 1) GTEST_SKIP() << "too fast a device to plan anything";
+    EXPECT_EQ(plan.config.bvh.builder, Builder::high);
+    EXPECT_GT(plan.promised_seconds, 0);
+    EXPECT_NE(account_of(plan, reached).find("promised: 0.05"), std::string::npos);
+}
+
+TEST(RenderToTarget, RefusesWhatCannotBeReachedAndNamesWhatCan) {
+    const Scene scene = *builtin_scene("hills");
+    const auto refused = [&](const RenderConfig& config, const std::string& words) {
+        return throws_error(ErrorKind::user, words, [&] {
+            TargetPlan plan = plan_render(device(), scene, config);
+            Renderer renderer(device(), scene, plan.config);
+            (void)render_to_target(device(), renderer, plan);
+        });
+    };
+    EXPECT_TRUE(refused(to_error(1e-9), "an error of 1e-09 can't be reached: it needs about"));
+    EXPECT_TRUE(refused(to_error(1e-9), "the closest is about --error "));
+    EXPECT_TRUE(refused({.width = 24, .height = 24, .spp = 1u << 24, .seconds = 1e-6},
+                        "a time of 1 us can't be kept: a sample for every pixel takes "));
+}
+
+}  // namespace
+}  // namespace claray::test

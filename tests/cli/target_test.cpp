@@ -1,0 +1,75 @@
+// claray render --error and --time: what is printed, what is refused.
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/claray.hpp"
+#include "tests/support/device.hpp"
+
+namespace claray::test {
+namespace {
+
+class Target : public testing::Test {
+protected:
+    [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
+    [[nodiscard]] ProcessResult render(const std::vector<std::string>& more) const {
+        std::vector<std::string> all = {"render", "hills", "-o", path("a.pfm"), "--size", "24x24", "-q"};
+        all.insert(all.end(), more.begin(), more.end());
+        return run_claray(all);
+    }
+    TemporaryFolder folder_;
+};
+
+TEST_F(Target, ErrorIsReachedAndToldOf) {
+    const ProcessResult text = render({"--error", "0.05", "--stats"});
+    ASSERT_EQ(text.exit_code, 0) << text.errors;
+    for (const char* words : {"samples: ", "tree: ", "reached: error 0.0", "promised: 0.05", "measuring     noise"})
+        EXPECT_NE(text.output.find(words), std::string::npos) << words << " in " << text.output;
+    const ProcessResult json = render({"--error", "0.05", "--json"});
+    ASSERT_EQ(json.exit_code, 0) << json.errors;
+    const auto report = nlohmann::json::parse(json.output);
+    EXPECT_LE(report.at("error_bound"), 0.05);
+    EXPECT_GT(report.at("error"), 0);
+    EXPECT_EQ(report.at("target").at("error"), 0.05);
+    EXPECT_GE(report.at("target").at("picks").size(), 2u);
+}
+
+TEST_F(Target, TimesHaveUnits) {
+    for (const char* time : {"0.2", "0.2s", "200ms"}) {
+        const ProcessResult result = render({"--time", time, "--json"});
+        ASSERT_EQ(result.exit_code, 0) << result.errors;
+        const auto report = nlohmann::json::parse(result.output);
+        EXPECT_EQ(report.at("target").at("seconds"), 0.2);
+        EXPECT_GE(report.at("seconds"), 0.2);
+        EXPECT_GT(report.at("spp"), 1) << "as many samples as fit";
+    }
+}
+
+TEST_F(Target, ErrorGoesOnFromACheckpoint) {
+    const ProcessResult first = render({"--error", "0.1", "--checkpoint", path("c")});
+    ASSERT_EQ(first.exit_code, 0) << first.errors;
+    const ProcessResult finer = render({"--error", "0.05", "--resume", path("c"), "--json"});
+    ASSERT_EQ(finer.exit_code, 0) << finer.errors;
+    EXPECT_LE(nlohmann::json::parse(finer.output).at("error_bound"), 0.05);
+    EXPECT_TRUE(failed_with(render({"--spp", "64", "--resume", path("c")}), 1, "it was rendered with --error"));
+}
+
+TEST_F(Target, WhatWasMissedIsToldAfterTheImageIsWritten) {
+    const ProcessResult result = render({"--error", "0.0005", "--time", "100ms"});
+    EXPECT_TRUE(failed_with(result, 1, ", not the 0.0005 asked for; that needs about"));
+    EXPECT_TRUE(std::filesystem::exists(path("a.pfm")));
+}
+
+TEST_F(Target, BadInput) {
+    for (const char* value : {"0", "-1", "nan", "inf", "small"})
+        EXPECT_TRUE(failed_with(render({"--error", value}), 2, "--error: '" + std::string(value) + "' is not"))
+            << value;
+    for (const char* value : {"0", "-1s", "2parsecs", "nan", "inf"})
+        EXPECT_TRUE(failed_with(render({"--time", value}), 2, "--time")) << value;
+    EXPECT_TRUE(failed_with(render({"--error", "0.1", "--spp", "4"}), 2, "--error and --spp contradict each other"));
+    EXPECT_TRUE(failed_with(render({"--error", "0.1", "--noise", "0.1"}), 2, "--error and --noise contradict"));
+    EXPECT_TRUE(failed_with(render({"--time", "1us"}), 1, "a time of 1 us can't be kept: a sample for every pixel"));
+    EXPECT_TRUE(failed_with(render({"--error", "1e-9"}), 1, "an error of 1e-09 can't be reached"));
+    EXPECT_FALSE(std::filesystem::exists(path("a.pfm")));
+}
+
+}  // namespace
+}  // namespace claray::test
