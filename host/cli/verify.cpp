@@ -2,6 +2,7 @@
 #include "claray/verify.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -180,12 +181,12 @@ void verify(const Options& options) {
         std::printf("%s, driver %s\n%-18s %-58s %11s  %9s    %-8s\n", device.info().name.c_str(),
                     device.info().driver.c_str(), "case", "figure", "tried", "worst", "bar");
     std::vector<VerifyResult> results;
-    double seconds = 0;
-    for (const std::string& name : names) {
-        results.push_back(run_verify_case(device, name, how));
-        seconds += results.back().seconds;
-        if (!json_to_output) print_result(results.back());
-    }
+    const auto begin = std::chrono::steady_clock::now();
+    run_verify_cases(device, names, how, [&](const VerifyResult& result) {
+        results.push_back(result);
+        if (!json_to_output) print_result(result);
+    });
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     const std::string json = json_of(device, options, results, seconds);
     if (json_to_output)
         std::fputs(json.c_str(), stdout);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <future>
+#include <map>
 
 #include "host/verify/cases.hpp"
 
@@ -88,6 +90,31 @@ const std::vector<Entry>& entries() {
     return all;
 }
 
+const Entry& entry_of(const std::string& name) {
+    for (const Entry& entry : entries())
+        if (entry.about.name == name) return entry;
+    std::string names;
+    for (const Entry& entry : entries()) names += (names.empty() ? "" : ", ") + entry.about.name;
+    throw Error(ErrorKind::usage, "there is no case '" + name + "'", "choose one of " + names);
+}
+
+using Results = std::map<std::string, VerifyResult>;
+
+/// The cases of a family, on a device of its own.
+std::future<Results> run_family(const Device& device, std::span<const std::string> names, const std::string& family,
+                                const VerifyOptions& options) {
+    std::vector<std::string> own;
+    for (const std::string& name : names)
+        if (entry_of(name).about.family == family) own.push_back(name);
+    return std::async(std::launch::async, [index = device.info().index, own, options] {
+        Results results;
+        if (own.empty()) return results;
+        const Device fresh = Device::open(std::to_string(index));
+        for (const std::string& name : own) results[name] = run_verify_case(fresh, name, options);
+        return results;
+    });
+}
+
 }  // namespace
 
 bool VerifyResult::holds() const {
@@ -114,13 +141,7 @@ const std::vector<VerifyCase>& verify_cases_left_out() {
 }
 
 VerifyResult run_verify_case(const Device& device, const std::string& name, const VerifyOptions& options) {
-    const auto found =
-        std::find_if(entries().begin(), entries().end(), [&](const Entry& e) { return e.about.name == name; });
-    if (found == entries().end()) {
-        std::string names;
-        for (const Entry& entry : entries()) names += (names.empty() ? "" : ", ") + entry.about.name;
-        throw Error(ErrorKind::usage, "there is no case '" + name + "'", "choose one of " + names);
-    }
+    const Entry& entry = entry_of(name);
     VerifyResult result;
     result.name = name, result.seed = options.seed;
     result.command = "claray verify --case " + name + (options.effort == Effort::full ? " --full" : " --quick") +
@@ -128,10 +149,24 @@ VerifyResult run_verify_case(const Device& device, const std::string& name, cons
                      "'";
     const auto begin = std::chrono::steady_clock::now();
     verify::Run run(device, options, result);
-    found->run(run);
+    entry.run(run);
     device.finish();
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return result;
+}
+
+void run_verify_cases(const Device& device, std::span<const std::string> names, const VerifyOptions& options,
+                      const std::function<void(const VerifyResult&)>& report) {
+    Results done;
+    if (device.info().type == DeviceType::gpu) {
+        std::future<Results> families[] = {run_family(device, names, "materials", options),
+                                           run_family(device, names, "images", options)};
+        for (std::future<Results>& family : families) done.merge(family.get());
+    }
+    for (const std::string& name : names) {
+        const auto found = done.find(name);
+        report(found != done.end() ? found->second : run_verify_case(device, name, options));
+    }
 }
 
 }  // namespace claray

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -69,5 +71,11 @@ struct VerifyOptions {
 /// where the device refuses to work at all.
 [[nodiscard]] VerifyResult run_verify_case(const Device& device, const std::string& name,
                                            const VerifyOptions& options = {});
+
+/// Runs cases and hands over the result of each, in the order of `names`, as soon as it is there. On a GPU the families
+/// "materials" and "images", which take longer to compile than to run and measure no times, have threads and queues of
+/// their own, and the others run after them. Throws as run_verify_case does.
+void run_verify_cases(const Device& device, std::span<const std::string> names, const VerifyOptions& options,
+                      const std::function<void(const VerifyResult&)>& report);
 
 }  // namespace claray

@@ -47,6 +47,21 @@ TEST(VerifyCases, HaveNamesOfTheirOwn) {
 TEST(VerifyCases, UnknownNamesAreRefusedWithThoseThatExist) {
     EXPECT_TRUE(throws_error(ErrorKind::usage, "choose one of arithmetic",
                              [] { (void)run_verify_case(device(), "no-such-case"); }));
+    const std::vector<std::string> names = {"sort", "no-such-case"};
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "no-such-case",
+                             [&] { run_verify_cases(device(), names, {}, [](const VerifyResult&) {}); }));
+}
+
+TEST(VerifyCases, AreReportedInTheOrderAskedFor) {
+    const std::vector<std::string> names = {"srgb", "sort", "fresnel", "tree-hashes"};
+    std::vector<VerifyResult> results;
+    run_verify_cases(device(), names, {}, [&](const VerifyResult& result) { results.push_back(result); });
+    ASSERT_EQ(results.size(), names.size());
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        EXPECT_EQ(results[i].name, names[i]);
+        EXPECT_FALSE(results[i].checks.empty());
+        EXPECT_TRUE(results[i].holds());
+    }
 }
 
 }  // namespace
