@@ -152,7 +152,15 @@ std::string draw_curve(const Study& study, const std::string& method, std::size_
     return "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + color + "\" stroke-width=\"1.5\"/>\n" + marks;
 }
 
-/// Those of the front first, since room may run out.
+/// Whether the point is its method's first or last one.
+bool is_end(const Study& study, std::size_t i) {
+    const auto same = [&](std::size_t k) {
+        return k < study.points.size() && study.points[k].method == study.points[i].method;
+    };
+    return i == 0 || !same(i - 1) || !same(i + 1);
+}
+
+/// Those of the front first, since room may run out. Of many curves only the ends.
 std::string draw_labels(const Study& study, const Axis& x, const Axis& y) {
     std::vector<Taken> taken;
     for (const StudyPoint& p : study.points)
@@ -162,8 +170,9 @@ std::string draw_labels(const Study& study, const Axis& x, const Axis& y) {
         }
     std::string svg;
     for (const bool front : {true, false})
-        for (const StudyPoint& p : study.points)
-            if (is_drawn(p) && p.front == front)
+        for (std::size_t i = 0; i < study.points.size(); ++i)
+            if (const StudyPoint& p = study.points[i];
+                is_drawn(p) && p.front == front && (!study.sweeps || study.points.size() <= 16 || is_end(study, i)))
                 svg += draw_label(p.setting, x.at(p.error.median), y.at(p.seconds.median), taken);
     return svg;
 }

@@ -45,7 +45,7 @@ constexpr NamedStudy all_studies[] = {{"hard-rays", study_hard_rays},
 struct Options {
     std::string scene, device, only;
     StudyOptions study;
-    std::filesystem::path csv, html, svg, maps;
+    std::filesystem::path csv, html, svg, svgs, maps;
     bool quick = false, json = false, quiet = false, check = false;
 };
 
@@ -216,6 +216,10 @@ void accuracy(Options o) {
     if (!o.svg.empty() && chosen.size() != 1)
         throw Error(ErrorKind::usage, "--svg is the plot of one study", "choose it by --only, or use --html");
     if (!o.svg.empty()) check_file_writable(o.svg);
+    if (!o.svgs.empty()) {
+        std::filesystem::create_directories(o.svgs);
+        check_file_writable(o.svgs / (std::string(chosen.front().name) + ".svg"));
+    }
     if (o.quick) o.study.most_spp = std::min(o.study.most_spp, 32u), o.study.runs = std::min(o.study.runs, 3u);
     if (o.quick) o.study.rays = std::min<std::size_t>(o.study.rays, 1u << 16);
     if (o.quick)
@@ -245,6 +249,8 @@ void accuracy(Options o) {
     if (!o.csv.empty()) write_file(o.csv, csv_of(studies, info.name, info.driver, o.scene));
     if (!o.html.empty()) write_file(o.html, html_of(studies, "What accuracy costs: " + o.scene, subtitle));
     if (!o.svg.empty()) write_file(o.svg, svg_of(studies.front(), subtitle));
+    if (!o.svgs.empty())
+        for (const Study& study : studies) write_file(o.svgs / (study.name + ".svg"), svg_of(study, subtitle));
     if (o.json) return print_json(studies, o, device);
     std::printf("%s\n", subtitle.c_str());
     for (const Study& study : studies) print_study(study);
@@ -278,6 +284,7 @@ void add_accuracy_command(CLI::App& app, Action& action) {
     command->add_option("--csv", o->csv, "Write all points");
     command->add_option("--html", o->html, "Write a report with plots");
     command->add_option("--svg", o->svg, "Write the plot of one study");
+    command->add_option("--svgs", o->svgs, "Folder for the plots of all studies");
     command->add_option("--maps", o->maps,
                         "Folder for maps of the error of each pixel, without each effect (PFM and PNG)");
     command->add_flag("--check", o->check,
