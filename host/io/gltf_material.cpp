@@ -126,16 +126,15 @@ void GltfMaterials::add_extensions(Material& material, const tinygltf::Material&
     material.transmission = number(transmission, "transmissionFactor", 0.f);
     if (material.transmission != 0.f) {
         material.transmission_map = use(transmission, "transmissionTexture", name);
-        material.cull_back = false;  // what enters a solid leaves by a back
     }
 
     const tinygltf::Value& volume = extension(all, "KHR_materials_volume");
     material.attenuation = numbers<3>(volume, "attenuationColor", glm::vec3(1.f));
     material.attenuation_distance = number(volume, "attenuationDistance", 0.f);
-    if (material.transmission != 0.f && number(volume, "thicknessFactor", 0.f) == 0.f)
-        warnings_.push_back(name +
-                            " has thin walls (no thicknessFactor of KHR_materials_volume): its surfaces are taken "
-                            "for the borders of solids");
+    if (material.transmission != 0.f) {
+        material.thin_walled = number(volume, "thicknessFactor", 0.f) == 0.f;
+        if (!material.thin_walled) material.cull_back = false;  // what enters a solid leaves by a back
+    }
 
     const tinygltf::Value& clearcoat = extension(all, "KHR_materials_clearcoat");
     material.clearcoat = number(clearcoat, "clearcoatFactor", 0.f);

@@ -29,6 +29,7 @@ constexpr std::array rows = {
     Row{Effect::blinn_phong, "blinn-phong", "MATERIALS", CLARAY_BLINN_PHONG, shade},
     Row{Effect::principled, "principled", "MATERIALS", CLARAY_PRINCIPLED, shade},
     Row{Effect::transmission, "transmission", "MATERIALS", CLARAY_GLASS, shade},
+    Row{Effect::thin_walls, "thin-walls", "MATERIALS", CLARAY_THIN_GLASS, shade},
     Row{Effect::rough_glass, "rough-glass", "ROUGH_GLASS", 0, shade},
     Row{Effect::clearcoat, "clearcoat", "CLEARCOAT", 0, shade},
     Row{Effect::coated_metal, "coated-metal", "MATERIALS", CLARAY_COATED_METAL, shade},

@@ -24,6 +24,10 @@ Effect effect_of(MaterialKind kind) {
     }
 }
 
+Effect effect_of(const Material& m) {
+    return m.kind == MaterialKind::glass && m.thin_walled ? Effect::thin_walls : effect_of(m.kind);
+}
+
 Effect effect_of(LightKind kind) {
     switch (kind) {
         case LightKind::directional: return Effect::directional_lights;
@@ -80,11 +84,12 @@ private:
         const auto call = [&](Effect effect, bool wanted) {
             if (wanted) call_(effect, "material", m.name, index);
         };
-        call(effect_of(m.kind), true);
+        call(effect_of(m), true);
         call(Effect::emissive_triangles, shines(m.emission));
         const bool principled = m.kind == MaterialKind::principled;
         call(Effect::metal, principled && m.metallic > 0);
-        call(Effect::transmission, principled && m.transmission > 0);
+        call(Effect::transmission, principled && m.transmission > 0 && !m.thin_walled);
+        call(Effect::thin_walls, principled && has_thin_walls(m));
         call(Effect::rough_glass, has_rough_glass(m));
         call(Effect::clearcoat, has_clearcoat(m));
         call(Effect::coated_metal, has_coated_metal(m));
@@ -134,12 +139,12 @@ private:
 
 void strip(Material& m, EffectSet effects) {
     const auto lost = [&](Effect effect) { return effects.has(effect); };
-    if (lost(effect_of(m.kind))) m.kind = MaterialKind::lambert;
+    if (lost(effect_of(m))) m.kind = MaterialKind::lambert;
     if (lost(Effect::emissive_triangles)) m.emission = glm::vec3(0.f);
     if (lost(Effect::metal)) m.metallic = 0.f;
     if (lost(Effect::rough_glass) && has_rough_glass(m)) m.roughness = m.clearcoat_roughness = 0.f;
     if (lost(Effect::coated_metal) && has_coated_metal(m)) m.clearcoat = 0.f;
-    if (lost(Effect::transmission)) m.transmission = 0.f, m.transmission_map = {};
+    if (lost(m.thin_walled ? Effect::thin_walls : Effect::transmission)) m.transmission = 0.f, m.transmission_map = {};
     if (lost(Effect::clearcoat)) m.clearcoat = 0.f, m.clearcoat_map = {};
     if (lost(Effect::absorption)) m.attenuation_distance = 0.f;
     if (lost(Effect::culling)) m.cull_back = false;

@@ -46,6 +46,8 @@ std::vector<Material> materials_for(EffectSet effects) {
     add(transmits ? EffectSet{Effect::glass} : EffectSet{Effect::glass} | in_glass, MaterialKind::glass);
     if (effects.has(Effect::absorption))
         materials.back().attenuation = glm::vec3(0.5f), materials.back().attenuation_distance = 1.f;
+    add({Effect::thin_walls}, MaterialKind::glass);
+    if (effects.has(Effect::thin_walls)) materials.back().thin_walled = true;
     add({Effect::metal}, MaterialKind::metal);
     add({Effect::blinn_phong}, MaterialKind::blinn_phong);
     add({Effect::principled, Effect::transmission, Effect::clearcoat, Effect::coated_metal}, MaterialKind::principled);
@@ -97,8 +99,8 @@ Scene scene_calling_for(EffectSet effects) {
     for (std::uint32_t i = 0; i < scene.materials.size(); ++i) scene.meshes.push_back(unit_square(i));
     if (effects.has(Effect::smooth_normals))
         for (Mesh& mesh : scene.meshes) mesh.normals.assign(mesh.positions.size(), {0.f, 1.f, 0.f});
-    const EffectSet textured = {Effect::textures,    Effect::mip_maps,   Effect::normal_maps,
-                                Effect::height_maps, Effect::light_maps, Effect::cut_outs, Effect::emission_maps};
+    const EffectSet textured = {Effect::textures,   Effect::mip_maps, Effect::normal_maps,  Effect::height_maps,
+                                Effect::light_maps, Effect::cut_outs, Effect::emission_maps};
     if (!(effects & textured).empty())
         scene.textures = {grey_texture(effects.has(Effect::mip_maps) ? Filter::trilinear : Filter::bilinear)};
     if (effects.has(Effect::point_lights)) add_light(scene, LightKind::point);

@@ -250,7 +250,8 @@ EnergyTables::EnergyTables(std::span<const Material> materials) {
 }
 
 void EnergyTables::add_needs(const Material& m) {
-    conductor_ = conductor_ || (has_metal(m) && m.roughness > 0);
+    const bool rough = m.roughness > 0, rough_wall = rough || (has_clearcoat(m) && m.clearcoat_roughness > 0);
+    conductor_ = conductor_ || (has_metal(m) && rough) || (has_thin_walls(m) && rough_wall);
     if (has_rough_glass(m)) needs_[m.ior].transparent = true;
     if (has_diffuse_dielectric(m)) needs_[m.ior].opaque = true;
     if (has_clearcoat(m)) needs_[CLARAY_COAT_IOR].opaque = true;

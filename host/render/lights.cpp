@@ -6,8 +6,8 @@
 
 #include "host/render/environment.hpp"
 #include "host/render/light_tree.hpp"
-#include "host/render/number_shares.hpp"
 #include "host/render/mean_texel.hpp"
+#include "host/render/number_shares.hpp"
 #include "host/render/structure.hpp"
 #include "host/render/texture_use.hpp"
 #include "host/render/textures.hpp"

@@ -6,6 +6,7 @@ namespace claray {
 namespace {
 
 bool is_principled(const Material& m) { return m.kind == MaterialKind::principled; }
+bool transmits(const Material& m) { return m.kind == MaterialKind::glass || (is_principled(m) && m.transmission > 0); }
 
 /// Beer's coefficient: what is black after the distance still lets 1e-30 through, so that 0 * infinity does not occur.
 glm::vec3 absorption_of(const Material& m) {
@@ -20,7 +21,8 @@ bool has_diffuse_dielectric(const Material& m) {
            (m.transmission < 1 || m.transmission_map.used());
 }
 bool has_metal(const Material& m) { return m.kind == MaterialKind::metal || (is_principled(m) && m.metallic > 0); }
-bool has_glass(const Material& m) { return m.kind == MaterialKind::glass || (is_principled(m) && m.transmission > 0); }
+bool has_glass(const Material& m) { return transmits(m) && !m.thin_walled; }
+bool has_thin_walls(const Material& m) { return transmits(m) && m.thin_walled; }
 bool has_rough_glass(const Material& m) {
     return has_glass(m) && (m.roughness > 0 || (has_clearcoat(m) && m.clearcoat_roughness > 0));
 }
@@ -40,7 +42,7 @@ MaterialData material_data(const Material& m, const EnergyTables& tables) {
     return {.albedo_r = albedo.x,
             .albedo_g = albedo.y,
             .albedo_b = albedo.z,
-            .kind = std::uint32_t(m.kind),
+            .kind = m.kind == MaterialKind::glass && m.thin_walled ? CLARAY_THIN_GLASS : std::uint32_t(m.kind),
             .emission_r = m.emission.x,
             .emission_g = m.emission.y,
             .emission_b = m.emission.z,
@@ -59,7 +61,8 @@ MaterialData material_data(const Material& m, const EnergyTables& tables) {
             .absorption_g = absorption.y,
             .absorption_b = absorption.z,
             .energy = tables.block_of(m.ior),
-            .coat_energy = tables.block_of(CLARAY_COAT_IOR)};
+            .coat_energy = tables.block_of(CLARAY_COAT_IOR),
+            .thin_walled = m.thin_walled};
 }
 
 }  // namespace claray

@@ -11,7 +11,9 @@ namespace claray {
 
 [[nodiscard]] bool has_diffuse_dielectric(const Material& material);
 [[nodiscard]] bool has_metal(const Material& material);
+/// Of solids.
 [[nodiscard]] bool has_glass(const Material& material);
+[[nodiscard]] bool has_thin_walls(const Material& material);
 [[nodiscard]] bool has_rough_glass(const Material& material);
 [[nodiscard]] bool has_clearcoat(const Material& material);
 [[nodiscard]] bool has_coated_metal(const Material& material);

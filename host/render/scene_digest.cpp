@@ -62,13 +62,13 @@ private:
         add(texture, uv_set, offset, scale, rotation);
     }
     void put(const Material& material) {
-        const auto& [name, kind, albedo, emission, roughness, ior, metallic, transmission, clearcoat,
+        const auto& [name, kind, albedo, emission, roughness, ior, metallic, transmission, thin_walled, clearcoat,
                      clearcoat_roughness, specular, shininess, attenuation, attenuation_distance, opacity, alpha_mode,
                      alpha_cutoff, cull_back, albedo_map, emission_map, metallic_roughness_map, transmission_map,
                      clearcoat_map, clearcoat_roughness_map, opacity_map, normal_map, normal_scale, height_map,
                      height_scale, light_map] = material;
-        add(kind, albedo, emission, roughness, ior, metallic, transmission, clearcoat, clearcoat_roughness, specular,
-            shininess, attenuation, attenuation_distance, opacity, alpha_mode, alpha_cutoff, cull_back);
+        add(kind, albedo, emission, roughness, ior, metallic, transmission, thin_walled, clearcoat, clearcoat_roughness,
+            specular, shininess, attenuation, attenuation_distance, opacity, alpha_mode, alpha_cutoff, cull_back);
         add(albedo_map, emission_map, metallic_roughness_map, transmission_map, clearcoat_map, clearcoat_roughness_map,
             opacity_map, normal_map, normal_scale, height_map, height_scale, light_map);
     }

@@ -31,6 +31,7 @@ void add_balls(Scene& scene) {
     Material& coated = add_ball(scene, principled("coated", {0.1f, 0.25f, 0.6f}, 0.6f), -0.4f, 0.25f);
     coated.metallic = coated.clearcoat = 1.f;
     add_ball(scene, principled("transmitting", {0.95f, 0.8f, 0.5f}, 0.15f), 1.35f, 0.55f).transmission = 0.9f;
+    add_ball(scene, glass("thin-walled", {0.6f, 0.9f, 0.8f}, 1.5f), 1.9f, 0.1f, 0.25f).thin_walled = true;
     add_ball(scene, lambert("rippled", glm::vec3(0.6f)), 0.6f, -0.9f, 0.4f).normal_map =
         add_texture(scene, ripples_as_normals());
     scene.meshes.push_back(open_bowl({1.5f, 0.4f, -0.8f}, 0.4f, std::uint32_t(scene.materials.size())));

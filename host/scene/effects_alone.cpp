@@ -96,6 +96,10 @@ constexpr std::array alone = {
           }},
     Alone{"principled", make_principled},
     Alone{"transmission", [](Scene& s) { make_principled(s), ball(s).transmission = 0.9f, ball(s).roughness = 0.f; }},
+    Alone{"thin-walls",
+          [](Scene& s) {
+              make_glass(s), ball(s).thin_walled = true, ball(s).albedo = {0.5f, 0.8f, 0.9f};
+          }},
     Alone{"rough-glass", [](Scene& s) { make_glass(s), ball(s).roughness = 0.4f; }},
     Alone{"coated-metal",
           [](Scene& s) {

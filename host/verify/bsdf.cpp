@@ -29,6 +29,11 @@ namespace {
 Material plain_metal(float roughness) { return white(MaterialKind::metal, roughness); }
 Material plain_glass(float roughness) { return white(MaterialKind::glass, roughness); }
 Material dense_glass(float roughness) { return white(MaterialKind::glass, roughness, 2.2f); }
+Material thin_wall(float roughness) {
+    Material m = plain_glass(roughness);
+    m.thin_walled = true;
+    return m;
+}
 Material bubble(float roughness) { return white(MaterialKind::glass, roughness, 1 / 1.33f); }
 Material plastic(float roughness) { return white(MaterialKind::principled, roughness); }
 Material dense_plastic(float roughness) { return white(MaterialKind::principled, roughness, 2.4f); }
@@ -72,6 +77,8 @@ const std::vector<Kind> kinds = {
     {"DenseGlassInside", dense_glass, true},
     {"Bubble", bubble},
     {"BubbleInside", bubble, true},
+    {"ThinWall", thin_wall},
+    {"ThinWallInside", thin_wall, true},
     {"BlinnPhong", blinn_phong, false, false},
     {"OnlyHighlight", only_highlight, false, false},
     {"Plastic", plastic},
@@ -181,13 +188,15 @@ std::vector<Grid> grids_for(const Kind& kind, float roughness, const glm::vec3& 
     double width = 1;
     for (const float r : {m.roughness, m.clearcoat > 0 ? m.clearcoat_roughness : 1.f})
         if (r > 0.03f) width = std::min(width, double(r) * r);
-    const double eta = kind.inside ? 1 / m.ior : m.ior, below = 1 - (1 - o.z * o.z) / (eta * eta);
+    const double ior = m.thin_walled ? 1 : m.ior, eta = kind.inside ? 1 / ior : ior,
+                 below = 1 - (1 - o.z * o.z) / (eta * eta);
     const bool narrow = width < 0.1;
     std::vector<Grid> grids = {Grid(narrow ? glm::dvec3(-o.x, -o.y, o.z) : glm::dvec3(0, 0, 1), narrow ? width : 1)};
     if (m.kind == MaterialKind::glass) {
         const bool refracted = narrow && below > 0;
         const glm::dvec3 through(-o.x / eta, -o.y / eta, -std::sqrt(std::max(below, 0.0)));
-        grids.emplace_back(refracted ? through : glm::dvec3(0, 0, -1), refracted ? width * std::abs(eta - 1) / 2 : 1);
+        grids.emplace_back(refracted ? through : glm::dvec3(0, 0, -1),
+                           refracted ? width * (m.thin_walled ? 1 : std::abs(eta - 1) / 2) : 1);
     }
     return grids;
 }

@@ -44,7 +44,8 @@ enum class Effect : std::uint8_t {
     camera_motion,
     instances,
     instance_motion,
-    emission_maps
+    emission_maps,
+    thin_walls
 };
 
 class EffectSet {

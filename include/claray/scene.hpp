@@ -39,6 +39,7 @@ struct Material {
 
     float metallic = 0.f;      ///< principled: 0 a dielectric, 1 a metal
     float transmission = 0.f;  ///< principled: share of the dielectric's base that refracts instead of scattering
+    bool thin_walled = false;  ///< glass, principled: a wall that does not bend what it transmits, not a solid's border
     float clearcoat = 0.f;     ///< principled: share of a dielectric coat of index 1.5
     float clearcoat_roughness = 0.f;  ///< 0..1
     glm::vec3 specular{0.f};          ///< Blinn-Phong: the highlight's colour

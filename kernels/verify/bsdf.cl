@@ -72,7 +72,7 @@ kernel void reciprocity(MATERIAL, uint count, uint pairs, global float* worst, g
         const float3 turn = through ? (float3)(1.0f, -1.0f, -1.0f) : (float3)(1.0f);
         float back = eval_bsdf(&material, tables, i * turn, o * turn, inside != through, &pdf).x / o.z;
         if (through) {
-            const float n2 = material.ior * material.ior;
+            const float n2 = material.kind == CLARAY_THIN_GLASS ? 1.0f : material.ior * material.ior;
             if (inside) there *= n2; else back *= n2;
         }
         if (!(there > 1e-20f) && !(back > 1e-20f)) continue;

@@ -72,6 +72,7 @@ const Field fields[] = {
     FIELD(MaterialData, kind),
     FIELD(MaterialData, roughness),
     FIELD(MaterialData, ior),
+    FIELD(MaterialData, thin_walled),
     FIELD(TriangleLight, v0x),
     FIELD(TriangleLight, area),
     FIELD(TriangleLight, primitive),

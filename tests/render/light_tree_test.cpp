@@ -118,10 +118,10 @@ TEST_P(LightTrees, LightsArePickedByTheProbabilityThatTheTrailGives) {
                                        {glm::vec3(0.3f, 1.4f, 0.2f), glm::vec3(0.6f, 0, 0.8f)},
                                        {glm::vec3(9, 1, 5), glm::vec3(0, 0, 0)},
                                        {glm::vec3(0, 1.5f, 3), glm::vec3(0, 0, -1)}}) {
-        pick.run({count}, tree, leaves, std::uint32_t(size), from.x, from.y, from.z, normal.x, normal.y, normal.z, input, count, picked,
-                 picked_probability);
-        all.run({size}, tree, leaves, from.x, from.y, from.z, normal.x, normal.y, normal.z, trail_buffer, std::uint32_t(size),
-                probability);
+        pick.run({count}, tree, leaves, std::uint32_t(size), from.x, from.y, from.z, normal.x, normal.y, normal.z,
+                 input, count, picked, picked_probability);
+        all.run({size}, tree, leaves, from.x, from.y, from.z, normal.x, normal.y, normal.z, trail_buffer,
+                std::uint32_t(size), probability);
         const std::vector<float> expected_shares = probability.read(), shares = picked_probability.read();
         std::vector<double> observed(size), expected(size);
         double total = 0;
@@ -207,8 +207,8 @@ TEST(LightTree, MissesNoLight) {
     for (int i = 0; i < 200; ++i) {
         const glm::vec3 from(2 * unit(random), 1.5f + unit(random), 2 * unit(random));
         const glm::vec3 normal = glm::normalize(glm::vec3(unit(random), unit(random), unit(random)));
-        all.run({size}, tree, leaves, from.x, from.y, from.z, normal.x, normal.y, normal.z, trail_buffer, std::uint32_t(size),
-                probability);
+        all.run({size}, tree, leaves, from.x, from.y, from.z, normal.x, normal.y, normal.z, trail_buffer,
+                std::uint32_t(size), probability);
         const std::vector<float> shares = probability.read();
         for (std::size_t l = 0; l < size; ++l) {
             bool reaches = false;

@@ -260,6 +260,41 @@ TEST(MaterialScene, GlassSlabAbsorbs) {
     }
 }
 
+/// Light goes straight on through a smooth wall, whichever side it comes from: a small lamp is seen where it is, by
+/// what Fresnel's equations let through, tinted; a solid's border would bend the ray past it.
+TEST(MaterialScene, ThinWallsDoNotBendLight) {
+    for (const double angle : {0.2, 1.1})
+        for (const bool turned : {false, true})
+            for (const MaterialKind kind : {MaterialKind::glass, MaterialKind::principled}) {
+                Scene scene;
+                scene.materials = {material(kind, 0.6f), emitter(2.f)};
+                Material& wall = scene.materials[0];
+                wall.ior = 1.5f, wall.thin_walled = true, wall.transmission = 1.f;
+                const glm::vec3 from(float(std::sin(angle)), float(std::cos(angle)), 0.f);
+                scene.meshes = {square(5.f, 0.f), square(0.02f, 0.f, 1)};
+                if (turned)
+                    for (glm::uvec3& t : scene.meshes[0].triangles) std::swap(t.y, t.z);
+                for (glm::vec3& p : scene.meshes[1].positions) p -= from;
+                scene.camera = narrow_camera(from, {0, 0, 0});
+                const double expected = 2 * 0.6 * (1 - fresnel(std::cos(angle), 1.5));
+                const RenderConfig twice{.width = 16, .height = 16, .spp = 1024, .max_depth = 2};
+                EXPECT_NEAR(mean(render_image(scene, twice)).x / expected, 1, 0.005)
+                    << angle << (turned ? " turned" : "");
+            }
+}
+
+/// A rough wall scatters what it lets through around the way straight on; lamps behind it are found in both ways.
+TEST(MaterialScene, LampsAllAroundARoughWallEqualASky) {
+    Scene scene;
+    scene.materials = {material(MaterialKind::glass, 1.f, 0.5f), emitter(1.f)};
+    scene.materials[0].thin_walled = true;
+    Mesh lamps = sphere(2, 4.f, {0.7f, 0.2f, 0.f});
+    lamps.materials.assign(lamps.triangles.size(), 1);
+    scene.meshes = {square(0.5f, 0.f), lamps};
+    scene.camera = narrow_camera({0, 1.2f, 1}, {0, 0, 0});
+    EXPECT_NEAR(mean(render_image(scene, {.width = 8, .height = 8, .spp = 1024, .max_depth = 1})).x, 1, 0.01);
+}
+
 /// Emissive triangles behind rough glass are found in both ways; their weights add up to 1.
 TEST(MaterialScene, LampsAllAroundRoughGlassEqualASky) {
     Scene scene;

@@ -13,6 +13,7 @@ CLARAY_SHARED_BEGIN
 #define CLARAY_BLINN_PHONG 4u
 #define CLARAY_PRINCIPLED 5u
 #define CLARAY_COATED_METAL 6u  // what a principled material may turn out to be at a hit; no material's kind on the host
+#define CLARAY_THIN_GLASS 7u    // glass with Material::thin_walled, and what a principled material may turn out to be
 
 #define CLARAY_POINT_LIGHT 0u
 #define CLARAY_DIRECTIONAL_LIGHT 1u
@@ -31,8 +32,9 @@ typedef struct MaterialData {
     float shininess;                           // Blinn-Phong
     float absorption_r, absorption_g, absorption_b;  // inside, per unit of length
     uint energy, coat_energy;  // where the blocks of its ior and of its coat begin in the energy tables
+    uint thin_walled;          // principled
 } MaterialData;
-CLARAY_LAYOUT(MaterialData, 92)
+CLARAY_LAYOUT(MaterialData, 96)
 
 // Lights are numbered: emissive triangles, points and spots, directional lights, the environment. A random 32-bit number
 // picks the first one whose `cumulative` is not below it, the environment if there is none; where there is a tree, numbers
