@@ -1,5 +1,5 @@
 // Study of nodes: boxes in fewer bits.
-#include <cmath>
+#include <algorithm>
 
 #include "claray/shared/quantized_node.h"
 #include "host/accuracy/ray_variants.hpp"
@@ -48,7 +48,7 @@ Study study_nodes(const Device& device, const Scene& scene, const StudyOptions& 
         point.facts = {
             {"bytes a node", bytes}, {"boxes a ray", traced[i].boxes}, {"Mrays/s", 1 / point.seconds.median}};
         study.points.push_back(point);
-        if (point.failure.empty() && i > 0)
+        if (point.failure.empty() && i > 0 && traced[0].boxes > 0)
             study.findings.push_back(told("%s: the same hits, %.3g times the boxes, %.3g times the time",
                                           point.setting.c_str(), traced[i].boxes / traced[0].boxes,
                                           point.seconds.median / study.points[0].seconds.median));

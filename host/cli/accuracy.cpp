@@ -278,7 +278,7 @@ void add_accuracy_command(CLI::App& app, Action& action) {
     command->add_option("--spp", o->study.most_spp, "Samples a pixel up to which it is measured [256]")
         ->check(CLI::Range(1, 65536));
     command->add_option("--runs", o->study.runs, "Repetitions with seeds of their own [5]")->check(CLI::Range(1, 1000));
-    command->add_option("--rays", o->study.rays, "Rays of the studies that make no image [1048576]")
+    command->add_option("--rays", o->study.rays, "Rays of the studies that make no image [262144]")
         ->check(CLI::Range(1024, 1 << 27));
     command->add_option("--references", o->study.references, "Folder that keeps the references, to go on from");
     command->add_option("--csv", o->csv, "Write all points");

@@ -80,7 +80,7 @@ struct StudyOptions {
     RenderConfig config = {.width = 128, .height = 128};
     unsigned most_spp = 256;                ///< settings go up to it by factors of two
     unsigned runs = 5;                      ///< with seeds of their own
-    std::size_t rays = 1u << 20;            ///< of studies that trace rays without making an image
+    std::size_t rays = 1u << 18;            ///< of studies that trace rays without making an image
     std::filesystem::path references = {};  ///< as ReferenceOptions::folder
     unsigned reference_factor = 64;         ///< samples of a reference, in those of the largest setting
     std::uint32_t reference_seed = ReferenceOptions{}.seed;
