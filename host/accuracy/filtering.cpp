@@ -1,8 +1,8 @@
 // Study of filters: textures looked up in three ways, and images of fewer pixels.
 #include <algorithm>
-#include <cmath>
 
 #include "host/accuracy/image_sweep.hpp"
+#include "host/accuracy/pixels.hpp"
 
 namespace claray {
 namespace {
@@ -10,26 +10,6 @@ namespace {
 Scene filtered(Scene scene, Filter filter) {
     for (Texture& texture : scene.textures) texture.filter = filter;
     return scene;
-}
-
-/// An image of fewer pixels at the size of `width` x `height`, bilinear between the pixels' centres.
-std::vector<glm::vec3> enlarged(const std::vector<glm::vec3>& image, unsigned from_width, unsigned from_height,
-                                unsigned width, unsigned height) {
-    std::vector<glm::vec3> large(std::size_t(width) * height);
-    const auto at = [&](int x, int y) {
-        x = std::clamp(x, 0, int(from_width) - 1), y = std::clamp(y, 0, int(from_height) - 1);
-        return image[std::size_t(y) * from_width + std::size_t(x)];
-    };
-    for (unsigned y = 0; y < height; ++y)
-        for (unsigned x = 0; x < width; ++x) {
-            const float fx = (float(x) + 0.5f) * float(from_width) / float(width) - 0.5f;
-            const float fy = (float(y) + 0.5f) * float(from_height) / float(height) - 0.5f;
-            const int x0 = int(std::floor(fx)), y0 = int(std::floor(fy));
-            large[std::size_t(y) * width + x] =
-                glm::mix(glm::mix(at(x0, y0), at(x0 + 1, y0), fx - float(x0)),
-                         glm::mix(at(x0, y0 + 1), at(x0 + 1, y0 + 1), fx - float(x0)), fy - float(y0));
-        }
-    return large;
 }
 
 }  // namespace

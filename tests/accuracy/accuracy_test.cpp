@@ -388,6 +388,21 @@ TEST(Study, OfSumsSeesFloatsThatGrowTooLarge) {
     }
 }
 
+TEST(Study, EnlargesImagesByTheCentresOfPixels) {
+    Image small, large;
+    const auto plane = [](float x, float y) { return glm::vec3(x, y, 2 * x - y); };  // over 0..1
+    for (int y = 0; y < 4; ++y)
+        for (int x = 0; x < 8; ++x) small.push_back(plane((float(x) + 0.5f) / 8, (float(y) + 0.5f) / 4));
+    large = enlarged(small, 8, 4, 32, 16);
+    ASSERT_EQ(large.size(), 32u * 16);
+    for (int y = 2; y < 14; ++y)  // within the outermost centres
+        for (int x = 2; x < 30; ++x)
+            EXPECT_NEAR(
+                glm::distance(large[std::size_t(32 * y + x)], plane((float(x) + 0.5f) / 32, (float(y) + 0.5f) / 16)), 0,
+                1e-6);
+    EXPECT_EQ(large[0], small[0]);
+}
+
 TEST(Study, OfFiltersSeesBiasThatSamplesDoNotMend) {
     StudyOptions options;
     options.config = {.width = 24, .height = 24};
