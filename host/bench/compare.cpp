@@ -35,7 +35,7 @@ private:
     std::vector<std::string> macros_;
 };
 
-/// Rays one by one until the end of the scope: neither packets nor sorting, of which there is no textbook version.
+/// Rays one by one until the end of the scope: neither packets nor sorting.
 class OneByOne {
 public:
     explicit OneByOne(const Device& device) : device_(device) {
@@ -71,10 +71,16 @@ double failures_of(const VerifyResult& result, std::uint64_t* tried, std::string
 
 double least(const std::vector<double>& values) { return *std::min_element(values.begin(), values.end()); }
 
-std::vector<double> ratios(const Timing& a, const Timing& b) {
-    std::vector<double> all;
-    for (std::size_t i = 0; i < a.rounds.size(); ++i) all.push_back(a.rounds[i] / b.rounds[i]);
-    return all;
+double median_ratio(const std::vector<double>& a, const std::vector<double>& b) {
+    std::vector<double> ratios;
+    for (std::size_t i = 0; i < a.size(); ++i) ratios.push_back(a[i] / b[i]);
+    return median(ratios);
+}
+
+ComparedPair pair_of(const Device& device, const Timing& textbook, const Timing& robust) {
+    return {textbook.milliseconds(), robust.milliseconds(), median_ratio(robust.rounds, textbook.rounds),
+            least(robust.rounds) / least(textbook.rounds),
+            device.info().type == DeviceType::cpu ? median_ratio(robust.processor, textbook.processor) : 0};
 }
 
 }  // namespace
@@ -126,16 +132,19 @@ std::vector<ComparedTimes> compare_times(const Device& device, const std::string
     std::vector<ComparedTimes> all;
     for (DeviceRays& rays : upload_rays(device, scene, meshes, width, height)) {
         const auto trace_by = [&](const std::vector<std::string>& macros) {
-            const OneByOne one_by_one(device);
             const Textbook textbook(device, macros);
             rays.trace(bvh);
         };
-        const auto timings = measure_rounds(device, rounds,
-                                            {[&] { trace_by(geometry); }, [&] { trace_by(with_fast_math); },
-                                             [&] { trace_by({}); }, [&] { rays.trace(bvh); }});
-        all.push_back({scene, rays.name, timings[0].milliseconds(), timings[1].milliseconds(),
-                       timings[2].milliseconds(), timings[3].milliseconds(), median(ratios(timings[2], timings[0])),
-                       least(timings[2].rounds) / least(timings[0].rounds)});
+        const auto one_by_one = [&](const std::vector<std::string>& macros) {
+            const OneByOne scope(device);
+            trace_by(macros);
+        };
+        const auto timings =
+            measure_rounds(device, rounds,
+                           {[&] { trace_by(geometry); }, [&] { trace_by({}); }, [&] { one_by_one(geometry); },
+                            [&] { one_by_one({}); }, [&] { one_by_one(with_fast_math); }});
+        all.push_back({scene, rays.name, pair_of(device, timings[0], timings[1]),
+                       pair_of(device, timings[2], timings[3]), timings[4].milliseconds()});
     }
     return all;
 }

@@ -24,15 +24,20 @@ struct ComparedFailures {
 [[nodiscard]] std::vector<ComparedFailures> compare_failures(const Device& device, const Remedy& remedy,
                                                              const VerifyOptions& options);
 
-/// What tracing costs, by turns: medians of rounds.
+/// A traversal in the textbook's version and with the remedies, by turns: medians of rounds.
+struct ComparedPair {
+    double textbook_ms = 0, robust_ms = 0;
+    double ratio = 0;        ///< median of the rounds' ratios of robust to textbook
+    double least_ratio = 0;  ///< of the quickest rounds, which a busy machine disturbs less
+    double processor = 0;    ///< median of the ratios of processor time, on CPUs, which others disturb least; else 0
+};
+
+/// What tracing costs.
 struct ComparedTimes {
     std::string scene, rays;
-    double textbook_ms = 0;   ///< by the fastest textbook version: all macros of geometry, ray by ray
-    double fast_math_ms = 0;  ///< the same under fast math
-    double robust_ms = 0;     ///< the same traversal with the remedies
-    double shipped_ms = 0;    ///< with packets and sorting, where the device has them
-    double ratio = 0;         ///< median of the rounds' ratios of robust to textbook
-    double least_ratio = 0;   ///< of the quickest rounds, which a busy machine disturbs less
+    ComparedPair shipped;     ///< as this device traces: with packets, streams and sorting, where it has them
+    ComparedPair one_by_one;  ///< ray by ray
+    double fast_math_ms = 0;  ///< the textbook's ray by ray, under fast math
 };
 [[nodiscard]] std::vector<ComparedTimes> compare_times(const Device& device, const std::string& scene, unsigned width,
                                                        unsigned height, int rounds);

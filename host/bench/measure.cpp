@@ -1,6 +1,7 @@
 #include "host/bench/measure.hpp"
 
 #include <algorithm>
+#include <ctime>
 #include <limits>
 
 namespace claray::bench {
@@ -12,11 +13,14 @@ double quantile(std::vector<double>& values, double share) {
     return *at;
 }
 
-void run_task(const Device& device, const std::function<void()>& task) {
+/// Returns milliseconds of all threads.
+double run_task(const Device& device, const std::function<void()>& task) {
     device.finish();
     device.profiler().reset();
+    const std::clock_t begin = std::clock();
     task();
     device.finish();
+    return 1e3 * double(std::clock() - begin) / CLOCKS_PER_SEC;
 }
 
 /// Adds what the profiler saw since its last reset.
@@ -49,8 +53,10 @@ std::vector<Timing> measure_rounds(const Device& device, int rounds, const std::
     std::vector<std::map<std::string, std::vector<double>>> commands(tasks.size());
     for (int round = -1; round < rounds; ++round)
         for (std::size_t i = 0; i < tasks.size(); ++i) {
-            run_task(device, tasks[i]);
-            if (round >= 0) add_round(device.profiler(), timings[i], commands[i]);
+            const double processor = run_task(device, tasks[i]);
+            if (round < 0) continue;
+            add_round(device.profiler(), timings[i], commands[i]);
+            timings[i].processor.push_back(processor);
         }
     for (std::size_t i = 0; i < tasks.size(); ++i)
         for (const auto& [name, values] : commands[i]) {

@@ -20,6 +20,7 @@ struct Timing {
     std::map<std::string, double> commands;  ///< median by name of kernel or transfer
     std::map<std::string, double> least;     ///< the same, of its quickest round
     std::vector<double> rounds;              ///< all commands of a round together, one value a round
+    std::vector<double> processor;           ///< what all threads of this process took, on CPUs the device's, too
     std::vector<double> spans;               ///< from the start of a round's first command to the end of its last
 
     [[nodiscard]] double milliseconds() const { return median(rounds); }
