@@ -96,15 +96,16 @@ Mesh random_fan(std::uint32_t triangles, Random& random) {
     return mesh;
 }
 
-/// Rays from above through the middle of the fan, half of them at its centre and its spokes.
+/// Rays from above through the middle of the fan, half of them at its spokes, and some of those at its centre, where
+/// all triangles are decided exactly: the fewer the larger the fan is.
 std::vector<Ray> fan_rays(const Mesh& mesh, std::size_t count, Random& random) {
     std::vector<Ray> rays;
-    const auto spokes = std::uint32_t(mesh.positions.size() - 1);
+    const auto spokes = std::uint32_t(mesh.positions.size() - 1), every = std::max(16u, spokes / 64 * 2);
     for (std::size_t i = 0; i < count; ++i) {
         const glm::vec3 origin(random.uniform(-0.4f, 0.4f), random.uniform(-0.4f, 0.4f), 3.f);
         glm::vec3 target(random.uniform(-0.3f, 0.3f), random.uniform(-0.3f, 0.3f), 0.f);
         if (i % 2 == 0) {
-            const float along = i % 16 == 0 ? 0.f : random.uniform(0.f, 0.4f);
+            const float along = i % every == 0 ? 0.f : random.uniform(0.f, 0.4f);
             target = mesh.positions[0] + along * (mesh.positions[1 + random.below(spokes)] - mesh.positions[0]);
         }
         rays.push_back(make_ray(origin, target - origin));
@@ -118,6 +119,13 @@ Mesh random_closed_mesh(int levels, Random& random) {
     const float most = std::ldexp(0.2f, -levels);
     for (glm::vec3& p : mesh.positions) p *= 1 + random.uniform(-most, most);
     return mesh;
+}
+
+/// The same 1024 times as large, and so far from the origin that coordinates are sixteenths.
+void move_away(Mesh& mesh, std::vector<Ray>& rays) {
+    const glm::vec3 by(1e6f, -1e6f, 1e6f);
+    for (glm::vec3& p : mesh.positions) p = 1024.f * p + by;
+    for (Ray& r : rays) r.ox = 1024.f * r.ox + by.x, r.oy = 1024.f * r.oy + by.y, r.oz = 1024.f * r.oz + by.z;
 }
 
 struct Outcome {
@@ -157,9 +165,12 @@ void fans(Run& run) {
         for (const std::uint32_t triangles : {4u, 7u, 64u, 1000u, 8192u, 65'536u}) {
             if (!run.full() && triangles > 10'000) continue;
             Random random(1000 * run.seed() + std::uint64_t(seed));
-            const Mesh mesh = random_fan(triangles, random);
-            const auto rays = fan_rays(mesh, run.count<std::size_t>(4096, 65'536), random);
-            trace_closed(run, mesh, rays, outcome, "a fan of " + std::to_string(triangles));
+            Mesh mesh = random_fan(triangles, random);
+            auto rays = fan_rays(mesh, run.count<std::size_t>(4096, 65'536), random);
+            const std::string what = "a fan of " + std::to_string(triangles);
+            trace_closed(run, mesh, rays, outcome, what);
+            move_away(mesh, rays);
+            trace_closed(run, mesh, rays, outcome, what + " at 1e6");
         }
     run.check("rays that leak", outcome.missed.tried, double(outcome.missed.wrong), 0, "rays");
     run.check("rays not claimed once", outcome.twice.tried, double(outcome.twice.wrong), 0, "rays");
