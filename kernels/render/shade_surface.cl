@@ -84,9 +84,10 @@ static inline float emission_weight(const Lights* lights, const Surface* surface
 /// arrive.
 static inline bool view_light_beside(const Lights* lights, const Surface* surface, bool viewers_side, uint choice,
                                      float2 random, float3* from, LightView* view) {
-    *from = leave_surface(surface, viewers_side);
+    const bool lifted = leave_for_light(surface, viewers_side, from);
     if (!view_light(lights, *from, surface->shading, choice, random, view)) return false;
     const float above = dot(view->direction, surface->geometric);
+    if (lifted && above <= 0.0f) return dot(view->direction, surface->shading) > 0.0f;
     return viewers_side ? above > 0.0f : above < 0.0f;
 }
 
@@ -111,7 +112,11 @@ static inline NextShadow sample_light(const Lights* lights, const SurfaceSamples
     float bsdf_pdf;
     const float3 reflected = eval_bsdf(material, energy_tables, to_local(shading_frame, outgoing), incoming,
                                        surface->inside, &bsdf_pdf);
-    const float weight = view.pdf > 0.0f ? light_weight(view.pdf, bsdf_pdf) : 1.0f;
+    float weight = view.pdf > 0.0f ? light_weight(view.pdf, bsdf_pdf) : 1.0f;
+#if NORMALS
+    // sample_direction does not go below the triangle's plane.
+    if (TECHNIQUES != 2 && viewers_side && dot(view.direction, surface->geometric) <= 0.0f) weight = 1.0f;
+#endif
     const float3 light_sum = throughput_of(state) * reflected * view.radiance * weight;
     if (light_sum.x == 0.0f && light_sum.y == 0.0f && light_sum.z == 0.0f) return next;
     next.wanted = true;
