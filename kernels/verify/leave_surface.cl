@@ -1,28 +1,51 @@
-// Rays that leave random points of triangles for random directions on either side, some of them grazing.
+// Rays that leave triangles, to be traced against them.
 #ifndef NORMALS
 #define NORMALS 0
 #endif
-#include "claray/shared/rng.h"
-#include "shade/surface.clh"
+#include "shade/vector_sixteen.clh"
+#include "verify/leaving_rays.clh"
 
 /// `clearance` is where rays begin, relative to the triangle's first edge. Item i belongs to triangle (first + i) / rays_each.
 kernel void leave_surface_at_random(uint count, uint first, uint rays_each, uint seed, global const float* positions,
                                     global const uint* indices, global Ray* rays, global float* clearance) {
     const uint i = get_global_id(0);
     if (i >= count) return;
-    const uint id = first + i;
-    const SamplePair a = independent_pair(id, hash_word(seed)), b = independent_pair(id, hash_word(seed + 1u));
-    const SamplePair c = independent_pair(id, hash_word(seed + 2u));
-    const float root = sqrt(unit_float(a.x));
-    const Hit hit = {0.0f, root * (1.0f - unit_float(a.y)), root * unit_float(a.y), id / rays_each, 0u};
-    const float3 view = (float3)(unit_float(b.x), unit_float(b.y), unit_float(c.x)) - 0.5f;
-    const Surface s = surface_at(hit, normalize(view), positions, indices, 0);
-    const bool viewers_side = id & 1;
-    float3 d = normalize((float3)(unit_float(c.x), unit_float(c.y), unit_float(a.x)) - 0.5f);
-    if ((dot(d, s.geometric) > 0.0f) != viewers_side) d = -d;
-    if (id % 8 == 0) d = normalize(d - 0.999f * dot(d, s.geometric) * s.geometric);  // grazing
-    const float3 o = leave_surface(&s, viewers_side);
-    const Ray ray = {o.x, o.y, o.z, 0.0f, d.x, d.y, d.z, INFINITY};
-    rays[i] = ray;
+    const Leaving leaving = leaving_of(first + i, seed);
+    const Hit hit = point_that_is_left(leaving, (first + i) / rays_each);
+    const Surface s = surface_at(hit, view_of_leaving(leaving), positions, indices, 0);
+    rays[i] = leaving_ray(leaving, &s);
     clearance[i] = s.clearance / length(load3(positions, indices[3 * hit.primitive + 1]) - s.base);
+}
+
+/// The same points by the arithmetic for sixteen rays at once, as shaded on CPUs; item i has rays 16 i .. 16 i + 15. Those that leave
+/// on the viewer's side differ from `rays` nowhere: `differ` counts them for each item.
+kernel void leave_surface_by_sixteen(uint count, uint rays_each, uint seed, global const float* positions, global const uint* indices,
+                                     global const Ray* rays, global uint* differ) {
+    const uint item = get_global_id(0);
+    if (16 * item >= count) return;
+    Lanes16 in;
+    for (uint k = 0; k < 16; ++k) {
+        const uint id = min(16 * item + k, count - 1);
+        const Leaving leaving = leaving_of(id, seed);
+        const Hit hit = point_that_is_left(leaving, id / rays_each);
+        const float3 view = view_of_leaving(leaving);
+        const uint3 corner = vload3(hit.primitive, indices);
+        const float3 v0 = load3(positions, corner.x), e1 = load3(positions, corner.y) - v0, e2 = load3(positions, corner.z) - v0;
+        in.value[0][k] = v0.x, in.value[1][k] = v0.y, in.value[2][k] = v0.z;
+        in.value[3][k] = e1.x, in.value[4][k] = e1.y, in.value[5][k] = e1.z;
+        in.value[6][k] = e2.x, in.value[7][k] = e2.y, in.value[8][k] = e2.z;
+        in.value[9][k] = view.x, in.value[10][k] = view.y, in.value[11][k] = view.z;
+        in.value[12][k] = hit.u, in.value[13][k] = hit.v;
+    }
+    Vectors geometric;
+    const Vectors from = leaving_points16(lane_vectors16(&in, 0), lane_vectors16(&in, 3), lane_vectors16(&in, 6), lane_values16(&in, 12),
+                                          lane_values16(&in, 13), lane_vectors16(&in, 9), &geometric);
+    Lanes16 out;
+    keep_vectors16(from, &out, 0);
+    uint wrong = 0;
+    for (uint k = 0; k < 16 && 16 * item + k < count; ++k) {
+        const Ray ray = rays[16 * item + k];
+        if ((k & 1) != 0) wrong += out.value[0][k] != ray.ox || out.value[1][k] != ray.oy || out.value[2][k] != ray.oz;
+    }
+    differ[item] = wrong;
 }

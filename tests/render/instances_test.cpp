@@ -289,26 +289,17 @@ TEST_P(LeavingInstances, NoRayHitsTheTriangleThatItLeaves) {
                                        : InstancedBvh::build(std::span(&bottom, 1), begins);
     Kernel leave = compile_kernel(
         device(), R"(
-        #include "claray/shared/rng.h"
-        #include "shade/surface.clh"
+        #include "verify/leaving_rays.clh"
         kernel void leave(uint count, uint rays_each, uint triangles, global const float* positions,
                           global const uint* indices, global Ray* rays, global float* clearance INSTANCE_PARAMETERS) {
             const uint i = get_global_id(0);
             if (i >= count) return;
-            const SamplePair a = independent_pair(i, 1u), b = independent_pair(i, 2u), c = independent_pair(i, 3u);
-            const float root = sqrt(unit_float(a.x));
+            const Leaving leaving = leaving_of(i, 1u);
             const uint number = i / rays_each;
-            const Hit hit = {0.0f, root * (1.0f - unit_float(a.y)), root * unit_float(a.y), number % triangles, 0u};
+            const Hit hit = point_that_is_left(leaving, number % triangles);
             const Placement placement = placement_of(number / triangles, 0.375f INSTANCE_BUFFERS);
-            const float3 view = (float3)(unit_float(b.x), unit_float(b.y), unit_float(c.x)) - 0.5f;
-            const Surface s = surface_of_instance(hit, &placement, normalize(view), positions, indices, 0);
-            const bool viewers_side = i & 1;
-            float3 d = normalize((float3)(unit_float(c.x), unit_float(c.y), unit_float(a.x)) - 0.5f);
-            if ((dot(d, s.geometric) > 0.0f) != viewers_side) d = -d;
-            if (i % 8 == 0) d = normalize(d - 0.999f * dot(d, s.geometric) * s.geometric);  // grazing
-            const float3 o = leave_surface(&s, viewers_side);
-            const Ray ray = {o.x, o.y, o.z, 0.0f, d.x, d.y, d.z, INFINITY};
-            rays[i] = ray;
+            const Surface s = surface_of_instance(hit, &placement, view_of_leaving(leaving), positions, indices, 0);
+            rays[i] = leaving_ray(leaving, &s);
             clearance[i] = s.clearance;
         })",
         "leave", {{"NORMALS", "0"}, {"TEXTURES", "0"}, {"INSTANCES", "1"}, {"INSTANCE_MOTION", way.moves ? "1" : "0"}});

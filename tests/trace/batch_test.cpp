@@ -71,6 +71,7 @@ TEST(Batch, CameraRaysHitAsAlone) {
 }
 
 TEST(Batch, CameraRaysEqualTheOracle) {
+    if (!device().info().fp64) GTEST_SKIP() << "distances are exact with float64 only";
     const Mesh mesh = soup(3001, 0.2f, 2);
     const std::vector<Ray> rays = camera_rays({0.4f, 0.3f, 2.5f}, glm::vec3(0.f), 160, 90);
     const HitComparison result =
