@@ -191,6 +191,49 @@ TEST(LightTree, SharesItsNumbersByIntensity) {
     }
 }
 
+/// A child's sphere holds the boxes of its lights, its cone their cones; and whether they look alike from far away is
+/// told by the radius' sign. (Where a bound is too narrow no light is lost, but there is noise: LEAST_COSINE.)
+TEST(LightTree, BoundsHoldTheirLights) {
+    for (const int two_sided : {0, 1, 2}) {  // 2: some are
+        std::mt19937 random(7);
+        std::uniform_real_distribution<float> unit(-1.f, 1.f);
+        std::vector<LightBounds> bounds(400);
+        for (std::size_t i = 0; i < bounds.size(); ++i) {
+            LightBounds& light = bounds[i];
+            const glm::vec3 at(unit(random), unit(random), unit(random));
+            light.box.grow(at), light.box.grow(at + 0.1f * glm::vec3(unit(random), unit(random), unit(random)));
+            light.axis = glm::normalize(glm::vec3(0.5f * unit(random) + at.x, 0.5f * unit(random), 1.f));
+            if (two_sided != 0 && i % 2 == 0) light.axis = -light.axis;
+            light.spread = 0.4f + 0.4f * unit(random), light.reach = 1.f + 0.5f * unit(random), light.intensity = 1.f;
+            light.two_sided = two_sided == 1 || (two_sided == 2 && i % 3 == 0);
+        }
+        const LightTree tree = build_light_tree(bounds);
+        for (const LightNode& node : tree.nodes)
+            for (std::uint32_t i = 0; i < CLARAY_LIGHT_TREE_WIDTH; ++i) {
+                if (node.span[i] == 0) continue;
+                const glm::vec3 center(node.x[i], node.y[i], node.z[i]),
+                    axis(node.axis_x[i], node.axis_y[i], node.axis_z[i]);
+                const bool both = node.cos_reach[i] == CLARAY_TWO_SIDED_CONE;
+                const float spread = std::acos(node.cos_spread[i]);
+                for (const LightLeaf& leaf : tree.leaves) {
+                    if (leaf.first < node.first[i] || leaf.last - node.first[i] >= node.span[i]) continue;
+                    const LightBounds& light = bounds[leaf.light];
+                    for (const glm::vec3& corner : {light.box.lo, light.box.hi})
+                        EXPECT_LE(glm::length(corner - center), 1.0001f * std::abs(node.radius[i]) + 1e-5f);
+                    if (node.cos_spread[i] == -1.f) continue;  // all directions
+                    EXPECT_EQ(both, light.two_sided);
+                    const float cosine = glm::dot(axis, light.axis);
+                    const float off = std::acos(std::clamp(both ? std::abs(cosine) : cosine, -1.f, 1.f));
+                    EXPECT_LE(off + light.spread, spread + 2e-3f);
+                    if (!both) {
+                        EXPECT_LE(node.cos_reach[i], std::cos(light.reach) + 1e-5f);
+                    }
+                }
+                EXPECT_EQ(node.radius[i] >= 0.f, spread < 0.3f) << spread;
+            }
+    }
+}
+
 /// No light that reaches a point may have probability 0 there.
 TEST(LightTree, MissesNoLight) {
     const Scene scene = many(200, 80, 50);
