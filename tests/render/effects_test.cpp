@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-
 #include "host/render/effects.hpp"
 #include "tests/render/scenes.hpp"
 #include "tests/support/device.hpp"
@@ -129,6 +128,22 @@ TEST(Effects, HaveBuiltInScenes) {
     EXPECT_EQ(effects_of(all), known_effects() - EffectSet{Effect::sky});  // an environment is in its place
     expect_picture(all);
     EXPECT_TRUE(throws_error(ErrorKind::usage, "mirror", [] { (void)builtin_scene("effect:stars"); }));
+}
+
+/// Thin walls call for nothing of what solids need, whatever else the material says.
+TEST(Effects, ThinWallsAreNoSolids) {
+    for (const MaterialKind kind : {MaterialKind::glass, MaterialKind::principled}) {
+        Scene scene = plain_scene();
+        Material& wall = scene.materials[0];
+        wall.kind = kind, wall.roughness = 0.5f, wall.transmission = 0.5f, wall.thin_walled = true;
+        wall.attenuation = glm::vec3(0.5f), wall.attenuation_distance = 1.f;
+        const EffectSet of_walls = {Effect::thin_walls}, of_kind = {Effect::principled};
+        EXPECT_EQ(effects_of(scene), kind == MaterialKind::glass ? of_walls : of_walls | of_kind);
+        for (const EffectCause& cause : causes_of_effects(scene)) EXPECT_EQ(cause.count, 1u);
+        EXPECT_EQ(effects_of(without_effects(scene, of_walls)),
+                  kind == MaterialKind::glass ? EffectSet{Effect::lambert} : of_kind);
+        EXPECT_EQ(effects_of(without_effects(scene, {Effect::transmission, Effect::glass})), effects_of(scene));
+    }
 }
 
 /// The image is the same whatever else the kernels could do.
