@@ -275,6 +275,32 @@ TEST(LightTree, MissesNoLight) {
     }
 }
 
+/// Lamps that show their dark side are hardly ever picked.
+TEST(LightTree, KnowsWhichSideShines) {
+    Scene scene;
+    scene.materials = {emitter(1.f)};
+    scene.materials[0].cull_back = true;
+    for (int i = 0; i < 20; ++i) {  // those at x > 0 shine down
+        scene.meshes.push_back(square(0.05f, 1.f));
+        for (glm::vec3& p : scene.meshes.back().positions)
+            p += glm::vec3(i < 10 ? -0.8f : 0.8f, 0.f, 0.2f * float(i % 10) - 0.9f);
+        if (i >= 10)
+            for (glm::uvec3& t : scene.meshes.back().triangles) std::swap(t.y, t.z);
+    }
+    const Lights lights = collect_lights(scene);
+    const std::size_t size = lights.data.near;
+    ASSERT_EQ(size, 40u);
+    const Buffer<std::uint32_t> trails(device(), trails_of(lights.tree, size));
+    const Buffer<float> probability(device(), size);
+    compile_kernel(device(), kernels, "probabilities")
+        .run({size}, Buffer<LightNode>(device(), lights.tree), Buffer<LightLeaf>(device(), lights.leaves), 0.f, 0.f,
+             0.f, 0.f, 1.f, 0.f, trails, std::uint32_t(size), probability);
+    double dark = 0;
+    const std::vector<float> shares = probability.read();
+    for (std::size_t i = 0; i < 20; ++i) dark += shares[i];
+    EXPECT_LT(dark, 0.05);
+}
+
 /// The same light, whichever way it is picked.
 TEST(LightTree, ChangesNoImageButItsNoise) {
     for (const Scene& with : {many(200, 0, 0), many(0, 30, 40), many(50, 20, 20)}) {
