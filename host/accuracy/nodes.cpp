@@ -42,11 +42,11 @@ Study study_nodes(const Device& device, const Scene& scene, const StudyOptions& 
         std::vector<double> seconds;
         for (const double s : traced[i].seconds) seconds.push_back(s * 1e6 / double(rays.size()));
         const double more = traced[i].boxes - traced[0].boxes;
-        const double bytes =
-            variants[i].node_bits == 32 ? sizeof(BvhNode) : 4.0 * CLARAY_QUANTIZED_WORDS(variants[i].node_bits);
+        const unsigned bits = variants[i].node_bits;
+        const std::size_t bytes = bits == 32 ? sizeof(BvhNode) : 4 * CLARAY_QUANTIZED_WORDS(bits);
         point.error = {more, more, more}, point.seconds = spread_of(seconds);
         point.facts = {
-            {"bytes a node", bytes}, {"boxes a ray", traced[i].boxes}, {"Mrays/s", 1 / point.seconds.median}};
+            {"bytes a node", double(bytes)}, {"boxes a ray", traced[i].boxes}, {"Mrays/s", 1 / point.seconds.median}};
         study.points.push_back(point);
         if (point.failure.empty() && i > 0 && traced[0].boxes > 0)
             study.findings.push_back(told("%s: the same hits, %.3g times the boxes, %.3g times the time",

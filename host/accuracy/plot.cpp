@@ -44,9 +44,10 @@ struct Axis {
         static const std::vector<double> whole = {1}, some = {1, 2, 5}, many = {1, 1.5, 2, 3, 4, 5, 6, 8};
         const double range = high / low;
         std::vector<double> ticks;
-        for (double decade = std::pow(10, std::floor(std::log10(low))); decade < high; decade *= 10)
+        const int first = int(std::floor(std::log10(low))), last = int(std::ceil(std::log10(high)));
+        for (int power = first; power < last; ++power)
             for (const double part : range > 1000 ? whole : range > 10 ? some : many)
-                if (decade * part > low && decade * part < high) ticks.push_back(decade * part);
+                if (const double tick = std::pow(10, power) * part; tick > low && tick < high) ticks.push_back(tick);
         return ticks;
     }
 };
