@@ -155,6 +155,7 @@ std::string Bvh::hash() const {
 }
 
 void Bvh::bind(Kernel& kernel, unsigned& index) const {
+    kernel.require(defines());
     bind_solid(kernel, index);
     bind_cutouts(kernel, index);
 }

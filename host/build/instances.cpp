@@ -194,6 +194,7 @@ InstanceStatistics InstancedBvh::statistics() const {
 }
 
 void InstancedBvh::bind(Kernel& kernel, unsigned& index) const {
+    kernel.require(defines());
     const Bvh& top = *state_->top;
     kernel.set(index, top.header_buffer());
     kernel.set(index, top.nodes());

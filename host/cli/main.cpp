@@ -33,6 +33,15 @@ int fail(claray::ErrorKind kind, const std::string& message) {
     return int(kind);
 }
 
+/// What is wrong with the command line, and whose help tells more.
+std::string usage_error(const CLI::App& app, int argc, char** argv, const CLI::ParseError& error) {
+    const std::vector<CLI::App*> commands = app.get_subcommands();
+    if (!commands.empty())
+        return std::string(error.what()) + "; see claray " + commands.front()->get_name() + " --help";
+    if (argc > 1 && argv[1][0] != '-') return "there is no command '" + std::string(argv[1]) + "'; see claray --help";
+    return std::string(error.what()) + "; see claray --help";
+}
+
 void flush_output() {
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
         throw claray::Error(claray::ErrorKind::user,
@@ -65,7 +74,7 @@ int run(int argc, char** argv) {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-        return fail(claray::ErrorKind::usage, std::string(error.what()) + "; see claray --help");
+        return fail(claray::ErrorKind::usage, usage_error(app, argc, argv, error));
     }
     if (!action) return fail(claray::ErrorKind::usage, "a command is missing; see claray --help");
     action();

@@ -91,7 +91,7 @@ void render(const RenderOptions& options) {
 }
 
 void add_image_options(CLI::App& command, RenderOptions& o) {
-    command.add_option("scene", o.scene, "An OBJ file, or a built-in scene (see claray scenes)")->required();
+    command.add_option("scene", o.scene, "A scene file (.obj, .gltf, .glb), or a built-in scene (see claray scenes)")->required();
     command.add_option("-o,--output", o.output, "The image: .png, .hdr or .pfm")->required();
     command.add_option_function<std::string>(
         "--size", [&o](const std::string& text) { std::tie(o.config.width, o.config.height) = parse_size(text); },

@@ -295,7 +295,19 @@ void compile_jointly(const Device& device, const std::function<void()>& load) {
 
 Kernel compile_kernel(const Device& device, const std::string& source, const std::string& function,
                       const Defines& defines, Math math, const std::string& name) {
-    return kernel_of(device, {name, source}, function, defines, math, true);
+    Kernel kernel = kernel_of(device, {name, source}, function, defines, math, true);
+    kernel.remember(defines);
+    return kernel;
+}
+
+void Kernel::require(const Defines& macros) const {
+    if (!macros_) return;
+    for (const auto& macro : macros)
+        if (std::find(macros_->begin(), macros_->end(), macro) == macros_->end())
+            throw Error(ErrorKind::usage,
+                        "the kernel " + name_ + " was not compiled for this structure: without " + macro.first + "=" +
+                            macro.second,
+                        "pass the structure's defines() to compile_kernel");
 }
 
 CompileStatistics compile_statistics() { return statistics; }

@@ -15,6 +15,10 @@ Scene load_scene(const std::string& name_or_path, Warnings& warnings) {
     if (extension == ".obj") return load_obj(path, warnings);
     if (extension == ".gltf" || extension == ".glb") return load_gltf(path, warnings);
 
+    std::error_code unreadable;
+    if (std::filesystem::is_regular_file(path, unreadable))
+        throw Error(ErrorKind::user, "'" + name_or_path + "' is no .obj, .gltf or .glb file",
+                    "convert it to one of these");
     std::string known;
     for (const char* name : builtin_scene_names()) known += std::string(known.empty() ? "" : ", ") + name;
     throw Error(ErrorKind::usage, "no scene '" + name_or_path + "'",

@@ -50,6 +50,11 @@ public:
         bind(index, value);
     }
 
+    /// Throws ErrorKind::usage where a kernel of compile_kernel was compiled without one of these macros, which what
+    /// binds itself to it needs: a structure of another layout would be read as if it were this one.
+    void require(const Defines& macros) const;
+    void remember(Defines macros) { macros_ = std::make_shared<const Defines>(std::move(macros)); }
+
     [[nodiscard]] const cl::Kernel& handle() const noexcept { return kernel_; }
     [[nodiscard]] const std::string& name() const noexcept { return name_; }
 
@@ -83,6 +88,7 @@ private:
     std::shared_ptr<Device> device_;
     cl::Kernel kernel_;
     std::string name_;
+    std::shared_ptr<const Defines> macros_;  // null: not checked
 };
 
 /// One of claray's own kernels, by its file under kernels/ (such as "sort/radix_sort.cl"). Compiled once per device and
@@ -92,7 +98,9 @@ private:
                                  const Defines& defines = {}, Math math = Math::strict);
 
 /// A kernel of your own source text. It may #include claray's device headers ("claray/shared/types.h",
-/// "trace/closest_hit.clh" and the rest). `name` appears in error messages as the file name.
+/// "trace/closest_hit.clh" and the rest). `name` appears in error messages as the file name. A kernel that takes a Bvh
+/// or an InstancedBvh is compiled with its defines(), which say how it is laid out; binding another throws
+/// ErrorKind::usage.
 [[nodiscard]] Kernel compile_kernel(const Device& device, const std::string& source, const std::string& function,
                                     const Defines& defines = {}, Math math = Math::strict,
                                     const std::string& name = "user.cl");

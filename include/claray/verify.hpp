@@ -67,6 +67,9 @@ struct VerifyOptions {
 /// Cases of claray's catalogue that wait for a feature, with the feature's name.
 [[nodiscard]] const std::vector<VerifyCase>& verify_cases_left_out();
 
+/// Throws ErrorKind::usage where one of the names is no case's, with those that there are.
+void check_verify_cases(std::span<const std::string> names);
+
 /// Runs one case. Throws ErrorKind::usage, naming those that exist, where there is no such case, and ErrorKind::device
 /// where the device refuses to work at all.
 [[nodiscard]] VerifyResult run_verify_case(const Device& device, const std::string& name,

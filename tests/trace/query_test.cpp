@@ -9,6 +9,7 @@
 #include "host/build/host_tree.hpp"
 #include "tests/oracle/brute_force.hpp"
 #include "tests/support/device.hpp"
+#include "tests/support/errors.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/query.hpp"
 
@@ -296,6 +297,9 @@ TEST_P(QueryTest, OwnKernelsTraceToo) {
         "    t[i] = claray_closest_hit(CLARAY_BVH, rays[i]).t;\n"
         "    any[i] = claray_any_hit(CLARAY_BVH, rays[i]);\n"
         "}\n";
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "not compiled for this structure", [&] {
+        compile_kernel(device(), source, "mine").run({rays.size()}, bvh, device_rays, distances, occluded);
+    }));
     compile_kernel(device(), source, "mine", bvh.defines()).run({rays.size()}, bvh, device_rays, distances, occluded);
     const std::vector<Hit> hits = closest_hit(bvh, rays);
     const std::vector<float> t = distances.read();
