@@ -1,14 +1,18 @@
 // What choosing by target holds of what it promises, at small sizes:
-//   bench_target coverage [--size N] [--seeds N] [--references FOLDER]
+//   bench_target coverage|sweep|time|overhead [--size N] [--seeds N] [--references FOLDER] [--csv FILE]
 // coverage: renders to an error, of five scenes and three targets, against references: how many reach it, and by how
-// much.
+// much. sweep: what an error costs by the planner's choice, over what it costs by every fixed choice of builder and
+// sampler. time: how well times are kept. overhead: what measuring takes.
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 
 #include "bench/support.hpp"
 #include "claray/accuracy.hpp"
+#include "claray/target.hpp"
 
 using namespace claray;
 
@@ -17,6 +21,7 @@ namespace {
 struct Options {
     std::string device, csv, references;
     unsigned size = 48, seeds = 7;
+    std::vector<double> times = {0.5, 2, 10, 60};
 };
 
 constexpr const char* scenes[] = {"cornell", "spheres", "crate", "hills", "terrain:2000"};
@@ -77,6 +82,131 @@ void coverage(const Device& device, const Options& options) {
     csv.write();
 }
 
+/// Of the process where the device is a CPU (others may use the machine), by the clock where it is not.
+template <class Work>
+double seconds_of(const Device& device, const Work& work) {
+    const auto begin = std::chrono::steady_clock::now();
+    const std::clock_t processor = std::clock();
+    work();
+    if (device.info().type == DeviceType::cpu) return double(std::clock() - processor) / CLOCKS_PER_SEC;
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+/// Error squared times seconds, tree included: the time for equal error, since it falls with the root of the time.
+struct Cost {
+    double squares = 0, seconds = 0;
+    void add(double error, double took) { squares += error * error, seconds += took; }
+    [[nodiscard]] double product() const { return squares * seconds; }
+};
+
+void sweep(const Device& device, const Options& options) {
+    constexpr double target = 0.03;
+    constexpr const char* subjects[] = {"cornell", "spheres", "terrain:20000"};
+    bench::Csv csv(options.csv, device, "scene,target,spp,choice,builder,sampler,rms_error,seconds,over_best");
+    for (const char* name : subjects) {
+        const Scene scene = scene_of(name);
+        const ReferenceImage reference = reference_of(device, scene, options, target / 8);
+        const RenderConfig to_error{
+            .width = options.size, .height = options.size, .spp = 1u << 24, .seed = 1000, .error = target};
+        struct Fixed {
+            std::string builder, sampler;
+            RenderConfig config;
+            Cost cost;
+        };
+        std::vector<Fixed> fixed;
+        for (const auto& [builder, preset] : bench::builders)
+            for (const Sampler sampler : {Sampler::sobol, Sampler::independent}) {
+                RenderConfig config = to_error;
+                config.error = 0, config.sampler = sampler, config.bvh.builder = preset;
+                fixed.push_back({builder, sampler == Sampler::sobol ? "Sobol" : "independent", config, {}});
+            }
+        Cost planned;
+        std::vector<double> spp;
+        std::string picked;
+        const auto render_fixed = [&](Fixed& one, std::uint32_t seed, unsigned samples, bool counts) {
+            one.config.seed = seed, one.config.spp = samples;
+            std::vector<glm::vec3> image;
+            const double seconds = seconds_of(device, [&] {
+                Renderer renderer(device, scene, one.config);
+                (void)renderer.render();
+                image = renderer.image();
+            });
+            if (counts) one.cost.add(true_error(image, reference, options.size), seconds);
+        };
+        for (Fixed& one : fixed) render_fixed(one, 1, 1, false);     // compiles
+        for (unsigned round = 0; round <= options.seeds; ++round) {  // by turns; the first does not count
+            RenderConfig config = to_error;
+            config.seed += round;
+            std::vector<glm::vec3> image;
+            TargetPlan plan = plan_render(device, scene, config);
+            RenderProgress reached;
+            const double seconds = seconds_of(device, [&] {
+                Renderer renderer(device, scene, plan.config);
+                reached = render_to_target(device, renderer, plan);
+                image = renderer.image();
+            });
+            if (round == 0) continue;
+            planned.add(true_error(image, reference, options.size), seconds);
+            spp.push_back(reached.spp);
+            picked = plan.picks.back();
+            for (Fixed& one : fixed) render_fixed(one, 2000 + round, reached.spp, true);
+        }
+        const auto best = std::min_element(fixed.begin(), fixed.end(), [](const Fixed& a, const Fixed& b) {
+            return a.cost.product() < b.cost.product();
+        });
+        const auto row = [&](const char* choice, const std::string& builder, const std::string& sampler,
+                             const Cost& cost) {
+            const double rms = std::sqrt(cost.squares / options.seeds), over = cost.product() / best->cost.product();
+            std::printf("%-14s %-8s %-9s %-12s %8.4f %8.3f %8.3f\n", name, choice, builder.c_str(), sampler.c_str(),
+                        rms, cost.seconds / options.seeds, over);
+            csv.row(name, target, bench::median(spp), choice, builder, sampler, rms, cost.seconds / options.seeds,
+                    over);
+        };
+        std::printf("%s, %.0f spp\n%-14s %-8s %-9s %-12s %8s %8s %8s\n", picked.c_str(), bench::median(spp), "scene",
+                    "choice", "builder", "sampler", "error", "seconds", "of best");
+        row("planner", "", "", planned);
+        for (const Fixed& one : fixed) row("fixed", one.builder, one.sampler, one.cost);
+        std::fflush(stdout);
+    }
+    csv.write();
+}
+
+void time(const Device& device, const Options& options) {
+    bench::Csv csv(options.csv, device, "scene,promised,seconds,spp");
+    for (const char* name : {"cornell", "terrain:20000"})
+        for (const double seconds : options.times) {
+            const Scene scene = scene_of(name);
+            TargetPlan plan = plan_render(
+                device, scene, {.width = options.size, .height = options.size, .spp = 1u << 24, .seconds = seconds});
+            Renderer renderer(device, scene, plan.config);
+            const RenderProgress reached = render_to_target(device, renderer, plan);
+            std::printf("%-14s promised %6.2f s, took %6.3f s: %+.1f %%, %u spp\n", name, seconds, reached.seconds,
+                        100 * (reached.seconds / seconds - 1), reached.spp);
+            std::fflush(stdout);
+            csv.row(name, seconds, reached.seconds, reached.spp);
+        }
+    csv.write();
+}
+
+void overhead(const Device& device, const Options& options) {
+    bench::Csv csv(options.csv, device, "scene,target,spp,seconds,measuring_seconds");
+    for (const char* name : scenes)
+        for (const double target : targets) {
+            const Scene scene = scene_of(name);
+            Renderer renderer(device, scene,
+                              {.width = options.size, .height = options.size, .spp = 1u << 24, .error = target});
+            (void)renderer.render();  // compiles
+            const double before = renderer.statistics().measuring_seconds;
+            renderer.restart(1);
+            const RenderProgress reached = renderer.render();
+            const double measuring = renderer.statistics().measuring_seconds - before;
+            std::printf("%-14s %5.2f: %u spp in %.3f s, measuring %.2f ms: %.2f %%\n", name, target, reached.spp,
+                        reached.seconds, 1e3 * measuring, 100 * measuring / reached.seconds);
+            csv.row(name, target, reached.spp, reached.seconds, measuring);
+        }
+    csv.write();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -92,7 +222,11 @@ int main(int argc, char** argv) try {
     const auto add = [&](const char* name, const char* what, auto run) {
         app.add_subcommand(name, what)->final_callback([&options, run] { run(Device::open(options.device), options); });
     };
+    app.add_option("--times", options.times, "Seconds to render for [0.5 2 10 60]")->delimiter(',');
     add("coverage", "Errors reached against errors asked for", coverage);
+    add("sweep", "The planner against every fixed choice", sweep);
+    add("time", "Times kept against times asked for", time);
+    add("overhead", "What measuring takes", overhead);
     CLI11_PARSE(app, argc, argv);
     return 0;
 } catch (const Error& error) {

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 
 #include "claray/target.hpp"
 #include "host/compute/device_state.hpp"
@@ -15,7 +16,7 @@ constexpr const char* table_name = "plan/model";
 constexpr Builder builders[] = {Builder::fast, Builder::balanced, Builder::high};
 constexpr unsigned side = 128;  // of the images that are rendered
 constexpr double least_seconds = 0.15;
-constexpr int rounds = 4;
+constexpr int rounds = 5;
 
 /// A figure of the model and its row: counts are whole there.
 struct Figure {
@@ -32,6 +33,14 @@ constexpr Figure figures[] = {
     {"HIGH_SAMPLES_PER_SECOND", 1, [](DeviceModel& m) -> double& { return m.high.samples_per_second; }},
     {"INDEPENDENT_COST_PERMILLE", 1e3, [](DeviceModel& m) -> double& { return m.independent_cost; }},
 };
+
+/// On a CPU device the threads' time shared out among its units, which other programs don't lengthen.
+double render_seconds(const Device& device, Renderer& renderer) {
+    const std::clock_t begin = std::clock();
+    const double seconds = renderer.render().seconds;
+    if (device.info().type != DeviceType::cpu) return seconds;
+    return double(std::clock() - begin) / CLOCKS_PER_SEC / std::max(1u, device.info().compute_units);
+}
 
 double seconds_of(const std::function<void()>& work) {
     const Clock::time_point begin = Clock::now();
@@ -73,7 +82,7 @@ void measure_speeds(const Device& device, const Scene& scene, DeviceModel& model
     for (std::uint32_t round = 1; round <= rounds; ++round)
         for (std::size_t i = 0; i < renderers.size(); ++i) {
             renderers[i].restart(round);
-            least[i] = std::min(least[i], renderers[i].render().seconds);
+            least[i] = std::min(least[i], render_seconds(device, renderers[i]));
         }
     const double samples = double(side) * side * config.spp;
     model.fast.samples_per_second = samples / least[0];
@@ -88,9 +97,9 @@ double cost_of_error(const Device& device, const Scene& scene, Sampler sampler) 
     double squares = 0, seconds = INFINITY;
     for (std::uint32_t round = 0; round < 3; ++round) {
         renderer.restart(round);
-        const RenderProgress reached = renderer.render();
-        squares += reached.error * reached.error;
-        seconds = std::min(seconds, reached.seconds);
+        seconds = std::min(seconds, render_seconds(device, renderer));
+        const double error = renderer.render().error;
+        squares += error * error;
     }
     return squares * seconds;
 }

@@ -3,8 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <optional>
+
+#include "host/accuracy/plan_text.hpp"
 
 namespace claray {
 namespace {
@@ -15,22 +16,6 @@ constexpr double seconds_to_foresee = 0.3;
 constexpr unsigned least_spp_to_foresee = 16;
 constexpr double sure_gain = 1.25;  // by which a better tree must save more than it costs: models err
 constexpr double late = 1.1;        // of a time limit
-
-std::string told(const char* format, auto... values) {
-    char text[320];
-    std::snprintf(text, sizeof text, format, values...);
-    return text;
-}
-
-/// "0.53 s", "2.1 min", "3.4 h", "12 days"
-std::string told_time(double seconds) {
-    if (seconds < 1e-3) return told("%.3g us", 1e6 * seconds);
-    if (seconds < 0.1) return told("%.3g ms", 1e3 * seconds);
-    if (seconds < 120) return told("%.3g s", seconds);
-    if (seconds < 7200) return told("%.3g min", seconds / 60);
-    if (seconds < 172'800) return told("%.3g h", seconds / 3600);
-    return told("%.4g days", seconds / 86'400);
-}
 
 const char* name_of(Builder builder) {
     return builder == Builder::fast ? "fast" : builder == Builder::balanced ? "balanced" : "high";
@@ -67,6 +52,11 @@ std::string why(const TargetPlan& plan, Builder builder, double seconds) {
                      told_time(build_seconds(plan.model, other, plan.triangles)).c_str(), speed_of(plan.model, other),
                      other == Builder::high ? "" : ",");
     return text;
+}
+
+std::string why_fixed(const TargetPlan& plan) {
+    return told("tree: %s, as given: the planner picks trees of scenes without instances, where none is asked for",
+                name_of(plan.config.bvh.builder));
 }
 
 void pick_sampler(TargetPlan& plan) {
@@ -119,6 +109,15 @@ void refuse_late(const RenderConfig& config, const RenderProgress& reached) {
 
 }  // namespace
 
+std::string told_time(double seconds) {
+    if (seconds < 1e-3) return told("%.3g us", 1e6 * seconds);
+    if (seconds < 0.1) return told("%.3g ms", 1e3 * seconds);
+    if (seconds < 120) return told("%.3g s", seconds);
+    if (seconds < 7200) return told("%.3g min", seconds / 60);
+    if (seconds < 172'800) return told("%.3g h", seconds / 3600);
+    return told("%.4g days", seconds / 86'400);
+}
+
 Builder choose_builder(const DeviceModel& model, std::size_t triangles, double seconds, Builder built) {
     if (!model.known()) return built;
     Builder best = built;
@@ -132,25 +131,31 @@ Builder choose_builder(const DeviceModel& model, std::size_t triangles, double s
     return best;
 }
 
+void pick_for_time(TargetPlan& plan, const Device& device, double seconds) {
+    if (plan.picks_builder && !plan.model.known() && seconds >= least_seconds_for_pilot)
+        plan.model = pilot(device, plan.picks);
+    pick_sampler(plan);
+    if (plan.picks_builder) plan.config.bvh.builder = choose_builder(plan.model, plan.triangles, seconds);
+    plan.picks.push_back(plan.picks_builder ? why(plan, plan.config.bvh.builder, seconds) : why_fixed(plan));
+}
+
 TargetPlan plan_render(const Device& device, const Scene& scene, const RenderConfig& config, bool picks_builder) {
     TargetPlan plan;
     plan.config = config, plan.triangles = triangles_of(scene);
     plan.picks_builder = picks_builder && scene.instances.empty();
     plan.model = stored_model(device);
-    if (plan.picks_builder && !plan.model.known() && config.seconds >= least_seconds_for_pilot && config.error == 0)
-        plan.model = pilot(device, plan.picks);
-    pick_sampler(plan);
-    if (!picks_builder) plan.picks.push_back(told("tree: %s, as asked for", name_of(config.bvh.builder)));
-    if (!plan.picks_builder) return plan;
-    plan.config.bvh.builder = Builder::fast;
-    if (config.error > 0) {
-        plan.picks.emplace_back("tree: fast, until the first samples tell how long it takes");
+    if (config.error == 0) {
+        pick_for_time(plan, device, config.seconds);
+        plan.promised_seconds = config.seconds;
         return plan;
     }
-    const Builder builder = choose_builder(plan.model, plan.triangles, config.seconds);
-    plan.config.bvh.builder = builder;
-    plan.picks.push_back(why(plan, builder, config.seconds));
-    plan.promised_seconds = config.seconds;
+    pick_sampler(plan);
+    if (plan.picks_builder) {
+        plan.config.bvh.builder = Builder::fast;
+        plan.picks.emplace_back("tree: fast, until the first samples tell how long it takes");
+    } else {
+        plan.picks.push_back(why_fixed(plan));
+    }
     return plan;
 }
 

@@ -270,6 +270,7 @@ std::string with_rows(const std::string& table, const DeviceInfo& info, const st
     for (const TunedRow& row : rows) {
         char saved[64];
         std::snprintf(saved, sizeof saved, "  # claray tune: %.1f %% less time", 100 * (1 - row.ratio));
+        if (row.measured) std::snprintf(saved, sizeof saved, "  # claray tune: measured");
         text += pattern + "  " + row.kernel + "  " + row.parameter + "  " + std::to_string(row.value) + saved + "\n";
     }
     return text;

@@ -38,6 +38,7 @@ struct TunedRow {
     std::string kernel, parameter;
     unsigned value = 0;
     double ratio = 1;
+    bool measured = false;  ///< a figure of the device's model, nothing that was tried
 };
 
 struct TuneOptions {

@@ -71,6 +71,7 @@ void render(const RenderOptions& options) {
     RenderConfig config = options.config;
     if (!options.wait_for_kernels) config.compiler = this_program();
     const Scene scene = load(options);
+    if (options.fps > 0) return run_frames(device, scene, options);
     std::optional<TargetPlan> plan;
     if (options.picks_settings) {
         plan = plan_render(device, scene, config, options.picks_builder);
@@ -92,7 +93,7 @@ void render(const RenderOptions& options) {
 
 void add_image_options(CLI::App& command, RenderOptions& o) {
     command.add_option("scene", o.scene, "A scene file (.obj, .gltf, .glb), or a built-in scene (see claray scenes)")->required();
-    command.add_option("-o,--output", o.output, "The image: .png, .hdr or .pfm")->required();
+    command.add_option("-o,--output", o.output, "The image: .png, .hdr or .pfm; with --fps the last one");
     command.add_option_function<std::string>(
         "--size", [&o](const std::string& text) { std::tie(o.config.width, o.config.height) = parse_size(text); },
         "WIDTHxHEIGHT in pixels [512x512]");

@@ -84,7 +84,7 @@ std::pair<std::filesystem::path, std::filesystem::path> aov_paths(const std::fil
 }
 
 void check_outputs(const RenderOptions& options) {
-    check_writable(options.output);
+    if (!options.output.empty()) check_writable(options.output);
     for (const std::string& name : options.aovs) {
         const auto [picture, raw] = aov_paths(options.output, name);
         check_writable(picture);

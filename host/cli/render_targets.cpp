@@ -2,6 +2,9 @@
 
 #include <cmath>
 #include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "host/cli/progress.hpp"
 
 namespace claray::cli {
 namespace {
@@ -41,9 +44,19 @@ void add_target_options(CLI::App& command, RenderOptions& o) {
     command.add_option("--time", o.config.seconds, "Take as many samples as fit into this time: 500ms, 2s, 1m")
         ->transform(time_units())
         ->check(number_above("more than 0", 0.f, false));
+    command
+        .add_option("--fps", o.fps, "Render frames at this rate with as many samples as fit, and tell how it was held")
+        ->check(number_above("more than 0", 0.f, false));
+    command.add_option("--frames", o.frames, "How many, with --fps [300]")->check(CLI::Range(1, 1'000'000));
 }
 
 void check_targets(const CLI::App& command, RenderOptions& o) {
+    if (command.count("--fps") == 0 && command.count("--output") == 0) throw CLI::RequiredError("--output");
+    if (command.count("--fps") == 0 && command.count("--frames") > 0)
+        throw Error(ErrorKind::usage, "--frames without a rate", "give --fps, too");
+    refuse_both(command, "--fps", {"--spp", "--error", "--time", "--noise", "--checkpoint", "--resume", "--aov"},
+                "frames have what fits into their time");
+    if (o.fps > 0) o.config.spp = most_spp;
     refuse_both(command, "--error", {"--spp", "--noise"}, "the error says how many samples are taken");
     const bool until_target = o.config.error > 0 || o.config.seconds > 0;
     if (until_target && command.count("--spp") == 0) o.config.spp = most_spp;
@@ -53,6 +66,44 @@ void check_targets(const CLI::App& command, RenderOptions& o) {
 
 void print_picks(const TargetPlan& plan) {
     for (const std::string& pick : plan.picks) std::printf("%s\n", pick.c_str());
+}
+
+void run_frames(const Device& device, const Scene& scene, const RenderOptions& options) {
+    std::optional<InterruptGuard> guard;
+    const FramesReport report =
+        render_frames(device, scene, options.config, options.fps, options.frames, options.picks_builder, [&](unsigned) {
+            if (!guard) guard.emplace();
+            return !InterruptGuard::interrupted();
+        });
+    if (!options.output.empty())
+        write_image(options.output, {options.config.width, options.config.height, report.image}, options.exposure,
+                    options.tone_map);
+    const double budget = 1e3 / options.fps, p50 = 1e3 * report.median, p99 = 1e3 * report.percentile;
+    if (options.json) {
+        const nlohmann::ordered_json json = {
+            {"scene", options.scene},
+            {"device", device.info().name},
+            {"fps", options.fps},
+            {"frames", report.seconds.size()},
+            {"spp", report.spp},
+            {"max_depth", report.max_depth},
+            {"milliseconds", {{"promised", budget}, {"median", p50}, {"percentile_99", p99}}},
+            {"picks", report.picks}};
+        std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    } else {
+        for (const std::string& pick : report.picks) std::printf("%s\n", pick.c_str());
+        std::printf(
+            "reached: %zu frames of %ux%u, %u samples a pixel: median %.2f ms, 99th percentile %.2f ms (promised: "
+            "%.2f)\n",
+            report.seconds.size(), options.config.width, options.config.height, report.spp, p50, p99, budget);
+    }
+    if (p99 <= budget) return;
+    char text[200], remedy[80];
+    std::snprintf(text, sizeof text,
+                  "%.4g frames a second were not held: the 99th percentile is %.2f ms instead of %.2f", options.fps,
+                  p99, budget);
+    std::snprintf(remedy, sizeof remedy, "the closest is about --fps %.3g", 1e3 / p99);
+    throw Error(ErrorKind::user, text, remedy);
 }
 
 void refuse_missed_error(const RenderConfig& config, const RenderProgress& reached) {

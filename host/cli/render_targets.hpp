@@ -17,6 +17,8 @@ void check_targets(const CLI::App& command, RenderOptions& options);
 
 /// What was picked and why.
 void print_picks(const TargetPlan& plan);
+/// claray render --fps. Throws ErrorKind::user where the rate was not held.
+void run_frames(const Device& device, const Scene& scene, const RenderOptions& options);
 /// Throws ErrorKind::user, saying what would be needed, where a render ended before it had the error asked for.
 void refuse_missed_error(const RenderConfig& config, const RenderProgress& reached);
 

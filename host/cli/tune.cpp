@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "claray/io.hpp"
+#include "claray/target.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/render_options.hpp"
 #include "host/cli/table.hpp"
@@ -48,12 +49,29 @@ std::filesystem::path choose_output(const Options& options) {
     return path;
 }
 
+/// What the planner of `claray render --error`, `--time` and `--fps` goes by.
+std::vector<bench::TunedRow> measured_model(const Device& device, const std::string& only) {
+    if (std::string("plan/model").find(only) == std::string::npos) return {};
+    const DeviceModel model = measure_model(device);
+    std::vector<Row> table = {{"plan/model", "build ns/triangle", "samples/s"}};
+    for (const auto& [name, preset] :
+         {std::pair("  fast", model.fast), std::pair("  balanced", model.balanced), std::pair("  high", model.high)})
+        table.push_back({name, fixed(preset.build_nanoseconds, 1), fixed(preset.samples_per_second, 0)});
+    print_table(table, 1);
+    std::printf("  independent samples take %.2f times the time of Sobol's for the same error\n",
+                model.independent_cost);
+    std::vector<bench::TunedRow> rows;
+    for (const ModelRow& row : rows_of(model)) rows.push_back({row.kernel, row.parameter, row.value, 1, true});
+    return rows;
+}
+
 void run(const Options& options) {
     const std::filesystem::path output = options.dry_run ? std::filesystem::path() : choose_output(options);
     const Device device = Device::open(options.device);
     std::printf("%s, driver %s; paired medians of %d interleaved rounds by the device's clock\n",
                 device.info().name.c_str(), device.info().driver.c_str(), options.tune.repeat);
-    const auto rows = bench::tune(device, options.tune, bench::candidates_for(device.info()), print_trials);
+    auto rows = bench::tune(device, options.tune, bench::candidates_for(device.info()), print_trials);
+    for (const bench::TunedRow& row : measured_model(device, options.tune.only)) rows.push_back(row);
     if (rows.empty()) {
         std::printf("nothing is faster than what is in force\n");
         return;
@@ -77,7 +95,8 @@ void add_tune_command(CLI::App& app, Action& action) {
         "Values come from kernels/tuning_candidates.txt. 'time' is relative to the value in force. A value is kept "
         "where\n"
         "it saves 2 % and twice the noise, twice over, and changes no result. Without -o the rows go to\n"
-        "$XDG_CONFIG_HOME/claray/tuning.txt, which is read whenever a device is opened.\n"
+        "$XDG_CONFIG_HOME/claray/tuning.txt, which is read whenever a device is opened. The rows plan/model are what\n"
+        "claray render --error, --time and --fps pick by; --only plan/model measures them alone.\n"
         "Example:\n"
         "  claray tune --device gpu --scene terrain:1000000 --size 960x540 --only trace/");
     auto options = std::make_shared<Options>();

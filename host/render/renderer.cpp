@@ -184,7 +184,7 @@ struct Renderer::State {
           buffers(on, scene, structure),
           wavefront(on, buffers, frame_data(scene, buffers, with), first_kernels(), std::uint64_t(pixels()) * with.spp),
           film(on, pixels(), films_of(with)),
-          schedule(pixels(), with.spp / film.films() + with.spp % film.films(), wavefront.capacity()),
+          schedule(new_schedule()),
           pace(on.tuning("render/wavefront", "FIRST_PATHS"), wavefront.capacity()) {
         for (const char* name : {trace_camera_name, trace_bounce_name, trace_shadow_name})
             before[name] = device.profiler().milliseconds(name);
@@ -196,6 +196,9 @@ struct Renderer::State {
     void adopt(const Structure& other);
     void save_checkpoint();
     [[nodiscard]] std::uint32_t pixels() const { return config.width * config.height; }
+    [[nodiscard]] Schedule new_schedule() const {
+        return {pixels(), config.spp / film.films() + config.spp % film.films(), wavefront.capacity()};
+    }
     [[nodiscard]] unsigned spp() const { return unsigned(schedule.samples() * film.films() / pixels()); }
     [[nodiscard]] RenderProgress measure();
     template <class Measure>
@@ -210,6 +213,7 @@ struct Renderer::State {
     Device device;
     TriangleNumbers numbers;  // in the user's scene, where that has instances
     RenderConfig config;
+    unsigned most_spp = config.spp;
     Clock::time_point set_up;
     KernelPlan plan;
     std::unique_ptr<Unstored> unstored;  // until the first pixel is there
@@ -418,12 +422,14 @@ RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>
     return state.measure();
 }
 
-void Renderer::restart(std::uint32_t seed) {
+void Renderer::restart(std::uint32_t seed, unsigned spp, unsigned max_depth) {
     State& state = *state_;
     if (!state.config.checkpoint.empty())
         throw Error(ErrorKind::usage, "a render that writes checkpoints can't begin anew", "leave the checkpoint out");
     state.config.seed = seed;
-    state.schedule.go_to({});
+    if (spp != 0) state.config.spp = std::min(spp, state.most_spp);
+    if (max_depth != 0) state.wavefront.set_max_depth(std::min(max_depth, state.config.max_depth));
+    state.schedule = state.new_schedule();
     state.film.clear();
     state.last_error = {};
     state.begin.reset();

@@ -36,6 +36,7 @@ public:
     void take_over(const Structure& structure, WavefrontKernels kernels);
     /// Of all batches from now on.
     void set_seed(std::uint32_t seed) { frame_.seed = seed; }
+    void set_max_depth(std::uint32_t depth) { frame_.max_depth = depth; }
     /// Traces the paths of a batch of at most `capacity()`; enqueued. Their radiance is in `radiance()`.
     void trace(const Batch& batch);
     /// The same for paths that have arrived at points of surfaces, one a pixel of the batch: these are white

@@ -110,11 +110,12 @@ public:
     /// reached. A checkpoint that can't be written ends nothing: see RenderStatistics.
     RenderProgress render(const std::function<bool(const RenderProgress&)>& progress = {});
 
-    /// Forgets all samples and begins anew with those of another seed. What is compiled, built and known of the device's
-    /// pace stays. Throws ErrorKind::usage for a render that writes checkpoints.
-    void restart(std::uint32_t seed);
-    /// Builds the tree anew in another way, which changes no bit of the image. Does nothing, and returns false, where the
-    /// scene has instances, or before it is rendered by its own kernels (see RenderStatistics).
+    /// Forgets all samples and begins anew with those of another seed, to another number of samples a pixel and
+    /// another depth where they are not 0 and no larger than those of the configuration. What is compiled, built and
+    /// known of the device's pace stays. Throws ErrorKind::usage for a render that writes checkpoints.
+    void restart(std::uint32_t seed, unsigned spp = 0, unsigned max_depth = 0);
+    /// Builds the tree anew in another way, which changes no bit of the image. Does nothing, and returns false, where
+    /// the scene has instances, or before it is rendered by its own kernels (see RenderStatistics).
     bool rebuild(const Bvh::Config& config);
 
     /// Mean linear radiance so far, row by row from the top left.

@@ -61,6 +61,24 @@ struct TargetPlan {
 RenderProgress render_to_target(const Device& device, Renderer& renderer, TargetPlan& plan,
                                 const std::function<bool(const RenderProgress&)>& progress = {});
 
+/// Frames at a rate: each a render of its own of so many samples a pixel, from the first sample until its image is in
+/// the host's memory.
+struct FramesReport {
+    unsigned spp = 0,
+             max_depth = 0;  ///< that were picked: `max_depth` is lowered only where a sample a pixel is too many
+    std::vector<std::string> picks;     ///< what was picked and why, a line each
+    std::vector<double> seconds;        ///< that frames took
+    double median = 0, percentile = 0;  ///< of them; the 99th
+    std::vector<glm::vec3> image;       ///< the last one
+};
+
+/// Picks the samples a pixel with which frames take no longer than 1 / fps, and renders so many. `config.spp` and
+/// `config.max_depth` are the most that may be picked. `progress` is asked after every frame whether to go on. Throws
+/// ErrorKind::user, naming the closest rate, where it can't be reached.
+[[nodiscard]] FramesReport render_frames(const Device& device, const Scene& scene, const RenderConfig& config,
+                                         double fps, unsigned frames, bool picks_builder = true,
+                                         const std::function<bool(unsigned done)>& progress = {});
+
 /// What was reached against what was promised, in a line.
 [[nodiscard]] std::string account_of(const TargetPlan& plan, const RenderProgress& reached);
 

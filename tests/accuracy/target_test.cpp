@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "tests/support/device.hpp"
@@ -120,6 +121,29 @@ TEST(RenderToTarget, RefusesWhatCannotBeReachedAndNamesWhatCan) {
     EXPECT_TRUE(refused(to_error(1e-9), "the closest is about --error "));
     EXPECT_TRUE(refused({.width = 24, .height = 24, .spp = 1u << 24, .seconds = 1e-6},
                         "a time of 1 us can't be kept: a sample for every pixel takes "));
+}
+
+TEST(RenderFrames, PicksWhatFitsAndSaysSo) {
+    const Scene scene = *builtin_scene("hills");
+    RenderConfig config{.width = 12, .height = 12, .spp = 5};
+    unsigned calls = 0;
+    const FramesReport report = render_frames(device(), scene, config, 0.5, 4, true, [&](unsigned done) {
+        EXPECT_EQ(done, ++calls);
+        return done < 3;
+    });
+    EXPECT_EQ(report.seconds.size(), 3u) << "stopped";
+    EXPECT_EQ(report.spp, 5u) << "two seconds are enough for the most";
+    EXPECT_EQ(report.max_depth, 8u);
+    EXPECT_EQ(report.percentile, *std::max_element(report.seconds.begin(), report.seconds.end()));
+    // Frame 13 of its seeds: those before were the pilot's. As many samples as were picked, and as deep.
+    EXPECT_EQ(report.image.size(), 144u);
+    double sum = 0;
+    for (const glm::vec3& p : report.image) sum += p.y;
+    EXPECT_GT(sum, 0);
+    EXPECT_TRUE(throws_error(ErrorKind::user, "the closest is about --fps ",
+                             [&] { (void)render_frames(device(), scene, config, 1e6, 1); }));
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "no number above 0",
+                             [&] { (void)render_frames(device(), scene, config, NAN, 1); }));
 }
 
 }  // namespace

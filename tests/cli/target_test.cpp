@@ -58,6 +58,21 @@ TEST_F(Target, WhatWasMissedIsToldAfterTheImageIsWritten) {
     EXPECT_TRUE(std::filesystem::exists(path("a.pfm")));
 }
 
+TEST_F(Target, FramesAreCountedAndTimed) {
+    const ProcessResult result = run_claray(
+        {"render", "hills", "--size", "16x16", "--fps", "2", "--frames", "5", "-o", path("last.pfm"), "--json"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    const auto report = nlohmann::json::parse(result.output);
+    EXPECT_EQ(report.at("frames"), 5);
+    EXPECT_GE(report.at("spp"), 1);
+    EXPECT_EQ(report.at("max_depth"), 8);
+    EXPECT_EQ(report.at("milliseconds").at("promised"), 500);
+    EXPECT_LE(report.at("milliseconds").at("median"), report.at("milliseconds").at("percentile_99"));
+    EXPECT_TRUE(std::filesystem::exists(path("last.pfm")));
+    const ProcessResult text = run_claray({"render", "hills", "--size", "16x16", "--fps", "1", "--frames", "2"});
+    EXPECT_NE(text.output.find("reached: 2 frames of 16x16"), std::string::npos) << text.output;
+}
+
 TEST_F(Target, BadInput) {
     for (const char* value : {"0", "-1", "nan", "inf", "small"})
         EXPECT_TRUE(failed_with(render({"--error", value}), 2, "--error: '" + std::string(value) + "' is not"))
@@ -68,6 +83,12 @@ TEST_F(Target, BadInput) {
     EXPECT_TRUE(failed_with(render({"--error", "0.1", "--noise", "0.1"}), 2, "--error and --noise contradict"));
     EXPECT_TRUE(failed_with(render({"--time", "1us"}), 1, "a time of 1 us can't be kept: a sample for every pixel"));
     EXPECT_TRUE(failed_with(render({"--error", "1e-9"}), 1, "an error of 1e-09 can't be reached"));
+    for (const char* other : {"--spp", "--time", "--error", "--noise", "--checkpoint", "--resume"})
+        EXPECT_TRUE(failed_with(render({"--fps", "1", other, "1"}), 2, std::string("--fps and ") + other)) << other;
+    EXPECT_TRUE(failed_with(render({"--fps", "0"}), 2, "--fps: '0' is not a number of more than 0"));
+    EXPECT_TRUE(failed_with(render({"--frames", "3"}), 2, "--frames without a rate"));
+    EXPECT_TRUE(failed_with(run_claray({"render", "hills"}), 2, "--output is required"));
+    EXPECT_TRUE(failed_with(render({"--fps", "1000000"}), 1, "1e+06 frames a second can't be reached: one sample"));
     EXPECT_FALSE(std::filesystem::exists(path("a.pfm")));
 }
 

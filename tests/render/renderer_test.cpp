@@ -141,12 +141,31 @@ TEST(Renderer, StopsAtAnErrorThatIsTrue) {
         << "no more than it may, in two halves";
 }
 
+TEST(Renderer, BeginsAnewAsAnotherWould) {
+    const Scene scene = *builtin_scene("spheres");
+    const RenderConfig config{.width = 24, .height = 16, .spp = 9};
+    Renderer renderer(device(), scene, config);
+    (void)renderer.render();
+    renderer.restart(5);
+    EXPECT_EQ(renderer.render().spp, 9u);
+    EXPECT_TRUE(same_bits(renderer.image(), render_image(scene, {.width = 24, .height = 16, .spp = 9, .seed = 5})));
+    renderer.restart(5, 3, 2);
+    EXPECT_EQ(renderer.render().spp, 3u);
+    EXPECT_TRUE(same_bits(renderer.image(),
+                          render_image(scene, {.width = 24, .height = 16, .spp = 3, .max_depth = 2, .seed = 5})));
+    renderer.restart(0, 9, 8);
+    (void)renderer.render();
+    EXPECT_TRUE(renderer.rebuild({.builder = Builder::high}));
+    EXPECT_TRUE(same_bits(renderer.image(), render_image(scene, config)));
+}
+
 TEST(Renderer, NoErrorIsToldOfABlackImage) {
     Scene scene = *builtin_scene("crate");
     scene.lights.clear(), scene.sky = {}, scene.environment = {};
     for (Material& material : scene.materials) material.emission = glm::vec3(0.f);
     Renderer renderer(device(), scene, {.width = 4, .height = 4, .spp = 1u << 24, .error = 0.1});
-    EXPECT_TRUE(throws_error(ErrorKind::user, "the image is black after 2048 samples a pixel", [&] { renderer.render(); }));
+    EXPECT_TRUE(
+        throws_error(ErrorKind::user, "the image is black after 2048 samples a pixel", [&] { renderer.render(); }));
 }
 
 TEST(Renderer, StopsAtTheTimeLimit) {

@@ -1,0 +1,126 @@
+// Frames at a rate: how many samples a pixel fit into one.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "host/accuracy/plan_text.hpp"
+
+namespace claray {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr unsigned pilot_frames = 8;  // of which the slowest counts
+constexpr double share = 0.85;        // of a frame's time that is planned for
+constexpr unsigned most_spp = 1024;
+constexpr unsigned watched = 50;  // frames within which two late ones make the samples fewer
+
+/// Frames of one renderer, each with a seed of its own.
+class Frames {
+public:
+    Frames(const Device& device, const Scene& scene, const RenderConfig& config)
+        : spp(config.spp), max_depth(config.max_depth), renderer_(device, scene, config), seed_(config.seed) {
+        wait_for_kernels();
+    }
+
+    double next() {
+        const Clock::time_point begin = Clock::now();
+        renderer_.restart(seed_++, spp, max_depth);
+        (void)renderer_.render();
+        image = renderer_.image();
+        return std::chrono::duration<double>(Clock::now() - begin).count();
+    }
+    /// The slowest of a few, after one that may compile.
+    double slowest() {
+        (void)next();
+        double most = 0;
+        for (unsigned i = 0; i < pilot_frames; ++i) most = std::max(most, next());
+        return most;
+    }
+
+    unsigned spp, max_depth;
+    std::vector<glm::vec3> image;
+
+private:
+    /// Other kernels have another speed.
+    void wait_for_kernels() {
+        do (void)next();
+        while (!renderer_.statistics().own_kernels);
+    }
+
+    Renderer renderer_;
+    std::uint32_t seed_;
+};
+
+double percentile(std::vector<double> values, double share_below) {
+    const auto rank = std::ptrdiff_t(std::ceil(share_below * double(values.size()))) - 1;
+    std::nth_element(values.begin(), values.begin() + rank, values.end());
+    return values[std::size_t(rank)];
+}
+
+/// The most samples, and then the deepest paths, that fit.
+void pick(Frames& frames, const RenderConfig& config, double budget, std::vector<std::string>& picks) {
+    frames.spp = 1;
+    double seconds = frames.slowest();
+    while (seconds > share * budget && frames.max_depth > 1) {
+        --frames.max_depth;
+        seconds = frames.slowest();
+    }
+    if (seconds > budget) {
+        const double scale = std::sqrt(share * budget / seconds);
+        throw Error(
+            ErrorKind::user,
+            told("%.4g frames a second can't be reached: one sample a pixel that meets one surface takes %s",
+                 1 / budget, told_time(seconds).c_str()),
+            told("the closest is about --fps %.3g; %.4g needs about --size %.0fx%.0f", share / seconds, 1 / budget,
+                 std::max(1.0, std::floor(config.width * scale)), std::max(1.0, std::floor(config.height * scale))));
+    }
+    const double one = seconds;
+    const unsigned most = std::min(config.spp, most_spp);
+    for (int tries = 0; tries < 6; ++tries) {  // what a sample costs depends on how many there are
+        const double wanted = std::floor(frames.spp * share * budget / seconds);
+        const auto spp = unsigned(std::clamp(wanted, 1.0, double(most)));
+        if (spp == frames.spp) break;
+        frames.spp = spp;
+        seconds = frames.slowest();
+        if (seconds <= budget && seconds >= 0.7 * budget) break;
+    }
+    picks.push_back(told("samples: %u a pixel; one takes %s, and frames of these %s of %s", frames.spp,
+                         told_time(one).c_str(), told_time(seconds).c_str(), told_time(budget).c_str()));
+    if (frames.max_depth < config.max_depth)
+        picks.push_back(
+            told("paths: %u surfaces at most instead of %u, which takes light away; a smaller --size would keep them",
+                 frames.max_depth, config.max_depth));
+}
+
+}  // namespace
+
+FramesReport render_frames(const Device& device, const Scene& scene, const RenderConfig& config, double fps,
+                           unsigned frames, bool picks_builder, const std::function<bool(unsigned)>& progress) {
+    if (!(fps > 0 && std::isfinite(fps)) || frames == 0)
+        throw Error(ErrorKind::usage, "a frame rate that is no number above 0, or no frames", "give 60, for instance");
+    const double budget = 1 / fps;
+    TargetPlan plan = plan_render(device, scene, config, picks_builder);
+    plan.picks.clear();
+    pick_for_time(plan, device, frames * budget);
+    plan.config.spp = std::min(config.spp, most_spp);
+    plan.config.error = plan.config.noise = plan.config.seconds = 0;
+    FramesReport report;
+    Frames all(device, scene, plan.config);
+    pick(all, plan.config, budget, plan.picks);
+    unsigned last_late = 0;
+    for (unsigned i = 1; i <= frames; ++i) {
+        report.seconds.push_back(all.next());
+        if (progress && !progress(i)) break;
+        if (report.seconds.back() <= budget) continue;
+        if (last_late > 0 && i - last_late < watched && all.spp > 1) all.spp -= std::max(1u, all.spp / 8);
+        last_late = i;
+    }
+    report.picks = plan.picks;
+    report.spp = all.spp, report.max_depth = all.max_depth;
+    report.median = percentile(report.seconds, 0.5), report.percentile = percentile(report.seconds, 0.99);
+    report.image = std::move(all.image);
+    return report;
+}
+
+}  // namespace claray
