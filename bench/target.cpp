@@ -171,7 +171,7 @@ void sweep(const Device& device, const Options& options) {
     csv.write();
 }
 
-void time(const Device& device, const Options& options) {
+void times(const Device& device, const Options& options) {
     bench::Csv csv(options.csv, device, "scene,promised,seconds,spp");
     for (const char* name : {"cornell", "terrain:20000"})
         for (const double seconds : options.times) {
@@ -225,7 +225,7 @@ int main(int argc, char** argv) try {
     app.add_option("--times", options.times, "Seconds to render for [0.5 2 10 60]")->delimiter(',');
     add("coverage", "Errors reached against errors asked for", coverage);
     add("sweep", "The planner against every fixed choice", sweep);
-    add("time", "Times kept against times asked for", time);
+    add("time", "Times kept against times asked for", times);
     add("overhead", "What measuring takes", overhead);
     CLI11_PARSE(app, argc, argv);
     return 0;

@@ -135,7 +135,6 @@ TEST(RenderFrames, PicksWhatFitsAndSaysSo) {
     EXPECT_EQ(report.spp, 5u) << "two seconds are enough for the most";
     EXPECT_EQ(report.max_depth, 8u);
     EXPECT_EQ(report.percentile, *std::max_element(report.seconds.begin(), report.seconds.end()));
-    // Frame 13 of its seeds: those before were the pilot's. As many samples as were picked, and as deep.
     EXPECT_EQ(report.image.size(), 144u);
     double sum = 0;
     for (const glm::vec3& p : report.image) sum += p.y;

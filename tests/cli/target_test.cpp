@@ -60,16 +60,17 @@ TEST_F(Target, WhatWasMissedIsToldAfterTheImageIsWritten) {
 
 TEST_F(Target, FramesAreCountedAndTimed) {
     const ProcessResult result = run_claray(
-        {"render", "hills", "--size", "16x16", "--fps", "2", "--frames", "5", "-o", path("last.pfm"), "--json"});
-    ASSERT_EQ(result.exit_code, 0) << result.errors;
+        {"render", "hills", "--size", "16x16", "--fps", "10", "--frames", "5", "-o", path("last.pfm"), "--json"});
+    // Whether a busy machine holds the rate is no matter of this test.
+    ASSERT_TRUE(result.exit_code == 0 || failed_with(result, 1, "10 frames a second were not held")) << result.errors;
     const auto report = nlohmann::json::parse(result.output);
     EXPECT_EQ(report.at("frames"), 5);
     EXPECT_GE(report.at("spp"), 1);
     EXPECT_EQ(report.at("max_depth"), 8);
-    EXPECT_EQ(report.at("milliseconds").at("promised"), 500);
+    EXPECT_EQ(report.at("milliseconds").at("promised"), 100);
     EXPECT_LE(report.at("milliseconds").at("median"), report.at("milliseconds").at("percentile_99"));
     EXPECT_TRUE(std::filesystem::exists(path("last.pfm")));
-    const ProcessResult text = run_claray({"render", "hills", "--size", "16x16", "--fps", "1", "--frames", "2"});
+    const ProcessResult text = run_claray({"render", "hills", "--size", "16x16", "--fps", "20", "--frames", "2"});
     EXPECT_NE(text.output.find("reached: 2 frames of 16x16"), std::string::npos) << text.output;
 }
 
