@@ -310,6 +310,30 @@ TEST_P(QueryTest, OwnKernelsTraceToo) {
     }
 }
 
+/// Boxes that begin exactly where the nearest hit so far lies must still be looked into: seen from the origin of
+/// coordinates, where nothing but roundings of the distance itself are left.
+TEST_P(QueryTest, OfManySheetsInOnePlaneTheFirstWins) {
+    Random random(31);
+    Mesh mesh;
+    for (const unsigned n : {17u, 5u, 13u, 7u, 16u, 11u}) {
+        Mesh sheet = grid(n);
+        for (glm::vec3& p : sheet.positions) p = {2.f * p.x - 1.f, 2.f * p.y - 1.f, 1.7f};
+        for (std::size_t i = sheet.triangles.size(); i > 1; --i)
+            std::swap(sheet.triangles[i - 1], sheet.triangles[random.below(std::uint32_t(i))]);
+        const auto first = std::uint32_t(mesh.positions.size());
+        mesh.positions.insert(mesh.positions.end(), sheet.positions.begin(), sheet.positions.end());
+        for (const glm::uvec3& t : sheet.triangles) mesh.triangles.push_back(t + first);
+    }
+    std::vector<Ray> rays(20'000);
+    for (Ray& ray : rays) {
+        const glm::vec3 target(random.uniform(-1.f, 1.f), random.uniform(-1.f, 1.f), 1.7f);
+        ray = make_ray({}, random.uniform(0.1f, 2.f) * target);
+    }
+    const Bvh bvh = build(mesh);
+    const std::vector<Hit> hits = closest_hit(bvh, rays), expected = closest_hit(bvh, rays, brute_force);
+    for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_TRUE(same(hits[i], expected[i])) << i;
+}
+
 INSTANTIATE_TEST_SUITE_P(Layouts, QueryTest, testing::Values(Layout::binary, Layout::wide),
                          [](const auto& layout) { return layout.param == Layout::binary ? "Binary" : "Wide"; });
 
