@@ -101,14 +101,10 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
     study.error = "bias, RMS / mean";
     constexpr unsigned reference_depth = 64, depths[] = {1, 2, 3, 4, 6, 8, 12, 16};
     constexpr double clamps[] = {1000, 100, 30, 10, 3, 1};
-    RenderConfig config = options.config;
-    config.max_depth = reference_depth;
-    const ReferenceImage reference = reference_image(device, scene, config,
-                                                     {.least_spp = options.reference_factor * options.most_spp,
-                                                      .seed = options.reference_seed,
-                                                      .folder = options.references},
-                                                     scaled(progress, 0, reference_share));
-    study.floor = reference.uncertainty, study.reference_spp = reference.spp;
+    StudyOptions deep = options;
+    deep.config.max_depth = reference_depth;
+    const ReferenceImage reference = reference_for(study, device, scene, deep, progress);
+    RenderConfig config = deep.config;
     const AccuracyProgress rest = scaled(progress, reference_share, 1);
     config.spp = options.most_spp;
     const double settings = double(std::size(depths) + std::size(clamps) + 1);

@@ -39,13 +39,7 @@ Study study_filtering(const Device& device, const Scene& scene, const StudyOptio
     else
         methods.insert(methods.end(), {{"nearest", with(point)}, {"trilinear", with(trilinear)}});
     methods.insert(methods.end(), {{"a quarter of the pixels", smaller(2)}, {"a 16th of the pixels", smaller(4)}});
-    const ReferenceImage reference = reference_for(study, device, bilinear, options, progress);
-    sweep_samples(
-        study, options, methods,
-        [&](const std::vector<glm::vec3>& image, const RenderConfig& config) {
-            return image_error(image, reference.pixels, config.width);
-        },
-        scaled(progress, reference_share, 1));
+    sweep_to_reference(study, device, bilinear, options, methods, progress);
     for (const ImageMethod& method : methods) {
         const StudyPoint* last = nullptr;
         for (const StudyPoint& p : study.points)

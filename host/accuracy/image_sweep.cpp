@@ -89,4 +89,15 @@ void sweep_samples(Study& study, const StudyOptions& options, const std::vector<
     mark_front(study.points);
 }
 
+void sweep_to_reference(Study& study, const Device& device, const Scene& scene, const StudyOptions& options,
+                        const std::vector<ImageMethod>& methods, const AccuracyProgress& progress) {
+    const ReferenceImage reference = reference_for(study, device, scene, options, progress);
+    sweep_samples(
+        study, options, methods,
+        [&](const std::vector<glm::vec3>& image, const RenderConfig& config) {
+            return image_error(image, reference.pixels, config.width);
+        },
+        scaled(progress, reference_share, 1));
+}
+
 }  // namespace claray

@@ -40,13 +40,7 @@ void compare_efficiency(Study& study, const std::vector<ImageMethod>& methods) {
 
 void sweep(Study& study, const Device& device, const Scene& scene, const StudyOptions& options,
            const std::vector<ImageMethod>& methods, const AccuracyProgress& progress) {
-    const ReferenceImage reference = reference_for(study, device, scene, options, progress);
-    sweep_samples(
-        study, options, methods,
-        [&](const std::vector<glm::vec3>& image, const RenderConfig& config) {
-            return image_error(image, reference.pixels, config.width);
-        },
-        scaled(progress, reference_share, 1));
+    sweep_to_reference(study, device, scene, options, methods, progress);
     for (const ImageMethod& method : methods) judge(study, method.name);
     compare_efficiency(study, methods);
 }
