@@ -1,10 +1,12 @@
 #include "host/io/obj_file.hpp"
 
 #include <algorithm>
-#include <charconv>
+#include <array>
 #include <cmath>
 #include <istream>
 #include <map>
+#include <optional>
+#include <span>
 #include <sstream>
 #include <streambuf>
 #include <unordered_map>
@@ -13,6 +15,7 @@
 #include "claray/error.hpp"
 #include "host/compute/file.hpp"
 #include "host/io/mtl.hpp"
+#include "host/io/obj_words.hpp"
 
 namespace claray {
 namespace {
@@ -46,7 +49,8 @@ private:
     // Moves past the end of a line, be it "\n", "\r\n" or "\r". True where a backslash, which it blanks, joins it with
     // the next.
     bool join_next_line(std::size_t begin) {
-        const std::size_t end = std::min(text_.find_first_of("\r\n", next_), text_.size());
+        std::size_t end = next_;
+        while (end < text_.size() && text_[end] != '\n' && text_[end] != '\r') ++end;
         next_ = std::min(end + 1, text_.size());
         if (end < text_.size() && text_[end] == '\r') {
             if (next_ < text_.size() && text_[next_] == '\n')
@@ -68,6 +72,13 @@ std::string_view trim(std::string_view text) {
     const std::size_t begin = text.find_first_not_of(" \t\r\n");
     if (begin == std::string_view::npos) return {};
     return text.substr(begin, text.find_last_not_of(" \t\r\n") - begin + 1);
+}
+
+/// A word of a file that may hold anything, fit for one line of a message.
+std::string quoted(std::string_view word) {
+    std::string text = "'";
+    for (const char c : word.substr(0, 40)) text += c >= ' ' && c != 0x7f ? c : '?';
+    return text + (word.size() > 40 ? "...'" : "'");
 }
 
 /// Reads the MTL files that the OBJ names, from the OBJ's folder.
@@ -145,6 +156,7 @@ public:
 
     static tinyobj::callback_t callbacks();
     void check_forward_references() const;
+    void warn_of_not_finite(Warnings& warnings) const;
 
 private:
     /// The largest index of one kind so far, and where it stands: the format lets a face name a vertex of a later line.
@@ -153,15 +165,15 @@ private:
         std::size_t line = 0;
     };
 
-    void position(float x, float y, float z) {
-        glm::vec3 p(x, y, z);
-        // The parser reads "nan" and "inf" as 0, which would move a vertex silently.
-        if (lines_.text().find_first_of("nN") != std::string_view::npos) p = reread(p);
-        file_.positions.push_back(p);
-    }
-    [[nodiscard]] glm::vec3 reread(glm::vec3 p) const;
-    void face(const tinyobj::index_t* indices, int count);
+    /// What is not finite of one kind, and where the first stands.
+    struct NotFinite {
+        std::size_t count = 0, line = 0;
+    };
+
+    void check_numbers(std::span<float> numbers, std::size_t needed, NotFinite& not_finite);
+    void face();
     [[nodiscard]] int resolve(int index, std::size_t count, const char* kind, Largest& largest);
+    [[noreturn]] void refuse(std::size_t line, const std::string& what, const std::string& remedy) const;
     [[noreturn]] void out_of_range(std::size_t line, const char* kind, int index, std::size_t count) const;
     void enter_group() {
         const bool both = !object_.empty() && !group_name_.empty();
@@ -175,29 +187,42 @@ private:
     std::string object_, group_name_;
     std::uint32_t group_ = 0, material_ = 0;
     Largest positions_, uvs_, normals_;
+    NotFinite bad_positions_, bad_uvs_, bad_normals_;
 };
 
-glm::vec3 Reader::reread(glm::vec3 p) const {
-    std::string_view rest = trim(lines_.text()).substr(1);
-    for (int k = 0; k < 3; ++k) {
-        rest = trim(rest);
-        const std::size_t end = std::min(rest.find_first_of(" \t"), rest.size());
-        std::string_view word = rest.substr(0, end);
-        rest.remove_prefix(end);
-        if (!word.empty() && word[0] == '+') word.remove_prefix(1);  // from_chars takes no plus sign
-        float value = 0.f;
-        const auto [stop, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-        static_cast<void>(stop);
-        if (error == std::errc() && !std::isfinite(value)) p[k] = value;
+/// `numbers` are those of the current line as the parser read them, which takes for 0 what is missing or no number, and
+/// "nan" and "inf", too: that would move a vertex silently.
+void Reader::check_numbers(std::span<float> numbers, std::size_t needed, NotFinite& not_finite) {
+    std::string_view rest = lines_.text();
+    const std::string_view keyword = next_word(rest);
+    bool finite = true;
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+        const std::string_view word = next_word(rest);
+        if (word.empty() && k >= needed) break;
+        if (word.empty())
+            refuse(lines_.line(),
+                   "'" + std::string(keyword) + "' with " + to_string(k) + " of " + to_string(needed) +
+                       (needed == 1 ? " number" : " numbers"),
+                   "the file may be cut off; export it again");
+        if (is_finite_number(word)) {
+            if (std::isnan(numbers[k])) numbers[k] = 0.f;  // "0e999": the parser multiplies 0 by infinity
+        } else if (const std::optional<float> value = not_finite_number(word)) {
+            numbers[k] = *value;
+        } else {
+            refuse(lines_.line(), quoted(word) + " is no number", "numbers are written as in -1.5 or 2e-3");
+        }
+        finite &= std::isfinite(numbers[k]);
     }
-    return p;
+    if (!finite && not_finite.count++ == 0) not_finite.line = lines_.line();
+}
+
+void Reader::refuse(std::size_t line, const std::string& what, const std::string& remedy) const {
+    throw Error(ErrorKind::user, "'" + path_.string() + "' line " + to_string(line) + ": " + what, remedy);
 }
 
 void Reader::out_of_range(std::size_t line, const char* kind, int index, std::size_t count) const {
-    throw Error(ErrorKind::user,
-                "'" + path_.string() + "' line " + to_string(line) + ": " + kind + " index " + to_string(index) +
-                    " is out of range, there are " + to_string(count),
-                "indices count from 1, or from -1 backwards; the file may be cut off");
+    refuse(line, kind + (" index " + to_string(index)) + " is out of range, there are " + to_string(count),
+           "indices count from 1, or from -1 backwards; the file may be cut off");
 }
 
 // From the file's counting (1 is the first, -1 the latest) to ours.
@@ -208,19 +233,29 @@ int Reader::resolve(int index, std::size_t count, const char* kind, Largest& lar
     return int(resolved);
 }
 
-void Reader::face(const tinyobj::index_t* indices, int count) {
-    if (count < 3) {
-        ++file_.degenerate_faces;
-        return;
-    }
-    file_.polygons.push_back({file_.corners.size(), std::uint32_t(count), group_, material_});
-    for (int i = 0; i < count; ++i) {
-        const tinyobj::index_t& raw = indices[i];  // 0: not given
+/// From the line itself: the parser takes for 0 what is no index, and has no room for one beyond 2^31.
+void Reader::face() {
+    std::string_view rest = lines_.text();
+    static_cast<void>(next_word(rest));  // the "f"
+    const std::size_t first = file_.corners.size();
+    for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) {
+        const std::optional<ObjIndices> raw = parse_corner(word);
+        if (!raw)
+            refuse(lines_.line(), quoted(word) + " is no corner of a face",
+                   "write vertex, vertex/texture, vertex//normal or vertex/texture/normal, as numbers of lines of 'v', "
+                   "'vt' and 'vn'");
         ObjCorner corner;
-        corner.position = resolve(raw.vertex_index, file_.positions.size(), "vertex", positions_);
-        if (raw.texcoord_index) corner.uv = resolve(raw.texcoord_index, file_.uvs.size(), "texture", uvs_);
-        if (raw.normal_index) corner.normal = resolve(raw.normal_index, file_.normals.size(), "normal", normals_);
+        corner.position = resolve(raw->position, file_.positions.size(), "vertex", positions_);
+        if (raw->uv) corner.uv = resolve(raw->uv, file_.uvs.size(), "texture", uvs_);
+        if (raw->normal) corner.normal = resolve(raw->normal, file_.normals.size(), "normal", normals_);
         file_.corners.push_back(corner);
+    }
+    const std::size_t count = file_.corners.size() - first;
+    if (count < 3) {
+        file_.corners.resize(first);
+        ++file_.degenerate_faces;
+    } else {
+        file_.polygons.push_back({first, std::uint32_t(count), group_, material_});
     }
 }
 
@@ -234,14 +269,38 @@ void Reader::check_forward_references() const {
     check(normals_, file_.normals.size(), "normal");
 }
 
+void Reader::warn_of_not_finite(Warnings& warnings) const {
+    const auto warn = [&](const NotFinite& bad, const char* kind, const char* consequence) {
+        if (bad.count == 0) return;
+        const std::string more = bad.count > 1 ? " (and " + to_string(bad.count - 1) + " more)" : "";
+        warnings.push_back("'" + path_.string() + "' line " + to_string(bad.line) + more + ": a " + kind +
+                           " is not finite: " + consequence);
+    };
+    warn(bad_positions_, "vertex", "its triangles are left out");
+    warn(bad_uvs_, "texture coordinate", "it becomes 0");
+    warn(bad_normals_, "normal", "that of the face takes its place");
+}
+
 tinyobj::callback_t Reader::callbacks() {
     using tinyobj::real_t;
     static constexpr auto self = [](void* reader) -> Reader& { return *static_cast<Reader*>(reader); };
     tinyobj::callback_t callback;
-    callback.vertex_cb = [](void* r, real_t x, real_t y, real_t z, real_t) { self(r).position(x, y, z); };
-    callback.normal_cb = [](void* r, real_t x, real_t y, real_t z) { self(r).file_.normals.emplace_back(x, y, z); };
-    callback.texcoord_cb = [](void* r, real_t x, real_t y, real_t) { self(r).file_.uvs.emplace_back(x, y); };
-    callback.index_cb = [](void* r, tinyobj::index_t* indices, int count) { self(r).face(indices, count); };
+    callback.vertex_cb = [](void* r, real_t x, real_t y, real_t z, real_t) {
+        std::array<float, 3> p = {x, y, z};
+        self(r).check_numbers(p, 3, self(r).bad_positions_);
+        self(r).file_.positions.emplace_back(p[0], p[1], p[2]);
+    };
+    callback.normal_cb = [](void* r, real_t x, real_t y, real_t z) {
+        std::array<float, 3> n = {x, y, z};
+        self(r).check_numbers(n, 3, self(r).bad_normals_);
+        self(r).file_.normals.emplace_back(n[0], n[1], n[2]);
+    };
+    callback.texcoord_cb = [](void* r, real_t u, real_t v, real_t) {
+        std::array<float, 2> uv = {u, v};
+        self(r).check_numbers(uv, 1, self(r).bad_uvs_);
+        self(r).file_.uvs.emplace_back(uv[0], uv[1]);
+    };
+    callback.index_cb = [](void* r, tinyobj::index_t*, int) { self(r).face(); };
     callback.usemtl_cb = [](void* r, const char* name, int) {
         self(r).material_ = self(r).materials_.number(std::string(trim(name)));
     };
@@ -273,6 +332,7 @@ ObjFile read_obj(const fs::path& path, Warnings& warnings) {
     MtlReader mtl_reader(path.parent_path(), lines, file.mtl_folders, warnings);
     tinyobj::LoadObjWithCallback(stream, Reader::callbacks(), &reader, &mtl_reader);
     reader.check_forward_references();
+    reader.warn_of_not_finite(warnings);
     if (file.polygons.empty())
         throw Error(ErrorKind::user, "'" + path.string() + "' holds no face", "claray needs 'f' lines; export a mesh");
     return file;
