@@ -111,7 +111,7 @@ ReferenceImage reference_image(const Device& device, const Scene& scene, const R
                                            : options.folder / name_of_reference(device, scene, config, options.seed);
     Sums sums{std::vector<double>(values), std::vector<double>(values), 0};
     if (!path.empty()) {
-        std::filesystem::create_directories(options.folder);
+        make_folder(options.folder);
         if (std::optional<Sums> kept = load(path, values)) sums = std::move(*kept);
     }
     auto saved = std::chrono::steady_clock::now();

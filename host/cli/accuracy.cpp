@@ -17,6 +17,8 @@
 #include "host/accuracy/plot.hpp"
 #include "host/accuracy/study.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/load.hpp"
+#include "host/cli/option_rules.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/render_options.hpp"
 #include "host/cli/table.hpp"
@@ -208,7 +210,7 @@ void accuracy(Options o) {
     if (!o.maps.empty()) {
         if (std::none_of(chosen.begin(), chosen.end(), [](const NamedStudy& s) { return s.run == nullptr; }))
             throw Error(ErrorKind::usage, "--maps are made by the study effects", "add effects to --only");
-        std::filesystem::create_directories(o.maps);
+        make_folder(o.maps);
         check_file_writable(o.maps / "noise.pfm");
     }
     for (const std::filesystem::path& path : {o.csv, o.html})
@@ -217,7 +219,7 @@ void accuracy(Options o) {
         throw Error(ErrorKind::usage, "--svg is the plot of one study", "choose it by --only, or use --html");
     if (!o.svg.empty()) check_file_writable(o.svg);
     if (!o.svgs.empty()) {
-        std::filesystem::create_directories(o.svgs);
+        make_folder(o.svgs);
         check_file_writable(o.svgs / (std::string(chosen.front().name) + ".svg"));
     }
     if (o.quick) o.study.most_spp = std::min(o.study.most_spp, 32u), o.study.runs = std::min(o.study.runs, 3u);
@@ -225,9 +227,7 @@ void accuracy(Options o) {
     if (o.quick)
         o.study.config.width = std::min(o.study.config.width, 64u),
         o.study.config.height = std::min(o.study.config.height, 64u);
-    Warnings warnings;
-    const Scene scene = load_scene(o.scene, warnings);
-    for (const std::string& warning : warnings) std::fprintf(stderr, "claray: warning: %s\n", warning.c_str());
+    const Scene scene = load(o.scene);
     const Device device = Device::open(o.device);
     const InterruptGuard guard;
     std::optional<KeptReferences> kept;
@@ -276,10 +276,11 @@ void add_accuracy_command(CLI::App& app, Action& action) {
         [o](const std::string& text) { std::tie(o->study.config.width, o->study.config.height) = parse_size(text); },
         "WIDTHxHEIGHT in pixels [128x128]");
     command->add_option("--spp", o->study.most_spp, "Samples a pixel up to which it is measured [256]")
-        ->check(CLI::Range(1, 65536));
-    command->add_option("--runs", o->study.runs, "Repetitions with seeds of their own [5]")->check(CLI::Range(1, 1000));
+        ->transform(whole_number(1, 65536));
+    command->add_option("--runs", o->study.runs, "Repetitions with seeds of their own [5]")
+        ->transform(whole_number(1, 1000));
     command->add_option("--rays", o->study.rays, "Rays of the studies that make no image [262144]")
-        ->check(CLI::Range(1024, 1 << 27));
+        ->transform(whole_number(1024, 1 << 27));
     command->add_option("--references", o->study.references, "Folder that keeps the references, to go on from");
     command->add_option("--csv", o->csv, "Write all points");
     command->add_option("--html", o->html, "Write a report with plots");
@@ -292,7 +293,11 @@ void add_accuracy_command(CLI::App& app, Action& action) {
     command->add_flag("--json", o->json, "Print as JSON");
     command->add_option("--device", o->device, "cpu, gpu, an index or a part of the name (see claray devices)");
     command->add_flag("-q,--quiet", o->quiet, "No progress");
-    command->callback([&action, o] { action = [o] { accuracy(*o); }; });
+    command->callback([&action, command, o] {
+        refuse_both(*command, "--check", {"--only", "--csv", "--html", "--svg", "--svgs", "--maps", "--json"},
+                    "it is a study of its own and prints a table");
+        action = [o] { accuracy(*o); };
+    });
 }
 
 }  // namespace claray::cli

@@ -6,6 +6,8 @@
 #include "claray/io.hpp"
 #include "claray/light_map.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/load.hpp"
+#include "host/cli/option_rules.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/render_options.hpp"
 
@@ -25,9 +27,7 @@ void bake(Options options) {
         throw Error(ErrorKind::usage, "--output: '" + options.output.string() + "' can't hold irradiance",
                     "name a file .hdr or .pfm");
     check_writable(options.output);
-    Warnings warnings;
-    const Scene scene = load_scene(options.scene, warnings);
-    for (const std::string& warning : warnings) std::fprintf(stderr, "claray: warning: %s\n", warning.c_str());
+    const Scene scene = load(options.scene);
     options.config.uv_set = light_map_uv_set(scene, options.mesh);
     const InterruptGuard guard;
     const Texture map = bake_light_map(Device::open(options.device), scene, options.mesh, options.config,
@@ -47,14 +47,14 @@ void add_bake_command(CLI::App& app, Action& action) {
     auto o = std::make_shared<Options>();
     command->add_option("scene", o->scene, "A scene file, or a built-in scene (see claray scenes)")->required();
     command->add_option("-o,--output", o->output, "The light map: .hdr or .pfm")->required();
-    command->add_option("--mesh", o->mesh, "The mesh, counted from 0 [0]");
+    command->add_option("--mesh", o->mesh, "The mesh, counted from 0 [0]")->transform(whole_number(0));
     command->add_option_function<std::string>(
         "--size", [o](const std::string& text) { std::tie(o->config.width, o->config.height) = parse_size(text); },
         "WIDTHxHEIGHT in texels [128x128]");
-    command->add_option("--spp", o->config.spp, "Paths a texel [256]")->check(CLI::Range(1, 1 << 24));
+    command->add_option("--spp", o->config.spp, "Paths a texel [256]")->transform(whole_number(1, 1 << 24));
     command->add_option("--max-depth", o->config.max_depth, "Surfaces a path may meet; 1 is direct light only [16]")
-        ->check(CLI::Range(1, 1024));
-    command->add_option("--seed", o->config.seed, "Another number gives other noise [0]");
+        ->transform(whole_number(1, 1024));
+    command->add_option("--seed", o->config.seed, "Another number gives other noise [0]")->transform(whole_number(0));
     command->add_option("--device", o->device, "cpu, gpu, an index or a part of the name (see claray devices)");
     command->callback([&action, o] { action = [o] { bake(*o); }; });
 }

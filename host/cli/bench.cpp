@@ -9,6 +9,7 @@
 #include "claray/io.hpp"
 #include "host/bench/names.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/option_rules.hpp"
 #include "host/cli/render_options.hpp"
 #include "host/cli/table.hpp"
 #include "host/compute/file.hpp"
@@ -187,19 +188,20 @@ void add_bench_command(CLI::App& app, Action& action) {
     o.bench.scenes = {"soup:50000", "terrain:200000", "hair:50000"};
     for (const auto& [name, builder] : bench::builders) o.bench.presets.push_back(builder);
     command->add_option("--scene,scenes", o.bench.scenes,
-                        "OBJ files, built-in scenes, or NAME.scn with NAME.ray [soup:50000 terrain:200000 hair:50000]");
+                        "Scene files (.obj, .gltf, .glb), built-in scenes, or NAME.scn with NAME.ray [soup:50000 "
+                        "terrain:200000 hair:50000]");
     command->add_option("--preset", o.bench.presets, "fast, balanced, high; all where this is not given")
         ->delimiter(',')
         ->allow_extra_args(false)
-        ->transform(CLI::CheckedTransformer(bench::builders, CLI::ignore_case).description(""))
+        ->transform(choice_of(bench::builders))
         ->type_name("NAME");
     command->add_option("--layout", o.bench.layout, "Tree that is traversed: auto, binary or wide [auto]")
-        ->transform(CLI::CheckedTransformer(bench::layouts, CLI::ignore_case).description(""))
+        ->transform(choice_of(bench::layouts))
         ->type_name("NAME");
     command->add_option_function<std::string>(
         "--size", [&o](const std::string& text) { std::tie(o.bench.width, o.bench.height) = parse_size(text); },
         "WIDTHxHEIGHT of each of the three views [320x180]");
-    command->add_option("--repeat", o.bench.repeat, "Rounds that count [9]")->check(CLI::Range(1, 1000));
+    command->add_option("--repeat", o.bench.repeat, "Rounds that count [9]")->transform(whole_number(1, 1000));
     command->add_option("--device", o.devices, "cpu, gpu, an index, a part of the name, or all; may be repeated")
         ->allow_extra_args(false);
     command->add_option("--csv", o.csv, "Also write a file of comma-separated values");

@@ -8,6 +8,7 @@
 #include "host/bench/names.hpp"
 #include "host/bench/rays.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/option_rules.hpp"
 #include "host/cli/table.hpp"
 #include "host/compute/file.hpp"
 #include "host/compute/memory.hpp"
@@ -107,6 +108,18 @@ void print_as_json(const Device& device, const Options& options, const Report& r
     std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
 }
 
+bool is_saved(const std::filesystem::path& path) { return path.extension() == saved_extension; }
+
+void check_combinations(const CLI::App& command, const Options& options) {
+    for (const char* option : {"--builder", "--morton-bits", "--repeat"})
+        if (is_saved(options.scene) && command.count(option) > 0)
+            throw Error(ErrorKind::usage, std::string(option) + ": '" + options.scene + "' is built already",
+                        "give the scene that it was built from, or leave the option out");
+    if (!options.output.empty() && !is_saved(options.output))
+        throw Error(ErrorKind::usage, "--output: '" + options.output.string() + "' is no name of a saved tree",
+                    "name a file .cbvh");
+}
+
 void run(const Options& options) {
     if (!options.output.empty()) check_file_writable(options.output);
     const Device device = Device::open(options.device);
@@ -128,13 +141,17 @@ void add_build_command(CLI::App& app, Action& action) {
         "  claray build scene.obj --builder balanced -o scene.cbvh");
     auto options = std::make_shared<Options>();
     Options& o = *options;
-    command->add_option("scene", o.scene, "An OBJ file, a built-in scene, or a saved tree (.cbvh)")->required();
+    command->add_option("scene", o.scene, "A scene file (.obj, .gltf, .glb), a built-in scene, or a saved tree (.cbvh)")
+        ->required();
     command->add_option("-o,--output", o.output, "Save the tree and its triangles: FILE.cbvh");
     add_bvh_options(*command, o.config);
-    command->add_option("--repeat", o.repeat, "Builds to take the median of [5]")->check(CLI::Range(1, 1000));
+    command->add_option("--repeat", o.repeat, "Builds to take the median of [5]")->transform(whole_number(1, 1000));
     command->add_option("--device", o.device, "cpu, gpu, an index or a part of the name (see claray devices)");
     command->add_flag("--json", o.json, "Print the result as JSON");
-    command->callback([&action, options] { action = [options] { run(*options); }; });
+    command->callback([&action, command, options] {
+        check_combinations(*command, *options);
+        action = [options] { run(*options); };
+    });
 }
 
 }  // namespace claray::cli

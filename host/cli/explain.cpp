@@ -10,6 +10,8 @@
 #include "claray/io.hpp"
 #include "host/cli/bars.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/load.hpp"
+#include "host/cli/option_rules.hpp"
 #include "host/cli/render_options.hpp"
 #include "host/cli/table.hpp"
 #include "host/compute/file.hpp"
@@ -147,9 +149,7 @@ void explain(const Options& options) {
                     "write -NAME to take effects from the scene first");
     bench::ExplainOptions measure = options.measure;
     if (!options.only.empty()) measure.only = parse_effects(options.only);
-    Warnings warnings;
-    const Scene scene = load_scene(options.scene, warnings);
-    for (const std::string& warning : warnings) std::fprintf(stderr, "claray: warning: %s\n", warning.c_str());
+    const Scene scene = load(options.scene);
     const Device device = Device::open(options.device);
     const Explanation explanation = bench::explain(device, scene, config, measure, [&](const std::string& what) {
         if (!options.quiet) std::fprintf(stderr, "measuring %s\n", what.c_str());
@@ -173,9 +173,10 @@ void add_explain_command(CLI::App& app, Action& action) {
     command->add_option_function<std::string>(
         "--size", [o](const std::string& text) { std::tie(o->config.width, o->config.height) = parse_size(text); },
         "WIDTHxHEIGHT in pixels [128x128]");
-    command->add_option("--max-depth", o->config.max_depth, "Surfaces a path may meet [8]")->check(CLI::Range(1, 1024));
+    command->add_option("--max-depth", o->config.max_depth, "Surfaces a path may meet [8]")
+        ->transform(whole_number(1, 1024));
     command->add_option("--rounds", o->measure.rounds, "Pairs of batches that are compared for each effect [7]")
-        ->check(CLI::Range(1, 1000));
+        ->transform(whole_number(1, 1000));
     command->add_flag("!--no-compile-times", o->measure.compile_times, "Don't compile everything again for its time");
     command->add_option("--only", o->only, "Measure these effects only: NAME,NAME...");
     command->add_option("--effects", o->effects, "-NAME,-NAME... takes effects from the scene first");

@@ -1,11 +1,13 @@
 #include "host/cli/light_options.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <numbers>
 
 #include "claray/error.hpp"
 #include "claray/io.hpp"
+#include "host/cli/option_rules.hpp"
 #include "host/io/pale_sky.hpp"
 
 namespace claray::cli {
@@ -133,16 +135,24 @@ void add_light_options(CLI::App& command, LightOptions& o) {
         "--environment", o.environment,
         "An image round the scene, in place of the sky: latitude and longitude, or a folder with px nx py ny pz nz");
     command.add_option("--environment-strength", o.strength, "Its radiance times this [1]")
-        ->check(CLI::NonNegativeNumber);
-    command.add_option("--environment-rotation", o.rotation, "Turns it by degrees, counter-clockwise from above [0]");
+        ->check(number_above("0 or more", 0, true));
+    command.add_option("--environment-rotation", o.rotation, "Turns it by degrees, counter-clockwise from above [0]")
+        ->check(finite_number());
 }
 
 void add_lights(Scene& scene, const LightOptions& options, Warnings& warnings) {
     if ((options.strength || options.rotation) && options.environment.empty())
         refuse("--environment-strength and --environment-rotation change an environment",
                "name it by --environment FILE");
-    if (options.lights.empty() && !options.sky && options.environment.empty()) return;
-    if (std::erase(warnings, pale_sky_warning) != 0) scene.sky = {};
+    const auto pale_sky = std::find(warnings.begin(), warnings.end(), pale_sky_warning);
+    if (options.lights.empty() && !options.sky && options.environment.empty()) {
+        if (pale_sky != warnings.end()) *pale_sky += "; choose others by --light, --sky or --environment";
+        return;
+    }
+    if (pale_sky != warnings.end()) {
+        warnings.erase(pale_sky);
+        scene.sky = {};
+    }
     scene.lights.insert(scene.lights.end(), options.lights.begin(), options.lights.end());
     if (options.sky) scene.sky = *options.sky, scene.environment = {};
     if (options.environment.empty()) return;

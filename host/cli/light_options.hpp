@@ -26,7 +26,7 @@ struct LightOptions {
 
 void add_light_options(CLI::App& command, LightOptions& options);
 /// Adds the lights to the scene's own, sky and environment replace its own; no pale sky, then, where the scene has no
-/// light.
+/// light. Without any, a warning of the pale sky gets its remedy.
 void add_lights(Scene& scene, const LightOptions& options, Warnings& warnings);
 
 }  // namespace claray::cli

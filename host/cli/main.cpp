@@ -10,6 +10,7 @@
 #include "claray/error.hpp"
 #include "claray/io.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/usage_error.hpp"
 
 namespace {
 
@@ -31,15 +32,6 @@ std::string one_line(const std::string& message) {
 int fail(claray::ErrorKind kind, const std::string& message) {
     std::fprintf(stderr, "claray: error: %s\n", one_line(message).c_str());
     return int(kind);
-}
-
-/// What is wrong with the command line, and whose help tells more.
-std::string usage_error(const CLI::App& app, int argc, char** argv, const CLI::ParseError& error) {
-    const std::vector<CLI::App*> commands = app.get_subcommands();
-    if (!commands.empty())
-        return std::string(error.what()) + "; see claray " + commands.front()->get_name() + " --help";
-    if (argc > 1 && argv[1][0] != '-') return "there is no command '" + std::string(argv[1]) + "'; see claray --help";
-    return std::string(error.what()) + "; see claray --help";
 }
 
 void flush_output() {
@@ -72,9 +64,10 @@ int run(int argc, char** argv) {
     claray::cli::add_accuracy_command(app, action);
     try {
         app.parse(argc, argv);
+        claray::cli::refuse_empty_values(app);
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-        return fail(claray::ErrorKind::usage, usage_error(app, argc, argv, error));
+        return fail(claray::ErrorKind::usage, claray::cli::usage_error(app, argc, argv, error));
     }
     if (!action) return fail(claray::ErrorKind::usage, "a command is missing; see claray --help");
     action();

@@ -1,6 +1,5 @@
 // claray render: a scene goes in, an image comes out.
 #include <cstdio>
-#include <map>
 #include <memory>
 #include <optional>
 #include <tuple>
@@ -8,6 +7,8 @@
 #include "claray/io.hpp"
 #include "claray/renderer.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/load.hpp"
+#include "host/cli/option_rules.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/render_options.hpp"
 #include "host/cli/render_outputs.hpp"
@@ -16,11 +17,12 @@
 namespace claray::cli {
 namespace {
 
-Scene load(const RenderOptions& options) {
+Scene load_lit(const RenderOptions& options) {
     Warnings warnings;
     Scene scene = load_scene(options.scene, warnings);
     add_lights(scene, options.lights, warnings);
-    for (const std::string& warning : warnings) std::fprintf(stderr, "claray: warning: %s\n", warning.c_str());
+    print_warnings(warnings);
+    refuse_unseen(options.scene, scene);
     use_light_maps(scene, options.light_maps);
     scene.camera = choose_camera(scene, options);
     return scene;
@@ -64,13 +66,22 @@ void refuse_lost_checkpoint(const Renderer& renderer) {
     if (!error.empty()) throw Error(ErrorKind::user, "the last checkpoint could not be written: " + error);
 }
 
+/// Scripts give one set of options for images of all kinds.
+void warn_of_picture_options(const RenderOptions& options) {
+    const bool shaped = options.exposure != 0 || options.tone_map != RenderOptions{}.tone_map;
+    if (shaped && !options.output.empty() && options.output.extension() != ".png")
+        print_warnings(
+            {"--exposure and --tone-map are of PNGs: '" + options.output.string() + "' holds the radiance as it is"});
+}
+
 void render(const RenderOptions& options) {
     check_outputs(options);
     const Device device = Device::open(options.device);
     device.profiler().keep_records(!options.trace.empty());
     RenderConfig config = options.config;
     if (!options.wait_for_kernels) config.compiler = this_program();
-    const Scene scene = load(options);
+    warn_of_picture_options(options);
+    const Scene scene = load_lit(options);
     if (options.fps > 0) return run_frames(device, scene, options);
     std::optional<TargetPlan> plan;
     if (options.picks_settings) {
@@ -92,21 +103,22 @@ void render(const RenderOptions& options) {
 }
 
 void add_image_options(CLI::App& command, RenderOptions& o) {
-    command.add_option("scene", o.scene, "A scene file (.obj, .gltf, .glb), or a built-in scene (see claray scenes)")->required();
+    command.add_option("scene", o.scene, "A scene file (.obj, .gltf, .glb), or a built-in scene (see claray scenes)")
+        ->required();
     command.add_option("-o,--output", o.output, "The image: .png, .hdr or .pfm; with --fps the last one");
     command.add_option_function<std::string>(
         "--size", [&o](const std::string& text) { std::tie(o.config.width, o.config.height) = parse_size(text); },
         "WIDTHxHEIGHT in pixels [512x512]");
     command.add_option("--light-map", o.light_maps, "MESH=FILE: light of a mesh from claray bake; may be repeated");
-    command.add_option("--exposure", o.exposure, "Brightens a PNG by this many stops [0]");
-    const std::map<std::string, ToneMap> tone_maps = {{"none", ToneMap::none}, {"aces", ToneMap::aces}};
+    command.add_option("--exposure", o.exposure, "Brightens a PNG by this many stops [0]")->check(finite_number());
+    const std::vector<std::pair<std::string, ToneMap>> tone_maps = {{"none", ToneMap::none}, {"aces", ToneMap::aces}};
     command.add_option("--tone-map", o.tone_map, "Of a PNG: none (clamp) or aces (filmic) [aces]")
-        ->transform(CLI::CheckedTransformer(tone_maps, CLI::ignore_case).description(""))
+        ->transform(choice_of(tone_maps))
         ->type_name("NAME");
     command.add_option("--aov", o.aovs, "Also write OUTPUT.NAME.png and .pfm: depth normal albedo primitive heat")
         ->take_all()
         ->delimiter(',')
-        ->check(CLI::IsMember(std::vector<std::string>(std::begin(aov_names), std::end(aov_names))));
+        ->check(name_among(std::vector<std::string>(std::begin(aov_names), std::end(aov_names))));
 }
 
 void add_camera_options(CLI::App& command, RenderOptions& o) {
@@ -117,31 +129,32 @@ void add_camera_options(CLI::App& command, RenderOptions& o) {
     add_vector("--camera", o.camera, "Position X,Y,Z");
     add_vector("--look-at", o.look_at, "The point in the middle of the image, X,Y,Z");
     add_vector("--up", o.up, "The direction that is up in the image, X,Y,Z [0,1,0]");
-    command.add_option("--fov", o.fov, "Vertical field of view in degrees [40]");
+    command.add_option("--fov", o.fov, "Vertical field of view in degrees [40]")->check(finite_number());
     command
         .add_option("--aperture", o.aperture,
                     "Radius of the lens, in units of the scene: blurs what is not in focus [0]")
-        ->check(number_above("0 or more", 0.f, true));
+        ->check(number_above("0 or more", 0, true));
     command.add_option("--focus-distance", o.focus_distance, "Distance along the view that is sharp [the target's]")
-        ->check(number_above("more than 0", 0.f, false));
+        ->check(number_above("more than 0", 0, false));
     add_vector("--camera-end", o.camera_end, "Position when the shutter closes, X,Y,Z: motion blur");
     add_vector("--look-at-end", o.look_at_end, "The point in the middle when the shutter closes, X,Y,Z");
 }
 
 void add_quality_options(CLI::App& command, RenderOptions& o) {
-    command.add_option("--spp", o.config.spp, "Samples a pixel [64]")->check(CLI::Range(1, 1 << 24));
+    command.add_option("--spp", o.config.spp, "Samples a pixel [64]; with --time, the most")
+        ->transform(whole_number(1, 1 << 24));
     command.add_option("--noise", o.config.noise, "Stop at this relative standard error, 0.01 for instance")
-        ->check(CLI::PositiveNumber);
+        ->check(number_above("more than 0", 0, false));
     command.add_option("--max-depth", o.config.max_depth, "Surfaces a path may meet; 1 is direct light only [8]")
-        ->check(CLI::Range(1, 1024));
-    command.add_option("--seed", o.config.seed, "Another number gives other noise [0]");
+        ->transform(whole_number(1, 1024));
+    command.add_option("--seed", o.config.seed, "Another number gives other noise [0]")->transform(whole_number(0));
 }
 
 void add_checkpoint_options(CLI::App& command, RenderOptions& o) {
     command.add_option("--checkpoint", o.config.checkpoint, "Write FILE now and then, from which --resume goes on");
     command.add_option("--checkpoint-every", o.config.checkpoint_seconds, "That often: 30s, 5min, 2h [30s]")
-        ->transform(CLI::AsNumberWithUnit(std::map<std::string, double>{{"s", 1}, {"min", 60}, {"h", 3600}}))
-        ->check(CLI::PositiveNumber);
+        ->transform(duration())
+        ->type_name("TIME");
     command.add_option("--resume", o.config.resume,
                        "Go on from what --checkpoint wrote for the same scene and settings");
 }
@@ -158,6 +171,13 @@ void add_machine_options(CLI::App& command, RenderOptions& o) {
                      "Compile the scene's own kernels first, not while others already render");
     command.add_option("--trace", o.trace, "Write every device command to FILE (JSON) for ui.perfetto.dev");
     command.add_flag("-q,--quiet", o.quiet, "No progress");
+}
+
+void check_combinations(const CLI::App& command) {
+    refuse_without(command, "--checkpoint-every", "--checkpoint");
+    refuse_without(command, "--exposure", "--output");
+    refuse_without(command, "--tone-map", "--output");
+    refuse_both(command, "--sky", {"--environment"}, "there is one background");
 }
 
 }  // namespace
@@ -185,6 +205,7 @@ void add_render_command(CLI::App& app, Action& action) {
     add_machine_options(*command, *options);
     command->callback([&action, command, options] {
         check_targets(*command, *options);
+        check_combinations(*command);
         action = [options] { render(*options); };
     });
 }

@@ -58,6 +58,8 @@ Camera choose_camera(const Scene& scene, const RenderOptions& options) {
     if (options.look_at_end) camera.target_end = options.look_at_end;
     if (options.aperture) camera.aperture_radius = *options.aperture;
     if (options.focus_distance) camera.focus_distance = *options.focus_distance;
+    if (options.focus_distance && camera.aperture_radius == 0.f)
+        throw Error(ErrorKind::usage, "--focus-distance does nothing without a lens", "give --aperture, too");
     if (options.up) camera.up = *options.up;
     if (options.fov) camera.vertical_fov = *options.fov;
     return camera;

@@ -1,9 +1,9 @@
 #include "host/cli/render_targets.hpp"
 
-#include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "host/cli/option_rules.hpp"
 #include "host/cli/progress.hpp"
 
 namespace claray::cli {
@@ -11,51 +11,28 @@ namespace {
 
 constexpr unsigned most_spp = 1u << 24;
 
-void refuse_both(const CLI::App& command, const char* one, std::initializer_list<const char*> others, const char* why) {
-    if (command.count(one) == 0) return;
-    for (const char* other : others)
-        if (command.count(other) > 0)
-            throw Error(ErrorKind::usage, std::string(one) + " and " + other + " contradict each other: " + why,
-                        "leave one of them out");
-}
-
-CLI::AsNumberWithUnit time_units() {
-    return CLI::AsNumberWithUnit(
-        std::map<std::string, double>{{"us", 1e-6}, {"ms", 1e-3}, {"s", 1}, {"m", 60}, {"min", 60}, {"h", 3600}});
-}
-
 }  // namespace
-
-CLI::Validator number_above(const std::string& range, float least, bool included) {
-    const auto check = [range, least, included](const std::string& text) {
-        float value = NAN;
-        const bool ok = CLI::detail::lexical_cast(text, value) && std::isfinite(value) &&
-                        (value > least || (included && value == least));
-        return ok ? std::string() : "'" + text + "' is not a number of " + range;
-    };
-    return CLI::Validator(check, "");
-}
 
 void add_target_options(CLI::App& command, RenderOptions& o) {
     command
         .add_option("--error", o.config.error,
                     "Take as many samples as this RMSE over the mean needs: 0.01, for instance")
-        ->check(number_above("more than 0", 0.f, false));
+        ->check(number_above("more than 0", 0, false));
     command.add_option("--time", o.config.seconds, "Take as many samples as fit into this time: 500ms, 2s, 1m")
-        ->transform(time_units())
-        ->check(number_above("more than 0", 0.f, false));
+        ->transform(duration())
+        ->type_name("TIME");
     command
         .add_option("--fps", o.fps, "Render frames at this rate with as many samples as fit, and tell how it was held")
-        ->check(number_above("more than 0", 0.f, false));
-    command.add_option("--frames", o.frames, "How many, with --fps [300]")->check(CLI::Range(1, 1'000'000));
+        ->check(number_above("more than 0", 0, false));
+    command.add_option("--frames", o.frames, "How many, with --fps [300]")->check(whole_number(1, 1'000'000));
 }
 
 void check_targets(const CLI::App& command, RenderOptions& o) {
     if (command.count("--fps") == 0 && command.count("--output") == 0) throw CLI::RequiredError("--output");
-    if (command.count("--fps") == 0 && command.count("--frames") > 0)
-        throw Error(ErrorKind::usage, "--frames without a rate", "give --fps, too");
+    refuse_without(command, "--frames", "--fps");
     refuse_both(command, "--fps", {"--spp", "--error", "--time", "--noise", "--checkpoint", "--resume", "--aov"},
                 "frames have what fits into their time");
+    refuse_both(command, "--fps", {"--stats", "--trace"}, "these tell of one image");
     if (o.fps > 0) o.config.spp = most_spp;
     refuse_both(command, "--error", {"--spp", "--noise"}, "the error says how many samples are taken");
     const bool until_target = o.config.error > 0 || o.config.seconds > 0;

@@ -8,9 +8,6 @@
 
 namespace claray::cli {
 
-/// Refuses what is no finite number above `least`, or not that where it is `included`; `range` says it in words.
-[[nodiscard]] CLI::Validator number_above(const std::string& range, float least, bool included);
-
 void add_target_options(CLI::App& command, RenderOptions& options);
 /// Throws ErrorKind::usage where options contradict each other; sets what follows from them.
 void check_targets(const CLI::App& command, RenderOptions& options);

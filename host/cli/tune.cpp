@@ -7,6 +7,7 @@
 #include "claray/io.hpp"
 #include "claray/target.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/option_rules.hpp"
 #include "host/cli/render_options.hpp"
 #include "host/cli/table.hpp"
 #include "host/compute/file.hpp"
@@ -44,7 +45,7 @@ std::filesystem::path choose_output(const Options& options) {
     if (path.empty())
         throw Error(ErrorKind::usage, "no place for the tuning table: neither XDG_CONFIG_HOME nor HOME is set",
                     "name a file: -o FILE");
-    if (options.output.empty()) std::filesystem::create_directories(path.parent_path());
+    if (options.output.empty()) make_folder(path.parent_path());
     check_file_writable(path);
     return path;
 }
@@ -106,12 +107,15 @@ void add_tune_command(CLI::App& app, Action& action) {
     command->add_option_function<std::string>(
         "--size", [&o](const std::string& text) { std::tie(o.tune.width, o.tune.height) = parse_size(text); },
         "WIDTHxHEIGHT of each of the three views [192x108]");
-    command->add_option("--repeat", o.tune.repeat, "Rounds that count [9]")->check(CLI::Range(3, 1000));
+    command->add_option("--repeat", o.tune.repeat, "Rounds that count [9]")->transform(whole_number(3, 1000));
     command->add_option("--only", o.tune.only, "Only parameters whose 'kernel PARAMETER' holds this text");
     command->add_option("--device", o.device, "cpu, gpu, an index or a part of the name (see claray devices)");
     command->add_option("-o,--output", o.output, "The table to add rows to");
     command->add_flag("--dry-run", o.dry_run, "Print the rows, write nothing");
-    command->callback([&action, options] { action = [options] { run(*options); }; });
+    command->callback([&action, command, options] {
+        refuse_both(*command, "--dry-run", {"--output"}, "it writes nothing");
+        action = [options] { run(*options); };
+    });
 }
 
 }  // namespace claray::cli

@@ -9,6 +9,7 @@
 
 #include "host/bench/compare.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/option_rules.hpp"
 #include "host/cli/table.hpp"
 #include "host/cli/verify_html.hpp"
 #include "host/compute/file.hpp"
@@ -235,7 +236,7 @@ void add_verify_command(CLI::App& app, Action& action) {
     command->add_flag(
         "--quick", o->quick,
         "Half a minute where kernels are in the cache, minutes where they are not (this is what it does unless told)");
-    command->add_flag("--full", o->full, "With the counts that the bars are meant for: minutes")->excludes("--quick");
+    command->add_flag("--full", o->full, "With the counts that the bars are meant for: minutes");
     command->add_option("--case", o->cases, "Only this case; may be repeated")->allow_extra_args(false);
     command->add_flag("--list", o->list, "Print the cases and what they wait for that are left out");
     command->add_flag(
@@ -243,13 +244,24 @@ void add_verify_command(CLI::App& app, Action& action) {
         "Show what each remedy costs: failures (of --case, where given) and times beside the textbook's versions");
     command->add_option("--scene", o->scenes, "Scenes and files to compare times on [the built-in ones]")
         ->allow_extra_args(false);
-    command->add_option("--rounds", o->rounds, "Rounds of times to compare [9]")->check(CLI::Range(1, 1000));
-    command->add_option("--seed", o->verify.seed, "Of random rays and meshes [1]");
+    command->add_option("--rounds", o->rounds, "Rounds of times to compare [9]")->transform(whole_number(1, 1000));
+    command->add_option("--seed", o->verify.seed, "Of random rays and meshes [1]")
+        ->transform(whole_number(0, UINT64_MAX));
     command->add_flag("!--no-times", o->verify.times, "Don't check ratios of times, which a busy machine disturbs");
     command->add_option("--json", o->json, "Write the results as JSON to this file; - is standard output");
     command->add_option("--html", o->html, "Write a report with pictures of failures");
     command->add_option("--device", o->device, "cpu, gpu, an index or a part of the name (see claray devices)");
-    command->callback([&action, o] { action = [o] { verify(*o); }; });
+    command->callback([&action, command, o] {
+        refuse_both(*command, "--quick", {"--full"}, "there is one effort");
+        refuse_without(*command, "--scene", "--compare");
+        refuse_without(*command, "--rounds", "--compare");
+        refuse_both(*command, "--compare", {"--html", "--no-times"}, "it prints failures and times");
+        refuse_both(
+            *command, "--list",
+            {"--quick", "--full", "--case", "--compare", "--seed", "--no-times", "--json", "--html", "--device"},
+            "nothing runs");
+        action = [o] { verify(*o); };
+    });
 }
 
 }  // namespace claray::cli

@@ -124,6 +124,12 @@ void write_file(const fs::path& path, const std::string& bytes) {
     file.commit();
 }
 
+void make_folder(const fs::path& path) {
+    std::error_code error;
+    fs::create_directories(path, error);
+    if (error || !fs::is_directory(path, error)) fail("cannot make the folder", path, error ? error.value() : EEXIST);
+}
+
 void check_file_writable(const fs::path& path) { const NewFile file(path); }
 
 }  // namespace claray

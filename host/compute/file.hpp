@@ -32,6 +32,9 @@ private:
 /// A whole file as a NewFile; public in claray/io.hpp.
 void write_file(const std::filesystem::path& path, const std::string& bytes);
 
+/// Makes a folder and those above it where they are not there yet. Throws ErrorKind::user naming the path.
+void make_folder(const std::filesystem::path& path);
+
 /// Throws what writing to this path would, as far as can be told without writing.
 void check_file_writable(const std::filesystem::path& path);
 

@@ -7,8 +7,7 @@
 
 namespace claray {
 
-inline constexpr const char* pale_sky_warning =
-    "no material emits light: a pale sky lights the scene; choose others by --light, --sky or --environment";
+inline constexpr const char* pale_sky_warning = "no material emits light: a pale sky lights the scene";
 
 /// Lights a scene in which nothing shines by a pale sky, with a warning.
 inline void light_by_pale_sky(Scene& scene, Warnings& warnings) {

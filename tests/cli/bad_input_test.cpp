@@ -123,6 +123,15 @@ TEST_F(BadInput, FullDisk) {
         failed_with(run_process(limited, {{"CLARAY_DEVICE", std::to_string(device().info().index)}}), 1, "out.png"));
 }
 
+TEST_F(BadInput, ASceneOfWhichNothingCanBeSeen) {
+    const std::string flat = file("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv nan 0 0\nf 1 1 2\nf 1 2 3\nf 1 2 4\n");
+    const ProcessResult result = render(flat, {"--sky", "1"});
+    EXPECT_EQ(result.exit_code, 1);
+    EXPECT_NE(result.errors.find("flat.obj' shows nothing: its triangles, 3, are all without area"), std::string::npos)
+        << result.errors;
+    EXPECT_TRUE(failed_with(render(file("a.obj", std::string(triangle) + "f 1 2 x\n")), 1, "a.obj' line 4: 'x'"));
+}
+
 class Mended : public BadInput {
 protected:
     void TearDown() override { EXPECT_TRUE(fs::exists(folder_ / "out.png")); }

@@ -1,0 +1,16 @@
+// Scenes as commands load them: warnings are printed, and what would show nothing is refused.
+#pragma once
+
+#include "claray/io.hpp"
+
+namespace claray::cli {
+
+void print_warnings(const Warnings& warnings);
+
+/// Throws ErrorKind::user where a scene has triangles and none of them can be seen: all have no area or are not finite.
+void refuse_unseen(const std::string& name, const Scene& scene);
+
+/// Loads a scene that is rendered as it is.
+[[nodiscard]] Scene load(const std::string& name);
+
+}  // namespace claray::cli

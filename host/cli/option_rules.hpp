@@ -1,0 +1,41 @@
+// What options ask of their values and of each other, in words of our own: what is given is obeyed or refused.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <initializer_list>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace claray::cli {
+
+/// Refuses what is no finite number.
+[[nodiscard]] CLI::Validator finite_number();
+/// Refuses what is no finite number above `least`, or not that where it is `included`; `range` says it in words.
+[[nodiscard]] CLI::Validator number_above(const std::string& range, double least, bool included);
+/// Refuses what is no decimal whole number in least..most.
+[[nodiscard]] CLI::Validator whole_number(std::uint64_t least,
+                                          std::uint64_t most = std::numeric_limits<std::uint32_t>::max());
+/// Turns "500ms", "2s", "1.5min", "1m" and "2h", or a number of seconds, into seconds; more than 0.
+[[nodiscard]] CLI::Validator duration();
+
+/// Turns the name of a choice, in whatever case, into its number.
+[[nodiscard]] CLI::Validator choice_of(std::vector<std::pair<std::string, int>> choices);
+template <class Choice>
+[[nodiscard]] CLI::Validator choice_of(const std::vector<std::pair<std::string, Choice>>& choices) {
+    std::vector<std::pair<std::string, int>> numbers;
+    for (const auto& [name, choice] : choices) numbers.emplace_back(name, int(choice));
+    return choice_of(std::move(numbers));
+}
+/// Refuses what is not one of these names.
+[[nodiscard]] CLI::Validator name_among(std::vector<std::string> names);
+
+/// Throws ErrorKind::usage where `option` is given, and `other`, without which it does nothing, is not.
+void refuse_without(const CLI::App& command, const char* option, const char* other);
+/// Throws ErrorKind::usage where `option` and one of `others` are given.
+void refuse_both(const CLI::App& command, const char* option, std::initializer_list<const char*> others,
+                 const char* why);
+
+}  // namespace claray::cli
