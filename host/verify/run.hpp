@@ -60,6 +60,26 @@ struct Curve {
 };
 [[nodiscard]] VerifyPicture picture_of_curves(std::vector<Curve> curves, const std::string& title);
 
+/// Sets a tuning value until the end of the scope.
+class ScopedTuning {
+public:
+    ScopedTuning(const Device& device, std::string kernel, std::string parameter, unsigned value)
+        : device_(device),
+          kernel_(std::move(kernel)),
+          parameter_(std::move(parameter)),
+          before_(device.tuning(kernel_, parameter_)) {
+        device_.set_tuning(kernel_, parameter_, value);
+    }
+    ~ScopedTuning() { device_.set_tuning(kernel_, parameter_, before_); }
+    ScopedTuning(const ScopedTuning&) = delete;
+    ScopedTuning& operator=(const ScopedTuning&) = delete;
+
+private:
+    const Device& device_;
+    std::string kernel_, parameter_;
+    unsigned before_;
+};
+
 /// Both layouts, for cases that must hold in either, with their names.
 struct NamedLayout {
     Layout layout;

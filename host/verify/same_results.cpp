@@ -34,26 +34,6 @@ std::vector<std::pair<std::string, Mesh>> hashed_meshes() {
             {"hair", all_of(*builtin_scene("hair:3000"))}};
 }
 
-/// Sets a tuning value until the end of the scope.
-class ScopedTuning {
-public:
-    ScopedTuning(const Device& device, std::string kernel, std::string parameter, unsigned value)
-        : device_(device),
-          kernel_(std::move(kernel)),
-          parameter_(std::move(parameter)),
-          before_(device.tuning(kernel_, parameter_)) {
-        device_.set_tuning(kernel_, parameter_, value);
-    }
-    ~ScopedTuning() { device_.set_tuning(kernel_, parameter_, before_); }
-    ScopedTuning(const ScopedTuning&) = delete;
-    ScopedTuning& operator=(const ScopedTuning&) = delete;
-
-private:
-    const Device& device_;
-    std::string kernel_, parameter_;
-    unsigned before_;
-};
-
 void compare_with_committed(Run& run, const std::string& name, const std::string& hash, Tally& tally) {
     run.fact(name, hash);
     const std::string expected = expected_hash(name);

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <set>
+#include <cstring>
 
 #include "host/bench/measure.hpp"
 #include "host/verify/cases.hpp"
@@ -189,8 +189,10 @@ void stadium(Run& run) {
               "times");
 }
 
+namespace {
+
 /// Triangles at distances 2^-k, whose codes share ever longer prefixes, on top of equal ones: as deep as codes allow.
-void stack_depth(Run& run) {
+Mesh deep_mesh() {
     Mesh mesh;
     const auto add = [&](glm::vec3 at, float size) {
         const auto base = std::uint32_t(mesh.positions.size());
@@ -201,9 +203,14 @@ void stack_depth(Run& run) {
         for (int corner = 1; corner < 8; ++corner)
             add(glm::vec3(corner & 1, corner >> 1 & 1, corner >> 2) * std::exp2(-float(k)), std::exp2(-float(k) - 8.f));
     for (int copy = 0; copy < 4096; ++copy) add(glm::vec3(0), 1e-9f);
-    Random random(run.seed() + 32);
+    return mesh;
+}
+
+/// At its triangles, but for the equal ones.
+std::vector<Ray> rays_into(const Mesh& mesh, std::size_t count, std::uint64_t seed) {
+    Random random(seed);
     std::vector<Ray> rays;
-    for (std::size_t i = 0; i < run.count<std::size_t>(10'000, 200'000); ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
         const glm::uvec3 t = mesh.triangles[random.below(147)];
         const glm::vec3 a = mesh.positions[t.x], target = (a + mesh.positions[t.y] + mesh.positions[t.z]) / 3.f;
         const float size = mesh.positions[t.y].x - a.x;
@@ -213,6 +220,35 @@ void stack_depth(Run& run) {
             direction = {random.uniform(-0.2f, 0.2f), random.uniform(-0.2f, 0.2f), -1};
         rays.push_back(make_ray(origin, direction));
     }
+    return rays;
+}
+
+/// All that a query tells of rays, and how many boxes and triangles it tested.
+struct Answers {
+    std::vector<Hit> hits, counted;
+    std::vector<std::uint8_t> any;
+    std::vector<Visits> visits;
+};
+
+Answers ask(const Bvh& bvh, const std::vector<Ray>& rays) {
+    Answers answers;
+    answers.hits = closest_hit(bvh, rays);
+    answers.any = any_hit(bvh, rays);
+    const Buffer<Visits> visits(bvh.device(), rays.size());
+    QueryOptions counting;
+    counting.visits = visits;
+    answers.counted = closest_hit(bvh, rays, counting);
+    answers.visits = visits.read();
+    return answers;
+}
+
+bool same_hit(const Hit& a, const Hit& b) { return std::memcmp(&a, &b, sizeof(Hit)) == 0; }
+
+}  // namespace
+
+void stack_depth(Run& run) {
+    const Mesh mesh = deep_mesh();
+    const auto rays = rays_into(mesh, run.count<std::size_t>(10'000, 200'000), run.seed() + 32);
     const Oracle oracle(std::span(&mesh, 1));
     for (const auto& [layout, name] : layouts) {
         const Bvh bvh = Bvh::build(run.device(), std::span(&mesh, 1), {.layout = layout});
@@ -226,6 +262,45 @@ void stack_depth(Run& run) {
             run.failure(std::string(name) + ", " + to_string(verdict.first_fault) + ": " +
                         text_of(rays[verdict.first_wrong]));
         run.check(std::string("wrong hits, ") + name, rays.size(), double(verdict.wrong), 0, "rays");
+    }
+}
+
+/// Stacks of the bound, where every push is checked, and of few entries, by a deep tree and by one where rays meet
+/// much. What finds no room is seen by the visits, since such a ray begins again.
+void short_stack(Run& run) {
+    const std::size_t count = run.count<std::size_t>(5000, 100'000);
+    const Mesh deep = deep_mesh(), thick = soup(3000, 0.5f, run.seed() + 33);
+    const std::pair<const Mesh*, std::vector<Ray>> scenes[] = {{&deep, rays_into(deep, count, run.seed() + 34)},
+                                                               {&thick, random_rays(count, 3.f, 1.f, run.seed() + 35)}};
+    for (const auto& [layout, name] : layouts) {
+        const unsigned bound =
+            layout == Layout::binary ? CLARAY_MAX_HEIGHT + 1 : CLARAY_MAX_HEIGHT * (CLARAY_WIDTH - 1) + 1;
+        for (const unsigned entries : {bound, 4u, 1u}) {
+            if (entries == 1 && !run.full()) continue;  // each takes kernels of its own
+            Tally same, fit;
+            for (const auto& [mesh, rays] : scenes) {
+                const Bvh bvh = Bvh::build(run.device(), std::span(mesh, 1), {.layout = layout});
+                const Answers whole = ask(bvh, rays);
+                const ScopedTuning tuning(run.device(), "trace/traverse", "STACK", entries);
+                const Answers found = ask(bvh, rays);
+                for (std::size_t i = 0; i < rays.size(); ++i) {
+                    same.add(same_hit(found.hits[i], whole.hits[i]) && same_hit(found.counted[i], whole.hits[i]) &&
+                             found.any[i] == whole.any[i]);
+                    if (same.wrong == 1 && same.first + 1 == same.tried)
+                        run.failure(std::string(name) + ", another hit by a stack of " + std::to_string(entries) +
+                                    ": " + text_of(rays[i]));
+                    fit.add(found.visits[i].nodes == whole.visits[i].nodes);
+                }
+            }
+            const std::string stack = ", stack of " + std::to_string(entries) + ", " + name;
+            run.check("other hits" + stack, same.tried, double(same.wrong), 0, "rays");
+            if (entries == bound)
+                run.check("rays that find no room" + stack, fit.tried, double(fit.wrong), 0, "rays");
+            else
+                run.fact("rays that find no room" + stack, std::to_string(fit.wrong));
+            if (entries != bound && fit.wrong < fit.tried / 20)
+                run.check("rays that find no room, provoked" + stack, fit.tried, 1, 0, "");
+        }
     }
 }
 
