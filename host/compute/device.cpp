@@ -30,6 +30,12 @@ DeviceType type_of(cl_device_type type) {
     return DeviceType::other;
 }
 
+/// CLARAY_NO_FP64 shows on any device what one without double precision gives.
+bool without_fp64() {
+    const char* environment = std::getenv("CLARAY_NO_FP64");
+    return environment != nullptr && *environment != '\0' && std::string(environment) != "0";
+}
+
 DeviceInfo describe(const cl::Device& device, std::size_t index) {
     DeviceInfo info;
     info.index = index;
@@ -46,6 +52,7 @@ DeviceInfo describe(const cl::Device& device, std::size_t index) {
     info.max_work_group = device.getInfo<CL_DEVICE_MAX_WORK_GROUP_SIZE>();
     std::istringstream extensions(device.getInfo<CL_DEVICE_EXTENSIONS>());
     for (std::string extension; extensions >> extension;) info.extensions.push_back(extension);
+    if (without_fp64()) std::erase(info.extensions, "cl_khr_fp64");
     info.fp64 = info.has("cl_khr_fp64");
     info.exact_divide = device.getInfo<CL_DEVICE_SINGLE_FP_CONFIG>() & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT;
     return info;

@@ -33,6 +33,7 @@ std::string build_options(const Device& device, const Defines& defines, Math mat
     // The schedule that suits the device: see kernels/compute/portable.clh.
     options += std::string(" -DCLARAY_CPU=") + (device.info().type == DeviceType::cpu ? "1" : "0");
     if (is_nvidia(device)) options += " -DCLARAY_NVIDIA=1";
+    if (!device.info().fp64) options += " -DCLARAY_NO_FP64=1";
     for (const auto& [name, value] : defines) {
         options += " -D" + name + "=" + value;
         if (name == "MAX_REGISTERS" && is_nvidia(device)) options += " -cl-nv-maxrregcount=" + value;

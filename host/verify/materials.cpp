@@ -116,8 +116,13 @@ void furnaces(Run& run) {
 void fresnel(Run& run) {
     std::vector<float> cosines, etas;
     const int steps = run.count(1000, 1'000'000);
-    for (const float eta : {1.f / 2.4f, 1 / 1.5f, 0.99999f, 1.f, 1.0000001f, 1.001f, 1.33f, 1.5f, 2.4f})
+    for (const float eta : {1.f / 2.4f, 1 / 1.5f, 0.99999f, 1.f, 1.0000001f, 1.001f, 1.33f, 1.5f, 2.4f}) {
         for (int i = 0; i <= steps; ++i) cosines.push_back(float(i) / float(steps)), etas.push_back(eta);
+        float critical = float(std::sqrt(std::max(0.0, 1 - double(eta) * eta)));  // where the curve is steepest
+        for (int i = 0; i < 50; ++i) critical = std::nextafter(critical, 0.f);
+        for (int i = 0; i < 100; ++i, critical = std::nextafter(critical, 1.f))
+            cosines.push_back(critical), etas.push_back(eta);
+    }
     const auto count = std::uint32_t(cosines.size());
     const Buffer<float> out(run.device(), count);
     load_kernel(run.device(), "verify/bsdf.cl", "fresnel")
