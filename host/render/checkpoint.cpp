@@ -145,7 +145,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
         file.refuse("it was rendered with another seed, depth, sampler or choice of effects", "give the same settings");
     if (header.more_films + 1 != identity.films)
         file.refuse(
-            identity.films == 1 ? "it was rendered with --error, in two halves" : "it was rendered without --error",
+            identity.films == 1 ? "it was rendered with --error, and has sums for it" : "it was rendered without --error",
             identity.films == 1 ? "give --error, too" : "leave out --error, or render from the start");
     if (header.kernels != identity.kernels)
         file.refuse("it was written by a claray with other kernels", "use that version, or render from the start");
@@ -153,7 +153,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
     const bool within = at.pixel != 0 || at.sample != 0;
     if (at.pixel >= header.width * header.height || (within && at.sample >= at.pass))
         file.refuse_damaged("it stops where no image does");
-    const std::uint64_t most = (std::uint64_t(at.done) + (within ? at.pass : 0)) * identity.films;
+    const std::uint64_t most = std::uint64_t(at.done) + (within ? at.pass : 0);
     if (most > spp)
         file.refuse(
             "it has " + std::to_string(most) + " samples a pixel, and " + std::to_string(spp) + " are asked for",

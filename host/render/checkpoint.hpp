@@ -18,7 +18,7 @@ namespace claray {
 /// the other stopped, with another number of samples, too.
 struct RenderIdentity {
     std::uint32_t width = 0, height = 0;
-    std::uint32_t films = 1;  // 2 where samples are drawn in two halves, for the sake of the error
+    std::uint32_t films = 1;  // 2 where half of the samples are summed once more, for the sake of the error
     Digest scene{};
     Digest settings{};  // seed, depth, sampler, effects that are left out
     Digest kernels{};   // their sources

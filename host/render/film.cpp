@@ -22,18 +22,21 @@ Film::Film(const Device& device, std::uint32_t pixels, std::uint32_t films)
     clear();
     if (films < 2) return;
     error_sums_ = Buffer<ErrorSums>(device, noise_items);
+    accumulate_odd_ = load_kernel(device, "render/accumulate_film.cl", "accumulate_odd");
     measure_error_ = load_kernel(device, "render/measure_error.cl", "measure_error");
 }
 
-void Film::accumulate(const Batch& batch, const Buffer<float>& radiance, std::uint32_t film) {
-    Batch within = batch;
-    within.first_pixel += film * count_;
-    kernels_.accumulate.run({batch.pixels, 64}, within, radiance, pixels_);
+void Film::accumulate(const Batch& batch, const Buffer<float>& radiance) {
+    kernels_.accumulate.run({batch.pixels, 64}, batch, radiance, pixels_);
+    if (films_ < 2) return;
+    Batch odd = batch;
+    odd.first_pixel += count_;
+    accumulate_odd_.run({batch.pixels, 64}, odd, radiance, pixels_);
 }
 
 std::vector<glm::vec3> Film::resolve() const {
     const Buffer<float> image(device_, 3 * std::size_t(count_));
-    kernels_.resolve.run({count_, 64}, pixels_, count_, films_, image);
+    kernels_.resolve.run({count_, 64}, pixels_, count_, image);
     const std::vector<float> values = image.read();
     std::vector<glm::vec3> result(count_);
     for (std::size_t i = 0; i < count_; ++i) result[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
@@ -41,7 +44,7 @@ std::vector<glm::vec3> Film::resolve() const {
 }
 
 Film::Noise Film::noise() const {
-    kernels_.noise.run({noise_items, 64}, pixels_, std::uint32_t(pixels_.size()), noise_items, sums_);
+    kernels_.noise.run({noise_items, 64}, pixels_, count_, noise_items, sums_);
     double variance = 0, luminance = 0, pixels = 0;
     Noise noise;
     for (const NoiseSums& sums : sums_.read()) {
@@ -50,8 +53,7 @@ Film::Noise Film::noise() const {
         pixels += sums.pixels;
         noise.dropped += sums.dropped;
     }
-    // The films' noise is independent, and their mean is what counts.
-    if (luminance > 0) noise.relative = std::sqrt(variance / pixels / films_) / (luminance / pixels);
+    if (luminance > 0) noise.relative = std::sqrt(variance / pixels) / (luminance / pixels);
     return noise;
 }
 
@@ -78,7 +80,7 @@ double quantile_of_f(double degrees, double deviations) {
 
 }  // namespace
 
-/// With v the variance of a pixel as two films tell it, of true value s^2: v is s^2 times chi^2 of one degree of
+/// With v the variance of a pixel as its two halves tell it, of true value s^2: v is s^2 times chi^2 of one degree of
 /// freedom, and so is the squared error of the pixel, independent of it. Sums of these over the pixels are about chi^2
 /// of (sum s^2)^2 / sum s^4 degrees (Welch and Satterthwaite), as many as there are pixels that share the error: so the
 /// image's squared error over its estimate is distributed as F. Expectations: v^2 has 3 s^4, and for n equal pixels

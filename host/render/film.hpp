@@ -10,7 +10,7 @@ namespace claray {
 
 class Film {
 public:
-    /// `films`: 1, or 2 that get samples of their own, which are independent: then the error can be told.
+    /// `films`: 1, or 2, of which the second has the samples of odd index once more: then the error can be told.
     Film(const Device& device, std::uint32_t pixels, std::uint32_t films = 1);
 
     struct Kernels {
@@ -19,8 +19,7 @@ public:
     };
 
     /// Adds the radiance (3 floats a path) of a batch; enqueued.
-    void accumulate(const Batch& batch, const Buffer<float>& radiance, std::uint32_t film = 0);
-    [[nodiscard]] std::uint32_t films() const { return films_; }
+    void accumulate(const Batch& batch, const Buffer<float>& radiance);
     /// Forgets all samples; enqueued.
     void clear() { pixels_.fill(0); }
     /// Mean radiance of every pixel. Blocks.
@@ -41,7 +40,7 @@ public:
         double estimate = 0;  ///< root mean square of all channels over the mean; 0: nothing is known
         double bound = 0;     ///< which the error exceeds in hardly one image of a hundred
     };
-    /// Of two films; see docs/accuracy.md. Blocks.
+    /// Where there are two films; see docs/accuracy.md. Blocks.
     [[nodiscard]] Error error() const;
     [[nodiscard]] std::uint64_t bytes() const { return pixels_.bytes() + sums_.bytes() + error_sums_.bytes(); }
 
@@ -55,9 +54,9 @@ private:
     std::uint32_t count_, films_;
     Buffer<FilmPixel> pixels_;
     Buffer<NoiseSums> sums_;
-    Buffer<ErrorSums> error_sums_;  // of two films
+    Buffer<ErrorSums> error_sums_;  // where there are two films
     mutable Kernels kernels_;
-    mutable Kernel measure_error_;
+    mutable Kernel accumulate_odd_, measure_error_;
 };
 
 }  // namespace claray

@@ -24,16 +24,13 @@ using Clock = std::chrono::steady_clock;
 
 constexpr unsigned largest_side = 1u << 14;
 constexpr unsigned least_spp_for_noise = 16;
-constexpr unsigned least_passes_spp_for_error = 2;  // of each half
-constexpr unsigned spp_that_see_light = 1024;       // of each half
+constexpr unsigned least_spp_for_error = 4;
+constexpr unsigned spp_that_see_light = 2048;
 constexpr double seconds_between_reports = 0.2;
 constexpr std::size_t batches_in_flight = 2;
 constexpr std::size_t most_triangles_by_host = 1u << 20;
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
-
-/// Far from the seeds that people and studies count up.
-std::uint32_t seed_of_film(std::uint32_t seed, std::uint32_t film) { return film == 0 ? seed : seed ^ 0x9e3779b9u; }
 
 double processor_seconds() { return double(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -197,9 +194,9 @@ struct Renderer::State {
     void save_checkpoint();
     [[nodiscard]] std::uint32_t pixels() const { return config.width * config.height; }
     [[nodiscard]] Schedule new_schedule() const {
-        return {pixels(), config.spp / film.films() + config.spp % film.films(), wavefront.capacity()};
+        return {pixels(), config.spp, wavefront.capacity()};
     }
-    [[nodiscard]] unsigned spp() const { return unsigned(schedule.samples() * film.films() / pixels()); }
+    [[nodiscard]] unsigned spp() const { return unsigned(schedule.samples() / pixels()); }
     [[nodiscard]] RenderProgress measure();
     template <class Measure>
     auto timed(const Measure& measure);
@@ -277,7 +274,7 @@ bool Renderer::State::target_met() {
     const unsigned spp = schedule.complete_passes_spp();
     if (config.seconds > 0 && spp > 0 && begin && seconds_since(*begin) >= config.seconds) return true;
     if (!schedule.between_passes()) return false;
-    if (config.error > 0 && spp >= least_passes_spp_for_error && error_met()) return true;
+    if (config.error > 0 && spp >= least_spp_for_error && error_met()) return true;
     if (!(config.noise > 0) || spp < least_spp_for_noise) return false;
     const double noise = timed([&] { return film.noise(); }).relative;
     return noise > 0 && noise <= config.noise;
@@ -350,17 +347,13 @@ std::uint32_t Renderer::State::paths_of_next_batch(InFlight& in_flight) const {
     };
     const double least = least_milliseconds(config.seconds);
     if (left() < least) in_flight.drain();  // what is said to take until then may be quicker
-    return pace.paths_within(std::max(left() / 2, least) / film.films());
+    return pace.paths_within(std::max(left() / 2, least));
 }
 
-/// Every film gets it, from samples of its own.
 void Renderer::State::trace(const Batch& batch, InFlight& in_flight) {
-    for (std::uint32_t f = 0; f < film.films(); ++f) {
-        wavefront.set_seed(seed_of_film(config.seed, f));
-        wavefront.trace(batch);
-        film.accumulate(batch, wavefront.radiance(), f);
-        in_flight.submitted(batch.pixels * batch.samples);
-    }
+    wavefront.trace(batch);
+    film.accumulate(batch, wavefront.radiance());
+    in_flight.submitted(batch.pixels * batch.samples);
 }
 
 /// A full disk must not end a render of hours: it is tried again, and the last failure is told.
@@ -427,6 +420,7 @@ void Renderer::restart(std::uint32_t seed, unsigned spp, unsigned max_depth) {
     if (!state.config.checkpoint.empty())
         throw Error(ErrorKind::usage, "a render that writes checkpoints can't begin anew", "leave the checkpoint out");
     state.config.seed = seed;
+    state.wavefront.set_seed(seed);
     if (spp != 0) state.config.spp = std::min(spp, state.most_spp);
     if (max_depth != 0) state.wavefront.set_max_depth(std::min(max_depth, state.config.max_depth));
     state.schedule = state.new_schedule();

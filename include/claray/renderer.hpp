@@ -24,8 +24,7 @@ struct RenderConfig {
     double seconds = 0;  ///< stop after this time where > 0, but not before every pixel has a sample
     double noise = 0;    ///< stop at this noise (see RenderProgress) where > 0; asked from 16 samples a pixel on
     /// Stop when the image's error (RMSE over the mean, as ImageError::rmse) is at most this where > 0, by an estimate
-    /// that holds in 95 of 100 renders; `spp` is the most that may be taken. Samples are then drawn in two independent
-    /// halves.
+    /// that holds in 95 of 100 renders; `spp` is the most that may be taken. The image is that of so many samples.
     double error = 0;
     Sampler sampler = Sampler::sobol;
     Bvh::Config bvh = {};

@@ -63,3 +63,13 @@ kernel void accumulate_film(Batch batch, global const float* radiance, global Fi
         add_sample(&pixel, vload3(i * batch.samples + s, radiance), (batch.first_sample + s) & 1);
     film[batch.first_pixel + i] = pixel;
 }
+
+/// The samples of odd index alone, for the estimate of the error, which is one of all channels.
+kernel void accumulate_odd(Batch batch, global const float* radiance, global FilmPixel* film) {
+    const uint i = get_global_id(0);
+    if (i >= batch.pixels) return;
+    FilmPixel pixel = film[batch.first_pixel + i];
+    for (uint s = (batch.first_sample & 1) ^ 1; s < batch.samples; s += 2)
+        add_sample(&pixel, vload3(i * batch.samples + s, radiance), true);
+    film[batch.first_pixel + i] = pixel;
+}

@@ -2,18 +2,13 @@
 #include "claray/shared/path.h"
 #include "shade/vector.clh"
 
-/// Mean radiance of films that lie one behind the other; black where a pixel has no sample.
-kernel void resolve_film(global const FilmPixel* film, uint pixels, uint films, global float* image) {
+/// Mean radiance; black where a pixel has no sample.
+kernel void resolve_film(global const FilmPixel* film, uint pixels, global float* image) {
     const uint i = get_global_id(0);
     if (i >= pixels) return;
-    float3 sum = (float3)(0.0f);
-    uint count = 0u;
-    for (uint f = 0; f < films; ++f) {
-        const FilmPixel p = film[(size_t)f * pixels + i];
-        sum += (float3)(p.sum_r, p.sum_g, p.sum_b) + (float3)(p.error_r, p.error_g, p.error_b);
-        count += p.count;
-    }
-    vstore3(count ? sum / (float)count : (float3)(0.0f), i, image);
+    const FilmPixel p = film[i];
+    const float3 sum = (float3)(p.sum_r, p.sum_g, p.sum_b) + (float3)(p.error_r, p.error_g, p.error_b);
+    vstore3(p.count ? sum / (float)p.count : (float3)(0.0f), i, image);
 }
 
 /// Variance of a pixel's mean luminance, from its samples of even and of odd index, which are independent of each other: for

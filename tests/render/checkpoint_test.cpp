@@ -55,7 +55,7 @@ TEST_F(CheckpointFiles, ResumedIsUninterruptedBitForBit) {
     EXPECT_TRUE(same_bits(finish(resumed()), whole)) << "what is complete stays so";
 }
 
-TEST_F(CheckpointFiles, RendersToAnErrorGoOnInTwoHalves) {
+TEST_F(CheckpointFiles, RendersToAnErrorGoOn) {
     RenderConfig plain = config_;
     config_.spp = 4096, config_.error = 0.25;
     RenderConfig whole = config_;
@@ -67,7 +67,7 @@ TEST_F(CheckpointFiles, RendersToAnErrorGoOnInTwoHalves) {
         EXPECT_TRUE(same_bits(finish(resumed()), expected)) << paths << " paths at first";
     }
     plain.resume = config_.checkpoint;
-    EXPECT_TRUE(refused(plain, "it was rendered with --error, in two halves; give --error, too"));
+    EXPECT_TRUE(refused(plain, "it was rendered with --error, and has sums for it; give --error, too"));
     plain.resume.clear();
     (void)finish(plain);
     EXPECT_TRUE(refused(resumed(), "it was rendered without --error"));

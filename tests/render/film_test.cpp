@@ -99,7 +99,7 @@ struct SyntheticImage {
     glm::vec3 (*sample)(Random& random, std::uint32_t pixel);
 };
 
-constexpr std::uint32_t synthetic_pixels = 240, synthetic_samples = 12;
+constexpr std::uint32_t synthetic_pixels = 240, synthetic_samples = 24;
 
 /// Of mean 1.
 constexpr SyntheticImage synthetic_images[] = {
@@ -114,13 +114,16 @@ constexpr SyntheticImage synthetic_images[] = {
     {"as bright as suns", 1e12f, [](Random& r, std::uint32_t) { return glm::vec3(2e12f * r.uniform()); }},
 };
 
-void add_samples(Film& film, std::uint32_t of, const SyntheticImage& image, Random& random) {
-    std::vector<float> radiance;
-    for (std::uint32_t i = 0; i < synthetic_pixels * synthetic_samples; ++i) {
-        const glm::vec3 value = image.sample(random, i / synthetic_samples);
-        radiance.insert(radiance.end(), {value.x, value.y, value.z});
+/// In two batches, the second of which begins with an odd one.
+void add_samples(Film& film, const SyntheticImage& image, Random& random) {
+    for (const auto& [first, samples] : {std::pair(0u, 7u), std::pair(7u, synthetic_samples - 7u)}) {
+        std::vector<float> radiance;
+        for (std::uint32_t i = 0; i < synthetic_pixels * samples; ++i) {
+            const glm::vec3 value = image.sample(random, i / samples);
+            radiance.insert(radiance.end(), {value.x, value.y, value.z});
+        }
+        film.accumulate({0, synthetic_pixels, first, samples}, Buffer<float>(device(), radiance));
     }
-    film.accumulate({0, synthetic_pixels, 0, synthetic_samples}, Buffer<float>(device(), radiance), of);
 }
 
 double error_of(const std::vector<glm::vec3>& image, float truth) {
@@ -131,7 +134,7 @@ double error_of(const std::vector<glm::vec3>& image, float truth) {
 }
 
 /// The claim of docs/accuracy.md: the bound holds in more than 95 of 100 images, and the estimate is true on average.
-TEST(Film, ErrorOfTwoFilmsIsTheirDistanceFromTheTruth) {
+TEST(Film, ErrorIsTheDistanceFromTheTruth) {
     for (const SyntheticImage& image : synthetic_images) {
         Random random(11);
         constexpr int trials = 200;
@@ -140,7 +143,7 @@ TEST(Film, ErrorOfTwoFilmsIsTheirDistanceFromTheTruth) {
         Film film(device(), synthetic_pixels, 2);
         for (int t = 0; t < trials; ++t) {
             film.clear();
-            for (const std::uint32_t f : {0u, 1u}) add_samples(film, f, image, random);
+            add_samples(film, image, random);
             const double truth = error_of(film.resolve(), image.brightness);
             const Film::Error error = film.error();
             held += truth <= error.bound;
@@ -158,8 +161,8 @@ TEST(Film, ErrorOfTwoFilmsIsTheirDistanceFromTheTruth) {
 TEST(Film, ErrorCountsSamplesThatWereDropped) {
     Film film(device(), 1, 2);
     const float nan = std::numeric_limits<float>::quiet_NaN();
-    film.accumulate({0, 1, 0, 3}, Buffer<float>(device(), {4, 4, 4, 4, 4, 4, 4, 4, 4}), 0);
-    film.accumulate({0, 1, 0, 3}, Buffer<float>(device(), {8, 8, 8, nan, 1, 1, nan, 1, 1}), 1);
+    film.accumulate({0, 1, 0, 6},
+                    Buffer<float>(device(), {4, 4, 4, 8, 8, 8, 4, 4, 4, nan, 1, 1, 4, 4, 4, nan, 1, 1}));
     EXPECT_EQ(film.resolve()[0], glm::vec3(5));
     EXPECT_NEAR(film.error().estimate, std::sqrt(16. * 3 / 16) / 5, 1e-6);
     EXPECT_EQ(film.noise().dropped, 2u);

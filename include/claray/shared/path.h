@@ -59,12 +59,12 @@ typedef struct NoiseSums {
 } NoiseSums;
 CLARAY_LAYOUT(NoiseSums, 16)
 
-/// Sums over some pixels, for the error of the mean of two films.
+/// Sums over some pixels, for the error of an image.
 typedef struct ErrorSums {
     float variance;  // of the pixels' means, all channels
     float squares;   // of the pixels' variances
     float value;     // the pixels' means, all channels
-    uint pixels;     // with samples in both films
+    uint pixels;     // with samples of even and of odd index
 } ErrorSums;
 CLARAY_LAYOUT(ErrorSums, 16)
 
