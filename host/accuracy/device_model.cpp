@@ -135,14 +135,20 @@ std::vector<ModelRow> rows_of(const DeviceModel& model) {
     return rows;
 }
 
-DeviceModel measure_model(const Device& device, std::size_t triangles) {
+DeviceModel measure_model(const Device& device, std::size_t triangles, const MeasuringProgress& progress) {
     const Scene scene = *builtin_scene("terrain:" + std::to_string(triangles));
     DeviceModel model;
     const double nanoseconds = 1e9 / double(triangles);
+    const auto goes_on = [&](const char* what) { return !progress || progress(what); };
+    if (!goes_on("the fast builder")) return {};
     model.fast.build_nanoseconds = nanoseconds * seconds_to_build(device, scene, Builder::fast);
+    if (!goes_on("the balanced builder")) return {};
     model.balanced.build_nanoseconds = nanoseconds * seconds_to_build(device, scene, Builder::balanced);
+    if (!goes_on("the high builder")) return {};
     model.high.build_nanoseconds = nanoseconds * seconds_to_build(device, scene, Builder::high);
+    if (!goes_on("samples a second with their trees")) return {};
     measure_speeds(device, scene, model);
+    if (!goes_on("what samples are worth")) return {};
     model.independent_cost =
         cost_of_error(device, scene, Sampler::independent) / cost_of_error(device, scene, Sampler::sobol);
     return model;

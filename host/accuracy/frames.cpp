@@ -96,11 +96,12 @@ void pick(Frames& frames, const RenderConfig& config, double budget, std::vector
 }  // namespace
 
 FramesReport render_frames(const Device& device, const Scene& scene, const RenderConfig& config, double fps,
-                           unsigned frames, bool picks_builder, const std::function<bool(unsigned)>& progress) {
+                           unsigned frames, bool picks_builder, const std::function<bool(unsigned)>& progress,
+                           const MeasuringProgress& measuring) {
     if (!(fps > 0 && std::isfinite(fps)) || frames == 0)
         throw Error(ErrorKind::usage, "a frame rate that is no number above 0, or no frames", "give 60, for instance");
     const double budget = 1 / fps;
-    TargetPlan plan = plan_render(device, scene, config, picks_builder);
+    TargetPlan plan = plan_render(device, scene, config, picks_builder, measuring);
     plan.picks.clear();
     pick_for_time(plan, device, frames * budget);
     plan.config.spp = std::min(config.spp, most_spp);

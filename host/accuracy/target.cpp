@@ -12,7 +12,6 @@ namespace {
 
 constexpr double least_seconds_for_pilot = 60;  // below which measuring a device doesn't pay
 constexpr std::size_t pilot_triangles = 20'000;
-constexpr double seconds_to_foresee = 0.3;
 constexpr unsigned least_spp_to_foresee = 16;
 constexpr double sure_gain = 1.25;  // by which a better tree must save more than it costs: models err
 constexpr double late = 1.1;        // of a time limit
@@ -37,10 +36,11 @@ std::size_t triangles_of(const Scene& scene) {
 }
 
 /// On a device object of its own, so that what it runs is in nobody's statistics.
-DeviceModel pilot(const Device& device, std::vector<std::string>& picks) {
-    const DeviceModel model = measure_model(Device::open(std::to_string(device.info().index)), pilot_triangles);
-    picks.push_back("model: none of this device is stored (see claray tune), so a short one was measured");
-    return model;
+void run_pilot(TargetPlan& plan, const Device& device) {
+    const Device other = Device::open(std::to_string(device.info().index));
+    plan.model = measure_model(other, pilot_triangles, plan.measuring);
+    if (plan.model.known())
+        plan.picks.emplace_back("model: none of this device is stored (see claray tune), so a short one was measured");
 }
 
 std::string why(const TargetPlan& plan, Builder builder, double seconds) {
@@ -71,7 +71,7 @@ void pick_sampler(TargetPlan& plan) {
                               cost < 1 ? "independent" : "Sobol's", cost));
 }
 
-/// What is foreseen from the samples since `first`, the error falling with their root.
+/// What is foreseen from the pace since `first` and the last error that is known, which falls with the samples' root.
 struct Forecast {
     double spp = 0, seconds = 0;  // that the error needs
     double seconds_a_sample = 0;  // for every pixel
@@ -80,7 +80,7 @@ struct Forecast {
 Forecast forecast(const RenderProgress& first, const RenderProgress& so_far, double error) {
     const double ratio = so_far.error_bound / error;
     Forecast needed;
-    needed.spp = so_far.spp * ratio * ratio;
+    needed.spp = std::max<double>(so_far.error_spp * ratio * ratio, so_far.spp);
     needed.seconds_a_sample = so_far.spp > first.spp ? (so_far.seconds - first.seconds) / (so_far.spp - first.spp)
                                                      : so_far.seconds / so_far.spp;
     needed.seconds = so_far.seconds + (needed.spp - so_far.spp) * needed.seconds_a_sample;
@@ -89,8 +89,8 @@ Forecast forecast(const RenderProgress& first, const RenderProgress& so_far, dou
 
 void refuse_unreachable(const TargetPlan& plan, const Forecast& needed, const RenderProgress& so_far) {
     const double most = plan.config.spp;
-    if (needed.spp <= 4 * most) return;  // a forecast errs
-    const double closest = so_far.error_bound * std::sqrt(so_far.spp / most);
+    if (needed.spp <= 4 * most || plan.config.seconds > 0) return;  // a forecast errs
+    const double closest = so_far.error_bound * std::sqrt(so_far.error_spp / most);
     throw Error(
         ErrorKind::user,
         told("an error of %g can't be reached: it needs about %.3g samples a pixel (%s), and %.0f are the most",
@@ -132,16 +132,28 @@ Builder choose_builder(const DeviceModel& model, std::size_t triangles, double s
 }
 
 void pick_for_time(TargetPlan& plan, const Device& device, double seconds) {
-    if (plan.picks_builder && !plan.model.known() && seconds >= least_seconds_for_pilot)
-        plan.model = pilot(device, plan.picks);
+    if (plan.picks_builder && !plan.model.known() && seconds >= least_seconds_for_pilot) run_pilot(plan, device);
     pick_sampler(plan);
     if (plan.picks_builder) plan.config.bvh.builder = choose_builder(plan.model, plan.triangles, seconds);
     plan.picks.push_back(plan.picks_builder ? why(plan, plan.config.bvh.builder, seconds) : why_fixed(plan));
 }
 
-TargetPlan plan_render(const Device& device, const Scene& scene, const RenderConfig& config, bool picks_builder) {
+namespace {
+
+/// Before anything is known of the scene's pace. High is not among them: it is the one that may cost more than all
+/// else.
+Builder first_builder(const TargetPlan& plan) {
+    DeviceModel without_high = plan.model;
+    without_high.high = without_high.fast;
+    return choose_builder(without_high, plan.triangles, plan.seconds_to_foresee);
+}
+
+}  // namespace
+
+TargetPlan plan_render(const Device& device, const Scene& scene, const RenderConfig& config, bool picks_builder,
+                       const MeasuringProgress& measuring) {
     TargetPlan plan;
-    plan.config = config, plan.triangles = triangles_of(scene);
+    plan.config = config, plan.triangles = triangles_of(scene), plan.measuring = measuring;
     plan.picks_builder = picks_builder && scene.instances.empty();
     plan.model = stored_model(device);
     if (config.error == 0) {
@@ -151,13 +163,54 @@ TargetPlan plan_render(const Device& device, const Scene& scene, const RenderCon
     }
     pick_sampler(plan);
     if (plan.picks_builder) {
-        plan.config.bvh.builder = Builder::fast;
-        plan.picks.emplace_back("tree: fast, until the first samples tell how long it takes");
+        const Builder first = first_builder(plan);
+        plan.config.bvh.builder = first;
+        plan.picks.push_back(told("tree: %s, until the first samples tell how long it takes", name_of(first)));
     } else {
         plan.picks.push_back(why_fixed(plan));
     }
     return plan;
 }
+
+namespace {
+
+/// What is foreseen once the first samples with the scene's own kernels were watched for long enough.
+std::optional<Forecast> foresee(const TargetPlan& plan, std::optional<RenderProgress>& first,
+                                const RenderProgress& so_far) {
+    if (!so_far.own_kernels) return {};
+    if (!first) first = so_far;
+    const bool known = so_far.error_bound > 0 && so_far.error_spp >= least_spp_to_foresee;
+    if (!known || so_far.seconds - first->seconds < plan.seconds_to_foresee) return {};
+    return forecast(*first, so_far, plan.config.error);
+}
+
+/// The model is that of another scene: a tree of a higher cost by the surface area heuristic is slower in this one.
+bool rebuild_if_better(Renderer& renderer, TargetPlan& plan, Builder builder) {
+    const Builder before = plan.config.bvh.builder;
+    const double cost = renderer.statistics().bvh.sah_cost;
+    plan.config.bvh.builder = builder;
+    if (!renderer.rebuild(plan.config.bvh) || renderer.statistics().bvh.sah_cost < cost) return true;
+    plan.config.bvh.builder = before;
+    renderer.rebuild(plan.config.bvh);
+    plan.picks.push_back(
+        told("tree: %s again, whose cost by the surface area heuristic is lower in this scene", name_of(before)));
+    return false;
+}
+
+/// For the time that is left.
+void pick_tree_on_the_way(const Device& device, Renderer& renderer, TargetPlan& plan, double left) {
+    if (!plan.picks_builder) return;
+    if (!plan.model.known() && left >= least_seconds_for_pilot) run_pilot(plan, device);
+    const Builder before = plan.config.bvh.builder;
+    const Builder builder = choose_builder(plan.model, plan.triangles, left, before);
+    plan.picks.push_back(why(plan, builder, left));
+    if (builder == before) return;
+    plan.promised_seconds += build_seconds(plan.model, builder, plan.triangles);
+    if (!rebuild_if_better(renderer, plan, builder)) return;
+    plan.promised_seconds -= left - left * speed_of(plan.model, before) / speed_of(plan.model, builder);
+}
+
+}  // namespace
 
 RenderProgress render_to_target(const Device& device, Renderer& renderer, TargetPlan& plan,
                                 const std::function<bool(const RenderProgress&)>& progress) {
@@ -167,14 +220,12 @@ RenderProgress render_to_target(const Device& device, Renderer& renderer, Target
         std::optional<double> left;  // seconds, once foreseen
         const RenderProgress reached = renderer.render([&](const RenderProgress& so_far) {
             if (progress && !progress(so_far)) return false;
-            if (!foresees || !renderer.statistics().own_kernels) return true;
-            if (!first) first = so_far;
-            const bool known = so_far.error_bound > 0 && so_far.spp >= least_spp_to_foresee;
-            if (!known || so_far.seconds - first->seconds < seconds_to_foresee) return true;
-            const Forecast needed = forecast(*first, so_far, plan.config.error);
-            refuse_unreachable(plan, needed, so_far);
-            plan.promised_seconds = needed.seconds;
-            if (plan.config.seconds > 0) plan.promised_seconds = std::min(needed.seconds, plan.config.seconds);
+            if (!foresees) return true;
+            const std::optional<Forecast> needed = foresee(plan, first, so_far);
+            if (!needed) return true;
+            refuse_unreachable(plan, *needed, so_far);
+            plan.promised_seconds = needed->seconds;
+            if (plan.config.seconds > 0) plan.promised_seconds = std::min(needed->seconds, plan.config.seconds);
             left = plan.promised_seconds - so_far.seconds;
             return false;
         });
@@ -183,28 +234,25 @@ RenderProgress render_to_target(const Device& device, Renderer& renderer, Target
             return reached;
         }
         foresees = false;
-        if (!plan.picks_builder) continue;
-        if (!plan.model.known() && *left >= least_seconds_for_pilot) plan.model = pilot(device, plan.picks);
-        const Builder builder = choose_builder(plan.model, plan.triangles, *left, plan.config.bvh.builder);
-        plan.picks.push_back(why(plan, builder, *left));
-        if (builder == plan.config.bvh.builder) continue;
-        const double gain = *left - *left / speed_of(plan.model, builder);
-        plan.promised_seconds += build_seconds(plan.model, builder, plan.triangles) - gain;
-        plan.config.bvh.builder = builder;
-        renderer.rebuild(plan.config.bvh);
+        pick_tree_on_the_way(device, renderer, plan, *left);
     }
+}
+
+bool is_kept(const TargetPlan& plan, const RenderProgress& reached) {
+    if (plan.config.error > 0) return reached.error_bound > 0 && reached.error_bound <= plan.config.error;
+    return reached.seconds <= late * plan.config.seconds;
 }
 
 std::string account_of(const TargetPlan& plan, const RenderProgress& reached) {
     if (plan.config.error > 0) {
-        std::string text =
-            told("error %.3g, less than %.3g in 95 of 100 renders (promised: %.3g), in %s", reached.error,
-                 reached.error_bound, plan.config.error, told_time(reached.seconds).c_str());
+        std::string text = told("error of %g, in %s", plan.config.error, told_time(reached.seconds).c_str());
         if (plan.promised_seconds > 0) text += told(" (foreseen: %s)", told_time(plan.promised_seconds).c_str());
-        return text;
+        if (reached.error_bound == 0) return text + told(": %u samples a pixel tell nothing", reached.spp);
+        return text +
+               told(": it is about %.3g, and less than %.3g in 95 of 100 renders", reached.error, reached.error_bound);
     }
-    return told("%s (promised: %s), %u samples a pixel", told_time(reached.seconds).c_str(),
-                told_time(plan.config.seconds).c_str(), reached.spp);
+    return told("time of %s: %s, %u samples a pixel", told_time(plan.config.seconds).c_str(),
+                told_time(reached.seconds).c_str(), reached.spp);
 }
 
 }  // namespace claray

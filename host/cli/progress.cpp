@@ -16,6 +16,12 @@ volatile std::sig_atomic_t interrupt_flag = 0;
 
 extern "C" void set_interrupt_flag(int) { interrupt_flag = 1; }
 
+extern "C" void tell_and_end(int signal_number) {
+    constexpr char text[] = "claray: interrupted before the first sample: there is no image to write\n";
+    if (::write(STDERR_FILENO, text, sizeof text - 1) < 0) return;
+    std::raise(signal_number);  // as if there were no handler, which is gone by now
+}
+
 void handle(int signal_number, void (*handler)(int)) {
     struct sigaction action = {};
     action.sa_handler = handler;
@@ -51,7 +57,7 @@ double fraction_done(const RenderProgress& progress, const RenderConfig& config)
     }
     if (config.error > 0 && progress.error_bound > 0) {
         const double ratio = config.error / progress.error_bound;
-        fraction = std::max(fraction, ratio * ratio);
+        fraction = std::max(fraction, ratio * ratio * progress.spp / std::max(progress.error_spp, 1u));
     }
     return std::clamp(fraction, 0.0, 1.0);
 }
@@ -90,6 +96,11 @@ void ProgressDisplay::finish(const RenderProgress& progress) {
 void ProgressDisplay::leave_line() {
     if (line_open_) std::fprintf(output_, "\n");
     line_open_ = false;
+}
+
+void tell_of_signals_until_guarded() {
+    handle(SIGINT, tell_and_end);
+    handle(SIGTERM, tell_and_end);
 }
 
 InterruptGuard::InterruptGuard() {

@@ -42,6 +42,10 @@ private:
     double next_line_ = 0;  // seconds
 };
 
+/// Before there is anything to save SIGINT and SIGTERM end the program as usual, even while a driver compiles, but not
+/// without a word.
+void tell_of_signals_until_guarded();
+
 /// From its construction on, SIGINT and SIGTERM only set a flag; a second one ends the program as usual.
 class InterruptGuard {
 public:

@@ -40,8 +40,7 @@ void warn_of_culled(const RenderProgress& progress) {
                      progress.culled);
 }
 
-/// Renders until a target is met or a signal comes. Before the first samples there is nothing to save, and a signal
-/// ends the program as usual, even while a driver compiles.
+/// Renders until a target is met or a signal comes.
 Outcome run_renderer(const Device& device, Renderer& renderer, const RenderOptions& options, TargetPlan* plan) {
     ProgressDisplay display(options.config, progress_style(options.quiet));
     std::optional<InterruptGuard> guard;
@@ -76,6 +75,7 @@ void warn_of_picture_options(const RenderOptions& options) {
 
 void render(const RenderOptions& options) {
     check_outputs(options);
+    tell_of_signals_until_guarded();
     const Device device = Device::open(options.device);
     device.profiler().keep_records(!options.trace.empty());
     RenderConfig config = options.config;
@@ -85,7 +85,7 @@ void render(const RenderOptions& options) {
     if (options.fps > 0) return run_frames(device, scene, options);
     std::optional<TargetPlan> plan;
     if (options.picks_settings) {
-        plan = plan_render(device, scene, config, options.picks_builder);
+        plan = plan_render(device, scene, config, options.picks_builder, measuring_progress(options.quiet));
         config = plan->config;
     }
     Renderer renderer(device, scene, config);

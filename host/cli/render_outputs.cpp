@@ -102,6 +102,9 @@ void print_statistics(const Device& device, const RenderStatistics& s, double se
     std::printf("memory        %.1f MB on the device\n", double(s.device_bytes) * 1e-6);
 }
 
+/// The quiet ask for it by --stats.
+bool tells_plan(const RenderOptions& options) { return options.stats || !options.quiet; }
+
 }  // namespace
 
 void write_aovs(const Renderer& renderer, const RenderOptions& options) {
@@ -113,7 +116,7 @@ void write_aovs(const Renderer& renderer, const RenderOptions& options) {
 void print_as_text(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,
                    const TargetPlan* plan) {
     const RenderProgress& p = outcome.progress;
-    if (plan) print_picks(*plan);
+    if (plan && tells_plan(options)) print_picks(*plan);
     print_overrides(options.config.effects);
     if (options.stats) print_statistics(device, renderer.statistics(), p.seconds);
     std::printf("%s: %ux%u, %u spp in %.2f s", options.output.c_str(), options.config.width, options.config.height,
@@ -121,7 +124,10 @@ void print_as_text(const Device& device, const Renderer& renderer, const RenderO
     if (p.noise > 0) std::printf(", noise %.2f %%", 100 * p.noise);
     if (p.error > 0) std::printf(", error %.2f %%", 100 * p.error);
     std::printf("%s\n", outcome.interrupted ? ", interrupted" : "");
-    if (plan) std::printf("reached: %s\n", account_of(*plan, p).c_str());
+    if (plan && tells_plan(options)) {
+        const char* verdict = is_kept(*plan, p) ? "reached" : outcome.interrupted ? "stopped" : "missed";
+        std::printf("%s: %s\n", verdict, account_of(*plan, p).c_str());
+    }
     if (p.dropped_samples > 0)
         std::fprintf(stderr, "claray: warning: %llu samples were not finite and are left out\n",
                      static_cast<unsigned long long>(p.dropped_samples));
@@ -172,6 +178,7 @@ void print_as_json(const Device& device, const Renderer& renderer, const RenderO
                             {"seconds", plan->config.seconds},
                             {"promised_seconds", plan->promised_seconds},
                             {"picks", plan->picks},
+                            {"kept", is_kept(*plan, outcome.progress)},
                             {"reached", account_of(*plan, outcome.progress)}};
     std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
 }

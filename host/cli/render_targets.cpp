@@ -45,13 +45,23 @@ void print_picks(const TargetPlan& plan) {
     for (const std::string& pick : plan.picks) std::printf("%s\n", pick.c_str());
 }
 
+MeasuringProgress measuring_progress(bool quiet) {
+    return [quiet](const std::string& what) {
+        if (!quiet)
+            std::fprintf(stderr, "measuring this device for the planner (claray tune keeps that): %s\n", what.c_str());
+        return !InterruptGuard::interrupted();
+    };
+}
+
 void run_frames(const Device& device, const Scene& scene, const RenderOptions& options) {
     std::optional<InterruptGuard> guard;
-    const FramesReport report =
-        render_frames(device, scene, options.config, options.fps, options.frames, options.picks_builder, [&](unsigned) {
+    const FramesReport report = render_frames(
+        device, scene, options.config, options.fps, options.frames, options.picks_builder,
+        [&](unsigned) {
             if (!guard) guard.emplace();
             return !InterruptGuard::interrupted();
-        });
+        },
+        measuring_progress(options.quiet));
     if (!options.output.empty())
         write_image(options.output, {options.config.width, options.config.height, report.image}, options.exposure,
                     options.tone_map);
@@ -68,7 +78,8 @@ void run_frames(const Device& device, const Scene& scene, const RenderOptions& o
             {"picks", report.picks}};
         std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
     } else {
-        for (const std::string& pick : report.picks) std::printf("%s\n", pick.c_str());
+        if (!options.quiet)
+            for (const std::string& pick : report.picks) std::printf("%s\n", pick.c_str());
         std::printf(
             "reached: %zu frames of %ux%u, %u samples a pixel: median %.2f ms, 99th percentile %.2f ms (promised: "
             "%.2f)\n",
@@ -86,15 +97,16 @@ void run_frames(const Device& device, const Scene& scene, const RenderOptions& o
 void refuse_missed_error(const RenderConfig& config, const RenderProgress& reached) {
     if (!(config.error > 0) || (reached.error_bound > 0 && reached.error_bound <= config.error)) return;
     char text[240];
-    const double ratio = reached.error_bound / config.error;
-    if (reached.error_bound > 0)
+    if (reached.error_bound > 0) {
+        const double ratio = reached.error_bound / config.error, needed = reached.error_spp * ratio * ratio;
         std::snprintf(text, sizeof text,
-                      "the error is %.3g, not the %g asked for; that needs about %.0f samples a pixel and %.3g s",
-                      reached.error_bound, config.error, reached.spp * ratio * ratio, reached.seconds * ratio * ratio);
-    else
+                      "the error is up to %.3g, not the %g asked for; that needs about %.3g samples a pixel and %.3g s",
+                      reached.error_bound, config.error, needed, reached.seconds * needed / reached.spp);
+    } else {
         std::snprintf(text, sizeof text, "the error of %g asked for was not reached: %u samples a pixel tell nothing",
                       config.error, reached.spp);
-    throw Error(ErrorKind::user, text);
+    }
+    throw Error(ErrorKind::user, text, "the image is written as it is");
 }
 
 }  // namespace claray::cli

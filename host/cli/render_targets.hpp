@@ -12,6 +12,8 @@ void add_target_options(CLI::App& command, RenderOptions& options);
 /// Throws ErrorKind::usage where options contradict each other; sets what follows from them.
 void check_targets(const CLI::App& command, RenderOptions& options);
 
+/// Says on standard error what is measured, where not quiet; a signal ends it.
+[[nodiscard]] MeasuringProgress measuring_progress(bool quiet);
 /// What was picked and why.
 void print_picks(const TargetPlan& plan);
 /// claray render --fps. Throws ErrorKind::user where the rate was not held.

@@ -1,10 +1,11 @@
 #include "host/render/film.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace claray {
 namespace {
-constexpr std::uint32_t noise_items = 4096;
+constexpr std::uint32_t most_items = 4096;  // that sum up pixels
 }
 
 Film::Kernels::Kernels(const Device& device)
@@ -17,11 +18,11 @@ Film::Film(const Device& device, std::uint32_t pixels, std::uint32_t films)
       count_(pixels),
       films_(films),
       pixels_(device, std::size_t(pixels) * films),
-      sums_(device, noise_items),
+      sums_(device, std::min(pixels, most_items)),
       kernels_(device) {
     clear();
     if (films < 2) return;
-    error_sums_ = Buffer<ErrorSums>(device, noise_items);
+    error_sums_ = Buffer<ErrorSums>(device, std::min(pixels, most_items));
     accumulate_odd_ = load_kernel(device, "render/accumulate_film.cl", "accumulate_odd");
     measure_error_ = load_kernel(device, "render/measure_error.cl", "measure_error");
 }
@@ -44,7 +45,8 @@ std::vector<glm::vec3> Film::resolve() const {
 }
 
 Film::Noise Film::noise() const {
-    kernels_.noise.run({noise_items, 64}, pixels_, count_, noise_items, sums_);
+    const auto items = std::uint32_t(sums_.size());
+    kernels_.noise.run({items, 64}, pixels_, count_, items, sums_);
     double variance = 0, luminance = 0, pixels = 0;
     Noise noise;
     for (const NoiseSums& sums : sums_.read()) {
@@ -58,7 +60,8 @@ Film::Noise Film::noise() const {
 }
 
 Film::ErrorTotals Film::error_totals(float scale) const {
-    measure_error_.run({noise_items, 64}, pixels_, count_, scale, noise_items, error_sums_);
+    const auto items = std::uint32_t(error_sums_.size());
+    measure_error_.run({items, 64}, pixels_, count_, scale, items, error_sums_);
     ErrorTotals total;
     for (const ErrorSums& sums : error_sums_.read()) {
         total.variance += sums.variance;

@@ -193,9 +193,7 @@ struct Renderer::State {
     void adopt(const Structure& other);
     void save_checkpoint();
     [[nodiscard]] std::uint32_t pixels() const { return config.width * config.height; }
-    [[nodiscard]] Schedule new_schedule() const {
-        return {pixels(), config.spp, wavefront.capacity()};
-    }
+    [[nodiscard]] Schedule new_schedule() const { return {pixels(), config.spp, wavefront.capacity()}; }
     [[nodiscard]] unsigned spp() const { return unsigned(schedule.samples() / pixels()); }
     [[nodiscard]] RenderProgress measure();
     template <class Measure>
@@ -231,6 +229,8 @@ struct Renderer::State {
     std::string checkpoint_error;
     std::optional<Clock::time_point> begin;
     Film::Error last_error;                // when it was last asked for
+    unsigned last_error_spp = 0;           // and how many samples there were
+    bool error_is_new = false;             // not reported
     double measuring_seconds = 0;          // for noise and error
     std::map<std::string, double> before;  // the profiler's times when this render was set up
 };
@@ -262,6 +262,7 @@ RenderProgress Renderer::State::measure() {
     const Film::Noise noise = timed([&] { return film.noise(); });
     progress.noise = noise.relative;
     progress.error = last_error.estimate, progress.error_bound = last_error.bound;
+    progress.error_spp = last_error_spp, progress.own_kernels = own_kernels;
     progress.dropped_samples = noise.dropped;
     progress.culled = culled;
     progress.seconds = begin ? seconds_since(*begin) : 0;
@@ -284,7 +285,8 @@ bool Renderer::State::target_met() {
 /// an eighth of what is there, since every look is a chance to stop by luck.
 bool Renderer::State::error_met() {
     last_error = timed([&] { return film.error(); });
-    const double ratio = last_error.bound / config.error, done = schedule.complete_passes_spp();
+    last_error_spp = schedule.complete_passes_spp(), error_is_new = true;
+    const double ratio = last_error.bound / config.error, done = last_error_spp;
     if (!(last_error.bound > 0)) {
         if (done >= spp_that_see_light)
             throw Error(claray::ErrorKind::user,
@@ -406,7 +408,8 @@ RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>
             state.save_checkpoint();
             last_checkpoint = Clock::now();
         }
-        if (!progress || seconds_since(last_report) < seconds_between_reports) continue;
+        if (!progress || (!state.error_is_new && seconds_since(last_report) < seconds_between_reports)) continue;
+        state.error_is_new = false;
         if (!progress(state.measure())) break;
         last_report = Clock::now();
     }
@@ -425,7 +428,7 @@ void Renderer::restart(std::uint32_t seed, unsigned spp, unsigned max_depth) {
     if (max_depth != 0) state.wavefront.set_max_depth(std::min(max_depth, state.config.max_depth));
     state.schedule = state.new_schedule();
     state.film.clear();
-    state.last_error = {};
+    state.last_error = {}, state.last_error_spp = 0;
     state.begin.reset();
 }
 

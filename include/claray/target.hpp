@@ -25,9 +25,12 @@ struct DeviceModel {
 
 /// What `claray tune` stored for this device: rows of the tuning table; not `known()` where it never ran.
 [[nodiscard]] DeviceModel stored_model(const Device& device);
+/// Told what is measured next of a device; false ends the measuring, and nothing is known then.
+using MeasuringProgress = std::function<bool(const std::string& what)>;
 /// Measures it, over a terrain of so many triangles: a few seconds, and what compiling takes. Leaves the device's
 /// profiler with what it ran.
-[[nodiscard]] DeviceModel measure_model(const Device& device, std::size_t triangles = 100'000);
+[[nodiscard]] DeviceModel measure_model(const Device& device, std::size_t triangles = 100'000,
+                                        const MeasuringProgress& progress = {});
 /// The model as rows of the tuning table.
 struct ModelRow {
     std::string kernel, parameter;
@@ -45,19 +48,22 @@ struct TargetPlan {
     RenderConfig config;  ///< as it was given, with what was picked
     DeviceModel model;
     std::size_t triangles = 0;
-    bool picks_builder = true;       ///< false: it is as it was given
-    std::vector<std::string> picks;  ///< what was picked and why, a line each
-    double promised_seconds = 0;     ///< of sampling, as foreseen after the first samples of a render to an error
+    bool picks_builder = true;        ///< false: it is as it was given
+    std::vector<std::string> picks;   ///< what was picked and why, a line each
+    double promised_seconds = 0;      ///< of sampling, as foreseen after the first samples of a render to an error
+    double seconds_to_foresee = 0.3;  ///< for which these are watched
+    MeasuringProgress measuring;      ///< where the device itself must be measured on the way
 };
 
 /// Picks sampler and builder for a render to an error or for a time. Where there is no model of the device and the
 /// time is worth it, measures one, small, first.
 [[nodiscard]] TargetPlan plan_render(const Device& device, const Scene& scene, const RenderConfig& config,
-                                     bool picks_builder = true);
+                                     bool picks_builder = true, const MeasuringProgress& measuring = {});
 
 /// Renders to the target; `renderer` was made with `plan.config`. After the first samples it is known how long it takes
 /// to an error, and the tree may be built anew. `progress` as in Renderer::render. Throws ErrorKind::user, naming the
-/// closest that can be reached, for an error or a time that can't be.
+/// closest that can be reached, for a time that can't be, and for an error that can't be where there is no limit of
+/// time.
 RenderProgress render_to_target(const Device& device, Renderer& renderer, TargetPlan& plan,
                                 const std::function<bool(const RenderProgress&)>& progress = {});
 
@@ -77,9 +83,12 @@ struct FramesReport {
 /// ErrorKind::user, naming the closest rate, where it can't be reached.
 [[nodiscard]] FramesReport render_frames(const Device& device, const Scene& scene, const RenderConfig& config,
                                          double fps, unsigned frames, bool picks_builder = true,
-                                         const std::function<bool(unsigned done)>& progress = {});
+                                         const std::function<bool(unsigned done)>& progress = {},
+                                         const MeasuringProgress& measuring = {});
 
-/// What was reached against what was promised, in a line.
+/// Whether the error, or else the time, is what was asked for.
+[[nodiscard]] bool is_kept(const TargetPlan& plan, const RenderProgress& reached);
+/// What was reached against what was asked for, in a line.
 [[nodiscard]] std::string account_of(const TargetPlan& plan, const RenderProgress& reached);
 
 }  // namespace claray

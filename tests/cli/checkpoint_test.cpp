@@ -152,6 +152,7 @@ TEST_F(CheckpointOptions, SignalsBeforeTheFirstSampleEndTheProgram) {
     process.send(SIGINT);
     const ProcessResult result = process.wait();
     EXPECT_EQ(result.exit_code, 128 + SIGINT) << result.errors;
+    EXPECT_NE(result.errors.find("interrupted before the first sample"), std::string::npos) << result.errors;
     EXPECT_FALSE(fs::exists(path("a.png")));
 }
 

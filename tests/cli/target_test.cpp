@@ -21,8 +21,11 @@ protected:
 TEST_F(Target, ErrorIsReachedAndToldOf) {
     const ProcessResult text = render({"--error", "0.05", "--stats"});
     ASSERT_EQ(text.exit_code, 0) << text.errors;
-    for (const char* words : {"samples: ", "tree: ", "reached: error 0.0", "promised: 0.05", "measuring     noise"})
+    for (const char* words :
+         {"samples: ", "tree: ", "reached: error of 0.05, in ", ": it is about 0.0", "measuring     noise"})
         EXPECT_NE(text.output.find(words), std::string::npos) << words << " in " << text.output;
+    const ProcessResult quiet = render({"--error", "0.05"});
+    EXPECT_EQ(quiet.output.find("tree: "), std::string::npos) << quiet.output;
     const ProcessResult json = render({"--error", "0.05", "--json"});
     ASSERT_EQ(json.exit_code, 0) << json.errors;
     const auto report = nlohmann::json::parse(json.output);
@@ -53,9 +56,14 @@ TEST_F(Target, ErrorGoesOnFromACheckpoint) {
 }
 
 TEST_F(Target, WhatWasMissedIsToldAfterTheImageIsWritten) {
-    const ProcessResult result = render({"--error", "0.0005", "--time", "100ms"});
-    EXPECT_TRUE(failed_with(result, 1, ", not the 0.0005 asked for; that needs about"));
-    EXPECT_TRUE(std::filesystem::exists(path("a.pfm")));
+    for (const char* error : {"0.0005", "1e-9"}) {
+        const ProcessResult result = render({"--error", error, "--time", "500ms", "--stats"});
+        EXPECT_TRUE(failed_with(
+            result, 1,
+            std::string(", not the ") + (error[0] == '1' ? "1e-09" : error) + " asked for; that needs about"));
+        EXPECT_NE(result.output.find("missed: error of "), std::string::npos) << result.output;
+        EXPECT_TRUE(std::filesystem::remove(path("a.pfm")));
+    }
 }
 
 TEST_F(Target, FramesAreCountedAndTimed) {
