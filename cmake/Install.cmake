@@ -13,6 +13,7 @@ set_target_properties(claray_accuracy PROPERTIES VERSION ${PROJECT_VERSION} SOVE
 install(TARGETS claray claray_io claray_verify claray_accuracy EXPORT claray
         LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT claray FILE claray-targets.cmake NAMESPACE claray:: DESTINATION "${package_dir}")
+export(EXPORT claray FILE "${CMAKE_CURRENT_BINARY_DIR}/claray-targets.cmake" NAMESPACE claray::)  # claray_DIR=build works, too
 configure_package_config_file(cmake/claray-config.cmake.in claray-config.cmake INSTALL_DESTINATION "${package_dir}")
 write_basic_package_version_file(claray-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES "${CMAKE_CURRENT_BINARY_DIR}/claray-config.cmake" "${CMAKE_CURRENT_BINARY_DIR}/claray-config-version.cmake"
@@ -21,7 +22,8 @@ install(FILES "${CMAKE_CURRENT_BINARY_DIR}/claray-config.cmake" "${CMAKE_CURRENT
 install(DIRECTORY include/claray DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY kernels DESTINATION ${CMAKE_INSTALL_DATADIR}/claray)
 install(DIRECTORY include/claray/shared DESTINATION ${CMAKE_INSTALL_DATADIR}/claray/include/claray)
-install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR})
 if(TARGET claray_program)
     file(RELATIVE_PATH lib_from_bin "${CMAKE_INSTALL_FULL_BINDIR}" "${CMAKE_INSTALL_FULL_LIBDIR}")
     set_target_properties(claray_program PROPERTIES INSTALL_RPATH "$ORIGIN/${lib_from_bin}")

@@ -9,6 +9,7 @@
 
 #include "claray/error.hpp"
 #include "claray/io.hpp"
+#include "claray/program.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/usage_error.hpp"
 
@@ -38,6 +39,16 @@ void flush_output() {
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
         throw claray::Error(claray::ErrorKind::user,
                             std::string("cannot write to standard output: ") + std::strerror(errno));
+}
+
+/// Only what had to be compiled is missed: a cache that holds everything may be read-only.
+void warn_of_lost_kernels() {
+    const std::string error = claray::compile_statistics().cache_error;
+    if (error.empty()) return;
+    std::fprintf(stderr,
+                 "claray: warning: compiled kernels are not kept for the next time: %s; set CLARAY_CACHE_DIR to a "
+                 "folder that you may write to\n",
+                 error.c_str());
 }
 
 int run(int argc, char** argv) {
@@ -72,6 +83,7 @@ int run(int argc, char** argv) {
     if (!action) return fail(claray::ErrorKind::usage, "a command is missing; see claray --help");
     action();
     flush_output();
+    warn_of_lost_kernels();
     return 0;
 }
 

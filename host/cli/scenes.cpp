@@ -5,18 +5,36 @@
 
 #include "claray/scene.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/table.hpp"
 
 namespace claray::cli {
 namespace {
 
+/// What they show, in the order of their names.
+constexpr const char* descriptions[] = {
+    "the Cornell box: two blocks under a lamp",
+    "spheres of every material on a chequered floor",
+    "wooden crates under a small strong sun",
+    "hills with firs round a lake that mirrors them",
+    "every effect at once",
+    "one effect, by a name that claray explain gives it: effect:mirror",
+    "mountains and bushes, N triangles in all",
+    "N random triangles, the hardest input for a tree",
+    "N triangles in fans, each round one vertex",
+    "strands of hair, N long thin triangles in all",
+};
+
 void list_scenes(bool json) {
+    const std::span<const char* const> names = builtin_scene_names();
     if (json) {
-        nlohmann::ordered_json names = nlohmann::ordered_json::array();
-        for (const char* name : builtin_scene_names()) names.push_back(name);
-        std::printf("%s\n", names.dump(2).c_str());
+        std::printf("%s\n",
+                    nlohmann::ordered_json(std::vector<std::string>(names.begin(), names.end())).dump(2).c_str());
         return;
     }
-    for (const char* name : builtin_scene_names()) std::printf("%s\n", name);
+    std::vector<Row> rows;
+    for (std::size_t i = 0; i < names.size(); ++i)
+        rows.push_back({names[i], i < std::size(descriptions) ? descriptions[i] : ""});
+    print_table(rows);
 }
 
 }  // namespace

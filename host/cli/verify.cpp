@@ -41,10 +41,10 @@ void list_cases() {
 void print_result(const VerifyResult& result) {
     for (const VerifyCheck& c : result.checks) {
         const bool first = &c == &result.checks.front();
-        std::printf("%-18s %-58s %11llu  %9s <= %-8s %-22s %-5s %s\n", first ? result.name.c_str() : "", c.what.c_str(),
+        std::printf("%-18s %-64s %11llu  %9s <= %-8s %-22s %s%s\n", first ? result.name.c_str() : "", c.what.c_str(),
                     static_cast<unsigned long long>(c.tried), number(c.worst).c_str(), number(c.bar).c_str(),
                     c.unit.c_str(), c.holds() ? "holds" : "FAILS",
-                    first ? (fixed(result.seconds, 2) + " s").c_str() : "");
+                    first ? (" " + fixed(result.seconds, 2) + " s").c_str() : "");
     }
     for (const auto& [name, value] : result.facts) std::printf("%-18s %s: %s\n", "", name.c_str(), value.c_str());
     if (!result.holds()) {
@@ -180,15 +180,15 @@ void verify(const Options& options) {
     if (!options.html.empty()) check_file_writable(options.html);
     VerifyOptions how = options.verify;
     how.effort = options.full ? Effort::full : Effort::quick;
+    check_verify_cases(options.cases);
     if (options.compare) return compare(options, how);
     std::vector<std::string> names = options.cases;
     if (names.empty())
         for (const VerifyCase& c : verify_cases()) names.push_back(c.name);
-    check_verify_cases(names);
     const Device device = Device::open(options.device);
     if (!json_to_output)
-        std::printf("%s, driver %s\n%-18s %-58s %11s  %9s    %-8s\n", device.info().name.c_str(),
-                    device.info().driver.c_str(), "case", "figure", "tried", "worst", "bar");
+        std::printf("%s, driver %s\n%-18s %-64s %11s  %9s    %-8s %s\n", device.info().name.c_str(),
+                    device.info().driver.c_str(), "case", "figure", "tried", "worst", "bar", "unit");
     std::vector<VerifyResult> results;
     const auto begin = std::chrono::steady_clock::now();
     run_verify_cases(device, names, how, [&](const VerifyResult& result) {

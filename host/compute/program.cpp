@@ -131,9 +131,11 @@ cl::Program compile(const Device& device, const KernelSource& main, const std::s
     if (const auto program = load_from_cache(device, key)) return *program;
     cl::Program program = compile_from_source(device, main, options);
     ++statistics.compiled;
-    if (!device.state().store_programs) return program;
-    const auto binaries = program.getInfo<CL_PROGRAM_BINARIES>();
-    if (!binaries.empty()) store_cached_program(key, binaries[0]);
+    // What is not to be kept tries whether the cache can be written, too: another process will have to.
+    const auto binaries = device.state().store_programs ? program.getInfo<CL_PROGRAM_BINARIES>()
+                                                        : std::vector<std::vector<unsigned char>>(1);
+    const std::string error = binaries.empty() ? "" : store_cached_program(key, binaries[0]);
+    if (!error.empty()) statistics.cache_error = error;
     return program;
 }
 

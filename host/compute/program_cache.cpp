@@ -61,27 +61,33 @@ std::optional<std::vector<unsigned char>> load_cached_program(const std::string&
     return data;
 }
 
-void store_cached_program(const std::string& key, const std::vector<unsigned char>& binary) {
+std::string store_cached_program(const std::string& key, const std::vector<unsigned char>& binary) {
     const fs::path folder = cache_folder();
-    if (folder.empty() || binary.empty()) return;
-    std::error_code ignored;
-    fs::create_directories(folder, ignored);
+    if (folder.empty()) return "neither CLARAY_CACHE_DIR, XDG_CACHE_HOME nor HOME is set";
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (error) return "cannot make the folder '" + folder.string() + "': " + error.message();
     static std::atomic<unsigned> serial{0};
     const fs::path temporary =
         folder / (key + "." + std::to_string(::getpid()) + "." + std::to_string(serial++) + ".tmp");
+    bool written = false;
+    errno = 0;
     {
         std::ofstream file(temporary, std::ios::binary);
         const Digest sum = digest_of(binary.data(), binary.size());
         file.write(reinterpret_cast<const char*>(magic.data()), std::streamsize(magic.size()));
         file.write(reinterpret_cast<const char*>(sum.data()), sum.size());
         file.write(reinterpret_cast<const char*>(binary.data()), std::streamsize(binary.size()));
-        if (!file.flush()) {
-            fs::remove(temporary, ignored);
-            return;
-        }
+        written = bool(file.flush());
     }
-    fs::rename(temporary, folder / (key + ".bin"), ignored);
-    if (ignored) fs::remove(temporary, ignored);
+    if (!written)
+        error = std::error_code(errno != 0 ? errno : EIO, std::generic_category());
+    else if (!binary.empty())
+        fs::rename(temporary, folder / (key + ".bin"), error);
+    if (!error && !binary.empty()) return {};
+    std::error_code ignored;
+    fs::remove(temporary, ignored);
+    return error ? "cannot write to '" + folder.string() + "': " + error.message() : std::string();
 }
 
 }  // namespace claray

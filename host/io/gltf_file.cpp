@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 #include "claray/error.hpp"
 #include "host/compute/file.hpp"
@@ -97,10 +98,22 @@ bool keep_encoded(tinygltf::Image* image, int, std::string*, std::string*, int, 
 
 /// One line of at most 200 characters: tinygltf quotes data URIs in full.
 std::string one_line(std::string text) {
-    while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
+    while (!text.empty() && (text.back() == '\n' || text.back() == ' ' || text.back() == '.')) text.pop_back();
     for (char& c : text)
         if (c == '\n' || c == '\r') c = ' ';
     return text.size() > 200 ? text.substr(0, 200) + "..." : text;
+}
+
+/// Where JSON ends to be JSON, and by what: "line 1, column 30: unexpected ','". The JSON library says it as
+/// "[json.exception.parse_error.101] parse error at PLACE: syntax error while parsing WHAT - REASON; HINT".
+std::optional<std::string> json_error(const std::string& errors) {
+    static constexpr std::string_view before = "parse error at ", between = " - ";
+    const std::size_t place = errors.find(before), colon = errors.find(": ", place),
+                      reason = errors.find(between, colon);
+    if (place == std::string::npos || reason == std::string::npos) return {};
+    const std::size_t begin = place + before.size(), words = reason + between.size();
+    return "its JSON is broken at " + errors.substr(begin, colon - begin) + ": " +
+           one_line(errors.substr(words, errors.find(';', words) - words));
 }
 
 void parse(std::string_view bytes, bool binary, GltfFile& file, Warnings& warnings) {
@@ -127,7 +140,7 @@ void parse(std::string_view bytes, bool binary, GltfFile& file, Warnings& warnin
     } catch (const std::exception& error) {
         errors = error.what();
     }
-    if (!ok) file.fail("not a valid glTF: " + one_line(errors));
+    if (!ok) file.fail(json_error(errors).value_or("not a valid glTF: " + one_line(errors)));
     if (!errors.empty()) warnings.push_back(one_line(errors));  // what it could go on without
 }
 

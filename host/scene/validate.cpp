@@ -1,6 +1,9 @@
 // What a scene must fulfil before it is rendered.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <string>
 #include <utility>
 
 #include "claray/error.hpp"
@@ -162,6 +165,12 @@ void check_texture(const Texture& texture, const Check& check, bool radiance) {
     }
 }
 
+std::string in_degrees(float radians) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.5g", radians * (180. / std::numbers::pi));
+    return text;
+}
+
 void check_light(const Light& light, const Check& check) {
     check.that(light.kind <= LightKind::spot, "unknown kind", "use a LightKind");
     check.finite(finite(light.position), "position");
@@ -175,10 +184,11 @@ void check_light(const Light& light, const Check& check) {
     check.that(std::isfinite(length) && length > 0.f, "its direction is none", "give a finite direction other than 0");
     if (light.kind == LightKind::directional) return;
     constexpr float right_angle = 1.57079637f;  // rounded up, so that a right angle itself passes
-    check.that(light.inner_angle >= 0.f && light.inner_angle <= light.outer_angle && light.outer_angle <= right_angle &&
-                   light.outer_angle > 0.f,
-               "its cone is from " + to_string(light.inner_angle) + " to " + to_string(light.outer_angle),
-               "use 0 <= inner <= outer <= pi / 2, outer above 0");
+    check.that(
+        light.inner_angle >= 0.f && light.inner_angle <= light.outer_angle && light.outer_angle <= right_angle &&
+            light.outer_angle > 0.f,
+        "its cone is from " + in_degrees(light.inner_angle) + " to " + in_degrees(light.outer_angle) + " degrees",
+        "use 0 <= inner <= outer <= 90 degrees, outer above 0; members of Light are in radians");
 }
 
 void check_environment(const Environment& environment) {

@@ -110,6 +110,7 @@ struct CompileStatistics {
     double milliseconds = 0;
     unsigned compiled = 0;    ///< by the driver, from source
     unsigned from_cache = 0;  ///< from the cache on disk
+    std::string cache_error;  ///< why the latest could not be kept there; empty where all were
 };
 [[nodiscard]] CompileStatistics compile_statistics();
 

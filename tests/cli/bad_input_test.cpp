@@ -2,6 +2,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "tests/cli/claray.hpp"
@@ -49,8 +50,8 @@ TEST_F(BadInput, FolderAsScene) {
     EXPECT_TRUE(failed_with(render(folder_.path().string()), 2, folder_.path().string()));
 }
 TEST_F(BadInput, UnknownScene) {
-    EXPECT_TRUE(
-        failed_with(render("no-such-scene"), 2, "no scene 'no-such-scene'; give a .obj, .gltf or .glb file or one of cornell"));
+    EXPECT_TRUE(failed_with(render("no-such-scene"), 2,
+                            "no scene 'no-such-scene'; give a .obj, .gltf or .glb file or one of cornell"));
 }
 TEST_F(BadInput, BadTriangleCount) { EXPECT_TRUE(failed_with(render("soup:many"), 2, "soup:N")); }
 TEST_F(BadInput, EmptyObj) { EXPECT_TRUE(failed_with(render(file("empty.obj", "")), 1, "empty.obj")); }
@@ -114,11 +115,14 @@ TEST_F(BadInput, FullDisk) {
         run_claray({"render", "cornell", "-o", path("full.png"), "--size", "16x16", "--spp", "1", "-q"});
     EXPECT_TRUE(failed_with(full, 1, "No space left on device; free some space"));
 
-    // A limit on file sizes ends an ordinary file halfway, as a full disk does, and the half must not stay.
+    // A limit on file sizes ends an ordinary file halfway, as a full disk does, and the half must not stay. Compilers
+    // write files, too: their work is done before.
+    const std::vector<std::string> whole = arguments("cornell", {"--size", "128x128", "--wait-for-kernels"});
+    ASSERT_EQ(run_claray(whole).exit_code, 0);
+    fs::remove(path("out.png"));
     std::string command = "trap '' XFSZ; ulimit -f 1; exec \"$@\"";
     std::vector<std::string> limited = {"sh", "-c", command, "sh"};
-    for (const std::string& argument : claray_command(arguments("cornell", {"--size", "128x128"})))
-        limited.push_back(argument);
+    for (const std::string& argument : claray_command(whole)) limited.push_back(argument);
     EXPECT_TRUE(
         failed_with(run_process(limited, {{"CLARAY_DEVICE", std::to_string(device().info().index)}}), 1, "out.png"));
 }
@@ -142,6 +146,16 @@ TEST_F(Mended, MissingMtlIsAWarning) {
     EXPECT_EQ(result.exit_code, 0) << result.errors;
     EXPECT_TRUE(result.errors.starts_with("claray: warning: ")) << result.errors;
     EXPECT_NE(result.errors.find("missing.mtl"), std::string::npos) << result.errors;
+}
+
+TEST_F(Mended, AProgramCacheThatCannotBeWrittenIsAWarning) {
+    const ProcessResult result = run_claray(arguments("cornell"), {{"CLARAY_CACHE_DIR", "/proc/kernels"}});
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_TRUE(
+        result.errors.starts_with("claray: warning: compiled kernels are not kept for the next time: "
+                                  "cannot make the folder '/proc/kernels': "))
+        << result.errors;
+    EXPECT_EQ(std::count(result.errors.begin(), result.errors.end(), '\n'), 1) << result.errors;
 }
 
 TEST_F(Mended, NanVertexIsLeftOutAndCounted) {

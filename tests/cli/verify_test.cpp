@@ -50,6 +50,7 @@ TEST(VerifyCommand, NoticesATextbookKernel) {
 
 TEST(VerifyCommand, RefusesWhatItDoesNotKnow) {
     EXPECT_TRUE(failed_with(run_claray({"verify", "--case", "no-such-case"}), 2, "choose one of arithmetic"));
+    EXPECT_TRUE(failed_with(run_claray({"verify", "--compare", "--case", "no-such-case"}), 2, "choose one of"));
     EXPECT_TRUE(failed_with(run_claray({"verify", "--quick", "--full"}), 2, "--quick"));
     EXPECT_TRUE(
         failed_with(run_claray({"verify", "--case", "srgb", "--json", "/no/such/folder/x.json"}), 1, "/no/such"));

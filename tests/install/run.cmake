@@ -1,4 +1,5 @@
-# Installs a build of claray to a fresh prefix, then configures, builds and runs a consumer that finds it there. With
+# Installs a build of claray to a fresh prefix, then configures, builds and runs a consumer that finds it there, and one
+# that finds it in the folder of the build. With
 # SHARED, first builds claray as shared libraries and as a part of the consumer:
 #   cmake -DSOURCE_DIR= -DBINARY_DIR= -DWORK_DIR= -DGENERATOR= -DCXX= [-DSHARED=ON] -P run.cmake
 function(run)
@@ -35,6 +36,15 @@ if(NOT SHARED)
     if(NOT found)
         message(FATAL_ERROR "the consumer found another claray than the installed one")
     endif()
+    foreach(file README.md LICENSE docs/formats.md)
+        if(NOT EXISTS "${prefix}/share/doc/claray/${file}")
+            message(FATAL_ERROR "${file} is not installed")
+        endif()
+    endforeach()
+    # The folder of a build serves as a package, too.
+    run(${CMAKE_COMMAND} -S "${consumer}" -B "${WORK_DIR}/of_build" ${options} "-Dclaray_DIR=${BINARY_DIR}")
+    run(${CMAKE_COMMAND} --build "${WORK_DIR}/of_build")
+    run("${WORK_DIR}/of_build/consumer")
 endif()
 set(ENV{CLARAY_KERNEL_DIR} "${prefix}/share/claray/kernels")
 run("${WORK_DIR}/build/consumer")

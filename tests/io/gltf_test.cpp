@@ -438,7 +438,13 @@ TEST_F(Gltf, BadFiles) {
                      [&] { static_cast<void>(load_gltf(folder.file("bad.gltf", text), warnings)); });
     };
     refuse_text("", {"bad.gltf", "empty"});
-    refuse_text("hello", {"bad.gltf", "not a valid glTF"});
+    refuse_text("hello", {"bad.gltf': its JSON is broken at line 1, column 1: invalid literal; export it again"});
+    refuse_text("{\"asset\": {\n\"version\": \"2.0\"},,}",
+                {"bad.gltf': its JSON is broken at line 2, column 19: unexpected ','; export it again"});
+    refuse_text("{\"asset\": {\"version\": \"2.0\n\"}}",
+                {"broken at line 2, column 0: invalid string: control character"});
+    refuse_text("{\"asset\": {\"version\": ", {"broken at", "unexpected end of input; export it again"});
+    refuse_text("[1, 2]", {"not a valid glTF: Root element is not a JSON object; export"});
     refuse_text("{}", {"bad.gltf", "not a valid glTF"});
     refuse_text(R"({"asset": {"version": "1.0"}})", {"version 1.0"});
     refuse_text(R"({"asset": {"version": "2.1", "minVersion": "2.1"}})", {"version 2.1"});

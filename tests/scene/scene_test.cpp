@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "claray/error.hpp"
 #include "claray/scene.hpp"
@@ -339,6 +340,8 @@ TEST(Validate, ChecksLights) {
     expect("attenuation", [](Light& l) { l.attenuation.x = -1.f; });
     expect("attenuation", [](Light& l) { l.attenuation = glm::vec3(0.f); });
     expect("direction", [](Light& l) { l.direction = glm::vec3(0.f); });
+    expect("cone is from 57.296 to 45 degrees; use 0 <= inner <= outer <= 90 degrees",
+           [](Light& l) { l.inner_angle = 1.f, l.outer_angle = std::numbers::pi_v<float> / 4; });
     expect("cone", [](Light& l) { l.inner_angle = 1.f; });
     expect("cone", [](Light& l) { l.outer_angle = 1.6f; });
     expect("light 'lamp': unknown kind", [](Light& l) { l.name = "lamp", l.kind = LightKind(3); });
