@@ -85,7 +85,21 @@ std::pair<std::filesystem::path, std::filesystem::path> aov_paths(const std::fil
     return {stem + ".png", stem + ".pfm"};
 }
 
+/// What is written last would replace what was written before.
+void refuse_same_file(const RenderOptions& options) {
+    const std::pair<const char*, std::filesystem::path> outputs[] = {
+        {"--output", options.output}, {"--trace", options.trace}, {"--checkpoint", options.config.checkpoint}};
+    for (const auto& [option, path] : outputs)
+        for (const auto& [other, other_path] : outputs)
+            if (std::string_view(option) < other && !path.empty() &&
+                path.lexically_normal() == other_path.lexically_normal())
+                throw Error(ErrorKind::usage,
+                            std::string(option) + " and " + other + " name one file, '" + path.string() + "'",
+                            "give each its own");
+}
+
 void check_outputs(const RenderOptions& options) {
+    refuse_same_file(options);
     if (!options.output.empty()) check_writable(options.output);
     for (const std::string& name : options.aovs) {
         const auto [picture, raw] = aov_paths(options.output, name);

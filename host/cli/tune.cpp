@@ -50,6 +50,16 @@ std::filesystem::path choose_output(const Options& options) {
     return path;
 }
 
+void refuse_no_match(const std::string& only, const std::vector<bench::TuningCandidates>& candidates) {
+    std::string kernels = "plan/model";
+    bool any = kernels.find(only) != std::string::npos;
+    for (const bench::TuningCandidates& of : candidates) {
+        any = any || (of.kernel + " " + of.parameter).find(only) != std::string::npos;
+        if (!kernels.ends_with(of.kernel)) kernels += ", " + of.kernel;
+    }
+    if (!any) throw Error(ErrorKind::usage, "--only: no parameter holds '" + only + "'", "choose a part of " + kernels);
+}
+
 /// What the planner of `claray render --error`, `--time` and `--fps` goes by.
 std::vector<bench::TunedRow> measured_model(const Device& device, const std::string& only) {
     if (std::string("plan/model").find(only) == std::string::npos) return {};
@@ -69,9 +79,11 @@ std::vector<bench::TunedRow> measured_model(const Device& device, const std::str
 void run(const Options& options) {
     const std::filesystem::path output = options.dry_run ? std::filesystem::path() : choose_output(options);
     const Device device = Device::open(options.device);
+    const std::vector<bench::TuningCandidates> candidates = bench::candidates_for(device.info());
+    refuse_no_match(options.tune.only, candidates);
     std::printf("%s, driver %s; paired medians of %d interleaved rounds by the device's clock\n",
                 device.info().name.c_str(), device.info().driver.c_str(), options.tune.repeat);
-    auto rows = bench::tune(device, options.tune, bench::candidates_for(device.info()), print_trials);
+    auto rows = bench::tune(device, options.tune, candidates, print_trials);
     for (const bench::TunedRow& row : measured_model(device, options.tune.only)) rows.push_back(row);
     if (rows.empty()) {
         std::printf("nothing is faster than what is in force\n");

@@ -22,7 +22,10 @@ std::string option_of(const CLI::ParseError& error) {
 
 std::string what_is_wrong(const CLI::App& command, const CLI::ParseError& error) {
     if (dynamic_cast<const CLI::ExtrasError*>(&error)) return unexpected(command);
-    if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) return option_of(error) + " lacks its value";
+    if (dynamic_cast<const CLI::ArgumentMismatch*>(&error))
+        return option_of(error) + (std::string(error.what()).find("At Most") != std::string::npos
+                                       ? " is given more than once"
+                                       : " lacks its value");
     if (dynamic_cast<const CLI::ConversionError*>(&error) && option_of(error).starts_with('-'))
         return option_of(error) + " takes no such value";
     return error.what();

@@ -127,7 +127,10 @@ void write_file(const fs::path& path, const std::string& bytes) {
 void make_folder(const fs::path& path) {
     std::error_code error;
     fs::create_directories(path, error);
-    if (error || !fs::is_directory(path, error)) fail("cannot make the folder", path, error ? error.value() : EEXIST);
+    if (error || !fs::is_directory(path, error))
+        throw Error(ErrorKind::user,
+                    "cannot make the folder '" + path.string() + "': " + std::strerror(error ? error.value() : ENOTDIR),
+                    "choose another place");
 }
 
 void check_file_writable(const fs::path& path) { const NewFile file(path); }

@@ -28,11 +28,17 @@ std::vector<KernelSource> sources_in_force() {
     if (!fs::is_directory(kernels))
         throw Error(ErrorKind::user, "CLARAY_KERNEL_DIR: no folder " + kernels.string(),
                     "set it to claray's folder kernels, or unset it");
+    bool any = false;
     for (KernelSource& source : sources) {
         const bool shared = source.path.starts_with("claray/");
         const fs::path file = (shared ? kernels.parent_path() / "include" : kernels) / source.path;
-        if (fs::exists(file)) source.text = read_text(file);
+        if (!fs::exists(file)) continue;
+        source.text = read_text(file);
+        any = any || !shared;
     }
+    if (!any)
+        throw Error(ErrorKind::user, "CLARAY_KERNEL_DIR: no kernel of claray's in " + kernels.string(),
+                    "set it to claray's folder kernels, or unset it");
     return sources;
 }
 

@@ -2,24 +2,12 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <fstream>
 #include <sstream>
 
+#include "host/compute/file.hpp"
 #include "host/compute/kernel_sources.hpp"
 
 namespace claray {
-namespace {
-
-std::string read_table(const std::filesystem::path& path, const std::string& who) {
-    std::ifstream file(path);
-    if (!file) throw Error(ErrorKind::user, who + "cannot read " + path.string());
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-}
-
-}  // namespace
-
 bool pattern_matches(const std::string& pattern, const DeviceInfo& info) {
     if (pattern == "*" || pattern == to_string(info.type)) return true;
     const auto same = [](char in_name, char in_pattern) { return in_pattern == '_' || in_pattern == in_name; };
@@ -56,9 +44,10 @@ std::map<std::string, unsigned> tuning_for(const DeviceInfo& info) {
     const std::filesystem::path users = local_tuning_path();
     std::error_code unreadable;
     if (!users.empty() && std::filesystem::exists(users, unreadable))
-        apply_tuning(read_table(users, ""), users.string(), info, values);
+        apply_tuning(read_file(users, "check its permissions"), users.string(), info, values);
     if (const char* local = std::getenv("CLARAY_TUNING"); local != nullptr && *local != '\0')
-        apply_tuning(read_table(local, "CLARAY_TUNING: "), local, info, values);
+        apply_tuning(read_file(local, "CLARAY_TUNING names it: set it to a tuning table, or unset it"), local, info,
+                     values);
     return values;
 }
 

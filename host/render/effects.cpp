@@ -69,7 +69,7 @@ const Row* row_of(Effect effect) {
 Effect effect_named(const std::string& name) {
     for (const Row& row : rows)
         if (name == row.name) return row.effect;
-    throw Error(ErrorKind::usage, "--effects: there is no effect '" + name + "'",
+    throw Error(ErrorKind::usage, "there is no effect '" + name + "'",
                 "there are: " + to_string(full_effects()));
 }
 
@@ -121,13 +121,13 @@ EffectOverrides parse_effect_overrides(const std::string& text) {
         const std::string item = text.substr(begin, end - begin);
         begin = end + 1;
         if (item.empty() || (item[0] != '+' && item[0] != '-'))
-            throw Error(ErrorKind::usage, "--effects: '" + item + "' begins with neither + nor -",
+            throw Error(ErrorKind::usage, "effect '" + item + "' begins with neither + nor -",
                         "write +NAME or -NAME, separated by commas: +metal,-sky");
         (item[0] == '+' ? overrides.add : overrides.remove).add(effect_named(item.substr(1)));
     }
     if (!(overrides.add & overrides.remove).empty())
         throw Error(ErrorKind::usage,
-                    "--effects: both added and removed: " + to_string(overrides.add & overrides.remove),
+                    "effects both added and removed: " + to_string(overrides.add & overrides.remove),
                     "write each effect once");
     return overrides;
 }

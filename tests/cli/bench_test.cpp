@@ -1,5 +1,6 @@
 // claray bench: its tables, its files, its bad input.
 #include <algorithm>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -55,7 +56,16 @@ TEST(BenchCommand, BadInput) {
     EXPECT_TRUE(failed_with(bench({"--size", "16"}), 2, "--size"));
     EXPECT_TRUE(failed_with(bench({"missing.obj"}), 1, "missing.obj"));
     EXPECT_TRUE(failed_with(bench({"nonsense"}), 2, "nonsense"));
-    EXPECT_TRUE(failed_with(bench({"missing.scn"}), 1, "missing.scn"));
+    EXPECT_TRUE(failed_with(bench({"missing.scn"}), 1, "cannot read 'missing.scn': No such file"));
+    const TemporaryFolder folder;
+    const auto recorded = [&](std::vector<std::uint32_t> words) {
+        std::ofstream(folder / "a.scn", std::ios::binary)
+            .write(reinterpret_cast<const char*>(words.data()), std::streamsize(4 * words.size()));
+        return bench({(folder / "a.scn").string()});
+    };
+    EXPECT_TRUE(failed_with(recorded({}), 1, "a.scn' is cut off"));
+    EXPECT_TRUE(failed_with(recorded({0, 0xffffffffu, 0xffffffffu, 0, 0}), 1, "a.scn' is cut off"));
+    EXPECT_TRUE(failed_with(recorded({0, 1, 1, 0, 0, 0, 0, 0, 0, 7}), 1, "a.scn' has a triangle beyond its 1 points"));
     EXPECT_TRUE(failed_with(bench({"soup:10", "--csv", "/no/such/folder/x.csv"}), 1, "/no/such/folder"));
 }
 

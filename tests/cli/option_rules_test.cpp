@@ -73,6 +73,7 @@ TEST(OptionRules, MessagesNameTheChoicesAndTheRange) {
     says({"render", "cornell", "--aov", "depth,beauty"}, "--aov: there is no 'beauty'; choose depth, normal, albedo");
     says({"render", "cornell", "--bogus", "3"}, "there is no option '--bogus'; see claray render --help");
     says({"render", "cornell", "second", "third", "-o", "x.png"}, "'second' is one argument too many");
+    says({"explain", "cornell", "--only", "sky", "--only", "glass"}, "--only is given more than once");
     says({"--bogus"}, "there is no option '--bogus'; see claray --help");
     says({"render", "cornell", "-o", ""}, "--output has an empty value");
     says({"devices", "render"}, "'render' is one argument too many; see claray devices --help");
@@ -92,6 +93,8 @@ TEST(OptionRules, WhatWouldDoNothingIsRefused) {
         {{"render", "cornell", "--fps", "5", "--tone-map", "none"}, "--tone-map does nothing without --output"},
         {{"render", "cornell", "--fps", "5", "--trace", "t.json"}, "--fps and --trace contradict"},
         {{"render", "cornell", "--fps", "5", "--stats"}, "--fps and --stats contradict"},
+        {{"render", "cornell", "-o", image, "--trace", image}, "--output and --trace name one file"},
+        {{"render", "cornell", "-o", image, "--checkpoint", (folder / "." / "x.png").string()}, "name one file"},
         {{"build", tree, "--builder", "high"}, "--builder: '" + tree + "' is built already"},
         {{"build", tree, "--repeat", "2"}, "is built already"},
         {{"build", "soup:50", "-o", (folder / "tree.obj").string()}, "name a file .cbvh"},

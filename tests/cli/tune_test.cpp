@@ -42,9 +42,11 @@ TEST(TuneCommand, WritesATableThatIsReadAgain) {
 }
 
 TEST(TuneCommand, BadInput) {
-    EXPECT_TRUE(failed_with(tune({"--repeat", "1"}), 2, "--repeat"));
+    EXPECT_TRUE(failed_with(run_claray({"tune", "--repeat", "1"}), 2, "--repeat: '1' is not a whole number in 3.."));
     EXPECT_TRUE(failed_with(tune({"-o", "/no/such/folder/t.txt"}), 1, "/no/such/folder"));
     EXPECT_TRUE(failed_with(tune({"nonsense"}), 2, "nonsense"));
+    EXPECT_TRUE(failed_with(run_claray({"tune", "--dry-run", "--only", "nonsense"}), 2,
+                            "no parameter holds 'nonsense'; choose a part of plan/model, "));
 }
 
 }  // namespace
