@@ -38,9 +38,9 @@ void judge(Study& study, const std::vector<ImageMethod>& methods) {
     for (std::size_t i = 1; i < methods.size(); ++i) {
         const StudyPoint* p = last_of(methods[i].name);
         if (!p->failure.empty() || !(strict->seconds.median > 0)) continue;
-        study.findings.push_back(p->method + told(" changes the image by %.2g of its mean at %s, in %.2f of the time",
-                                                  p->error.median, p->setting.c_str(),
-                                                  p->seconds.median / strict->seconds.median));
+        study.findings.push_back(
+            p->method + told(" changes the image by %.2g of its mean at %s, ", p->error.median, p->setting.c_str()) +
+            told_time_against(p->seconds, strict->seconds));
     }
 }
 

@@ -91,7 +91,7 @@ void find_crossings(Study& study) {
         const StudyPoint* next = nullptr;
         double at = std::numeric_limits<double>::infinity();
         for (const StudyPoint& p : study.points) {
-            if (!p.failure.empty() || has_moved(p) || p.error.median >= best->error.median) continue;
+            if (!p.failure.empty() || has_moved(p) || p.error.high >= best->error.low) continue;
             const double crossing = (p.seconds.median - best->seconds.median) / (best->error.median - p.error.median);
             if (crossing < at) at = crossing, next = &p;
         }
@@ -121,12 +121,13 @@ void judge_refits(Study& study) {
     for (std::size_t i = 0; i + 1 < study.points.size(); ++i) {
         const StudyPoint &refit = study.points[i], &rebuild = study.points[i + 1];
         if (refit.method != "refit" || !refit.failure.empty() || !rebuild.failure.empty()) continue;
-        std::string text =
-            told("%s: refitting takes %.2f of a rebuild's time, and rays %.2f times as long", refit.setting.c_str(),
-                 refit.seconds.median / rebuild.seconds.median, refit.error.median / rebuild.error.median);
+        std::string text = refit.setting + ": against a rebuild, a refit is there " +
+                           told_time_against(refit.seconds, rebuild.seconds) + ", and rays are traced " +
+                           told_time_against(refit.error, rebuild.error);
         const double saved = rebuild.seconds.median - refit.seconds.median,
                      lost = refit.error.median - rebuild.error.median;
-        if (saved > 0 && lost > 0) text += told("; a rebuild pays from %.3g million rays on", saved / lost);
+        if (saved > 0 && lost > 0 && !overlap(refit.error, rebuild.error))
+            text += told("; a rebuild pays from %.3g million rays on", saved / lost);
         study.findings.push_back(text);
     }
 }

@@ -65,8 +65,9 @@ Study study_effects(const Device& device, const Scene& scene, const StudyOptions
         point.facts = {{"time saved, %", saved}};
         if (point.failure.empty())
             study.findings.push_back(
-                name + told(": without it the image is off by %.3g %% of its mean, and takes %.0f %% %s time",
-                            100 * point.error.median, std::fabs(saved), saved < 0 ? "more" : "less"));
+                name +
+                told(": without it the image is off by %.3g %% of its mean, and is there ", 100 * point.error.median) +
+                told_time_against(point.seconds, study.points.front().seconds));
         study.points.push_back(point);
         if (maps) maps->push_back({"without-" + name, bias_map(renders, reference)});
         if (rest && !rest(double(study.points.size()) / double(effects.size() + 1), "without " + name)) break;

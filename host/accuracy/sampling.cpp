@@ -22,20 +22,29 @@ void judge(Study& study, const std::string& method) {
         study.findings.push_back(method + told(": falls no further at %.4f: what is left is bias", errors.back()));
 }
 
-/// error^2 * seconds at the most samples: what a method takes for the same noise, times that of the first.
+/// error^2 * seconds: what an error costs, whatever it is.
+double cost_of(double error, double seconds) { return error * error * seconds; }
+
+/// Of its most samples.
+Spread cost_of(const Study& study, const std::string& method) {
+    Spread last;
+    for (const StudyPoint& p : study.points)
+        if (p.method == method && p.failure.empty())
+            last = {cost_of(p.error.low, p.seconds.low), cost_of(p.error.median, p.seconds.median),
+                    cost_of(p.error.high, p.seconds.high)};
+    return last;
+}
+
 void compare_efficiency(Study& study, const std::vector<ImageMethod>& methods) {
-    const auto work = [&](const std::string& method) {
-        double last = 0;
-        for (const StudyPoint& p : study.points)
-            if (p.method == method && p.failure.empty()) last = p.error.median * p.error.median * p.seconds.median;
-        return last;
-    };
-    const double first = work(methods.front().name);
-    for (std::size_t i = 1; i < methods.size(); ++i)
-        if (first > 0 && work(methods[i].name) > 0)
-            study.findings.push_back(methods[i].name +
-                                     told(" takes %.3g times as long as ", work(methods[i].name) / first) +
-                                     methods.front().name + " for the same error");
+    const Spread first = cost_of(study, methods.front().name);
+    for (std::size_t i = 1; i < methods.size(); ++i) {
+        const Spread other = cost_of(study, methods[i].name);
+        if (!(first.median > 0 && other.median > 0)) continue;
+        const std::string verdict = overlap(first, other)
+                                        ? " can't be told apart (the quartiles overlap) from "
+                                        : told(" takes %.3g times as long as ", other.median / first.median);
+        study.findings.push_back(methods[i].name + verdict + methods.front().name + " for the same error");
+    }
 }
 
 void sweep(Study& study, const Device& device, const Scene& scene, const StudyOptions& options,

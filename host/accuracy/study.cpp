@@ -37,6 +37,13 @@ Spread spread_of(std::vector<double> values) {
     return {at(0.25), at(0.5), at(0.75)};
 }
 
+bool overlap(const Spread& a, const Spread& b) { return a.low <= b.high && b.low <= a.high; }
+
+std::string told_time_against(const Spread& seconds, const Spread& others) {
+    if (overlap(seconds, others)) return "in a time that can't be told apart (the quartiles overlap)";
+    return told("in %.2f of the time", seconds.median / others.median);
+}
+
 void mark_front(std::vector<StudyPoint>& points) {
     for (StudyPoint& p : points) {
         p.front = p.failure.empty();

@@ -15,10 +15,19 @@ namespace claray {
 /// std::snprintf into a string.
 template <class... Values>
 [[nodiscard]] std::string told(const char* format, Values... values) {
-    char text[240];
+    char text[320];
     std::snprintf(text, sizeof text, format, values...);
     return text;
 }
+
+/// Whether what is between the quartiles of one is partly between those of the other: then runs don't tell which is
+/// more.
+[[nodiscard]] bool overlap(const Spread& a, const Spread& b);
+/// "in 0.53 of the time", or that the runs don't tell.
+[[nodiscard]] std::string told_time_against(const Spread& seconds, const Spread& others);
+
+/// "0.53 s", "2.1 min", "3.4 h", "12 days"
+[[nodiscard]] std::string told_time(double seconds);
 
 /// Progress of a part that is from `from` to `to` of the whole.
 [[nodiscard]] AccuracyProgress scaled(const AccuracyProgress& progress, double from, double to);

@@ -71,16 +71,33 @@ void pick_sampler(TargetPlan& plan) {
                               cost < 1 ? "independent" : "Sobol's", cost));
 }
 
-/// What is foreseen from the pace since `first` and the last error that is known, which falls with the samples' root.
+/// The reports from which a render's end is foreseen.
+struct Watched {
+    std::optional<RenderProgress> pace;   // since when the scene's own kernels render
+    std::optional<RenderProgress> error;  // the first that tells one
+};
+
+/// To which power of the samples the squared error falls: that of independent samples is 1, and Sobol's falls as fast
+/// as 1.5 where integrands are discontinuous along edges alone (He and Wang 2015). What few samples tell is not
+/// believed.
+double convergence(const RenderProgress& first, const RenderProgress& so_far) {
+    constexpr double least_growth = 4, fastest = 1.5;
+    const double samples = double(so_far.error_spp) / first.error_spp, errors = so_far.error / first.error;
+    if (!(samples >= least_growth)) return 1;
+    return std::clamp(-2 * std::log(errors) / std::log(samples), 1.0, fastest);
+}
+
+/// What is foreseen from the pace and the last error that is known.
 struct Forecast {
     double spp = 0, seconds = 0;  // that the error needs
     double seconds_a_sample = 0;  // for every pixel
 };
 
-Forecast forecast(const RenderProgress& first, const RenderProgress& so_far, double error) {
-    const double ratio = so_far.error_bound / error;
+Forecast forecast(const Watched& watched, const RenderProgress& so_far, double error) {
+    const RenderProgress& first = *watched.pace;
+    const double times = std::pow(so_far.error_bound / error, 2 / convergence(*watched.error, so_far));
     Forecast needed;
-    needed.spp = std::max<double>(so_far.error_spp * ratio * ratio, so_far.spp);
+    needed.spp = std::max<double>(so_far.error_spp * times, so_far.spp);
     needed.seconds_a_sample = so_far.spp > first.spp ? (so_far.seconds - first.seconds) / (so_far.spp - first.spp)
                                                      : so_far.seconds / so_far.spp;
     needed.seconds = so_far.seconds + (needed.spp - so_far.spp) * needed.seconds_a_sample;
@@ -175,13 +192,12 @@ TargetPlan plan_render(const Device& device, const Scene& scene, const RenderCon
 namespace {
 
 /// What is foreseen once the first samples with the scene's own kernels were watched for long enough.
-std::optional<Forecast> foresee(const TargetPlan& plan, std::optional<RenderProgress>& first,
-                                const RenderProgress& so_far) {
-    if (!so_far.own_kernels) return {};
-    if (!first) first = so_far;
+std::optional<Forecast> foresee(const TargetPlan& plan, Watched& watched, const RenderProgress& so_far) {
     const bool known = so_far.error_bound > 0 && so_far.error_spp >= least_spp_to_foresee;
-    if (!known || so_far.seconds - first->seconds < plan.seconds_to_foresee) return {};
-    return forecast(*first, so_far, plan.config.error);
+    if (known && !watched.error) watched.error = so_far;
+    if (so_far.own_kernels && !watched.pace) watched.pace = so_far;
+    if (!known || !watched.pace || so_far.seconds - watched.pace->seconds < plan.seconds_to_foresee) return {};
+    return forecast(watched, so_far, plan.config.error);
 }
 
 /// The model is that of another scene: a tree of a higher cost by the surface area heuristic is slower in this one.
@@ -215,13 +231,13 @@ void pick_tree_on_the_way(const Device& device, Renderer& renderer, TargetPlan& 
 RenderProgress render_to_target(const Device& device, Renderer& renderer, TargetPlan& plan,
                                 const std::function<bool(const RenderProgress&)>& progress) {
     bool foresees = plan.config.error > 0;
-    std::optional<RenderProgress> first;
+    Watched watched;
     for (;;) {
         std::optional<double> left;  // seconds, once foreseen
         const RenderProgress reached = renderer.render([&](const RenderProgress& so_far) {
             if (progress && !progress(so_far)) return false;
             if (!foresees) return true;
-            const std::optional<Forecast> needed = foresee(plan, first, so_far);
+            const std::optional<Forecast> needed = foresee(plan, watched, so_far);
             if (!needed) return true;
             refuse_unreachable(plan, *needed, so_far);
             plan.promised_seconds = needed->seconds;

@@ -32,7 +32,7 @@ public:
     }
 
     /// Compares a variant with the scene's own kernels.
-    Variant compare_with_own(const EffectOverrides& overrides, EffectSet concerned, double& ratio) {
+    Variant compare_with_own(const EffectOverrides& overrides, EffectSet concerned, double& ratio, bool& noise) {
         RenderConfig config = config_;
         config.effects = overrides;
         Renderer own(device_, scene_, config_), other(device_, scene_, config);
@@ -44,7 +44,7 @@ public:
         Variant variant;
         variant.bytes = other.statistics().device_bytes;
         variant.milliseconds = times.second;
-        ratio = times.ratio;
+        ratio = times.ratio, noise = times.noise;
         add_compilation(other.statistics().effects | overrides.add, concerned, variant);
         return variant;
     }
@@ -114,6 +114,11 @@ private:
 
 }  // namespace
 
+bool is_noise(const std::vector<double>& ratios) {
+    const auto above = std::size_t(std::count_if(ratios.begin(), ratios.end(), [](double r) { return r > 1; }));
+    return std::min(above, ratios.size() - above) > ratios.size() / 8;
+}
+
 PairedTimes compare(const Device& device, Renderer& first, Renderer& second, std::size_t pixels, int rounds) {
     std::vector<double> firsts, seconds, ratios;
     std::uint64_t samples_before = 0;
@@ -129,13 +134,36 @@ PairedTimes compare(const Device& device, Renderer& first, Renderer& second, std
         if (round < 0 || !(a > 0)) continue;
         firsts.push_back(a / frames), seconds.push_back(b / frames), ratios.push_back(b / a);
     }
-    return {median(firsts), median(seconds), median(ratios)};
+    return {median(firsts), median(seconds), median(ratios), is_noise(ratios)};
+}
+
+std::vector<ExplainedEffect> effects_to_explain(const Scene& scene, const RenderConfig& config, EffectSet only) {
+    const Scene stripped = config.effects.remove.empty() ? Scene() : without_effects(scene, config.effects.remove);
+    const Scene& explained = config.effects.remove.empty() ? scene : stripped;
+    const EffectSet called_for = effects_of(explained);
+    const std::vector<EffectCause> causes = causes_of_effects(explained);
+    std::vector<ExplainedEffect> rows;
+    for (const Effect effect : all_effects()) {
+        if (!only.has(effect)) continue;
+        ExplainedEffect row;
+        row.effect = effect;
+        row.called_for = called_for.has(effect);
+        row.fixed = row.called_for && effect == Effect::lambert;
+        for (const EffectCause& cause : causes)
+            if (cause.effect == effect) row.cause = cause;
+        rows.push_back(std::move(row));
+    }
+    return rows;
 }
 
 Explanation explain(const Device& device, const Scene& scene, const RenderConfig& config, const ExplainOptions& options,
                     const std::function<void(const std::string&)>& progress) {
+    std::vector<ExplainedEffect> rows = effects_to_explain(scene, config, options.only);
+    const auto fixed = std::count_if(rows.begin(), rows.end(), [](const ExplainedEffect& row) { return row.fixed; });
+    std::size_t told = 0;
     const auto tell = [&](const std::string& what) {
-        if (progress) progress(what);
+        if (!progress) return;
+        progress(what + " (" + std::to_string(++told) + " of " + std::to_string(rows.size() + 1 - fixed) + ")");
     };
     const Scene stripped = config.effects.remove.empty() ? Scene() : without_effects(scene, config.effects.remove);
     const Scene& explained = config.effects.remove.empty() ? scene : stripped;
@@ -144,27 +172,18 @@ Explanation explain(const Device& device, const Scene& scene, const RenderConfig
     Explainer explainer(device, explained, plain, options);
     Explanation explanation;
     tell("everything compiled in");
-    explanation.full = explainer.compare_with_own({full_effects(), {}}, full_effects(), explanation.full_ratio);
-
-    const EffectSet called_for = effects_of(explained);
-    const std::vector<EffectCause> causes = causes_of_effects(explained);
-    for (const Effect effect : all_effects()) {
-        if (!options.only.has(effect)) continue;
-        ExplainedEffect row;
-        row.effect = effect;
-        row.called_for = called_for.has(effect);
-        row.fixed = row.called_for && effect == Effect::lambert;
-        for (const EffectCause& cause : causes)
-            if (cause.effect == effect) row.cause = cause;
-        if (!row.fixed) {
-            tell(std::string(row.called_for ? "without " : "with ") + name_of(effect));
-            const EffectOverrides overrides =
-                row.called_for ? EffectOverrides{{}, {effect}} : EffectOverrides{{effect}, {}};
-            row.other = explainer.compare_with_own(overrides, {effect}, row.ratio);
-            row.own_compile_milliseconds = explainer.own_compilation({effect});
-        }
-        explanation.effects.push_back(std::move(row));
+    explanation.full = explainer.compare_with_own({full_effects(), {}}, full_effects(), explanation.full_ratio,
+                                                  explanation.full_noise);
+    for (ExplainedEffect& row : rows) {
+        if (row.fixed) continue;
+        const Effect effect = row.effect;
+        tell(std::string(row.called_for ? "without " : "with ") + name_of(effect));
+        const EffectOverrides overrides =
+            row.called_for ? EffectOverrides{{}, {effect}} : EffectOverrides{{effect}, {}};
+        row.other = explainer.compare_with_own(overrides, {effect}, row.ratio, row.noise);
+        row.own_compile_milliseconds = explainer.own_compilation({effect});
     }
+    explanation.effects = std::move(rows);
     explanation.own = explainer.own();
     return explanation;
 }

@@ -23,13 +23,15 @@ struct ExplainedEffect {
     bool fixed = false;                   ///< nothing can take its place: only Lambert
     Variant other;                        ///< the scene without it, or with it compiled in though nothing calls for it
     double own_compile_milliseconds = 0;  ///< of the same kernels as compiled for the scene
-    double ratio = 1;  ///< time of `other` over that of the scene's own kernels, from pairs of frames
+    double ratio = 1;    ///< time of `other` over that of the scene's own kernels, from pairs of frames
+    bool noise = false;  ///< the pairs don't agree about which is slower
 };
 
 struct Explanation {
     Variant own;            ///< what the scene calls for and nothing else
     Variant full;           ///< everything compiled in
     double full_ratio = 1;  ///< as in ExplainedEffect
+    bool full_noise = false;
     std::vector<ExplainedEffect> effects;
 };
 
@@ -38,6 +40,9 @@ struct ExplainOptions {
     int rounds = 7;                    ///< pairs of batches that are compared for each
     bool compile_times = true;         ///< compile all kernels once more for their time
 };
+/// The rows of an explanation before anything is measured: what the scene calls for, and where.
+[[nodiscard]] std::vector<ExplainedEffect> effects_to_explain(const Scene& scene, const RenderConfig& config,
+                                                              EffectSet only);
 [[nodiscard]] Explanation explain(const Device& device, const Scene& scene, const RenderConfig& config,
                                   const ExplainOptions& options,
                                   const std::function<void(const std::string&)>& progress = {});
@@ -46,7 +51,11 @@ struct ExplainOptions {
 /// rounds of the second's time over the first's.
 struct PairedTimes {
     double first = 0, second = 0, ratio = 1;
+    bool noise = false;
 };
+/// Whether more than an eighth of the ratios are on the other side of 1 than the others. Of 7 rounds of two equally
+/// fast renderers one comparison in 64 passes for a difference.
+[[nodiscard]] bool is_noise(const std::vector<double>& ratios);
 [[nodiscard]] PairedTimes compare(const Device& device, Renderer& first, Renderer& second, std::size_t pixels,
                                   int rounds);
 

@@ -100,8 +100,10 @@ AccuracyProgress show_progress(const std::string& study, bool quiet) {
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
         if (!quiet && (seconds - *shown > 2 || done >= 1)) {
             *shown = seconds;
-            std::fprintf(stderr, "%s: %3.0f %%, %s, %.0f s left\n", study.c_str(), 100 * done, what.c_str(),
-                         done > 0 ? seconds * (1 - done) / done : 0.0);
+            // The first steps say little: what they compile is compiled once.
+            const bool known = done >= 0.02 && done < 1 && seconds > 1;
+            std::fprintf(stderr, "%s: %3.0f %%, %s, %s%s\n", study.c_str(), 100 * done, what.c_str(),
+                         told_time(known ? seconds * (1 - done) / done : seconds).c_str(), known ? " left" : " so far");
         }
         return !InterruptGuard::interrupted();
     };

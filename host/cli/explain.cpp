@@ -1,6 +1,7 @@
 // claray explain: what a scene calls for, why, and what it costs.
 #include "host/bench/explain.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -50,7 +51,7 @@ std::string told(const std::optional<unsigned>& value) { return value ? std::to_
 
 std::string kilobytes(double bytes) { return fixed(bytes * 1e-3, 1); }
 
-Row row_of(const ExplainedEffect& e, const Variant& own) {
+Row row_of(const ExplainedEffect& e, const Variant& own, bool compile_times) {
     Row row = {name_of(e.effect), e.called_for ? reason(e.cause) : "-"};
     if (e.fixed) {
         for (int i = 0; i < 6; ++i) row.emplace_back("-");
@@ -60,35 +61,60 @@ Row row_of(const ExplainedEffect& e, const Variant& own) {
     const double without = e.called_for ? own.milliseconds * e.ratio : own.milliseconds;
     const double bytes = e.called_for ? double(own.bytes) - double(e.other.bytes) : 0;
     const Variant& other = e.other;
-    row.insert(row.end(), {fixed(with, 3), fixed(without, 3), fixed(cost(e, own), 3), fixed(compile_cost(e), 0),
-                           kilobytes(bytes), told(other.registers)});
+    row.insert(row.end(), {fixed(with, 3), fixed(without, 3), e.noise ? "noise" : fixed(cost(e, own), 3),
+                           compile_times ? fixed(compile_cost(e), 0) : "-", kilobytes(bytes), told(other.registers)});
     return row;
 }
 
-void print_variant(const char* name, const Variant& v) {
-    std::printf("%-20s %.3f ms a frame, compiled in %.0f ms, %.1f kB on the device, registers: %s, spilled bytes: %s\n",
-                name, v.milliseconds, v.compile_milliseconds, double(v.bytes) * 1e-3, told(v.registers).c_str(),
+void print_variant(const char* name, const Variant& v, bool compile_times) {
+    const std::string compiled = compile_times ? "compiled in " + fixed(v.compile_milliseconds, 0) + " ms, " : "";
+    std::printf("%-20s %.3f ms a frame, %s%.1f kB on the device, registers: %s, spilled bytes: %s\n", name,
+                v.milliseconds, compiled.c_str(), double(v.bytes) * 1e-3, told(v.registers).c_str(),
                 told(v.spill_bytes).c_str());
 }
 
-void print_text(const Explanation& x, const Options& o, const Device& device) {
-    std::printf("%s on %s, %ux%u, one sample a pixel\n", o.scene.c_str(), device.info().name.c_str(), o.config.width,
-                o.config.height);
+/// Before minutes of measuring.
+void print_called_for(const std::vector<ExplainedEffect>& effects, const Options& o, const Device& device) {
+    std::printf("%s on %s, %ux%u, one sample a pixel, calls for:\n", o.scene.c_str(), device.info().name.c_str(),
+                o.config.width, o.config.height);
+    for (const ExplainedEffect& e : effects)
+        if (e.called_for) std::printf("  %-24s %s\n", name_of(e.effect), reason(e.cause).c_str());
+    std::fflush(stdout);
+}
+
+/// What the figures don't say by themselves.
+void print_notes(const Explanation& x, bool compile_times) {
+    const auto any = [&](auto test) { return std::any_of(x.effects.begin(), x.effects.end(), test); };
+    if (any([](const ExplainedEffect& e) { return e.noise; }))
+        std::printf("noise: rounds don't agree about which is slower; more --rounds may tell\n");
+    if (compile_times && any([](const ExplainedEffect& e) { return !e.fixed && compile_cost(e) < 0; }))
+        std::printf(
+            "compile times are of one compilation each and differ by some percent from one to the next, which alone "
+            "makes some less than 0\n");
+}
+
+void print_text(const Explanation& x, const Options& o) {
+    const bool compile_times = o.measure.compile_times;
     if (!o.effects.empty()) std::printf("effects are overridden: %s\n", o.effects.c_str());
     for (const bool called_for : {true, false}) {
         std::vector<Row> rows = {{called_for ? "called for" : "left out", "by", "ms with", "ms without", "ms more",
                                   "compile ms more", "kB", "registers"}};
         rows[0].back() += called_for ? " without" : " with";
         for (const ExplainedEffect& e : x.effects)
-            if (e.called_for == called_for) rows.push_back(row_of(e, x.own));
+            if (e.called_for == called_for) rows.push_back(row_of(e, x.own, compile_times));
         std::printf("\n");
         if (rows.size() > 1) print_table(rows, 2);
     }
     std::printf("\n");
-    print_variant("the scene's own", x.own);
-    print_variant("everything", x.full);
-    std::printf("leaving out what nothing calls for: %.2f times as fast, %.0f ms less to compile\n", x.full_ratio,
-                x.full.compile_milliseconds - x.own.compile_milliseconds);
+    print_variant("the scene's own", x.own, compile_times);
+    print_variant("everything", x.full, compile_times);
+    std::printf("leaving out what nothing calls for: %s", x.full_noise
+                                                              ? "no faster, as far as the noise tells"
+                                                              : (fixed(x.full_ratio, 2) + " times as fast").c_str());
+    if (compile_times)
+        std::printf(", %.0f ms less to compile", x.full.compile_milliseconds - x.own.compile_milliseconds);
+    std::printf("\n");
+    print_notes(x, compile_times);
 }
 
 nlohmann::ordered_json told_json(const std::optional<unsigned>& value) {
@@ -113,6 +139,7 @@ nlohmann::ordered_json as_json(const ExplainedEffect& e, const Variant& own) {
     row["compile_milliseconds_more"] = compile_cost(e);
     row["bytes"] = e.called_for ? std::int64_t(own.bytes) - std::int64_t(e.other.bytes) : 0;
     row["ratio"] = e.ratio;
+    row["noise"] = e.noise;
     row[e.called_for ? "without" : "with"] = as_json(e.other);
     return row;
 }
@@ -151,10 +178,11 @@ void explain(const Options& options) {
     if (!options.only.empty()) measure.only = parse_effects(options.only);
     const Scene scene = load(options.scene);
     const Device device = Device::open(options.device);
+    if (!options.json) print_called_for(bench::effects_to_explain(scene, config, measure.only), options, device);
     const Explanation explanation = bench::explain(device, scene, config, measure, [&](const std::string& what) {
         if (!options.quiet) std::fprintf(stderr, "measuring %s\n", what.c_str());
     });
-    options.json ? print_json(explanation, options, device) : print_text(explanation, options, device);
+    options.json ? print_json(explanation, options, device) : print_text(explanation, options);
     if (!options.svg.empty()) write_svg(explanation, options, device);
 }
 

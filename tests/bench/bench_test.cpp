@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "host/bench/explain.hpp"
 #include "host/bench/rays.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/meshes.hpp"
@@ -146,6 +147,15 @@ TEST(Bench, MeasuresEveryPresetAndKind) {
     const std::string csv = bench_csv(test::device().info(), result), header = bench_csv_header();
     const auto count = [](const std::string& text, char c) { return std::count(text.begin(), text.end(), c); };
     EXPECT_EQ(count(csv, ','), count(csv, '\n') * count(header, ',')) << "every row has all columns";
+}
+
+TEST(Explain, TellsNoiseFromCost) {
+    EXPECT_TRUE(is_noise({1.1, 0.9, 1.2, 1.1, 1.1, 1.1, 1.1}));
+    EXPECT_FALSE(is_noise({1.1, 1.01, 1.2, 1.1, 1.1, 1.1, 1.1}));
+    EXPECT_FALSE(is_noise({0.1, 0.9, 0.2}));
+    EXPECT_FALSE(is_noise({1.1, 0.9, 1.2, 1.1, 1.1, 1.1, 1.1, 1.2})) << "one of eight";
+    EXPECT_TRUE(is_noise({1.1, 0.9, 1.2, 1.1, 1.1, 1.1, 0.8, 1.2}));
+    EXPECT_TRUE(is_noise({0.9, 1.1}));
 }
 
 }  // namespace

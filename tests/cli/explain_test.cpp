@@ -48,6 +48,17 @@ TEST(Explain, SaysWhatIsCalledForAndByWhat) {
     EXPECT_EQ(count(chart, "http"), 1u) << "it must need nothing from elsewhere";
 }
 
+TEST(Explain, ListsWhatIsCalledForFirstAndNoTimesThatItDidNotMeasure) {
+    const ProcessResult result = run_claray({"explain", "cornell", "--size", "16x16", "--rounds", "3", "--only",
+                                             "lambert,emissive-triangles,mirror", "--no-compile-times"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    const std::string& text = result.output;
+    EXPECT_LT(text.find("  lambert                  the material 'white' and 3 more\n"), text.find("ms with"));
+    EXPECT_EQ(text.find("compiled in"), std::string::npos) << text;
+    EXPECT_EQ(text.find("to compile"), std::string::npos) << text;
+    EXPECT_NE(result.errors.find("without emissive-triangles (3 of 3)"), std::string::npos) << result.errors;
+}
+
 TEST(Explain, RefusesWhatItDoesNotKnow) {
     EXPECT_TRUE(failed_with(run_claray({"explain", "cornell", "--only", "mirror,stars"}), 2, "'stars'"));
     EXPECT_TRUE(failed_with(run_claray({"explain", "cornell", "--effects", "+mirror"}), 2, "every effect"));

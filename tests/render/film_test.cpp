@@ -158,11 +158,24 @@ TEST(Film, ErrorIsTheDistanceFromTheTruth) {
     }
 }
 
+TEST(Film, ErrorDoesNotDependOnTheBatches) {
+    const std::uint32_t pixels = 37, samples = 24;
+    const std::vector<float> radiance = random_radiance(pixels, samples, 3);
+    Film whole(device(), pixels, 2), parts(device(), pixels, 2);
+    whole.accumulate({0, pixels, 0, samples}, Buffer<float>(device(), radiance));
+    for (std::uint32_t p = 0; p < pixels; ++p)
+        for (std::uint32_t s = 0, n = 1; s < samples; s += n, n = std::min(samples - s, n + 1)) {
+            const auto begin = radiance.begin() + 3 * (p * samples + s);
+            parts.accumulate({p, 1, s, n}, Buffer<float>(device(), std::vector<float>(begin, begin + 3 * n)));
+        }
+    EXPECT_GT(whole.error().estimate, 0);
+    EXPECT_EQ(whole.error().estimate, parts.error().estimate);
+}
+
 TEST(Film, ErrorCountsSamplesThatWereDropped) {
     Film film(device(), 1, 2);
     const float nan = std::numeric_limits<float>::quiet_NaN();
-    film.accumulate({0, 1, 0, 6},
-                    Buffer<float>(device(), {4, 4, 4, 8, 8, 8, 4, 4, 4, nan, 1, 1, 4, 4, 4, nan, 1, 1}));
+    film.accumulate({0, 1, 0, 6}, Buffer<float>(device(), {4, 4, 4, 8, 8, 8, 4, 4, 4, nan, 1, 1, 4, 4, 4, nan, 1, 1}));
     EXPECT_EQ(film.resolve()[0], glm::vec3(5));
     EXPECT_NEAR(film.error().estimate, std::sqrt(16. * 3 / 16) / 5, 1e-6);
     EXPECT_EQ(film.noise().dropped, 2u);
