@@ -68,20 +68,22 @@ void Bvh::State::prepare_to_build() {
 
 void Bvh::State::load_for_sorting(const Defines& bits) {
     const bool balanced = config.builder == Builder::balanced;
+    Defines tree = bits;
+    tree.emplace_back("MAX_LEAF", std::to_string(leaf_limit()));
     if (ranges == 0) {
         codes_ = load_kernel(device, "build/morton_codes.cl", "compute_morton_codes", bits);
-        lbvh_ = load_kernel(device, "build/lbvh.cl", "build_lbvh", bits);
+        lbvh_ = load_kernel(device, "build/lbvh.cl", "build_lbvh", tree);
         if (!balanced) return;
-        hploc_ = load_kernel(device, "build/hploc.cl", "build_hploc", bits);
+        hploc_ = load_kernel(device, "build/hploc.cl", "build_hploc", tree);
         return;
     }
     centroids_ = load_kernel(device, "build/centroids.cl", "compute_centroids", bits);
     encode_ = load_kernel(device, "build/centroids.cl", "encode_centroids", bits);
-    lbvh_ranges_ = load_kernel(device, "build/lbvh_serial.cl", "build_lbvh_ranges", bits);
-    join_lbvh_ = load_kernel(device, "build/lbvh_serial.cl", "join_lbvh_ranges", bits);
+    lbvh_ranges_ = load_kernel(device, "build/lbvh_serial.cl", "build_lbvh_ranges", tree);
+    join_lbvh_ = load_kernel(device, "build/lbvh_serial.cl", "join_lbvh_ranges", tree);
     if (!balanced) return;
-    hploc_ranges_ = load_kernel(device, "build/hploc_serial.cl", "build_hploc_ranges", bits);
-    join_hploc_ = load_kernel(device, "build/hploc_serial.cl", "join_hploc_ranges", bits);
+    hploc_ranges_ = load_kernel(device, "build/hploc_serial.cl", "build_hploc_ranges", tree);
+    join_hploc_ = load_kernel(device, "build/hploc_serial.cl", "join_hploc_ranges", tree);
 }
 
 void Bvh::State::allocate() {
@@ -93,7 +95,7 @@ void Bvh::State::allocate() {
         other_leaves = Buffer<LeafTriangle>(device, capacity);
         reinsertion = Reinsertion(device, capacity);
         renumber = TreeLayout(device, capacity, 1, false);
-        finish = TreeLayout(device, capacity, layout == Layout::binary ? config.max_leaf_triangles : 1, true);
+        finish = TreeLayout(device, capacity, leaf_limit(), true);
     }
     header = Buffer<BvhHeader>(device, 1);
     bound_keys = Buffer<std::uint32_t>(device, 6);

@@ -20,6 +20,8 @@ struct Bvh::State {
     void collapse();
     [[nodiscard]] BvhHeader read_header() const;
     [[nodiscard]] double sah_cost() const;
+    /// Triangles a leaf of the binary tree may hold: the wide tree forms leaves of its own.
+    [[nodiscard]] std::uint32_t leaf_limit() const { return layout == Layout::binary ? config.max_leaf_triangles : 1; }
 
     Device device;
     TriangleBuffers triangles;
@@ -66,9 +68,8 @@ private:
     void build_hploc(const Buffer<Code>& codes);
 
     bool prepared_ = false;
-    Kernel reset_, centroids_, encode_, bounds_, finish_bounds_, codes_, lbvh_, hploc_, refit_,
-        lbvh_ranges_, join_lbvh_, hploc_ranges_, join_hploc_, begin_collapse_, collapse_level_, collapse_subtrees_,
-        refit_wide_;
+    Kernel reset_, centroids_, encode_, bounds_, finish_bounds_, codes_, lbvh_, hploc_, refit_, lbvh_ranges_,
+        join_lbvh_, hploc_ranges_, join_hploc_, begin_collapse_, collapse_level_, collapse_subtrees_, refit_wide_;
 };
 
 }  // namespace claray

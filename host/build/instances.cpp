@@ -70,7 +70,10 @@ InstancedBvh::State::State(std::span<const Bvh> bottoms, const Buffer<Instance>&
     place_ = load_kernel(device, "build/instances.cl", "place_instances");
     place();
     top = Bvh::build(device, boxes,
-                     {.builder = config.builder, .morton_bits = config.morton_bits, .layout = Layout::binary});
+                     {.builder = config.builder,
+                      .morton_bits = config.morton_bits,
+                      .layout = Layout::binary,
+                      .max_leaf_triangles = 1});  // each in a leaf of its own
 }
 
 void InstancedBvh::State::take_bottoms(std::span<const Bvh> bottoms) {

@@ -15,7 +15,7 @@ namespace claray {
 namespace {
 
 constexpr std::array<char, 8> magic = {'C', 'L', 'R', 'B', 'V', 'H', '\r', '\n'};
-constexpr std::uint32_t current_version = 1;
+constexpr std::uint32_t current_version = 2;
 constexpr std::uint32_t byte_order = 0x01020304;  // reads otherwise on a machine of the other byte order
 /// What the arrays are made of: a file of other structs is not ours to read.
 constexpr std::uint32_t struct_sizes = sizeof(BvhNode) << 16 | sizeof(LeafTriangle) << 8 | sizeof(BvhHeader);
@@ -30,7 +30,7 @@ struct FileHeader {
     std::uint32_t structs;
     std::uint32_t builder;
     std::uint32_t morton_bits;
-    std::uint32_t high;  // of the builder `high`: rounds, and above 16 bits triangles a leaf
+    std::uint32_t high;  // rounds of the builder `high`, and above 16 bits triangles a leaf
     std::uint64_t file_bytes;
     std::uint64_t nodes, leaves, positions, indices, geometries, masks;  // elements
     BvhHeader bvh;
@@ -144,8 +144,7 @@ void Bvh::save(const std::filesystem::path& path) const {
     header.structs = struct_sizes;
     header.builder = std::uint32_t(s.config.builder);
     header.morton_bits = s.config.morton_bits;
-    header.high = std::min(s.config.optimization_rounds, 0xffffu) |
-                  (s.layout == Layout::wide ? 1u : s.config.max_leaf_triangles) << 16;
+    header.high = std::min(s.config.optimization_rounds, 0xffffu) | s.leaf_limit() << 16;
     header.nodes = s.nodes.size();
     header.leaves = s.leaves.size();
     header.positions = s.triangles.positions.size();
@@ -179,7 +178,6 @@ namespace {
 void restore_high(const FileHeader& header, Bvh::Config& config) {
     const auto triangles = double(header.indices / 3);
     config.optimization_rounds = header.high & 0xffffu;
-    config.max_leaf_triangles = std::clamp(header.high >> 16, 1u, 4u);
     config.split_budget = triangles > 0 ? std::max(0.0, (double(header.leaves) - triangles + 0.5) / triangles) : 0.0;
 }
 
@@ -194,6 +192,7 @@ Bvh Bvh::load(const Device& device, const std::filesystem::path& path, Layout la
     config.builder = Builder(header.builder);
     config.morton_bits = header.morton_bits;
     config.layout = layout;
+    config.max_leaf_triangles = std::clamp(header.high >> 16, 1u, 4u);
     if (config.builder == Builder::high) restore_high(header, config);
 
     const TriangleCounts counts = {header.positions, header.indices, header.geometries, header.masks};

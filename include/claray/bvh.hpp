@@ -77,8 +77,7 @@ public:
         double split_budget = 0.5;
         /// `high` only: rounds of moving nodes.
         unsigned optimization_rounds = 2;
-        /// `high` in the binary layout only: triangles a leaf may hold where the surface area heuristic says so, up
-        /// to 4.
+        /// Binary layout only: triangles a leaf may hold where the surface area heuristic says so, up to 4.
         unsigned max_leaf_triangles = 4;
     };
 

@@ -17,8 +17,8 @@ kernel void reset_header(global BvhHeader* header, global uint* keys) {
     header->hix = header->hiy = header->hiz = -largest;
     header->root = CLARAY_NO_CHILD;
     header->valid = header->culled = header->height = header->wide_nodes = header->wide_blocks = 0;
-    header->scale_x = header->scale_y = header->scale_z = 0.0f;
-    header->inner_nodes = 0;
+    header->scale = 0.0f;
+    header->inner_nodes = header->unused0 = header->unused1 = 0;
     for (uint axis = 0; axis < 3; ++axis) keys[axis] = 0xffffffffu, keys[3 + axis] = 0;
 }
 
@@ -83,7 +83,8 @@ static inline float grid_scale(float extent, float cells) {
     return scale;
 }
 
-/// Lays a grid of 2^axis_bits cells an axis over the centroids: origin and scale go to the header.
+/// Lays a grid of cubic cells over the centroids, 2^axis_bits along the longest axis: origin and scale go to the header. With as
+/// many cells along each axis, flat scenes would be split as often across as along (terrain: SAH cost 59.4 instead of 53.6).
 kernel void finish_bounds(global BvhHeader* header, global const uint* keys, uint count, uint axis_bits) {
     if (get_global_id(0) != 0) return;
     header->inner_nodes = max(header->valid, 1u) - 1;
@@ -92,7 +93,7 @@ kernel void finish_bounds(global BvhHeader* header, global const uint* keys, uin
     const float cells = (float)(1u << axis_bits);
     const float lox = float_from_key(keys[0]), loy = float_from_key(keys[1]), loz = float_from_key(keys[2]);
     header->lox = lox, header->loy = loy, header->loz = loz;
-    header->scale_x = grid_scale(float_from_key(keys[3]) - lox, cells);
-    header->scale_y = grid_scale(float_from_key(keys[4]) - loy, cells);
-    header->scale_z = grid_scale(float_from_key(keys[5]) - loz, cells);
+    const float extent =
+        max(max(float_from_key(keys[3]) - lox, float_from_key(keys[4]) - loy), float_from_key(keys[5]) - loz);
+    header->scale = grid_scale(extent, cells);
 }

@@ -44,7 +44,7 @@ kernel void encode_centroids(global const float* restrict centroids, uint count,
     const uint range = get_global_id(0);
     if (range >= ranges) return;
     const float lox = header->lox, loy = header->loy, loz = header->loz;
-    const float scale_x = header->scale_x, scale_y = header->scale_y, scale_z = header->scale_z;
+    const float scale = header->scale;
     global const float* restrict xs = centroids;
     global const float* restrict ys = centroids + count;
     global const float* restrict zs = centroids + 2 * (size_t)count;
@@ -52,8 +52,8 @@ kernel void encode_centroids(global const float* restrict centroids, uint count,
     for (uint i = range_begin(range, ranges, count); i < end; ++i) {
         const float x = xs[i];
         const bool valid = x == x;
-        const Code code = MORTON(grid_cell(valid ? x - lox : 0.0f, scale_x), grid_cell(valid ? ys[i] - loy : 0.0f, scale_y),
-                                 grid_cell(valid ? zs[i] - loz : 0.0f, scale_z));
+        const Code code = MORTON(grid_cell(valid ? x - lox : 0.0f, scale), grid_cell(valid ? ys[i] - loy : 0.0f, scale),
+                                 grid_cell(valid ? zs[i] - loz : 0.0f, scale));
         codes[i] = valid ? code : ~(Code)0;
     }
 }

@@ -26,26 +26,35 @@ typedef struct Stack {
     global const uint2* piece_counts;
 } Stack;
 
-static inline uint take_node(Stack* stack) {
+/// The next free number; it is not used up yet.
+static inline uint next_node(Stack* stack) {
     while (stack->node == stack->node_end) {
         const uint range = stack->range++;
         stack->node = range_begin(range, stack->ranges, stack->valid) + stack->piece_counts[range].y;
         stack->node_end = range_begin(range + 1, stack->ranges, stack->valid);
     }
-    return stack->node++;
+    return stack->node;
 }
 
-static inline Cluster merge_clusters(global BvhNode* nodes, uint index, Cluster a, Cluster b) {
+static inline Cluster merge_clusters(global BvhNode* nodes, Stack* stack, Cluster a, Cluster b) {
+    Cluster merged = {lesser(a.lo, b.lo), greater(a.hi, b.hi)};
+    const uint child0 = as_uint(a.lo.w), child1 = as_uint(b.lo.w), of_a = as_uint(a.hi.w), of_b = as_uint(b.hi.w);
+    const uint count = min((of_a & CLARAY_COUNT_LIMIT) + (of_b & CLARAY_COUNT_LIMIT), CLARAY_COUNT_LIMIT);
+    const Box box0 = {a.lo.xyz, a.hi.xyz}, box1 = {b.lo.xyz, b.hi.xyz};
+    const uint leaf = joined_leaf(box0, child0, box1, child1);
+    if (leaf != CLARAY_NO_CHILD) {
+        merged.lo.w = as_float(leaf), merged.hi.w = as_float(count);
+        return merged;
+    }
+    const uint index = next_node(stack);
+    ++stack->node;
     global BvhNode* node = &nodes[index];
     store_boxes(node, a.lo, a.hi, b.lo, b.hi);
-    const uint child0 = as_uint(a.lo.w), child1 = as_uint(b.lo.w), of_a = as_uint(a.hi.w), of_b = as_uint(b.hi.w);
     const uint height = min(1 + max(of_a >> 24, of_b >> 24), 255u);
-    const uint count = min((of_a & CLARAY_COUNT_LIMIT) + (of_b & CLARAY_COUNT_LIMIT), CLARAY_COUNT_LIMIT);
     const uint height_count = (height << 24) | count;
     vstore4((uint4)(child0, child1, CLARAY_NO_CHILD, height_count), 3, (global uint*)node);
     if (!is_leaf(child0)) nodes[child0].parent = index;
     if (!is_leaf(child1)) nodes[child1].parent = index;
-    Cluster merged = {lesser(a.lo, b.lo), greater(a.hi, b.hi)};
     merged.lo.w = as_float(index), merged.hi.w = as_float(height_count);
     return merged;
 }
@@ -130,7 +139,7 @@ static inline void merge_down(global BvhNode* nodes, Stack* stack, Search* searc
         for (uint i = 0; i < count; ++i) {
             const uint other = i ^ (search->least[i] & PAIR_INDEX);
             if ((mutual >> i & 1) == 0) list[left++] = list[i];
-            else if (i < other) list[left++] = merge_clusters(nodes, take_node(stack), list[i], list[other]);
+            else if (i < other) list[left++] = merge_clusters(nodes, stack, list[i], list[other]);
         }
         count = left;
     }
@@ -192,13 +201,14 @@ kernel void build_hploc_ranges(global const float* positions, global const uint*
         for (uint k = 0; k < count; ++k) clusters[piece.first + k] = as_uint(stack.list[piece.begin + k].lo.w);
         pieces[range * MAX_WAITING + i] = (uint2)(count, top ? end - 1 : stack.waiting[i + 1].first - 1);
     }
+    for (uint node = stack.node; node < end; ++node) store_free_node(&nodes[node]);  // until they are joined
     finish_streaming();
     piece_counts[range] = (uint2)(stack.depth, stack.node - begin);
 }
 
 static inline Cluster load_cluster(global const BvhNode* nodes, global const LeafTriangle* leaves, uint child) {
     const Box box = box_of_child(nodes, leaves, child);
-    const uint height_count = is_leaf(child) ? 1 : nodes[child].height_count;
+    const uint height_count = is_leaf(child) ? CLARAY_LEAF_COUNT(child) : nodes[child].height_count;
     const Cluster cluster = {(float4)(box.lo, as_float(child)), (float4)(box.hi, as_float(height_count))};
     return cluster;
 }

@@ -25,10 +25,6 @@ typedef struct Subtree {
     uint held[LEAF_LIMIT];  // the leaves that hold them
 } Subtree;
 
-static inline uint leaf_reference(uint count, uint slot) {
-    return CLARAY_LEAF | ((count - 1) << CLARAY_LEAF_COUNT_SHIFT) | slot;
-}
-
 static inline uint nodes_below(global const Subtree* subtrees, uint child) {
     return is_leaf(child) ? 0 : subtrees[child].nodes;
 }

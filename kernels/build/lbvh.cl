@@ -55,6 +55,13 @@ static inline void join_record(Climber* c, local const Records* records, uint it
     if (is_left) c->last = records->end[item];
     else c->first = records->end[item];
     c->box = box_union(mine, other);
+    const uint leaf = is_left ? joined_leaf(mine, child, other, other_child) : joined_leaf(other, other_child, mine, child);
+    if (leaf != CLARAY_NO_CHILD) {
+        c->child = leaf;
+        look_up(c, codes, valid);
+        store_free_node(&nodes[index]);
+        return;
+    }
     c->height = 1 + max(c->height, records->height[item]);
     c->child = index;
     look_up(c, codes, valid);
@@ -95,7 +102,17 @@ static inline void climb(Climber* c, volatile global uint* arrivals, global cons
 
         if (c->is_left) c->last = other_end;
         else c->first = other_end;
-        c->box = box_union(c->box, child_box(node, side ^ 1));
+        const Box other = child_box(node, side ^ 1);
+        const uint other_child = child_of(node, side ^ 1);
+        const uint leaf = side == 0 ? joined_leaf(c->box, c->child, other, other_child)
+                                    : joined_leaf(other, other_child, c->box, c->child);
+        c->box = box_union(c->box, other);
+        if (leaf != CLARAY_NO_CHILD) {
+            store_free_node(node);
+            c->child = leaf;
+            look_up(c, codes, valid);
+            continue;
+        }
         c->height = 1 + max(c->height, (uint)((global const uchar*)&node->height_count)[side ^ 1]);
         c->child = c->parent;
         look_up(c, codes, valid);

@@ -10,6 +10,13 @@ typedef struct Subtree {
 static inline Subtree join(global BvhNode* nodes, Subtree a, Subtree b, uint last) {
     const uint index = b.first - 1;
     global BvhNode* node = &nodes[index];
+    const Box box0 = {a.lo.xyz, a.hi.xyz}, box1 = {b.lo.xyz, b.hi.xyz};
+    const uint leaf = joined_leaf(box0, a.child, box1, b.child);
+    if (leaf != CLARAY_NO_CHILD) {
+        store_free_node(node);
+        const Subtree joined = {lesser(a.lo, b.lo), greater(a.hi, b.hi), leaf, a.first, 0, a.left};
+        return joined;
+    }
     store_boxes(node, a.lo, a.hi, b.lo, b.hi);
     const uint height = 1 + max(a.height, b.height);
     node->child0 = a.child, node->child1 = b.child;

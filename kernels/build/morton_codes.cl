@@ -14,6 +14,6 @@ kernel void compute_morton_codes(global const float* positions, global const uin
     }
     const Box box = box_of(triangle);
     const float3 offset = box.lo + box.hi - (float3)(header->lox, header->loy, header->loz);
-    codes[i] = MORTON(grid_cell(offset.x, header->scale_x), grid_cell(offset.y, header->scale_y),
-                      grid_cell(offset.z, header->scale_z));
+    codes[i] = MORTON(grid_cell(offset.x, header->scale), grid_cell(offset.y, header->scale),
+                      grid_cell(offset.z, header->scale));
 }

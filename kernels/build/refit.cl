@@ -26,7 +26,7 @@ kernel void refit_nodes(global const float* positions, global const uint* indice
     const uint start = get_global_id(0);
     if (header->inner_nodes == 0 && start == 0 && header->valid != 0)
         store_header_box(header, refit_leaves(positions, indices, leaves, header->root));
-    if (start >= header->inner_nodes) return;
+    if (start >= header->inner_nodes || is_free_node(&nodes[start])) return;
     uint ready = 0;
     for (uint side = 0; side < 2; ++side) {
         const uint child = child_of(&nodes[start], side);

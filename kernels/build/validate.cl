@@ -6,9 +6,9 @@ static inline bool contains(Box outer, Box inner) {
     return all(outer.lo <= inner.lo) && all(inner.hi <= outer.hi);
 }
 
-static inline bool child_in_range(uint child, global const BvhHeader* header) {
+static inline bool child_in_range(global const BvhNode* nodes, uint child, global const BvhHeader* header) {
     if (is_leaf(child)) return (child & CLARAY_SLOT) + CLARAY_LEAF_COUNT(child) <= header->valid;
-    return child < header->inner_nodes;
+    return child < header->inner_nodes && !is_free_node(&nodes[child]);
 }
 
 static inline bool overlap(Box a, Box b) { return all(a.lo <= b.hi) && all(b.lo <= a.hi); }
@@ -42,11 +42,11 @@ kernel void validate_nodes(global const BvhNode* nodes, global const LeafTriangl
         for (uint i = 0; i < header->valid; ++i)
             see_leaf(&leaves[i], box_of(leaf_triangle(&leaves[i])), triangles, seen, failures);
     }
-    if (index >= inner) return;
+    if (index >= inner || is_free_node(&nodes[index])) return;
     for (uint side = 0; side < 2; ++side) {
         const uint child = child_of(&nodes[index], side);
         const Box box = child_box(&nodes[index], side);
-        if (!child_in_range(child, header)) {
+        if (!child_in_range(nodes, child, header)) {
             atomic_inc(&failures[1]);
         } else if (is_leaf(child)) {
             for (uint i = 0; i < CLARAY_LEAF_COUNT(child); ++i)
@@ -66,7 +66,7 @@ static inline bool reaches(global const BvhNode* nodes, global const LeafTriangl
     stack[depth++] = header->root;
     while (depth != 0) {
         const uint current = stack[--depth];
-        if (!child_in_range(current, header) || depth + 2 > 2 * CLARAY_MAX_HEIGHT) return false;
+        if (!child_in_range(nodes, current, header) || depth + 2 > 2 * CLARAY_MAX_HEIGHT) return false;
         if (is_leaf(current)) {
             for (uint i = 0; i < CLARAY_LEAF_COUNT(current); ++i)
                 if (leaves[(current & CLARAY_SLOT) + i].primitive == primitive) return true;
@@ -118,6 +118,7 @@ kernel void sum_areas(global const BvhNode* nodes, global const BvhHeader* heade
     const uint item = get_global_id(0), inner = header->inner_nodes;
     float of_nodes = 0.0f, of_leaves = 0.0f;
     for (uint i = item; i < inner; i += get_global_size(0)) {
+        if (is_free_node(&nodes[i])) continue;
         of_nodes += half_area(box_union(child_box(&nodes[i], 0), child_box(&nodes[i], 1)));
         for (uint side = 0; side < 2; ++side)
             if (is_leaf(child_of(&nodes[i], side)))

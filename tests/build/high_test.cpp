@@ -148,7 +148,9 @@ TEST(High, SplitsWhatNoPlaneParts) {
 TEST(High, GivesBetterTrees) {
     const auto cost = [](const Bvh& bvh) { return bvh.statistics().sah_cost; };
     const Mesh mesh = hall(20'000);
-    const double balanced = cost(build(mesh, 63, Layout::binary, Builder::balanced));
+    const double balanced =
+        cost(Bvh::build(device(), std::span(&mesh, 1),
+                        {.builder = Builder::balanced, .layout = Layout::binary, .max_leaf_triangles = 1}));
     const double split = cost(build_high(mesh, 0.5, 0)), moved = cost(build_high(mesh, 0.0, 8));
     EXPECT_LT(split, 0.97 * balanced);
     EXPECT_LT(moved, 0.97 * balanced);
@@ -292,48 +294,6 @@ TEST_P(HighOnLayout, RefitAndRebuild) {
 
 INSTANTIATE_TEST_SUITE_P(Layouts, HighOnLayout, testing::Values(Layout::binary, Layout::wide),
                          [](const auto& layout) { return layout.param == Layout::binary ? "Binary" : "Wide"; });
-
-class HighWithLeaves : public testing::TestWithParam<unsigned> {};
-
-TEST_P(HighWithLeaves, AreTheSameTriangles) {
-    Bvh::Config config;
-    config.builder = Builder::high;
-    config.layout = Layout::binary;
-    config.max_leaf_triangles = GetParam();
-    for (const std::size_t count : {0u, 1u, 2u, 3u, 5u, 9u, 2000u}) {
-        const Mesh mesh = count < 10 ? soup(count, 0.3f, count) : hall(count);
-        Bvh bvh = Bvh::build(device(), std::span(&mesh, 1), config);
-        SCOPED_TRACE(testing::Message() << mesh.triangles.size() << " triangles");
-        expect_valid(bvh);
-        std::size_t most = 0;
-        const std::vector<BvhNode> nodes = bvh.nodes().read();
-        for (std::uint32_t i = 0; i < bvh.header().inner_nodes; ++i)
-            for (const std::uint32_t child : {nodes[i].child0, nodes[i].child1})
-                if (child & CLARAY_LEAF) most = std::max<std::size_t>(most, CLARAY_LEAF_COUNT(child));
-        EXPECT_LE(most, GetParam());
-        if (count == 2000) {
-            EXPECT_GT(most, 1u);
-        }
-        const double cost = bvh.statistics().sah_cost;
-        config.max_leaf_triangles = 1;
-        EXPECT_LE(cost, 1.00001 * Bvh::build(device(), std::span(&mesh, 1), config).statistics().sah_cost);
-        config.max_leaf_triangles = GetParam();
-
-        const std::vector<Ray> rays = random_rays(3001, 4.f, 1.f, 5);
-        const std::vector<Hit> expected = closest_hit(bvh, rays, brute_force);
-        for (const bool refitted : {false, true}) {
-            if (refitted) bvh.refit();
-            if (refitted) expect_valid(bvh);
-            const std::vector<Hit> hits = closest_hit(bvh, rays);
-            for (std::size_t i = 0; i < rays.size(); ++i) {
-                ASSERT_EQ(hits[i].primitive, expected[i].primitive) << "ray " << i;
-                ASSERT_EQ(hits[i].t, expected[i].t);
-            }
-        }
-    }
-}
-
-INSTANTIATE_TEST_SUITE_P(Leaves, HighWithLeaves, testing::Values(2u, 3u, 4u));
 
 TEST(High, RefusesOtherLeavesAndBudgets) {
     const Mesh mesh = grid(2);

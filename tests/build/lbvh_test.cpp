@@ -55,7 +55,7 @@ TEST(Bvh, TakesAnyNumberOfEqualTriangles) {
     for (const unsigned bits : {30u, 63u}) {
         const Bvh bvh = build(mesh, bits);
         expect_valid(bvh);
-        EXPECT_EQ(bvh.header().height, 14u);  // balanced by index: ceil(log2 10000)
+        EXPECT_EQ(bvh.header().height, 12u);  // balanced by index, to leaves of four: ceil(log2 10000) - 2
     }
 }
 
@@ -132,11 +132,12 @@ TEST(Bvh, SahCostEqualsTheHosts) {
     double cost = 0;
     const std::vector<BvhNode> nodes = bvh.nodes().read();
     for (const BvhNode& n : std::span(nodes).first(header.valid - 1)) {
+        if (n.child0 == CLARAY_NO_CHILD) continue;  // a number that is free
         const glm::dvec3 lo0(n.lo0x, n.lo0y, n.lo0z), hi0(n.hi0x, n.hi0y, n.hi0z), lo1(n.lo1x, n.lo1y, n.lo1z),
             hi1(n.hi1x, n.hi1y, n.hi1z);
         cost += half_area(glm::max(hi0, hi1) - glm::min(lo0, lo1));
-        if (n.child0 & CLARAY_LEAF) cost += half_area(hi0 - lo0);
-        if (n.child1 & CLARAY_LEAF) cost += half_area(hi1 - lo1);
+        if (n.child0 & CLARAY_LEAF) cost += half_area(hi0 - lo0) * CLARAY_LEAF_COUNT(n.child0);
+        if (n.child1 & CLARAY_LEAF) cost += half_area(hi1 - lo1) * CLARAY_LEAF_COUNT(n.child1);
     }
     cost /= half_area({header.hix - header.lox, header.hiy - header.loy, header.hiz - header.loz});
     EXPECT_NEAR(bvh.statistics().sah_cost / cost, 1.0, 1e-5);
@@ -155,13 +156,33 @@ TEST(Bvh, LeavesFollowTheMortonCurve) {
         const std::uint32_t child = stack.back();
         stack.pop_back();
         if (child & CLARAY_LEAF) {
-            ASSERT_EQ(child & CLARAY_SLOT, next++);
+            ASSERT_EQ(child & CLARAY_SLOT, next);
+            next += CLARAY_LEAF_COUNT(child);
             continue;
         }
         stack.push_back(nodes[child].child1);
         stack.push_back(nodes[child].child0);
     }
     EXPECT_EQ(next, 2000u);
+}
+
+/// Cells are cubes: what is a hundred times as wide as high is split along, not across, for twelve levels and more.
+TEST(Bvh, SplitsFlatScenesAlong) {
+    Mesh mesh = soup(20'000, 1e-4f, 3);
+    for (glm::vec3& position : mesh.positions) position.x *= 100.f, position.y *= 100.f;
+    const Bvh bvh = build(mesh);
+    const std::vector<BvhNode> nodes = bvh.nodes().read();
+    std::vector<std::pair<std::uint32_t, int>> stack = {{bvh.header().root, 0}};
+    while (!stack.empty()) {
+        const auto [child, level] = stack.back();
+        stack.pop_back();
+        if ((child & CLARAY_LEAF) != 0 || level == 12) continue;
+        const BvhNode& n = nodes[child];
+        const float apart =
+            std::max(std::max(n.lo1x - n.hi0x, n.lo0x - n.hi1x), std::max(n.lo1y - n.hi0y, n.lo0y - n.hi1y));
+        ASSERT_GT(apart, -0.05f) << "level " << level;
+        stack.insert(stack.end(), {{n.child0, level + 1}, {n.child1, level + 1}});
+    }
 }
 
 /// Node i splits between leaves i and i + 1, and no other place in its range has a higher differing bit.
@@ -176,7 +197,8 @@ TEST(Bvh, SplitsWhereTheHighestBitDiffers) {
         const auto [child, first, last] = stack.back();
         stack.pop_back();
         if (child & CLARAY_LEAF) {
-            ASSERT_EQ(first, last);
+            ASSERT_EQ(child & CLARAY_SLOT, first);
+            ASSERT_EQ(first + CLARAY_LEAF_COUNT(child) - 1, last);
             continue;
         }
         ASSERT_LE(first, child);

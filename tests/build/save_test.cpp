@@ -68,7 +68,10 @@ TEST_F(Save, ComesBackAsItWas) {
                     bvh.save(path());
                     const Bvh loaded = Bvh::load(device(), path(), to);
                     EXPECT_EQ(loaded.layout(), to);
-                    expect_same(bvh, loaded);
+                    // A wide tree, which forms leaves of its own, is built anew from a binary one whose leaves hold
+                    // several.
+                    const bool anew = from == Layout::binary && to == Layout::wide;
+                    expect_same(anew ? build(soup(777, 0.2f, 5), bits, to, builder) : bvh, loaded);
                 }
 }
 
@@ -184,8 +187,8 @@ TEST_F(Save, OtherVersionsAndByteOrdersAreNamed) {
         std::memcpy(bytes.data() + at, &word, 4);
         return bytes;
     };
-    EXPECT_TRUE(refused(with_word(8, 2), "it has format 2, this claray reads format 1; use a newer claray"));
-    EXPECT_TRUE(refused(with_word(8, 0), "it has format 0, this claray reads format 1; build the structure anew"));
+    EXPECT_TRUE(refused(with_word(8, 3), "it has format 3, this claray reads format 2; use a newer claray"));
+    EXPECT_TRUE(refused(with_word(8, 1), "it has format 1, this claray reads format 2; build the structure anew"));
     EXPECT_TRUE(refused(with_word(12, 0x04030201), "another byte order"));
 }
 

@@ -58,7 +58,7 @@ const Field fields[] = {
     FIELD(BvhHeader, root),
     FIELD(BvhHeader, culled),
     FIELD(BvhHeader, wide_nodes),
-    FIELD(BvhHeader, scale_z),
+    FIELD(BvhHeader, scale),
     FIELD(Instance, row2),
     FIELD(Instance, bottom),
     FIELD(Instance, id),

@@ -21,7 +21,7 @@ CLARAY_SHARED_BEGIN
 
 /// Inner node of the binary tree: the boxes of both children, so that one 64-byte line decides where to go (Aila and
 /// Laine 2009). Node i splits the sorted leaves between i and i + 1 (Apetrei 2014), so numbering is the same
-/// everywhere.
+/// everywhere. A number between the leaves that share a reference is free: its children are CLARAY_NO_CHILD.
 typedef struct BvhNode {
     float lo0x, hi0x, lo0y, hi0y;
     float lo1x, hi1x, lo1y, hi1y;
@@ -79,8 +79,9 @@ typedef struct BvhHeader {
     uint culled;                         // triangles left out: not finite, huge, or without area
     uint height;                         // levels of inner nodes below and including the root
     uint wide_nodes, wide_blocks;        // of the wide tree, where there is one
-    float scale_x, scale_y, scale_z;     // cells of the Morton grid per unit of length
-    uint inner_nodes;                    // of the binary tree
+    float scale;                         // cells of the Morton grid per unit of length
+    uint inner_nodes;                    // of the binary tree, numbers that are free counted
+    uint unused0, unused1;
 } BvhHeader;
 CLARAY_LAYOUT(BvhHeader, 64)
 
