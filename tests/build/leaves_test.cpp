@@ -46,6 +46,36 @@ Mesh squares_and_soup(std::size_t count) {
     return mesh;
 }
 
+/// Stacks of six equal triangles, and others with a spike between any two of them. All centroids of a stack are the
+/// same, so that codes are, and leaves keep this order.
+Mesh stacks(std::size_t count) {
+    Mesh mesh;
+    const auto add = [&](glm::vec3 center, glm::vec3 half) {
+        const auto base = std::uint32_t(mesh.positions.size());
+        mesh.positions.insert(mesh.positions.end(),
+                              {center + half * glm::vec3(-1, -1, -1), center + half * glm::vec3(1, -1, -1),
+                               center + half * glm::vec3(0, 1, 1)});
+        mesh.triangles.emplace_back(base, base + 1, base + 2);
+    };
+    for (std::size_t stack = 0; stack < count; ++stack) {
+        const glm::vec3 center = 4.f * glm::vec3(float(stack % 8), float(stack / 8 % 8), float(stack / 64));
+        for (int i = 0; i < 6; ++i) {
+            add(center, glm::vec3(1.f, 1.f, 1.f / 64));
+            if (stack % 2 == 0) add(center, glm::vec3(1.f / 64, 1.f / 64, 1.f));
+        }
+    }
+    return mesh;
+}
+
+TEST_P(Leaves, OfStacksAreLargeAndWithoutWhatLiesBetween) {
+    const Bvh bvh = with_limit(stacks(96), std::get<1>(GetParam()));
+    expect_valid(bvh);
+    const std::vector<std::uint32_t> sizes = leaf_sizes(bvh);
+    const std::uint32_t most = *std::max_element(sizes.begin(), sizes.end());
+    EXPECT_LE(most, std::get<1>(GetParam()));
+    EXPECT_GT(most, std::get<1>(GetParam()) / 2);  // pairs of leaves are joined, halves are made
+}
+
 TEST_P(Leaves, HoldTheSameTrianglesAndNoMoreThanTheLimit) {
     const unsigned limit = std::get<1>(GetParam());
     for (const std::size_t count : {0u, 1u, 2u, 3u, 5u, 9u, 1000u}) {
