@@ -1,6 +1,7 @@
 // Example 1: compute with your own structs. Every element sums 0 + 1 + ... + (n - 1), on the host and on every device;
 // the table shows what that costs for several numbers of elements and work-group sizes.
 //   example_01_compute [ELEMENTS]
+#include <algorithm>
 #include <chrono>
 #include <claray/program.hpp>
 #include <cstdio>
@@ -73,7 +74,7 @@ void sum_on_device(const claray::Device& device, std::size_t count, std::size_t 
 }  // namespace
 
 int main(int argc, char** argv) try {
-    const auto most = std::size_t(argc > 1 ? std::atoll(argv[1]) : 1'000'000);
+    const auto most = std::size_t(argc > 1 ? std::max(0LL, std::atoll(argv[1])) : 1'000'000);
     std::printf("%-40s %9s %6s %13s\n", "device", "elements", "group", "time");
     for (const std::size_t count : {most / 100, most / 10, most}) {
         sum_on_host(count);

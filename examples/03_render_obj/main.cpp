@@ -66,6 +66,7 @@ int main(int argc, char** argv) try {
         claray::write_file("table.obj", table_obj);
     }
 
+    claray::check_writable(output);  // before time is spent
     claray::Warnings warnings;
     claray::Scene scene = claray::load_obj(input, warnings);
     for (const std::string& warning : warnings) std::fprintf(stderr, "warning: %s\n", warning.c_str());

@@ -115,10 +115,10 @@ void check_courant(float courant) {
 }  // namespace
 
 int main(int argc, char** argv) try {
-    const unsigned frames = argc > 1 ? unsigned(std::atoi(argv[1])) : 90;
-    const unsigned side = argc > 2 ? std::max(8u, unsigned(std::atoi(argv[2]))) : 256;
+    const unsigned frames = argc > 1 ? unsigned(std::max(0, std::atoi(argv[1]))) : 90;
+    const unsigned side = argc > 2 ? unsigned(std::clamp(std::atoi(argv[2]), 8, 4096)) : 256;
     const float courant = argc > 3 ? float(std::atof(argv[3])) : 0.7f;
-    const unsigned steps = argc > 4 ? unsigned(std::atoi(argv[4])) : 3;
+    const unsigned steps = argc > 4 ? unsigned(std::max(0, std::atoi(argv[4]))) : 3;
     check_courant(courant);
 
     const claray::Device device = claray::Device::open();

@@ -69,8 +69,8 @@ std::vector<claray::Mesh> in_unit_cube(std::vector<claray::Mesh> meshes) {
 }  // namespace
 
 int main(int argc, char** argv) try {
-    const unsigned frames = argc > 1 ? unsigned(std::atoi(argv[1])) : 30;
-    const unsigned side = argc > 2 ? std::max(1u, unsigned(std::atoi(argv[2]))) : 60;
+    const unsigned frames = argc > 1 ? unsigned(std::max(0, std::atoi(argv[1]))) : 30;
+    const unsigned side = argc > 2 ? unsigned(std::clamp(std::atoi(argv[2]), 1, 4096)) : 60;
     const claray::Device device = claray::Device::open();
 
     // The bottom levels: the structures that are placed.

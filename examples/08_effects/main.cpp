@@ -2,6 +2,7 @@
 // all of them. Each render would compile kernels for just its scene; here all share the generic ones, which know every
 // effect, so that the sheet is quickly there. What is in which picture is printed.
 //   example_08_effects [OUTPUT.png [SPP [WIDTH]]]      WIDTH of one picture in pixels
+#include <algorithm>
 #include <claray/claray.hpp>
 #include <claray/io.hpp>
 #include <cstdio>
@@ -26,8 +27,9 @@ void place(claray::Image& sheet, const claray::Image& picture, unsigned i) {
 int main(int argc, char** argv) try {
     const char* output = argc > 1 ? argv[1] : "effects.png";
     claray::RenderConfig config;
-    config.spp = argc > 2 ? unsigned(std::atoi(argv[2])) : 64;
-    config.width = argc > 3 ? unsigned(std::atoi(argv[3])) : 240;
+    config.spp = argc > 2 ? unsigned(std::max(1, std::atoi(argv[2]))) : 64;
+    config.width = argc > 3 ? unsigned(std::clamp(std::atoi(argv[3]), 2, 2048)) : 240;
+    claray::check_writable(output);  // before time is spent
     config.height = config.width * 3 / 4;
     config.effects.add = claray::full_effects();
 

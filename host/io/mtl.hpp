@@ -49,8 +49,11 @@ private:
     std::vector<std::string> in_texels_;  ///< materials whose height is measured in texels
 };
 
-/// The text of an MTL with the numbers that -o, -s, -t and -mm may leave out filled in: tinyobjloader would take the
-/// image's name for the next number.
+/// The text of an MTL with the numbers filled in that may be left out: of -o, -s, -t and -mm, where tinyobjloader would
+/// take the image's name for the next one, and of colours, which are grey where there is one.
 [[nodiscard]] std::string with_all_option_numbers(const std::string& mtl);
+
+/// Warns of every line of an MTL that gives a material what is no finite number, which tinyobjloader takes for 0.
+void warn_of_numbers(const std::string& mtl, const std::string& name, Warnings& warnings);
 
 }  // namespace claray

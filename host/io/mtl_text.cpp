@@ -1,8 +1,11 @@
+#include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <span>
 #include <sstream>
 
 #include "host/io/mtl.hpp"
+#include "host/io/obj_words.hpp"
 
 namespace claray {
 namespace {
@@ -24,6 +27,22 @@ constexpr Option options[] = {{"-o", 3, "0"}, {"-s", 3, "1"}, {"-t", 3, "0"}, {"
 
 bool names_an_image(const std::string& key) {
     return key.rfind("map_", 0) == 0 || key == "bump" || key == "norm" || key == "disp" || key == "refl";
+}
+
+constexpr std::string_view colors[] = {"Ka", "Kd", "Ks", "Ke", "Tf", "Kt"};
+constexpr std::string_view values[] = {"Ns", "Ni", "d",  "Tr",  "illum", "Pr",
+                                       "Pm", "Ps", "Pc", "Pcr", "aniso", "anisor"};
+
+bool is_among(std::span<const std::string_view> keys, const std::string& key) {
+    return std::find(keys.begin(), keys.end(), key) != keys.end();
+}
+
+/// "Kd 1" is grey, as the format has it; the parser would make it red.
+std::string with_three_numbers(const std::string& line) {
+    std::istringstream in(line);
+    std::string key, number, more;
+    if (!(in >> key >> number) || in >> more || !is_among(colors, key) || !is_number(number)) return line;
+    return key + " " + number + " " + number + " " + number;
 }
 
 /// The words of a line, as long as they are options; the rest, a name that may hold blanks, is left as it is.
@@ -67,9 +86,25 @@ std::string with_all_option_numbers(const std::string& mtl) {
     std::istringstream lines(mtl);
     while (std::getline(lines, line)) {
         while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back()))) line.pop_back();
-        result += padded(line) + "\n";
+        result += padded(with_three_numbers(line)) + "\n";
     }
     return result;
+}
+
+void warn_of_numbers(const std::string& mtl, const std::string& name, Warnings& warnings) {
+    std::istringstream lines(mtl);
+    std::string line, key;
+    for (std::size_t number = 1; std::getline(lines, line); ++number) {
+        std::string_view rest = line;
+        key = next_word(rest);
+        if (!is_among(colors, key) && !is_among(values, key)) continue;
+        std::string_view word = next_word(rest);
+        if (word == "-halo") word = next_word(rest);
+        while (is_finite_number(word)) word = next_word(rest);
+        if (!word.empty())
+            warnings.push_back(name + " line " + std::to_string(number) + ": " + quoted(word) +
+                               " is no number that a material can have: it counts as 0");
+    }
 }
 
 }  // namespace claray

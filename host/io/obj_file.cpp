@@ -74,13 +74,6 @@ std::string_view trim(std::string_view text) {
     return text.substr(begin, text.find_last_not_of(" \t\r\n") - begin + 1);
 }
 
-/// A word of a file that may hold anything, fit for one line of a message.
-std::string quoted(std::string_view word) {
-    std::string text = "'";
-    for (const char c : word.substr(0, 40)) text += c >= ' ' && c != 0x7f ? c : '?';
-    return text + (word.size() > 40 ? "...'" : "'");
-}
-
 /// Reads the MTL files that the OBJ names, from the OBJ's folder.
 class MtlReader : public tinyobj::MaterialReader {
 public:
@@ -118,7 +111,9 @@ private:
     }
 
     void load(const std::string& name, std::vector<tinyobj::material_t>& materials, std::map<std::string, int>& map) {
-        std::istringstream text(with_all_option_numbers(read_file(folder_ / name, "check its permissions")));
+        const std::string mtl = read_file(folder_ / name, "check its permissions");
+        warn_of_numbers(mtl, name, warnings_);
+        std::istringstream text(with_all_option_numbers(mtl));
         std::string remarks, errors;
         tinyobj::LoadMtl(&map, &materials, &text, &remarks, &errors);
         folders_.resize(materials.size(), (folder_ / name).parent_path());

@@ -39,6 +39,12 @@ std::string_view next_word(std::string_view& line) {
     return word.starts_with('#') ? line = {} : word;
 }
 
+std::string quoted(std::string_view word) {
+    std::string text = "'";
+    for (const char c : word.substr(0, 40)) text += c >= ' ' && c != 0x7f ? c : '?';
+    return text + (word.size() > 40 ? "...'" : "'");
+}
+
 bool is_finite_number(std::string_view word) {
     constexpr std::ptrdiff_t longest_exponent = 8;  // digits; the parser gives up where it does not fit an int
     const char *const end = word.data() + word.size(), *const begin = skip_sign(word.data(), end);

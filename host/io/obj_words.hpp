@@ -2,12 +2,16 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace claray {
 
 /// The next word of a line, which loses it; empty at the end of the line and where a comment begins.
 [[nodiscard]] std::string_view next_word(std::string_view& line);
+
+/// A word of a file that may hold anything, fit for one line of a message.
+[[nodiscard]] std::string quoted(std::string_view word);
 
 /// "1", "-.5", "2.e-3".
 [[nodiscard]] bool is_finite_number(std::string_view word);

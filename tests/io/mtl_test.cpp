@@ -50,6 +50,21 @@ TEST_F(Mtl, DiffuseIsLambert) {
     EXPECT_EQ(warned("a"), warned("no material emits light")) << warnings.at(0);
 }
 
+TEST_F(Mtl, WhatIsNoNumberIsAWarningThatNamesTheLine) {
+    EXPECT_EQ(load("Ka 1 1 1\nKd 0.5 x 0.5").albedo, glm::vec3(0.5f, 0.f, 0.5f));
+    EXPECT_EQ(warned("m.mtl line 3: 'x' is no number that a material can have: it counts as 0"), 1u);
+    for (const std::string line : {"Ni nan", "Pr inf", "Ns", "illum two", "Tf spectral a.rfl", "d 0,5", "Ke 1 1 0x1"}) {
+        warnings.clear();
+        load(line);
+        EXPECT_EQ(warned("m.mtl line 2: "), line == "Ns" ? 0u : 1u) << line;
+    }
+    warnings.clear();
+    load("Kd 1 .5 1e-3 # pale\nNs +20.\nd -halo 0.5\nillum 2\nother x\nTr 0");
+    EXPECT_EQ(warned("is no number"), 0u);
+}
+
+TEST_F(Mtl, OneNumberIsGrey) { EXPECT_EQ(load("Kd 0.25").albedo, glm::vec3(0.25f)); }
+
 TEST_F(Mtl, EmissionLightsTheSceneWithoutSky) {
     const Scene scene = load("newmtl a\nKe 17 12 4\n", "usemtl a\nf 1 2 3\n");
     EXPECT_EQ(scene.materials.at(0).emission, glm::vec3(17.f, 12.f, 4.f));
