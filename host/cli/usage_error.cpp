@@ -21,7 +21,10 @@ std::string option_of(const CLI::ParseError& error) {
 }
 
 std::string what_is_wrong(const CLI::App& command, const CLI::ParseError& error) {
-    if (dynamic_cast<const CLI::ExtrasError*>(&error)) return unexpected(command);
+    // What is missing may be what a misspelt option was to give.
+    const bool missing = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
+    if (dynamic_cast<const CLI::ExtrasError*>(&error) || (missing && !command.remaining().empty()))
+        return unexpected(command);
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error))
         return option_of(error) + (std::string(error.what()).find("At Most") != std::string::npos
                                        ? " is given more than once"

@@ -74,6 +74,7 @@ TEST(OptionRules, MessagesNameTheChoicesAndTheRange) {
     says({"render", "cornell", "--bogus", "3"}, "there is no option '--bogus'; see claray render --help");
     says({"render", "cornell", "second", "third", "-o", "x.png"}, "'second' is one argument too many");
     says({"explain", "cornell", "--only", "sky", "--only", "glass"}, "--only is given more than once");
+    says({"render", "cornell", "-O", "x.png"}, "there is no option '-O'; see claray render --help");
     says({"--bogus"}, "there is no option '--bogus'; see claray --help");
     says({"render", "cornell", "-o", ""}, "--output has an empty value");
     says({"devices", "render"}, "'render' is one argument too many; see claray devices --help");
