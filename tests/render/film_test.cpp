@@ -135,6 +135,7 @@ double error_of(const std::vector<glm::vec3>& image, float truth) {
 
 /// The claim of docs/accuracy.md: the bound holds in more than 95 of 100 images, and the estimate is true on average.
 TEST(Film, ErrorIsTheDistanceFromTheTruth) {
+    double loosest_of_even = 0;
     for (const SyntheticImage& image : synthetic_images) {
         Random random(11);
         constexpr int trials = 200;
@@ -155,6 +156,10 @@ TEST(Film, ErrorIsTheDistanceFromTheTruth) {
         // times.
         EXPECT_NEAR(std::sqrt(estimated / actual), 1, image.name == std::string("fireflies") ? 0.2 : 0.1) << image.name;
         EXPECT_LT(loosest, 2.5) << image.name;
+        if (image.name == std::string("even noise")) loosest_of_even = loosest;
+        if (image.brightness > 1) {
+            EXPECT_NEAR(loosest, loosest_of_even, 0.1) << "what is even stays so in any unit";
+        }
     }
 }
 
