@@ -66,7 +66,9 @@ Bvh Bvh::build(const Device& device, const TriangleBuffers& triangles, const Con
 Bvh Bvh::build_by_host(const Device& device, std::span<const Mesh> meshes, const Config& with) {
     Config config = with;
     config.layout = Layout::binary, config.builder = Builder::fast;
-    return build_by_host(device, meshes, build_host_tree(meshes), config);
+    Bvh bvh = build_by_host(device, meshes, build_host_tree(meshes), config);
+    bvh.state_->small_kernels = true;
+    return bvh;
 }
 
 Bvh Bvh::build_by_host(const Device& device, std::span<const Mesh> meshes, const HostTree& tree, const Config& config) {
@@ -182,6 +184,7 @@ bool Bvh::has_cutouts() const { return state_->cutouts.allocated(); }
 
 Defines Bvh::defines() const {
     Defines defines = {{"CLARAY_WIDE", layout() == Layout::wide ? "1" : "0"}};
+    if (state_->small_kernels) defines.emplace_back("CLARAY_SMALL", "1");
     if (has_cutouts()) defines.emplace_back("CLARAY_CUTOUTS", "1");
     if (const unsigned entries = device().tuning("trace/traverse", "STACK"); entries != 0)
         defines.emplace_back("CLARAY_STACK", std::to_string(entries));

@@ -27,7 +27,8 @@ struct Bvh::State {
     TriangleBuffers triangles;
     Config config;
     Layout layout;
-    std::uint32_t count;  // triangles of the input, culled ones included
+    std::uint32_t count;         // triangles of the input, culled ones included
+    bool small_kernels = false;  // see CLARAY_SMALL in kernels/trace/closest_hit.clh
 
     double built_cost = 0;  // the cost before the first refit; 0: none since the last build
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "host/build/host_placement.hpp"
 #include "host/build/instances_state.hpp"
 
 namespace claray {
@@ -51,7 +52,7 @@ Instance make_instance(const glm::mat4& m, std::uint32_t bottom, std::uint32_t m
 }
 
 InstancedBvh::State::State(std::span<const Bvh> bottoms, const Buffer<Instance>& of, const Buffer<Instance>& to,
-                           const Config& with)
+                           const Config& with, bool by_host)
     : device((check_bottoms(bottoms), bottoms[0].device())), instances(of), ends(to), config(with) {
     const std::size_t count = of.size();
     if (to.allocated() && to.size() != count)
@@ -63,17 +64,28 @@ InstancedBvh::State::State(std::span<const Bvh> bottoms, const Buffer<Instance>&
     take_bottoms(bottoms);
     placed = Buffer<PlacedInstance>(device, count);
     widening = Buffer<float>(device, 1);
+    if (by_host) return;
     boxes.positions = Buffer<float>(device, 9 * count);
     boxes.indices = Buffer<std::uint32_t>(device, 3 * count);
     load_kernel(device, "build/instances.cl", "number_corners")
         .run({3 * count, 256}, boxes.indices, std::uint32_t(3 * count));
-    place_ = load_kernel(device, "build/instances.cl", "place_instances");
     place();
-    top = Bvh::build(device, boxes,
-                     {.builder = config.builder,
-                      .morton_bits = config.morton_bits,
-                      .layout = Layout::binary,
-                      .max_leaf_triangles = 1});  // each in a leaf of its own
+    top = Bvh::build(device, boxes, top_config());
+}
+
+Bvh::Config InstancedBvh::State::top_config() const {
+    return {.builder = config.builder,
+            .morton_bits = config.morton_bits,
+            .layout = Layout::binary,
+            .max_leaf_triangles = 1};  // each in a leaf of its own
+}
+
+void InstancedBvh::State::build_by_host(std::span<const Instance> begins, std::span<const Instance> motion_ends) {
+    const HostPlacement placement = place_by_host(begins, motion_ends, headers.read());
+    placed.write(placement.placed);
+    widening.write(std::span(&placement.widening, 1));
+    top = Bvh::build_by_host(device, std::span(&placement.boxes, 1), top_config());
+    boxes = top->triangles();
 }
 
 void InstancedBvh::State::take_bottoms(std::span<const Bvh> bottoms) {
@@ -131,6 +143,7 @@ void InstancedBvh::State::copy_bottoms(std::span<const Bvh> bottoms) {
 }
 
 void InstancedBvh::State::place() {
+    if (!place_.handle()()) place_ = load_kernel(device, "build/instances.cl", "place_instances");
     widening.fill(0);
     const std::size_t count = instances.size();
     place_.run({count, group}, instances, ends, std::uint32_t(count), headers, std::uint32_t(ranges.size()), placed,
@@ -160,6 +173,21 @@ InstancedBvh InstancedBvh::build(std::span<const Bvh> bottoms, std::span<const I
     check_bottoms(bottoms);
     const Device& device = bottoms[0].device();
     return build(bottoms, Buffer<Instance>(device, instances), Buffer<Instance>(device, ends), config);
+}
+
+InstancedBvh InstancedBvh::build_by_host(std::span<const Bvh> bottoms, std::span<const Instance> instances,
+                                         std::span<const Instance> ends, const Config& config) {
+    check_bottoms(bottoms);
+    const Device& device = bottoms[0].device();
+    if (!device.info().fp64)
+        throw Error(ErrorKind::usage,
+                    "instances placed by the host for a device without float64, which rounds otherwise",
+                    "use InstancedBvh::build");
+    const Buffer<Instance> end_buffer = ends.empty() ? Buffer<Instance>() : Buffer<Instance>(device, ends);
+    InstancedBvh bvh;
+    bvh.state_ = std::make_shared<State>(bottoms, Buffer<Instance>(device, instances), end_buffer, config, true);
+    bvh.state_->build_by_host(instances, ends);
+    return bvh;
 }
 
 void InstancedBvh::rebuild() {

@@ -8,10 +8,13 @@
 namespace claray {
 
 struct InstancedBvh::State {
-    State(std::span<const Bvh> bottoms, const Buffer<Instance>& of, const Buffer<Instance>& to, const Config& with);
+    /// `by_host`: the top level is not built yet.
+    State(std::span<const Bvh> bottoms, const Buffer<Instance>& of, const Buffer<Instance>& to, const Config& with,
+          bool by_host = false);
 
     void take_bottoms(std::span<const Bvh> bottoms);
     void place();
+    void build_by_host(std::span<const Instance> begins, std::span<const Instance> motion_ends);
     void bind_bottoms(Kernel& kernel, unsigned& index) const;
 
     Device device;
@@ -37,6 +40,7 @@ struct InstancedBvh::State {
     std::optional<Bvh> top;
 
 private:
+    [[nodiscard]] Bvh::Config top_config() const;
     void copy_bottoms(std::span<const Bvh> bottoms);
 
     Kernel place_;

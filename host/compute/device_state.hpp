@@ -19,10 +19,11 @@ struct Device::State {
     cl::Context context;
     cl::CommandQueue queue;
     Profiler profiler;
-    bool store_programs = true;                   // in the cache on disk; PoCL compiles them a second time for that
-    std::map<std::string, cl::Program> programs;  // by file, options and, for a user's source, its text
+    bool store_programs = true;                      // in the cache on disk; PoCL compiles them a second time for that
+    std::map<std::string, cl::Program> programs;     // by file, options and, for a user's source, its text
+    std::vector<std::string> slow_programs;          // keys of those that are there for a quick start only
     std::vector<KernelRequest>* requests = nullptr;  // where set, kernels are not loaded but noted down
-    MemoryPlan* plan = nullptr;                   // where set, buffers are not made but added up
+    MemoryPlan* plan = nullptr;                      // where set, buffers are not made but added up
     std::shared_ptr<std::atomic<std::uint64_t>> in_use = std::make_shared<std::atomic<std::uint64_t>>(0);  // bytes
     unsigned failing_allocation = 0, failing_command = 0;  // for tests: see host/compute/memory.hpp
     std::map<std::string, unsigned> tuning;                // "kernel parameter" -> value, as resolved for this device

@@ -26,7 +26,11 @@ struct JointSource {
 [[nodiscard]] JointSource join(const std::vector<KernelRequest>& requests);
 
 /// Compiles what `load` will ask load_kernel for, so far as it can be joined; `load_kernel` then finds it compiled.
-/// `load` is called and gets kernels that can't run. Where the joint program doesn't compile, nothing happens.
-void compile_jointly(const Device& device, const std::function<void()>& load);
+/// `load` is called and gets kernels that can't run. Where the joint program doesn't compile, nothing happens. What is
+/// not `optimized` takes little more than half as long to compile, and several times as long to run.
+void compile_jointly(const Device& device, const std::function<void()>& load, bool optimized = true);
+
+/// load_kernel finds no program any more that was not optimized. Kernels that were loaded stay as they are.
+void forget_slow_programs(const Device& device);
 
 }  // namespace claray

@@ -282,18 +282,27 @@ std::vector<KernelRequest> requests_of(const Device& device, const std::function
 
 }  // namespace
 
-void compile_jointly(const Device& device, const std::function<void()>& load) {
+void compile_jointly(const Device& device, const std::function<void()>& load, bool optimized) {
     const JointSource joint = join(requests_of(device, load));
     if (joint.members.size() < 2) return;
     try {
-        const cl::Program program = timed_compile(device, joint.source, build_options(device, {}, Math::strict));
+        const std::string joint_options = build_options(device, {}, Math::strict);
+        const cl::Program program =
+            timed_compile(device, joint.source, joint_options + (optimized ? "" : " -cl-opt-disable"));
         for (const KernelRequest& member : joint.members) {
             const std::string options = build_options(device, member.defines, Math::strict);
-            device.state().programs.emplace(key_in_memory(kernel_source(member.file), options, false), program);
+            const std::string key = key_in_memory(kernel_source(member.file), options, false);
+            const bool is_new = device.state().programs.emplace(key, program).second;
+            if (is_new && !optimized) device.state().slow_programs.push_back(key);
         }
     } catch (const Error&) {
         return;  // each is then compiled for itself, and says what is wrong
     }
+}
+
+void forget_slow_programs(const Device& device) {
+    for (const std::string& key : device.state().slow_programs) device.state().programs.erase(key);
+    device.state().slow_programs.clear();
 }
 
 Kernel compile_kernel(const Device& device, const std::string& source, const std::string& function,

@@ -18,6 +18,9 @@ public:
         Kernel accumulate, resolve, noise;
     };
 
+    /// Goes on with kernels that are loaded anew.
+    void reload_kernels() { kernels_ = Kernels(device_); }
+
     /// Adds the radiance (3 floats a path) of a batch; enqueued.
     void accumulate(const Batch& batch, const Buffer<float>& radiance);
     /// Forgets all samples; enqueued.

@@ -35,7 +35,9 @@ std::string key_of(const Device& device, const KernelChoice& choice, const Rende
                    const std::string& part) {
     const DeviceInfo& info = device.info();
     const bool lit = !(choice.effects & sampled_lights).empty();
-    const EffectSet effects = part == "all" ? choice.effects : effects_of_stage(choice.effects, Stage::trace);
+    const EffectSet structure = choice.effects & EffectSet{Effect::instances, Effect::instance_motion};
+    const EffectSet effects =
+        part == "all" ? choice.effects : structure | effects_of_stage(choice.effects, Stage::trace);
     std::string all = "renderer " + part + (lit ? " with shadows\n" : "\n") + info.platform + '\n' + info.name + '\n' +
                       info.driver + '\n' + info.version + '\n';
     for (const KernelSource& source : kernel_sources()) all += source.path + '\n' + source.text + '\n';
@@ -70,13 +72,12 @@ KernelPlan plan_kernels(const Device& device, EffectSet effects, const RenderCon
     const KernelChoice own = {(effects | config.effects.add) - (config.effects.remove & aids),
                               tuned_layout(device, config.bvh.layout)};
     KernelPlan plan{KernelStart::own, own, own};
-    // The generic and the quick kernels are those of scenes without instances.
-    if (effects.has(Effect::instances)) return plan;
     if (config.compiler.empty() || are_cached(device, own, config)) return plan;
     const KernelChoice generic = {full_effects(), own.layout};
     const KernelChoice quick = {own.effects, config.bvh.layout == Layout::automatic ? Layout::binary : own.layout};
     const bool can_trace = load_cached_program(key_of(device, own, config, "trace")).has_value();
-    if (generic != own && are_cached(device, generic, config))
+    const bool instances = effects.has(Effect::instances);  // the generic kernels do without
+    if (!instances && generic != own && are_cached(device, generic, config))
         plan.start = KernelStart::generic, plan.first = generic;
     else if (quick != own && !can_trace)
         plan.start = KernelStart::quick, plan.first = quick;

@@ -1,5 +1,6 @@
 #include "claray/renderer.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <ctime>
@@ -29,6 +30,8 @@ constexpr unsigned spp_that_see_light = 2048;
 constexpr double seconds_between_reports = 0.2;
 constexpr std::size_t batches_in_flight = 2;
 constexpr std::size_t most_triangles_by_host = 1u << 20;
+constexpr std::ptrdiff_t most_effects_to_optimize = 16;  // in quick kernels: PoCL takes two seconds for these
+constexpr std::uint32_t quick_first_paths = 2048;        // of the batch that the first pixel waits for
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
@@ -136,13 +139,16 @@ private:
     std::optional<Clock::time_point> before_;  // when the batch before was seen to end
 };
 
-/// Programs that are compiled in its lifetime are not stored.
-class Unstored {
+/// Programs that are compiled in its lifetime are not stored on disk, nor kept in memory where they are slow.
+class QuickStart {
 public:
-    explicit Unstored(const Device& device) : device_(device) { device_.state().store_programs = false; }
-    ~Unstored() { device_.state().store_programs = true; }
-    Unstored(const Unstored&) = delete;
-    Unstored& operator=(const Unstored&) = delete;
+    explicit QuickStart(const Device& device) : device_(device) { device_.state().store_programs = false; }
+    ~QuickStart() {
+        device_.state().store_programs = true;
+        forget_slow_programs(device_);
+    }
+    QuickStart(const QuickStart&) = delete;
+    QuickStart& operator=(const QuickStart&) = delete;
 
 private:
     Device device_;
@@ -153,13 +159,29 @@ Bvh::Config with_layout(Bvh::Config config, Layout layout) {
     return config;
 }
 
-/// The quick kernels' tree comes from the host, unless that would take longer than compiling the builder.
+std::ptrdiff_t number_of(EffectSet effects) {
+    const std::span<const Effect> all = all_effects();
+    return std::count_if(all.begin(), all.end(), [&](Effect effect) { return effects.has(effect); });
+}
+
+/// Whether the host can build what is to be traced first, and would not take longer than compiling the builder.
+bool host_builds(const Device& device, const Scene& scene) {
+    std::size_t triangles = scene.instances.size();
+    for (const Mesh& mesh : scene.meshes) triangles += mesh.triangles.size();
+    return triangles <= most_triangles_by_host && (scene.instances.empty() || device.info().fp64);
+}
+
+/// A tree of trees gives way to another one only where the host built it.
+KernelPlan plan_for(const Device& device, const Scene& scene, EffectSet effects, const RenderConfig& config) {
+    KernelPlan plan = plan_kernels(device, effects, config);
+    if (scene.instances.empty() || host_builds(device, scene)) return plan;
+    return {KernelStart::own, plan.last, plan.last};
+}
+
 Structure first_structure(const Device& device, const Scene& scene, std::size_t baked, const KernelPlan& plan,
                           const Bvh::Config& config) {
-    std::size_t triangles = 0;
-    for (const Mesh& mesh : scene.meshes) triangles += mesh.triangles.size();
-    if (plan.start == KernelStart::quick && plan.first.layout == Layout::binary && triangles <= most_triangles_by_host)
-        return Structure::by_host(device, scene, config);
+    if (plan.start == KernelStart::quick && plan.first.layout == Layout::binary && host_builds(device, scene))
+        return Structure::by_host(device, scene, baked, config);
     return {device, scene, baked, with_layout(config, plan.first.layout)};
 }
 
@@ -173,8 +195,8 @@ struct Renderer::State {
           numbers(std::move(of)),
           config(checked(with)),
           set_up(Clock::now()),
-          plan(plan_kernels(on, exactly ? *exactly : effects_of(checked(scene)), with)),
-          unstored(plan.start == KernelStart::quick ? std::make_unique<Unstored>(on) : nullptr),
+          plan(plan_for(on, scene, exactly ? *exactly : effects_of(checked(scene)), with)),
+          quick_start(plan.start == KernelStart::quick ? std::make_unique<QuickStart>(on) : nullptr),
           milliseconds_before(kernel_milliseconds(on)),
           structure(first_structure(on, scene, baked, plan, with.bvh)),
           build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
@@ -182,12 +204,13 @@ struct Renderer::State {
           wavefront(on, buffers, frame_data(scene, buffers, with), first_kernels(), std::uint64_t(pixels()) * with.spp),
           film(on, pixels(), films_of(with)),
           schedule(new_schedule()),
-          pace(on.tuning("render/wavefront", "FIRST_PATHS"), wavefront.capacity()) {
+          pace(first_paths(), wavefront.capacity()) {
         for (const char* name : {trace_camera_name, trace_bounce_name, trace_shadow_name})
             before[name] = device.profiler().milliseconds(name);
     }
 
     [[nodiscard]] WavefrontKernels first_kernels() const;
+    [[nodiscard]] std::uint32_t first_paths() const;
     void first_pixel();
     void take_over_when_compiled();
     void adopt(const Structure& other);
@@ -211,7 +234,7 @@ struct Renderer::State {
     unsigned most_spp = config.spp;
     Clock::time_point set_up;
     KernelPlan plan;
-    std::unique_ptr<Unstored> unstored;  // until the first pixel is there
+    std::unique_ptr<QuickStart> quick_start;  // until the first pixel is there
     double set_up_processor = processor_seconds();
     double first_pixel_seconds = 0, first_pixel_processor_seconds = 0;
     std::uint32_t culled = 0;
@@ -238,11 +261,19 @@ struct Renderer::State {
 WavefrontKernels Renderer::State::first_kernels() const {
     const auto load = [this] { return WavefrontKernels(buffers, config.sampler, plan.first.effects); };
     if (plan.start == KernelStart::quick)
-        compile_jointly(device, [&] {
-            (void)load();
-            (void)Film::Kernels(device);
-        });
+        compile_jointly(
+            device,
+            [&] {
+                (void)load();
+                (void)Film::Kernels(device);
+            },
+            number_of(plan.first.effects) <= most_effects_to_optimize);
     return load();
+}
+
+std::uint32_t Renderer::State::first_paths() const {
+    const std::uint32_t tuned = device.tuning("render/wavefront", "FIRST_PATHS");
+    return plan.start == KernelStart::quick ? std::min(tuned, quick_first_paths) : tuned;
 }
 
 /// What measuring takes is not what the batches take that are under way.
@@ -306,7 +337,7 @@ void Renderer::State::first_pixel() {
     first_pixel_seconds = seconds_since(set_up);
     first_pixel_processor_seconds = processor_seconds() - set_up_processor;
     culled = structure.culled();
-    unstored.reset();
+    quick_start.reset();
     own_kernels = plan.first == plan.last;
     if (own_kernels)
         remember_as_cached(device, plan.last, config);
@@ -328,6 +359,7 @@ void Renderer::State::adopt(const Structure& other) {
     structure.set_cutouts(buffers.textures.cutouts());
     buffers.structure = structure;
     wavefront.take_over(structure, WavefrontKernels(buffers, config.sampler, plan.last.effects));
+    film.reload_kernels();
 }
 
 /// Drivers compile or load kernels when they are first run, which is no part of the time that samples have.

@@ -25,28 +25,37 @@ struct BottomLevels {
     std::vector<std::uint32_t> of_meshes;        // which of them holds a mesh
     std::vector<std::uint32_t> first_triangles;  // of each, among those of the scene
     std::vector<bool> empty;
-    BvhStatistics statistics;
+    BvhStatistics statistics;  // triangles of all, and the largest height
 };
 
+void add_to(BvhStatistics& all, const Bvh& bvh, const BvhHeader& header) {
+    const auto triangles = std::uint32_t(bvh.triangle_count()) - header.culled;
+    all.triangles += triangles;
+    all.culled += header.culled;
+    all.references += header.valid - triangles;
+    all.height = std::max(all.height, header.height);
+}
+
 /// One over all that is baked, and one for every other mesh.
-BottomLevels build_bottoms(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config) {
+template <class Build>
+BottomLevels build_bottoms(const Scene& scene, std::size_t baked, const Build& build) {
     BottomLevels levels;
     std::uint32_t triangles = 0;
     for (std::size_t i = 0; i < scene.meshes.size();) {
         const std::size_t count = i == 0 && baked > 0 ? baked : 1;
-        const Bvh bvh = Bvh::build(device, std::span(scene.meshes).subspan(i, count), config);
-        const BvhStatistics statistics = bvh.statistics();
-        levels.statistics.triangles += statistics.triangles;
-        levels.statistics.culled += statistics.culled;
-        levels.statistics.references += statistics.references;
-        levels.statistics.height = std::max(levels.statistics.height, statistics.height);
         levels.of_meshes.resize(i + count, std::uint32_t(levels.bvhs.size()));
         levels.first_triangles.push_back(triangles);
-        levels.empty.push_back(statistics.triangles == 0);
-        levels.bvhs.push_back(bvh);
+        levels.bvhs.push_back(build(std::span(scene.meshes).subspan(i, count)));
+        const BvhHeader header = levels.bvhs.back().header();
+        add_to(levels.statistics, levels.bvhs.back(), header);
+        levels.empty.push_back(header.valid == 0);
         for (std::size_t end = i + count; i < end; ++i) triangles += std::uint32_t(scene.meshes[i].triangles.size());
     }
     return levels;
+}
+
+InstancedBvh::Config config_of_top(const Bvh::Config& config) {
+    return {.builder = Builder::balanced, .morton_bits = config.morton_bits};
 }
 
 bool shines(const Scene& scene, const Mesh& mesh) {
@@ -76,23 +85,30 @@ std::vector<std::uint32_t> first_light_numbers(const Scene& scene) {
 
 Structure::Structure(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config) {
     if (!scene.instances.empty()) {
-        build_instances(device, scene, baked, config);
+        build_instances(device, scene, baked, config, false);
         return;
     }
     bvh_ = Bvh::build(device, scene.meshes, config);
     triangles_ = bvh_.triangles();
 }
 
-Structure Structure::by_host(const Device& device, const Scene& scene, const Bvh::Config& config) {
+Structure Structure::by_host(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config) {
     Structure structure;
+    if (!scene.instances.empty()) {
+        structure.build_instances(device, scene, baked, config, true);
+        return structure;
+    }
     structure.bvh_ = Bvh::build_by_host(device, scene.meshes, config);
     structure.triangles_ = structure.bvh_.triangles();
     return structure;
 }
 
-void Structure::build_instances(const Device& device, const Scene& scene, std::size_t baked,
-                                const Bvh::Config& config) {
-    BottomLevels levels = build_bottoms(device, scene, baked, config);
+void Structure::build_instances(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config,
+                                bool by_host) {
+    const BottomLevels levels = build_bottoms(scene, baked, [&](std::span<const Mesh> meshes) {
+        return by_host ? Bvh::build_by_host(device, meshes, config) : Bvh::build(device, meshes, config);
+    });
+    bottoms_ = levels.statistics;
     const std::vector<std::uint32_t> lights = first_light_numbers(scene);
     std::vector<Instance> begins, ends;
     bool any_moves = false;
@@ -107,27 +123,47 @@ void Structure::build_instances(const Device& device, const Scene& scene, std::s
         any_moves = any_moves || claray::moves(instance);
         empty += levels.empty[bottom];
     }
-    const InstancedBvh::Config top{.builder = Builder::balanced, .morton_bits = config.morton_bits};
-    instanced_ =
-        any_moves ? InstancedBvh::build(levels.bvhs, begins, ends, top) : InstancedBvh::build(levels.bvhs, begins, top);
-    const InstanceStatistics statistics = instanced_->statistics();
-    if (statistics.culled > empty)
+    if (!any_moves) ends.clear();
+    const InstancedBvh::Config top = config_of_top(config);
+    if (by_host)
+        instanced_ = InstancedBvh::build_by_host(levels.bvhs, begins, ends, top);
+    else
+        instanced_ = any_moves ? InstancedBvh::build(levels.bvhs, begins, ends, top)
+                               : InstancedBvh::build(levels.bvhs, begins, top);
+    const std::uint32_t culled = instanced_->top().header().culled;
+    if (culled > empty)
         throw Error(ErrorKind::user,
-                    std::to_string(statistics.culled - empty) + " of " + std::to_string(begins.size()) +
+                    std::to_string(culled - empty) + " of " + std::to_string(begins.size()) +
                         " instances can't be placed: their transforms, or those on the way, can't be inverted",
                     "use other scales than 0, and less than half a turn of motion");
     triangles_ = levels.bvhs.size() == 1 ? levels.bvhs[0].triangles() : upload_all(device, scene);
-    statistics_ = levels.statistics;
-    statistics_.height += statistics.height;
-    statistics_.sah_cost = statistics.sah_cost;
-    statistics_.bytes = statistics.top_bytes + statistics.bottom_bytes;
+    if (by_host) by_host_ = levels.bvhs;
 }
 
 Structure Structure::rebuilt(const Bvh::Config& config) const {
     Structure other;
-    other.bvh_ = Bvh::build(device(), triangles_, config);
     other.triangles_ = triangles_;
+    if (!instanced_) {
+        other.bvh_ = Bvh::build(device(), triangles_, config);
+        return other;
+    }
+    std::vector<Bvh> bottoms;
+    for (const Bvh& bvh : by_host_) {
+        bottoms.push_back(Bvh::build(device(), bvh.triangles(), config));
+        add_to(other.bottoms_, bottoms.back(), bottoms.back().header());
+    }
+    other.instanced_ = InstancedBvh::build(bottoms, instanced_->instances(), instanced_->ends(), config_of_top(config));
     return other;
+}
+
+BvhStatistics Structure::statistics() const {
+    if (!instanced_) return bvh_.statistics();
+    BvhStatistics statistics = bottoms_;
+    const InstanceStatistics top = instanced_->statistics();
+    statistics.height += top.height;
+    statistics.sah_cost = top.sah_cost;
+    statistics.bytes = top.top_bytes + top.bottom_bytes;
+    return statistics;
 }
 
 const Device& Structure::device() const { return instanced_ ? instanced_->device() : bvh_.device(); }

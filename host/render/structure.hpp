@@ -20,10 +20,11 @@ public:
     /// `baked` as in PlacedScene. Throws ErrorKind::user where an instance can't be placed.
     Structure(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config);
 
-    /// Of a scene without instances; see Bvh::build_by_host.
-    [[nodiscard]] static Structure by_host(const Device& device, const Scene& scene, const Bvh::Config& config);
+    /// See Bvh::build_by_host and InstancedBvh::build_by_host.
+    [[nodiscard]] static Structure by_host(const Device& device, const Scene& scene, std::size_t baked,
+                                           const Bvh::Config& config);
 
-    /// One tree built anew in another way.
+    /// The same built anew in another way, by the device: one tree, or a tree of trees that the host built.
     [[nodiscard]] Structure rebuilt(const Bvh::Config& config) const;
 
     [[nodiscard]] const Device& device() const;
@@ -32,25 +33,29 @@ public:
     [[nodiscard]] const Bvh& bvh() const { return bvh_; }
     [[nodiscard]] const std::optional<InstancedBvh>& instanced() const { return instanced_; }
     /// See Bvh::set_cutouts.
-    void set_cutouts(const Buffer<std::uint32_t>& store) { instanced_ ? instanced_->set_cutouts(store) : bvh_.set_cutouts(store); }
+    void set_cutouts(const Buffer<std::uint32_t>& store) {
+        instanced_ ? instanced_->set_cutouts(store) : bvh_.set_cutouts(store);
+    }
     [[nodiscard]] bool moves() const { return instanced_ && instanced_->ends().allocated(); }
     /// Of one tree; of a tree of trees: triangles and bytes of all, the height that a ray descends at most, and the
     /// top level's cost. Blocks.
-    [[nodiscard]] BvhStatistics statistics() const { return instanced_ ? statistics_ : bvh_.statistics(); }
+    [[nodiscard]] BvhStatistics statistics() const;
     /// Triangles left out.
-    [[nodiscard]] std::uint32_t culled() const { return instanced_ ? statistics_.culled : bvh_.header().culled; }
+    [[nodiscard]] std::uint32_t culled() const { return instanced_ ? bottoms_.culled : bvh_.header().culled; }
     /// Macros of kernels that read hits.
     [[nodiscard]] Defines defines() const;
     /// Binds INSTANCE_PARAMETERS of shade/instance.clh.
     void bind(Kernel& kernel, unsigned& index) const;
 
 private:
-    void build_instances(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config);
+    void build_instances(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config,
+                         bool by_host);
 
     Bvh bvh_;
     std::optional<InstancedBvh> instanced_;
+    std::vector<Bvh> by_host_;  // its bottom levels, if the host built them
     TriangleBuffers triangles_;
-    BvhStatistics statistics_;  // of a tree of trees
+    BvhStatistics bottoms_;  // of all bottom levels: triangles and the largest height
 };
 
 /// Hits of either kind.

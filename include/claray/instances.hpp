@@ -57,6 +57,11 @@ public:
     [[nodiscard]] static InstancedBvh build(std::span<const Bvh> bottoms, const Buffer<Instance>& instances,
                                             const Buffer<Instance>& ends, const Config& config);
 
+    /// As Bvh::build_by_host: places instances and builds the top level without compiling a kernel. Without `ends`
+    /// nothing moves. Throws ErrorKind::usage on a device without float64, whose placements would have other bits.
+    [[nodiscard]] static InstancedBvh build_by_host(std::span<const Bvh> bottoms, std::span<const Instance> instances,
+                                                    std::span<const Instance> ends, const Config& config);
+
     /// Builds the top level anew, in the same memory, after `instances()` or `ends()` has changed. With Builder::fast
     /// all of it is enqueued and nothing waits for the device.
     void rebuild();

@@ -174,9 +174,9 @@ static inline RayCone scattered_cone(RayCone cone, float distance, float pdf) {
 
 /// Works on the hit of one ray: radiance is added at once, rays to be traced are returned. `shading_normals` (a path each)
 /// goes from one surface to the next where there is a tree of lights.
-static inline void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PARAMETERS, Ray ray, SceneHit found, float time,
-                             PathState state, RayCone cone, global float* radiance, global float* shading_normals, NextRay* next,
-                             NextShadow* shadow) {
+static CLARAY_OUTLINED void shade_hit(Batch batch, FrameData frame, uint depth, SCENE_PARAMETERS, Ray ray, SceneHit found,
+                                      float time, PathState state, RayCone cone, global float* radiance,
+                                      global float* shading_normals, NextRay* next, NextShadow* shadow) {
     next->wanted = shadow->wanted = false;
     Lights lights = make_lights(frame.lights, LIGHT_BUFFERS);
 #if LAMP_IMAGES

@@ -65,6 +65,35 @@ TEST(JointProgram, CompilesOnceAndServesThoseWhoAsk) {
     EXPECT_EQ(worked_off.read()[0], 0u);
 }
 
+TEST(JointProgram, IsForgottenWhereItIsSlow) {
+    const TemporaryFolder folder;
+    const ScopedEnvironment empty("CLARAY_CACHE_DIR", folder.path().string());
+    const auto advance = [&](const char* value) {
+        return load_kernel(device(), "render/advance_queues.cl", "advance_queues", {{"CLARAY_TEST", value}});
+    };
+    for (const bool optimized : {true, false}) {
+        const char* value = optimized ? "78" : "79";
+        compile_jointly(
+            device(),
+            [&] {
+                (void)advance(value);
+                (void)load_kernel(device(), "render/add_light.cl", "add_light", {{"CLARAY_TEST", value}});
+            },
+            optimized);
+        const unsigned before = compile_statistics().compiled;
+        Kernel kernel = advance(value);
+        EXPECT_EQ(compile_statistics().compiled, before);
+        forget_slow_programs(device());
+        (void)advance(value);
+        EXPECT_EQ(compile_statistics().compiled, before + (optimized ? 0 : 1));
+        const Buffer<std::uint32_t> worked_off(device(), std::vector<std::uint32_t>{7}),
+            next(device(), std::vector<std::uint32_t>{5}), shadow(device(), std::vector<std::uint32_t>{3});
+        const Buffer<std::uint64_t> totals(device(), std::vector<std::uint64_t>{10, 20});
+        kernel.run({1, 0}, worked_off, next, shadow, totals);  // it is still there
+        EXPECT_EQ(totals.read(), (std::vector<std::uint64_t>{15, 23}));
+    }
+}
+
 TEST(JointProgram, LeavesErrorsToWhoAsksForTheKernel) {
     const Defines broken = {{"CLARAY_SHARED_PATH_H", "1"}};  // the header is taken for included
     const auto load = [&](const char* file, const char* function) {

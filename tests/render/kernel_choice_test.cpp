@@ -5,6 +5,7 @@
 
 #include <cstring>
 
+#include "host/compute/device_state.hpp"
 #include "tests/render/scenes.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/process.hpp"
@@ -66,6 +67,24 @@ TEST_F(KernelChoices, BeginWithWhatTheCacheHolds) {
     EXPECT_EQ(plan_kernels(device(), {Effect::mirror}, RenderConfig()).start, KernelStart::own);
 }
 
+TEST_F(KernelChoices, InstancesHaveKernelsOfTheirOwn) {
+    const EffectSet effects = effects_of(*builtin_scene("effect:instances"));
+    ASSERT_TRUE(effects.has(Effect::instances));
+    EffectSet without = effects;
+    without.remove(Effect::instances);
+    const KernelPlan plan = plan_kernels(device(), effects, config());
+    const bool has_quicker = plan.last.layout == Layout::wide;
+    const KernelStart begin = has_quicker ? KernelStart::quick : KernelStart::own;
+    const auto start = [&] { return plan_kernels(device(), effects, config()).start; };
+    EXPECT_EQ(start(), begin);
+    remember_as_cached(device(), {full_effects(), plan.last.layout}, config());
+    EXPECT_EQ(start(), begin) << "the generic kernels know no instances";
+    remember_as_cached(device(), {without, plan.last.layout}, config());
+    EXPECT_EQ(start(), begin) << "kernels that trace one tree are not cached for trees of trees";
+    remember_as_cached(device(), plan.last, config());
+    EXPECT_EQ(start(), KernelStart::own);
+}
+
 TEST_F(KernelChoices, GenericKernelsGiveWayWithoutASeam) {
     for (const char* name : {"cornell", "spheres"}) {
         const ScopedEnvironment empty("CLARAY_CACHE_DIR", (folder_ / name).string());
@@ -76,7 +95,7 @@ TEST_F(KernelChoices, GenericKernelsGiveWayWithoutASeam) {
 }
 
 TEST_F(KernelChoices, QuickKernelsGiveWayWithoutASeam) {
-    for (const char* name : {"cornell", "spheres"}) {
+    for (const char* name : {"cornell", "spheres", "effect:instances", "effect:instance-motion"}) {
         const ScopedEnvironment empty("CLARAY_CACHE_DIR", (folder_ / name).string());
         const Scene scene = *builtin_scene(name);
         if (own(scene).layout != Layout::wide) GTEST_SKIP() << "the device traverses the binary tree anyway";
@@ -95,6 +114,22 @@ TEST_F(KernelChoices, QuickKernelsAreOneProgramAndNeedNoBuilder) {
     renderer.render();
     EXPECT_EQ(compile_statistics().compiled, before + 1);
     EXPECT_GT(renderer.statistics().first_pixel_processor_seconds, 0);
+}
+
+TEST_F(KernelChoices, QuickKernelsOfManyEffectsAreNotOptimized) {
+    const Scene scene = *builtin_scene("effect:instances");
+    if (own(scene).layout != Layout::wide) GTEST_SKIP() << "the device traverses the binary tree anyway";
+    RenderConfig many = config(), few = config();
+    few.compiler.clear();
+    many.effects.add = full_effects();
+    Renderer renderer(device(), scene, many);  // has nothing to give way to
+    renderer.render();
+    EXPECT_EQ(renderer.statistics().start, KernelStart::quick);
+    EXPECT_FALSE(renderer.statistics().own_kernels);
+    EXPECT_TRUE(device().state().slow_programs.empty());
+    const std::vector<glm::vec3> slow = renderer.image(), image = render_image(scene, few);
+    ASSERT_EQ(slow.size(), image.size());
+    EXPECT_EQ(std::memcmp(slow.data(), image.data(), image.size() * sizeof image[0]), 0);
 }
 
 TEST(CompileKernels, MakesEveryKernelThatARenderNeeds) {

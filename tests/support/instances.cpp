@@ -34,6 +34,23 @@ std::vector<Instance> random_instances(std::size_t count, std::uint32_t bottoms,
     return instances;
 }
 
+std::vector<Instance> moved(std::span<const Instance> begins, float far, std::uint64_t seed) {
+    Random random(seed);
+    std::vector<Instance> ends(begins.begin(), begins.end());
+    for (Instance& end : ends) {
+        glm::mat4 m(1.f);
+        for (int k = 0; k < 4; ++k) m[k] = glm::vec4(end.row0[k], end.row1[k], end.row2[k], k == 3);
+        const glm::vec4 at = m[3] + glm::vec4(random.in_cube(far), 0.f);
+        m[3] = glm::vec4(0, 0, 0, 1);
+        glm::vec3 axis = random.in_cube(1.f) + glm::vec3(0.01f);
+        m = glm::rotate(glm::mat4(1.f), random.uniform(0.f, 0.8f), glm::normalize(axis)) *
+            glm::scale(glm::mat4(1.f), glm::vec3(random.uniform(0.7f, 1.4f))) * m;
+        m[3] = at;
+        end = make_instance(m, end.bottom, end.mask, end.id);
+    }
+    return ends;
+}
+
 bool same(const InstanceHit& a, const InstanceHit& b) {
     return a.t == b.t && a.u == b.u && a.v == b.v && a.primitive == b.primitive && a.geometry == b.geometry &&
            a.instance == b.instance;

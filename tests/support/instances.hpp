@@ -17,6 +17,9 @@ glm::mat4 random_rotation(Random& random);
 std::vector<Instance> random_instances(std::size_t count, std::uint32_t bottoms, float half, float scale,
                                        std::uint64_t seed);
 
+/// Where they go: up to an eighth of a turn, a stretch, and a way of up to `far`.
+std::vector<Instance> moved(std::span<const Instance> begins, float far, std::uint64_t seed);
+
 bool same(const InstanceHit& a, const InstanceHit& b);
 
 }  // namespace claray::test

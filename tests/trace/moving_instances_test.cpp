@@ -29,24 +29,6 @@ std::vector<InstanceHit> hits_at(const InstancedBvh& bvh, const std::vector<Ray>
     return closest_hit(bvh, rays, options);
 }
 
-/// Where random instances go: up to an eighth of a turn, a stretch, and a way of up to `far`.
-std::vector<Instance> moved(std::span<const Instance> begins, float far, std::uint64_t seed) {
-    Random random(seed);
-    std::vector<Instance> ends(begins.begin(), begins.end());
-    for (Instance& end : ends) {
-        glm::mat4 m(1.f);
-        for (int k = 0; k < 4; ++k) m[k] = glm::vec4(end.row0[k], end.row1[k], end.row2[k], k == 3);
-        const glm::vec4 at = m[3] + glm::vec4(random.in_cube(far), 0.f);
-        m[3] = glm::vec4(0, 0, 0, 1);
-        glm::vec3 axis = random.in_cube(1.f) + glm::vec3(0.01f);
-        m = glm::rotate(glm::mat4(1.f), random.uniform(0.f, 0.8f), glm::normalize(axis)) *
-            glm::scale(glm::mat4(1.f), glm::vec3(random.uniform(0.7f, 1.4f))) * m;
-        m[3] = at;
-        end = make_instance(m, end.bottom, end.mask, end.id);
-    }
-    return ends;
-}
-
 TEST_P(MovingInstances, HitsEqualTheOracleAtEveryTime) {
     const std::vector<Mesh> meshes = {soup(60, 0.5f, 3), sphere(1)};
     for (const std::size_t count : {1u, 2u, 3u, 101u}) {
