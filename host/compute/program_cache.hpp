@@ -30,7 +30,8 @@ private:
 std::optional<std::vector<unsigned char>> load_cached_program(const std::string& key);
 
 /// Stores a binary by temporary file and rename, so that readers and other writers never see half of one. Failure to
-/// store is not an error: the program is compiled again next time. Returns what failed, in words, or nothing. An empty binary only tries whether it can.
+/// store is not an error: the program is compiled again next time. Returns what failed, in words, or nothing. An empty
+/// binary only tries whether it can.
 std::string store_cached_program(const std::string& key, const std::vector<unsigned char>& binary);
 
 }  // namespace claray

@@ -69,8 +69,7 @@ const Row* row_of(Effect effect) {
 Effect effect_named(const std::string& name) {
     for (const Row& row : rows)
         if (name == row.name) return row.effect;
-    throw Error(ErrorKind::usage, "there is no effect '" + name + "'",
-                "there are: " + to_string(full_effects()));
+    throw Error(ErrorKind::usage, "there is no effect '" + name + "'", "there are: " + to_string(full_effects()));
 }
 
 }  // namespace
@@ -126,8 +125,7 @@ EffectOverrides parse_effect_overrides(const std::string& text) {
         (item[0] == '+' ? overrides.add : overrides.remove).add(effect_named(item.substr(1)));
     }
     if (!(overrides.add & overrides.remove).empty())
-        throw Error(ErrorKind::usage,
-                    "effects both added and removed: " + to_string(overrides.add & overrides.remove),
+        throw Error(ErrorKind::usage, "effects both added and removed: " + to_string(overrides.add & overrides.remove),
                     "write each effect once");
     return overrides;
 }
