@@ -62,10 +62,12 @@ TEST(Candidates, AreTheParametersOfTheTuningTable) {
                 << of.kernel << " " << of.parameter << " is not in kernels/tuning.txt";
             EXPECT_EQ(std::set<unsigned>(of.values.begin(), of.values.end()).size(), of.values.size());
         }
-        for (const auto& [name, value] : tuned)
+        for (const auto& [name, value] : tuned) {
+            if (name.starts_with("plan/model ")) continue;  // rates of the device, which claray tune measures
             EXPECT_EQ(tried.count(name), 1u)
                 << "add a row for " << name
                 << " to kernels/tuning_candidates.txt, with one value if it is not to be tried";
+        }
     }
 }
 
