@@ -49,8 +49,8 @@ struct RenderProgress {
     double seconds = 0;  ///< since the first sample was begun
     double noise = 0;    ///< standard error of luminance, root mean square over pixels, over the mean; 0: not yet known
     double error = 0;    ///< estimate of ImageError::rmse, where RenderConfig::error asks for it; 0: not yet known
-    double error_bound = 0;  ///< what it is less than, but for few renders: this is compared with RenderConfig::error
-    unsigned error_spp = 0;  ///< samples a pixel that there were when the error was asked for, between two passes
+    double error_bound = 0;    ///< what it is less than, but for few renders: this is compared with RenderConfig::error
+    unsigned error_spp = 0;    ///< samples a pixel that there were when the error was asked for, between two passes
     bool own_kernels = false;  ///< whether the scene's own kernels render by now (see RenderStatistics)
     std::uint64_t dropped_samples = 0;  ///< NaN, infinite or above 1e30, left out of the image
     std::uint32_t culled = 0;           ///< triangles left out: not finite, huge, or without area
@@ -106,9 +106,9 @@ public:
     Renderer(const Device& device, const Scene& scene, const RenderConfig& config);
 
     /// Adds samples until a target of the configuration is met. `progress` is called after the first batch of samples,
-    /// a few times a second, and when the error was asked for; it returns false to stop, which takes one batch; the image is then valid, some
-    /// pixels having more samples than others, and another call goes on where this one stopped. Returns what was
-    /// reached. A checkpoint that can't be written ends nothing: see RenderStatistics.
+    /// a few times a second, and when the error was asked for; it returns false to stop, which takes one batch; the
+    /// image is then valid, some pixels having more samples than others, and another call goes on where this one
+    /// stopped. Returns what was reached. A checkpoint that can't be written ends nothing: see RenderStatistics.
     RenderProgress render(const std::function<bool(const RenderProgress&)>& progress = {});
 
     /// Forgets all samples and begins anew with those of another seed, to another number of samples a pixel and
