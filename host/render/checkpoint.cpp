@@ -144,9 +144,9 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
     if (header.settings != identity.settings)
         file.refuse("it was rendered with another seed, depth, sampler or choice of effects", "give the same settings");
     if (header.more_films + 1 != identity.films)
-        file.refuse(
-            identity.films == 1 ? "it was rendered with --error, and has sums for it" : "it was rendered without --error",
-            identity.films == 1 ? "give --error, too" : "leave out --error, or render from the start");
+        file.refuse(identity.films == 1 ? "it was rendered with --error, and has sums for it"
+                                        : "it was rendered without --error",
+                    identity.films == 1 ? "give --error, too" : "leave out --error, or render from the start");
     if (header.kernels != identity.kernels)
         file.refuse("it was written by a claray with other kernels", "use that version, or render from the start");
     const Schedule::Position& at = header.position;
