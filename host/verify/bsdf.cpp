@@ -102,15 +102,18 @@ struct Grid {
     glm::dvec3 axis, side, other;
     bool above;
     std::vector<double> edges;  ///< angles from the axis
-    static constexpr int turns = 20, rings = 24;
+    static constexpr int turns = 20;
 
     Grid(const glm::dvec3& towards, double width) : axis(glm::normalize(towards)), above(axis.z > 0) {
         side = glm::normalize(glm::cross(axis, std::abs(axis.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
         other = glm::cross(axis, side);
         const double stretch = std::clamp(2.2 - 1.15 * std::log(width), 0.1, 12.0);  // first rings: width / 4
-        for (int i = 0; i <= rings; ++i) edges.push_back(pi * std::sinh(i * stretch / rings) / std::sinh(stretch));
+        for (int i = 0; i <= 24; ++i) edges.push_back(pi * std::sinh(i * stretch / 24) / std::sinh(stretch));
     }
-    static constexpr std::size_t size() { return std::size_t(rings) * turns; }
+    /// An edge where the density jumps: the midpoint rule does badly in a bin that straddles it.
+    void split_at(double angle) { edges.insert(std::upper_bound(edges.begin(), edges.end(), angle), angle); }
+    [[nodiscard]] int rings() const { return int(edges.size()) - 1; }
+    [[nodiscard]] std::size_t size() const { return std::size_t(rings()) * turns; }
     /// The bin that a direction lies in.
     [[nodiscard]] std::size_t bin(const glm::dvec3& d) const {
         const double x = glm::dot(d, side), y = glm::dot(d, other);
@@ -131,7 +134,7 @@ std::vector<double> expected_shares(const TestedMaterial& material, const glm::v
     std::vector<float> directions;
     std::vector<double> solid_angles;
     std::vector<std::size_t> bins;
-    for (int ring = 0; ring < Grid::rings; ++ring)
+    for (int ring = 0; ring < grid.rings(); ++ring)
         for (int turn = 0; turn < Grid::turns; ++turn)
             for (int i = 0; i < fine; ++i) {
                 const double width = (grid.edges[ring + 1] - grid.edges[ring]) / fine;
@@ -146,7 +149,7 @@ std::vector<double> expected_shares(const TestedMaterial& material, const glm::v
                 }
             }
     const std::vector<float> pdfs = material.evaluate(outgoing, directions).pdfs;
-    std::vector<double> shares(Grid::size());
+    std::vector<double> shares(grid.size());
     for (std::size_t i = 0; i < pdfs.size(); ++i) shares[bins[i]] += pdfs[i] * solid_angles[i];
     return shares;
 }
@@ -155,7 +158,8 @@ std::vector<double> expected_shares(const TestedMaterial& material, const glm::v
 /// delta function are in no bin.
 Agreement agreement(const TestedMaterial& material, const glm::vec3& outgoing, const std::vector<Grid>& grids,
                     std::uint32_t count) {
-    std::vector<std::vector<double>> observed(grids.size(), std::vector<double>(Grid::size()));
+    std::vector<std::vector<double>> observed;
+    for (const Grid& grid : grids) observed.emplace_back(grid.size());
     double valid = 0;
     for (const Sampled& s : material.draw(outgoing, count)) {
         if (!s.valid || s.pdf == 0) continue;
@@ -197,7 +201,11 @@ std::vector<Grid> grids_for(const Kind& kind, float roughness, const glm::vec3& 
         const glm::dvec3 through(-o.x / eta, -o.y / eta, -std::sqrt(std::max(below, 0.0)));
         grids.emplace_back(refracted ? through : glm::dvec3(0, 0, -1),
                            refracted ? width * (m.thin_walled ? 1 : std::abs(eta - 1) / 2) : 1);
+        // Light is refracted so by facets that stand upright: behind them there are none, and GGX ends at a jump.
+        if (!refracted && o.z < eta) grids[1].split_at(std::acos(o.z / eta));
     }
+    for (Grid& grid : grids)
+        if (std::abs(grid.axis.z) == 1) grid.split_at(pi / 2);
     return grids;
 }
 

@@ -7,6 +7,7 @@
 
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/process.hpp"
 
 namespace claray {
 
@@ -37,6 +38,18 @@ std::string test_name(const testing::TestParamInfo<VerifyCase>& info) {
     return name;
 }
 INSTANTIATE_TEST_SUITE_P(Cases, Verify, testing::ValuesIn(verify_cases()), test_name);
+
+/// What docs/numerics.md promises where hits are decided in float32.
+TEST(VerifyCases, NothingLeaksWithoutDoublePrecision) {
+    const ScopedEnvironment without("CLARAY_NO_FP64", "1");
+    const Device fresh = Device::open(std::to_string(device().info().index));
+    EXPECT_FALSE(fresh.info().fp64);
+    for (const char* name : {"edges", "vertices", "integer-edges", "fans", "closed-meshes"}) {
+        const VerifyResult result = run_verify_case(fresh, name, {.times = false});
+        EXPECT_TRUE(result.holds()) << name;
+        for (const std::string& failure : result.failures) ADD_FAILURE() << failure;
+    }
+}
 
 TEST(VerifyCases, HaveNamesOfTheirOwn) {
     std::set<std::string> names;

@@ -95,6 +95,23 @@ TEST_P(UnitKernelsOnLayout, BuildRefitAndTrace) {
         }
 }
 
+TEST_P(UnitKernelsOnLayout, TraceWithAShortStack) {
+    const Device device = open_device();
+    const std::vector<Ray> rays = rays_through_the_cube(65);
+    const Mesh mesh = soup(130);
+    const Bvh bvh = Bvh::build(device, {&mesh, 1}, {.layout = GetParam()});
+    QueryOptions brute_force;
+    brute_force.brute_force = true;
+    const auto expected = closest_hit(bvh, rays, brute_force);
+    device.set_tuning("trace/traverse", "STACK", 1);
+    const auto hits = closest_hit(bvh, rays);
+    const auto occluded = any_hit(bvh, rays);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        EXPECT_EQ(hits[i].primitive, expected[i].primitive);
+        EXPECT_EQ(occluded[i] != 0, expected[i].primitive != CLARAY_MISS);
+    }
+}
+
 /// Both builders by both schedules: every leaf climbs by itself, or one work-item joins a range.
 TEST(UnitKernels, BuildBySchedule) {
     const Device device = open_device();
