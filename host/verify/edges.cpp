@@ -121,13 +121,6 @@ Mesh random_closed_mesh(int levels, Random& random) {
     return mesh;
 }
 
-/// The same 1024 times as large, and so far from the origin that coordinates are sixteenths.
-void move_away(Mesh& mesh, std::vector<Ray>& rays) {
-    const glm::vec3 by(1e6f, -1e6f, 1e6f);
-    for (glm::vec3& p : mesh.positions) p = 1024.f * p + by;
-    for (Ray& r : rays) r.ox = 1024.f * r.ox + by.x, r.oy = 1024.f * r.oy + by.y, r.oz = 1024.f * r.oz + by.z;
-}
-
 struct Outcome {
     Tally missed, twice;
 };
@@ -183,7 +176,7 @@ void closed_meshes(Run& run) {
         for (const int levels : {0, 1, 2, 4, 6}) {
             if (!run.full() && levels > 4) continue;
             Random random(2000 * run.seed() + std::uint64_t(seed));
-            const Mesh mesh = random_closed_mesh(levels, random);
+            Mesh mesh = random_closed_mesh(levels, random);
             std::vector<Ray> rays;
             for (std::size_t i = 0; i < run.count<std::size_t>(8192, 65'536); ++i) {
                 const glm::uvec3 t = mesh.triangles[random.below(std::uint32_t(mesh.triangles.size()))];
@@ -192,7 +185,10 @@ void closed_meshes(Run& run) {
                 rays.push_back(make_ray(
                     origin, mesh.positions[t.x] + share * (mesh.positions[t.y] - mesh.positions[t.x]) - origin));
             }
-            trace_closed(run, mesh, rays, outcome, "a closed mesh of " + std::to_string(mesh.triangles.size()));
+            const std::string what = "a closed mesh of " + std::to_string(mesh.triangles.size());
+            trace_closed(run, mesh, rays, outcome, what);
+            move_away(mesh, rays);
+            trace_closed(run, mesh, rays, outcome, what + " at 1e6");
         }
     run.check("rays that leak", outcome.missed.tried, double(outcome.missed.wrong), 0, "rays");
     run.check("rays not claimed once", outcome.twice.tried, double(outcome.twice.wrong), 0, "rays");

@@ -85,4 +85,10 @@ std::vector<Ray> random_rays(std::size_t count, float radius, float half, std::u
     return rays;
 }
 
+void move_away(Mesh& mesh, std::vector<Ray>& rays) {
+    const glm::vec3 by(1e6f, -1e6f, 1e6f);
+    for (glm::vec3& p : mesh.positions) p = 1024.f * p + by;
+    for (Ray& r : rays) r.ox = 1024.f * r.ox + by.x, r.oy = 1024.f * r.oy + by.y, r.oz = 1024.f * r.oz + by.z;
+}
+
 }  // namespace claray::verify

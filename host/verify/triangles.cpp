@@ -73,22 +73,28 @@ void slivers(Run& run) {
         rays[i] = make_ray(origin, target - origin);
     }
     judge(run, mesh, rays, "");
+    move_away(mesh, rays);
+    judge(run, mesh, rays, "at 1e6");
 }
 
 void rays_in_planes(Run& run) {
-    const Mesh mesh = grid(16);
+    Mesh mesh = grid(16);
     Random random(run.seed() + 3);
     std::vector<Ray> rays;
     for (std::size_t i = 0; i < run.count<std::size_t>(20'000, 1'000'000); ++i) {
         const glm::vec2 from(random.uniform(-1, 2), random.uniform(-1, 2)), to(random.uniform(), random.uniform());
         rays.push_back(make_ray({from.x, from.y, 0.f}, {to.x - from.x, to.y - from.y, i % 2 ? 0.f : -0.f}));
     }
-    for (const auto& [layout, name] : layouts) {
-        Tally hit;
-        for (const Hit& h : closest_hit(Bvh::build(run.device(), std::span(&mesh, 1), {.layout = layout}), rays))
-            hit.add(h.primitive == CLARAY_MISS);
-        if (hit.wrong) run.failure("a hit in the plane: " + text_of(rays[hit.first]));
-        run.check(std::string("rays in the plane that hit, ") + name, rays.size(), double(hit.wrong), 0, "rays");
+    for (const char* const at : {"", " at 1e6"}) {
+        if (*at) move_away(mesh, rays);
+        for (const auto& [layout, name] : layouts) {
+            Tally hit;
+            for (const Hit& h : closest_hit(Bvh::build(run.device(), std::span(&mesh, 1), {.layout = layout}), rays))
+                hit.add(h.primitive == CLARAY_MISS);
+            if (hit.wrong) run.failure("a hit in the plane: " + text_of(rays[hit.first]));
+            run.check(std::string("rays in the plane that hit, ") + name + at, rays.size(), double(hit.wrong), 0,
+                      "rays");
+        }
     }
 }
 
@@ -139,13 +145,16 @@ void far_origins(Run& run) {
     }
 }
 
+namespace {
+
 /// Sheets so close together that float32 distances confuse their order: each ray must hit the one that is first.
-void close_surfaces(Run& run) {
+void close_surfaces(Run& run, float at, const std::string& where) {
     Mesh mesh;
+    const float step = std::nextafter(at, INFINITY) - at, size = at;  // of a sheet, a quarter
     for (int sheet = 0; sheet < 12; ++sheet) {
-        const float z = 1.f + float((7 * sheet) % 12) * 0x1p-23f;
+        const float z = at + float((7 * sheet) % 12) * step, a = 4 * size;
         const auto base = std::uint32_t(mesh.positions.size());
-        mesh.positions.insert(mesh.positions.end(), {{-4, -4, z}, {4, -4, z}, {4, 4, z}, {-4, 4, z}});
+        mesh.positions.insert(mesh.positions.end(), {{-a, -a, z}, {a, -a, z}, {a, a, z}, {-a, a, z}});
         mesh.triangles.emplace_back(base, base + 1, base + 2);
         mesh.triangles.emplace_back(base, base + 2, base + 3);
     }
@@ -154,7 +163,7 @@ void close_surfaces(Run& run) {
     for (std::size_t i = 0; i < run.count<std::size_t>(20'000, 1'000'000); ++i) {
         const glm::vec3 origin(random.uniform(-3, 3), random.uniform(-3, 3), i % 2 ? 0.f : 3.f);
         const glm::vec3 target(random.uniform(-3, 3), random.uniform(-3, 3), 1.f);
-        rays.push_back(make_ray(origin, target - origin));
+        rays.push_back(make_ray(size * origin, size * (target - origin)));
     }
     // Distances of neighbouring sheets may round to the same float: then the lower triangle, else the nearer one.
     const Oracle oracle(std::span(&mesh, 1));
@@ -165,42 +174,51 @@ void close_surfaces(Run& run) {
         for (std::size_t i = 0; i < rays.size(); ++i) {
             const bool right = hits[i].primitive != CLARAY_MISS && hits[i].t == float(expected[i].t);
             wrong.add(right);
-            if (!right && wrong.wrong == 1)
-                run.failure(std::string(name) + ", not the first sheet: " + text_of(rays[i]));
+            if (!right && wrong.wrong == 1) run.failure(name + where + ", not the first sheet: " + text_of(rays[i]));
         }
-        run.check(std::string("rays that hit a sheet behind the first, ") + name, rays.size(), double(wrong.wrong), 0,
-                  "rays");
+        run.check(std::string("rays that hit a sheet behind the first, ") + name + where, rays.size(),
+                  double(wrong.wrong), 0, "rays");
     }
+}
+
+}  // namespace
+
+void close_surfaces(Run& run) {
+    close_surfaces(run, 1.f, "");
+    close_surfaces(run, 1e6f, " at 1e6");
 }
 
 /// Copies of triangles, in any order behind the originals, are never reported.
 void duplicates(Run& run) {
-    const Mesh base = soup(200, 0.3f, run.seed() + 27);
-    const auto rays = random_rays(run.count<std::size_t>(2000, 10'000), 3.f, 1.f, run.seed() + 28);
+    Mesh base = soup(200, 0.3f, run.seed() + 27);
+    auto rays = random_rays(run.count<std::size_t>(2000, 10'000), 3.f, 1.f, run.seed() + 28);
     const int shuffles = run.count(20, 1000);
-    for (const auto& [layout, name] : layouts) {
-        const auto build = [&](const Mesh& m) {
-            return Bvh::build(run.device(), std::span(&m, 1), {.layout = layout});
-        };
-        const auto expected = closest_hit(build(base), rays);
-        Random random(run.seed() + 29);
-        Tally wrong;
-        for (int shuffle = 0; shuffle < shuffles; ++shuffle) {
-            Mesh copies = base;
-            for (int i = 0; i < 600; ++i) copies.triangles.push_back(base.triangles[random.below(200)]);
-            for (std::size_t i = copies.triangles.size() - 1; i > 200; --i)
-                std::swap(copies.triangles[i], copies.triangles[200 + random.below(std::uint32_t(i - 199))]);
-            compare_primitives(run, closest_hit(build(copies), rays), expected, rays, wrong, name);
+    for (const char* const at : {"", " at 1e6"}) {
+        if (*at) move_away(base, rays);
+        for (const auto& [layout, name] : layouts) {
+            const auto build = [&](const Mesh& m) {
+                return Bvh::build(run.device(), std::span(&m, 1), {.layout = layout});
+            };
+            const auto expected = closest_hit(build(base), rays);
+            Random random(run.seed() + 29);
+            Tally wrong;
+            for (int shuffle = 0; shuffle < shuffles; ++shuffle) {
+                Mesh copies = base;
+                for (int i = 0; i < 600; ++i) copies.triangles.push_back(base.triangles[random.below(200)]);
+                for (std::size_t i = copies.triangles.size() - 1; i > 200; --i)
+                    std::swap(copies.triangles[i], copies.triangles[200 + random.below(std::uint32_t(i - 199))]);
+                compare_primitives(run, closest_hit(build(copies), rays), expected, rays, wrong, name);
+            }
+            run.check(std::to_string(shuffles) + " shuffles: copies reported, " + name + at, wrong.tried,
+                      double(wrong.wrong), 0, "rays");
         }
-        run.check(std::to_string(shuffles) + " shuffles: copies reported, " + name, wrong.tried, double(wrong.wrong), 0,
-                  "rays");
     }
 }
 
+namespace {
+
 /// Rays end at tmax, which belongs to them, begin at tmin, which does not, and those that are none hit nothing.
-void ray_ends(Run& run) {
-    const Mesh mesh = soup(1000, 0.3f, run.seed() + 60);
-    const auto rays = random_rays(run.count<std::size_t>(10'000, 200'000), 3.f, 1.f, run.seed() + 61);
+void ray_ends(Run& run, const Mesh& mesh, const std::vector<Ray>& rays, const std::string& at) {
     for (const auto& [layout, name] : layouts) {
         const Bvh bvh = Bvh::build(run.device(), std::span(&mesh, 1), {.layout = layout});
         const auto hits = closest_hit(bvh, rays);
@@ -225,11 +243,21 @@ void ray_ends(Run& run) {
         for (const Hit& hit : closest_hit(bvh, no_rays)) none.add(hit.primitive == CLARAY_MISS);
         if (behind.wrong) run.failure("a hit at tmin: " + text_of(begins[behind.first]));
         if (none.wrong) run.failure("a hit of no ray: " + text_of(no_rays[none.first]));
-        run.check(std::string("hits at tmax that are lost, ") + name, at_end.tried, double(at_end.wrong), 0, "rays");
-        run.check(std::string("hits at or before tmin, ") + name, behind.tried, double(behind.wrong), 0, "rays");
-        run.check(std::string("hits of rays that are not finite or have no direction, ") + name, none.tried,
+        run.check("hits at tmax that are lost, " + (name + at), at_end.tried, double(at_end.wrong), 0, "rays");
+        run.check("hits at or before tmin, " + (name + at), behind.tried, double(behind.wrong), 0, "rays");
+        run.check("hits of rays that are not finite or have no direction, " + (name + at), none.tried,
                   double(none.wrong), 0, "rays");
     }
+}
+
+}  // namespace
+
+void ray_ends(Run& run) {
+    Mesh mesh = soup(1000, 0.3f, run.seed() + 60);
+    auto rays = random_rays(run.count<std::size_t>(10'000, 200'000), 3.f, 1.f, run.seed() + 61);
+    ray_ends(run, mesh, rays, "");
+    move_away(mesh, rays);
+    ray_ends(run, mesh, rays, " at 1e6");
 }
 
 }  // namespace claray::verify
