@@ -41,8 +41,9 @@ INSTANTIATE_TEST_SUITE_P(Cases, Verify, testing::ValuesIn(verify_cases()), test_
 
 /// What docs/numerics.md promises where hits are decided in float32.
 TEST(VerifyCases, NothingLeaksWithoutDoublePrecision) {
+    const std::string index = std::to_string(device().info().index);  // opened before it could lose its own
     const ScopedEnvironment without("CLARAY_NO_FP64", "1");
-    const Device fresh = Device::open(std::to_string(device().info().index));
+    const Device fresh = Device::open(index);
     EXPECT_FALSE(fresh.info().fp64);
     for (const char* name : {"edges", "vertices", "integer-edges", "fans", "closed-meshes"}) {
         const VerifyResult result = run_verify_case(fresh, name, {.times = false});
