@@ -93,8 +93,8 @@ public:
         return build(device, triangles, Config{});
     }
 
-    /// Builds on the host, always in the binary layout: a worse tree, but no kernel has to be compiled before. `rebuild`
-    /// builds on the device, as `fast`.
+    /// Builds on the host, always in the binary layout: a worse tree, but no kernel has to be compiled before.
+    /// `rebuild` builds on the device, as `fast`.
     [[nodiscard]] static Bvh build_by_host(const Device& device, std::span<const Mesh> meshes, const Config& config);
     /// Takes a tree that was made elsewhere (see host/build/host_tree.hpp), in any layout: to compare builders.
     [[nodiscard]] static Bvh build_by_host(const Device& device, std::span<const Mesh> meshes, const HostTree& tree,
@@ -124,9 +124,9 @@ public:
     /// ("RT-DEFORM"), who rebuilt at 40 %.
     [[nodiscard]] bool should_rebuild(double most_growth = 1.4) const;
 
-    /// Makes rays pass through what is cut out of the triangles: `store` is what the renderer makes of a scene's textures
-    /// (include/claray/shared/texture.h). All kernels that trace this structure are compiled for it; one that is not
-    /// allocated takes it away again.
+    /// Makes rays pass through what is cut out of the triangles: `store` is what the renderer makes of a scene's
+    /// textures (include/claray/shared/texture.h). All kernels that trace this structure are compiled for it; one that
+    /// is not allocated takes it away again.
     void set_cutouts(const Buffer<std::uint32_t>& store);
     [[nodiscard]] bool has_cutouts() const;
 
