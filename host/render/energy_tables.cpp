@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/compute/in_parallel.hpp"
 #include "host/render/material_data.hpp"
 
 namespace claray {
@@ -138,8 +139,8 @@ Row average_weights(CosineOf cosine_of, double alpha) {
 /// Fills one table with value(cosine, alpha).
 template <class Value>
 void fill_table(float* table, CosineOf cosine_of, Value value) {
-    for (int row = 0; row < size; ++row) {
-        const double alpha = alpha_at(row);
+    in_parallel(size, [&](std::size_t row) {
+        const double alpha = alpha_at(int(row));
         const Row weights = average_weights(cosine_of, alpha);
         double average = 0;
         for (int i = 0; i < size; ++i) {
@@ -148,7 +149,7 @@ void fill_table(float* table, CosineOf cosine_of, Value value) {
             average += weights[i] * v;
         }
         table[size * size + row] = float(cosine_of == loss_cosine ? average / (alpha * alpha) : average);
-    }
+    });
 }
 
 void fill_conductor(float* table) {
@@ -221,15 +222,16 @@ void solve_scaling(const std::array<Row, size>& matrix, const Row& passed, float
 
 void fill_coat_scales(float* scales, double ior) {
     std::array<Row, size> passed;
-    for (int coat = 0; coat < size; ++coat)
+    in_parallel(size, [&](std::size_t coat) {
         for (int i = 0; i < size; ++i)
-            passed[coat][i] =
-                1 - reflected_once(cosine_at(i), alpha_at(coat), [&](double cosine) { return fresnel(cosine, ior); });
-    for (int metal = 0; metal < metal_size; ++metal) {
-        const auto matrix = metal_matrix(alpha_at(metal, metal_size));
+            passed[coat][i] = 1 - reflected_once(cosine_at(i), alpha_at(int(coat)),
+                                                 [&](double cosine) { return fresnel(cosine, ior); });
+    });
+    in_parallel(metal_size, [&](std::size_t metal) {
+        const auto matrix = metal_matrix(alpha_at(int(metal), metal_size));
         for (int coat = 0; coat < size; ++coat)
-            solve_scaling(matrix, passed[coat], scales + (coat * metal_size + metal) * size);
-    }
+            solve_scaling(matrix, passed[coat], scales + (coat * metal_size + int(metal)) * size);
+    });
 }
 
 }  // namespace

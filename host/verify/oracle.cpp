@@ -1,12 +1,12 @@
 #include "host/verify/oracle.hpp"
+#include "host/compute/in_parallel.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <limits>
 #include <mutex>
-#include <thread>
 
+#include "host/compute/in_parallel.hpp"
 #include "host/verify/exact.hpp"
 
 namespace claray::verify {
@@ -121,17 +121,11 @@ std::vector<OracleHit> Oracle::closest_hits(std::span<const Ray> rays) const {
     constexpr std::size_t together = 64;  // rays that share a block of triangles while it is in the cache
     std::vector<OracleHit> hits(rays.size());
     for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = {rays[i].tmax, CLARAY_MISS};
-    std::atomic<std::size_t> next{0};
-    const auto work = [&] {
-        for (std::size_t begin; (begin = next.fetch_add(together)) < rays.size();)
-            for (std::size_t at = 0; at < v0_[0].size(); at += block)
-                for (std::size_t i = begin; i < std::min(begin + together, rays.size()); ++i)
-                    test_block(rays[i], at, hits[i]);
-    };
-    std::vector<std::thread> threads;
-    for (unsigned i = 1; i < std::thread::hardware_concurrency(); ++i) threads.emplace_back(work);
-    work();
-    for (std::thread& thread : threads) thread.join();
+    in_parallel((rays.size() + together - 1) / together, [&](std::size_t piece) {
+        const std::size_t begin = piece * together, end = std::min(begin + together, rays.size());
+        for (std::size_t at = 0; at < v0_[0].size(); at += block)
+            for (std::size_t i = begin; i < end; ++i) test_block(rays[i], at, hits[i]);
+    });
     return hits;
 }
 
@@ -185,22 +179,16 @@ Fault Oracle::judge(const Ray& ray, const Hit& hit) const {
 Oracle::Verdict Oracle::judge(std::span<const Ray> rays, std::span<const Hit> hits) const {
     Verdict verdict;
     verdict.rays = rays.size();
-    std::atomic<std::size_t> next{0};
+    constexpr std::size_t together = 256;
     std::mutex mutex;
-    const auto work = [&] {
-        for (std::size_t begin; (begin = next.fetch_add(256)) < rays.size();)
-            for (std::size_t i = begin; i < std::min(begin + 256, rays.size()); ++i) {
-                const Fault fault = judge(rays[i], hits[i]);
-                if (fault == Fault::none) continue;
-                const std::lock_guard lock(mutex);
-                if (verdict.wrong++ == 0 || i < verdict.first_wrong)
-                    verdict.first_wrong = i, verdict.first_fault = fault;
-            }
-    };
-    std::vector<std::thread> threads;
-    for (unsigned i = 1; i < std::thread::hardware_concurrency(); ++i) threads.emplace_back(work);
-    work();
-    for (std::thread& thread : threads) thread.join();
+    in_parallel((rays.size() + together - 1) / together, [&](std::size_t piece) {
+        for (std::size_t i = piece * together; i < std::min((piece + 1) * together, rays.size()); ++i) {
+            const Fault fault = judge(rays[i], hits[i]);
+            if (fault == Fault::none) continue;
+            const std::lock_guard lock(mutex);
+            if (verdict.wrong++ == 0 || i < verdict.first_wrong) verdict.first_wrong = i, verdict.first_fault = fault;
+        }
+    });
     for (const Hit& hit : hits) verdict.hits += hit.primitive != CLARAY_MISS;
     return verdict;
 }

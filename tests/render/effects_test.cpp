@@ -85,7 +85,7 @@ TEST(Effects, OverridesAreParsed) {
     EXPECT_EQ(overrides.add, (EffectSet{Effect::mirror, Effect::glass}));
     EXPECT_EQ(overrides.remove, EffectSet{Effect::sky});
     for (const char* bad : {"", "mirror", "+", "+mirrors", "+mirror,", "+mirror,-mirror", "*sky"})
-        EXPECT_TRUE(throws_error(ErrorKind::usage, "--effects", [&] { (void)parse_effect_overrides(bad); })) << bad;
+        EXPECT_TRUE(throws_error(ErrorKind::usage, "effect", [&] { (void)parse_effect_overrides(bad); })) << bad;
 }
 
 TEST(Effects, EveryMacroIsZeroOrItsBits) {

@@ -1,0 +1,24 @@
+// Work of the host that falls into independent pieces, by all its processors.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <thread>
+#include <vector>
+
+namespace claray {
+
+/// Calls piece(0) to piece(count - 1), in any order and several at once; returns once all are done. None may throw.
+template <class Piece>
+void in_parallel(std::size_t count, const Piece& piece) {
+    std::atomic<std::size_t> next{0};
+    const auto work = [&] {
+        for (std::size_t i; (i = next++) < count;) piece(i);
+    };
+    std::vector<std::thread> threads;
+    for (std::size_t i = 1; i < std::thread::hardware_concurrency() && i < count; ++i) threads.emplace_back(work);
+    work();
+    for (std::thread& thread : threads) thread.join();
+}
+
+}  // namespace claray
