@@ -1,8 +1,8 @@
 // cuBQL (github.com/NVIDIA/cuBQL) on recorded scenes and rays, for comparing with bench_build and bench_trace:
 //   nvcc -O3 -std=c++17 -arch=native --extended-lambda -I CUBQL bench/peers/cubql.cu -o cubql && ./cubql NAME.scn...
-// prints for each builder the build (boxes of the triangles included) and the three kinds of rays of NAME.ray, medians of
-// 11 after two warm-ups, and rays that differ from NAME.ref. The peer gets what it likes best: triangles gathered ahead of
-// time, Moeller and Trumbore's test, each leaf size, the best of three block sizes.
+// prints for each builder the build (boxes of the triangles included) and the three kinds of rays of NAME.ray, medians
+// of 11 after two warm-ups, and rays that differ from NAME.ref. The peer gets what it likes best: triangles gathered
+// ahead of time, Moeller and Trumbore's test, each leaf size, the best of three block sizes.
 #include <cuda_runtime.h>
 
 #include <algorithm>
@@ -15,10 +15,10 @@
 #include <vector>
 
 #define CUBQL_GPU_BUILDER_IMPLEMENTATION 1
-#include "cuBQL/bvh.h"
 #include "cuBQL/builder/cuda.h"
 #include "cuBQL/builder/cuda/radix.h"
 #include "cuBQL/builder/cuda/rebinMortonBuilder.h"
+#include "cuBQL/bvh.h"
 #include "cuBQL/traversal/rayQueries.h"
 
 namespace {
@@ -143,9 +143,12 @@ void measure(const std::string& path) {
     const std::uint32_t* indices = scene.data() + 4 + 3 * std::size_t(vertices);
     std::vector<Triangle> host(count);
     for (std::uint32_t i = 0; i < count; ++i) {
-        const float *a = positions + 3 * std::size_t(indices[3 * i]), *b = positions + 3 * std::size_t(indices[3 * i + 1]),
+        const float *a = positions + 3 * std::size_t(indices[3 * i]),
+                    *b = positions + 3 * std::size_t(indices[3 * i + 1]),
                     *c = positions + 3 * std::size_t(indices[3 * i + 2]);
-        host[i] = {{a[0], a[1], a[2], 0}, {b[0] - a[0], b[1] - a[1], b[2] - a[2], 0}, {c[0] - a[0], c[1] - a[1], c[2] - a[2], 0}};
+        host[i] = {{a[0], a[1], a[2], 0},
+                   {b[0] - a[0], b[1] - a[1], b[2] - a[2], 0},
+                   {c[0] - a[0], c[1] - a[1], c[2] - a[2], 0}};
     }
     const Triangle* triangles = upload(host.data(), count);
     const std::uint32_t n[3] = {recorded[1], recorded[2], recorded[3]};
@@ -178,8 +181,12 @@ void measure(const std::string& path) {
         double best[3] = {1e30, 1e30, 1e30};
         for (const int block : {32, 64, 128}) {
             const auto blocks = [&](std::uint32_t rays_here) { return (rays_here + block - 1) / block; };
-            best[1] = std::min(best[1], median_ms([&] { any<<<blocks(n[1]), block>>>(bvh, triangles, rays + n[0], n[1], found_any); }));
-            best[2] = std::min(best[2], median_ms([&] { closest<<<blocks(n[2]), block>>>(bvh, triangles, rays + n[0] + n[1], n[2], found); }));
+            best[1] = std::min(best[1], median_ms([&] {
+                                   any<<<blocks(n[1]), block>>>(bvh, triangles, rays + n[0], n[1], found_any);
+                               }));
+            best[2] = std::min(best[2], median_ms([&] {
+                                   closest<<<blocks(n[2]), block>>>(bvh, triangles, rays + n[0] + n[1], n[2], found);
+                               }));
         }
         const auto differences = [&](const float* expected, std::uint32_t rays_here) {
             std::vector<float2> hit(rays_here);
@@ -191,20 +198,30 @@ void measure(const std::string& path) {
         };
         const std::size_t wrong_bounce = differences(t2.data(), n[2]);
         for (const int block : {32, 64, 128})
-            best[0] = std::min(best[0], median_ms([&] { closest<<<(n[0] + block - 1) / block, block>>>(bvh, triangles, rays, n[0], found); }));
-        std::printf("%s %s leaf %d: build %.3f ms; primary %.0f, shadow %.0f, bounce %.0f Mrays/s; with 10 M rays %.2f %.2f %.2f ms; differences %zu, %zu\n",
-                    path.c_str(), name, leaf, build_ms, n[0] * 1e-3 / best[0], n[1] * 1e-3 / best[1], n[2] * 1e-3 / best[2],
-                    build_ms + best[0] * 1e7 / n[0], build_ms + best[1] * 1e7 / n[1], build_ms + best[2] * 1e7 / n[2], differences(t0, n[0]), wrong_bounce);
+            best[0] = std::min(best[0], median_ms([&] {
+                                   closest<<<(n[0] + block - 1) / block, block>>>(bvh, triangles, rays, n[0], found);
+                               }));
+        std::printf(
+            "%s %s leaf %d: build %.3f ms; primary %.0f, shadow %.0f, bounce %.0f Mrays/s; with 10 M rays %.2f %.2f "
+            "%.2f ms; differences %zu, %zu\n",
+            path.c_str(), name, leaf, build_ms, n[0] * 1e-3 / best[0], n[1] * 1e-3 / best[1], n[2] * 1e-3 / best[2],
+            build_ms + best[0] * 1e7 / n[0], build_ms + best[1] * 1e7 / n[1], build_ms + best[2] * 1e7 / n[2],
+            differences(t0, n[0]), wrong_bounce);
         cuBQL::cuda::free(bvh);
     };
     for (const int leaf : {0, 1, 2, 4, 8}) {
         report("radix", leaf, [&](bvh3f& bvh, auto config) { cuBQL::cuda::radixBuilder(bvh, boxes, count, config); });
-        report("rebin", leaf, [&](bvh3f& bvh, auto config) { cuBQL::cuda::rebinRadixBuilder(bvh, boxes, count, config); });
+        report("rebin", leaf,
+               [&](bvh3f& bvh, auto config) { cuBQL::cuda::rebinRadixBuilder(bvh, boxes, count, config); });
         report("median", leaf, [&](bvh3f& bvh, auto config) { cuBQL::gpuBuilder(bvh, boxes, count, config); });
         if (leaf <= 1)
-            report("sah", leaf, [&](bvh3f& bvh, auto config) { config.enableSAH(); cuBQL::gpuBuilder(bvh, boxes, count, config); });
+            report("sah", leaf, [&](bvh3f& bvh, auto config) {
+                config.enableSAH();
+                cuBQL::gpuBuilder(bvh, boxes, count, config);
+            });
     }
-    for (const void* p : {(const void*)triangles, (const void*)rays, (const void*)boxes, (const void*)found, (const void*)found_any})
+    for (const void* p :
+         {(const void*)triangles, (const void*)rays, (const void*)boxes, (const void*)found, (const void*)found_any})
         check(cudaFree(const_cast<void*>(p)));
 }
 
