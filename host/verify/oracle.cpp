@@ -1,5 +1,4 @@
 #include "host/verify/oracle.hpp"
-#include "host/compute/in_parallel.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -42,19 +42,16 @@ static inline Cluster merge_clusters(global BvhNode* nodes, Cluster a, Cluster b
     merged.number = a.number;
     const uint count = (a.height_count & CLARAY_COUNT_LIMIT) + (b.height_count & CLARAY_COUNT_LIMIT);
     const uint leaf = joined_leaf(a.box, a.child, b.box, b.child);
-    const bool joins = leaf != CLARAY_NO_CHILD;
-    const uint height = joins ? 0u : min(1 + max(a.height_count >> 24, b.height_count >> 24), 255u);
-    merged.height_count = (height << 24) | min(count, CLARAY_COUNT_LIMIT);
-    if (joins) merged.child = leaf;
-    global float4* rows = (global float4*)&nodes[index];
-    rows[2] = (float4)(a.box.lo.z, a.box.hi.z, b.box.lo.z, b.box.hi.z);
-    rows[3] = as_float4((uint4)(joins ? CLARAY_NO_CHILD : a.child, b.child, a.number, merged.height_count));
-    if (!joins) {
-        rows[0] = (float4)(a.box.lo.x, a.box.hi.x, a.box.lo.y, a.box.hi.y);
-        rows[1] = (float4)(b.box.lo.x, b.box.hi.x, b.box.lo.y, b.box.hi.y);
-        if (!is_leaf(a.child)) nodes[a.child].parent = index;
-        if (!is_leaf(b.child)) nodes[b.child].parent = index;
+    if (leaf != CLARAY_NO_CHILD) {
+        store_free_node(&nodes[index]);
+        merged.child = leaf, merged.height_count = count;
+        return merged;
     }
+    const uint height = min(1 + max(a.height_count >> 24, b.height_count >> 24), 255u);
+    merged.height_count = (height << 24) | min(count, CLARAY_COUNT_LIMIT);
+    store_node(&nodes[index], a.box, b.box, a.child, b.child, a.number, merged.height_count);
+    if (!is_leaf(a.child)) nodes[a.child].parent = index;
+    if (!is_leaf(b.child)) nodes[b.child].parent = index;
     return merged;
 }
 

@@ -26,14 +26,13 @@ typedef struct Stack {
     global const uint2* piece_counts;
 } Stack;
 
-/// The next free number; it is not used up yet.
-static inline uint next_node(Stack* stack) {
+static inline uint take_node(Stack* stack) {
     while (stack->node == stack->node_end) {
         const uint range = stack->range++;
         stack->node = range_begin(range, stack->ranges, stack->valid) + stack->piece_counts[range].y;
         stack->node_end = range_begin(range + 1, stack->ranges, stack->valid);
     }
-    return stack->node;
+    return stack->node++;
 }
 
 static inline Cluster merge_clusters(global BvhNode* nodes, Stack* stack, Cluster a, Cluster b) {
@@ -46,8 +45,7 @@ static inline Cluster merge_clusters(global BvhNode* nodes, Stack* stack, Cluste
         merged.lo.w = as_float(leaf), merged.hi.w = as_float(count);
         return merged;
     }
-    const uint index = next_node(stack);
-    ++stack->node;
+    const uint index = take_node(stack);
     global BvhNode* node = &nodes[index];
     store_boxes(node, a.lo, a.hi, b.lo, b.hi);
     const uint height = min(1 + max(of_a >> 24, of_b >> 24), 255u);
