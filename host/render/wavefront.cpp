@@ -1,6 +1,7 @@
 #include "host/render/wavefront.hpp"
 
 #include <algorithm>
+#include <span>
 
 namespace claray {
 namespace {
@@ -20,6 +21,16 @@ std::uint32_t choose_capacity(const Device& device, std::uint64_t most_paths) {
     const std::uint64_t memory = device.info().memory / 8 / bytes_per_path;
     const std::uint64_t allocation = device.info().max_allocation / sizeof(Ray);
     return std::uint32_t(std::max<std::uint64_t>(1, std::min({tuned, most_paths, memory, allocation})));
+}
+
+/// Whether one kernel is to do the work of all stages: on GPUs, for scenes that call for few effects.
+bool follows_paths(const SceneBuffers& scene, EffectSet effects) {
+    const Structure& structure = scene.structure;
+    if (structure.instanced() || structure.bvh().layout() != Layout::binary) return false;
+    const std::span<const Effect> all = all_effects();
+    const auto shaded =
+        std::count_if(all.begin(), all.end(), [&](Effect e) { return effects.has(e) && concerns(e, Stage::shade); });
+    return shaded <= std::ptrdiff_t(structure.device().tuning("render/trace_paths", "MOST_EFFECTS"));
 }
 
 }  // namespace
@@ -48,6 +59,12 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, E
     trace_bounce = SceneQuery(scene.structure, QueryKernel::Kind::closest, incoherent, trace_bounce_name);
     shade = load_kernel(device, "render/shade_surface.cl", "shade_surface", shading);
     advance = load_kernel(device, "render/advance_queues.cl", "advance_queues");
+    if (!baking && follows_paths(scene, effects)) {
+        for (const Defines& more : {defines(Stage::generate), structure.bvh().defines()})
+            shading.insert(shading.end(), more.begin(), more.end());
+        if (scene.textures.culls_back_faces) shading.emplace_back("CULL_BACK_FACES", "1");
+        paths = load_kernel(device, "render/trace_paths.cl", "trace_paths", shading);
+    }
     if (scene.lights.count == 0) return;
     trace_shadow = SceneQuery(scene.structure, QueryKernel::Kind::any, shadow, trace_shadow_name);
     add_light = load_kernel(device, "render/add_light.cl", "add_light");
@@ -60,6 +77,7 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
       frame_(frame),
       bounces_per_look_(std::max(1u, device.tuning("render/wavefront", "BOUNCES_PER_LOOK"))),
       shade_group_(device.tuning("render/shade_surface", "GROUP_SIZE")),
+      path_group_(device.tuning("render/trace_paths", "GROUP_SIZE")),
       paths_per_item_(paths_per_item(device)),
       kernels_(std::move(kernels)) {
     const std::uint32_t paths = choose_capacity(device, most_paths);
@@ -98,8 +116,12 @@ void Wavefront::generate(const Batch& batch, bool centers) {
 }
 
 void Wavefront::trace(const Batch& batch) {
+    if (kernels_.follow_paths()) {
+        trace_paths(batch);
+        return;
+    }
     generate(batch, false);
-    trace_paths(batch, false);
+    trace_stages(batch, false);
 }
 
 void Wavefront::trace_from(const Buffer<Hit>& points, const Batch& batch) {
@@ -109,17 +131,31 @@ void Wavefront::trace_from(const Buffer<Hit>& points, const Batch& batch) {
     shadow_length_.fill(0);
     kernels_.generate.run({paths, 64}, batch, points, scene_.structure.triangles().positions,
                           scene_.structure.triangles().indices, rays_[0], hits_, states_[0], radiance_);
-    trace_paths(batch, true);
+    trace_stages(batch, true);
 }
 
-void Wavefront::trace_paths(const Batch& batch, bool arrived) {
+/// A path that was scattered for the last time may still end in a light or in the sky.
+std::uint32_t Wavefront::waves() const {
+    const bool one_more = !(scene_.effects & emitters).empty() && frame_.max_depth != 0xffffffffu;
+    return frame_.max_depth + (one_more ? 1 : 0);
+}
+
+void Wavefront::trace_paths(const Batch& batch) {
+    const std::uint32_t paths = batch.pixels * batch.samples;
+    camera_rays_ += paths;
+    lengths_[0].fill(0), lengths_[1].fill(0), shadow_length_.fill(0);
+    kernels_.paths.run({paths, path_group_}, batch, frame_, waves(), scene_.structure.bvh(), scene_, radiance_,
+                       shading_normals_, lengths_[1], shadow_length_);
+    kernels_.advance.run({1, 0}, lengths_[0], lengths_[1], shadow_length_, totals_);
+}
+
+void Wavefront::trace_stages(const Batch& batch, bool arrived) {
     std::uint32_t limit = batch.pixels * batch.samples;  // of rays in the queue, as far as the host knows
     camera_rays_ += limit;
-    // A path that was scattered for the last time may still end in a light or in the sky.
-    const std::uint64_t waves = std::uint64_t(frame_.max_depth) + ((scene_.effects & emitters).empty() ? 0 : 1);
-    for (std::uint32_t depth = 0; depth < waves && limit != 0; ++depth) {
+    const std::uint32_t all = waves();
+    for (std::uint32_t depth = 0; depth < all && limit != 0; ++depth) {
         bounce(batch, depth, limit, arrived && depth == 0);
-        if ((depth + 1) % bounces_per_look_ == 0 && depth + 1 < waves) limit = lengths_[(depth + 1) % 2].read()[0];
+        if ((depth + 1) % bounces_per_look_ == 0 && depth + 1 < all) limit = lengths_[(depth + 1) % 2].read()[0];
     }
 }
 

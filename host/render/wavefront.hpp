@@ -14,15 +14,17 @@ inline constexpr const char* trace_camera_name = "trace_camera_rays";
 inline constexpr const char* trace_bounce_name = "trace_bounce_rays";
 inline constexpr const char* trace_shadow_name = "trace_shadow_rays";
 
-/// The stages' kernels for a set of effects, which may be larger than the scene's: what it does not call for changes no
-/// bit of the image.
+/// The stages' kernels, or the one that does all their work, for a set of effects, which may be larger than the
+/// scene's: what it does not call for changes no bit of the image.
 struct WavefrontKernels {
     WavefrontKernels() = default;
     /// `baking`: for Wavefront::trace_from.
     WavefrontKernels(const SceneBuffers& scene, Sampler sampler, EffectSet effects, bool baking = false);
 
     EffectSet effects;
+    Kernel paths;  // render/trace_paths.cl, if one kernel does the work of all stages
     Kernel generate, shade, add_light, advance;
+    [[nodiscard]] bool follow_paths() const { return paths.handle()() != nullptr; }
     SceneQuery trace_camera, trace_bounce, trace_shadow;
 };
 
@@ -59,7 +61,9 @@ public:
 
 private:
     void generate(const Batch& batch, bool centers);
-    void trace_paths(const Batch& batch, bool arrived);
+    void trace_stages(const Batch& batch, bool arrived);
+    void trace_paths(const Batch& batch);
+    [[nodiscard]] std::uint32_t waves() const;
     void bounce(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived);
     void trace_shadows(std::uint32_t limit);
 
@@ -76,7 +80,7 @@ private:
     Device device_;
     SceneBuffers scene_;
     FrameData frame_;
-    unsigned bounces_per_look_, shade_group_, paths_per_item_;
+    unsigned bounces_per_look_, shade_group_, path_group_, paths_per_item_;
     std::uint64_t camera_rays_ = 0;
 
     Buffer<Ray> rays_[2], shadow_rays_;

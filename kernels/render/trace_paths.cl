@@ -1,0 +1,51 @@
+// The path tracer in one kernel: a work-item follows its path from the camera to the end, and keeps in registers what the
+// stages of a wavefront hand on through memory. That pays where paths do much the same: where a scene calls for few
+// effects (Laine, Karras and Aila 2013, "Megakernels considered harmful", for why not everywhere).
+#include "claray/shared/types.h"
+#include "render/first_ray.clh"
+#include "render/shade_hit.clh"
+#include "trace/closest_hit.clh"
+#include "trace/query.clh"
+
+/// Traces all paths of a batch, of `waves` rays at most, and writes their radiance; the order of additions is the stages'.
+/// Counts the rays in `bounces` and `shadows`.
+kernel QUERY_GROUP
+void trace_paths(Batch batch, FrameData frame, uint waves, CLARAY_BVH_PARAMETERS, SCENE_PARAMETERS, global float* radiance,
+                 global float* shading_normals, volatile global uint* bounces, volatile global uint* shadows) {
+    local uint counts[2];
+    if (get_local_id(0) < 2) counts[get_local_id(0)] = 0;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    const uint path = get_global_id(0);
+    if (path < batch.pixels * batch.samples) {
+        uint bounced = 0, asked = 0;
+        float3 sum = (float3)(0.0f);
+        float time = 0.0f;
+        NextRay next;
+        next.wanted = true;
+        next.ray = first_ray(batch, frame, path, false, &time);
+        next.state = first_state(path);
+        next.cone = camera_cone(frame);
+        for (uint depth = 0; next.wanted && depth < waves; ++depth) {
+            const NextRay now = next;
+            Visits unused = {0, 0};
+            const Hit hit = claray_trace(CLARAY_BVH, now.ray, false, CULL_BACK_FACES, 0xffffffffu, &unused);
+            NextShadow shadow;
+            float3 gathered;
+            shade_hit(batch, frame, depth, SCENE, now.ray, hit, time, now.state, now.cone, shading_normals, &gathered, &next,
+                      &shadow);
+            sum += gathered;
+            bounced += next.wanted;
+#if LIGHTS
+            if (!shadow.wanted) continue;
+            ++asked;
+            if (claray_trace(CLARAY_BVH, shadow.ray, true, CULL_BACK_FACES, 0xffffffffu, &unused).primitive == CLARAY_MISS)
+                sum += (float3)(shadow.light.r, shadow.light.g, shadow.light.b);
+#endif
+        }
+        vstore3(sum, path, radiance);
+        atomic_add(&counts[0], bounced);
+        atomic_add(&counts[1], asked);
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (get_local_id(0) == 0) atomic_add(bounces, counts[0]), atomic_add(shadows, counts[1]);
+}
