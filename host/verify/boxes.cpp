@@ -113,6 +113,11 @@ void boxes(Run& run) {
     }
     for (int k = 0; k < 4; ++k)
         run.check(std::string("boxes missed, ") + names[k], total, double(missed[k].wrong), 0, "boxes");
+    // Rays that all meet, or that no test lets pass, would tell nothing.
+    if (met < total / 5) run.check("rays that meet their box", total, 1, 0, "");
+    for (int k = 0; k < 4; ++k)
+        if (total - met - falsely_met[k] < total / 50)
+            run.check(std::string("rays that pass their box, ") + names[k], total, 1, 0, "");
     run.fact("rays that meet their box", std::to_string(met));
     for (int k = 0; k < 4; ++k) run.fact(std::string("met for nothing, ") + names[k], std::to_string(falsely_met[k]));
 }

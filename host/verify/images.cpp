@@ -75,6 +75,21 @@ Mesh triangles_at(const At& at, std::size_t count, std::uint64_t seed) {
     return mesh;
 }
 
+/// Rays that leave a triangle against it alone, which must not meet it, and the other way, which must: most of them do,
+/// and where none did there would be no triangle to leave.
+void leave_alone(const Device& device, const Mesh& mesh, std::uint32_t triangle, std::span<const Ray> rays, Tally& self,
+                 Tally& back) {
+    Mesh alone = mesh;
+    alone.triangles = {mesh.triangles[triangle]};
+    std::vector<Ray> both(rays.begin(), rays.end());
+    for (Ray ray : rays) ray.dx *= -1, ray.dy *= -1, ray.dz *= -1, both.push_back(ray);
+    const std::vector<Hit> hits = closest_hit(Bvh::build(device, std::span(&alone, 1)), both);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        self.add(hits[i].primitive == CLARAY_MISS);
+        back.add(hits[rays.size() + i].primitive != CLARAY_MISS);
+    }
+}
+
 }  // namespace
 
 /// Rays that leave a surface must not meet it again, at any scale and distance from the origin, nor begin far off.
@@ -107,23 +122,23 @@ void self_intersection(Run& run) {
             for (const std::uint32_t lanes : differ.read()) same.tried += 8, same.wrong += lanes;
         }
         const auto all = rays.read();
-        Tally self;
+        Tally self, back;
         std::uint32_t i = 0;
         for (const Hit& hit : hits.read()) self.add(hit.primitive != i++ / each);
         for (std::uint32_t t = 0; t < triangles;
              t += run.count(100u, 20u)) {  // some alone, so that no other hides them
-            Mesh alone = mesh;
-            alone.triangles = {mesh.triangles[t]};
             const std::span<const Ray> own(&all[std::size_t(t) * each], each);
-            for (const Hit& hit : closest_hit(Bvh::build(run.device(), std::span(&alone, 1)), own))
-                self.add(hit.primitive == CLARAY_MISS);
+            leave_alone(run.device(), mesh, t, own, self, back);
         }
+        if (back.wrong > back.tried / 2)
+            run.check(std::string("rays back to their triangle, ") + at.name, back.tried, 1, 0, "");
         if (self.wrong)
             run.failure(std::string(at.name) +
                         ", meets the triangle that it leaves: " + text_of(all[self.first % count]));
         run.check(std::string("rays that meet their triangle, ") + at.name, self.tried, double(self.wrong), 0, "rays");
         auto relative = clearance.read();
         std::nth_element(relative.begin(), relative.begin() + count / 2, relative.end());
+        if (!(relative[count / 2] > 0)) run.check(std::string("how far off they begin, ") + at.name, count, 1, 0, "");
         run.check(std::string("how far off they begin, median, ") + at.name, count, relative[count / 2], 1e-3,
                   "of an edge");
     }

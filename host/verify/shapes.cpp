@@ -85,10 +85,14 @@ std::vector<Ray> random_rays(std::size_t count, float radius, float half, std::u
     return rays;
 }
 
-void move_away(Mesh& mesh, std::vector<Ray>& rays) {
-    const glm::vec3 by(1e6f, -1e6f, 1e6f);
-    for (glm::vec3& p : mesh.positions) p = 1024.f * p + by;
-    for (Ray& r : rays) r.ox = 1024.f * r.ox + by.x, r.oy = 1024.f * r.oy + by.y, r.oz = 1024.f * r.oz + by.z;
+void move_away(Mesh& mesh, float scale) {
+    for (glm::vec3& p : mesh.positions) p = scale * p + far_away;
+}
+
+void move_away(Mesh& mesh, std::vector<Ray>& rays, float scale) {
+    move_away(mesh, scale);
+    for (Ray& r : rays)
+        r.ox = scale * r.ox + far_away.x, r.oy = scale * r.oy + far_away.y, r.oz = scale * r.oz + far_away.z;
 }
 
 }  // namespace claray::verify

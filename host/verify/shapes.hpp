@@ -34,7 +34,11 @@ Ray make_ray(glm::vec3 origin, glm::vec3 direction, float tmin = 0.f, float tmax
 /// Rays from a sphere of `radius` towards random points of the cube of half side `half`.
 std::vector<Ray> random_rays(std::size_t count, float radius, float half, std::uint64_t seed);
 
-/// The same 1024 times as large, and so far from the origin that coordinates are sixteenths.
-void move_away(Mesh& mesh, std::vector<Ray>& rays);
+/// Where scenes are moved to whose coordinates shall be huge: they are sixteenths there.
+inline const glm::vec3 far_away(1e6f, -1e6f, 1e6f);
+
+/// The same there, `scale` times as large.
+void move_away(Mesh& mesh, float scale = 1024.f);
+void move_away(Mesh& mesh, std::vector<Ray>& rays, float scale = 1024.f);
 
 }  // namespace claray::verify
