@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 
 #include "host/accuracy/pixels.hpp"
 
@@ -49,6 +50,50 @@ double doubtful(std::size_t renders) {
     return z + (z * z * z + z) / (4 * freedom) +
            (5 * std::pow(z, 5) + 16 * z * z * z + 3 * z) / (96 * freedom * freedom);
 }
+
+/// Ambient occlusion (Landis 2002): from the first rough surface on, lamps are sampled, and all other light is one
+/// radiance, which surfaces within reach hide and reflect once themselves.
+std::vector<MacroScope::Macro> ambient_occlusion(float reach, glm::vec3 radiance) {
+    constexpr const char* kernel = "render/shade_surface";
+    const auto bits = [](float value) { return std::bit_cast<std::uint32_t>(value); };
+    return {{kernel, "TECHNIQUES", 1},
+            {kernel, "AMBIENT_REACH_BITS", bits(reach)},
+            {kernel, "AMBIENT_R_BITS", bits(radiance.r)},
+            {kernel, "AMBIENT_G_BITS", bits(radiance.g)},
+            {kernel, "AMBIENT_B_BITS", bits(radiance.b)}};
+}
+
+/// The radiance by which such an image has the mean of the true one: of the same seeds, so that what both show alike
+/// has no noise between them.
+class AmbientRadiance {
+public:
+    AmbientRadiance(const Device& device, const Scene& scene, const RenderConfig& config)
+        : device_(device),
+          scene_(scene),
+          config_(config),
+          whole_(mean_with({})),
+          dark_(mean_with(ambient_occlusion(1, glm::vec3(0)))) {}
+
+    [[nodiscard]] glm::vec3 within(float reach) const {
+        const glm::dvec3 added = mean_with(ambient_occlusion(reach, glm::vec3(1))) - dark_;
+        const glm::bvec3 any = glm::greaterThan(added, glm::dvec3(0));
+        return glm::max(glm::mix(glm::dvec3(0), (whole_ - dark_) / added, any), glm::dvec3(0));
+    }
+
+private:
+    [[nodiscard]] glm::dvec3 mean_with(const std::vector<MacroScope::Macro>& macros) const {
+        const MacroScope scope(device_, macros);
+        glm::dvec3 sum(0);
+        const std::vector<glm::vec3> image = render_image(device_, scene_, config_).image;
+        for (const glm::vec3& pixel : image) sum += glm::dvec3(pixel);
+        return sum / double(image.size());
+    }
+
+    const Device& device_;
+    const Scene& scene_;
+    RenderConfig config_;
+    glm::dvec3 whole_, dark_;
+};
 
 }  // namespace
 
@@ -97,17 +142,19 @@ std::vector<float> bias_map(const Renders& renders, const ReferenceImage& refere
 Study study_bias(const Device& device, const Scene& scene, const StudyOptions& options,
                  const AccuracyProgress& progress) {
     Study study;
-    study.name = "bias", study.title = "What is left out for ever: paths, bright samples, caustics";
+    study.name = "bias",
+    study.title = "What is wrong for ever: paths cut short, bright samples, caustics, ambient light";
     study.error = "bias, RMS / mean";
     constexpr unsigned reference_depth = 64, depths[] = {1, 2, 3, 4, 6, 8, 12, 16};
     constexpr double clamps[] = {1000, 100, 30, 10, 3, 1};
+    constexpr float reaches[] = {0, 1 / 32.f, 1 / 8.f, 1 / 2.f};  // shares of the scene's size
     StudyOptions deep = options;
     deep.config.max_depth = reference_depth;
     const ReferenceImage reference = reference_for(study, device, scene, deep, progress);
     RenderConfig config = deep.config;
     const AccuracyProgress rest = scaled(progress, reference_share, 1);
     config.spp = options.most_spp;
-    const double settings = double(std::size(depths) + std::size(clamps) + 1);
+    const double settings = double(std::size(depths) + std::size(clamps) + std::size(reaches) + 1);
     bool goes_on = true;
     const auto add = [&](const char* method, const std::string& setting, double value, const RenderConfig& how,
                          const std::vector<MacroScope::Macro>& macros) {
@@ -133,6 +180,15 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
         add("samples clamped", told("at %g x mean", clamp), clamp, config,
             {{"render/accumulate_film", "CLAMP_BITS", std::bit_cast<std::uint32_t>(float(clamp * mean))}});
     add("no caustics", "no caustics", 0, config, {{"render/shade_surface", "CAUSTICS", 0}});
+    if (goes_on) {
+        const float size = glm::length(bounds_of(scene).extent());
+        const AmbientRadiance ambient(device, scene, config);
+        for (const float share : reaches) {
+            const float reach = std::max(share * size, std::numeric_limits<float>::min());
+            add("ambient occlusion", told("within %g of the scene", share), share, config,
+                ambient_occlusion(reach, ambient.within(reach)));
+        }
+    }
     mark_front(study.points);
     return study;
 }

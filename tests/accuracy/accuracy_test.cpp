@@ -165,15 +165,21 @@ TEST(Study, OfSamplesFallsAsMonteCarloDoes) {
     EXPECT_LT(study.floor, errors.back());
 }
 
-TEST(Study, OfBiasSeesWhatPathsThatEndEarlyLeaveOut) {
+TEST(Study, OfBiasSeesWhatPathsThatEndEarlyLeaveOutAndAmbientLightMakesUpFor) {
     StudyOptions options;
     options.config = {.width = 16, .height = 16};
     options.most_spp = 32, options.runs = 3;
     const Study study = study_bias(device(), small_scene(), options);
-    ASSERT_EQ(study.points.size(), 15u);
+    ASSERT_EQ(study.points.size(), 19u);
     EXPECT_GT(study.points[0].error.median, 1.5 * study.points[1].error.median);
     EXPECT_GT(study.points[0].error.median, 0.2);
     EXPECT_FALSE(study.points[7].failure.empty());  // after 16 surfaces nothing is left that could be told
+    const auto ambient = [&](const char* reach) {
+        return point_named(study, "ambient occlusion", std::string("within ") + reach + " of the scene");
+    };
+    EXPECT_LT(ambient("0.125").error.median, 0.6 * study.points[0].error.median);
+    EXPECT_GT(ambient("0.125").error.median, 0.2 * study.points[0].error.median);
+    EXPECT_GT(ambient("0.5").error.median, ambient("0.125").error.median);
 }
 
 TEST(Study, OfBiasSeesClampedSamplesAndCaustics) {

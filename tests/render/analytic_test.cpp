@@ -1,12 +1,14 @@
 // Images whose radiance is known in closed form.
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
 #include <numbers>
 
 #include "host/render/energy_tables.hpp"
 #include "host/verify/bsdf.hpp"
 #include "tests/render/scenes.hpp"
+#include "tests/support/device.hpp"
 #include "tests/support/meshes.hpp"
 
 namespace claray::test {
@@ -175,6 +177,63 @@ TEST(DirectLight, MirrorShowsTheLamp) {
     scene.meshes = {square(1.f, 0.f), square(1.f, 2.f, 1)};
     scene.camera = narrow_camera({0.25f, 1, 0.1f}, {0, 0, 0});
     EXPECT_NEAR(mean(render_image(scene, {.width = 4, .height = 4, .spp = 4, .max_depth = 1})).x, 2.7, 1e-5);
+}
+
+// ---- the study of ambient occlusion
+// ------------------------------------------------------------------------------------------
+
+/// Of a floor beside a wall: rays whose direction has more than distance / reach of the wall's normal meet it, and
+/// these have a segment of the disc that a cosine-weighted hemisphere casts.
+double covered_by_wall(double distance, double reach) {
+    const double c = std::min(distance / reach, 1.0);
+    return (std::acos(c) - c * std::sqrt(1 - c * c)) / pi;
+}
+
+/// A device whose kernels of paths, whichever of them a scene uses, are those of the study.
+Device device_of_study(float reach, unsigned sixteen) {
+    Device fresh = Device::open(std::to_string(device().info().index));
+    for (const char* kernel : {"render/shade_surface", "render/trace_paths"}) {
+        fresh.set_tuning(kernel, "AMBIENT_REACH_BITS", std::bit_cast<std::uint32_t>(reach));
+        fresh.set_tuning(kernel, "AMBIENT_R_BITS", std::bit_cast<std::uint32_t>(3.f));
+        fresh.set_tuning(kernel, "TECHNIQUES", 1);
+        fresh.set_tuning(kernel, "SIXTEEN", sixteen);
+    }
+    return fresh;
+}
+
+TEST(AmbientOcclusion, AWallHidesItsSegmentOfTheHemisphereAndReflects) {
+    constexpr float reach = 0.5f;
+    for (const float distance : {0.05f, 0.2f, 0.4f, 0.6f}) {
+        Scene scene;
+        scene.materials = {lambert(0.6f), lambert(0.3f)};
+        scene.meshes = {square(4.f, 0.f), square(4.f, 0.f, 1)};
+        for (glm::vec3& p : scene.meshes[1].positions) p = {-distance, p.x, p.z};
+        scene.camera = narrow_camera({0.1f, 3, 0}, {0, 0, 0});
+        const auto render = [&](unsigned sixteen) {
+            Renderer renderer(device_of_study(reach, sixteen), scene, {.width = 8, .height = 8, .spp = 256});
+            (void)renderer.render();
+            return renderer.image();
+        };
+        const std::vector<glm::vec3> image = render(0);
+        const double covered = covered_by_wall(distance, reach);
+        EXPECT_NEAR(mean(image).x, 3 * 0.6 * (1 - covered + 0.3 * covered), 1e-3) << distance;
+        EXPECT_EQ(mean(image).y, 0) << distance;
+        EXPECT_TRUE(same_bits(render(1), image)) << distance;
+    }
+}
+
+/// What is smooth shows what it always did; lamps are sampled as they always were.
+TEST(AmbientOcclusion, LeavesDirectLightAndMirrorsAsTheyAre) {
+    for (const MaterialKind kind : {MaterialKind::lambert, MaterialKind::mirror}) {
+        Scene scene;
+        scene.materials = {material(kind, 0.6f), emitter(3.f)};
+        scene.meshes = {square(6.f, 0.f), square(1.f, 2.f, 1)};
+        scene.camera = narrow_camera({0.25f, 1, 0.1f}, {0, 0, 0});
+        const RenderConfig config{.width = 8, .height = 8, .spp = 256, .max_depth = 1};
+        Renderer renderer(device_of_study(0.1f, 1), scene, config);
+        (void)renderer.render();
+        EXPECT_NEAR(mean(renderer.image()).y / mean(render_image(scene, config)).y, 1, 0.01);
+    }
 }
 
 }  // namespace
