@@ -1,6 +1,6 @@
 // What kernels that hold only what a scene calls for gain over kernels that know every effect: the time of a frame and
 // of compiling, and device memory, for every built-in scene.
-//   bench_effects [--scenes NAME...] [--side PIXELS] [--rounds N] [--csv FILE]
+//   bench_effects [--scenes NAME...] [--side PIXELS] [--rounds N] [--builder NAME] [--csv FILE]
 #include <cstdio>
 
 #include "bench/support.hpp"
@@ -31,6 +31,8 @@ int main(int argc, char** argv) try {
     app.add_option("--side", side, "pixels a side [256]");
     app.add_option("--rounds", options.rounds);
     app.add_flag("!--no-compile-times", options.compile_times);
+    Bvh::Config bvh;
+    app.add_option("--builder", bvh.builder)->transform(CLI::CheckedTransformer(bench::builders));
     app.add_option("--csv", csv_path);
     CLI11_PARSE(app, argc, argv);
 
@@ -40,8 +42,8 @@ int main(int argc, char** argv) try {
                 "compile all", "MB");
     for (const std::string& name : scenes) {
         Warnings warnings;
-        const bench::Explanation x = bench::explain(device, load_scene(name, warnings),
-                                                    {.width = side, .height = side, .max_depth = 8}, options);
+        const bench::Explanation x = bench::explain(
+            device, load_scene(name, warnings), {.width = side, .height = side, .max_depth = 8, .bvh = bvh}, options);
         const double full = x.own.milliseconds * x.full_ratio;
         std::printf("%-26s %10.3f %10.3f %7.3f %12.0f %12.0f %8.1f\n", name.c_str(), x.own.milliseconds, full,
                     x.full_ratio, x.own.compile_milliseconds, x.full.compile_milliseconds, double(x.own.bytes) * 1e-6);

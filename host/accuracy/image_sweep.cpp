@@ -36,12 +36,8 @@ StudyPoint point_of(const std::string& method, const Curve& curve, std::size_t s
 
 MacroScope::MacroScope(const Device& device, const std::vector<Macro>& macros)
     : device_(device), before_(device.state().tuning) {
-    for (const Macro& macro : macros) {
-        device_.set_tuning(macro.kernel, macro.name, macro.value);
-        if (std::string_view(macro.kernel) ==
-            "render/shade_surface")  // shades where one kernel does the work of all stages
-            device_.set_tuning("render/trace_paths", macro.name, macro.value);
-    }
+    for (const Macro& macro : macros) device_.set_tuning(macro.kernel, macro.name, macro.value);
+    if (!macros.empty()) device_.set_tuning("render/trace_paths", "MOST_EFFECTS", 0);  // which the macros don't reach
 }
 MacroScope::~MacroScope() { device_.state().tuning = before_; }
 

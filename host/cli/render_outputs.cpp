@@ -46,6 +46,10 @@ void write_aov(const std::string& name, const Aovs& aovs, const RenderOptions& o
 }
 
 void print_rays(const char* name, const RayCount& count) {
+    if (count.milliseconds == 0) {
+        std::printf("%-13s %.3f M\n", name, double(count.rays) * 1e-6);
+        return;
+    }
     std::printf("%-13s %.3f M, %.1f ms, %.2f Mrays/s\n", name, double(count.rays) * 1e-6, count.milliseconds,
                 count.mrays_per_second());
 }
@@ -96,6 +100,7 @@ void print_statistics(const Device& device, const RenderStatistics& s, double se
     print_rays("camera rays", s.camera);
     print_rays("bounce rays", s.bounce);
     print_rays("shadow rays", s.shadow);
+    if (s.in_paths.rays != 0) print_rays("whole paths", s.in_paths);
     std::printf("longest       %.1f ms, %s\n", s.longest_milliseconds, s.longest_command.c_str());
     std::printf("measuring     noise and error: %.1f ms, %.2f %% of the render\n", 1e3 * s.measuring_seconds,
                 seconds > 0 ? 100 * s.measuring_seconds / seconds : 0.0);
@@ -170,7 +175,11 @@ void print_as_json(const Device& device, const Renderer& renderer, const RenderO
         {"effects", as_json(s.effects)},
         {"effect_overrides",
          {{"add", as_json(options.config.effects.add)}, {"remove", as_json(options.config.effects.remove)}}},
-        {"rays", {{"camera", as_json(s.camera)}, {"bounce", as_json(s.bounce)}, {"shadow", as_json(s.shadow)}}},
+        {"rays",
+         {{"camera", as_json(s.camera)},
+          {"bounce", as_json(s.bounce)},
+          {"shadow", as_json(s.shadow)},
+          {"in_paths", as_json(s.in_paths)}}},
         {"longest_command", {{"name", s.longest_command}, {"milliseconds", s.longest_milliseconds}}},
         {"device_bytes", s.device_bytes}};
     if (plan)

@@ -30,14 +30,15 @@ EffectSet effects_of_stage(EffectSet effects, Stage stage) {
     return of_stage;
 }
 
-/// Of all that the kernels depend on; `part`: "all" of them, or "trace" for the queries' and the tree's.
+/// Of all that the kernels depend on; `part`: "all" of them, "trace" for the queries' and the tree's, or "paths" for
+/// the one that follows whole paths.
 std::string key_of(const Device& device, const KernelChoice& choice, const RenderConfig& config,
                    const std::string& part) {
     const DeviceInfo& info = device.info();
     const bool lit = !(choice.effects & sampled_lights).empty();
     const EffectSet structure = choice.effects & EffectSet{Effect::instances, Effect::instance_motion};
     const EffectSet effects =
-        part == "all" ? choice.effects : structure | effects_of_stage(choice.effects, Stage::trace);
+        part != "trace" ? choice.effects : structure | effects_of_stage(choice.effects, Stage::trace);
     std::string all = "renderer " + part + (lit ? " with shadows\n" : "\n") + info.platform + '\n' + info.name + '\n' +
                       info.driver + '\n' + info.version + '\n';
     for (const KernelSource& source : kernel_sources()) all += source.path + '\n' + source.text + '\n';
@@ -49,6 +50,11 @@ std::string key_of(const Device& device, const KernelChoice& choice, const Rende
     return hash128(all + to_string(effects));
 }
 
+void remember(const Device& device, const KernelChoice& choice, const RenderConfig& config, const std::string& part) {
+    const std::string text = part + " of " + to_string(choice.effects);
+    store_cached_program(key_of(device, choice, config, part), {text.begin(), text.end()});
+}
+
 }  // namespace
 
 bool are_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config) {
@@ -56,10 +62,15 @@ bool are_cached(const Device& device, const KernelChoice& choice, const RenderCo
 }
 
 void remember_as_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config) {
-    for (const char* part : {"all", "trace"}) {
-        const std::string text = std::string(part) + " of " + to_string(choice.effects);
-        store_cached_program(key_of(device, choice, config, part), {text.begin(), text.end()});
-    }
+    for (const char* part : {"all", "trace"}) remember(device, choice, config, part);
+}
+
+bool is_path_kernel_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config) {
+    return load_cached_program(key_of(device, choice, config, "paths")).has_value();
+}
+
+void remember_path_kernel_as_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config) {
+    remember(device, choice, config, "paths");
 }
 
 void compile_once(const Device& device, const KernelChoice& choice, const RenderConfig& config,

@@ -28,6 +28,7 @@ constexpr unsigned least_spp_for_noise = 16;
 constexpr unsigned least_spp_for_error = 4;
 constexpr unsigned spp_that_see_light = 2048;
 constexpr double seconds_between_reports = 0.2;
+constexpr double seconds_worth_compiling = 1;  // of a render that goes on: about what that takes
 constexpr std::size_t batches_in_flight = 2;
 constexpr std::size_t most_triangles_by_host = 1u << 20;
 constexpr std::ptrdiff_t most_effects_to_optimize = 16;  // in quick kernels: PoCL takes two seconds for these
@@ -205,7 +206,7 @@ struct Renderer::State {
           film(on, pixels(), films_of(with)),
           schedule(new_schedule()),
           pace(first_paths(), wavefront.capacity()) {
-        for (const char* name : {trace_camera_name, trace_bounce_name, trace_shadow_name})
+        for (const char* name : {trace_camera_name, trace_bounce_name, trace_shadow_name, trace_paths_name})
             before[name] = device.profiler().milliseconds(name);
     }
 
@@ -213,6 +214,9 @@ struct Renderer::State {
     [[nodiscard]] std::uint32_t first_paths() const;
     void first_pixel();
     void take_over_when_compiled();
+    [[nodiscard]] bool may_follow_paths() const;
+    void choose_path_kernel(bool may_compile);
+    [[nodiscard]] bool may_compile() const;
     void adopt(const Structure& other);
     void save_checkpoint();
     [[nodiscard]] std::uint32_t pixels() const { return config.width * config.height; }
@@ -239,8 +243,9 @@ struct Renderer::State {
     double first_pixel_seconds = 0, first_pixel_processor_seconds = 0;
     std::uint32_t culled = 0;
     unsigned own_kernels_from = 0;
-    bool own_kernels = false;
-    double milliseconds_before;  // on the device, by whatever ran there earlier
+    bool own_kernels = false, chose_path_kernel = false;
+    std::optional<bool> path_kernel_is_cached;  // once it was asked
+    double milliseconds_before;                 // on the device, by whatever ran there earlier
     Structure structure;
     double build_milliseconds;
     SceneBuffers buffers;
@@ -354,11 +359,30 @@ void Renderer::State::take_over_when_compiled() {
     own_kernels_from = spp();
 }
 
+bool Renderer::State::may_follow_paths() const { return claray::may_follow_paths(buffers, plan.last.effects); }
+
+/// Once, when every pixel was sampled by the scene's own kernels: whether one kernel follows paths from then on. Where
+/// the cache doesn't have it, it is compiled if nobody waits for a picture, or has waited for long.
+void Renderer::State::choose_path_kernel(bool may_compile) {
+    if (!path_kernel_is_cached) path_kernel_is_cached = is_path_kernel_cached(device, plan.last, config);
+    if (!may_compile && !*path_kernel_is_cached) return;
+    chose_path_kernel = true;
+    if (!wavefront.paths_are_short()) return;
+    wavefront.follow_paths(load_path_kernel(buffers, config.sampler, plan.last.effects));
+    remember_path_kernel_as_cached(device, plan.last, config);
+}
+
+bool Renderer::State::may_compile() const {
+    if (config.compiler.empty()) return true;
+    return !(config.seconds > 0) && begin && seconds_since(*begin) > seconds_worth_compiling;
+}
+
 void Renderer::State::adopt(const Structure& other) {
     structure = other;
     structure.set_cutouts(buffers.textures.cutouts());
     buffers.structure = structure;
     wavefront.take_over(structure, WavefrontKernels(buffers, config.sampler, plan.last.effects));
+    chose_path_kernel = false;
     film.reload_kernels();
 }
 
@@ -367,6 +391,13 @@ void Renderer::State::warm_up() {
     const Batch few{0, std::min(pixels(), 64u), 0, 1};
     Film scratch(device, few.pixels);
     wavefront.trace(few);
+    if (plan.first == plan.last && may_follow_paths()) {
+        const std::uint32_t many = std::min(pixels(), wavefront.capacity());
+        wavefront.reset_totals();
+        wavefront.trace({(pixels() - many) / 2, many, 0, 1});
+        choose_path_kernel(true);
+        wavefront.trace(few);
+    }
     scratch.accumulate(few, wavefront.radiance());
     (void)scratch.noise();
     wavefront.reset_totals();
@@ -436,6 +467,8 @@ RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>
         state.trace(state.schedule.next(state.paths_of_next_batch(in_flight)), in_flight);
         if (state.first_pixel_seconds == 0) state.first_pixel();
         if (!state.own_kernels) state.take_over_when_compiled();
+        if (state.own_kernels && !state.chose_path_kernel && state.spp() > 0 && state.may_follow_paths())
+            state.choose_path_kernel(state.may_compile());
         if (saves && seconds_since(last_checkpoint) >= state.config.checkpoint_seconds) {
             state.save_checkpoint();
             last_checkpoint = Clock::now();
@@ -483,6 +516,9 @@ RenderStatistics Renderer::statistics() const {
     statistics.camera = state.rays(trace_camera_name, totals.camera);
     statistics.bounce = state.rays(trace_bounce_name, totals.bounce);
     statistics.shadow = state.rays(trace_shadow_name, totals.shadow);
+    statistics.in_paths = state.rays(trace_paths_name, totals.in_paths);
+    if (totals.in_paths != 0)
+        for (RayCount* count : {&statistics.camera, &statistics.bounce, &statistics.shadow}) count->milliseconds = 0;
     statistics.device_bytes =
         statistics.bvh.bytes + state.buffers.bytes() + state.wavefront.bytes() + state.film.bytes();
     statistics.first_pixel_seconds = state.first_pixel_seconds;

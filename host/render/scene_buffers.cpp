@@ -89,9 +89,9 @@ void SceneBuffers::bind(Kernel& kernel, unsigned& index) const {
 
 std::uint64_t SceneBuffers::bytes() const {
     return structure.triangles().positions.bytes() + structure.triangles().indices.bytes() + normals.bytes() +
-           triangle_materials.bytes() + materials.bytes() + energy_tables.bytes() + triangle_lights.bytes() + punctual_lights.bytes() +
-           light_tree.bytes() + light_leaves.bytes() + light_trails.bytes() + lamps.bytes() + environment_texels.bytes() + environment_cdf.bytes() +
-           textures.store.bytes();
+           triangle_materials.bytes() + materials.bytes() + energy_tables.bytes() + triangle_lights.bytes() +
+           punctual_lights.bytes() + light_tree.bytes() + light_leaves.bytes() + light_trails.bytes() + lamps.bytes() +
+           environment_texels.bytes() + environment_cdf.bytes() + textures.store.bytes();
 }
 
 }  // namespace claray

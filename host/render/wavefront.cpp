@@ -12,6 +12,8 @@ std::uint32_t paths_per_item(const Device& device) {
     return std::max(1u, device.tuning("render/shade_surface", "PATHS_PER_ITEM"));
 }
 
+constexpr const char* path_kernel_stem = "render/trace_paths";
+
 constexpr std::uint64_t bytes_per_path = 2 * (sizeof(Ray) + sizeof(PathState)) + sizeof(Ray) + sizeof(Hit) +
                                          sizeof(LightSample) + sizeof(std::uint8_t) + 3 * sizeof(float);
 
@@ -23,14 +25,13 @@ std::uint32_t choose_capacity(const Device& device, std::uint64_t most_paths) {
     return std::uint32_t(std::max<std::uint64_t>(1, std::min({tuned, most_paths, memory, allocation})));
 }
 
-/// Whether one kernel is to do the work of all stages: on GPUs, for scenes that call for few effects.
-bool follows_paths(const SceneBuffers& scene, EffectSet effects) {
-    const Structure& structure = scene.structure;
-    if (structure.instanced() || structure.bvh().layout() != Layout::binary) return false;
-    const std::span<const Effect> all = all_effects();
-    const auto shaded =
-        std::count_if(all.begin(), all.end(), [&](Effect e) { return effects.has(e) && concerns(e, Stage::shade); });
-    return shaded <= std::ptrdiff_t(structure.device().tuning("render/trace_paths", "MOST_EFFECTS"));
+void append(Defines& to, const Defines& more) { to.insert(to.end(), more.begin(), more.end()); }
+
+Defines defines_for(const SceneBuffers& scene, Sampler sampler, EffectSet effects, Stage stage) {
+    Defines defines = defines_of(effects, stage);
+    append(defines, scene.structure.defines());
+    defines.emplace_back("SAMPLER", std::to_string(std::uint32_t(sampler)));
+    return defines;
 }
 
 }  // namespace
@@ -38,13 +39,7 @@ bool follows_paths(const SceneBuffers& scene, EffectSet effects) {
 WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, EffectSet with, bool baking)
     : effects(with) {
     const Device& device = scene.structure.device();
-    const auto defines = [&](Stage stage) {
-        Defines all = defines_of(effects, stage);
-        const Defines structure = scene.structure.defines();
-        all.insert(all.end(), structure.begin(), structure.end());
-        all.emplace_back("SAMPLER", std::to_string(std::uint32_t(sampler)));
-        return all;
-    };
+    const auto defines = [&](Stage stage) { return defines_for(scene, sampler, effects, stage); };
     QueryOptions coherent, incoherent, shadow;
     coherent.coherence = Coherence::coherent, incoherent.coherence = Coherence::incoherent;
     coherent.cull_back_faces = incoherent.cull_back_faces = shadow.cull_back_faces = scene.textures.culls_back_faces;
@@ -59,15 +54,27 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, E
     trace_bounce = SceneQuery(scene.structure, QueryKernel::Kind::closest, incoherent, trace_bounce_name);
     shade = load_kernel(device, "render/shade_surface.cl", "shade_surface", shading);
     advance = load_kernel(device, "render/advance_queues.cl", "advance_queues");
-    if (!baking && follows_paths(scene, effects)) {
-        for (const Defines& more : {defines(Stage::generate), structure.bvh().defines()})
-            shading.insert(shading.end(), more.begin(), more.end());
-        if (scene.textures.culls_back_faces) shading.emplace_back("CULL_BACK_FACES", "1");
-        paths = load_kernel(device, "render/trace_paths.cl", "trace_paths", shading);
-    }
     if (scene.lights.count == 0) return;
     trace_shadow = SceneQuery(scene.structure, QueryKernel::Kind::any, shadow, trace_shadow_name);
     add_light = load_kernel(device, "render/add_light.cl", "add_light");
+}
+
+bool may_follow_paths(const SceneBuffers& scene, EffectSet effects) {
+    const Structure& structure = scene.structure;
+    if (structure.instanced() || structure.bvh().layout() != Layout::binary) return false;
+    const std::span<const Effect> all = all_effects();
+    const auto shaded =
+        std::count_if(all.begin(), all.end(), [&](Effect e) { return effects.has(e) && concerns(e, Stage::shade); });
+    return shaded <= std::ptrdiff_t(structure.device().tuning(path_kernel_stem, "MOST_EFFECTS"));
+}
+
+Kernel load_path_kernel(const SceneBuffers& scene, Sampler sampler, EffectSet effects) {
+    const Structure& structure = scene.structure;
+    Defines defines = defines_for(scene, sampler, effects, Stage::shade);
+    append(defines, defines_of(effects, Stage::generate));
+    append(defines, structure.bvh().defines());
+    if (scene.textures.culls_back_faces) defines.emplace_back("CULL_BACK_FACES", "1");
+    return load_kernel(structure.device(), std::string(path_kernel_stem) + ".cl", trace_paths_name, defines);
 }
 
 Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const FrameData& frame, WavefrontKernels kernels,
@@ -77,7 +84,6 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
       frame_(frame),
       bounces_per_look_(std::max(1u, device.tuning("render/wavefront", "BOUNCES_PER_LOOK"))),
       shade_group_(device.tuning("render/shade_surface", "GROUP_SIZE")),
-      path_group_(device.tuning("render/trace_paths", "GROUP_SIZE")),
       paths_per_item_(paths_per_item(device)),
       kernels_(std::move(kernels)) {
     const std::uint32_t paths = choose_capacity(device, most_paths);
@@ -92,6 +98,7 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
     radiance_ = Buffer<float>(device, 3 * std::size_t(paths));
     shadow_length_ = Buffer<std::uint32_t>(device, 1);
     totals_ = Buffer<std::uint64_t>(device, 2);
+    totals_in_paths_ = Buffer<std::uint64_t>(device, 2);
     reset_totals();
     if (scene.light_tree.allocated()) shading_normals_ = Buffer<float>(device, 3 * std::size_t(paths));
     if (scene.lights.count == 0) return;
@@ -104,6 +111,13 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
 void Wavefront::take_over(const Structure& structure, WavefrontKernels kernels) {
     scene_.structure = structure;
     kernels_ = std::move(kernels);
+    path_kernel_.reset();
+}
+
+bool Wavefront::paths_are_short() const {
+    const Totals all = totals();
+    const double most = device_.tuning(path_kernel_stem, "MOST_BOUNCES_PERMILLE") * 1e-3;
+    return double(all.bounce) <= most * double(all.camera);
 }
 
 void Wavefront::generate(const Batch& batch, bool centers) {
@@ -116,7 +130,7 @@ void Wavefront::generate(const Batch& batch, bool centers) {
 }
 
 void Wavefront::trace(const Batch& batch) {
-    if (kernels_.follow_paths()) {
+    if (path_kernel_) {
         trace_paths(batch);
         return;
     }
@@ -136,17 +150,17 @@ void Wavefront::trace_from(const Buffer<Hit>& points, const Batch& batch) {
 
 /// A path that was scattered for the last time may still end in a light or in the sky.
 std::uint32_t Wavefront::waves() const {
-    const bool one_more = !(scene_.effects & emitters).empty() && frame_.max_depth != 0xffffffffu;
+    const bool one_more = !(scene_.effects & emitters).empty() && frame_.max_depth != ~std::uint32_t(0);
     return frame_.max_depth + (one_more ? 1 : 0);
 }
 
 void Wavefront::trace_paths(const Batch& batch) {
     const std::uint32_t paths = batch.pixels * batch.samples;
-    camera_rays_ += paths;
-    lengths_[0].fill(0), lengths_[1].fill(0), shadow_length_.fill(0);
-    kernels_.paths.run({paths, path_group_}, batch, frame_, waves(), scene_.structure.bvh(), scene_, radiance_,
-                       shading_normals_, lengths_[1], shadow_length_);
-    kernels_.advance.run({1, 0}, lengths_[0], lengths_[1], shadow_length_, totals_);
+    camera_rays_in_paths_ += paths;
+    for (Buffer<std::uint32_t>* count : {&lengths_[0], &lengths_[1], &shadow_length_}) count->fill(0);
+    path_kernel_->run({paths, device_.tuning(path_kernel_stem, "GROUP_SIZE")}, batch, frame_, waves(),
+                      scene_.structure.bvh(), scene_, radiance_, shading_normals_, lengths_[1], shadow_length_);
+    kernels_.advance.run({1, 0}, lengths_[0], lengths_[1], shadow_length_, totals_in_paths_);
 }
 
 void Wavefront::trace_stages(const Batch& batch, bool arrived) {
@@ -190,13 +204,14 @@ void Wavefront::trace_centers(const Batch& batch, Buffer<Visits>& visits) {
 }
 
 Wavefront::Totals Wavefront::totals() const {
-    const std::vector<std::uint64_t> totals = totals_.read();
-    return {camera_rays_, totals[0], totals[1]};
+    const std::vector<std::uint64_t> stages = totals_.read(), paths = totals_in_paths_.read();
+    return {camera_rays_ + camera_rays_in_paths_, stages[0] + paths[0], stages[1] + paths[1],
+            camera_rays_in_paths_ + paths[0] + paths[1]};
 }
 
 void Wavefront::reset_totals() {
-    camera_rays_ = 0;
-    totals_.fill(0);
+    camera_rays_ = camera_rays_in_paths_ = 0;
+    totals_.fill(0), totals_in_paths_.fill(0);
 }
 
 std::uint64_t Wavefront::bytes() const {

@@ -2,6 +2,8 @@
 // harmful"): generate_rays, then for every bounce trace, shade_surface, trace shadow rays, add_light, advance_queues.
 #pragma once
 
+#include <optional>
+
 #include "claray/query.hpp"
 #include "claray/renderer.hpp"
 #include "claray/shared/path.h"
@@ -13,20 +15,26 @@ namespace claray {
 inline constexpr const char* trace_camera_name = "trace_camera_rays";
 inline constexpr const char* trace_bounce_name = "trace_bounce_rays";
 inline constexpr const char* trace_shadow_name = "trace_shadow_rays";
+/// And of the kernel of whole paths.
+inline constexpr const char* trace_paths_name = "trace_paths";
 
-/// The stages' kernels, or the one that does all their work, for a set of effects, which may be larger than the
-/// scene's: what it does not call for changes no bit of the image.
+/// The stages' kernels for a set of effects, which may be larger than the scene's: what it does not call for changes no
+/// bit of the image.
 struct WavefrontKernels {
     WavefrontKernels() = default;
     /// `baking`: for Wavefront::trace_from.
     WavefrontKernels(const SceneBuffers& scene, Sampler sampler, EffectSet effects, bool baking = false);
 
     EffectSet effects;
-    Kernel paths;  // render/trace_paths.cl, if one kernel does the work of all stages
     Kernel generate, shade, add_light, advance;
-    [[nodiscard]] bool follow_paths() const { return paths.handle()() != nullptr; }
     SceneQuery trace_camera, trace_bounce, trace_shadow;
 };
+
+/// Whether the kernel that does the work of all stages (render/trace_paths.cl) may pay: the device is one of those
+/// where it can, and the effects are few.
+[[nodiscard]] bool may_follow_paths(const SceneBuffers& scene, EffectSet effects);
+/// See `Wavefront::follow_paths`.
+[[nodiscard]] Kernel load_path_kernel(const SceneBuffers& scene, Sampler sampler, EffectSet effects);
 
 class Wavefront {
 public:
@@ -36,6 +44,12 @@ public:
     [[nodiscard]] std::uint32_t capacity() const { return std::uint32_t(rays_[0].size()); }
     /// Goes on with other kernels, and with the tree that they traverse. The next batch is the first to see them.
     void take_over(const Structure& structure, WavefrontKernels kernels);
+    /// Whether paths, as far as they were traced, were so short that work-items which follow one each to its end would
+    /// seldom wait for each other. Blocks.
+    [[nodiscard]] bool paths_are_short() const;
+    /// From the next batch on one kernel traces whole paths, until `take_over`. The radiance is the same bit for bit.
+    void follow_paths(Kernel kernel) { path_kernel_ = std::move(kernel); }
+    [[nodiscard]] bool follows_paths() const { return path_kernel_.has_value(); }
     /// Of all batches from now on.
     void set_seed(std::uint32_t seed) { frame_.seed = seed; }
     void set_max_depth(std::uint32_t depth) { frame_.max_depth = depth; }
@@ -52,6 +66,7 @@ public:
 
     struct Totals {
         std::uint64_t camera = 0, bounce = 0, shadow = 0;
+        std::uint64_t in_paths = 0;  // of all these, those that the kernel of whole paths traced
     };
     /// Rays traced so far. Blocks.
     [[nodiscard]] Totals totals() const;
@@ -61,8 +76,8 @@ public:
 
 private:
     void generate(const Batch& batch, bool centers);
-    void trace_stages(const Batch& batch, bool arrived);
     void trace_paths(const Batch& batch);
+    void trace_stages(const Batch& batch, bool arrived);
     [[nodiscard]] std::uint32_t waves() const;
     void bounce(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived);
     void trace_shadows(std::uint32_t limit);
@@ -80,8 +95,8 @@ private:
     Device device_;
     SceneBuffers scene_;
     FrameData frame_;
-    unsigned bounces_per_look_, shade_group_, path_group_, paths_per_item_;
-    std::uint64_t camera_rays_ = 0;
+    unsigned bounces_per_look_, shade_group_, paths_per_item_;
+    std::uint64_t camera_rays_ = 0, camera_rays_in_paths_ = 0;
 
     Buffer<Ray> rays_[2], shadow_rays_;
     Buffer<PathState> states_[2];
@@ -93,8 +108,9 @@ private:
     Buffer<std::uint8_t> occluded_;
     Buffer<float> radiance_;
     Buffer<float> shading_normals_;  // a path each; for the light tree only
-    Buffer<std::uint64_t> totals_;
+    Buffer<std::uint64_t> totals_, totals_in_paths_;
     WavefrontKernels kernels_;
+    std::optional<Kernel> path_kernel_;
 };
 
 }  // namespace claray

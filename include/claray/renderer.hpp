@@ -78,7 +78,10 @@ struct RenderStatistics {
     bool own_kernels = false;       ///< whether they have
     double build_milliseconds = 0;  ///< device time of the acceleration structure
     BvhStatistics bvh;
-    RayCount camera, bounce, shadow;
+    RayCount camera, bounce, shadow;  ///< times: of tracing alone; 0 where that is not known, as `in_paths`
+    /// Rays of these that a kernel traced which does all work of a path, and its time: on GPUs, in scenes that call for
+    /// few effects and have short paths.
+    RayCount in_paths;
     EffectSet effects;  ///< that the scene calls for, after `RenderConfig::effects`
     std::uint64_t device_bytes = 0;
     double longest_milliseconds = 0;    ///< of all commands of this device so far

@@ -1,6 +1,7 @@
 // The path tracer in one kernel: a work-item follows its path from the camera to the end, and keeps in registers what the
-// stages of a wavefront hand on through memory. That pays where paths do much the same: where a scene calls for few
-// effects (Laine, Karras and Aila 2013, "Megakernels considered harmful", for why not everywhere).
+// stages of the wavefront hand on through memory. That pays where paths do much the same, which is where a scene calls for
+// few effects and paths soon leave it (Laine, Karras and Aila 2013, "Megakernels considered harmful", for why not
+// everywhere).
 #include "claray/shared/types.h"
 #include "render/first_ray.clh"
 #include "render/shade_hit.clh"
@@ -8,12 +9,12 @@
 #include "trace/query.clh"
 
 /// Traces all paths of a batch, of `waves` rays at most, and writes their radiance; the order of additions is the stages'.
-/// Counts the rays in `bounces` and `shadows`.
+/// Counts the rays in `bounces` and `shadows`, both 0 before.
 kernel QUERY_GROUP
 void trace_paths(Batch batch, FrameData frame, uint waves, CLARAY_BVH_PARAMETERS, SCENE_PARAMETERS, global float* radiance,
                  global float* shading_normals, volatile global uint* bounces, volatile global uint* shadows) {
     local uint counts[2];
-    if (get_local_id(0) < 2) counts[get_local_id(0)] = 0;
+    if (get_local_id(0) == 0) counts[0] = counts[1] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
     const uint path = get_global_id(0);
     if (path < batch.pixels * batch.samples) {

@@ -1,0 +1,84 @@
+// The kernel that follows whole paths makes the stages' image, bit for bit, and only where that was asked for.
+#include <gtest/gtest.h>
+
+#include "claray/effects.hpp"
+#include "claray/io.hpp"
+#include "claray/renderer.hpp"
+#include "tests/support/device.hpp"
+
+namespace claray::test {
+namespace {
+
+/// A device whose renders follow whole paths in scenes of at most so many effects, and so many surfaces a path.
+Device following(unsigned most_effects, unsigned most_bounces_permille) {
+    const Device fresh = Device::open(std::to_string(device().info().index));
+    fresh.set_tuning("render/trace_paths", "MOST_EFFECTS", most_effects);
+    fresh.set_tuning("render/trace_paths", "MOST_BOUNCES_PERMILLE", most_bounces_permille);
+    return fresh;
+}
+
+RenderConfig small() {
+    RenderConfig config{.width = 24, .height = 20, .spp = 4, .max_depth = 4};
+    config.bvh.layout = Layout::binary;
+    return config;
+}
+
+Scene scene_named(const std::string& name) { return builtin_scene(name).value(); }
+
+void expect_same(const Scene& scene, const std::string& name) {
+    const Device whole = following(99, 100'000), staged = following(0, 0);
+    Renderer one(whole, scene, small()), many(staged, scene, small());
+    (void)one.render(), (void)many.render();
+    EXPECT_EQ(one.image(), many.image()) << name;
+    const RenderStatistics a = one.statistics(), b = many.statistics();
+    EXPECT_GT(a.in_paths.rays, 0u) << name;
+    EXPECT_EQ(b.in_paths.rays, 0u) << name;
+    EXPECT_EQ(a.camera.rays, b.camera.rays) << name;
+    EXPECT_EQ(a.bounce.rays, b.bounce.rays) << name;
+    EXPECT_EQ(a.shadow.rays, b.shadow.rays) << name;
+}
+
+TEST(WholePaths, MakeTheSameImage) {
+    for (const char* name : {"cornell", "effect:glass", "effect:sky"}) expect_same(scene_named(name), name);
+}
+
+TEST(WholePaths, KnowTexturesCutOutsAndManyLights) {
+    for (const char* name : {"effect:mip-maps", "effect:cut-outs", "effect:culling", "effect:many-lights"})
+        expect_same(scene_named(name), name);
+}
+
+TEST(WholePaths, AreForFewEffectsAndShortPaths) {
+    const Scene scene = scene_named("cornell");  // two effects, and nearly two surfaces a path after the first
+    const auto follows = [&](unsigned effects, unsigned permille) {
+        Renderer renderer(following(effects, permille), scene, small());
+        (void)renderer.render();
+        return renderer.statistics().in_paths.rays > 0;
+    };
+    EXPECT_TRUE(follows(2, 3000));
+    EXPECT_FALSE(follows(1, 3000));
+    EXPECT_FALSE(follows(2, 1000));
+}
+
+TEST(WholePaths, AreNotFollowedThroughInstances) {
+    Renderer renderer(following(99, 100'000), scene_named("effect:instances"), small());
+    (void)renderer.render();
+    EXPECT_EQ(renderer.statistics().in_paths.rays, 0u);
+}
+
+TEST(WholePaths, GoOnInTheNextFrame) {
+    const Scene scene = scene_named("effect:sky");
+    Renderer renderer(following(99, 100'000), scene, small());
+    (void)renderer.render();
+    const std::uint64_t before = renderer.statistics().in_paths.rays;
+    renderer.restart(7);
+    (void)renderer.render();
+    EXPECT_GT(renderer.statistics().in_paths.rays, 2 * before);
+    RenderConfig other = small();
+    other.seed = 7;
+    Renderer fresh(following(0, 0), scene, other);
+    (void)fresh.render();
+    EXPECT_EQ(renderer.image(), fresh.image());
+}
+
+}  // namespace
+}  // namespace claray::test
