@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "host/accuracy/forecast.hpp"
 #include "host/accuracy/plan_text.hpp"
 
 namespace claray {
@@ -12,7 +13,6 @@ namespace {
 
 constexpr double least_seconds_for_pilot = 60;  // below which measuring a device doesn't pay
 constexpr std::size_t pilot_triangles = 20'000;
-constexpr unsigned least_spp_to_foresee = 16;
 constexpr double sure_gain = 1.25;  // by which a better tree must save more than it costs: models err
 constexpr double late = 1.1;        // of a time limit
 
@@ -69,39 +69,6 @@ void pick_sampler(TargetPlan& plan) {
     plan.config.sampler = cost < 1 ? Sampler::independent : Sampler::sobol;
     plan.picks.push_back(told("samples: %s; independent ones take %.2f times the time for the same error",
                               cost < 1 ? "independent" : "Sobol's", cost));
-}
-
-/// The reports from which a render's end is foreseen.
-struct Watched {
-    std::optional<RenderProgress> pace;   // since when the scene's own kernels render
-    std::optional<RenderProgress> error;  // the first that tells one
-};
-
-/// To which power of the samples the squared error falls: that of independent samples is 1, and Sobol's falls as fast
-/// as 1.5 where integrands are discontinuous along edges alone (He and Wang 2015). What few samples tell is not
-/// believed.
-double convergence(const RenderProgress& first, const RenderProgress& so_far) {
-    constexpr double least_growth = 4, fastest = 1.5;
-    const double samples = double(so_far.error_spp) / first.error_spp, errors = so_far.error / first.error;
-    if (!(samples >= least_growth)) return 1;
-    return std::clamp(-2 * std::log(errors) / std::log(samples), 1.0, fastest);
-}
-
-/// What is foreseen from the pace and the last error that is known.
-struct Forecast {
-    double spp = 0, seconds = 0;  // that the error needs
-    double seconds_a_sample = 0;  // for every pixel
-};
-
-Forecast forecast(const Watched& watched, const RenderProgress& so_far, double error) {
-    const RenderProgress& first = *watched.pace;
-    const double times = std::pow(so_far.error_bound / error, 2 / convergence(*watched.error, so_far));
-    Forecast needed;
-    needed.spp = std::max<double>(so_far.error_spp * times, so_far.spp);
-    needed.seconds_a_sample = so_far.spp > first.spp ? (so_far.seconds - first.seconds) / (so_far.spp - first.spp)
-                                                     : so_far.seconds / so_far.spp;
-    needed.seconds = so_far.seconds + (needed.spp - so_far.spp) * needed.seconds_a_sample;
-    return needed;
 }
 
 void refuse_unreachable(const TargetPlan& plan, const Forecast& needed, const RenderProgress& so_far) {
@@ -191,15 +158,6 @@ TargetPlan plan_render(const Device& device, const Scene& scene, const RenderCon
 
 namespace {
 
-/// What is foreseen once the first samples with the scene's own kernels were watched for long enough.
-std::optional<Forecast> foresee(const TargetPlan& plan, Watched& watched, const RenderProgress& so_far) {
-    const bool known = so_far.error_bound > 0 && so_far.error_spp >= least_spp_to_foresee;
-    if (known && !watched.error) watched.error = so_far;
-    if (so_far.own_kernels && !watched.pace) watched.pace = so_far;
-    if (!known || !watched.pace || so_far.seconds - watched.pace->seconds < plan.seconds_to_foresee) return {};
-    return forecast(watched, so_far, plan.config.error);
-}
-
 /// The model is that of another scene: a tree of a higher cost by the surface area heuristic is slower in this one.
 bool rebuild_if_better(Renderer& renderer, TargetPlan& plan, Builder builder) {
     const Builder before = plan.config.bvh.builder;
@@ -237,7 +195,7 @@ RenderProgress render_to_target(const Device& device, Renderer& renderer, Target
         const RenderProgress reached = renderer.render([&](const RenderProgress& so_far) {
             if (progress && !progress(so_far)) return false;
             if (!foresees) return true;
-            const std::optional<Forecast> needed = foresee(plan, watched, so_far);
+            const std::optional<Forecast> needed = watched.foresee(so_far, plan.config.error, plan.seconds_to_foresee);
             if (!needed) return true;
             refuse_unreachable(plan, *needed, so_far);
             plan.promised_seconds = needed->seconds;

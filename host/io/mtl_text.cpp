@@ -39,9 +39,9 @@ bool is_among(std::span<const std::string_view> keys, const std::string& key) {
 
 /// "Kd 1" is grey, as the format has it; the parser would make it red.
 std::string with_three_numbers(const std::string& line) {
-    std::istringstream in(line);
-    std::string key, number, more;
-    if (!(in >> key >> number) || in >> more || !is_among(colors, key) || !is_number(number)) return line;
+    std::string_view rest = line;
+    const std::string key(next_word(rest)), number(next_word(rest));
+    if (number.empty() || !next_word(rest).empty() || !is_among(colors, key) || !is_number(number)) return line;
     return key + " " + number + " " + number + " " + number;
 }
 

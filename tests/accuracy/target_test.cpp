@@ -41,6 +41,11 @@ TEST(ChooseBuilder, TakesTheTreeWithWhichAllIsDoneSoonest) {
     DeviceModel no_gain = model;
     no_gain.high.samples_per_second = 0.9e6, no_gain.balanced.samples_per_second = 1e6;
     EXPECT_EQ(choose_builder(no_gain, 100, 1e9), Builder::fast);
+    // A gain has to be a quarter more than it costs, since models err: balanced saves 1/11 of the time for 0.1 s.
+    DeviceModel no_high = model;
+    no_high.high = model.fast;
+    EXPECT_EQ(choose_builder(no_high, million, 1.2), Builder::fast);
+    EXPECT_EQ(choose_builder(no_high, million, 1.4), Builder::balanced);
 }
 
 TEST(DeviceModel, RowsOfTheTuningTableKeepIt) {
@@ -169,6 +174,22 @@ TEST(RenderToTarget, RefusesWhatCannotBeReachedAndNamesWhatCan) {
     EXPECT_TRUE(refused(to_error(1e-9), "the closest is about --error "));
     EXPECT_TRUE(refused({.width = 24, .height = 24, .spp = 1u << 24, .seconds = 1e-6},
                         "a time of 1 us can't be kept: a sample for every pixel takes "));
+}
+
+TEST(IsKept, AnErrorBelowItsBoundAndATimeToATenth) {
+    TargetPlan to_bound, in_time;
+    to_bound.config.error = 0.1, in_time.config.seconds = 1;
+    RenderProgress reached;
+    EXPECT_FALSE(is_kept(to_bound, reached)) << "no error is known";
+    EXPECT_NE(account_of(to_bound, reached).find("0 samples a pixel tell nothing"), std::string::npos);
+    reached.error = 0.05, reached.error_bound = 0.1;
+    EXPECT_TRUE(is_kept(to_bound, reached));
+    reached.error_bound = 0.11;
+    EXPECT_FALSE(is_kept(to_bound, reached));
+    reached.seconds = 1.05;
+    EXPECT_TRUE(is_kept(in_time, reached));
+    reached.seconds = 1.2;
+    EXPECT_FALSE(is_kept(in_time, reached));
 }
 
 TEST(RenderFrames, PicksWhatFitsAndSaysSo) {

@@ -129,8 +129,7 @@ class CheckpointSignals : public CheckpointOptions, public testing::WithParamInt
 TEST_P(CheckpointSignals, LeaveACheckpointToGoOnFrom) {
     Process process = start({"render", "cornell", "-o", path("a.pfm"), "--size", "64x48", "--spp", "1000000", "--json",
                              "--checkpoint", path("c"), "--checkpoint-every", "1h"});
-    for (int i = 0; i < 600 && process.errors_so_far().find(" spp") == std::string::npos; ++i)
-        std::this_thread::sleep_for(20ms);
+    wait_for_samples(process);
     process.send(GetParam());
     const ProcessResult result = process.wait();
     ASSERT_EQ(result.exit_code, 0) << result.errors;
@@ -148,7 +147,7 @@ INSTANTIATE_TEST_SUITE_P(All, CheckpointSignals, testing::Values(SIGINT, SIGTERM
 /// Whatever has not begun may be ended at once.
 TEST_F(CheckpointOptions, SignalsBeforeTheFirstSampleEndTheProgram) {
     Process process = start({"render", "soup:3000000", "-o", path("a.png"), "--size", "64x48", "-q"});
-    std::this_thread::sleep_for(100ms);
+    for (int i = 0; i < 3000 && !process.handles(SIGINT); ++i) std::this_thread::sleep_for(10ms);
     process.send(SIGINT);
     const ProcessResult result = process.wait();
     EXPECT_EQ(result.exit_code, 128 + SIGINT) << result.errors;

@@ -1,6 +1,9 @@
 #include "tests/cli/claray.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <regex>
+#include <thread>
 
 #include "tests/support/device.hpp"
 
@@ -16,6 +19,12 @@ ProcessResult run_claray(const std::vector<std::string>& arguments, const Enviro
     Environment all = environment;
     all.emplace("CLARAY_DEVICE", std::to_string(device().info().index));
     return run_process(claray_command(arguments), all);
+}
+
+void wait_for_samples(const Process& render) {
+    static const std::regex some("[1-9][0-9]*/[0-9]+ spp");
+    for (int i = 0; i < 3000 && !std::regex_search(render.errors_so_far(), some); ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
 }
 
 testing::AssertionResult failed_with(const ProcessResult& result, int exit_code, const std::string& words) {

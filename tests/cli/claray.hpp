@@ -11,6 +11,9 @@ namespace claray::test {
 [[nodiscard]] std::vector<std::string> claray_command(const std::vector<std::string>& arguments);
 [[nodiscard]] ProcessResult run_claray(const std::vector<std::string>& arguments, const Environment& environment = {});
 
+/// Until a render tells that every pixel has a sample: before, there is no image to stop with.
+void wait_for_samples(const Process& render);
+
 /// Passes where the program ended with this code and said `words` in a single line "claray: error: ...".
 [[nodiscard]] testing::AssertionResult failed_with(const ProcessResult& result, int exit_code,
                                                    const std::string& words);

@@ -4,7 +4,6 @@
 #include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "claray/scene.hpp"
 #include "tests/cli/claray.hpp"
@@ -164,12 +163,10 @@ TEST_F(Render, StopsAtItsTimeAndAtItsNoise) {
 class Signals : public Render, public testing::WithParamInterface<int> {};
 
 TEST_P(Signals, StopWithTheImageThatExists) {
-    using namespace std::chrono_literals;
     Process process(
         claray_command({"render", "cornell", "-o", path("a.png"), "--size", "256x256", "--spp", "1000000", "--json"}),
         {{"CLARAY_DEVICE", std::to_string(device().info().index)}});
-    for (int i = 0; i < 600 && process.errors_so_far().find(" spp") == std::string::npos; ++i)
-        std::this_thread::sleep_for(50ms);
+    wait_for_samples(process);
     const auto begin = std::chrono::steady_clock::now();
     process.send(GetParam());
     const ProcessResult result = process.wait();

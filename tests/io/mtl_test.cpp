@@ -63,7 +63,10 @@ TEST_F(Mtl, WhatIsNoNumberIsAWarningThatNamesTheLine) {
     EXPECT_EQ(warned("is no number"), 0u);
 }
 
-TEST_F(Mtl, OneNumberIsGrey) { EXPECT_EQ(load("Kd 0.25").albedo, glm::vec3(0.25f)); }
+TEST_F(Mtl, OneNumberIsGrey) {
+    for (const char* line : {"Kd 0.25", "Kd 0.25  # dim", "\tKd\t.25"})
+        EXPECT_EQ(load(line).albedo, glm::vec3(0.25f)) << line;
+}
 
 TEST_F(Mtl, EmissionLightsTheSceneWithoutSky) {
     const Scene scene = load("newmtl a\nKe 17 12 4\n", "usemtl a\nf 1 2 3\n");

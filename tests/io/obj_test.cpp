@@ -189,6 +189,10 @@ TEST_F(Obj, NotFiniteVerticesAreKept) {
     EXPECT_TRUE(std::isinf(mesh.positions[3].x));
     EXPECT_EQ(mesh.positions[3].y, 2.f);
     EXPECT_TRUE(std::isnan(mesh.positions[3].z));
+    const Mesh old = load("v 0 0 0\nv 1.#INF -1.#inf 1.#IND\nv 1 0 0\nf 1 2 3\n").meshes.at(0);
+    EXPECT_EQ(old.positions[1].x, INFINITY);
+    EXPECT_EQ(old.positions[1].y, -INFINITY);
+    EXPECT_TRUE(std::isnan(old.positions[1].z));
 }
 
 TEST_F(Obj, WhatIsNotFiniteIsCountedByKindWithItsFirstLine) {
@@ -210,6 +214,7 @@ TEST_F(Obj, WhatIsNoNumberIsAnErrorThatNamesTheLine) {
     refuse("v 0,5 0 0", {"'0,5' is no number"});
     refuse("v 0x1 0 0", {"'0x1'"});
     refuse("v 0 1e 0", {"'1e'"});
+    refuse("v 0 0 1e0000000001", {"'1e0000000001'"});  // the parser's limit
     refuse("v 1 2", {"'v' with 2 of 3 numbers"});
     refuse("v ", {"'v' with 0 of 3 numbers"});
     refuse("v 1 2 # 3", {"2 of 3"});
@@ -284,6 +289,8 @@ TEST_F(Obj, FileWithoutFacesIsAnError) {
 TEST_F(Obj, IndexOutOfRangeNamesTheLine) {
     expect_error(ErrorKind::user, {"mesh.obj", "line 6", "vertex index 5", "there are 4"},
                  [&] { load(unit_square + "f 1 2 3\nf 1 2 5\nf 1 2 4\n"); });
+    expect_error(ErrorKind::user, {"line 5", "vertex index 5"}, [&] { load(unit_square + "f 1 2 5\nf 2 3 5\n"); });
+    EXPECT_EQ(load(unit_square + "f +1 +2 +3\n").meshes.at(0).triangles.at(0), glm::uvec3(0, 1, 2));
     expect_error(ErrorKind::user, {"line 5", "vertex index -5"}, [&] { load(unit_square + "f -1 -2 -5\n"); });
     expect_error(ErrorKind::user, {"line 5", "vertex index 0"}, [&] { load(unit_square + "f 0 1 2\n"); });
     expect_error(ErrorKind::user, {"line 6", "texture index 2"},

@@ -85,6 +85,16 @@ TEST_F(KernelChoices, InstancesHaveKernelsOfTheirOwn) {
     EXPECT_EQ(start(), KernelStart::own);
 }
 
+TEST_F(KernelChoices, WhatIsTracedByCachedKernelsNeedsNoQuickOnes) {
+    const EffectSet effects = effects_of(*builtin_scene("cornell"));
+    const KernelPlan plan = plan_kernels(device(), effects, config());
+    EffectSet others = effects;
+    others.add(Effect::mirror);  // shaded otherwise, traced alike
+    ASSERT_FALSE(effects.has(Effect::mirror));
+    remember_as_cached(device(), {others, plan.last.layout}, config());
+    EXPECT_EQ(plan_kernels(device(), effects, config()).start, KernelStart::own);
+}
+
 TEST_F(KernelChoices, GenericKernelsGiveWayWithoutASeam) {
     for (const char* name : {"cornell", "spheres"}) {
         const ScopedEnvironment empty("CLARAY_CACHE_DIR", (folder_ / name).string());

@@ -69,6 +69,13 @@ std::string Process::errors_so_far() const { return read_file(folder_ / "errors"
 
 void Process::send(int signal_number) const { ::kill(id_, signal_number); }
 
+bool Process::handles(int signal_number) const {
+    const std::string status = read_file("/proc/" + std::to_string(id_) + "/status"), key = "SigCgt:";
+    const std::size_t at = status.find(key);
+    return at != std::string::npos &&
+           (std::stoull(status.substr(at + key.size()), nullptr, 16) >> (signal_number - 1) & 1);
+}
+
 ProcessResult Process::wait() {
     int status = 0;
     ::waitpid(id_, &status, 0);

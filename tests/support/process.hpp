@@ -31,6 +31,8 @@ public:
     /// What it has written to standard error so far.
     [[nodiscard]] std::string errors_so_far() const;
     void send(int signal_number) const;
+    /// Whether it handles a signal by now, as /proc tells.
+    [[nodiscard]] bool handles(int signal_number) const;
     /// Blocks until it ends.
     [[nodiscard]] ProcessResult wait();
 
