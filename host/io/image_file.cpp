@@ -10,6 +10,7 @@
 
 #include "claray/error.hpp"
 #include "host/compute/file.hpp"
+#include "host/io/hdr_check.hpp"
 #include "host/io/jpeg_check.hpp"
 #include "host/io/png_check.hpp"
 #include "host/io/stb_image_read.hpp"
@@ -138,6 +139,8 @@ Texture decode_texture(std::string_view bytes, const std::string& what, TexelFor
     const bool real = shape->radiance || shape->sixteen_bits;
     check_size(what, shape->width, shape->height, shape->channels * (real ? sizeof(float) : 1), room);
     check_plausible(what, *shape, bytes.size());
+    if (shape->radiance && !hdr_runs_fit(bytes, shape->width, shape->height))
+        refuse(what, "it is cut off, or its runs are longer than its rows", "export it again");
     DecodedImage image;
     const std::string fault = decode_image(bytes, *shape, image);
     if (!fault.empty()) refuse(what, "the image is broken (" + fault + ")", "export it again");

@@ -40,6 +40,18 @@ std::string hdr() {
     return "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n" + text_of({128, 64, 32, 129, 0, 0, 0, 0});
 }
 
+/// The same run-length coded, which images of 8 pixels and more a row are: a row of equal pixels, then one of different
+/// ones, whose exponents are two runs with one of no length between them.
+std::string hdr_of_runs() {
+    Bytes bytes = {2, 2, 0, 8, 136, 128, 136, 64, 136, 32, 136, 129, 2, 2, 0, 8};
+    for (int channel = 0; channel < 3; ++channel) {
+        bytes.push_back(8);
+        for (int x = 0; x < 8; ++x) bytes.push_back(std::uint8_t(128 + x));
+    }
+    for (const std::uint8_t byte : {130, 129, 0, 134, 128}) bytes.push_back(byte);
+    return "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\nSOFTWARE=test\n\n-Y 2 +X 8\n" + text_of(bytes);
+}
+
 std::string pfm(const char* header, const std::vector<float>& values) {
     std::string bytes = header;
     bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(float));
@@ -144,14 +156,31 @@ TEST_F(LoadImage, RefusesWhatIsNoImage) {
 }
 
 TEST_F(LoadImage, RefusesWhatIsCutOff) {
-    for (const std::string& whole : {from_base64(test::png_rgba), from_base64(test::png_palette),
-                                     from_base64(test::jpeg), tga(), bmp(), hdr(), pfm("PF\n1 1\n-1\n", {1, 2, 3})}) {
+    for (const std::string& whole :
+         {from_base64(test::png_rgba), from_base64(test::png_palette), from_base64(test::jpeg), tga(), bmp(), hdr(),
+          hdr_of_runs(), pfm("PF\n1 1\n-1\n", {1, 2, 3})}) {
         EXPECT_NO_THROW(static_cast<void>(load(whole)));
         // A BMP's last row is filled up; what is cut from that is not missed.
         const std::size_t filling = whole[0] == 'B' ? 1 : 0;
         for (std::size_t size = 0; size + filling < whole.size(); ++size)
             expect_error(ErrorKind::user, {"image.any"}, [&] { static_cast<void>(load(whole.substr(0, size))); });
     }
+}
+
+TEST_F(LoadImage, HdrOfRuns) {
+    const Texture image = load(hdr_of_runs());
+    ASSERT_EQ(image.width, 8u);
+    ASSERT_EQ(image.height, 2u);
+    EXPECT_EQ(image.floats[3 * 7], 1.f);
+    EXPECT_EQ(image.floats[3 * 7 + 2], 0.25f);
+    EXPECT_EQ(image.floats[3 * (8 + 1)], 129 / 128.f);
+    EXPECT_EQ(image.floats[3 * (8 + 2)], 130 / 256.f);
+    // stb_image would read zeros behind the end for ever, as runs of no length.
+    for (const std::size_t at : {hdr_of_runs().size() - 1, hdr_of_runs().size() - 3})
+        refuse(hdr_of_runs().substr(0, at), {"image.any", "cut off"});
+    std::string long_run = hdr_of_runs();
+    long_run[long_run.find("+X 8\n") + 9] = char(137);
+    refuse(long_run, {"image.any", "runs are longer than its rows"});
 }
 
 TEST_F(LoadImage, PngsChecksumsAreChecked) {
@@ -180,7 +209,7 @@ TEST_F(LoadImage, JpegsHuffmanTablesAreBounded) {
 TEST_F(LoadImage, BrokenBytesNeverCrash) {
     std::minstd_rand random(1);
     for (const std::string& whole : {from_base64(test::png_palette), from_base64(test::jpeg), tga(), bmp(), hdr(),
-                                     pfm("PF\n1 1\n-1\n", {1, 2, 3})}) {
+                                     hdr_of_runs(), pfm("PF\n1 1\n-1\n", {1, 2, 3})}) {
         for (int trial = 0; trial < 500; ++trial) {
             std::string broken = whole;
             for (unsigned flips = 1 + random() % 4; flips > 0; --flips)
