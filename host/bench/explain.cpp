@@ -9,25 +9,27 @@
 namespace claray::bench {
 namespace {
 
-constexpr unsigned endless = 1u << 20;  // samples a pixel
-constexpr int rounds_before = 3;        // which grow to the size of a batch and find their kernels
+constexpr unsigned spp = 16;      // of a frame: beginnings weigh as they do in a short render
+constexpr int rounds_before = 2;  // in which a render finds its batches' size and its kernels
 
-/// Device time of all that a batch of samples needs; what the renderer measures of the image is not part of it.
-double milliseconds_of_batch(const Device& device, Renderer& renderer) {
+/// Device time of a sample of every pixel, in the mean of a render from nothing; what the renderer measures of the
+/// image is not part of it.
+double milliseconds_of_frame(const Device& device, Renderer& renderer) {
     device.finish();
     device.profiler().reset();
-    (void)renderer.render([](const RenderProgress&) { return false; });
+    renderer.restart(0);
+    (void)renderer.render();
     double total = 0;
     for (const auto& [name, summary] : device.profiler().summary())
         if (name != "measure_noise" && name != "write_buffer" && name != "read_buffer") total += summary.milliseconds;
-    return total;
+    return total / spp;
 }
 
 class Explainer {
 public:
     Explainer(const Device& device, const Scene& scene, const RenderConfig& config, const ExplainOptions& options)
         : device_(device), scene_(scene), config_(config), options_(options) {
-        config_.spp = endless;
+        config_.spp = spp;
         config_.compiler.clear();
     }
 
@@ -36,8 +38,7 @@ public:
         RenderConfig config = config_;
         config.effects = overrides;
         Renderer own(device_, scene_, config_), other(device_, scene_, config);
-        const PairedTimes times =
-            compare(device_, own, other, std::size_t(config.width) * config.height, options_.rounds);
+        const PairedTimes times = compare(device_, own, other, options_.rounds);
         own_times_.push_back(times.first);
         own_bytes_ = own.statistics().device_bytes;
         own_effects_ = own.statistics().effects;
@@ -119,20 +120,16 @@ bool is_noise(const std::vector<double>& ratios) {
     return std::min(above, ratios.size() - above) > ratios.size() / 8;
 }
 
-PairedTimes compare(const Device& device, Renderer& first, Renderer& second, std::size_t pixels, int rounds) {
+PairedTimes compare(const Device& device, Renderer& first, Renderer& second, int rounds) {
     std::vector<double> firsts, seconds, ratios;
-    std::uint64_t samples_before = 0;
     for (int round = -rounds_before; round < rounds; ++round) {
         double a = 0, b = 0;
         if (round % 2 == 0)
-            a = milliseconds_of_batch(device, first), b = milliseconds_of_batch(device, second);
+            a = milliseconds_of_frame(device, first), b = milliseconds_of_frame(device, second);
         else
-            b = milliseconds_of_batch(device, second), a = milliseconds_of_batch(device, first);
-        const std::uint64_t samples = first.statistics().camera.rays;
-        const double frames = double(samples - samples_before) / double(pixels);
-        samples_before = samples;
+            b = milliseconds_of_frame(device, second), a = milliseconds_of_frame(device, first);
         if (round < 0 || !(a > 0)) continue;
-        firsts.push_back(a / frames), seconds.push_back(b / frames), ratios.push_back(b / a);
+        firsts.push_back(a), seconds.push_back(b), ratios.push_back(b / a);
     }
     return {median(firsts), median(seconds), median(ratios), is_noise(ratios)};
 }

@@ -37,7 +37,7 @@ struct Explanation {
 
 struct ExplainOptions {
     EffectSet only = known_effects();  ///< what to measure
-    int rounds = 7;                    ///< pairs of batches that are compared for each
+    int rounds = 7;                    ///< pairs of short renders that are compared for each
     bool compile_times = true;         ///< compile all kernels once more for their time
 };
 /// The rows of an explanation before anything is measured: what the scene calls for, and where.
@@ -47,8 +47,8 @@ struct ExplainOptions {
                                   const ExplainOptions& options,
                                   const std::function<void(const std::string&)>& progress = {});
 
-/// The times of two renderers over the same samples, by turns: milliseconds of one frame each, and the median over the
-/// rounds of the second's time over the first's.
+/// The times of two renderers of the same size over the same samples, by turns: milliseconds of a sample of every
+/// pixel, and the median over the rounds of the second's time over the first's.
 struct PairedTimes {
     double first = 0, second = 0, ratio = 1;
     bool noise = false;
@@ -56,7 +56,6 @@ struct PairedTimes {
 /// Whether more than an eighth of the ratios are on the other side of 1 than the others. Of 7 rounds of two equally
 /// fast renderers one comparison in 64 passes for a difference.
 [[nodiscard]] bool is_noise(const std::vector<double>& ratios);
-[[nodiscard]] PairedTimes compare(const Device& device, Renderer& first, Renderer& second, std::size_t pixels,
-                                  int rounds);
+[[nodiscard]] PairedTimes compare(const Device& device, Renderer& first, Renderer& second, int rounds);
 
 }  // namespace claray::bench

@@ -203,7 +203,7 @@ void add_explain_command(CLI::App& app, Action& action) {
         "WIDTHxHEIGHT in pixels [128x128]");
     command->add_option("--max-depth", o->config.max_depth, "Surfaces a path may meet [8]")
         ->transform(whole_number(1, 1024));
-    command->add_option("--rounds", o->measure.rounds, "Pairs of batches that are compared for each effect [7]")
+    command->add_option("--rounds", o->measure.rounds, "Pairs of short renders that are compared for each effect [7]")
         ->transform(whole_number(1, 1000));
     command->add_flag("!--no-compile-times", o->measure.compile_times, "Don't compile everything again for its time");
     command->add_option("--only", o->only, "Measure these effects only: NAME,NAME...");
