@@ -9,7 +9,9 @@
 namespace claray::bench {
 namespace {
 
-constexpr unsigned spp = 16;      // of a frame: beginnings weigh as they do in a short render
+/// Of a render: beginnings weigh as they do in a short one, and a GPU is kept busy.
+unsigned spp_on(const Device& device) { return device.info().type == DeviceType::cpu ? 4 : 16; }
+
 constexpr int rounds_before = 2;  // in which a render finds its batches' size and its kernels
 
 /// Device time of a sample of every pixel, in the mean of a render from nothing; what the renderer measures of the
@@ -22,14 +24,14 @@ double milliseconds_of_frame(const Device& device, Renderer& renderer) {
     double total = 0;
     for (const auto& [name, summary] : device.profiler().summary())
         if (name != "measure_noise" && name != "write_buffer" && name != "read_buffer") total += summary.milliseconds;
-    return total / spp;
+    return total / spp_on(device);
 }
 
 class Explainer {
 public:
     Explainer(const Device& device, const Scene& scene, const RenderConfig& config, const ExplainOptions& options)
         : device_(device), scene_(scene), config_(config), options_(options) {
-        config_.spp = spp;
+        config_.spp = spp_on(device);
         config_.compiler.clear();
     }
 
