@@ -101,6 +101,8 @@ Study study_arithmetic(const Device& device, const Scene& scene, const StudyOpti
     Study study;
     study.name = "arithmetic", study.title = "Arithmetic: what it changes in an image of the same samples";
     study.error = "RMS difference / mean";
+    // By the stages, each with arithmetic of its own; one kernel for whole paths would be faster where nothing changes.
+    const MacroScope stages(device, {{"render/trace_paths", "MOST_EFFECTS", 0}});
     std::vector<glm::vec3> strict;  // of the configuration that is at hand
     const auto with = [&](const Macros& macros) {
         return [&device, &scene, macros](const RenderConfig& config) {
