@@ -33,7 +33,11 @@ public:
         : device_(device), scene_(scene), config_(config), options_(options) {
         config_.spp = spp_on(device);
         config_.compiler.clear();
+        device_.set_tuning("render/trace_paths", patience, 0);  // as in a render of minutes
     }
+    ~Explainer() { device_.set_tuning("render/trace_paths", patience, patience_before_); }
+    Explainer(const Explainer&) = delete;
+    Explainer& operator=(const Explainer&) = delete;
 
     /// Compares a variant with the scene's own kernels.
     Variant compare_with_own(const EffectOverrides& overrides, EffectSet concerned, double& ratio, bool& noise) {
@@ -105,8 +109,11 @@ private:
         return builds_.emplace(key, report_build(device_, file, defines)).first->second;
     }
 
+    static constexpr const char* patience = "PATIENCE_MILLISECONDS";
+
     std::map<std::string, BuildReport> builds_;
     Device device_;
+    unsigned patience_before_ = device_.tuning("render/trace_paths", patience);
     const Scene& scene_;
     RenderConfig config_;
     ExplainOptions options_;

@@ -28,7 +28,6 @@ constexpr unsigned least_spp_for_noise = 16;
 constexpr unsigned least_spp_for_error = 4;
 constexpr unsigned spp_that_see_light = 2048;
 constexpr double seconds_between_reports = 0.2;
-constexpr double seconds_worth_compiling = 1;  // of a render that goes on: about what that takes
 constexpr std::size_t batches_in_flight = 2;
 constexpr std::size_t most_triangles_by_host = 1u << 20;
 constexpr std::ptrdiff_t most_effects_to_optimize = 16;  // in quick kernels: PoCL takes two seconds for these
@@ -215,8 +214,8 @@ struct Renderer::State {
     void first_pixel();
     void take_over_when_compiled();
     [[nodiscard]] bool may_follow_paths() const;
-    void choose_path_kernel(bool may_compile);
-    [[nodiscard]] bool may_compile() const;
+    void choose_path_kernel();
+    void follow_short_paths();
     void adopt(const Structure& other);
     void save_checkpoint();
     [[nodiscard]] std::uint32_t pixels() const { return config.width * config.height; }
@@ -256,11 +255,13 @@ struct Renderer::State {
     RenderIdentity identity;  // where checkpoints are written
     std::string checkpoint_error;
     std::optional<Clock::time_point> begin;
-    Film::Error last_error;                // when it was last asked for
-    unsigned last_error_spp = 0;           // and how many samples there were
-    bool error_is_new = false;             // not reported
-    double measuring_seconds = 0;          // for noise and error
-    std::map<std::string, double> before;  // the profiler's times when this render was set up
+    Clock::time_point first_begin;                   // of all frames
+    double patience = path_kernel_patience(device);  // seconds of rendering after which it may be compiled
+    Film::Error last_error;                          // when it was last asked for
+    unsigned last_error_spp = 0;                     // and how many samples there were
+    bool error_is_new = false;                       // not reported
+    double measuring_seconds = 0;                    // for noise and error
+    std::map<std::string, double> before;            // the profiler's times when this render was set up
 };
 
 WavefrontKernels Renderer::State::first_kernels() const {
@@ -361,20 +362,21 @@ void Renderer::State::take_over_when_compiled() {
 
 bool Renderer::State::may_follow_paths() const { return claray::may_follow_paths(buffers, plan.last.effects); }
 
-/// Once, when every pixel was sampled by the scene's own kernels: whether one kernel follows paths from then on. Where
-/// the cache doesn't have it, it is compiled if nobody waits for a picture, or has waited for long.
-void Renderer::State::choose_path_kernel(bool may_compile) {
+/// Once, when every pixel was sampled by the scene's own kernels: whether one kernel follows paths from then on. To
+/// load it takes as long as many a short render, and to compile it even longer: so not before as much time was spent
+/// rendering, which at worst doubles that.
+void Renderer::State::choose_path_kernel() {
+    if (seconds_since(first_begin) < patience / 16) return;
     if (!path_kernel_is_cached) path_kernel_is_cached = is_path_kernel_cached(device, plan.last, config);
-    if (!may_compile && !*path_kernel_is_cached) return;
+    const bool may_compile = !(config.seconds > 0) && seconds_since(first_begin) >= patience;
+    if (*path_kernel_is_cached || may_compile) follow_short_paths();
+}
+
+void Renderer::State::follow_short_paths() {
     chose_path_kernel = true;
     if (!wavefront.paths_are_short()) return;
     wavefront.follow_paths(load_path_kernel(buffers, config.sampler, plan.last.effects));
     remember_path_kernel_as_cached(device, plan.last, config);
-}
-
-bool Renderer::State::may_compile() const {
-    if (config.compiler.empty()) return true;
-    return !(config.seconds > 0) && begin && seconds_since(*begin) > seconds_worth_compiling;
 }
 
 void Renderer::State::adopt(const Structure& other) {
@@ -395,7 +397,7 @@ void Renderer::State::warm_up() {
         const std::uint32_t many = std::min(pixels(), wavefront.capacity());
         wavefront.reset_totals();
         wavefront.trace({(pixels() - many) / 2, many, 0, 1});
-        choose_path_kernel(true);
+        follow_short_paths();
         wavefront.trace(few);
     }
     scratch.accumulate(few, wavefront.radiance());
@@ -459,6 +461,7 @@ RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>
     State& state = *state_;
     if (!state.begin && state.config.seconds > 0) state.warm_up();
     if (!state.begin) state.begin = Clock::now();
+    if (state.first_begin == Clock::time_point()) state.first_begin = *state.begin;
     const bool saves = !state.config.checkpoint.empty();
     InFlight in_flight(state.device, state.pace);
     Clock::time_point last_report;  // long ago: the first batch is reported at once
@@ -468,7 +471,7 @@ RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>
         if (state.first_pixel_seconds == 0) state.first_pixel();
         if (!state.own_kernels) state.take_over_when_compiled();
         if (state.own_kernels && !state.chose_path_kernel && state.spp() > 0 && state.may_follow_paths())
-            state.choose_path_kernel(state.may_compile());
+            state.choose_path_kernel();
         if (saves && seconds_since(last_checkpoint) >= state.config.checkpoint_seconds) {
             state.save_checkpoint();
             last_checkpoint = Clock::now();

@@ -68,6 +68,10 @@ bool may_follow_paths(const SceneBuffers& scene, EffectSet effects) {
     return shaded <= std::ptrdiff_t(structure.device().tuning(path_kernel_stem, "MOST_EFFECTS"));
 }
 
+double path_kernel_patience(const Device& device) {
+    return device.tuning(path_kernel_stem, "PATIENCE_MILLISECONDS") * 1e-3;
+}
+
 Kernel load_path_kernel(const SceneBuffers& scene, Sampler sampler, EffectSet effects) {
     const Structure& structure = scene.structure;
     Defines defines = defines_for(scene, sampler, effects, Stage::shade);

@@ -33,6 +33,8 @@ struct WavefrontKernels {
 /// Whether the kernel that does the work of all stages (render/trace_paths.cl) may pay: the device is one of those
 /// where it can, and the effects are few.
 [[nodiscard]] bool may_follow_paths(const SceneBuffers& scene, EffectSet effects);
+/// Seconds that compiling it takes, about.
+[[nodiscard]] double path_kernel_patience(const Device& device);
 /// See `Wavefront::follow_paths`.
 [[nodiscard]] Kernel load_path_kernel(const SceneBuffers& scene, Sampler sampler, EffectSet effects);
 

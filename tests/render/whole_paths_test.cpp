@@ -10,10 +10,11 @@ namespace claray::test {
 namespace {
 
 /// A device whose renders follow whole paths in scenes of at most so many effects, and so many surfaces a path.
-Device following(unsigned most_effects, unsigned most_bounces_permille) {
+Device following(unsigned most_effects, unsigned most_bounces_permille, unsigned patience = 0) {
     const Device fresh = Device::open(std::to_string(device().info().index));
     fresh.set_tuning("render/trace_paths", "MOST_EFFECTS", most_effects);
     fresh.set_tuning("render/trace_paths", "MOST_BOUNCES_PERMILLE", most_bounces_permille);
+    fresh.set_tuning("render/trace_paths", "PATIENCE_MILLISECONDS", patience);
     return fresh;
 }
 
@@ -57,6 +58,21 @@ TEST(WholePaths, AreForFewEffectsAndShortPaths) {
     EXPECT_TRUE(follows(2, 3000));
     EXPECT_FALSE(follows(1, 3000));
     EXPECT_FALSE(follows(2, 1000));
+}
+
+TEST(WholePaths, AreNotForShortRenders) {
+    Renderer renderer(following(99, 100'000, 1'000'000'000), scene_named("effect:sky"), small());
+    (void)renderer.render();
+    EXPECT_EQ(renderer.statistics().in_paths.rays, 0u);
+}
+
+TEST(WholePaths, AreThereBeforeTimeIsCounted) {
+    RenderConfig config = small();
+    config.seconds = 0.05, config.spp = 1u << 20;
+    Renderer renderer(following(99, 100'000, 1'000'000'000), scene_named("effect:sky"), config);
+    (void)renderer.render();
+    const RenderStatistics statistics = renderer.statistics();
+    EXPECT_EQ(statistics.in_paths.rays, statistics.camera.rays + statistics.bounce.rays + statistics.shadow.rays);
 }
 
 TEST(WholePaths, AreNotFollowedThroughInstances) {
