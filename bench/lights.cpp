@@ -1,5 +1,6 @@
 // Noise at equal time: one light against many lights of the same flux, in the Cornell box:
-//   bench_lights [--device D] [--size N] [--spp N] [--depth N] [--rounds N] [--csv FILE]
+//   bench_lights [--device D] [--size N] [--spp N] [--depth N] [--rounds N] [--only TEXT] [--no-power]
+//               [--csv FILE]
 // The noise of an image falls with the square root of time, so what is compared is noise * sqrt(seconds). Seconds are
 // of the process's CPU time where the device is a CPU (others may use the machine), of its kernels where it is not.
 #include <CLI/CLI.hpp>
@@ -16,7 +17,8 @@ using namespace claray;
 namespace {
 
 struct Options {
-    std::string device, csv;
+    std::string device, csv, only;
+    bool no_power = false;
     unsigned size = 64, spp = 64, depth = 8, rounds = 3;
     unsigned points = 1000, triangles = 100'000;
 };
@@ -26,6 +28,7 @@ struct Arrangement {
     Scene scene;
     std::size_t of = 0;     // with which of the list it is compared
     bool by_power = false;  // without the tree
+    bool wanted = true;
     double noise = 0, seconds = 0;
 };
 
@@ -193,24 +196,39 @@ void measure(const Device& device, const Options& options, Arrangement& arrangem
     if (arrangement.seconds == 0 || seconds < arrangement.seconds) arrangement.seconds = seconds;
 }
 
+/// Leaves those whose name has the text in it, and what these are compared with.
+void keep(std::vector<Arrangement>& list, const Options& options) {
+    for (Arrangement& a : list) {
+        const auto named = [&](const Arrangement& other) {
+            return std::string(other.name).find(options.only) != std::string::npos;
+        };
+        a.wanted = named(a) && !(a.by_power && options.no_power);
+        if (a.wanted) list[a.of].wanted = true;
+    }
+}
+
 void run(const Options& options) {
     const Device device = Device::open(options.device);
     std::printf("%s, %ux%u, %u spp, depth %u\n", device.info().name.c_str(), options.size, options.size, options.spp,
                 options.depth);
     std::vector<Arrangement> list = Arranger(options).all();
+    keep(list, options);
     Options warm = options;
     warm.spp = 1;
     for (Arrangement& arrangement : list) {
+        if (!arrangement.wanted) continue;
         Arrangement copy = arrangement;
         measure(device, warm, copy, 0);  // compiles the kernels
     }
     for (unsigned round = 0; round < options.rounds; ++round)
-        for (Arrangement& arrangement : list) measure(device, options, arrangement, round);
+        for (Arrangement& arrangement : list)
+            if (arrangement.wanted) measure(device, options, arrangement, round);
     bench::Csv csv(options.csv, device,
                    "lights,picked_by,size,spp,depth,noise,seconds,noise_at_equal_time,of_one_light");
     std::printf("%-32s %-8s %9s %9s %9s\n", "lights", "picked", "noise", "seconds", "of one");
     const auto equal = [](const Arrangement& a) { return std::sqrt(a.noise * a.seconds); };
     for (const Arrangement& a : list) {
+        if (!a.wanted) continue;
         std::printf("%-32s %-8s %7.3f %% %9.3f %9.2f\n", a.name, a.by_power ? "by power" : "", 100 * std::sqrt(a.noise),
                     a.seconds, equal(a) / equal(list[a.of]));
         csv.row('"' + std::string(a.name) + '"', a.by_power ? "power" : "claray", options.size, options.spp,
@@ -231,6 +249,9 @@ int main(int argc, char** argv) try {
     app.add_option("--rounds", options.rounds, "Renders of each [3]");
     app.add_option("--points", options.points, "Point lights [1000]");
     app.add_option("--triangles", options.triangles, "Emissive triangles [100000]");
+    app.add_option("--only", options.only,
+                   "Only arrangements whose name has this in it, and what they are compared with");
+    app.add_flag("--no-power", options.no_power, "Not without the tree");
     app.add_option("--csv", options.csv, "Write the results to FILE");
     CLI11_PARSE(app, argc, argv);
     run(options);
