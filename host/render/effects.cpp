@@ -40,6 +40,7 @@ constexpr std::array rows = {
     Row{Effect::spot_lights, "spot-lights", "SPOT_LIGHTS", 0, shade},
     Row{Effect::light_falloff, "light-falloff", "LIGHT_FALLOFF", 0, shade},
     Row{Effect::many_lights, "many-lights", "LIGHT_TREE", 0, shade},
+    Row{Effect::hot_spots, "hot-spots", "HOT_SPOTS", 0, shade},
     Row{Effect::sky, "sky", "SKY", 0, shade},
     Row{Effect::environment, "environment", "ENVIRONMENT", 0, shade},
     Row{Effect::depth_of_field, "depth-of-field", "DEPTH_OF_FIELD", 0, generate},

@@ -30,6 +30,6 @@ inline constexpr EffectSet emitters = {Effect::emissive_triangles, Effect::sky, 
                                        Effect::light_maps};
 /// Effects that change how noisy an image is but not what it converges to. No scene can be stripped of them: to take
 /// one away leaves its code out of the kernels.
-inline constexpr EffectSet aids = {Effect::many_lights};
+inline constexpr EffectSet aids = {Effect::many_lights, Effect::hot_spots};
 
 }  // namespace claray

@@ -4,6 +4,7 @@
 
 #include "claray/effects.hpp"
 #include "host/render/cutouts.hpp"
+#include "host/render/hot_spots.hpp"
 #include "host/render/lights.hpp"
 #include "host/render/material_data.hpp"
 #include "host/scene/placement.hpp"
@@ -56,6 +57,8 @@ public:
         for (std::size_t i = 0; i < scene_.lights.size(); ++i)
             if (shines(scene_.lights[i].intensity)) visit(scene_.lights[i], i);
         if (near_lights(scene_) >= lights_for_a_tree) call_(Effect::many_lights, "scene", scene_.name, 0);
+        for (const HotSpotPlace& place : find_hot_spots(scene_))
+            call_(Effect::hot_spots, "light", scene_.lights[place.light].name, place.light);
         visit_surroundings();
         if (scene_.camera) visit(*scene_.camera);
         for (std::size_t i = 0; i < scene_.instances.size(); ++i) {

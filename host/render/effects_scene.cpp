@@ -104,6 +104,10 @@ Scene scene_calling_for(EffectSet effects) {
     if (!(effects & textured).empty())
         scene.textures = {grey_texture(effects.has(Effect::mip_maps) ? Filter::trilinear : Filter::bilinear)};
     if (effects.has(Effect::point_lights)) add_light(scene, LightKind::point);
+    if (effects.has(Effect::hot_spots)) {
+        add_light(scene, LightKind::point);
+        scene.lights.back().position.y = 0.01f;
+    }
     if (effects.has(Effect::directional_lights)) add_light(scene, LightKind::directional);
     if (effects.has(Effect::spot_lights)) add_light(scene, LightKind::spot);
     if (effects.has(Effect::light_falloff)) {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "host/render/environment.hpp"
+#include "host/render/hot_spots.hpp"
 #include "host/render/light_tree.hpp"
 #include "host/render/mean_texel.hpp"
 #include "host/render/number_shares.hpp"
@@ -131,20 +132,40 @@ PunctualLight punctual_light(const Light& light) {
     // As KHR_lights_punctual computes them; the least difference of cosines is the specification's.
     const double outer = std::cos(double(light.outer_angle)), inner = std::cos(double(light.inner_angle));
     const double scale = 1 / std::max(0.001, inner - outer);
-    data.cone_scale = float(scale), data.cone_offset = float(-outer * scale);
+    if (light.kind == LightKind::spot) data.cone_scale = float(scale), data.cone_offset = float(-outer * scale);
     data.inverse_range = light.range > 0.f ? 1.f / light.range : 0.f;
     data.attenuation_0 = light.attenuation.x, data.attenuation_1 = light.attenuation.y;
     data.attenuation_2 = light.attenuation.z;
     return data;
 }
 
+/// Of the light that was collected last.
+void add_hot_spot(const HotSpotPlace& place, Lights& lights) {
+    const double before = lights.hot_spots.empty() ? 0 : lights.hot_spots.back().last + 1.0;
+    const double numbers = std::round(place.probability * 4294967296.0);
+    if (!(numbers >= 1)) return;
+    PunctualLight& light = lights.punctual.back();
+    light.direction_x = place.way.x, light.direction_y = place.way.y, light.direction_z = place.way.z;
+    light.cone_scale = float(numbers / 4294967296.0);
+    lights.hot_spots.push_back({std::uint32_t(before + numbers - 1), light.cone_scale,
+                                std::uint32_t(lights.triangles.size() + lights.punctual.size() - 1), 0, 0});
+}
+
 /// Points and spots, then directional lights; black ones are left out.
 void collect_punctual(const Scene& scene, Lights& lights) {
+    const std::vector<HotSpotPlace> places = find_hot_spots(scene);
+    auto place = places.begin();
     for (const bool far : {false, true})
-        for (const Light& light : scene.lights) {
+        for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+            const Light& light = scene.lights[i];
             if (shines_far(light) != far || !(luminance(light.intensity) > 0)) continue;
             lights.punctual.push_back(punctual_light(light));
+            if (place != places.end() && place->light == i) add_hot_spot(*place++, lights);
         }
+    lights.data.hot_spots = std::uint32_t(lights.hot_spots.size());
+    lights.data.not_to_hot_spots = 1.f;
+    if (!lights.hot_spots.empty())
+        lights.data.not_to_hot_spots = float(1 - (lights.hot_spots.back().last + 1.0) / 4294967296.0);
 }
 
 /// What a light sends where it shines most, per steradian.
@@ -203,6 +224,7 @@ void plant_tree(Lights& lights, double radius) {
     lights.tree = std::move(tree.nodes), lights.leaves = std::move(tree.leaves);
     for (std::size_t i = 0; i < lights.triangles.size(); ++i)
         lights.trails.push_back({lights.triangles[i].primitive, tree.trails[i], tree.places[i]});
+    for (HotSpot& spot : lights.hot_spots) spot.trail = tree.trails[spot.light], spot.leaf = tree.places[spot.light];
     lights.data.tree_probability = float((lights.data.tree_last + 1.0) / 4294967296.0);
 }
 

@@ -14,6 +14,7 @@ struct Lights {
     std::vector<LightNode> tree;          // empty: lights are picked by power alone
     std::vector<LightLeaf> leaves;        // of the tree
     std::vector<LightTrail> trails;       // of triangles, where there is a tree
+    std::vector<HotSpot> hot_spots;       // of points close to surfaces
     std::vector<std::uint32_t> lamps;     // of triangles, where an image is on some: see shade/light_triangle.clh
     std::vector<float> environment_texels, environment_cdf;
     LightsData data{};

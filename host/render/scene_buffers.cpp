@@ -62,6 +62,7 @@ SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Struc
     light_tree = Buffer<LightNode>(device, found.tree);
     light_leaves = Buffer<LightLeaf>(device, found.leaves);
     light_trails = Buffer<LightTrail>(device, found.trails);
+    if (!found.hot_spots.empty()) hot_spots = Buffer<HotSpot>(device, found.hot_spots);
     if (!found.lamps.empty()) lamps = Buffer<std::uint32_t>(device, found.lamps);
     environment_texels = Buffer<float>(device, found.environment_texels);
     environment_cdf = Buffer<float>(device, found.environment_cdf);
@@ -80,6 +81,7 @@ void SceneBuffers::bind(Kernel& kernel, unsigned& index) const {
     kernel.set(index, light_tree);
     kernel.set(index, light_leaves);
     kernel.set(index, light_trails);
+    kernel.set(index, hot_spots);
     kernel.set(index, lamps);
     kernel.set(index, environment_texels);
     kernel.set(index, environment_cdf);
@@ -90,8 +92,9 @@ void SceneBuffers::bind(Kernel& kernel, unsigned& index) const {
 std::uint64_t SceneBuffers::bytes() const {
     return structure.triangles().positions.bytes() + structure.triangles().indices.bytes() + normals.bytes() +
            triangle_materials.bytes() + materials.bytes() + energy_tables.bytes() + triangle_lights.bytes() +
-           punctual_lights.bytes() + light_tree.bytes() + light_leaves.bytes() + light_trails.bytes() + lamps.bytes() +
-           environment_texels.bytes() + environment_cdf.bytes() + textures.store.bytes();
+           punctual_lights.bytes() + light_tree.bytes() + light_leaves.bytes() + light_trails.bytes() +
+           hot_spots.bytes() + lamps.bytes() + environment_texels.bytes() + environment_cdf.bytes() +
+           textures.store.bytes();
 }
 
 }  // namespace claray

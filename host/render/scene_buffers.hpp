@@ -21,6 +21,7 @@ struct SceneBuffers {
     Buffer<LightNode> light_tree;
     Buffer<LightLeaf> light_leaves;
     Buffer<LightTrail> light_trails;
+    Buffer<HotSpot> hot_spots;    // not allocated where no point light is close to a surface
     Buffer<std::uint32_t> lamps;  // not allocated where no image is on a lamp
     Buffer<float> environment_texels, environment_cdf;
     Textures textures;

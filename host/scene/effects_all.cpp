@@ -71,6 +71,7 @@ void add_lights(Scene& scene) {
         small.range = 2.f;
         scene.lights.push_back(small);
     }
+    scene.lights.push_back(point_light({1.9f, 0.03f, 1.7f}, {0.3f, 0.4f, 0.5f}));  // on the floor
     light.kind = LightKind::spot, light.position = {0.f, 3.5f, 1.f}, light.direction = {0.f, -1.f, -0.45f};
     light.intensity = {8.f, 9.f, 12.f}, light.inner_angle = 0.2f, light.outer_angle = 0.4f;
     scene.lights.push_back(light);

@@ -59,13 +59,14 @@ void make_instance_move(Scene& scene) {
     scene.instances[ball_material].transform_end = end;
 }
 
-/// Small lights of many colours in rows above the floor.
+/// Small lights of many colours in rows above the floor, none of them in the ball or close to it.
 void make_many_lights(Scene& scene) {
     scene.sky = {};
     for (int i = 0; i < 49; ++i) {
         const glm::vec3 color(float(1 + i % 3), float(1 + i % 4), float(1 + i % 5));
-        scene.lights.push_back(
-            point_light({0.75f * float(i % 7) - 2.2f, 0.25f, 0.75f * float(i / 7) - 2.6f}, 0.012f * color));
+        const glm::vec3 at(0.75f * float(i % 7) - 2.2f, 0.25f, 0.75f * float(i / 7) - 2.6f);
+        if (glm::length(at - glm::vec3(-0.35f, 0.8f, 0.f)) > 1.f)
+            scene.lights.push_back(point_light(at, 0.012f * color));
     }
 }
 
@@ -150,6 +151,11 @@ constexpr std::array alone = {
               light.attenuation = {1.f, 0.2f, 0.f}, light.intensity = glm::vec3(6.f), light.range = 4.5f;
           }},
     Alone{"many-lights", make_many_lights},
+    Alone{"hot-spots",
+          [](Scene& s) {
+              s.sky = {};
+              s.lights = {point_light({0.75f, 0.04f, 1.f}, {3.f, 2.5f, 2.f})};
+          }},
     Alone{"sky", [](Scene&) {}},
     Alone{"environment", replace_sky_by_evening},
     Alone{"textures", [](Scene& s) { s.materials[floor_material].albedo_map = add_texture(s, checks()); }},

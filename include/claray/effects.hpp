@@ -45,7 +45,8 @@ enum class Effect : std::uint8_t {
     instances,
     instance_motion,
     emission_maps,
-    thin_walls
+    thin_walls,
+    hot_spots
 };
 
 class EffectSet {

@@ -137,7 +137,7 @@ void shade_surface(Batch batch, FrameData frame, uint depth, global const float*
                    global const float* normals, global const uint* triangle_materials, global const MaterialData* materials,
                    global const float* energy_tables, global const TriangleLight* triangle_lights,
                    global const PunctualLight* punctual_lights, global const LightNode* light_tree, global const LightLeaf* light_leaves,
-                   global const LightTrail* light_trails, global const uint* lamps, global const float* environment_texels,
+                   global const LightTrail* light_trails, global const HotSpot* hot_spots, global const uint* lamps, global const float* environment_texels,
                    global const float* environment_cdf, global const uint* textures, global const uint* length, uint capacity,
                    global const Ray* rays, global const Hit* hits, global const PathState* states, global float* radiance,
                    global float* shading_normals, volatile global uint* next_length, global Ray* next_rays,

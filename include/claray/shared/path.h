@@ -9,7 +9,8 @@ CLARAY_SHARED_BEGIN
 /// What travels with a ray of a path.
 typedef struct PathState {
     float throughput_r, throughput_g, throughput_b;  // radiance at the camera per radiance along this ray
-    float pdf;  // per steradian, with which the ray's direction was sampled; 0: by a delta function or the camera
+    float pdf;  // per steradian, with which the ray's direction was sampled; 0: by a delta function or the camera;
+              // negative: it goes to a hot spot, this is minus the density with which the BSDF would have sampled it
     uint path;  // index in the batch
 } PathState;
 CLARAY_LAYOUT(PathState, 20)
@@ -37,7 +38,7 @@ typedef struct FrameData {
     uint seed;
     uint max_depth;        // surfaces that scatter, at most
 } FrameData;
-CLARAY_LAYOUT(FrameData, 204)
+CLARAY_LAYOUT(FrameData, 212)
 
 /// A pixel's sums, in two parts each: the value is sum + error. The samples of odd index are summed once more, by
 /// themselves, for the estimate of the noise.

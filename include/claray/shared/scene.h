@@ -59,9 +59,10 @@ typedef struct PunctualLight {
     float intensity_r, intensity_g, intensity_b;  // radiant intensity, W / sr; directional: irradiance, W / m^2
     uint cumulative;                              // as in TriangleLight
     float probability;
-    float direction_x, direction_y, direction_z;  // in which it shines, unit length; not of points
+    float direction_x, direction_y, direction_z;  // in which it shines, unit length; points: way to the surface that is near
     uint kind;                                    // CLARAY_POINT_LIGHT ...
-    float cone_scale, cone_offset;                // spot: clamp(cosine * scale + offset, 0, 1)^2
+    float cone_scale, cone_offset;                // spot: clamp(cosine * scale + offset, 0, 1)^2; of points the scale is
+                                                  // HotSpot::probability, 0 where nothing is near
     float inverse_range;                          // 0: unlimited
     float attenuation_0, attenuation_1, attenuation_2;
 } PunctualLight;
@@ -106,6 +107,16 @@ typedef struct LightTrail {
 } LightTrail;
 CLARAY_LAYOUT(LightTrail, 12)
 
+/// A point light so close to a surface that paths seldom come upon its light there (shade/light_hot_spot.clh). The first whose
+/// `last` is not below a random number is chosen, none if there is none.
+typedef struct HotSpot {
+    uint last;         // 2^32 times the probabilities up to and including this one's, less 1
+    float probability;
+    uint light;
+    uint trail, leaf;  // as in LightTrail, where there is a tree
+} HotSpot;
+CLARAY_LAYOUT(HotSpot, 20)
+
 /// An image of latitudes and longitudes round the scene, and how its directions are sampled (shade/environment.clh).
 typedef struct EnvironmentData {
     uint width, height;  // 0: there is none
@@ -125,9 +136,11 @@ typedef struct LightsData {
     float tree_probability;  // 0: there is no tree
     float instance_error;    // of a ray that goes to a light which is an instance, relative to the distance from the
     float instance_reach;    // object's origin; and how far from that the lights are. Read under INSTANCES only
+    uint hot_spots;          // 0: there is none
+    float not_to_hot_spots;  // the share of scattered rays that do not go to one
     EnvironmentData environment;
 } LightsData;
-CLARAY_LAYOUT(LightsData, 52)
+CLARAY_LAYOUT(LightsData, 60)
 
 /// A pinhole camera or a thin lens, as the shutter opens. `right` and `up` span half the image plane at distance 1 along
 /// `forward`. What follows `aperture` is read under DEPTH_OF_FIELD, what follows `move` under CAMERA_MOTION.
