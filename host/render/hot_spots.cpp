@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "host/scene/placement.hpp"
 
 namespace claray {
 namespace {
 
+constexpr double pi = std::numbers::pi;
 constexpr double gain = 0.5;    // see share_of
 constexpr double most = 0.125;  // of the scattered rays go to hot spots
 
@@ -117,11 +119,18 @@ private:
     Bounds box_;  // of the lights
 };
 
+/// Of all lights but lamps and images of environments, roughly. What comes from far away counts by the flux through the
+/// cross section of the scene.
+double total_intensity(const Scene& scene, double radius) {
+    double total = 0.25 * pi * radius * radius * luminance(0.5f * (scene.sky.horizon + scene.sky.zenith));
+    for (const Light& light : scene.lights)
+        total += luminance(light.intensity) * (light.kind == LightKind::directional ? 0.25 * radius * radius : 1);
+    return total;
+}
+
 /// The points that count.
 std::vector<Candidate> candidates_of(const Scene& scene, double distance) {
-    double total = 0;
-    for (const Light& light : scene.lights)
-        if (light.kind != LightKind::directional) total += luminance(light.intensity);
+    const double total = total_intensity(scene, 2 * distance);
     std::vector<Candidate> candidates;
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
         const Light& light = scene.lights[i];

@@ -196,6 +196,11 @@ TEST(HotSpots, AreWhereInverseSquaresHaveNoBound) {
     EXPECT_EQ(spots(light), 0u) << "black";
     light.intensity = glm::vec3(1.f), light.kind = LightKind::spot;
     EXPECT_EQ(spots(light), 0u);
+    light.kind = LightKind::point;
+    EXPECT_EQ(spots(light), 1u);
+    scene.sky.zenith = glm::vec3(1e3f);
+    EXPECT_EQ(spots(light), 0u) << "faint beside the sky";
+    scene.sky = {};
     scene.meshes.clear();
     light.kind = LightKind::point;
     EXPECT_EQ(spots(light), 0u);
