@@ -44,7 +44,8 @@ TEST(WholePaths, MakeTheSameImage) {
 }
 
 TEST(WholePaths, KnowTexturesCutOutsAndManyLights) {
-    for (const char* name : {"effect:mip-maps", "effect:cut-outs", "effect:culling", "effect:many-lights"})
+    for (const char* name :
+         {"effect:mip-maps", "effect:cut-outs", "effect:culling", "effect:many-lights", "effect:hot-spots"})
         expect_same(scene_named(name), name);
 }
 
