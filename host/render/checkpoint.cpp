@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cerrno>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <fstream>
@@ -14,7 +15,7 @@ namespace claray {
 namespace {
 
 constexpr std::array<char, 8> magic = {'C', 'L', 'R', 'C', 'K', 'P', '\r', '\n'};
-constexpr std::uint32_t current_version = 1;
+constexpr std::uint32_t current_version = 2;
 constexpr std::uint32_t byte_order = 0x01020304;  // reads otherwise on a machine of the other byte order
 
 /// The beginning of a file. Then the film's pixels, and their digest.
@@ -26,10 +27,11 @@ struct FileHeader {
     std::uint32_t width, height;
     Schedule::Position position;
     std::uint32_t more_films;  // than one
+    ErrorLooks looks;
     Digest scene, settings, kernels;
     Digest digest;  // of this header up to here
 };
-static_assert(sizeof(FileHeader) == 112);
+static_assert(sizeof(FileHeader) == 136);
 
 std::uint64_t pixels_of(const FileHeader& header) {
     return std::uint64_t(header.width) * header.height * (1 + std::uint64_t(header.more_films));
@@ -121,6 +123,7 @@ void write_checkpoint(const std::filesystem::path& path, const RenderIdentity& i
     header.width = identity.width, header.height = identity.height;
     header.position = checkpoint.position;
     header.more_films = identity.films - 1;
+    header.looks = checkpoint.looks;
     header.scene = identity.scene, header.settings = identity.settings, header.kernels = identity.kernels;
     header.digest = digest_of_header(header);
     const std::size_t bytes = checkpoint.pixels.size() * sizeof(FilmPixel);
@@ -158,7 +161,11 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
         file.refuse(
             "it has " + std::to_string(most) + " samples a pixel, and " + std::to_string(spp) + " are asked for",
             "give a larger --spp");
-    return {at, file.pixels(pixels_of(header))};
+    const ErrorLooks& looks = header.looks;
+    if (!(looks.square >= 0 && std::isfinite(looks.square) && looks.degrees >= 0 && std::isfinite(looks.degrees)) ||
+        looks.spp > at.done)
+        file.refuse_damaged("what it knows of the error is no number");
+    return {at, looks, file.pixels(pixels_of(header))};
 }
 
 }  // namespace claray

@@ -7,6 +7,7 @@
 #include "claray/renderer.hpp"
 #include "claray/shared/path.h"
 #include "host/compute/hash.hpp"
+#include "host/render/error_looks.hpp"
 #include "host/render/schedule.hpp"
 
 namespace claray {
@@ -29,6 +30,7 @@ struct RenderIdentity {
 /// How far a render has come.
 struct Checkpoint {
     Schedule::Position position;
+    ErrorLooks looks;
     std::vector<FilmPixel> pixels;  // film after film
 };
 

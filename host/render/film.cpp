@@ -72,26 +72,12 @@ Film::ErrorTotals Film::error_totals(float scale) const {
     return total;
 }
 
-namespace {
-
-/// The quantile of Fisher's F distribution with as many degrees of freedom above as below that a normal variable has at
-/// `deviations` (Abramowitz and Stegun 1964, 26.6.16, whose second term vanishes).
-double quantile_of_f(double degrees, double deviations) {
-    const double h = degrees - 1, lambda = (deviations * deviations - 3) / 6;
-    return std::exp(2 * deviations * std::sqrt(h + lambda) / h);
-}
-
-}  // namespace
-
 /// With v the variance of a pixel as its two halves tell it, of true value s^2: v is s^2 times chi^2 of one degree of
 /// freedom, and so is the squared error of the pixel, independent of it. Sums of these over the pixels are about chi^2
 /// of (sum s^2)^2 / sum s^4 degrees (Welch and Satterthwaite), as many as there are pixels that share the error: so the
 /// image's squared error over its estimate is distributed as F. Expectations: v^2 has 3 s^4, and for n equal pixels
 /// (sum v)^2 / sum v^2 has about (n + 2) / 3. (Channels count as one, which makes the degrees fewer than they are.)
-/// Where fewer than six pixels have all the error they are mostly those that met a firefly: it is in the image as it is
-/// in the estimate, and a larger factor would buy nothing.
-Film::Error Film::error() const {
-    constexpr double deviations = 2, least_degrees = 6;
+Film::Error Film::error(ErrorLooks& looks, std::uint32_t spp) const {
     ErrorTotals total = error_totals(1);
     if (!(total.value > 0)) return {};
     const auto scale = float(std::exp2(-std::round(std::log2(total.value / (3 * total.pixels)))));
@@ -99,8 +85,8 @@ Film::Error Film::error() const {
     const double mean = total.value / (3 * total.pixels);
     const double estimate = std::sqrt(total.variance / (3 * total.pixels)) / mean;
     if (!(total.squares > 0)) return {estimate, estimate};
-    const double degrees = 3 * total.variance * total.variance / total.squares - 2;
-    return {estimate, estimate * std::sqrt(quantile_of_f(std::max(degrees, least_degrees), deviations))};
+    looks.add(estimate * estimate, 3 * total.variance * total.variance / total.squares - 2, spp);
+    return {estimate, std::max(estimate, looks.bound())};
 }
 
 }  // namespace claray

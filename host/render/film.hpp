@@ -5,6 +5,7 @@
 
 #include "claray/program.hpp"
 #include "claray/shared/path.h"
+#include "host/render/error_looks.hpp"
 
 namespace claray {
 
@@ -43,8 +44,9 @@ public:
         double estimate = 0;  ///< root mean square of all channels over the mean; 0: nothing is known
         double bound = 0;     ///< which the error exceeds in hardly one image of a hundred
     };
-    /// Where there are two films; see docs/accuracy.md. Blocks.
-    [[nodiscard]] Error error() const;
+    /// Where there are two films: by a look after so many samples a pixel, and by those before; see docs/accuracy.md.
+    /// Blocks.
+    [[nodiscard]] Error error(ErrorLooks& looks, std::uint32_t spp) const;
     [[nodiscard]] std::uint64_t bytes() const { return pixels_.bytes() + sums_.bytes() + error_sums_.bytes(); }
 
 private:

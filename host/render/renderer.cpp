@@ -257,6 +257,7 @@ struct Renderer::State {
     std::optional<Clock::time_point> begin;
     Clock::time_point first_begin;                   // of all frames
     double patience = path_kernel_patience(device);  // seconds of rendering after which it may be compiled
+    ErrorLooks looks;                                // at the error
     Film::Error last_error;                          // when it was last asked for
     unsigned last_error_spp = 0;                     // and how many samples there were
     bool error_is_new = false;                       // not reported
@@ -318,11 +319,12 @@ bool Renderer::State::target_met() {
     return noise > 0 && noise <= config.noise;
 }
 
-/// Passes double. The last one has as many samples as are missing, the error falling with their root, but no less than
-/// an eighth of what is there, since every look is a chance to stop by luck.
+/// Passes double. The last ones have as many samples as are missing if the error falls with their number, as it does
+/// where a firefly has most of it, but no less than an eighth of what is there, since every look is a chance to stop by
+/// luck.
 bool Renderer::State::error_met() {
-    last_error = timed([&] { return film.error(); });
     last_error_spp = schedule.complete_passes_spp(), error_is_new = true;
+    last_error = timed([&] { return film.error(looks, last_error_spp); });
     const double ratio = last_error.bound / config.error, done = last_error_spp;
     if (!(last_error.bound > 0)) {
         if (done >= spp_that_see_light)
@@ -333,7 +335,7 @@ bool Renderer::State::error_met() {
         return false;
     }
     if (ratio <= 1) return true;
-    schedule.limit_pass(std::uint32_t(std::clamp(std::ceil((ratio * ratio - 1) * done), std::ceil(done / 8), 1e9)));
+    schedule.limit_pass(std::uint32_t(std::clamp(std::ceil((ratio - 1) * done), std::ceil(done / 8), 1e9)));
     return false;
 }
 
@@ -425,7 +427,7 @@ void Renderer::State::trace(const Batch& batch, InFlight& in_flight) {
 
 /// A full disk must not end a render of hours: it is tried again, and the last failure is told.
 void Renderer::State::save_checkpoint() {
-    const Checkpoint checkpoint{schedule.position(), film.pixels()};
+    const Checkpoint checkpoint{schedule.position(), looks, film.pixels()};
     try {
         write_checkpoint(config.checkpoint, identity, checkpoint);
         checkpoint_error.clear();
@@ -454,6 +456,7 @@ Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig&
     state_->identity = identity;
     if (!from) return;
     state_->schedule.go_to(from->position);
+    state_->looks = from->looks;
     state_->film.set_pixels(from->pixels);
 }
 
@@ -496,7 +499,7 @@ void Renderer::restart(std::uint32_t seed, unsigned spp, unsigned max_depth) {
     if (max_depth != 0) state.wavefront.set_max_depth(std::min(max_depth, state.config.max_depth));
     state.schedule = state.new_schedule();
     state.film.clear();
-    state.last_error = {}, state.last_error_spp = 0;
+    state.looks = {}, state.last_error = {}, state.last_error_spp = 0;
     state.begin.reset();
 }
 

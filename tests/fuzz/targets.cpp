@@ -111,7 +111,7 @@ void fuzz_tree(Bytes bytes) {
 
 void fuzz_checkpoint(Bytes bytes) {
     std::vector<std::uint8_t> file(bytes.begin(), bytes.end());
-    constexpr std::size_t header = 112;
+    constexpr std::size_t header = 136;
     mend_digest(file, 0, header - sizeof(Digest));
     if (file.size() >= header + sizeof(Digest)) mend_digest(file, header, file.size() - sizeof(Digest));
     const auto path = written("input.checkpoint", file);
@@ -119,7 +119,7 @@ void fuzz_checkpoint(Bytes bytes) {
     identity.width = identity.height = 2;
     if (file.size() >= header)  // as if it were of this very render
         for (Digest* digest : {&identity.scene, &identity.settings, &identity.kernels})
-            std::memcpy(digest->data(), file.data() + 48 + 16 * (digest - &identity.scene), digest->size());
+            std::memcpy(digest->data(), file.data() + 72 + 16 * (digest - &identity.scene), digest->size());
     expect_result_or_user_error([&] { (void)read_checkpoint(path, identity, 8); });
 }
 

@@ -57,14 +57,21 @@ TEST_F(CheckpointFiles, ResumedIsUninterruptedBitForBit) {
 
 TEST_F(CheckpointFiles, RendersToAnErrorGoOn) {
     RenderConfig plain = config_;
-    config_.spp = 4096, config_.error = 0.25;
-    RenderConfig whole = config_;
-    whole.checkpoint.clear();
-    const std::vector<glm::vec3> expected = finish(whole);
-    for (const unsigned paths : {3u, 1'000u, 10'000u}) {
-        const ScopedTuning tuning("render/wavefront", "FIRST_PATHS", paths);
-        render_a_part(config_, 1);
-        EXPECT_TRUE(same_bits(finish(resumed()), expected)) << paths << " paths at first";
+    config_.spp = 4096;
+    for (const double error : {0.25, 0.1}) {
+        config_.error = error;
+        RenderConfig whole = config_;
+        whole.checkpoint.clear();
+        const std::vector<glm::vec3> expected = finish(whole);
+        for (const unsigned paths : {3u, 1'000u, 10'000u}) {
+            const ScopedTuning tuning("render/wavefront", "FIRST_PATHS", paths);
+            render_a_part(config_, 1);
+            EXPECT_TRUE(same_bits(finish(resumed()), expected)) << paths << " paths at first";
+        }
+        for (unsigned reports = 2; reports < 12; ++reports) {  // after some looks at the error
+            render_a_part(config_, reports);
+            EXPECT_TRUE(same_bits(finish(resumed()), expected)) << reports << " reports";
+        }
     }
     plain.resume = config_.checkpoint;
     EXPECT_TRUE(refused(plain, "it was rendered with --error, and has sums for it; give --error, too"));
@@ -106,7 +113,7 @@ TEST_F(CheckpointFiles, EveryFlippedBitIsNoticed) {
         ASSERT_TRUE(refused(resumed(), "cannot go on from '" + config_.checkpoint.string() + "': ")) << "byte " << at;
     }
     for (const std::size_t length :
-         {std::size_t(0), std::size_t(7), std::size_t(8), std::size_t(111), good.size() - 1}) {
+         {std::size_t(0), std::size_t(7), std::size_t(8), std::size_t(135), good.size() - 1}) {
         std::ofstream(config_.checkpoint, std::ios::binary) << good.substr(0, length);
         ASSERT_TRUE(refused(resumed(), length < 8 ? "it is no checkpoint" : "the file is damaged")) << length;
     }

@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <random>
 
 #include "tests/support/device.hpp"
 #include "tests/support/meshes.hpp"
@@ -133,6 +135,11 @@ double error_of(const std::vector<glm::vec3>& image, float truth) {
     return std::sqrt(squares / (3.0 * double(image.size())));
 }
 
+Film::Error look_at(const Film& film) {
+    ErrorLooks first;
+    return film.error(first, synthetic_samples);
+}
+
 /// The claim of docs/accuracy.md: the bound holds in more than 95 of 100 images, and the estimate is true on average.
 TEST(Film, ErrorIsTheDistanceFromTheTruth) {
     double loosest_of_even = 0;
@@ -146,7 +153,7 @@ TEST(Film, ErrorIsTheDistanceFromTheTruth) {
             film.clear();
             add_samples(film, image, random);
             const double truth = error_of(film.resolve(), image.brightness);
-            const Film::Error error = film.error();
+            const Film::Error error = look_at(film);
             held += truth <= error.bound;
             estimated += error.estimate * error.estimate, actual += truth * truth;
             loosest = std::max(loosest, error.bound / error.estimate);
@@ -163,6 +170,43 @@ TEST(Film, ErrorIsTheDistanceFromTheTruth) {
     }
 }
 
+/// Of pixels that share the error evenly, after 4, 8, 16, 32 and 64 normal samples.
+TEST(ErrorLooks, TellMoreThanTheLastOne) {
+    constexpr int pixels = 14, trials = 4000;
+    std::mt19937 random(7);
+    std::normal_distribution<double> normal;
+    int held = 0;
+    double sum = 0, squares = 0, sum_of_last = 0, squares_of_last = 0;
+    for (int t = 0; t < trials; ++t) {
+        ErrorLooks looks;
+        std::array<double, pixels> half{}, other{};  // sums of samples
+        double last = 0, error = 0;
+        for (std::uint32_t spp = 4, before = 0; spp <= 64; before = spp, spp *= 2) {
+            double all = 0, fourth = 0;
+            error = 0;
+            for (int p = 0; p < pixels; ++p) {
+                half[p] += normal(random) * std::sqrt((spp - before) / 2.),
+                    other[p] += normal(random) * std::sqrt((spp - before) / 2.);
+                const double v = std::pow((half[p] - other[p]) / spp, 2);
+                all += v, fourth += v * v, error += std::pow((half[p] + other[p]) / spp, 2);
+            }
+            looks.add(last = all, 3 * all * all / fourth - 2, spp);
+        }
+        const double bound = looks.bound();
+        looks.add(1e9, 1, 64);
+        EXPECT_EQ(looks.bound(), bound) << "a look that was taken already";
+        held += std::sqrt(error) <= bound;
+        sum += looks.square, squares += looks.square * looks.square;
+        sum_of_last += last, squares_of_last += last * last;
+    }
+    const auto relative_variance = [](double total, double total_squares) {
+        return total_squares * trials / (total * total) - 1;
+    };
+    EXPECT_GE(held, trials * 96 / 100);
+    EXPECT_NEAR(sum / sum_of_last, 1, 0.02);
+    EXPECT_NEAR(relative_variance(sum, squares) / relative_variance(sum_of_last, squares_of_last), 0.7, 0.05);
+}
+
 TEST(Film, ErrorDoesNotDependOnTheBatches) {
     const std::uint32_t pixels = 37, samples = 24;
     const std::vector<float> radiance = random_radiance(pixels, samples, 3);
@@ -173,8 +217,8 @@ TEST(Film, ErrorDoesNotDependOnTheBatches) {
             const auto begin = radiance.begin() + 3 * (p * samples + s);
             parts.accumulate({p, 1, s, n}, Buffer<float>(device(), std::vector<float>(begin, begin + 3 * n)));
         }
-    EXPECT_GT(whole.error().estimate, 0);
-    EXPECT_EQ(whole.error().estimate, parts.error().estimate);
+    EXPECT_GT(look_at(whole).estimate, 0);
+    EXPECT_EQ(look_at(whole).estimate, look_at(parts).estimate);
 }
 
 TEST(Film, ErrorCountsSamplesThatWereDropped) {
@@ -182,10 +226,10 @@ TEST(Film, ErrorCountsSamplesThatWereDropped) {
     const float nan = std::numeric_limits<float>::quiet_NaN();
     film.accumulate({0, 1, 0, 6}, Buffer<float>(device(), {4, 4, 4, 8, 8, 8, 4, 4, 4, nan, 1, 1, 4, 4, 4, nan, 1, 1}));
     EXPECT_EQ(film.resolve()[0], glm::vec3(5));
-    EXPECT_NEAR(film.error().estimate, std::sqrt(16. * 3 / 16) / 5, 1e-6);
+    EXPECT_NEAR(look_at(film).estimate, std::sqrt(16. * 3 / 16) / 5, 1e-6);
     EXPECT_EQ(film.noise().dropped, 2u);
     film.clear();
-    EXPECT_EQ(film.error().estimate, 0);
+    EXPECT_EQ(look_at(film).estimate, 0);
 }
 
 }  // namespace

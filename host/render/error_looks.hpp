@@ -1,0 +1,20 @@
+// What a render that looks at its error now and then knows of it.
+#pragma once
+
+#include <cstdint>
+
+namespace claray {
+
+/// Where a render may stop hangs on it, so that checkpoints keep it.
+struct ErrorLooks {
+    double square = 0;   // of the image's error, as the looks so far tell it
+    double degrees = 0;  // of freedom that this has
+    std::uint32_t spp = 0, count = 0;
+
+    /// After more samples a pixel; a look that was taken already changes nothing.
+    void add(double estimated_square, double its_degrees, std::uint32_t samples);
+    /// What the error exceeds in hardly one image of a hundred.
+    [[nodiscard]] double bound() const;
+};
+
+}  // namespace claray
