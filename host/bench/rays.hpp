@@ -8,12 +8,16 @@
 
 namespace claray::bench {
 
-/// All meshes where they stand, each as often as it does: one tree over them holds all that is seen as the shutter opens.
+/// All meshes where they stand, each as often as it does: one tree over them holds all that is seen as the shutter
+/// opens.
 [[nodiscard]] std::vector<Mesh> world_meshes(const Scene& scene);
 
 /// The same of a scene by built-in name or file, or of the plain binary NAME.scn: u32 'SCN1', vertices, triangles, 0;
 /// positions; indices.
 [[nodiscard]] std::vector<Mesh> load_meshes(const std::string& name);
+
+/// Throws what that would where the name is that of a file which is not there.
+void check_scene_is_there(const std::string& name);
 
 /// A file of 32-bit words.
 [[nodiscard]] std::vector<std::uint32_t> read_words(const std::filesystem::path& path);

@@ -30,6 +30,11 @@ constexpr std::size_t header = 4, ray_words = sizeof(Ray) / 4;
 
 }  // namespace
 
+void check_scene_is_there(const std::string& name) {
+    for (const char* const extension : {".obj", ".gltf", ".glb", ".scn"})
+        if (name.ends_with(extension)) check_file_readable(name, "check the path");
+}
+
 std::vector<Mesh> load_meshes(const std::string& name) {
     if (!name.ends_with(".scn")) {
         Warnings warnings;

@@ -54,21 +54,30 @@ void refuse_folder(const fs::path& path) {
     if (path.empty() || !path.has_filename() || fs::is_directory(path, error)) fail("cannot write", path, EISDIR);
 }
 
-}  // namespace
+[[noreturn]] void refuse_to_read(const fs::path& path, const std::string& why, const std::string& remedy) {
+    throw Error(ErrorKind::user, "cannot read '" + path.string() + "': " + why, remedy);
+}
 
-std::string read_file(const fs::path& path, const std::string& remedy) {
+/// At its end.
+std::ifstream opened(const fs::path& path, const std::string& remedy) {
     std::error_code error;
     const fs::file_status status = fs::status(path, error);
-    const auto refuse = [&](const std::string& why) {
-        throw Error(ErrorKind::user, "cannot read '" + path.string() + "': " + why, remedy);
-    };
-    if (!fs::exists(status)) refuse(error ? error.message() : "No such file or directory");
-    if (!fs::is_regular_file(status)) refuse("not a regular file");
+    if (!fs::exists(status)) refuse_to_read(path, error ? error.message() : "No such file or directory", remedy);
+    if (!fs::is_regular_file(status)) refuse_to_read(path, "not a regular file", remedy);
     std::ifstream file(path, std::ios::binary | std::ios::ate);
-    if (!file) refuse(std::strerror(errno));
+    if (!file) refuse_to_read(path, std::strerror(errno), remedy);
+    return file;
+}
+
+}  // namespace
+
+void check_file_readable(const fs::path& path, const std::string& remedy) { static_cast<void>(opened(path, remedy)); }
+
+std::string read_file(const fs::path& path, const std::string& remedy) {
+    std::ifstream file = opened(path, remedy);
     std::string bytes(std::size_t(file.tellg()), '\0');
     file.seekg(0).read(bytes.data(), std::streamsize(bytes.size()));
-    if (!file) refuse("read error");
+    if (!file) refuse_to_read(path, "read error", remedy);
     return bytes;
 }
 

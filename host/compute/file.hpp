@@ -9,6 +9,9 @@ namespace claray {
 /// The bytes of a file. Throws ErrorKind::user where it can't be read; `remedy` completes that message.
 [[nodiscard]] std::string read_file(const std::filesystem::path& path, const std::string& remedy);
 
+/// Throws what that would, as far as can be told without reading.
+void check_file_readable(const std::filesystem::path& path, const std::string& remedy);
+
 /// A file that appears under its name, complete and safe on disk, when `commit` is called, and otherwise never: it is
 /// written beside its place and renamed. Links are followed; devices and pipes are written in place. All functions
 /// throw ErrorKind::user naming the path.

@@ -23,6 +23,12 @@ namespace {
 namespace fs = std::filesystem;
 using std::to_string;
 
+std::string_view trim(std::string_view text) {
+    const std::size_t begin = text.find_first_not_of(" \t\r\n");
+    if (begin == std::string_view::npos) return {};
+    return text.substr(begin, text.find_last_not_of(" \t\r\n") - begin + 1);
+}
+
 /// Hands a text to tinyobjloader line by line, so that callbacks know where they are. Lines that end in a backslash are
 /// joined with the next one, as the format asks for and the parser does not do.
 class LineBuffer : public std::streambuf {
@@ -34,6 +40,14 @@ public:
     /// The text of the current line, with its end.
     [[nodiscard]] std::string_view text() const { return {eback(), std::size_t(egptr() - eback())}; }
 
+    /// A line with the name of a vertex's numbers and none of them, which the parser skips.
+    struct Bare {
+        std::string keyword;
+        std::size_t line = 0;
+    };
+    /// The first such line.
+    [[nodiscard]] const Bare& bare() const { return bare_; }
+
 protected:
     int_type underflow() override {
         if (next_ >= text_.size()) return traits_type::eof();
@@ -42,6 +56,8 @@ protected:
         }
         char* const data = text_.data();
         setg(data + begin, data + begin, data + next_);
+        const std::string_view all = trim(text());
+        if (bare_.line == 0 && (all == "v" || all == "vt" || all == "vn")) bare_ = {std::string(all), line_};
         return traits_type::to_int_type(data[begin]);
     }
 
@@ -66,13 +82,8 @@ private:
 
     std::string text_;
     std::size_t next_ = 0, line_ = 0;
+    Bare bare_;
 };
-
-std::string_view trim(std::string_view text) {
-    const std::size_t begin = text.find_first_not_of(" \t\r\n");
-    if (begin == std::string_view::npos) return {};
-    return text.substr(begin, text.find_last_not_of(" \t\r\n") - begin + 1);
-}
 
 /// Reads the MTL files that the OBJ names, from the OBJ's folder.
 class MtlReader : public tinyobj::MaterialReader {
@@ -150,6 +161,7 @@ public:
         : path_(path), file_(file), lines_(lines), groups_(file.groups), materials_(file.material_names) {}
 
     static tinyobj::callback_t callbacks();
+    void check_bare_lines() const;
     void check_forward_references() const;
     void warn_of_not_finite(Warnings& warnings) const;
 
@@ -169,6 +181,8 @@ private:
     void face();
     [[nodiscard]] int resolve(int index, std::size_t count, const char* kind, Largest& largest);
     [[noreturn]] void refuse(std::size_t line, const std::string& what, const std::string& remedy) const;
+    [[noreturn]] void refuse_cut_off(std::size_t line, std::string_view keyword, std::size_t some,
+                                     std::size_t needed) const;
     [[noreturn]] void out_of_range(std::size_t line, const char* kind, int index, std::size_t count) const;
     void enter_group() {
         const bool both = !object_.empty() && !group_name_.empty();
@@ -194,11 +208,7 @@ void Reader::check_numbers(std::span<float> numbers, std::size_t needed, NotFini
     for (std::size_t k = 0; k < numbers.size(); ++k) {
         const std::string_view word = next_word(rest);
         if (word.empty() && k >= needed) break;
-        if (word.empty())
-            refuse(lines_.line(),
-                   "'" + std::string(keyword) + "' with " + to_string(k) + " of " + to_string(needed) +
-                       (needed == 1 ? " number" : " numbers"),
-                   "the file may be cut off; export it again");
+        if (word.empty()) refuse_cut_off(lines_.line(), keyword, k, needed);
         if (is_finite_number(word)) {
             if (std::isnan(numbers[k])) numbers[k] = 0.f;  // "0e999": the parser multiplies 0 by infinity
         } else if (const std::optional<float> value = not_finite_number(word)) {
@@ -213,6 +223,13 @@ void Reader::check_numbers(std::span<float> numbers, std::size_t needed, NotFini
 
 void Reader::refuse(std::size_t line, const std::string& what, const std::string& remedy) const {
     throw Error(ErrorKind::user, "'" + path_.string() + "' line " + to_string(line) + ": " + what, remedy);
+}
+
+void Reader::refuse_cut_off(std::size_t line, std::string_view keyword, std::size_t some, std::size_t needed) const {
+    refuse(line,
+           "'" + std::string(keyword) + "' with " + to_string(some) + " of " + to_string(needed) +
+               (needed == 1 ? " number" : " numbers"),
+           "the file may be cut off; export it again");
 }
 
 void Reader::out_of_range(std::size_t line, const char* kind, int index, std::size_t count) const {
@@ -252,6 +269,11 @@ void Reader::face() {
     } else {
         file_.polygons.push_back({first, std::uint32_t(count), group_, material_});
     }
+}
+
+void Reader::check_bare_lines() const {
+    const LineBuffer::Bare& bare = lines_.bare();
+    if (bare.line != 0) refuse_cut_off(bare.line, bare.keyword, 0, bare.keyword == "vt" ? 1 : 3);
 }
 
 void Reader::check_forward_references() const {
@@ -326,6 +348,7 @@ ObjFile read_obj(const fs::path& path, Warnings& warnings) {
     Reader reader(path, file, lines);
     MtlReader mtl_reader(path.parent_path(), lines, file.mtl_folders, warnings);
     tinyobj::LoadObjWithCallback(stream, Reader::callbacks(), &reader, &mtl_reader);
+    reader.check_bare_lines();
     reader.check_forward_references();
     reader.warn_of_not_finite(warnings);
     if (file.polygons.empty())

@@ -55,6 +55,9 @@ TEST(BenchCommand, BadInput) {
     EXPECT_TRUE(failed_with(bench({"--repeat", "0"}), 2, "--repeat"));
     EXPECT_TRUE(failed_with(bench({"--size", "16"}), 2, "--size"));
     EXPECT_TRUE(failed_with(bench({"missing.obj"}), 1, "missing.obj"));
+    const ProcessResult second_is_missing = bench({"soup:10", "missing.obj"});
+    EXPECT_TRUE(failed_with(second_is_missing, 1, "cannot read 'missing.obj'"));
+    EXPECT_EQ(second_is_missing.output, "") << "nothing is measured before";
     EXPECT_TRUE(failed_with(bench({"nonsense"}), 2, "nonsense"));
     EXPECT_TRUE(failed_with(bench({"missing.scn"}), 1, "cannot read 'missing.scn': No such file"));
     const TemporaryFolder folder;

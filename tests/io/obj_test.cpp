@@ -217,6 +217,9 @@ TEST_F(Obj, WhatIsNoNumberIsAnErrorThatNamesTheLine) {
     refuse("v 0 0 1e0000000001", {"'1e0000000001'"});  // the parser's limit
     refuse("v 1 2", {"'v' with 2 of 3 numbers"});
     refuse("v ", {"'v' with 0 of 3 numbers"});
+    for (const std::string none : {"v", "\tv", "v\r"}) refuse(none, {"'v' with 0 of 3 numbers"});
+    refuse("vn", {"'vn' with 0 of 3 numbers"});
+    refuse("vt", {"'vt' with 0 of 1 number;"});
     refuse("v 1 2 # 3", {"2 of 3"});
     refuse("vn 0 1", {"'vn' with 2 of 3 numbers"});
     refuse("vn 0 1 up", {"'up'"});
