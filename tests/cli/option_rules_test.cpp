@@ -66,6 +66,8 @@ TEST(OptionRules, MessagesNameTheChoicesAndTheRange) {
     };
     says({"render", "cornell", "--layout", "tall"}, "--layout: there is no 'tall'; choose auto, binary or wide");
     says({"render", "cornell", "--noise", "0"}, "--noise: '0' is not a number of more than 0");
+    says({"render", "cornell", "--exposure", "1e39"}, "--exposure: '1e39' is not a number; write it as in -1.5");
+    says({"render", "cornell", "--spp", "16777217"}, "--spp: '16777217' is not a whole number in 1..16777216");
     says({"render", "cornell", "--spp", "-3"}, "--spp: '-3' is not a whole number in 1..16777216");
     says({"render", "cornell", "--spp", "1.5"}, "--spp: '1.5' is not a whole number");
     says({"render", "cornell", "--time", "3weeks"},
@@ -75,6 +77,7 @@ TEST(OptionRules, MessagesNameTheChoicesAndTheRange) {
     says({"render", "cornell", "second", "third", "-o", "x.png"}, "'second' is one argument too many");
     says({"explain", "cornell", "--only", "sky", "--only", "glass"}, "--only is given more than once");
     says({"render", "cornell", "-O", "x.png"}, "there is no option '-O'; see claray render --help");
+    says({"render", "--bogus"}, "there is no option '--bogus'");  // though the scene is missing, too
     says({"--bogus"}, "there is no option '--bogus'; see claray --help");
     says({"render", "cornell", "-o", ""}, "--output has an empty value");
     says({"devices", "render"}, "'render' is one argument too many; see claray devices --help");
