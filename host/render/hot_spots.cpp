@@ -11,6 +11,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 constexpr double gain = 0.5;    // see share_of
+constexpr double near = 0.1;    // of the distance: the spots of many lights at this height may still be worth it
 constexpr double most = 0.125;  // of the scattered rays go to hot spots
 
 double luminance(const glm::vec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
@@ -24,14 +25,14 @@ struct Candidate {
     bool found = false;
 };
 
-/// The probability of going to a hot spot that makes the least noise. Let a light have the share s of all, height h,
-/// and be seen from the distance d. By chance a path finds the spot's light c with the variance c^2 d^2 / 8 h^2 (the
-/// ratio of the integrals of the squared and of the plain irradiance of a plane), by going there with probability a it
-/// has c^2 / a, and in both ways together about c^2 / (8 h^2 / d^2 + a). Every share of the rays that goes there makes
-/// the noise of all else, V, as much larger: a V + s^2 C / (8 h^2 / d^2 + a) is least where a = s sqrt(C / V) - 8 h^2 /
-/// d^2. The root is `gain`.
-double share_of(double share, double height2, double distance) {
-    return share * gain - 8 * height2 / (distance * distance);
+/// The probability of going to a hot spot that makes the least noise. Let lights whose spots are one have the share S
+/// of all, height h, and be seen from the distance d. By chance a path finds their light c with the variance c^2 d^2 /
+/// 8 h^2 (the ratio of the integrals of the squared and of the plain irradiance of a plane), by going there with
+/// probability a it has c^2 / a, and in both ways together about c^2 / (8 h^2 / d^2 + a). Every share of the rays that
+/// goes there makes the noise of all else, V, as much larger: a V + S^2 C / (8 h^2 / d^2 + a) is least where a = S
+/// sqrt(C / V) - 8 h^2 / d^2. The root is `gain`, and a light gets its part of that.
+double share_of(double share, double of_all, double height2, double distance) {
+    return share * (gain - 8 * height2 / (distance * distance * of_all));
 }
 
 glm::dvec3 nearest_of_edge(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
@@ -138,10 +139,24 @@ std::vector<Candidate> candidates_of(const Scene& scene, double distance) {
         if (light.kind != LightKind::point || !(luminance(light.intensity) > 0) || !inverse_square) continue;
         Candidate candidate{i, light.position};
         candidate.share = luminance(light.intensity) / total;
-        candidate.distance2 = candidate.share * gain * distance * distance / 8;
+        candidate.distance2 = std::max(candidate.share * gain / 8, near * near) * distance * distance;
         candidates.push_back(candidate);
     }
     return candidates;
+}
+
+/// Of the lights, sorted as Search has left them, whose spots overlap with that of `c`: so far away as two heights. No
+/// more are counted than make its own worth while.
+double share_around(const std::vector<Candidate>& sorted, const Candidate& c, double distance) {
+    const double enough = 4 * 8 * c.distance2 / (distance * distance * gain), reach = 2 * std::sqrt(c.distance2);
+    auto at = std::lower_bound(sorted.begin(), sorted.end(), c.position.x - reach,
+                               [](const Candidate& other, double x) { return other.position.x < x; });
+    double sum = 0;
+    for (; at != sorted.end() && at->position.x <= c.position.x + reach && sum < enough; ++at) {
+        const glm::dvec3 off = at->position - c.position;
+        if (glm::dot(off, off) <= reach * reach) sum += at->share;
+    }
+    return std::max(sum, c.share);
 }
 
 }  // namespace
@@ -158,8 +173,10 @@ std::vector<HotSpotPlace> find_hot_spots(const Scene& scene) {
     for (const Candidate& c : candidates) {
         const glm::vec3 way(c.way);
         if (!c.found || !(glm::dot(way, way) > 1e-30f)) continue;  // in the surface
-        places.push_back({c.light, way, share_of(c.share, c.distance2, distance)});
-        sum += places.back().probability;
+        const double share = share_of(c.share, share_around(candidates, c, distance), c.distance2, distance);
+        if (!(share > 0)) continue;
+        places.push_back({c.light, way, share});
+        sum += share;
     }
     std::sort(places.begin(), places.end(), [](const auto& a, const auto& b) { return a.light < b.light; });
     for (HotSpotPlace& place : places) place.probability *= std::min(1.0, most / sum);

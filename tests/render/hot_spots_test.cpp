@@ -206,6 +206,19 @@ TEST(HotSpots, AreWhereInverseSquaresHaveNoBound) {
     EXPECT_EQ(spots(light), 0u);
 }
 
+/// A light that is too faint for a ray of its own counts where others are beside it.
+TEST(HotSpots, OfManyLightsAreOne) {
+    Scene scene;
+    scene.materials = {lambert(0.5f)};
+    scene.meshes = {square(1.f, 0.f)};
+    for (const float apart : {0.0005f, 0.5f}) {
+        scene.lights.clear();
+        for (int i = 0; i < 100; ++i)
+            scene.lights.push_back(point_light({apart * float(i % 10), 0.05f, apart * float(i / 10)}, glm::vec3(1.f)));
+        EXPECT_EQ(find_hot_spots(scene).size(), apart < 0.1f ? 100u : 0u) << apart;
+    }
+}
+
 /// Each has its numbers, and their share is what the kernels take for its probability.
 TEST(HotSpots, SharesAddUp) {
     const Lights lights = collect_lights(box_with_points(100));
