@@ -2,6 +2,13 @@
 // stages of the wavefront hand on through memory. That pays where paths do much the same, which is where a scene calls for
 // few effects and paths soon leave it (Laine, Karras and Aila 2013, "Megakernels considered harmful", for why not
 // everywhere).
+
+// Scenes with instances are left to the stages.
+#undef INSTANCES
+#undef INSTANCE_MOTION
+#define INSTANCES 0
+#define INSTANCE_MOTION 0
+
 #include "claray/shared/types.h"
 #include "render/first_ray.clh"
 #include "render/shade_hit.clh"
