@@ -31,7 +31,7 @@ int main(int argc, char** argv) try {
     app.add_option("--side", side, "pixels a side [256]");
     app.add_option("--rounds", options.rounds);
     app.add_flag("!--no-compile-times", options.compile_times);
-    Bvh::Config bvh;
+    Bvh::Config bvh = RenderConfig().bvh;
     app.add_option("--builder", bvh.builder)->transform(CLI::CheckedTransformer(bench::builders));
     app.add_option("--csv", csv_path);
     CLI11_PARSE(app, argc, argv);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 
 #include "host/compute/device_state.hpp"
 
@@ -36,12 +35,7 @@ StudyPoint point_of(const std::string& method, const Curve& curve, std::size_t s
 
 MacroScope::MacroScope(const Device& device, const std::vector<Macro>& macros)
     : device_(device), before_(device.state().tuning) {
-    for (const Macro& macro : macros) {
-        device_.set_tuning(macro.kernel, macro.name, macro.value);
-        // Which shades where one kernel does the work of all stages.
-        if (std::string_view(macro.kernel) == "render/shade_surface")
-            device_.set_tuning("render/trace_paths", macro.name, macro.value);
-    }
+    for (const Macro& macro : macros) device_.set_tuning(macro.kernel, macro.name, macro.value);
 }
 MacroScope::~MacroScope() { device_.state().tuning = before_; }
 

@@ -44,7 +44,8 @@ void run_pilot(TargetPlan& plan, const Device& device) {
 }
 
 std::string why(const TargetPlan& plan, Builder builder, double seconds) {
-    if (!plan.model.known()) return "tree: fast; no model of this device is stored (see claray tune)";
+    if (!plan.model.known())
+        return told("tree: %s; no model of this device is stored (see claray tune)", name_of(builder));
     std::string text = told("tree: %s, for %zu triangles and about %s of sampling;", name_of(builder), plan.triangles,
                             told_time(seconds).c_str());
     for (const Builder other : {Builder::fast, Builder::balanced, Builder::high})
@@ -118,7 +119,8 @@ Builder choose_builder(const DeviceModel& model, std::size_t triangles, double s
 void pick_for_time(TargetPlan& plan, const Device& device, double seconds) {
     if (plan.picks_builder && !plan.model.known() && seconds >= least_seconds_for_pilot) run_pilot(plan, device);
     pick_sampler(plan);
-    if (plan.picks_builder) plan.config.bvh.builder = choose_builder(plan.model, plan.triangles, seconds);
+    if (plan.picks_builder && plan.model.known())
+        plan.config.bvh.builder = choose_builder(plan.model, plan.triangles, seconds);
     plan.picks.push_back(plan.picks_builder ? why(plan, plan.config.bvh.builder, seconds) : why_fixed(plan));
 }
 
@@ -127,6 +129,7 @@ namespace {
 /// Before anything is known of the scene's pace. High is not among them: it is the one that may cost more than all
 /// else.
 Builder first_builder(const TargetPlan& plan) {
+    if (!plan.model.known()) return plan.config.bvh.builder;
     DeviceModel without_high = plan.model;
     without_high.high = without_high.fast;
     return choose_builder(without_high, plan.triangles, plan.seconds_to_foresee);

@@ -9,7 +9,8 @@ void add_bvh_options(CLI::App& command, Bvh::Config& config) {
         ->check(name_among({"30", "63"}));
     command
         .add_option("--builder", config.builder,
-                    "How the tree is built: fast, balanced (better, slower) or high (best, slowest) [fast]")
+                    "How the tree is built: fast, balanced (better, slower) or high (best, slowest) [" +
+                        bench::name_of(bench::builders, config.builder) + "]")
         ->transform(choice_of(bench::builders))
         ->type_name("NAME");
     command.add_option("--layout", config.layout, "Tree that is traversed: auto, binary or wide [auto]")

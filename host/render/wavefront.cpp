@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <span>
 
+#include "host/compute/device_state.hpp"
+
 namespace claray {
 namespace {
 
@@ -32,6 +34,18 @@ Defines defines_for(const SceneBuffers& scene, Sampler sampler, EffectSet effect
     append(defines, scene.structure.defines());
     defines.emplace_back("SAMPLER", std::to_string(std::uint32_t(sampler)));
     return defines;
+}
+
+/// Macros of shading that the tuning table has, for tests and studies.
+Defines macros_of_shading(const Device& device) {
+    Defines macros;
+    for (const auto& [key, value] : device.state().tuning) {
+        const std::size_t blank = key.find(' ');
+        const std::string name = key.substr(blank + 1);
+        if (key.compare(0, blank, "render/shade_surface") == 0 && name != "GROUP_SIZE" && name != "PATHS_PER_ITEM")
+            macros.emplace_back(name, std::to_string(value));
+    }
+    return macros;
 }
 
 }  // namespace
@@ -77,6 +91,7 @@ Kernel load_path_kernel(const SceneBuffers& scene, Sampler sampler, EffectSet ef
     Defines defines = defines_for(scene, sampler, effects, Stage::shade);
     append(defines, defines_of(effects, Stage::generate));
     append(defines, structure.bvh().defines());
+    append(defines, macros_of_shading(structure.device()));
     if (scene.textures.culls_back_faces) defines.emplace_back("CULL_BACK_FACES", "1");
     return load_kernel(structure.device(), std::string(path_kernel_stem) + ".cl", trace_paths_name, defines);
 }

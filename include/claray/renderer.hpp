@@ -27,8 +27,8 @@ struct RenderConfig {
     /// that holds in 95 of 100 renders; `spp` is the most that may be taken. The image is that of so many samples.
     double error = 0;
     Sampler sampler = Sampler::sobol;
-    Bvh::Config bvh = {};
-    EffectOverrides effects = {};  ///< for experiments; effects are derived from the scene
+    Bvh::Config bvh = {.builder = Builder::balanced};  ///< what it takes more to build pays within a few samples
+    EffectOverrides effects = {};                      ///< for experiments; effects are derived from the scene
     /// The program `claray`, where it shall compile kernels while others already render; empty: rendering begins when
     /// the scene's own kernels are compiled. The image is the same.
     std::string compiler = {};

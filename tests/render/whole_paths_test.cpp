@@ -49,6 +49,19 @@ TEST(WholePaths, KnowTexturesCutOutsAndManyLights) {
         expect_same(scene_named(name), name);
 }
 
+TEST(WholePaths, HeedMacrosOfShading) {
+    const Scene scene = scene_named("cornell");
+    const auto image_by = [&](unsigned most_effects, unsigned techniques) {
+        const Device fresh = following(most_effects, 100'000);
+        fresh.set_tuning("render/shade_surface", "TECHNIQUES", techniques);
+        Renderer renderer(fresh, scene, small());
+        (void)renderer.render();
+        return renderer.image();
+    };
+    EXPECT_EQ(image_by(99, 1), image_by(0, 1));
+    EXPECT_NE(image_by(99, 1), image_by(99, 3));
+}
+
 TEST(WholePaths, AreForFewEffectsAndShortPaths) {
     const Scene scene = scene_named("cornell");  // two effects, and nearly two surfaces a path after the first
     const auto follows = [&](unsigned effects, unsigned permille) {
