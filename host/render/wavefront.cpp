@@ -176,7 +176,8 @@ std::uint32_t Wavefront::waves() const {
 void Wavefront::trace_paths(const Batch& batch) {
     const std::uint32_t paths = batch.pixels * batch.samples;
     camera_rays_in_paths_ += paths;
-    for (Buffer<std::uint32_t>* count : {&lengths_[0], &lengths_[1], &shadow_length_}) count->fill(0);
+    lengths_[1].fill(0);
+    shadow_length_.fill(0);
     path_kernel_->run({paths, device_.tuning(path_kernel_stem, "GROUP_SIZE")}, batch, frame_, waves(),
                       scene_.structure.bvh(), scene_, radiance_, shading_normals_, lengths_[1], shadow_length_);
     kernels_.advance.run({1, 0}, lengths_[0], lengths_[1], shadow_length_, totals_in_paths_);

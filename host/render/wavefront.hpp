@@ -51,7 +51,6 @@ public:
     [[nodiscard]] bool paths_are_short() const;
     /// From the next batch on one kernel traces whole paths, until `take_over`. The radiance is the same bit for bit.
     void follow_paths(Kernel kernel) { path_kernel_ = std::move(kernel); }
-    [[nodiscard]] bool follows_paths() const { return path_kernel_.has_value(); }
     /// Of all batches from now on.
     void set_seed(std::uint32_t seed) { frame_.seed = seed; }
     void set_max_depth(std::uint32_t depth) { frame_.max_depth = depth; }
