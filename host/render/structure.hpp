@@ -85,6 +85,11 @@ public:
         instanced_ ? of_instances_.run(rays, hits.of_instances, capacity, count, times)
                    : of_triangles_.run(rays, hits.of_triangles, capacity, count);
     }
+    /// Shadow rays, for a query of that kind, which scenes of one tree in the binary layout have.
+    void shadow(const Buffer<Ray>& rays, const ShadowLight& light, std::uint32_t capacity,
+                const Buffer<std::uint32_t>& count) {
+        of_triangles_.run(rays, light, capacity, count);
+    }
     void any(const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded, std::uint32_t capacity,
              const Buffer<std::uint32_t>& count, const Buffer<float>& times) {
         instanced_ ? of_instances_.run(rays, occluded, capacity, count, times)

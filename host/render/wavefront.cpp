@@ -67,10 +67,13 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, E
     trace_camera = SceneQuery(scene.structure, QueryKernel::Kind::closest, coherent, trace_camera_name);
     trace_bounce = SceneQuery(scene.structure, QueryKernel::Kind::closest, incoherent, trace_bounce_name);
     shade = load_kernel(device, "render/shade_surface.cl", "shade_surface", shading);
-    advance = load_kernel(device, "render/advance_queues.cl", "advance_queues");
+    empty_queues = load_kernel(device, "render/empty_queues.cl", "empty_queues");
     if (scene.lights.count == 0) return;
-    trace_shadow = SceneQuery(scene.structure, QueryKernel::Kind::any, shadow, trace_shadow_name);
-    add_light = load_kernel(device, "render/add_light.cl", "add_light");
+    adds_light = !structure.instanced() && structure.bvh().layout() == Layout::binary &&
+                 device.tuning("render/add_light", "WITH_SHADOW_RAYS") != 0;
+    trace_shadow = SceneQuery(structure, adds_light ? QueryKernel::Kind::shadow : QueryKernel::Kind::any, shadow,
+                              trace_shadow_name);
+    if (!adds_light) add_light = load_kernel(device, "render/add_light.cl", "add_light");
 }
 
 bool may_follow_paths(const SceneBuffers& scene, EffectSet effects) {
@@ -109,13 +112,13 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
     for (int i = 0; i < 2; ++i) {
         rays_[i] = Buffer<Ray>(device, paths);
         states_[i] = Buffer<PathState>(device, paths);
-        lengths_[i] = Buffer<std::uint32_t>(device, 1);
         if (scene.structure.moves()) times_[i] = Buffer<float>(device, paths);
         if (scene.textures.mipmaps) cones_[i] = Buffer<RayCone>(device, paths);
     }
     hits_ = SceneHits(scene.structure, paths);
     radiance_ = Buffer<float>(device, 3 * std::size_t(paths));
-    shadow_length_ = Buffer<std::uint32_t>(device, 1);
+    for (auto* length : {&lengths_[0], &lengths_[1], &lengths_[2], &shadow_lengths_[0], &shadow_lengths_[1]})
+        *length = Buffer<std::uint32_t>(device, std::vector<std::uint32_t>{0});
     totals_ = Buffer<std::uint64_t>(device, 2);
     totals_in_paths_ = Buffer<std::uint64_t>(device, 2);
     reset_totals();
@@ -142,10 +145,7 @@ bool Wavefront::paths_are_short() const {
 void Wavefront::generate(const Batch& batch, bool centers) {
     const std::uint32_t paths = batch.pixels * batch.samples;
     lengths_[0].fill(paths);
-    lengths_[1].fill(0);
-    shadow_length_.fill(0);
-    kernels_.generate.run({paths, 64}, batch, frame_, std::uint32_t(centers), rays_[0], states_[0], radiance_,
-                          times_[0]);
+    kernels_.generate.run({paths, 64}, batch, frame_, std::uint32_t(centers), rays_[0], radiance_, times_[0]);
 }
 
 void Wavefront::trace(const Batch& batch) {
@@ -160,10 +160,8 @@ void Wavefront::trace(const Batch& batch) {
 void Wavefront::trace_from(const Buffer<Hit>& points, const Batch& batch) {
     const std::uint32_t paths = batch.pixels * batch.samples;
     lengths_[0].fill(paths);
-    lengths_[1].fill(0);
-    shadow_length_.fill(0);
     kernels_.generate.run({paths, 64}, batch, points, scene_.structure.triangles().positions,
-                          scene_.structure.triangles().indices, rays_[0], hits_, states_[0], radiance_);
+                          scene_.structure.triangles().indices, rays_[0], hits_, radiance_);
     trace_stages(batch, true);
 }
 
@@ -176,11 +174,9 @@ std::uint32_t Wavefront::waves() const {
 void Wavefront::trace_paths(const Batch& batch) {
     const std::uint32_t paths = batch.pixels * batch.samples;
     camera_rays_in_paths_ += paths;
-    lengths_[1].fill(0);
-    shadow_length_.fill(0);
     path_kernel_->run({paths, device_.tuning(path_kernel_stem, "GROUP_SIZE")}, batch, frame_, waves(),
-                      scene_.structure.bvh(), scene_, radiance_, shading_normals_, lengths_[1], shadow_length_);
-    kernels_.advance.run({1, 0}, lengths_[0], lengths_[1], shadow_length_, totals_in_paths_);
+                      scene_.structure.bvh(), scene_, radiance_, shading_normals_, lengths_[1], shadow_lengths_[0]);
+    empty_queues(totals_in_paths_);
 }
 
 void Wavefront::trace_stages(const Batch& batch, bool arrived) {
@@ -189,29 +185,41 @@ void Wavefront::trace_stages(const Batch& batch, bool arrived) {
     const std::uint32_t all = waves();
     for (std::uint32_t depth = 0; depth < all && limit != 0; ++depth) {
         bounce(batch, depth, limit, arrived && depth == 0);
-        if ((depth + 1) % bounces_per_look_ == 0 && depth + 1 < all) limit = lengths_[(depth + 1) % 2].read()[0];
+        if ((depth + 1) % bounces_per_look_ == 0 && depth + 1 < all) limit = lengths_[(depth + 1) % 3].read()[0];
     }
+    empty_queues(totals_);
 }
 
 void Wavefront::bounce(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived) {
     const int in = depth % 2, out = 1 - in;
+    const Buffer<std::uint32_t>&length = lengths_[depth % 3], &next = lengths_[(depth + 1) % 3],
+        &spent = lengths_[(depth + 2) % 3];
+    const Buffer<std::uint32_t>&shadows = shadow_lengths_[depth % 2], &shadows_spent = shadow_lengths_[(depth + 1) % 2];
     SceneQuery& trace = depth == 0 ? kernels_.trace_camera : kernels_.trace_bounce;
-    if (!arrived) trace.closest(rays_[in], hits_, limit, lengths_[in], times_[in]);
+    if (!arrived) trace.closest(rays_[in], hits_, limit, length, times_[in]);
     const std::uint32_t items = (limit + paths_per_item_ - 1) / paths_per_item_;
-    kernels_.shade.run({items, shade_group_}, batch, frame_, depth, scene_, lengths_[in], limit, rays_[in], hits_,
-                       states_[in], radiance_, shading_normals_, lengths_[out], rays_[out], states_[out],
-                       shadow_length_, shadow_rays_, shadow_light_, cones_[in], cones_[out], times_between(in, out));
-    if (scene_.lights.count != 0 && depth < frame_.max_depth) trace_shadows(limit);
-    kernels_.advance.run({1, 0}, lengths_[in], lengths_[out], shadow_length_, totals_);
+    kernels_.shade.run({items, shade_group_}, batch, frame_, depth, scene_, length, limit, rays_[in], hits_,
+                       states_[in], radiance_, shading_normals_, next, rays_[out], states_[out], shadows, shadow_rays_,
+                       shadow_light_, cones_[in], cones_[out], spent, shadows_spent, totals_, times_between(in, out));
+    if (scene_.lights.count != 0 && depth < frame_.max_depth) trace_shadows(limit, shadows);
 }
 
 Wavefront::Times Wavefront::times_between(int in, int out) const {
     return {scene_.structure.moves(), times_[in], times_[out], shadow_times_};
 }
 
-void Wavefront::trace_shadows(std::uint32_t limit) {
-    kernels_.trace_shadow.any(shadow_rays_, occluded_, limit, shadow_length_, shadow_times_);
-    kernels_.add_light.run({limit, 64}, shadow_length_, limit, occluded_, shadow_light_, radiance_);
+void Wavefront::empty_queues(const Buffer<std::uint64_t>& totals) {
+    kernels_.empty_queues.run({1, 0}, lengths_[0], lengths_[1], lengths_[2], shadow_lengths_[0], shadow_lengths_[1],
+                              totals);
+}
+
+void Wavefront::trace_shadows(std::uint32_t limit, const Buffer<std::uint32_t>& length) {
+    if (kernels_.adds_light) {
+        kernels_.trace_shadow.shadow(shadow_rays_, {shadow_light_, radiance_}, limit, length);
+        return;
+    }
+    kernels_.trace_shadow.any(shadow_rays_, occluded_, limit, length, shadow_times_);
+    kernels_.add_light.run({limit, 64}, length, limit, occluded_, shadow_light_, radiance_);
 }
 
 void Wavefront::trace_centers(const Batch& batch, Buffer<Visits>& visits) {
@@ -221,11 +229,12 @@ void Wavefront::trace_centers(const Batch& batch, Buffer<Visits>& visits) {
     options.cull_back_faces = scene_.textures.culls_back_faces;
     SceneQuery(scene_.structure, QueryKernel::Kind::closest, options, {})
         .closest(rays_[0], hits_, batch.pixels * batch.samples, lengths_[0], times_[0]);
+    lengths_[0].fill(0);
 }
 
 Wavefront::Totals Wavefront::totals() const {
     const std::vector<std::uint64_t> stages = totals_.read(), paths = totals_in_paths_.read();
-    return {camera_rays_ + camera_rays_in_paths_, stages[0] + paths[0], stages[1] + paths[1],
+    return {camera_rays_ + camera_rays_in_paths_, stages[0] - camera_rays_ + paths[0], stages[1] + paths[1],
             camera_rays_in_paths_ + paths[0] + paths[1]};
 }
 

@@ -1,5 +1,6 @@
 // The path tracer as a sequence of stages over queues of rays (Laine, Karras and Aila 2013, "Megakernels considered
-// harmful"): generate_rays, then for every bounce trace, shade_surface, trace shadow rays, add_light, advance_queues.
+// harmful"): generate_rays, then for every bounce trace, shade_surface, trace shadow rays, add_light (unless those did);
+// after the last one empty_queues.
 #pragma once
 
 #include <optional>
@@ -26,7 +27,9 @@ struct WavefrontKernels {
     WavefrontKernels(const SceneBuffers& scene, Sampler sampler, EffectSet effects, bool baking = false);
 
     EffectSet effects;
-    Kernel generate, shade, add_light, advance;
+    Kernel generate, shade, empty_queues;
+    Kernel add_light;         // where shadow rays don't add their light themselves
+    bool adds_light = false;  // where they do
     SceneQuery trace_camera, trace_bounce, trace_shadow;
 };
 
@@ -81,7 +84,9 @@ private:
     void trace_stages(const Batch& batch, bool arrived);
     [[nodiscard]] std::uint32_t waves() const;
     void bounce(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived);
-    void trace_shadows(std::uint32_t limit);
+    void trace_shadows(std::uint32_t limit, const Buffer<std::uint32_t>& length);
+    /// Counts in `totals` what shade_surface has not.
+    void empty_queues(const Buffer<std::uint64_t>& totals);
 
     /// Binds TIME_PARAMETERS of render/shade_surface.cl.
     struct Times {
@@ -103,13 +108,13 @@ private:
     Buffer<PathState> states_[2];
     Buffer<float> times_[2], shadow_times_;             // of the rays; not allocated where nothing but the camera moves
     Buffer<RayCone> cones_[2];                          // where textures have mip maps
-    Buffer<std::uint32_t> lengths_[2], shadow_length_;  // of the queues; one element each
+    Buffer<std::uint32_t> lengths_[3], shadow_lengths_[2];  // of the queues, by depth; one element each; 0 before a batch
     SceneHits hits_;
     Buffer<LightSample> shadow_light_;
     Buffer<std::uint8_t> occluded_;
     Buffer<float> radiance_;
     Buffer<float> shading_normals_;  // a path each; for the light tree only
-    Buffer<std::uint64_t> totals_, totals_in_paths_;
+    Buffer<std::uint64_t> totals_, totals_in_paths_;  // see empty_queues.cl; the paths' without the camera's
     WavefrontKernels kernels_;
     std::optional<Kernel> path_kernel_;
 };

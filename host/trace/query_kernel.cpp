@@ -23,6 +23,7 @@ QueryKernel::QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options,
     const std::string stem = options.brute_force ? "trace/brute_force" : "trace/" + query;
     const std::string function = options.brute_force ? "brute_force_" + query : query;
     Defines common = query_defines(bvh.defines(), options);
+    if (kind == Kind::shadow) common.emplace_back("ADD_LIGHT", "1");
     const auto load = [&](const Defines& more) {
         Defines defines = common;
         defines.insert(defines.end(), more.begin(), more.end());
@@ -63,7 +64,7 @@ QueryKernel::QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options,
     most_items_ = std::max(1u, device.info().compute_units * device.tuning(stem, "GROUPS_PER_UNIT")) * group_;
     if (options.visits.allocated() || options.coherence == Coherence::coherent) {
         load({{"COHERENT", "1"}});
-    } else if (kind == Kind::any || options.coherence == Coherence::incoherent) {
+    } else if (kind != Kind::closest || options.coherence == Coherence::incoherent) {
         load({{"COHERENT", "0"}});
     } else {
         load({{"COHERENT", "1"}, {"CHOOSE", "1"}});

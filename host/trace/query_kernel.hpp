@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "claray/query.hpp"
+#include "claray/shared/path.h"
 #include "host/trace/ray_order.hpp"
 
 namespace claray {
@@ -24,18 +25,29 @@ struct SolidBvh {
     void bind(Kernel& kernel, unsigned& index) const { bvh.bind_solid(kernel, index); }
 };
 
+/// What shadow rays bring, and the paths' radiance that it is added to: binds ANSWERS_PARAMETERS of trace/answers.clh.
+struct ShadowLight {
+    const Buffer<LightSample>& light;
+    Buffer<float>& radiance;
+    void bind(Kernel& kernel, unsigned& index) const { kernel.set(index, light), kernel.set(index, radiance); }
+};
+
 class QueryKernel {
 public:
-    enum class Kind { closest, any };
+    enum class Kind {
+        closest,
+        any,
+        shadow  ///< any-hit rays of the path tracer, which add their light themselves; through the binary layout only
+    };
 
     QueryKernel() = default;
     /// The profiler shows its times under `name`, or under the kernel's where that is empty.
     QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options = {}, const std::string& name = {});
 
     /// Traces the first min(*count, capacity) rays, or `capacity` where `count` is absent; enqueued. `results` holds
-    /// Hits or, for any hit, bytes.
-    template <class Result>
-    void run(const Buffer<Ray>& rays, Buffer<Result>& results, std::uint32_t capacity,
+    /// Hits, for any hit bytes, and for shadow rays ShadowLight.
+    template <class Results>
+    void run(const Buffer<Ray>& rays, Results& results, std::uint32_t capacity,
              const Buffer<std::uint32_t>& count = {}) {
         const std::uint32_t batch = batch_size(capacity);
         const std::size_t rays_per_item = std::max<std::size_t>(batch, rays_per_item_);

@@ -1,16 +1,15 @@
 // First stage: a camera ray for every path of a batch.
 #include "claray/shared/types.h"
 #include "render/first_ray.clh"
+#include "render/queue.clh"
 
 /// `centers`: rays through the pixels' centres, see first_ray. Clears the paths' radiance. `times` is written under
 /// INSTANCE_MOTION only.
-kernel void generate_rays(Batch batch, FrameData frame, uint centers, global Ray* rays, global PathState* states,
-                          global float* radiance, global float* times) {
+kernel void generate_rays(Batch batch, FrameData frame, uint centers, global Ray* rays, global float* radiance, global float* times) {
     const uint path = get_global_id(0);
     if (path >= batch.pixels * batch.samples) return;
     float time = 0.0f;
-    rays[path] = first_ray(batch, frame, path, centers != 0, &time);
-    states[path] = first_state(path);
+    store_ray(&rays[path], first_ray(batch, frame, path, centers != 0, &time));
     vstore3((float3)(0.0f), path, radiance);
 #if INSTANCE_MOTION
     times[path] = time;

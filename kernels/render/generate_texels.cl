@@ -6,8 +6,7 @@
 /// Point p of a batch is a hit whose u, v and primitive are given; it is met along the normal, from the front. Clears the
 /// paths' radiance.
 kernel void generate_texels(Batch batch, global const Hit* points, global const float* positions,
-                            global const uint* indices, global Ray* rays, global Hit* hits, global PathState* states,
-                            global float* radiance) {
+                            global const uint* indices, global Ray* rays, global Hit* hits, global float* radiance) {
     const uint path = get_global_id(0);
     if (path >= batch.pixels * batch.samples) return;
     const Hit hit = points[pixel_of(batch, path)];
@@ -16,9 +15,7 @@ kernel void generate_texels(Batch batch, global const Hit* points, global const 
     const float3 e1 = load3(positions, indices[first + 1]) - base, e2 = load3(positions, indices[first + 2]) - base;
     const float3 normal = triangle_normal(e1, e2), from = base + hit.u * e1 + hit.v * e2 + normal;
     const Ray ray = {from.x, from.y, from.z, 0.0f, -normal.x, -normal.y, -normal.z, INFINITY};
-    const PathState state = {1.0f, 1.0f, 1.0f, 0.0f, path};
     rays[path] = ray;
     hits[path] = hit;
-    states[path] = state;
     vstore3((float3)(0.0f), path, radiance);
 }

@@ -1,14 +1,14 @@
 // Whether each ray of an array hits anything.
 #include "trace/ray_queue.clh"
 
-/// As the kernel closest_hit; writes 1 for a hit and 0 for none.
+/// As the kernel closest_hit; see answers.clh for what becomes of the answers.
 kernel QUERY_GROUP
-void any_hit(CLARAY_BVH_PARAMETERS, global const Ray* rays, global uchar* occluded, uint capacity,
+void any_hit(CLARAY_BVH_PARAMETERS, global const Ray* rays, ANSWERS_PARAMETERS, uint capacity,
              global const uint* count, global const uint* masks, global Visits* visits, volatile global uint* queue,
              uint batch, global const uint* sorted) {
     const uint all = rays_to_trace(capacity, count);
 #if USE_RAY_QUEUE
-    const Query query = {rays, masks, all, true, 0, occluded};
+    const Query query = {rays, masks, all, true, 0, ANSWERS};
     trace_queue(CLARAY_BVH, &query, queue);
 #elif USE_BATCHES
     const BatchQuery query = {rays, masks, sorted, true, CULL_BACK_FACES, 0, occluded};
@@ -18,7 +18,8 @@ void any_hit(CLARAY_BVH_PARAMETERS, global const Ray* rays, global uchar* occlud
     FOR_EACH_RAY(i, all) {
         Visits visited = {0, 0};
         const Hit hit = claray_trace(CLARAY_BVH, rays[i], true, CULL_BACK_FACES, mask_of_ray(masks, i), &visited);
-        occluded[i] = hit.primitive != CLARAY_MISS;
+        const Answers answers = ANSWERS;
+        answer(&answers, i, hit.primitive != CLARAY_MISS);
         if (CLARAY_COUNT_VISITS) visits[i] = visited;
     }
 #endif

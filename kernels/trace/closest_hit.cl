@@ -10,7 +10,7 @@ void closest_hit(CLARAY_BVH_PARAMETERS, global const Ray* rays, global Hit* hits
                  uint batch, global const uint* sorted) {
     const uint all = rays_to_trace(capacity, count);
 #if USE_RAY_QUEUE
-    const Query query = {rays, masks, all, false, hits, 0};
+    const Query query = {rays, masks, all, false, hits, NO_ANSWERS};
     trace_queue(CLARAY_BVH, &query, queue);
 #elif USE_BATCHES
     const BatchQuery query = {rays, masks, sorted, false, CULL_BACK_FACES, hits, 0};

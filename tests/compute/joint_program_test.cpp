@@ -40,6 +40,16 @@ TEST(JointProgram, GivesEachFileItsOwnMacros) {
               "#undef GROUP_SIZE\n#include \"render/add_light.cl\"\n");
 }
 
+void expect_that_it_empties_queues(Kernel& kernel) {
+    std::vector<Buffer<std::uint32_t>> lengths;
+    for (const std::uint32_t length : {7u, 5u, 1u, 3u, 2u})
+        lengths.emplace_back(device(), std::vector<std::uint32_t>{length});
+    const Buffer<std::uint64_t> totals(device(), std::vector<std::uint64_t>{10, 20});
+    kernel.run({1, 0}, lengths[0], lengths[1], lengths[2], lengths[3], lengths[4], totals);
+    EXPECT_EQ(totals.read(), (std::vector<std::uint64_t>{23, 25}));
+    for (const Buffer<std::uint32_t>& length : lengths) EXPECT_EQ(length.read()[0], 0u);
+}
+
 TEST(JointProgram, CompilesOnceAndServesThoseWhoAsk) {
     const TemporaryFolder folder;
     const ScopedEnvironment empty("CLARAY_CACHE_DIR", folder.path().string());
@@ -51,46 +61,37 @@ TEST(JointProgram, CompilesOnceAndServesThoseWhoAsk) {
     compile_jointly(device(), [&] {
         (void)load("render/resolve_film.cl", "resolve_film");
         (void)load("render/resolve_film.cl", "measure_noise");
-        (void)load("render/advance_queues.cl", "advance_queues");
+        (void)load("render/empty_queues.cl", "empty_queues");
     });
     EXPECT_EQ(compile_statistics().compiled, before + 1);
-    Kernel advance = load("render/advance_queues.cl", "advance_queues");
+    Kernel empty_queues = load("render/empty_queues.cl", "empty_queues");
     (void)load("render/resolve_film.cl", "measure_noise");
     EXPECT_EQ(compile_statistics().compiled, before + 1) << "found in memory";
-    const Buffer<std::uint32_t> worked_off(device(), std::vector<std::uint32_t>{7}),
-        next(device(), std::vector<std::uint32_t>{5}), shadow(device(), std::vector<std::uint32_t>{3});
-    const Buffer<std::uint64_t> totals(device(), std::vector<std::uint64_t>{10, 20});
-    advance.run({1, 0}, worked_off, next, shadow, totals);
-    EXPECT_EQ(totals.read(), (std::vector<std::uint64_t>{15, 23}));
-    EXPECT_EQ(worked_off.read()[0], 0u);
+    expect_that_it_empties_queues(empty_queues);
 }
 
 TEST(JointProgram, IsForgottenWhereItIsSlow) {
     const TemporaryFolder folder;
     const ScopedEnvironment empty("CLARAY_CACHE_DIR", folder.path().string());
-    const auto advance = [&](const char* value) {
-        return load_kernel(device(), "render/advance_queues.cl", "advance_queues", {{"CLARAY_TEST", value}});
+    const auto empty_queues = [&](const char* value) {
+        return load_kernel(device(), "render/empty_queues.cl", "empty_queues", {{"CLARAY_TEST", value}});
     };
     for (const bool optimized : {true, false}) {
         const char* value = optimized ? "78" : "79";
         compile_jointly(
             device(),
             [&] {
-                (void)advance(value);
+                (void)empty_queues(value);
                 (void)load_kernel(device(), "render/add_light.cl", "add_light", {{"CLARAY_TEST", value}});
             },
             optimized);
         const unsigned before = compile_statistics().compiled;
-        Kernel kernel = advance(value);
+        Kernel kernel = empty_queues(value);
         EXPECT_EQ(compile_statistics().compiled, before);
         forget_slow_programs(device());
-        (void)advance(value);
+        (void)empty_queues(value);
         EXPECT_EQ(compile_statistics().compiled, before + (optimized ? 0 : 1));
-        const Buffer<std::uint32_t> worked_off(device(), std::vector<std::uint32_t>{7}),
-            next(device(), std::vector<std::uint32_t>{5}), shadow(device(), std::vector<std::uint32_t>{3});
-        const Buffer<std::uint64_t> totals(device(), std::vector<std::uint64_t>{10, 20});
-        kernel.run({1, 0}, worked_off, next, shadow, totals);  // it is still there
-        EXPECT_EQ(totals.read(), (std::vector<std::uint64_t>{15, 23}));
+        expect_that_it_empties_queues(kernel);  // it is still there
     }
 }
 
@@ -101,10 +102,10 @@ TEST(JointProgram, LeavesErrorsToWhoAsksForTheKernel) {
     };
     EXPECT_NO_THROW(compile_jointly(device(), [&] {
         (void)load("render/add_light.cl", "add_light");
-        (void)load("render/advance_queues.cl", "advance_queues");
+        (void)load("render/empty_queues.cl", "empty_queues");
     }));
     EXPECT_THROW((void)load("render/add_light.cl", "add_light"), Error);
-    EXPECT_NO_THROW((void)load("render/advance_queues.cl", "advance_queues"));
+    EXPECT_NO_THROW((void)load("render/empty_queues.cl", "empty_queues"));
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 // The kernel that follows whole paths makes the stages' image, bit for bit, and only where that was asked for.
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "claray/effects.hpp"
 #include "claray/io.hpp"
 #include "claray/renderer.hpp"
@@ -41,6 +43,25 @@ void expect_same(const Scene& scene, const std::string& name) {
 
 TEST(WholePaths, MakeTheSameImage) {
     for (const char* name : {"cornell", "effect:glass", "effect:sky"}) expect_same(scene_named(name), name);
+}
+
+TEST(WholePaths, AreAsLongAsThoseOfTheStages) {
+    const Scene scene = scene_named("cornell");
+    const auto rays_of = [&](unsigned most_effects, unsigned depth) {
+        RenderConfig config = small();
+        config.max_depth = depth;
+        Renderer renderer(following(most_effects, 100'000), scene, config);
+        (void)renderer.render();
+        const RenderStatistics s = renderer.statistics();
+        return std::array{s.camera.rays, s.bounce.rays, s.shadow.rays};
+    };
+    std::uint64_t before = 0;
+    for (unsigned depth = 1; depth <= 7; ++depth) {
+        const auto rays = rays_of(0, depth);
+        EXPECT_EQ(rays_of(99, depth), rays) << depth;
+        EXPECT_GT(rays[1], before) << depth;
+        before = rays[1];
+    }
 }
 
 TEST(WholePaths, KnowTexturesCutOutsAndManyLights) {

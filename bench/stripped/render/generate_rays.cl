@@ -4,8 +4,7 @@
 #include "render/samples.clh"
 #include "shade/vector.clh"
 
-kernel void generate_rays(Batch batch, FrameData frame, uint centers, global Ray* rays, global PathState* states,
-                          global float* radiance, global float* times) {
+kernel void generate_rays(Batch batch, FrameData frame, uint centers, global Ray* rays, global float* radiance, global float* times) {
     const uint path = get_global_id(0);
     if (path >= batch.pixels * batch.samples) return;
     const uint pixel = pixel_of(batch, path);
@@ -17,8 +16,6 @@ kernel void generate_rays(Batch batch, FrameData frame, uint centers, global Ray
         normalize(fma(y, (float3)(c.up_x, c.up_y, c.up_z), fma(x, (float3)(c.right_x, c.right_y, c.right_z),
                                                                (float3)(c.forward_x, c.forward_y, c.forward_z))));
     const Ray ray = {c.x, c.y, c.z, 0.0f, direction.x, direction.y, direction.z, INFINITY};
-    const PathState state = {1.0f, 1.0f, 1.0f, 0.0f, path};
     rays[path] = ray;
-    states[path] = state;
     vstore3((float3)(0.0f), path, radiance);
 }

@@ -26,14 +26,14 @@ static inline float emitted_share(global const Ray* ray, const Hit* hit, float p
 
 static inline uint fetch(global const float* positions, global const uint* indices, global const uint* triangle_materials,
                          global const MaterialData* materials, float density, global const Ray* rays, global const Hit* hits,
-                         global const PathState* states, uint count, global float* radiance, Lanes16* corners, Lanes16* met,
+                         global const PathState* states, uint begin, uint count, global float* radiance, Lanes16* corners, Lanes16* met,
                          uint* path) {
     uint surfaces = 0;
     for (uint i = 0; i < 16; ++i) {
         const uint k = min(i, count - 1);
         global const Ray* ray = &rays[k];
         const Hit hit = hits[k];
-        const PathState state = states[k];
+        const PathState state = states ? states[k] : (PathState){1.0f, 1.0f, 1.0f, 0.0f, begin + k};
         const bool miss = hit.primitive == CLARAY_MISS;
         const uint triangle = miss ? 0u : hit.primitive;
         global const MaterialData* material = &materials[triangle_materials[triangle]];
@@ -142,14 +142,19 @@ void shade_surface(Batch batch, FrameData frame, uint depth, global const float*
                    global const Ray* rays, global const Hit* hits, global const PathState* states, global float* radiance,
                    global float* shading_normals, volatile global uint* next_length, global Ray* next_rays,
                    global PathState* next_states, volatile global uint* shadow_length, global Ray* shadow_rays,
-                   global LightSample* shadow_light, global const void* cones, global void* next_cones) {
+                   global LightSample* shadow_light, global const void* cones, global void* next_cones,
+                   global uint* spent, global uint* shadows_spent, global ulong* totals) {
+    if (get_global_id(0) == 0) {
+        totals[0] += *spent, totals[1] += *shadows_spent;
+        *spent = *shadows_spent = 0;
+    }
     const uint all = min(*length, capacity), begin = (uint)get_global_id(0) * PATHS, end = min(begin + PATHS, all);
     Lanes16 corners, met;
     Queued queued;
     const Lanes16* of = &queued.lanes;
     for (uint i = begin; i < end; i += 16) {
         const uint surfaces = fetch(positions, indices, triangle_materials, materials, frame.lights.density, rays + i, hits + i,
-                                    states + i, min(16u, end - i), radiance, &corners, &met, queued.path);
+                                    depth == 0 ? 0 : states + i, i, min(16u, end - i), radiance, &corners, &met, queued.path);
         if (surfaces == 0 || depth >= frame.max_depth) continue;
         const Vectors base = lane_vectors16(&corners, 0), outgoing = lane_vectors16(&met, 0);
         const Vectors e1 = minus16(lane_vectors16(&corners, 3), base), e2 = minus16(lane_vectors16(&corners, 6), base);
