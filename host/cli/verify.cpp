@@ -248,6 +248,9 @@ void add_verify_command(CLI::App& app, Action& action) {
     command->add_option("--seed", o->verify.seed, "Of random rays and meshes [1]")
         ->transform(whole_number(0, UINT64_MAX));
     command->add_flag("!--no-times", o->verify.times, "Don't check ratios of times, which a busy machine disturbs");
+    command
+        ->add_option("--threads", o->verify.threads, "Cases at once [on a GPU half the processors, 8 at most; else 1]")
+        ->transform(whole_number(1, 64));
     command->add_option("--json", o->json, "Write the results as JSON to this file; - is standard output");
     command->add_option("--html", o->html, "Write a report with pictures of failures");
     command->add_option("--device", o->device, "cpu, gpu, an index or a part of the name (see claray devices)");

@@ -215,7 +215,6 @@ struct Renderer::State {
     void take_over_when_compiled();
     [[nodiscard]] bool may_follow_paths() const;
     void choose_path_kernel();
-    void follow_short_paths();
     void adopt(const Structure& other);
     void save_checkpoint();
     [[nodiscard]] std::uint32_t pixels() const { return config.width * config.height; }
@@ -362,23 +361,27 @@ void Renderer::State::take_over_when_compiled() {
     own_kernels_from = spp();
 }
 
-bool Renderer::State::may_follow_paths() const { return claray::may_follow_paths(buffers, plan.last.effects); }
+/// The largest pass, half of the samples, takes most of the time.
+bool Renderer::State::may_follow_paths() const {
+    const std::uint64_t largest_pass = std::uint64_t(pixels()) * std::max(1u, config.spp / 2);
+    return wavefront.batches_are_small(largest_pass) && claray::may_follow_paths(buffers, plan.last.effects);
+}
 
 /// Once, when every pixel was sampled by the scene's own kernels: whether one kernel follows paths from then on. To
 /// load it takes as long as many a short render, and to compile it even longer: so not before as much time was spent
 /// rendering, which at worst doubles that.
 void Renderer::State::choose_path_kernel() {
-    if (seconds_since(first_begin) < patience / 16) return;
-    if (!path_kernel_is_cached) path_kernel_is_cached = is_path_kernel_cached(device, plan.last, config);
-    const bool may_compile = !(config.seconds > 0) && seconds_since(first_begin) >= patience;
-    if (*path_kernel_is_cached || may_compile) follow_short_paths();
-}
-
-void Renderer::State::follow_short_paths() {
+    const double seconds = seconds_since(first_begin);
+    if (seconds < patience / 16) return;
+    if (may_follow_paths()) {
+        if (!path_kernel_is_cached) path_kernel_is_cached = is_path_kernel_cached(device, plan.last, config);
+        if (!*path_kernel_is_cached && seconds < patience) return;
+        if (wavefront.paths_are_short()) {
+            wavefront.follow_paths(load_path_kernel(buffers, config.sampler, plan.last.effects));
+            remember_path_kernel_as_cached(device, plan.last, config);
+        }
+    }
     chose_path_kernel = true;
-    if (!wavefront.paths_are_short()) return;
-    wavefront.follow_paths(load_path_kernel(buffers, config.sampler, plan.last.effects));
-    remember_path_kernel_as_cached(device, plan.last, config);
 }
 
 void Renderer::State::adopt(const Structure& other) {
@@ -395,13 +398,6 @@ void Renderer::State::warm_up() {
     const Batch few{0, std::min(pixels(), 64u), 0, 1};
     Film scratch(device, few.pixels);
     wavefront.trace(few);
-    if (plan.first == plan.last && may_follow_paths()) {
-        const std::uint32_t many = std::min(pixels(), wavefront.capacity());
-        wavefront.reset_totals();
-        wavefront.trace({(pixels() - many) / 2, many, 0, 1});
-        follow_short_paths();
-        wavefront.trace(few);
-    }
     scratch.accumulate(few, wavefront.radiance());
     (void)scratch.noise();
     wavefront.reset_totals();
@@ -473,8 +469,7 @@ RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>
         state.trace(state.schedule.next(state.paths_of_next_batch(in_flight)), in_flight);
         if (state.first_pixel_seconds == 0) state.first_pixel();
         if (!state.own_kernels) state.take_over_when_compiled();
-        if (state.own_kernels && !state.chose_path_kernel && state.spp() > 0 && state.may_follow_paths())
-            state.choose_path_kernel();
+        if (state.own_kernels && !state.chose_path_kernel && state.spp() > 0) state.choose_path_kernel();
         if (saves && seconds_since(last_checkpoint) >= state.config.checkpoint_seconds) {
             state.save_checkpoint();
             last_checkpoint = Clock::now();
@@ -495,7 +490,10 @@ void Renderer::restart(std::uint32_t seed, unsigned spp, unsigned max_depth) {
         throw Error(ErrorKind::usage, "a render that writes checkpoints can't begin anew", "leave the checkpoint out");
     state.config.seed = seed;
     state.wavefront.set_seed(seed);
-    if (spp != 0) state.config.spp = std::min(spp, state.most_spp);
+    if (spp != 0 && spp != state.config.spp) {
+        state.config.spp = std::min(spp, state.most_spp);
+        state.chose_path_kernel = false;
+    }
     if (max_depth != 0) state.wavefront.set_max_depth(std::min(max_depth, state.config.max_depth));
     state.schedule = state.new_schedule();
     state.film.clear();

@@ -36,6 +36,10 @@ Defines defines_for(const SceneBuffers& scene, Sampler sampler, EffectSet effect
     return defines;
 }
 
+std::uint64_t most_whole_paths(const Device& device) {
+    return std::uint64_t(device.info().compute_units) * device.tuning(path_kernel_stem, "MOST_PATHS_PER_UNIT");
+}
+
 /// Macros of shading that the tuning table has, for tests and studies.
 Defines macros_of_shading(const Device& device) {
     Defines macros;
@@ -107,6 +111,7 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
       bounces_per_look_(std::max(1u, device.tuning("render/wavefront", "BOUNCES_PER_LOOK"))),
       shade_group_(device.tuning("render/shade_surface", "GROUP_SIZE")),
       paths_per_item_(paths_per_item(device)),
+      most_whole_paths_(most_whole_paths(device)),
       kernels_(std::move(kernels)) {
     const std::uint32_t paths = choose_capacity(device, most_paths);
     for (int i = 0; i < 2; ++i) {
@@ -136,6 +141,10 @@ void Wavefront::take_over(const Structure& structure, WavefrontKernels kernels) 
     path_kernel_.reset();
 }
 
+bool Wavefront::batches_are_small(std::uint64_t paths) const {
+    return std::min<std::uint64_t>(paths, capacity()) <= most_whole_paths_;
+}
+
 bool Wavefront::paths_are_short() const {
     const Totals all = totals();
     const double most = device_.tuning(path_kernel_stem, "MOST_BOUNCES_PERMILLE") * 1e-3;
@@ -149,7 +158,7 @@ void Wavefront::generate(const Batch& batch, bool centers) {
 }
 
 void Wavefront::trace(const Batch& batch) {
-    if (path_kernel_) {
+    if (path_kernel_ && batch.pixels * batch.samples <= most_whole_paths_) {
         trace_paths(batch);
         return;
     }
@@ -193,7 +202,7 @@ void Wavefront::trace_stages(const Batch& batch, bool arrived) {
 void Wavefront::bounce(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived) {
     const int in = depth % 2, out = 1 - in;
     const Buffer<std::uint32_t>&length = lengths_[depth % 3], &next = lengths_[(depth + 1) % 3],
-        &spent = lengths_[(depth + 2) % 3];
+          &spent = lengths_[(depth + 2) % 3];
     const Buffer<std::uint32_t>&shadows = shadow_lengths_[depth % 2], &shadows_spent = shadow_lengths_[(depth + 1) % 2];
     SceneQuery& trace = depth == 0 ? kernels_.trace_camera : kernels_.trace_bounce;
     if (!arrived) trace.closest(rays_[in], hits_, limit, length, times_[in]);

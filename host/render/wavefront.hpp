@@ -1,6 +1,6 @@
 // The path tracer as a sequence of stages over queues of rays (Laine, Karras and Aila 2013, "Megakernels considered
-// harmful"): generate_rays, then for every bounce trace, shade_surface, trace shadow rays, add_light (unless those did);
-// after the last one empty_queues.
+// harmful"): generate_rays, then for every bounce trace, shade_surface, trace shadow rays, add_light (unless those
+// did); after the last one empty_queues.
 #pragma once
 
 #include <optional>
@@ -49,10 +49,14 @@ public:
     [[nodiscard]] std::uint32_t capacity() const { return std::uint32_t(rays_[0].size()); }
     /// Goes on with other kernels, and with the tree that they traverse. The next batch is the first to see them.
     void take_over(const Structure& structure, WavefrontKernels kernels);
+    /// Whether a batch of so many paths, or of as many as there is room for, has too few to keep the device busy to the
+    /// end of every stage.
+    [[nodiscard]] bool batches_are_small(std::uint64_t paths) const;
     /// Whether paths, as far as they were traced, were so short that work-items which follow one each to its end would
     /// seldom wait for each other. Blocks.
     [[nodiscard]] bool paths_are_short() const;
-    /// From the next batch on one kernel traces whole paths, until `take_over`. The radiance is the same bit for bit.
+    /// From the next batch on one kernel traces whole paths, in small batches, until `take_over`. The radiance is the
+    /// same bit for bit.
     void follow_paths(Kernel kernel) { path_kernel_ = std::move(kernel); }
     /// Of all batches from now on.
     void set_seed(std::uint32_t seed) { frame_.seed = seed; }
@@ -102,18 +106,20 @@ private:
     SceneBuffers scene_;
     FrameData frame_;
     unsigned bounces_per_look_, shade_group_, paths_per_item_;
+    std::uint64_t most_whole_paths_;
     std::uint64_t camera_rays_ = 0, camera_rays_in_paths_ = 0;
 
     Buffer<Ray> rays_[2], shadow_rays_;
     Buffer<PathState> states_[2];
-    Buffer<float> times_[2], shadow_times_;             // of the rays; not allocated where nothing but the camera moves
-    Buffer<RayCone> cones_[2];                          // where textures have mip maps
-    Buffer<std::uint32_t> lengths_[3], shadow_lengths_[2];  // of the queues, by depth; one element each; 0 before a batch
+    Buffer<float> times_[2], shadow_times_;  // of the rays; not allocated where nothing but the camera moves
+    Buffer<RayCone> cones_[2];               // where textures have mip maps
+    Buffer<std::uint32_t> lengths_[3],
+        shadow_lengths_[2];  // of the queues, by depth; one element each; 0 before a batch
     SceneHits hits_;
     Buffer<LightSample> shadow_light_;
     Buffer<std::uint8_t> occluded_;
     Buffer<float> radiance_;
-    Buffer<float> shading_normals_;  // a path each; for the light tree only
+    Buffer<float> shading_normals_;                   // a path each; for the light tree only
     Buffer<std::uint64_t> totals_, totals_in_paths_;  // see empty_queues.cl; the paths' without the camera's
     WavefrontKernels kernels_;
     std::optional<Kernel> path_kernel_;

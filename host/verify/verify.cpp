@@ -1,9 +1,13 @@
 #include "claray/verify.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <future>
 #include <map>
+#include <optional>
+#include <set>
+#include <thread>
 
 #include "host/verify/cases.hpp"
 
@@ -13,6 +17,7 @@ namespace {
 struct Entry {
     VerifyCase about;
     void (*run)(verify::Run&);
+    bool measures_times = false;
 };
 
 const std::vector<Entry>& entries() {
@@ -46,10 +51,13 @@ const std::vector<Entry>& entries() {
          ray_ends},
         {{"boxes", "boxes", "No box test misses a box that a grazing ray meets"}, boxes},
         {{"axis-rays", "boxes", "Rays along the axes that begin on boxes' faces: right, and as fast as others"},
-         axis_rays},
+         axis_rays,
+         true},
         {{"tiny-counts", "trees", "0, 1, 2 and a few triangles by every builder and layout"}, tiny_counts},
-        {{"junk", "trees", "A tenth of NaN, infinite, huge and degenerate triangles changes no hit"}, junk},
-        {{"equal-codes", "trees", "Equal, collinear and planar triangles: sound trees of bounded height"}, equal_codes},
+        {{"junk", "trees", "A tenth of NaN, infinite, huge and degenerate triangles changes no hit"}, junk, true},
+        {{"equal-codes", "trees", "Equal, collinear and planar triangles: sound trees of bounded height"},
+         equal_codes,
+         true},
         {{"stadium", "trees", "Nine tenths of the triangles in a cluster of 1e-4 of the scene"}, stadium},
         {{"stack-depth", "trees", "The deepest tree that codes allow needs no more than the stack"}, stack_depth},
         {{"short-stack", "trees", "Stacks that are too short for the tree change no hit"}, short_stack},
@@ -99,21 +107,63 @@ const Entry& entry_of(const std::string& name) {
     throw Error(ErrorKind::usage, "there is no case '" + name + "'", "choose one of " + names);
 }
 
-using Results = std::map<std::string, VerifyResult>;
+/// Threads that run cases, each on a device of its own, in an order that begins with those that compile longest.
+class Crew {
+public:
+    Crew(const Device& device, std::vector<std::string> names, const VerifyOptions& options, unsigned threads)
+        : names_(std::move(names)), options_(options) {
+        std::stable_partition(names_.begin(), names_.end(), [](const std::string& name) {
+            const std::string family = entry_of(name).about.family;
+            return family == "images" || family == "materials";
+        });
+        for (const std::string& name : names_) found_[name] = results_[name].get_future();
+        const std::string index = std::to_string(device.info().index);
+        for (std::size_t i = 0; i < std::min<std::size_t>(threads, names_.size()); ++i)
+            threads_.emplace_back([this, index] { work(index); });
+    }
+    ~Crew() {
+        next_ = names_.size();  // what was not begun is not wanted any more
+        wait();
+    }
+    Crew(const Crew&) = delete;
+    Crew& operator=(const Crew&) = delete;
 
-/// The cases of a family, on a device of its own.
-std::future<Results> run_family(const Device& device, std::span<const std::string> names, const std::string& family,
-                                const VerifyOptions& options) {
-    std::vector<std::string> own;
-    for (const std::string& name : names)
-        if (entry_of(name).about.family == family) own.push_back(name);
-    return std::async(std::launch::async, [index = device.info().index, own, options] {
-        Results results;
-        if (own.empty()) return results;
-        const Device fresh = Device::open(std::to_string(index));
-        for (const std::string& name : own) results[name] = run_verify_case(fresh, name, options);
-        return results;
-    });
+    [[nodiscard]] bool has(const std::string& name) const { return found_.contains(name); }
+    /// Waits for it.
+    [[nodiscard]] const VerifyResult& result_of(const std::string& name) const { return found_.at(name).get(); }
+    /// Until no case is under way.
+    void wait() {
+        for (std::thread& thread : threads_) thread.join();
+        threads_.clear();
+    }
+
+private:
+    void work(const std::string& index) {
+        std::optional<Device> own;
+        for (std::size_t i; (i = next_++) < names_.size();) {
+            std::promise<VerifyResult>& result = results_.at(names_[i]);
+            try {
+                if (!own) own = Device::open(index);
+                result.set_value(run_verify_case(*own, names_[i], options_));
+            } catch (...) {
+                result.set_exception(std::current_exception());
+            }
+        }
+    }
+
+    std::vector<std::string> names_;
+    VerifyOptions options_;
+    std::map<std::string, std::promise<VerifyResult>> results_;
+    std::map<std::string, std::shared_future<VerifyResult>> found_;
+    std::atomic<std::size_t> next_{0};
+    std::vector<std::thread> threads_;
+};
+
+/// A CPU that runs kernels has a thread for each processor already.
+unsigned threads_for(const Device& device, const VerifyOptions& options) {
+    if (options.threads != 0) return options.threads;
+    if (device.info().type != DeviceType::gpu) return 1;
+    return std::clamp(std::thread::hardware_concurrency() / 2, 1u, 8u);
 }
 
 }  // namespace
@@ -162,15 +212,18 @@ VerifyResult run_verify_case(const Device& device, const std::string& name, cons
 
 void run_verify_cases(const Device& device, std::span<const std::string> names, const VerifyOptions& options,
                       const std::function<void(const VerifyResult&)>& report) {
-    Results done;
-    if (device.info().type == DeviceType::gpu) {
-        std::future<Results> families[] = {run_family(device, names, "materials", options),
-                                           run_family(device, names, "images", options)};
-        for (std::future<Results>& family : families) done.merge(family.get());
-    }
+    const unsigned threads = threads_for(device, options);
+    std::set<std::string> side_by_side;
+    for (const std::string& name : names)
+        if (!(entry_of(name).measures_times && options.times) && threads > 1) side_by_side.insert(name);
+    Crew crew(device, {side_by_side.begin(), side_by_side.end()}, options, threads);
     for (const std::string& name : names) {
-        const auto found = done.find(name);
-        report(found != done.end() ? found->second : run_verify_case(device, name, options));
+        if (crew.has(name)) {
+            report(crew.result_of(name));
+            continue;
+        }
+        crew.wait();
+        report(run_verify_case(device, name, options));
     }
 }
 

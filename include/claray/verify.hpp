@@ -60,6 +60,7 @@ struct VerifyOptions {
     Effort effort = Effort::quick;
     std::uint64_t seed = 1;  ///< of all random rays and meshes
     bool times = true;       ///< also checks ratios of times
+    unsigned threads = 0;    ///< cases at once; 0: on a GPU half as many as there are processors, but 8 at most, else 1
 };
 
 [[nodiscard]] const std::vector<VerifyCase>& verify_cases();
@@ -75,9 +76,9 @@ void check_verify_cases(std::span<const std::string> names);
 [[nodiscard]] VerifyResult run_verify_case(const Device& device, const std::string& name,
                                            const VerifyOptions& options = {});
 
-/// Runs cases and hands over the result of each, in the order of `names`, as soon as it is there. On a GPU the families
-/// "materials" and "images", which take longer to compile than to run and measure no times, have threads and queues of
-/// their own, and the others run after them. Throws as run_verify_case does.
+/// Runs cases and hands over the result of each, in the order of `names`, as soon as it is there and those before are.
+/// Most take longer to compile than to run, so several run at once, each thread with a queue of its own; those that
+/// measure times run alone, after the others. Throws as run_verify_case does.
 void run_verify_cases(const Device& device, std::span<const std::string> names, const VerifyOptions& options,
                       const std::function<void(const VerifyResult&)>& report);
 

@@ -67,15 +67,30 @@ TEST(VerifyCases, UnknownNamesAreRefusedWithThoseThatExist) {
 }
 
 TEST(VerifyCases, AreReportedInTheOrderAskedFor) {
-    const std::vector<std::string> names = {"srgb", "sort", "fresnel", "tree-hashes"};
-    std::vector<VerifyResult> results;
-    run_verify_cases(device(), names, {}, [&](const VerifyResult& result) { results.push_back(result); });
-    ASSERT_EQ(results.size(), names.size());
-    for (std::size_t i = 0; i < names.size(); ++i) {
-        EXPECT_EQ(results[i].name, names[i]);
-        EXPECT_FALSE(results[i].checks.empty());
-        EXPECT_TRUE(results[i].holds());
+    const std::vector<std::string> names = {"srgb", "equal-codes", "sort", "fresnel", "tree-hashes", "sort"};
+    for (const unsigned threads : {0u, 1u, 3u}) {
+        std::vector<VerifyResult> results;
+        run_verify_cases(device(), names, {.threads = threads},
+                         [&](const VerifyResult& result) { results.push_back(result); });
+        ASSERT_EQ(results.size(), names.size());
+        for (std::size_t i = 0; i < names.size(); ++i) {
+            EXPECT_EQ(results[i].name, names[i]) << threads;
+            EXPECT_FALSE(results[i].checks.empty()) << threads;
+            EXPECT_TRUE(results[i].holds()) << threads;
+        }
     }
+}
+
+TEST(VerifyCases, SideBySideEndWhereTheCallerDoes) {
+    const std::vector<std::string> names = {"srgb", "sort", "fresnel", "stadium", "scales"};
+    unsigned reported = 0;
+    EXPECT_THROW(run_verify_cases(device(), names, {.threads = 2},
+                                  [&](const VerifyResult&) {
+                                      ++reported;
+                                      throw std::runtime_error("no more");
+                                  }),
+                 std::runtime_error);
+    EXPECT_EQ(reported, 1u);
 }
 
 }  // namespace

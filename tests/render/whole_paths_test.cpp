@@ -95,19 +95,48 @@ TEST(WholePaths, AreForFewEffectsAndShortPaths) {
     EXPECT_FALSE(follows(2, 1000));
 }
 
+/// A device for which batches are small up to `least` paths and some more, but not up to twice as many.
+Device with_small_batches_of(std::uint64_t least) {
+    const Device fresh = following(99, 100'000);
+    const unsigned units = fresh.info().compute_units;
+    fresh.set_tuning("render/trace_paths", "MOST_PATHS_PER_UNIT", unsigned(least / units + 1));
+    return fresh;
+}
+
+TEST(WholePaths, AreForSmallBatches) {
+    const auto follows = [&](std::uint64_t small_batch) {
+        Renderer renderer(with_small_batches_of(small_batch), scene_named("effect:sky"), small());
+        (void)renderer.render();
+        return renderer.statistics().in_paths.rays > 0;
+    };
+    EXPECT_TRUE(follows(2 * 24 * 20)) << "the largest pass: two of four samples";
+    EXPECT_FALSE(follows(24 * 20));
+}
+
+TEST(WholePaths, LeaveLargerBatchesToTheStages) {
+    const Scene scene = scene_named("effect:sky");
+    Renderer some(with_small_batches_of(24 * 20), scene, small()), none(following(0, 0), scene, small());
+    (void)some.render();
+    EXPECT_EQ(some.statistics().in_paths.rays, 0u);
+    some.restart(1, 2);
+    (void)some.render();  // passes of a sample each
+    ASSERT_GT(some.statistics().in_paths.rays, 0u);
+    const RenderStatistics before = some.statistics();
+    some.restart(0, 4), none.restart(0, 4);
+    (void)some.render(), (void)none.render();  // of 1, 1 and 2
+    const RenderStatistics after = some.statistics();
+    const std::uint64_t in_paths = after.in_paths.rays - before.in_paths.rays;
+    const std::uint64_t all = after.camera.rays + after.bounce.rays + after.shadow.rays - before.camera.rays -
+                              before.bounce.rays - before.shadow.rays;
+    EXPECT_GT(in_paths, 0u);
+    EXPECT_LT(in_paths, all);
+    EXPECT_EQ(some.image(), none.image());
+}
+
 TEST(WholePaths, AreNotForShortRenders) {
     Renderer renderer(following(99, 100'000, 1'000'000'000), scene_named("effect:sky"), small());
     (void)renderer.render();
     EXPECT_EQ(renderer.statistics().in_paths.rays, 0u);
-}
-
-TEST(WholePaths, AreThereBeforeTimeIsCounted) {
-    RenderConfig config = small();
-    config.seconds = 0.05, config.spp = 1u << 20;
-    Renderer renderer(following(99, 100'000, 1'000'000'000), scene_named("effect:sky"), config);
-    (void)renderer.render();
-    const RenderStatistics statistics = renderer.statistics();
-    EXPECT_EQ(statistics.in_paths.rays, statistics.camera.rays + statistics.bounce.rays + statistics.shadow.rays);
 }
 
 TEST(WholePaths, AreNotFollowedThroughInstances) {
