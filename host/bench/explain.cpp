@@ -9,8 +9,13 @@
 namespace claray::bench {
 namespace {
 
-/// Of a render: beginnings weigh as they do in a short one, and a GPU is kept busy.
-unsigned spp_on(const Device& device) { return device.info().type == DeviceType::cpu ? 4 : 16; }
+/// Of a render: on CPUs beginnings weigh as they do in a short one; on GPUs the largest pass, half of it, fills the queues, as in
+/// a long one.
+unsigned spp_on(const Device& device, const RenderConfig& config) {
+    if (device.info().type == DeviceType::cpu) return 4;
+    const std::uint64_t pixels = std::max<std::uint64_t>(1, std::uint64_t(config.width) * config.height);
+    return unsigned(std::max<std::uint64_t>(16, 2 * device.tuning("render/wavefront", "PATHS") / pixels));
+}
 
 constexpr int rounds_before = 2;  // in which a render finds its batches' size and its kernels
 
@@ -20,24 +25,20 @@ double milliseconds_of_frame(const Device& device, Renderer& renderer) {
     device.finish();
     device.profiler().reset();
     renderer.restart(0);
-    (void)renderer.render();
+    const unsigned spp = renderer.render().spp;
     double total = 0;
     for (const auto& [name, summary] : device.profiler().summary())
         if (name != "measure_noise" && name != "write_buffer" && name != "read_buffer") total += summary.milliseconds;
-    return total / spp_on(device);
+    return total / spp;
 }
 
 class Explainer {
 public:
     Explainer(const Device& device, const Scene& scene, const RenderConfig& config, const ExplainOptions& options)
         : device_(device), scene_(scene), config_(config), options_(options) {
-        config_.spp = spp_on(device);
+        config_.spp = spp_on(device, config);
         config_.compiler.clear();
-        device_.set_tuning("render/trace_paths", patience, 0);  // as in a render of minutes
     }
-    ~Explainer() { device_.set_tuning("render/trace_paths", patience, patience_before_); }
-    Explainer(const Explainer&) = delete;
-    Explainer& operator=(const Explainer&) = delete;
 
     /// Compares a variant with the scene's own kernels.
     Variant compare_with_own(const EffectOverrides& overrides, EffectSet concerned, double& ratio, bool& noise) {
@@ -109,11 +110,8 @@ private:
         return builds_.emplace(key, report_build(device_, file, defines)).first->second;
     }
 
-    static constexpr const char* patience = "PATIENCE_MILLISECONDS";
-
     std::map<std::string, BuildReport> builds_;
     Device device_;
-    unsigned patience_before_ = device_.tuning("render/trace_paths", patience);
     const Scene& scene_;
     RenderConfig config_;
     ExplainOptions options_;

@@ -200,7 +200,7 @@ struct Renderer::State {
           milliseconds_before(kernel_milliseconds(on)),
           structure(first_structure(on, scene, baked, plan, with.bvh)),
           build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
-          buffers(on, scene, structure),
+          buffers(on, scene, structure, config.effects.add),
           wavefront(on, buffers, frame_data(scene, buffers, with), first_kernels(), std::uint64_t(pixels()) * with.spp),
           film(on, pixels(), films_of(with)),
           schedule(new_schedule()),
@@ -579,7 +579,7 @@ Aovs Renderer::aovs() const {
         write.run({n, 64}, std::uint32_t(n), state.wavefront.rays(), state.wavefront.hits(), visits,
                   state.structure.triangles().positions, state.structure.triangles().indices, state.buffers.normals,
                   state.buffers.triangle_materials, state.buffers.materials, depth, normal, albedo, primitive, visited,
-                  state.buffers.textures.store, state.structure);
+                  state.buffers.textures.maps(), state.structure);
         depth.read({&aovs.depth[first], n});
         primitive.read({&aovs.primitive[first], n});
         visited.read({&aovs.visits[first], n});

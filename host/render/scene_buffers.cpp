@@ -40,7 +40,7 @@ std::vector<std::uint32_t> all_triangle_materials(const Scene& scene) {
 
 }  // namespace
 
-SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Structure& with)
+SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Structure& with, EffectSet added)
     : structure(with), effects(effects_of(scene)) {
     const std::vector<float> vertex_normals = all_normals(scene);
     if (!vertex_normals.empty()) normals = Buffer<float>(device, vertex_normals);
@@ -53,7 +53,7 @@ SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Struc
     materials = Buffer<MaterialData>(device, data);
     if (!tables.data().empty()) energy_tables = Buffer<float>(device, tables.data());
 
-    textures = Textures(device, scene);
+    textures = Textures(device, scene, !(added & EffectSet{Effect::cut_outs, Effect::culling}).empty());
     structure.set_cutouts(textures.cutouts());
 
     const Lights found = collect_lights(scene);
@@ -85,7 +85,7 @@ void SceneBuffers::bind(Kernel& kernel, unsigned& index) const {
     kernel.set(index, lamps);
     kernel.set(index, environment_texels);
     kernel.set(index, environment_cdf);
-    kernel.set(index, textures.store);
+    kernel.set(index, textures.maps());
     structure.bind(kernel, index);
 }
 

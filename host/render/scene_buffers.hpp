@@ -8,8 +8,8 @@
 namespace claray {
 
 struct SceneBuffers {
-    /// Uploads what the scene calls for.
-    SceneBuffers(const Device& device, const Scene& scene, const Structure& structure);
+    /// Uploads what the scene calls for. `added`: effects that kernels are to have in any case.
+    SceneBuffers(const Device& device, const Scene& scene, const Structure& structure, EffectSet added = {});
 
     Structure structure;    // whose positions and indices are shared
     Buffer<float> normals;  // per vertex; not allocated where no mesh has any

@@ -156,12 +156,19 @@ std::vector<Vector> of_all_meshes(const Scene& scene, std::vector<Vector> Mesh::
     return all;
 }
 
-void add_cutouts(const Cutouts& cutouts, StoreWriter& writer, TextureStore& sections) {
+std::size_t triangles_of(const Scene& scene) {
+    std::size_t triangles = 0;
+    for (const Mesh& mesh : scene.meshes) triangles += mesh.triangles.size();
+    return triangles;
+}
+
+void add_cutouts(const Cutouts& cutouts, std::size_t triangles, StoreWriter& writer, TextureStore& sections) {
     sections.cutout_materials = writer.add(cutouts.materials);
     const std::uint32_t records = writer.add(cutouts.records);
     std::vector<std::uint32_t> of_triangles = cutouts.of_triangles;
     for (std::uint32_t& at : of_triangles)
         if (at != CLARAY_NO_MAP) at += records;
+    of_triangles.resize(triangles, CLARAY_NO_MAP);  // none, where all are solid
     sections.cutouts = writer.add(of_triangles);
 }
 
@@ -171,13 +178,13 @@ bool has_emission_map(const Material& material) {
     return material.emission_map.used() && material.emission != glm::vec3(0.f);
 }
 
-Textures::Textures(const Device& device, const Scene& scene) {
+Textures::Textures(const Device& device, const Scene& scene, bool with_cutouts) {
     const std::vector<bool> used = used_materials(scene);
     Collector found(scene, used);
     const Cutouts cutouts(scene, used, [&](std::uint32_t texture) { return found.slot_of(texture); });
     culls_back_faces = culls_everywhere(scene, used);
-    has_cutouts = !cutouts.empty();
-    if (!found.has_maps() && !has_cutouts) return;
+    has_maps = found.has_maps(), has_cutouts = with_cutouts || !cutouts.empty();
+    if (!has_maps && !has_cutouts) return;
     mipmaps = found.mipmaps;
     StoreWriter writer;
     TextureStore sections{};
@@ -187,7 +194,7 @@ Textures::Textures(const Device& device, const Scene& scene) {
     const bool tangents =
         std::any_of(scene.meshes.begin(), scene.meshes.end(), [](auto& m) { return !m.tangents.empty(); });
     if (found.normal_maps && tangents) sections.tangents = writer.add(of_all_meshes(scene, &Mesh::tangents));
-    if (has_cutouts) add_cutouts(cutouts, writer, sections);
+    if (has_cutouts) add_cutouts(cutouts, triangles_of(scene), writer, sections);
     store = Buffer<std::uint32_t>(device, writer.finish(sections));
 }
 

@@ -189,6 +189,23 @@ TEST(Effects, DiffuseScenesAreShadedWithTheSameBitsSixteenAtOnce) {
         }
 }
 
+/// Asked of the buffers, since hits are the same: traversal looks up a word for every triangle.
+TEST(Effects, CutOutsCanBeAddedToTraversal) {
+    const Scene scene = plain_scene();
+    const auto outcome_of = [&](EffectSet add) {
+        const RenderConfig config{.width = 16, .height = 16, .spp = 1, .effects = {add, {}}};
+        Renderer renderer(device(), scene, config);
+        (void)renderer.render();
+        return std::pair(renderer.statistics().device_bytes, renderer.image());
+    };
+    const auto [bytes, image] = outcome_of({});
+    for (const Effect effect : {Effect::cut_outs, Effect::culling}) {
+        const auto [more, same] = outcome_of({effect});
+        EXPECT_GE(more, bytes + scene.meshes[0].triangles.size() * sizeof(std::uint32_t)) << name_of(effect);
+        EXPECT_EQ(same, image) << name_of(effect);
+    }
+}
+
 /// Asked of the profiler and of the buffers, under kernels that could do everything.
 TEST(Effects, WithoutThemThereIsNoPassAndNoMemory) {
     const RenderConfig config{.width = 16, .height = 16, .spp = 1, .effects = {full_effects(), {}}};
