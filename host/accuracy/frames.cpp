@@ -19,8 +19,15 @@ constexpr unsigned watched = 50;  // frames within which two late ones make the 
 class Frames {
 public:
     Frames(const Device& device, const Scene& scene, const RenderConfig& config)
-        : spp(config.spp), max_depth(config.max_depth), renderer_(device, scene, config), seed_(config.seed) {
-        wait_for_kernels();
+        : max_depth(config.max_depth), renderer_(device, scene, config), seed_(config.seed) {}
+
+    /// Other kernels have another speed. Returns false where `measuring` does.
+    bool wait_for_kernels(const MeasuringProgress& measuring) {
+        do {
+            if (measuring && !measuring("kernels")) return false;
+            (void)next();
+        } while (!renderer_.statistics().own_kernels);
+        return true;
     }
 
     double next() {
@@ -38,16 +45,10 @@ public:
         return most;
     }
 
-    unsigned spp, max_depth;
+    unsigned spp = 1, max_depth;
     std::vector<glm::vec3> image;
 
 private:
-    /// Other kernels have another speed.
-    void wait_for_kernels() {
-        do (void)next();
-        while (!renderer_.statistics().own_kernels);
-    }
-
     Renderer renderer_;
     std::uint32_t seed_;
 };
@@ -58,23 +59,43 @@ double percentile(std::vector<double> values, double share_below) {
     return values[std::size_t(rank)];
 }
 
+[[noreturn]] void refuse_rate(const RenderConfig& config, double budget, double seconds) {
+    const double scale = std::sqrt(share * budget / seconds);
+    const double width = std::floor(config.width * scale), height = std::floor(config.height * scale);
+    const std::string size = std::min(width, height) >= 1
+                                 ? told("%.4g needs about --size %.0fx%.0f", 1 / budget, width, height)
+                                 : told("%.4g is out of reach at any size", 1 / budget);
+    throw Error(ErrorKind::user,
+                told("%.4g frames a second can't be reached: one sample a pixel that meets one surface takes %s",
+                     1 / budget, told_time(seconds).c_str()),
+                told("the closest is about --fps %.3g; %s", share / seconds, size.c_str()));
+}
+
+/// Where the deepest paths take too long, the deepest that do not, by halving.
+double pick_depth(Frames& frames, const RenderConfig& config, double budget) {
+    double seconds = frames.slowest();
+    if (seconds <= share * budget || frames.max_depth == 1) return seconds;
+    unsigned fits = 1, deep = frames.max_depth;
+    frames.max_depth = fits;
+    seconds = frames.slowest();
+    if (seconds > budget) refuse_rate(config, budget, seconds);
+    while (deep - fits > 1) {
+        frames.max_depth = (fits + deep) / 2;
+        const double time = frames.slowest();
+        if (time <= share * budget)
+            fits = frames.max_depth, seconds = time;
+        else
+            deep = frames.max_depth;
+    }
+    frames.max_depth = fits;
+    return seconds;
+}
+
 /// The most samples, and then the deepest paths, that fit.
 void pick(Frames& frames, const RenderConfig& config, double budget, std::vector<std::string>& picks) {
     frames.spp = 1;
-    double seconds = frames.slowest();
-    while (seconds > share * budget && frames.max_depth > 1) {
-        --frames.max_depth;
-        seconds = frames.slowest();
-    }
-    if (seconds > budget) {
-        const double scale = std::sqrt(share * budget / seconds);
-        throw Error(
-            ErrorKind::user,
-            told("%.4g frames a second can't be reached: one sample a pixel that meets one surface takes %s",
-                 1 / budget, told_time(seconds).c_str()),
-            told("the closest is about --fps %.3g; %.4g needs about --size %.0fx%.0f", share / seconds, 1 / budget,
-                 std::max(1.0, std::floor(config.width * scale)), std::max(1.0, std::floor(config.height * scale))));
-    }
+    double seconds = pick_depth(frames, config, budget);
+    if (seconds > budget) refuse_rate(config, budget, seconds);
     const double one = seconds;
     const unsigned most = std::min(config.spp, most_spp);
     for (int tries = 0; tries < 6; ++tries) {  // what a sample costs depends on how many there are
@@ -108,6 +129,8 @@ FramesReport render_frames(const Device& device, const Scene& scene, const Rende
     plan.config.error = plan.config.noise = plan.config.seconds = 0;
     FramesReport report;
     Frames all(device, scene, plan.config);
+    if (!all.wait_for_kernels(measuring) || (measuring && !measuring("samples that fit into a frame")))
+        throw Error(ErrorKind::user, "interrupted before the first frame");
     pick(all, plan.config, budget, plan.picks);
     unsigned last_late = 0;
     for (unsigned i = 1; i <= frames; ++i) {

@@ -1,4 +1,5 @@
 // Converged images: the mean of many renders, kept in a file that a later run goes on from.
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -92,6 +93,14 @@ ReferenceImage reference_of(const Sums& sums) {
     return reference;
 }
 
+void refuse_black(const Sums& sums) {
+    if (std::any_of(sums.values.begin(), sums.values.end(), [](double value) { return value != 0; })) return;
+    throw Error(ErrorKind::user,
+                "the image is black after " + std::to_string(render_spp * sums.renders) +
+                    " samples a pixel: an error relative to its mean has no meaning",
+                "add light, or choose studies of rays and trees");
+}
+
 void add_render(Sums& sums, const Device& device, const Scene& scene, const RenderConfig& config, std::uint32_t seed) {
     const auto image = render_once(device, scene, config, render_spp, seed + sums.renders);
     for (std::size_t i = 0; i < 3 * image.size(); ++i) {
@@ -126,15 +135,21 @@ ReferenceImage reference_image(const Device& device, const Scene& scene, const R
         return options.uncertainty <= 0 || spp >= options.most_spp ||
                reference_of(sums).uncertainty <= options.uncertainty;
     };
-    while (!is_enough()) {
-        add_render(sums, device, scene, config, options.seed);
-        changed = true;
-        if (std::chrono::steady_clock::now() - saved > between_saves) save();
-        const unsigned spp = render_spp * sums.renders;
-        const double done = std::min(1.0, double(spp) / std::max(options.least_spp, render_spp * least_renders));
-        if (progress && !progress(done, "reference, " + std::to_string(spp) + " spp") && sums.renders > 1) break;
+    try {
+        while (!is_enough()) {
+            add_render(sums, device, scene, config, options.seed);
+            changed = true;
+            if (std::chrono::steady_clock::now() - saved > between_saves) save();
+            const unsigned spp = render_spp * sums.renders;
+            const double done = std::min(1.0, double(spp) / std::max(options.least_spp, render_spp * least_renders));
+            if (progress && !progress(done, "reference, " + std::to_string(spp) + " spp") && sums.renders > 1) break;
+        }
+    } catch (...) {  // by `progress`, too
+        save();
+        throw;
     }
     save();
+    refuse_black(sums);
     return reference_of(sums);
 }
 

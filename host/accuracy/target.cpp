@@ -79,7 +79,7 @@ void refuse_unreachable(const TargetPlan& plan, const Forecast& needed, const Re
     throw Error(
         ErrorKind::user,
         told("an error of %g can't be reached: it needs about %.3g samples a pixel (%s), and %.0f are the most",
-             plan.config.error, needed.spp, told_time(needed.seconds).c_str(), most),
+             plan.config.error > 1e-20 ? plan.config.error : 0.0, needed.spp, told_time(needed.seconds).c_str(), most),
         told("the closest is about --error %.2g, in %s", closest, told_time(most * needed.seconds_a_sample).c_str()));
 }
 

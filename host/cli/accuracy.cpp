@@ -92,7 +92,7 @@ private:
     std::filesystem::path path_;
 };
 
-/// One line, drawn again: what is done, and how long the rest takes at this pace.
+/// One line, drawn again: what is done, and how long the rest takes at this pace. An interruption ends the study.
 AccuracyProgress show_progress(const std::string& study, bool quiet) {
     const auto begin = std::chrono::steady_clock::now();
     const auto shown = std::make_shared<double>(-1);
@@ -105,7 +105,8 @@ AccuracyProgress show_progress(const std::string& study, bool quiet) {
             std::fprintf(stderr, "%s: %3.0f %%, %s, %s%s\n", study.c_str(), 100 * done, what.c_str(),
                          told_time(known ? seconds * (1 - done) / done : seconds).c_str(), known ? " left" : " so far");
         }
-        return !InterruptGuard::interrupted();
+        if (InterruptGuard::interrupted()) throw Error(ErrorKind::user, "interrupted");
+        return true;
     };
 }
 
@@ -206,8 +207,18 @@ std::string today() {
     return text;
 }
 
+/// What was measured is shown; files are of all studies or stay as they are.
+[[noreturn]] void refuse_incomplete(const Error& error, const std::vector<Study>& studies, std::size_t all,
+                                    const Options& o, const Device& device) {
+    if (o.json && !studies.empty()) print_json(studies, o, device);
+    if (!o.json)
+        for (const Study& study : studies) print_study(study);
+    std::fflush(stdout);
+    const std::string share = std::to_string(studies.size()) + " of " + std::to_string(all) + " studies";
+    throw Error(error.kind(), std::string(error.what()) + "; " + share + " are done and shown, and no file is written");
+}
+
 void accuracy(Options o) {
-    if (!o.maps.empty() && o.only.empty()) o.only = "effects";
     const std::vector<NamedStudy> chosen = chosen_studies(o.only);
     if (!o.maps.empty()) {
         if (std::none_of(chosen.begin(), chosen.end(), [](const NamedStudy& s) { return s.run == nullptr; }))
@@ -237,11 +248,15 @@ void accuracy(Options o) {
     std::vector<Study> studies;
     if (o.check) return print_check(check_errors(device, scene, o.study, show_progress("check", o.quiet)));
     std::vector<ErrorMap> maps;
-    for (const NamedStudy& study : chosen) {
-        const AccuracyProgress progress = show_progress(study.name, o.quiet);
-        studies.push_back(study.run
-                              ? study.run(device, scene, o.study, progress)
-                              : study_effects(device, scene, o.study, progress, o.maps.empty() ? nullptr : &maps));
+    try {
+        for (const NamedStudy& study : chosen) {
+            const AccuracyProgress progress = show_progress(study.name, o.quiet);
+            studies.push_back(study.run
+                                  ? study.run(device, scene, o.study, progress)
+                                  : study_effects(device, scene, o.study, progress, o.maps.empty() ? nullptr : &maps));
+        }
+    } catch (const Error& error) {
+        refuse_incomplete(error, studies, chosen.size(), o, device);
     }
     write_maps(o, maps);
     const DeviceInfo& info = device.info();

@@ -130,7 +130,7 @@ void print_as_text(const Device& device, const Renderer& renderer, const RenderO
     if (p.error > 0) std::printf(", error %.2f %%", 100 * p.error);
     std::printf("%s\n", outcome.interrupted ? ", interrupted" : "");
     if (plan && tells_plan(options)) {
-        const char* verdict = is_kept(*plan, p) ? "reached" : outcome.interrupted ? "stopped" : "missed";
+        const char* verdict = outcome.interrupted ? "stopped" : is_kept(*plan, p) ? "reached" : "missed";
         std::printf("%s: %s\n", verdict, account_of(*plan, p).c_str());
     }
     if (p.dropped_samples > 0)
@@ -187,7 +187,7 @@ void print_as_json(const Device& device, const Renderer& renderer, const RenderO
                             {"seconds", plan->config.seconds},
                             {"promised_seconds", plan->promised_seconds},
                             {"picks", plan->picks},
-                            {"kept", is_kept(*plan, outcome.progress)},
+                            {"kept", !outcome.interrupted && is_kept(*plan, outcome.progress)},
                             {"reached", account_of(*plan, outcome.progress)}};
     std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
 }

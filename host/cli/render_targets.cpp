@@ -11,15 +11,31 @@ namespace {
 
 constexpr unsigned most_spp = 1u << 24;
 
+/// For targets of 0, which can't be reached: what comes closest is told as for any other.
+CLI::Validator none_is(const char* least) {
+    return {
+        [least](std::string& text) {
+            const std::size_t digits = std::min(text.find_first_not_of("0."), text.size());
+            const std::string unit = text.substr(digits);
+            const bool none = digits > 0 && text.find('0') < digits;
+            if (none && (unit.empty() || unit == "s" || unit == "ms" || unit == "us" || unit == " s" || unit == " ms"))
+                text = least;
+            return std::string();
+        },
+        ""};
+}
+
 }  // namespace
 
 void add_target_options(CLI::App& command, RenderOptions& o) {
     command
         .add_option("--error", o.config.error,
                     "Take as many samples as this RMSE over the mean needs: 0.01, for instance")
-        ->check(number_above("more than 0", 0, false));
+        ->check(number_above("more than 0", 0, false))
+        ->transform(none_is("1e-30"));
     command.add_option("--time", o.config.seconds, "Take as many samples as fit into this time: 500ms, 2s, 1m")
         ->transform(duration())
+        ->transform(none_is("1e-9"))
         ->type_name("TIME");
     command
         .add_option("--fps", o.fps, "Render frames at this rate with as many samples as fit, and tell how it was held")
@@ -47,8 +63,7 @@ void print_picks(const TargetPlan& plan) {
 
 MeasuringProgress measuring_progress(bool quiet) {
     return [quiet](const std::string& what) {
-        if (!quiet)
-            std::fprintf(stderr, "measuring this device for the planner (claray tune keeps that): %s\n", what.c_str());
+        if (!quiet) std::fprintf(stderr, "measuring for the planner: %s\n", what.c_str());
         return !InterruptGuard::interrupted();
     };
 }
@@ -81,9 +96,13 @@ void run_frames(const Device& device, const Scene& scene, const RenderOptions& o
         if (!options.quiet)
             for (const std::string& pick : report.picks) std::printf("%s\n", pick.c_str());
         std::printf(
-            "reached: %zu frames of %ux%u, %u samples a pixel: median %.2f ms, 99th percentile %.2f ms (promised: "
+            "%s: %zu of %u frames of %ux%u, %u samples a pixel: median %.2f ms, 99th percentile %.2f ms (promised: "
             "%.2f)\n",
-            report.seconds.size(), options.config.width, options.config.height, report.spp, p50, p99, budget);
+            p99 > budget                             ? "missed"
+            : report.seconds.size() < options.frames ? "stopped"
+                                                     : "reached",
+            report.seconds.size(), options.frames, options.config.width, options.config.height, report.spp, p50, p99,
+            budget);
     }
     if (p99 <= budget) return;
     char text[200], remedy[80];

@@ -41,7 +41,8 @@ struct ReferenceOptions {
 /// Tells how much is done, 0 to 1, of what; false stops.
 using AccuracyProgress = std::function<bool(double done, const std::string& what)>;
 
-/// A converged image of the scene as `config` would render it, by seeds that `config.seed` does not share.
+/// A converged image of the scene as `config` would render it, by seeds that `config.seed` does not share. Throws
+/// ErrorKind::user where it is black. What `progress` throws goes through, once what was rendered is kept.
 [[nodiscard]] ReferenceImage reference_image(const Device& device, const Scene& scene, const RenderConfig& config,
                                              const ReferenceOptions& options, const AccuracyProgress& progress = {});
 

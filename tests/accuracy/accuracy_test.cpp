@@ -13,6 +13,7 @@
 #include "host/accuracy/study.hpp"
 #include "tests/io/temporary_folder.hpp"
 #include "tests/support/device.hpp"
+#include "tests/support/errors.hpp"
 
 namespace claray::test {
 namespace {
@@ -126,6 +127,30 @@ TEST(ReferenceImage, GoesOnWhereItStoppedAndIsMadeAnewWhereItsFileIsDamaged) {
     RenderConfig deeper = config;
     deeper.max_depth = 2;
     EXPECT_NE(reference_image(device(), scene, deeper, {.least_spp = 1024, .folder = kept}).pixels, at_once.pixels);
+}
+
+TEST(ReferenceImage, IsKeptWhereItsProgressThrows) {
+    const TemporaryFolder folder;
+    const RenderConfig config = {.width = 12, .height = 12};
+    const ReferenceOptions options = {.least_spp = 1536, .folder = folder / "kept"};
+    int renders = 0;
+    const auto give_up = [&](double, const std::string&) -> bool {
+        if (++renders == 3) throw std::runtime_error("no more");
+        return true;
+    };
+    EXPECT_THROW((void)reference_image(device(), small_scene(), config, options, give_up), std::runtime_error);
+    const auto count = [&](double, const std::string&) { return ++renders > 0; };
+    (void)reference_image(device(), small_scene(), config, options, count);
+    EXPECT_EQ(renders, 6);
+}
+
+TEST(ReferenceImage, OfNothingIsRefused) {
+    Scene dark = small_scene();
+    dark.sky = {}, dark.lights.clear();
+    for (Material& material : dark.materials) material.emission = glm::vec3(0.f);
+    EXPECT_TRUE(throws_error(ErrorKind::user, "the image is black after 1024 samples a pixel", [&] {
+        (void)reference_image(device(), dark, {.width = 8, .height = 8}, {.least_spp = 1024});
+    }));
 }
 
 TEST(ReferenceImage, KnowsItsOwnError) {

@@ -79,19 +79,25 @@ TEST_F(Target, FramesAreCountedAndTimed) {
     EXPECT_LE(report.at("milliseconds").at("median"), report.at("milliseconds").at("percentile_99"));
     EXPECT_TRUE(std::filesystem::exists(path("last.pfm")));
     const ProcessResult text = run_claray({"render", "hills", "--size", "16x16", "--fps", "20", "--frames", "2"});
-    EXPECT_NE(text.output.find("reached: 2 frames of 16x16"), std::string::npos) << text.output;
+    EXPECT_NE(text.output.find(": 2 of 2 frames of 16x16"), std::string::npos) << text.output;
 }
 
 TEST_F(Target, BadInput) {
-    for (const char* value : {"0", "-1", "nan", "inf", "small"})
+    for (const char* value : {"-1", "nan", "inf", "small", "0%"})
         EXPECT_TRUE(failed_with(render({"--error", value}), 2, "--error: '" + std::string(value) + "' is not"))
             << value;
-    for (const char* value : {"0", "-1s", "2parsecs", "nan", "inf"})
+    for (const char* value : {"-1s", "2parsecs", "nan", "inf", "0parsecs", "s"})
         EXPECT_TRUE(failed_with(render({"--time", value}), 2, "--time")) << value;
     EXPECT_TRUE(failed_with(render({"--error", "0.1", "--spp", "4"}), 2, "--error and --spp contradict each other"));
     EXPECT_TRUE(failed_with(render({"--error", "0.1", "--noise", "0.1"}), 2, "--error and --noise contradict"));
     EXPECT_TRUE(failed_with(render({"--time", "1us"}), 1, "a time of 1 us can't be kept: a sample for every pixel"));
+    for (const char* value : {"0", "0s", "0.0 ms"})
+        EXPECT_TRUE(failed_with(render({"--time", value}), 1, "a time of 0.001 us can't be kept: a sample for"))
+            << value;
     EXPECT_TRUE(failed_with(render({"--error", "1e-9"}), 1, "an error of 1e-09 can't be reached"));
+    for (const char* value : {"0", "0.00"})
+        EXPECT_TRUE(failed_with(render({"--error", value}), 1, "an error of 0 can't be reached: it needs about"))
+            << value;
     for (const char* other : {"--spp", "--time", "--error", "--noise", "--checkpoint", "--resume"})
         EXPECT_TRUE(failed_with(render({"--fps", "1", other, "1"}), 2, std::string("--fps and ") + other)) << other;
     EXPECT_TRUE(failed_with(render({"--fps", "0"}), 2, "--fps: '0' is not a number of more than 0"));
