@@ -122,9 +122,12 @@ private:
 
 }  // namespace
 
+/// Fewer agree by luck alone in more than one of sixteen comparisons.
+constexpr std::size_t least_to_agree = 5;
+
 bool is_noise(const std::vector<double>& ratios) {
     const auto above = std::size_t(std::count_if(ratios.begin(), ratios.end(), [](double r) { return r > 1; }));
-    return std::min(above, ratios.size() - above) > ratios.size() / 8;
+    return ratios.size() < least_to_agree || std::min(above, ratios.size() - above) > ratios.size() / 8;
 }
 
 PairedTimes compare(const Device& device, Renderer& first, Renderer& second, int rounds) {
@@ -187,8 +190,12 @@ Explanation explain(const Device& device, const Scene& scene, const RenderConfig
         row.other = explainer.compare_with_own(overrides, {effect}, row.ratio, row.noise);
         row.own_compile_milliseconds = explainer.own_compilation({effect});
     }
-    explanation.effects = std::move(rows);
+    // Pairs' ratios say more than times apart: the machine may have been busy during one of them.
     explanation.own = explainer.own();
+    explanation.full.milliseconds = explanation.own.milliseconds * explanation.full_ratio;
+    for (ExplainedEffect& row : rows)
+        if (!row.fixed) row.other.milliseconds = explanation.own.milliseconds * row.ratio;
+    explanation.effects = std::move(rows);
     return explanation;
 }
 

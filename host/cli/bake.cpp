@@ -44,6 +44,11 @@ void bake(Options options) {
 
 void add_bake_command(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand("bake", "Compute the light that falls on a mesh, for render --light-map");
+    command->footer(
+        "Examples:\n"
+        "  claray bake effect:light-maps -o lm.hdr --size 64x64\n"
+        "  claray render effect:light-maps -o lit.png --light-map 0=lm.hdr\n"
+        "  claray bake hall.gltf --mesh 2 -o lm2.hdr --spp 1024");
     auto o = std::make_shared<Options>();
     command->add_option("scene", o->scene, "A scene file, or a built-in scene (see claray scenes)")->required();
     command->add_option("-o,--output", o->output, "The light map: .hdr or .pfm")->required();

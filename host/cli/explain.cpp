@@ -86,7 +86,7 @@ void print_called_for(const std::vector<ExplainedEffect>& effects, const Options
 void print_notes(const Explanation& x, bool compile_times) {
     const auto any = [&](auto test) { return std::any_of(x.effects.begin(), x.effects.end(), test); };
     if (any([](const ExplainedEffect& e) { return e.noise; }))
-        std::printf("noise: rounds don't agree about which is slower; more --rounds may tell\n");
+        std::printf("noise: rounds are fewer than five, or don't agree about which is slower; more --rounds may tell\n");
     if (compile_times && any([](const ExplainedEffect& e) { return !e.fixed && compile_cost(e) < 0; }))
         std::printf(
             "compile times are of one compilation each and differ by some percent from one to the next, which alone "

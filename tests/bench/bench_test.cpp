@@ -152,7 +152,8 @@ TEST(Bench, MeasuresEveryPresetAndKind) {
 TEST(Explain, TellsNoiseFromCost) {
     EXPECT_TRUE(is_noise({1.1, 0.9, 1.2, 1.1, 1.1, 1.1, 1.1}));
     EXPECT_FALSE(is_noise({1.1, 1.01, 1.2, 1.1, 1.1, 1.1, 1.1}));
-    EXPECT_FALSE(is_noise({0.1, 0.9, 0.2}));
+    EXPECT_FALSE(is_noise({0.1, 0.9, 0.2, 0.9, 0.8}));
+    EXPECT_TRUE(is_noise({0.1, 0.9, 0.2, 0.9})) << "too few";
     EXPECT_FALSE(is_noise({1.1, 0.9, 1.2, 1.1, 1.1, 1.1, 1.1, 1.2})) << "one of eight";
     EXPECT_TRUE(is_noise({1.1, 0.9, 1.2, 1.1, 1.1, 1.1, 0.8, 1.2}));
     EXPECT_TRUE(is_noise({0.9, 1.1}));
