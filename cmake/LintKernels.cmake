@@ -5,7 +5,7 @@ set(kind_nvidia -DCLARAY_CPU=0 -DCLARAY_NVIDIA=1 --target=nvptx64-unknown-nvcl -
     -DRAY_QUEUE=1)
 set(kind_effects -DCLARAY_CPU=1 -DCLARAY_INSTANCE_MOTION=1 -DINSTANCES=1 -DINSTANCE_MOTION=1)  # what is off unless told
 set(kind_nvidia_coherent ${kind_nvidia} -DCOHERENT=1)
-set(kind_cutouts ${kind_nvidia_coherent} -DCLARAY_CUTOUTS=1 -DADD_LIGHT=1)
+set(kind_cutouts ${kind_nvidia_coherent} -DCLARAY_CUTOUTS=1)
 set(kind_diffuse -DCLARAY_CPU=1 -DMATERIALS=1 -DNORMALS=0 -DTEXTURES=0 -DMIPMAPS=0 -DENVIRONMENT=0 -DLIGHT_TREE=0  # by sixteen
     -DSPOT_LIGHTS=0 -DDIRECTIONAL_LIGHTS=0 -DLIGHT_FALLOFF=0 -DABSORPTION=0)
 set(kind_diffuse_points ${kind_diffuse} -DTRIANGLE_LIGHTS=0)

@@ -11,6 +11,7 @@
 #include "host/compute/kernel_sources.hpp"
 #include "host/compute/memory.hpp"
 #include "host/compute/program_cache.hpp"
+#include "host/compute/tuning.hpp"
 
 namespace claray {
 namespace {
@@ -177,18 +178,7 @@ std::string compiled_with(const Device& device, const cl::Kernel& kernel) try {
     return {};
 }
 
-/// The file's tuning values first, so that the caller's macros win.
-Defines with_tuning(const Device& device, const std::string& file, const Defines& defines) {
-    Defines all = defines;
-    const std::string prefix = file.substr(0, file.rfind('.')) + " ";
-    for (const auto& [name, value] : device.state().tuning) {
-        if (!name.starts_with(prefix)) continue;
-        const std::string parameter = name.substr(prefix.size());
-        const bool given = std::any_of(defines.begin(), defines.end(), [&](auto& d) { return d.first == parameter; });
-        if (!given) all.emplace_back(parameter, std::to_string(value));
-    }
-    return all;
-}
+std::string stem_of(const std::string& file) { return file.substr(0, file.rfind('.')); }
 
 }  // namespace
 
@@ -230,7 +220,7 @@ BuildReport report_build(const Device& device, const std::string& file, const De
     // Drivers have caches of their own: a declaration makes the source a new one.
     const auto now = std::chrono::system_clock::now().time_since_epoch().count();
     source.text += "\nvoid claray_never_seen_" + std::to_string(now) + "(void);\n";
-    std::string options = build_options(device, with_tuning(device, file, defines), Math::strict), log;
+    std::string options = build_options(device, with_tuning(device, stem_of(file), defines), Math::strict), log;
     if (is_nvidia(device)) options += " -cl-nv-verbose";
     BuildReport report;
     const auto begin = std::chrono::steady_clock::now();
@@ -260,7 +250,7 @@ void read_build_log(const std::string& log, BuildReport& report) {
 
 Kernel load_kernel(const Device& device, const std::string& file, const std::string& function, const Defines& defines,
                    Math math) {
-    const Defines all = with_tuning(device, file, defines);
+    const Defines all = with_tuning(device, stem_of(file), defines);
     if (device.state().requests == nullptr) return kernel_of(device, kernel_source(file), function, all, math, false);
     if (math == Math::strict) device.state().requests->push_back({file, all});
     return Kernel(device, {}, function);

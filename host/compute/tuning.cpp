@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <sstream>
 
+#include "host/compute/device_state.hpp"
 #include "host/compute/file.hpp"
 #include "host/compute/kernel_sources.hpp"
 
@@ -49,6 +50,19 @@ std::map<std::string, unsigned> tuning_for(const DeviceInfo& info) {
         apply_tuning(read_file(local, "CLARAY_TUNING names it: set it to a tuning table, or unset it"), local, info,
                      values);
     return values;
+}
+
+Defines with_tuning(const Device& device, const std::string& stem, Defines defines) {
+    const std::string prefix = stem + " ";
+    Defines tuned;
+    for (const auto& [name, value] : device.state().tuning) {
+        if (!name.starts_with(prefix)) continue;
+        const std::string parameter = name.substr(prefix.size());
+        const bool given = std::any_of(defines.begin(), defines.end(), [&](auto& d) { return d.first == parameter; });
+        if (!given) tuned.emplace_back(parameter, std::to_string(value));
+    }
+    defines.insert(defines.end(), tuned.begin(), tuned.end());
+    return defines;
 }
 
 }  // namespace claray

@@ -5,7 +5,7 @@
 #include <map>
 #include <string>
 
-#include "claray/device.hpp"
+#include "claray/program.hpp"
 
 namespace claray {
 
@@ -25,5 +25,8 @@ std::map<std::string, unsigned> tuning_for(const DeviceInfo& info);
 /// The same for one table's text; `name` appears in errors.
 void apply_tuning(const std::string& text, const std::string& name, const DeviceInfo& info,
                   std::map<std::string, unsigned>& values);
+
+/// Macros of a kernel, and of the table's rows for `stem` ("trace/any_hit") those that are not among them.
+[[nodiscard]] Defines with_tuning(const Device& device, const std::string& stem, Defines defines);
 
 }  // namespace claray

@@ -187,7 +187,7 @@ SceneHits::SceneHits(const Structure& structure, std::size_t count) {
 }
 
 SceneQuery::SceneQuery(const Structure& structure, QueryKernel::Kind kind, const QueryOptions& options,
-                       const std::string& name)
+                       const std::string& name, const std::string& file)
     : instanced_(structure.instanced().has_value()) {
     if (instanced_)
         of_instances_ =
@@ -195,7 +195,7 @@ SceneQuery::SceneQuery(const Structure& structure, QueryKernel::Kind kind, const
                           kind == QueryKernel::Kind::closest ? InstanceQuery::Kind::closest : InstanceQuery::Kind::any,
                           options, name);
     else
-        of_triangles_ = QueryKernel(structure.bvh(), kind, options, name);
+        of_triangles_ = QueryKernel(structure.bvh(), kind, options, name, file);
 }
 
 }  // namespace claray

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "claray/instances.hpp"
+#include "claray/shared/path.h"
 #include "host/scene/placement.hpp"
 #include "host/trace/instance_query.hpp"
 #include "host/trace/query_kernel.hpp"
@@ -72,12 +73,21 @@ struct SceneHits {
     [[nodiscard]] std::uint64_t bytes() const { return of_triangles.bytes() + of_instances.bytes(); }
 };
 
+/// What shadow rays bring, and the paths' radiance that it is added to: ANSWERS_PARAMETERS of
+/// render/trace_shadow_rays.cl.
+struct ShadowLight {
+    const Buffer<LightSample>& light;
+    Buffer<float>& radiance;
+    void bind(Kernel& kernel, unsigned& index) const { kernel.set(index, light), kernel.set(index, radiance); }
+};
+
 /// A query of either kind.
 class SceneQuery {
 public:
     SceneQuery() = default;
-    SceneQuery(const Structure& structure, QueryKernel::Kind kind, const QueryOptions& options,
-               const std::string& name);
+    /// `file`: see QueryKernel; for scenes of one tree.
+    SceneQuery(const Structure& structure, QueryKernel::Kind kind, const QueryOptions& options, const std::string& name,
+               const std::string& file = {});
 
     /// `times` of the rays, where something moves.
     void closest(const Buffer<Ray>& rays, SceneHits& hits, std::uint32_t capacity, const Buffer<std::uint32_t>& count,
@@ -85,7 +95,7 @@ public:
         instanced_ ? of_instances_.run(rays, hits.of_instances, capacity, count, times)
                    : of_triangles_.run(rays, hits.of_triangles, capacity, count);
     }
-    /// Shadow rays, for a query of that kind, which scenes of one tree in the binary layout have.
+    /// For the file render/trace_shadow_rays.cl.
     void shadow(const Buffer<Ray>& rays, const ShadowLight& light, std::uint32_t capacity,
                 const Buffer<std::uint32_t>& count) {
         of_triangles_.run(rays, light, capacity, count);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <span>
 
-#include "host/compute/device_state.hpp"
+#include "host/compute/tuning.hpp"
 
 namespace claray {
 namespace {
@@ -42,13 +42,8 @@ std::uint64_t most_whole_paths(const Device& device) {
 
 /// Macros of shading that the tuning table has, for tests and studies.
 Defines macros_of_shading(const Device& device) {
-    Defines macros;
-    for (const auto& [key, value] : device.state().tuning) {
-        const std::size_t blank = key.find(' ');
-        const std::string name = key.substr(blank + 1);
-        if (key.compare(0, blank, "render/shade_surface") == 0 && name != "GROUP_SIZE" && name != "PATHS_PER_ITEM")
-            macros.emplace_back(name, std::to_string(value));
-    }
+    Defines macros = with_tuning(device, "render/shade_surface", {});
+    std::erase_if(macros, [](const auto& m) { return m.first == "GROUP_SIZE" || m.first == "PATHS_PER_ITEM"; });
     return macros;
 }
 
@@ -75,8 +70,8 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, E
     if (scene.lights.count == 0) return;
     adds_light = !structure.instanced() && structure.bvh().layout() == Layout::binary &&
                  device.tuning("render/add_light", "WITH_SHADOW_RAYS") != 0;
-    trace_shadow = SceneQuery(structure, adds_light ? QueryKernel::Kind::shadow : QueryKernel::Kind::any, shadow,
-                              trace_shadow_name);
+    trace_shadow = SceneQuery(structure, QueryKernel::Kind::any, shadow, trace_shadow_name,
+                              adds_light ? "render/trace_shadow_rays.cl" : "");
     if (!adds_light) add_light = load_kernel(device, "render/add_light.cl", "add_light");
 }
 

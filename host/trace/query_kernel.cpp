@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "host/compute/device_state.hpp"
+#include "host/compute/tuning.hpp"
 #include "host/trace/query_options.hpp"
 
 namespace claray {
@@ -16,18 +17,19 @@ const cl::Buffer& ray_queue(const Device& device) {
     return *queue;
 }
 
-QueryKernel::QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options, const std::string& name)
+QueryKernel::QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options, const std::string& name,
+                         const std::string& file)
     : bvh_(bvh), options_(options) {
     const Device& device = bvh.device();
     const std::string query = kind == Kind::closest ? "closest_hit" : "any_hit";
     const std::string stem = options.brute_force ? "trace/brute_force" : "trace/" + query;
     const std::string function = options.brute_force ? "brute_force_" + query : query;
     Defines common = query_defines(bvh.defines(), options);
-    if (kind == Kind::shadow) common.emplace_back("ADD_LIGHT", "1");
     const auto load = [&](const Defines& more) {
         Defines defines = common;
         defines.insert(defines.end(), more.begin(), more.end());
-        const Kernel kernel = load_kernel(device, stem + ".cl", function, defines);
+        const Kernel kernel = file.empty() ? load_kernel(device, stem + ".cl", function, defines)
+                                           : load_kernel(device, file, function, with_tuning(device, stem, defines));
         kernels_.push_back(name.empty() ? kernel : Kernel(device, kernel.handle(), name));
     };
     if (options.brute_force) {
@@ -64,7 +66,7 @@ QueryKernel::QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options,
     most_items_ = std::max(1u, device.info().compute_units * device.tuning(stem, "GROUPS_PER_UNIT")) * group_;
     if (options.visits.allocated() || options.coherence == Coherence::coherent) {
         load({{"COHERENT", "1"}});
-    } else if (kind != Kind::closest || options.coherence == Coherence::incoherent) {
+    } else if (kind == Kind::any || options.coherence == Coherence::incoherent) {
         load({{"COHERENT", "0"}});
     } else {
         load({{"COHERENT", "1"}, {"CHOOSE", "1"}});

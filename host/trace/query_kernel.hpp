@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "claray/query.hpp"
-#include "claray/shared/path.h"
 #include "host/trace/ray_order.hpp"
 
 namespace claray {
@@ -25,27 +24,18 @@ struct SolidBvh {
     void bind(Kernel& kernel, unsigned& index) const { bvh.bind_solid(kernel, index); }
 };
 
-/// What shadow rays bring, and the paths' radiance that it is added to: binds ANSWERS_PARAMETERS of trace/answers.clh.
-struct ShadowLight {
-    const Buffer<LightSample>& light;
-    Buffer<float>& radiance;
-    void bind(Kernel& kernel, unsigned& index) const { kernel.set(index, light), kernel.set(index, radiance); }
-};
-
 class QueryKernel {
 public:
-    enum class Kind {
-        closest,
-        any,
-        shadow  ///< any-hit rays of the path tracer, which add their light themselves; through the binary layout only
-    };
+    enum class Kind { closest, any };
 
     QueryKernel() = default;
-    /// The profiler shows its times under `name`, or under the kernel's where that is empty.
-    QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options = {}, const std::string& name = {});
+    /// The profiler shows its times under `name`, or under the kernel's where that is empty. `file`: kernels that
+    /// include the query's and say what becomes of its answers (trace/answers.clh); for the binary layout.
+    QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options = {}, const std::string& name = {},
+                const std::string& file = {});
 
     /// Traces the first min(*count, capacity) rays, or `capacity` where `count` is absent; enqueued. `results` holds
-    /// Hits, for any hit bytes, and for shadow rays ShadowLight.
+    /// Hits or, for any hit, bytes or what binds the parameters for answers of the file.
     template <class Results>
     void run(const Buffer<Ray>& rays, Results& results, std::uint32_t capacity,
              const Buffer<std::uint32_t>& count = {}) {

@@ -1,4 +1,4 @@
-// The stage after the shadow rays, where the query does not add the light itself (see trace/answers.clh): light that nothing was in
+// The stage after the shadow rays, where the query does not add the light itself (see trace_shadow_rays.cl): light that nothing was in
 // the way of reaches its path.
 #include "render/queue.clh"
 
