@@ -17,11 +17,11 @@
 #include "host/accuracy/plot.hpp"
 #include "host/accuracy/study.hpp"
 #include "host/cli/commands.hpp"
-#include "host/cli/load.hpp"
 #include "host/cli/option_rules.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/render_options.hpp"
 #include "host/cli/table.hpp"
+#include "host/cli/view_options.hpp"
 #include "host/compute/file.hpp"
 
 namespace claray::cli {
@@ -46,6 +46,7 @@ constexpr NamedStudy all_studies[] = {{"hard-rays", study_hard_rays},
 
 struct Options {
     std::string scene, device, only;
+    ViewOptions view;
     StudyOptions study;
     std::filesystem::path csv, html, svg, svgs, maps;
     bool quick = false, json = false, quiet = false, check = false;
@@ -240,7 +241,7 @@ void accuracy(Options o) {
     if (o.quick)
         o.study.config.width = std::min(o.study.config.width, 64u),
         o.study.config.height = std::min(o.study.config.height, 64u);
-    const Scene scene = load(o.scene);
+    const Scene scene = load_view(o.scene, o.view, o.study.config.width, o.study.config.height);
     const Device device = Device::open(o.device);
     const InterruptGuard guard;
     std::optional<KeptReferences> kept;
@@ -298,6 +299,9 @@ void add_accuracy_command(CLI::App& app, Action& action) {
         ->transform(whole_number(1, 1000));
     command->add_option("--rays", o->study.rays, "Rays of the studies that make no image [262144]")
         ->transform(whole_number(1024, 1 << 27));
+    add_view_options(*command, o->view);
+    command->add_option("--max-depth", o->study.config.max_depth, "Surfaces a path may meet [8]")
+        ->transform(whole_number(1, 1024));
     command->add_option("--references", o->study.references, "Folder that keeps the references, to go on from");
     command->add_option("--csv", o->csv, "Write all points");
     command->add_option("--html", o->html, "Write a report with plots");

@@ -11,10 +11,10 @@
 #include "claray/io.hpp"
 #include "host/cli/bars.hpp"
 #include "host/cli/commands.hpp"
-#include "host/cli/load.hpp"
 #include "host/cli/option_rules.hpp"
 #include "host/cli/render_options.hpp"
 #include "host/cli/table.hpp"
+#include "host/cli/view_options.hpp"
 #include "host/compute/file.hpp"
 
 namespace claray::cli {
@@ -26,6 +26,7 @@ using bench::Variant;
 
 struct Options {
     std::string scene, device, effects, only;
+    ViewOptions view;
     RenderConfig config = {.width = 128, .height = 128};
     bench::ExplainOptions measure;
     std::filesystem::path svg;
@@ -86,7 +87,8 @@ void print_called_for(const std::vector<ExplainedEffect>& effects, const Options
 void print_notes(const Explanation& x, bool compile_times) {
     const auto any = [&](auto test) { return std::any_of(x.effects.begin(), x.effects.end(), test); };
     if (any([](const ExplainedEffect& e) { return e.noise; }))
-        std::printf("noise: rounds are fewer than five, or don't agree about which is slower; more --rounds may tell\n");
+        std::printf(
+            "noise: rounds are fewer than five, or don't agree about which is slower; more --rounds may tell\n");
     if (compile_times && any([](const ExplainedEffect& e) { return !e.fixed && compile_cost(e) < 0; }))
         std::printf(
             "compile times are of one compilation each and differ by some percent from one to the next, which alone "
@@ -176,7 +178,7 @@ void explain(const Options& options) {
                     "write -NAME to take effects from the scene first");
     bench::ExplainOptions measure = options.measure;
     if (!options.only.empty()) measure.only = parse_effects(options.only);
-    const Scene scene = load(options.scene);
+    const Scene scene = load_view(options.scene, options.view, config.width, config.height);
     const Device device = Device::open(options.device);
     if (!options.json) print_called_for(bench::effects_to_explain(scene, config, measure.only), options, device);
     const Explanation explanation = bench::explain(device, scene, config, measure, [&](const std::string& what) {
@@ -201,6 +203,7 @@ void add_explain_command(CLI::App& app, Action& action) {
     command->add_option_function<std::string>(
         "--size", [o](const std::string& text) { std::tie(o->config.width, o->config.height) = parse_size(text); },
         "WIDTHxHEIGHT in pixels [128x128]");
+    add_view_options(*command, o->view);
     command->add_option("--max-depth", o->config.max_depth, "Surfaces a path may meet [8]")
         ->transform(whole_number(1, 1024));
     command->add_option("--rounds", o->measure.rounds, "Pairs of short renders that are compared for each effect [7]")

@@ -40,9 +40,10 @@ void refuse_unseen(const std::string& name, const Scene& scene) {
                 "export the mesh again");
 }
 
-Scene load(const std::string& name) {
+Scene load(const std::string& name, const LightOptions& lights) {
     Warnings warnings;
     Scene scene = load_scene(name, warnings);
+    add_lights(scene, lights, warnings);
     print_warnings(warnings);
     refuse_unseen(name, scene);
     return scene;

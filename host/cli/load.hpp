@@ -2,6 +2,7 @@
 #pragma once
 
 #include "claray/io.hpp"
+#include "host/cli/light_options.hpp"
 
 namespace claray::cli {
 
@@ -10,7 +11,7 @@ void print_warnings(const Warnings& warnings);
 /// Throws ErrorKind::user where a scene has triangles and none of them can be seen: all have no area or are not finite.
 void refuse_unseen(const std::string& name, const Scene& scene);
 
-/// Loads a scene that is rendered as it is.
-[[nodiscard]] Scene load(const std::string& name);
+/// Loads a scene, with lights of the command line.
+[[nodiscard]] Scene load(const std::string& name, const LightOptions& lights);
 
 }  // namespace claray::cli

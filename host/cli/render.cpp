@@ -17,14 +17,9 @@
 namespace claray::cli {
 namespace {
 
-Scene load_lit(const RenderOptions& options) {
-    Warnings warnings;
-    Scene scene = load_scene(options.scene, warnings);
-    add_lights(scene, options.lights, warnings);
-    print_warnings(warnings);
-    refuse_unseen(options.scene, scene);
+Scene load_for(const RenderOptions& options) {
+    Scene scene = load_view(options.scene, options.view, options.config.width, options.config.height);
     use_light_maps(scene, options.light_maps);
-    scene.camera = choose_camera(scene, options);
     return scene;
 }
 
@@ -81,7 +76,7 @@ void render(const RenderOptions& options) {
     RenderConfig config = options.config;
     if (!options.wait_for_kernels) config.compiler = this_program();
     warn_of_picture_options(options);
-    const Scene scene = load_lit(options);
+    const Scene scene = load_for(options);
     if (options.fps > 0) return run_frames(device, scene, options);
     std::optional<TargetPlan> plan;
     if (options.picks_settings) {
@@ -119,25 +114,6 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
         ->take_all()
         ->delimiter(',')
         ->check(name_among(std::vector<std::string>(std::begin(aov_names), std::end(aov_names))));
-}
-
-void add_camera_options(CLI::App& command, RenderOptions& o) {
-    const auto add_vector = [&](const char* name, std::optional<glm::vec3>& vector, const char* description) {
-        command.add_option_function<std::string>(
-            name, [name, &vector](const std::string& text) { vector = parse_vector(name, text); }, description);
-    };
-    add_vector("--camera", o.camera, "Position X,Y,Z");
-    add_vector("--look-at", o.look_at, "The point in the middle of the image, X,Y,Z");
-    add_vector("--up", o.up, "The direction that is up in the image, X,Y,Z [0,1,0]");
-    command.add_option("--fov", o.fov, "Vertical field of view in degrees [40]")->check(finite_number());
-    command
-        .add_option("--aperture", o.aperture,
-                    "Radius of the lens, in units of the scene: blurs what is not in focus [0]")
-        ->check(number_above("0 or more", 0, true));
-    command.add_option("--focus-distance", o.focus_distance, "Distance along the view that is sharp [the target's]")
-        ->check(number_above("more than 0", 0, false));
-    add_vector("--camera-end", o.camera_end, "Position when the shutter closes, X,Y,Z: motion blur");
-    add_vector("--look-at-end", o.look_at_end, "The point in the middle when the shutter closes, X,Y,Z");
 }
 
 void add_quality_options(CLI::App& command, RenderOptions& o) {
@@ -197,8 +173,7 @@ void add_render_command(CLI::App& app, Action& action) {
     command->option_defaults()->take_last();  // so that scripts can override what they were given
     auto options = std::make_shared<RenderOptions>();
     add_image_options(*command, *options);
-    add_camera_options(*command, *options);
-    add_light_options(*command, options->lights);
+    add_view_options(*command, options->view);
     add_quality_options(*command, *options);
     add_target_options(*command, *options);
     add_checkpoint_options(*command, *options);

@@ -34,37 +34,6 @@ std::pair<unsigned, unsigned> parse_size(const std::string& text) {
                 "write WIDTHxHEIGHT, each from 1 to " + std::to_string(largest_side));
 }
 
-glm::vec3 parse_vector(const std::string& option, const std::string& text) {
-    glm::vec3 vector{0.f};
-    std::string_view rest = text;
-    for (int i = 0; i < 3; ++i) {
-        const std::size_t comma = i < 2 ? rest.find(',') : rest.size();
-        const auto number = comma == std::string_view::npos ? std::nullopt : parse_number<float>(rest.substr(0, comma));
-        if (!number || !std::isfinite(*number))
-            throw Error(ErrorKind::usage, option + ": '" + text + "' is no vector", "write three numbers: X,Y,Z");
-        vector[i] = *number;
-        rest.remove_prefix(std::min(comma + 1, rest.size()));
-    }
-    return vector;
-}
-
-Camera choose_camera(const Scene& scene, const RenderOptions& options) {
-    const float aspect = float(options.config.width) / float(options.config.height);
-    Camera camera = scene.camera.value_or(automatic_camera(bounds_of(scene), options.fov.value_or(40.f), aspect));
-    // A camera that is put elsewhere keeps no motion of the scene's.
-    if (options.camera) camera.position = *options.camera, camera.position_end.reset();
-    if (options.look_at) camera.target = *options.look_at, camera.target_end.reset();
-    if (options.camera_end) camera.position_end = options.camera_end;
-    if (options.look_at_end) camera.target_end = options.look_at_end;
-    if (options.aperture) camera.aperture_radius = *options.aperture;
-    if (options.focus_distance) camera.focus_distance = *options.focus_distance;
-    if (options.focus_distance && camera.aperture_radius == 0.f)
-        throw Error(ErrorKind::usage, "--focus-distance does nothing without a lens", "give --aperture, too");
-    if (options.up) camera.up = *options.up;
-    if (options.fov) camera.vertical_fov = *options.fov;
-    return camera;
-}
-
 void use_light_maps(Scene& scene, const std::vector<std::string>& light_maps) {
     for (const std::string& text : light_maps) {
         const std::size_t equals = text.find('=');

@@ -8,7 +8,7 @@
 
 #include "claray/io.hpp"
 #include "claray/renderer.hpp"
-#include "host/cli/light_options.hpp"
+#include "host/cli/view_options.hpp"
 
 namespace claray::cli {
 
@@ -17,20 +17,16 @@ struct RenderOptions {
     std::filesystem::path output;
     std::string device;
     RenderConfig config;
-    std::optional<glm::vec3> camera, look_at, up;
-    std::optional<float> fov;  // degrees, vertical
-    LightOptions lights;
-    std::optional<float> aperture, focus_distance;     // of a thin lens
-    std::optional<glm::vec3> camera_end, look_at_end;  // when the shutter closes
-    float exposure = 0;                                // stops
+    ViewOptions view;
+    float exposure = 0;  // stops
     ToneMap tone_map = ToneMap::aces;
     std::vector<std::string> aovs;
     std::vector<std::string> light_maps;  // "0=floor.pfm"
     std::filesystem::path trace;
     bool stats = false, json = false, quiet = false;
     bool wait_for_kernels = false;
-    double fps = 0;         // 0: one image
-    unsigned frames = 300;  // at that rate
+    double fps = 0;                                     // 0: one image
+    unsigned frames = 300;                              // at that rate
     bool picks_settings = false, picks_builder = true;  // by target; the builder where none is asked for
 };
 
@@ -38,11 +34,6 @@ inline constexpr const char* aov_names[] = {"depth", "normal", "albedo", "primit
 
 /// "640x480" -> {640, 480}. Throws ErrorKind::usage unless both are 1 .. 16384.
 [[nodiscard]] std::pair<unsigned, unsigned> parse_size(const std::string& text);
-/// "1,-2,3.5" -> vector. Throws ErrorKind::usage, naming the option, unless it is three finite numbers.
-[[nodiscard]] glm::vec3 parse_vector(const std::string& option, const std::string& text);
-
-/// The scene's own camera, else the automatic one, with what the command line changes.
-[[nodiscard]] Camera choose_camera(const Scene& scene, const RenderOptions& options);
 
 /// Lets meshes show the light maps that the command line names. Throws ErrorKind::usage for what is not MESH=FILE.
 void use_light_maps(Scene& scene, const std::vector<std::string>& light_maps);

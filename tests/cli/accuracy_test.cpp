@@ -29,6 +29,22 @@ TEST(Accuracy, WritesPointsAsJsonTableAndReport) {
     EXPECT_EQ(report.at("studies")[2].at("points")[1].at("facts").at("bytes a node"), 48);
 }
 
+TEST(Accuracy, IsOfTheViewAndTheLightAskedFor) {
+    const auto error_in = [](const std::vector<std::string>& view) {
+        std::vector<std::string> all = {"accuracy", "effect:lambert", "--size",   "8x8",    "--spp", "1", "--runs",
+                                        "1",        "--only",         "sampling", "--json", "-q"};
+        all.insert(all.end(), view.begin(), view.end());
+        const ProcessResult result = run_claray(all);
+        EXPECT_EQ(result.exit_code, 0) << result.errors;
+        return nlohmann::json::parse(result.output)["studies"][0]["points"][0]["error"]["median"].get<double>();
+    };
+    const double plain = error_in({});
+    EXPECT_NE(error_in({"--camera", "0,3,0.1", "--look-at", "0,0,0"}), plain);
+    EXPECT_NE(error_in({"--light", "point,position=0,2,1,intensity=20"}), plain);
+    EXPECT_NE(error_in({"--max-depth", "1"}), plain);
+    EXPECT_TRUE(failed_with(run_claray({"accuracy", "cornell", "--camera", "0,0"}), 2, "--camera: '0,0' is no vector"));
+}
+
 TEST(Accuracy, RefusesWhatItDoesNotKnow) {
     EXPECT_TRUE(failed_with(run_claray({"accuracy", "cornell", "--only", "colour"}), 2, "there is no study 'colour'"));
     EXPECT_TRUE(

@@ -59,6 +59,14 @@ TEST(Explain, ListsWhatIsCalledForFirstAndNoTimesThatItDidNotMeasure) {
     EXPECT_NE(result.errors.find("without emissive-triangles (3 of 3)"), std::string::npos) << result.errors;
 }
 
+TEST(Explain, CountsLightsOfTheCommandLine) {
+    const ProcessResult result =
+        run_claray({"explain", "cornell", "--light", "spot,position=0.3,0.5,0.3", "--size", "8x8", "--rounds", "1",
+                    "--only", "spot-lights", "--no-compile-times", "--json", "-q"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_EQ(nlohmann::json::parse(result.output)["effects"][0]["called_for"], true);
+}
+
 TEST(Explain, RefusesWhatItDoesNotKnow) {
     EXPECT_TRUE(failed_with(run_claray({"explain", "cornell", "--only", "mirror,stars"}), 2, "'stars'"));
     EXPECT_TRUE(failed_with(run_claray({"explain", "cornell", "--effects", "+mirror"}), 2, "every effect"));

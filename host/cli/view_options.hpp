@@ -1,0 +1,32 @@
+// What is seen and in which light: options of all commands that make images of a scene.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "claray/scene.hpp"
+#include "host/cli/light_options.hpp"
+
+namespace claray::cli {
+
+struct ViewOptions {
+    std::optional<glm::vec3> camera, look_at, up;
+    std::optional<float> fov;                          // degrees, vertical
+    std::optional<float> aperture, focus_distance;     // of a thin lens
+    std::optional<glm::vec3> camera_end, look_at_end;  // when the shutter closes
+    LightOptions lights;
+};
+
+/// "1,-2,3.5" -> vector. Throws ErrorKind::usage, naming the option, unless it is three finite numbers.
+[[nodiscard]] glm::vec3 parse_vector(const std::string& option, const std::string& text);
+
+void add_view_options(CLI::App& command, ViewOptions& options);
+
+/// The scene's own camera, else the automatic one, with what the command line changes.
+[[nodiscard]] Camera choose_camera(const Scene& scene, const ViewOptions& options, unsigned width, unsigned height);
+
+/// Loads a scene with the lights and the camera of the command line. Prints warnings, and throws as `load` does.
+[[nodiscard]] Scene load_view(const std::string& name, const ViewOptions& options, unsigned width, unsigned height);
+
+}  // namespace claray::cli
