@@ -185,8 +185,8 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
         const AmbientRadiance ambient(device, scene, config);
         for (const float share : reaches) {
             const float reach = std::max(share * size, std::numeric_limits<float>::min());
-            add("ambient occlusion", told("within %g of the scene", share), share, config,
-                ambient_occlusion(reach, ambient.within(reach)));
+            add("ambient occlusion", share > 0 ? told("within %g of the scene", share) : "without occlusion", share,
+                config, ambient_occlusion(reach, ambient.within(reach)));
         }
     }
     mark_front(study.points);

@@ -132,7 +132,7 @@ void print_study(const Study& study) {
             for (const double value : {p.errors.relmse, p.errors.perceptual})
                 row.push_back(value > 0 ? cell(value) : "-");
         for (const std::string& fact : facts) row.push_back(cell(fact_of(p, fact)));
-        row.push_back(number(p.seconds.median));
+        row.push_back(failed ? "-" : number(p.seconds.median));
         row.push_back(failed ? "-" : number(p.seconds.low) + ".." + number(p.seconds.high));
         row.push_back(failed ? p.failure : p.front ? "yes" : "");
         rows.push_back(row);
@@ -159,12 +159,17 @@ void print_check(const ErrorCheck& check) {
 
 nlohmann::ordered_json as_json(const Spread& s) { return {{"low", s.low}, {"median", s.median}, {"high", s.high}}; }
 
+std::string today() {
+    const std::time_t now = std::time(nullptr);
+    char text[16];
+    std::strftime(text, sizeof text, "%Y-%m-%d", std::localtime(&now));
+    return text;
+}
+
 void print_json(const std::vector<Study>& studies, const Options& o, const Device& device) {
-    nlohmann::ordered_json report = {{"scene", o.scene},
-                                     {"device", device.info().name},
-                                     {"driver", device.info().driver},
-                                     {"width", o.study.config.width},
-                                     {"height", o.study.config.height}};
+    nlohmann::ordered_json report = {
+        {"scene", o.scene}, {"device", device.info().name},  {"driver", device.info().driver},
+        {"date", today()},  {"width", o.study.config.width}, {"height", o.study.config.height}};
     for (const Study& study : studies) {
         nlohmann::ordered_json points = nlohmann::ordered_json::array();
         for (const StudyPoint& p : study.points) {
@@ -199,13 +204,6 @@ void write_maps(const Options& o, const std::vector<ErrorMap>& maps) {
         write_image(o.maps / (map.name + ".png"), false_color(config.width, config.height, map.pixels), 0,
                     ToneMap::none);
     }
-}
-
-std::string today() {
-    const std::time_t now = std::time(nullptr);
-    char text[16];
-    std::strftime(text, sizeof text, "%Y-%m-%d", std::localtime(&now));
-    return text;
 }
 
 /// What was measured is shown; files are of all studies or stay as they are.

@@ -193,7 +193,9 @@ void explain(const Options& options) {
 void add_explain_command(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand("explain", "Tell what a scene calls for, why, and what each effect costs");
     command->footer(
-        "Every effect is measured against the scene's own kernels over the same samples, by turns.\n"
+        "Every effect is measured against the scene's own kernels over the same samples, by turns. What the image "
+        "loses\n"
+        "without each, pixel by pixel: claray accuracy SCENE --only effects --maps FOLDER.\n"
         "Examples:\n"
         "  claray explain spheres\n"
         "  claray explain scene.gltf --device gpu --size 1024x1024 --svg cost.svg\n"
