@@ -23,10 +23,9 @@ public:
 
     /// Other kernels have another speed. Returns false where `measuring` does.
     bool wait_for_kernels(const MeasuringProgress& measuring) {
-        do {
-            if (measuring && !measuring("kernels")) return false;
-            (void)next();
-        } while (!renderer_.statistics().own_kernels);
+        if (measuring && !measuring("kernels")) return false;
+        do (void)next();
+        while (!renderer_.statistics().own_kernels);
         return true;
     }
 
