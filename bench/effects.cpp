@@ -44,11 +44,12 @@ int main(int argc, char** argv) try {
         Warnings warnings;
         const bench::Explanation x = bench::explain(
             device, load_scene(name, warnings), {.width = side, .height = side, .max_depth = 8, .bvh = bvh}, options);
-        std::printf("%-26s %10.3f %10.3f %7.3f %12.0f %12.0f %8.1f\n", name.c_str(), x.own.milliseconds, x.full.milliseconds,
-                    x.full_ratio, x.own.compile_milliseconds, x.full.compile_milliseconds, double(x.own.bytes) * 1e-6);
+        std::printf("%-26s %10.3f %10.3f %7.3f %12.0f %12.0f %8.1f\n", name.c_str(), x.own.milliseconds,
+                    x.full.milliseconds, x.full_ratio, x.own.compile_milliseconds, x.full.compile_milliseconds,
+                    double(x.own.bytes) * 1e-6);
         std::fflush(stdout);
-        csv.row(name, x.own.milliseconds, x.full.milliseconds, x.full_ratio, x.own.compile_milliseconds, x.full.compile_milliseconds,
-                x.own.bytes);
+        csv.row(name, x.own.milliseconds, x.full.milliseconds, x.full_ratio, x.own.compile_milliseconds,
+                x.full.compile_milliseconds, x.own.bytes);
         csv.write();
     }
 } catch (const Error& error) {

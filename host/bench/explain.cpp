@@ -9,8 +9,8 @@
 namespace claray::bench {
 namespace {
 
-/// Of a render: on CPUs beginnings weigh as they do in a short one; on GPUs the largest pass, half of it, fills the queues, as in
-/// a long one.
+/// Of a render: on CPUs beginnings weigh as they do in a short one; on GPUs the largest pass, half of it, fills the
+/// queues, as in a long one.
 unsigned spp_on(const Device& device, const RenderConfig& config) {
     if (device.info().type == DeviceType::cpu) return 4;
     const std::uint64_t pixels = std::max<std::uint64_t>(1, std::uint64_t(config.width) * config.height);

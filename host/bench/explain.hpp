@@ -10,8 +10,8 @@ namespace claray::bench {
 
 /// A renderer of the scene for one set of effects.
 struct Variant {
-    double milliseconds = 0;  ///< device time of one frame: a sample for every pixel; of others than a scene's own kernels
-                              ///< that of these times the ratio of pairs
+    double milliseconds = 0;  ///< device time of one frame: a sample for every pixel; of others than a scene's own
+                              ///< kernels that of these times the ratio of pairs
     double compile_milliseconds = 0;
     std::optional<unsigned> registers, spill_bytes;  ///< of the shading kernel
     std::uint64_t bytes = 0;                         ///< device memory
@@ -54,8 +54,8 @@ struct PairedTimes {
     double first = 0, second = 0, ratio = 1;
     bool noise = false;
 };
-/// Whether there are fewer than five ratios, or more than an eighth are on the other side of 1 than the others. Of 7 rounds of two equally
-/// fast renderers one comparison in 64 passes for a difference.
+/// Whether there are fewer than five ratios, or more than an eighth are on the other side of 1 than the others. Of 7
+/// rounds of two equally fast renderers one comparison in 64 passes for a difference.
 [[nodiscard]] bool is_noise(const std::vector<double>& ratios);
 [[nodiscard]] PairedTimes compare(const Device& device, Renderer& first, Renderer& second, int rounds);
 

@@ -2,14 +2,26 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <charconv>
 #include <cstdint>
 #include <initializer_list>
 #include <limits>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 namespace claray::cli {
+
+/// All of `text`, or nothing.
+template <class T>
+[[nodiscard]] std::optional<T> parse_number(std::string_view text) {
+    T value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size()) return {};
+    return value;
+}
 
 /// Refuses what is no finite number.
 [[nodiscard]] CLI::Validator finite_number();

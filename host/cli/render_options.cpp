@@ -1,24 +1,13 @@
 #include "host/cli/render_options.hpp"
 
-#include <charconv>
-#include <cmath>
-
 #include "claray/light_map.hpp"
+#include "host/cli/option_rules.hpp"
 #include "host/compute/file.hpp"
 
 namespace claray::cli {
 namespace {
 
 constexpr unsigned largest_side = 16384;
-
-/// Parses all of `text`, or nothing.
-template <class T>
-std::optional<T> parse_number(std::string_view text) {
-    T value{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size()) return {};
-    return value;
-}
 
 }  // namespace
 

@@ -25,8 +25,8 @@ struct RenderOptions {
     std::filesystem::path trace;
     bool stats = false, json = false, quiet = false;
     bool wait_for_kernels = false;
-    double fps = 0;         // 0: one image
-    unsigned frames = 300;  // at that rate
+    double fps = 0;                                     // 0: one image
+    unsigned frames = 300;                              // at that rate
     bool picks_settings = false, picks_builder = true;  // by target; the builder where none is asked for
 };
 

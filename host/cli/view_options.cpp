@@ -1,6 +1,5 @@
 #include "host/cli/view_options.hpp"
 
-#include <charconv>
 #include <cmath>
 
 #include "claray/error.hpp"
@@ -8,24 +7,12 @@
 #include "host/cli/option_rules.hpp"
 
 namespace claray::cli {
-namespace {
-
-/// Parses all of `text`, or nothing.
-std::optional<float> parse_float(std::string_view text) {
-    float value{};
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size()) return {};
-    return value;
-}
-
-}  // namespace
-
 glm::vec3 parse_vector(const std::string& option, const std::string& text) {
     glm::vec3 vector{0.f};
     std::string_view rest = text;
     for (int i = 0; i < 3; ++i) {
         const std::size_t comma = i < 2 ? rest.find(',') : rest.size();
-        const auto number = comma == std::string_view::npos ? std::nullopt : parse_float(rest.substr(0, comma));
+        const auto number = comma == std::string_view::npos ? std::nullopt : parse_number<float>(rest.substr(0, comma));
         if (!number || !std::isfinite(*number))
             throw Error(ErrorKind::usage, option + ": '" + text + "' is no vector", "write three numbers: X,Y,Z");
         vector[i] = *number;

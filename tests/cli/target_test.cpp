@@ -68,17 +68,17 @@ TEST_F(Target, WhatWasMissedIsToldAfterTheImageIsWritten) {
 
 TEST_F(Target, FramesAreCountedAndTimed) {
     const ProcessResult result = run_claray(
-        {"render", "hills", "--size", "16x16", "--fps", "10", "--frames", "5", "-o", path("last.pfm"), "--json"});
+        {"render", "hills", "--size", "16x16", "--fps", "5", "--frames", "3", "-o", path("last.pfm"), "--json"});
     // Whether a busy machine holds the rate is no matter of this test.
-    ASSERT_TRUE(result.exit_code == 0 || failed_with(result, 1, "10 frames a second were not held")) << result.errors;
+    ASSERT_TRUE(result.exit_code == 0 || failed_with(result, 1, "5 frames a second were not held")) << result.errors;
     const auto report = nlohmann::json::parse(result.output);
-    EXPECT_EQ(report.at("frames"), 5);
+    EXPECT_EQ(report.at("frames"), 3);
     EXPECT_GE(report.at("spp"), 1);
-    EXPECT_EQ(report.at("max_depth"), 8);
-    EXPECT_EQ(report.at("milliseconds").at("promised"), 100);
+    EXPECT_LE(report.at("max_depth"), 8);
+    EXPECT_EQ(report.at("milliseconds").at("promised"), 200);
     EXPECT_LE(report.at("milliseconds").at("median"), report.at("milliseconds").at("percentile_99"));
     EXPECT_TRUE(std::filesystem::exists(path("last.pfm")));
-    const ProcessResult text = run_claray({"render", "hills", "--size", "16x16", "--fps", "20", "--frames", "2"});
+    const ProcessResult text = run_claray({"render", "hills", "--size", "16x16", "--fps", "5", "--frames", "2"});
     EXPECT_NE(text.output.find(": 2 of 2 frames of 16x16"), std::string::npos) << text.output;
 }
 

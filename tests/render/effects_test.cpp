@@ -65,7 +65,7 @@ TEST(Effects, CausesAreTheSet) {
 
 TEST(Effects, StrippedScenesDoNotCallForThem) {
     for (const auto& [effect, scene] : scenes_by_effect()) {
-        if (effect == Effect::lambert) continue;      // is what other materials turn into
+        if (effect == Effect::lambert) continue;  // is what other materials turn into
         if (aids.has(effect)) continue;
         const EffectSet left = effects_of(without_effects(scene, {effect}));
         EXPECT_FALSE(left.has(effect)) << name_of(effect);
