@@ -70,14 +70,15 @@ double percentile(std::vector<double> values, double share_below) {
                 told("the closest is about --fps %.3g; %s", share / seconds, size.c_str()));
 }
 
-/// Where the deepest paths take too long, the deepest that do not, by halving.
-double pick_depth(Frames& frames, const RenderConfig& config, double budget) {
+/// Where the deepest paths take too long, the deepest that do not, by halving, or those that meet one surface. Returns
+/// the time of a frame.
+double pick_depth(Frames& frames, double budget) {
     double seconds = frames.slowest();
     if (seconds <= share * budget || frames.max_depth == 1) return seconds;
     unsigned fits = 1, deep = frames.max_depth;
     frames.max_depth = fits;
     seconds = frames.slowest();
-    if (seconds > budget) refuse_rate(config, budget, seconds);
+    if (seconds > budget) return seconds;
     while (deep - fits > 1) {
         frames.max_depth = (fits + deep) / 2;
         const double time = frames.slowest();
@@ -93,7 +94,7 @@ double pick_depth(Frames& frames, const RenderConfig& config, double budget) {
 /// The most samples, and then the deepest paths, that fit.
 void pick(Frames& frames, const RenderConfig& config, double budget, std::vector<std::string>& picks) {
     frames.spp = 1;
-    double seconds = pick_depth(frames, config, budget);
+    double seconds = pick_depth(frames, budget);
     if (seconds > budget) refuse_rate(config, budget, seconds);
     const double one = seconds;
     const unsigned most = std::min(config.spp, most_spp);

@@ -12,17 +12,15 @@ namespace {
 constexpr unsigned most_spp = 1u << 24;
 
 /// For targets of 0, which can't be reached: what comes closest is told as for any other.
-CLI::Validator none_is(const char* least) {
-    return {
-        [least](std::string& text) {
-            const std::size_t digits = std::min(text.find_first_not_of("0."), text.size());
-            const std::string unit = text.substr(digits);
-            const bool none = digits > 0 && text.find('0') < digits;
-            if (none && (unit.empty() || unit == "s" || unit == "ms" || unit == "us" || unit == " s" || unit == " ms"))
-                text = least;
-            return std::string();
-        },
-        ""};
+constexpr const char* least_error = "1e-30";
+constexpr double least_seconds = 1e-9;
+
+CLI::Validator least_error_for_none() {
+    return {[](std::string& text) {
+                if (parse_number<double>(text) == 0.0) text = least_error;
+                return std::string();
+            },
+            ""};
 }
 
 }  // namespace
@@ -32,10 +30,9 @@ void add_target_options(CLI::App& command, RenderOptions& o) {
         .add_option("--error", o.config.error,
                     "Take as many samples as this RMSE over the mean needs: 0.01, for instance")
         ->check(number_above("more than 0", 0, false))
-        ->transform(none_is("1e-30"));
+        ->transform(least_error_for_none());
     command.add_option("--time", o.config.seconds, "Take as many samples as fit into this time: 500ms, 2s, 1m")
-        ->transform(duration())
-        ->transform(none_is("1e-9"))
+        ->transform(duration(least_seconds))
         ->type_name("TIME");
     command
         .add_option("--fps", o.fps, "Render frames at this rate with as many samples as fit, and tell how it was held")

@@ -490,10 +490,8 @@ void Renderer::restart(std::uint32_t seed, unsigned spp, unsigned max_depth) {
         throw Error(ErrorKind::usage, "a render that writes checkpoints can't begin anew", "leave the checkpoint out");
     state.config.seed = seed;
     state.wavefront.set_seed(seed);
-    if (spp != 0 && spp != state.config.spp) {
-        state.config.spp = std::min(spp, state.most_spp);
-        state.chose_path_kernel = false;
-    }
+    const unsigned wanted = spp == 0 ? state.config.spp : std::min(spp, state.most_spp);
+    if (wanted != state.config.spp) state.config.spp = wanted, state.chose_path_kernel = false;
     if (max_depth != 0) state.wavefront.set_max_depth(std::min(max_depth, state.config.max_depth));
     state.schedule = state.new_schedule();
     state.film.clear();

@@ -153,7 +153,7 @@ void Wavefront::generate(const Batch& batch, bool centers) {
 }
 
 void Wavefront::trace(const Batch& batch) {
-    if (path_kernel_ && batch.pixels * batch.samples <= most_whole_paths_) {
+    if (path_kernel_ && batches_are_small(batch.pixels * batch.samples)) {
         trace_paths(batch);
         return;
     }
