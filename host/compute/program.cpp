@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <mutex>
 
 #include "host/compute/build_report.hpp"
 #include "host/compute/device_error.hpp"
@@ -16,7 +17,25 @@
 namespace claray {
 namespace {
 
-CompileStatistics statistics;
+/// Of all threads.
+class Statistics {
+public:
+    template <class Change>
+    void change(const Change& by) {
+        const std::lock_guard lock(mutex_);
+        by(statistics_);
+    }
+    [[nodiscard]] CompileStatistics get() const {
+        const std::lock_guard lock(mutex_);
+        return statistics_;
+    }
+
+private:
+    mutable std::mutex mutex_;
+    CompileStatistics statistics_;
+};
+
+Statistics statistics;
 
 /// What `claray verify --compare` shows the price of: geometry that is compiled like shading.
 const std::pair<std::string, std::string> fast_math = {"CLARAY_FAST_MATH", "1"};
@@ -121,22 +140,29 @@ std::optional<cl::Program> build_from_binary(const Device& device, const std::ve
 std::optional<cl::Program> load_from_cache(const Device& device, const std::string& key) {
     const auto binary = load_cached_program(key);
     auto program = binary ? build_from_binary(device, *binary) : std::nullopt;
-    if (program) ++statistics.from_cache;
+    if (program) statistics.change([](CompileStatistics& s) { ++s.from_cache; });
     return program;
+}
+
+/// Of PoCL one process compiles at a time: version 3.1 lists its own cache folder while it hands out a binary, and
+/// crashes on temporary folders that other processes have removed by then.
+CacheLock lock_to_compile(const Device& device, const std::string& key) {
+    const bool alone = device.info().platform == "Portable Computing Language";
+    return CacheLock("programs", alone ? std::string() : key);
 }
 
 cl::Program compile(const Device& device, const KernelSource& main, const std::string& options) {
     const std::string key = cache_key(device, main, options);
     if (const auto program = load_from_cache(device, key)) return *program;  // without waiting for others that compile
-    const CacheLock lock;
+    const CacheLock lock = lock_to_compile(device, key);
     if (const auto program = load_from_cache(device, key)) return *program;
     cl::Program program = compile_from_source(device, main, options);
-    ++statistics.compiled;
+    statistics.change([](CompileStatistics& s) { ++s.compiled; });
     // What is not to be kept tries whether the cache can be written, too: another process will have to.
     const auto binaries = device.state().store_programs ? program.getInfo<CL_PROGRAM_BINARIES>()
                                                         : std::vector<std::vector<unsigned char>>(1);
     const std::string error = binaries.empty() ? "" : store_cached_program(key, binaries[0]);
-    if (!error.empty()) statistics.cache_error = error;
+    if (!error.empty()) statistics.change([&](CompileStatistics& s) { s.cache_error = error; });
     return program;
 }
 
@@ -148,8 +174,8 @@ std::string key_in_memory(const KernelSource& main, const std::string& options, 
 cl::Program timed_compile(const Device& device, const KernelSource& main, const std::string& options) {
     const auto begin = std::chrono::steady_clock::now();
     cl::Program program = compile(device, main, options);
-    statistics.milliseconds +=
-        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    const double took = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    statistics.change([&](CompileStatistics& s) { s.milliseconds += took; });
     return program;
 }
 
@@ -312,6 +338,6 @@ void Kernel::require(const Defines& macros) const {
                         "pass the structure's defines() to compile_kernel");
 }
 
-CompileStatistics compile_statistics() { return statistics; }
+CompileStatistics compile_statistics() { return statistics.get(); }
 
 }  // namespace claray

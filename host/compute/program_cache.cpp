@@ -1,7 +1,6 @@
 #include "host/compute/program_cache.hpp"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <array>
@@ -32,15 +31,20 @@ fs::path cache_folder() {
 
 }  // namespace
 
-CacheLock::CacheLock(const std::string& name) {
+/// The file has no bytes: each key is a place in it, told by 60 bits (two keys that share them wait for each other,
+/// which does no harm), and a lock of 0 bytes is of all from there on. Such locks are of the open file, not of the
+/// process, so that threads wait for each other, too.
+CacheLock::CacheLock(const std::string& file, const std::string& key) {
     const fs::path folder = cache_folder();
     if (folder.empty()) return;
     std::error_code ignored;
     fs::create_directories(folder, ignored);
-    file_ = name.empty() ? ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)
-                         : ::open((folder / (name + ".lock")).c_str(), O_RDONLY | O_CREAT | O_CLOEXEC, 0644);
+    file_ = ::open((folder / (file + ".lock")).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
     if (file_ < 0) return;
-    while (::flock(file_, LOCK_EX) != 0 && errno == EINTR) {
+    struct flock range = {};
+    range.l_type = F_WRLCK, range.l_whence = SEEK_SET;
+    if (!key.empty()) range.l_start = std::stoll(key.substr(0, 15), nullptr, 16), range.l_len = 1;
+    while (::fcntl(file_, F_OFD_SETLKW, &range) != 0 && errno == EINTR) {
     }
 }
 

@@ -9,14 +9,13 @@
 
 namespace claray {
 
-/// Held while a program is looked up, compiled and stored: of many processes that start at once one compiles, the
-/// others then find its binary. It also keeps them out of a crash of PoCL 3.1, which lists its own cache folder while
-/// it hands out a binary, and follows temporary folders that other processes have removed by then. Without a folder
-/// that can be opened nothing is locked.
+/// Held while something is looked up, compiled and stored: of many processes or threads that want the same at once one
+/// compiles, the others then find its binary. Without a folder that can be opened nothing is locked.
 class CacheLock {
 public:
-    /// Of the whole cache, or of a name in it, which is then a file that stays.
-    explicit CacheLock(const std::string& name = {});
+    /// Of one key, hexadecimal as from hash128, among those that are locked by a file of this name in the cache; of all
+    /// of them where there is none.
+    explicit CacheLock(const std::string& file, const std::string& key = {});
     ~CacheLock();
     CacheLock(const CacheLock&) = delete;
     CacheLock& operator=(const CacheLock&) = delete;

@@ -6,6 +6,9 @@
 namespace claray {
 namespace {
 
+/// Where fewer pixels than these have all the error they are mostly those that met a firefly.
+constexpr double least_degrees = 6;
+
 /// The quantile of Fisher's F distribution with as many degrees of freedom above as below that a normal variable has at
 /// `deviations` (Abramowitz and Stegun 1964, 26.6.16, whose second term vanishes).
 double quantile_of_f(double degrees, double deviations) {
@@ -17,19 +20,21 @@ double quantile_of_f(double degrees, double deviations) {
 
 /// Estimates after n / 2 and after n samples have a correlation of 1/2: half of the samples are the same. The square
 /// falls with the samples at least, so that what was known before is no less than it was; and weights of 2/3, 2/9, 2/27
-/// ... make the variance 0.7 of that of one look, as 1.4 times the degrees do.
+/// ... make the variance 0.7 of that of one look, as 1.4 times the degrees do. What a firefly makes falls with the
+/// square of the samples: there it is no more than half as much again as it is now.
 void ErrorLooks::add(double estimated_square, double its_degrees, std::uint32_t samples) {
     if (samples == spp) return;
     const double before = count == 0 ? 0 : 1. / 3;
-    square = (1 - before) * estimated_square + before * square * spp / samples;
+    double known = square * spp / samples;
+    if (its_degrees < least_degrees) known = std::min(known, 1.5 * estimated_square);
+    square = (1 - before) * estimated_square + before * known;
     degrees = (1 - before) * its_degrees + before * degrees;
     spp = samples, ++count;
 }
 
-/// Where fewer than six pixels have all the error they are mostly those that met a firefly: it is in the image as it is
-/// in the estimate, and a larger factor would buy nothing.
+/// A firefly is in the image as it is in the estimate, so that a larger factor would buy nothing.
 double ErrorLooks::bound() const {
-    constexpr double deviations = 2, least_degrees = 6, gain_of_looks = 1.4;
+    constexpr double deviations = 2, gain_of_looks = 1.4;
     const double all = count > 1 ? gain_of_looks * degrees : degrees;
     return std::sqrt(square * quantile_of_f(std::max(all, least_degrees), deviations));
 }

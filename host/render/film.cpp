@@ -5,34 +5,44 @@
 
 namespace claray {
 namespace {
-constexpr std::uint32_t most_items = 4096;  // that sum up pixels
+
+/// That sum up pixels: as many as keep the device busy.
+std::uint32_t items_for(const Device& device, std::uint32_t pixels) {
+    return std::min(pixels, device.tuning("render/measure_film", "ITEMS"));
 }
+
+}  // namespace
 
 Film::Kernels::Kernels(const Device& device)
     : accumulate(load_kernel(device, "render/accumulate_film.cl", "accumulate_film")),
       resolve(load_kernel(device, "render/resolve_film.cl", "resolve_film")),
-      noise(load_kernel(device, "render/resolve_film.cl", "measure_noise")) {}
+      measure(load_kernel(device, "render/measure_film.cl", "measure_film")) {}
 
 Film::Film(const Device& device, std::uint32_t pixels, std::uint32_t films)
     : device_(device),
       count_(pixels),
       films_(films),
+      group_(device.tuning("render/measure_film", "GROUP_SIZE")),
+      items_(items_for(device, pixels)),
       pixels_(device, std::size_t(pixels) * films),
-      sums_(device, std::min(pixels, most_items)),
+      sums_(device, (items_ + group_ - 1) / group_),
       kernels_(device) {
     clear();
-    if (films < 2) return;
-    error_sums_ = Buffer<ErrorSums>(device, std::min(pixels, most_items));
-    accumulate_odd_ = load_kernel(device, "render/accumulate_film.cl", "accumulate_odd");
-    measure_error_ = load_kernel(device, "render/measure_error.cl", "measure_error");
 }
 
 void Film::accumulate(const Batch& batch, const Buffer<float>& radiance) {
-    kernels_.accumulate.run({batch.pixels, 64}, batch, radiance, pixels_);
-    if (films_ < 2) return;
-    Batch odd = batch;
-    odd.first_pixel += count_;
-    accumulate_odd_.run({batch.pixels, 64}, odd, radiance, pixels_);
+    kernels_.accumulate.run({batch.pixels, 64}, batch, radiance, pixels_, second());
+    totals_.reset();
+}
+
+void Film::clear() {
+    pixels_.fill(0);
+    totals_.reset();
+}
+
+void Film::set_pixels(const std::vector<FilmPixel>& pixels) {
+    pixels_.write(pixels);
+    totals_.reset();
 }
 
 std::vector<glm::vec3> Film::resolve() const {
@@ -44,32 +54,38 @@ std::vector<glm::vec3> Film::resolve() const {
     return result;
 }
 
-Film::Noise Film::noise() const {
-    const auto items = std::uint32_t(sums_.size());
-    kernels_.noise.run({items, 64}, pixels_, count_, items, sums_);
-    double variance = 0, luminance = 0, pixels = 0;
-    Noise noise;
-    for (const NoiseSums& sums : sums_.read()) {
-        variance += sums.variance;
-        luminance += sums.luminance;
-        pixels += sums.pixels;
-        noise.dropped += sums.dropped;
-    }
-    if (luminance > 0) noise.relative = std::sqrt(variance / pixels) / (luminance / pixels);
-    return noise;
-}
-
-Film::ErrorTotals Film::error_totals(float scale) const {
-    const auto items = std::uint32_t(error_sums_.size());
-    measure_error_.run({items, 64}, pixels_, count_, scale, items, error_sums_);
-    ErrorTotals total;
-    for (const ErrorSums& sums : error_sums_.read()) {
-        total.variance += sums.variance;
-        total.squares += sums.squares;
-        total.value += sums.value;
-        total.pixels += sums.pixels;
+Film::Totals Film::measured() const {
+    kernels_.measure.run({items_, group_ > 1 ? group_ : 64u}, pixels_, count_, second(), scale_, items_, sums_);
+    Totals total;
+    for (const FilmSums& sums : sums_.read()) {
+        total.noise_variance += sums.noise.variance, total.luminance += sums.noise.luminance;
+        total.noise_pixels += sums.noise.pixels, total.dropped += sums.noise.dropped;
+        total.variance += sums.error.variance, total.squares += sums.error.squares;
+        total.value += sums.error.value, total.pixels += sums.error.pixels;
     }
     return total;
+}
+
+/// Measured once, however often they are asked for. Where radiance is so large or small that its fourth power leaves
+/// float32 they are measured in a unit of their own, which the next look begins with.
+const Film::Totals& Film::totals() const {
+    if (totals_) return *totals_;
+    totals_ = measured();
+    const double mean = totals_->luminance / totals_->noise_pixels;
+    if (mean > 0 && (mean < 0x1p-10 || mean > 0x1p10)) {
+        scale_ = float(std::clamp(scale_ * std::exp2(-std::round(std::log2(mean))), 0x1p-120, 0x1p120));
+        totals_ = measured();
+    }
+    return *totals_;
+}
+
+Film::Noise Film::noise() const {
+    const Totals& total = totals();
+    Noise noise;
+    noise.dropped = total.dropped;
+    if (total.luminance > 0)
+        noise.relative = std::sqrt(total.noise_variance / total.noise_pixels) / (total.luminance / total.noise_pixels);
+    return noise;
 }
 
 /// With v the variance of a pixel as its two halves tell it, of true value s^2: v is s^2 times chi^2 of one degree of
@@ -78,10 +94,8 @@ Film::ErrorTotals Film::error_totals(float scale) const {
 /// image's squared error over its estimate is distributed as F. Expectations: v^2 has 3 s^4, and for n equal pixels
 /// (sum v)^2 / sum v^2 has about (n + 2) / 3. (Channels count as one, which makes the degrees fewer than they are.)
 Film::Error Film::error(ErrorLooks& looks, std::uint32_t spp) const {
-    ErrorTotals total = error_totals(1);
+    const Totals& total = totals();
     if (!(total.value > 0)) return {};
-    const auto scale = float(std::exp2(-std::round(std::log2(total.value / (3 * total.pixels)))));
-    if (scale < 0x1p-10f || scale > 0x1p10f) total = error_totals(scale);
     const double mean = total.value / (3 * total.pixels);
     const double estimate = std::sqrt(total.variance / (3 * total.pixels)) / mean;
     if (!(total.squares > 0)) return {estimate, estimate};

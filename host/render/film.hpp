@@ -2,6 +2,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <optional>
 
 #include "claray/program.hpp"
 #include "claray/shared/path.h"
@@ -16,7 +17,7 @@ public:
 
     struct Kernels {
         explicit Kernels(const Device& device);
-        Kernel accumulate, resolve, noise;
+        Kernel accumulate, resolve, measure;
     };
 
     /// Goes on with kernels that are loaded anew.
@@ -25,13 +26,13 @@ public:
     /// Adds the radiance (3 floats a path) of a batch; enqueued.
     void accumulate(const Batch& batch, const Buffer<float>& radiance);
     /// Forgets all samples; enqueued.
-    void clear() { pixels_.fill(0); }
+    void clear();
     /// Mean radiance of every pixel. Blocks.
     [[nodiscard]] std::vector<glm::vec3> resolve() const;
 
     /// The sums themselves, film after film, and back. Block.
     [[nodiscard]] std::vector<FilmPixel> pixels() const { return pixels_.read(); }
-    void set_pixels(const std::vector<FilmPixel>& pixels) { pixels_.write(pixels); }
+    void set_pixels(const std::vector<FilmPixel>& pixels);
 
     struct Noise {
         double relative = 0;  ///< as in RenderProgress
@@ -47,21 +48,26 @@ public:
     /// Where there are two films: by a look after so many samples a pixel, and by those before; see docs/accuracy.md.
     /// Blocks.
     [[nodiscard]] Error error(ErrorLooks& looks, std::uint32_t spp) const;
-    [[nodiscard]] std::uint64_t bytes() const { return pixels_.bytes() + sums_.bytes() + error_sums_.bytes(); }
+    [[nodiscard]] std::uint64_t bytes() const { return pixels_.bytes() + sums_.bytes(); }
 
 private:
-    struct ErrorTotals {
+    /// FilmSums of all pixels.
+    struct Totals {
+        double noise_variance = 0, luminance = 0, noise_pixels = 0;
         double variance = 0, squares = 0, value = 0, pixels = 0;
+        std::uint64_t dropped = 0;
     };
-    [[nodiscard]] ErrorTotals error_totals(float scale) const;
+    [[nodiscard]] Totals measured() const;
+    [[nodiscard]] const Totals& totals() const;
+    [[nodiscard]] std::uint32_t second() const { return films_ < 2 ? 0 : count_; }
 
     Device device_;
-    std::uint32_t count_, films_;
+    std::uint32_t count_, films_, group_, items_;
     Buffer<FilmPixel> pixels_;
-    Buffer<NoiseSums> sums_;
-    Buffer<ErrorSums> error_sums_;  // where there are two films
+    Buffer<FilmSums> sums_;
     mutable Kernels kernels_;
-    mutable Kernel accumulate_odd_, measure_error_;
+    mutable std::optional<Totals> totals_;  // of the samples there are, where somebody asked
+    mutable float scale_ = 1;               // a power of two, by which radiance is multiplied to be measured
 };
 
 }  // namespace claray

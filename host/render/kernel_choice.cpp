@@ -75,7 +75,7 @@ void remember_path_kernel_as_cached(const Device& device, const KernelChoice& ch
 
 void compile_once(const Device& device, const KernelChoice& choice, const RenderConfig& config,
                   const std::function<void()>& compile) {
-    const CacheLock lock(key_of(device, choice, config, "all"));
+    const CacheLock lock("renderers", key_of(device, choice, config, "all"));
     if (!are_cached(device, choice, config)) compile();
 }
 

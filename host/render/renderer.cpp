@@ -560,7 +560,7 @@ Aovs Renderer::aovs() const {
     State& state = *state_;
     const Device& device = state.device;
     const std::size_t pixels = state.pixels(), capacity = std::min<std::size_t>(state.wavefront.capacity(), pixels);
-    Buffer<Visits> visits(device, state.wavefront.capacity());
+    Buffer<Visits> visits(device, capacity);
     Buffer<float> depth(device, capacity), normal(device, 3 * capacity), albedo(device, 3 * capacity);
     Buffer<std::uint32_t> primitive(device, capacity), visited(device, capacity);
     Defines defines = defines_of(state.buffers.effects, Stage::aovs);

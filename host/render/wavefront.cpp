@@ -19,10 +19,10 @@ constexpr const char* path_kernel_stem = "render/trace_paths";
 constexpr std::uint64_t bytes_per_path = 2 * (sizeof(Ray) + sizeof(PathState)) + sizeof(Ray) + sizeof(Hit) +
                                          sizeof(LightSample) + sizeof(std::uint8_t) + 3 * sizeof(float);
 
-/// At most an eighth of the device's memory, and no buffer larger than it allows.
+/// At most a 16th of the device's memory, and no buffer larger than it allows.
 std::uint32_t choose_capacity(const Device& device, std::uint64_t most_paths) {
     const std::uint64_t tuned = std::max(1u, device.tuning("render/wavefront", "PATHS"));
-    const std::uint64_t memory = device.info().memory / 8 / bytes_per_path;
+    const std::uint64_t memory = device.info().memory / 16 / bytes_per_path;
     const std::uint64_t allocation = device.info().max_allocation / sizeof(Ray);
     return std::uint32_t(std::max<std::uint64_t>(1, std::min({tuned, most_paths, memory, allocation})));
 }
@@ -107,27 +107,33 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
       shade_group_(device.tuning("render/shade_surface", "GROUP_SIZE")),
       paths_per_item_(paths_per_item(device)),
       most_whole_paths_(most_whole_paths(device)),
+      capacity_(choose_capacity(device, most_paths)),
       kernels_(std::move(kernels)) {
-    const std::uint32_t paths = choose_capacity(device, most_paths);
-    for (int i = 0; i < 2; ++i) {
-        rays_[i] = Buffer<Ray>(device, paths);
-        states_[i] = Buffer<PathState>(device, paths);
-        if (scene.structure.moves()) times_[i] = Buffer<float>(device, paths);
-        if (scene.textures.mipmaps) cones_[i] = Buffer<RayCone>(device, paths);
-    }
-    hits_ = SceneHits(scene.structure, paths);
-    radiance_ = Buffer<float>(device, 3 * std::size_t(paths));
     for (auto* length : {&lengths_[0], &lengths_[1], &lengths_[2], &shadow_lengths_[0], &shadow_lengths_[1]})
         *length = Buffer<std::uint32_t>(device, std::vector<std::uint32_t>{0});
     totals_ = Buffer<std::uint64_t>(device, 2);
     totals_in_paths_ = Buffer<std::uint64_t>(device, 2);
     reset_totals();
-    if (scene.light_tree.allocated()) shading_normals_ = Buffer<float>(device, 3 * std::size_t(paths));
-    if (scene.lights.count == 0) return;
-    shadow_rays_ = Buffer<Ray>(device, paths);
-    shadow_light_ = Buffer<LightSample>(device, paths);
-    occluded_ = Buffer<std::uint8_t>(device, paths);
-    if (scene.structure.moves()) shadow_times_ = Buffer<float>(device, paths);
+}
+
+/// Short renders never need room for all the paths that a device takes at once. Nothing is kept in it between batches.
+void Wavefront::make_room(std::uint32_t paths) {
+    if (paths <= rays_[0].size()) return;
+    const std::uint32_t room = std::min(capacity_, std::max<std::uint32_t>(paths, 2 * std::uint32_t(rays_[0].size())));
+    for (int i = 0; i < 2; ++i) {
+        rays_[i] = Buffer<Ray>(device_, room);
+        states_[i] = Buffer<PathState>(device_, room);
+        if (scene_.structure.moves()) times_[i] = Buffer<float>(device_, room);
+        if (scene_.textures.mipmaps) cones_[i] = Buffer<RayCone>(device_, room);
+    }
+    hits_ = SceneHits(scene_.structure, room);
+    radiance_ = Buffer<float>(device_, 3 * std::size_t(room));
+    if (scene_.light_tree.allocated()) shading_normals_ = Buffer<float>(device_, 3 * std::size_t(room));
+    if (scene_.lights.count == 0) return;
+    shadow_rays_ = Buffer<Ray>(device_, room);
+    shadow_light_ = Buffer<LightSample>(device_, room);
+    occluded_ = Buffer<std::uint8_t>(device_, room);
+    if (scene_.structure.moves()) shadow_times_ = Buffer<float>(device_, room);
 }
 
 void Wavefront::take_over(const Structure& structure, WavefrontKernels kernels) {
@@ -153,6 +159,7 @@ void Wavefront::generate(const Batch& batch, bool centers) {
 }
 
 void Wavefront::trace(const Batch& batch) {
+    make_room(batch.pixels * batch.samples);
     if (path_kernel_ && batches_are_small(batch.pixels * batch.samples)) {
         trace_paths(batch);
         return;
@@ -163,6 +170,7 @@ void Wavefront::trace(const Batch& batch) {
 
 void Wavefront::trace_from(const Buffer<Hit>& points, const Batch& batch) {
     const std::uint32_t paths = batch.pixels * batch.samples;
+    make_room(paths);
     lengths_[0].fill(paths);
     kernels_.generate.run({paths, 64}, batch, points, scene_.structure.triangles().positions,
                           scene_.structure.triangles().indices, rays_[0], hits_, radiance_);
@@ -227,6 +235,7 @@ void Wavefront::trace_shadows(std::uint32_t limit, const Buffer<std::uint32_t>& 
 }
 
 void Wavefront::trace_centers(const Batch& batch, Buffer<Visits>& visits) {
+    make_room(batch.pixels * batch.samples);
     generate(batch, true);
     QueryOptions options;
     options.visits = visits;

@@ -46,7 +46,7 @@ public:
     Wavefront(const Device& device, const SceneBuffers& scene, const FrameData& frame, WavefrontKernels kernels,
               std::uint64_t most_paths);
 
-    [[nodiscard]] std::uint32_t capacity() const { return std::uint32_t(rays_[0].size()); }
+    [[nodiscard]] std::uint32_t capacity() const { return capacity_; }
     /// Goes on with other kernels, and with the tree that they traverse. The next batch is the first to see them.
     void take_over(const Structure& structure, WavefrontKernels kernels);
     /// Whether a batch of so many paths, or of as many as there is room for, has too few to keep the device busy to the
@@ -83,6 +83,8 @@ public:
     [[nodiscard]] std::uint64_t bytes() const;
 
 private:
+    /// For so many paths, at most `capacity()`.
+    void make_room(std::uint32_t paths);
     void generate(const Batch& batch, bool centers);
     void trace_paths(const Batch& batch);
     void trace_stages(const Batch& batch, bool arrived);
@@ -107,6 +109,7 @@ private:
     FrameData frame_;
     unsigned bounces_per_look_, shade_group_, paths_per_item_;
     std::uint64_t most_whole_paths_;
+    std::uint32_t capacity_;
     std::uint64_t camera_rays_ = 0, camera_rays_in_paths_ = 0;
 
     Buffer<Ray> rays_[2], shadow_rays_;

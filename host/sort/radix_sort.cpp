@@ -12,7 +12,8 @@ constexpr const char* bucket_stage = "sort/bucket_sort";
 constexpr unsigned digits = 256, digit_bits = 8;
 constexpr std::size_t onesweep_limit = std::size_t(1) << 30;  // a look-back word counts in 30 bits
 
-/// The most keys a work-item that the group's local memory holds: the tile, the counters of each warp, and two rows of scratch.
+/// The most keys a work-item that the group's local memory holds: the tile, the counters of each warp, and two rows of
+/// scratch.
 unsigned items_that_fit(const Device& device, std::size_t key_bytes, unsigned group_size, unsigned wanted) {
     const std::size_t fixed = 4 * digits * (group_size / 32 + 3);
     const std::size_t memory = device.info().local_memory;

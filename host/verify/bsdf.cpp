@@ -7,14 +7,14 @@ namespace claray::verify {
 
 std::vector<Sampled> TestedMaterial::draw(const glm::vec3& o, std::uint32_t count) const {
     const Buffer<Sampled> out(device_, count);
-    run("sample", count, o.x, o.y, o.z, count, out);
+    run("bsdf_samples", "sample", count, o.x, o.y, o.z, count, out);
     return out.read();
 }
 
 TestedMaterial::Evaluated TestedMaterial::evaluate(const glm::vec3& o, const std::vector<float>& directions) const {
     const auto count = std::uint32_t(directions.size() / 3);
     const Buffer<float> values(device_, count), pdfs(device_, count);
-    run("eval", count, o.x, o.y, o.z, count, Buffer<float>(device_, directions), values, pdfs);
+    run("bsdf_samples", "eval", count, o.x, o.y, o.z, count, Buffer<float>(device_, directions), values, pdfs);
     return {values.read(), pdfs.read()};
 }
 

@@ -27,9 +27,10 @@ public:
         const std::vector<float> none(1);
         buffer_ = Buffer<float>(device_, tables_.data().empty() ? none : tables_.data());
     }
+    /// A kernel of kernels/verify/FILE.cl.
     template <class... Args>
-    void run(const char* kernel, std::size_t items, const Args&... args) const {
-        load_kernel(device_, "verify/bsdf.cl", kernel)
+    void run(const std::string& file, const char* kernel, std::size_t items, const Args&... args) const {
+        load_kernel(device_, "verify/" + file + ".cl", kernel)
             .run({items, 64}, data_, buffer_, std::uint32_t(inside_), args...);
     }
     [[nodiscard]] std::vector<Sampled> draw(const glm::vec3& outgoing, std::uint32_t count) const;

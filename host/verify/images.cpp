@@ -146,21 +146,29 @@ void self_intersection(Run& run) {
 }
 
 void nan_pixels(Run& run) {
-    for (const char* const name :
-         {"cornell", "spheres", "crate", "hills", "effects", "soup:2000", "hair:2000", "terrain:2000"}) {
-        const Scene scene = *builtin_scene(name);
-        const RenderConfig config{
-            .width = run.count(32u, 256u), .height = run.count(24u, 192u), .spp = run.count(4u, 64u)};
-        Renderer renderer(run.device(), scene, config);
-        renderer.render();
+    constexpr const char* names[] = {"cornell", "spheres",   "crate",     "hills",
+                                     "effects", "soup:2000", "hair:2000", "terrain:2000"};
+    const RenderConfig config{.width = run.count(32u, 256u), .height = run.count(24u, 192u), .spp = run.count(4u, 64u)};
+    struct Rendered {
         Tally finite;
+        std::uint64_t dropped = 0;
+    };
+    std::vector<Rendered> rendered(std::size(names));
+    run.side_by_side(rendered.size(), [&](const Device& device, std::size_t i) {
+        Renderer renderer(device, *builtin_scene(names[i]), config);
+        renderer.render();
         for (const glm::vec3& p : renderer.image())
-            finite.add(std::isfinite(p.x + p.y + p.z) && p.x >= 0 && p.y >= 0 && p.z >= 0);
-        const std::uint64_t samples = std::uint64_t(config.width) * config.height * config.spp;
-        const auto dropped = double(renderer.statistics().dropped_samples);
-        if (finite.wrong || dropped > 0) run.failure(std::string(name) + " has samples that are no radiance");
-        run.check(std::string("samples that are NaN, infinite or above 1e30, ") + name, samples, dropped, 0, "samples");
-        run.check(std::string("pixels that are no radiance, ") + name, finite.tried, double(finite.wrong), 0, "pixels");
+            rendered[i].finite.add(std::isfinite(p.x + p.y + p.z) && p.x >= 0 && p.y >= 0 && p.z >= 0);
+        rendered[i].dropped = renderer.statistics().dropped_samples;
+    });
+    const std::uint64_t samples = std::uint64_t(config.width) * config.height * config.spp;
+    for (std::size_t i = 0; i < rendered.size(); ++i) {
+        const std::string name = names[i];
+        const Tally& finite = rendered[i].finite;
+        const auto dropped = double(rendered[i].dropped);
+        if (finite.wrong || dropped > 0) run.failure(name + " has samples that are no radiance");
+        run.check("samples that are NaN, infinite or above 1e30, " + name, samples, dropped, 0, "samples");
+        run.check("pixels that are no radiance, " + name, finite.tried, double(finite.wrong), 0, "pixels");
     }
     // And what is thrown in must come out as a count, not as an image.
     Film film(run.device(), 2);

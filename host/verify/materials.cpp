@@ -41,7 +41,7 @@ void ggx_density(Run& run) {
         }
     const auto count = std::uint32_t(angles.size());
     const Buffer<float> out(run.device(), count);
-    load_kernel(run.device(), "verify/bsdf.cl", "density")
+    load_kernel(run.device(), "verify/microfacets.cl", "density")
         .run({count, 64}, count, Buffer<float>(run.device(), angles), Buffer<float>(run.device(), alphas), out);
     const auto found = out.read();
     for (std::size_t a = 0; a < std::size(tested_alphas); ++a) {
@@ -75,7 +75,7 @@ void ggx_energy(Run& run) {
     const auto count = std::uint32_t(c.size());
     const std::uint32_t samples = run.count(1u << 16, 1u << 20);
     const Buffer<float> out(run.device(), count);
-    load_kernel(run.device(), "verify/bsdf.cl", "single_scattering")
+    load_kernel(run.device(), "verify/microfacets.cl", "single_scattering")
         .run({count, 1}, count, samples, Buffer<float>(run.device(), c), Buffer<float>(run.device(), a), out);
     const auto found = out.read();
     double worst = 0;
@@ -97,7 +97,7 @@ void furnaces(Run& run) {
         for (const float roughness : {0.f, 0.15f, 0.5f, 1.f}) {
             const Buffer<float> out(run.device(), count);
             tested(run.device(), kind, roughness)
-                .run("albedo", count, count, samples, Buffer<float>(run.device(), cosines), out);
+                .run("bsdf_albedo", "albedo", count, count, samples, Buffer<float>(run.device(), cosines), out);
             const bool smooth_glass = glass && roughness == 0;
             for (const float albedo : out.read()) {
                 const double error = kind.complete ? std::abs(albedo - 1) : 0;
@@ -125,7 +125,7 @@ void fresnel(Run& run) {
     }
     const auto count = std::uint32_t(cosines.size());
     const Buffer<float> out(run.device(), count);
-    load_kernel(run.device(), "verify/bsdf.cl", "fresnel")
+    load_kernel(run.device(), "verify/microfacets.cl", "fresnel")
         .run({count, 64}, count, Buffer<float>(run.device(), cosines), Buffer<float>(run.device(), etas), out);
     const auto found = out.read();
     double worst = 0;
@@ -152,7 +152,8 @@ void bsdf_reciprocity(Run& run) {
         for (const float roughness : {0.05f, 0.35f, 1.f}) {
             const Buffer<float> errors(run.device(), items);
             const Buffer<std::uint32_t> counts(run.device(), items);
-            tested(run.device(), kind, roughness).run("reciprocity", items, items, pairs, errors, counts);
+            tested(run.device(), kind, roughness)
+                .run("bsdf_reciprocity", "reciprocity", items, items, pairs, errors, counts);
             for (const std::uint32_t c : counts.read()) compared += c;
             const auto all = errors.read();
             const double most = *std::max_element(all.begin(), all.end());

@@ -1,10 +1,48 @@
 #include "host/verify/run.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdio>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <thread>
 
 namespace claray::verify {
+
+void side_by_side(const Device& device, unsigned threads, std::size_t count,
+                  const std::function<void(const Device&, std::size_t)>& piece) {
+    std::atomic<std::size_t> next{0};
+    std::exception_ptr thrown;
+    std::mutex mutex;
+    const auto work = [&](const Device& on) {
+        try {
+            for (std::size_t i; (i = next++) < count;) piece(on, i);
+        } catch (...) {
+            const std::lock_guard lock(mutex);
+            if (!thrown) thrown = std::current_exception();
+        }
+    };
+    const auto work_on_own = [&] {
+        std::optional<Device> own;
+        try {
+            own = Device::open(std::to_string(device.info().index));
+        } catch (const Error&) {
+            return;  // others do what is left
+        }
+        work(*own);
+    };
+    std::vector<std::thread> others;
+    for (std::size_t i = 1; i < std::min<std::size_t>(threads, count); ++i) others.emplace_back(work_on_own);
+    work(device);
+    for (std::thread& thread : others) thread.join();
+    if (thrown) std::rethrow_exception(thrown);
+}
+
+void Run::side_by_side(std::size_t count, const std::function<void(const Device&, std::size_t)>& piece) const {
+    verify::side_by_side(device_, options_.threads, count, piece);
+}
 
 void Run::check(const std::string& what, std::uint64_t tried, double worst, double bar, const std::string& unit) {
     result_.checks.push_back({what, tried, worst, bar, unit});

@@ -1,6 +1,7 @@
 // One case at work: what it may use, and where it writes down what it finds.
 #pragma once
 
+#include <functional>
 #include <span>
 
 #include "claray/bvh.hpp"
@@ -8,6 +9,11 @@
 #include "claray/verify.hpp"
 
 namespace claray::verify {
+
+/// Calls piece(device, i) for every i below `count`: by so many threads, each with a device of its own, or here, where
+/// one suffices. What a piece throws is thrown once all are done, the first of them.
+void side_by_side(const Device& device, unsigned threads, std::size_t count,
+                  const std::function<void(const Device&, std::size_t)>& piece);
 
 class Run {
 public:
@@ -18,6 +24,8 @@ public:
     [[nodiscard]] std::uint64_t seed() const { return options_.seed; }
     [[nodiscard]] bool full() const { return options_.effort == Effort::full; }
     [[nodiscard]] bool times() const { return options_.times; }
+    /// See verify::side_by_side: what takes kernels of its own many times, which drivers compile one after the other.
+    void side_by_side(std::size_t count, const std::function<void(const Device&, std::size_t)>& piece) const;
     template <class T>
     [[nodiscard]] T count(T quick, T full_count) const {
         return full() ? full_count : quick;

@@ -359,6 +359,42 @@ void stack_depth(Run& run) {
     stack_depth(run, far, rays, " at 1e6");
 }
 
+namespace {
+
+/// A stack of so many entries, in traversal kernels of their own.
+struct TriedStack {
+    NamedLayout layout;
+    unsigned entries, bound;
+    Tally same = {}, fit = {};
+    std::string other_hit = {};
+
+    void ask_for(const Device& device, const Mesh& mesh, const std::vector<Ray>& rays) {
+        const Bvh bvh = Bvh::build(device, std::span(&mesh, 1), {.layout = layout.layout});
+        const Answers whole = ask(bvh, rays);
+        const ScopedTuning tuning(device, "trace/traverse", "STACK", entries);
+        const Answers found = ask(bvh, rays);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            same.add(same_hit(found.hits[i], whole.hits[i]) && same_hit(found.counted[i], whole.hits[i]) &&
+                     found.any[i] == whole.any[i]);
+            if (same.wrong != 0 && other_hit.empty()) other_hit = text_of(rays[i]);
+            fit.add(found.visits[i].nodes == whole.visits[i].nodes);
+        }
+    }
+    void tell(Run& run) const {
+        const std::string stack = ", stack of " + std::to_string(entries) + ", " + layout.name;
+        if (same.wrong != 0) run.failure("another hit" + stack + ": " + other_hit);
+        run.check("other hits" + stack, same.tried, double(same.wrong), 0, "rays");
+        if (entries == bound)
+            run.check("rays that find no room" + stack, fit.tried, double(fit.wrong), 0, "rays");
+        else
+            run.fact("rays that find no room" + stack, std::to_string(fit.wrong));
+        if (entries != bound && fit.wrong < fit.tried / 20)
+            run.check("rays that find no room, provoked" + stack, fit.tried, 1, 0, "");
+    }
+};
+
+}  // namespace
+
 /// Stacks of the bound, where every push is checked, and of few entries, by a deep tree and by one where rays meet
 /// much. What finds no room is seen by the visits, since such a ray begins again.
 void short_stack(Run& run) {
@@ -366,36 +402,18 @@ void short_stack(Run& run) {
     const Mesh deep = deep_mesh(), thick = soup(3000, 0.5f, run.seed() + 33);
     const std::pair<const Mesh*, std::vector<Ray>> scenes[] = {{&deep, rays_into(deep, count, run.seed() + 34)},
                                                                {&thick, random_rays(count, 3.f, 1.f, run.seed() + 35)}};
-    for (const auto& [layout, name] : layouts) {
+    std::vector<TriedStack> stacks;
+    for (const NamedLayout& layout : layouts) {
         const unsigned bound =
-            layout == Layout::binary ? CLARAY_MAX_HEIGHT + 1 : CLARAY_MAX_HEIGHT * (CLARAY_WIDTH - 1) + 1;
-        for (const unsigned entries : {bound, 4u, 1u}) {
-            if (entries == 1 && !run.full()) continue;  // each takes kernels of its own
-            Tally same, fit;
-            for (const auto& [mesh, rays] : scenes) {
-                const Bvh bvh = Bvh::build(run.device(), std::span(mesh, 1), {.layout = layout});
-                const Answers whole = ask(bvh, rays);
-                const ScopedTuning tuning(run.device(), "trace/traverse", "STACK", entries);
-                const Answers found = ask(bvh, rays);
-                for (std::size_t i = 0; i < rays.size(); ++i) {
-                    same.add(same_hit(found.hits[i], whole.hits[i]) && same_hit(found.counted[i], whole.hits[i]) &&
-                             found.any[i] == whole.any[i]);
-                    if (same.wrong == 1 && same.first + 1 == same.tried)
-                        run.failure(std::string(name) + ", another hit by a stack of " + std::to_string(entries) +
-                                    ": " + text_of(rays[i]));
-                    fit.add(found.visits[i].nodes == whole.visits[i].nodes);
-                }
-            }
-            const std::string stack = ", stack of " + std::to_string(entries) + ", " + name;
-            run.check("other hits" + stack, same.tried, double(same.wrong), 0, "rays");
-            if (entries == bound)
-                run.check("rays that find no room" + stack, fit.tried, double(fit.wrong), 0, "rays");
-            else
-                run.fact("rays that find no room" + stack, std::to_string(fit.wrong));
-            if (entries != bound && fit.wrong < fit.tried / 20)
-                run.check("rays that find no room, provoked" + stack, fit.tried, 1, 0, "");
-        }
+            layout.layout == Layout::binary ? CLARAY_MAX_HEIGHT + 1 : CLARAY_MAX_HEIGHT * (CLARAY_WIDTH - 1) + 1;
+        stacks.push_back({layout, bound, bound});
+        stacks.push_back({layout, 4, bound});
+        if (run.full()) stacks.push_back({layout, 1, bound});
     }
+    run.side_by_side(stacks.size(), [&](const Device& device, std::size_t i) {
+        for (const auto& [mesh, rays] : scenes) stacks[i].ask_for(device, *mesh, rays);
+    });
+    for (const TriedStack& stack : stacks) stack.tell(run);
 }
 
 /// The bottom-up build is a lock-free algorithm: without a fence at device scope it fails now and then, on large trees.

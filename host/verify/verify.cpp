@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <deque>
 #include <future>
 #include <map>
-#include <optional>
 #include <set>
 #include <thread>
 
 #include "host/verify/cases.hpp"
+#include "host/verify/run.hpp"
 
 namespace claray {
 namespace {
@@ -107,22 +108,24 @@ const Entry& entry_of(const std::string& name) {
     throw Error(ErrorKind::usage, "there is no case '" + name + "'", "choose one of " + names);
 }
 
-/// Threads that run cases, each on a device of its own, in an order that begins with those that compile longest.
+/// Cases that run side by side, in an order that begins with those that compile longest.
 class Crew {
 public:
-    Crew(const Device& device, std::vector<std::string> names, const VerifyOptions& options, unsigned threads)
-        : names_(std::move(names)), options_(options) {
+    Crew(const Device& device, std::vector<std::string> names, const VerifyOptions& options)
+        : names_(std::move(names)) {
         std::stable_partition(names_.begin(), names_.end(), [](const std::string& name) {
             const std::string family = entry_of(name).about.family;
             return family == "images" || family == "materials";
         });
-        for (const std::string& name : names_) found_[name] = results_[name].get_future();
-        const std::string index = std::to_string(device.info().index);
-        for (std::size_t i = 0; i < std::min<std::size_t>(threads, names_.size()); ++i)
-            threads_.emplace_back([this, index] { work(index); });
+        for (const std::string& name : names_) found_[name] = results_.emplace_back().get_future();
+        work_ = std::thread([this, device, options] {
+            verify::side_by_side(device, options.threads, names_.size(), [&](const Device& on, std::size_t i) {
+                if (!ends_) run(on, i, options);
+            });
+        });
     }
     ~Crew() {
-        next_ = names_.size();  // what was not begun is not wanted any more
+        ends_ = true;  // what was not begun is not wanted any more
         wait();
     }
     Crew(const Crew&) = delete;
@@ -133,37 +136,35 @@ public:
     [[nodiscard]] const VerifyResult& result_of(const std::string& name) const { return found_.at(name).get(); }
     /// Until no case is under way.
     void wait() {
-        for (std::thread& thread : threads_) thread.join();
-        threads_.clear();
+        if (work_.joinable()) work_.join();
     }
 
 private:
-    void work(const std::string& index) {
-        std::optional<Device> own;
-        for (std::size_t i; (i = next_++) < names_.size();) {
-            std::promise<VerifyResult>& result = results_.at(names_[i]);
-            try {
-                if (!own) own = Device::open(index);
-                result.set_value(run_verify_case(*own, names_[i], options_));
-            } catch (...) {
-                result.set_exception(std::current_exception());
-            }
+    void run(const Device& device, std::size_t i, const VerifyOptions& options) {
+        try {
+            results_[i].set_value(run_verify_case(device, names_[i], options));
+        } catch (...) {
+            results_[i].set_exception(std::current_exception());
         }
     }
 
     std::vector<std::string> names_;
-    VerifyOptions options_;
-    std::map<std::string, std::promise<VerifyResult>> results_;
+    std::deque<std::promise<VerifyResult>> results_;
     std::map<std::string, std::shared_future<VerifyResult>> found_;
-    std::atomic<std::size_t> next_{0};
-    std::vector<std::thread> threads_;
+    std::atomic<bool> ends_{false};
+    std::thread work_;
 };
 
-/// A CPU that runs kernels has a thread for each processor already.
+/// A CPU that runs kernels has a thread for each processor already. GPUs wait for compilers.
 unsigned threads_for(const Device& device, const VerifyOptions& options) {
     if (options.threads != 0) return options.threads;
     if (device.info().type != DeviceType::gpu) return 1;
-    return std::clamp(std::thread::hardware_concurrency() / 2, 1u, 8u);
+    return std::clamp(std::thread::hardware_concurrency(), 1u, 16u);
+}
+
+VerifyOptions with_threads(const Device& device, VerifyOptions options) {
+    options.threads = threads_for(device, options);
+    return options;
 }
 
 }  // namespace
@@ -203,20 +204,21 @@ VerifyResult run_verify_case(const Device& device, const std::string& name, cons
                      " --seed " + std::to_string(options.seed) + " --device '" + std::to_string(device.info().index) +
                      "'";
     const auto begin = std::chrono::steady_clock::now();
-    verify::Run run(device, options, result);
+    const VerifyOptions resolved = with_threads(device, options);
+    verify::Run run(device, resolved, result);
     entry.run(run);
     device.finish();
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return result;
 }
 
-void run_verify_cases(const Device& device, std::span<const std::string> names, const VerifyOptions& options,
+void run_verify_cases(const Device& device, std::span<const std::string> names, const VerifyOptions& with,
                       const std::function<void(const VerifyResult&)>& report) {
-    const unsigned threads = threads_for(device, options);
+    const VerifyOptions options = with_threads(device, with);
     std::set<std::string> side_by_side;
     for (const std::string& name : names)
-        if (!(entry_of(name).measures_times && options.times) && threads > 1) side_by_side.insert(name);
-    Crew crew(device, {side_by_side.begin(), side_by_side.end()}, options, threads);
+        if (!(entry_of(name).measures_times && options.times) && options.threads > 1) side_by_side.insert(name);
+    Crew crew(device, {side_by_side.begin(), side_by_side.end()}, options);
     for (const std::string& name : names) {
         if (crew.has(name)) {
             report(crew.result_of(name));

@@ -1,9 +1,12 @@
 // Compiled programs on disk.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <memory>
+#include <thread>
 
 #include "claray/program.hpp"
 #include "host/compute/program_cache.hpp"
@@ -36,7 +39,12 @@ protected:
     }
     void expect_compiled(Counts counts) const { EXPECT_TRUE(counts.compiled == 1 && counts.from_cache == 0); }
     void expect_from_cache(Counts counts) const { EXPECT_TRUE(counts.compiled == 0 && counts.from_cache == 1); }
-    std::vector<fs::path> files() const { return {fs::directory_iterator(folder_.path()), fs::directory_iterator()}; }
+    /// But for the one that locks.
+    std::vector<fs::path> files() const {
+        std::vector<fs::path> files(fs::directory_iterator(folder_.path()), fs::directory_iterator{});
+        std::erase_if(files, [](const fs::path& file) { return file.extension() == ".lock"; });
+        return files;
+    }
 
     TemporaryFolder folder_;
     ScopedEnvironment cache_dir_{"CLARAY_CACHE_DIR", folder_.path().string()};
@@ -110,6 +118,44 @@ TEST_F(Cache, ProcessesAtOnceShareTheFolder) {
     }
     ASSERT_EQ(files().size(), 1u);  // one program, no temporary file left
     EXPECT_TRUE(load_cached_program(files()[0].stem().string()).has_value());
+}
+
+/// Whether another thread gets a lock while this one holds what it holds; it gets it in any case once `end` is called.
+class Other {
+public:
+    explicit Other(const std::string& key)
+        : thread_([this, key] {
+              const CacheLock lock("some", key);
+              got_.set_value();
+          }) {}
+    bool waits() const { return future_.wait_for(std::chrono::milliseconds(50)) == std::future_status::timeout; }
+    void end() { thread_.join(); }
+
+private:
+    std::promise<void> got_;
+    std::future<void> future_ = got_.get_future();
+    std::thread thread_;
+};
+
+TEST_F(Cache, LocksAreOfAKeyOrOfAll) {
+    const std::string a = hash128("a"), b = hash128("b"), all;
+    const auto waits = [](const std::string& held, const std::string& wanted) {
+        auto lock = std::make_unique<CacheLock>("some", held);
+        Other other(wanted);
+        const bool waited = other.waits();
+        lock.reset();
+        other.end();
+        return waited;
+    };
+    EXPECT_TRUE(waits(a, a));
+    EXPECT_FALSE(waits(a, b));
+    EXPECT_TRUE(waits(all, a));
+    EXPECT_TRUE(waits(a, all));
+    EXPECT_TRUE(waits(all, all));
+    const CacheLock of_others("other", all);
+    Other other(a);
+    EXPECT_FALSE(other.waits());
+    other.end();
 }
 
 TEST(CacheFolder, FollowsXdgAndHome) {

@@ -60,12 +60,12 @@ TEST(JointProgram, CompilesOnceAndServesThoseWhoAsk) {
     const unsigned before = compile_statistics().compiled;
     compile_jointly(device(), [&] {
         (void)load("render/resolve_film.cl", "resolve_film");
-        (void)load("render/resolve_film.cl", "measure_noise");
+        (void)load("render/measure_film.cl", "measure_film");
         (void)load("render/empty_queues.cl", "empty_queues");
     });
     EXPECT_EQ(compile_statistics().compiled, before + 1);
     Kernel empty_queues = load("render/empty_queues.cl", "empty_queues");
-    (void)load("render/resolve_film.cl", "measure_noise");
+    (void)load("render/measure_film.cl", "measure_film");
     EXPECT_EQ(compile_statistics().compiled, before + 1) << "found in memory";
     expect_that_it_empties_queues(empty_queues);
 }

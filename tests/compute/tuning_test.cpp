@@ -81,7 +81,8 @@ TEST(Tuning, LocalTableWinsOverTheBuiltIn) {
 
 TEST(Tuning, MissingLocalTableIsAnError) {
     const ScopedEnvironment local("CLARAY_TUNING", "/no/such/table.txt");
-    EXPECT_TRUE(throws_error(ErrorKind::user, "cannot read '/no/such/table.txt': No such file or directory; CLARAY_TUNING names it",
+    EXPECT_TRUE(throws_error(ErrorKind::user,
+                             "cannot read '/no/such/table.txt': No such file or directory; CLARAY_TUNING names it",
                              [] { (void)tuning_for(device().info()); }));
 }
 

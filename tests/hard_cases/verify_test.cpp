@@ -3,8 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <map>
+#include <mutex>
 #include <set>
+#include <thread>
 
+#include "host/verify/run.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/process.hpp"
@@ -79,6 +84,39 @@ TEST(VerifyCases, AreReportedInTheOrderAskedFor) {
             EXPECT_TRUE(results[i].holds()) << threads;
         }
     }
+}
+
+TEST(VerifyCases, PiecesRunOnceOnDevicesOfTheirOwn) {
+    for (const unsigned threads : {1u, 3u}) {
+        std::vector<std::atomic<unsigned>> runs(20);
+        std::mutex mutex;
+        std::map<std::thread::id, std::set<const cl::Context*>> devices;
+        verify::side_by_side(device(), threads, runs.size(), [&](const Device& on, std::size_t i) {
+            ++runs[i];
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));  // so that every thread gets one
+            const std::lock_guard lock(mutex);
+            devices[std::this_thread::get_id()].insert(&on.context());
+        });
+        for (const auto& count : runs) EXPECT_EQ(count, 1u);
+        std::set<const cl::Context*> all;
+        for (const auto& [thread, of_it] : devices) {
+            EXPECT_EQ(of_it.size(), 1u);
+            all.insert(*of_it.begin());
+        }
+        EXPECT_EQ(devices.size(), threads);
+        EXPECT_EQ(all.size(), threads);
+    }
+}
+
+TEST(VerifyCases, WhatAPieceThrowsArrives) {
+    std::atomic<unsigned> runs = 0;
+    EXPECT_THROW(verify::side_by_side(device(), 3, 20,
+                                      [&](const Device&, std::size_t i) {
+                                          ++runs;
+                                          if (i == 0) throw std::runtime_error("no more");
+                                      }),
+                 std::runtime_error);
+    EXPECT_GE(runs, 1u);
 }
 
 TEST(VerifyCases, SideBySideEndWhereTheCallerDoes) {

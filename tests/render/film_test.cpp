@@ -1,4 +1,4 @@
-// The film: render/accumulate_film.cl and render/resolve_film.cl.
+// The film: render/accumulate_film.cl, render/measure_film.cl and render/resolve_film.cl.
 #include "host/render/film.hpp"
 
 #include <gtest/gtest.h>
@@ -8,9 +8,11 @@
 #include <cstring>
 #include <limits>
 #include <random>
+#include <tuple>
 
 #include "tests/support/device.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/tuning.hpp"
 
 namespace claray::test {
 namespace {
@@ -88,6 +90,22 @@ TEST(Film, NoiseOfIndependentSamplesIsTheirStandardError) {
     }
 }
 
+TEST(Film, NoiseHasNoUnit) {
+    const std::uint32_t pixels = 64, samples = 8;
+    std::vector<float> radiance = random_radiance(pixels, samples, 5);
+    Film film(device(), pixels);
+    film.accumulate({0, pixels, 0, samples}, Buffer<float>(device(), radiance));
+    const double noise = film.noise().relative;
+    EXPECT_GT(noise, 0);
+    for (const float unit : {0x1p-80f, 0x1p80f}) {
+        std::vector<float> other = radiance;
+        for (float& value : other) value *= unit;
+        film.clear();
+        film.accumulate({0, pixels, 0, samples}, Buffer<float>(device(), other));
+        EXPECT_NEAR(film.noise().relative, noise, 1e-6 * noise) << unit;
+    }
+}
+
 TEST(Film, NoiseIsUnknownAfterOneSample) {
     Film film(device(), 4);
     film.accumulate({0, 4, 0, 1}, Buffer<float>(device(), random_radiance(4, 1, 1)));
@@ -140,6 +158,29 @@ Film::Error look_at(const Film& film) {
     return film.error(first, synthetic_samples);
 }
 
+/// As GPUs do it.
+TEST(Film, WorkGroupsSumUpWhatWorkItemsDo) {
+    const std::uint32_t pixels = 777, samples = 6;
+    const Buffer<float> radiance(device(), random_radiance(pixels, samples, 5));
+    const auto looked_at = [&](unsigned group) {
+        const ScopedTuning tuning("render/measure_film", "GROUP_SIZE", group);
+        const ScopedTuning few("render/measure_film", "ITEMS", 300);
+        Film film(device(), pixels, 2);
+        film.accumulate({0, pixels, 0, samples}, radiance);
+        film.accumulate({5, 1, samples, 1}, Buffer<float>(device(), std::vector<float>{NAN, 1, 1}));
+        return std::tuple(film.noise(), look_at(film));
+    };
+    const auto [noise, error] = looked_at(1);
+    EXPECT_EQ(noise.dropped, 1u);
+    for (const unsigned group : {32u, 128u}) {
+        const auto [same_noise, same_error] = looked_at(group);
+        EXPECT_EQ(same_noise.dropped, 1u);
+        EXPECT_NEAR(same_noise.relative / noise.relative, 1, 1e-5);
+        EXPECT_NEAR(same_error.estimate / error.estimate, 1, 1e-5);
+        EXPECT_NEAR(same_error.bound / error.bound, 1, 1e-4);
+    }
+}
+
 /// The claim of docs/accuracy.md: the bound holds in more than 95 of 100 images, and the estimate is true on average.
 TEST(Film, ErrorIsTheDistanceFromTheTruth) {
     double loosest_of_even = 0;
@@ -167,6 +208,17 @@ TEST(Film, ErrorIsTheDistanceFromTheTruth) {
         if (image.brightness > 1) {
             EXPECT_NEAR(loosest, loosest_of_even, 0.1) << "what is even stays so in any unit";
         }
+    }
+}
+
+/// Whose part of the error falls with the samples, not with their root.
+TEST(ErrorLooks, OfAFireflyBoundItByLessThanThreeTimes) {
+    ErrorLooks looks;
+    for (std::uint32_t spp = 4; spp <= 4096; spp *= 2) {
+        const double error = 1. / spp;
+        looks.add(error * error, 1, spp);
+        EXPECT_GE(looks.bound(), 2 * error) << spp;
+        EXPECT_LE(looks.bound(), 2.8 * error) << spp;
     }
 }
 

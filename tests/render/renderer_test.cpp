@@ -225,6 +225,23 @@ TEST(Renderer, StatisticsCountEveryRay) {
     EXPECT_EQ(statistics.dropped_samples, 0u);
 }
 
+TEST(Renderer, TakesNoMoreMemoryThanItsBatches) {
+    const Scene scene = *builtin_scene("spheres");
+    Renderer renderer(device(), scene, {.width = 16, .height = 16, .spp = 256});
+    const auto bytes = [&] { return renderer.statistics().device_bytes; };
+    const std::uint64_t none = bytes();
+    (void)renderer.render([](const RenderProgress&) { return false; });
+    const std::uint64_t first = bytes();
+    (void)renderer.render();
+    const std::uint64_t all = bytes();
+    EXPECT_GT(first, none);
+    EXPECT_LT(first, none + 256 * 400);
+    EXPECT_GT(all, none + 4096 * 100);
+    renderer.restart(1);
+    (void)renderer.render();
+    EXPECT_GE(bytes(), all);
+}
+
 TEST(Renderer, SamplesThatOverflowAreDroppedAndCounted) {
     Scene scene;
     scene.materials = {lambert(0.5f), emitter(3e38f)};

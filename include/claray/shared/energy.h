@@ -10,8 +10,8 @@
 
 // All tables lie one behind the other: first the conductor's, what of light one reflection loses. Then come blocks.
 
-/// The block of an index of refraction: what a dielectric does not reflect; what neither comes back nor goes through, from
-/// outside and from inside; and the share of diffuse light from outside that a smooth interface lets through.
+/// The block of an index of refraction: what a dielectric does not reflect; what neither comes back nor goes through,
+/// from outside and from inside; and the share of diffuse light from outside that a smooth interface lets through.
 #define CLARAY_UNREFLECTED 0
 #define CLARAY_LOST_OUTSIDE CLARAY_ENERGY_TABLE
 #define CLARAY_LOST_INSIDE (2 * CLARAY_ENERGY_TABLE)

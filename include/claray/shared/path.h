@@ -10,7 +10,7 @@ CLARAY_SHARED_BEGIN
 typedef struct PathState {
     float throughput_r, throughput_g, throughput_b;  // radiance at the camera per radiance along this ray
     float pdf;  // per steradian, with which the ray's direction was sampled; 0: by a delta function or the camera;
-              // negative: it goes to a hot spot, this is minus the density with which the BSDF would have sampled it
+                // negative: it goes to a hot spot, this is minus the density with which the BSDF would have sampled it
     uint path;  // index in the batch
 } PathState;
 CLARAY_LAYOUT(PathState, 20)
@@ -36,7 +36,7 @@ typedef struct FrameData {
     LightsData lights;
     uint width, height;
     uint seed;
-    uint max_depth;        // surfaces that scatter, at most
+    uint max_depth;  // surfaces that scatter, at most
 } FrameData;
 CLARAY_LAYOUT(FrameData, 212)
 
@@ -68,6 +68,13 @@ typedef struct ErrorSums {
     uint pixels;     // with samples of even and of odd index
 } ErrorSums;
 CLARAY_LAYOUT(ErrorSums, 16)
+
+/// What one look at a film tells.
+typedef struct FilmSums {
+    NoiseSums noise;
+    ErrorSums error;  // where there is a second film
+} FilmSums;
+CLARAY_LAYOUT(FilmSums, 32)
 
 CLARAY_SHARED_END
 

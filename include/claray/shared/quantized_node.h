@@ -2,8 +2,8 @@
 #ifndef CLARAY_SHARED_QUANTIZED_NODE_H
 #define CLARAY_SHARED_QUANTIZED_NODE_H
 
-/// Words of a node: origin, three exponents, twelve planes, two children (compare Ylitie, Karras and Laine 2017, "Efficient
-/// Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs").
+/// Words of a node: origin, three exponents, twelve planes, two children (compare Ylitie, Karras and Laine 2017,
+/// "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs").
 #define CLARAY_QUANTIZED_WORDS(bits) (4 + 12 * (bits) / 32 + 2)
 
 #endif

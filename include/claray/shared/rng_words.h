@@ -1,5 +1,5 @@
-// The functions of rng.h, for words CLARAY_WORD, pairs of them CLARAY_PAIR, and under names CLARAY_OF_WORD(name): kernels for
-// CPUs include it a second time for vectors of words.
+// The functions of rng.h, for words CLARAY_WORD, pairs of them CLARAY_PAIR, and under names CLARAY_OF_WORD(name):
+// kernels for CPUs include it a second time for vectors of words.
 
 /// A bijection of 32-bit words whose output bits all depend on all input bits (constants: Wellons 2018, "lowbias32").
 CLARAY_SHARED_FUNCTION CLARAY_WORD CLARAY_OF_WORD(hash_word)(CLARAY_WORD x) {
@@ -45,9 +45,12 @@ CLARAY_SHARED_FUNCTION CLARAY_WORD CLARAY_OF_WORD(sobol_second_reversed)(CLARAY_
 /// Point `index` of a shuffled and scrambled Sobol sequence; seeds give independent sequences.
 CLARAY_SHARED_FUNCTION CLARAY_PAIR CLARAY_OF_WORD(sobol_pair)(CLARAY_WORD index, CLARAY_WORD seed) {
     CLARAY_PAIR pair;
-    index = CLARAY_OF_WORD(reverse_bits)(CLARAY_OF_WORD(owen_scramble_reversed)(CLARAY_OF_WORD(reverse_bits)(index), seed));
-    pair.x = CLARAY_OF_WORD(reverse_bits)(CLARAY_OF_WORD(owen_scramble_reversed)(index, CLARAY_OF_WORD(hash_word)(seed ^ 0x68bc21ebu)));
-    pair.y = CLARAY_OF_WORD(reverse_bits)(CLARAY_OF_WORD(owen_scramble_reversed)(CLARAY_OF_WORD(sobol_second_reversed)(index), CLARAY_OF_WORD(hash_word)(seed ^ 0x02e5be93u)));
+    index =
+        CLARAY_OF_WORD(reverse_bits)(CLARAY_OF_WORD(owen_scramble_reversed)(CLARAY_OF_WORD(reverse_bits)(index), seed));
+    pair.x = CLARAY_OF_WORD(reverse_bits)(
+        CLARAY_OF_WORD(owen_scramble_reversed)(index, CLARAY_OF_WORD(hash_word)(seed ^ 0x68bc21ebu)));
+    pair.y = CLARAY_OF_WORD(reverse_bits)(CLARAY_OF_WORD(owen_scramble_reversed)(
+        CLARAY_OF_WORD(sobol_second_reversed)(index), CLARAY_OF_WORD(hash_word)(seed ^ 0x02e5be93u)));
     return pair;
 }
 
@@ -73,5 +76,6 @@ CLARAY_SHARED_FUNCTION CLARAY_PAIR CLARAY_OF_WORD(independent_pair)(CLARAY_WORD 
 CLARAY_SHARED_FUNCTION CLARAY_PAIR CLARAY_OF_WORD(sample_pair)(uint sampler, CLARAY_WORD pixel_seed, CLARAY_WORD sample,
                                                                CLARAY_WORD dimension) {
     const CLARAY_WORD seed = CLARAY_OF_WORD(hash_words)(pixel_seed ^ (sample & 1u), dimension);
-    return sampler == CLARAY_SOBOL ? CLARAY_OF_WORD(sobol_pair)(sample >> 1, seed) : CLARAY_OF_WORD(independent_pair)(sample, seed);
+    return sampler == CLARAY_SOBOL ? CLARAY_OF_WORD(sobol_pair)(sample >> 1, seed)
+                                   : CLARAY_OF_WORD(independent_pair)(sample, seed);
 }

@@ -12,8 +12,9 @@ CLARAY_SHARED_BEGIN
 #define CLARAY_METAL 3u
 #define CLARAY_BLINN_PHONG 4u
 #define CLARAY_PRINCIPLED 5u
-#define CLARAY_COATED_METAL 6u  // what a principled material may turn out to be at a hit; no material's kind on the host
-#define CLARAY_THIN_GLASS 7u    // glass with Material::thin_walled, and what a principled material may turn out to be
+#define CLARAY_COATED_METAL \
+    6u                        // what a principled material may turn out to be at a hit; no material's kind on the host
+#define CLARAY_THIN_GLASS 7u  // glass with Material::thin_walled, and what a principled material may turn out to be
 
 #define CLARAY_POINT_LIGHT 0u
 #define CLARAY_DIRECTIONAL_LIGHT 1u
@@ -26,25 +27,25 @@ typedef struct MaterialData {
     float roughness;                           // alpha = roughness^2 (GGX)
     float ior;                                 // index of refraction, inside over outside
     float sampled_emission;  // luminance by which its triangles are sampled; 0: they are not; < 0: each by its own
-    float metallic, transmission;              // principled
-    float clearcoat, clearcoat_roughness;      // principled
-    float specular_r, specular_g, specular_b;  // Blinn-Phong; specular + albedo <= 1
-    float shininess;                           // Blinn-Phong
+    float metallic, transmission;                    // principled
+    float clearcoat, clearcoat_roughness;            // principled
+    float specular_r, specular_g, specular_b;        // Blinn-Phong; specular + albedo <= 1
+    float shininess;                                 // Blinn-Phong
     float absorption_r, absorption_g, absorption_b;  // inside, per unit of length
     uint energy, coat_energy;  // where the blocks of its ior and of its coat begin in the energy tables
     uint thin_walled;          // principled
 } MaterialData;
 CLARAY_LAYOUT(MaterialData, 96)
 
-// Lights are numbered: emissive triangles, points and spots, directional lights, the environment. A random 32-bit number
-// picks the first one whose `cumulative` is not below it, the environment if there is none; where there is a tree, numbers
-// up to LightsData::tree_last go there instead.
+// Lights are numbered: emissive triangles, points and spots, directional lights, the environment. A random 32-bit
+// number picks the first one whose `cumulative` is not below it, the environment if there is none; where there is a
+// tree, numbers up to LightsData::tree_last go there instead.
 
 /// An emissive triangle.
 typedef struct TriangleLight {
     float v0x, v0y, v0z;
-    float e1x, e1y, e1z;  // v1 - v0
-    float e2x, e2y, e2z;  // v2 - v0
+    float e1x, e1y, e1z;                       // v1 - v0
+    float e2x, e2y, e2z;                       // v2 - v0
     float area;                                // negative where it shines to the front alone
     float emission_r, emission_g, emission_b;  // of textured ones the average
     uint primitive;
@@ -59,25 +60,27 @@ typedef struct PunctualLight {
     float intensity_r, intensity_g, intensity_b;  // radiant intensity, W / sr; directional: irradiance, W / m^2
     uint cumulative;                              // as in TriangleLight
     float probability;
-    float direction_x, direction_y, direction_z;  // in which it shines, unit length; points: way to the surface that is near
-    uint kind;                                    // CLARAY_POINT_LIGHT ...
-    float cone_scale, cone_offset;                // spot: clamp(cosine * scale + offset, 0, 1)^2; of points the scale is
-                                                  // HotSpot::probability, 0 where nothing is near
-    float inverse_range;                          // 0: unlimited
+    float direction_x, direction_y,
+        direction_z;                // in which it shines, unit length; points: way to the surface that is near
+    uint kind;                      // CLARAY_POINT_LIGHT ...
+    float cone_scale, cone_offset;  // spot: clamp(cosine * scale + offset, 0, 1)^2; of points the scale is
+                                    // HotSpot::probability, 0 where nothing is near
+    float inverse_range;            // 0: unlimited
     float attenuation_0, attenuation_1, attenuation_2;
 } PunctualLight;
 CLARAY_LAYOUT(PunctualLight, 72)
 
-#define CLARAY_TURNED_LAMP 0x80000000u   // of a triangle light with an image: second and third vertex have changed places
+#define CLARAY_TURNED_LAMP \
+    0x80000000u  // of a triangle light with an image: second and third vertex have changed places
 
 #define CLARAY_LIGHT_TREE_WIDTH 4
-#define CLARAY_LIGHT_TREE_HEIGHT 16      // a trail of 32 bits says which child on each level
-#define CLARAY_LIGHT_LEAF 0x80000000u    // a child that is the light of that number
+#define CLARAY_LIGHT_TREE_HEIGHT 16    // a trail of 32 bits says which child on each level
+#define CLARAY_LIGHT_LEAF 0x80000000u  // a child that is the light of that number
 #define CLARAY_TWO_SIDED_CONE 2.0f
 
 /// What a node of the light tree knows about its children: a sphere that holds a child's lights, a cone that holds the
-/// directions in which they shine most, and their intensity there. Missing children have none. Of 2^32 numbers, which are
-/// handed out in proportion to intensity, a child's lights have those from `first` on, `span` of them.
+/// directions in which they shine most, and their intensity there. Missing children have none. Of 2^32 numbers, which
+/// are handed out in proportion to intensity, a child's lights have those from `first` on, `span` of them.
 typedef struct LightNode {
     float x[4], y[4], z[4];
     float radius[4];  // negative: other things than intensity tell its lights apart even from far away
@@ -90,8 +93,9 @@ typedef struct LightNode {
 } LightNode;
 CLARAY_LAYOUT(LightNode, 224)
 
-/// A light in the order of the tree's leaves, and its share of the 2^32 numbers. Leaf i of n also tells where to look for the
-/// numbers from i 2^32 / n on (Chen and Asau 1974, "On generating random variates from an empirical distribution").
+/// A light in the order of the tree's leaves, and its share of the 2^32 numbers. Leaf i of n also tells where to look
+/// for the numbers from i 2^32 / n on (Chen and Asau 1974, "On generating random variates from an empirical
+/// distribution").
 typedef struct LightLeaf {
     uint light;
     uint first, last;
@@ -102,15 +106,15 @@ CLARAY_LAYOUT(LightLeaf, 16)
 /// Where in the tree a triangle light is. In the order of the triangle lights.
 typedef struct LightTrail {
     uint primitive;
-    uint trail;   // which child to take on each level, two bits each, the lowest first
-    uint leaf;    // its place in the order of the leaves
+    uint trail;  // which child to take on each level, two bits each, the lowest first
+    uint leaf;   // its place in the order of the leaves
 } LightTrail;
 CLARAY_LAYOUT(LightTrail, 12)
 
-/// A point light so close to a surface that paths seldom come upon its light there (shade/light_hot_spot.clh). The first whose
-/// `last` is not below a random number is chosen, none if there is none.
+/// A point light so close to a surface that paths seldom come upon its light there (shade/light_hot_spot.clh). The
+/// first whose `last` is not below a random number is chosen, none if there is none.
 typedef struct HotSpot {
-    uint last;         // 2^32 times the probabilities up to and including this one's, less 1
+    uint last;  // 2^32 times the probabilities up to and including this one's, less 1
     float probability;
     uint light;
     uint trail, leaf;  // as in LightTrail, where there is a tree
@@ -120,9 +124,9 @@ CLARAY_LAYOUT(HotSpot, 20)
 /// An image of latitudes and longitudes round the scene, and how its directions are sampled (shade/environment.clh).
 typedef struct EnvironmentData {
     uint width, height;  // 0: there is none
-    float turn;         // added to the column's coordinate, which goes from 0 to 1
-    float density;      // per steradian and per weight over the sine
-    float probability;  // of sampling the environment rather than another light
+    float turn;          // added to the column's coordinate, which goes from 0 to 1
+    float density;       // per steradian and per weight over the sine
+    float probability;   // of sampling the environment rather than another light
 } EnvironmentData;
 CLARAY_LAYOUT(EnvironmentData, 20)
 
@@ -142,20 +146,20 @@ typedef struct LightsData {
 } LightsData;
 CLARAY_LAYOUT(LightsData, 60)
 
-/// A pinhole camera or a thin lens, as the shutter opens. `right` and `up` span half the image plane at distance 1 along
-/// `forward`. What follows `aperture` is read under DEPTH_OF_FIELD, what follows `move` under CAMERA_MOTION.
+/// A pinhole camera or a thin lens, as the shutter opens. `right` and `up` span half the image plane at distance 1
+/// along `forward`. What follows `aperture` is read under DEPTH_OF_FIELD, what follows `move` under CAMERA_MOTION.
 typedef struct CameraData {
     float x, y, z;
     float forward_x, forward_y, forward_z;
     float right_x, right_y, right_z;
     float up_x, up_y, up_z;
-    float aperture;                           // radius of the lens; 0: a pinhole
-    float focus;                              // distance of the sharp plane along `forward`; 0: the target's, in motion
-    float move_x, move_y, move_z;             // of the position until the shutter closes
-    float view_x, view_y, view_z;             // from the position to the target, as the shutter opens
+    float aperture;                // radius of the lens; 0: a pinhole
+    float focus;                   // distance of the sharp plane along `forward`; 0: the target's, in motion
+    float move_x, move_y, move_z;  // of the position until the shutter closes
+    float view_x, view_y, view_z;  // from the position to the target, as the shutter opens
     float view_move_x, view_move_y, view_move_z;  // its change until the shutter closes
-    float above_x, above_y, above_z;          // unit direction that is up in the image
-    float half_width, half_height;            // lengths of `right` and `up`
+    float above_x, above_y, above_z;              // unit direction that is up in the image
+    float half_width, half_height;                // lengths of `right` and `up`
 } CameraData;
 CLARAY_LAYOUT(CameraData, 112)
 

@@ -1,6 +1,6 @@
-// Textures in device memory: one buffer of 32-bit words, the store, that begins with a TextureStore and holds everything
-// that textures need. Images of OpenCL are not asked for: devices may lack them, and their filters are too coarse (8 bits
-// of fraction) and differ.
+// Textures in device memory: one buffer of 32-bit words, the store, that begins with a TextureStore and holds
+// everything that textures need. Images of OpenCL are not asked for: devices may lack them, and their filters are too
+// coarse (8 bits of fraction) and differ.
 #ifndef CLARAY_SHARED_TEXTURE_H
 #define CLARAY_SHARED_TEXTURE_H
 
@@ -43,7 +43,8 @@ typedef struct TextureStore {
     uint decode;     // floats: what the 256 bytes mean under CLARAY_LINEAR8, then what they mean under CLARAY_SRGB8
     uint uvs[2];     // two floats a vertex
     uint tangents;   // four floats a vertex; 0 0 0 0 where a mesh has none
-    uint cutouts;    // a word a triangle: where its record begins (see CutoutMaterial), or CLARAY_NO_MAP where it is solid
+    uint
+        cutouts;  // a word a triangle: where its record begins (see CutoutMaterial), or CLARAY_NO_MAP where it is solid
     uint cutout_materials;  // CutoutMaterial
     uint spare[3];
 } TextureStore;
@@ -83,12 +84,12 @@ CLARAY_LAYOUT(MaterialMaps, 48)
 #define CLARAY_CUT_BLEND 2u  // there with the opacity as probability
 #define CLARAY_CUT_BACK 4u   // not there when met from behind
 
-/// Where rays pass through triangles that they meet. The record of such a triangle is the index of its CutoutMaterial, and
-/// then for each of the two textures that are there the coordinates of the three corners, transformed.
+/// Where rays pass through triangles that they meet. The record of such a triangle is the index of its CutoutMaterial,
+/// and then for each of the two textures that are there the coordinates of the three corners, transformed.
 typedef struct CutoutMaterial {
-    uint mode;     // CLARAY_CUT_...
+    uint mode;  // CLARAY_CUT_...
     float opacity, cutoff;
-    uint albedo;   // the texture whose alpha multiplies the opacity, or CLARAY_NO_MAP
+    uint albedo;       // the texture whose alpha multiplies the opacity, or CLARAY_NO_MAP
     uint opacity_map;  // the one whose red does
     uint spare[3];
 } CutoutMaterial;

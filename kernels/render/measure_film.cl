@@ -1,0 +1,73 @@
+// How noisy an image is, and how far it is off: its samples of even and of odd index are two renders that are independent of
+// each other. For means A and B of a and b samples, the expectation of (A - B)^2 a b / (a + b)^2 is the variance of the mean of all.
+#include "claray/shared/path.h"
+#include "shade/vector.clh"
+
+static inline float3 sum_of(FilmPixel p) { return (float3)(p.sum_r, p.sum_g, p.sum_b); }
+static inline float3 lost_by(FilmPixel p) { return (float3)(p.error_r, p.error_g, p.error_b); }
+
+/// a b / (a + b)^2
+static inline float weight_of_square(float a, float b) { return (a / (a + b)) * (b / (a + b)); }
+
+/// Of luminance, which is all that one film knows of the two halves.
+static inline void add_noise(NoiseSums* total, FilmPixel p, float scale) {
+    total->dropped += p.dropped;
+    if (p.odd_count == 0u || p.odd_count == p.count) return;
+    const float a = (float)(p.count - p.odd_count), b = (float)p.odd_count;
+    const float sum = luminance(sum_of(p)) + luminance(lost_by(p)), sum_of_odd = p.odd_sum + p.odd_error;
+    const float difference = ((sum - sum_of_odd) / a - sum_of_odd / b) * scale;
+    total->variance += difference * difference * weight_of_square(a, b);
+    total->luminance += sum / (float)p.count * scale;
+    ++total->pixels;
+}
+
+/// Of all channels; `odd` has the samples of odd index once more.
+static inline void add_error(ErrorSums* total, FilmPixel all, FilmPixel odd, float scale) {
+    if (odd.count == 0u || odd.count == all.count) return;
+    const float a = (float)(all.count - odd.count), b = (float)odd.count;
+    const float3 sum_of_even = (sum_of(all) - sum_of(odd)) + (lost_by(all) - lost_by(odd));
+    const float3 difference = (sum_of_even / a - (sum_of(odd) + lost_by(odd)) / b) * scale;
+    const float variance = dot(difference, difference) * weight_of_square(a, b);
+    total->variance += variance;
+    total->squares += variance * variance;
+    total->value += dot((sum_of(all) + lost_by(all)) / (float)all.count * scale, (float3)(1.0f));
+    ++total->pixels;
+}
+
+#if GROUP_SIZE > 1
+static inline void add_sums(local FilmSums* to, local const FilmSums* from) {
+    to->noise.variance += from->noise.variance;
+    to->noise.luminance += from->noise.luminance;
+    to->noise.pixels += from->noise.pixels;
+    to->noise.dropped += from->noise.dropped;
+    to->error.variance += from->error.variance;
+    to->error.squares += from->error.squares;
+    to->error.value += from->error.value;
+    to->error.pixels += from->error.pixels;
+}
+#endif
+
+/// Work-item w sums pixels w, w + items, ..., and each work-group its items where they share local memory; `sums` has room for
+/// what is left. Where `second` is not 0, a film begins there that has the samples of odd index alone. `scale` keeps
+/// fourth powers within float32.
+kernel void measure_film(global const FilmPixel* film, uint pixels, uint second, float scale, uint items, global FilmSums* sums) {
+    const uint item = get_global_id(0);
+    FilmSums total = {{0.0f, 0.0f, 0u, 0u}, {0.0f, 0.0f, 0.0f, 0u}};
+    for (uint i = item; item < items && i < pixels; i += items) {
+        const FilmPixel p = film[i];
+        add_noise(&total.noise, p, scale);
+        if (second != 0u) add_error(&total.error, p, film[(size_t)second + i], scale);
+    }
+#if GROUP_SIZE > 1
+    local FilmSums group[GROUP_SIZE];
+    const uint own = get_local_id(0);
+    group[own] = total;
+    for (uint half_size = GROUP_SIZE / 2; half_size != 0; half_size /= 2) {
+        barrier(CLK_LOCAL_MEM_FENCE);
+        if (own < half_size) add_sums(&group[own], &group[own + half_size]);
+    }
+    if (own == 0) sums[get_group_id(0)] = group[0];
+#else
+    if (item < items) sums[item] = total;
+#endif
+}

@@ -1,0 +1,35 @@
+// Whether materials scatter one way as they do back.
+#include "verify/bsdf.clh"
+
+/// Largest relative difference between the BSDF one way and back: n_o^2 f(o, i) = n_i^2 f(i, o). Every other pair is
+/// one that the sampler chooses.
+kernel void reciprocity(MATERIAL, uint count, uint pairs, global float* worst, global uint* compared) {
+    const uint item = get_global_id(0);
+    if (item >= count) return;
+    float most = 0.0f;
+    uint some = 0u;
+    for (uint k = 0; k < pairs; ++k) {
+        const float3 a = three(item * pairs + k, 1u), b = three(item * pairs + k, 2u);
+        const float z = 1.0f - a.x, around = b.z * 2.0f - 1.0f;
+        const float3 o = (float3)(sqrt(1.0f - z * z) * cosine_and_sine(a.y), z);
+        float3 i = (float3)(sqrt(1.0f - around * around) * cosine_and_sine(b.x), around);
+        BsdfSample s;
+        if ((k & 1u) && sample_bsdf(&material, tables, o, inside, (float3)(b.xy, a.z), &s)) i = s.incoming;
+        if (i.z == 0.0f) continue;
+        const bool through = i.z < 0.0f;
+        float pdf;
+        float there = eval_bsdf(&material, tables, o, i, inside, &pdf).x / fabs(i.z);
+        // Seen from the other side the frame is turned around x.
+        const float3 turn = through ? (float3)(1.0f, -1.0f, -1.0f) : (float3)(1.0f);
+        float back = eval_bsdf(&material, tables, i * turn, o * turn, inside != through, &pdf).x / o.z;
+        if (through) {
+            const float n2 = material.kind == CLARAY_THIN_GLASS ? 1.0f : material.ior * material.ior;
+            if (inside) there *= n2; else back *= n2;
+        }
+        if (!(there > 1e-20f) && !(back > 1e-20f)) continue;
+        most = fmax(most, fabs(there - back) / fmax(there, back));
+        ++some;
+    }
+    worst[item] = most;
+    compared[item] = some;
+}

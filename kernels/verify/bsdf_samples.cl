@@ -1,0 +1,37 @@
+// What materials sample, and what they say of directions.
+#include "verify/bsdf.clh"
+
+/// A sample, and what eval_bsdf says of it.
+typedef struct Sampled { float x, y, z, weight, pdf, eval_value, eval_pdf; uint valid; } Sampled;
+
+kernel void sample(MATERIAL, float ox, float oy, float oz, uint count, global Sampled* out) {
+    const uint i = get_global_id(0);
+    if (i >= count) return;
+    const float3 outgoing = (float3)(ox, oy, oz);
+    BsdfSample s;
+    Sampled r = {0, 0, 0, 0, 0, 0, 0, 0};
+    r.valid = sample_bsdf(&material, tables, outgoing, inside, three(i, 4321u), &s);
+    if (r.valid) {
+        r.x = s.incoming.x, r.y = s.incoming.y, r.z = s.incoming.z;
+        r.weight = s.weight.x, r.pdf = s.pdf;
+        r.eval_value = eval_bsdf(&material, tables, outgoing, s.incoming, inside, &r.eval_pdf).x;
+    }
+    out[i] = r;
+}
+
+kernel void eval(MATERIAL, float ox, float oy, float oz, uint count, global const float* directions,
+                 global float* values, global float* pdfs) {
+    const uint i = get_global_id(0);
+    if (i >= count) return;
+    const float3 incoming = vload3(i, directions);
+    float pdf;
+    values[i] = eval_bsdf(&material, tables, (float3)(ox, oy, oz), incoming, inside, &pdf).x / fabs(incoming.z);
+    pdfs[i] = pdf;
+}
+
+kernel void resolve(MATERIAL, uint count, global uint* kinds, global float* roughness) {
+    const uint i = get_global_id(0);
+    if (i >= count) return;
+    resolve_principled(&material, ((float)i + 0.5f) / (float)count);
+    kinds[i] = material.kind, roughness[i] = material.roughness;
+}
