@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "host/build/bvh_state.hpp"
+#include "host/compute/joint_program.hpp"
 
 namespace claray {
 namespace {
@@ -52,13 +53,17 @@ Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& wit
 void Bvh::State::prepare_to_build() {
     prepared_ = true;
     if (config.builder != Builder::high) allocate_for_sorting();
-    const Defines bits = {{"CODE_BITS", std::to_string(config.morton_bits)}};
+    compile_side_by_side(device, [this] { load_kernels(1); });
+    load_kernels(count);
+}
+
+void Bvh::State::load_kernels(std::size_t keys_to_sort) {
     reset_ = load_kernel(device, "build/bounds.cl", "reset_header");
     finish_bounds_ = load_kernel(device, "build/bounds.cl", "finish_bounds");
     if (ranges == 0)
         bounds_ = load_kernel(device, "build/bounds.cl", "compute_bounds",
                               {{"WHOLE_BOXES", config.builder == Builder::high ? "1" : "0"}});
-    if (config.builder != Builder::high) load_for_sorting(bits);
+    if (config.builder != Builder::high) load_for_sorting(keys_to_sort);
     if (layout == Layout::wide) {
         begin_collapse_ = load_kernel(device, "build/collapse.cl", "begin_collapse");
         collapse_level_ = load_kernel(device, "build/collapse.cl", "collapse_level");
@@ -66,8 +71,13 @@ void Bvh::State::prepare_to_build() {
     }
 }
 
-void Bvh::State::load_for_sorting(const Defines& bits) {
+void Bvh::State::load_for_sorting(std::size_t keys) {
+    if (config.morton_bits == 63)
+        sort64 = std::make_unique<RadixSort<std::uint64_t>>(device, keys, RadixSort<std::uint64_t>::config_for(device));
+    else
+        sort32 = std::make_unique<RadixSort<std::uint32_t>>(device, keys, RadixSort<std::uint32_t>::config_for(device));
     const bool balanced = config.builder == Builder::balanced;
+    const Defines bits = {{"CODE_BITS", std::to_string(config.morton_bits)}};
     Defines tree = bits;
     tree.emplace_back("MAX_LEAF", std::to_string(leaf_limit()));
     if (ranges == 0) {
@@ -123,15 +133,10 @@ void Bvh::State::allocate_for_sorting() {
         piece_counts = Buffer<std::uint32_t>(device, std::size_t(2) * ranges);
     }
     if (config.builder == Builder::balanced) clusters = Buffer<std::uint32_t>(device, count);
-    if (config.morton_bits == 63) {
+    if (config.morton_bits == 63)
         codes64 = Buffer<std::uint64_t>(device, count);
-        sort64 =
-            std::make_unique<RadixSort<std::uint64_t>>(device, count, RadixSort<std::uint64_t>::config_for(device));
-    } else {
+    else
         codes32 = Buffer<std::uint32_t>(device, count);
-        sort32 =
-            std::make_unique<RadixSort<std::uint32_t>>(device, count, RadixSort<std::uint32_t>::config_for(device));
-    }
 }
 
 void Bvh::State::compute_bounds() {

@@ -58,7 +58,8 @@ private:
     void prepare_to_build();
     void allocate();
     void allocate_for_sorting();
-    void load_for_sorting(const Defines& bits);
+    void load_kernels(std::size_t keys_to_sort);
+    void load_for_sorting(std::size_t keys);
     void compute_bounds();
     template <class Code>
     void build_tree(Buffer<Code>& codes, RadixSort<Code>& sort);

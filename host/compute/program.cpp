@@ -8,6 +8,7 @@
 #include "host/compute/build_report.hpp"
 #include "host/compute/device_error.hpp"
 #include "host/compute/device_state.hpp"
+#include "host/compute/in_parallel.hpp"
 #include "host/compute/joint_program.hpp"
 #include "host/compute/kernel_sources.hpp"
 #include "host/compute/memory.hpp"
@@ -171,11 +172,15 @@ std::string key_in_memory(const KernelSource& main, const std::string& options, 
     return main.path + '\n' + options + '\n' + (user_source ? main.text : "");
 }
 
+void add_milliseconds_since(std::chrono::steady_clock::time_point begin) {
+    const double took = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    statistics.change([&](CompileStatistics& s) { s.milliseconds += took; });
+}
+
 cl::Program timed_compile(const Device& device, const KernelSource& main, const std::string& options) {
     const auto begin = std::chrono::steady_clock::now();
     cl::Program program = compile(device, main, options);
-    const double took = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-    statistics.change([&](CompileStatistics& s) { s.milliseconds += took; });
+    add_milliseconds_since(begin);
     return program;
 }
 
@@ -314,6 +319,33 @@ void compile_jointly(const Device& device, const std::function<void()>& load, bo
     } catch (const Error&) {
         return;  // each is then compiled for itself, and says what is wrong
     }
+}
+
+void compile_side_by_side(const Device& device, const std::function<void()>& load) {
+    if (device.tuning("compute/programs", "SIDE_BY_SIDE") == 0) return;
+    struct Wanted {
+        std::string file, options, key;
+        std::optional<cl::Program> program;
+    };
+    std::vector<Wanted> wanted;
+    auto& programs = device.state().programs;
+    for (const KernelRequest& request : requests_of(device, load)) {
+        const std::string options = build_options(device, request.defines, Math::strict);
+        const std::string key = key_in_memory(kernel_source(request.file), options, false);
+        const auto same = [&](const Wanted& other) { return other.key == key; };
+        if (programs.contains(key) || std::any_of(wanted.begin(), wanted.end(), same)) continue;
+        wanted.push_back({request.file, options, key, {}});
+    }
+    const auto begin = std::chrono::steady_clock::now();
+    in_parallel(wanted.size(), [&](std::size_t i) {
+        try {
+            wanted[i].program = compile(device, kernel_source(wanted[i].file), wanted[i].options);
+        } catch (const std::exception&) {  // load_kernel will say why
+        }
+    });
+    add_milliseconds_since(begin);
+    for (const Wanted& one : wanted)
+        if (one.program) programs.emplace(one.key, *one.program);
 }
 
 void forget_slow_programs(const Device& device) {

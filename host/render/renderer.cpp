@@ -201,7 +201,8 @@ struct Renderer::State {
           structure(first_structure(on, scene, baked, plan, with.bvh)),
           build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
           buffers(on, scene, structure, config.effects.add),
-          wavefront(on, buffers, frame_data(scene, buffers, with), first_kernels(), std::uint64_t(pixels()) * with.spp),
+          wavefront(on, buffers, frame_data(scene, buffers, with), load_kernels(plan.first.effects),
+                    std::uint64_t(pixels()) * with.spp),
           film(on, pixels(), films_of(with)),
           schedule(new_schedule()),
           pace(first_paths(), wavefront.capacity()) {
@@ -209,7 +210,7 @@ struct Renderer::State {
             before[name] = device.profiler().milliseconds(name);
     }
 
-    [[nodiscard]] WavefrontKernels first_kernels() const;
+    [[nodiscard]] WavefrontKernels load_kernels(EffectSet effects) const;
     [[nodiscard]] std::uint32_t first_paths() const;
     void first_pixel();
     void take_over_when_compiled();
@@ -264,16 +265,16 @@ struct Renderer::State {
     std::map<std::string, double> before;            // the profiler's times when this render was set up
 };
 
-WavefrontKernels Renderer::State::first_kernels() const {
-    const auto load = [this] { return WavefrontKernels(buffers, config.sampler, plan.first.effects); };
-    if (plan.start == KernelStart::quick)
-        compile_jointly(
-            device,
-            [&] {
-                (void)load();
-                (void)Film::Kernels(device);
-            },
-            number_of(plan.first.effects) <= most_effects_to_optimize);
+WavefrontKernels Renderer::State::load_kernels(EffectSet effects) const {
+    const auto load = [&] { return WavefrontKernels(buffers, config.sampler, effects); };
+    const auto load_all = [&] {
+        (void)load();
+        (void)Film::Kernels(device);
+    };
+    if (!own_kernels && plan.start == KernelStart::quick)
+        compile_jointly(device, load_all, number_of(effects) <= most_effects_to_optimize);
+    else
+        compile_side_by_side(device, load_all);
     return load();
 }
 
@@ -355,10 +356,10 @@ void Renderer::State::first_pixel() {
 /// Between two batches, so that no path sees two kinds of kernels; the image would be the same even then.
 void Renderer::State::take_over_when_compiled() {
     if (!are_cached(device, plan.last, config)) return;
-    const bool rebuilds = plan.last.layout != plan.first.layout;
-    adopt(rebuilds ? structure.rebuilt(with_layout(config.bvh, plan.last.layout)) : structure);
     own_kernels = true;
     own_kernels_from = spp();
+    const bool rebuilds = plan.last.layout != plan.first.layout;
+    adopt(rebuilds ? structure.rebuilt(with_layout(config.bvh, plan.last.layout)) : structure);
 }
 
 /// The largest pass, half of the samples, takes most of the time.
@@ -388,7 +389,7 @@ void Renderer::State::adopt(const Structure& other) {
     structure = other;
     structure.set_cutouts(buffers.textures.cutouts());
     buffers.structure = structure;
-    wavefront.take_over(structure, WavefrontKernels(buffers, config.sampler, plan.last.effects));
+    wavefront.take_over(structure, load_kernels(plan.last.effects));
     chose_path_kernel = false;
     film.reload_kernels();
 }

@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/device.hpp"
+#include "tests/support/errors.hpp"
 #include "tests/support/process.hpp"
+#include "tests/support/tuning.hpp"
 
 namespace claray::test {
 namespace {
@@ -68,6 +70,44 @@ TEST(JointProgram, CompilesOnceAndServesThoseWhoAsk) {
     (void)load("render/measure_film.cl", "measure_film");
     EXPECT_EQ(compile_statistics().compiled, before + 1) << "found in memory";
     expect_that_it_empties_queues(empty_queues);
+}
+
+TEST(SideBySide, ProgramsAreThereWhenKernelsAreLoaded) {
+    const TemporaryFolder folder;
+    const ScopedEnvironment empty("CLARAY_CACHE_DIR", folder.path().string());
+    const Defines never_seen = {{"CLARAY_TEST", "80"}};
+    const auto load = [&](const char* file, const char* function) {
+        return load_kernel(device(), file, function, never_seen);
+    };
+    const auto load_all = [&] {
+        (void)load("render/resolve_film.cl", "resolve_film");
+        (void)load("build/bounds.cl", "reset_header");
+        (void)load("build/bounds.cl", "finish_bounds");
+        (void)load("render/empty_queues.cl", "empty_queues");
+    };
+    const auto compiled = [before = compile_statistics().compiled] { return compile_statistics().compiled - before; };
+    {
+        const ScopedTuning off("compute/programs", "SIDE_BY_SIDE", 0);
+        compile_side_by_side(device(), load_all);
+        EXPECT_EQ(compiled(), 0u);
+    }
+    const ScopedTuning on("compute/programs", "SIDE_BY_SIDE", 1);
+    compile_side_by_side(device(), load_all);
+    EXPECT_EQ(compiled(), 3u);
+    const unsigned from_cache = compile_statistics().from_cache;
+    load_all();
+    Kernel empty_queues = load("render/empty_queues.cl", "empty_queues");
+    EXPECT_EQ(compiled(), 3u);
+    EXPECT_EQ(compile_statistics().from_cache, from_cache) << "found in memory";
+    expect_that_it_empties_queues(empty_queues);
+}
+
+TEST(SideBySide, WhatDoesNotCompileIsToldByWhoLoadsIt) {
+    const ScopedTuning on("compute/programs", "SIDE_BY_SIDE", 1);
+    const Defines broken = {{"luminance", "no such word"}, {"CLARAY_TEST", "81"}};
+    const auto load = [&] { (void)load_kernel(device(), "render/measure_film.cl", "measure_film", broken); };
+    compile_side_by_side(device(), load);
+    EXPECT_TRUE(throws_error(ErrorKind::device, "render/measure_film.cl", load));
 }
 
 TEST(JointProgram, IsForgottenWhereItIsSlow) {

@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
+#include <condition_variable>
 #include <map>
 #include <mutex>
 #include <set>
@@ -90,12 +92,14 @@ TEST(VerifyCases, PiecesRunOnceOnDevicesOfTheirOwn) {
     for (const unsigned threads : {1u, 3u}) {
         std::vector<std::atomic<unsigned>> runs(20);
         std::mutex mutex;
+        std::condition_variable one_more;
         std::map<std::thread::id, std::set<const cl::Context*>> devices;
         verify::side_by_side(device(), threads, runs.size(), [&](const Device& on, std::size_t i) {
             ++runs[i];
-            std::this_thread::sleep_for(std::chrono::milliseconds(50));  // so that every thread gets one
-            const std::lock_guard lock(mutex);
+            std::unique_lock lock(mutex);
             devices[std::this_thread::get_id()].insert(&on.context());
+            one_more.notify_all();  // to open a device may take longer than all pieces
+            one_more.wait_for(lock, std::chrono::seconds(60), [&] { return devices.size() == threads; });
         });
         for (const auto& count : runs) EXPECT_EQ(count, 1u);
         std::set<const cl::Context*> all;
