@@ -15,7 +15,7 @@ namespace claray {
 namespace {
 
 constexpr std::array<char, 8> magic = {'C', 'L', 'R', 'C', 'K', 'P', '\r', '\n'};
-constexpr std::uint32_t current_version = 2;
+constexpr std::uint32_t current_version = 3;
 constexpr std::uint32_t byte_order = 0x01020304;  // reads otherwise on a machine of the other byte order
 
 /// The beginning of a file. Then the film's pixels, and their digest.
@@ -31,7 +31,7 @@ struct FileHeader {
     Digest scene, settings, kernels;
     Digest digest;  // of this header up to here
 };
-static_assert(sizeof(FileHeader) == 136);
+static_assert(sizeof(FileHeader) == 144);
 
 std::uint64_t pixels_of(const FileHeader& header) {
     return std::uint64_t(header.width) * header.height * (1 + std::uint64_t(header.more_films));
@@ -162,8 +162,8 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
             "it has " + std::to_string(most) + " samples a pixel, and " + std::to_string(spp) + " are asked for",
             "give a larger --spp");
     const ErrorLooks& looks = header.looks;
-    if (!(looks.square >= 0 && std::isfinite(looks.square) && looks.degrees >= 0 && std::isfinite(looks.degrees)) ||
-        looks.spp > at.done)
+    const auto sound = [](double value) { return value >= 0 && std::isfinite(value); };
+    if (!(sound(looks.square) && sound(looks.degrees) && sound(looks.last)) || looks.spp > at.done)
         file.refuse_damaged("what it knows of the error is no number");
     return {at, looks, file.pixels(pixels_of(header))};
 }

@@ -29,14 +29,25 @@ void ErrorLooks::add(double estimated_square, double its_degrees, std::uint32_t 
     if (its_degrees < least_degrees) known = std::min(known, 1.5 * estimated_square);
     square = (1 - before) * estimated_square + before * known;
     degrees = (1 - before) * its_degrees + before * degrees;
-    spp = samples, ++count;
+    last = estimated_square, spp = samples, ++count;
 }
 
 /// A firefly is in the image as it is in the estimate, so that a larger factor would buy nothing.
 double ErrorLooks::bound() const {
     constexpr double deviations = 2, gain_of_looks = 1.4;
     const double all = count > 1 ? gain_of_looks * degrees : degrees;
-    return std::sqrt(square * quantile_of_f(std::max(all, least_degrees), deviations));
+    return std::sqrt(std::max(last, square * quantile_of_f(std::max(all, least_degrees), deviations)));
+}
+
+/// With as many samples more as are missing if the error falls with their number, as it does where a firefly has most
+/// of it; but with an eighth more at least, since every look is a chance to stop by luck, and with twice as many at
+/// most, since what few samples tell is rough. This does not depend on how many samples a device takes at once.
+std::uint32_t ErrorLooks::next(double error) const {
+    constexpr std::uint32_t first = 4;
+    if (count == 0) return first;
+    const double ratio = bound() / error, done = spp;
+    if (ratio <= 1) return spp;
+    return spp + std::uint32_t(std::clamp(std::ceil((ratio - 1) * done), std::ceil(done / 8), done));
 }
 
 }  // namespace claray

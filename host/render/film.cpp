@@ -97,10 +97,11 @@ Film::Error Film::error(ErrorLooks& looks, std::uint32_t spp) const {
     const Totals& total = totals();
     if (!(total.value > 0)) return {};
     const double mean = total.value / (3 * total.pixels);
-    const double estimate = std::sqrt(total.variance / (3 * total.pixels)) / mean;
-    if (!(total.squares > 0)) return {estimate, estimate};
-    looks.add(estimate * estimate, 3 * total.variance * total.variance / total.squares - 2, spp);
-    return {estimate, std::max(estimate, looks.bound())};
+    constexpr double least = 0x1p-24;  // which is what an image of float32 is off by in any case
+    const double estimate = std::max(least, std::sqrt(total.variance / (3 * total.pixels)) / mean);
+    const double degrees = total.squares > 0 ? 3 * total.variance * total.variance / total.squares - 2 : 0;
+    looks.add(estimate * estimate, degrees, spp);
+    return {estimate, looks.bound()};
 }
 
 }  // namespace claray

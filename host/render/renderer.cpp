@@ -25,7 +25,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr unsigned largest_side = 1u << 14;
 constexpr unsigned least_spp_for_noise = 16;
-constexpr unsigned least_spp_for_error = 4;
 constexpr unsigned spp_that_see_light = 2048;
 constexpr double seconds_between_reports = 0.2;
 constexpr std::size_t batches_in_flight = 2;
@@ -226,6 +225,7 @@ struct Renderer::State {
     auto timed(const Measure& measure);
     [[nodiscard]] bool target_met();
     [[nodiscard]] bool error_met();
+    void look_at_error(unsigned spp);
     void warm_up();
     [[nodiscard]] std::uint32_t paths_of_next_batch(InFlight& in_flight) const;
     void trace(const Batch& batch, InFlight& in_flight);
@@ -313,30 +313,32 @@ bool Renderer::State::target_met() {
     const unsigned spp = schedule.complete_passes_spp();
     if (config.seconds > 0 && spp > 0 && begin && seconds_since(*begin) >= config.seconds) return true;
     if (!schedule.between_passes()) return false;
-    if (config.error > 0 && spp >= least_spp_for_error && error_met()) return true;
+    if (config.error > 0 && error_met()) return true;
     if (!(config.noise > 0) || spp < least_spp_for_noise) return false;
     const double noise = timed([&] { return film.noise(); }).relative;
     return noise > 0 && noise <= config.noise;
 }
 
-/// Passes double. The last ones have as many samples as are missing if the error falls with their number, as it does
-/// where a firefly has most of it, but no less than an eighth of what is there, since every look is a chance to stop by
-/// luck.
+/// Between passes; the next one ends no later than a look is due.
 bool Renderer::State::error_met() {
-    last_error_spp = schedule.complete_passes_spp(), error_is_new = true;
-    last_error = timed([&] { return film.error(looks, last_error_spp); });
-    const double ratio = last_error.bound / config.error, done = last_error_spp;
-    if (!(last_error.bound > 0)) {
-        if (done >= spp_that_see_light)
-            throw Error(claray::ErrorKind::user,
-                        "the image is black after " + std::to_string(spp()) +
-                            " samples a pixel: an error relative to its mean has no meaning",
-                        "add light, or give --spp instead of --error");
-        return false;
+    const unsigned spp = schedule.complete_passes_spp();
+    if (spp >= looks.next(config.error)) {
+        look_at_error(spp);
+        if (last_error.bound > 0 && last_error.bound <= config.error) return true;
     }
-    if (ratio <= 1) return true;
-    schedule.limit_pass(std::uint32_t(std::clamp(std::ceil((ratio - 1) * done), std::ceil(done / 8), 1e9)));
+    const std::uint32_t next = looks.next(config.error);
+    if (next > spp) schedule.limit_pass(next - spp);
     return false;
+}
+
+void Renderer::State::look_at_error(unsigned spp) {
+    last_error_spp = spp, error_is_new = true;
+    last_error = timed([&] { return film.error(looks, spp); });
+    if (last_error.bound > 0 || spp < spp_that_see_light) return;
+    throw Error(claray::ErrorKind::user,
+                "the image is black after " + std::to_string(spp) +
+                    " samples a pixel: an error relative to its mean has no meaning",
+                "add light, or give --spp instead of --error");
 }
 
 /// Waits for it. Everything that follows has time.

@@ -3,7 +3,7 @@
 #include "claray/shared/path.h"
 #include "shade/vector.clh"
 
-static inline float3 sum_of(FilmPixel p) { return (float3)(p.sum_r, p.sum_g, p.sum_b); }
+static inline float3 summed_by(FilmPixel p) { return (float3)(p.sum_r, p.sum_g, p.sum_b); }
 static inline float3 lost_by(FilmPixel p) { return (float3)(p.error_r, p.error_g, p.error_b); }
 
 /// a b / (a + b)^2
@@ -14,8 +14,8 @@ static inline void add_noise(NoiseSums* total, FilmPixel p, float scale) {
     total->dropped += p.dropped;
     if (p.odd_count == 0u || p.odd_count == p.count) return;
     const float a = (float)(p.count - p.odd_count), b = (float)p.odd_count;
-    const float sum = luminance(sum_of(p)) + luminance(lost_by(p)), sum_of_odd = p.odd_sum + p.odd_error;
-    const float difference = ((sum - sum_of_odd) / a - sum_of_odd / b) * scale;
+    const float sum = luminance(summed_by(p)) + luminance(lost_by(p)), odd_sum = p.odd_sum + p.odd_error;
+    const float difference = ((sum - odd_sum) / a - odd_sum / b) * scale;
     total->variance += difference * difference * weight_of_square(a, b);
     total->luminance += sum / (float)p.count * scale;
     ++total->pixels;
@@ -25,12 +25,12 @@ static inline void add_noise(NoiseSums* total, FilmPixel p, float scale) {
 static inline void add_error(ErrorSums* total, FilmPixel all, FilmPixel odd, float scale) {
     if (odd.count == 0u || odd.count == all.count) return;
     const float a = (float)(all.count - odd.count), b = (float)odd.count;
-    const float3 sum_of_even = (sum_of(all) - sum_of(odd)) + (lost_by(all) - lost_by(odd));
-    const float3 difference = (sum_of_even / a - (sum_of(odd) + lost_by(odd)) / b) * scale;
+    const float3 even_sum = (summed_by(all) - summed_by(odd)) + (lost_by(all) - lost_by(odd));
+    const float3 difference = (even_sum / a - (summed_by(odd) + lost_by(odd)) / b) * scale;
     const float variance = dot(difference, difference) * weight_of_square(a, b);
     total->variance += variance;
     total->squares += variance * variance;
-    total->value += dot((sum_of(all) + lost_by(all)) / (float)all.count * scale, (float3)(1.0f));
+    total->value += dot((summed_by(all) + lost_by(all)) / (float)all.count * scale, (float3)(1.0f));
     ++total->pixels;
 }
 

@@ -114,16 +114,18 @@ TEST_F(KernelChoices, QuickKernelsGiveWayWithoutASeam) {
 }
 
 TEST_F(KernelChoices, QuickKernelsAreOneProgramAndNeedNoBuilder) {
-    const Scene scene = *builtin_scene("crate");
-    if (own(scene).layout != Layout::wide) GTEST_SKIP() << "the device traverses the binary tree anyway";
-    const Device fresh = Device::open(std::to_string(device().info().index));  // has no kernel in memory
-    const unsigned before = compile_statistics().compiled;
-    RenderConfig once = config();
-    once.spp = 1;
-    Renderer renderer(fresh, scene, once);
-    renderer.render();
-    EXPECT_EQ(compile_statistics().compiled, before + 1);
-    EXPECT_GT(renderer.statistics().first_pixel_processor_seconds, 0);
+    for (const char* name : {"crate", "effects"}) {
+        const Scene scene = *builtin_scene(name);
+        if (own(scene).layout != Layout::wide) GTEST_SKIP() << "the device traverses the binary tree anyway";
+        const Device fresh = Device::open(std::to_string(device().info().index));  // has no kernel in memory
+        const unsigned before = compile_statistics().compiled;
+        RenderConfig once = config();
+        once.spp = 1;
+        Renderer renderer(fresh, scene, once);
+        renderer.render();
+        EXPECT_EQ(compile_statistics().compiled, before + 1) << name;
+        EXPECT_GT(renderer.statistics().first_pixel_processor_seconds, 0);
+    }
 }
 
 TEST_F(KernelChoices, QuickKernelsOfManyEffectsAreNotOptimized) {

@@ -161,6 +161,31 @@ TEST(Renderer, BeginsAnewAsAnotherWould) {
     EXPECT_TRUE(same_bits(renderer.image(), render_image(scene, config)));
 }
 
+TEST(Renderer, RendersToAnErrorDoNotDependOnTheBatches) {
+    const Scene scene = *builtin_scene("spheres");
+    const auto spp_of = [&](unsigned paths) {
+        const ScopedTuning tuning("render/wavefront", "PATHS", paths);
+        Renderer renderer(device(), scene, {.width = 24, .height = 24, .spp = 1u << 20, .error = 0.05});
+        return renderer.render().spp;
+    };
+    const unsigned spp = spp_of(1u << 20);
+    EXPECT_GT(spp, 64u);
+    for (const unsigned paths : {500u, 10'000u}) EXPECT_EQ(spp_of(paths), spp) << paths;
+}
+
+TEST(Renderer, AnImageWithoutNoiseHasNoError) {
+    Scene scene;
+    scene.materials = {lambert(1.f)};
+    scene.meshes = {square(1.f, 0.f)};
+    scene.sky = {glm::vec3(1.f), glm::vec3(1.f)};
+    scene.camera = Camera{{0, 2, 0}, {0, 3, 0}, {0, 0, 1}, 30.f};  // away from it
+    Renderer renderer(device(), scene, {.width = 16, .height = 16, .spp = 1u << 16, .error = 1e-4});
+    const RenderProgress reached = renderer.render();
+    EXPECT_EQ(reached.spp, 4u);
+    EXPECT_GT(reached.error_bound, 0);
+    EXPECT_LT(reached.error_bound, 1e-6);
+}
+
 TEST(Renderer, NoErrorIsToldOfABlackImage) {
     Scene scene = *builtin_scene("crate");
     scene.lights.clear(), scene.sky = {}, scene.environment = {};
