@@ -1,6 +1,6 @@
-// Programs compiled before their kernels are loaded: several files as one program, or side by side. A driver takes a tenth
-// of a second for a program, however small it is (PoCL 3.1: 75 ms of 80 for an empty kernel), or seconds (NVIDIA's); a
-// first picture needs seven.
+// Programs compiled before their kernels are loaded: several files as one program, or side by side. A driver takes a
+// tenth of a second for a program, however small it is (PoCL 3.1: 75 ms of 80 for an empty kernel), or seconds
+// (NVIDIA's); a first picture needs seven.
 #pragma once
 
 #include <functional>
@@ -31,8 +31,8 @@ struct JointSource {
 /// not `optimized` takes little more than half as long to compile, and several times as long to run.
 void compile_jointly(const Device& device, const std::function<void()>& load, bool optimized = true);
 
-/// Compiles what `load` will ask load_kernel for, or loads it from the cache, by threads: where the tuning table says that
-/// this suits the device. `load` is called as above. What doesn't compile is left to load_kernel, which says why.
+/// Compiles what `load` will ask load_kernel for, or loads it from the cache, by threads: where the tuning table says
+/// that this suits the device. `load` is called as above. What doesn't compile is left to load_kernel, which says why.
 void compile_side_by_side(const Device& device, const std::function<void()>& load);
 
 /// load_kernel finds no program any more that was not optimized. Kernels that were loaded stay as they are.

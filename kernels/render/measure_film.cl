@@ -6,31 +6,32 @@
 static inline float3 summed_by(FilmPixel p) { return (float3)(p.sum_r, p.sum_g, p.sum_b); }
 static inline float3 lost_by(FilmPixel p) { return (float3)(p.error_r, p.error_g, p.error_b); }
 
-/// a b / (a + b)^2
-static inline float weight_of_square(float a, float b) { return (a / (a + b)) * (b / (a + b)); }
+/// What the numbers of samples of even and of odd index are to a difference of means.
+typedef struct Halves { float of_even, of_odd, of_all, of_square; } Halves;
+
+static inline Halves halves_of(FilmPixel p) {
+    const float even = (float)(p.count - p.odd_count), odd = (float)p.odd_count, of_all = 1.0f / (even + odd);
+    const Halves h = {1.0f / even, 1.0f / odd, of_all, even * of_all * (odd * of_all)};
+    return h;
+}
 
 /// Of luminance, which is all that one film knows of the two halves.
-static inline void add_noise(NoiseSums* total, FilmPixel p, float scale) {
-    total->dropped += p.dropped;
-    if (p.odd_count == 0u || p.odd_count == p.count) return;
-    const float a = (float)(p.count - p.odd_count), b = (float)p.odd_count;
+static inline void add_noise(NoiseSums* total, FilmPixel p, Halves h, float scale) {
     const float sum = luminance(summed_by(p)) + luminance(lost_by(p)), odd_sum = p.odd_sum + p.odd_error;
-    const float difference = ((sum - odd_sum) / a - odd_sum / b) * scale;
-    total->variance += difference * difference * weight_of_square(a, b);
-    total->luminance += sum / (float)p.count * scale;
+    const float difference = ((sum - odd_sum) * h.of_even - odd_sum * h.of_odd) * scale;
+    total->variance += difference * difference * h.of_square;
+    total->luminance += sum * h.of_all * scale;
     ++total->pixels;
 }
 
 /// Of all channels; `odd` has the samples of odd index once more.
-static inline void add_error(ErrorSums* total, FilmPixel all, FilmPixel odd, float scale) {
-    if (odd.count == 0u || odd.count == all.count) return;
-    const float a = (float)(all.count - odd.count), b = (float)odd.count;
+static inline void add_error(ErrorSums* total, FilmPixel all, FilmPixel odd, Halves h, float scale) {
     const float3 even_sum = (summed_by(all) - summed_by(odd)) + (lost_by(all) - lost_by(odd));
-    const float3 difference = (even_sum / a - (summed_by(odd) + lost_by(odd)) / b) * scale;
-    const float variance = dot(difference, difference) * weight_of_square(a, b);
+    const float3 difference = (even_sum * h.of_even - (summed_by(odd) + lost_by(odd)) * h.of_odd) * scale;
+    const float variance = dot(difference, difference) * h.of_square;
     total->variance += variance;
     total->squares += variance * variance;
-    total->value += dot((summed_by(all) + lost_by(all)) / (float)all.count * scale, (float3)(1.0f));
+    total->value += dot((summed_by(all) + lost_by(all)) * h.of_all * scale, (float3)(1.0f));
     ++total->pixels;
 }
 
@@ -55,8 +56,11 @@ kernel void measure_film(global const FilmPixel* film, uint pixels, uint second,
     FilmSums total = {{0.0f, 0.0f, 0u, 0u}, {0.0f, 0.0f, 0.0f, 0u}};
     for (uint i = item; item < items && i < pixels; i += items) {
         const FilmPixel p = film[i];
-        add_noise(&total.noise, p, scale);
-        if (second != 0u) add_error(&total.error, p, film[(size_t)second + i], scale);
+        total.noise.dropped += p.dropped;
+        if (p.odd_count == 0u || p.odd_count == p.count) continue;
+        const Halves halves = halves_of(p);
+        add_noise(&total.noise, p, halves, scale);
+        if (second != 0u) add_error(&total.error, p, film[(size_t)second + i], halves, scale);
     }
 #if GROUP_SIZE > 1
     local FilmSums group[GROUP_SIZE];
