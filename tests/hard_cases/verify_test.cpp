@@ -123,6 +123,23 @@ TEST(VerifyCases, WhatAPieceThrowsArrives) {
     EXPECT_GE(runs, 1u);
 }
 
+TEST(VerifyCases, TimesAreMeasuredAgainWhereTheyAreTooLong) {
+    Buffer<float> large(device(), 1u << 24), small(device(), 1u << 16);
+    const auto ratio_of = [&](int slow_calls) {
+        VerifyResult result;
+        verify::Run run(device(), {}, result);
+        run.check_time(
+            "fills", 1, [&] { (slow_calls-- > 0 ? large : small).fill(0); }, [&] { small.fill(0); }, 20);
+        EXPECT_EQ(result.checks.size(), 1u);
+        EXPECT_TRUE(result.checks[0].time);
+        return result.checks[0];
+    };
+    EXPECT_FALSE(ratio_of(1000).holds());
+    EXPECT_TRUE(ratio_of(8).holds());  // a round that does not count, and seven
+    EXPECT_TRUE(ratio_of(16).holds());
+    EXPECT_FALSE(ratio_of(24).holds());
+}
+
 TEST(VerifyCases, SideBySideEndWhereTheCallerDoes) {
     const std::vector<std::string> names = {"srgb", "sort", "fresnel", "stadium", "scales"};
     unsigned reported = 0;
