@@ -8,7 +8,7 @@ namespace {
 
 /// That sum up pixels: as many as keep the device busy.
 std::uint32_t items_for(const Device& device, std::uint32_t pixels) {
-    return std::min(pixels, device.tuning("render/measure_film", "ITEMS"));
+    return std::clamp(device.tuning("render/measure_film", "ITEMS"), 1u, pixels);
 }
 
 }  // namespace
@@ -22,7 +22,7 @@ Film::Film(const Device& device, std::uint32_t pixels, std::uint32_t films)
     : device_(device),
       count_(pixels),
       films_(films),
-      group_(device.tuning("render/measure_film", "GROUP_SIZE")),
+      group_(std::max(1u, device.tuning("render/measure_film", "GROUP_SIZE"))),
       items_(items_for(device, pixels)),
       pixels_(device, std::size_t(pixels) * films),
       sums_(device, (items_ + group_ - 1) / group_),

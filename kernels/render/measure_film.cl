@@ -66,9 +66,11 @@ kernel void measure_film(global const FilmPixel* film, uint pixels, uint second,
     local FilmSums group[GROUP_SIZE];
     const uint own = get_local_id(0);
     group[own] = total;
-    for (uint half_size = GROUP_SIZE / 2; half_size != 0; half_size /= 2) {
+    for (uint left = GROUP_SIZE; left > 1;) {
+        const uint upper = left / 2;  // items whose sums go to the lower ones
+        left -= upper;
         barrier(CLK_LOCAL_MEM_FENCE);
-        if (own < half_size) add_sums(&group[own], &group[own + half_size]);
+        if (own < upper) add_sums(&group[own], &group[own + left]);
     }
     if (own == 0) sums[get_group_id(0)] = group[0];
 #else

@@ -172,7 +172,7 @@ TEST(Film, WorkGroupsSumUpWhatWorkItemsDo) {
     };
     const auto [noise, error] = looked_at(1);
     EXPECT_EQ(noise.dropped, 1u);
-    for (const unsigned group : {32u, 128u}) {
+    for (const unsigned group : {0u, 32u, 77u, 128u}) {
         const auto [same_noise, same_error] = looked_at(group);
         EXPECT_EQ(same_noise.dropped, 1u);
         EXPECT_NEAR(same_noise.relative / noise.relative, 1, 1e-5);
