@@ -28,11 +28,26 @@ Film::Film(const Device& device, std::uint32_t pixels, std::uint32_t films)
       sums_(device, (items_ + group_ - 1) / group_),
       kernels_(device) {
     clear();
+    load_second();
+}
+
+/// Alone, since PoCL compiles every kernel that is created, and a first picture seldom needs it.
+void Film::load_second() {
+    if (films_ == 2) accumulate_odd_ = load_kernel(device_, "render/accumulate_film.cl", "accumulate_odd");
+}
+
+void Film::reload_kernels() {
+    kernels_ = Kernels(device_);
+    load_second();
 }
 
 void Film::accumulate(const Batch& batch, const Buffer<float>& radiance) {
-    kernels_.accumulate.run({batch.pixels, 64}, batch, radiance, pixels_, second());
+    kernels_.accumulate.run({batch.pixels, 64}, batch, radiance, pixels_);
     totals_.reset();
+    if (second() == 0) return;
+    Batch odd = batch;
+    odd.first_pixel += second();
+    accumulate_odd_.run({batch.pixels, 64}, odd, radiance, pixels_);
 }
 
 void Film::clear() {

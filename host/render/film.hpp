@@ -21,7 +21,7 @@ public:
     };
 
     /// Goes on with kernels that are loaded anew.
-    void reload_kernels() { kernels_ = Kernels(device_); }
+    void reload_kernels();
 
     /// Adds the radiance (3 floats a path) of a batch; enqueued.
     void accumulate(const Batch& batch, const Buffer<float>& radiance);
@@ -57,6 +57,7 @@ private:
         double variance = 0, squares = 0, value = 0, pixels = 0;
         std::uint64_t dropped = 0;
     };
+    void load_second();
     [[nodiscard]] Totals measured() const;
     [[nodiscard]] const Totals& totals() const;
     [[nodiscard]] std::uint32_t second() const { return films_ < 2 ? 0 : count_; }
@@ -66,6 +67,7 @@ private:
     Buffer<FilmPixel> pixels_;
     Buffer<FilmSums> sums_;
     mutable Kernels kernels_;
+    Kernel accumulate_odd_;                 // where there are two films
     mutable std::optional<Totals> totals_;  // of the samples there are, where somebody asked
     mutable float scale_ = 1;               // a power of two, by which radiance is multiplied to be measured
 };
