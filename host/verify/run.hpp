@@ -33,8 +33,8 @@ public:
 
     /// Writes down a figure; it holds where worst <= bar.
     void check(const std::string& what, std::uint64_t tried, double worst, double bar, const std::string& unit);
-    /// The same for how many times as long as `other` a task takes by the device's clock: the least of three attempts,
-    /// of which the first that keeps to the bar is the last, since other programs may disturb one.
+    /// The same for how many times as long as `other` a task takes by the device's clock: medians of rounds by turns,
+    /// so many that what disturbs a few of them doesn't matter.
     void check_time(const std::string& what, std::uint64_t tried, const std::function<void()>& task,
                     const std::function<void()>& other, double bar);
     void fact(const std::string& name, const std::string& value);
