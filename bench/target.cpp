@@ -188,21 +188,32 @@ void times(const Device& device, const Options& options) {
     csv.write();
 }
 
+/// Of renders to an error, by turns with renders of as many samples that look at nothing: in one pass, on one film.
 void overhead(const Device& device, const Options& options) {
-    bench::Csv csv(options.csv, device, "scene,target,spp,seconds,measuring_seconds");
+    bench::Csv csv(options.csv, device, "scene,target,spp,seconds,measuring_seconds,seconds_without");
+    std::printf("%-14s %5s %6s %9s %13s %21s\n", "scene", "error", "spp", "seconds", "measuring", "seconds without");
     for (const char* name : scenes)
         for (const double target : targets) {
             const Scene scene = scene_of(name);
-            Renderer renderer(device, scene,
-                              {.width = options.size, .height = options.size, .spp = 1u << 24, .error = target});
-            (void)renderer.render();  // compiles
-            const double before = renderer.statistics().measuring_seconds;
-            renderer.restart(1);
-            const RenderProgress reached = renderer.render();
-            const double measuring = renderer.statistics().measuring_seconds - before;
-            std::printf("%-14s %5.2f: %u spp in %.3f s, measuring %.2f ms: %.2f %%\n", name, target, reached.spp,
-                        reached.seconds, 1e3 * measuring, 100 * measuring / reached.seconds);
-            csv.row(name, target, reached.spp, reached.seconds, measuring);
+            RenderConfig config{.width = options.size, .height = options.size, .spp = 1u << 24, .error = target};
+            Renderer looking(device, scene, config);
+            config.spp = looking.render().spp, config.error = 0;
+            Renderer blind(device, scene, config);
+            std::vector<double> seconds, measuring, without;
+            for (unsigned round = 0; round <= options.seeds; ++round) {
+                const double before = looking.statistics().measuring_seconds;
+                looking.restart(0), blind.restart(0);
+                const double looked = looking.render().seconds, not_looked = blind.render().seconds;
+                if (round == 0) continue;  // warms up
+                seconds.push_back(looked), without.push_back(not_looked);
+                measuring.push_back(looking.statistics().measuring_seconds - before);
+            }
+            const double took = bench::median(seconds), look = bench::median(measuring),
+                         blindly = bench::median(without);
+            std::printf("%-14s %5.2f %6u %9.4f %6.2f ms %.2f %% %9.4f, %+.1f %%\n", name, target, config.spp, took,
+                        1e3 * look, 100 * look / took, blindly, 100 * (took / blindly - 1));
+            std::fflush(stdout);
+            csv.row(name, target, config.spp, took, look, blindly);
         }
     csv.write();
 }
@@ -220,7 +231,11 @@ int main(int argc, char** argv) try {
     app.add_option("--references", options.references, "Where references are kept");
     app.add_option("--csv", options.csv, "Write the results to FILE");
     const auto add = [&](const char* name, const char* what, auto run) {
-        app.add_subcommand(name, what)->final_callback([&options, run] { run(Device::open(options.device), options); });
+        app.add_subcommand(name, what)->final_callback([&options, run] {
+            const Device device = Device::open(options.device);
+            device.profiler().enable(false);  // as claray render does
+            run(device, options);
+        });
     };
     app.add_option("--times", options.times, "Seconds to render for [0.5 2 10 60]")->delimiter(',');
     add("coverage", "Errors reached against errors asked for", coverage);

@@ -8,6 +8,9 @@ namespace {
 
 /// Where fewer pixels than these have all the error they are mostly those that met a firefly.
 constexpr double least_degrees = 6;
+/// Where so many share it, what a look tells is good to a tenth, and the error falls with the samples to the power of
+/// 0.6: between the root, as of independent samples, and the number, as of smooth images by Sobol's.
+constexpr double many_degrees = 200, samples_to_error = 1 / 0.6;
 
 /// The quantile of Fisher's F distribution with as many degrees of freedom above as below that a normal variable has at
 /// `deviations` (Abramowitz and Stegun 1964, 26.6.16, whose second term vanishes).
@@ -39,15 +42,17 @@ double ErrorLooks::bound() const {
     return std::sqrt(std::max(last, square * quantile_of_f(std::max(all, least_degrees), deviations)));
 }
 
-/// With as many samples more as are missing if the error falls with their number, as it does where a firefly has most
-/// of it; but with an eighth more at least, since every look is a chance to stop by luck, and with twice as many at
-/// most, since what few samples tell is rough. This does not depend on how many samples a device takes at once.
+/// With as many samples more as are missing where many pixels share the error; else, as if it fell with their number,
+/// which it does where a firefly has most of it. But with an eighth more at least, since every look is a chance to stop
+/// by luck, and with twice as many at most, since what few samples tell is rough. This does not depend on how many
+/// samples a device takes at once.
 std::uint32_t ErrorLooks::next(double error) const {
     constexpr std::uint32_t first = 4;
     if (count == 0) return first;
     const double ratio = bound() / error, done = spp;
     if (ratio <= 1) return spp;
-    return spp + std::uint32_t(std::clamp(std::ceil((ratio - 1) * done), std::ceil(done / 8), done));
+    const double times = std::pow(ratio, degrees < many_degrees ? 1 : samples_to_error);
+    return spp + std::uint32_t(std::clamp(std::ceil((times - 1) * done), std::ceil(done / 8), done));
 }
 
 }  // namespace claray

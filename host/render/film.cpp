@@ -43,21 +43,26 @@ void Film::reload_kernels() {
 
 void Film::accumulate(const Batch& batch, const Buffer<float>& radiance) {
     kernels_.accumulate.run({batch.pixels, 64}, batch, radiance, pixels_);
-    totals_.reset();
+    forget_look();
     if (second() == 0) return;
     Batch odd = batch;
     odd.first_pixel += second();
     accumulate_odd_.run({batch.pixels, 64}, odd, radiance, pixels_);
 }
 
+void Film::forget_look() {
+    totals_.reset();
+    looks_ = false;
+}
+
 void Film::clear() {
     pixels_.fill(0);
-    totals_.reset();
+    forget_look();
 }
 
 void Film::set_pixels(const std::vector<FilmPixel>& pixels) {
     pixels_.write(pixels);
-    totals_.reset();
+    forget_look();
 }
 
 std::vector<glm::vec3> Film::resolve() const {
@@ -69,8 +74,18 @@ std::vector<glm::vec3> Film::resolve() const {
     return result;
 }
 
-Film::Totals Film::measured() const {
+void Film::look() const {
+    if (totals_ || looks_) return;
+    measure();
+    looks_ = true;
+}
+
+void Film::measure() const {
     kernels_.measure.run({items_, group_ > 1 ? group_ : 64u}, pixels_, count_, second(), scale_, items_, sums_);
+}
+
+/// By the kernel that was enqueued last.
+Film::Totals Film::measured() const {
     Totals total;
     for (const FilmSums& sums : sums_.read()) {
         total.noise_variance += sums.noise.variance, total.luminance += sums.noise.luminance;
@@ -84,11 +99,14 @@ Film::Totals Film::measured() const {
 /// Measured once, however often they are asked for. Where radiance is so large or small that its fourth power leaves
 /// float32 they are measured in a unit of their own, which the next look begins with.
 const Film::Totals& Film::totals() const {
+    look();
     if (totals_) return *totals_;
     totals_ = measured();
+    looks_ = false;
     const double mean = totals_->luminance / totals_->noise_pixels;
     if (mean > 0 && (mean < 0x1p-10 || mean > 0x1p10)) {
         scale_ = float(std::clamp(scale_ * std::exp2(-std::round(std::log2(mean))), 0x1p-120, 0x1p120));
+        measure();
         totals_ = measured();
     }
     return *totals_;

@@ -34,6 +34,9 @@ public:
     [[nodiscard]] std::vector<FilmPixel> pixels() const { return pixels_.read(); }
     void set_pixels(const std::vector<FilmPixel>& pixels);
 
+    /// Enqueues what noise() and error() tell from, where it is not known: they wait for it.
+    void look() const;
+
     struct Noise {
         double relative = 0;  ///< as in RenderProgress
         std::uint64_t dropped = 0;
@@ -58,6 +61,8 @@ private:
         std::uint64_t dropped = 0;
     };
     void load_second();
+    void forget_look();
+    void measure() const;
     [[nodiscard]] Totals measured() const;
     [[nodiscard]] const Totals& totals() const;
     [[nodiscard]] std::uint32_t second() const { return films_ < 2 ? 0 : count_; }
@@ -69,6 +74,7 @@ private:
     mutable Kernels kernels_;
     Kernel accumulate_odd_;                 // where there are two films
     mutable std::optional<Totals> totals_;  // of the samples there are, where somebody asked
+    mutable bool looks_ = false;            // they are under way
     mutable float scale_ = 1;               // a power of two, by which radiance is multiplied to be measured
 };
 

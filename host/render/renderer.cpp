@@ -88,6 +88,26 @@ double kernel_milliseconds(const Device& device) {
 /// A last batch may be as short as this: half a percent of the time, but longer than launching takes.
 double least_milliseconds(double seconds) { return std::max(1.0, 5 * seconds); }
 
+/// In the queue, behind what was enqueued so far.
+class Mark {
+public:
+    explicit Mark(const Device& device) : device_(device) {
+        try {
+            device_.queue().enqueueMarkerWithWaitList(nullptr, &event_);
+        } catch (const cl::Error& error) {
+            throw_device_error(device_, "render", error);
+        }
+    }
+    /// Until all of that is done.
+    void wait() const try { event_.wait(); } catch (const cl::Error& error) {
+        throw_device_error(device_, "render", error);
+    }
+
+private:
+    Device device_;
+    cl::Event event_;
+};
+
 /// Keeps the host from running far ahead of the device, so that a stop takes effect soon, and sets the pace.
 class InFlight {
 public:
@@ -106,10 +126,8 @@ public:
 
     /// To be called after each batch; waits for the one before the last.
     void submitted(std::uint32_t paths) try {
-        cl::Event done;
-        device_.queue().enqueueMarkerWithWaitList(nullptr, &done);
+        batches_.push_back({Mark(device_), paths});
         device_.queue().flush();
-        batches_.push_back({done, paths});
         if (batches_.size() >= batches_in_flight) wait();
     } catch (const cl::Error& error) {
         throw_device_error(device_, "render", error);
@@ -117,19 +135,17 @@ public:
 
 private:
     struct Submitted {
-        cl::Event done;
+        Mark done;
         std::uint32_t paths;
     };
 
     /// For the oldest batch.
-    void wait() try {
+    void wait() {
         batches_.front().done.wait();
         const Clock::time_point now = Clock::now();
         if (before_) pace_.took(batches_.front().paths, 1e3 * std::chrono::duration<double>(now - *before_).count());
         before_ = now;
         batches_.pop_front();
-    } catch (const cl::Error& error) {
-        throw_device_error(device_, "render", error);
     }
 
     Device device_;
@@ -283,10 +299,13 @@ std::uint32_t Renderer::State::first_paths() const {
     return plan.start == KernelStart::quick ? std::min(tuned, quick_first_paths) : tuned;
 }
 
-/// What measuring takes is not what the batches take that are under way.
+/// What measuring takes is not what the batches take that are under way. It is enqueued behind them all the same, so
+/// that the device doesn't wait for the host.
 template <class Measure>
 auto Renderer::State::timed(const Measure& measure) {
-    device.finish();
+    const Mark batches(device);
+    film.look();
+    batches.wait();
     const Clock::time_point before_it = Clock::now();
     const auto measured = measure();
     measuring_seconds += seconds_since(before_it);

@@ -55,12 +55,12 @@ kernel void measure_film(global const FilmPixel* film, uint pixels, uint second,
     const uint item = get_global_id(0);
     FilmSums total = {{0.0f, 0.0f, 0u, 0u}, {0.0f, 0.0f, 0.0f, 0u}};
     for (uint i = item; item < items && i < pixels; i += items) {
-        const FilmPixel p = film[i];
+        const FilmPixel p = film[i], odd = film[(size_t)second + i];  // both asked for before either is looked at
         total.noise.dropped += p.dropped;
         if (p.odd_count == 0u || p.odd_count == p.count) continue;
         const Halves halves = halves_of(p);
         add_noise(&total.noise, p, halves, scale);
-        if (second != 0u) add_error(&total.error, p, film[(size_t)second + i], halves, scale);
+        if (second != 0u) add_error(&total.error, p, odd, halves, scale);
     }
 #if GROUP_SIZE > 1
     local FilmSums group[GROUP_SIZE];

@@ -222,6 +222,22 @@ TEST(ErrorLooks, OfAFireflyBoundItByLessThanThreeTimes) {
     }
 }
 
+TEST(ErrorLooks, TheNextOneIsWhereTheErrorIsReachedIfItFallsAsItShould) {
+    const auto next_after = [](double degrees, double bound_over_error) {
+        ErrorLooks looks;
+        EXPECT_EQ(looks.next(1), 4u) << "the first";
+        looks.add(1, degrees, 1000);
+        return looks.next(looks.bound() / bound_over_error);
+    };
+    for (const double few : {1., 6., 100.}) EXPECT_NEAR(next_after(few, 1.5), 1500, 1) << few;
+    for (const double many : {300., 1e6}) EXPECT_NEAR(next_after(many, 1.5), 1000 * std::pow(1.5, 1 / 0.6), 1) << many;
+    for (const double degrees : {1., 1e6}) {
+        EXPECT_EQ(next_after(degrees, 0.99), 1000u) << "they suffice";
+        EXPECT_EQ(next_after(degrees, 1.01), 1125u) << "an eighth more at least";
+        EXPECT_EQ(next_after(degrees, 10), 2000u) << "twice as many at most";
+    }
+}
+
 /// Of pixels that share the error evenly, after 4, 8, 16, 32 and 64 normal samples.
 TEST(ErrorLooks, TellMoreThanTheLastOne) {
     constexpr int pixels = 14, trials = 4000;
