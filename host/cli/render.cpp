@@ -72,6 +72,7 @@ void render(const RenderOptions& options) {
     check_outputs(options);
     tell_of_signals_until_guarded();
     const Device device = Device::open(options.device);
+    device.profiler().enable(options.stats || options.json || !options.trace.empty());
     device.profiler().keep_records(!options.trace.empty());
     RenderConfig config = options.config;
     if (!options.wait_for_kernels) config.compiler = this_program();

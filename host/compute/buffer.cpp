@@ -39,34 +39,34 @@ std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes) {
 
 void write(const Device& device, const cl::Buffer& buffer, std::size_t offset, const void* data,
            std::size_t bytes) try {
-    cl::Event event;
-    device.queue().enqueueWriteBuffer(buffer, CL_TRUE, offset, bytes, data, nullptr, &event);
-    device.profiler().add("write_buffer", event);
+    device.profiler().record("write_buffer", [&](cl::Event* event) {
+        device.queue().enqueueWriteBuffer(buffer, CL_TRUE, offset, bytes, data, nullptr, event);
+    });
 } catch (const cl::Error& error) {
     throw_device_error(device, "write a buffer", error);
 }
 
 void read(const Device& device, const cl::Buffer& buffer, std::size_t offset, void* data, std::size_t bytes) try {
-    cl::Event event;
-    device.queue().enqueueReadBuffer(buffer, CL_TRUE, offset, bytes, data, nullptr, &event);
-    device.profiler().add("read_buffer", event);
+    device.profiler().record("read_buffer", [&](cl::Event* event) {
+        device.queue().enqueueReadBuffer(buffer, CL_TRUE, offset, bytes, data, nullptr, event);
+    });
 } catch (const cl::Error& error) {
     throw_device_error(device, "read a buffer", error);
 }
 
 void copy(const Device& device, const cl::Buffer& from, const cl::Buffer& to, std::size_t bytes,
           std::size_t offset) try {
-    cl::Event event;
-    device.queue().enqueueCopyBuffer(from, to, 0, offset, bytes, nullptr, &event);
-    device.profiler().add("copy_buffer", event);
+    device.profiler().record("copy_buffer", [&](cl::Event* event) {
+        device.queue().enqueueCopyBuffer(from, to, 0, offset, bytes, nullptr, event);
+    });
 } catch (const cl::Error& error) {
     throw_device_error(device, "copy a buffer", error);
 }
 
 void fill_bytes(const Device& device, const cl::Buffer& buffer, unsigned pattern, std::size_t bytes) try {
-    cl::Event event;
-    device.queue().enqueueFillBuffer(buffer, cl_uint(pattern), 0, bytes, nullptr, &event);
-    device.profiler().add("fill_buffer", event);
+    device.profiler().record("fill_buffer", [&](cl::Event* event) {
+        device.queue().enqueueFillBuffer(buffer, cl_uint(pattern), 0, bytes, nullptr, event);
+    });
 } catch (const cl::Error& error) {
     throw_device_error(device, "fill a buffer", error);
 }

@@ -9,7 +9,6 @@ constexpr std::size_t pending_limit = 4096;
 }  // namespace
 
 void Profiler::add(std::string name, const cl::Event& event) {
-    if (!enabled_) return;
     if (pending_.size() >= pending_limit) collect();
     pending_.push_back({std::move(name), event});
 }

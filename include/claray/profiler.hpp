@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "claray/opencl.hpp"
@@ -28,8 +29,15 @@ struct ProfileSummary {
 /// Collects event times. Not thread safe: one profiler belongs to one queue.
 class Profiler {
 public:
-    /// Remembers an event; its times are read once it has finished.
-    void add(std::string name, const cl::Event& event);
+    /// Calls enqueue(cl::Event*) with what is to become the command's event, whose times are read once it has finished;
+    /// with null where nothing is measured.
+    template <class Enqueue>
+    void record(std::string name, const Enqueue& enqueue) {
+        if (!enabled_) return enqueue(nullptr);
+        cl::Event event;
+        enqueue(&event);
+        add(std::move(name), event);
+    }
     /// Reads the times of all remembered events, waiting for those under way.
     void collect();
 
@@ -46,9 +54,13 @@ public:
     void keep_records(bool keep) { keep_records_ = keep; }
     [[nodiscard]] const std::vector<ProfileRecord>& records();
 
+    /// On at first. Events cost a GPU's queue some microseconds each: without them renders of milliseconds take it up
+    /// to a quarter less (docs/performance.md), and RenderStatistics have no times of the device.
     void enable(bool enabled) { enabled_ = enabled; }
 
 private:
+    void add(std::string name, const cl::Event& event);
+
     struct Pending {
         std::string name;
         cl::Event event;

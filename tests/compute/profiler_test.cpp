@@ -81,7 +81,11 @@ TEST(ProfilerTest, DisabledItRemembersNothing) {
     const Device fresh = Device::open(std::to_string(device().info().index));
     fresh.profiler().enable(false);
     Buffer<float>(fresh, 1).fill(0);
+    fresh.profiler().record("a command", [](const cl::Event* event) { EXPECT_EQ(event, nullptr); });
     EXPECT_TRUE(fresh.profiler().summary().empty());
+    fresh.profiler().enable(true);
+    Buffer<float>(fresh, 1).fill(0);
+    EXPECT_EQ(fresh.profiler().summary().at("fill_buffer").count, 1u);
 }
 
 }  // namespace
