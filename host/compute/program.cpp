@@ -62,12 +62,16 @@ std::string build_options(const Device& device, const Defines& defines, Math mat
     return options;
 }
 
+std::string all_included(const KernelSource& main) {
+    std::string all;
+    for (const KernelSource* source : included_sources(main.text)) all += source->path + '\n' + source->text + '\n';
+    return all;
+}
+
 std::string cache_key(const Device& device, const KernelSource& main, const std::string& options) {
     const DeviceInfo& info = device.info();
-    std::string all = info.platform + '\n' + info.name + '\n' + info.driver + '\n' + info.version + '\n' + options +
-                      '\n' + main.path + '\n' + main.text + '\n';
-    for (const KernelSource* source : included_sources(main.text)) all += source->path + '\n' + source->text + '\n';
-    return hash128(all);
+    return hash128(info.platform + '\n' + info.name + '\n' + info.driver + '\n' + info.version + '\n' + options + '\n' +
+                   main.path + '\n' + main.text + '\n' + all_included(main));
 }
 
 std::string build_log(const cl::Program& program, const cl::Device& device) {
@@ -77,6 +81,10 @@ std::string build_log(const cl::Program& program, const cl::Device& device) {
         return "(the driver gives no log)";
     }
 }
+
+/// Drivers know by its source what they compiled before: NVIDIA's (580) gives that out again where only a header has
+/// changed, an #error in it too.
+std::string name_headers(const KernelSource& main) { return "\n// includes " + hash128(all_included(main)) + '\n'; }
 
 /// Makes the compiler name the file instead of a temporary one. NVIDIA's ignores it, and would count one line too many.
 std::string name_line(const Device& device, const KernelSource& main) {
@@ -113,7 +121,7 @@ cl::Program compile_from_source(const Device& device, const KernelSource& main, 
         handles.push_back(headers.back()());
         names.push_back(source->path.c_str());
     }
-    const cl::Program program(context, name_line(device, main) + main.text);
+    const cl::Program program(context, name_line(device, main) + main.text + name_headers(main));
     const cl_int compiled = clCompileProgram(program(), 1, &id, options.c_str(), cl_uint(handles.size()),
                                              handles.empty() ? nullptr : handles.data(),
                                              names.empty() ? nullptr : names.data(), nullptr, nullptr);
@@ -147,15 +155,15 @@ std::optional<cl::Program> load_from_cache(const Device& device, const std::stri
 
 /// Of PoCL one process compiles at a time: version 3.1 lists its own cache folder while it hands out a binary, and
 /// crashes on temporary folders that other processes have removed by then.
-CacheLock lock_to_compile(const Device& device, const std::string& key) {
-    const bool alone = device.info().platform == "Portable Computing Language";
-    return CacheLock("programs", alone ? std::string() : key);
-}
+bool compiles_alone(const Device& device) { return device.info().platform == "Portable Computing Language"; }
 
 cl::Program compile(const Device& device, const KernelSource& main, const std::string& options) {
     const std::string key = cache_key(device, main, options);
-    if (const auto program = load_from_cache(device, key)) return *program;  // without waiting for others that compile
-    const CacheLock lock = lock_to_compile(device, key);
+    const bool alone = compiles_alone(device);
+    if (alone)  // what is there need not wait for others that compile
+        if (const auto program = load_from_cache(device, key)) return *program;
+    // Who loads the same waits, too: NVIDIA's driver assembles what it loads, and has it ready for who loads it next.
+    const CacheLock lock("programs", alone ? std::string() : key);
     if (const auto program = load_from_cache(device, key)) return *program;
     cl::Program program = compile_from_source(device, main, options);
     statistics.change([](CompileStatistics& s) { ++s.compiled; });
@@ -231,10 +239,10 @@ void Kernel::enqueue(Range range, unsigned arguments) try {
     std::size_t global = range.global;
     if (range.local != 0) global = (global + range.local - 1) / range.local * range.local;
     fail_if_asked(device_->state().failing_command, CL_OUT_OF_RESOURCES);
-    cl::Event event;
-    device_->queue().enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange(global),
-                                          range.local ? cl::NDRange(range.local) : cl::NullRange, nullptr, &event);
-    device_->profiler().add(name_, event);
+    device_->profiler().record(name_, [&](cl::Event* event) {
+        device_->queue().enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange(global),
+                                              range.local ? cl::NDRange(range.local) : cl::NullRange, nullptr, event);
+    });
 } catch (const cl::Error& error) {
     // Drivers may put off an allocation until the buffer is first used, and other programs may hold memory too.
     if (error.err() == CL_MEM_OBJECT_ALLOCATION_FAILURE)
