@@ -12,7 +12,8 @@ endfunction()
 
 set(consumer "${CMAKE_CURRENT_LIST_DIR}/consumer")
 set(prefix "${WORK_DIR}/prefix")
-set(options -G ${GENERATOR} -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER})
+# Without optimizing and without -g, which nobody needs here, it builds fastest.
+set(options -G ${GENERATOR} -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG= -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER})
 file(REMOVE_RECURSE "${WORK_DIR}")
 
 if(SHARED)
