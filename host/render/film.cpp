@@ -99,8 +99,8 @@ Film::Totals Film::measured() const {
 /// Measured once, however often they are asked for. Where radiance is so large or small that its fourth power leaves
 /// float32 they are measured in a unit of their own, which the next look begins with.
 const Film::Totals& Film::totals() const {
-    look();
     if (totals_) return *totals_;
+    look();
     totals_ = measured();
     looks_ = false;
     const double mean = totals_->luminance / totals_->noise_pixels;
