@@ -82,8 +82,8 @@ std::string build_log(const cl::Program& program, const cl::Device& device) {
     }
 }
 
-/// Drivers know by its source what they compiled before: NVIDIA's (580) gives that out again where only a header has
-/// changed, an #error in it too.
+/// Drivers know by its source what they compiled before: NVIDIA's 580 gave that out again where only a header had
+/// changed, to an #error (John the Ripper's issue 5546 met the same with included files).
 std::string name_headers(const KernelSource& main) { return "\n// includes " + hash128(all_included(main)) + '\n'; }
 
 /// Makes the compiler name the file instead of a temporary one. NVIDIA's ignores it, and would count one line too many.
