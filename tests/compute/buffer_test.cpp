@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <numeric>
 
 #include "tests/support/device.hpp"
@@ -68,9 +67,14 @@ TEST(Buffers, AccessPastTheEndIsRefused) {
 }
 
 TEST(Buffers, TooLargeNamesWhatIsNeededAndWhatThereIs) {
-    const std::size_t limit = std::max(device().info().max_allocation, device().info().memory);
-    EXPECT_TRUE(throws_error(ErrorKind::device, "out of device memory", [&] { Buffer<char>(device(), limit + 1); }));
-    EXPECT_TRUE(throws_error(ErrorKind::device, device().info().name, [&] { Buffer<double>(device(), limit); }));
+    const auto is_refused = [](std::size_t limit) {
+        EXPECT_TRUE(
+            throws_error(ErrorKind::device, "out of device memory", [&] { Buffer<char>(device(), limit + 1); }));
+        EXPECT_TRUE(throws_error(ErrorKind::device, device().info().name, [&] { Buffer<double>(device(), limit); }));
+    };
+    is_refused(device().info().memory);
+    // Drivers of GPUs may give more in one buffer than they say.
+    if (device().info().type == DeviceType::cpu) is_refused(device().info().max_allocation);
     // 2^61 doubles and one more are 8 bytes modulo 2^64.
     EXPECT_TRUE(throws_error(ErrorKind::device, "out of device memory",
                              [&] { Buffer<double>(device(), (std::size_t(1) << 61) + 1); }));
