@@ -4,16 +4,15 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
-#include <deque>
 #include <memory>
 #include <optional>
 
-#include "host/compute/device_error.hpp"
 #include "host/compute/device_state.hpp"
 #include "host/compute/file.hpp"
 #include "host/compute/joint_program.hpp"
 #include "host/render/checkpoint.hpp"
 #include "host/render/film.hpp"
+#include "host/render/in_flight.hpp"
 #include "host/render/kernel_choice.hpp"
 #include "host/render/schedule.hpp"
 #include "host/render/wavefront.hpp"
@@ -27,7 +26,6 @@ constexpr unsigned largest_side = 1u << 14;
 constexpr unsigned least_spp_for_noise = 16;
 constexpr unsigned spp_that_see_light = 2048;
 constexpr double seconds_between_reports = 0.2;
-constexpr std::size_t batches_in_flight = 2;
 constexpr std::size_t most_triangles_by_host = 1u << 20;
 constexpr std::ptrdiff_t most_effects_to_optimize = 16;  // in quick kernels: PoCL takes two seconds for these
 constexpr std::uint32_t quick_first_paths = 2048;        // of the batch that the first pixel waits for
@@ -87,72 +85,6 @@ double kernel_milliseconds(const Device& device) {
 
 /// A last batch may be as short as this: half a percent of the time, but longer than launching takes.
 double least_milliseconds(double seconds) { return std::max(1.0, 5 * seconds); }
-
-/// In the queue, behind what was enqueued so far.
-class Mark {
-public:
-    explicit Mark(const Device& device) : device_(device) {
-        try {
-            device_.queue().enqueueMarkerWithWaitList(nullptr, &event_);
-        } catch (const cl::Error& error) {
-            throw_device_error(device_, "render", error);
-        }
-    }
-    /// Until all of that is done.
-    void wait() const try { event_.wait(); } catch (const cl::Error& error) {
-        throw_device_error(device_, "render", error);
-    }
-
-private:
-    Device device_;
-    cl::Event event_;
-};
-
-/// Keeps the host from running far ahead of the device, so that a stop takes effect soon, and sets the pace.
-class InFlight {
-public:
-    InFlight(const Device& device, Pace& pace) : device_(device), pace_(pace) {}
-
-    /// Paths whose batches are not yet known to be done.
-    [[nodiscard]] std::uint64_t paths() const {
-        std::uint64_t paths = 0;
-        for (const Submitted& batch : batches_) paths += batch.paths;
-        return paths;
-    }
-    /// Waits for the batch before the last, and for the last one.
-    void drain() {
-        while (!batches_.empty()) wait();
-    }
-
-    /// To be called after each batch; waits for the one before the last.
-    void submitted(std::uint32_t paths) try {
-        batches_.push_back({Mark(device_), paths});
-        device_.queue().flush();
-        if (batches_.size() >= batches_in_flight) wait();
-    } catch (const cl::Error& error) {
-        throw_device_error(device_, "render", error);
-    }
-
-private:
-    struct Submitted {
-        Mark done;
-        std::uint32_t paths;
-    };
-
-    /// For the oldest batch.
-    void wait() {
-        batches_.front().done.wait();
-        const Clock::time_point now = Clock::now();
-        if (before_) pace_.took(batches_.front().paths, 1e3 * std::chrono::duration<double>(now - *before_).count());
-        before_ = now;
-        batches_.pop_front();
-    }
-
-    Device device_;
-    Pace& pace_;
-    std::deque<Submitted> batches_;
-    std::optional<Clock::time_point> before_;  // when the batch before was seen to end
-};
 
 /// Programs that are compiled in its lifetime are not stored on disk, nor kept in memory where they are slow.
 class QuickStart {

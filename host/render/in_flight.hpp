@@ -1,0 +1,53 @@
+// What the device was told to do and may not have done yet.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "claray/device.hpp"
+#include "host/render/schedule.hpp"
+
+namespace claray {
+
+/// In the queue, behind what was enqueued so far.
+class Mark {
+public:
+    explicit Mark(const Device& device);
+    /// Until all of that is done.
+    void wait() const;
+
+private:
+    Device device_;
+    cl::Event event_;
+};
+
+/// Batches under way: keeps the host from running far ahead of the device, so that a stop takes effect soon, and sets
+/// the pace.
+class InFlight {
+public:
+    InFlight(const Device& device, Pace& pace) : device_(device), pace_(pace) {}
+
+    /// Paths whose batches are not yet known to be done.
+    [[nodiscard]] std::uint64_t paths() const;
+    /// Waits for the batch before the last, and for the last one.
+    void drain();
+    /// To be called after each batch; waits for the one before the last.
+    void submitted(std::uint32_t paths);
+
+private:
+    struct Submitted {
+        Mark done;
+        std::uint32_t paths;
+    };
+
+    void wait_for_oldest();
+
+    Device device_;
+    Pace& pace_;
+    std::deque<Submitted> batches_;
+    std::optional<std::chrono::steady_clock::time_point> before_;  // when the batch before was seen to end
+};
+
+}  // namespace claray
