@@ -1,6 +1,7 @@
 #include "host/render/error_looks.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace claray {
@@ -44,15 +45,18 @@ double ErrorLooks::bound() const {
 
 /// With as many samples more as are missing where many pixels share the error; else, as if it fell with their number,
 /// which it does where a firefly has most of it. But with an eighth more at least, since every look is a chance to stop
-/// by luck, and with twice as many at most, since what few samples tell is rough. This does not depend on how many
-/// samples a device takes at once.
+/// by luck, and with twice as many at most, since what few samples tell is rough. Powers of two
+/// that are near are worth the way: Sobol's points are even there, and what falls short of one is often not enough.
+/// This does not depend on how many samples a device takes at once.
 std::uint32_t ErrorLooks::next(double error) const {
     constexpr std::uint32_t first = 4;
     if (count == 0) return first;
     const double ratio = bound() / error, done = spp;
     if (ratio <= 1) return spp;
     const double times = std::pow(ratio, degrees < many_degrees ? 1 : samples_to_error);
-    return spp + std::uint32_t(std::clamp(std::ceil((times - 1) * done), std::ceil(done / 8), done));
+    const auto then = std::uint32_t(done + std::clamp(std::ceil((times - 1) * done), std::ceil(done / 8), done));
+    const std::uint32_t power = std::bit_ceil(then);
+    return power - then <= power / 8 && power <= 2 * spp ? power : then;
 }
 
 }  // namespace claray

@@ -5,15 +5,34 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
-#include <mutex>
-#include <optional>
 #include <thread>
 
 #include "host/bench/measure.hpp"
 
 namespace claray::verify {
 
-void side_by_side(const Device& device, unsigned threads, std::size_t count,
+std::optional<Device> Devices::take() {
+    {
+        const std::lock_guard lock(mutex_);
+        if (!idle_.empty()) {
+            const Device device = idle_.back();
+            idle_.pop_back();
+            return device;
+        }
+    }
+    try {
+        return Device::open(selector_);
+    } catch (const Error&) {
+        return {};
+    }
+}
+
+void Devices::give_back(const Device& device) {
+    const std::lock_guard lock(mutex_);
+    idle_.push_back(device);
+}
+
+void side_by_side(const Device& device, Devices& more, unsigned threads, std::size_t count,
                   const std::function<void(const Device&, std::size_t)>& piece) {
     std::atomic<std::size_t> next{0};
     std::exception_ptr thrown;
@@ -27,13 +46,10 @@ void side_by_side(const Device& device, unsigned threads, std::size_t count,
         }
     };
     const auto work_on_own = [&] {
-        std::optional<Device> own;
-        try {
-            own = Device::open(std::to_string(device.info().index));
-        } catch (const Error&) {
-            return;  // others do what is left
-        }
+        const std::optional<Device> own = more.take();
+        if (!own) return;  // others do what is left
         work(*own);
+        more.give_back(*own);
     };
     std::vector<std::thread> others;
     for (std::size_t i = 1; i < std::min<std::size_t>(threads, count); ++i) others.emplace_back(work_on_own);
@@ -43,7 +59,7 @@ void side_by_side(const Device& device, unsigned threads, std::size_t count,
 }
 
 void Run::side_by_side(std::size_t count, const std::function<void(const Device&, std::size_t)>& piece) const {
-    verify::side_by_side(device_, options_.threads, count, piece);
+    verify::side_by_side(device_, more_, options_.threads, count, piece);
 }
 
 void Run::check(const std::string& what, std::uint64_t tried, double worst, double bar, const std::string& unit) {

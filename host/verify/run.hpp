@@ -2,7 +2,11 @@
 #pragma once
 
 #include <functional>
+#include <mutex>
+#include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "claray/bvh.hpp"
 #include "claray/query.hpp"
@@ -10,15 +14,30 @@
 
 namespace claray::verify {
 
+/// More of one device, each with a context of its own, since drivers compile one program after the other for each. What
+/// is compiled for one is there for who takes it next.
+class Devices {
+public:
+    explicit Devices(const Device& first) : selector_(std::to_string(first.info().index)) {}
+    /// Nothing where the driver gives no more.
+    [[nodiscard]] std::optional<Device> take();
+    void give_back(const Device& device);
+
+private:
+    std::string selector_;
+    std::mutex mutex_;
+    std::vector<Device> idle_;
+};
+
 /// Calls piece(device, i) for every i below `count`: by so many threads, each with a device of its own, or here, where
 /// one suffices. What a piece throws is thrown once all are done, the first of them.
-void side_by_side(const Device& device, unsigned threads, std::size_t count,
+void side_by_side(const Device& device, Devices& more, unsigned threads, std::size_t count,
                   const std::function<void(const Device&, std::size_t)>& piece);
 
 class Run {
 public:
-    Run(const Device& device, const VerifyOptions& options, VerifyResult& result)
-        : device_(device), options_(options), result_(result) {}
+    Run(const Device& device, Devices& more, const VerifyOptions& options, VerifyResult& result)
+        : device_(device), more_(more), options_(options), result_(result) {}
 
     [[nodiscard]] const Device& device() const { return device_; }
     [[nodiscard]] std::uint64_t seed() const { return options_.seed; }
@@ -44,6 +63,7 @@ public:
 
 private:
     const Device& device_;
+    Devices& more_;
     const VerifyOptions& options_;
     VerifyResult& result_;
 };

@@ -108,6 +108,22 @@ const Entry& entry_of(const std::string& name) {
     throw Error(ErrorKind::usage, "there is no case '" + name + "'", "choose one of " + names);
 }
 
+VerifyResult run_case(const Device& device, verify::Devices& more, const std::string& name,
+                      const VerifyOptions& options) {
+    const Entry& entry = entry_of(name);
+    VerifyResult result;
+    result.name = name, result.seed = options.seed;
+    result.command = "claray verify --case " + name + (options.effort == Effort::full ? " --full" : " --quick") +
+                     " --seed " + std::to_string(options.seed) + " --device '" + std::to_string(device.info().index) +
+                     "'";
+    const auto begin = std::chrono::steady_clock::now();
+    verify::Run run(device, more, options, result);
+    entry.run(run);
+    device.finish();
+    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return result;
+}
+
 /// The less, the longer a case compiles: nan-pixels renders with all effects at once.
 int rank_of(const std::string& name) {
     const std::string family = entry_of(name).about.family;
@@ -117,13 +133,13 @@ int rank_of(const std::string& name) {
 /// Cases that run side by side, in an order that begins with those that compile longest.
 class Crew {
 public:
-    Crew(const Device& device, std::vector<std::string> names, const VerifyOptions& options)
-        : names_(std::move(names)) {
+    Crew(const Device& device, verify::Devices& more, std::vector<std::string> names, const VerifyOptions& options)
+        : more_(more), names_(std::move(names)) {
         std::stable_sort(names_.begin(), names_.end(),
                          [](const std::string& a, const std::string& b) { return rank_of(a) < rank_of(b); });
         for (const std::string& name : names_) found_[name] = results_.emplace_back().get_future();
         work_ = std::thread([this, device, options] {
-            verify::side_by_side(device, options.threads, names_.size(), [&](const Device& on, std::size_t i) {
+            verify::side_by_side(device, more_, options.threads, names_.size(), [&](const Device& on, std::size_t i) {
                 if (!ends_) run(on, i, options);
             });
         });
@@ -146,12 +162,13 @@ public:
 private:
     void run(const Device& device, std::size_t i, const VerifyOptions& options) {
         try {
-            results_[i].set_value(run_verify_case(device, names_[i], options));
+            results_[i].set_value(run_case(device, more_, names_[i], options));
         } catch (...) {
             results_[i].set_exception(std::current_exception());
         }
     }
 
+    verify::Devices& more_;
     std::vector<std::string> names_;
     std::deque<std::promise<VerifyResult>> results_;
     std::map<std::string, std::shared_future<VerifyResult>> found_;
@@ -201,19 +218,8 @@ void check_verify_cases(std::span<const std::string> names) {
 }
 
 VerifyResult run_verify_case(const Device& device, const std::string& name, const VerifyOptions& options) {
-    const Entry& entry = entry_of(name);
-    VerifyResult result;
-    result.name = name, result.seed = options.seed;
-    result.command = "claray verify --case " + name + (options.effort == Effort::full ? " --full" : " --quick") +
-                     " --seed " + std::to_string(options.seed) + " --device '" + std::to_string(device.info().index) +
-                     "'";
-    const auto begin = std::chrono::steady_clock::now();
-    const VerifyOptions resolved = with_threads(device, options);
-    verify::Run run(device, resolved, result);
-    entry.run(run);
-    device.finish();
-    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    return result;
+    verify::Devices more(device);
+    return run_case(device, more, name, with_threads(device, options));
 }
 
 void run_verify_cases(const Device& device, std::span<const std::string> names, const VerifyOptions& with,
@@ -222,14 +228,15 @@ void run_verify_cases(const Device& device, std::span<const std::string> names, 
     std::set<std::string> side_by_side;
     for (const std::string& name : names)
         if (!(entry_of(name).measures_times && options.times) && options.threads > 1) side_by_side.insert(name);
-    Crew crew(device, {side_by_side.begin(), side_by_side.end()}, options);
+    verify::Devices more(device);
+    Crew crew(device, more, {side_by_side.begin(), side_by_side.end()}, options);
     for (const std::string& name : names) {
         if (crew.has(name)) {
             report(crew.result_of(name));
             continue;
         }
         crew.wait();
-        report(run_verify_case(device, name, options));
+        report(run_case(device, more, name, options));
     }
 }
 

@@ -94,7 +94,8 @@ TEST(VerifyCases, PiecesRunOnceOnDevicesOfTheirOwn) {
         std::mutex mutex;
         std::condition_variable one_more;
         std::map<std::thread::id, std::set<const cl::Context*>> devices;
-        verify::side_by_side(device(), threads, runs.size(), [&](const Device& on, std::size_t i) {
+        verify::Devices more(device());
+        verify::side_by_side(device(), more, threads, runs.size(), [&](const Device& on, std::size_t i) {
             ++runs[i];
             std::unique_lock lock(mutex);
             devices[std::this_thread::get_id()].insert(&on.context());
@@ -114,7 +115,8 @@ TEST(VerifyCases, PiecesRunOnceOnDevicesOfTheirOwn) {
 
 TEST(VerifyCases, WhatAPieceThrowsArrives) {
     std::atomic<unsigned> runs = 0;
-    EXPECT_THROW(verify::side_by_side(device(), 3, 20,
+    verify::Devices more(device());
+    EXPECT_THROW(verify::side_by_side(device(), more, 3, 20,
                                       [&](const Device&, std::size_t i) {
                                           ++runs;
                                           if (i == 0) throw std::runtime_error("no more");
@@ -123,13 +125,33 @@ TEST(VerifyCases, WhatAPieceThrowsArrives) {
     EXPECT_GE(runs, 1u);
 }
 
+TEST(VerifyCases, OpenNoMoreDevicesThanAreUsedAtOnce) {
+    verify::Devices more(device());
+    std::set<const cl::Context*> used;
+    std::mutex mutex;
+    for (int round = 0; round < 3; ++round)
+        verify::side_by_side(device(), more, 2, 2, [&](const Device& on, std::size_t) {
+            const std::lock_guard lock(mutex);
+            used.insert(&on.context());
+        });
+    EXPECT_LE(used.size(), 2u);
+    const auto one = more.take(), other = more.take();
+    ASSERT_TRUE(one && other);
+    EXPECT_NE(&one->context(), &other->context());
+    EXPECT_NE(&one->context(), &device().context());
+}
+
 TEST(VerifyCases, TimesAreMediansOfManyRounds) {
-    Buffer<float> large(device(), 1u << 24), small(device(), 1u << 16);
+    Buffer<float> values(device(), 1u << 16);
+    const auto fill = [&](int times) {
+        for (int i = 0; i < times; ++i) values.fill(0);
+    };
     const auto ratio_of = [&](int slow_calls) {
         VerifyResult result;
-        verify::Run run(device(), {}, result);
+        verify::Devices more(device());
+        verify::Run run(device(), more, {}, result);
         run.check_time(
-            "fills", 1, [&] { (slow_calls-- > 0 ? large : small).fill(0); }, [&] { small.fill(0); }, 20);
+            "fills", 1, [&] { fill(slow_calls-- > 0 ? 200 : 1); }, [&] { fill(1); }, 20);
         EXPECT_EQ(result.checks.size(), 1u);
         EXPECT_TRUE(result.checks[0].time);
         return result.checks[0];
