@@ -62,16 +62,12 @@ std::string build_options(const Device& device, const Defines& defines, Math mat
     return options;
 }
 
-std::string all_included(const KernelSource& main) {
-    std::string all;
-    for (const KernelSource* source : included_sources(main.text)) all += source->path + '\n' + source->text + '\n';
-    return all;
-}
-
 std::string cache_key(const Device& device, const KernelSource& main, const std::string& options) {
     const DeviceInfo& info = device.info();
-    return hash128(info.platform + '\n' + info.name + '\n' + info.driver + '\n' + info.version + '\n' + options + '\n' +
-                   main.path + '\n' + main.text + '\n' + all_included(main));
+    std::string all = info.platform + '\n' + info.name + '\n' + info.driver + '\n' + info.version + '\n' + options +
+                      '\n' + main.path + '\n' + main.text + '\n';
+    for (const KernelSource* source : included_sources(main.text)) all += source->path + '\n' + source->text + '\n';
+    return hash128(all);
 }
 
 std::string build_log(const cl::Program& program, const cl::Device& device) {
@@ -82,9 +78,21 @@ std::string build_log(const cl::Program& program, const cl::Device& device) {
     }
 }
 
-/// Drivers know by its source what they compiled before: NVIDIA's 580 gave that out again where only a header had
-/// changed, to an #error (John the Ripper's issue 5546 met the same with included files).
-std::string name_headers(const KernelSource& main) { return "\n// includes " + hash128(all_included(main)) + '\n'; }
+void replace_all(std::string& text, const std::string& from, const std::string& to) {
+    for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+        text.replace(at, from.size(), to);
+}
+
+/// Compilers are handed claray's files under names that no folder has: NVIDIA's (driver 580) looks into the current
+/// folder and into its folder include first, and would take a file of the same name there.
+const std::string apart = "claray-sources/";
+
+std::string with_names_apart(std::string text) {
+    const std::string directive = "#include \"";
+    for (const KernelSource* source : included_sources(text))
+        replace_all(text, directive + source->path + '"', directive + apart + source->path + '"');
+    return text;
+}
 
 /// Makes the compiler name the file instead of a temporary one. NVIDIA's ignores it, and would count one line too many.
 std::string name_line(const Device& device, const KernelSource& main) {
@@ -92,10 +100,9 @@ std::string name_line(const Device& device, const KernelSource& main) {
 }
 
 /// NVIDIA's compiler calls the main file <kernel>.
-std::string with_file_name(std::string log, const KernelSource& main) {
-    const std::string anonymous = "<kernel>:";
-    for (std::size_t at = 0; (at = log.find(anonymous, at)) != std::string::npos;)
-        log.replace(at, anonymous.size(), main.path + ":");
+std::string with_file_names(std::string log, const KernelSource& main) {
+    replace_all(log, "<kernel>:", main.path + ":");
+    replace_all(log, apart, "");
     return log;
 }
 
@@ -103,7 +110,7 @@ std::string with_file_name(std::string log, const KernelSource& main) {
                                     const std::string& log) {
     throw Error(ErrorKind::device,
                 "cannot compile the kernel " + main.path + " for " + device.info().name + " with options '" + options +
-                    "'\n" + failure_report(device, main.path + ' ' + options) + "log:\n" + with_file_name(log, main));
+                    "'\n" + failure_report(device, main.path + ' ' + options) + "log:\n" + with_file_names(log, main));
 }
 
 /// Compiles with what it includes as named headers, so that #include works on every driver and messages keep their
@@ -115,13 +122,15 @@ cl::Program compile_from_source(const Device& device, const KernelSource& main, 
     const cl_device_id id = device.state().device();
     std::vector<cl::Program> headers;
     std::vector<cl_program> handles;
-    std::vector<const char*> names;
+    std::vector<std::string> paths;
     for (const KernelSource* source : included_sources(main.text)) {
-        headers.emplace_back(context, source->text);
+        headers.emplace_back(context, with_names_apart(source->text));
         handles.push_back(headers.back()());
-        names.push_back(source->path.c_str());
+        paths.push_back(apart + source->path);
     }
-    const cl::Program program(context, name_line(device, main) + main.text + name_headers(main));
+    std::vector<const char*> names;
+    for (const std::string& path : paths) names.push_back(path.c_str());
+    const cl::Program program(context, name_line(device, main) + with_names_apart(main.text));
     const cl_int compiled = clCompileProgram(program(), 1, &id, options.c_str(), cl_uint(handles.size()),
                                              handles.empty() ? nullptr : handles.data(),
                                              names.empty() ? nullptr : names.data(), nullptr, nullptr);

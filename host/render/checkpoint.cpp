@@ -15,10 +15,10 @@ namespace claray {
 namespace {
 
 constexpr std::array<char, 8> magic = {'C', 'L', 'R', 'C', 'K', 'P', '\r', '\n'};
-constexpr std::uint32_t current_version = 3;
+constexpr std::uint32_t current_version = 4;
 constexpr std::uint32_t byte_order = 0x01020304;  // reads otherwise on a machine of the other byte order
 
-/// The beginning of a file. Then the film's pixels, and their digest.
+/// The beginning of a file. Then the film's sums, and their digest.
 struct FileHeader {
     std::array<char, 8> name;
     std::uint32_t version;
@@ -26,15 +26,29 @@ struct FileHeader {
     std::uint32_t pixel_bytes;
     std::uint32_t width, height;
     Schedule::Position position;
-    std::uint32_t more_films;  // than one
+    std::uint32_t tells_error;
     ErrorLooks looks;
     Digest scene, settings, kernels;
     Digest digest;  // of this header up to here
 };
 static_assert(sizeof(FileHeader) == 144);
 
-std::uint64_t pixels_of(const FileHeader& header) {
-    return std::uint64_t(header.width) * header.height * (1 + std::uint64_t(header.more_films));
+std::uint64_t pixels_of(const FileHeader& header) { return std::uint64_t(header.width) * header.height; }
+
+std::uint64_t bytes_of_sums(const FileHeader& header) {
+    return pixels_of(header) * (sizeof(FilmPixel) + (header.tells_error ? sizeof(ColorSum) : 0));
+}
+
+template <class T>
+std::size_t bytes_of(const std::vector<T>& values) {
+    return values.size() * sizeof(T);
+}
+
+Digest digest_of_sums(const Film::Sums& sums) {
+    Hasher hasher;
+    hasher.add(sums.pixels.data(), bytes_of(sums.pixels));
+    hasher.add(sums.odd.data(), bytes_of(sums.odd));
+    return hasher.digest();
 }
 
 Digest digest_of_header(const FileHeader& header) { return digest_of(&header, offsetof(FileHeader, digest)); }
@@ -62,19 +76,21 @@ public:
         if (header.version != current_version || header.pixel_bytes != sizeof(FilmPixel))
             refuse("it was written by another version of claray", "use that version, or render from the start");
         if (header.digest != digest_of_header(header)) refuse_damaged("the checksum of its header is wrong");
-        const std::uint64_t expected = sizeof header + pixels_of(header) * sizeof(FilmPixel) + sizeof(Digest);
+        const std::uint64_t expected = sizeof header + bytes_of_sums(header) + sizeof(Digest);
         if (bytes_ != expected)
             refuse_damaged("it has " + std::to_string(bytes_) + " bytes instead of " + std::to_string(expected));
         return header;
     }
 
-    [[nodiscard]] std::vector<FilmPixel> pixels(std::size_t count) {
-        std::vector<FilmPixel> pixels(count);
-        read(pixels.data(), count * sizeof(FilmPixel));
+    [[nodiscard]] Film::Sums sums(const FileHeader& header) {
+        Film::Sums sums;
+        sums.pixels.resize(pixels_of(header)), sums.odd.resize(header.tells_error ? pixels_of(header) : 0);
+        read(sums.pixels.data(), bytes_of(sums.pixels));
+        read(sums.odd.data(), bytes_of(sums.odd));
         Digest digest;
         read(digest.data(), digest.size());
-        if (digest != digest_of(pixels.data(), count * sizeof(FilmPixel))) refuse_damaged("its checksum is wrong");
-        return pixels;
+        if (digest != digest_of_sums(sums)) refuse_damaged("its checksum is wrong");
+        return sums;
     }
 
     [[noreturn]] void refuse_damaged(const std::string& why) const {
@@ -101,7 +117,7 @@ std::string size_of(std::uint32_t width, std::uint32_t height) {
 }  // namespace
 
 RenderIdentity identity_of(const Scene& scene, const RenderConfig& config) {
-    RenderIdentity identity{config.width, config.height, films_of(config), digest_of(scene), {}, {}};
+    RenderIdentity identity{config.width, config.height, tells_error(config), digest_of(scene), {}, {}};
     const std::string settings = std::to_string(config.seed) + ' ' + std::to_string(config.max_depth) + ' ' +
                                  std::to_string(int(config.sampler)) + ' ' + to_string(config.effects.remove);
     identity.settings = digest_of(settings.data(), settings.size());
@@ -122,15 +138,16 @@ void write_checkpoint(const std::filesystem::path& path, const RenderIdentity& i
     header.pixel_bytes = sizeof(FilmPixel);
     header.width = identity.width, header.height = identity.height;
     header.position = checkpoint.position;
-    header.more_films = identity.films - 1;
+    header.tells_error = identity.tells_error;
     header.looks = checkpoint.looks;
     header.scene = identity.scene, header.settings = identity.settings, header.kernels = identity.kernels;
     header.digest = digest_of_header(header);
-    const std::size_t bytes = checkpoint.pixels.size() * sizeof(FilmPixel);
-    const Digest digest = digest_of(checkpoint.pixels.data(), bytes);
+    const Film::Sums& sums = checkpoint.sums;
+    const Digest digest = digest_of_sums(sums);
     NewFile file(path);
     file.write(&header, sizeof header);
-    file.write(checkpoint.pixels.data(), bytes);
+    file.write(sums.pixels.data(), bytes_of(sums.pixels));
+    file.write(sums.odd.data(), bytes_of(sums.odd));
     file.write(digest.data(), digest.size());
     file.commit();
 }
@@ -146,10 +163,10 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
         file.refuse("it is of another scene or camera", "give the scene and the camera that it was written for");
     if (header.settings != identity.settings)
         file.refuse("it was rendered with another seed, depth, sampler or choice of effects", "give the same settings");
-    if (header.more_films + 1 != identity.films)
-        file.refuse(identity.films == 1 ? "it was rendered with --error, and has sums for it"
-                                        : "it was rendered without --error",
-                    identity.films == 1 ? "give --error, too" : "leave out --error, or render from the start");
+    if ((header.tells_error != 0) != identity.tells_error)
+        file.refuse(identity.tells_error ? "it was rendered without --error"
+                                         : "it was rendered with --error, and has sums for it",
+                    identity.tells_error ? "leave out --error, or render from the start" : "give --error, too");
     if (header.kernels != identity.kernels)
         file.refuse("it was written by a claray with other kernels", "use that version, or render from the start");
     const Schedule::Position& at = header.position;
@@ -165,7 +182,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
     const auto sound = [](double value) { return value >= 0 && std::isfinite(value); };
     if (!(sound(looks.square) && sound(looks.degrees) && sound(looks.last)) || looks.spp > at.done)
         file.refuse_damaged("what it knows of the error is no number");
-    return {at, looks, file.pixels(pixels_of(header))};
+    return {at, looks, file.sums(header)};
 }
 
 }  // namespace claray

@@ -8,18 +8,19 @@
 #include "claray/shared/path.h"
 #include "host/compute/hash.hpp"
 #include "host/render/error_looks.hpp"
+#include "host/render/film.hpp"
 #include "host/render/schedule.hpp"
 
 namespace claray {
 
-/// How many films a render has.
-[[nodiscard]] inline std::uint32_t films_of(const RenderConfig& config) { return config.error > 0 ? 2 : 1; }
+/// Whether samples of odd index are summed once more.
+[[nodiscard]] inline bool tells_error(const RenderConfig& config) { return config.error > 0; }
 
 /// What the samples of a render depend on, but for the device. Of two renders of the same identity one may go on where
 /// the other stopped, with another number of samples, too.
 struct RenderIdentity {
     std::uint32_t width = 0, height = 0;
-    std::uint32_t films = 1;  // 2 where half of the samples are summed once more, for the sake of the error
+    bool tells_error = false;
     Digest scene{};
     Digest settings{};  // seed, depth, sampler, effects that are left out
     Digest kernels{};   // their sources
@@ -31,7 +32,7 @@ struct RenderIdentity {
 struct Checkpoint {
     Schedule::Position position;
     ErrorLooks looks;
-    std::vector<FilmPixel> pixels;  // film after film
+    Film::Sums sums;
 };
 
 /// As NewFile: there is always a whole checkpoint under this name, the former one or this.

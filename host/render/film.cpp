@@ -18,36 +18,34 @@ Film::Kernels::Kernels(const Device& device)
       resolve(load_kernel(device, "render/resolve_film.cl", "resolve_film")),
       measure(load_kernel(device, "render/measure_film.cl", "measure_film")) {}
 
-Film::Film(const Device& device, std::uint32_t pixels, std::uint32_t films)
+Film::Film(const Device& device, std::uint32_t pixels, bool tells_error)
     : device_(device),
       count_(pixels),
-      films_(films),
+      tells_error_(tells_error),
       group_(std::max(1u, device.tuning("render/measure_film", "GROUP_SIZE"))),
       items_(items_for(device, pixels)),
-      pixels_(device, std::size_t(pixels) * films),
+      pixels_(device, pixels),
+      odd_(device, tells_error ? pixels : 1),
       sums_(device, (items_ + group_ - 1) / group_),
       kernels_(device) {
     clear();
-    load_second();
+    load_odd();
 }
 
 /// Alone, since PoCL compiles every kernel that is created, and a first picture seldom needs it.
-void Film::load_second() {
-    if (films_ == 2) accumulate_odd_ = load_kernel(device_, "render/accumulate_film.cl", "accumulate_odd");
+void Film::load_odd() {
+    if (tells_error_) accumulate_odd_ = load_kernel(device_, "render/accumulate_film.cl", "accumulate_odd");
 }
 
 void Film::reload_kernels() {
     kernels_ = Kernels(device_);
-    load_second();
+    load_odd();
 }
 
 void Film::accumulate(const Batch& batch, const Buffer<float>& radiance) {
     kernels_.accumulate.run({batch.pixels, 64}, batch, radiance, pixels_);
+    if (tells_error_) accumulate_odd_.run({batch.pixels, 64}, batch, radiance, odd_);
     forget_look();
-    if (second() == 0) return;
-    Batch odd = batch;
-    odd.first_pixel += second();
-    accumulate_odd_.run({batch.pixels, 64}, odd, radiance, pixels_);
 }
 
 void Film::forget_look() {
@@ -57,11 +55,15 @@ void Film::forget_look() {
 
 void Film::clear() {
     pixels_.fill(0);
+    odd_.fill(0);
     forget_look();
 }
 
-void Film::set_pixels(const std::vector<FilmPixel>& pixels) {
-    pixels_.write(pixels);
+Film::Sums Film::sums() const { return {pixels_.read(), tells_error_ ? odd_.read() : std::vector<ColorSum>()}; }
+
+void Film::set_sums(const Sums& sums) {
+    pixels_.write(sums.pixels);
+    if (tells_error_) odd_.write(sums.odd);
     forget_look();
 }
 
@@ -81,7 +83,8 @@ void Film::look() const {
 }
 
 void Film::measure() const {
-    kernels_.measure.run({items_, group_ > 1 ? group_ : 64u}, pixels_, count_, second(), scale_, items_, sums_);
+    kernels_.measure.run({items_, group_ > 1 ? group_ : 64u}, pixels_, odd_, tells_error_ ? 1u : 0u, count_, scale_,
+                         items_, sums_);
 }
 
 /// By the kernel that was enqueued last.

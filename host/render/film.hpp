@@ -12,8 +12,8 @@ namespace claray {
 
 class Film {
 public:
-    /// `films`: 1, or 2, of which the second has the samples of odd index once more: then the error can be told.
-    Film(const Device& device, std::uint32_t pixels, std::uint32_t films = 1);
+    /// With the samples of odd index summed once more the error can be told.
+    Film(const Device& device, std::uint32_t pixels, bool tells_error = false);
 
     struct Kernels {
         explicit Kernels(const Device& device);
@@ -30,9 +30,13 @@ public:
     /// Mean radiance of every pixel. Blocks.
     [[nodiscard]] std::vector<glm::vec3> resolve() const;
 
-    /// The sums themselves, film after film, and back. Block.
-    [[nodiscard]] std::vector<FilmPixel> pixels() const { return pixels_.read(); }
-    void set_pixels(const std::vector<FilmPixel>& pixels);
+    /// The sums themselves, and back. Block.
+    struct Sums {
+        std::vector<FilmPixel> pixels;
+        std::vector<ColorSum> odd;  ///< of samples of odd index, where the error can be told
+    };
+    [[nodiscard]] Sums sums() const;
+    void set_sums(const Sums& sums);
 
     /// Enqueues what noise() and error() tell from, where it is not known: they wait for it.
     void look() const;
@@ -48,10 +52,10 @@ public:
         double estimate = 0;  ///< root mean square of all channels over the mean; 0: nothing is known
         double bound = 0;     ///< which the error exceeds in hardly one image of a hundred
     };
-    /// Where there are two films: by a look after so many samples a pixel, and by those before; see docs/accuracy.md.
+    /// Where it can be told: by a look after so many samples a pixel, and by those before; see docs/accuracy.md.
     /// Blocks.
     [[nodiscard]] Error error(ErrorLooks& looks, std::uint32_t spp) const;
-    [[nodiscard]] std::uint64_t bytes() const { return pixels_.bytes() + sums_.bytes(); }
+    [[nodiscard]] std::uint64_t bytes() const { return pixels_.bytes() + odd_.bytes() + sums_.bytes(); }
 
 private:
     /// FilmSums of all pixels.
@@ -60,19 +64,21 @@ private:
         double variance = 0, squares = 0, value = 0, pixels = 0;
         std::uint64_t dropped = 0;
     };
-    void load_second();
+    void load_odd();
     void forget_look();
     void measure() const;
     [[nodiscard]] Totals measured() const;
     [[nodiscard]] const Totals& totals() const;
-    [[nodiscard]] std::uint32_t second() const { return films_ < 2 ? 0 : count_; }
 
     Device device_;
-    std::uint32_t count_, films_, group_, items_;
+    std::uint32_t count_;
+    bool tells_error_;
+    std::uint32_t group_, items_;
     Buffer<FilmPixel> pixels_;
+    Buffer<ColorSum> odd_;
     Buffer<FilmSums> sums_;
     mutable Kernels kernels_;
-    Kernel accumulate_odd_;                 // where there are two films
+    Kernel accumulate_odd_;                 // where the error can be told
     mutable std::optional<Totals> totals_;  // of the samples there are, where somebody asked
     mutable bool looks_ = false;            // they are under way
     mutable float scale_ = 1;               // a power of two, by which radiance is multiplied to be measured

@@ -150,7 +150,7 @@ struct Renderer::State {
           buffers(on, scene, structure, config.effects.add),
           wavefront(on, buffers, frame_data(scene, buffers, with), load_kernels(plan.first.effects),
                     std::uint64_t(pixels()) * with.spp),
-          film(on, pixels(), films_of(with)),
+          film(on, pixels(), tells_error(with)),
           schedule(new_schedule()),
           pace(first_paths(), wavefront.capacity()) {
         for (const char* name : {trace_camera_name, trace_bounce_name, trace_shadow_name, trace_paths_name})
@@ -377,7 +377,7 @@ void Renderer::State::trace(const Batch& batch, InFlight& in_flight) {
 
 /// A full disk must not end a render of hours: it is tried again, and the last failure is told.
 void Renderer::State::save_checkpoint() {
-    const Checkpoint checkpoint{schedule.position(), looks, film.pixels()};
+    const Checkpoint checkpoint{schedule.position(), looks, film.sums()};
     try {
         write_checkpoint(config.checkpoint, identity, checkpoint);
         checkpoint_error.clear();
@@ -407,7 +407,7 @@ Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig&
     if (!from) return;
     state_->schedule.go_to(from->position);
     state_->looks = from->looks;
-    state_->film.set_pixels(from->pixels);
+    state_->film.set_sums(from->sums);
 }
 
 RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>& progress) {

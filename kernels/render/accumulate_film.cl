@@ -38,17 +38,27 @@ static inline bool can_be_summed(float3 c) {
     return fabs(c.x) <= LARGEST_SAMPLE && fabs(c.y) <= LARGEST_SAMPLE && fabs(c.z) <= LARGEST_SAMPLE;
 }
 
-static inline void add_sample(FilmPixel* pixel, float3 radiance, bool odd) {
-    if (!can_be_summed(radiance)) {
+/// As bright as it may be.
+static inline float3 clamped(float3 c) {
+#if CLAMP_BITS
+    c *= fmin(1.0f, as_float(CLAMP_BITS) / largest(fabs(c)));
+#endif
+    return c;
+}
+
+static inline void add_color(ColorSum* sum, float3 c) {
+    add_exactly(&sum->r, &sum->lost_r, c.x);
+    add_exactly(&sum->g, &sum->lost_g, c.y);
+    add_exactly(&sum->b, &sum->lost_b, c.z);
+}
+
+static inline void add_sample(FilmPixel* pixel, float3 sample, bool odd) {
+    if (!can_be_summed(sample)) {
         ++pixel->dropped;
         return;
     }
-#if CLAMP_BITS
-    radiance *= fmin(1.0f, as_float(CLAMP_BITS) / largest(fabs(radiance)));
-#endif
-    add_exactly(&pixel->sum_r, &pixel->error_r, radiance.x);
-    add_exactly(&pixel->sum_g, &pixel->error_g, radiance.y);
-    add_exactly(&pixel->sum_b, &pixel->error_b, radiance.z);
+    const float3 radiance = clamped(sample);
+    add_color(&pixel->all, radiance);
     ++pixel->count;
     if (!odd) return;
     add_exactly(&pixel->odd_sum, &pixel->odd_error, luminance(radiance));
@@ -64,13 +74,15 @@ kernel void accumulate_film(Batch batch, global const float* radiance, global Fi
     film[batch.first_pixel + i] = pixel;
 }
 
-/// The samples of odd index alone, for the error of all channels. In one kernel with the other both take PoCL 1.5 times as
-/// long.
-kernel void accumulate_odd(Batch batch, global const float* radiance, global FilmPixel* film) {
+/// The samples of odd index alone, for the error of all channels; accumulate_film counts them. In one kernel with the other
+/// both take PoCL 1.5 times as long.
+kernel void accumulate_odd(Batch batch, global const float* radiance, global ColorSum* odd) {
     const uint i = get_global_id(0);
     if (i >= batch.pixels) return;
-    FilmPixel pixel = film[batch.first_pixel + i];
-    for (uint s = (batch.first_sample & 1) ^ 1; s < batch.samples; s += 2)
-        add_sample(&pixel, vload3(i * batch.samples + s, radiance), true);
-    film[batch.first_pixel + i] = pixel;
+    ColorSum sum = odd[batch.first_pixel + i];
+    for (uint s = (batch.first_sample & 1) ^ 1; s < batch.samples; s += 2) {
+        const float3 sample = vload3(i * batch.samples + s, radiance);
+        if (can_be_summed(sample)) add_color(&sum, clamped(sample));
+    }
+    odd[batch.first_pixel + i] = sum;
 }

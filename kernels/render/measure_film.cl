@@ -3,8 +3,8 @@
 #include "claray/shared/path.h"
 #include "shade/vector.clh"
 
-static inline float3 summed_by(FilmPixel p) { return (float3)(p.sum_r, p.sum_g, p.sum_b); }
-static inline float3 lost_by(FilmPixel p) { return (float3)(p.error_r, p.error_g, p.error_b); }
+static inline float3 summed_by(ColorSum s) { return (float3)(s.r, s.g, s.b); }
+static inline float3 lost_by(ColorSum s) { return (float3)(s.lost_r, s.lost_g, s.lost_b); }
 
 /// What the numbers of samples of even and of odd index are to a difference of means.
 typedef struct Halves { float of_even, of_odd, of_all, of_square; } Halves;
@@ -17,15 +17,15 @@ static inline Halves halves_of(FilmPixel p) {
 
 /// Of luminance, which is all that one film knows of the two halves.
 static inline void add_noise(NoiseSums* total, FilmPixel p, Halves h, float scale) {
-    const float sum = luminance(summed_by(p)) + luminance(lost_by(p)), odd_sum = p.odd_sum + p.odd_error;
+    const float sum = luminance(summed_by(p.all)) + luminance(lost_by(p.all)), odd_sum = p.odd_sum + p.odd_error;
     const float difference = ((sum - odd_sum) * h.of_even - odd_sum * h.of_odd) * scale;
     total->variance += difference * difference * h.of_square;
     total->luminance += sum * h.of_all * scale;
     ++total->pixels;
 }
 
-/// Of all channels; `odd` has the samples of odd index once more.
-static inline void add_error(ErrorSums* total, FilmPixel all, FilmPixel odd, Halves h, float scale) {
+/// Of all channels.
+static inline void add_error(ErrorSums* total, ColorSum all, ColorSum odd, Halves h, float scale) {
     const float3 even_sum = (summed_by(all) - summed_by(odd)) + (lost_by(all) - lost_by(odd));
     const float3 difference = (even_sum * h.of_even - (summed_by(odd) + lost_by(odd)) * h.of_odd) * scale;
     const float variance = dot(difference, difference) * h.of_square;
@@ -49,18 +49,20 @@ static inline void add_sums(local FilmSums* to, local const FilmSums* from) {
 #endif
 
 /// Work-item w sums pixels w, w + items, ..., and each work-group its items where they share local memory; `sums` has room for
-/// what is left. Where `second` is not 0, a film begins there that has the samples of odd index alone. `scale` keeps
-/// fourth powers within float32.
-kernel void measure_film(global const FilmPixel* film, uint pixels, uint second, float scale, uint items, global FilmSums* sums) {
+/// what is left. The error is told where `odd` has the colours of the samples of odd index. `scale` keeps fourth powers
+/// within float32.
+kernel void measure_film(global const FilmPixel* film, global const ColorSum* odd, uint has_odd, uint pixels, float scale, uint items,
+                         global FilmSums* sums) {
     const uint item = get_global_id(0);
     FilmSums total = {{0.0f, 0.0f, 0u, 0u}, {0.0f, 0.0f, 0.0f, 0u}};
     for (uint i = item; item < items && i < pixels; i += items) {
-        const FilmPixel p = film[i], odd = film[(size_t)second + i];  // both asked for before either is looked at
+        const FilmPixel p = film[i];
+        const ColorSum its_odd = odd[has_odd ? i : 0u];  // both asked for before either is looked at
         total.noise.dropped += p.dropped;
         if (p.odd_count == 0u || p.odd_count == p.count) continue;
         const Halves halves = halves_of(p);
         add_noise(&total.noise, p, halves, scale);
-        if (second != 0u) add_error(&total.error, p, odd, halves, scale);
+        if (has_odd) add_error(&total.error, p.all, its_odd, halves, scale);
     }
 #if GROUP_SIZE > 1
     local FilmSums group[GROUP_SIZE];

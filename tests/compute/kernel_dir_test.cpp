@@ -48,6 +48,20 @@ TEST_F(KernelDir, AnEditedHeaderIsCompiled) {
     }
 }
 
+/// NVIDIA's compiler looks into the folder it runs in, and into its folder include.
+TEST_F(KernelDir, FilesThatLieAroundAreNotIncluded) {
+    for (const char* around : {"", "include"}) {
+        const fs::path file = folder_ / "around" / around / "claray/shared/types.h";
+        fs::create_directories(file.parent_path());
+        std::ofstream(file) << "#error not this one\n";
+    }
+    const fs::path before = fs::current_path();
+    fs::current_path(folder_ / "around");
+    const ProcessResult result = compile_with({}, folder_ / "cache");
+    fs::current_path(before);
+    EXPECT_EQ(result.exit_code, 0) << result.output << result.errors;
+}
+
 TEST_F(KernelDir, AnEditedTuningTableIsRead) {
     prepend(folder_ / "kernels/tuning.txt", "this is no row");
     const ProcessResult result = compile_with(folder_ / "kernels", folder_ / "cache");

@@ -107,6 +107,7 @@ const Field fields[] = {
     FIELD(LightsData, not_to_hot_spots),
     FIELD(LightsData, environment),
     FIELD(EnvironmentData, probability),
+    FIELD(ColorSum, lost_r),
     FIELD(FilmPixel, odd_sum),
     FIELD(FilmPixel, count),
     FIELD(FilmPixel, dropped),

@@ -165,7 +165,7 @@ TEST(Film, WorkGroupsSumUpWhatWorkItemsDo) {
     const auto looked_at = [&](unsigned group) {
         const ScopedTuning tuning("render/measure_film", "GROUP_SIZE", group);
         const ScopedTuning few("render/measure_film", "ITEMS", 300);
-        Film film(device(), pixels, 2);
+        Film film(device(), pixels, true);
         film.accumulate({0, pixels, 0, samples}, radiance);
         film.accumulate({5, 1, samples, 1}, Buffer<float>(device(), std::vector<float>{NAN, 1, 1}));
         return std::tuple(film.noise(), look_at(film));
@@ -189,7 +189,7 @@ TEST(Film, ErrorIsTheDistanceFromTheTruth) {
         constexpr int trials = 200;
         int held = 0;
         double estimated = 0, actual = 0, loosest = 0;
-        Film film(device(), synthetic_pixels, 2);
+        Film film(device(), synthetic_pixels, true);
         for (int t = 0; t < trials; ++t) {
             film.clear();
             add_samples(film, image, random);
@@ -278,7 +278,7 @@ TEST(ErrorLooks, TellMoreThanTheLastOne) {
 TEST(Film, ErrorDoesNotDependOnTheBatches) {
     const std::uint32_t pixels = 37, samples = 24;
     const std::vector<float> radiance = random_radiance(pixels, samples, 3);
-    Film whole(device(), pixels, 2), parts(device(), pixels, 2);
+    Film whole(device(), pixels, true), parts(device(), pixels, true);
     whole.accumulate({0, pixels, 0, samples}, Buffer<float>(device(), radiance));
     for (std::uint32_t p = 0; p < pixels; ++p)
         for (std::uint32_t s = 0, n = 1; s < samples; s += n, n = std::min(samples - s, n + 1)) {
@@ -290,7 +290,7 @@ TEST(Film, ErrorDoesNotDependOnTheBatches) {
 }
 
 TEST(Film, ErrorCountsSamplesThatWereDropped) {
-    Film film(device(), 1, 2);
+    Film film(device(), 1, true);
     const float nan = std::numeric_limits<float>::quiet_NaN();
     film.accumulate({0, 1, 0, 6}, Buffer<float>(device(), {4, 4, 4, 8, 8, 8, 4, 4, 4, nan, 1, 1, 4, 4, 4, nan, 1, 1}));
     EXPECT_EQ(film.resolve()[0], glm::vec3(5));

@@ -40,11 +40,17 @@ typedef struct FrameData {
 } FrameData;
 CLARAY_LAYOUT(FrameData, 212)
 
-/// A pixel's sums, in two parts each: the value is sum + error. The samples of odd index are summed once more, by
-/// themselves, for the estimate of the noise.
+/// A sum of colours in two parts: their own sum is the value.
+typedef struct ColorSum {
+    float r, g, b;
+    float lost_r, lost_g, lost_b;  // by rounding
+} ColorSum;
+CLARAY_LAYOUT(ColorSum, 24)
+
+/// A pixel's sums. The luminance of the samples of odd index is summed once more, in two parts, too, for the estimate
+/// of the noise.
 typedef struct FilmPixel {
-    float sum_r, sum_g, sum_b;
-    float error_r, error_g, error_b;
+    ColorSum all;
     float odd_sum, odd_error;  // luminance
     uint count, odd_count;     // samples in the sums
     uint dropped;              // samples left out: NaN, infinite, or too large to sum
