@@ -250,7 +250,7 @@ void add_verify_command(CLI::App& app, Action& action) {
     command->add_flag("!--no-times", o->verify.times, "Don't check ratios of times, which a busy machine disturbs");
     command
         ->add_option("--threads", o->verify.threads,
-                     "Cases at once [on a GPU as many as there are processors, 16 at most; else 1]")
+                     "Cases at once [on a GPU as many as there are processors, 5 at most; else 1]")
         ->transform(whole_number(1, 64));
     command->add_option("--json", o->json, "Write the results as JSON to this file; - is standard output");
     command->add_option("--html", o->html, "Write a report with pictures of failures");

@@ -21,7 +21,9 @@ std::optional<Device> Devices::take() {
         }
     }
     try {
-        return Device::open(selector_);
+        const Device device = Device::open(selector_);
+        device.set_tuning(programs, at_once, 0);
+        return device;
     } catch (const Error&) {
         return {};
     }

@@ -14,17 +14,41 @@
 
 namespace claray::verify {
 
+/// Sets a tuning value until the end of the scope.
+class ScopedTuning {
+public:
+    ScopedTuning(const Device& device, std::string kernel, std::string parameter, unsigned value)
+        : device_(device),
+          kernel_(std::move(kernel)),
+          parameter_(std::move(parameter)),
+          before_(device.tuning(kernel_, parameter_)) {
+        device_.set_tuning(kernel_, parameter_, value);
+    }
+    ~ScopedTuning() { device_.set_tuning(kernel_, parameter_, before_); }
+    ScopedTuning(const ScopedTuning&) = delete;
+    ScopedTuning& operator=(const ScopedTuning&) = delete;
+
+private:
+    const Device& device_;
+    std::string kernel_, parameter_;
+    unsigned before_;
+};
+
 /// More of one device, each with a context of its own, since drivers compile one program after the other for each. What
-/// is compiled for one is there for who takes it next.
+/// is compiled for one is there for who takes it next. While they exist a renderer's programs are compiled in turn:
+/// threads that compile for one context wait for each other, and hold up those of others.
 class Devices {
 public:
-    explicit Devices(const Device& first) : selector_(std::to_string(first.info().index)) {}
+    explicit Devices(const Device& first)
+        : selector_(std::to_string(first.info().index)), in_turn_(first, programs, at_once, 0) {}
     /// Nothing where the driver gives no more.
     [[nodiscard]] std::optional<Device> take();
     void give_back(const Device& device);
 
 private:
+    static constexpr const char *programs = "compute/programs", *at_once = "SIDE_BY_SIDE";
     std::string selector_;
+    ScopedTuning in_turn_;
     std::mutex mutex_;
     std::vector<Device> idle_;
 };
@@ -89,26 +113,6 @@ struct Curve {
     std::uint32_t color;
 };
 [[nodiscard]] VerifyPicture picture_of_curves(std::vector<Curve> curves, const std::string& title);
-
-/// Sets a tuning value until the end of the scope.
-class ScopedTuning {
-public:
-    ScopedTuning(const Device& device, std::string kernel, std::string parameter, unsigned value)
-        : device_(device),
-          kernel_(std::move(kernel)),
-          parameter_(std::move(parameter)),
-          before_(device.tuning(kernel_, parameter_)) {
-        device_.set_tuning(kernel_, parameter_, value);
-    }
-    ~ScopedTuning() { device_.set_tuning(kernel_, parameter_, before_); }
-    ScopedTuning(const ScopedTuning&) = delete;
-    ScopedTuning& operator=(const ScopedTuning&) = delete;
-
-private:
-    const Device& device_;
-    std::string kernel_, parameter_;
-    unsigned before_;
-};
 
 /// Both layouts, for cases that must hold in either, with their names.
 struct NamedLayout {

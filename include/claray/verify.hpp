@@ -60,7 +60,7 @@ struct VerifyOptions {
     Effort effort = Effort::quick;
     std::uint64_t seed = 1;  ///< of all random rays and meshes
     bool times = true;       ///< also checks ratios of times
-    unsigned threads = 0;    ///< cases at once; 0: on a GPU as many as there are processors, but 16 at most, else 1
+    unsigned threads = 0;    ///< cases at once; 0: on a GPU as many as there are processors, but 5 at most, else 1
 };
 
 [[nodiscard]] const std::vector<VerifyCase>& verify_cases();

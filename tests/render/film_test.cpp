@@ -238,6 +238,19 @@ TEST(ErrorLooks, TheNextOneIsWhereTheErrorIsReachedIfItFallsAsItShould) {
     }
 }
 
+TEST(ErrorLooks, TheNextOneIsAtAPowerOfTwoThatIsNear) {
+    const auto next_after = [](std::uint32_t samples, double times) {
+        ErrorLooks looks;
+        looks.add(1, 1e6, samples);
+        return looks.next(looks.bound() / std::pow(times, 0.6));
+    };
+    EXPECT_EQ(next_after(4, 1.7), 8u) << "instead of 7";
+    EXPECT_EQ(next_after(4, 1.4), 6u);
+    EXPECT_EQ(next_after(600, 1.5), 1024u) << "instead of 900";
+    EXPECT_EQ(next_after(600, 1.48), 888u);
+    EXPECT_EQ(next_after(500, 9), 1000u) << "which is twice as many, and 1024 would be more";
+}
+
 /// Of pixels that share the error evenly, after 4, 8, 16, 32 and 64 normal samples.
 TEST(ErrorLooks, TellMoreThanTheLastOne) {
     constexpr int pixels = 14, trials = 4000;

@@ -78,7 +78,7 @@ CLARAY_LAYOUT(ErrorSums, 16)
 /// What one look at a film tells.
 typedef struct FilmSums {
     NoiseSums noise;
-    ErrorSums error;  // where there is a second film
+    ErrorSums error;  // where the samples of odd index have sums of their own
 } FilmSums;
 CLARAY_LAYOUT(FilmSums, 32)
 
