@@ -22,12 +22,12 @@ TEST_P(Corpus, IsReadOrRefused) {
          fs::directory_iterator(fs::path(CLARAY_SOURCE_DIR) / "tests/fuzz/corpus" / GetParam().name))
         files.push_back(entry.path());
     std::sort(files.begin(), files.end());
-    ASSERT_FALSE(files.empty());
+    bool any_read = false;
     for (const fs::path& path : files) {
         SCOPED_TRACE(path);
         const std::string text = read_file(path);
         std::vector<std::uint8_t> bytes(text.begin(), text.end());
-        GetParam().run(bytes);
+        any_read = GetParam().run(bytes) || any_read;
         for (std::size_t cut = 1; cut < 16; ++cut) GetParam().run(std::span(bytes).first(bytes.size() * cut / 16));
         for (int i = 0; i < 10 && !bytes.empty(); ++i) {
             bytes[random() % bytes.size()] = std::uint8_t(random());
@@ -37,6 +37,7 @@ TEST_P(Corpus, IsReadOrRefused) {
         GetParam().run(bytes);
     }
     GetParam().run({});
+    EXPECT_TRUE(any_read) << "from files that are all of an old format a fuzzer finds nothing";
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Corpus, testing::ValuesIn(fuzz_targets().begin(), fuzz_targets().end()),

@@ -32,12 +32,14 @@ std::filesystem::path written(const std::string& name, Bytes bytes) {
     return path;
 }
 
+/// Whether there was a result.
 template <class Read>
-void expect_result_or_user_error(Read&& read) {
+bool expect_result_or_user_error(Read&& read) {
     try {
         read();
+        return true;
     } catch (const Error& error) {
-        if (error.kind() == ErrorKind::user && std::strlen(error.what()) > 0) return;
+        if (error.kind() == ErrorKind::user && std::strlen(error.what()) > 0) return false;
         std::fprintf(stderr, "an error of kind %d: %s\n", int(error.kind()), error.what());
         std::abort();
     }
@@ -56,36 +58,36 @@ void check(const Scene& scene) {
     (void)effects_of(scene);
 }
 
-void fuzz_obj(Bytes bytes) {
+bool fuzz_obj(Bytes bytes) {
     const auto path = written("input.obj", bytes);
-    expect_result_or_user_error([&] {
+    return expect_result_or_user_error([&] {
         Warnings warnings;
         check(load_obj(path, warnings));
     });
 }
 
-void fuzz_mtl(Bytes bytes) {
+bool fuzz_mtl(Bytes bytes) {
     static const std::string obj = "mtllib input.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n";
     const auto path = written("fixed.obj", {reinterpret_cast<const std::uint8_t*>(obj.data()), obj.size()});
     (void)written("input.mtl", bytes);
-    expect_result_or_user_error([&] {
+    return expect_result_or_user_error([&] {
         Warnings warnings;
         check(load_obj(path, warnings));
     });
 }
 
-void fuzz_gltf(Bytes bytes) {
+bool fuzz_gltf(Bytes bytes) {
     const bool binary = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
     const auto path = written(binary ? "input.glb" : "input.gltf", bytes);
-    expect_result_or_user_error([&] {
+    return expect_result_or_user_error([&] {
         Warnings warnings;
         check(load_gltf(path, warnings));
     });
 }
 
-void fuzz_image(Bytes bytes) {
+bool fuzz_image(Bytes bytes) {
     const auto path = written("input.image", bytes);
-    expect_result_or_user_error([&] {
+    return expect_result_or_user_error([&] {
         const Texture texture = load_image(path);
         const std::size_t values = std::size_t(texture.width) * texture.height * texture.channels;
         if (texture.bytes.size() + texture.floats.size() != values || values == 0) std::abort();
@@ -100,33 +102,36 @@ void mend_digest(std::vector<std::uint8_t>& file, std::size_t begin, std::size_t
 }
 
 /// With the layout that is stored: nothing but the file's counts and sizes decides what happens.
-void fuzz_tree(Bytes bytes) {
+bool fuzz_tree(Bytes bytes) {
     std::vector<std::uint8_t> file(bytes.begin(), bytes.end());
     constexpr std::size_t header = 168;
     mend_digest(file, 0, header - sizeof(Digest));
     if (file.size() >= header + sizeof(Digest)) mend_digest(file, header, file.size() - sizeof(Digest));
     const auto path = written("input.cbvh", file);
-    expect_result_or_user_error([&] { (void)Bvh::load(device(), path, Layout::binary); });
+    return expect_result_or_user_error([&] { (void)Bvh::load(device(), path, Layout::binary); });
 }
 
-void fuzz_checkpoint(Bytes bytes) {
+/// As if it were of this very render.
+bool fuzz_checkpoint(Bytes bytes) {
     std::vector<std::uint8_t> file(bytes.begin(), bytes.end());
-    constexpr std::size_t header = 136;
+    constexpr std::size_t header = 144, tells_error = 44, digests = 80;  // docs/formats.md
     mend_digest(file, 0, header - sizeof(Digest));
     if (file.size() >= header + sizeof(Digest)) mend_digest(file, header, file.size() - sizeof(Digest));
     const auto path = written("input.checkpoint", file);
     RenderIdentity identity;
     identity.width = identity.height = 2;
-    if (file.size() >= header)  // as if it were of this very render
+    if (file.size() >= header) {
+        identity.tells_error = file[tells_error] != 0;
         for (Digest* digest : {&identity.scene, &identity.settings, &identity.kernels})
-            std::memcpy(digest->data(), file.data() + 72 + 16 * (digest - &identity.scene), digest->size());
-    expect_result_or_user_error([&] { (void)read_checkpoint(path, identity, 8); });
+            std::memcpy(digest->data(), file.data() + digests + 16 * (digest - &identity.scene), digest->size());
+    }
+    return expect_result_or_user_error([&] { (void)read_checkpoint(path, identity, 8); });
 }
 
-void fuzz_tuning(Bytes bytes) {
+bool fuzz_tuning(Bytes bytes) {
     DeviceInfo info;
     info.name = "device";
-    expect_result_or_user_error([&] {
+    return expect_result_or_user_error([&] {
         std::map<std::string, unsigned> values;
         apply_tuning(std::string(bytes.begin(), bytes.end()), "input", info, values);
     });

@@ -10,8 +10,8 @@ namespace claray::test {
 struct FuzzTarget {
     const char* name;
     /// Reads the bytes as such a file. Nothing but claray::Error of kind `user` may come of it: whatever else is thrown
-    /// ends the process, as a sanitizer's report does.
-    void (*run)(std::span<const std::uint8_t> bytes);
+    /// ends the process, as a sanitizer's report does. Returns whether the file was read, and not refused.
+    bool (*run)(std::span<const std::uint8_t> bytes);
 };
 
 [[nodiscard]] std::span<const FuzzTarget> fuzz_targets();
