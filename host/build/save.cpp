@@ -120,6 +120,21 @@ private:
         if (header_.file_bytes != bytes_)
             refuse_damaged("it has " + std::to_string(bytes_) + " bytes instead of " +
                            std::to_string(header_.file_bytes));
+        if (!holds_its_arrays()) refuse_damaged("its arrays have another size than the file");
+    }
+
+    /// So that the room for a tree is known to be that of the file before any is asked for.
+    [[nodiscard]] bool holds_its_arrays() const {
+        std::uint64_t left = bytes_ - sizeof header_;
+        const auto take = [&](std::uint64_t count, std::size_t size) {
+            const bool fits = count <= left / size;
+            left -= fits ? count * size : 0;
+            return fits;
+        };
+        return take(header_.nodes, sizeof(BvhNode)) && take(header_.leaves, sizeof(LeafTriangle)) &&
+               take(header_.positions, sizeof(float)) && take(header_.indices, sizeof(std::uint32_t)) &&
+               take(header_.geometries, sizeof(std::uint32_t)) && take(header_.masks, sizeof(std::uint32_t)) &&
+               left == sizeof(Digest);
     }
 
     [[noreturn]] void refuse_stranger() const {
