@@ -7,6 +7,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "claray/shared/path.h"
 #include "host/compute/file.hpp"
 #include "host/compute/kernel_sources.hpp"
 #include "host/render/scene_digest.hpp"

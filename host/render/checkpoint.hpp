@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "claray/renderer.hpp"
-#include "claray/shared/path.h"
 #include "host/compute/hash.hpp"
 #include "host/render/error_looks.hpp"
 #include "host/render/film.hpp"

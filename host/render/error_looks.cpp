@@ -45,9 +45,9 @@ double ErrorLooks::bound() const {
 
 /// With as many samples more as are missing where many pixels share the error; else, as if it fell with their number,
 /// which it does where a firefly has most of it. But with an eighth more at least, since every look is a chance to stop
-/// by luck, and with twice as many at most, since what few samples tell is rough. Powers of two
-/// that are near are worth the way: Sobol's points are even there, and what falls short of one is often not enough.
-/// This does not depend on how many samples a device takes at once.
+/// by luck, and with twice as many at most, since what few samples tell is rough. Powers of two that are near are worth
+/// the way: Sobol's points are even there, and what falls short of one is often not enough. This does not depend on how
+/// many samples a device takes at once.
 std::uint32_t ErrorLooks::next(double error) const {
     constexpr std::uint32_t first = 4;
     if (count == 0) return first;

@@ -55,7 +55,7 @@ void Film::forget_look() {
 
 void Film::clear() {
     pixels_.fill(0);
-    odd_.fill(0);
+    if (tells_error_) odd_.fill(0);
     forget_look();
 }
 

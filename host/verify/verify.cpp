@@ -177,8 +177,7 @@ private:
 };
 
 /// A CPU that runs kernels has a thread for each processor already. GPUs wait for compilers, which more than five
-/// threads of one process make no faster: on an H200 five take 23 s with nothing compiled, eight and sixteen 28 and 27
-/// s.
+/// threads of one process make no faster (docs/numerics.md).
 unsigned threads_for(const Device& device, const VerifyOptions& options) {
     if (options.threads != 0) return options.threads;
     if (device.info().type != DeviceType::gpu) return 1;

@@ -22,6 +22,7 @@ TEST_P(Corpus, IsReadOrRefused) {
          fs::directory_iterator(fs::path(CLARAY_SOURCE_DIR) / "tests/fuzz/corpus" / GetParam().name))
         files.push_back(entry.path());
     std::sort(files.begin(), files.end());
+    ASSERT_FALSE(files.empty());
     bool any_read = false;
     for (const fs::path& path : files) {
         SCOPED_TRACE(path);
