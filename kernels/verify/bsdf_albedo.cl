@@ -12,7 +12,7 @@ kernel void albedo(MATERIAL, uint count, uint samples, global const float* cosin
         MaterialData one = material;
         resolve_principled(&one, unit_float(b.y));
         BsdfSample s;
-        if (sample_bsdf(&one, tables, outgoing, inside,
+        if (sample_bsdf(&one, tables, outgoing, UP, inside,
                         (float3)(unit_float(a.x), unit_float(a.y), unit_float(b.x)), &s))
             sum += s.weight.x;
     }

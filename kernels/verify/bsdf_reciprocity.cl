@@ -14,14 +14,14 @@ kernel void reciprocity(MATERIAL, uint count, uint pairs, global float* worst, g
         const float3 o = (float3)(sqrt(1.0f - z * z) * cosine_and_sine(a.y), z);
         float3 i = (float3)(sqrt(1.0f - around * around) * cosine_and_sine(b.x), around);
         BsdfSample s;
-        if ((k & 1u) && sample_bsdf(&material, tables, o, inside, (float3)(b.xy, a.z), &s)) i = s.incoming;
+        if ((k & 1u) && sample_bsdf(&material, tables, o, UP, inside, (float3)(b.xy, a.z), &s)) i = s.incoming;
         if (i.z == 0.0f) continue;
         const bool through = i.z < 0.0f;
         float pdf;
-        float there = eval_bsdf(&material, tables, o, i, inside, &pdf).x / fabs(i.z);
+        float there = eval_bsdf(&material, tables, o, i, UP, inside, &pdf).x / fabs(i.z);
         // Seen from the other side the frame is turned around x.
         const float3 turn = through ? (float3)(1.0f, -1.0f, -1.0f) : (float3)(1.0f);
-        float back = eval_bsdf(&material, tables, i * turn, o * turn, inside != through, &pdf).x / o.z;
+        float back = eval_bsdf(&material, tables, i * turn, o * turn, UP, inside != through, &pdf).x / o.z;
         if (through) {
             const float n2 = material.kind == CLARAY_THIN_GLASS ? 1.0f : material.ior * material.ior;
             if (inside) there *= n2; else back *= n2;

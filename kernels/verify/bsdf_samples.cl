@@ -10,11 +10,11 @@ kernel void sample(MATERIAL, float ox, float oy, float oz, uint count, global Sa
     const float3 outgoing = (float3)(ox, oy, oz);
     BsdfSample s;
     Sampled r = {0, 0, 0, 0, 0, 0, 0, 0};
-    r.valid = sample_bsdf(&material, tables, outgoing, inside, three(i, 4321u), &s);
+    r.valid = sample_bsdf(&material, tables, outgoing, UP, inside, three(i, 4321u), &s);
     if (r.valid) {
         r.x = s.incoming.x, r.y = s.incoming.y, r.z = s.incoming.z;
         r.weight = s.weight.x, r.pdf = s.pdf;
-        r.eval_value = eval_bsdf(&material, tables, outgoing, s.incoming, inside, &r.eval_pdf).x;
+        r.eval_value = eval_bsdf(&material, tables, outgoing, s.incoming, UP, inside, &r.eval_pdf).x;
     }
     out[i] = r;
 }
@@ -25,7 +25,7 @@ kernel void eval(MATERIAL, float ox, float oy, float oz, uint count, global cons
     if (i >= count) return;
     const float3 incoming = vload3(i, directions);
     float pdf;
-    values[i] = eval_bsdf(&material, tables, (float3)(ox, oy, oz), incoming, inside, &pdf).x / fabs(incoming.z);
+    values[i] = eval_bsdf(&material, tables, (float3)(ox, oy, oz), incoming, UP, inside, &pdf).x / fabs(incoming.z);
     pdfs[i] = pdf;
 }
 
