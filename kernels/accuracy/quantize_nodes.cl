@@ -11,13 +11,13 @@ static inline uint exponent_for(float low, float high) {
 
 static inline uint step_below(float plane, float origin, uint exponent) {
     uint step = (uint)clamp((plane - origin) / as_float(exponent << 23) + 1.0f, 0.0f, (float)LAST_STEP);
-    while (step > 0u && plane_at(origin, exponent, step) > plane) --step;
+    while (step > 0u && plane_at(origin, exponent, step) > plane) --step;  // mutant: study-quantized-lower
     return step;
 }
 
 static inline uint step_above(float plane, float origin, uint exponent) {
     uint step = (uint)clamp((plane - origin) / as_float(exponent << 23) - 1.0f, 0.0f, (float)LAST_STEP);
-    while (step < LAST_STEP && plane_at(origin, exponent, step) < plane) ++step;
+    while (step < LAST_STEP && plane_at(origin, exponent, step) < plane) ++step;  // mutant: study-quantized-upper
     return step;
 }
 

@@ -70,7 +70,7 @@ static inline bool enter_box(const BoxRay* slabs, float tbest, float2 x, float2 
 #else
 typedef PreparedRay BoxRay;
 #if BOX_TEST == BOX_PADDED
-#define PAD (1.0f + 2.0f * GAMMA(7))
+#define PAD (1.0f + 2.0f * GAMMA(7))  // mutant: study-box-pad
 #elif BOX_TEST == BOX_IZE
 #define PAD 1.00000024f
 #else

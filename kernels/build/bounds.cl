@@ -95,5 +95,5 @@ kernel void finish_bounds(global BvhHeader* header, global const uint* keys, uin
     header->lox = lox, header->loy = loy, header->loz = loz;
     const float extent =
         max(max(float_from_key(keys[3]) - lox, float_from_key(keys[4]) - loy), float_from_key(keys[5]) - loz);
-    header->scale = grid_scale(extent, cells);
+    header->scale = grid_scale(extent, cells);  // mutant: grid-cubes
 }

@@ -26,7 +26,7 @@ kernel void compute_centroids(global const float* positions, global const uint* 
             centroids[i] = NAN;
             continue;
         }
-        const float4 centroid = lesser(lesser(v0, v1), v2) + greater(greater(v0, v1), v2);
+        const float4 centroid = lesser(lesser(v0, v1), v2) + greater(greater(v0, v1), v2);  // mutant: centroid-extremes
         centroids[i] = centroid.x, centroids[(size_t)count + i] = centroid.y, centroids[2 * (size_t)count + i] = centroid.z;
         lo = lesser(lo, centroid), hi = greater(hi, centroid);
         ++valid;

@@ -38,7 +38,7 @@ kernel void refit_nodes(global const float* positions, global const uint* indice
     while (ready != 0) {
         if (!both_children_ready(arrivals, index, ready)) return;
         global BvhNode* node = &nodes[index];
-        const Box box = box_union(child_box(node, 0), child_box(node, 1));
+        const Box box = box_union(child_box(node, 0), child_box(node, 1));  // mutant: refit-union
         const uint parent = node->parent;
         if (parent == CLARAY_NO_CHILD) {
             store_header_box(header, box);

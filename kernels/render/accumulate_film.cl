@@ -28,14 +28,14 @@ static inline void add_exactly(float* sum, float* error, float value) {
     return;
 #endif
     const float total = *sum + value, rounded = total - *sum;
-    const float lost = *error + ((*sum - (total - rounded)) + (value - rounded));
-    *sum = total + lost;
+    const float lost = *error + ((*sum - (total - rounded)) + (value - rounded));  // mutant: film-two-sum
+    *sum = total + lost;  // mutant: film-fold-back
     *error = lost - (*sum - total);
 }
 
 /// False for NaN, too.
 static inline bool can_be_summed(float3 c) {
-    return fabs(c.x) <= LARGEST_SAMPLE && fabs(c.y) <= LARGEST_SAMPLE && fabs(c.z) <= LARGEST_SAMPLE;
+    return fabs(c.x) <= LARGEST_SAMPLE && fabs(c.y) <= LARGEST_SAMPLE && fabs(c.z) <= LARGEST_SAMPLE;  // mutant: film-nan
 }
 
 /// As bright as it may be.

@@ -18,7 +18,7 @@ static inline Halves halves_of(FilmPixel p) {
 /// Of luminance, which is all that one film knows of the two halves.
 static inline void add_noise(NoiseSums* total, FilmPixel p, Halves h, float scale) {
     const float sum = luminance(summed_by(p.all)) + luminance(lost_by(p.all)), odd_sum = p.odd_sum + p.odd_error;
-    const float difference = ((sum - odd_sum) * h.of_even - odd_sum * h.of_odd) * scale;
+    const float difference = ((sum - odd_sum) * h.of_even - odd_sum * h.of_odd) * scale;  // mutant: noise-unit
     total->variance += difference * difference * h.of_square;
     total->luminance += sum * h.of_all * scale;
     ++total->pixels;
@@ -26,7 +26,7 @@ static inline void add_noise(NoiseSums* total, FilmPixel p, Halves h, float scal
 
 /// Of all channels.
 static inline void add_error(ErrorSums* total, ColorSum all, ColorSum odd, Halves h, float scale) {
-    const float3 even_sum = (summed_by(all) - summed_by(odd)) + (lost_by(all) - lost_by(odd));
+    const float3 even_sum = (summed_by(all) - summed_by(odd)) + (lost_by(all) - lost_by(odd));  // mutant: error-odd-half
     const float3 difference = (even_sum * h.of_even - (summed_by(odd) + lost_by(odd)) * h.of_odd) * scale;
     const float variance = dot(difference, difference) * h.of_square;
     total->variance += variance;

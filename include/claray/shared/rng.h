@@ -29,7 +29,9 @@ CLARAY_LAYOUT(SamplePair, 8)
 #undef CLARAY_OF_WORD
 
 /// Uniform in [0, 1): the upper 24 bits, exactly.
-CLARAY_SHARED_FUNCTION float unit_float(uint word) { return (float)(word >> 8) * 5.9604644775390625e-8f; }
+CLARAY_SHARED_FUNCTION float unit_float(uint word) {
+    return (float)(word >> 8) * 5.9604644775390625e-8f;  // mutant: unit-interval
+}
 
 CLARAY_SHARED_END
 
