@@ -77,7 +77,7 @@ Bvh Bvh::build_by_host(const Device& device, std::span<const Mesh> meshes, const
     bvh.state_->nodes.write(tree.nodes);
     bvh.state_->leaves.write(tree.leaves);
     bvh.state_->header.write(std::span(&tree.header, 1));
-    if (bvh.layout() == Layout::wide) bvh.state_->collapse();
+    if (bvh.layout() == Layout::wide) bvh.state_->collapse(false);
     return bvh;
 }
 

@@ -219,10 +219,10 @@ void Bvh::State::build() {
         build_tree(codes64, *sort64);
     else
         build_tree(codes32, *sort32);
-    if (layout == Layout::wide) collapse();
+    if (layout == Layout::wide) collapse(config.builder == Builder::fast);
 }
 
-void Bvh::State::collapse() {
+void Bvh::State::collapse(bool by_split) {
     begin_collapse_.run({1, 1}, header, wide_nodes);
     std::uint32_t begin = 0, end = read_header().wide_nodes;
     const std::uint32_t enough = subtrees_for(device), at_once = numbers_at_once(count, device);
@@ -232,7 +232,7 @@ void Bvh::State::collapse() {
         end = read_header().wide_nodes;
     }
     collapse_subtrees_.run({end - begin, 1}, nodes, leaves, wide_nodes, wide_blocks, header, begin, end, at_once,
-                           std::uint32_t(config.builder == Builder::fast));
+                           std::uint32_t(by_split));
 }
 
 void Bvh::State::refit() {

@@ -17,7 +17,8 @@ struct Bvh::State {
 
     void build();
     void refit();
-    void collapse();
+    /// `by_split`: node i of the binary tree splits the leaves between i and i + 1, as the linear builder numbers them.
+    void collapse(bool by_split);
     [[nodiscard]] BvhHeader read_header() const;
     [[nodiscard]] double sah_cost() const;
     /// Triangles a leaf of the binary tree may hold: the wide tree forms leaves of its own.

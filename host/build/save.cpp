@@ -8,6 +8,7 @@
 
 #include "host/build/bvh_state.hpp"
 #include "host/build/require_memory.hpp"
+#include "host/build/saved_tree.hpp"
 #include "host/compute/file.hpp"
 #include "host/compute/hash.hpp"
 
@@ -19,6 +20,9 @@ constexpr std::uint32_t current_version = 2;
 constexpr std::uint32_t byte_order = 0x01020304;  // reads otherwise on a machine of the other byte order
 /// What the arrays are made of: a file of other structs is not ours to read.
 constexpr std::uint32_t struct_sizes = sizeof(BvhNode) << 16 | sizeof(LeafTriangle) << 8 | sizeof(BvhHeader);
+/// Rounds of the builder `high` that are kept: more gain nothing, and a forged number would keep a rebuild busy for
+/// hours.
+constexpr std::uint32_t most_rounds = 100;
 constexpr std::size_t chunk_bytes = std::size_t(16) << 20;
 
 /// The beginning of a file. Then the arrays in the order of their counts, and the digest of all that follows the
@@ -66,14 +70,15 @@ public:
 
     [[nodiscard]] const FileHeader& header() const { return header_; }
 
-    /// The first `count` elements of a buffer that holds as many.
-    template <class T>
-    void fill(Buffer<T>& buffer, std::uint64_t count) {
+    /// The first `count` elements of a buffer that holds as many; each piece is shown to `look` on its way.
+    template <class T, class Look>
+    void fill(Buffer<T>& buffer, std::uint64_t count, const Look& look) {
         std::vector<T> chunk;
         for (std::uint64_t done = 0; done < count; done += chunk.size()) {
             chunk.resize(std::min<std::uint64_t>(count - done, chunk_bytes / sizeof(T)));
             read(chunk.data(), chunk.size() * sizeof(T));
             hasher_.add(chunk.data(), chunk.size() * sizeof(T));
+            look(std::span<const T>(chunk));
             buffer.write(std::span<const T>(chunk), done);
         }
     }
@@ -159,7 +164,7 @@ void Bvh::save(const std::filesystem::path& path) const {
     header.structs = struct_sizes;
     header.builder = std::uint32_t(s.config.builder);
     header.morton_bits = s.config.morton_bits;
-    header.high = std::min(s.config.optimization_rounds, 0xffffu) | s.leaf_limit() << 16;
+    header.high = std::min(s.config.optimization_rounds, most_rounds) | s.leaf_limit() << 16;
     header.nodes = s.nodes.size();
     header.leaves = s.leaves.size();
     header.positions = s.triangles.positions.size();
@@ -196,21 +201,55 @@ void restore_high(const FileHeader& header, Bvh::Config& config) {
     config.split_budget = triangles > 0 ? std::max(0.0, (double(header.leaves) - triangles + 0.5) / triangles) : 0.0;
 }
 
+Bvh::Config config_of(const SavedFile& file, Layout layout) {
+    const FileHeader& header = file.header();
+    const std::uint32_t most_in_leaf = header.high >> 16;
+    if (header.builder > std::uint32_t(Builder::high) || (header.morton_bits != 30 && header.morton_bits != 63) ||
+        most_in_leaf < 1 || most_in_leaf > CLARAY_BLOCK || (header.high & 0xffffu) > most_rounds)
+        file.refuse_damaged("no builder makes such a tree");
+    Bvh::Config config;
+    config.builder = Builder(header.builder);
+    config.morton_bits = header.morton_bits;
+    config.layout = layout;
+    config.max_leaf_triangles = most_in_leaf;
+    if (config.builder == Builder::high) restore_high(header, config);
+    return config;
+}
+
+TriangleCounts counts_of(const SavedFile& file) {
+    const FileHeader& h = file.header();
+    if (h.positions % 3 != 0 || h.indices % 3 != 0 || (h.geometries != 0 && h.geometries != h.indices / 3))
+        file.refuse_damaged("its arrays are of another number of triangles");
+    return {h.positions, h.indices, h.geometries, h.masks};
+}
+
+/// Reads the arrays, in the order in which they were written, and checks all that is used as an index.
+void read_arrays(SavedFile& file, Bvh::State& s) {
+    const FileHeader& h = file.header();
+    SavedTree tree(h.nodes, h.leaves, h.geometries);
+    const auto nothing = [](auto) {};
+    const auto add = [&](auto piece) { tree.add(piece); };
+    file.fill(s.nodes, h.nodes, add);
+    file.fill(s.leaves, h.leaves, add);
+    file.fill(s.triangles.positions, h.positions, nothing);
+    file.fill(s.triangles.indices, h.indices, [&](auto piece) { tree.add_indices(piece); });
+    file.fill(s.triangles.geometries, h.geometries, [&](auto piece) { tree.add_geometries(piece); });
+    file.fill(s.triangles.masks, h.masks, [&](auto piece) { tree.add_masks(piece); });
+    file.check_digest();
+    const SavedTree::Counts counts = {.triangles = s.count,
+                                      .vertices = h.positions / 3,
+                                      .most_in_leaf = s.config.max_leaf_triangles,
+                                      .splits = s.config.builder == Builder::high};
+    if (const std::string fault = tree.fault(h.bvh, counts); !fault.empty()) file.refuse_damaged(fault);
+}
+
 }  // namespace
 
 Bvh Bvh::load(const Device& device, const std::filesystem::path& path, Layout layout) {
     SavedFile file(path);
     const FileHeader& header = file.header();
-    if (header.builder > std::uint32_t(Builder::high) || (header.morton_bits != 30 && header.morton_bits != 63))
-        file.refuse_damaged("no builder makes such a tree");
-    Config config;
-    config.builder = Builder(header.builder);
-    config.morton_bits = header.morton_bits;
-    config.layout = layout;
-    config.max_leaf_triangles = std::clamp(header.high >> 16, 1u, 4u);
-    if (config.builder == Builder::high) restore_high(header, config);
-
-    const TriangleCounts counts = {header.positions, header.indices, header.geometries, header.masks};
+    const Config config = config_of(file, layout);
+    const TriangleCounts counts = counts_of(file);
     require_memory(device, counts, config);
     const TriangleBuffers triangles = allocate_triangles(device, counts);
     Bvh bvh;
@@ -218,18 +257,12 @@ Bvh Bvh::load(const Device& device, const std::filesystem::path& path, Layout la
     State& s = *bvh.state_;
     if (s.nodes.size() != header.nodes || s.leaves.size() != header.leaves)
         file.refuse_damaged("its tree and its triangles don't belong together");
-    file.fill(s.nodes, header.nodes);
-    file.fill(s.leaves, header.leaves);
-    file.fill(s.triangles.positions, header.positions);
-    file.fill(s.triangles.indices, header.indices);
-    file.fill(s.triangles.geometries, header.geometries);
-    file.fill(s.triangles.masks, header.masks);
-    file.check_digest();
+    read_arrays(file, s);
     s.header.write(std::span(&header.bvh, 1));
     if (s.layout == Layout::wide && config.max_leaf_triangles > 1)
         s.build();  // the wide tree has its own leaves
     else if (s.layout == Layout::wide)
-        s.collapse();
+        s.collapse(false);
     return bvh;
 }
 

@@ -62,12 +62,13 @@ std::string build_options(const Device& device, const Defines& defines, Math mat
     return options;
 }
 
-std::string cache_key(const Device& device, const KernelSource& main, const std::string& options) {
+/// All that a binary depends on: of the texts their digest.
+std::string cache_identity(const Device& device, const KernelSource& main, const std::string& options) {
     const DeviceInfo& info = device.info();
-    std::string all = info.platform + '\n' + info.name + '\n' + info.driver + '\n' + info.version + '\n' + options +
-                      '\n' + main.path + '\n' + main.text + '\n';
-    for (const KernelSource* source : included_sources(main.text)) all += source->path + '\n' + source->text + '\n';
-    return hash128(all);
+    std::string texts = main.text + '\n';
+    for (const KernelSource* source : included_sources(main.text)) texts += source->path + '\n' + source->text + '\n';
+    return info.platform + '\n' + info.name + '\n' + info.driver + '\n' + info.version + '\n' + options + '\n' +
+           main.path + '\n' + hash128(texts) + '\n';
 }
 
 std::string build_log(const cl::Program& program, const cl::Device& device) {
@@ -155,8 +156,8 @@ std::optional<cl::Program> build_from_binary(const Device& device, const std::ve
     return {};
 }
 
-std::optional<cl::Program> load_from_cache(const Device& device, const std::string& key) {
-    const auto binary = load_cached_program(key);
+std::optional<cl::Program> load_from_cache(const Device& device, const std::string& identity) {
+    const auto binary = load_cached_program(identity);
     auto program = binary ? build_from_binary(device, *binary) : std::nullopt;
     if (program) statistics.change([](CompileStatistics& s) { ++s.from_cache; });
     return program;
@@ -167,19 +168,19 @@ std::optional<cl::Program> load_from_cache(const Device& device, const std::stri
 bool compiles_alone(const Device& device) { return device.info().platform == "Portable Computing Language"; }
 
 cl::Program compile(const Device& device, const KernelSource& main, const std::string& options) {
-    const std::string key = cache_key(device, main, options);
+    const std::string identity = cache_identity(device, main, options);
     const bool alone = compiles_alone(device);
     if (alone)  // what is there need not wait for others that compile
-        if (const auto program = load_from_cache(device, key)) return *program;
+        if (const auto program = load_from_cache(device, identity)) return *program;
     // Who loads the same waits, too: NVIDIA's driver assembles what it loads, and has it ready for who loads it next.
-    const CacheLock lock("programs", alone ? std::string() : key);
-    if (const auto program = load_from_cache(device, key)) return *program;
+    const CacheLock lock("programs", alone ? std::string() : hash128(identity));
+    if (const auto program = load_from_cache(device, identity)) return *program;
     cl::Program program = compile_from_source(device, main, options);
     statistics.change([](CompileStatistics& s) { ++s.compiled; });
     // What is not to be kept tries whether the cache can be written, too: another process will have to.
     const auto binaries = device.state().store_programs ? program.getInfo<CL_PROGRAM_BINARIES>()
                                                         : std::vector<std::vector<unsigned char>>(1);
-    const std::string error = binaries.empty() ? "" : store_cached_program(key, binaries[0]);
+    const std::string error = binaries.empty() ? "" : store_cached_program(identity, binaries[0]);
     if (!error.empty()) statistics.change([&](CompileStatistics& s) { s.cache_error = error; });
     return program;
 }

@@ -1,32 +1,116 @@
 #include "host/compute/program_cache.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <array>
 #include <atomic>
 #include <cerrno>
-#include <cstdio>
+#include <cstddef>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
+#include <new>
 
 namespace claray {
 namespace {
 
 namespace fs = std::filesystem;
 
-// "CLRP", format version, then the XXH3-128 of the binary that follows.
-constexpr std::array<unsigned char, 8> magic = {'C', 'L', 'R', 'P', 1, 0, 0, 0};
-constexpr std::size_t header_bytes = magic.size() + sizeof(Digest);
+/// The beginning of a file; the identity and the binary follow. docs/formats.md describes the bytes.
+struct FileHeader {
+    std::array<unsigned char, 8> magic;
+    Digest sum;  // of all that follows it
+    std::uint32_t identity_bytes;
+    std::uint32_t binary_bytes;
+};
+static_assert(sizeof(FileHeader) == 32);
+constexpr std::array<unsigned char, 8> magic = {'C', 'L', 'R', 'P', 2, 0, 0, 0};
+constexpr std::size_t before_sum = offsetof(FileHeader, identity_bytes);
 
 fs::path cache_folder() {
     if (const char* folder = std::getenv("CLARAY_CACHE_DIR"); folder != nullptr && *folder) return folder;
     if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg != nullptr && *xdg) return fs::path(xdg) / "claray";
     if (const char* home = std::getenv("HOME"); home != nullptr && *home) return fs::path(home) / ".cache" / "claray";
     return {};
+}
+
+Digest sum_of(const FileHeader& header, const std::string& identity, const std::vector<unsigned char>& binary) {
+    Hasher hasher;
+    hasher.add(reinterpret_cast<const unsigned char*>(&header) + before_sum, sizeof header - before_sum);
+    hasher.add(identity.data(), identity.size());
+    hasher.add(binary.data(), binary.size());
+    return hasher.digest();
+}
+
+fs::path file_of(const fs::path& folder, const std::string& identity) { return folder / (hash128(identity) + ".bin"); }
+
+/// A descriptor that is closed at the end of the scope; negative where there is none.
+class Descriptor {
+public:
+    explicit Descriptor(int file) : file_(file) {}
+    ~Descriptor() {
+        if (file_ >= 0) ::close(file_);
+    }
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+    [[nodiscard]] int get() const { return file_; }
+    [[nodiscard]] bool read(void* data, std::size_t bytes) const {
+        for (std::size_t done = 0; done < bytes;) {
+            const ssize_t count = ::read(file_, static_cast<char*>(data) + done, bytes - done);
+            if (count < 0 && errno == EINTR) continue;
+            if (count <= 0) return false;
+            done += std::size_t(count);
+        }
+        return true;
+    }
+
+private:
+    int file_;
+};
+
+/// Machine code is loaded only from a file that none but this user, or root, can have written. What the folder allows
+/// does not matter then: others can at most put files of their own there, or give this user's files other names.
+bool is_own(const struct stat& status) {
+    return S_ISREG(status.st_mode) && (status.st_uid == ::geteuid() || status.st_uid == 0) &&
+           (status.st_mode & (S_IWGRP | S_IWOTH)) == 0;
+}
+
+/// The binary of an open file, or nothing. No more memory is asked for than the file has bytes.
+std::optional<std::vector<unsigned char>> read_binary(const Descriptor& file, const std::string& identity) {
+    struct stat status = {};
+    FileHeader header;
+    if (::fstat(file.get(), &status) != 0 || !is_own(status) || !file.read(&header, sizeof header)) return {};
+    const std::uint64_t bytes = sizeof header + identity.size() + std::uint64_t(header.binary_bytes);
+    if (header.magic != magic || header.identity_bytes != identity.size() || header.binary_bytes == 0 ||
+        std::uint64_t(status.st_size) != bytes)
+        return {};
+    std::string stored(identity.size(), '\0');
+    if (!file.read(stored.data(), stored.size()) || stored != identity) return {};
+    std::vector<unsigned char> binary(header.binary_bytes);
+    if (!file.read(binary.data(), binary.size())) return {};
+    return sum_of(header, stored, binary) == header.sum ? std::optional(std::move(binary)) : std::nullopt;
+}
+
+/// Writes a new file that only this user may write; a name that is taken is none of a running process. Returns errno.
+int write_new(const fs::path& path, const FileHeader& header, const std::string& identity,
+              const std::vector<unsigned char>& binary) {
+    ::unlink(path.c_str());
+    const Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+    if (file.get() < 0) return errno;
+    const auto write = [&](const void* data, std::size_t bytes) {
+        for (std::size_t done = 0; done < bytes;) {
+            const ssize_t count = ::write(file.get(), static_cast<const char*>(data) + done, bytes - done);
+            if (count < 0 && errno == EINTR) continue;
+            if (count <= 0) return errno != 0 ? errno : EIO;
+            done += std::size_t(count);
+        }
+        return 0;
+    };
+    int error = write(&header, sizeof header);
+    if (error == 0) error = write(identity.data(), identity.size());
+    return error == 0 ? write(binary.data(), binary.size()) : error;
 }
 
 }  // namespace
@@ -39,7 +123,7 @@ CacheLock::CacheLock(const std::string& file, const std::string& key) {
     if (folder.empty()) return;
     std::error_code ignored;
     fs::create_directories(folder, ignored);
-    file_ = ::open((folder / (file + ".lock")).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+    file_ = ::open((folder / (file + ".lock")).c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
     if (file_ < 0) return;
     struct flock range = {};
     range.l_type = F_WRLCK, range.l_whence = SEEK_SET;
@@ -52,42 +136,34 @@ CacheLock::~CacheLock() {
     if (file_ >= 0) ::close(file_);  // which unlocks
 }
 
-std::optional<std::vector<unsigned char>> load_cached_program(const std::string& key) {
+std::optional<std::vector<unsigned char>> load_cached_program(const std::string& identity) try {
     const fs::path folder = cache_folder();
     if (folder.empty()) return {};
-    std::ifstream file(folder / (key + ".bin"), std::ios::binary);
-    if (!file) return {};
-    std::vector<unsigned char> data((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-    if (data.size() <= header_bytes || std::memcmp(data.data(), magic.data(), magic.size()) != 0) return {};
-    const Digest sum = digest_of(data.data() + header_bytes, data.size() - header_bytes);
-    if (std::memcmp(data.data() + magic.size(), sum.data(), sum.size()) != 0) return {};
-    data.erase(data.begin(), data.begin() + header_bytes);
-    return data;
+    // Without O_NONBLOCK a pipe of that name would be waited for.
+    const Descriptor file(::open(file_of(folder, identity).c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
+    if (file.get() < 0) return {};
+    return read_binary(file, identity);
+} catch (const std::bad_alloc&) {
+    return {};
 }
 
-std::string store_cached_program(const std::string& key, const std::vector<unsigned char>& binary) {
+std::string store_cached_program(const std::string& identity, const std::vector<unsigned char>& binary) {
     const fs::path folder = cache_folder();
     if (folder.empty()) return "neither CLARAY_CACHE_DIR, XDG_CACHE_HOME nor HOME is set";
     std::error_code error;
     fs::create_directories(folder, error);
     if (error) return "cannot make the folder '" + folder.string() + "': " + error.message();
+    FileHeader header = {magic, {}, std::uint32_t(identity.size()), std::uint32_t(binary.size())};
+    if (identity.size() > UINT32_MAX || binary.size() > UINT32_MAX) return "the binary has more than 4 GiB";
+    header.sum = sum_of(header, identity, binary);
     static std::atomic<unsigned> serial{0};
+    const fs::path file = file_of(folder, identity);
     const fs::path temporary =
-        folder / (key + "." + std::to_string(::getpid()) + "." + std::to_string(serial++) + ".tmp");
-    bool written = false;
-    errno = 0;
-    {
-        std::ofstream file(temporary, std::ios::binary);
-        const Digest sum = digest_of(binary.data(), binary.size());
-        file.write(reinterpret_cast<const char*>(magic.data()), std::streamsize(magic.size()));
-        file.write(reinterpret_cast<const char*>(sum.data()), sum.size());
-        file.write(reinterpret_cast<const char*>(binary.data()), std::streamsize(binary.size()));
-        written = bool(file.flush());
-    }
-    if (!written)
-        error = std::error_code(errno != 0 ? errno : EIO, std::generic_category());
+        file.string() + "." + std::to_string(::getpid()) + "." + std::to_string(serial++) + ".tmp";
+    if (const int failed = write_new(temporary, header, identity, binary); failed != 0)
+        error = std::error_code(failed, std::generic_category());
     else if (!binary.empty())
-        fs::rename(temporary, folder / (key + ".bin"), error);
+        fs::rename(temporary, file, error);
     if (!error && !binary.empty()) return {};
     std::error_code ignored;
     fs::remove(temporary, ignored);

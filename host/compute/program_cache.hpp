@@ -24,13 +24,15 @@ private:
     int file_ = -1;
 };
 
-/// The stored binary of a key, or nothing where there is none, it cannot be read, or its checksum is wrong. A bad file
-/// is left alone: an I/O error says nothing about the content (drjit-core, src/io.cpp); storing replaces it.
-std::optional<std::vector<unsigned char>> load_cached_program(const std::string& key);
+/// The stored binary of what `identity` says in full (the file's name is only its hash), or nothing where there is
+/// none, it cannot be read, its checksum or the identity in it is another one, or others than this user and root can
+/// have written it. A bad file is left alone: an I/O error says nothing about the content (drjit-core, src/io.cpp);
+/// storing replaces it.
+std::optional<std::vector<unsigned char>> load_cached_program(const std::string& identity);
 
 /// Stores a binary by temporary file and rename, so that readers and other writers never see half of one. Failure to
 /// store is not an error: the program is compiled again next time. Returns what failed, in words, or nothing. An empty
 /// binary only tries whether it can.
-std::string store_cached_program(const std::string& key, const std::vector<unsigned char>& binary);
+std::string store_cached_program(const std::string& identity, const std::vector<unsigned char>& binary);
 
 }  // namespace claray

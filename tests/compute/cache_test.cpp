@@ -1,5 +1,7 @@
 // Compiled programs on disk.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <filesystem>
@@ -77,14 +79,55 @@ TEST_F(Cache, DamagedFilesAreRebuilt) {
     flipped[good.size() / 2] = char(flipped[good.size() / 2] ^ 1);
     std::string old_version = good;
     old_version[4] = char(old_version[4] + 1);
+    std::string renamed = good;  // of a driver of another name
+    renamed[40] = char(renamed[40] ^ 1);
     for (const std::string& bad :
-         {flipped, old_version, good.substr(0, good.size() - 1), good.substr(0, 10), std::string()}) {
+         {flipped, old_version, renamed, good.substr(0, good.size() - 1), good.substr(0, 10), std::string()}) {
         overwrite(file, bad);
         expect_compiled(compile(1));
         EXPECT_EQ(files().size(), 1u);
-        EXPECT_TRUE(load_cached_program(file.stem().string()).has_value());  // replaced by a sound one
         expect_from_cache(compile(1));
     }
+}
+
+/// As if someone had given a program the name of another one: the checksum is right.
+TEST_F(Cache, SwappedFilesAreCompiledAnew) {
+    expect_compiled(compile(1));
+    const fs::path of_one = files().at(0);
+    expect_compiled(compile(2));
+    const fs::path of_two = files().at(0) == of_one ? files().at(1) : files().at(0);
+    const std::string one = read_file(of_one);
+    overwrite(of_one, read_file(of_two));
+    expect_compiled(compile(1));
+    expect_from_cache(compile(1));
+    overwrite(of_two, one);
+    expect_compiled(compile(2));
+    expect_from_cache(compile(2));
+}
+
+TEST_F(Cache, WhatOthersCanHaveWrittenIsNotTrusted) {
+    expect_compiled(compile(1));
+    const fs::path file = files().at(0);
+    EXPECT_EQ(fs::status(file).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+    for (const fs::perms who : {fs::perms::group_write, fs::perms::others_write}) {
+        fs::permissions(file, who, fs::perm_options::add);
+        expect_compiled(compile(1));
+        expect_from_cache(compile(1));
+    }
+    if (::geteuid() != 0) return;  // only root can give a file away
+    ASSERT_EQ(::chown(file.c_str(), 65534, 65534), 0);
+    expect_compiled(compile(1));
+    expect_from_cache(compile(1));
+}
+
+TEST_F(Cache, WhatIsNoFileIsPassedBy) {
+    store_cached_program("key", {1});
+    const fs::path file = files().at(0);
+    fs::remove(file);
+    ASSERT_EQ(::mkfifo(file.c_str(), 0600), 0);
+    EXPECT_FALSE(load_cached_program("key").has_value());
+    EXPECT_EQ(store_cached_program("key", {1}), "");
+    EXPECT_EQ(load_cached_program("key"), (std::vector<unsigned char>{1}));
 }
 
 TEST_F(Cache, StoredBytesComeBack) {
@@ -117,7 +160,6 @@ TEST_F(Cache, ProcessesAtOnceShareTheFolder) {
         EXPECT_EQ(result.exit_code, 0) << result.output << result.errors;
     }
     ASSERT_EQ(files().size(), 1u);  // one program, no temporary file left
-    EXPECT_TRUE(load_cached_program(files()[0].stem().string()).has_value());
 }
 
 /// Whether another thread gets a lock while this one holds what it holds; it gets it in any case once `end` is called.
@@ -163,10 +205,10 @@ TEST(CacheFolder, FollowsXdgAndHome) {
     const ScopedEnvironment no_override("CLARAY_CACHE_DIR", ""), no_xdg("XDG_CACHE_HOME", "");
     const ScopedEnvironment home("HOME", folder.path().string());
     store_cached_program("key", {1});
-    EXPECT_TRUE(fs::exists(folder / ".cache/claray/key.bin"));
+    EXPECT_TRUE(fs::exists(folder.path() / ".cache/claray" / (hash128("key") + ".bin")));
     const ScopedEnvironment xdg("XDG_CACHE_HOME", (folder / "xdg").string());
     store_cached_program("key", {1});
-    EXPECT_TRUE(fs::exists(folder / "xdg/claray/key.bin"));
+    EXPECT_TRUE(fs::exists(folder.path() / "xdg/claray" / (hash128("key") + ".bin")));
 }
 
 TEST(Hash, IsXxh3With128Bits) {

@@ -11,6 +11,7 @@
 #include "host/compute/hash.hpp"
 #include "host/compute/tuning.hpp"
 #include "host/render/checkpoint.hpp"
+#include "tests/fuzz/forge.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/process.hpp"
 
@@ -94,19 +95,10 @@ bool fuzz_image(Bytes bytes) {
     });
 }
 
-/// Puts the right checksum where a file has one of what is before it: a fuzzer would not get past it.
-void mend_digest(std::vector<std::uint8_t>& file, std::size_t begin, std::size_t end) {
-    if (begin > end || file.size() < end + sizeof(Digest)) return;
-    const Digest digest = digest_of(file.data() + begin, end - begin);
-    std::memcpy(file.data() + end, digest.data(), digest.size());
-}
-
 /// With the layout that is stored: nothing but the file's counts and sizes decides what happens.
 bool fuzz_tree(Bytes bytes) {
     std::vector<std::uint8_t> file(bytes.begin(), bytes.end());
-    constexpr std::size_t header = 168;
-    mend_digest(file, 0, header - sizeof(Digest));
-    if (file.size() >= header + sizeof(Digest)) mend_digest(file, header, file.size() - sizeof(Digest));
+    mend_digests(file, tree_header);
     const auto path = written("input.cbvh", file);
     return expect_result_or_user_error([&] { (void)Bvh::load(device(), path, Layout::binary); });
 }
@@ -115,8 +107,7 @@ bool fuzz_tree(Bytes bytes) {
 bool fuzz_checkpoint(Bytes bytes) {
     std::vector<std::uint8_t> file(bytes.begin(), bytes.end());
     constexpr std::size_t header = 144, tells_error = 44, digests = 80;  // docs/formats.md
-    mend_digest(file, 0, header - sizeof(Digest));
-    if (file.size() >= header + sizeof(Digest)) mend_digest(file, header, file.size() - sizeof(Digest));
+    mend_digests(file, header);
     const auto path = written("input.checkpoint", file);
     RenderIdentity identity;
     identity.width = identity.height = 2;
