@@ -16,11 +16,6 @@ double decode_srgb(double encoded) {
     return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
 }
 
-glm::vec3 linear_from_display(const glm::dvec3& encoded) {
-    const glm::dvec3 c = glm::clamp(encoded, 0.0, 1.0);
-    return {float(decode_srgb(c.x)), float(decode_srgb(c.y)), float(decode_srgb(c.z))};
-}
-
 /// Turbo (Anton Mikhailov, "Turbo, An Improved Rainbow Colormap for Visualization", Google AI Blog 2019), by the degree
 /// 5 polynomial fit that Ruofei Du published with it. `x` in 0..1; the result is encoded for display.
 glm::dvec3 turbo(double x) {
@@ -40,6 +35,11 @@ glm::dvec3 hue_color(double hue, double saturation) {
 }
 
 }  // namespace
+
+glm::vec3 linear_from_display(const glm::dvec3& encoded) {
+    const glm::dvec3 c = glm::clamp(encoded, 0.0, 1.0);
+    return {float(decode_srgb(c.x)), float(decode_srgb(c.y)), float(decode_srgb(c.z))};
+}
 
 std::uint8_t srgb_from_linear(float linear) {
     if (!(linear > 0.f)) return 0;  // NaN too

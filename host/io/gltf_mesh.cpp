@@ -73,6 +73,14 @@ public:
 
     [[nodiscard]] bool has(const char* attribute) const { return primitive_.attributes.count(attribute) > 0; }
 
+    /// 0 where the primitive has no such attribute.
+    [[nodiscard]] int components(const char* attribute) const {
+        const auto found = primitive_.attributes.find(attribute);
+        const auto& accessors = file_.model.accessors;
+        if (found == primitive_.attributes.end() || std::size_t(found->second) >= accessors.size()) return 0;
+        return tinygltf::GetNumComponentsInType(std::uint32_t(accessors[std::size_t(found->second)].type));
+    }
+
     /// Nothing where the primitive has no such attribute.
     template <int N>
     [[nodiscard]] std::vector<glm::vec<N, float>> read(const char* attribute) {
@@ -93,6 +101,26 @@ private:
     std::string name_;
     std::size_t vertices_ = none;
 };
+
+/// COLOR_0, clamped to 0..1 (glTF 2.0, section 3.7.2.1); nothing where all of it is white.
+std::vector<glm::vec4> read_colors(Attributes& attributes, GltfLeftOut& left_out) {
+    std::vector<glm::vec4> colors;
+    if (attributes.components("COLOR_0") == 3)
+        for (const glm::vec3& color : attributes.read<3>("COLOR_0")) colors.emplace_back(color, 1.f);
+    else
+        colors = attributes.read<4>("COLOR_0");
+    bool clamped = false, white = true;
+    for (glm::vec4& color : colors)
+        for (int k = 0; k < 4; ++k) {
+            const float given = color[k];
+            color[k] = std::isnan(given) ? 1.f : std::clamp(given, 0.f, 1.f);
+            clamped = clamped || color[k] != given;
+            white = white && color[k] == 1.f;
+        }
+    left_out.with_clamped_colors += clamped;
+    if (white) colors.clear();
+    return colors;
+}
 
 std::vector<std::uint32_t> indices_of(const GltfFile& file, const tinygltf::Primitive& primitive, std::size_t vertices,
                                       const std::string& name) {
@@ -121,7 +149,6 @@ std::optional<Mesh> read_primitive(const GltfFile& file, std::size_t mesh_index,
     Attributes attributes(file, primitive, name);
     if (primitive.mode < TINYGLTF_MODE_TRIANGLES) return ++left_out.not_triangles, std::nullopt;
     if (!attributes.has("POSITION")) return ++left_out.without_positions, std::nullopt;
-    left_out.with_colors += attributes.has("COLOR_0");
     left_out.with_targets += !primitive.targets.empty();
 
     Mesh mesh;
@@ -136,6 +163,7 @@ std::optional<Mesh> read_primitive(const GltfFile& file, std::size_t mesh_index,
     mesh.normals = attributes.read<3>("NORMAL");
     mesh.uvs = attributes.read<2>("TEXCOORD_0");
     mesh.uvs1 = attributes.read<2>("TEXCOORD_1");
+    mesh.colors = read_colors(attributes, left_out);
     if (tangents && !mesh.normals.empty()) mesh.tangents = attributes.read<4>("TANGENT");
     mend_normals(mesh);
     mend_tangents(mesh);

@@ -9,7 +9,8 @@ namespace claray {
 
 /// What was left out of the meshes, for one warning each.
 struct GltfLeftOut {
-    std::size_t not_triangles = 0, without_positions = 0, with_colors = 0, with_targets = 0;
+    std::size_t not_triangles = 0, without_positions = 0, with_targets = 0;
+    std::size_t with_clamped_colors = 0;
 };
 
 /// One primitive, all of whose triangles are of `material`; nothing where it holds no triangles. Tangents are read

@@ -264,7 +264,7 @@ void Loader::warn(const std::vector<PlacedNode>& nodes) {
     for (const PlacedNode& node : nodes) skinned += node.node->skin >= 0;
     warn_if(left_out_.not_triangles, "primitives of points or lines are left out");
     warn_if(left_out_.without_positions, "primitives without positions are left out");
-    warn_if(left_out_.with_colors, "primitives have colours at their vertices, which are left out");
+    warn_if(left_out_.with_clamped_colors, "primitives have colours at vertices beyond 0..1: they are clamped");
     warn_if(left_out_.with_targets, "primitives have morph targets, which are left out");
     warn_if(skinned, "nodes have skins: they are shown as they were before skinning");
     warn_if(file_.model.animations.size(), "animations are left out");

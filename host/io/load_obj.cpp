@@ -37,11 +37,12 @@ class MeshBuilder {
 public:
     MeshBuilder(const ObjFile& file, std::string name) : file_(file) { mesh_.name = std::move(name); }
 
-    /// Meshes have normals and texture coordinates for all vertices or for none.
+    /// Meshes have normals, texture coordinates and colours for all vertices or for none.
     void plan(std::span<const ObjCorner> corners) {
         for (const ObjCorner& c : corners) {
             has_normals_ |= c.normal >= 0 && usable(file_.normals[std::size_t(c.normal)]);
             has_uvs_ |= c.uv >= 0;
+            has_colors_ |= !file_.colors.empty() && file_.colors[std::size_t(c.position)] != glm::vec3(1.f);
         }
     }
 
@@ -78,12 +79,13 @@ private:
             mesh_.normals.push_back(own ? glm::normalize(file_.normals[std::size_t(corner.normal)]) : flat);
         if (has_uvs_)
             mesh_.uvs.push_back(corner.uv >= 0 ? from_the_top(file_.uvs[std::size_t(corner.uv)]) : glm::vec2(0.f));
+        if (has_colors_) mesh_.colors.emplace_back(file_.colors[std::size_t(corner.position)], 1.f);
         return found->second;
     }
 
     const ObjFile& file_;
     Mesh mesh_;
-    bool has_normals_ = false, has_uvs_ = false;
+    bool has_normals_ = false, has_uvs_ = false, has_colors_ = false;
     std::unordered_map<ObjCorner, std::uint32_t, CornerHash> vertices_;
     std::vector<glm::vec3> points_;
     std::vector<glm::uvec3> pieces_;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <istream>
+#include <limits>
 #include <map>
 #include <optional>
 #include <span>
@@ -14,6 +16,7 @@
 
 #include "claray/error.hpp"
 #include "host/compute/file.hpp"
+#include "host/io/color.hpp"
 #include "host/io/mtl.hpp"
 #include "host/io/obj_words.hpp"
 
@@ -154,6 +157,15 @@ private:
     std::unordered_map<std::string, std::uint32_t> numbers_;
 };
 
+/// NaN where the word is no finite number.
+double number_of(std::string_view word) {
+    double value = std::numeric_limits<double>::quiet_NaN();
+    if (!is_finite_number(word)) return value;
+    if (word.front() == '+') word.remove_prefix(1);
+    std::from_chars(word.data(), word.data() + word.size(), value);
+    return value;
+}
+
 /// Receives the parser's callbacks.
 class Reader {
 public:
@@ -163,7 +175,7 @@ public:
     static tinyobj::callback_t callbacks();
     void check_bare_lines() const;
     void check_forward_references() const;
-    void warn_of_not_finite(Warnings& warnings) const;
+    void warn_of_bad_numbers(Warnings& warnings) const;
 
 private:
     /// The largest index of one kind so far, and where it stands: the format lets a face name a vertex of a later line.
@@ -178,6 +190,7 @@ private:
     };
 
     void check_numbers(std::span<float> numbers, std::size_t needed, NotFinite& not_finite);
+    void vertex_color();
     void face();
     [[nodiscard]] int resolve(int index, std::size_t count, const char* kind, Largest& largest);
     [[noreturn]] void refuse(std::size_t line, const std::string& what, const std::string& remedy) const;
@@ -196,7 +209,7 @@ private:
     std::string object_, group_name_;
     std::uint32_t group_ = 0, material_ = 0;
     Largest positions_, uvs_, normals_;
-    NotFinite bad_positions_, bad_uvs_, bad_normals_;
+    NotFinite bad_positions_, bad_uvs_, bad_normals_, bad_colors_;
 };
 
 /// `numbers` are those of the current line as the parser read them, which takes for 0 what is missing or no number, and
@@ -219,6 +232,23 @@ void Reader::check_numbers(std::span<float> numbers, std::size_t needed, NotFini
         finite &= std::isfinite(numbers[k]);
     }
     if (!finite && not_finite.count++ == 0) not_finite.line = lines_.line();
+}
+
+/// The colour of the latest vertex, where its line goes on after x y z by r g b. Encoded as sRGB, which is what
+/// painting and scanning programs write. (A fourth number alone is a weight.)
+void Reader::vertex_color() {
+    std::string_view rest = lines_.text(), words[7];
+    for (std::string_view& word : words) word = next_word(rest);
+    const bool given = !words[6].empty();
+    if (!given && file_.colors.empty()) return;
+    glm::dvec3 color(1.0);
+    for (int k = 0; given && k < 3; ++k) color[k] = number_of(words[4 + k]);
+    const bool good = color == glm::clamp(color, 0.0, 1.0);  // not where it is NaN
+    if (!good && bad_colors_.count++ == 0) bad_colors_.line = lines_.line();
+    for (int k = 0; k < 3; ++k)
+        if (std::isnan(color[k])) color = glm::dvec3(1.0);
+    file_.colors.resize(file_.positions.size() - 1, glm::vec3(1.f));
+    file_.colors.push_back(linear_from_display(color));
 }
 
 void Reader::refuse(std::size_t line, const std::string& what, const std::string& remedy) const {
@@ -286,16 +316,17 @@ void Reader::check_forward_references() const {
     check(normals_, file_.normals.size(), "normal");
 }
 
-void Reader::warn_of_not_finite(Warnings& warnings) const {
-    const auto warn = [&](const NotFinite& bad, const char* kind, const char* consequence) {
+void Reader::warn_of_bad_numbers(Warnings& warnings) const {
+    const auto warn = [&](const NotFinite& bad, const char* fault, const char* consequence) {
         if (bad.count == 0) return;
         const std::string more = bad.count > 1 ? " (and " + to_string(bad.count - 1) + " more)" : "";
-        warnings.push_back("'" + path_.string() + "' line " + to_string(bad.line) + more + ": a " + kind +
-                           " is not finite: " + consequence);
+        warnings.push_back("'" + path_.string() + "' line " + to_string(bad.line) + more + ": a " + fault + ": " +
+                           consequence);
     };
-    warn(bad_positions_, "vertex", "its triangles are left out");
-    warn(bad_uvs_, "texture coordinate", "it becomes 0");
-    warn(bad_normals_, "normal", "that of the face takes its place");
+    warn(bad_positions_, "vertex is not finite", "its triangles are left out");
+    warn(bad_uvs_, "texture coordinate is not finite", "it becomes 0");
+    warn(bad_normals_, "normal is not finite", "that of the face takes its place");
+    warn(bad_colors_, "vertex has a colour that is not three numbers in 0..1", "it is clamped, or else white");
 }
 
 tinyobj::callback_t Reader::callbacks() {
@@ -306,6 +337,7 @@ tinyobj::callback_t Reader::callbacks() {
         std::array<float, 3> p = {x, y, z};
         self(r).check_numbers(p, 3, self(r).bad_positions_);
         self(r).file_.positions.emplace_back(p[0], p[1], p[2]);
+        self(r).vertex_color();
     };
     callback.normal_cb = [](void* r, real_t x, real_t y, real_t z) {
         std::array<float, 3> n = {x, y, z};
@@ -350,7 +382,7 @@ ObjFile read_obj(const fs::path& path, Warnings& warnings) {
     tinyobj::LoadObjWithCallback(stream, Reader::callbacks(), &reader, &mtl_reader);
     reader.check_bare_lines();
     reader.check_forward_references();
-    reader.warn_of_not_finite(warnings);
+    reader.warn_of_bad_numbers(warnings);
     if (file.polygons.empty())
         throw Error(ErrorKind::user, "'" + path.string() + "' holds no face", "claray needs 'f' lines; export a mesh");
     return file;

@@ -23,6 +23,7 @@ struct ObjPolygon {
 struct ObjFile {
     std::vector<glm::vec3> positions, normals;
     std::vector<glm::vec2> uvs;
+    std::vector<glm::vec3> colors;  ///< of the positions, linear, 0..1; empty where none has one
     std::vector<ObjCorner> corners;
     std::vector<ObjPolygon> polygons;
     std::vector<std::string> groups;                 ///< by object and group name; the first is unnamed

@@ -24,7 +24,7 @@ struct Cutouts {
 
 /// Whether every material in use has only a front, and nothing is cut out.
 [[nodiscard]] bool culls_everywhere(const Scene& scene, const std::vector<bool>& used);
-/// Whether rays pass through some of this material's points.
-[[nodiscard]] bool is_cut_out(const Scene& scene, const Material& material);
+/// Of each material in use whether rays pass through some of its points.
+[[nodiscard]] std::vector<bool> find_cut_outs(const Scene& scene, const std::vector<bool>& used);
 
 }  // namespace claray

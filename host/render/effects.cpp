@@ -47,6 +47,7 @@ constexpr std::array rows = {
     Row{Effect::camera_motion, "camera-motion", "CAMERA_MOTION", 0, generate},
     Row{Effect::instances, "instances", nullptr, 0, 0},
     Row{Effect::instance_motion, "instance-motion", nullptr, 0, 0},
+    Row{Effect::vertex_colors, "vertex-colors", "VERTEX_COLORS", 0, shade | aovs},
     Row{Effect::textures, "textures", "TEXTURES", 0, shade | aovs},
     Row{Effect::mip_maps, "mip-maps", "MIPMAPS", 0, shade | aovs},
     Row{Effect::normal_maps, "normal-maps", "NORMAL_MAPS", 0, shade | aovs},

@@ -7,6 +7,7 @@
 #include "host/render/hot_spots.hpp"
 #include "host/render/lights.hpp"
 #include "host/render/material_data.hpp"
+#include "host/render/textures.hpp"
 #include "host/scene/placement.hpp"
 
 namespace claray {
@@ -51,9 +52,13 @@ public:
     void visit() {
         for (std::size_t i = 0; i < scene_.meshes.size(); ++i)
             if (!scene_.meshes[i].normals.empty()) call_(Effect::smooth_normals, "mesh", scene_.meshes[i].name, i);
-        const std::vector<bool> used = used_materials();
-        for (std::size_t i = 0; i < scene_.materials.size(); ++i)
+        for (std::size_t i = 0; i < scene_.meshes.size(); ++i)
+            if (has_colors(scene_.meshes[i])) call_(Effect::vertex_colors, "mesh", scene_.meshes[i].name, i);
+        const std::vector<bool> used = used_materials(), cut_outs = find_cut_outs(scene_, used);
+        for (std::size_t i = 0; i < scene_.materials.size(); ++i) {
             if (used[i]) visit(scene_.materials[i], i);
+            if (cut_outs[i]) call_(Effect::cut_outs, "material", scene_.materials[i].name, i);
+        }
         for (std::size_t i = 0; i < scene_.lights.size(); ++i)
             if (shines(scene_.lights[i].intensity)) visit(scene_.lights[i], i);
         if (near_lights(scene_) >= lights_for_a_tree) call_(Effect::many_lights, "scene", scene_.name, 0);
@@ -98,7 +103,6 @@ private:
         call(Effect::coated_metal, has_coated_metal(m));
         call(Effect::absorption, absorbs_inside(m));
         call(Effect::culling, m.cull_back);
-        call(Effect::cut_outs, is_cut_out(scene_, m));
         visit_textures(m);
         const auto call_map = [&](Effect effect, const TextureUse& use) {
             if (use.used()) call_(effect, "texture", texture(use.texture).name, use.texture);
@@ -188,8 +192,10 @@ EffectSet effects_of(const Scene& scene) {
 
 Scene without_effects(Scene scene, EffectSet effects) {
     const auto lost = [&](Effect effect) { return effects.has(effect); };
-    for (Mesh& mesh : scene.meshes)
+    for (Mesh& mesh : scene.meshes) {
         if (lost(Effect::smooth_normals)) mesh.normals.clear();
+        if (lost(Effect::vertex_colors)) mesh.colors.clear();
+    }
     for (Material& material : scene.materials) strip(material, effects);
     for (Texture& texture : scene.textures)
         if (lost(Effect::mip_maps) && texture.filter == Filter::trilinear) texture.filter = Filter::bilinear;

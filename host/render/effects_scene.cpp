@@ -99,6 +99,8 @@ Scene scene_calling_for(EffectSet effects) {
     for (std::uint32_t i = 0; i < scene.materials.size(); ++i) scene.meshes.push_back(unit_square(i));
     if (effects.has(Effect::smooth_normals))
         for (Mesh& mesh : scene.meshes) mesh.normals.assign(mesh.positions.size(), {0.f, 1.f, 0.f});
+    if (effects.has(Effect::vertex_colors))
+        for (Mesh& mesh : scene.meshes) mesh.colors.assign(mesh.positions.size(), glm::vec4(glm::vec3(0.5f), 1.f));
     const EffectSet textured = {Effect::textures,   Effect::mip_maps, Effect::normal_maps,  Effect::height_maps,
                                 Effect::light_maps, Effect::cut_outs, Effect::emission_maps};
     if (!(effects & textured).empty())

@@ -46,8 +46,8 @@ private:
             for (const T& value : values) add(value);
     }
     void put(const Mesh& mesh) {
-        const auto& [name, positions, normals, uvs, uvs1, tangents, triangles, materials, mask] = mesh;
-        add(positions, normals, uvs, uvs1, tangents, triangles, materials, mask);
+        const auto& [name, positions, normals, uvs, uvs1, tangents, colors, triangles, materials, mask] = mesh;
+        add(positions, normals, uvs, uvs1, tangents, colors, triangles, materials, mask);
     }
     void put(const MeshInstance& instance) {
         const auto& [mesh, transform, transform_end] = instance;

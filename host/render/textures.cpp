@@ -144,16 +144,21 @@ private:
     std::map<std::uint32_t, std::uint32_t> slots_;
 };
 
-/// One array of all meshes' vertices; zeros where a mesh has none.
+/// One array of all meshes' vertices; `none` where a mesh has none.
 template <class Vector>
-std::vector<Vector> of_all_meshes(const Scene& scene, std::vector<Vector> Mesh::*member) {
+std::vector<Vector> of_all_meshes(const Scene& scene, std::vector<Vector> Mesh::*member, Vector none = Vector(0.f)) {
     std::vector<Vector> all;
     for (const Mesh& mesh : scene.meshes) {
         const std::vector<Vector>& values = mesh.*member;
         all.insert(all.end(), values.begin(), values.end());
-        if (values.empty()) all.resize(all.size() + mesh.positions.size(), Vector(0.f));
+        if (values.empty()) all.resize(all.size() + mesh.positions.size(), none);
     }
     return all;
+}
+
+std::vector<glm::vec3> all_colors(const Scene& scene) {
+    const std::vector<glm::vec4> all = of_all_meshes(scene, &Mesh::colors, glm::vec4(1.f));
+    return {all.begin(), all.end()};
 }
 
 std::size_t triangles_of(const Scene& scene) {
@@ -174,6 +179,11 @@ void add_cutouts(const Cutouts& cutouts, std::size_t triangles, StoreWriter& wri
 
 }  // namespace
 
+bool has_colors(const Mesh& mesh) {
+    return std::any_of(mesh.colors.begin(), mesh.colors.end(),
+                       [](const glm::vec4& color) { return glm::vec3(color) != glm::vec3(1.f); });
+}
+
 bool has_emission_map(const Material& material) {
     return material.emission_map.used() && material.emission != glm::vec3(0.f);
 }
@@ -183,7 +193,8 @@ Textures::Textures(const Device& device, const Scene& scene, bool with_cutouts) 
     Collector found(scene, used);
     const Cutouts cutouts(scene, used, [&](std::uint32_t texture) { return found.slot_of(texture); });
     culls_back_faces = culls_everywhere(scene, used);
-    has_maps = found.has_maps(), has_cutouts = with_cutouts || !cutouts.empty();
+    const bool colors = std::any_of(scene.meshes.begin(), scene.meshes.end(), has_colors);
+    has_maps = found.has_maps() || colors, has_cutouts = with_cutouts || !cutouts.empty();
     if (!has_maps && !has_cutouts) return;
     mipmaps = found.mipmaps;
     StoreWriter writer;
@@ -194,6 +205,7 @@ Textures::Textures(const Device& device, const Scene& scene, bool with_cutouts) 
     const bool tangents =
         std::any_of(scene.meshes.begin(), scene.meshes.end(), [](auto& m) { return !m.tangents.empty(); });
     if (found.normal_maps && tangents) sections.tangents = writer.add(of_all_meshes(scene, &Mesh::tangents));
+    if (colors) sections.colors = writer.add(all_colors(scene));
     if (has_cutouts) add_cutouts(cutouts, triangles_of(scene), writer, sections);
     store = Buffer<std::uint32_t>(device, writer.finish(sections));
 }

@@ -7,8 +7,8 @@
 
 namespace claray {
 
-/// Not allocated where no used material has a map, nor anything cut out. Images that no map needs, texture coordinates
-/// that no map lies on and mip maps that no filter reads are not uploaded.
+/// Not allocated where no used material has a map, no vertex a colour, and nothing is cut out. Images that no map
+/// needs, texture coordinates that no map lies on and mip maps that no filter reads are not uploaded.
 struct Textures {
     Textures() = default;
     /// For a scene that `validate` accepts; `with_cutouts`: as if something were cut out, even if nothing is. Throws
@@ -28,6 +28,8 @@ struct Textures {
     [[nodiscard]] Buffer<std::uint32_t> cutouts() const { return has_cutouts ? store : Buffer<std::uint32_t>(); }
 };
 
+/// Whether some vertex' colour changes the albedo.
+[[nodiscard]] bool has_colors(const Mesh& mesh);
 /// Whether a map of this material is emission that varies over its triangles.
 [[nodiscard]] bool has_emission_map(const Material& material);
 

@@ -34,6 +34,7 @@ void add_balls(Scene& scene) {
     add_ball(scene, glass("thin-walled", {0.6f, 0.9f, 0.8f}, 1.5f), 1.9f, 0.1f, 0.25f).thin_walled = true;
     add_ball(scene, lambert("rippled", glm::vec3(0.6f)), 0.6f, -0.9f, 0.4f).normal_map =
         add_texture(scene, ripples_as_normals());
+    paint(scene.meshes.back());
     scene.meshes.push_back(open_bowl({1.5f, 0.4f, -0.8f}, 0.4f, std::uint32_t(scene.materials.size())));
     scene.materials.push_back(lambert("bowl", {0.3f, 0.55f, 0.3f}));
     scene.materials.back().cull_back = true;

@@ -158,6 +158,11 @@ constexpr std::array alone = {
           }},
     Alone{"sky", [](Scene&) {}},
     Alone{"environment", replace_sky_by_evening},
+    Alone{"vertex-colors",
+          [](Scene& s) {
+              ball(s).albedo = glm::vec3(0.8f);
+              paint(s.meshes[ball_material]);
+          }},
     Alone{"textures", [](Scene& s) { s.materials[floor_material].albedo_map = add_texture(s, checks()); }},
     Alone{"mip-maps",
           [](Scene& s) {

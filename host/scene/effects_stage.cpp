@@ -39,6 +39,12 @@ Mesh textured_ball(const glm::vec3& center, float radius, unsigned levels, std::
     return mesh;
 }
 
+void paint(Mesh& mesh) {
+    const Bounds box = bounds_of(mesh);
+    for (const glm::vec3& p : mesh.positions)
+        mesh.colors.emplace_back(glm::clamp((p - box.lo) / box.extent(), 0.f, 1.f), 1.f);
+}
+
 Mesh open_bowl(const glm::vec3& center, float radius, std::uint32_t material) {
     constexpr unsigned rings = 16, sides = 64;
     const auto at = [&](unsigned ring) {  // radius and height

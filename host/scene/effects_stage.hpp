@@ -21,6 +21,9 @@ enum StageMaterial : std::uint32_t { floor_material, ball_material, block_materi
 [[nodiscard]] Mesh textured_rectangle(const glm::vec3& center, const glm::vec3& u, const glm::vec3& v,
                                       std::uint32_t material);
 
+/// Colours at the vertices: red, green and blue by where they are in the mesh' box.
+void paint(Mesh& mesh);
+
 /// An image whose texels are `color(u, v)`, u and v in 0..1 from the top left.
 [[nodiscard]] Texture computed_image(const char* name, unsigned width, unsigned height, TexelFormat format,
                                      const std::function<glm::vec3(double, double)>& color);

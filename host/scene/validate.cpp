@@ -70,10 +70,14 @@ void check_mesh(const Mesh& mesh, const Check& check, std::size_t materials) {
     check_length(check, "texture coordinates", mesh.uvs.size(), mesh.positions.size(), "vertices");
     check_length(check, "second texture coordinates", mesh.uvs1.size(), mesh.positions.size(), "vertices");
     check_length(check, "tangents", mesh.tangents.size(), mesh.positions.size(), "vertices");
+    check_length(check, "colours", mesh.colors.size(), mesh.positions.size(), "vertices");
     check_length(check, "materials", mesh.materials.size(), mesh.triangles.size(), "triangles");
     check_vectors(check, "texture coordinates", mesh.uvs);
     check_vectors(check, "second texture coordinates", mesh.uvs1);
     check_vectors(check, "tangents", mesh.tangents);
+    for (std::size_t i = 0; i < mesh.colors.size(); ++i)
+        if (!share(glm::vec3(mesh.colors[i])) || !share(mesh.colors[i].w))
+            check.that(false, "the colour of vertex " + to_string(i) + " is not in 0..1", "correct the value");
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const glm::uvec3& t = mesh.triangles[i];
         for (int k = 0; k < 3; ++k)

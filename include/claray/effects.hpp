@@ -46,7 +46,8 @@ enum class Effect : std::uint8_t {
     instance_motion,
     emission_maps,
     thin_walls,
-    hot_spots
+    hot_spots,
+    vertex_colors
 };
 
 class EffectSet {

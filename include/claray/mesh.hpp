@@ -8,8 +8,8 @@
 
 namespace claray {
 
-/// An indexed triangle mesh: one geometry of a scene. `normals`, `uvs`, `uvs1` and `tangents` are per vertex and may be
-/// empty.
+/// An indexed triangle mesh: one geometry of a scene. `normals`, `uvs`, `uvs1`, `tangents` and `colors` are per vertex
+/// and may be empty.
 struct Mesh {
     std::string name;
     std::vector<glm::vec3> positions;
@@ -17,6 +17,8 @@ struct Mesh {
     std::vector<glm::vec2> uvs;       ///< (0, 0) is the top left corner of an image
     std::vector<glm::vec2> uvs1;      ///< a second set
     std::vector<glm::vec4> tangents;  ///< unit length, w = +-1 turns the bitangent; empty: from the triangles' own uvs
+    /// Linear RGB, which multiplies the material's albedo, and alpha, which multiplies its opacity; 0..1; empty: white.
+    std::vector<glm::vec4> colors;
     std::vector<glm::uvec3> triangles;     ///< indices into `positions`
     std::vector<std::uint32_t> materials;  ///< per triangle, indices into Scene::materials; empty: material 0
     std::uint32_t mask = 0xffffffffu;      ///< a ray sees the mesh where its mask and this one share a bit

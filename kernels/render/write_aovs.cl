@@ -30,6 +30,9 @@ kernel void write_aovs(uint count, global const Ray* rays, global const SceneHit
 #else
         Surface surface = surface_at(hit, outgoing, positions, indices, normals);
 #endif
+#if VERTEX_COLORS
+        if (textures) apply_vertex_colors(textures, indices, hit, &material);
+#endif
 #if TEXTURES
         if (textures)
             apply_maps(textures, triangle_materials[hit.primitive], indices, hit, outgoing, 0.0f, &surface, &material);

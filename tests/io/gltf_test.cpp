@@ -323,15 +323,41 @@ TEST_F(Gltf, PunctualLights) {
     refuse({"node 1 refers to light 9 of 4"});
 }
 
+TEST_F(Gltf, ColoursOfVerticesOfEveryType) {
+    builder.triangle();
+    const auto load_colors = [&](int accessor) {
+        primitive()["attributes"]["COLOR_0"] = accessor;
+        const Scene scene = load();
+        validate(scene);
+        return scene.meshes.at(0).colors;
+    };
+    using Colors = std::vector<glm::vec4>;
+    EXPECT_EQ(load_colors(builder.accessor<float>("VEC3", {0.25f, 0, 0, 1, 0, 0, 0, 1, 0.5f})),
+              (Colors{{0.25f, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0.5f, 1}}));
+    EXPECT_EQ(load_colors(builder.accessor<float>("VEC4", {0.25f, 0, 0, 0.5f, 1, 0, 0, 1, 0, 1, 0.5f, 0})),
+              (Colors{{0.25f, 0, 0, 0.5f}, {1, 0, 0, 1}, {0, 1, 0.5f, 0}}));
+    EXPECT_EQ(load_colors(builder.accessor<std::uint8_t>("VEC4", {51, 0, 0, 255, 255, 0, 0, 0, 0, 0, 102, 255}, true)),
+              (Colors{{0.2f, 0, 0, 1}, {1, 0, 0, 0}, {0, 0, 0.4f, 1}}));
+    EXPECT_EQ(load_colors(builder.accessor<std::uint16_t>(
+                  "VEC4", {13107, 0, 0, 65535, 65535, 0, 0, 0, 0, 0, 26214, 65535}, true)),
+              (Colors{{0.2f, 0, 0, 1}, {1, 0, 0, 0}, {0, 0, 0.4f, 1}}));
+    EXPECT_TRUE(load_colors(builder.accessor<float>("VEC3", {1, 1, 1, 1, 1, 1, 1, 1, 1})).empty()) << "all white";
+    EXPECT_EQ(warned("clamped"), 0u);
+    EXPECT_EQ(load_colors(builder.accessor<float>("VEC3", {-1, 0, 0, 2, 0, 0, 0, NAN, 0.5f})),
+              (Colors{{0, 0, 0, 1}, {1, 0, 0, 1}, {0, 1, 0.5f, 1}}));
+    EXPECT_EQ(warned("clamped"), 1u);
+    primitive()["attributes"]["COLOR_0"] = builder.accessor<float>("VEC2", {0, 0, 0, 0, 0, 0});
+    refuse({"COLOR_0", "2 components instead of 4"});
+}
+
 TEST_F(Gltf, WhatIsLeftOutIsWarnedOf) {
     builder.triangle();
-    primitive()["attributes"]["COLOR_0"] = builder.accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 0, 1, 0});
     primitive()["targets"] = {{{"POSITION", 0}}};
     builder.root["nodes"][0]["skin"] = builder.push("skins", {{"joints", {0}}});
     builder.push("animations", {{"channels", json::array()}, {"samplers", json::array()}});
     builder.root["meshes"][0]["primitives"].push_back({{"attributes", json::object()}});
     load();
-    for (const char* word : {"colours", "morph", "skins", "1 animations", "without positions"})
+    for (const char* word : {"morph", "skins", "1 animations", "without positions"})
         EXPECT_EQ(warned(word), 1u) << word;
 }
 

@@ -232,6 +232,32 @@ TEST_F(Obj, WhatIsNoNumberIsAnErrorThatNamesTheLine) {
         refuse("f 1 2 " + corner, {"'" + corner + "' is no corner of a face"});
 }
 
+/// By the curve of IEC 61966-2-1: 0.5 is 0.21404, and below 0.04045 it is a line.
+TEST_F(Obj, ColoursOfVerticesAreSrgb) {
+    const Scene scene = load(
+        "v 0 0 0 1 0 0.5\nv 1 0 0\nv 1 1 0 +0.0404 1e0 1\nf 1 2 3\nv 5 0 0\nv 6 0 0 2\no plain\n"
+        "v 7 1 0 1 1 1\nf 4 5 6\n");
+    ASSERT_EQ(scene.meshes.size(), 2u);
+    const std::vector<glm::vec4>& colors = scene.meshes[0].colors;
+    ASSERT_EQ(colors.size(), 3u);
+    EXPECT_EQ(colors[0].x, 1.f);
+    EXPECT_EQ(colors[0].y, 0.f);
+    EXPECT_NEAR(colors[0].z, 0.2140411, 1e-6);
+    EXPECT_EQ(colors[1], glm::vec4(1.f)) << "a vertex without one is white";
+    EXPECT_NEAR(colors[2].x, 0.0404 / 12.92, 1e-8);
+    EXPECT_TRUE(scene.meshes[1].colors.empty()) << "a fourth number is a weight, and white is none";
+    EXPECT_FALSE(warned("colour"));
+}
+
+TEST_F(Obj, ColoursBeyondOneAreClampedWithAWarning) {
+    const Scene scene = load("v 0 0 0 255 0 0\nv 1 0 0 0 -1 0\nv 1 1 0 0 0 1\nf 1 2 3\n");
+    EXPECT_EQ(scene.meshes.at(0).colors, (std::vector<glm::vec4>{{1, 0, 0, 1}, {0, 0, 0, 1}, {0, 0, 1, 1}}));
+    EXPECT_TRUE(warned("line 1 (and 1 more): a vertex has a colour that is not three numbers in 0..1"));
+    EXPECT_EQ(load("v 0 0 0 1 0 red\nv 1 0 0 1 0 0\nv 1 1 0 nan 0 0\nf 1 2 3\n").meshes.at(0).colors,
+              (std::vector<glm::vec4>{{1, 1, 1, 1}, {1, 0, 0, 1}, {1, 1, 1, 1}}));
+    EXPECT_TRUE(warned("line 1 (and 1 more)"));
+}
+
 TEST_F(Obj, WordsBehindTheLastNumberAreNoMatter) {
     const Mesh mesh =
         load("v 0 0 0 1 # w\nv 1 0 0 .5 .5 .5\nv 0 1 0 red\nvt 1\nvt .5 .5 x\nf 1/ 2/2/ 3/1 # comment 4\n")

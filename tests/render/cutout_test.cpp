@@ -19,14 +19,15 @@
 namespace claray::test {
 namespace {
 
-/// Triangles of five materials: solid, masked by an image's alpha, masked by a red channel on the second set, blended
-/// by both, and without a back.
+/// Triangles of seven materials: solid, masked by an image's alpha, masked by a red channel on the second set, blended
+/// by both, without a back, masked by the corners' own alpha, and blended by that and by an image's. The second of two
+/// meshes has no colours.
 Scene mixed_soup(std::size_t count) {
     Scene scene;
     scene.textures = {random_texture({16, 16}, 4, TexelFormat::srgb8, 1),
                       random_texture({9, 7}, 1, TexelFormat::linear8, 2)};
     scene.textures[0].wrap_u = Wrap::mirror;
-    scene.materials.assign(5, lambert_material());
+    scene.materials.assign(7, lambert_material());
     scene.materials[1].alpha_mode = AlphaMode::mask, scene.materials[1].albedo_map.texture = 0;
     scene.materials[1].albedo_map.rotation = 0.3f, scene.materials[1].albedo_map.offset = {0.2f, 0.7f};
     scene.materials[2].alpha_mode = AlphaMode::mask, scene.materials[2].opacity_map = {.texture = 1, .uv_set = 1};
@@ -34,14 +35,17 @@ Scene mixed_soup(std::size_t count) {
     scene.materials[3].alpha_mode = AlphaMode::blend, scene.materials[3].albedo_map.texture = 0;
     scene.materials[3].opacity_map.texture = 1, scene.materials[3].opacity = 0.9f;
     scene.materials[4].cull_back = true;
+    scene.materials[5].alpha_mode = AlphaMode::mask, scene.materials[5].opacity = 0.8f;
+    scene.materials[6].alpha_mode = AlphaMode::blend, scene.materials[6].albedo_map.texture = 0;
     Random random(3);
     for (int part = 0; part < 2; ++part) {  // two meshes, so that triangles are counted over both
         Mesh mesh = soup(count / 2, 0.6f, 10 + std::uint64_t(part));
         for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
             mesh.uvs.push_back({random.uniform(-1.f, 2.f), random.uniform(-1.f, 2.f)});
             mesh.uvs1.push_back({random.uniform(-1.f, 2.f), random.uniform(-1.f, 2.f)});
+            if (part == 0) mesh.colors.emplace_back(glm::vec3(1.f), random.uniform(0.f, 1.f));
         }
-        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) mesh.materials.push_back(random.below(5));
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) mesh.materials.push_back(random.below(7));
         scene.meshes.push_back(mesh);
     }
     return scene;
@@ -88,6 +92,11 @@ double margin(const Scene& scene, const Ray& ray, const Mesh& mesh, std::size_t 
     if (m.cull_back && back) return -1;
     if (m.alpha_mode == AlphaMode::opaque) return 1;
     double opacity = double(m.opacity);
+    if (!mesh.colors.empty()) {
+        const glm::uvec3& t = mesh.triangles[i];
+        opacity *=
+            (1 - u - v) * double(mesh.colors[t.x].w) + u * double(mesh.colors[t.y].w) + v * double(mesh.colors[t.z].w);
+    }
     if (m.albedo_map.used())
         opacity *=
             texel(scene.textures[m.albedo_map.texture], coordinates(mesh, mesh.triangles[i], m.albedo_map, u, v), 3);
@@ -339,6 +348,11 @@ TEST(CutoutMemory, SolidSurfacesHaveNone) {
     scene.materials[0].alpha_mode = AlphaMode::blend;
     EXPECT_FALSE(Textures(device(), scene).has_cutouts);
     scene.materials[0].opacity = 0.5f;
+    EXPECT_TRUE(Textures(device(), scene).has_cutouts);
+    scene.materials[0].opacity = 1.f;
+    scene.meshes[0].colors.assign(4, glm::vec4(1.f));
+    EXPECT_FALSE(Textures(device(), scene).has_cutouts);
+    scene.meshes[0].colors[2].w = 0.5f;
     EXPECT_TRUE(Textures(device(), scene).has_cutouts);
 }
 

@@ -46,7 +46,8 @@ typedef struct TextureStore {
     uint
         cutouts;  // a word a triangle: where its record begins (see CutoutMaterial), or CLARAY_NO_MAP where it is solid
     uint cutout_materials;  // CutoutMaterial
-    uint spare[3];
+    uint colors;            // three floats a vertex; 1 1 1 where a mesh has none
+    uint spare[2];
 } TextureStore;
 CLARAY_LAYOUT(TextureStore, 48)
 
@@ -80,12 +81,14 @@ typedef struct MaterialMaps {
 } MaterialMaps;
 CLARAY_LAYOUT(MaterialMaps, 48)
 
-#define CLARAY_CUT_MASK 1u   // there where the opacity reaches the cut-off
-#define CLARAY_CUT_BLEND 2u  // there with the opacity as probability
-#define CLARAY_CUT_BACK 4u   // not there when met from behind
+#define CLARAY_CUT_MASK 1u          // there where the opacity reaches the cut-off
+#define CLARAY_CUT_BLEND 2u         // there with the opacity as probability
+#define CLARAY_CUT_BACK 4u          // not there when met from behind
+#define CLARAY_CUT_VERTEX_ALPHA 8u  // the opacity is multiplied by an alpha of each corner
 
 /// Where rays pass through triangles that they meet. The record of such a triangle is the index of its CutoutMaterial,
-/// and then for each of the two textures that are there the coordinates of the three corners, transformed.
+/// then the alphas of the three corners where the mode says so, and then for each of the two textures that are there
+/// the coordinates of the three corners, transformed.
 typedef struct CutoutMaterial {
     uint mode;  // CLARAY_CUT_...
     float opacity, cutoff;
