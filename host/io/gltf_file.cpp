@@ -6,6 +6,7 @@
 
 #include "claray/error.hpp"
 #include "host/compute/file.hpp"
+#include "host/io/gltf_compression.hpp"
 #include "host/io/scene_textures.hpp"
 
 namespace claray {
@@ -15,14 +16,24 @@ namespace fs = std::filesystem;
 using std::to_string;
 
 constexpr std::string_view known_extensions[] = {
-    "KHR_lights_punctual",   "KHR_materials_clearcoat",    "KHR_materials_emissive_strength",
-    "KHR_materials_ior",     "KHR_materials_transmission", "KHR_materials_volume",
+    "KHR_lights_punctual",
+    "KHR_materials_clearcoat",
+    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_transmission",
+    "KHR_materials_volume",
     "KHR_mesh_quantization",  // integer attributes are read wherever they stand
     "KHR_texture_transform",
+    // Other containers of images: where a texture has no plain one, its material says so.
+    "EXT_texture_avif",
+    "EXT_texture_webp",
+    "KHR_texture_basisu",
+    "MSFT_texture_dds",
 };
 
 bool is_known(const std::string& extension) {
-    return std::find(std::begin(known_extensions), std::end(known_extensions), extension) != std::end(known_extensions);
+    return can_decode(extension) ||
+           std::find(std::begin(known_extensions), std::end(known_extensions), extension) != std::end(known_extensions);
 }
 
 std::uint32_t little_endian(std::string_view bytes) {
@@ -154,7 +165,8 @@ void check_version(const GltfFile& file) {
 void check_extensions(const GltfFile& file, Warnings& warnings) {
     for (const std::string& name : file.model.extensionsRequired)
         if (!is_known(name))
-            file.fail("it requires the extension '" + one_line(name) + "', which claray does not know",
+            file.fail("it requires the extension '" + one_line(name) + "', which " +
+                          (is_compression(name) ? "this build of claray cannot decode" : "claray does not know"),
                       "export it without");
     for (const std::string& name : file.model.extensionsUsed)
         if (!is_known(name))
@@ -190,9 +202,11 @@ GltfFile read_gltf(const fs::path& path, Warnings& warnings) {
         file.fail("the file is larger than 4 GiB", "keep its buffers in files of their own");
     const bool binary = bytes.substr(0, 4) == "glTF";
     check_depth(binary ? check_container(bytes, file) : bytes, file);
-    parse(bytes, binary, file, warnings);
+    const std::optional<std::string> adapted = adapted_to_tinygltf(bytes, binary);
+    parse(adapted ? std::string_view(*adapted) : bytes, binary, file, warnings);
     check_version(file);
     check_extensions(file, warnings);
+    decompress(file);
     return file;
 }
 

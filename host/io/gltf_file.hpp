@@ -1,7 +1,7 @@
 // A glTF file as tinygltf reads it, checked where tinygltf trusts. No image is read or decoded yet.
 #pragma once
 
-#include <tiny_gltf.h>
+#include "host/io/tinygltf.hpp"
 
 #include "claray/io.hpp"
 

@@ -174,17 +174,26 @@ TextureUse GltfMaterials::use(const tinygltf::Value& object, const char* key, co
     return use(index_in(info, "index", -1), index_in(info, "texCoord", 0), extensions, TexelFormat::linear8, user);
 }
 
+/// The image of a texture: by an extension that claray reads, else the plain one.
+int GltfMaterials::source_of(const tinygltf::Texture& texture, const std::string& name) const {
+    const int webp = CLARAY_WITH_WEBP ? index_in(extension(texture.extensions, "EXT_texture_webp"), "source", -1) : -1;
+    if (webp >= 0) return webp;
+    if (texture.source >= 0) return texture.source;
+    if (texture.extensions.empty()) file_.fail(name + " has no image", "export images as PNG or JPEG");
+    file_.fail(name + " has only an image of the extension '" + texture.extensions.begin()->first +
+                   "', which claray cannot decode",
+               "export images as PNG or JPEG");
+}
+
 std::uint32_t GltfMaterials::texture(int index, TexelFormat format, const std::string& user) {
     const tinygltf::Model& model = file_.model;
     if (std::size_t(index) >= model.textures.size())
         file_.fail(user + " refers to texture " + to_string(index) + " of " + to_string(model.textures.size()));
     const tinygltf::Texture& texture = model.textures[std::size_t(index)];
     const std::string name = gltf_name("texture", texture.name, std::size_t(index));
-    if (texture.source < 0 || std::size_t(texture.source) >= model.images.size())
-        file_.fail(name + (texture.source < 0 ? " has no image that claray can read"
-                                              : " refers to image " + to_string(texture.source) + " of " +
-                                                    to_string(model.images.size())),
-                   "export images as PNG or JPEG");
+    const int source = source_of(texture, name);
+    if (std::size_t(source) >= model.images.size())
+        file_.fail(name + " refers to image " + to_string(source) + " of " + to_string(model.images.size()));
     TextureSettings settings;
     settings.eight_bit = format;
     if (texture.sampler >= 0) {
@@ -196,9 +205,8 @@ std::uint32_t GltfMaterials::texture(int index, TexelFormat format, const std::s
         settings.wrap_v = wrap_of(sampler.wrapT, file_);
         settings.filter = filter_of(sampler);
     }
-    return textures_.add(to_string(texture.source), settings, [&](TexelFormat eight_bit, std::size_t room) {
-        return decode(texture.source, eight_bit, room);
-    });
+    return textures_.add(to_string(source), settings,
+                         [&](TexelFormat eight_bit, std::size_t room) { return decode(source, eight_bit, room); });
 }
 
 Texture GltfMaterials::decode(int index, TexelFormat eight_bit, std::size_t room) {

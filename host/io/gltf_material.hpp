@@ -27,6 +27,7 @@ private:
     [[nodiscard]] TextureUse use(int index, int uv_set, const tinygltf::ExtensionMap& extensions, TexelFormat format,
                                  const std::string& user);
     [[nodiscard]] TextureUse use(const tinygltf::Value& extension, const char* key, const std::string& user);
+    [[nodiscard]] int source_of(const tinygltf::Texture& texture, const std::string& name) const;
     [[nodiscard]] std::uint32_t texture(int index, TexelFormat format, const std::string& user);
     [[nodiscard]] Texture decode(int image, TexelFormat eight_bit, std::size_t room);
 

@@ -1,4 +1,4 @@
-// Image files in: PNG, JPEG, BMP, TGA, HDR through stb_image, and PFM.
+// Image files in: PNG, JPEG, BMP, TGA, HDR through stb_image, WebP through libwebp, and PFM.
 #include "host/io/image_file.hpp"
 
 #include <algorithm>
@@ -14,6 +14,7 @@
 #include "host/io/jpeg_check.hpp"
 #include "host/io/png_check.hpp"
 #include "host/io/stb_image_read.hpp"
+#include "host/io/webp_read.hpp"
 
 namespace claray {
 namespace {
@@ -119,6 +120,20 @@ Texture decode_pfm(std::string_view bytes, const std::string& what, std::size_t 
     return texture;
 }
 
+Texture decode_webp(std::string_view bytes, const std::string& what, TexelFormat eight_bit, std::size_t room) {
+    WebpImage image;
+    std::string fault = read_webp_header(bytes, image);
+    if (!fault.empty()) refuse(what, fault, "convert it to PNG or JPEG");
+    check_size(what, image.width, image.height, image.channels, room);
+    fault = read_webp_pixels(bytes, image);
+    if (!fault.empty()) refuse(what, fault, "export it again");
+    Texture texture;
+    texture.width = image.width, texture.height = image.height, texture.channels = image.channels;
+    texture.format = eight_bit;
+    texture.bytes = std::move(image.bytes);
+    return texture;
+}
+
 void check_png_file(std::string_view bytes, const std::string& what, std::size_t room) {
     PngHeader header;
     const std::string fault = check_png(bytes, header);
@@ -131,11 +146,14 @@ void check_png_file(std::string_view bytes, const std::string& what, std::size_t
 Texture decode_texture(std::string_view bytes, const std::string& what, TexelFormat eight_bit, std::size_t room) {
     if (bytes.empty()) refuse(what, "it is empty", "export it again");
     if (is_pfm(bytes)) return decode_pfm(bytes, what, room);
+    if (is_webp(bytes)) return decode_webp(bytes, what, eight_bit, room);
+    if (bytes.substr(0, 6) == "\xabKTX 2")
+        refuse(what, "it is KTX 2 (KHR_texture_basisu), which claray does not read", "convert it to PNG or JPEG");
     if (is_png(bytes)) check_png_file(bytes, what, room);
     if (bytes.substr(0, 2) == "\xff\xd8" && !jpeg_tables_fit(bytes))
         refuse(what, "the image is broken (a Huffman table is too long)", "export it again");
     std::optional<ImageShape> shape = image_shape(bytes);
-    if (!shape) refuse(what, "it is no PNG, JPEG, BMP, TGA, HDR or PFM image", "convert it to one of these");
+    if (!shape) refuse(what, "it is no PNG, JPEG, WebP, BMP, TGA, HDR or PFM image", "convert it to one of these");
     const bool real = shape->radiance || shape->sixteen_bits;
     check_size(what, shape->width, shape->height, shape->channels * (real ? sizeof(float) : 1), room);
     check_plausible(what, *shape, bytes.size());

@@ -30,7 +30,7 @@ using Warnings = std::vector<std::string>;
 /// A built-in scene by name, or else a file by its extension (.obj, .gltf, .glb).
 [[nodiscard]] Scene load_scene(const std::string& name_or_path, Warnings& warnings);
 
-/// Reads PNG, JPEG, BMP, TGA, Radiance HDR or PFM, told by content. `eight_bit` says what bytes mean: srgb8 or linear8;
+/// Reads PNG, JPEG, WebP (8 bits, no animation), BMP, TGA, Radiance HDR or PFM, told by content. `eight_bit` says what bytes mean: srgb8 or linear8;
 /// images of 16 bits become linear float32, HDR and PFM are float32 as they are. At most 16384 pixels a side and 1 GiB
 /// decoded. Throws ErrorKind::user naming the file where it is missing, broken, cut off or too large.
 [[nodiscard]] Texture load_image(const std::filesystem::path& path, TexelFormat eight_bit = TexelFormat::srgb8);

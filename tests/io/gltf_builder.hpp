@@ -18,6 +18,7 @@ using nlohmann::json;
 class GltfBuilder {
 public:
     json root = {{"asset", {{"version", "2.0"}}}};
+    json more_buffers = json::array();  ///< behind the one that holds the bytes
 
     /// Adds bytes as a buffer view; its index.
     int view(const std::string& bytes, int stride = 0) {
@@ -65,12 +66,14 @@ public:
         if (!buffer_.empty())
             with_buffer["buffers"] = {
                 {{"byteLength", buffer_.size()}, {"uri", "data:application/octet-stream;base64," + base64(buffer_)}}};
+        for (const json& more : more_buffers) with_buffer["buffers"].push_back(more);
         return with_buffer.dump();
     }
 
     [[nodiscard]] std::string glb() const {
         json with_buffer = root;
         with_buffer["buffers"] = {{{"byteLength", buffer_.size()}}};
+        for (const json& more : more_buffers) with_buffer["buffers"].push_back(more);
         std::string text = with_buffer.dump(), binary = buffer_;
         text.resize((text.size() + 3) / 4 * 4, ' ');
         binary.resize((binary.size() + 3) / 4 * 4, '\0');

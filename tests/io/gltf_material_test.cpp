@@ -11,6 +11,10 @@
 #include "tests/io/gltf_builder.hpp"
 #include "tests/io/temporary_folder.hpp"
 
+#if CLARAY_WITH_WEBP
+#include <webp/encode.h>
+#endif
+
 namespace claray {
 namespace {
 
@@ -228,6 +232,44 @@ TEST_F(GltfMaterial, ImagesInBuffersAndFiles) {
     EXPECT_EQ(load(base_texture({{"index", 1}})).textures.at(0).bytes[13], 20u);
     EXPECT_EQ(load_gltf(folder.file("scene.glb", builder.glb()), warnings).textures.at(0).bytes[13], 20u);
 }
+
+/// The plain image of a texture stands in for one that can't be decoded.
+TEST_F(GltfMaterial, OtherContainersOfImages) {
+    builder.texture(palette_uri);
+    builder.push("images", {{"uri", "never-opened.ktx2"}, {"mimeType", "image/ktx2"}});
+    json& texture = builder.root["textures"][0];
+    for (const char* extension : {"KHR_texture_basisu", "EXT_texture_avif", "MSFT_texture_dds"}) {
+        texture = {{"source", 0}, {"extensions", {{extension, {{"source", 1}}}}}};
+        builder.root["extensionsUsed"] = builder.root["extensionsRequired"] = {extension};
+        EXPECT_EQ(load(base_texture({{"index", 0}})).textures.at(0).bytes[0], 200u) << extension;
+        for (const std::string& line : warnings) EXPECT_EQ(line.find(extension), std::string::npos) << line;
+        texture.erase("source");
+        refuse(base_texture({{"index", 0}}), {"scene.gltf", "texture 0", extension, "PNG or JPEG"});
+    }
+    texture = {{"source", 1}};
+    static_cast<void>(folder.file("never-opened.ktx2", "\xabKTX 20\xbb\r\n\x1a\n and more"));
+    refuse(base_texture({{"index", 0}}), {"never-opened.ktx2", "KHR_texture_basisu"});
+}
+
+#if CLARAY_WITH_WEBP
+TEST_F(GltfMaterial, WebpImages) {
+    const std::vector<std::uint8_t> pixels = {10, 20, 30, 40, 50, 60};
+    std::uint8_t* encoded = nullptr;
+    const std::size_t size = WebPEncodeLosslessRGB(pixels.data(), 2, 1, 6, &encoded);
+    const std::string bytes(reinterpret_cast<const char*>(encoded), size);
+    WebPFree(encoded);
+    builder.texture(palette_uri);
+    json& texture = builder.root["textures"][0];
+    builder.root["extensionsUsed"] = builder.root["extensionsRequired"] = {"EXT_texture_webp"};
+    texture["extensions"]["EXT_texture_webp"]["source"] =
+        builder.push("images", {{"bufferView", builder.view(bytes)}, {"mimeType", "image/webp"}});
+    EXPECT_EQ(load(base_texture({{"index", 0}})).textures.at(0).bytes, pixels);
+    builder.root["images"][1] = {{"uri", "data:image/webp;base64," + test::base64(bytes)}};
+    EXPECT_EQ(load(base_texture({{"index", 0}})).textures.at(0).bytes, pixels);
+    texture["extensions"]["EXT_texture_webp"]["source"] = 7;
+    refuse(base_texture({{"index", 0}}), {"texture 0 refers to image 7 of 2"});
+}
+#endif
 
 TEST_F(GltfMaterial, BadTextures) {
     builder.texture("gone.png");

@@ -13,6 +13,10 @@
 #include "tests/io/expect_error.hpp"
 #include "tests/io/temporary_folder.hpp"
 
+#if CLARAY_WITH_WEBP
+#include <webp/encode.h>
+#endif
+
 namespace claray {
 namespace {
 
@@ -146,6 +150,39 @@ TEST_F(LoadImage, ReadsWhatIsWritten) {
     real.floats.pop_back();
     expect_error(ErrorKind::usage, {"t.pfm"}, [&] { write_texture(folder / "t.pfm", real); });
 }
+
+#if CLARAY_WITH_WEBP
+/// Colours where alpha is 0 are the encoder's to choose.
+TEST_F(LoadImage, Webp) {
+    const Bytes rgba = {10,  20,  30,  255, 40, 50, 60, 128, 70,  80,  90,  1,
+                        100, 110, 120, 2,   0,  0,  1,  3,   255, 254, 253, 4};
+    const auto encoded = [](std::size_t length, std::uint8_t* bytes) {
+        std::string text(reinterpret_cast<const char*>(bytes), length);
+        WebPFree(bytes);
+        return text;
+    };
+    std::uint8_t* out = nullptr;
+    std::size_t size = WebPEncodeLosslessRGBA(rgba.data(), 3, 2, 12, &out);
+    const std::string lossless = encoded(size, out);
+    const Texture texture = load(lossless, TexelFormat::linear8);
+    EXPECT_EQ(texture.width, 3u);
+    EXPECT_EQ(texture.height, 2u);
+    EXPECT_EQ(texture.channels, 4u);
+    EXPECT_EQ(texture.format, TexelFormat::linear8);
+    EXPECT_EQ(texture.bytes, rgba);
+    const Bytes grey(64 * 64 * 3, 90);
+    size = WebPEncodeRGB(grey.data(), 64, 64, 192, 75.f, &out);
+    const std::string lossy = encoded(size, out);
+    const Texture image = load(lossy);
+    EXPECT_EQ(image.channels, 3u);
+    ASSERT_EQ(image.bytes.size(), grey.size());
+    for (const std::uint8_t byte : image.bytes) EXPECT_NEAR(byte, 90, 2);
+    for (std::size_t cut = 0; cut < lossless.size(); ++cut) refuse(lossless.substr(0, cut), {"image.any"});
+    std::string broken = lossless;
+    broken[20] = char(broken[20] ^ 0xff);  // the signature of lossless data
+    refuse(broken, {"image.any", "WebP"});
+}
+#endif
 
 TEST_F(LoadImage, RefusesWhatIsNoImage) {
     expect_error(ErrorKind::user, {"gone.png"}, [&] { static_cast<void>(load_image(folder / "gone.png")); });
