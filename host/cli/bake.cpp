@@ -1,4 +1,5 @@
 // claray bake: the light that falls on a mesh becomes an image.
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <tuple>
@@ -37,6 +38,9 @@ void bake(Options options) {
     for (std::size_t i = 0; i < map.floats.size(); i += 3)
         image.pixels.emplace_back(map.floats[i], map.floats[i + 1], map.floats[i + 2]);
     write_image(options.output, image);
+    if (std::none_of(map.floats.begin(), map.floats.end(), [](float value) { return value > 0; }))
+        print_warnings({"no light falls on mesh " + std::to_string(options.mesh) +
+                        ": the map is black; add some by --light or --sky"});
     std::printf("%s: irradiance of mesh %zu, %ux%u texels on coordinates %u\n", options.output.string().c_str(),
                 options.mesh, map.width, map.height, options.config.uv_set);
 }

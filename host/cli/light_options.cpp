@@ -1,6 +1,5 @@
 #include "host/cli/light_options.hpp"
 
-#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <numbers>
@@ -8,7 +7,6 @@
 #include "claray/error.hpp"
 #include "claray/io.hpp"
 #include "host/cli/option_rules.hpp"
-#include "host/io/pale_sky.hpp"
 
 namespace claray::cli {
 namespace {
@@ -140,25 +138,17 @@ void add_light_options(CLI::App& command, LightOptions& o) {
         ->check(finite_number());
 }
 
-void add_lights(Scene& scene, const LightOptions& options, Warnings& warnings) {
+bool add_lights(Scene& scene, const LightOptions& options) {
     if ((options.strength || options.rotation) && options.environment.empty())
         refuse("--environment-strength and --environment-rotation change an environment",
                "name it by --environment FILE");
-    const auto pale_sky = std::find(warnings.begin(), warnings.end(), pale_sky_warning);
-    if (options.lights.empty() && !options.sky && options.environment.empty()) {
-        if (pale_sky != warnings.end()) *pale_sky += "; choose others by --light, --sky or --environment";
-        return;
-    }
-    if (pale_sky != warnings.end()) {
-        warnings.erase(pale_sky);
-        scene.sky = {};
-    }
     scene.lights.insert(scene.lights.end(), options.lights.begin(), options.lights.end());
     if (options.sky) scene.sky = *options.sky, scene.environment = {};
-    if (options.environment.empty()) return;
+    if (options.environment.empty()) return options.sky || !options.lights.empty();
     scene.environment = load_environment(options.environment);
     scene.environment.strength = options.strength.value_or(1.f);
     scene.environment.rotation = degree * options.rotation.value_or(0.f);
+    return true;
 }
 
 }  // namespace claray::cli

@@ -25,8 +25,7 @@ struct LightOptions {
 [[nodiscard]] Sky parse_sky(const std::string& text);
 
 void add_light_options(CLI::App& command, LightOptions& options);
-/// Adds the lights to the scene's own, sky and environment replace its own; no pale sky, then, where the scene has no
-/// light. Without any, a warning of the pale sky gets its remedy.
-void add_lights(Scene& scene, const LightOptions& options, Warnings& warnings);
+/// Adds the lights to the scene's own, sky and environment replace its own. False where no light is given.
+bool add_lights(Scene& scene, const LightOptions& options);
 
 }  // namespace claray::cli

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "claray/error.hpp"
+#include "host/io/default_light.hpp"
 
 namespace claray::cli {
 namespace {
@@ -40,12 +41,17 @@ void refuse_unseen(const std::string& name, const Scene& scene) {
                 "export the mesh again");
 }
 
-Scene load(const std::string& name, const LightOptions& lights) {
+Scene load(const std::string& name, const LightOptions& lights, const ChooseCamera& choose, float aspect) {
     Warnings warnings;
-    Scene scene = load_scene(name, warnings);
-    add_lights(scene, lights, warnings);
+    auto [scene, is_file] = load_without_light(name, warnings);
     print_warnings(warnings);
     refuse_unseen(name, scene);
+    const bool chosen = add_lights(scene, lights);
+    if (choose) scene.camera = choose(scene);
+    if (chosen || !is_file) return scene;
+    const Camera camera = scene.camera.value_or(automatic_camera(bounds_of(scene)));
+    if (const auto line = light_if_dark(scene, camera, aspect))
+        print_warnings({*line + "; choose others by --light, --sky or --environment"});
     return scene;
 }
 

@@ -1,6 +1,8 @@
 // Scenes as commands load them: warnings are printed, and what would show nothing is refused.
 #pragma once
 
+#include <functional>
+
 #include "claray/io.hpp"
 #include "host/cli/light_options.hpp"
 
@@ -11,7 +13,11 @@ void print_warnings(const Warnings& warnings);
 /// Throws ErrorKind::user where a scene has triangles and none of them can be seen: all have no area or are not finite.
 void refuse_unseen(const std::string& name, const Scene& scene);
 
-/// Loads a scene, with lights of the command line.
-[[nodiscard]] Scene load(const std::string& name, const LightOptions& lights);
+using ChooseCamera = std::function<Camera(const Scene&)>;
+
+/// Loads a scene, with lights of the command line. Without any, a file that would be dark is lit as by `load_scene`.
+/// `choose` sets its camera; without that it stays as it is.
+[[nodiscard]] Scene load(const std::string& name, const LightOptions& lights, const ChooseCamera& choose = {},
+                         float aspect = 1.f);
 
 }  // namespace claray::cli

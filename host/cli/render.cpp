@@ -87,8 +87,7 @@ void render(const RenderOptions& options) {
     Renderer renderer(device, scene, config);
 
     const Outcome outcome = run_renderer(device, renderer, options, plan ? &*plan : nullptr);
-    write_image(options.output, {options.config.width, options.config.height, renderer.image()}, options.exposure,
-                options.tone_map);
+    write_picture(renderer.image(), options);
     write_aovs(renderer, options);
     if (!options.trace.empty()) write_trace(options.trace, device.profiler().records(), device.info().name);
     const TargetPlan* planned = plan ? &*plan : nullptr;

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "claray/program.hpp"
+#include "host/cli/brightness.hpp"
+#include "host/cli/load.hpp"
 #include "host/cli/render_targets.hpp"
 
 namespace claray::cli {
@@ -111,6 +113,14 @@ void print_statistics(const Device& device, const RenderStatistics& s, double se
 bool tells_plan(const RenderOptions& options) { return options.stats || !options.quiet; }
 
 }  // namespace
+
+void write_picture(const std::vector<glm::vec3>& pixels, const RenderOptions& options) {
+    write_image(options.output, {options.config.width, options.config.height, pixels}, options.exposure,
+                options.tone_map);
+    const bool is_png = options.output.extension() == ".png";
+    if (const auto line = brightness_warning(pixels, is_png ? std::optional(options.exposure) : std::nullopt))
+        print_warnings({*line});
+}
 
 void write_aovs(const Renderer& renderer, const RenderOptions& options) {
     if (options.aovs.empty()) return;

@@ -7,6 +7,8 @@
 
 namespace claray::cli {
 
+/// Writes the image, and warns where it shows nothing.
+void write_picture(const std::vector<glm::vec3>& pixels, const RenderOptions& options);
 /// Writes every auxiliary image that was asked for, in false colours (.png) and raw (.pfm).
 void write_aovs(const Renderer& renderer, const RenderOptions& options);
 

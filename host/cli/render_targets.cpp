@@ -5,6 +5,7 @@
 
 #include "host/cli/option_rules.hpp"
 #include "host/cli/progress.hpp"
+#include "host/cli/render_outputs.hpp"
 
 namespace claray::cli {
 namespace {
@@ -74,9 +75,7 @@ void run_frames(const Device& device, const Scene& scene, const RenderOptions& o
             return !InterruptGuard::interrupted();
         },
         measuring_progress(options.quiet));
-    if (!options.output.empty())
-        write_image(options.output, {options.config.width, options.config.height, report.image}, options.exposure,
-                    options.tone_map);
+    if (!options.output.empty()) write_picture(report.image, options);
     const double budget = 1e3 / options.fps, p50 = 1e3 * report.median, p99 = 1e3 * report.percentile;
     if (options.json) {
         const nlohmann::ordered_json json = {

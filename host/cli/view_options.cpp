@@ -59,9 +59,8 @@ Camera choose_camera(const Scene& scene, const ViewOptions& options, unsigned wi
 }
 
 Scene load_view(const std::string& name, const ViewOptions& options, unsigned width, unsigned height) {
-    Scene scene = load(name, options.lights);
-    scene.camera = choose_camera(scene, options, width, height);
-    return scene;
+    const auto choose = [&](const Scene& scene) { return choose_camera(scene, options, width, height); };
+    return load(name, options.lights, choose, float(width) / float(height));
 }
 
 }  // namespace claray::cli

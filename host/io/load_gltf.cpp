@@ -5,9 +5,9 @@
 #include <new>
 
 #include "claray/error.hpp"
+#include "host/io/default_light.hpp"
 #include "host/io/gltf_material.hpp"
 #include "host/io/gltf_mesh.hpp"
-#include "host/io/pale_sky.hpp"
 
 namespace claray {
 namespace {
@@ -273,7 +273,7 @@ void Loader::warn(const std::vector<PlacedNode>& nodes) {
 
 }  // namespace
 
-Scene load_gltf(const std::filesystem::path& path, Warnings& warnings) try {
+Scene load_gltf_without_light(const std::filesystem::path& path, Warnings& warnings) try {
     Scene scene;
     scene.name = path.stem().string();
     const GltfFile file = read_gltf(path, warnings);
@@ -284,7 +284,6 @@ Scene load_gltf(const std::filesystem::path& path, Warnings& warnings) try {
     } catch (const Error& error) {
         throw Error(error.kind(), "'" + path.string() + "': " + error.what());
     }
-    light_by_pale_sky(scene, warnings);
     return scene;
 } catch (const std::bad_alloc&) {
     throw Error(ErrorKind::user, "'" + path.string() + "': there is not enough memory to load it",

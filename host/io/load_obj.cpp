@@ -5,9 +5,9 @@
 #include <unordered_map>
 
 #include "claray/error.hpp"
+#include "host/io/default_light.hpp"
 #include "host/io/mtl.hpp"
 #include "host/io/obj_file.hpp"
-#include "host/io/pale_sky.hpp"
 #include "host/io/triangulate.hpp"
 
 namespace claray {
@@ -148,7 +148,7 @@ void make_materials(const ObjFile& file, const std::filesystem::path& folder, Sc
 
 }  // namespace
 
-Scene load_obj(const std::filesystem::path& path, Warnings& warnings) {
+Scene load_obj_without_light(const std::filesystem::path& path, Warnings& warnings) {
     Scene scene;
     scene.name = path.stem().string();
     const ObjFile file = read_obj(path, warnings);
@@ -156,7 +156,6 @@ Scene load_obj(const std::filesystem::path& path, Warnings& warnings) {
     make_materials(file, path.parent_path(), scene, warnings);
     if (file.degenerate_faces)
         warnings.push_back(std::to_string(file.degenerate_faces) + " faces of fewer than 3 vertices were left out");
-    light_by_pale_sky(scene, warnings);
     return scene;
 }
 

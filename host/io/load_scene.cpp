@@ -2,18 +2,18 @@
 #include <cctype>
 
 #include "claray/error.hpp"
-#include "claray/io.hpp"
+#include "host/io/default_light.hpp"
 
 namespace claray {
 
-Scene load_scene(const std::string& name_or_path, Warnings& warnings) {
-    if (std::optional<Scene> scene = builtin_scene(name_or_path)) return *std::move(scene);
+LoadedScene load_without_light(const std::string& name_or_path, Warnings& warnings) {
+    if (std::optional<Scene> scene = builtin_scene(name_or_path)) return {*std::move(scene), false};
     const std::filesystem::path path(name_or_path);
     std::string extension = path.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return std::tolower(c); });
-    if (extension == ".obj") return load_obj(path, warnings);
-    if (extension == ".gltf" || extension == ".glb") return load_gltf(path, warnings);
+    if (extension == ".obj") return {load_obj_without_light(path, warnings), true};
+    if (extension == ".gltf" || extension == ".glb") return {load_gltf_without_light(path, warnings), true};
 
     std::error_code unreadable;
     if (std::filesystem::is_regular_file(path, unreadable))

@@ -40,19 +40,20 @@ TriangleLight triangle_light(const glm::vec3& a, const glm::vec3& b, const glm::
 }
 
 /// What a triangle emits on average: of its image only the part that lies on it counts.
-glm::vec3 mean_emission(const Scene& scene, const Material& material, const Mesh& mesh, const glm::uvec3& triangle) {
+glm::vec3 mean_emission(const Scene& scene, const Material& material, const Mesh& mesh, const glm::uvec3& triangle,
+                        unsigned most_points) {
     if (!has_emission_map(material)) return material.emission;
     const TextureUse& use = material.emission_map;
     const std::vector<glm::vec2>& uvs = use.uv_set == 0 ? mesh.uvs : mesh.uvs1;
     glm::vec2 corners[3];
     for (int k = 0; k < 3; ++k)
         corners[k] = transformed(use, triangle[k] < uvs.size() ? uvs[triangle[k]] : glm::vec2(0.f));
-    return material.emission * mean_texel(scene.textures[use.texture], corners[0], corners[1], corners[2]);
+    return material.emission * mean_texel(scene.textures[use.texture], corners[0], corners[1], corners[2], most_points);
 }
 
 /// Of mesh number `index` that is placed in the world by `transform`; its first triangle has the number `first`.
 void collect_triangles(const Scene& scene, std::uint32_t index, const glm::dmat4& transform, std::uint32_t first,
-                       Lights& collected) {
+                       unsigned most_points, Lights& collected) {
     std::vector<TriangleLight>& lights = collected.triangles;
     const Mesh& mesh = scene.meshes[index];
     std::uint32_t in_memory = 0;  // where its triangles begin there
@@ -66,7 +67,7 @@ void collect_triangles(const Scene& scene, std::uint32_t index, const glm::dmat4
         const bool mirrored = flips && material.cull_back;
         if (sampled_emission(material) == 0.f) continue;
         const glm::uvec3 t = mesh.triangles[i];
-        const glm::vec3 emission = mean_emission(scene, material, mesh, t);
+        const glm::vec3 emission = mean_emission(scene, material, mesh, t, most_points);
         if (!(luminance(emission) > 0)) continue;
         const glm::vec3 a = place(t.x), b = place(mirrored ? t.z : t.y), c = place(mirrored ? t.y : t.z);
         if (!can_be_hit(a, b, c)) continue;
@@ -99,11 +100,11 @@ void grow_instance_errors(const Mesh& mesh, const glm::dmat4& transform, LightsD
 }
 
 /// What moves is not among them: its light is found by chance alone.
-void collect_triangles(const Scene& scene, Lights& lights) {
+void collect_triangles(const Scene& scene, unsigned most_points, Lights& lights) {
     std::uint32_t first = 0;
     if (scene.instances.empty()) {
         for (std::uint32_t i = 0; i < scene.meshes.size(); ++i) {
-            collect_triangles(scene, i, glm::dmat4(1.0), first, lights);
+            collect_triangles(scene, i, glm::dmat4(1.0), first, most_points, lights);
             first += std::uint32_t(scene.meshes[i].triangles.size());
         }
         return;
@@ -115,7 +116,7 @@ void collect_triangles(const Scene& scene, Lights& lights) {
         const Mesh& mesh = scene.meshes[instance.mesh];
         const glm::dmat4 transform(instance.transform);
         const std::size_t before = lights.triangles.size();
-        collect_triangles(scene, instance.mesh, transform, numbers[i], lights);
+        collect_triangles(scene, instance.mesh, transform, numbers[i], most_points, lights);
         if (lights.triangles.size() != before) grow_instance_errors(mesh, transform, lights.data);
     }
 }
@@ -301,9 +302,9 @@ float sampled_emission(const Material& material) {
     return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;  // as shade/vector.clh does it
 }
 
-Lights collect_lights(const Scene& scene, std::size_t for_a_tree) {
+Lights collect_lights(const Scene& scene, std::size_t for_a_tree, unsigned most_points) {
     Lights lights;
-    collect_triangles(scene, lights);
+    collect_triangles(scene, most_points, lights);
     if (std::all_of(lights.lamps.begin(), lights.lamps.end(), [](auto lamp) { return lamp == CLARAY_NO_MAP; }))
         lights.lamps.clear();
     collect_punctual(scene, lights);

@@ -31,7 +31,9 @@ inline constexpr std::size_t lights_for_a_tree = 16;
 /// times the solid angle that it shines into, or, for lights from far away, of its irradiance times the scene's cross
 /// section. Where there are near lights and far ones, either get at least a quarter: which of them matter is a question
 /// of place. Throws ErrorKind::user where a texel of the environment is negative or not finite.
-[[nodiscard]] Lights collect_lights(const Scene& scene, std::size_t for_a_tree = lights_for_a_tree);
+/// `most_points`: see mean_texel.
+[[nodiscard]] Lights collect_lights(const Scene& scene, std::size_t for_a_tree = lights_for_a_tree,
+                                    unsigned most_points = 1024);
 
 /// Whether a light has a range, or another attenuation than the inverse square.
 [[nodiscard]] bool has_falloff(const Light& light);

@@ -341,7 +341,7 @@ TEST_F(Obj, SceneNamesAreBuiltInOrFiles) {
 TEST_F(Obj, AMeshWithoutLightGetsASky) {
     const Scene scene = load(unit_square + "f 1 2 3\n");
     EXPECT_GT(scene.sky.zenith.y, 0.f);
-    EXPECT_TRUE(warned("no material emits light"));
+    EXPECT_TRUE(warned("a pale sky lights the scene"));
 }
 
 }  // namespace

@@ -305,6 +305,29 @@ TEST(Renderer, AovsAreOfThePixelCentres) {
         }
 }
 
+/// Denoisers take the albedo for the surface's colour: a black lamp would be smeared.
+TEST(Renderer, TheAlbedoOfLampsIsTheirLight) {
+    Scene scene;
+    scene.materials = {emitter(17.f), lambert(0.5f)};
+    scene.materials[0].albedo = glm::vec3(0.f);
+    scene.meshes = {square(9.f, 0.f)};
+    scene.camera = Camera{{0, 4, 0}, {0, 0, 0}, {0, 0, -1}, 40.f};
+    const auto albedo = [&] { return Renderer(device(), scene, {.width = 2, .height = 2, .spp = 1}).aovs().albedo; };
+    EXPECT_EQ(albedo()[0], glm::vec3(1.f));
+    scene.materials[0].emission = {0.5f, 0.25f, 3.f}, scene.materials[0].albedo = glm::vec3(0.25f);
+    EXPECT_EQ(albedo()[0], glm::vec3(0.75f, 0.5f, 1.f));
+    Texture half;  // an image of which the right is black
+    half.width = 2, half.height = 1, half.channels = 3, half.format = TexelFormat::linear8,
+    half.filter = Filter::nearest;
+    half.bytes = {255, 255, 255, 0, 0, 0};
+    scene.textures = {half};
+    scene.materials[0].emission_map.texture = 0;
+    scene.meshes[0].uvs = {{0, 0}, {1, 0}, {1, 0}, {0, 0}};
+    const std::vector<glm::vec3> sides = albedo();
+    EXPECT_EQ(sides[0], glm::vec3(0.75f, 0.5f, 1.f));
+    EXPECT_EQ(sides[1], glm::vec3(0.25f));
+}
+
 /// Edges that nearly agree: a plain cross product would be off by a hundredth.
 TEST(Renderer, SliversHaveTheirNormals) {
     const glm::vec3 e1(0.7f, 1.1f, 1.3f), e2 = 0.99f * e1 + glm::vec3(0, 0, 1e-5f);

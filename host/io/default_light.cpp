@@ -1,0 +1,85 @@
+#include "host/io/default_light.hpp"
+
+#include <cmath>
+
+#include "claray/error.hpp"
+#include "host/render/light_probe.hpp"
+
+namespace claray {
+namespace {
+
+/// Whoever puts lights into a file chose what they reach. Lamps alone are no such choice: most viewers show what
+/// shines, and light the scene by something else.
+bool is_lit(const Scene& scene, const LightProbe& probe) {
+    constexpr double a_part = 0.1, half = 0.5, all_but_some = 0.9;
+    return probe.lit >= (scene.lights.empty() ? half : a_part) || probe.visible >= all_but_some;
+}
+
+/// Grey in front of it is mid-grey in the image, at whatever distance.
+Light lamp_at(const Camera& camera) {
+    Light light = point_light(camera.position, glm::vec3(2.5f));
+    light.name = "lamp at the camera";
+    light.attenuation = {1.f, 0.f, 0.f};
+    return light;
+}
+
+bool is_usable(const Camera& camera) {
+    try {
+        static_cast<void>(camera_data(camera, 1.f));
+        return true;
+    } catch (const Error&) {  // whoever renders with it is told
+        return false;
+    }
+}
+
+std::string reason(const LightProbe& probe) {
+    if (probe.lights == 0) return "the file has no light";
+    if (probe.visible == 0) return "no light of the file reaches what is in view";
+    const long per_cent = std::lround(100 * probe.visible);
+    const std::string share = per_cent > 0 ? std::to_string(per_cent) + " %" : "less than 1 %";
+    return "the file's own light shows " + share + " of what is in view";
+}
+
+}  // namespace
+
+std::optional<std::string> light_if_dark(Scene& scene, const Camera& camera, float aspect) {
+    const LightProbe probe = probe_light(scene, camera, aspect);
+    if (is_lit(scene, probe)) return {};
+    constexpr double hardly_any = 0.05;
+    const std::string why = reason(probe);
+    if (probe.seen == 0 || probe.open >= hardly_any) {
+        scene.sky = {{0.2f, 0.23f, 0.28f}, {1.1f, 1.15f, 1.25f}};  // dark behind what is lit from above
+        return why + ": a pale sky lights the scene";
+    }
+    if (probe.visible >= hardly_any) return {};  // a room with little light, to which a sky would add none
+    scene.lights.push_back(lamp_at(camera));
+    return why + ", nor would a sky: a lamp at the camera lights the scene";
+}
+
+namespace {
+
+/// As the scene's own camera sees it, else the automatic one.
+Scene lit(Scene scene, Warnings& warnings) {
+    const bool own = scene.camera && is_usable(*scene.camera);
+    const Camera camera = own ? *scene.camera : automatic_camera(bounds_of(scene));
+    if (!is_usable(camera)) return scene;
+    if (const auto line = light_if_dark(scene, camera, 1.f)) warnings.push_back(*line);
+    return scene;
+}
+
+}  // namespace
+
+Scene load_obj(const std::filesystem::path& path, Warnings& warnings) {
+    return lit(load_obj_without_light(path, warnings), warnings);
+}
+
+Scene load_gltf(const std::filesystem::path& path, Warnings& warnings) {
+    return lit(load_gltf_without_light(path, warnings), warnings);
+}
+
+Scene load_scene(const std::string& name_or_path, Warnings& warnings) {
+    LoadedScene loaded = load_without_light(name_or_path, warnings);
+    return loaded.is_file ? lit(std::move(loaded.scene), warnings) : std::move(loaded.scene);
+}
+
+}  // namespace claray
