@@ -38,7 +38,9 @@ kernel void write_aovs(uint count, global const Ray* rays, global const SceneHit
             apply_maps(textures, triangle_materials[hit.primitive], indices, hit, outgoing, 0.0f, &surface, &material);
 #endif
         shading = surface.shading;
+        // Denoisers expect values from 0 to 1 that tell surfaces apart, lamps among them.
         color = (float3)(material.albedo_r, material.albedo_g, material.albedo_b);
+        color = fmin(color + (float3)(material.emission_r, material.emission_g, material.emission_b), 1.0f);
     }
     vstore3(shading, i, normal);
     vstore3(color, i, albedo);
