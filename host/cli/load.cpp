@@ -41,9 +41,11 @@ void refuse_unseen(const std::string& name, const Scene& scene) {
                 "export the mesh again");
 }
 
-Scene load(const std::string& name, const LightOptions& lights, const ChooseCamera& choose, float aspect) {
+Scene load(const std::string& name, const LightOptions& lights, const SurfaceOptions& surfaces,
+           const ChooseCamera& choose, float aspect) {
     Warnings warnings;
     auto [scene, is_file] = load_without_light(name, warnings);
+    apply(surfaces, scene);
     print_warnings(warnings);
     refuse_unseen(name, scene);
     const bool chosen = add_lights(scene, lights);

@@ -5,6 +5,7 @@
 
 #include "claray/io.hpp"
 #include "host/cli/light_options.hpp"
+#include "host/cli/surface_options.hpp"
 
 namespace claray::cli {
 
@@ -15,9 +16,9 @@ void refuse_unseen(const std::string& name, const Scene& scene);
 
 using ChooseCamera = std::function<Camera(const Scene&)>;
 
-/// Loads a scene, with lights of the command line. Without any, a file that would be dark is lit as by `load_scene`.
+/// Loads a scene, with lights and sides of surfaces of the command line. Without any, a file that would be dark is lit as by `load_scene`.
 /// `choose` sets its camera; without that it stays as it is.
-[[nodiscard]] Scene load(const std::string& name, const LightOptions& lights, const ChooseCamera& choose = {},
-                         float aspect = 1.f);
+[[nodiscard]] Scene load(const std::string& name, const LightOptions& lights, const SurfaceOptions& surfaces,
+                         const ChooseCamera& choose = {}, float aspect = 1.f);
 
 }  // namespace claray::cli

@@ -39,6 +39,7 @@ void add_view_options(CLI::App& command, ViewOptions& o) {
     add_vector("--camera-end", o.camera_end, "Position when the shutter closes, X,Y,Z: motion blur");
     add_vector("--look-at-end", o.look_at_end, "The point in the middle when the shutter closes, X,Y,Z");
     add_light_options(command, o.lights);
+    add_surface_options(command, o.surfaces);
 }
 
 Camera choose_camera(const Scene& scene, const ViewOptions& options, unsigned width, unsigned height) {
@@ -60,7 +61,7 @@ Camera choose_camera(const Scene& scene, const ViewOptions& options, unsigned wi
 
 Scene load_view(const std::string& name, const ViewOptions& options, unsigned width, unsigned height) {
     const auto choose = [&](const Scene& scene) { return choose_camera(scene, options, width, height); };
-    return load(name, options.lights, choose, float(width) / float(height));
+    return load(name, options.lights, options.surfaces, choose, float(width) / float(height));
 }
 
 }  // namespace claray::cli

@@ -7,6 +7,7 @@
 
 #include "claray/scene.hpp"
 #include "host/cli/light_options.hpp"
+#include "host/cli/surface_options.hpp"
 
 namespace claray::cli {
 
@@ -16,6 +17,7 @@ struct ViewOptions {
     std::optional<float> aperture, focus_distance;     // of a thin lens
     std::optional<glm::vec3> camera_end, look_at_end;  // when the shutter closes
     LightOptions lights;
+    SurfaceOptions surfaces;
 };
 
 /// "1,-2,3.5" -> vector. Throws ErrorKind::usage, naming the option, unless it is three finite numbers.

@@ -1,5 +1,8 @@
 #include "host/io/gltf_material.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "host/compute/file.hpp"
 #include "host/io/image_file.hpp"
 
@@ -7,6 +10,9 @@ namespace claray {
 namespace {
 
 using std::to_string;
+
+/// Of a dielectric with an index of refraction of 1.5, at normal incidence.
+constexpr float reflectance_at_1_5 = 0.04f;
 
 /// A number of an extension; `fallback` where it is not given.
 float number(const tinygltf::Value& object, const char* key, float fallback) {
@@ -57,6 +63,34 @@ Filter filter_of(const tinygltf::Sampler& sampler) {
     const bool no_levels =
         sampler.minFilter == TINYGLTF_TEXTURE_FILTER_NEAREST || sampler.minFilter == TINYGLTF_TEXTURE_FILTER_LINEAR;
     return no_levels ? Filter::bilinear : Filter::trilinear;
+}
+
+/// Green: 1 - alpha * `factor`, as KHR_materials_pbrSpecularGlossiness keeps glossiness in alpha.
+Texture roughness_of_glossiness(Texture image, float factor) {
+    const bool has_alpha = image.channels % 2 == 0, real = image.format == TexelFormat::float32;
+    Texture result = image;
+    result.channels = 3;
+    result.bytes.clear(), result.floats.clear();
+    for (std::size_t i = 0; i < std::size_t(image.width) * image.height; ++i) {
+        const std::size_t alpha = i * image.channels + image.channels - 1;
+        const float gloss = !has_alpha ? 1.f : real ? image.floats[alpha] : float(image.bytes[alpha]) / 255.f;
+        const float roughness = std::clamp(1.f - gloss * factor, 0.f, 1.f);
+        if (real)
+            result.floats.insert(result.floats.end(), {0.f, roughness, 0.f});
+        else
+            result.bytes.insert(result.bytes.end(), {0, std::uint8_t(std::lround(255.f * roughness)), 0});
+    }
+    return result;
+}
+
+/// Only the base colour counts, and it is no lamp.
+void make_unlit(Material& m) {
+    Material unlit;
+    unlit.name = m.name, unlit.kind = MaterialKind::unlit;
+    unlit.albedo = m.albedo, unlit.albedo_map = m.albedo_map;
+    unlit.opacity = m.opacity, unlit.alpha_mode = m.alpha_mode, unlit.alpha_cutoff = m.alpha_cutoff;
+    unlit.cull_back = m.cull_back;
+    m = unlit;
 }
 
 }  // namespace
@@ -117,37 +151,103 @@ void GltfMaterials::add_extensions(Material& material, const tinygltf::Material&
     material.emission *= number(extension(all, "KHR_materials_emissive_strength"), "emissiveStrength", 1.f);
 
     material.ior = number(extension(all, "KHR_materials_ior"), "ior", 1.5f);
-    if (material.ior == 0.f) {  // the extension's way to ask for another model of materials
-        warnings_.push_back(name + " has an index of refraction of 0: 1.5 is used");
-        material.ior = 1.5f;
-    }
+    // The extension's way to leave the reflectance at normal incidence to KHR_materials_specular alone.
+    const bool reflects_all = material.ior == 0.f;
+    if (reflects_all) material.ior = 1.5f;
 
+    add_transmission(material, all, name);
+    add_clearcoat(material, extension(all, "KHR_materials_clearcoat"), name);
+    add_specular(material, extension(all, "KHR_materials_specular"), name);
+    if (reflects_all) material.specular_tint /= reflectance_at_1_5;
+    add_sheen(material, extension(all, "KHR_materials_sheen"), name);
+    add_anisotropy(material, extension(all, "KHR_materials_anisotropy"), name);
+    add_iridescence(material, extension(all, "KHR_materials_iridescence"), name);
+    add_glossiness(material, extension(all, "KHR_materials_pbrSpecularGlossiness"), name);
+    if (reflects_all && material.transmission > 0.f)
+        warnings_.push_back(name + " transmits and has an index of refraction of 0: 1.5 bends what it transmits");
+    if (all.contains("KHR_materials_unlit")) make_unlit(material);
+    if (material.transmission > 0.f && material.anisotropy > 0.f)
+        warnings_.push_back(name + ": what it transmits is scattered without KHR_materials_anisotropy");
+}
+
+void GltfMaterials::add_transmission(Material& material, const tinygltf::ExtensionMap& all, const std::string& name) {
     const tinygltf::Value& transmission = extension(all, "KHR_materials_transmission");
     material.transmission = number(transmission, "transmissionFactor", 0.f);
-    if (material.transmission != 0.f) {
-        material.transmission_map = use(transmission, "transmissionTexture", name);
-    }
+    if (material.transmission != 0.f) material.transmission_map = use(transmission, "transmissionTexture", name);
 
     const tinygltf::Value& volume = extension(all, "KHR_materials_volume");
     material.attenuation = numbers<3>(volume, "attenuationColor", glm::vec3(1.f));
     material.attenuation_distance = number(volume, "attenuationDistance", 0.f);
-    if (material.transmission != 0.f) {
-        material.thin_walled = number(volume, "thicknessFactor", 0.f) == 0.f;
-        if (!material.thin_walled) material.cull_back = false;  // what enters a solid leaves by a back
-    }
+    if (material.transmission == 0.f) return;
+    material.thin_walled = number(volume, "thicknessFactor", 0.f) == 0.f;
+    if (!material.thin_walled) material.cull_back = false;  // what enters a solid leaves by a back
+}
 
-    const tinygltf::Value& clearcoat = extension(all, "KHR_materials_clearcoat");
+void GltfMaterials::add_clearcoat(Material& material, const tinygltf::Value& clearcoat, const std::string& name) {
     material.clearcoat = number(clearcoat, "clearcoatFactor", 0.f);
     material.clearcoat_roughness = number(clearcoat, "clearcoatRoughnessFactor", 0.f);
     if (material.clearcoat == 0.f) return;
     material.clearcoat_map = use(clearcoat, "clearcoatTexture", name);
     material.clearcoat_roughness_map = use(clearcoat, "clearcoatRoughnessTexture", name);
-    if (clearcoat.IsObject() && clearcoat.Has("clearcoatNormalTexture"))
-        warnings_.push_back(name + ": the normal map of its clearcoat is left out");
+    material.clearcoat_normal_map = use(clearcoat, "clearcoatNormalTexture", name);
+    if (material.clearcoat_normal_map.used())
+        material.clearcoat_normal_scale = number(clearcoat.Get("clearcoatNormalTexture"), "scale", 1.f);
+}
+
+void GltfMaterials::add_specular(Material& material, const tinygltf::Value& specular, const std::string& name) {
+    material.specular_weight = number(specular, "specularFactor", 1.f);
+    material.specular_tint = numbers<3>(specular, "specularColorFactor", glm::vec3(1.f));
+    if (material.specular_weight == 0.f) return;
+    material.specular_weight_map = use(specular, "specularTexture", name);
+    if (material.specular_tint != glm::vec3(0.f))
+        material.specular_map = use(specular, "specularColorTexture", name, TexelFormat::srgb8);
+}
+
+void GltfMaterials::add_sheen(Material& material, const tinygltf::Value& sheen, const std::string& name) {
+    material.sheen = numbers<3>(sheen, "sheenColorFactor", glm::vec3(0.f));
+    material.sheen_roughness = number(sheen, "sheenRoughnessFactor", 0.f);
+    if (material.sheen == glm::vec3(0.f)) return;
+    material.sheen_map = use(sheen, "sheenColorTexture", name, TexelFormat::srgb8);
+    material.sheen_roughness_map = use(sheen, "sheenRoughnessTexture", name);
+}
+
+void GltfMaterials::add_anisotropy(Material& material, const tinygltf::Value& anisotropy, const std::string& name) {
+    material.anisotropy = number(anisotropy, "anisotropyStrength", 0.f);
+    material.anisotropy_rotation = number(anisotropy, "anisotropyRotation", 0.f);
+    if (material.anisotropy != 0.f) material.anisotropy_map = use(anisotropy, "anisotropyTexture", name);
+}
+
+void GltfMaterials::add_iridescence(Material& material, const tinygltf::Value& iridescence, const std::string& name) {
+    material.iridescence = number(iridescence, "iridescenceFactor", 0.f);
+    material.iridescence_ior = number(iridescence, "iridescenceIor", 1.3f);
+    material.film_thickness = {number(iridescence, "iridescenceThicknessMinimum", 100.f),
+                               number(iridescence, "iridescenceThicknessMaximum", 400.f)};
+    if (material.iridescence == 0.f) return;
+    material.iridescence_map = use(iridescence, "iridescenceTexture", name);
+    material.film_thickness_map = use(iridescence, "iridescenceThicknessTexture", name);
+}
+
+// A dielectric of index 1.5 whose reflectance at normal incidence, 0.04, is tinted into the specular colour; what that
+// does not reflect enters the diffuse base.
+void GltfMaterials::add_glossiness(Material& material, const tinygltf::Value& glossiness, const std::string& name) {
+    if (!glossiness.IsObject()) return;
+    const glm::vec4 diffuse = numbers<4>(glossiness, "diffuseFactor", glm::vec4(1.f));
+    const float gloss = number(glossiness, "glossinessFactor", 1.f);
+    material.albedo = glm::vec3(diffuse), material.opacity = diffuse.w;
+    material.metallic = 0.f, material.ior = 1.5f;
+    material.albedo_map = use(glossiness, "diffuseTexture", name, TexelFormat::srgb8);
+    material.specular_weight = 1.f;
+    material.specular_tint = numbers<3>(glossiness, "specularFactor", glm::vec3(1.f)) / reflectance_at_1_5;
+    material.specular_map = use(glossiness, "specularGlossinessTexture", name, TexelFormat::srgb8);
+    const Change to_roughness{" roughness of glossiness " + to_string(gloss),
+                              [gloss](Texture image) { return roughness_of_glossiness(std::move(image), gloss); }};
+    material.metallic_roughness_map =
+        use(glossiness, "specularGlossinessTexture", name, TexelFormat::linear8, to_roughness);
+    material.roughness = material.metallic_roughness_map.used() ? 1.f : 1.f - gloss;
 }
 
 TextureUse GltfMaterials::use(int index, int uv_set, const tinygltf::ExtensionMap& extensions, TexelFormat format,
-                              const std::string& user) {
+                              const std::string& user, const Change& change) {
     TextureUse result;
     if (index < 0) return result;
     const tinygltf::Value& transform = extension(extensions, "KHR_texture_transform");
@@ -161,17 +261,18 @@ TextureUse GltfMaterials::use(int index, int uv_set, const tinygltf::ExtensionMa
         return {};
     }
     result.uv_set = std::uint32_t(set);
-    result.texture = texture(index, format, user);
+    result.texture = texture(index, format, user, change);
     return result;
 }
 
-TextureUse GltfMaterials::use(const tinygltf::Value& object, const char* key, const std::string& user) {
+TextureUse GltfMaterials::use(const tinygltf::Value& object, const char* key, const std::string& user,
+                              TexelFormat format, const Change& change) {
     if (!object.IsObject() || !object.Has(key)) return {};
     const tinygltf::Value& info = object.Get(key);
     tinygltf::ExtensionMap extensions;
     if (info.IsObject() && info.Has("extensions") && info.Get("extensions").IsObject())
         extensions = info.Get("extensions").Get<tinygltf::Value::Object>();
-    return use(index_in(info, "index", -1), index_in(info, "texCoord", 0), extensions, TexelFormat::linear8, user);
+    return use(index_in(info, "index", -1), index_in(info, "texCoord", 0), extensions, format, user, change);
 }
 
 /// The image of a texture: by an extension that claray reads, else the plain one.
@@ -185,7 +286,7 @@ int GltfMaterials::source_of(const tinygltf::Texture& texture, const std::string
                "export images as PNG or JPEG");
 }
 
-std::uint32_t GltfMaterials::texture(int index, TexelFormat format, const std::string& user) {
+std::uint32_t GltfMaterials::texture(int index, TexelFormat format, const std::string& user, const Change& change) {
     const tinygltf::Model& model = file_.model;
     if (std::size_t(index) >= model.textures.size())
         file_.fail(user + " refers to texture " + to_string(index) + " of " + to_string(model.textures.size()));
@@ -205,8 +306,11 @@ std::uint32_t GltfMaterials::texture(int index, TexelFormat format, const std::s
         settings.wrap_v = wrap_of(sampler.wrapT, file_);
         settings.filter = filter_of(sampler);
     }
-    return textures_.add(to_string(source), settings,
-                         [&](TexelFormat eight_bit, std::size_t room) { return decode(source, eight_bit, room); });
+    return textures_.add(to_string(source) + change.name, settings,
+                         [&](TexelFormat eight_bit, std::size_t room) {
+                             Texture image = decode(source, eight_bit, room);
+                             return change.apply ? change.apply(std::move(image)) : image;
+                         });
 }
 
 Texture GltfMaterials::decode(int index, TexelFormat eight_bit, std::size_t room) {

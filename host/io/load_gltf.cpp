@@ -232,7 +232,8 @@ std::vector<Mesh> Loader::read_mesh(std::size_t index) {
     for (std::size_t i = 0; i < source.primitives.size(); ++i) {
         const int material = source.primitives[i].material;
         const std::uint32_t used = materials_.index_of(material, gltf_name("mesh", source.name, index));
-        const bool tangents = scene_.materials[used].normal_map.used();
+        const Material& m = scene_.materials[used];
+        const bool tangents = m.normal_map.used() || m.clearcoat_normal_map.used() || m.anisotropy > 0.f;
         if (std::optional<Mesh> mesh = read_primitive(file_, index, i, used, tangents, left_out_))
             meshes.push_back(*std::move(mesh));
     }

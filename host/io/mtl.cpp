@@ -58,6 +58,19 @@ void make_principled(Material& material, const tinyobj::material_t& mtl, float b
     material.ior = mtl.ior > 1.f ? mtl.ior : 1.5f;
 }
 
+/// Asks for a highlight beside the diffuse colour (illumination model 2).
+bool has_highlight(const tinyobj::material_t& mtl) {
+    return mtl.illum >= 2 && (largest(color(mtl.specular)) > 0.f || !mtl.specular_texname.empty());
+}
+
+/// A texture multiplies the value beside it: where the file names only the texture, that is 1.
+void make_blinn_phong(Material& material, const tinyobj::material_t& mtl) {
+    material.kind = MaterialKind::blinn_phong;
+    material.specular = color(mtl.specular);
+    if (material.specular == glm::vec3(0.f)) material.specular = glm::vec3(1.f);
+    material.shininess = mtl.shininess;
+}
+
 /// What is dissolved but still no glass lets a share of the light pass straight on.
 void set_opacity(Material& material, const tinyobj::material_t& mtl) {
     if (material.kind == MaterialKind::glass || !(mtl.dissolve < 1.f)) return;
@@ -75,14 +88,14 @@ bool clamp(float& value, float lo, float hi) {
 void repair(Material& material, Warnings& warnings) {
     bool moved = false;
     for (int k = 0; k < 3; ++k) {
-        moved |= clamp(material.albedo[k], 0.f, 1.f);
+        moved |= clamp(material.albedo[k], 0.f, 1.f) | clamp(material.specular[k], 0.f, 1.f);
         if (!std::isfinite(material.emission[k])) material.emission[k] = -1.f;  // there is no sensible radiance for it
         moved |= clamp(material.emission[k], 0.f, std::numeric_limits<float>::max());
     }
     for (float* value : {&material.roughness, &material.metallic, &material.clearcoat, &material.clearcoat_roughness,
                          &material.opacity})
         moved |= clamp(*value, 0.f, 1.f);
-    moved |= clamp(material.ior, 1e-3f, 1e3f);
+    moved |= clamp(material.ior, 1e-3f, 1e3f) | clamp(material.shininess, 0.f, 1e6f);
     if (moved) warnings.push_back("material '" + material.name + "': values out of range were moved into it");
 }
 
@@ -106,6 +119,8 @@ Material material_from_mtl(const tinyobj::material_t& mtl, Warnings& warnings) {
         make_metal(material, specular, has_exponent && mtl.shininess < 500.f ? by_exponent : 0.f);
     else if (largest(material.albedo) <= 0.f && largest(specular) > 0.f)
         make_metal(material, specular, by_exponent);
+    else if (has_highlight(mtl))
+        make_blinn_phong(material, mtl);
     set_opacity(material, mtl);
     repair(material, warnings);
     return material;

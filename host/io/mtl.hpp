@@ -39,6 +39,7 @@ private:
     void add_roughness_and_metallic(Material& material, const tinyobj::material_t& mtl,
                                     const std::filesystem::path& folder);
     void add_opacity(Material& material, const tinyobj::material_t& mtl, const std::filesystem::path& folder);
+    void add_highlight(Material& material, const tinyobj::material_t& mtl, const std::filesystem::path& folder);
     void add_relief(Material& material, const tinyobj::material_t& mtl, const std::filesystem::path& folder);
     [[nodiscard]] std::vector<double> texel_sizes() const;
 
@@ -50,8 +51,8 @@ private:
 };
 
 /// The text of an MTL with the numbers filled in that may be left out: of -o, -s, -t and -mm, where tinyobjloader would
-/// take the image's name for the next one, and of colours, which are grey where there is one.
-[[nodiscard]] std::string with_all_option_numbers(const std::string& mtl);
+/// take the image's name for the next one, of colours, which are grey where there is one, and of illum, which is 2.
+[[nodiscard]] std::string with_all_defaults(const std::string& mtl);
 
 /// Warns of every line of an MTL that gives a material what is no finite number, which tinyobjloader takes for 0.
 void warn_of_numbers(const std::string& mtl, const std::string& name, Warnings& warnings);

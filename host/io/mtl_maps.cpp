@@ -194,14 +194,26 @@ void MtlMaps::add_relief(Material& material, const tinyobj::material_t& mtl, con
     if (bump) in_texels_.push_back(material.name);
 }
 
+void MtlMaps::add_highlight(Material& material, const tinyobj::material_t& mtl, const fs::path& folder) {
+    if (material.kind != MaterialKind::blinn_phong) return;
+    material.specular_map = color(folder, mtl.specular_texname, mtl.specular_texopt, TexelFormat::srgb8);
+    if (!mtl.specular_highlight_texname.empty())
+        material.shininess_map = scalar(folder, mtl.specular_highlight_texname, mtl.specular_highlight_texopt, false);
+}
+
 void MtlMaps::add(Material& material, const tinyobj::material_t& mtl, const fs::path& folder) {
     const bool mirrors = material.kind == MaterialKind::mirror || material.kind == MaterialKind::metal;
     const bool by_specular = mirrors && mtl.metallic < 0.5f;  // its colour is Ks
     if (material.kind != MaterialKind::glass)
         material.albedo_map = by_specular ? color(folder, mtl.specular_texname, mtl.specular_texopt, TexelFormat::srgb8)
                                           : color(folder, mtl.diffuse_texname, mtl.diffuse_texopt, TexelFormat::srgb8);
-    if (!by_specular && !mtl.specular_texname.empty())
-        warnings_.push_back("material '" + mtl.name + "': map_Ks is left out, as Ks is");
+    add_highlight(material, mtl, folder);
+    if (!by_specular && !mtl.specular_texname.empty() && !material.specular_map.used())
+        warnings_.push_back("material '" + mtl.name +
+                            "': map_Ks is left out, its illum and other keys ask for no highlight");
+    if (!mtl.specular_highlight_texname.empty() && !material.shininess_map.used())
+        warnings_.push_back("material '" + mtl.name +
+                            "': map_Ns is left out, its illum and other keys ask for no highlight");
     material.emission_map = color(folder, mtl.emissive_texname, mtl.emissive_texopt, TexelFormat::srgb8);
     if (material.emission_map.used() && material.emission == glm::vec3(0.f)) material.emission = glm::vec3(1.f);
     add_roughness_and_metallic(material, mtl, folder);

@@ -81,13 +81,23 @@ std::string padded(const std::string& line) {
 
 }  // namespace
 
-std::string with_all_option_numbers(const std::string& mtl) {
+std::string with_all_defaults(const std::string& mtl) {
     std::string result, line;
     std::istringstream lines(mtl);
+    bool in_material = false, has_illumination = false;
+    const auto end_material = [&] {
+        if (in_material && !has_illumination) result += "illum 2\n";
+        has_illumination = false;
+    };
     while (std::getline(lines, line)) {
         while (!line.empty() && std::isspace(static_cast<unsigned char>(line.back()))) line.pop_back();
+        std::string_view rest = line;
+        const std::string_view key = next_word(rest);
+        if (key == "newmtl") end_material(), in_material = true;
+        has_illumination = has_illumination || key == "illum";
         result += padded(with_three_numbers(line)) + "\n";
     }
+    end_material();
     return result;
 }
 

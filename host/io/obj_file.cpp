@@ -127,7 +127,7 @@ private:
     void load(const std::string& name, std::vector<tinyobj::material_t>& materials, std::map<std::string, int>& map) {
         const std::string mtl = read_file(folder_ / name, "check its permissions");
         warn_of_numbers(mtl, name, warnings_);
-        std::istringstream text(with_all_option_numbers(mtl));
+        std::istringstream text(with_all_defaults(mtl));
         std::string remarks, errors;
         tinyobj::LoadMtl(&map, &materials, &text, &remarks, &errors);
         folders_.resize(materials.size(), (folder_ / name).parent_path());

@@ -26,8 +26,8 @@ enum class Stage : unsigned {
 inline constexpr EffectSet sampled_lights = {Effect::emissive_triangles, Effect::point_lights,
                                              Effect::directional_lights, Effect::spot_lights, Effect::environment};
 /// Effects by which a path gathers radiance where it ends.
-inline constexpr EffectSet emitters = {Effect::emissive_triangles, Effect::sky, Effect::environment,
-                                       Effect::light_maps};
+inline constexpr EffectSet emitters = {Effect::emissive_triangles, Effect::sky, Effect::environment, Effect::light_maps,
+                                       Effect::unlit};
 /// Effects that change how noisy an image is but not what it converges to. No scene can be stripped of them: to take
 /// one away leaves its code out of the kernels.
 inline constexpr EffectSet aids = {Effect::many_lights, Effect::hot_spots};

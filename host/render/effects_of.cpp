@@ -22,6 +22,7 @@ Effect effect_of(MaterialKind kind) {
         case MaterialKind::metal: return Effect::metal;
         case MaterialKind::blinn_phong: return Effect::blinn_phong;
         case MaterialKind::principled: return Effect::principled;
+        case MaterialKind::unlit: return Effect::unlit;
         default: return Effect::lambert;
     }
 }
@@ -101,6 +102,12 @@ private:
         call(Effect::rough_glass, has_rough_glass(m));
         call(Effect::clearcoat, has_clearcoat(m));
         call(Effect::coated_metal, has_coated_metal(m));
+        call(Effect::layered_coat, has_layered_coat(m));
+        call(Effect::specular, has_specular_layer(m));
+        call(Effect::iridescence, has_film(m));
+        call(Effect::anisotropy, is_anisotropic(m));
+        call(Effect::textures, is_anisotropic(m));  // coordinates of textures say along what
+        call(Effect::sheen, has_sheen(m));
         call(Effect::absorption, absorbs_inside(m));
         call(Effect::culling, m.cull_back);
         visit_textures(m);
@@ -108,15 +115,15 @@ private:
             if (use.used()) call_(effect, "texture", texture(use.texture).name, use.texture);
         };
         call_map(Effect::normal_maps, m.normal_map);
+        if (has_layered_coat(m)) call_map(Effect::normal_maps, m.clearcoat_normal_map);
         call_map(Effect::height_maps, m.height_map);
         call_map(Effect::light_maps, m.light_map);
         if (sampled_emission(m) < 0.f) call_map(Effect::emission_maps, m.emission_map);
     }
 
     void visit_textures(const Material& m) {
-        for (const TextureUse* use :
-             {&m.albedo_map, &m.emission_map, &m.metallic_roughness_map, &m.transmission_map, &m.clearcoat_map,
-              &m.clearcoat_roughness_map, &m.normal_map, &m.height_map, &m.light_map}) {
+        for (const auto map : material_maps) {
+            const TextureUse* use = &(m.*map);
             if (!use->used()) continue;
             const Texture& image = texture(use->texture);
             call_(Effect::textures, "texture", image.name, use->texture);
@@ -153,13 +160,19 @@ void strip(Material& m, EffectSet effects) {
     if (lost(Effect::coated_metal) && has_coated_metal(m)) m.clearcoat = 0.f;
     if (lost(m.thin_walled ? Effect::thin_walls : Effect::transmission)) m.transmission = 0.f, m.transmission_map = {};
     if (lost(Effect::clearcoat)) m.clearcoat = 0.f, m.clearcoat_map = {};
+    if (lost(Effect::layered_coat) && has_layered_coat(m)) m.clearcoat = 0.f;
+    if (lost(Effect::specular))
+        m.specular_weight = 1.f, m.specular_tint = glm::vec3(1.f), m.specular_map = m.specular_weight_map = {};
+    if (lost(Effect::iridescence)) m.iridescence = 0.f, m.iridescence_map = m.film_thickness_map = {};
+    if (lost(Effect::anisotropy)) m.anisotropy = 0.f, m.anisotropy_map = {};
+    if (lost(Effect::sheen)) m.sheen = glm::vec3(0.f), m.sheen_map = m.sheen_roughness_map = {};
     if (lost(Effect::absorption)) m.attenuation_distance = 0.f;
     if (lost(Effect::culling)) m.cull_back = false;
     if (lost(Effect::cut_outs)) m.alpha_mode = AlphaMode::opaque;
     if (lost(Effect::textures))
-        m.albedo_map = m.emission_map = m.metallic_roughness_map = m.transmission_map = m.clearcoat_map =
-            m.clearcoat_roughness_map = m.opacity_map = m.normal_map = m.height_map = m.light_map = {};
-    if (lost(Effect::normal_maps)) m.normal_map = {};
+        for (const auto map : material_maps) m.*map = {};
+    if (lost(Effect::textures)) m.opacity_map = {}, m.anisotropy = 0.f;
+    if (lost(Effect::normal_maps)) m.normal_map = m.clearcoat_normal_map = {};
     if (lost(Effect::height_maps)) m.height_map = {};
     if (lost(Effect::light_maps)) m.light_map = {};
     if (lost(Effect::emission_maps)) m.emission_map = {};

@@ -32,6 +32,14 @@ TextureUse use_of_texture() {
     return use;
 }
 
+void add_layers(Material& m, EffectSet effects) {
+    if (effects.has(Effect::specular)) m.specular_weight = 0.5f;
+    if (effects.has(Effect::sheen)) m.sheen = glm::vec3(0.5f);
+    if (effects.has(Effect::anisotropy)) m.anisotropy = 0.5f;
+    if (effects.has(Effect::iridescence)) m.iridescence = 0.5f;
+    if (effects.has(Effect::layered_coat)) m.clearcoat = 0.5f, m.normal_map = use_of_texture();
+}
+
 std::vector<Material> materials_for(EffectSet effects) {
     std::vector<Material> materials(1);
     const auto add = [&](EffectSet causes, MaterialKind kind) {
@@ -50,11 +58,17 @@ std::vector<Material> materials_for(EffectSet effects) {
     if (effects.has(Effect::thin_walls)) materials.back().thin_walled = true;
     add({Effect::metal}, MaterialKind::metal);
     add({Effect::blinn_phong}, MaterialKind::blinn_phong);
-    add({Effect::principled, Effect::transmission, Effect::clearcoat, Effect::coated_metal}, MaterialKind::principled);
+    add({Effect::unlit}, MaterialKind::unlit);
+    add({Effect::coated_metal}, MaterialKind::principled);
+    if (effects.has(Effect::coated_metal)) materials.back().clearcoat = materials.back().metallic = 0.5f;
+    const EffectSet layers = {Effect::layered_coat, Effect::specular, Effect::sheen, Effect::anisotropy,
+                              Effect::iridescence};
+    add(layers, MaterialKind::principled);
+    if (!(effects & layers).empty()) add_layers(materials.back(), effects);
+    add({Effect::principled, Effect::transmission, Effect::clearcoat}, MaterialKind::principled);
     Material& last = materials.back();  // the principled one where there is one
     if (transmits) last.transmission = 0.5f;
     if (effects.has(Effect::clearcoat)) last.clearcoat = 0.5f;
-    if (effects.has(Effect::coated_metal)) last.clearcoat = last.metallic = 0.5f;
     if (effects.has(Effect::absorption)) last.attenuation = glm::vec3(0.5f), last.attenuation_distance = 1.f;
     if (effects.has(Effect::culling)) last.cull_back = true;
     if (effects.has(Effect::cut_outs)) last.alpha_mode = AlphaMode::blend, last.opacity = 0.5f;
@@ -101,8 +115,8 @@ Scene scene_calling_for(EffectSet effects) {
         for (Mesh& mesh : scene.meshes) mesh.normals.assign(mesh.positions.size(), {0.f, 1.f, 0.f});
     if (effects.has(Effect::vertex_colors))
         for (Mesh& mesh : scene.meshes) mesh.colors.assign(mesh.positions.size(), glm::vec4(glm::vec3(0.5f), 1.f));
-    const EffectSet textured = {Effect::textures,   Effect::mip_maps, Effect::normal_maps,  Effect::height_maps,
-                                Effect::light_maps, Effect::cut_outs, Effect::emission_maps};
+    const EffectSet textured = {Effect::textures,   Effect::mip_maps, Effect::normal_maps,   Effect::height_maps,
+                                Effect::light_maps, Effect::cut_outs, Effect::emission_maps, Effect::layered_coat};
     if (!(effects & textured).empty())
         scene.textures = {grey_texture(effects.has(Effect::mip_maps) ? Filter::trilinear : Filter::bilinear)};
     if (effects.has(Effect::point_lights)) add_light(scene, LightKind::point);

@@ -157,6 +157,101 @@ void fill_conductor(float* table) {
     fill_table(table, loss_cosine, [&](double cosine, double alpha) { return 1 - reflected_once(cosine, alpha, all); });
 }
 
+// ---- sheen
+
+/// Charlie's Lambda (Estevez and Kulla 2017, "Production friendly microfacet sheen BRDF", section 2.2).
+double sheen_lambda(double cosine, double alpha) {
+    const double t = (1 - alpha) * (1 - alpha);
+    const auto fitted = [&](double x) {
+        const auto between = [&](double rough, double smooth) { return rough + t * (smooth - rough); };
+        return between(21.5473, 25.3245) / (1 + between(3.82987, 3.32435) * std::pow(x, between(0.19823, 0.16801))) +
+               between(-1.97760, -1.27393) * x + between(-4.32054, -4.85967);
+    };
+    return std::exp(cosine < 0.5 ? fitted(cosine) : 2 * fitted(0.5) - fitted(1 - cosine));
+}
+
+/// What white sheen reflects, as eval_sheen in kernels/shade/bsdf_sheen.clh without its bound; the midpoint rule by the
+/// cube root of the incoming cosine and the angle between both directions.
+double sheen_albedo(double cosine, double alpha) {
+    constexpr int rings = 64, turns = 32;
+    const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine)), masked = 1 + sheen_lambda(cosine, alpha);
+    double sum = 0;
+    for (int ring = 0; ring < rings; ++ring) {
+        const double u = (ring + 0.5) / rings, z = u * u * u, side = std::sqrt(1 - z * z);
+        const double visible = 3 * u * u / (4 * cosine * (masked + sheen_lambda(z, alpha)));
+        for (int turn = 0; turn < turns; ++turn) {
+            const double between = sine * side * std::cos(pi * (turn + 0.5) / turns) + cosine * z;
+            const double up = cosine + z, half2 = up * up / (2 + 2 * between);  // cosine^2 of the half vector
+            sum += visible * std::pow(std::max(0.0, 1 - half2), 0.5 / alpha);
+        }
+    }
+    return sum * (2 + 1 / alpha) / (rings * turns);
+}
+
+void fill_sheen(float* table) {
+    in_parallel(size, [&](std::size_t row) {
+        const double roughness = CLARAY_LEAST_SHEEN + (1.0 - CLARAY_LEAST_SHEEN) * place_of(int(row));
+        for (int i = 0; i < size; ++i) table[row * size + i] = float(sheen_albedo(cosine_at(i), roughness * roughness));
+    });
+}
+
+// ---- anisotropy
+
+/// What a conductor with alpha along x and along y reflects once of light from `o`.
+double stretched_reflection(Vector o, double along, double across) {
+    constexpr int rings = 32, turns = 64;
+    static const auto angles = make_turns<turns>();
+    const auto shadow = [&](Vector v) {
+        const double slope2 = (along * along * v.x * v.x + across * across * v.y * v.y) / (v.z * v.z);
+        return 0.5 * (std::sqrt(1 + slope2) - 1);
+    };
+    const double length = std::sqrt(along * along * o.x * o.x + across * across * o.y * o.y + o.z * o.z);
+    const Vector view{along * o.x / length, across * o.y / length, o.z / length};
+    const double masked = 1 + shadow(o);
+    double sum = 0;
+    for (int turn = 0; turn < turns; ++turn) {
+        const double angle = 2 * pi * (turn + 0.5) / turns, c = std::cos(angle), s = std::sin(angle);
+        for (int ring = 0; ring < rings; ++ring) {
+            const double z = 1 - (ring + angles[std::size_t(turn)].shift) / rings * (1 + view.z);
+            const double radius = std::sqrt(std::max(0.0, 1 - z * z));
+            const Vector n{along * (radius * c + view.x), across * (radius * s + view.y), z + view.z};
+            const double scale = 1 / std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z);
+            const double to_normal = (o.x * n.x + o.y * n.y + o.z * n.z) * scale;
+            const Vector i{2 * to_normal * n.x * scale - o.x, 2 * to_normal * n.y * scale - o.y,
+                           2 * to_normal * n.z * scale - o.z};
+            if (i.z > 0) sum += masked / (masked + shadow(i));
+        }
+    }
+    return sum / (rings * turns);
+}
+
+/// One pair of alphas: a row for each of three angles to the tangent, and their average over the hemisphere.
+void fill_stretched_rows(float* rows, float* average, double along, double across) {
+    *average = 0.f;
+    for (int k = 0; k < 3; ++k) {
+        const double sine2 = 0.5 * k, alpha = std::sqrt(along * along * (1 - sine2) + across * across * sine2);
+        const Row weights = average_weights(loss_cosine, alpha);
+        for (int i = 0; i < size; ++i) {
+            const double cosine = loss_cosine(place_of(i), alpha), sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
+            const Vector o{sine * std::sqrt(1 - sine2), sine * std::sqrt(sine2), cosine};
+            const double lost = std::clamp(1 - stretched_reflection(o, along, across), 0.0, 1.0);
+            rows[k * size + i] = float(lost);
+            *average += float((k == 1 ? 0.5 : 0.25) * weights[std::size_t(i)] * lost);
+        }
+    }
+}
+
+/// Kernels look up alphas along the tangent that are not below those across it: cells on the diagonal and above.
+void fill_stretched(float* table) {
+    constexpr int steps = CLARAY_STRETCH_SIZE;
+    in_parallel(steps * steps, [&](std::size_t cell) {
+        const int along = int(cell) / steps, across = int(cell) % steps;
+        if (across > along + 1) return;
+        fill_stretched_rows(table + cell * CLARAY_STRETCH_ROW, table + CLARAY_STRETCH_AVERAGES + cell,
+                            alpha_at(along, steps), alpha_at(across, steps));
+    });
+}
+
 void fill_opaque(float* block, double ior) {
     const auto reflectance = [&](double cosine) { return fresnel(cosine, ior); };
     fill_table(block + CLARAY_UNREFLECTED, root_cosine,
@@ -238,9 +333,13 @@ void fill_coat_scales(float* scales, double ior) {
 
 EnergyTables::EnergyTables(std::span<const Material> materials) {
     for (const Material& material : materials) add_needs(material);
-    if (!conductor_ && needs_.empty()) return;
-    data_.resize(CLARAY_ENERGY_TABLE);
+    if (!conductor_ && !sheen_ && !stretched_ && needs_.empty()) return;
+    data_.resize(stretched_ ? CLARAY_STRETCH + CLARAY_STRETCH_TABLE
+                 : sheen_   ? CLARAY_SHEEN + CLARAY_ENERGY_TABLE
+                            : CLARAY_ENERGY_TABLE);
     if (conductor_) fill_conductor(data_.data());
+    if (sheen_) fill_sheen(data_.data() + CLARAY_SHEEN);
+    if (stretched_) fill_stretched(data_.data() + CLARAY_STRETCH);
     for (const auto& [ior, needs] : needs_) {
         blocks_[ior] = std::uint32_t(data_.size());
         data_.resize(data_.size() + CLARAY_ENERGY_BLOCK + (needs.coat ? CLARAY_COAT_TABLE : 0));
@@ -254,6 +353,9 @@ EnergyTables::EnergyTables(std::span<const Material> materials) {
 void EnergyTables::add_needs(const Material& m) {
     const bool rough = m.roughness > 0, rough_wall = rough || (has_clearcoat(m) && m.clearcoat_roughness > 0);
     conductor_ = conductor_ || (has_metal(m) && rough) || (has_thin_walls(m) && rough_wall);
+    conductor_ = conductor_ || (has_specular_layer(m) && rough);
+    sheen_ = sheen_ || has_sheen(m);
+    stretched_ = stretched_ || is_anisotropic(m);
     if (has_rough_glass(m)) needs_[m.ior].transparent = true;
     if (has_diffuse_dielectric(m)) needs_[m.ior].opaque = true;
     if (has_clearcoat(m)) needs_[CLARAY_COAT_IOR].opaque = true;

@@ -28,7 +28,7 @@ private:
     };
     void add_needs(const Material& material);
 
-    bool conductor_ = false;
+    bool conductor_ = false, sheen_ = false, stretched_ = false;
     std::map<float, Needs> needs_;
     std::map<float, std::uint32_t> blocks_;
     std::vector<float> data_;

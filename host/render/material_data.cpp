@@ -1,5 +1,8 @@
 #include "host/render/material_data.hpp"
 
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+
 #include "host/render/lights.hpp"
 
 namespace claray {
@@ -12,6 +15,15 @@ bool transmits(const Material& m) { return m.kind == MaterialKind::glass || (is_
 glm::vec3 absorption_of(const Material& m) {
     if (!absorbs_inside(m)) return glm::vec3(0.f);
     return -glm::log(glm::clamp(m.attenuation, glm::vec3(1e-30f), glm::vec3(1.f))) / m.attenuation_distance;
+}
+
+/// An angle in 0..2 pi.
+float turn_of(float angle) { return angle - glm::two_pi<float>() * std::floor(angle / glm::two_pi<float>()); }
+
+std::uint32_t layers_of(const Material& m) {
+    return (has_specular_layer(m) ? CLARAY_SPECULAR_LAYER : 0) | (has_film(m) ? CLARAY_FILM_LAYER : 0) |
+           (has_sheen(m) ? CLARAY_SHEEN_LAYER : 0) | (is_anisotropic(m) ? CLARAY_ANISOTROPIC_LAYER : 0) |
+           (has_layered_coat(m) ? CLARAY_COAT_LAYER : 0);
 }
 
 }  // namespace
@@ -27,14 +39,29 @@ bool has_rough_glass(const Material& m) {
     return has_glass(m) && (m.roughness > 0 || (has_clearcoat(m) && m.clearcoat_roughness > 0));
 }
 bool has_clearcoat(const Material& m) { return is_principled(m) && m.clearcoat > 0; }
-bool has_coated_metal(const Material& m) { return has_clearcoat(m) && has_metal(m); }
+bool has_coated_metal(const Material& m) { return has_clearcoat(m) && has_metal(m) && !has_layered_coat(m); }
+bool has_layered_coat(const Material& m) {
+    const bool relief = m.normal_map.used() || m.height_map.used() || m.clearcoat_normal_map.used();
+    return has_clearcoat(m) && (relief || has_specular_layer(m) || has_film(m) || has_sheen(m) || is_anisotropic(m));
+}
+bool has_specular_layer(const Material& m) {
+    return is_principled(m) && (m.specular_weight != 1 || m.specular_tint != glm::vec3(1.f) || m.specular_map.used() ||
+                                m.specular_weight_map.used());
+}
+bool has_film(const Material& m) {
+    const bool thick = m.film_thickness.y > 0 || (m.film_thickness_map.used() && m.film_thickness.x > 0);
+    return is_principled(m) && m.iridescence > 0 && thick;
+}
+bool has_sheen(const Material& m) { return is_principled(m) && m.sheen != glm::vec3(0.f); }
+bool is_anisotropic(const Material& m) { return is_principled(m) && m.anisotropy > 0; }
 bool absorbs_inside(const Material& m) {
     return has_glass(m) && m.attenuation_distance > 0 && m.attenuation != glm::vec3(1.f);
 }
 
 MaterialData material_data(const Material& m, const EnergyTables& tables) {
-    glm::vec3 albedo = m.albedo, specular = m.specular;
-    if (m.kind == MaterialKind::blinn_phong) {  // both parts may reflect all light, together no more than that
+    glm::vec3 albedo = m.albedo, specular = is_principled(m) ? m.specular_tint : m.specular;
+    const bool textured = m.albedo_map.used() || m.specular_map.used();  // then shade/maps.clh does it
+    if (m.kind == MaterialKind::blinn_phong && !textured) {  // both may reflect all light, together no more than that
         const glm::vec3 excess = glm::max(albedo + specular, glm::vec3(1.f));
         albedo /= excess, specular /= excess;
     }
@@ -62,7 +89,23 @@ MaterialData material_data(const Material& m, const EnergyTables& tables) {
             .absorption_b = absorption.z,
             .energy = tables.block_of(m.ior),
             .coat_energy = tables.block_of(CLARAY_COAT_IOR),
-            .thin_walled = m.thin_walled};
+            .thin_walled = m.thin_walled,
+            .layers = layers_of(m),
+            .specular_weight = m.specular_weight,
+            .sheen_r = m.sheen.x,
+            .sheen_g = m.sheen.y,
+            .sheen_b = m.sheen.z,
+            .sheen_roughness = m.sheen_roughness,
+            .anisotropy = m.anisotropy,
+            .anisotropy_rotation = turn_of(m.anisotropy_rotation),
+            .iridescence = m.iridescence,
+            .film_ior = m.iridescence_ior,
+            .film_thickness = m.film_thickness.y,
+            .film_thickness_min = m.film_thickness.x,
+            .coat_x = 0.f,
+            .coat_y = 0.f,
+            .coat_z = 1.f,
+            .spare = 0};
 }
 
 }  // namespace claray

@@ -6,6 +6,7 @@
 #include <map>
 
 #include "host/render/cutouts.hpp"
+#include "host/render/material_data.hpp"
 #include "host/render/mip_map.hpp"
 #include "host/render/texture_use.hpp"
 
@@ -27,8 +28,30 @@ std::array<TextureUse, CLARAY_MAPS> maps_of(const Material& m) {
         maps[CLARAY_CLEARCOAT_MAP] = m.clearcoat_map;
         maps[CLARAY_CLEARCOAT_ROUGHNESS_MAP] = m.clearcoat_roughness_map;
     }
+    if (m.kind == MaterialKind::blinn_phong) {
+        maps[CLARAY_SPECULAR_MAP] = m.specular_map;
+        maps[CLARAY_SHININESS_MAP] = m.shininess_map;
+    }
+    if (has_specular_layer(m)) {
+        maps[CLARAY_SPECULAR_MAP] = m.specular_map;
+        maps[CLARAY_SPECULAR_WEIGHT_MAP] = m.specular_weight_map;
+    }
+    if (has_sheen(m)) {
+        maps[CLARAY_SHEEN_MAP] = m.sheen_map;
+        maps[CLARAY_SHEEN_ROUGHNESS_MAP] = m.sheen_roughness_map;
+    }
+    if (is_anisotropic(m)) maps[CLARAY_ANISOTROPY_MAP] = m.anisotropy_map;
+    if (has_film(m)) {
+        maps[CLARAY_IRIDESCENCE_MAP] = m.iridescence_map;
+        maps[CLARAY_FILM_THICKNESS_MAP] = m.film_thickness_map;
+    }
+    if (has_layered_coat(m)) maps[CLARAY_COAT_NORMAL_MAP] = m.clearcoat_normal_map;
     if (m.kind == MaterialKind::lambert) maps[CLARAY_LIGHT_MAP] = m.light_map;
     return maps;
+}
+
+bool needs_tangents(std::uint32_t map) {
+    return map == CLARAY_NORMAL_MAP || map == CLARAY_COAT_NORMAL_MAP || map == CLARAY_ANISOTROPY_MAP;
 }
 
 /// Grows word by word; the sections begin at multiples of 16 bytes.
@@ -67,12 +90,13 @@ public:
             MaterialMaps& maps = of_materials_[i];
             std::fill(std::begin(maps.use), std::end(maps.use), CLARAY_NO_MAP);
             maps.normal_scale = scene.materials[i].normal_scale, maps.height_scale = scene.materials[i].height_scale;
+            maps.coat_normal_scale = scene.materials[i].clearcoat_normal_scale;
             if (used[i]) add_maps(scene.materials[i], maps);
         }
     }
 
     unsigned uv_sets = 0;
-    bool mipmaps = false, normal_maps = false;
+    bool mipmaps = false, tangents = false;
 
     [[nodiscard]] bool empty() const { return textures_.empty(); }
     [[nodiscard]] bool has_maps() const { return !uses_.empty(); }
@@ -93,7 +117,8 @@ public:
         if (!empty()) sections.decode = store.add(decode_tables());
         std::vector<TextureData> data;
         std::uint64_t bytes = 0;
-        for (const std::uint32_t index : textures_) data.push_back(write_texture(store, scene_.textures[index], bytes));
+        for (const std::uint32_t index : textures_)
+            data.push_back(write_texture(store, index == no_texture ? no_direction() : scene_.textures[index], bytes));
         sections.textures = store.add(data);
         sections.uses = store.add(uses_);
         sections.materials = store.add(of_materials_);
@@ -101,15 +126,39 @@ public:
     }
 
 private:
+    void add_use(MaterialMaps& maps, std::uint32_t map, const TextureUse& use, std::uint32_t slot) {
+        maps.use[map] = std::uint32_t(uses_.size());
+        tangents = tangents || needs_tangents(map);
+        uv_sets |= 1u << use.uv_set;
+        uses_.push_back(data_of(use, slot));
+    }
+
+    /// The slot of an image for an anisotropic material without one: its coordinates matter still.
+    std::uint32_t slot_of_no_direction() {
+        const auto [at, fresh] = slots_.try_emplace(no_texture, std::uint32_t(textures_.size()));
+        if (fresh) textures_.push_back(no_texture);
+        return at->second;
+    }
+
     void add_maps(const Material& material, MaterialMaps& maps) {
         const std::array<TextureUse, CLARAY_MAPS> uses = maps_of(material);
         for (std::uint32_t map = 0; map < CLARAY_MAPS; ++map) {
             if (!uses[map].used()) continue;
-            maps.use[map] = std::uint32_t(uses_.size());
-            normal_maps = normal_maps || map == CLARAY_NORMAL_MAP;
-            uv_sets |= 1u << uses[map].uv_set;
-            uses_.push_back(data_of(uses[map], slot_of(uses[map].texture)));
+            add_use(maps, map, uses[map], slot_of(uses[map].texture));
         }
+        if (!is_anisotropic(material) || material.anisotropy_map.used()) return;
+        TextureUse use;
+        use.uv_set = material.normal_map.used() ? material.normal_map.uv_set : 0;
+        add_use(maps, CLARAY_ANISOTROPY_MAP, use, slot_of_no_direction());
+    }
+
+    /// Along the tangent, by all of the material's anisotropy.
+    static Texture no_direction() {
+        Texture texture;
+        texture.width = texture.height = 1, texture.channels = 3;
+        texture.format = TexelFormat::float32, texture.filter = Filter::nearest;
+        texture.floats = {1.f, 0.5f, 1.f};
+        return texture;
     }
 
     static unsigned levels_of(const Texture& t) {
@@ -204,7 +253,7 @@ Textures::Textures(const Device& device, const Scene& scene, bool with_cutouts) 
     if (found.uv_sets & 2u) sections.uvs[1] = writer.add(of_all_meshes(scene, &Mesh::uvs1));
     const bool tangents =
         std::any_of(scene.meshes.begin(), scene.meshes.end(), [](auto& m) { return !m.tangents.empty(); });
-    if (found.normal_maps && tangents) sections.tangents = writer.add(of_all_meshes(scene, &Mesh::tangents));
+    if (found.tangents && tangents) sections.tangents = writer.add(of_all_meshes(scene, &Mesh::tangents));
     if (colors) sections.colors = writer.add(all_colors(scene));
     if (has_cutouts) add_cutouts(cutouts, triangles_of(scene), writer, sections);
     store = Buffer<std::uint32_t>(device, writer.finish(sections));

@@ -35,6 +35,14 @@ void add_balls(Scene& scene) {
     add_ball(scene, lambert("rippled", glm::vec3(0.6f)), 0.6f, -0.9f, 0.4f).normal_map =
         add_texture(scene, ripples_as_normals());
     paint(scene.meshes.back());
+    Material& cloth = add_ball(scene, principled("cloth", {0.2f, 0.02f, 0.05f}, 1.f), 0.05f, 0.95f, 0.2f);
+    cloth.sheen = {1.f, 0.6f, 0.7f}, cloth.sheen_roughness = 0.4f, cloth.specular_weight = 0.3f;
+    Material& brushed = add_ball(scene, principled("brushed", {1.f, 0.71f, 0.29f}, 0.3f), 1.1f, 1.1f, 0.2f);
+    brushed.metallic = 1.f, brushed.anisotropy = 0.9f;
+    Material& film = add_ball(scene, principled("film", glm::vec3(0.02f), 0.1f), -0.75f, 0.95f, 0.2f);
+    film.iridescence = film.clearcoat = 1.f, film.iridescence_ior = 2.f, film.film_thickness.y = 380.f;
+    Material& shown = add_ball(scene, lambert("unlit", {0.1f, 0.45f, 0.6f}), 1.75f, 0.95f, 0.15f);
+    shown.kind = MaterialKind::unlit;
     scene.meshes.push_back(open_bowl({1.5f, 0.4f, -0.8f}, 0.4f, std::uint32_t(scene.materials.size())));
     scene.materials.push_back(lambert("bowl", {0.3f, 0.55f, 0.3f}));
     scene.materials.back().cull_back = true;

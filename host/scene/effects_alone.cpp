@@ -113,6 +113,37 @@ constexpr std::array alone = {
               make_principled(s), ball(s).clearcoat = 1.f, ball(s).roughness = 0.7f;
               replace_sky_by_evening(s);
           }},
+    Alone{"layered-coat",
+          [](Scene& s) {
+              make_principled(s), ball(s).clearcoat = 1.f, ball(s).roughness = 0.7f;
+              ball(s).normal_map = add_texture(s, ripples_as_normals());
+              replace_sky_by_evening(s);
+          }},
+    Alone{"specular",
+          [](Scene& s) {
+              make_principled(s), ball(s).albedo = glm::vec3(0.02f);
+              ball(s).specular_tint = {20.f, 12.f, 4.f};
+          }},
+    Alone{"iridescence",
+          [](Scene& s) {
+              make_principled(s), ball(s).albedo = glm::vec3(0.02f), ball(s).roughness = 0.1f;
+              ball(s).iridescence = 1.f, ball(s).iridescence_ior = 2.f, ball(s).film_thickness.y = 380.f;
+          }},
+    Alone{"anisotropy",
+          [](Scene& s) {
+              set_kind(s, MaterialKind::principled, {1.f, 0.71f, 0.29f}, 0.3f);
+              ball(s).metallic = 1.f, ball(s).anisotropy = 0.9f;
+              replace_sky_by(s, LightKind::point);
+          }},
+    Alone{"sheen",
+          [](Scene& s) {
+              make_principled(s), ball(s).albedo = {0.2f, 0.02f, 0.05f}, ball(s).roughness = 1.f;
+              ball(s).sheen = {1.f, 0.6f, 0.7f}, ball(s).sheen_roughness = 0.4f;
+          }},
+    Alone{"unlit",
+          [](Scene& s) {
+              set_kind(s, MaterialKind::unlit, {0.1f, 0.45f, 0.6f}, 0.f);
+          }},
     Alone{"absorption",
           [](Scene& s) {
               make_glass(s);

@@ -114,6 +114,15 @@ void check_maps(const Material& material, const Check& check, std::size_t textur
         {&material.transmission_map, "transmission map"},
         {&material.clearcoat_map, "clearcoat map"},
         {&material.clearcoat_roughness_map, "clearcoat roughness map"},
+        {&material.clearcoat_normal_map, "clearcoat normal map"},
+        {&material.specular_map, "specular map"},
+        {&material.specular_weight_map, "specular weight map"},
+        {&material.shininess_map, "shininess map"},
+        {&material.sheen_map, "sheen map"},
+        {&material.sheen_roughness_map, "sheen roughness map"},
+        {&material.anisotropy_map, "anisotropy map"},
+        {&material.iridescence_map, "iridescence map"},
+        {&material.film_thickness_map, "film thickness map"},
         {&material.opacity_map, "opacity map"},
         {&material.normal_map, "normal map"},
         {&material.height_map, "height map"},
@@ -123,7 +132,8 @@ void check_maps(const Material& material, const Check& check, std::size_t textur
 }
 
 void check_material(const Material& material, const Check& check, std::size_t textures) {
-    check.that(std::uint32_t(material.kind) <= CLARAY_PRINCIPLED, "unknown kind", "use a MaterialKind");
+    check.that(material.kind <= MaterialKind::principled || material.kind == MaterialKind::unlit, "unknown kind",
+               "use a MaterialKind");
     check.that(material.alpha_mode <= AlphaMode::blend, "unknown alpha mode", "use an AlphaMode");
     check.sound(sound(material.albedo), "albedo");
     check.sound(sound(material.emission), "emission");
@@ -135,6 +145,17 @@ void check_material(const Material& material, const Check& check, std::size_t te
     check.share(share(material.clearcoat_roughness), "clearcoat roughness");
     check.sound(sound(material.specular), "specular colour");
     check.sound(sound(material.shininess), "shininess");
+    check.share(share(material.specular_weight), "specular weight");
+    check.sound(sound(material.specular_tint), "specular tint");
+    check.share(share(material.sheen), "sheen colour");
+    check.share(share(material.sheen_roughness), "sheen roughness");
+    check.share(share(material.anisotropy), "anisotropy");
+    check.finite(std::isfinite(material.anisotropy_rotation), "anisotropy rotation");
+    check.share(share(material.iridescence), "iridescence");
+    check.sound(sound(material.iridescence_ior) && material.iridescence_ior > 0.f,
+                "index of refraction of its iridescence");
+    check.sound(sound(material.film_thickness.x) && sound(material.film_thickness.y), "film thickness");
+    check.finite(std::isfinite(material.clearcoat_normal_scale), "clearcoat normal scale");
     check.share(share(material.attenuation), "attenuation colour");
     check.sound(sound(material.attenuation_distance), "attenuation distance");
     check.share(share(material.opacity), "opacity");

@@ -67,6 +67,65 @@ Material mixture(float roughness) {
     return m;
 }
 
+/// Its red reflectance at normal incidence is the largest, and more than the index of refraction says.
+Material tinted_plastic(float roughness) {
+    Material m = plastic(roughness);
+    m.specular_tint = {8.f, 4.f, 0.5f};
+    return m;
+}
+Material weak_plastic(float roughness) {
+    Material m = dense_plastic(roughness);
+    m.specular_weight = 0.3f, m.specular_tint = glm::vec3(0.5f);
+    return m;
+}
+Material with_film(Material m) {
+    m.iridescence = 1.f, m.iridescence_ior = 1.8f, m.film_thickness.y = 420.f;
+    return m;
+}
+Material film_on_plastic(float roughness) { return with_film(plastic(roughness)); }
+Material film_on_metal(float roughness) {
+    Material m = with_film(plastic(roughness));
+    m.metallic = 1.f, m.albedo = glm::vec3(0.6f);
+    return m;
+}
+Material film_on_glass(float roughness) {
+    Material m = with_film(plastic(roughness));
+    m.transmission = 1.f;
+    return m;
+}
+Material brushed_metal(float roughness) {
+    Material m = plastic(roughness);
+    m.metallic = 1.f, m.anisotropy = 0.7f;
+    return m;
+}
+Material brushed_plastic(float roughness) {
+    Material m = plastic(roughness);
+    m.anisotropy = 1.f;
+    return m;
+}
+/// Fibres over a smooth metal, whose reflection is a delta function, or over plastic.
+Material sheen_on_mirror(float roughness) {
+    Material m = plastic(0.f);
+    m.metallic = 1.f, m.sheen = glm::vec3(1.f), m.sheen_roughness = roughness;
+    return m;
+}
+Material cloth(float roughness) {
+    Material m = plastic(0.8f);
+    m.sheen = glm::vec3(0.7f), m.sheen_roughness = roughness;
+    return m;
+}
+/// A coat that is told from a cloth, and from a brushed metal, below it.
+Material coated_cloth(float roughness) {
+    Material m = cloth(0.5f);
+    m.clearcoat = 1.f, m.clearcoat_roughness = roughness;
+    return m;
+}
+Material coated_brushed_metal(float roughness) {
+    Material m = brushed_metal(roughness);
+    m.clearcoat = 1.f, m.clearcoat_roughness = 0.3f;
+    return m;
+}
+
 const std::vector<Kind> kinds = {
     {"Lambert", [](float r) { return white(MaterialKind::lambert, r); }},
     {"Mirror", [](float r) { return white(MaterialKind::mirror, r); }},
@@ -85,14 +144,21 @@ const std::vector<Kind> kinds = {
     {"DensePlastic", dense_plastic},
     {"CoatedMetal", coated_metal},
     {"UnderRoughCoat", under_rough_coat},
+    {"TintedPlastic", tinted_plastic},
+    {"WeakPlastic", weak_plastic},
+    {"FilmOnPlastic", film_on_plastic, false, false},
+    {"FilmOnMetal", film_on_metal, false, false},
+    {"FilmOnGlass", film_on_glass},
+    {"FilmOnGlassInside", film_on_glass, true},
+    {"BrushedMetal", brushed_metal},
+    {"BrushedPlastic", brushed_plastic, false, false},
+    {"SheenOnMirror", sheen_on_mirror, false, false},
+    {"Cloth", cloth, false, false},
+    {"CoatedCloth", coated_cloth, false, false},
+    {"CoatedBrushedMetal", coated_brushed_metal, false, false},
     {"Mixture", mixture, false, true, true},
     {"MixtureInside", mixture, true, true, true},
 };
-
-/// Coated metal is what a principled material with these values always turns out to be at a hit.
-bool turns_into(const Kind& kind, std::uint32_t what) {
-    return what == CLARAY_COATED_METAL && (kind.make == coated_metal || kind.make == under_rough_coat);
-}
 
 // ---- chi-squared
 
@@ -196,7 +262,7 @@ std::vector<Grid> grids_for(const Kind& kind, float roughness, const glm::vec3& 
                  below = 1 - (1 - o.z * o.z) / (eta * eta);
     const bool narrow = width < 0.1;
     std::vector<Grid> grids = {Grid(narrow ? glm::dvec3(-o.x, -o.y, o.z) : glm::dvec3(0, 0, 1), narrow ? width : 1)};
-    if (m.kind == MaterialKind::glass) {
+    if (m.kind == MaterialKind::glass || m.transmission == 1.f) {
         const bool refracted = narrow && below > 0;
         const glm::dvec3 through(-o.x / eta, -o.y / eta, -std::sqrt(std::max(below, 0.0)));
         grids.emplace_back(refracted ? through : glm::dvec3(0, 0, -1),
@@ -214,9 +280,7 @@ std::vector<Grid> grids_for(const Kind& kind, float roughness, const glm::vec3& 
 const std::vector<Kind>& bsdf_kinds() { return kinds; }
 
 TestedMaterial tested(const Device& device, const Kind& kind, float roughness) {
-    TestedMaterial material(device, kind.make(roughness), kind.inside);
-    if (turns_into(kind, CLARAY_COATED_METAL)) material.become(CLARAY_COATED_METAL);
-    return material;
+    return TestedMaterial(device, kind.make(roughness), kind.inside);
 }
 
 Agreement agreement_of_samples(const Device& device, const Kind& kind, float roughness, const glm::vec3& outgoing,

@@ -39,8 +39,8 @@ public:
     };
     /// eval_bsdf at many directions: values over |cos|, and densities.
     [[nodiscard]] Evaluated evaluate(const glm::vec3& outgoing, const std::vector<float>& directions) const;
-    /// What a principled material turns out to be at a hit.
-    void become(std::uint32_t kind) { data_.kind = kind; }
+    /// The coat's normal in the surface's frame.
+    void tilt_coat(const glm::vec3& n) { data_.coat_x = n.x, data_.coat_y = n.y, data_.coat_z = n.z; }
 
 private:
     Device device_;

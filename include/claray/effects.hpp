@@ -47,7 +47,13 @@ enum class Effect : std::uint8_t {
     emission_maps,
     thin_walls,
     hot_spots,
-    vertex_colors
+    vertex_colors,
+    unlit,
+    specular,
+    sheen,
+    anisotropy,
+    iridescence,
+    layered_coat
 };
 
 class EffectSet {

@@ -30,6 +30,17 @@ using Warnings = std::vector<std::string>;
 /// A built-in scene by name, or else a file by its extension (.obj, .gltf, .glb).
 [[nodiscard]] Scene load_scene(const std::string& name_or_path, Warnings& warnings);
 
+/// Which sides of surfaces are there.
+enum class Culling {
+    by_file,  ///< as the materials say: glTF culls the backs of what is not double-sided, OBJ none
+    back,     ///< fronts alone, of all materials but solid glass, which light leaves by a back
+    none      ///< both, of all materials
+};
+void set_culling(Scene& scene, Culling culling);
+/// Exchanges the front and the back of all triangles. The formats read say that a front's vertices appear
+/// counter-clockwise; files that say otherwise need this where backs are culled, and for glass, lamps and relief.
+void flip_fronts(Scene& scene);
+
 /// Reads PNG, JPEG, WebP (8 bits, no animation), BMP, TGA, Radiance HDR or PFM, told by content. `eight_bit` says what bytes mean: srgb8 or linear8;
 /// images of 16 bits become linear float32, HDR and PFM are float32 as they are. At most 16384 pixels a side and 1 GiB
 /// decoded. Throws ErrorKind::user naming the file where it is missing, broken, cut off or too large.

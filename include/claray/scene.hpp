@@ -16,7 +16,8 @@ enum class MaterialKind : std::uint32_t {
     glass = CLARAY_GLASS,
     metal = CLARAY_METAL,
     blinn_phong = CLARAY_BLINN_PHONG,
-    principled = CLARAY_PRINCIPLED
+    principled = CLARAY_PRINCIPLED,
+    unlit = CLARAY_UNLIT  ///< shows its albedo and neither receives nor gives light (KHR_materials_unlit)
 };
 
 /// What the opacity does (glTF's alphaMode).
@@ -45,6 +46,17 @@ struct Material {
     glm::vec3 specular{0.f};          ///< Blinn-Phong: the highlight's colour
     float shininess = 32.f;           ///< Blinn-Phong: its exponent
 
+    // Layers of the principled kind, as glTF's extension of that name describes each.
+    float specular_weight = 1.f;      ///< 0..1, strength of the dielectric's reflection (KHR_materials_specular)
+    glm::vec3 specular_tint{1.f};     ///< multiplies its reflectance at normal incidence; may exceed 1
+    glm::vec3 sheen{0.f};             ///< 0..1, colour of the fibres (KHR_materials_sheen)
+    float sheen_roughness = 0.f;      ///< 0..1
+    float anisotropy = 0.f;           ///< 0..1, stretches highlights (KHR_materials_anisotropy)
+    float anisotropy_rotation = 0.f;  ///< radians, counter-clockwise from the tangent; along it they are stretched
+    float iridescence = 0.f;          ///< 0..1, share of a thin film (KHR_materials_iridescence)
+    float iridescence_ior = 1.3f;     ///< of the film
+    glm::vec2 film_thickness{100.f, 400.f};  ///< nanometres where its map is 0 and where it is 1 (or absent)
+
     /// Beer's law inside: `attenuation` of white is left after `attenuation_distance`. 0: nothing is absorbed.
     glm::vec3 attenuation{1.f};
     float attenuation_distance = 0.f;
@@ -61,9 +73,19 @@ struct Material {
     TextureUse transmission_map;         ///< red
     TextureUse clearcoat_map;            ///< red: clearcoat
     TextureUse clearcoat_roughness_map;  ///< green: its roughness
-    TextureUse opacity_map;              ///< red
-    TextureUse normal_map;  ///< tangent space, 0.5 is 0; +x to the right and +y up in the image, that is along
-                            ///< decreasing v (glTF, OpenGL)
+    TextureUse clearcoat_normal_map;     ///< as normal_map; without it the coat lies on the mesh's own normals
+    float clearcoat_normal_scale = 1.f;
+    TextureUse specular_map;         ///< RGB: specular_tint; Blinn-Phong: specular
+    TextureUse specular_weight_map;  ///< alpha: specular_weight
+    TextureUse shininess_map;        ///< red: shininess
+    TextureUse sheen_map;            ///< RGB: sheen
+    TextureUse sheen_roughness_map;  ///< alpha: its roughness
+    TextureUse anisotropy_map;       ///< red and green: direction, 0.5 is 0; blue: anisotropy
+    TextureUse iridescence_map;      ///< red: iridescence
+    TextureUse film_thickness_map;   ///< green: from the first thickness to the second
+    TextureUse opacity_map;          ///< red
+    TextureUse normal_map;           ///< tangent space, 0.5 is 0; +x to the right and +y up in the image, that is along
+                                     ///< decreasing v (glTF, OpenGL)
     float normal_scale = 1.f;
     TextureUse height_map;  ///< red, times `height_scale` in units of the scene; shifts the normal only
     float height_scale = 1.f;

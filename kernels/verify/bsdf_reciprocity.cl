@@ -6,6 +6,7 @@
 kernel void reciprocity(MATERIAL, uint count, uint pairs, global float* worst, global uint* compared) {
     const uint item = get_global_id(0);
     if (item >= count) return;
+    resolve_principled(&material, 0.0f);
     float most = 0.0f;
     uint some = 0u;
     for (uint k = 0; k < pairs; ++k) {

@@ -8,6 +8,7 @@ kernel void sample(MATERIAL, float ox, float oy, float oz, uint count, global Sa
     const uint i = get_global_id(0);
     if (i >= count) return;
     const float3 outgoing = (float3)(ox, oy, oz);
+    resolve_principled(&material, 0.0f);
     BsdfSample s;
     Sampled r = {0, 0, 0, 0, 0, 0, 0, 0};
     r.valid = sample_bsdf(&material, tables, outgoing, UP, inside, three(i, 4321u), &s);
@@ -24,6 +25,7 @@ kernel void eval(MATERIAL, float ox, float oy, float oz, uint count, global cons
     const uint i = get_global_id(0);
     if (i >= count) return;
     const float3 incoming = vload3(i, directions);
+    resolve_principled(&material, 0.0f);
     float pdf;
     values[i] = eval_bsdf(&material, tables, (float3)(ox, oy, oz), incoming, UP, inside, &pdf).x / fabs(incoming.z);
     pdfs[i] = pdf;

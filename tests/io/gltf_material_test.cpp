@@ -218,6 +218,12 @@ TEST_F(GltfMaterial, TangentsAreReadForNormalMaps) {
     builder.root["nodes"][0]["scale"] = {3, 1, -1};
     const std::vector<glm::vec4> tangents = load(material).meshes.at(0).tangents;
     EXPECT_EQ(tangents, (std::vector<glm::vec4>{{1, 0, 0, -1}, {0, 1, 0, 1}, {0, 1, 0, -1}})) << "mirrored";
+    const json brushed = {{"extensions", {{"KHR_materials_anisotropy", {{"anisotropyStrength", 1}}}}}};
+    const json coated = {{"extensions",
+                          {{"KHR_materials_clearcoat",
+                            {{"clearcoatFactor", 1}, {"clearcoatNormalTexture", {{"index", 0}}}}}}}};
+    EXPECT_EQ(load(brushed).meshes.at(0).tangents, tangents);
+    EXPECT_EQ(load(coated).meshes.at(0).tangents, tangents);
 }
 
 TEST_F(GltfMaterial, ImagesInBuffersAndFiles) {
@@ -309,8 +315,119 @@ TEST_F(GltfMaterial, BadValues) {
     refuse({{"alphaMode", "GLASS"}}, {"material 0", "'GLASS'"});
     refuse({{"extensions", {{"KHR_materials_ior", {{"ior", -1}}}}}}, {"refraction"});
     refuse({{"extensions", {{"KHR_materials_volume", {{"attenuationDistance", -1}}}}}}, {"attenuation distance"});
-    EXPECT_EQ(load({{"extensions", {{"KHR_materials_ior", {{"ior", 0}}}}}}).materials.at(0).ior, 1.5f);
+    refuse({{"extensions", {{"KHR_materials_sheen", {{"sheenColorFactor", {2, 0, 0}}}}}}}, {"sheen colour"});
+    refuse({{"extensions", {{"KHR_materials_anisotropy", {{"anisotropyStrength", 1.5}}}}}}, {"anisotropy"});
+    refuse({{"extensions", {{"KHR_materials_iridescence", {{"iridescenceFactor", 1}, {"iridescenceIor", 0}}}}}},
+           {"refraction of its iridescence"});
+    refuse({{"extensions", {{"KHR_materials_specular", {{"specularFactor", -1}}}}}}, {"specular weight"});
+}
+
+/// An index of refraction of 0 stands for a dielectric that reflects all light, times KHR_materials_specular's colour.
+TEST_F(GltfMaterial, NoIndexOfRefractionLeavesTheReflectanceToSpecular) {
+    const auto with = [](const json& others) {
+        json extensions = {{"KHR_materials_ior", {{"ior", 0}}}};
+        extensions.update(others);
+        return json{{"name", "old"}, {"extensions", extensions}};
+    };
+    Material m = load(with({{"KHR_materials_specular", {{"specularColorFactor", {0.5, 0.04, 0}}}}})).materials.at(0);
+    EXPECT_EQ(m.ior, 1.5f);
+    EXPECT_NEAR(m.specular_tint.x, 12.5f, 1e-5);
+    EXPECT_NEAR(m.specular_tint.y, 1.f, 1e-6);
+    EXPECT_EQ(std::count_if(warnings.begin(), warnings.end(), [](auto& w) { return w.find("refraction") != w.npos; }), 0);
+    m = load(with({{"KHR_materials_transmission", {{"transmissionFactor", 1}}}})).materials.at(0);
     EXPECT_NE(warnings.at(0).find("index of refraction of 0"), std::string::npos);
+}
+
+TEST_F(GltfMaterial, Layers) {
+    for (int i = 0; i < 9; ++i) builder.texture(rgba_uri);
+    const auto t = [](int i) { return json{{"index", i}}; };
+    const Scene scene =
+        load({{"name", "layers"},
+              {"extensions",
+               {{"KHR_materials_specular",
+                 {{"specularFactor", 0.5},
+                  {"specularColorFactor", {1, 2, 3}},
+                  {"specularTexture", t(0)},
+                  {"specularColorTexture", t(1)}}},
+                {"KHR_materials_sheen",
+                 {{"sheenColorFactor", {0.1, 0.2, 0.3}},
+                  {"sheenRoughnessFactor", 0.4},
+                  {"sheenColorTexture", t(2)},
+                  {"sheenRoughnessTexture", t(3)}}},
+                {"KHR_materials_anisotropy",
+                 {{"anisotropyStrength", 0.6}, {"anisotropyRotation", -1.5}, {"anisotropyTexture", t(4)}}},
+                {"KHR_materials_iridescence",
+                 {{"iridescenceFactor", 0.7},
+                  {"iridescenceIor", 1.8},
+                  {"iridescenceThicknessMinimum", 150},
+                  {"iridescenceThicknessMaximum", 900},
+                  {"iridescenceTexture", t(5)},
+                  {"iridescenceThicknessTexture", t(6)}}},
+                {"KHR_materials_clearcoat",
+                 {{"clearcoatFactor", 1}, {"clearcoatNormalTexture", {{"index", 7}, {"scale", 0.3}}}}}}}});
+    const Material& m = scene.materials.at(0);
+    EXPECT_EQ(m.kind, MaterialKind::principled);
+    EXPECT_EQ(m.specular_weight, 0.5f);
+    EXPECT_EQ(m.specular_tint, glm::vec3(1, 2, 3));
+    EXPECT_EQ(m.sheen, glm::vec3(0.1f, 0.2f, 0.3f));
+    EXPECT_EQ(m.sheen_roughness, 0.4f);
+    EXPECT_EQ(m.anisotropy, 0.6f);
+    EXPECT_EQ(m.anisotropy_rotation, -1.5f);
+    EXPECT_EQ(m.iridescence, 0.7f);
+    EXPECT_EQ(m.iridescence_ior, 1.8f);
+    EXPECT_EQ(m.film_thickness, glm::vec2(150, 900));
+    EXPECT_EQ(m.clearcoat_normal_scale, 0.3f);
+    const auto format = [&](const TextureUse& use) { return scene.textures.at(use.texture).format; };
+    EXPECT_EQ(format(m.specular_map), TexelFormat::srgb8);
+    EXPECT_EQ(format(m.sheen_map), TexelFormat::srgb8);
+    for (const TextureUse* use : {&m.specular_weight_map, &m.sheen_roughness_map, &m.anisotropy_map, &m.iridescence_map,
+                                  &m.film_thickness_map, &m.clearcoat_normal_map})
+        EXPECT_EQ(format(*use), TexelFormat::linear8);
+    const std::vector<TextureUse> uses = {m.specular_weight_map, m.specular_map,    m.sheen_map,          m.sheen_roughness_map,
+                                          m.anisotropy_map,      m.iridescence_map, m.film_thickness_map, m.clearcoat_normal_map};
+    for (std::size_t i = 0; i < uses.size(); ++i)
+        for (std::size_t k = 0; k < i; ++k) EXPECT_NE(uses[i].texture, uses[k].texture) << i << " and " << k;
+    EXPECT_EQ(load({{"extensions", {{"KHR_materials_sheen", json::object()}}}}).materials.at(0).sheen, glm::vec3(0.f));
+}
+
+TEST_F(GltfMaterial, UnlitIsItsBaseColor) {
+    const Material m = load({{"pbrMetallicRoughness", {{"baseColorFactor", {0.1, 0.2, 0.3, 0.4}}}},
+                             {"alphaMode", "BLEND"},
+                             {"emissiveFactor", {1, 1, 1}},
+                             {"extensions", {{"KHR_materials_unlit", json::object()}}}})
+                           .materials.at(0);
+    EXPECT_EQ(m.kind, MaterialKind::unlit);
+    EXPECT_EQ(m.albedo, glm::vec3(0.1f, 0.2f, 0.3f));
+    EXPECT_EQ(m.opacity, 0.4f);
+    EXPECT_EQ(m.alpha_mode, AlphaMode::blend);
+    EXPECT_EQ(m.emission, glm::vec3(0.f));
+}
+
+TEST_F(GltfMaterial, SpecularGlossinessIsConverted) {
+    builder.texture(rgba_uri);  // its alpha: 255 but for the last texel
+    const Scene scene = load({{"extensions",
+                               {{"KHR_materials_pbrSpecularGlossiness",
+                                 {{"diffuseFactor", {0.1, 0.2, 0.3, 0.4}},
+                                  {"specularFactor", {0.04, 0.5, 1}},
+                                  {"glossinessFactor", 0.75},
+                                  {"specularGlossinessTexture", {{"index", 0}}}}}}}});
+    const Material& m = scene.materials.at(0);
+    EXPECT_EQ(m.kind, MaterialKind::principled);
+    EXPECT_EQ(m.albedo, glm::vec3(0.1f, 0.2f, 0.3f));
+    EXPECT_EQ(m.opacity, 0.4f);
+    EXPECT_EQ(m.metallic, 0.f);
+    EXPECT_NEAR(m.specular_tint.x, 1.f, 1e-6);
+    EXPECT_NEAR(m.specular_tint.y, 12.5f, 1e-5);
+    EXPECT_EQ(scene.textures.at(m.specular_map.texture).format, TexelFormat::srgb8);
+    const Texture& rough = scene.textures.at(m.metallic_roughness_map.texture);
+    const Texture& gloss = scene.textures.at(m.specular_map.texture);
+    ASSERT_EQ(rough.channels, 3u);
+    for (std::size_t i = 0; i < 4; ++i)
+        EXPECT_NEAR(rough.bytes.at(3 * i + 1), 255 - 0.75 * gloss.bytes.at(4 * i + 3), 0.51) << i;
+    const Material plain =
+        load({{"extensions", {{"KHR_materials_pbrSpecularGlossiness", {{"glossinessFactor", 0.25}}}}}}).materials.at(0);
+    EXPECT_EQ(plain.roughness, 0.75f);
+    EXPECT_EQ(plain.albedo, glm::vec3(1.f));
 }
 
 /// Whatever happens to the bytes, the result is a sound scene or one line.

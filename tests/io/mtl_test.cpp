@@ -42,12 +42,35 @@ protected:
 };
 
 TEST_F(Mtl, DiffuseIsLambert) {
-    const Material m = load("Kd 0.1 0.2 0.3\nKs 0.5 0.5 0.5\nNs 96\nillum 2");
+    const Material m = load("Kd 0.1 0.2 0.3\nKs 0.5 0.5 0.5\nNs 96\nillum 1");
     EXPECT_EQ(m.kind, MaterialKind::lambert);
     EXPECT_EQ(m.name, "a");
     EXPECT_EQ(m.albedo, glm::vec3(0.1f, 0.2f, 0.3f));
     EXPECT_EQ(m.emission, glm::vec3(0.f));
     EXPECT_EQ(warned("a"), warned("a pale sky lights the scene")) << warnings.at(0);
+}
+
+TEST_F(Mtl, HighlightIsBlinnPhong) {
+    for (const std::string illumination : {"\nillum 2", ""}) {  // 2 where the file does not say
+        const Material m = load("Kd 0.1 0.2 0.3\nKs 0.5 0.25 1\nNs 96" + illumination);
+        EXPECT_EQ(m.kind, MaterialKind::blinn_phong) << illumination;
+        EXPECT_EQ(m.albedo, glm::vec3(0.1f, 0.2f, 0.3f));
+        EXPECT_EQ(m.specular, glm::vec3(0.5f, 0.25f, 1.f));
+        EXPECT_EQ(m.shininess, 96.f);
+    }
+    EXPECT_EQ(load("Kd 1 1 1\nKs 0 0 0\nNs 96\nillum 2").kind, MaterialKind::lambert);
+    for (const std::string illumination : {"0", "1"})
+        EXPECT_EQ(load("Kd 1 1 1\nKs 1 1 1\nNs 96\nillum " + illumination).kind, MaterialKind::lambert);
+    EXPECT_EQ(load("Kd 1 1 1\nKs 1 1 1\nPm 0.5\nillum 2").kind, MaterialKind::principled);
+    warnings.clear();
+    const Material wild = load("Kd 1 1 1\nKs 3 1 1\nNs -5\nillum 2");
+    EXPECT_EQ(wild.specular, glm::vec3(1.f));
+    EXPECT_EQ(wild.shininess, 0.f);
+    EXPECT_EQ(warned("values out of range were moved into it"), 1u);
+    const Scene two = load("newmtl a\nKd 1 1 1\nKs 1 1 1\nnewmtl b\nKd 1 1 1\nKs 1 1 1\nillum 1\n",
+                           "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n");
+    EXPECT_EQ(two.materials.at(0).kind, MaterialKind::blinn_phong) << "the other's illum is not its own";
+    EXPECT_EQ(two.materials.at(1).kind, MaterialKind::lambert);
 }
 
 TEST_F(Mtl, WhatIsNoNumberIsAWarningThatNamesTheLine) {
@@ -297,8 +320,20 @@ TEST_F(MtlMap, SpecularColorsMirrorsOnly) {
     const Scene s = scene("Kd 0 0 0\nKs 1 1 1\nNs 30\nmap_Ks pal.png");
     EXPECT_EQ(s.materials.at(0).kind, MaterialKind::metal);
     EXPECT_EQ(s.textures.at(s.materials[0].albedo_map.texture).bytes, (Bytes{200, 100, 50, 9, 8, 7}));
-    EXPECT_TRUE(scene("Kd 1 1 1\nKs 1 1 1\nmap_Ks pal.png").textures.empty());
+    EXPECT_TRUE(scene("Kd 1 1 1\nKs 1 1 1\nillum 1\nmap_Ks pal.png\nmap_Ns pal.png").textures.empty());
     EXPECT_EQ(warned("map_Ks is left out"), 1u);
+    EXPECT_EQ(warned("map_Ns is left out"), 1u);
+}
+
+TEST_F(MtlMap, HighlightHasColorAndExponent) {
+    const Scene s = scene("Kd 1 1 1\nNs 30\nillum 2\nmap_Ks pal.png\nmap_Ns pal.png");
+    const Material& m = s.materials.at(0);
+    EXPECT_EQ(m.kind, MaterialKind::blinn_phong);
+    EXPECT_EQ(m.specular, glm::vec3(1.f)) << "times 1 where there is no Ks";
+    EXPECT_EQ(s.textures.at(m.specular_map.texture).bytes, (Bytes{200, 100, 50, 9, 8, 7}));
+    EXPECT_EQ(s.textures.at(m.specular_map.texture).format, TexelFormat::srgb8);
+    EXPECT_EQ(s.textures.at(m.shininess_map.texture).channels, 1u);
+    EXPECT_EQ(warned("map_"), 0u);
 }
 
 TEST_F(MtlMap, ImagesAreSharedAndUnusedOnesNotRead) {

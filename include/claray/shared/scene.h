@@ -15,6 +15,14 @@ CLARAY_SHARED_BEGIN
 #define CLARAY_COATED_METAL \
     6u                        // what a principled material may turn out to be at a hit; no material's kind on the host
 #define CLARAY_THIN_GLASS 7u  // glass with Material::thin_walled, and what a principled material may turn out to be
+#define CLARAY_UNLIT 8u
+
+// Layers of a principled material, bits of MaterialData::layers.
+#define CLARAY_SPECULAR_LAYER 1u     // its dielectric reflects otherwise than its index of refraction says
+#define CLARAY_FILM_LAYER 2u         // iridescence
+#define CLARAY_SHEEN_LAYER 4u        // fibres over everything but a coat
+#define CLARAY_ANISOTROPIC_LAYER 8u  // highlights are stretched
+#define CLARAY_COAT_LAYER 16u        // a coat with a normal of its own
 
 #define CLARAY_POINT_LIGHT 0u
 #define CLARAY_DIRECTIONAL_LIGHT 1u
@@ -29,13 +37,22 @@ typedef struct MaterialData {
     float sampled_emission;  // luminance by which its triangles are sampled; 0: they are not; < 0: each by its own
     float metallic, transmission;                    // principled
     float clearcoat, clearcoat_roughness;            // principled
-    float specular_r, specular_g, specular_b;        // Blinn-Phong; specular + albedo <= 1
+    float specular_r, specular_g, specular_b;        // Blinn-Phong: specular + albedo <= 1; principled: the tint
     float shininess;                                 // Blinn-Phong
     float absorption_r, absorption_g, absorption_b;  // inside, per unit of length
     uint energy, coat_energy;  // where the blocks of its ior and of its coat begin in the energy tables
     uint thin_walled;          // principled
+    // What follows is read under macros of its own.
+    uint layers;  // CLARAY_SPECULAR_LAYER ...; resolve_principled takes away what a hit does not have
+    float specular_weight;
+    float sheen_r, sheen_g, sheen_b, sheen_roughness;
+    float anisotropy, anisotropy_rotation;
+    float iridescence, film_ior;
+    float film_thickness, film_thickness_min;  // nanometres; at a hit the first is its thickness
+    float coat_x, coat_y, coat_z;              // the coat's normal at a hit, in the local frame
+    uint spare;
 } MaterialData;
-CLARAY_LAYOUT(MaterialData, 96)
+CLARAY_LAYOUT(MaterialData, 160)
 
 // Lights are numbered: emissive triangles, points and spots, directional lights, the environment. A random 32-bit
 // number picks the first one whose `cumulative` is not below it, the environment if there is none; where there is a

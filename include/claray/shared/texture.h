@@ -30,7 +30,17 @@ CLARAY_SHARED_BEGIN
 #define CLARAY_HEIGHT_MAP 6u  // before the normal map, which turns what it left
 #define CLARAY_NORMAL_MAP 7u
 #define CLARAY_LIGHT_MAP 8u
-#define CLARAY_MAPS 9
+#define CLARAY_COMMON_MAPS 9  // the maps above are looked for in every textured scene, those below under LAYER_MAPS
+#define CLARAY_SPECULAR_MAP 9u
+#define CLARAY_SPECULAR_WEIGHT_MAP 10u
+#define CLARAY_SHININESS_MAP 11u
+#define CLARAY_SHEEN_MAP 12u
+#define CLARAY_SHEEN_ROUGHNESS_MAP 13u
+#define CLARAY_ANISOTROPY_MAP 14u
+#define CLARAY_IRIDESCENCE_MAP 15u
+#define CLARAY_FILM_THICKNESS_MAP 16u
+#define CLARAY_COAT_NORMAL_MAP 17u
+#define CLARAY_MAPS 18
 
 #define CLARAY_NO_MAP 0xffffffffu
 #define CLARAY_TEXTURE_LEVELS 15  // a side of 2^14 texels, and so on down to one
@@ -77,9 +87,10 @@ typedef struct MaterialMaps {
     uint use[CLARAY_MAPS];
     float normal_scale;
     float height_scale;
-    uint spare;
+    float coat_normal_scale;
+    uint spare[3];
 } MaterialMaps;
-CLARAY_LAYOUT(MaterialMaps, 48)
+CLARAY_LAYOUT(MaterialMaps, 96)
 
 #define CLARAY_CUT_MASK 1u          // there where the opacity reaches the cut-off
 #define CLARAY_CUT_BLEND 2u         // there with the opacity as probability

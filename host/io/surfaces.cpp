@@ -1,0 +1,29 @@
+// Which sides of surfaces are there, and which of them is the front.
+#include <utility>
+
+#include "claray/io.hpp"
+
+namespace claray {
+namespace {
+
+/// Light leaves a solid that it entered by a back.
+bool is_solid_glass(const Material& m) {
+    const bool transmits =
+        m.kind == MaterialKind::glass || (m.kind == MaterialKind::principled && m.transmission > 0.f);
+    return transmits && !m.thin_walled;
+}
+
+}  // namespace
+
+void set_culling(Scene& scene, Culling culling) {
+    if (culling == Culling::by_file) return;
+    for (Material& material : scene.materials)
+        material.cull_back = culling == Culling::back && !is_solid_glass(material);
+}
+
+void flip_fronts(Scene& scene) {
+    for (Mesh& mesh : scene.meshes)
+        for (glm::uvec3& triangle : mesh.triangles) std::swap(triangle.y, triangle.z);
+}
+
+}  // namespace claray
