@@ -252,6 +252,17 @@ void fill_stretched(float* table) {
     });
 }
 
+/// A table that no material changes, made once.
+template <int length, class Fill>
+void fill_once(float* table, Fill fill) {
+    static const std::vector<float> made = [&] {
+        std::vector<float> values(length);
+        fill(values.data());
+        return values;
+    }();
+    std::copy(made.begin(), made.end(), table);
+}
+
 void fill_opaque(float* block, double ior) {
     const auto reflectance = [&](double cosine) { return fresnel(cosine, ior); };
     fill_table(block + CLARAY_UNREFLECTED, root_cosine,
@@ -338,8 +349,8 @@ EnergyTables::EnergyTables(std::span<const Material> materials) {
                  : sheen_   ? CLARAY_SHEEN + CLARAY_ENERGY_TABLE
                             : CLARAY_ENERGY_TABLE);
     if (conductor_) fill_conductor(data_.data());
-    if (sheen_) fill_sheen(data_.data() + CLARAY_SHEEN);
-    if (stretched_) fill_stretched(data_.data() + CLARAY_STRETCH);
+    if (sheen_) fill_once<CLARAY_ENERGY_TABLE>(data_.data() + CLARAY_SHEEN, fill_sheen);
+    if (stretched_) fill_once<CLARAY_STRETCH_TABLE>(data_.data() + CLARAY_STRETCH, fill_stretched);
     for (const auto& [ior, needs] : needs_) {
         blocks_[ior] = std::uint32_t(data_.size());
         data_.resize(data_.size() + CLARAY_ENERGY_BLOCK + (needs.coat ? CLARAY_COAT_TABLE : 0));
