@@ -145,7 +145,7 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
     study.name = "bias",
     study.title = "What is wrong for ever: paths cut short, bright samples, caustics, ambient light";
     study.error = "bias, RMS / mean";
-    constexpr unsigned reference_depth = 64, depths[] = {1, 2, 3, 4, 6, 8, 12, 16};
+    constexpr unsigned reference_depth = 1024, depths[] = {1, 2, 3, 4, 6, 8, 12, 16, 32, default_max_depth};
     constexpr double clamps[] = {1000, 100, 30, 10, 3, 1};
     constexpr float reaches[] = {0, 1 / 32.f, 1 / 8.f, 1 / 2.f};  // shares of the scene's size
     StudyOptions deep = options;
@@ -173,7 +173,7 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
     for (const unsigned depth : depths) {
         RenderConfig how = config;
         how.max_depth = depth;
-        add("path depth", told("depth %u", depth), depth, how, {});
+        add("path depth", told(depth == default_max_depth ? "depth %u (default)" : "depth %u", depth), depth, how, {});
     }
     const double mean = mean_of(reference.pixels);
     for (const double clamp : clamps)

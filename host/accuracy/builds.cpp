@@ -11,6 +11,9 @@
 namespace claray {
 namespace {
 
+/// Quartiles of fewer are apart by luck too often to conclude from.
+constexpr unsigned least_rounds = 5;
+
 /// A tree that is made again and again, and rays that it is asked for.
 struct Candidate {
     std::string method, setting;
@@ -175,7 +178,7 @@ Study study_builds(const Device& device, const Scene& scene, const StudyOptions&
     for (Candidate& c : candidates) c.make();
 
     std::vector<std::function<void()>> tasks;
-    const unsigned rounds = std::max(options.runs, 1u);
+    const unsigned rounds = std::max(options.runs, least_rounds);
     double done = 0;
     bool goes_on = true;
     const auto tell = [&](const Candidate& c, const char* what) {

@@ -31,6 +31,18 @@ StudyPoint point_of(const std::string& method, const Curve& curve, std::size_t s
     return point;
 }
 
+constexpr double least_cut_off_to_tell = 5e-4;
+
+/// The reference ends its paths where the images do, and can't tell.
+void tell_cut_off(Study& study, const Device& device, const Scene& scene, RenderConfig config) {
+    config.spp = 1;
+    const double share = Renderer(device, scene, config).cut_off();
+    if (share >= least_cut_off_to_tell)
+        study.findings.push_back(
+            told("about %.2g %% of the light is missing from all images, since paths end after %u surfaces",
+                 100 * share, config.max_depth));
+}
+
 }  // namespace
 
 MacroScope::MacroScope(const Device& device, const std::vector<Macro>& macros)
@@ -89,8 +101,8 @@ void sweep_samples(Study& study, const StudyOptions& options, const std::vector<
     mark_front(study.points);
 }
 
-void sweep_to_reference(Study& study, const Device& device, const Scene& scene, const StudyOptions& options,
-                        const std::vector<ImageMethod>& methods, const AccuracyProgress& progress) {
+ReferenceImage sweep_to_reference(Study& study, const Device& device, const Scene& scene, const StudyOptions& options,
+                                  const std::vector<ImageMethod>& methods, const AccuracyProgress& progress) {
     const ReferenceImage reference = reference_for(study, device, scene, options, progress);
     sweep_samples(
         study, options, methods,
@@ -98,6 +110,8 @@ void sweep_to_reference(Study& study, const Device& device, const Scene& scene, 
             return image_error(image, reference.pixels, config.width);
         },
         scaled(progress, reference_share, 1));
+    tell_cut_off(study, device, scene, options.config);
+    return reference;
 }
 
 }  // namespace claray

@@ -32,8 +32,8 @@ void sweep_samples(Study& study, const StudyOptions& options, const std::vector<
                                            const StudyOptions& options, const AccuracyProgress& progress);
 
 /// Both: the errors against such a reference.
-void sweep_to_reference(Study& study, const Device& device, const Scene& scene, const StudyOptions& options,
-                        const std::vector<ImageMethod>& methods, const AccuracyProgress& progress);
+ReferenceImage sweep_to_reference(Study& study, const Device& device, const Scene& scene, const StudyOptions& options,
+                                  const std::vector<ImageMethod>& methods, const AccuracyProgress& progress);
 
 /// The part of such a study that its reference takes, of what progress shows.
 constexpr double reference_share = 0.5;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "host/accuracy/study.hpp"
+#include "host/accuracy/summary.hpp"
 #include "host/accuracy/svg.hpp"
 
 namespace claray {
@@ -52,8 +53,13 @@ struct Axis {
     }
 };
 
-/// "0.002", "50", "1e-05"
-std::string tick_label(double value) { return number("%g", value); }
+/// Errors over a mean are told in per cent.
+bool is_share(const Study& study) { return study.error.ends_with("/ mean"); }
+
+/// "0.002", "50", "1e-05", "2 %"
+std::string tick_label(double value, bool share = false) {
+    return share ? number("%g", 100 * value) + " %" : number("%g", value);
+}
 
 std::string marker(double x, double y, std::size_t shape, const char* color, bool filled) {
     const std::string paint =
@@ -87,7 +93,7 @@ std::string draw_axes(const Axis& x, const Axis& y, const Study& study) {
     }
     for (const double v : x.ticks()) {
         svg += line(x.at(v), top, x.at(v), height - bottom, grid, 1);
-        svg += text(x.at(v), height - bottom + 18, "middle", 12, pale, tick_label(v));
+        svg += text(x.at(v), height - bottom + 18, "middle", 12, pale, tick_label(v, is_share(study)));
     }
     for (const double v : y.ticks()) {
         svg += line(left, y.at(v), width - right, y.at(v), grid, 1);
@@ -192,8 +198,9 @@ std::string table_of(const Study& study) {
             continue;
         }
         const auto cell = [&](const std::string& words) { html += "<td class=\"n\">" + words + "</td>"; };
-        cell(number("%.4g", p.error.median));
-        cell(number("%.3g", p.error.low) + " .. " + number("%.3g", p.error.high));
+        const double unit = is_share(study) ? 100 : 1;
+        cell(number("%.4g", unit * p.error.median) + (is_share(study) ? " %" : ""));
+        cell(number("%.3g", unit * p.error.low) + " .. " + number("%.3g", unit * p.error.high));
         if (facts.empty()) {
             cell(p.errors.relmse > 0 ? number("%.3g", p.errors.relmse) : "");
             cell(p.errors.perceptual > 0 ? number("%.3g", p.errors.perceptual) : "");
@@ -274,6 +281,11 @@ std::string html_of(const std::vector<Study>& studies, const std::string& title,
         "</p>\n<p>Every point is a setting: the median of its runs, with the quartiles as whiskers. Filled points are "
         "on the "
         "front: no other point is at once faster and more accurate.</p>\n";
+    if (const std::vector<std::string> summary = summary_of(studies); !summary.empty()) {
+        html += "<h2>What matters most</h2>\n<ul>\n";
+        for (const std::string& fact : summary) html += "<li>" + escaped(fact) + "</li>\n";
+        html += "</ul>\n";
+    }
     for (const Study& study : studies) {
         html += "<h2>" + escaped(study.title) + "</h2>\n" + svg_of(study, subtitle);
         if (study.reference_spp != 0)

@@ -1,13 +1,16 @@
 // Studies of samples: how fast noise falls, by sampler and by what is sampled.
 #include <cmath>
 
+#include "host/accuracy/bias.hpp"
 #include "host/accuracy/image_sweep.hpp"
 
 namespace claray {
 namespace {
 
-/// How fast the error falls with the samples, and whether it stops falling.
-void judge(Study& study, const std::string& method) {
+/// How fast the error falls with the samples. Where it stops falling, new renders tell whether that is bias, or rare
+/// bright samples that few images have met.
+void judge(Study& study, const ImageMethod& with, const StudyOptions& options, const ReferenceImage& reference) {
+    const std::string& method = with.name;
     std::vector<double> samples, errors;
     for (const StudyPoint& p : study.points) {
         if (p.method != method || !p.failure.empty() || p.value < 2) continue;
@@ -18,8 +21,17 @@ void judge(Study& study, const std::string& method) {
         method + told(": error falls with the samples to the power of %.3f", log_log_slope(samples, errors)));
     const std::size_t tail = samples.size() - 3;
     const double end = log_log_slope(std::span(samples).subspan(tail), std::span(errors).subspan(tail));
-    if (end > -0.25)
-        study.findings.push_back(method + told(": falls no further at %.4f: what is left is bias", errors.back()));
+    if (end <= -0.25) return;
+    RenderConfig config = options.config;
+    config.spp = options.most_spp;
+    const StudyPoint bias =
+        bias_point(method, "", 0, render_independently(with.render, config, options.runs), reference);
+    study.findings.push_back(
+        method + (bias.failure.empty()
+                      ? told(": falls no further at %.3g %%: of that %.3g %% is bias, which no samples mend",
+                             100 * errors.back(), 100 * bias.error.median)
+                      : told(": falls slowly at %.3g %%, by rare bright samples; %s", 100 * errors.back(),
+                             bias.failure.c_str())));
 }
 
 /// error^2 * seconds: what an error costs, whatever it is.
@@ -49,8 +61,8 @@ void compare_efficiency(Study& study, const std::vector<ImageMethod>& methods) {
 
 void sweep(Study& study, const Device& device, const Scene& scene, const StudyOptions& options,
            const std::vector<ImageMethod>& methods, const AccuracyProgress& progress) {
-    sweep_to_reference(study, device, scene, options, methods, progress);
-    for (const ImageMethod& method : methods) judge(study, method.name);
+    const ReferenceImage reference = sweep_to_reference(study, device, scene, options, methods, progress);
+    for (const ImageMethod& method : methods) judge(study, method, options, reference);
     compare_efficiency(study, methods);
 }
 

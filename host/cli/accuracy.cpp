@@ -16,6 +16,7 @@
 #include "claray/io.hpp"
 #include "host/accuracy/plot.hpp"
 #include "host/accuracy/study.hpp"
+#include "host/accuracy/summary.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/option_rules.hpp"
 #include "host/cli/progress.hpp"
@@ -270,6 +271,9 @@ void accuracy(Options o) {
     if (o.json) return print_json(studies, o, device);
     std::printf("%s\n", subtitle.c_str());
     for (const Study& study : studies) print_study(study);
+    const std::vector<std::string> summary = summary_of(studies);
+    if (!summary.empty()) std::printf("\nWhat matters most\n");
+    for (const std::string& fact : summary) std::printf("%s\n", fact.c_str());
 }
 
 }  // namespace
@@ -298,7 +302,7 @@ void add_accuracy_command(CLI::App& app, Action& action) {
     command->add_option("--rays", o->study.rays, "Rays of the studies that make no image [262144]")
         ->transform(whole_number(1024, 1 << 27));
     add_view_options(*command, o->view);
-    command->add_option("--max-depth", o->study.config.max_depth, "Surfaces a path may meet [8]")
+    command->add_option("--max-depth", o->study.config.max_depth, "Surfaces a path may meet [128]")
         ->transform(whole_number(1, 1024));
     command->add_option("--references", o->study.references, "Folder that keeps the references, to go on from");
     command->add_option("--csv", o->csv, "Write all points");

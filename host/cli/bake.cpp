@@ -63,7 +63,7 @@ void add_bake_command(CLI::App& app, Action& action) {
         "--size", [o](const std::string& text) { std::tie(o->config.width, o->config.height) = parse_size(text); },
         "WIDTHxHEIGHT in texels [128x128]");
     command->add_option("--spp", o->config.spp, "Paths a texel [256]")->transform(whole_number(1, 1 << 24));
-    command->add_option("--max-depth", o->config.max_depth, "Surfaces a path may meet; 1 is direct light only [16]")
+    command->add_option("--max-depth", o->config.max_depth, "Surfaces a path may meet; 1 is direct light only [128]")
         ->transform(whole_number(1, 1024));
     add_light_options(*command, o->lights);
     add_surface_options(*command, o->surfaces);

@@ -19,7 +19,8 @@ using svg::text;
 
 std::string svg_of(const BarChart& chart) {
     double lowest = 0, highest = 0;
-    for (const Bar& bar : chart.bars) lowest = std::min(lowest, bar.value), highest = std::max(highest, bar.value);
+    for (const Bar& bar : chart.bars)
+        if (!bar.noise) lowest = std::min(lowest, bar.value), highest = std::max(highest, bar.value);
     const double height = top + pitch * double(chart.bars.size()) + 14;
     // Room for the numbers: right of positive bars, left of negative ones.
     const double left = label_width + (lowest < 0 ? value_width : 12), right = width - value_width;
@@ -32,13 +33,13 @@ std::string svg_of(const BarChart& chart) {
     svg += rectangle(256, 62, 12, 12, weak_color) + text(274, 72, "start", 12, ink, chart.weak);
     double y = top;
     for (const Bar& bar : chart.bars) {
-        const double length = std::abs(bar.value) * scale, end = zero + bar.value * scale;
+        const double value = bar.noise ? 0 : bar.value, length = std::abs(value) * scale, end = zero + value * scale;
         const double baseline = y + 0.5 * thickness + 4;
         svg += text(label_width, baseline, "end", 12, ink, bar.label);
         svg +=
             rectangle(std::min(zero, end), y, std::max(length, 1.0), thickness, bar.strong ? strong_color : weak_color);
-        svg += text(bar.value < 0 ? end - 5 : end + 5, baseline, bar.value < 0 ? "end" : "start", 12, pale_ink,
-                    fixed(bar.value, 3));
+        svg += text(value < 0 ? end - 5 : end + 5, baseline, value < 0 ? "end" : "start", 12, pale_ink,
+                    bar.noise ? "noise" : fixed(value, 3));
         y += pitch;
     }
     svg += rectangle(zero, top - 4, 1, pitch * double(chart.bars.size()), ink);

@@ -10,6 +10,7 @@ struct Bar {
     std::string label;
     double value = 0;
     bool strong = true;  ///< drawn full; others pale
+    bool noise = false;  ///< the value can't be told from 0: no bar is drawn
 };
 
 struct BarChart {

@@ -164,8 +164,8 @@ void write_svg(const Explanation& x, const Options& o, const Device& device) {
                      ", one sample a pixel) on " + device.info().name;
     chart.strong = "called for: what it adds", chart.weak = "left out: what it would add";
     for (const ExplainedEffect& e : x.effects)
-        if (!e.fixed) chart.bars.push_back({name_of(e.effect), cost(e, x.own), e.called_for});
-    chart.bars.push_back({"everything", x.own.milliseconds * (x.full_ratio - 1), false});
+        if (!e.fixed) chart.bars.push_back({name_of(e.effect), cost(e, x.own), e.called_for, e.noise});
+    chart.bars.push_back({"everything", x.own.milliseconds * (x.full_ratio - 1), false, x.full_noise});
     write_file(o.svg, svg_of(chart));
 }
 
@@ -206,7 +206,7 @@ void add_explain_command(CLI::App& app, Action& action) {
         "--size", [o](const std::string& text) { std::tie(o->config.width, o->config.height) = parse_size(text); },
         "WIDTHxHEIGHT in pixels [128x128]");
     add_view_options(*command, o->view);
-    command->add_option("--max-depth", o->config.max_depth, "Surfaces a path may meet [8]")
+    command->add_option("--max-depth", o->config.max_depth, "Surfaces a path may meet [128]")
         ->transform(whole_number(1, 1024));
     command->add_option("--rounds", o->measure.rounds, "Pairs of short renders that are compared for each effect [7]")
         ->transform(whole_number(1, 1000));

@@ -121,7 +121,7 @@ void add_quality_options(CLI::App& command, RenderOptions& o) {
         ->transform(whole_number(1, 1 << 24));
     command.add_option("--noise", o.config.noise, "Stop at this relative standard error, 0.01 for instance")
         ->check(number_above("more than 0", 0, false));
-    command.add_option("--max-depth", o.config.max_depth, "Surfaces a path may meet; 1 is direct light only [8]")
+    command.add_option("--max-depth", o.config.max_depth, "Surfaces a path may meet; 1 is direct light only [128]")
         ->transform(whole_number(1, 1024));
     command.add_option("--seed", o.config.seed, "Another number gives other noise [0]")->transform(whole_number(0));
 }

@@ -109,6 +109,15 @@ void print_statistics(const Device& device, const RenderStatistics& s, double se
     std::printf("memory        %.1f MB on the device\n", double(s.device_bytes) * 1e-6);
 }
 
+constexpr double least_cut_off_to_tell = 5e-4;
+
+void tell_cut_off(const Renderer& renderer, unsigned max_depth) {
+    const double share = renderer.cut_off();
+    if (share >= least_cut_off_to_tell)
+        std::printf("about %.2g %% of the light is missing: paths end after %u surfaces (--max-depth)\n", 100 * share,
+                    max_depth);
+}
+
 /// The quiet ask for it by --stats.
 bool tells_plan(const RenderOptions& options) { return options.stats || !options.quiet; }
 
@@ -139,6 +148,7 @@ void print_as_text(const Device& device, const Renderer& renderer, const RenderO
     if (p.noise > 0) std::printf(", noise %.2f %%", 100 * p.noise);
     if (p.error > 0) std::printf(", error %.2f %%", 100 * p.error);
     std::printf("%s\n", outcome.interrupted ? ", interrupted" : "");
+    tell_cut_off(renderer, options.config.max_depth);
     if (plan && tells_plan(options)) {
         const char* verdict = outcome.interrupted ? "stopped" : is_kept(*plan, p) ? "reached" : "missed";
         std::printf("%s: %s\n", verdict, account_of(*plan, p).c_str());
@@ -163,6 +173,7 @@ void print_as_json(const Device& device, const Renderer& renderer, const RenderO
         {"noise", outcome.progress.noise},
         {"error", outcome.progress.error},
         {"error_bound", outcome.progress.error_bound},
+        {"cut_off", renderer.cut_off()},
         {"measuring_seconds", s.measuring_seconds},
         {"interrupted", outcome.interrupted},
         {"dropped_samples", s.dropped_samples},

@@ -130,9 +130,10 @@ PunctualLight punctual_light(const Light& light) {
     data.kind = std::uint32_t(light.kind);
     const glm::vec3 direction = glm::normalize(light.direction);
     data.direction_x = direction.x, data.direction_y = direction.y, data.direction_z = direction.z;
-    // As KHR_lights_punctual computes them; the least difference of cosines is the specification's.
+    // As KHR_lights_punctual computes them, but for its least difference of cosines, 0.001, which would widen narrow edges.
+    constexpr double least_difference = 0x1p-22;  // what float32 can tell
     const double outer = std::cos(double(light.outer_angle)), inner = std::cos(double(light.inner_angle));
-    const double scale = 1 / std::max(0.001, inner - outer);
+    const double scale = 1 / std::max(least_difference, inner - outer);
     if (light.kind == LightKind::spot) data.cone_scale = float(scale), data.cone_offset = float(-outer * scale);
     data.inverse_range = light.range > 0.f ? 1.f / light.range : 0.f;
     data.attenuation_0 = light.attenuation.x, data.attenuation_1 = light.attenuation.y;

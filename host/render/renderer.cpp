@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <ctime>
 #include <memory>
 #include <optional>
@@ -174,6 +175,8 @@ struct Renderer::State {
     [[nodiscard]] bool target_met();
     [[nodiscard]] bool error_met();
     void look_at_error(unsigned spp);
+    [[nodiscard]] double cut_off();
+    [[nodiscard]] double error_left_to_noise();
     void warm_up();
     [[nodiscard]] std::uint32_t paths_of_next_batch(InFlight& in_flight) const;
     void trace(const Batch& batch, InFlight& in_flight);
@@ -207,6 +210,7 @@ struct Renderer::State {
     double patience = path_kernel_patience(device);  // seconds of rendering after which it may be compiled
     ErrorLooks looks;                                // at the error
     Film::Error last_error;                          // when it was last asked for
+    std::optional<double> light_cut_off;             // once it was asked for
     unsigned last_error_spp = 0;                     // and how many samples there were
     bool error_is_new = false;                       // not reported
     double measuring_seconds = 0;                    // for noise and error
@@ -251,7 +255,8 @@ RenderProgress Renderer::State::measure() {
     const Film::Noise noise = timed([&] { return film.noise(); });
     progress.noise = noise.relative;
     progress.error = last_error.estimate, progress.error_bound = last_error.bound;
-    progress.error_spp = last_error_spp, progress.own_kernels = own_kernels;
+    progress.error_spp = last_error_spp, progress.cut_off = light_cut_off.value_or(0);
+    progress.own_kernels = own_kernels;
     progress.dropped_samples = noise.dropped;
     progress.culled = culled;
     progress.seconds = begin ? seconds_since(*begin) : 0;
@@ -273,11 +278,12 @@ bool Renderer::State::target_met() {
 /// Between passes; the next one ends no later than a look is due.
 bool Renderer::State::error_met() {
     const unsigned spp = schedule.complete_passes_spp();
-    if (spp >= looks.next(config.error)) {
+    const double noise = error_left_to_noise();
+    if (spp >= looks.next(noise)) {
         look_at_error(spp);
         if (last_error.bound > 0 && last_error.bound <= config.error) return true;
     }
-    const std::uint32_t next = looks.next(config.error);
+    const std::uint32_t next = looks.next(noise);
     if (next > spp) schedule.limit_pass(next - spp);
     return false;
 }
@@ -285,11 +291,35 @@ bool Renderer::State::error_met() {
 void Renderer::State::look_at_error(unsigned spp) {
     last_error_spp = spp, error_is_new = true;
     last_error = timed([&] { return film.error(looks, spp); });
-    if (last_error.bound > 0 || spp < spp_that_see_light) return;
+    if (last_error.bound > 0) {
+        last_error.estimate = std::hypot(last_error.estimate, cut_off());
+        last_error.bound = std::hypot(last_error.bound, cut_off());
+        return;
+    }
+    if (spp < spp_that_see_light) return;
     throw Error(claray::ErrorKind::user,
                 "the image is black after " + std::to_string(spp) +
                     " samples a pixel: an error relative to its mean has no meaning",
                 "add light, or give --spp instead of --error");
+}
+
+/// Depends on neither the samples nor the seed.
+double Renderer::State::cut_off() {
+    if (!light_cut_off) light_cut_off = timed([&] { return wavefront.cut_off(); });
+    return *light_cut_off;
+}
+
+/// Light that is cut off is missing from every pixel: no noise is to be left where that alone is the error asked for.
+double Renderer::State::error_left_to_noise() {
+    if (spp() == 0) return config.error;
+    const double share = cut_off();
+    if (share < config.error) return std::sqrt(config.error * config.error - share * share);
+    char text[160];
+    std::snprintf(
+        text, sizeof text,
+        "an error of %.3g can't be reached: about %.2g of the light is cut off, since paths end after %u surfaces",
+        config.error, share, config.max_depth);
+    throw Error(claray::ErrorKind::user, text, "give a larger --max-depth, or leave it out");
 }
 
 /// Waits for it. Everything that follows has time.
@@ -447,6 +477,7 @@ void Renderer::restart(std::uint32_t seed, unsigned spp, unsigned max_depth) {
     const unsigned wanted = spp == 0 ? state.config.spp : std::min(spp, state.most_spp);
     if (wanted != state.config.spp) state.config.spp = wanted, state.chose_path_kernel = false;
     if (max_depth != 0) state.wavefront.set_max_depth(std::min(max_depth, state.config.max_depth));
+    if (max_depth != 0) state.light_cut_off.reset();
     state.schedule = state.new_schedule();
     state.film.clear();
     state.looks = {}, state.last_error = {}, state.last_error_spp = 0;
@@ -462,6 +493,8 @@ bool Renderer::rebuild(const Bvh::Config& config) {
 }
 
 std::vector<glm::vec3> Renderer::image() const { return state_->film.resolve(); }
+
+double Renderer::cut_off() const { return state_->cut_off(); }
 
 RenderStatistics Renderer::statistics() const {
     const State& state = *state_;

@@ -1,6 +1,7 @@
 #include "host/render/wavefront.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 
 #include "host/compute/tuning.hpp"
@@ -203,6 +204,11 @@ void Wavefront::trace_stages(const Batch& batch, bool arrived) {
 }
 
 void Wavefront::bounce(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived) {
+    scatter(batch, depth, limit, arrived);
+    look_for_light(depth, limit);
+}
+
+void Wavefront::scatter(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived) {
     const int in = depth % 2, out = 1 - in;
     const Buffer<std::uint32_t>&length = lengths_[depth % 3], &next = lengths_[(depth + 1) % 3],
           &spent = lengths_[(depth + 2) % 3];
@@ -213,7 +219,69 @@ void Wavefront::bounce(const Batch& batch, std::uint32_t depth, std::uint32_t li
     kernels_.shade.run({items, shade_group_}, batch, frame_, depth, scene_, length, limit, rays_[in], hits_,
                        states_[in], radiance_, shading_normals_, next, rays_[out], states_[out], shadows, shadow_rays_,
                        shadow_light_, cones_[in], cones_[out], spent, shadows_spent, totals_, times_between(in, out));
-    if (scene_.lights.count != 0 && depth < frame_.max_depth) trace_shadows(limit, shadows);
+}
+
+void Wavefront::look_for_light(std::uint32_t depth, std::uint32_t limit) {
+    if (scene_.lights.count != 0 && depth < frame_.max_depth) trace_shadows(limit, shadow_lengths_[depth % 2]);
+}
+
+/// Of the rays that go on after a surface; those to hot spots are there in addition to others.
+double Wavefront::carried_on(std::uint32_t depth, std::uint32_t rays) const {
+    double sum = 0;
+    std::vector<PathState> states(rays);
+    states_[1 - depth % 2].read(std::span(states));
+    for (const PathState& state : states)
+        if (state.pdf >= 0) sum += double(state.throughput_r) + state.throughput_g + state.throughput_b;
+    return sum;
+}
+
+double Wavefront::light_of(std::uint32_t paths) const {
+    double sum = 0;
+    std::vector<float> values(3 * std::size_t(paths));
+    radiance_.read(std::span(values));
+    for (const float value : values)
+        if (std::isfinite(value)) sum += value;
+    return sum;
+}
+
+void Wavefront::follow(const Batch& batch, std::uint32_t limit_of_depth, Carried& sums) {
+    const std::uint32_t paths = batch.pixels * batch.samples;
+    make_room(paths);
+    generate(batch, false);
+    std::optional<double> within;
+    std::uint32_t limit = paths;
+    for (std::uint32_t depth = 0; depth < waves() && limit != 0; ++depth) {
+        scatter(batch, depth, limit, false);
+        if (depth == limit_of_depth) within = light_of(paths);  // with what the last surface emits
+        look_for_light(depth, limit);
+        limit = lengths_[(depth + 1) % 3].read()[0];
+        if (depth + 1 == limit_of_depth) sums.dropped += carried_on(depth, limit);
+        if (depth + 1 == frame_.max_depth) sums.left += carried_on(depth, limit);
+    }
+    empty_queues(totals_);
+    const double all = light_of(paths);
+    sums.within += within.value_or(all), sums.beyond += all - within.value_or(all);
+}
+
+/// Paths of a small image are followed to twice the depth. What they find beyond the limit is missing, and so is what
+/// they would find with the throughput that is left then, which is taken to bring as much as what the limit drops:
+/// missing = beyond + missing * left / dropped. That is exact where light falls by the same factor at every bounce.
+double Wavefront::cut_off() const {
+    constexpr std::uint32_t most_side = 128, paths = most_side * most_side;
+    constexpr double slowest_fall = 0.99;  // more light than 100 times what was found is never guessed
+    FrameData frame = frame_;              // the same view in fewer pixels
+    frame.width = std::min(frame.width, most_side), frame.height = std::min(frame.height, most_side);
+    frame.seed = ~frame_.seed;
+    frame.max_depth = std::max(frame_.max_depth, 2 * std::min(frame_.max_depth, 1u << 30));
+    const std::uint32_t pixels = frame.width * frame.height;
+    Wavefront probe(device_, scene_, frame, kernels_, paths);
+    Carried sums;
+    const std::uint32_t at_once = std::min(probe.capacity(), pixels), samples = std::max(1u, probe.capacity() / pixels);
+    for (std::uint32_t first = 0; first < pixels; first += at_once)
+        probe.follow({first, std::min(at_once, pixels - first), 0, samples}, frame_.max_depth, sums);
+    if (!(sums.beyond > 0)) return 0;
+    const double missing = sums.beyond / (1 - std::min(sums.left / sums.dropped, slowest_fall));
+    return missing / (sums.within + missing);
 }
 
 Wavefront::Times Wavefront::times_between(int in, int out) const {

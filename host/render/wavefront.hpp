@@ -67,6 +67,9 @@ public:
     /// Lambertians that emit nothing, whatever their material.
     void trace_from(const Buffer<Hit>& points, const Batch& batch);
     [[nodiscard]] const Buffer<float>& radiance() const { return radiance_; }
+    /// The share of light that is missing since paths end at the depth limit, estimated from paths of their own.
+    /// Blocks.
+    [[nodiscard]] double cut_off() const;
     /// First hits of rays through the pixels' centres, and what they cost; enqueued.
     void trace_centers(const Batch& batch, Buffer<Visits>& visits);
     [[nodiscard]] const Buffer<Ray>& rays() const { return rays_[0]; }
@@ -90,9 +93,20 @@ private:
     void trace_stages(const Batch& batch, bool arrived);
     [[nodiscard]] std::uint32_t waves() const;
     void bounce(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived);
+    void scatter(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived);
+    void look_for_light(std::uint32_t depth, std::uint32_t limit);
     void trace_shadows(std::uint32_t limit, const Buffer<std::uint32_t>& length);
     /// Counts in `totals` what shade_surface has not.
     void empty_queues(const Buffer<std::uint64_t>& totals);
+
+    /// Of paths that go on beyond a limit of depth.
+    struct Carried {
+        double dropped = 0, left = 0;   // throughput at that limit, and at the end
+        double within = 0, beyond = 0;  // light that is found before the limit, and after it
+    };
+    void follow(const Batch& batch, std::uint32_t limit_of_depth, Carried& sums);
+    [[nodiscard]] double carried_on(std::uint32_t depth, std::uint32_t rays) const;
+    [[nodiscard]] double light_of(std::uint32_t paths) const;
 
     /// Binds TIME_PARAMETERS of render/shade_surface.cl.
     struct Times {

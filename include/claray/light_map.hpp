@@ -8,9 +8,9 @@
 namespace claray {
 
 struct LightMapConfig {
-    unsigned width = 128, height = 128;  ///< texels, 1 to 2^14 each
-    unsigned spp = 256;                  ///< paths a texel
-    unsigned max_depth = 16;             ///< surfaces at which a path may be scattered, the map's own included
+    unsigned width = 128, height = 128;      ///< texels, 1 to 2^14 each
+    unsigned spp = 256;                      ///< paths a texel
+    unsigned max_depth = default_max_depth;  ///< surfaces at which a path may be scattered, the map's own included
     std::uint32_t seed = 0;
     std::uint32_t uv_set = 1;  ///< the coordinates that spread the mesh over 0..1 without overlaps
     Sampler sampler = Sampler::sobol;

@@ -16,10 +16,14 @@ enum class Sampler : std::uint32_t {
     independent  ///< plain Monte Carlo, to compare with
 };
 
+inline constexpr unsigned default_max_depth = 128;
+
 struct RenderConfig {
     unsigned width = 512, height = 512;  ///< 1 to 2^14 each
     unsigned spp = 64;                   ///< samples a pixel at which to stop, >= 1
-    unsigned max_depth = 8;              ///< surfaces at which a path may be scattered, >= 1; 1 is direct light only
+    /// Surfaces at which a path may be scattered, >= 1; 1 is direct light only. Chance ends nearly all paths earlier
+    /// and keeps the mean, so that the default leaves out next to no light: see Renderer::cut_off.
+    unsigned max_depth = default_max_depth;
     std::uint32_t seed = 0;
     double seconds = 0;  ///< stop after this time where > 0, but not before every pixel has a sample
     double noise = 0;    ///< stop at this noise (see RenderProgress) where > 0; asked from 16 samples a pixel on
@@ -51,6 +55,7 @@ struct RenderProgress {
     double error = 0;    ///< estimate of ImageError::rmse, where RenderConfig::error asks for it; 0: not yet known
     double error_bound = 0;    ///< what it is less than, but for few renders: this is compared with RenderConfig::error
     unsigned error_spp = 0;    ///< samples a pixel that there were when the error was asked for, between two passes
+    double cut_off = 0;        ///< as Renderer::cut_off, where RenderConfig::error asks for it: both errors contain it
     bool own_kernels = false;  ///< whether the scene's own kernels render by now (see RenderStatistics)
     std::uint64_t dropped_samples = 0;  ///< NaN, infinite or above 1e30, left out of the image
     std::uint32_t culled = 0;           ///< triangles left out: not finite, huge, or without area
@@ -124,6 +129,9 @@ public:
 
     /// Mean linear radiance so far, row by row from the top left.
     [[nodiscard]] std::vector<glm::vec3> image() const;
+    /// The share of the light that is missing since paths end after `RenderConfig::max_depth` surfaces, 0 to 1. An
+    /// estimate: light from beyond is taken to fall as it does before. The first call traces some thousand paths.
+    [[nodiscard]] double cut_off() const;
     [[nodiscard]] Aovs aovs() const;
     [[nodiscard]] RenderStatistics statistics() const;
 

@@ -45,6 +45,7 @@ TEST(Explain, SaysWhatIsCalledForAndByWhat) {
     EXPECT_TRUE(chart.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\"")) << chart.substr(0, 80);
     EXPECT_EQ(count(chart, "<svg"), count(chart, "</svg>"));
     for (const char* label : {">emissive-triangles<", ">mirror<", ">everything<"}) EXPECT_EQ(count(chart, label), 1u);
+    EXPECT_EQ(count(chart, ">noise<"), 3u) << "three rounds tell nothing: neither do figures";
     EXPECT_EQ(count(chart, "http"), 1u) << "it must need nothing from elsewhere";
 }
 

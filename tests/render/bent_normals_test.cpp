@@ -8,6 +8,7 @@
 #include "tests/render/scenes.hpp"
 #include "tests/render/textures.hpp"
 #include "tests/support/device.hpp"
+#include "tests/support/meshes.hpp"
 
 namespace claray::test {
 namespace {
@@ -143,6 +144,37 @@ TEST(BentNormals, GainNoLightAndLeaveNoFringe) {
             EXPECT_LT(radiance, 1.003) << elevation;
             EXPECT_GT(radiance, 0.9 * seen_sky) << elevation;
         }
+    }
+}
+
+/// A coarse sphere with smooth normals is nowhere brighter than their cosine says. Where its triangles are seen at
+/// grazing angles near the terminator, bent normals would see the sun. Pixels on the outline show less.
+TEST(BentNormals, NoBrightSliverAtTheTerminator) {
+    const glm::dvec3 to_sun = glm::normalize(glm::dvec3(0.3, 1, 0.1));
+    const Mesh mesh = sphere(2);
+    Scene scene;
+    scene.materials = {lambert(1.f)};
+    scene.meshes = {mesh};
+    scene.meshes[0].normals = mesh.positions;
+    scene.lights = {sun_from(to_sun, float(pi))};
+    scene.camera = Camera{{0, 0, 4}, {0, 0, 0}, {0, 1, 0}, 28.f};
+    const unsigned size = 300;
+    Renderer renderer(device(), scene, {.width = size, .height = size, .spp = 4, .max_depth = 1});
+    renderer.render();
+    const auto image = renderer.image();
+    const auto triangles = renderer.aovs().primitive;
+    for (unsigned i = 0; i < size * size; ++i) {
+        if (triangles[i] == CLARAY_MISS) continue;
+        const double slope = std::tan(14 * pi / 180), x = 2 * (i % size + 0.5) / size - 1,
+                     y = 1 - 2 * (i / size + 0.5) / size;
+        const glm::dvec3 eye(0, 0, 4), d = glm::normalize(glm::dvec3(x * slope, y * slope, -1));
+        const glm::uvec3 t = mesh.triangles[triangles[i]];
+        const glm::dvec3 a(mesh.positions[t.x]), e1 = glm::dvec3(mesh.positions[t.y]) - a,
+                                                 e2 = glm::dvec3(mesh.positions[t.z]) - a;
+        const glm::dvec3 p = glm::cross(d, e2), q = glm::cross(eye - a, e1);
+        const double u = glm::dot(eye - a, p) / glm::dot(e1, p), v = glm::dot(d, q) / glm::dot(e1, p);
+        const double cosine = glm::dot(glm::normalize(a + u * e1 + v * e2), to_sun);
+        EXPECT_LT(image[i].x, std::max(0.0, cosine) + 0.05) << i % size << ", " << i / size;
     }
 }
 

@@ -71,6 +71,24 @@ TEST(SpotLight, FallsOffBetweenItsCones) {
     }
 }
 
+/// An edge of 0.01 degree is as narrow as it is given.
+TEST(SpotLight, KeepsANarrowEdge) {
+    const double degree = pi / 180, outer = 45 * degree, inner = 44.99 * degree;
+    Scene scene = floor_scene();
+    scene.meshes = {square(1.5f, 0.f)};  // whose points are known to 1e-6, a hundredth of the edge
+    scene.lights = {make_light(LightKind::spot, {0, 1, 0}, {0, -1, 0}, 5.f)};
+    scene.lights[0].inner_angle = float(inner), scene.lights[0].outer_angle = float(outer);
+    for (const double angle : {44.98, 44.9925, 44.995, 44.9975, 45.01}) {
+        const glm::vec3 at(float(std::tan(angle * degree)), 0.f, 0.f);
+        scene.camera = narrow_camera(at + glm::vec3(0.f, 0.01f, 0.f), at);  // sees 2e-6 of the floor
+        const double c = std::cos(double(float(angle * degree))), o = std::cos(double(float(outer)));
+        const double within = std::clamp((c - o) / (std::cos(double(float(inner))) - o), 0.0, 1.0);
+        const double radiance =
+            mean(render_image(scene, {.width = 1, .height = 1, .spp = 1, .max_depth = 1})).x * pi / albedo;
+        EXPECT_NEAR(radiance, 5 * within * within * std::pow(c, 3), 0.02) << angle;
+    }
+}
+
 TEST(SpotLight, ShinesAlongItsAxis) {
     Scene scene = floor_scene();
     scene.lights = {make_light(LightKind::spot, {3, 2, 0}, {-3, -2, 0}, 5.f)};

@@ -289,7 +289,7 @@ TEST(Footprint, IsWideAfterScattering) {
     scene.materials[0].emission_map.texture = 0;
     scene.meshes = {mapped_square(), square(0.01f, -0.5f, 1)};
     for (glm::vec3& p : scene.meshes[0].positions) p *= 400.f;  // so that no ray goes past it
-    for (glm::vec2& uv : scene.meshes[0].uvs) uv *= 100.f;
+    for (glm::vec2& uv : scene.meshes[0].uvs) uv *= 1600.f;     // texels are a quarter as wide as the cones
     scene.camera = narrow_camera({0.01f, -0.1f, 0}, {0, -0.5f, 0});
     device().set_tuning("render/shade_surface", "TECHNIQUES", 2);  // a light's sample would be a point, without a cone
     const auto spread = [&](Filter filter) {
@@ -303,6 +303,32 @@ TEST(Footprint, IsWideAfterScattering) {
     device().set_tuning("render/shade_surface", "TECHNIQUES", 3);
     EXPECT_GT(of_texels, 0.2);
     EXPECT_LT(of_footprints, 1e-4);
+}
+
+/// Light that a bright disc in a texture reflects to a point over its middle, against a float64 sum over the
+/// hemisphere: a cone that took in more than a small part of the disc would make it dimmer.
+TEST(Footprint, AfterScatteringTakesNoLightAway) {
+    const auto disc = [](double u, double v) { return 0.1 + 0.8 * std::exp(-60 * (u * u + v * v)); };
+    Scene scene;
+    scene.textures = {float_texture({256, 256}, [&](double u, double v) { return disc(u - 0.5, v - 0.5); })};
+    scene.textures[0].filter = Filter::trilinear;
+    scene.materials = {textured(0), lambert(1.f)};
+    scene.meshes = {mapped_square(), square(0.001f, 1.f, 1)};
+    for (glm::vec3& p : scene.meshes[0].positions) p *= 4.f;
+    Light sun;
+    sun.kind = LightKind::directional, sun.direction = {1.f, -2.f, 0.f}, sun.intensity = glm::vec3(float(pi));
+    scene.lights = {sun};
+    scene.camera = narrow_camera({0.3f, 0.6f, 0}, {0, 1, 0});
+    const int n = 400;
+    double sum = 0;  // over directions down from the point, by their cosine
+    for (int a = 0; a < n; ++a)
+        for (int b = 0; b < n; ++b) {
+            const double z2 = (a + 0.5) / n, r = std::sqrt(1 / z2 - 1), phi = 2 * pi * (b + 0.5) / n;
+            const double x = r * std::cos(phi), z = r * std::sin(phi);
+            if (std::max(std::abs(x), std::abs(z)) < 4) sum += disc(x / 8, z / 8) * 2 / std::sqrt(5.0);
+        }
+    const RenderConfig config{.width = 16, .height = 16, .spp = 512, .max_depth = 2};
+    EXPECT_NEAR(mean(render_image(scene, config)).x / (sum / n / n), 1, 1e-3);
 }
 
 // ---- normals

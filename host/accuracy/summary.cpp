@@ -1,0 +1,59 @@
+#include "host/accuracy/summary.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "host/accuracy/study.hpp"
+
+namespace claray {
+namespace {
+
+constexpr double wanted_error = 0.01;
+
+std::vector<StudyPoint> points_of(const std::vector<Study>& studies, const char* study, const char* method) {
+    std::vector<StudyPoint> points;
+    for (const Study& s : studies)
+        if (s.name == study)
+            std::copy_if(s.points.begin(), s.points.end(), std::back_inserter(points),
+                         [&](const StudyPoint& p) { return p.method == method; });
+    return points;
+}
+
+/// By the slope of the measured errors, no flatter than that of independent samples and no steeper than 1 / samples.
+std::string samples_needed(const std::vector<StudyPoint>& points) {
+    std::vector<double> samples, errors;
+    for (const StudyPoint& p : points)
+        if (p.failure.empty() && p.error.median > 0) samples.push_back(p.value), errors.push_back(p.error.median);
+    if (samples.size() < 2) return {};
+    const double slope = std::clamp(log_log_slope(samples, errors), -1.0, -0.5);
+    const double times = std::pow(wanted_error / errors.back(), 1 / slope);
+    const double seconds = points.back().seconds.median;
+    return told("Samples: %g a pixel are off by %.2g %% of the mean in %s; %g %% takes about %.2g samples and %s.",
+                samples.back(), 100 * errors.back(), told_time(seconds).c_str(), 100 * wanted_error,
+                samples.back() * times, told_time(seconds * times).c_str());
+}
+
+/// The least depth from which on all are good enough.
+std::string depth_needed(const std::vector<StudyPoint>& points) {
+    if (points.empty()) return {};
+    const auto is_wrong = [](const StudyPoint& p) { return p.failure.empty() && p.error.median > wanted_error; };
+    const auto last_wrong = std::find_if(points.rbegin(), points.rend(), is_wrong);
+    if (last_wrong == points.rend())
+        return told("Depth: paths of %g surfaces bring all light but 1 %%.", points.front().value);
+    const std::string wrong =
+        told("Depth: paths that end after %g surfaces are off by %.2g %% of the mean, which no samples mend",
+             last_wrong->value, 100 * last_wrong->error.median);
+    if (last_wrong == points.rbegin()) return wrong + ".";
+    return wrong + told("; those of %g are within 1 %%.", std::prev(last_wrong)->value);
+}
+
+}  // namespace
+
+std::vector<std::string> summary_of(const std::vector<Study>& studies) {
+    std::vector<std::string> summary = {samples_needed(points_of(studies, "sampling", "Sobol")),
+                                        depth_needed(points_of(studies, "bias", "path depth"))};
+    std::erase(summary, std::string());
+    return summary;
+}
+
+}  // namespace claray
