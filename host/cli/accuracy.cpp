@@ -18,6 +18,7 @@
 #include "host/accuracy/study.hpp"
 #include "host/accuracy/summary.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/open_device.hpp"
 #include "host/cli/option_rules.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/render_options.hpp"
@@ -241,7 +242,7 @@ void accuracy(Options o) {
         o.study.config.width = std::min(o.study.config.width, 64u),
         o.study.config.height = std::min(o.study.config.height, 64u);
     const Scene scene = load_view(o.scene, o.view, o.study.config.width, o.study.config.height);
-    const Device device = Device::open(o.device);
+    const Device device = open_device(o.device);
     const InterruptGuard guard;
     std::optional<KeptReferences> kept;
     if (o.study.references.empty()) o.study.references = kept.emplace().path();

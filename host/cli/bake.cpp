@@ -8,6 +8,7 @@
 #include "claray/light_map.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/load.hpp"
+#include "host/cli/open_device.hpp"
 #include "host/cli/option_rules.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/render_options.hpp"
@@ -33,7 +34,7 @@ void bake(Options options) {
     const Scene scene = load(options.scene, options.lights, options.surfaces);
     options.config.uv_set = light_map_uv_set(scene, options.mesh);
     const InterruptGuard guard;
-    const Texture map = bake_light_map(Device::open(options.device), scene, options.mesh, options.config,
+    const Texture map = bake_light_map(open_device(options.device), scene, options.mesh, options.config,
                                        [](double) { return !InterruptGuard::interrupted(); });
     Image image{map.width, map.height, {}};
     for (std::size_t i = 0; i < map.floats.size(); i += 3)

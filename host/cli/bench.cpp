@@ -10,6 +10,7 @@
 #include "host/bench/names.hpp"
 #include "host/bench/rays.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/open_device.hpp"
 #include "host/cli/option_rules.hpp"
 #include "host/cli/render_options.hpp"
 #include "host/cli/table.hpp"
@@ -134,13 +135,13 @@ nlohmann::ordered_json as_json(const bench::SceneResult& scene) {
 
 std::vector<Device> open_devices(const std::vector<std::string>& selectors) {
     std::vector<Device> devices;
-    if (selectors.empty()) devices.push_back(Device::open());
+    if (selectors.empty()) devices.push_back(open_device());
     for (const std::string& selector : selectors) {
         if (selector != "all") {
-            devices.push_back(Device::open(selector));
+            devices.push_back(open_device(selector));
             continue;
         }
-        for (const DeviceInfo& info : list_devices()) devices.push_back(Device::open(std::to_string(info.index)));
+        for (const DeviceInfo& info : list_devices()) devices.push_back(open_device(std::to_string(info.index)));
     }
     return devices;
 }

@@ -11,6 +11,7 @@
 #include "claray/io.hpp"
 #include "host/cli/bars.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/open_device.hpp"
 #include "host/cli/option_rules.hpp"
 #include "host/cli/render_options.hpp"
 #include "host/cli/table.hpp"
@@ -179,7 +180,7 @@ void explain(const Options& options) {
     bench::ExplainOptions measure = options.measure;
     if (!options.only.empty()) measure.only = parse_effects(options.only);
     const Scene scene = load_view(options.scene, options.view, config.width, config.height);
-    const Device device = Device::open(options.device);
+    const Device device = open_device(options.device);
     if (!options.json) print_called_for(bench::effects_to_explain(scene, config, measure.only), options, device);
     const Explanation explanation = bench::explain(device, scene, config, measure, [&](const std::string& what) {
         if (!options.quiet) std::fprintf(stderr, "measuring %s\n", what.c_str());

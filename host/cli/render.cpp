@@ -8,6 +8,7 @@
 #include "claray/renderer.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/load.hpp"
+#include "host/cli/open_device.hpp"
 #include "host/cli/option_rules.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/render_options.hpp"
@@ -71,7 +72,7 @@ void warn_of_picture_options(const RenderOptions& options) {
 void render(const RenderOptions& options) {
     check_outputs(options);
     tell_of_signals_until_guarded();
-    const Device device = Device::open(options.device);
+    const Device device = open_device(options.device);
     device.profiler().enable(options.stats || options.json || !options.trace.empty());
     device.profiler().keep_records(!options.trace.empty());
     RenderConfig config = options.config;

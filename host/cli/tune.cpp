@@ -7,6 +7,7 @@
 #include "claray/io.hpp"
 #include "claray/target.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/open_device.hpp"
 #include "host/cli/option_rules.hpp"
 #include "host/cli/render_options.hpp"
 #include "host/cli/table.hpp"
@@ -78,7 +79,7 @@ std::vector<bench::TunedRow> measured_model(const Device& device, const std::str
 
 void run(const Options& options) {
     const std::filesystem::path output = options.dry_run ? std::filesystem::path() : choose_output(options);
-    const Device device = Device::open(options.device);
+    const Device device = open_device(options.device);
     const std::vector<bench::TuningCandidates> candidates = bench::candidates_for(device.info());
     refuse_no_match(options.tune.only, candidates);
     std::printf("%s, driver %s; paired medians of %d interleaved rounds by the device's clock\n",

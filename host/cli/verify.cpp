@@ -9,6 +9,7 @@
 
 #include "host/bench/compare.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/open_device.hpp"
 #include "host/cli/option_rules.hpp"
 #include "host/cli/table.hpp"
 #include "host/cli/verify_html.hpp"
@@ -154,7 +155,7 @@ std::string json_of(const Device& device, const Comparison& c) {
 }
 
 void compare(const Options& options, const VerifyOptions& how) {
-    const Device device = Device::open(options.device);
+    const Device device = open_device(options.device);
     Comparison c;
     for (bench::Remedy remedy : bench::remedies()) {
         if (!options.cases.empty())
@@ -185,7 +186,7 @@ void verify(const Options& options) {
     std::vector<std::string> names = options.cases;
     if (names.empty())
         for (const VerifyCase& c : verify_cases()) names.push_back(c.name);
-    const Device device = Device::open(options.device);
+    const Device device = open_device(options.device);
     if (!json_to_output)
         std::printf("%s, driver %s\n%-18s %-64s %11s  %9s    %-8s %s\n", device.info().name.c_str(),
                     device.info().driver.c_str(), "case", "figure", "tried", "worst", "bar", "unit");

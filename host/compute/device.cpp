@@ -115,6 +115,12 @@ std::size_t select(const std::vector<DeviceInfo>& infos, const std::string& sele
     return found[0];
 }
 
+void tune(Device::State& state) {
+    Tuning tuning = tuning_for(state.info);
+    state.tuning = std::move(tuning.values);
+    state.tuning_warnings = std::move(tuning.warnings);
+}
+
 std::string selector_or_environment(const std::string& selector) {
     if (!selector.empty()) return selector;
     const char* environment = std::getenv("CLARAY_DEVICE");
@@ -155,7 +161,7 @@ Device Device::open(const std::string& selector) try {
     state->device = devices[index];
     state->context = cl::Context(state->device);
     state->queue = cl::CommandQueue(state->context, state->device, CL_QUEUE_PROFILING_ENABLE);
-    state->tuning = tuning_for(state->info);
+    tune(*state);
     return Device(std::move(state));
 } catch (const cl::Error& error) {
     throw Error(ErrorKind::device,
@@ -175,7 +181,7 @@ Device Device::adopt(cl_context context, cl_command_queue queue) try {
     const auto found = std::find_if(devices.begin(), devices.end(), [&](auto& d) { return d() == state->device(); });
     state->info = describe(state->device, std::size_t(found - devices.begin()));
     state->profiler.enable(state->queue.getInfo<CL_QUEUE_PROPERTIES>() & CL_QUEUE_PROFILING_ENABLE);
-    state->tuning = tuning_for(state->info);
+    tune(*state);
     return Device(std::move(state));
 } catch (const cl::Error& error) {
     throw Error(ErrorKind::device, std::string("cannot adopt the OpenCL context: ") + error.what() + " gave " +

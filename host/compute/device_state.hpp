@@ -27,6 +27,7 @@ struct Device::State {
     std::shared_ptr<std::atomic<std::uint64_t>> in_use = std::make_shared<std::atomic<std::uint64_t>>(0);  // bytes
     unsigned failing_allocation = 0, failing_command = 0;  // for tests: see host/compute/memory.hpp
     std::map<std::string, unsigned> tuning;                // "kernel parameter" -> value, as resolved for this device
+    std::vector<std::string> tuning_warnings;              // see claray/tuning.hpp
     std::shared_ptr<cl::Buffer> ray_queue;                 // see host/trace/query_kernel.hpp; made when first used
 };
 

@@ -1,9 +1,13 @@
 #include "host/compute/tuning.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cstdlib>
+#include <functional>
+#include <optional>
 #include <sstream>
 
+#include "claray/tuning.hpp"
 #include "host/compute/device_state.hpp"
 #include "host/compute/file.hpp"
 #include "host/compute/kernel_sources.hpp"
@@ -23,34 +27,108 @@ std::filesystem::path local_tuning_path() {
     return {};
 }
 
-void apply_tuning(const std::string& text, const std::string& name, const DeviceInfo& info,
-                  std::map<std::string, unsigned>& values) {
+bool TuningRange::holds(unsigned value) const {
+    return value >= least && value <= most && (!powers || (value & (value - 1)) == 0);
+}
+
+std::string TuningRange::text() const {
+    if (least == most) return "only " + std::to_string(least) + " works";
+    return std::string(powers ? "choose a power of two in " : "choose a value in ") + std::to_string(least) + ".." +
+           std::to_string(most);
+}
+
+namespace {
+
+constexpr std::size_t most_warnings = 10;  // of a table
+
+struct Row {
+    int line = 0;
+    std::string name;  // kernel and parameter
+    std::optional<unsigned> value;
+    std::optional<TuningRange> range;
+};
+
+std::optional<unsigned> number_in(const std::string& text) {
+    unsigned value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    return error == std::errc() && end == text.data() + text.size() ? std::optional(value) : std::nullopt;
+}
+
+/// least..most, or least..mostx2
+std::optional<TuningRange> range_in(std::string text) {
+    TuningRange range;
+    range.powers = text.ends_with("x2");
+    if (range.powers) text.resize(text.size() - 2);
+    const std::size_t dots = text.find("..");
+    if (dots == std::string::npos) return {};
+    const std::optional<unsigned> least = number_in(text.substr(0, dots)), most = number_in(text.substr(dots + 2));
+    if (!least || !most || *least > *most) return {};
+    range.least = *least, range.most = *most;
+    return range;
+}
+
+/// Calls `use` for every row for the device. Only claray's own table has ranges.
+void for_each_row(const std::string& text, const std::string& name, const DeviceInfo& info, bool with_ranges,
+                  const std::function<void(const Row&)>& use) {
     std::istringstream lines(text);
     std::string line;
     for (int number = 1; std::getline(lines, line); ++number) {
-        std::istringstream row(line.substr(0, line.find('#')));
-        std::string pattern, kernel, parameter, rest;
-        long long value = -1;
-        if (!(row >> pattern)) continue;
-        if (!(row >> kernel >> parameter >> value) || value < 0 || value > 0xffffffffLL || (row >> rest))
+        std::istringstream words(line.substr(0, line.find('#')));
+        std::string pattern, kernel, parameter, value, range, rest;
+        if (!(words >> pattern)) continue;
+        words >> kernel >> parameter >> value >> range >> rest;
+        const Row row = {number, kernel + " " + parameter, number_in(value), range_in(range)};
+        const bool good = row.value || (value == "-" && row.range);
+        if (!good || (with_ranges ? !range.empty() && !row.range : !range.empty()) || !rest.empty())
             throw Error(ErrorKind::user, name + ":" + std::to_string(number) + ": not a tuning row: '" + line + "'",
                         "write: device-pattern kernel PARAMETER value");
-        if (pattern_matches(pattern, info)) values[kernel + " " + parameter] = unsigned(value);
+        if (pattern_matches(pattern, info)) use(row);
     }
 }
 
-std::map<std::string, unsigned> tuning_for(const DeviceInfo& info) {
-    std::map<std::string, unsigned> values;
-    apply_tuning(kernel_source("tuning.txt").text, "tuning.txt", info, values);
+}  // namespace
+
+void apply_tuning(const std::string& text, const std::string& name, const DeviceInfo& info, Tuning& tuning) {
+    for_each_row(text, name, info, true, [&](const Row& row) {
+        if (row.value) tuning.values[row.name] = *row.value;
+        if (row.range) tuning.ranges[row.name] = *row.range;
+    });
+}
+
+void apply_users_tuning(const std::string& text, const std::string& name, const DeviceInfo& info, Tuning& tuning) {
+    std::size_t ignored = 0;
+    const auto ignore = [&](const Row& row, const std::string& why) {
+        if (++ignored > most_warnings) return;
+        tuning.warnings.push_back(name + ":" + std::to_string(row.line) + ": ignored: '" + row.name + "' " + why);
+    };
+    for_each_row(text, name, info, false, [&](const Row& row) {
+        const auto range = tuning.ranges.find(row.name);
+        if (range == tuning.ranges.end())
+            ignore(row, "is no tuning parameter of this device; remove the line (kernels/tuning.txt lists them)");
+        else if (!range->second.holds(*row.value))
+            ignore(row, "cannot be " + std::to_string(*row.value) + "; " + range->second.text());
+        else
+            tuning.values[row.name] = *row.value;
+    });
+    if (ignored > most_warnings)
+        tuning.warnings.push_back(name + ": " + std::to_string(ignored - most_warnings) +
+                                  " more rows are ignored; remove the file, or write it anew by 'claray tune'");
+}
+
+Tuning tuning_for(const DeviceInfo& info) {
+    Tuning tuning;
+    apply_tuning(kernel_source("tuning.txt").text, "tuning.txt", info, tuning);
     const std::filesystem::path users = local_tuning_path();
     std::error_code unreadable;
     if (!users.empty() && std::filesystem::exists(users, unreadable))
-        apply_tuning(read_file(users, "check its permissions"), users.string(), info, values);
+        apply_users_tuning(read_file(users, "check its permissions"), users.string(), info, tuning);
     if (const char* local = std::getenv("CLARAY_TUNING"); local != nullptr && *local != '\0')
-        apply_tuning(read_file(local, "CLARAY_TUNING names it: set it to a tuning table, or unset it"), local, info,
-                     values);
-    return values;
+        apply_users_tuning(read_file(local, "CLARAY_TUNING names it: set it to a tuning table, or unset it"), local,
+                           info, tuning);
+    return tuning;
 }
+
+std::vector<std::string> tuning_warnings(const Device& device) { return device.state().tuning_warnings; }
 
 Defines with_tuning(const Device& device, const std::string& stem, Defines defines) {
     const std::string prefix = stem + " ";

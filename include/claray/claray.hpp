@@ -14,3 +14,4 @@
 #include "claray/query.hpp"
 #include "claray/renderer.hpp"
 #include "claray/scene.hpp"
+#include "claray/tuning.hpp"

@@ -53,16 +53,22 @@ TEST(Candidates, MalformedRowsNameTableAndLine) {
 TEST(Candidates, AreTheParametersOfTheTuningTable) {
     for (const DeviceInfo& info : {named("some device", DeviceType::cpu), named("some device", DeviceType::gpu),
                                    named("NVIDIA something", DeviceType::gpu)}) {
-        std::map<std::string, unsigned> tuned;
-        apply_tuning(kernel_source("tuning.txt").text, "tuning.txt", info, tuned);
+        Tuning table;
+        apply_tuning(kernel_source("tuning.txt").text, "tuning.txt", info, table);
+        const std::map<std::string, unsigned>& tuned = table.values;
         std::set<std::string> tried;
         for (const TuningCandidates& of : candidates_for(info)) {
             tried.insert(of.kernel + " " + of.parameter);
             EXPECT_EQ(tuned.count(of.kernel + " " + of.parameter), 1u)
                 << of.kernel << " " << of.parameter << " is not in kernels/tuning.txt";
+            for (const unsigned value : of.values)
+                EXPECT_TRUE(table.ranges[of.kernel + " " + of.parameter].holds(value))
+                    << "a user's table may not have " << of.kernel << " " << of.parameter << " " << value
+                    << ", which claray tune may write";
             EXPECT_EQ(std::set<unsigned>(of.values.begin(), of.values.end()).size(), of.values.size());
         }
         for (const auto& [name, value] : tuned) {
+            EXPECT_TRUE(table.ranges.count(name) == 1 && table.ranges[name].holds(value)) << name;
             if (name.starts_with("plan/model ")) continue;  // rates of the device, which claray tune measures
             EXPECT_EQ(tried.count(name), 1u)
                 << "add a row for " << name
@@ -96,10 +102,10 @@ TEST(WithRows, ReplacesItsOwnAndKeepsTheRest) {
               "# mine\n* trace/x GROUP 1\nSome_GPU__1 trace/x ITEMS 5\nOther trace/x GROUP 3\n"
               "Some_GPU__1  trace/x  GROUP  64  # claray tune: 25.0 % less time\n"
               "Some_GPU__1  sort/y  N  9  # claray tune: 50.0 % less time\n");
-    std::map<std::string, unsigned> values;
-    apply_tuning(after, "table", info, values);
-    EXPECT_EQ(values.at("trace/x GROUP"), 64u) << "the pattern is the device's";
-    EXPECT_EQ(values.at("trace/x ITEMS"), 5u);
+    Tuning tuning;
+    apply_tuning(after, "table", info, tuning);
+    EXPECT_EQ(tuning.values.at("trace/x GROUP"), 64u) << "the pattern is the device's";
+    EXPECT_EQ(tuning.values.at("trace/x ITEMS"), 5u);
     EXPECT_EQ(with_rows("", info, {}), "");
 }
 

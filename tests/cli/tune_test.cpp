@@ -1,4 +1,6 @@
 // claray tune: its table, its file, its bad input.
+#include <fstream>
+
 #include "tests/cli/claray.hpp"
 #include "tests/support/device.hpp"
 
@@ -39,6 +41,18 @@ TEST(TuneCommand, WritesATableThatIsReadAgain) {
     const auto table = folder / "claray/tuning.txt";
     EXPECT_EQ(std::filesystem::exists(table), result.output.find("rows written to") != std::string::npos);
     EXPECT_EQ(run_claray({"bench", "soup:10", "--size", "8x8", "--repeat", "1"}, home).exit_code, 0);
+}
+
+TEST(TuneCommand, RowsThatAreIgnoredAreNamed) {
+    const TemporaryFolder folder;
+    std::ofstream(folder / "mine.txt") << "\n* trace/closest_hit CLARAY_TEXTBOOK_TRIANGLES 1\n";
+    const ProcessResult result = run_claray({"bench", "soup:10", "--size", "8x8", "--repeat", "1"},
+                                            {{"CLARAY_TUNING", (folder / "mine.txt").string()}});
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_NE(result.errors.find("claray: warning: " + (folder / "mine.txt").string() +
+                                 ":2: ignored: 'trace/closest_hit CLARAY_TEXTBOOK_TRIANGLES' is no tuning parameter"),
+              std::string::npos)
+        << result.errors;
 }
 
 TEST(TuneCommand, BadInput) {

@@ -4,6 +4,8 @@
 
 #include <fstream>
 
+#include "claray/tuning.hpp"
+
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/process.hpp"
@@ -19,9 +21,9 @@ DeviceInfo device_named(const std::string& name, DeviceType type) {
 }
 
 unsigned value_for(const std::string& table, const DeviceInfo& info) {
-    std::map<std::string, unsigned> values;
-    apply_tuning(table, "table", info, values);
-    return values.at("sort/scan GROUP");
+    Tuning tuning;
+    apply_tuning(table, "table", info, tuning);
+    return tuning.values.at("sort/scan GROUP");
 }
 
 TEST(Tuning, LaterRowsThatMatchWin) {
@@ -52,31 +54,86 @@ TEST(Tuning, UsersTableLiesBetweenTheBuiltInAndTheNamedOne) {
     EXPECT_EQ(local_tuning_path(), folder / "claray/tuning.txt");
     EXPECT_NO_THROW((void)tuning_for(device().info())) << "it need not exist";
     std::filesystem::create_directory(folder / "claray");
-    std::ofstream(folder / "claray/tuning.txt") << "* sort/radix_sort GROUP_SIZE 1\n* sort/radix_sort ITEMS 2\n";
+    std::ofstream(folder / "claray/tuning.txt") << "* build/hploc GROUP_SIZE 32\n* sort/radix_sort ITEMS 2\n";
     std::ofstream(folder / "named.txt") << "* sort/radix_sort ITEMS 3\n";
-    EXPECT_EQ(tuning_for(device().info()).at("sort/radix_sort ITEMS"), 2u);
+    EXPECT_EQ(tuning_for(device().info()).values.at("sort/radix_sort ITEMS"), 2u);
     const ScopedEnvironment named("CLARAY_TUNING", (folder / "named.txt").string());
-    EXPECT_EQ(tuning_for(device().info()).at("sort/radix_sort GROUP_SIZE"), 1u);
-    EXPECT_EQ(tuning_for(device().info()).at("sort/radix_sort ITEMS"), 3u);
+    EXPECT_EQ(tuning_for(device().info()).values.at("build/hploc GROUP_SIZE"), 32u);
+    EXPECT_EQ(tuning_for(device().info()).values.at("sort/radix_sort ITEMS"), 3u);
+    EXPECT_TRUE(tuning_for(device().info()).warnings.empty());
 }
 
 TEST(Tuning, MalformedRowsNameTableAndLine) {
     for (const char* row : {"*", "* kernel", "* kernel P", "* kernel P many", "* kernel P -1", "* kernel P 4294967296",
-                            "* kernel P 1 2", "* kernel P 1.5"}) {
-        std::map<std::string, unsigned> values;
-        EXPECT_TRUE(throws_error(ErrorKind::user, "table:2: not a tuning row", [&] {
-            apply_tuning(std::string("\n") + row, "table", device().info(), values);
-        })) << row;
+                            "* kernel P 1 2", "* kernel P 1.5", "* kernel P -", "* kernel P 1 2..1", "* kernel P 1 ..",
+                            "* kernel P 1 0..1x3", "* kernel P 1 0..1 2"}) {
+        Tuning tuning;
+        const std::string table = std::string("\n") + row;
+        for (const auto apply : {apply_tuning, apply_users_tuning})
+            EXPECT_TRUE(throws_error(ErrorKind::user, "table:2: not a tuning row", [&] {
+                apply(table, "table", device().info(), tuning);
+            })) << row;
     }
 }
 
-TEST(Tuning, LocalTableWinsOverTheBuiltIn) {
+class UsersTuning : public testing::Test {
+protected:
+    UsersTuning() {
+        apply_tuning(
+            "* a/b C 5 2..9\n* a/b POWER 8 4..64x2\n* a/b ONE 1 1..1\n* a/b INTERNAL 7\ngpu a/b OF_GPUS 1 0..1\n",
+            "own", info_, tuning_);
+    }
+    void apply(const std::string& table) { apply_users_tuning(table, "mine", info_, tuning_); }
+    DeviceInfo info_ = device_named("Xeon", DeviceType::cpu);
+    Tuning tuning_;
+};
+
+TEST_F(UsersTuning, ValuesWithinTheirRangesAreTaken) {
+    apply("cpu a/b C 2\n* a/b C 9\n* a/b POWER 32\n");
+    EXPECT_EQ(tuning_.values.at("a/b C"), 9u);
+    EXPECT_EQ(tuning_.values.at("a/b POWER"), 32u);
+    EXPECT_TRUE(tuning_.warnings.empty());
+}
+
+TEST_F(UsersTuning, OthersAreIgnoredWithAWarning) {
+    const auto before = tuning_.values;
+    const std::pair<const char*, const char*> rows[] = {
+        {"* a/b C 1", "mine:1: ignored: 'a/b C' cannot be 1; choose a value in 2..9"},
+        {"* a/b C 10", "mine:1: ignored: 'a/b C' cannot be 10; choose a value in 2..9"},
+        {"* a/b POWER 33", "mine:1: ignored: 'a/b POWER' cannot be 33; choose a power of two in 4..64"},
+        {"* a/b ONE 2", "mine:1: ignored: 'a/b ONE' cannot be 2; only 1 works"},
+        {"* a/b INTERNAL 7", "mine:1: ignored: 'a/b INTERNAL' is no tuning parameter of this device; remove the line"},
+        {"* a/b OF_GPUS 1", "'a/b OF_GPUS' is no tuning parameter of this device"},
+        {"\n* a/b CLARAY_TEXTBOOK 1", "mine:2: ignored: 'a/b CLARAY_TEXTBOOK' is no tuning parameter"}};
+    for (const auto& [row, words] : rows) {
+        tuning_.warnings.clear();
+        apply(row);
+        ASSERT_EQ(tuning_.warnings.size(), 1u) << row;
+        EXPECT_NE(tuning_.warnings[0].find(words), std::string::npos) << tuning_.warnings[0];
+    }
+    EXPECT_EQ(tuning_.values, before);
+    tuning_.warnings.clear();
+    apply("gpu a/b NONSENSE 1\nH200 a/b C 1\n");
+    EXPECT_TRUE(tuning_.warnings.empty()) << "rows of other devices are none of this one's business";
+}
+
+TEST_F(UsersTuning, WarningsAreFew) {
+    std::string table;
+    for (int i = 0; i < 1000; ++i) table += "* a/b NONE 1\n";
+    apply(table);
+    ASSERT_EQ(tuning_.warnings.size(), 11u);
+    EXPECT_NE(tuning_.warnings.back().find("990 more rows are ignored"), std::string::npos);
+}
+
+/// What made every ray leak without a word.
+TEST(Tuning, NoTableDefinesOtherMacros) {
     const TemporaryFolder folder;
-    std::ofstream(folder / "local.txt") << "* sort/radix_sort GROUP_SIZE 64\n* my/kernel UNROLL 3\n";
+    std::ofstream(folder / "local.txt") << "* trace/closest_hit CLARAY_TEXTBOOK_TRIANGLES 1\n* my/kernel UNROLL 3\n";
     const ScopedEnvironment local("CLARAY_TUNING", (folder / "local.txt").string());
-    const auto values = tuning_for(device().info());
-    EXPECT_EQ(values.at("sort/radix_sort GROUP_SIZE"), 64u);
-    EXPECT_EQ(values.at("my/kernel UNROLL"), 3u);
+    const Device opened = Device::open(std::to_string(device().info().index));
+    EXPECT_EQ(tuning_warnings(opened).size(), 2u);
+    for (const auto& [name, value] : with_tuning(opened, "trace/closest_hit", {}))
+        EXPECT_NE(name, "CLARAY_TEXTBOOK_TRIANGLES");
 }
 
 TEST(Tuning, MissingLocalTableIsAnError) {

@@ -123,8 +123,9 @@ bool fuzz_tuning(Bytes bytes) {
     DeviceInfo info;
     info.name = "device";
     return expect_result_or_user_error([&] {
-        std::map<std::string, unsigned> values;
-        apply_tuning(std::string(bytes.begin(), bytes.end()), "input", info, values);
+        Tuning tuning;
+        apply_users_tuning(std::string(bytes.begin(), bytes.end()), "input", info, tuning);
+        if (!tuning.values.empty()) std::abort();  // nothing can be tuned here
     });
 }
 
