@@ -1,4 +1,4 @@
-// Example 6: instances. Thousands of copies of two built-in meshes ride on a wave: one of your own kernels moves their
+// Example 6: instances. Thousands of crates and balls ride on a wave: one of your own kernels moves their
 // transforms in device memory, claray builds its top level anew for every frame, and another kernel traces the picture:
 // field_000.png, field_001.png, ... The meshes' own trees are built once.
 //   example_06_instances [FRAMES [SIDE]]      SIDE x SIDE instances
@@ -34,8 +34,24 @@ const char* source = R"(
         instances[i].id = i;
     }
 
-    // A colour for every instance, and the light of a lamp at the camera: how squarely the ray meets the wave there.
-    kernel void draw(CLARAY_INSTANCES_PARAMETERS, CameraData camera, uint width, uint height, global float* image) {
+    float3 corner_of(global const float* positions, global const uint* indices, uint corner) {
+        return vload3(indices[corner], positions);
+    }
+
+    // The triangle's normal in the object becomes the world's by the transposed inverse of the transform.
+    float3 normal_of(InstanceHit hit, global const PlacedInstance* placed, global const float* positions,
+                     global const uint* indices) {
+        const float3 a = corner_of(positions, indices, 3 * hit.primitive);
+        const float3 n = cross(corner_of(positions, indices, 3 * hit.primitive + 1) - a,
+                               corner_of(positions, indices, 3 * hit.primitive + 2) - a);
+        global const PlacedInstance* p = &placed[hit.instance];
+        return normalize(n.x * vload3(0, p->row0) + n.y * vload3(0, p->row1) + n.z * vload3(0, p->row2));
+    }
+
+    // A colour for every instance, in the light of a sun and of a pale sky.
+    kernel void draw(CLARAY_INSTANCES_PARAMETERS, global const float* crate_positions, global const uint* crate_indices,
+                     global const float* ball_positions, global const uint* ball_indices, CameraData camera, uint width,
+                     uint height, global float* image) {
         const uint pixel = get_global_id(0);
         if (pixel >= width * height) return;
         const float sx = 2.0f * (pixel % width + 0.5f) / width - 1.0f, sy = 1.0f - 2.0f * (pixel / width + 0.5f) / height;
@@ -48,22 +64,31 @@ const char* source = R"(
         if (hit.primitive != CLARAY_MISS) {
             const uint id = claray_placed[hit.instance].id;
             const float3 p = (float3)(camera.x, camera.y, camera.z) + hit.t * d;
-            const Ray to_sun = {p.x, p.y + 1e-4f, p.z, 1e-4f, 0.5f, 1.0f, 0.3f, INFINITY};
-            const float light = claray_any_instance(CLARAY_INSTANCES, to_sun) ? 0.25f : 1.0f;
-            color = light * (0.6f + 0.4f * cos(id * (float3)(0.9f, 1.7f, 2.3f)));
+            const bool is_ball = claray_placed[hit.instance].bottom == 1;
+            float3 n = normal_of(hit, claray_placed, is_ball ? ball_positions : crate_positions,
+                                 is_ball ? ball_indices : crate_indices);
+            n = dot(n, d) > 0.0f ? -n : n;
+            const float3 sun = normalize((float3)(0.5f, 1.0f, 0.3f)), from = p + 1e-4f * n;
+            const Ray to_sun = {from.x, from.y, from.z, 0.0f, sun.x, sun.y, sun.z, INFINITY};
+            const bool lit = dot(n, sun) > 0.0f && !claray_any_instance(CLARAY_INSTANCES, to_sun);
+            const float light = 0.2f + 0.1f * n.y + (lit ? dot(n, sun) : 0.0f);
+            color = light * (0.5f + 0.35f * cos(id * (float3)(0.9f, 1.7f, 2.3f)));
         }
         vstore3(color, pixel, image);
     })";
 
-// Scaled and moved into the unit cube on the ground.
-std::vector<claray::Mesh> in_unit_cube(std::vector<claray::Mesh> meshes) {
-    claray::Bounds bounds;
-    for (const claray::Mesh& mesh : meshes)
-        for (const glm::vec3& p : mesh.positions) bounds.grow(p);
+// The first mesh of that name in a built-in scene, scaled and moved into the unit cube round the origin.
+std::vector<claray::Mesh> in_unit_cube(const char* scene_name, const char* mesh_name) {
+    const claray::Scene scene = claray::builtin_scene(scene_name).value();
+    const auto found = std::find_if(scene.meshes.begin(), scene.meshes.end(),
+                                    [&](const claray::Mesh& mesh) { return mesh.name == mesh_name; });
+    if (found == scene.meshes.end())
+        throw claray::Error(claray::ErrorKind::user, std::string("no mesh '") + mesh_name + "' in " + scene_name);
+    claray::Mesh mesh = *found;
+    const claray::Bounds bounds = claray::bounds_of(mesh);
     const glm::vec3 size = bounds.extent();
-    for (claray::Mesh& mesh : meshes)
-        for (glm::vec3& p : mesh.positions) p = (p - bounds.center()) / std::max({size.x, size.y, size.z});
-    return meshes;
+    for (glm::vec3& p : mesh.positions) p = (p - bounds.center()) / std::max({size.x, size.y, size.z});
+    return {mesh};
 }
 
 }  // namespace
@@ -74,9 +99,8 @@ int main(int argc, char** argv) try {
     const claray::Device device = claray::Device::open();
 
     // The bottom levels: the structures that are placed.
-    std::vector<claray::Bvh> bottoms;
-    for (const char* name : {"crate", "spheres"})
-        bottoms.push_back(claray::Bvh::build(device, in_unit_cube(claray::builtin_scene(name).value().meshes)));
+    const std::vector<claray::Bvh> bottoms = {claray::Bvh::build(device, in_unit_cube("crate", "crate")),
+                                              claray::Bvh::build(device, in_unit_cube("spheres", "sphere"))};
 
     // The instances live in device memory: a kernel writes them, `rebuild` reads them there.
     const claray::Buffer<claray::Instance> instances(device, std::size_t(side) * side);
@@ -92,7 +116,9 @@ int main(int argc, char** argv) try {
     for (unsigned frame = 0; frame < frames; ++frame) {
         move.run({instances.size(), 64}, instances, side, 0.1f * float(frame));
         bvh.rebuild();
-        draw.run({width * height, 64}, bvh, camera_data, width, height, pixels);
+        const claray::TriangleBuffers &crate = bottoms[0].triangles(), &ball = bottoms[1].triangles();
+        draw.run({width * height, 64}, bvh, crate.positions, crate.indices, ball.positions, ball.indices, camera_data,
+                 width, height, pixels);
 
         claray::Image image{width, height, {}};
         const std::vector<float> values = pixels.read();
@@ -103,8 +129,9 @@ int main(int argc, char** argv) try {
         claray::write_image(name, image);
     }
     const claray::InstanceStatistics s = bvh.statistics();
-    std::printf("%u instances of %zu structures; %.1f MB for the top level, %.1f MB for the bottom\n", s.instances,
-                bottoms.size(), double(s.top_bytes) * 1e-6, double(s.bottom_bytes) * 1e-6);
+    std::printf("%u instances of a crate of %zu and a ball of %zu triangles; top level %.1f MB, bottom level %.1f MB\n",
+                s.instances, bottoms[0].triangle_count(), bottoms[1].triangle_count(), double(s.top_bytes) * 1e-6,
+                double(s.bottom_bytes) * 1e-6);
     for (const auto& [kernel, summary] : device.profiler().summary())
         std::printf("%-24s %8.3f ms on average\n", kernel.c_str(), summary.milliseconds / double(summary.count));
     return s.instances == instances.size() ? 0 : 1;
