@@ -47,7 +47,8 @@ enum class Effect : std::uint8_t {
     emission_maps,
     thin_walls,
     hot_spots,
-    vertex_colors
+    vertex_colors,
+    orthographic
 };
 
 class EffectSet {
