@@ -17,6 +17,7 @@ namespace {
 struct Options {
     std::string scene, device;
     LightOptions lights;
+    LoadOptions load;
     std::filesystem::path output;
     std::size_t mesh = 0;
     LightMapConfig config;
@@ -28,7 +29,7 @@ void bake(Options options) {
         throw Error(ErrorKind::usage, "--output: '" + options.output.string() + "' can't hold irradiance",
                     "name a file .hdr or .pfm");
     check_writable(options.output);
-    const Scene scene = load(options.scene, options.lights);
+    const Scene scene = load(options.scene, options.lights, options.load);
     options.config.uv_set = light_map_uv_set(scene, options.mesh);
     const InterruptGuard guard;
     const Texture map = bake_light_map(Device::open(options.device), scene, options.mesh, options.config,
@@ -61,6 +62,7 @@ void add_bake_command(CLI::App& app, Action& action) {
     command->add_option("--max-depth", o->config.max_depth, "Surfaces a path may meet; 1 is direct light only [16]")
         ->transform(whole_number(1, 1024));
     add_light_options(*command, o->lights);
+    add_load_options(*command, o->load);
     command->add_option("--seed", o->config.seed, "Another number gives other noise [0]")->transform(whole_number(0));
     command->add_option("--device", o->device, "cpu, gpu, an index or a part of the name (see claray devices)");
     command->callback([&action, o] { action = [o] { bake(*o); }; });
