@@ -20,6 +20,7 @@ struct Options {
     std::string scene, device;
     LightOptions lights;
     SurfaceOptions surfaces;
+    LoadOptions load;
     std::filesystem::path output;
     std::size_t mesh = 0;
     LightMapConfig config;
@@ -31,7 +32,7 @@ void bake(Options options) {
         throw Error(ErrorKind::usage, "--output: '" + options.output.string() + "' can't hold irradiance",
                     "name a file .hdr or .pfm");
     check_writable(options.output);
-    const Scene scene = load(options.scene, options.lights, options.surfaces);
+    const Scene scene = load(options.scene, options.load, options.lights, options.surfaces);
     options.config.uv_set = light_map_uv_set(scene, options.mesh);
     const InterruptGuard guard;
     const Texture map = bake_light_map(open_device(options.device), scene, options.mesh, options.config,
@@ -68,6 +69,7 @@ void add_bake_command(CLI::App& app, Action& action) {
         ->transform(whole_number(1, 1024));
     add_light_options(*command, o->lights);
     add_surface_options(*command, o->surfaces);
+    add_load_options(*command, o->load);
     command->add_option("--seed", o->config.seed, "Another number gives other noise [0]")->transform(whole_number(0));
     command->add_option("--device", o->device, "cpu, gpu, an index or a part of the name (see claray devices)");
     command->callback([&action, o] { action = [o] { bake(*o); }; });

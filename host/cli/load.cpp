@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <set>
 
 #include "claray/error.hpp"
 #include "host/io/default_light.hpp"
+#include "host/cli/option_rules.hpp"
 
 namespace claray::cli {
 namespace {
@@ -25,7 +27,19 @@ bool can_be_seen(const Mesh& mesh, const glm::uvec3& triangle) {
 }  // namespace
 
 void print_warnings(const Warnings& warnings) {
-    for (const std::string& warning : warnings) std::fprintf(stderr, "claray: warning: %s\n", warning.c_str());
+    static std::set<std::string> printed;
+    for (const std::string& warning : warnings)
+        if (printed.insert(warning).second) std::fprintf(stderr, "claray: warning: %s\n", warning.c_str());
+}
+
+void add_load_options(CLI::App& command, LoadOptions& o) {
+    command.add_option("--at", o.time, "Show a glTF as it is after this many seconds of its animation [at rest]")
+        ->check(number_above("0 or more", 0, true))
+        ->type_name("SECONDS");
+    command.add_option("--animation", o.animation, "Which one, by name or index; or all at once: all [the first]");
+    command.add_option("--variant", o.variant,
+                       "Variant of the materials of a glTF, by name or index [the default materials]");
+    command.add_option("--file-scene", o.scene, "Scene of a glTF that has many, by name or index [its default]");
 }
 
 void refuse_unseen(const std::string& name, const Scene& scene) {
@@ -41,10 +55,10 @@ void refuse_unseen(const std::string& name, const Scene& scene) {
                 "export the mesh again");
 }
 
-Scene load(const std::string& name, const LightOptions& lights, const SurfaceOptions& surfaces,
+Scene load(const std::string& name, const LoadOptions& options, const LightOptions& lights, const SurfaceOptions& surfaces,
            const ChooseCamera& choose, float aspect) {
     Warnings warnings;
-    auto [scene, is_file] = load_without_light(name, warnings);
+    auto [scene, is_file] = load_without_light(name, warnings, options);
     apply(surfaces, scene);
     print_warnings(warnings);
     refuse_unseen(name, scene);

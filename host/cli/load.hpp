@@ -9,6 +9,7 @@
 
 namespace claray::cli {
 
+/// To stderr, each line once, however many frames it is true of.
 void print_warnings(const Warnings& warnings);
 
 /// Throws ErrorKind::user where a scene has triangles and none of them can be seen: all have no area or are not finite.
@@ -16,9 +17,12 @@ void refuse_unseen(const std::string& name, const Scene& scene);
 
 using ChooseCamera = std::function<Camera(const Scene&)>;
 
+/// Options that choose among what a file holds: all but the camera.
+void add_load_options(CLI::App& command, LoadOptions& options);
+
 /// Loads a scene, with lights and sides of surfaces of the command line. Without any, a file that would be dark is lit as by `load_scene`.
 /// `choose` sets its camera; without that it stays as it is.
-[[nodiscard]] Scene load(const std::string& name, const LightOptions& lights, const SurfaceOptions& surfaces,
-                         const ChooseCamera& choose = {}, float aspect = 1.f);
+[[nodiscard]] Scene load(const std::string& name, const LoadOptions& options, const LightOptions& lights,
+                         const SurfaceOptions& surfaces, const ChooseCamera& choose = {}, float aspect = 1.f);
 
 }  // namespace claray::cli

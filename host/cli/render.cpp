@@ -18,8 +18,8 @@
 namespace claray::cli {
 namespace {
 
-Scene load_for(const RenderOptions& options) {
-    Scene scene = load_view(options.scene, options.view, options.config.width, options.config.height);
+Scene load_for(const RenderOptions& options, std::optional<Camera>* automatic) {
+    Scene scene = load_view(options.scene, options.view, options.config.width, options.config.height, automatic);
     use_light_maps(scene, options.light_maps);
     return scene;
 }
@@ -55,10 +55,18 @@ Outcome run_renderer(const Device& device, Renderer& renderer, const RenderOptio
     return {progress, InterruptGuard::interrupted()};
 }
 
-/// What else is to be written is, before it is an error that the checkpoint could not.
-void refuse_lost_checkpoint(const Renderer& renderer) {
-    const std::string error = renderer.statistics().checkpoint_error;
-    if (!error.empty()) throw Error(ErrorKind::user, "the last checkpoint could not be written: " + error);
+/// A picture that is written.
+struct Picture {
+    Outcome outcome;
+    RenderConfig config;
+    std::string checkpoint_error;
+};
+
+/// Called last, so that other outputs are written before this is thrown.
+void refuse_failed(const Picture& picture) {
+    if (!picture.checkpoint_error.empty())
+        throw Error(ErrorKind::user, "the last checkpoint could not be written: " + picture.checkpoint_error);
+    if (!picture.outcome.interrupted) refuse_missed_error(picture.config, picture.outcome.progress);
 }
 
 /// Scripts give one set of options for images of all kinds.
@@ -69,17 +77,9 @@ void warn_of_picture_options(const RenderOptions& options) {
             {"--exposure and --tone-map are of PNGs: '" + options.output.string() + "' holds the radiance as it is"});
 }
 
-void render(const RenderOptions& options) {
-    check_outputs(options);
-    tell_of_signals_until_guarded();
-    const Device device = open_device(options.device);
-    device.profiler().enable(options.stats || options.json || !options.trace.empty());
-    device.profiler().keep_records(!options.trace.empty());
+Picture render_picture(const Device& device, const Scene& scene, const RenderOptions& options) {
     RenderConfig config = options.config;
     if (!options.wait_for_kernels) config.compiler = this_program();
-    warn_of_picture_options(options);
-    const Scene scene = load_for(options);
-    if (options.fps > 0) return run_frames(device, scene, options);
     std::optional<TargetPlan> plan;
     if (options.picks_settings) {
         plan = plan_render(device, scene, config, options.picks_builder, measuring_progress(options.quiet));
@@ -94,8 +94,46 @@ void render(const RenderOptions& options) {
     const TargetPlan* planned = plan ? &*plan : nullptr;
     options.json ? print_as_json(device, renderer, options, outcome, planned)
                  : print_as_text(device, renderer, options, outcome, planned);
-    refuse_lost_checkpoint(renderer);
-    if (!outcome.interrupted) refuse_missed_error(config, outcome.progress);
+    return {outcome, config, renderer.statistics().checkpoint_error};
+}
+
+/// As one picture, whose kernels the device keeps for the others. Without a camera in the file, all are seen by the
+/// automatic one of the first.
+void render_animation(const Device& device, const RenderOptions& options) {
+    std::optional<Camera> automatic;
+    std::vector<Picture> pictures;
+    for (unsigned frame = options.animation->first; frame <= options.animation->last; ++frame) {
+        RenderOptions one = options;
+        one.output = numbered(options.output, frame);
+        one.view.load.time = frame / options.frame_rate;
+        tell_of_signals_until_guarded();
+        pictures.push_back(render_picture(device, load_for(one, &automatic), one));
+        std::fflush(stdout);
+        if (pictures.back().outcome.interrupted) break;
+    }
+    for (const Picture& picture : pictures) refuse_failed(picture);
+}
+
+void check_all_outputs(const RenderOptions& options) {
+    if (!options.animation) return check_outputs(options);
+    for (const unsigned frame : {options.animation->first, options.animation->last}) {
+        RenderOptions one = options;
+        one.output = numbered(options.output, frame);
+        check_outputs(one);
+    }
+}
+
+void render(const RenderOptions& options) {
+    check_all_outputs(options);
+    tell_of_signals_until_guarded();
+    const Device device = open_device(options.device);
+    device.profiler().enable(options.stats || options.json || !options.trace.empty());
+    device.profiler().keep_records(!options.trace.empty());
+    warn_of_picture_options(options);
+    if (options.animation) return render_animation(device, options);
+    const Scene scene = load_for(options, nullptr);
+    if (options.fps > 0) return run_frames(device, scene, options);
+    refuse_failed(render_picture(device, scene, options));
 }
 
 void add_image_options(CLI::App& command, RenderOptions& o) {
@@ -170,7 +208,8 @@ void add_render_command(CLI::App& app, Action& action) {
         "Examples:\n"
         "  claray render cornell -o cornell.png --error 0.02\n"
         "  claray render bunny.obj -o bunny.hdr --size 1920x1080 --time 60s --stats\n"
-        "  claray render terrain:1000000 -o terrain.png --aov depth,heat --trace trace.json");
+        "  claray render terrain:1000000 -o terrain.png --aov depth,heat --trace trace.json\n"
+        "  claray render walk.glb -o walk.png --frames 0..47 --frame-rate 24 --animation Walk");
     command->option_defaults()->take_last();  // so that scripts can override what they were given
     auto options = std::make_shared<RenderOptions>();
     add_image_options(*command, *options);

@@ -8,6 +8,7 @@
 
 #include "claray/io.hpp"
 #include "claray/renderer.hpp"
+#include "host/cli/frames.hpp"
 #include "host/cli/view_options.hpp"
 
 namespace claray::cli {
@@ -27,6 +28,9 @@ struct RenderOptions {
     bool wait_for_kernels = false;
     double fps = 0;                                     // 0: one image
     unsigned frames = 300;                              // at that rate
+    std::string frames_text;                            // as the command line has it: a number, or a range
+    std::optional<FrameRange> animation;                // a picture each
+    double frame_rate = 24;                             // of the animation
     bool picks_settings = false, picks_builder = true;  // by target; the builder where none is asked for
 };
 

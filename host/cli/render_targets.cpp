@@ -38,12 +38,39 @@ void add_target_options(CLI::App& command, RenderOptions& o) {
     command
         .add_option("--fps", o.fps, "Render frames at this rate with as many samples as fit, and tell how it was held")
         ->check(number_above("more than 0", 0, false));
-    command.add_option("--frames", o.frames, "How many, with --fps [300]")->check(whole_number(1, 1'000'000));
+    command
+        .add_option("--frames", o.frames_text,
+                    "FIRST..LAST: a picture for each frame of an animation, OUTPUT.0000.png or as %04d in OUTPUT says; "
+                    "with --fps how many [300]")
+        ->type_name("RANGE");
+    command.add_option("--frame-rate", o.frame_rate, "Frames a second of the animation, with --frames [24]")
+        ->check(number_above("more than 0", 0, false));
 }
+
+namespace {
+
+void check_frames(const CLI::App& command, RenderOptions& o) {
+    refuse_without(command, "--frame-rate", "--frames");
+    refuse_both(command, "--fps", {"--frame-rate"}, "one is of a render against the clock, one of an animation");
+    if (command.count("--frames") == 0) return;
+    if (o.fps > 0) {
+        const auto frames = parse_number<unsigned>(o.frames_text);
+        if (!frames || *frames == 0 || *frames > 1'000'000)
+            throw Error(ErrorKind::usage, "--frames: '" + o.frames_text + "' is not a whole number in 1..1000000",
+                        "with --fps it says how many frames are rendered");
+        o.frames = *frames;
+        return;
+    }
+    o.animation = parse_frames(o.frames_text);
+    refuse_both(command, "--frames", {"--at"}, "the frames say the times");
+    refuse_both(command, "--frames", {"--checkpoint", "--resume", "--trace"}, "these are of one image");
+}
+
+}  // namespace
 
 void check_targets(const CLI::App& command, RenderOptions& o) {
     if (command.count("--fps") == 0 && command.count("--output") == 0) throw CLI::RequiredError("--output");
-    refuse_without(command, "--frames", "--fps");
+    check_frames(command, o);
     refuse_both(command, "--fps", {"--spp", "--error", "--time", "--noise", "--checkpoint", "--resume", "--aov"},
                 "frames have what fits into their time");
     refuse_both(command, "--fps", {"--stats", "--trace"}, "these tell of one image");

@@ -26,10 +26,18 @@ void add_view_options(CLI::App& command, ViewOptions& o) {
         command.add_option_function<std::string>(
             name, [name, &vector](const std::string& text) { vector = parse_vector(name, text); }, description);
     };
-    add_vector("--camera", o.camera, "Position X,Y,Z");
-    add_vector("--look-at", o.look_at, "The point in the middle of the image, X,Y,Z");
-    add_vector("--up", o.up, "The direction that is up in the image, X,Y,Z [0,1,0]");
-    command.add_option("--fov", o.fov, "Vertical field of view in degrees [40]")->check(finite_number());
+    add_load_options(command, o.load);
+    command.add_option(
+        "--file-camera", o.load.camera,
+        "Camera of a glTF, by name or by index in the scene [the first; without any: one that sees all]");
+    add_vector("--camera", o.camera, "Position X,Y,Z [of the scene's camera]");
+    add_vector("--look-at", o.look_at, "The point in the middle of the image, X,Y,Z [that of the scene's camera]");
+    add_vector("--up", o.up, "The direction that is up in the image, X,Y,Z [of the scene's camera, else 0,1,0]");
+    command.add_option("--fov", o.fov, "Vertical field of view in degrees [of the scene's camera, else 40]")
+        ->check(finite_number());
+    command.add_option("--ortho", o.ortho, "Parallel rays: the height of the image, in units of the scene")
+        ->check(number_above("more than 0", 0, false))
+        ->type_name("HEIGHT");
     command
         .add_option("--aperture", o.aperture,
                     "Radius of the lens, in units of the scene: blurs what is not in focus [0]")
@@ -42,9 +50,7 @@ void add_view_options(CLI::App& command, ViewOptions& o) {
     add_surface_options(command, o.surfaces);
 }
 
-Camera choose_camera(const Scene& scene, const ViewOptions& options, unsigned width, unsigned height) {
-    const float aspect = float(width) / float(height);
-    Camera camera = scene.camera.value_or(automatic_camera(bounds_of(scene), options.fov.value_or(40.f), aspect));
+Camera choose_camera(Camera camera, const ViewOptions& options) {
     // A camera that is put elsewhere keeps no motion of the scene's.
     if (options.camera) camera.position = *options.camera, camera.position_end.reset();
     if (options.look_at) camera.target = *options.look_at, camera.target_end.reset();
@@ -55,13 +61,25 @@ Camera choose_camera(const Scene& scene, const ViewOptions& options, unsigned wi
     if (options.focus_distance && camera.aperture_radius == 0.f)
         throw Error(ErrorKind::usage, "--focus-distance does nothing without a lens", "give --aperture, too");
     if (options.up) camera.up = *options.up;
-    if (options.fov) camera.vertical_fov = *options.fov;
+    if (options.fov) camera.vertical_fov = *options.fov, camera.orthographic_height = 0.f;
+    if (options.ortho) camera.orthographic_height = *options.ortho;
     return camera;
 }
 
-Scene load_view(const std::string& name, const ViewOptions& options, unsigned width, unsigned height) {
-    const auto choose = [&](const Scene& scene) { return choose_camera(scene, options, width, height); };
-    return load(name, options.lights, options.surfaces, choose, float(width) / float(height));
+Scene load_view(const std::string& name, const ViewOptions& options, unsigned width, unsigned height,
+                std::optional<Camera>* automatic) {
+    if (options.fov && options.ortho)
+        throw Error(ErrorKind::usage, "--fov and --ortho contradict each other: parallel rays have no angle",
+                    "leave one of them out");
+    const float aspect = float(width) / float(height);
+    const auto choose = [&](const Scene& scene) {
+        if (scene.camera) return choose_camera(*scene.camera, options);
+        std::optional<Camera> none;
+        std::optional<Camera>& camera = automatic ? *automatic : none;
+        if (!camera) camera = automatic_camera(bounds_of(scene), options.fov.value_or(40.f), aspect);
+        return choose_camera(*camera, options);
+    };
+    return load(name, options.load, options.lights, options.surfaces, choose, aspect);
 }
 
 }  // namespace claray::cli

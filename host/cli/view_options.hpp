@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "claray/scene.hpp"
+#include "claray/io.hpp"
 #include "host/cli/light_options.hpp"
 #include "host/cli/surface_options.hpp"
 
@@ -14,10 +14,12 @@ namespace claray::cli {
 struct ViewOptions {
     std::optional<glm::vec3> camera, look_at, up;
     std::optional<float> fov;                          // degrees, vertical
+    std::optional<float> ortho;                        // height of the image, in units of the scene
     std::optional<float> aperture, focus_distance;     // of a thin lens
     std::optional<glm::vec3> camera_end, look_at_end;  // when the shutter closes
     LightOptions lights;
     SurfaceOptions surfaces;
+    LoadOptions load;
 };
 
 /// "1,-2,3.5" -> vector. Throws ErrorKind::usage, naming the option, unless it is three finite numbers.
@@ -25,10 +27,12 @@ struct ViewOptions {
 
 void add_view_options(CLI::App& command, ViewOptions& options);
 
-/// The scene's own camera, else the automatic one, with what the command line changes.
-[[nodiscard]] Camera choose_camera(const Scene& scene, const ViewOptions& options, unsigned width, unsigned height);
+/// `from`, the scene's own camera or the automatic one, with what the command line changes.
+[[nodiscard]] Camera choose_camera(Camera from, const ViewOptions& options);
 
 /// Loads a scene with the lights and the camera of the command line. Prints warnings, and throws as `load` does.
-[[nodiscard]] Scene load_view(const std::string& name, const ViewOptions& options, unsigned width, unsigned height);
+/// `automatic`: the automatic camera of all frames of an animation, which the first one fills in.
+[[nodiscard]] Scene load_view(const std::string& name, const ViewOptions& options, unsigned width, unsigned height,
+                              std::optional<Camera>* automatic = nullptr);
 
 }  // namespace claray::cli

@@ -73,12 +73,12 @@ Scene load_obj(const std::filesystem::path& path, Warnings& warnings) {
     return lit(load_obj_without_light(path, warnings), warnings);
 }
 
-Scene load_gltf(const std::filesystem::path& path, Warnings& warnings) {
-    return lit(load_gltf_without_light(path, warnings), warnings);
+Scene load_gltf(const std::filesystem::path& path, Warnings& warnings, const LoadOptions& options) {
+    return lit(load_gltf_without_light(path, warnings, options), warnings);
 }
 
-Scene load_scene(const std::string& name_or_path, Warnings& warnings) {
-    LoadedScene loaded = load_without_light(name_or_path, warnings);
+Scene load_scene(const std::string& name_or_path, Warnings& warnings, const LoadOptions& options) {
+    LoadedScene loaded = load_without_light(name_or_path, warnings, options);
     return loaded.is_file ? lit(std::move(loaded.scene), warnings) : std::move(loaded.scene);
 }
 

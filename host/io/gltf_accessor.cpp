@@ -167,6 +167,22 @@ template std::vector<glm::vec2> read_vectors<2>(const GltfFile&, int, const std:
 template std::vector<glm::vec3> read_vectors<3>(const GltfFile&, int, const std::string&);
 template std::vector<glm::vec4> read_vectors<4>(const GltfFile&, int, const std::string&);
 
+std::vector<float> read_numbers(const GltfFile& file, int index, std::size_t components, const std::string& what) {
+    const tinygltf::Accessor& accessor = accessor_of(file, index, components, what);
+    const Elements elements = dense_elements(file, accessor, components, what);
+    std::vector<float> result(elements.count * components);
+    const auto put = [&](std::size_t position, std::size_t i, const Elements& from) {
+        if (from.data == nullptr) return;
+        const std::size_t size = size_of_component(from.type);
+        for (std::size_t k = 0; k < components; ++k)
+            result[position * components + k] =
+                component(from.data + i * from.stride + k * size, from.type, from.normalized);
+    };
+    for (std::size_t i = 0; i < elements.count; ++i) put(i, i, elements);
+    for_each_replaced(file, accessor, components, what, put);
+    return result;
+}
+
 std::vector<std::uint32_t> read_indices(const GltfFile& file, int index, const std::string& what) {
     const tinygltf::Accessor& accessor = accessor_of(file, index, 1, what);
     if (!is_index_type(accessor.componentType)) file.fail(what + " are not unsigned integers");

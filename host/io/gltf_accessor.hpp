@@ -10,6 +10,10 @@ namespace claray {
 template <int N>
 [[nodiscard]] std::vector<glm::vec<N, float>> read_vectors(const GltfFile& file, int accessor, const std::string& what);
 
+/// The same for elements of any number of components, one behind the other.
+[[nodiscard]] std::vector<float> read_numbers(const GltfFile& file, int accessor, std::size_t components,
+                                              const std::string& what);
+
 /// The elements of an accessor of unsigned scalars.
 [[nodiscard]] std::vector<std::uint32_t> read_indices(const GltfFile& file, int accessor, const std::string& what);
 

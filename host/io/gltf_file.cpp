@@ -16,6 +16,8 @@ namespace fs = std::filesystem;
 using std::to_string;
 
 constexpr std::string_view known_extensions[] = {
+    "EXT_mesh_gpu_instancing",
+    "KHR_materials_variants",
     "KHR_lights_punctual",
     "KHR_materials_anisotropy",
     "KHR_materials_clearcoat",

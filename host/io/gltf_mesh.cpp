@@ -65,13 +65,14 @@ void mend_uvs(std::vector<glm::vec2>& uvs) {
         if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = glm::vec2(0.f);
 }
 
-/// Reads the attributes of one primitive.
+/// Reads the attributes of one primitive, as its morph targets change them.
 class Attributes {
 public:
-    Attributes(const GltfFile& file, const tinygltf::Primitive& primitive, std::string name)
-        : file_(file), primitive_(primitive), name_(std::move(name)) {}
+    Attributes(const GltfFile& file, const tinygltf::Primitive& primitive, std::string name,
+               const std::vector<double>& weights)
+        : file_(file), primitive_(primitive), name_(std::move(name)), weights_(weights) {}
 
-    [[nodiscard]] bool has(const char* attribute) const { return primitive_.attributes.count(attribute) > 0; }
+    [[nodiscard]] bool has(const std::string& attribute) const { return primitive_.attributes.count(attribute) > 0; }
 
     /// 0 where the primitive has no such attribute.
     [[nodiscard]] int components(const char* attribute) const {
@@ -81,24 +82,43 @@ public:
         return tinygltf::GetNumComponentsInType(std::uint32_t(accessors[std::size_t(found->second)].type));
     }
 
-    /// Nothing where the primitive has no such attribute.
-    template <int N>
-    [[nodiscard]] std::vector<glm::vec<N, float>> read(const char* attribute) {
+    /// Nothing where the primitive has no such attribute. `M`: components by which targets move it.
+    template <int N, int M = N>
+    [[nodiscard]] std::vector<glm::vec<N, float>> read(const std::string& attribute) {
         const auto found = primitive_.attributes.find(attribute);
         if (found == primitive_.attributes.end()) return {};
         auto values = read_vectors<N>(file_, found->second, name_ + ": " + attribute);
         if (vertices_ == none) vertices_ = values.size();
-        if (values.size() != vertices_)
-            file_.fail(name_ + ": " + attribute + " has " + to_string(values.size()) + " elements for " +
-                       to_string(vertices_) + " vertices");
+        check_size(values.size(), name_ + ": " + attribute);
+        for (std::size_t i = 0; i < std::min(weights_.size(), primitive_.targets.size()); ++i)
+            if (weights_[i] != 0) morph<N, M>(values, attribute, i);
         return values;
     }
 
 private:
     static constexpr std::size_t none = ~std::size_t(0);
+
+    void check_size(std::size_t elements, const std::string& what) const {
+        if (elements != vertices_)
+            file_.fail(what + " has " + to_string(elements) + " elements for " + to_string(vertices_) + " vertices");
+    }
+
+    /// Adds what a target of some weight moves (section 3.7.2.2).
+    template <int N, int M>
+    void morph(std::vector<glm::vec<N, float>>& values, const std::string& attribute, std::size_t target) const {
+        const auto found = primitive_.targets[target].find(attribute);
+        if (found == primitive_.targets[target].end()) return;
+        const std::string what = name_ + ": " + attribute + " of morph target " + to_string(target);
+        const auto moves = read_vectors<M>(file_, found->second, what);
+        check_size(moves.size(), what);
+        for (std::size_t i = 0; i < values.size(); ++i)
+            for (int k = 0; k < M; ++k) values[i][k] += float(weights_[target]) * moves[i][k];
+    }
+
     const GltfFile& file_;
     const tinygltf::Primitive& primitive_;
     std::string name_;
+    const std::vector<double>& weights_;
     std::size_t vertices_ = none;
 };
 
@@ -122,6 +142,21 @@ std::vector<glm::vec4> read_colors(Attributes& attributes, GltfLeftOut& left_out
     return colors;
 }
 
+std::vector<JointSet> joint_sets_of(Attributes& attributes, const tinygltf::Primitive& primitive,
+                                    const std::string& name, const GltfFile& file) {
+    std::vector<JointSet> sets;
+    for (std::size_t i = 0; attributes.has("JOINTS_" + to_string(i)); ++i) {
+        const std::string joints = "JOINTS_" + to_string(i), weights = "WEIGHTS_" + to_string(i);
+        if (!attributes.has(weights)) file.fail(name + " has " + joints + " without " + weights);
+        JointSet set{attributes.read<4>(joints), attributes.read<4>(weights)};
+        const int type = file.model.accessors[std::size_t(primitive.attributes.at(joints))].componentType;
+        if (type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE && type != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT)
+            file.fail(name + ": " + joints + " are not unsigned bytes or shorts");
+        sets.push_back(std::move(set));
+    }
+    return sets;
+}
+
 std::vector<std::uint32_t> indices_of(const GltfFile& file, const tinygltf::Primitive& primitive, std::size_t vertices,
                                       const std::string& name) {
     if (primitive.indices >= 0) {
@@ -140,16 +175,15 @@ std::vector<std::uint32_t> indices_of(const GltfFile& file, const tinygltf::Prim
 }  // namespace
 
 std::optional<Mesh> read_primitive(const GltfFile& file, std::size_t mesh_index, std::size_t primitive_index,
-                                   std::uint32_t material, bool tangents, GltfLeftOut& left_out) {
+                                   std::uint32_t material, bool tangents, const GltfPose& pose, GltfLeftOut& left_out) {
     const tinygltf::Mesh& source = file.model.meshes[mesh_index];
     const tinygltf::Primitive& primitive = source.primitives[primitive_index];
     const std::string name = gltf_name("mesh", source.name, mesh_index) + ", primitive " + to_string(primitive_index);
     if (primitive.mode < TINYGLTF_MODE_POINTS || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN)
         file.fail(name + " has the unknown mode " + to_string(primitive.mode));
-    Attributes attributes(file, primitive, name);
+    Attributes attributes(file, primitive, name, pose.weights);
     if (primitive.mode < TINYGLTF_MODE_TRIANGLES) return ++left_out.not_triangles, std::nullopt;
     if (!attributes.has("POSITION")) return ++left_out.without_positions, std::nullopt;
-    left_out.with_targets += !primitive.targets.empty();
 
     Mesh mesh;
     mesh.name = source.name.empty() ? "mesh " + to_string(mesh_index) : source.name;
@@ -164,7 +198,8 @@ std::optional<Mesh> read_primitive(const GltfFile& file, std::size_t mesh_index,
     mesh.uvs = attributes.read<2>("TEXCOORD_0");
     mesh.uvs1 = attributes.read<2>("TEXCOORD_1");
     mesh.colors = read_colors(attributes, left_out);
-    if (tangents && !mesh.normals.empty()) mesh.tangents = attributes.read<4>("TANGENT");
+    if (tangents && !mesh.normals.empty()) mesh.tangents = attributes.read<4, 3>("TANGENT");
+    if (pose.joints) follow_joints(mesh, joint_sets_of(attributes, primitive, name, file), *pose.joints, file, name);
     mend_normals(mesh);
     mend_tangents(mesh);
     mend_uvs(mesh.uvs);

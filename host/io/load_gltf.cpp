@@ -1,11 +1,14 @@
 // From a glTF's nodes to a scene.
 #include <algorithm>
 #include <cmath>
-#include <glm/gtc/quaternion.hpp>
+#include <map>
 #include <new>
 
 #include "claray/error.hpp"
 #include "host/io/default_light.hpp"
+#include "host/io/gltf_animation.hpp"
+#include "host/io/gltf_choice.hpp"
+#include "host/io/gltf_instancing.hpp"
 #include "host/io/gltf_material.hpp"
 #include "host/io/gltf_mesh.hpp"
 
@@ -14,101 +17,19 @@ namespace {
 
 using std::to_string;
 
-/// A node of the scene, where it stands in the world.
-struct PlacedNode {
-    const tinygltf::Node* node = nullptr;
-    std::string name;
-    glm::dmat4 world{1.0};
-};
-
-glm::dmat4 local_transform(const tinygltf::Node& node, const std::string& name, const GltfFile& file) {
-    const auto check = [&](const std::vector<double>& values, std::size_t expected, const char* what) {
-        if (!values.empty() && values.size() != expected)
-            file.fail(name + ": its " + what + " has " + to_string(values.size()) + " numbers instead of " +
-                      to_string(expected));
-        return !values.empty();
-    };
-    glm::dmat4 transform(1.0);
-    if (check(node.matrix, 16, "matrix")) {
-        for (int i = 0; i < 16; ++i) transform[i / 4][i % 4] = node.matrix[std::size_t(i)];
-        return transform;
-    }
-    if (check(node.translation, 3, "translation"))
-        transform[3] = glm::dvec4(node.translation[0], node.translation[1], node.translation[2], 1.0);
-    if (check(node.rotation, 4, "rotation")) {
-        const std::vector<double>& r = node.rotation;
-        const glm::dquat q(r[3], r[0], r[1], r[2]);
-        if (!(glm::length(q) > 1e-6)) file.fail(name + ": its rotation has no length");
-        transform = transform * glm::mat4_cast(glm::normalize(q));
-    }
-    if (check(node.scale, 3, "scale"))
-        for (int k = 0; k < 3; ++k) transform[k] *= node.scale[std::size_t(k)];
-    return transform;
-}
-
-/// The nodes at the top: of the default scene, else of the first, else all that are no one's child.
-std::vector<int> roots_of(const GltfFile& file) {
-    const tinygltf::Model& model = file.model;
-    if (!model.scenes.empty()) {
-        const int scene = std::max(model.defaultScene, 0);
-        if (std::size_t(scene) >= model.scenes.size())
-            file.fail("it refers to scene " + to_string(scene) + " of " + to_string(model.scenes.size()));
-        return model.scenes[std::size_t(scene)].nodes;
-    }
-    std::vector<bool> is_child(model.nodes.size(), false);
-    for (const tinygltf::Node& node : model.nodes)
-        for (const int child : node.children)
-            if (child >= 0 && std::size_t(child) < is_child.size()) is_child[std::size_t(child)] = true;
-    std::vector<int> roots;
-    for (std::size_t i = 0; i < is_child.size(); ++i)
-        if (!is_child[i]) roots.push_back(int(i));
-    return roots;
-}
-
-/// All nodes below the roots, parents first, in the order of the file. Without recursion, for chains may be long.
-std::vector<PlacedNode> place_nodes(const GltfFile& file) {
-    struct Pending {
-        int node;
-        glm::dmat4 parent;
-    };
-    const std::vector<tinygltf::Node>& nodes = file.model.nodes;
-    std::vector<Pending> pending;
-    const auto push = [&](const std::vector<int>& children, const glm::dmat4& parent) {
-        for (std::size_t i = children.size(); i-- > 0;) pending.push_back({children[i], parent});
-    };
-    push(roots_of(file), glm::dmat4(1.0));
-    std::vector<bool> seen(nodes.size(), false);
-    std::vector<PlacedNode> placed;
-    while (!pending.empty()) {
-        const Pending next = pending.back();
-        pending.pop_back();
-        if (next.node < 0 || std::size_t(next.node) >= nodes.size())
-            file.fail("a scene or node refers to node " + to_string(next.node) + " of " + to_string(nodes.size()));
-        const auto i = std::size_t(next.node);
-        PlacedNode node{&nodes[i], gltf_name("node", nodes[i].name, i), {}};
-        if (seen[i]) file.fail(node.name + " has two parents or is below itself", "nodes must form trees");
-        seen[i] = true;
-        node.world = next.parent * local_transform(nodes[i], node.name, file);
-        push(nodes[i].children, node.world);
-        placed.push_back(std::move(node));
-    }
-    return placed;
-}
-
-/// False where a node is scaled to nothing, by which glTF hides it (section 3.5.3).
-bool check_transform(const PlacedNode& node, const GltfFile& file) {
-    const glm::dmat4& m = node.world;
+/// False where it scales to nothing, by which glTF hides a node (section 3.5.3). `name` is the node's.
+bool check_transform(const glm::dmat4& m, const std::string& name, const GltfFile& file) {
     double largest = 0.0;
     for (int column = 0; column < 4; ++column)
         for (int row = 0; row < 4; ++row) {
-            if (!std::isfinite(float(m[column][row]))) file.fail(node.name + ": its transform is not finite");
+            if (!std::isfinite(float(m[column][row]))) file.fail(name + ": its transform is not finite");
             if (column < 3 && row < 3) largest = std::max(largest, std::abs(m[column][row]));
         }
     if (glm::vec4(m[0][3], m[1][3], m[2][3], m[3][3]) != glm::vec4(0, 0, 0, 1))
-        file.fail(node.name + ": its transform is not affine", "the last row of a matrix must be 0 0 0 1");
+        file.fail(name + ": its transform is not affine", "the last row of a matrix must be 0 0 0 1");
     if (largest == 0.0) return false;
     if (std::abs(glm::determinant(glm::dmat3(m) / largest)) < 1e-12)
-        file.fail(node.name + ": its transform cannot be inverted", "use scales other than 0");
+        file.fail(name + ": its transform cannot be inverted", "use scales other than 0");
     return true;
 }
 
@@ -121,66 +42,157 @@ glm::vec3 axis_of(const PlacedNode& node, int axis, const GltfFile& file) {
     return glm::vec3(direction / length);
 }
 
+/// What the camera shows of what lies before it. The image's own aspect counts, not the file's.
+void project(Camera& camera, const tinygltf::Camera& source, const std::string& name, const GltfFile& file) {
+    if (source.type == "orthographic") {
+        camera.orthographic_height = float(2 * std::abs(source.orthographic.ymag));
+        if (!(camera.orthographic_height > 0.f) || !std::isfinite(camera.orthographic_height))
+            file.fail(name + ": its ymag is " + to_string(source.orthographic.ymag), "it must be above 0");
+        return;
+    }
+    if (source.type != "perspective") file.fail(name + " is of the unknown type '" + source.type + "'");
+    camera.vertical_fov = glm::degrees(float(source.perspective.yfov));
+    if (!(camera.vertical_fov > 0.f && camera.vertical_fov < 180.f))
+        file.fail(name + ": its field of view is " + to_string(source.perspective.yfov) + " radians",
+                  "it must be between 0 and pi");
+}
+
+/// A mesh of the file in a pose. Nodes that show the same shape share its meshes.
+struct Shape {
+    int mesh = -1;
+    int skin = -1;
+    std::vector<double> weights;  ///< of the morph targets; empty: none counts
+
+    auto operator<=>(const Shape&) const = default;
+};
+
+struct PlacedShape {
+    const Shape* shape = nullptr;
+    glm::dmat4 world{1.0};
+};
+
+/// Of a shape: its meshes in the scene, and how often it is shown.
+struct ShapeUse {
+    std::size_t count = 0;
+    std::optional<std::vector<std::uint32_t>> meshes = {};
+};
+
 class Loader {
 public:
-    Loader(const GltfFile& file, Scene& scene, Warnings& warnings)
-        : file_(file),
-          scene_(scene),
-          warnings_(warnings),
-          materials_(file, scene, warnings),
-          primitives_(file.model.meshes.size()),
-          uses_(file.model.meshes.size(), 0) {}
+    Loader(const GltfFile& file, const LoadOptions& options, Scene& scene, Warnings& warnings)
+        : file_(file), options_(options), scene_(scene), warnings_(warnings), materials_(file, scene, warnings) {}
 
     void load() {
-        const std::vector<PlacedNode> nodes = place_nodes(file_);
-        for (const PlacedNode& node : nodes) {
-            if (node.node->camera >= 0) add_camera(node);
-            add_light(node);
-        }
-        add_meshes(nodes);
-        warn(nodes);
+        choose_variant();
+        const std::vector<PlacedNode> nodes = place_nodes(file_, options_.scene);
+        add_camera(nodes);
+        for (const PlacedNode& node : nodes) add_light(node);
+        add_meshes(place_shapes(nodes));
+        warn();
     }
 
 private:
-    void add_camera(const PlacedNode& node);
+    void choose_variant();
+    void add_camera(const std::vector<PlacedNode>& nodes);
+    [[nodiscard]] const PlacedNode& chosen_camera(const std::vector<const PlacedNode*>& nodes) const;
+    [[nodiscard]] const tinygltf::Camera& camera_of(const PlacedNode& node) const;
+    [[nodiscard]] std::vector<std::string> names_of_cameras(const std::vector<const PlacedNode*>& nodes) const;
     void add_light(const PlacedNode& node);
-    void add_meshes(const std::vector<PlacedNode>& nodes);
-    [[nodiscard]] std::vector<const PlacedNode*> nodes_with_meshes(const std::vector<PlacedNode>& nodes);
-    [[nodiscard]] std::vector<Mesh> read_mesh(std::size_t index);
-    void warn(const std::vector<PlacedNode>& nodes);
+    [[nodiscard]] Shape shape_of(const PlacedNode& node);
+    [[nodiscard]] std::vector<PlacedShape> place_shapes(const std::vector<PlacedNode>& nodes);
+    void add_meshes(const std::vector<PlacedShape>& shapes);
+    [[nodiscard]] std::vector<Mesh> read_shape(const Shape& shape);
+    [[nodiscard]] int material_of(const tinygltf::Primitive& primitive) const;
+    void warn();
     void warn_if(std::size_t count, const std::string& what) {
         if (count > 0) warnings_.push_back(to_string(count) + " " + what);
     }
 
     const GltfFile& file_;
+    const LoadOptions& options_;
     Scene& scene_;
     Warnings& warnings_;
     GltfMaterials materials_;
-    std::vector<std::vector<std::uint32_t>> primitives_;  ///< of each mesh of the file: its meshes in the scene
-    std::vector<std::uint32_t> uses_;                     ///< of each mesh of the file: by how many nodes
+    std::optional<std::size_t> variant_;
+    std::map<Shape, ShapeUse> shapes_;
+    NodeTransforms transforms_;  ///< where there are skins
     GltfLeftOut left_out_;
-    std::size_t cameras_left_out_ = 0;
+    std::size_t without_joints_ = 0;
 };
 
-void Loader::add_camera(const PlacedNode& node) {
+void Loader::choose_variant() {
+    static const std::string extension = "KHR_materials_variants";
+    const auto found = file_.model.extensions.find(extension);
+    std::vector<std::string> names;
+    if (found != file_.model.extensions.end() && found->second.Has("variants")) {
+        const tinygltf::Value& variants = found->second.Get("variants");
+        for (std::size_t i = 0; i < variants.ArrayLen(); ++i) {
+            const tinygltf::Value& name = variants.Get(i).Get("name");
+            names.push_back(name.IsString() ? name.Get<std::string>() : std::string());
+        }
+    }
+    if (!options_.variant.empty())
+        variant_ = choose(file_, "variant", options_.variant, names);
+    else if (!names.empty())
+        warnings_.push_back("the materials have variants, " + listed(names) + ": choose one by --variant");
+}
+
+/// The material of the variant that is chosen, if the primitive has one.
+int Loader::material_of(const tinygltf::Primitive& primitive) const {
+    const auto found = primitive.extensions.find("KHR_materials_variants");
+    if (!variant_ || found == primitive.extensions.end()) return primitive.material;
+    const tinygltf::Value& mappings = found->second.Get("mappings");
+    for (std::size_t i = 0; i < mappings.ArrayLen(); ++i) {
+        const tinygltf::Value &variants = mappings.Get(i).Get("variants"), &material = mappings.Get(i).Get("material");
+        for (std::size_t k = 0; k < variants.ArrayLen(); ++k)
+            if (variants.Get(k).IsInt() && std::size_t(variants.Get(k).GetNumberAsInt()) == *variant_)
+                return material.IsInt() ? material.GetNumberAsInt() : -1;
+    }
+    return primitive.material;
+}
+
+const tinygltf::Camera& Loader::camera_of(const PlacedNode& node) const {
     const std::vector<tinygltf::Camera>& cameras = file_.model.cameras;
     const auto index = std::size_t(node.node->camera);
     if (index >= cameras.size())
         file_.fail(node.name + " refers to camera " + to_string(index) + " of " + to_string(cameras.size()));
-    if (cameras[index].type != "perspective" || scene_.camera) {
-        ++cameras_left_out_;
-        return;
-    }
+    return cameras[index];
+}
+
+/// Those of their nodes where these have names.
+std::vector<std::string> Loader::names_of_cameras(const std::vector<const PlacedNode*>& nodes) const {
+    std::vector<std::string> names;
+    for (const PlacedNode* node : nodes)
+        names.push_back(node->node->name.empty() ? camera_of(*node).name : node->node->name);
+    return names;
+}
+
+/// By the name of its node, else by its own, else by its index in the scene.
+const PlacedNode& Loader::chosen_camera(const std::vector<const PlacedNode*>& nodes) const {
+    if (options_.camera.empty()) return *nodes.front();
+    for (const PlacedNode* node : nodes)
+        if (node->node->name == options_.camera) return *node;
+    for (const PlacedNode* node : nodes)
+        if (camera_of(*node).name == options_.camera) return *node;
+    return *nodes[choose(file_, "camera", options_.camera, names_of_cameras(nodes))];
+}
+
+void Loader::add_camera(const std::vector<PlacedNode>& nodes) {
+    std::vector<const PlacedNode*> cameras;
+    for (const PlacedNode& node : nodes)
+        if (node.node->camera >= 0) cameras.push_back(&node);
+    if (cameras.empty() && options_.camera.empty()) return;
+    const PlacedNode& node = chosen_camera(cameras);
+    const tinygltf::Camera& source = camera_of(node);
     Camera camera;
     camera.position = position_of(node);
     camera.target = camera.position - axis_of(node, 2, file_);
     camera.up = axis_of(node, 1, file_);
-    camera.vertical_fov = glm::degrees(float(cameras[index].perspective.yfov));
-    if (!(camera.vertical_fov > 0.f && camera.vertical_fov < 180.f))
-        file_.fail(gltf_name("camera", cameras[index].name, index) + ": its field of view is " +
-                       to_string(cameras[index].perspective.yfov) + " radians",
-                   "it must be between 0 and pi");
+    project(camera, source, gltf_name("camera", source.name, std::size_t(node.node->camera)), file_);
     scene_.camera = camera;
+    if (cameras.size() > 1 && options_.camera.empty())
+        warnings_.push_back("the first of the cameras " + listed(names_of_cameras(cameras)) +
+                            " is used: choose another by --file-camera");
 }
 
 /// KHR_lights_punctual. Its candela and lux are taken as W / sr and W / m^2, as emissive factors are as radiance.
@@ -213,72 +225,100 @@ void Loader::add_light(const PlacedNode& node) {
     scene_.lights.push_back(light);
 }
 
-std::vector<const PlacedNode*> Loader::nodes_with_meshes(const std::vector<PlacedNode>& nodes) {
-    std::vector<const PlacedNode*> found;
-    for (const PlacedNode& node : nodes) {
-        if (node.node->mesh < 0) continue;
-        if (std::size_t(node.node->mesh) >= uses_.size())
-            file_.fail(node.name + " refers to mesh " + to_string(node.node->mesh) + " of " + to_string(uses_.size()));
-        if (!check_transform(node, file_)) continue;
-        ++uses_[std::size_t(node.node->mesh)];
-        found.push_back(&node);
-    }
-    return found;
+/// Weights of a node stand in for those of its mesh (section 3.7.2.2).
+Shape Loader::shape_of(const PlacedNode& node) {
+    const std::vector<tinygltf::Mesh>& meshes = file_.model.meshes;
+    Shape shape;
+    shape.mesh = node.node->mesh;
+    if (std::size_t(shape.mesh) >= meshes.size())
+        file_.fail(node.name + " refers to mesh " + to_string(shape.mesh) + " of " + to_string(meshes.size()));
+    const tinygltf::Mesh& mesh = meshes[std::size_t(shape.mesh)];
+    shape.weights = node.node->weights.empty() ? mesh.weights : node.node->weights;
+    shape.weights.resize(morph_targets(file_, *node.node), 0.0);
+    for (const double weight : shape.weights)
+        if (!std::isfinite(weight)) file_.fail(node.name + " has a weight of a morph target that is not finite");
+    if (std::all_of(shape.weights.begin(), shape.weights.end(), [](double w) { return w == 0; })) shape.weights.clear();
+    if (node.node->skin < 0) return shape;
+    const bool has_joints = std::all_of(mesh.primitives.begin(), mesh.primitives.end(), [](const auto& primitive) {
+        return primitive.attributes.count("JOINTS_0") > 0;
+    });
+    if (has_joints) shape.skin = node.node->skin;
+    without_joints_ += !has_joints;
+    return shape;
 }
 
-std::vector<Mesh> Loader::read_mesh(std::size_t index) {
+/// What follows joints is put where these are: the node's own transform does not count (section 3.7.3.3).
+std::vector<PlacedShape> Loader::place_shapes(const std::vector<PlacedNode>& nodes) {
+    std::vector<PlacedShape> placed;
+    for (const PlacedNode& node : nodes) {
+        if (node.node->mesh < 0) continue;
+        const Shape shape = shape_of(node);
+        const bool skinned = shape.skin >= 0;
+        for (const glm::dmat4& world : skinned ? std::vector(1, glm::dmat4(1.0)) : placements_of(file_, node)) {
+            if (!check_transform(world, node.name, file_)) continue;
+            auto& [key, use] = *shapes_.try_emplace(shape).first;
+            ++use.count;
+            placed.push_back({&key, world});
+        }
+    }
+    return placed;
+}
+
+std::vector<Mesh> Loader::read_shape(const Shape& shape) {
+    const auto index = std::size_t(shape.mesh);
     const tinygltf::Mesh& source = file_.model.meshes[index];
+    GltfPose pose;
+    pose.weights = shape.weights;
+    if (shape.skin >= 0) {
+        if (transforms_.empty()) transforms_ = all_transforms(file_);
+        pose.joints = read_skin(file_, std::size_t(shape.skin), transforms_);
+    }
     std::vector<Mesh> meshes;
     for (std::size_t i = 0; i < source.primitives.size(); ++i) {
-        const int material = source.primitives[i].material;
-        const std::uint32_t used = materials_.index_of(material, gltf_name("mesh", source.name, index));
+        const std::uint32_t used =
+            materials_.index_of(material_of(source.primitives[i]), gltf_name("mesh", source.name, index));
         const Material& m = scene_.materials[used];
         const bool tangents = m.normal_map.used() || m.clearcoat_normal_map.used() || m.anisotropy > 0.f;
-        if (std::optional<Mesh> mesh = read_primitive(file_, index, i, used, tangents, left_out_))
+        if (std::optional<Mesh> mesh = read_primitive(file_, index, i, used, tangents, pose, left_out_))
             meshes.push_back(*std::move(mesh));
     }
     return meshes;
 }
 
-/// Two levels cost time, which a scene asks for only where a mesh is used twice; otherwise all are put where they
+/// Two levels cost time, which a scene asks for only where a shape is used twice; otherwise all are put where they
 /// stand.
-void Loader::add_meshes(const std::vector<PlacedNode>& nodes) {
-    const std::vector<const PlacedNode*> users = nodes_with_meshes(nodes);
-    const bool instances = std::any_of(uses_.begin(), uses_.end(), [](std::uint32_t uses) { return uses > 1; });
-    std::vector<bool> is_read(uses_.size(), false);
-    for (const PlacedNode* node : users) {
-        const auto index = std::size_t(node->node->mesh);
-        if (!is_read[index]) {
-            is_read[index] = true;
-            for (Mesh& mesh : read_mesh(index)) {
-                primitives_[index].push_back(std::uint32_t(scene_.meshes.size()));
-                scene_.meshes.push_back(instances ? std::move(mesh) : transformed(std::move(mesh), node->world));
+void Loader::add_meshes(const std::vector<PlacedShape>& shapes) {
+    const bool instances =
+        std::any_of(shapes_.begin(), shapes_.end(), [](const auto& shape) { return shape.second.count > 1; });
+    for (const auto& [shape, world] : shapes) {
+        std::optional<std::vector<std::uint32_t>>& known = shapes_[*shape].meshes;
+        if (!known) {
+            known.emplace();
+            for (Mesh& mesh : read_shape(*shape)) {
+                known->push_back(std::uint32_t(scene_.meshes.size()));
+                scene_.meshes.push_back(instances ? std::move(mesh) : transformed(std::move(mesh), world));
             }
         }
-        for (const std::uint32_t mesh : primitives_[index])
-            if (instances) scene_.instances.push_back({mesh, glm::mat4(node->world), {}});
+        for (const std::uint32_t mesh : *known)
+            if (instances) scene_.instances.push_back({mesh, glm::mat4(world), {}});
     }
 }
 
-void Loader::warn(const std::vector<PlacedNode>& nodes) {
-    std::size_t skinned = 0;
-    for (const PlacedNode& node : nodes) skinned += node.node->skin >= 0;
+void Loader::warn() {
     warn_if(left_out_.not_triangles, "primitives of points or lines are left out");
     warn_if(left_out_.without_positions, "primitives without positions are left out");
     warn_if(left_out_.with_clamped_colors, "primitives have colours at vertices beyond 0..1: they are clamped");
-    warn_if(left_out_.with_targets, "primitives have morph targets, which are left out");
-    warn_if(skinned, "nodes have skins: they are shown as they were before skinning");
-    warn_if(file_.model.animations.size(), "animations are left out");
-    warn_if(cameras_left_out_, "cameras are left out: the first perspective one is used");
+    warn_if(without_joints_, "nodes have skins, but their meshes have no joints: they stand where the nodes do");
 }
 
 }  // namespace
 
-Scene load_gltf_without_light(const std::filesystem::path& path, Warnings& warnings) try {
+Scene load_gltf_without_light(const std::filesystem::path& path, Warnings& warnings, const LoadOptions& options) try {
     Scene scene;
     scene.name = path.stem().string();
-    const GltfFile file = read_gltf(path, warnings);
-    Loader(file, scene, warnings).load();
+    GltfFile file = read_gltf(path, warnings);
+    pose(file, options, warnings);
+    Loader(file, options, scene, warnings).load();
     if (scene.meshes.empty()) file.fail("it holds no triangle", "claray needs a mesh that a node of its scene uses");
     try {
         validate(scene);

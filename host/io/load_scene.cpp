@@ -6,14 +6,37 @@
 
 namespace claray {
 
-LoadedScene load_without_light(const std::string& name_or_path, Warnings& warnings) {
-    if (std::optional<Scene> scene = builtin_scene(name_or_path)) return {*std::move(scene), false};
+namespace {
+
+/// Throws where something is chosen of what holds no choice.
+void refuse_choice(const std::string& name, const LoadOptions& options) {
+    const auto refuse = [&](bool chosen, const char* what) {
+        if (chosen)
+            throw Error(ErrorKind::usage, "'" + name + "' has no " + what + " to choose from",
+                        "leave that out, only glTF files have them");
+    };
+    refuse(options.time.has_value() || !options.animation.empty(), "animations");
+    refuse(!options.variant.empty(), "variants of materials");
+    refuse(!options.camera.empty(), "cameras");
+    refuse(!options.scene.empty(), "scenes");
+}
+
+}  // namespace
+
+LoadedScene load_without_light(const std::string& name_or_path, Warnings& warnings, const LoadOptions& options) {
+    if (std::optional<Scene> scene = builtin_scene(name_or_path)) {
+        refuse_choice(name_or_path, options);
+        return {*std::move(scene), false};
+    }
     const std::filesystem::path path(name_or_path);
     std::string extension = path.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
                    [](unsigned char c) { return std::tolower(c); });
-    if (extension == ".obj") return {load_obj_without_light(path, warnings), true};
-    if (extension == ".gltf" || extension == ".glb") return {load_gltf_without_light(path, warnings), true};
+    if (extension == ".obj") {
+        refuse_choice(name_or_path, options);
+        return {load_obj_without_light(path, warnings), true};
+    }
+    if (extension == ".gltf" || extension == ".glb") return {load_gltf_without_light(path, warnings, options), true};
 
     std::error_code unreadable;
     if (std::filesystem::is_regular_file(path, unreadable))

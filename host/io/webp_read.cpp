@@ -8,7 +8,9 @@
 
 namespace claray {
 
-bool is_webp(std::string_view bytes) { return bytes.size() >= 12 && bytes.substr(0, 4) == "RIFF" && bytes.substr(8, 4) == "WEBP"; }
+bool is_webp(std::string_view bytes) {
+    return bytes.size() >= 12 && bytes.substr(0, 4) == "RIFF" && bytes.substr(8, 4) == "WEBP";
+}
 
 #if CLARAY_WITH_WEBP
 namespace {

@@ -51,6 +51,7 @@ constexpr std::array rows = {
     Row{Effect::environment, "environment", "ENVIRONMENT", 0, shade},
     Row{Effect::depth_of_field, "depth-of-field", "DEPTH_OF_FIELD", 0, generate},
     Row{Effect::camera_motion, "camera-motion", "CAMERA_MOTION", 0, generate},
+    Row{Effect::orthographic, "orthographic", "ORTHOGRAPHIC", 0, generate | shade},
     Row{Effect::instances, "instances", nullptr, 0, 0},
     Row{Effect::instance_motion, "instance-motion", nullptr, 0, 0},
     Row{Effect::vertex_colors, "vertex-colors", "VERTEX_COLORS", 0, shade | aovs},

@@ -92,9 +92,10 @@ private:
         add(images, strength, rotation);
     }
     void put(const Camera& camera) {
-        const auto& [position, target, up, vertical_fov, aperture_radius, focus_distance, position_end, target_end] =
-            camera;
-        add(position, target, up, vertical_fov, aperture_radius, focus_distance, position_end, target_end);
+        const auto& [position, target, up, vertical_fov, aperture_radius, focus_distance, position_end, target_end,
+                     orthographic_height] = camera;
+        add(position, target, up, vertical_fov, aperture_radius, focus_distance, position_end, target_end,
+            orthographic_height);
     }
     void put(const Scene& scene) {
         const auto& [name, meshes, instances, materials, textures, lights, sky, environment, camera] = scene;

@@ -55,6 +55,14 @@ void check_view(const glm::dvec3& view, const glm::dvec3& change, const glm::dve
                "choose another up, such as 0,0,1");
 }
 
+void check_projection(const Camera& camera) {
+    if (!(camera.orthographic_height >= 0.f) || std::isinf(camera.orthographic_height))
+        refuse("the orthographic height is negative or not finite",
+               "give the height of the image, or 0 for perspective");
+    if (!(camera.vertical_fov > 0.f && camera.vertical_fov < 180.f))
+        refuse("the field of view is not between 0 and 180 degrees", "40 is a good start");
+}
+
 void check_lens(const Camera& camera) {
     if (!(camera.aperture_radius >= 0.f) || std::isinf(camera.aperture_radius))
         refuse("the aperture is negative or not finite", "give the radius of the lens, or 0 for a pinhole");
@@ -75,8 +83,7 @@ CameraData camera_data(const Camera& camera, float aspect) {
     if (!finite(camera.position) || !finite(camera.target) || !finite(camera.up) || !finite(position_end) ||
         !finite(target_end))
         refuse("a coordinate is not finite", "give three numbers each for position, target and up");
-    if (!(camera.vertical_fov > 0.f && camera.vertical_fov < 180.f))
-        refuse("the field of view is not between 0 and 180 degrees", "40 is a good start");
+    check_projection(camera);
     if (!(aspect > 0.f) || std::isinf(aspect))
         refuse("the aspect ratio is not positive", "give a size of at least 1x1");
     check_lens(camera);
@@ -89,15 +96,43 @@ CameraData camera_data(const Camera& camera, float aspect) {
     const glm::dvec3 forward = view / distance;
     const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(camera.up)));
 
-    const double half_height = std::tan(0.5 * glm::radians(double(camera.vertical_fov)));
+    const bool orthographic = camera.orthographic_height > 0.f;
+    const double half_height = orthographic ? 0.5 * double(camera.orthographic_height)
+                                            : std::tan(0.5 * glm::radians(double(camera.vertical_fov)));
     const glm::vec3 f(forward), r(right * (half_height * aspect)), u(glm::cross(right, forward) * half_height);
     const glm::vec3 m(move), v(view), w(view_move), a(glm::normalize(glm::dvec3(camera.up)));
     const glm::vec3& p = camera.position;
     const bool follows_target = camera.focus_distance == 0.f;
     const float focus = !follows_target ? camera.focus_distance : moves(camera) ? 0.f : float(distance);
-    return {
-        p.x, p.y, p.z, f.x, f.y, f.z, r.x, r.y, r.z, u.x, u.y, u.z, camera.aperture_radius,      focus,
-        m.x, m.y, m.z, v.x, v.y, v.z, w.x, w.y, w.z, a.x, a.y, a.z, float(half_height * aspect), float(half_height)};
+    return {p.x,
+            p.y,
+            p.z,
+            f.x,
+            f.y,
+            f.z,
+            r.x,
+            r.y,
+            r.z,
+            u.x,
+            u.y,
+            u.z,
+            camera.aperture_radius,
+            focus,
+            m.x,
+            m.y,
+            m.z,
+            v.x,
+            v.y,
+            v.z,
+            w.x,
+            w.y,
+            w.z,
+            a.x,
+            a.y,
+            a.z,
+            float(half_height * aspect),
+            float(half_height),
+            orthographic ? 1u : 0u};
 }
 
 }  // namespace claray

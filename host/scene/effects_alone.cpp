@@ -234,6 +234,7 @@ constexpr std::array alone = {
               s.camera->position_end = s.camera->position + glm::vec3(0.25f, 0.f, 0.f);
               s.camera->target_end = s.camera->target + glm::vec3(0.25f, 0.f, 0.f);
           }},
+    Alone{"orthographic", [](Scene& s) { s.camera->orthographic_height = 3.2f; }},
     Alone{"instances", make_instances},
     Alone{"instance-motion", make_instance_move},
 };

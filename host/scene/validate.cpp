@@ -238,6 +238,7 @@ void check_camera(const Camera& camera) {
     const Check check("camera");
     check.sound(sound(camera.aperture_radius), "aperture radius");
     check.sound(sound(camera.focus_distance), "focus distance");
+    check.sound(sound(camera.orthographic_height), "orthographic height");
     check.finite(!camera.position_end || finite(*camera.position_end), "position when the shutter closes");
     check.finite(!camera.target_end || finite(*camera.target_end), "target when the shutter closes");
 }

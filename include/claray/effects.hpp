@@ -53,7 +53,8 @@ enum class Effect : std::uint8_t {
     sheen,
     anisotropy,
     iridescence,
-    layered_coat
+    layered_coat,
+    orthographic
 };
 
 class EffectSet {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,16 @@ namespace claray {
 /// What a loader noticed and mended: lines for the user.
 using Warnings = std::vector<std::string>;
 
+/// What to load of a file that holds more than one picture; of the formats that are read, glTF does. A choice is a name
+/// or, where nothing has that name, an index that counts from 0. Empty: what the member says.
+struct LoadOptions {
+    std::optional<double> time;  ///< seconds from an animation's begin; empty: nothing is animated
+    std::string animation;       ///< the first; "all": all of them at once
+    std::string variant;         ///< of KHR_materials_variants; the default materials
+    std::string camera;          ///< a camera, or a node that has one; the first in the scene
+    std::string scene;           ///< the file's default, else its first
+};
+
 /// Loads a Wavefront OBJ with its MTL and the images that used materials name. Polygons become triangles, negative
 /// indices are resolved, faces of one group or object are one mesh. docs/formats.md says what each MTL key becomes. A
 /// missing MTL is a warning and gives grey Lambert. Throws ErrorKind::user naming the file (and line, where known) for
@@ -20,15 +31,18 @@ using Warnings = std::vector<std::string>;
 /// outside the OBJ's folder.
 [[nodiscard]] Scene load_obj(const std::filesystem::path& path, Warnings& warnings);
 
-/// Loads glTF 2.0, as text (.gltf) or binary (.glb): triangles, the node hierarchy, the first camera, punctual lights,
-/// metallic-roughness materials with the extensions in docs/formats.md, and the images that used materials name. Meshes
-/// that no node uses twice are placed in the world; otherwise Scene::instances places them. What is left out is warned
-/// of. Throws ErrorKind::user naming the file and the object for whatever the format forbids, an extension that is
-/// required and unknown, and an image or buffer that is missing, broken, too large or outside the file's folder.
-[[nodiscard]] Scene load_gltf(const std::filesystem::path& path, Warnings& warnings);
+/// Loads glTF 2.0, as text (.gltf) or binary (.glb): triangles, the node hierarchy at a time of an animation, skins and
+/// morph targets, a camera, punctual lights, metallic-roughness materials with the extensions in docs/formats.md, and
+/// the images that used materials name. Meshes that no node uses twice are placed in the world; otherwise
+/// Scene::instances places them. What is left out is warned of. Throws ErrorKind::usage, with the names that the file
+/// has, for a choice that is none of them; ErrorKind::user naming the file and the object for whatever the format
+/// forbids, an extension that is required and unknown, and an image or buffer that is missing, broken, too large or
+/// outside the file's folder.
+[[nodiscard]] Scene load_gltf(const std::filesystem::path& path, Warnings& warnings, const LoadOptions& options = {});
 
-/// A built-in scene by name, or else a file by its extension (.obj, .gltf, .glb).
-[[nodiscard]] Scene load_scene(const std::string& name_or_path, Warnings& warnings);
+/// A built-in scene by name, or else a file by its extension (.obj, .gltf, .glb). Throws ErrorKind::usage for options
+/// that the format has no choice for.
+[[nodiscard]] Scene load_scene(const std::string& name_or_path, Warnings& warnings, const LoadOptions& options = {});
 
 /// Which sides of surfaces are there.
 enum class Culling {

@@ -141,6 +141,9 @@ struct Camera {
     float aperture_radius = 0.f;  ///< of a thin lens; 0: a pinhole
     float focus_distance = 0.f;   ///< of the plane that is sharp, along the view; 0: the target's
     std::optional<glm::vec3> position_end = {}, target_end = {};  ///< when the shutter closes, where the camera moves
+    /// Of the image, in units of the scene: all rays are parallel then and begin in the plane through the position, and
+    /// `vertical_fov` is not used. 0: perspective.
+    float orthographic_height = 0.f;
 };
 
 /// A mesh placed in the scene.
@@ -172,7 +175,8 @@ struct Scene {
 [[nodiscard]] Camera automatic_camera(const Bounds& bounds, float vertical_fov = 40.f, float aspect = 1.f);
 
 /// Camera as kernels read it. `aspect` = width / height. Throws ErrorKind::usage where at some time the position is the
-/// target or `up` is parallel to the view, the angle is outside (0, 180), or the lens is no lens.
+/// target or `up` is parallel to the view, the angle is outside (0, 180), the orthographic height is negative or not
+/// finite, or the lens is no lens.
 [[nodiscard]] CameraData camera_data(const Camera& camera, float aspect);
 /// Whether it moves while the shutter is open.
 [[nodiscard]] bool moves(const Camera& camera);

@@ -90,7 +90,7 @@ TEST(OptionRules, WhatWouldDoNothingIsRefused) {
     const std::vector<std::pair<std::vector<std::string>, std::string>> cases = {
         {{"render", "cornell", "-o", image, "--focus-distance", "2"}, "--focus-distance does nothing without a lens"},
         {{"render", "cornell", "-o", image, "--checkpoint-every", "2s"}, "nothing without --checkpoint"},
-        {{"render", "cornell", "-o", image, "--frames", "2"}, "--frames does nothing without --fps"},
+        {{"render", "cornell", "-o", image, "--frames", "2"}, "'2' is no range of frames"},
         {{"render", "cornell", "-o", image, "--sky", "1", "--environment", "a.hdr"},
          "--sky and --environment contradict"},
         {{"render", "cornell", "--fps", "5", "--exposure", "1"}, "--exposure does nothing without --output"},

@@ -102,7 +102,7 @@ TEST_F(Target, BadInput) {
     for (const char* other : {"--spp", "--time", "--error", "--noise", "--checkpoint", "--resume"})
         EXPECT_TRUE(failed_with(render({"--fps", "1", other, "1"}), 2, std::string("--fps and ") + other)) << other;
     EXPECT_TRUE(failed_with(render({"--fps", "0"}), 2, "--fps: '0' is not a number of more than 0"));
-    EXPECT_TRUE(failed_with(render({"--frames", "3"}), 2, "--frames does nothing without --fps"));
+    EXPECT_TRUE(failed_with(render({"--frames", "3"}), 2, "'3' is no range of frames"));
     EXPECT_TRUE(failed_with(run_claray({"render", "hills"}), 2, "--output is required"));
     EXPECT_TRUE(failed_with(render({"--fps", "1000000"}), 1, "1e+06 frames a second can't be reached: one sample"));
     EXPECT_FALSE(std::filesystem::exists(path("a.pfm")));

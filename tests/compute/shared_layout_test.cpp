@@ -93,6 +93,7 @@ const Field fields[] = {
     FIELD(CameraData, aperture),
     FIELD(CameraData, view_z),
     FIELD(CameraData, half_height),
+    FIELD(CameraData, orthographic),
     FIELD(SkyData, horizon_r),
     FIELD(SkyData, zenith_b),
     FIELD(PathState, pdf),

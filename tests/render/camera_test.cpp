@@ -139,6 +139,56 @@ TEST(ThinLens, PlaneInFocusIsThePinholes) {
     }
 }
 
+/// An image 4 high of 16 pixels: the rectangle's edges are those of pixels, at any distance.
+TEST(Orthographic, ShowsSizesAtAnyDistance) {
+    for (const float z : {-1.f, -700.f}) {
+        Scene scene;
+        scene.materials = {emitter(3.f)};
+        scene.meshes = {rectangle(-1.f, -0.5f, 0.5f, 1.f, z)};
+        scene.camera = small_camera();
+        scene.camera->orthographic_height = 4.f;
+        const RenderConfig config{.width = 24, .height = 16, .spp = 4, .max_depth = 1};
+        const std::vector<glm::vec3> image = render_image(scene, config);
+        const Aovs aovs = Renderer(device(), scene, config).aovs();
+        for (unsigned y = 0; y < 16; ++y)
+            for (unsigned x = 0; x < 24; ++x) {
+                const bool inside = x >= 8 && x < 14 && y >= 4 && y < 10;
+                ASSERT_EQ(image[24 * y + x].x, inside ? 3.f : 0.f) << x << ' ' << y;
+                if (inside) ASSERT_EQ(aovs.depth[24 * y + x], -z);
+            }
+    }
+}
+
+/// A point at distance z becomes a disc of radius aperture * |1 - z/focus|, evenly bright and of the same energy.
+TEST(Orthographic, CircleOfConfusionHasItsRadiusAndEnergy) {
+    constexpr double aperture = 0.5, source = 0.1, radiance = 7;
+    struct Place {
+        double z, focus;
+    };
+    for (const Place place : {Place{2, 4}, {5, 4}, {3, 3}}) {
+        Scene scene;
+        scene.materials = {emitter(float(radiance))};
+        scene.meshes = {disc(float(source), float(-place.z))};
+        scene.camera = small_camera();
+        scene.camera->orthographic_height = 1.f;
+        scene.camera->aperture_radius = aperture;
+        scene.camera->focus_distance = float(place.focus);
+        const unsigned side = 64;
+        const std::vector<glm::vec3> image =
+            render_image(scene, {.width = side, .height = side, .spp = 256, .max_depth = 1});
+        const double radius = aperture * std::abs(1 - place.z / place.focus), pixel = 1.0 / side;
+        double energy = 0, moment = 0;
+        for (unsigned i = 0; i < side * side; ++i) {
+            const double r = std::hypot((i % side + 0.5) * pixel - 0.5, (i / side + 0.5) * pixel - 0.5);
+            energy += image[i].x * pixel * pixel;
+            moment += image[i].x * pixel * pixel * r * r;
+        }
+        SCOPED_TRACE(testing::Message() << "distance " << place.z << ", focus " << place.focus);
+        EXPECT_NEAR(energy / (radiance * pi * source * source), 1, 0.005);
+        EXPECT_NEAR(std::sqrt(2 * (moment / energy - pixel * pixel / 6)), std::hypot(radius, source), 0.001);
+    }
+}
+
 /// The mean of every column of the image.
 std::vector<double> column_means(const std::vector<glm::vec3>& image, unsigned width) {
     std::vector<double> means(width);
@@ -176,6 +226,26 @@ TEST(CameraMotion, AnEdgeBecomesALinearRamp) {
             const double sigma = std::sqrt(std::max(0.0, expected * (1 - expected)) / (height * spp));
             EXPECT_NEAR(means[i], expected, (sampler == Sampler::sobol ? 1 : 3) * sigma + 1e-6) << "column " << i;
         }
+    }
+}
+
+/// Its rays go along the view from the plane through its position, wherever that looks and however it moves.
+TEST(Orthographic, MovesLikeAnyOther) {
+    Scene scene;
+    scene.materials = {emitter(1.f)};
+    scene.meshes = {rectangle(0.f, -5.f, 5.f, 5.f, -2.f)};
+    scene.camera = small_camera();
+    scene.camera->orthographic_height = 0.4f;
+    scene.camera->position_end = glm::vec3(0.15f, 0, 0);  // the edge runs to the left by 0.15
+    scene.camera->target_end = glm::vec3(0.15f, 0, -1);
+    const unsigned width = 40, height = 20, spp = 64;
+    const std::vector<double> means =
+        column_means(render_image(scene, {.width = width, .height = height, .spp = spp, .max_depth = 1}), width);
+    for (unsigned i = 0; i < width; ++i) {
+        const double a = (i * 2.0 / width - 1) * 0.4, b = ((i + 1) * 2.0 / width - 1) * 0.4;
+        const double expected = mean_of_ramp(a, b, -0.15, 0);
+        EXPECT_NEAR(means[i], expected, std::sqrt(std::max(0.0, expected * (1 - expected)) / (height * spp)) + 1e-6)
+            << "column " << i;
     }
 }
 

@@ -257,6 +257,23 @@ TEST(Footprint, PicksTheLevelWhoseTexelsArePixels) {
     for (unsigned i = 32 * 15; i < 32 * 17; ++i) ASSERT_NEAR(image[i].x, i % 2 ? 0.75f : 0.25f, 0.03f) << i;
 }
 
+/// The same stripes at any distance: parallel rays have the footprint of a pixel everywhere.
+TEST(Footprint, OfParallelRaysIsThatOfAPixel) {
+    Scene scene;
+    scene.textures = {float_texture({64, 64}, [](double u, double) { return int(u * 32) % 2; })};
+    scene.textures[0].filter = Filter::trilinear;
+    scene.materials = {emitter(1.f)};
+    scene.materials[0].emission_map.texture = 0;
+    scene.meshes = {mapped_square()};
+    for (const float distance : {0.5f, 40.f}) {
+        scene.camera = Camera{{0, distance, 0}, {0, 0, 0}, {0, 0, -1}};
+        scene.camera->orthographic_height = 2.f;
+        const auto image = render_image(scene, {.width = 32, .height = 32, .spp = 64, .max_depth = 1});
+        for (unsigned i = 32 * 15; i < 32 * 17; ++i)
+            ASSERT_NEAR(image[i].x, i % 2 ? 0.75f : 0.25f, 0.03f) << i << " from " << distance;
+    }
+}
+
 /// Near by, the finest level is seen: mip maps change nothing where a texel is larger than a pixel.
 TEST(Footprint, NearbyTexelsStaySharp) {
     Texture t = random_texture({8, 8}, 3, TexelFormat::float32, 9);

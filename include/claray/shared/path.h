@@ -38,7 +38,7 @@ typedef struct FrameData {
     uint seed;
     uint max_depth;  // surfaces that scatter, at most
 } FrameData;
-CLARAY_LAYOUT(FrameData, 212)
+CLARAY_LAYOUT(FrameData, 216)
 
 /// A sum of colours in two parts: their own sum is the value.
 typedef struct ColorSum {

@@ -164,7 +164,8 @@ typedef struct LightsData {
 CLARAY_LAYOUT(LightsData, 60)
 
 /// A pinhole camera or a thin lens, as the shutter opens. `right` and `up` span half the image plane at distance 1
-/// along `forward`. What follows `aperture` is read under DEPTH_OF_FIELD, what follows `move` under CAMERA_MOTION.
+/// along `forward`; of an orthographic camera, half the image plane through the position, where its rays begin. What
+/// follows `aperture` is read under DEPTH_OF_FIELD, what follows `move` under CAMERA_MOTION, the last under ORTHOGRAPHIC.
 typedef struct CameraData {
     float x, y, z;
     float forward_x, forward_y, forward_z;
@@ -177,8 +178,9 @@ typedef struct CameraData {
     float view_move_x, view_move_y, view_move_z;  // its change until the shutter closes
     float above_x, above_y, above_z;              // unit direction that is up in the image
     float half_width, half_height;                // lengths of `right` and `up`
+    uint orthographic;                            // 1: all rays go along `forward`
 } CameraData;
-CLARAY_LAYOUT(CameraData, 112)
+CLARAY_LAYOUT(CameraData, 116)
 
 /// Radiance from where no surface is: from `horizon` (direction.y <= 0) to `zenith` (direction.y = 1), linear in y.
 typedef struct SkyData {
