@@ -8,6 +8,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/load.hpp"
 #include "host/cli/option_rules.hpp"
+#include "host/cli/outputs.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/render_options.hpp"
 
@@ -27,7 +28,7 @@ void bake(Options options) {
     if (extension != ".pfm" && extension != ".hdr")
         throw Error(ErrorKind::usage, "--output: '" + options.output.string() + "' can't hold irradiance",
                     "name a file .hdr or .pfm");
-    check_writable(options.output);
+    check_outputs({{"--output", options.output}}, {{"the scene", options.scene}});
     const Scene scene = load(options.scene, options.lights);
     options.config.uv_set = light_map_uv_set(scene, options.mesh);
     const InterruptGuard guard;

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "claray/error.hpp"
+#include "host/cli/messages.hpp"
 
 namespace claray::cli {
 namespace {
@@ -24,7 +24,7 @@ bool can_be_seen(const Mesh& mesh, const glm::uvec3& triangle) {
 }  // namespace
 
 void print_warnings(const Warnings& warnings) {
-    for (const std::string& warning : warnings) std::fprintf(stderr, "claray: warning: %s\n", warning.c_str());
+    for (const std::string& warning : warnings) print_warning(warning);
 }
 
 void refuse_unseen(const std::string& name, const Scene& scene) {

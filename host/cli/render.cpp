@@ -8,6 +8,7 @@
 #include "claray/renderer.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/load.hpp"
+#include "host/cli/messages.hpp"
 #include "host/cli/option_rules.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/render_options.hpp"
@@ -31,8 +32,8 @@ std::string this_program() {
 
 void warn_of_culled(const RenderProgress& progress) {
     if (progress.culled > 0)
-        std::fprintf(stderr, "claray: warning: triangles are left out that are not finite, huge, or without area: %u\n",
-                     progress.culled);
+        print_warning("triangles are left out that are not finite, huge, or without area: " +
+                      std::to_string(progress.culled));
 }
 
 /// Renders until a target is met or a signal comes.
@@ -54,7 +55,6 @@ Outcome run_renderer(const Device& device, Renderer& renderer, const RenderOptio
     return {progress, InterruptGuard::interrupted()};
 }
 
-/// What else is to be written is, before it is an error that the checkpoint could not.
 void refuse_lost_checkpoint(const Renderer& renderer) {
     const std::string error = renderer.statistics().checkpoint_error;
     if (!error.empty()) throw Error(ErrorKind::user, "the last checkpoint could not be written: " + error);
@@ -64,8 +64,8 @@ void refuse_lost_checkpoint(const Renderer& renderer) {
 void warn_of_picture_options(const RenderOptions& options) {
     const bool shaped = options.exposure != 0 || options.tone_map != RenderOptions{}.tone_map;
     if (shaped && !options.output.empty() && options.output.extension() != ".png")
-        print_warnings(
-            {"--exposure and --tone-map are of PNGs: '" + options.output.string() + "' holds the radiance as it is"});
+        print_warning("--exposure and --tone-map are of PNGs: '" + options.output.string() +
+                      "' holds the radiance as it is");
 }
 
 void render(const RenderOptions& options) {
@@ -87,14 +87,19 @@ void render(const RenderOptions& options) {
     Renderer renderer(device, scene, config);
 
     const Outcome outcome = run_renderer(device, renderer, options, plan ? &*plan : nullptr);
-    write_image(options.output, {options.config.width, options.config.height, renderer.image()}, options.exposure,
-                options.tone_map);
-    write_aovs(renderer, options);
-    if (!options.trace.empty()) write_trace(options.trace, device.profiler().records(), device.info().name);
+    Writes writes;
+    writes.attempt([&] {
+        write_image(options.output, {options.config.width, options.config.height, renderer.image()}, options.exposure,
+                    options.tone_map);
+    });
+    write_aovs(renderer, options, writes);
+    if (!options.trace.empty())
+        writes.attempt([&] { write_trace(options.trace, device.profiler().records(), device.info().name); });
     const TargetPlan* planned = plan ? &*plan : nullptr;
     options.json ? print_as_json(device, renderer, options, outcome, planned)
                  : print_as_text(device, renderer, options, outcome, planned);
-    refuse_lost_checkpoint(renderer);
+    writes.attempt([&] { refuse_lost_checkpoint(renderer); });
+    writes.finish();
     if (!outcome.interrupted) refuse_missed_error(config, outcome.progress);
 }
 

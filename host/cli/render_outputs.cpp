@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "claray/program.hpp"
+#include "host/cli/messages.hpp"
 #include "host/cli/render_targets.hpp"
 
 namespace claray::cli {
@@ -112,10 +113,10 @@ bool tells_plan(const RenderOptions& options) { return options.stats || !options
 
 }  // namespace
 
-void write_aovs(const Renderer& renderer, const RenderOptions& options) {
+void write_aovs(const Renderer& renderer, const RenderOptions& options, Writes& writes) {
     if (options.aovs.empty()) return;
     const Aovs aovs = renderer.aovs();
-    for (const std::string& name : options.aovs) write_aov(name, aovs, options);
+    for (const std::string& name : options.aovs) writes.attempt([&] { write_aov(name, aovs, options); });
 }
 
 void print_as_text(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,
@@ -134,8 +135,7 @@ void print_as_text(const Device& device, const Renderer& renderer, const RenderO
         std::printf("%s: %s\n", verdict, account_of(*plan, p).c_str());
     }
     if (p.dropped_samples > 0)
-        std::fprintf(stderr, "claray: warning: %llu samples were not finite and are left out\n",
-                     static_cast<unsigned long long>(p.dropped_samples));
+        print_warning(std::to_string(p.dropped_samples) + " samples were not finite and are left out");
 }
 
 void print_as_json(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,

@@ -3,12 +3,13 @@
 
 #include "claray/device.hpp"
 #include "claray/target.hpp"
+#include "host/cli/outputs.hpp"
 #include "host/cli/render_options.hpp"
 
 namespace claray::cli {
 
 /// Writes every auxiliary image that was asked for, in false colours (.png) and raw (.pfm).
-void write_aovs(const Renderer& renderer, const RenderOptions& options);
+void write_aovs(const Renderer& renderer, const RenderOptions& options, Writes& writes);
 
 /// How the render ended.
 struct Outcome {

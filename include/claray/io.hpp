@@ -7,11 +7,9 @@
 
 #include "claray/profiler.hpp"
 #include "claray/scene.hpp"
+#include "claray/warnings.hpp"
 
 namespace claray {
-
-/// What a loader noticed and mended: lines for the user.
-using Warnings = std::vector<std::string>;
 
 /// Loads a Wavefront OBJ with its MTL and the images that used materials name. Polygons become triangles, negative
 /// indices are resolved, faces of one group or object are one mesh. docs/formats.md says what each MTL key becomes. A
