@@ -407,8 +407,7 @@ void Reader::check_forward_references(Warnings& warnings) {
     const auto check_attribute = [&](const Largest& largest, std::size_t count, const char* kind, const char* all,
                                      int ObjCorner::*of) {
         if (count > 0 || (largest.index < 0 && largest.backwards.count == 0)) return check(largest, count, kind);
-        warnings.push_back("'" + path_.string() + "': faces refer to " + all +
-                           ", and there are none: they do without");
+        warnings.push_back("'" + path_.string() + "': faces refer to " + all + ", and there are none: they do without");
         for (ObjCorner& corner : file_.corners) corner.*of = -1;
     };
     check(positions_, file_.positions.size(), "vertex");
