@@ -45,21 +45,24 @@ struct LeftOut {
 };
 
 /// What a keyword at the beginning of a line asks for.
-enum class Statement { known, line_or_point, free_form, unknown };
+enum class Statement { known, line_or_point, free_form, smoothing, unknown };
 
-Statement statement_of(std::string_view keyword) {
+/// `rest`: what follows the keyword.
+Statement statement_of(std::string_view keyword, std::string_view rest) {
     const auto is_one_of = [&](std::initializer_list<std::string_view> words) {
         return std::find(words.begin(), words.end(), keyword) != words.end();
     };
-    // Behind "s": what says how others show it, and changes no surface.
-    if (is_one_of({"", "v", "vt", "vn", "f", "g", "o", "usemtl", "mtllib", "s", "mg", "lod", "bevel", "c_interp",
-                   "d_interp", "usemap", "maplib", "shadow_obj", "trace_obj"}))
+    // Behind "mtllib": what says how others show it, and changes no surface.
+    if (is_one_of({"", "v", "vt", "vn", "f", "g", "o", "usemtl", "mtllib", "mg", "lod", "bevel", "c_interp", "d_interp",
+                   "usemap", "maplib", "shadow_obj", "trace_obj"}))
         return Statement::known;
     if (is_one_of({"l", "p"})) return Statement::line_or_point;
     if (is_one_of({"vp", "cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv", "sp",
                    "end", "con", "ctech", "stech"}))
         return Statement::free_form;
-    return Statement::unknown;
+    if (keyword != "s") return Statement::unknown;
+    const std::string_view group = next_word(rest);
+    return group == "off" || group == "0" ? Statement::known : Statement::smoothing;
 }
 
 /// Hands a text to tinyobjloader line by line, so that callbacks know where they are. Lines that end in a backslash are
@@ -95,7 +98,7 @@ protected:
         if (bare_.line == 0 && (all == "v" || all == "vt" || all == "vn")) bare_ = {std::string(all), line_};
         std::string_view rest = all;
         const std::string_view keyword = next_word(rest);
-        if (const Statement kind = statement_of(keyword); kind != Statement::known)
+        if (const Statement kind = statement_of(keyword, rest); kind != Statement::known)
             left_out_[std::size_t(kind)].add(keyword, line_);
         return traits_type::to_int_type(data[begin]);
     }
@@ -115,7 +118,7 @@ private:
     std::string text_;
     std::size_t next_ = 0, line_ = 0;
     Bare bare_;
-    std::array<LeftOut, 4> left_out_;
+    std::array<LeftOut, 5> left_out_;
 };
 
 /// The names of a line that parts them by blanks, in which a backslash may stand before a blank that is part of a name.
@@ -425,6 +428,9 @@ void Reader::warn_of_left_out(Warnings& warnings) const {
     };
     warn(Statement::line_or_point, " is left out: lines and points are not shown, only faces");
     warn(Statement::free_form, " is left out: curves and surfaces of free form are not shown, only faces");
+    const auto is_flat = [](const ObjCorner& corner) { return corner.normal < 0; };
+    if (std::any_of(file_.corners.begin(), file_.corners.end(), is_flat))
+        warn(Statement::smoothing, " (a smoothing group) is left out: faces without normals are flat");
     warn(Statement::unknown, " is no statement of an OBJ: the line is left out");
 }
 

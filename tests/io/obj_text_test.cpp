@@ -154,6 +154,10 @@ TEST_F(ObjText, WhatIsAskedForInVainIsSaid) {
     EXPECT_TRUE(warned("line 5 (and 1 more): 'l' is left out: lines and points"));
     EXPECT_TRUE(warned("line 7: 'cstype' is left out"));
     EXPECT_TRUE(warned("line 8 (and 1 more): 'foo' is no statement of an OBJ"));
+    static_cast<void>(load(triangle + "s 1\nf 1 2 3\n"));
+    EXPECT_TRUE(warned("line 4: 's' (a smoothing group) is left out"));
+    static_cast<void>(load(triangle + "vn 0 0 1\ns 1\nf 1//1 2//1 3//1\n"));
+    EXPECT_TRUE(silent());
     static_cast<void>(load(triangle + "o a\ng b\ns off\nf 1 2 3\n"));
     EXPECT_TRUE(silent());
 }
