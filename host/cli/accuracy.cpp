@@ -20,6 +20,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/open_device.hpp"
 #include "host/cli/option_rules.hpp"
+#include "host/cli/outputs.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/render_options.hpp"
 #include "host/cli/table.hpp"
@@ -216,7 +217,20 @@ void write_maps(const Options& o, const std::vector<ErrorMap>& maps) {
         for (const Study& study : studies) print_study(study);
     std::fflush(stdout);
     const std::string share = std::to_string(studies.size()) + " of " + std::to_string(all) + " studies";
-    throw Error(error.kind(), std::string(error.what()) + "; " + share + " are done and shown, and no file is written");
+    const std::string_view text = error.what(), line = text.substr(0, text.find('\n')),
+                           report = text.substr(line.size());
+    throw Error(error.kind(), std::string(line), share + " are done and shown, and no file is written",
+                std::string(report.substr(report.empty() ? 0 : 1)));
+}
+
+/// All but the maps of single effects, whose names are known only later.
+std::vector<NamedFile> outputs_of(const Options& o, const std::vector<NamedStudy>& chosen) {
+    std::vector<NamedFile> outputs = {{"--csv", o.csv}, {"--html", o.html}, {"--svg", o.svg}};
+    if (!o.svgs.empty())
+        for (const NamedStudy& study : chosen)
+            outputs.push_back({"--svgs", o.svgs / (std::string(study.name) + ".svg")});
+    if (!o.maps.empty()) outputs.push_back({"--maps", o.maps / "noise.pfm"});
+    return outputs;
 }
 
 void accuracy(Options o) {
@@ -225,17 +239,11 @@ void accuracy(Options o) {
         if (std::none_of(chosen.begin(), chosen.end(), [](const NamedStudy& s) { return s.run == nullptr; }))
             throw Error(ErrorKind::usage, "--maps are made by the study effects", "add effects to --only");
         make_folder(o.maps);
-        check_file_writable(o.maps / "noise.pfm");
     }
-    for (const std::filesystem::path& path : {o.csv, o.html})
-        if (!path.empty()) check_file_writable(path);
     if (!o.svg.empty() && chosen.size() != 1)
         throw Error(ErrorKind::usage, "--svg is the plot of one study", "choose it by --only, or use --html");
-    if (!o.svg.empty()) check_file_writable(o.svg);
-    if (!o.svgs.empty()) {
-        make_folder(o.svgs);
-        check_file_writable(o.svgs / (std::string(chosen.front().name) + ".svg"));
-    }
+    if (!o.svgs.empty()) make_folder(o.svgs);
+    check_outputs(outputs_of(o, chosen), {{"the scene", o.scene}});
     if (o.quick) o.study.most_spp = std::min(o.study.most_spp, 32u), o.study.runs = std::min(o.study.runs, 3u);
     if (o.quick) o.study.rays = std::min<std::size_t>(o.study.rays, 1u << 16);
     if (o.quick)
@@ -259,22 +267,30 @@ void accuracy(Options o) {
     } catch (const Error& error) {
         refuse_incomplete(error, studies, chosen.size(), o, device);
     }
-    write_maps(o, maps);
+    Writes writes;
+    writes.attempt([&] { write_maps(o, maps); });
     const DeviceInfo& info = device.info();
     const std::string subtitle = o.scene + ", " + std::to_string(o.study.config.width) + "x" +
                                  std::to_string(o.study.config.height) + ", " + info.name + ", driver " + info.driver +
                                  ", " + today();
-    if (!o.csv.empty()) write_file(o.csv, csv_of(studies, info.name, info.driver, o.scene));
-    if (!o.html.empty()) write_file(o.html, html_of(studies, "What accuracy costs: " + o.scene, subtitle));
-    if (!o.svg.empty()) write_file(o.svg, svg_of(studies.front(), subtitle));
+    const auto write = [&](const std::filesystem::path& path, const std::string& text) {
+        writes.attempt([&] { write_file(path, text); });
+    };
+    if (!o.csv.empty()) write(o.csv, csv_of(studies, info.name, info.driver, o.scene));
+    if (!o.html.empty()) write(o.html, html_of(studies, "What accuracy costs: " + o.scene, subtitle));
+    if (!o.svg.empty()) write(o.svg, svg_of(studies.front(), subtitle));
     if (!o.svgs.empty())
-        for (const Study& study : studies) write_file(o.svgs / (study.name + ".svg"), svg_of(study, subtitle));
-    if (o.json) return print_json(studies, o, device);
+        for (const Study& study : studies) write(o.svgs / (study.name + ".svg"), svg_of(study, subtitle));
+    if (o.json) {
+        print_json(studies, o, device);
+        return writes.finish();
+    }
     std::printf("%s\n", subtitle.c_str());
     for (const Study& study : studies) print_study(study);
     const std::vector<std::string> summary = summary_of(studies);
     if (!summary.empty()) std::printf("\nWhat matters most\n");
     for (const std::string& fact : summary) std::printf("%s\n", fact.c_str());
+    writes.finish();
 }
 
 }  // namespace

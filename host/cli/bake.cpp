@@ -10,6 +10,7 @@
 #include "host/cli/load.hpp"
 #include "host/cli/open_device.hpp"
 #include "host/cli/option_rules.hpp"
+#include "host/cli/outputs.hpp"
 #include "host/cli/progress.hpp"
 #include "host/cli/render_options.hpp"
 
@@ -31,7 +32,7 @@ void bake(Options options) {
     if (extension != ".pfm" && extension != ".hdr")
         throw Error(ErrorKind::usage, "--output: '" + options.output.string() + "' can't hold irradiance",
                     "name a file .hdr or .pfm");
-    check_writable(options.output);
+    check_outputs({{"--output", options.output}}, {{"the scene", options.scene}});
     const Scene scene = load(options.scene, options.load, options.lights, options.surfaces);
     options.config.uv_set = light_map_uv_set(scene, options.mesh);
     const InterruptGuard guard;

@@ -12,6 +12,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/open_device.hpp"
 #include "host/cli/option_rules.hpp"
+#include "host/cli/outputs.hpp"
 #include "host/cli/render_options.hpp"
 #include "host/cli/table.hpp"
 #include "host/compute/file.hpp"
@@ -147,7 +148,7 @@ std::vector<Device> open_devices(const std::vector<std::string>& selectors) {
 }
 
 void run(const Options& options) {
-    if (!options.csv.empty()) check_file_writable(options.csv);
+    check_outputs({{"--csv", options.csv}});
     for (const std::string& name : options.bench.scenes) bench::check_scene_is_there(name);
     std::string csv = bench::bench_csv_header();
     nlohmann::ordered_json report = nlohmann::ordered_json::array();

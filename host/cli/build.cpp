@@ -10,6 +10,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/open_device.hpp"
 #include "host/cli/option_rules.hpp"
+#include "host/cli/outputs.hpp"
 #include "host/cli/table.hpp"
 #include "host/compute/file.hpp"
 #include "host/compute/memory.hpp"
@@ -122,7 +123,7 @@ void check_combinations(const CLI::App& command, const Options& options) {
 }
 
 void run(const Options& options) {
-    if (!options.output.empty()) check_file_writable(options.output);
+    check_outputs({{"--output", options.output}}, {{"the scene", options.scene}});
     const Device device = open_device(options.device);
     const Report report = make_report(device, options);
     options.json ? print_as_json(device, options, report) : print_as_text(device, options, report);

@@ -1,6 +1,4 @@
 // claray compile: kernels are compiled ahead.
-#include <unistd.h>
-
 #include <cstdio>
 #include <memory>
 
@@ -21,7 +19,6 @@ void compile(const CompileOptions& options) {
     const EffectSet effects = options.effects.empty() ? full_effects() : parse_effects(options.effects);
     compile_kernels(device, effects, options.config);
     if (options.and_generic) {
-        (void)::nice(10);  // nobody waits for these
         compile_kernels(device, full_effects(), options.config);
     }
     const CompileStatistics statistics = compile_statistics();

@@ -13,6 +13,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/open_device.hpp"
 #include "host/cli/option_rules.hpp"
+#include "host/cli/outputs.hpp"
 #include "host/cli/render_options.hpp"
 #include "host/cli/table.hpp"
 #include "host/cli/view_options.hpp"
@@ -171,7 +172,7 @@ void write_svg(const Explanation& x, const Options& o, const Device& device) {
 }
 
 void explain(const Options& options) {
-    if (!options.svg.empty()) check_file_writable(options.svg);
+    check_outputs({{"--svg", options.svg}}, {{"the scene", options.scene}});
     RenderConfig config = options.config;
     if (!options.effects.empty()) config.effects = parse_effect_overrides(options.effects);
     if (!config.effects.add.empty())

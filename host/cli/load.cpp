@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <set>
 
 #include "claray/error.hpp"
-#include "host/io/default_light.hpp"
+#include "host/cli/messages.hpp"
 #include "host/cli/option_rules.hpp"
+#include "host/io/default_light.hpp"
 
 namespace claray::cli {
 namespace {
@@ -27,9 +27,9 @@ bool can_be_seen(const Mesh& mesh, const glm::uvec3& triangle) {
 }  // namespace
 
 void print_warnings(const Warnings& warnings) {
-    static std::set<std::string> printed;
+    static std::set<std::string> printed;  // frames of an animation warn of the same things
     for (const std::string& warning : warnings)
-        if (printed.insert(warning).second) std::fprintf(stderr, "claray: warning: %s\n", warning.c_str());
+        if (printed.insert(warning).second) print_warning(warning);
 }
 
 void add_load_options(CLI::App& command, LoadOptions& o) {

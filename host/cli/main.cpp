@@ -1,39 +1,20 @@
 // claray: the program. Exit codes: 0 done, 1 input or environment, 2 command line, 3 OpenCL (see claray/error.hpp).
-#include <unistd.h>
+#include <pthread.h>
+#include <sys/resource.h>
 
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <new>
 
 #include "claray/error.hpp"
-#include "claray/io.hpp"
 #include "claray/program.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/messages.hpp"
 #include "host/cli/usage_error.hpp"
+#include "host/compute/message.hpp"
 
 namespace {
-
-/// What is to be reported of a device or a compiler has many lines: they go to a file, and the first line names it.
-std::string one_line(const std::string& message) {
-    const std::size_t end = message.find('\n');
-    if (end == std::string::npos) return message;
-    std::error_code no_folder;
-    const auto path =
-        std::filesystem::temp_directory_path(no_folder) / ("claray-" + std::to_string(::getpid()) + ".log");
-    try {
-        claray::write_file(path, message + "\n");
-        return message.substr(0, end) + "; the log is in " + path.string();
-    } catch (const claray::Error&) {
-        return message.substr(0, end) + "; the log could not be written to " + path.string();
-    }
-}
-
-int fail(claray::ErrorKind kind, const std::string& message) {
-    std::fprintf(stderr, "claray: error: %s\n", one_line(message).c_str());
-    return int(kind);
-}
 
 void flush_output() {
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
@@ -45,10 +26,8 @@ void flush_output() {
 void warn_of_lost_kernels() {
     const std::string error = claray::compile_statistics().cache_error;
     if (error.empty()) return;
-    std::fprintf(stderr,
-                 "claray: warning: compiled kernels are not kept for the next time: %s; set CLARAY_CACHE_DIR to a "
-                 "folder that you may write to\n",
-                 error.c_str());
+    claray::cli::print_warning("compiled kernels are not kept for the next time: " + error +
+                               "; set CLARAY_CACHE_DIR to a folder that you may write to");
 }
 
 int run(int argc, char** argv) {
@@ -78,25 +57,54 @@ int run(int argc, char** argv) {
         claray::cli::refuse_empty_values(app);
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-        return fail(claray::ErrorKind::usage, claray::cli::usage_error(app, argc, argv, error));
+        return claray::cli::print_error(claray::ErrorKind::usage,
+                                        claray::one_line(claray::cli::usage_error(app, argc, argv, error)));
     }
-    if (!action) return fail(claray::ErrorKind::usage, "a command is missing; see claray --help");
+    if (!action) return claray::cli::print_error(claray::ErrorKind::usage, "a command is missing; see claray --help");
     action();
     flush_output();
     warn_of_lost_kernels();
     return 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run_and_report(int argc, char** argv) {
     try {
         return run(argc, argv);
     } catch (const claray::Error& error) {
-        return fail(error.kind(), error.what());
+        return claray::cli::print_error(error.kind(), error.what());
     } catch (const std::bad_alloc&) {
-        return fail(claray::ErrorKind::user, "out of memory; use a smaller scene or image");
+        return claray::cli::print_error(claray::ErrorKind::user, "out of memory; use a smaller scene or image");
     } catch (const std::exception& error) {
-        return fail(claray::ErrorKind::device, error.what());
+        return claray::cli::print_error(claray::ErrorKind::device, error.what());
     }
 }
+
+/// Compilers of drivers go deep, and `ulimit -s` bounds the stack of the first thread only: on less than the usual 8
+/// MiB the program runs in a second one that has them.
+int run_with_enough_stack(int argc, char** argv) {
+    constexpr std::size_t enough = std::size_t(8) << 20;
+    struct rlimit limit = {};
+    if (::getrlimit(RLIMIT_STACK, &limit) != 0 || limit.rlim_cur >= enough) return run_and_report(argc, argv);
+    struct Call {
+        int argc;
+        char** argv;
+        int exit_code;
+    } call = {argc, argv, 0};
+    const auto start = [](void* data) -> void* {
+        Call& its = *static_cast<Call*>(data);
+        its.exit_code = run_and_report(its.argc, its.argv);
+        return nullptr;
+    };
+    pthread_attr_t attributes;
+    pthread_t thread;
+    const bool started = ::pthread_attr_init(&attributes) == 0 &&
+                         ::pthread_attr_setstacksize(&attributes, enough) == 0 &&
+                         ::pthread_create(&thread, &attributes, start, &call) == 0;
+    if (!started) return run_and_report(argc, argv);
+    ::pthread_join(thread, nullptr);
+    return call.exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) { return run_with_enough_stack(argc, argv); }

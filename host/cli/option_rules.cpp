@@ -75,15 +75,15 @@ CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
     return CLI::Validator(check, "");
 }
 
-CLI::Validator duration(double none) {
-    const auto parse = [none](std::string& text) {
+CLI::Validator duration() {
+    const auto parse = [](std::string& text) {
         static constexpr std::pair<const char*, double> units[] = {{"", 1},   {"us", 1e-6}, {"ms", 1e-3}, {"s", 1},
                                                                    {"m", 60}, {"min", 60},  {"h", 3600}};
         const std::size_t begin = std::min(text.find_first_not_of("+-.0123456789eE"), text.size());
         const auto value = parse_finite(text.substr(0, begin));
         const std::string unit = lower_case(text.substr(std::min(text.find_first_not_of(' ', begin), text.size())));
         for (const auto& [name, unit_seconds] : units) {
-            const double seconds = !value ? -1 : *value == 0 ? none : *value * unit_seconds;
+            const double seconds = value ? *value * unit_seconds : 0;
             if (seconds > 0 && unit == name) {
                 char decimal[32];
                 *std::to_chars(decimal, std::end(decimal) - 1, seconds).ptr = '\0';

@@ -30,9 +30,8 @@ template <class T>
 /// Refuses what is no decimal whole number in least..most.
 [[nodiscard]] CLI::Validator whole_number(std::uint64_t least,
                                           std::uint64_t most = std::numeric_limits<std::uint32_t>::max());
-/// Turns "500ms", "2s", "1.5min", "1m" and "2h", or a number of seconds, into seconds; more than 0, or 0
-/// where `none` is what it stands for.
-[[nodiscard]] CLI::Validator duration(double none = 0);
+/// Turns "500ms", "2s", "1.5min", "1m" and "2h", or a number of seconds, into seconds; more than 0.
+[[nodiscard]] CLI::Validator duration();
 
 /// Turns the name of a choice, in whatever case, into its number.
 [[nodiscard]] CLI::Validator choice_of(std::vector<std::pair<std::string, int>> choices);

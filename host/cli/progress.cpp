@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdlib>
+#include <cstring>
 #include <string>
 
 namespace claray::cli {
@@ -27,6 +29,16 @@ void handle(int signal_number, void (*handler)(int)) {
     action.sa_handler = handler;
     action.sa_flags = int(SA_RESETHAND | SA_RESTART);
     sigaction(signal_number, &action, nullptr);
+}
+
+/// All that ask the program to end. What `nohup` has set to be ignored stays so.
+void handle_all(void (*handler)(int)) {
+    for (const int signal_number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
+        struct sigaction now = {};
+        sigaction(signal_number, nullptr, &now);
+        if (signal_number == SIGHUP && now.sa_handler == SIG_IGN) continue;
+        handle(signal_number, handler);
+    }
 }
 
 std::string noise_text(const RenderProgress& progress) {
@@ -64,7 +76,9 @@ double fraction_done(const RenderProgress& progress, const RenderConfig& config)
 
 ProgressStyle progress_style(bool quiet) {
     if (quiet) return ProgressStyle::none;
-    return ::isatty(STDERR_FILENO) == 1 ? ProgressStyle::bar : ProgressStyle::lines;
+    const char* const terminal = std::getenv("TERM");
+    const bool erases_lines = terminal != nullptr && *terminal != '\0' && std::strcmp(terminal, "dumb") != 0;
+    return erases_lines && ::isatty(STDERR_FILENO) == 1 ? ProgressStyle::bar : ProgressStyle::lines;
 }
 
 void ProgressDisplay::show(const RenderProgress& progress) {
@@ -98,21 +112,14 @@ void ProgressDisplay::leave_line() {
     line_open_ = false;
 }
 
-void tell_of_signals_until_guarded() {
-    handle(SIGINT, tell_and_end);
-    handle(SIGTERM, tell_and_end);
-}
+void tell_of_signals_until_guarded() { handle_all(tell_and_end); }
 
 InterruptGuard::InterruptGuard() {
     interrupt_flag = 0;
-    handle(SIGINT, set_interrupt_flag);
-    handle(SIGTERM, set_interrupt_flag);
+    handle_all(set_interrupt_flag);
 }
 
-InterruptGuard::~InterruptGuard() {
-    handle(SIGINT, SIG_DFL);
-    handle(SIGTERM, SIG_DFL);
-}
+InterruptGuard::~InterruptGuard() { handle_all(SIG_DFL); }
 
 bool InterruptGuard::interrupted() { return interrupt_flag != 0; }
 

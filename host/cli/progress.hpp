@@ -16,7 +16,7 @@ enum class ProgressStyle {
     lines,  ///< a line now and then
     bar     ///< one line, drawn again and again
 };
-/// A bar on a terminal, lines where standard error goes elsewhere, nothing for the quiet.
+/// A bar on a terminal that can erase a line ($TERM), lines elsewhere, nothing for the quiet.
 [[nodiscard]] ProgressStyle progress_style(bool quiet);
 
 /// Shows how much is done, the time left, and the noise.
@@ -42,11 +42,11 @@ private:
     double next_line_ = 0;  // seconds
 };
 
-/// Before there is anything to save SIGINT and SIGTERM end the program as usual, even while a driver compiles, but not
-/// without a word.
+/// Before there is anything to save SIGINT, SIGTERM, SIGHUP and SIGQUIT end the program as usual, even while a driver
+/// compiles, but not without a word. SIGHUP stays ignored where it is.
 void tell_of_signals_until_guarded();
 
-/// From its construction on, SIGINT and SIGTERM only set a flag; a second one ends the program as usual.
+/// From its construction on these signals only set a flag; a second one of a kind ends the program as usual.
 class InterruptGuard {
 public:
     InterruptGuard();

@@ -8,6 +8,7 @@
 #include "claray/renderer.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/load.hpp"
+#include "host/cli/messages.hpp"
 #include "host/cli/open_device.hpp"
 #include "host/cli/option_rules.hpp"
 #include "host/cli/progress.hpp"
@@ -32,8 +33,8 @@ std::string this_program() {
 
 void warn_of_culled(const RenderProgress& progress) {
     if (progress.culled > 0)
-        std::fprintf(stderr, "claray: warning: triangles are left out that are not finite, huge, or without area: %u\n",
-                     progress.culled);
+        print_warning("triangles are left out that are not finite, huge, or without area: " +
+                      std::to_string(progress.culled));
 }
 
 /// Renders until a target is met or a signal comes.
@@ -55,29 +56,21 @@ Outcome run_renderer(const Device& device, Renderer& renderer, const RenderOptio
     return {progress, InterruptGuard::interrupted()};
 }
 
-/// A picture that is written.
-struct Picture {
-    Outcome outcome;
-    RenderConfig config;
-    std::string checkpoint_error;
-};
-
-/// Called last, so that other outputs are written before this is thrown.
-void refuse_failed(const Picture& picture) {
-    if (!picture.checkpoint_error.empty())
-        throw Error(ErrorKind::user, "the last checkpoint could not be written: " + picture.checkpoint_error);
-    if (!picture.outcome.interrupted) refuse_missed_error(picture.config, picture.outcome.progress);
+void refuse_lost_checkpoint(const Renderer& renderer) {
+    const std::string error = renderer.statistics().checkpoint_error;
+    if (!error.empty()) throw Error(ErrorKind::user, "the last checkpoint could not be written: " + error);
 }
 
 /// Scripts give one set of options for images of all kinds.
 void warn_of_picture_options(const RenderOptions& options) {
     const bool shaped = options.exposure != 0 || options.tone_map != RenderOptions{}.tone_map;
     if (shaped && !options.output.empty() && options.output.extension() != ".png")
-        print_warnings(
-            {"--exposure and --tone-map are of PNGs: '" + options.output.string() + "' holds the radiance as it is"});
+        print_warning("--exposure and --tone-map are of PNGs: '" + options.output.string() +
+                      "' holds the radiance as it is");
 }
 
-Picture render_picture(const Device& device, const Scene& scene, const RenderOptions& options) {
+/// False: it was interrupted.
+bool render_picture(const Device& device, const Scene& scene, const RenderOptions& options, Writes& writes) {
     RenderConfig config = options.config;
     if (!options.wait_for_kernels) config.compiler = this_program();
     std::optional<TargetPlan> plan;
@@ -88,30 +81,31 @@ Picture render_picture(const Device& device, const Scene& scene, const RenderOpt
     Renderer renderer(device, scene, config);
 
     const Outcome outcome = run_renderer(device, renderer, options, plan ? &*plan : nullptr);
-    write_picture(renderer.image(), options);
-    write_aovs(renderer, options);
-    if (!options.trace.empty()) write_trace(options.trace, device.profiler().records(), device.info().name);
+    writes.attempt([&] { write_picture(renderer.image(), options); });
+    write_aovs(renderer, options, writes);
+    if (!options.trace.empty())
+        writes.attempt([&] { write_trace(options.trace, device.profiler().records(), device.info().name); });
     const TargetPlan* planned = plan ? &*plan : nullptr;
     options.json ? print_as_json(device, renderer, options, outcome, planned)
                  : print_as_text(device, renderer, options, outcome, planned);
-    return {outcome, config, renderer.statistics().checkpoint_error};
+    writes.attempt([&] { refuse_lost_checkpoint(renderer); });
+    if (!outcome.interrupted) writes.attempt([&] { refuse_missed_error(config, outcome.progress); });
+    return !outcome.interrupted;
 }
 
 /// As one picture, whose kernels the device keeps for the others. Without a camera in the file, all are seen by the
 /// automatic one of the first.
-void render_animation(const Device& device, const RenderOptions& options) {
+void render_animation(const Device& device, const RenderOptions& options, Writes& writes) {
     std::optional<Camera> automatic;
-    std::vector<Picture> pictures;
-    for (unsigned frame = options.animation->first; frame <= options.animation->last; ++frame) {
+    bool goes_on = true;
+    for (unsigned frame = options.animation->first; goes_on && frame <= options.animation->last; ++frame) {
         RenderOptions one = options;
         one.output = numbered(options.output, frame);
         one.view.load.time = frame / options.frame_rate;
         tell_of_signals_until_guarded();
-        pictures.push_back(render_picture(device, load_for(one, &automatic), one));
+        goes_on = render_picture(device, load_for(one, &automatic), one, writes);
         std::fflush(stdout);
-        if (pictures.back().outcome.interrupted) break;
     }
-    for (const Picture& picture : pictures) refuse_failed(picture);
 }
 
 void check_all_outputs(const RenderOptions& options) {
@@ -130,10 +124,15 @@ void render(const RenderOptions& options) {
     device.profiler().enable(options.stats || options.json || !options.trace.empty());
     device.profiler().keep_records(!options.trace.empty());
     warn_of_picture_options(options);
-    if (options.animation) return render_animation(device, options);
-    const Scene scene = load_for(options, nullptr);
-    if (options.fps > 0) return run_frames(device, scene, options);
-    refuse_failed(render_picture(device, scene, options));
+    Writes writes;
+    if (options.animation) {
+        render_animation(device, options, writes);
+    } else {
+        const Scene scene = load_for(options, nullptr);
+        if (options.fps > 0) return run_frames(device, scene, options);
+        render_picture(device, scene, options, writes);
+    }
+    writes.finish();
 }
 
 void add_image_options(CLI::App& command, RenderOptions& o) {

@@ -2,7 +2,7 @@
 
 #include "claray/light_map.hpp"
 #include "host/cli/option_rules.hpp"
-#include "host/compute/file.hpp"
+#include "host/cli/outputs.hpp"
 
 namespace claray::cli {
 namespace {
@@ -43,29 +43,30 @@ std::pair<std::filesystem::path, std::filesystem::path> aov_paths(const std::fil
     return {stem + ".png", stem + ".pfm"};
 }
 
-/// What is written last would replace what was written before.
-void refuse_same_file(const RenderOptions& options) {
-    const std::pair<const char*, std::filesystem::path> outputs[] = {
-        {"--output", options.output}, {"--trace", options.trace}, {"--checkpoint", options.config.checkpoint}};
-    for (const auto& [option, path] : outputs)
-        for (const auto& [other, other_path] : outputs)
-            if (std::string_view(option) < other && !path.empty() &&
-                path.lexically_normal() == other_path.lexically_normal())
-                throw Error(ErrorKind::usage,
-                            std::string(option) + " and " + other + " name one file, '" + path.string() + "'",
-                            "give each its own");
+std::vector<NamedFile> outputs_of(const RenderOptions& options) {
+    std::vector<NamedFile> outputs = {
+        {"--output", options.output}, {"--checkpoint", options.config.checkpoint}, {"--trace", options.trace}};
+    for (const std::string& name : options.aovs) {
+        const auto [picture, raw] = aov_paths(options.output, name);
+        outputs.push_back({"--aov " + name, picture});
+        outputs.push_back({"--aov " + name, raw});
+    }
+    return outputs;
+}
+
+std::vector<NamedFile> inputs_of(const RenderOptions& options) {
+    std::vector<NamedFile> inputs = {{"the scene", options.scene}, {"--environment", options.view.lights.environment}};
+    for (const std::string& text : options.light_maps)
+        inputs.push_back({"--light-map", text.substr(text.find('=') + 1)});
+    return inputs;
 }
 
 void check_outputs(const RenderOptions& options) {
-    refuse_same_file(options);
-    if (!options.output.empty()) check_writable(options.output);
-    for (const std::string& name : options.aovs) {
-        const auto [picture, raw] = aov_paths(options.output, name);
-        check_writable(picture);
-        check_writable(raw);
-    }
-    if (!options.trace.empty()) check_file_writable(options.trace);
-    if (!options.config.checkpoint.empty()) check_file_writable(options.config.checkpoint);
+    const auto check_image = [](const std::filesystem::path& path) {
+        if (!path.empty()) check_writable(path);  // its extension, too
+    };
+    check_image(options.output);
+    check_outputs(outputs_of(options), inputs_of(options));
 }
 
 }  // namespace claray::cli

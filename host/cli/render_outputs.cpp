@@ -6,7 +6,7 @@
 
 #include "claray/program.hpp"
 #include "host/cli/brightness.hpp"
-#include "host/cli/load.hpp"
+#include "host/cli/messages.hpp"
 #include "host/cli/render_targets.hpp"
 
 namespace claray::cli {
@@ -128,13 +128,13 @@ void write_picture(const std::vector<glm::vec3>& pixels, const RenderOptions& op
                 options.tone_map);
     const bool is_png = options.output.extension() == ".png";
     if (const auto line = brightness_warning(pixels, is_png ? std::optional(options.exposure) : std::nullopt))
-        print_warnings({*line});
+        print_warning(*line);
 }
 
-void write_aovs(const Renderer& renderer, const RenderOptions& options) {
+void write_aovs(const Renderer& renderer, const RenderOptions& options, Writes& writes) {
     if (options.aovs.empty()) return;
     const Aovs aovs = renderer.aovs();
-    for (const std::string& name : options.aovs) write_aov(name, aovs, options);
+    for (const std::string& name : options.aovs) writes.attempt([&] { write_aov(name, aovs, options); });
 }
 
 void print_as_text(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,
@@ -154,8 +154,7 @@ void print_as_text(const Device& device, const Renderer& renderer, const RenderO
         std::printf("%s: %s\n", verdict, account_of(*plan, p).c_str());
     }
     if (p.dropped_samples > 0)
-        std::fprintf(stderr, "claray: warning: %llu samples were not finite and are left out\n",
-                     static_cast<unsigned long long>(p.dropped_samples));
+        print_warning(std::to_string(p.dropped_samples) + " samples were not finite and are left out");
 }
 
 void print_as_json(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,

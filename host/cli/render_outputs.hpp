@@ -3,6 +3,7 @@
 
 #include "claray/device.hpp"
 #include "claray/target.hpp"
+#include "host/cli/outputs.hpp"
 #include "host/cli/render_options.hpp"
 
 namespace claray::cli {
@@ -10,7 +11,7 @@ namespace claray::cli {
 /// Writes the image, and warns where it shows nothing.
 void write_picture(const std::vector<glm::vec3>& pixels, const RenderOptions& options);
 /// Writes every auxiliary image that was asked for, in false colours (.png) and raw (.pfm).
-void write_aovs(const Renderer& renderer, const RenderOptions& options);
+void write_aovs(const Renderer& renderer, const RenderOptions& options, Writes& writes);
 
 /// How the render ended.
 struct Outcome {

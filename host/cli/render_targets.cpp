@@ -12,9 +12,8 @@ namespace {
 
 constexpr unsigned most_spp = 1u << 24;
 
-/// For targets of 0, which can't be reached: what comes closest is told as for any other.
+/// For an error of 0, which can't be reached: what comes closest is told as for any other.
 constexpr const char* least_error = "1e-30";
-constexpr double least_seconds = 1e-9;
 
 CLI::Validator least_error_for_none() {
     return {[](std::string& text) {
@@ -33,7 +32,7 @@ void add_target_options(CLI::App& command, RenderOptions& o) {
         ->check(number_above("more than 0", 0, false))
         ->transform(least_error_for_none());
     command.add_option("--time", o.config.seconds, "Take as many samples as fit into this time: 500ms, 2s, 1m")
-        ->transform(duration(least_seconds))
+        ->transform(duration())
         ->type_name("TIME");
     command
         .add_option("--fps", o.fps, "Render frames at this rate with as many samples as fit, and tell how it was held")

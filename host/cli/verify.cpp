@@ -11,6 +11,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/open_device.hpp"
 #include "host/cli/option_rules.hpp"
+#include "host/cli/outputs.hpp"
 #include "host/cli/table.hpp"
 #include "host/cli/verify_html.hpp"
 #include "host/compute/file.hpp"
@@ -177,8 +178,7 @@ void compare(const Options& options, const VerifyOptions& how) {
 void verify(const Options& options) {
     if (options.list) return list_cases();
     const bool json_to_output = options.json == "-";
-    if (!options.json.empty() && !json_to_output) check_file_writable(options.json);
-    if (!options.html.empty()) check_file_writable(options.html);
+    check_outputs({{"--json", json_to_output ? "" : options.json}, {"--html", options.html}});
     VerifyOptions how = options.verify;
     how.effort = options.full ? Effort::full : Effort::quick;
     check_verify_cases(options.cases);
@@ -198,11 +198,12 @@ void verify(const Options& options) {
     });
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     const std::string json = json_of(device, options, results, seconds);
+    Writes writes;
     if (json_to_output)
         std::fputs(json.c_str(), stdout);
     else if (!options.json.empty())
-        write_file(options.json, json);
-    if (!options.html.empty()) write_file(options.html, html_of(device.info(), results));
+        writes.attempt([&] { write_file(options.json, json); });
+    if (!options.html.empty()) writes.attempt([&] { write_file(options.html, html_of(device.info(), results)); });
     const auto failed = std::count_if(results.begin(), results.end(), [](const VerifyResult& r) { return !r.holds(); });
     if (!json_to_output && failed == 0)
         std::printf(
@@ -219,6 +220,7 @@ void verify(const Options& options) {
                         device.info().name + ": " + which,
                     "don't trust this driver with them; the commands above run them again");
     }
+    writes.finish();
 }
 
 }  // namespace

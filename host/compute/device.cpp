@@ -7,6 +7,7 @@
 
 #include "host/compute/device_error.hpp"
 #include "host/compute/device_state.hpp"
+#include "host/compute/driver_setup.hpp"
 #include "host/compute/tuning.hpp"
 
 namespace claray {
@@ -59,14 +60,13 @@ DeviceInfo describe(const cl::Device& device, std::size_t index) {
 }
 
 std::vector<cl::Device> all_devices() {
+    set_up_drivers();
     std::vector<cl::Platform> platforms;
     try {
         cl::Platform::get(&platforms);
     } catch (const cl::Error&) {  // CL_PLATFORM_NOT_FOUND_KHR: an ICD loader without any driver
     }
-    if (platforms.empty())
-        throw Error(ErrorKind::device, "no OpenCL platform on this machine",
-                    "install a driver, for the CPU for instance: apt-get install pocl-opencl-icd");
+    if (platforms.empty()) throw Error(ErrorKind::device, "no OpenCL platform on this machine", no_device_remedy());
     std::vector<cl::Device> devices;
     for (const cl::Platform& platform : platforms) {
         std::vector<cl::Device> of_platform;
@@ -99,8 +99,7 @@ bool matches(const DeviceInfo& info, const std::string& selector) {
 
 std::size_t select(const std::vector<DeviceInfo>& infos, const std::string& selector) {
     if (infos.empty())
-        throw Error(ErrorKind::device, "no OpenCL device: platforms exist but none has a device",
-                    "install a driver, for the CPU for instance: apt-get install pocl-opencl-icd");
+        throw Error(ErrorKind::device, "no OpenCL device: platforms exist but none has a device", no_device_remedy());
     if (selector.empty()) {
         const auto gpu = std::find_if(infos.begin(), infos.end(), [](auto& i) { return i.type == DeviceType::gpu; });
         return gpu == infos.end() ? 0 : std::size_t(gpu - infos.begin());

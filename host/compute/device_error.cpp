@@ -17,8 +17,10 @@ std::string failure_report(const Device& device, const std::string& options) {
 
 void throw_device_error(const Device& device, const std::string& doing, const cl::Error& error,
                         const std::string& options) {
-    throw Error(ErrorKind::device, "cannot " + doing + " on " + device.info().name + ": " + error.what() + " gave " +
-                                       std::to_string(error.err()) + '\n' + failure_report(device, options));
+    throw Error(
+        ErrorKind::device,
+        "cannot " + doing + " on " + device.info().name + ": " + error.what() + " gave " + std::to_string(error.err()),
+        {}, failure_report(device, options));
 }
 
 }  // namespace claray

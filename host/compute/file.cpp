@@ -6,6 +6,8 @@
 
 #include <atomic>
 #include <cerrno>
+#include <charconv>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <utility>
@@ -26,11 +28,21 @@ namespace fs = std::filesystem;
     throw Error(ErrorKind::user, action + " '" + path.string() + "': " + std::strerror(error), remedy);
 }
 
-/// Links are followed, so that renaming replaces what they point to and not the link.
-fs::path resolve(const fs::path& path) {
+/// The number N where a path means this process's descriptor N, as /dev/stdout and /dev/fd/N do; else -1.
+int descriptor_of(const fs::path& path) {
     std::error_code error;
-    const fs::path target = fs::is_symlink(path, error) ? fs::canonical(path, error) : path;
-    return error || target.empty() ? path : target;
+    const fs::path descriptors = fs::canonical("/proc/self/fd", error);
+    if (error || fs::canonical(path.parent_path(), error) != descriptors || error) return -1;
+    const std::string name = path.filename().string();
+    int number = -1;
+    const auto [end, fault] = std::from_chars(name.data(), name.data() + name.size(), number);
+    return fault == std::errc() && end == name.data() + name.size() ? number : -1;
+}
+
+/// Whether what was opened for this descriptor can be written to.
+bool is_writable(int descriptor) {
+    const int flags = ::fcntl(descriptor, F_GETFL);
+    return flags >= 0 && (flags & O_ACCMODE) != O_RDONLY;
 }
 
 /// Devices and pipes (/dev/null, /dev/stdout) must be written to, never replaced by a file.
@@ -81,13 +93,30 @@ std::string read_file(const fs::path& path, const std::string& remedy) {
     return bytes;
 }
 
+fs::path write_target(const fs::path& path) {
+    fs::path target = path;
+    std::error_code error;
+    constexpr int most_links = 40;  // as the kernel has it
+    for (int links = 0; descriptor_of(target) < 0 && fs::is_symlink(target, error); ++links) {
+        if (links == most_links) fail("cannot write", path, ELOOP);
+        const fs::path next = fs::read_symlink(target, error);
+        if (error) fail("cannot write", path, error.value());
+        target = next.is_absolute() ? next : target.parent_path() / next;
+    }
+    return target;
+}
+
 NewFile::NewFile(const fs::path& path) : path_(path) {
     refuse_folder(path);
-    target_ = resolve(path);
-    if (is_special(target_))
+    target_ = write_target(path);
+    if (const int descriptor = descriptor_of(target_); descriptor >= 0) {
+        std::fflush(nullptr);  // what was printed comes first
+        file_ = ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
+    } else if (is_special(target_)) {
         file_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC);
-    else
+    } else {
         create();
+    }
     if (file_ < 0) fail("cannot write", path, errno);
 }
 
@@ -142,6 +171,28 @@ void make_folder(const fs::path& path) {
                     "choose another place");
 }
 
-void check_file_writable(const fs::path& path) { const NewFile file(path); }
+void check_file_writable(const fs::path& path) {
+    refuse_folder(path);
+    const fs::path target = write_target(path);
+    if (const int descriptor = descriptor_of(target); descriptor >= 0) {
+        if (!is_writable(descriptor)) fail("cannot write", path, EBADF);
+    } else if (is_special(target)) {  // to open a pipe, and to close it, tells its reader that all is written
+        if (::access(target.c_str(), W_OK) != 0) fail("cannot write", path, errno);
+    } else {
+        const NewFile file(path);
+    }
+}
+
+bool are_one_file(const fs::path& a, const fs::path& b) {
+    const fs::path first = write_target(a), second = write_target(b);
+    std::error_code error;
+    if (fs::is_character_file(first, error)) return false;  // /dev/null takes everything
+    const auto in_place = [](const fs::path& path) { return is_special(path) || descriptor_of(path) >= 0; };
+    if (in_place(first) || in_place(second)) return fs::equivalent(first, second, error) && !error;
+    const auto folder = [](const fs::path& path) {
+        return path.has_parent_path() ? path.parent_path() : fs::path(".");
+    };
+    return first.filename() == second.filename() && fs::equivalent(folder(first), folder(second), error) && !error;
+}
 
 }  // namespace claray

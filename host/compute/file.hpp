@@ -13,8 +13,9 @@ namespace claray {
 void check_file_readable(const std::filesystem::path& path, const std::string& remedy);
 
 /// A file that appears under its name, complete and safe on disk, when `commit` is called, and otherwise never: it is
-/// written beside its place and renamed. Links are followed; devices and pipes are written in place. All functions
-/// throw ErrorKind::user naming the path.
+/// written beside its place and renamed. Links are followed, also those that point to nothing yet; devices, pipes and
+/// what this process has open already (/dev/stdout) are written in place. All functions throw ErrorKind::user naming
+/// the path.
 class NewFile {
 public:
     explicit NewFile(const std::filesystem::path& path);
@@ -37,6 +38,13 @@ void write_file(const std::filesystem::path& path, const std::string& bytes);
 
 /// Makes a folder and those above it where they are not there yet. Throws ErrorKind::user naming the path.
 void make_folder(const std::filesystem::path& path);
+
+/// Where the bytes of a file of this name will be: links are followed, also those that point to nothing yet.
+[[nodiscard]] std::filesystem::path write_target(const std::filesystem::path& path);
+
+/// True where what is written to the one name would replace what is written to the other, by whatever links and
+/// spelling. Hard links are two files, since each name is replaced by a new file. False for devices such as /dev/null.
+[[nodiscard]] bool are_one_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
 /// Throws what writing to this path would, as far as can be told without writing.
 void check_file_writable(const std::filesystem::path& path);

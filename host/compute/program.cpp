@@ -109,9 +109,10 @@ std::string with_file_names(std::string log, const KernelSource& main) {
 
 [[noreturn]] void throw_build_error(const Device& device, const KernelSource& main, const std::string& options,
                                     const std::string& log) {
-    throw Error(ErrorKind::device,
-                "cannot compile the kernel " + main.path + " for " + device.info().name + " with options '" + options +
-                    "'\n" + failure_report(device, main.path + ' ' + options) + "log:\n" + with_file_names(log, main));
+    throw Error(
+        ErrorKind::device,
+        "cannot compile the kernel " + main.path + " for " + device.info().name + " with options '" + options + "'", {},
+        failure_report(device, main.path + ' ' + options) + "log:\n" + with_file_names(log, main));
 }
 
 /// Compiles with what it includes as named headers, so that #include works on every driver and messages keep their

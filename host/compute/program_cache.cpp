@@ -13,6 +13,8 @@
 #include <filesystem>
 #include <new>
 
+#include "host/compute/folders.hpp"
+
 namespace claray {
 namespace {
 
@@ -28,13 +30,6 @@ struct FileHeader {
 static_assert(sizeof(FileHeader) == 32);
 constexpr std::array<unsigned char, 8> magic = {'C', 'L', 'R', 'P', 2, 0, 0, 0};
 constexpr std::size_t before_sum = offsetof(FileHeader, identity_bytes);
-
-fs::path cache_folder() {
-    if (const char* folder = std::getenv("CLARAY_CACHE_DIR"); folder != nullptr && *folder) return folder;
-    if (const char* xdg = std::getenv("XDG_CACHE_HOME"); xdg != nullptr && *xdg) return fs::path(xdg) / "claray";
-    if (const char* home = std::getenv("HOME"); home != nullptr && *home) return fs::path(home) / ".cache" / "claray";
-    return {};
-}
 
 Digest sum_of(const FileHeader& header, const std::string& identity, const std::vector<unsigned char>& binary) {
     Hasher hasher;

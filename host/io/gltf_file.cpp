@@ -8,6 +8,7 @@
 #include "host/compute/file.hpp"
 #include "host/io/gltf_compression.hpp"
 #include "host/io/scene_textures.hpp"
+#include "host/io/text_file.hpp"
 
 namespace claray {
 namespace {
@@ -101,8 +102,9 @@ struct Folder {
     }
     static std::string expand(const std::string& name, void*) { return name; }
     static bool read(std::vector<unsigned char>* out, std::string*, const std::string& name, void* user) {
-        const fs::path folder = static_cast<const Folder*>(user)->file->path.parent_path();
-        const std::string bytes = read_file(path_in_scene(folder, folder, name), "put the buffer beside the glTF");
+        const fs::path &gltf = static_cast<const Folder*>(user)->file->path, folder = gltf.parent_path();
+        const std::string bytes =
+            read_file(path_in_scene(folder, folder, name, gltf), "put the buffer beside the glTF");
         out->assign(bytes.begin(), bytes.end());
         return true;
     }
@@ -206,6 +208,7 @@ GltfFile read_gltf(const fs::path& path, Warnings& warnings) {
     const std::string whole = read_file(path, "check the path");
     std::string_view bytes = whole;
     if (bytes.empty()) file.fail("the file is empty");
+    refuse_other_encodings(bytes, path);
     if (bytes.size() > std::numeric_limits<std::uint32_t>::max())
         file.fail("the file is larger than 4 GiB", "keep its buffers in files of their own");
     const bool binary = bytes.substr(0, 4) == "glTF";

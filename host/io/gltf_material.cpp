@@ -325,7 +325,7 @@ Texture GltfMaterials::decode(int index, TexelFormat eight_bit, std::size_t room
         texture = decode_texture(bytes, what, eight_bit, room);
     } else {
         const auto folder = file_.path.parent_path();
-        const auto path = path_in_scene(folder, folder, percent_decoded(image.uri));
+        const auto path = path_in_scene(folder, folder, percent_decoded(image.uri), file_.path);
         const std::string bytes = read_file(path, "put the image beside the glTF");
         texture = decode_texture(bytes, "'" + path.string() + "'", eight_bit, room);
     }

@@ -1,4 +1,4 @@
-// Image files in: PNG, JPEG, BMP, TGA, HDR through stb_image, WebP through libwebp, and PFM.
+// Image files in: PNG through libpng, JPEG, BMP, TGA and HDR through stb_image, WebP through libwebp, and PFM.
 #include "host/io/image_file.hpp"
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 #include "host/compute/file.hpp"
 #include "host/io/hdr_check.hpp"
 #include "host/io/jpeg_check.hpp"
-#include "host/io/png_check.hpp"
+#include "host/io/png_read.hpp"
 #include "host/io/stb_image_read.hpp"
 #include "host/io/webp_read.hpp"
 
@@ -41,13 +41,12 @@ void check_size(const std::string& what, std::uint64_t width, std::uint64_t heig
                "scale images down");
 }
 
-/// No format here packs tighter than this (deflate: 1032 to 1), so that a few broken bytes can't ask for a gigabyte.
-void check_plausible(const std::string& what, const ImageShape& shape, std::size_t file_bytes) {
-    constexpr std::uint64_t most_packed = 4096;
-    if (std::uint64_t(shape.width) * shape.height * shape.channels > most_packed * file_bytes)
+/// So that a few broken bytes can't ask for a gigabyte: `packed_bytes` is the least that the pixels of this size take.
+void check_plausible(const std::string& what, std::uint64_t width, std::uint64_t height, std::uint64_t packed_bytes,
+                     std::size_t file_bytes) {
+    if (packed_bytes > file_bytes)
         refuse(what,
-               "it is cut off: " + to_string(file_bytes) + " bytes for " + to_string(shape.width) + "x" +
-                   to_string(shape.height),
+               "it is cut off: " + to_string(file_bytes) + " bytes for " + to_string(width) + "x" + to_string(height),
                "export it again");
 }
 
@@ -55,15 +54,12 @@ float linear_from_srgb16(float value) {
     return value <= 0.04045f ? value / 12.92f : std::pow((value + 0.055f) / 1.055f, 2.4f);
 }
 
-/// 16 bits a channel keep their precision as linear floats; alpha, the last of 2 or 4 channels, is linear already.
-std::vector<float> floats_of(const std::vector<std::uint16_t>& words, unsigned channels, bool srgb) {
-    std::vector<float> floats(words.size());
-    for (std::size_t i = 0; i < words.size(); ++i) {
-        const float value = float(words[i]) / 65535.f;
-        const bool alpha = channels % 2 == 0 && i % channels == channels - 1;
-        floats[i] = srgb && !alpha ? linear_from_srgb16(value) : value;
+/// Alpha, the last of 2 or 4 channels, is linear already.
+void make_linear(Texture& texture) {
+    for (std::size_t i = 0; i < texture.floats.size(); ++i) {
+        const bool alpha = texture.channels % 2 == 0 && i % texture.channels == texture.channels - 1;
+        if (!alpha) texture.floats[i] = linear_from_srgb16(texture.floats[i]);
     }
-    return floats;
 }
 
 /// The next word of a PFM's header.
@@ -134,29 +130,32 @@ Texture decode_webp(std::string_view bytes, const std::string& what, TexelFormat
     return texture;
 }
 
-void check_png_file(std::string_view bytes, const std::string& what, std::size_t room) {
+/// 16 bits a channel keep their precision as linear floats.
+Texture decode_png(std::string_view bytes, const std::string& what, TexelFormat eight_bit, std::size_t room) {
+    const auto check = [&](const std::string& fault) {
+        if (!fault.empty()) refuse(what, "the image is broken (" + fault + ")", "export it again");
+    };
     PngHeader header;
-    const std::string fault = check_png(bytes, header);
-    if (!fault.empty()) refuse(what, fault, "export it again");
-    check_size(what, header.width, header.height, 1, room);
+    check(read_png_header(bytes, header));
+    check_size(what, header.width, header.height, header.channels * (header.sixteen_bits ? sizeof(float) : 1), room);
+    constexpr std::uint64_t most_packed = 1032;  // of deflate
+    check_plausible(what, header.width, header.height, header.raw_bytes / most_packed, bytes.size());
+    Texture texture;
+    texture.format = header.sixteen_bits ? TexelFormat::float32 : eight_bit;
+    check(read_png(bytes, header, texture));
+    if (eight_bit == TexelFormat::srgb8) make_linear(texture);
+    return texture;
 }
 
-}  // namespace
-
-Texture decode_texture(std::string_view bytes, const std::string& what, TexelFormat eight_bit, std::size_t room) {
-    if (bytes.empty()) refuse(what, "it is empty", "export it again");
-    if (is_pfm(bytes)) return decode_pfm(bytes, what, room);
-    if (is_webp(bytes)) return decode_webp(bytes, what, eight_bit, room);
-    if (bytes.substr(0, 6) == "\xabKTX 2")
-        refuse(what, "it is KTX 2 (KHR_texture_basisu), which claray does not read", "convert it to PNG or JPEG");
-    if (is_png(bytes)) check_png_file(bytes, what, room);
+Texture decode_others(std::string_view bytes, const std::string& what, TexelFormat eight_bit, std::size_t room) {
     if (bytes.substr(0, 2) == "\xff\xd8" && !jpeg_tables_fit(bytes))
         refuse(what, "the image is broken (a Huffman table is too long)", "export it again");
     std::optional<ImageShape> shape = image_shape(bytes);
     if (!shape) refuse(what, "it is no PNG, JPEG, WebP, BMP, TGA, HDR or PFM image", "convert it to one of these");
-    const bool real = shape->radiance || shape->sixteen_bits;
-    check_size(what, shape->width, shape->height, shape->channels * (real ? sizeof(float) : 1), room);
-    check_plausible(what, *shape, bytes.size());
+    check_size(what, shape->width, shape->height, shape->channels * (shape->radiance ? sizeof(float) : 1), room);
+    constexpr std::uint64_t most_packed = 4096;  // no format packs tighter, JPEG's of 1024 to 1 included
+    check_plausible(what, shape->width, shape->height,
+                    std::uint64_t(shape->width) * shape->height * shape->channels / most_packed, bytes.size());
     if (shape->radiance && !hdr_runs_fit(bytes, shape->width, shape->height))
         refuse(what, "it is cut off, or its runs are longer than its rows", "export it again");
     DecodedImage image;
@@ -165,11 +164,21 @@ Texture decode_texture(std::string_view bytes, const std::string& what, TexelFor
 
     Texture texture;
     texture.width = shape->width, texture.height = shape->height, texture.channels = shape->channels;
-    texture.format = real ? TexelFormat::float32 : eight_bit;
-    texture.bytes = std::move(image.bytes);
-    texture.floats = shape->radiance ? std::move(image.floats)
-                                     : floats_of(image.words, shape->channels, eight_bit == TexelFormat::srgb8);
+    texture.format = shape->radiance ? TexelFormat::float32 : eight_bit;
+    texture.bytes = std::move(image.bytes), texture.floats = std::move(image.floats);
     return texture;
+}
+
+}  // namespace
+
+Texture decode_texture(std::string_view bytes, const std::string& what, TexelFormat eight_bit, std::size_t room) {
+    if (bytes.empty()) refuse(what, "it is empty", "export it again");
+    if (is_pfm(bytes)) return decode_pfm(bytes, what, room);
+    if (is_png(bytes)) return decode_png(bytes, what, eight_bit, room);
+    if (is_webp(bytes)) return decode_webp(bytes, what, eight_bit, room);
+    if (bytes.substr(0, 6) == "\xabKTX 2")
+        refuse(what, "it is KTX 2 (KHR_texture_basisu), which claray does not read", "convert it to PNG or JPEG");
+    return decode_others(bytes, what, eight_bit, room);
 }
 
 Texture load_image(const fs::path& path, TexelFormat eight_bit) {

@@ -112,19 +112,18 @@ std::vector<Mesh> make_meshes(const ObjFile& file, const std::string& fallback_n
 }
 
 /// The materials that faces use, by name, and their images; their indices in the file become indices in the scene.
-void make_materials(const ObjFile& file, const std::filesystem::path& folder, Scene& scene, Warnings& warnings) {
+void make_materials(const ObjFile& file, const std::filesystem::path& path, Scene& scene, Warnings& warnings) {
     std::unordered_map<std::string, std::size_t> defined;
     for (std::size_t i = 0; i < file.mtl_materials.size(); ++i)
         if (!file.mtl_materials[i].name.empty()) defined.try_emplace(file.mtl_materials[i].name, i);
 
     constexpr std::uint32_t unused = 0xffffffffu;
     std::vector<std::uint32_t> index(file.material_names.size(), unused);
-    MtlMaps maps(folder, scene, warnings);
+    MtlMaps maps(path, scene, warnings);
     const auto make = [&](const std::string& name) {
         const auto found = defined.find(name);
         if (found == defined.end()) {
-            // A missing MTL was reported once already.
-            if (!name.empty() && !file.mtl_materials.empty())
+            if (!name.empty() && !(file.lacks_mtl && file.mtl_materials.empty()))
                 warnings.push_back("material '" + name + "' is not defined: it becomes grey");
             return grey_lambert(name);
         }
@@ -153,7 +152,7 @@ Scene load_obj_without_light(const std::filesystem::path& path, Warnings& warnin
     scene.name = path.stem().string();
     const ObjFile file = read_obj(path, warnings);
     scene.meshes = make_meshes(file, scene.name);
-    make_materials(file, path.parent_path(), scene, warnings);
+    make_materials(file, path, scene, warnings);
     if (file.degenerate_faces)
         warnings.push_back(std::to_string(file.degenerate_faces) + " faces of fewer than 3 vertices were left out");
     return scene;

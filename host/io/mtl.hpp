@@ -17,9 +17,9 @@ namespace claray {
 /// Loads the images that materials name and hangs them into these.
 class MtlMaps {
 public:
-    /// `root`: the OBJ's folder, which no image may leave.
-    MtlMaps(std::filesystem::path root, Scene& scene, Warnings& warnings)
-        : root_(std::move(root)), scene_(scene), textures_(scene), warnings_(warnings) {}
+    /// `obj`: no image may leave its folder.
+    MtlMaps(std::filesystem::path obj, Scene& scene, Warnings& warnings)
+        : obj_(std::move(obj)), scene_(scene), textures_(scene), warnings_(warnings) {}
 
     /// `folder`: that of the MTL, to which names are relative.
     void add(Material& material, const tinyobj::material_t& mtl, const std::filesystem::path& folder);
@@ -43,7 +43,7 @@ private:
     void add_relief(Material& material, const tinyobj::material_t& mtl, const std::filesystem::path& folder);
     [[nodiscard]] std::vector<double> texel_sizes() const;
 
-    std::filesystem::path root_;
+    std::filesystem::path obj_;
     Scene& scene_;
     SceneTextures textures_;
     Warnings& warnings_;

@@ -125,7 +125,12 @@ bool looks_like_normals(const Texture& t) {
 }  // namespace
 
 Texture MtlMaps::read(const fs::path& folder, const std::string& name, TexelFormat eight_bit, std::size_t room) const {
-    const fs::path path = path_in_scene(root_, folder, name);
+    const fs::path namesake = namesake_of(folder, name);
+    if (!namesake.empty())
+        warnings_.push_back("'" + obj_.string() + "': '" + name + "' is a path of another machine: '" +
+                            namesake.string() + "' is read");
+    const fs::path path =
+        path_in_scene(obj_.parent_path(), folder, namesake.empty() ? name : namesake.filename().string(), obj_);
     const std::string bytes = read_file(path, "put the image beside the MTL");
     Texture texture = decode_texture(bytes, "'" + path.string() + "'", eight_bit, room);
     texture.name = name;

@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <initializer_list>
 #include <istream>
 #include <limits>
 #include <map>
@@ -15,10 +16,11 @@
 #include <utility>
 
 #include "claray/error.hpp"
-#include "host/compute/file.hpp"
 #include "host/io/color.hpp"
 #include "host/io/mtl.hpp"
 #include "host/io/obj_words.hpp"
+#include "host/io/scene_textures.hpp"
+#include "host/io/text_file.hpp"
 
 namespace claray {
 namespace {
@@ -30,6 +32,37 @@ std::string_view trim(std::string_view text) {
     const std::size_t begin = text.find_first_not_of(" \t\r\n");
     if (begin == std::string_view::npos) return {};
     return text.substr(begin, text.find_last_not_of(" \t\r\n") - begin + 1);
+}
+
+/// Statements that are left out, of one kind: how many, and the first.
+struct LeftOut {
+    std::size_t count = 0, line = 0;
+    std::string keyword;
+
+    void add(std::string_view word, std::size_t at) {
+        if (count++ == 0) line = at, keyword = word;
+    }
+};
+
+/// What a keyword at the beginning of a line asks for.
+enum class Statement { known, line_or_point, free_form, smoothing, unknown };
+
+/// `rest`: what follows the keyword.
+Statement statement_of(std::string_view keyword, std::string_view rest) {
+    const auto is_one_of = [&](std::initializer_list<std::string_view> words) {
+        return std::find(words.begin(), words.end(), keyword) != words.end();
+    };
+    // Behind "mtllib": what says how others show it, and changes no surface.
+    if (is_one_of({"", "v", "vt", "vn", "f", "g", "o", "usemtl", "mtllib", "mg", "lod", "bevel", "c_interp", "d_interp",
+                   "usemap", "maplib", "shadow_obj", "trace_obj"}))
+        return Statement::known;
+    if (is_one_of({"l", "p"})) return Statement::line_or_point;
+    if (is_one_of({"vp", "cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv", "sp",
+                   "end", "con", "ctech", "stech"}))
+        return Statement::free_form;
+    if (keyword != "s") return Statement::unknown;
+    const std::string_view group = next_word(rest);
+    return group == "off" || group == "0" ? Statement::known : Statement::smoothing;
 }
 
 /// Hands a text to tinyobjloader line by line, so that callbacks know where they are. Lines that end in a backslash are
@@ -50,6 +83,8 @@ public:
     };
     /// The first such line.
     [[nodiscard]] const Bare& bare() const { return bare_; }
+    /// What the parser skips without a word.
+    [[nodiscard]] const LeftOut& left_out(Statement kind) const { return left_out_[std::size_t(kind)]; }
 
 protected:
     int_type underflow() override {
@@ -61,24 +96,21 @@ protected:
         setg(data + begin, data + begin, data + next_);
         const std::string_view all = trim(text());
         if (bare_.line == 0 && (all == "v" || all == "vt" || all == "vn")) bare_ = {std::string(all), line_};
+        std::string_view rest = all;
+        const std::string_view keyword = next_word(rest);
+        if (const Statement kind = statement_of(keyword, rest); kind != Statement::known)
+            left_out_[std::size_t(kind)].add(keyword, line_);
         return traits_type::to_int_type(data[begin]);
     }
 
 private:
-    // Moves past the end of a line, be it "\n", "\r\n" or "\r". True where a backslash, which it blanks, joins it with
-    // the next.
+    // Moves past the end of a line. True where a backslash, which it blanks, joins it with the next.
     bool join_next_line(std::size_t begin) {
-        std::size_t end = next_;
-        while (end < text_.size() && text_[end] != '\n' && text_[end] != '\r') ++end;
+        const std::size_t end = std::min(text_.find('\n', next_), text_.size());
         next_ = std::min(end + 1, text_.size());
-        if (end < text_.size() && text_[end] == '\r') {
-            if (next_ < text_.size() && text_[next_] == '\n')
-                ++next_;
-            else
-                text_[end] = '\n';  // after "\r" the parser would peek into the next line
-        }
         ++line_;
         if (end == begin || text_[end - 1] != '\\' || next_ >= text_.size()) return false;
+        if (is_comment({text_.data() + begin, end - begin})) return false;
         std::fill(text_.begin() + std::ptrdiff_t(end) - 1, text_.begin() + std::ptrdiff_t(next_), ' ');
         return true;
     }
@@ -86,31 +118,51 @@ private:
     std::string text_;
     std::size_t next_ = 0, line_ = 0;
     Bare bare_;
+    std::array<LeftOut, 5> left_out_;
 };
 
-/// Reads the MTL files that the OBJ names, from the OBJ's folder.
+/// The names of a line that parts them by blanks, in which a backslash may stand before a blank that is part of a name.
+std::vector<std::string> names_of(std::string_view line) {
+    std::vector<std::string> names;
+    bool inside = false;
+    for (std::size_t i = 0; i < line.size(); ++i) {
+        const bool escaped = line[i] == '\\' && i + 1 < line.size() && line[i + 1] == ' ';
+        if (escaped) ++i;
+        const bool part = escaped || (line[i] != ' ' && line[i] != '\t');
+        if (part && !inside) names.emplace_back();
+        if (part) names.back() += line[i];
+        inside = part;
+    }
+    return names;
+}
+
+/// Reads the MTL files that the OBJ names, from the OBJ's folder or below.
 class MtlReader : public tinyobj::MaterialReader {
 public:
-    MtlReader(fs::path folder, const LineBuffer& lines, std::vector<fs::path>& folders, Warnings& warnings)
-        : folder_(std::move(folder)), lines_(lines), folders_(folders), warnings_(warnings) {}
+    MtlReader(const fs::path& obj, const LineBuffer& lines, ObjFile& file, Warnings& warnings)
+        : obj_(obj), folder_(obj.parent_path()), lines_(lines), file_(file), warnings_(warnings) {}
 
     // The parser asks for one name after the other until one is found. But the format wants all of them read, and a
     // name may hold blanks: so all is done at the first.
     bool operator()(const std::string&, std::vector<tinyobj::material_t>* materials, std::map<std::string, int>* map,
                     std::string*, std::string*) override {
         if (std::exchange(line_, lines_.line()) == lines_.line()) return false;
-        const std::string whole(trim(trim(lines_.text()).substr(std::string_view("mtllib").size())));
-        if (is_file(whole)) {
-            load(whole, *materials, *map);
+        names_any_ = true;
+        std::string_view all = trim(trim(lines_.text()).substr(std::string_view("mtllib").size()));
+        if (all.size() > 1 && all.front() == '"' && all.back() == '"') all = all.substr(1, all.size() - 2);
+        if (is_file(std::string(all))) {
+            load(std::string(all), *materials, *map);
             return true;
         }
+        const std::vector<std::string> names = names_of(all);
         bool found = false;
-        std::istringstream names(whole);
-        for (std::string name; names >> name;) {
+        for (std::size_t i = 0, length = 0; i < names.size(); i += length) {
+            const std::string name = longest_file(names, i, length);
             if (is_file(name)) {
                 load(name, *materials, *map);
                 found = true;
             } else {
+                file_.lacks_mtl = true;
                 warnings_.push_back("material file '" + (folder_ / name).string() +
                                     "' is missing: its materials become grey");
             }
@@ -118,28 +170,61 @@ public:
         return found;
     }
 
+    void warn_if_none_is_named() {
+        if (names_any_ || file_.material_names.size() < 2) return;
+        file_.lacks_mtl = true;
+        warnings_.push_back("'" + obj_.string() + "' uses materials, " + claray::quoted(file_.material_names[1]) +
+                            " for one, but names no file of materials (mtllib): they become grey");
+    }
+
 private:
-    [[nodiscard]] bool is_file(const std::string& name) const {
+    [[nodiscard]] bool is_file(std::string name) const {
+        if (!namesake_of(folder_, name).empty()) return true;
+        std::replace(name.begin(), name.end(), '\\', '/');
         std::error_code error;
         return fs::is_regular_file(folder_ / name, error);
     }
 
-    void load(const std::string& name, std::vector<tinyobj::material_t>& materials, std::map<std::string, int>& map) {
-        const std::string mtl = read_file(folder_ / name, "check its permissions");
-        warn_of_numbers(mtl, name, warnings_);
-        std::istringstream text(with_all_defaults(mtl));
-        std::string remarks, errors;
-        tinyobj::LoadMtl(&map, &materials, &text, &remarks, &errors);
-        folders_.resize(materials.size(), (folder_ / name).parent_path());
-        std::istringstream lines(remarks);
-        for (std::string line; std::getline(lines, line);) warnings_.push_back(name + ": " + line);
+    /// The longest name of a file that begins with names[begin], or that one; `length`: of how many it is made.
+    [[nodiscard]] std::string longest_file(const std::vector<std::string>& names, std::size_t begin,
+                                           std::size_t& length) const {
+        constexpr std::size_t most_blanks = 16;
+        std::string longest = names[begin], joined = longest;
+        length = 1;
+        for (std::size_t i = begin + 1; i < std::min(names.size(), begin + most_blanks); ++i) {
+            joined += ' ' + names[i];
+            if (is_file(joined)) longest = joined, length = i + 1 - begin;
+        }
+        return longest;
     }
 
+    void load(const std::string& name, std::vector<tinyobj::material_t>& materials, std::map<std::string, int>& map) {
+        fs::path path = namesake_of(folder_, name);
+        if (!path.empty())
+            warnings_.push_back("'" + obj_.string() + "': " + claray::quoted(name) +
+                                " is a path of another machine: '" + path.string() + "' is read");
+        path = path_in_scene(folder_, folder_, path.empty() ? name : path.filename().string(), obj_);
+        const std::string mtl = with_joined_lines(read_text(path, "check its permissions"));
+        const std::string shown = path.filename().string();
+        warn_of_numbers(mtl, shown, warnings_);
+        std::istringstream text(with_all_defaults(mtl));
+        std::string remarks, errors;
+        const std::size_t known = materials.size();
+        tinyobj::LoadMtl(&map, &materials, &text, &remarks, &errors);
+        for (std::size_t i = known; i < materials.size(); ++i)  // the parser keeps blanks before it
+            materials[i].name = std::string(trim(materials[i].name));
+        file_.mtl_folders.resize(materials.size(), path.parent_path());
+        std::istringstream lines(remarks);
+        for (std::string line; std::getline(lines, line);) warnings_.push_back(shown + ": " + line);
+    }
+
+    const fs::path& obj_;
     fs::path folder_;
     const LineBuffer& lines_;
-    std::vector<fs::path>& folders_;
+    ObjFile& file_;
     Warnings& warnings_;
     std::size_t line_ = 0;  // of the latest mtllib
+    bool names_any_ = false;
 };
 
 /// Numbers of strings in the order in which they first appear.
@@ -174,14 +259,16 @@ public:
 
     static tinyobj::callback_t callbacks();
     void check_bare_lines() const;
-    void check_forward_references() const;
+    void check_forward_references(Warnings& warnings);
     void warn_of_bad_numbers(Warnings& warnings) const;
+    void warn_of_left_out(Warnings& warnings) const;
 
 private:
     /// The largest index of one kind so far, and where it stands: the format lets a face name a vertex of a later line.
     struct Largest {
         int index = -1;
         std::size_t line = 0;
+        LeftOut backwards;  ///< those that count backwards where there is nothing yet
     };
 
     /// What is not finite of one kind, and where the first stands.
@@ -193,6 +280,7 @@ private:
     void vertex_color();
     void face();
     [[nodiscard]] int resolve(int index, std::size_t count, const char* kind, Largest& largest);
+    [[nodiscard]] int resolve_attribute(int index, std::size_t count, const char* kind, Largest& largest);
     [[noreturn]] void refuse(std::size_t line, const std::string& what, const std::string& remedy) const;
     [[noreturn]] void refuse_cut_off(std::size_t line, std::string_view keyword, std::size_t some,
                                      std::size_t needed) const;
@@ -271,8 +359,15 @@ void Reader::out_of_range(std::size_t line, const char* kind, int index, std::si
 int Reader::resolve(int index, std::size_t count, const char* kind, Largest& largest) {
     const std::int64_t resolved = index > 0 ? std::int64_t(index) - 1 : std::int64_t(count) + index;
     if (index == 0 || resolved < 0) out_of_range(lines_.line(), kind, index, count);
-    if (resolved > largest.index) largest = {int(resolved), lines_.line()};
+    if (resolved > largest.index) largest.index = int(resolved), largest.line = lines_.line();
     return int(resolved);
+}
+
+/// A file without any texture coordinates or normals may refer to them all the same: which it is shows at its end.
+int Reader::resolve_attribute(int index, std::size_t count, const char* kind, Largest& largest) {
+    if (index >= 0 || count > 0) return resolve(index, count, kind, largest);
+    largest.backwards.add(kind, lines_.line());
+    return -1;
 }
 
 /// From the line itself: the parser takes for 0 what is no index, and has no room for one beyond 2^31.
@@ -288,8 +383,8 @@ void Reader::face() {
                    "'vt' and 'vn'");
         ObjCorner corner;
         corner.position = resolve(raw->position, file_.positions.size(), "vertex", positions_);
-        if (raw->uv) corner.uv = resolve(raw->uv, file_.uvs.size(), "texture", uvs_);
-        if (raw->normal) corner.normal = resolve(raw->normal, file_.normals.size(), "normal", normals_);
+        if (raw->uv) corner.uv = resolve_attribute(raw->uv, file_.uvs.size(), "texture", uvs_);
+        if (raw->normal) corner.normal = resolve_attribute(raw->normal, file_.normals.size(), "normal", normals_);
         file_.corners.push_back(corner);
     }
     const std::size_t count = file_.corners.size() - first;
@@ -306,14 +401,37 @@ void Reader::check_bare_lines() const {
     if (bare.line != 0) refuse_cut_off(bare.line, bare.keyword, 0, bare.keyword == "vt" ? 1 : 3);
 }
 
-void Reader::check_forward_references() const {
+void Reader::check_forward_references(Warnings& warnings) {
     const auto check = [&](const Largest& largest, std::size_t count, const char* kind) {
         if (largest.index >= 0 && std::size_t(largest.index) >= count)
             out_of_range(largest.line, kind, largest.index + 1, count);
+        if (largest.backwards.count > 0) out_of_range(largest.backwards.line, kind, -1, 0);
+    };
+    const auto check_attribute = [&](const Largest& largest, std::size_t count, const char* kind, const char* all,
+                                     int ObjCorner::*of) {
+        if (count > 0 || (largest.index < 0 && largest.backwards.count == 0)) return check(largest, count, kind);
+        warnings.push_back("'" + path_.string() + "': faces refer to " + all + ", and there are none: they do without");
+        for (ObjCorner& corner : file_.corners) corner.*of = -1;
     };
     check(positions_, file_.positions.size(), "vertex");
-    check(uvs_, file_.uvs.size(), "texture");
-    check(normals_, file_.normals.size(), "normal");
+    check_attribute(uvs_, file_.uvs.size(), "texture", "texture coordinates", &ObjCorner::uv);
+    check_attribute(normals_, file_.normals.size(), "normal", "normals", &ObjCorner::normal);
+}
+
+void Reader::warn_of_left_out(Warnings& warnings) const {
+    const auto warn = [&](Statement kind, const char* consequence) {
+        const LeftOut& left_out = lines_.left_out(kind);
+        if (left_out.count == 0) return;
+        const std::string more = left_out.count > 1 ? " (and " + to_string(left_out.count - 1) + " more)" : "";
+        warnings.push_back("'" + path_.string() + "' line " + to_string(left_out.line) + more + ": " +
+                           claray::quoted(left_out.keyword) + consequence);
+    };
+    warn(Statement::line_or_point, " is left out: lines and points are not shown, only faces");
+    warn(Statement::free_form, " is left out: curves and surfaces of free form are not shown, only faces");
+    const auto is_flat = [](const ObjCorner& corner) { return corner.normal < 0; };
+    if (std::any_of(file_.corners.begin(), file_.corners.end(), is_flat))
+        warn(Statement::smoothing, " (a smoothing group) is left out: faces without normals are flat");
+    warn(Statement::unknown, " is no statement of an OBJ: the line is left out");
 }
 
 void Reader::warn_of_bad_numbers(Warnings& warnings) const {
@@ -372,17 +490,19 @@ tinyobj::callback_t Reader::callbacks() {
 }  // namespace
 
 ObjFile read_obj(const fs::path& path, Warnings& warnings) {
-    std::string text = read_file(path, "check the path");
+    std::string text = read_text(path, "check the path");
     if (text.empty()) throw Error(ErrorKind::user, "'" + path.string() + "' is empty", "export the mesh again");
     ObjFile file;
     LineBuffer lines(std::move(text));
     std::istream stream(&lines);
     Reader reader(path, file, lines);
-    MtlReader mtl_reader(path.parent_path(), lines, file.mtl_folders, warnings);
+    MtlReader mtl_reader(path, lines, file, warnings);
     tinyobj::LoadObjWithCallback(stream, Reader::callbacks(), &reader, &mtl_reader);
     reader.check_bare_lines();
-    reader.check_forward_references();
+    reader.check_forward_references(warnings);
     reader.warn_of_bad_numbers(warnings);
+    reader.warn_of_left_out(warnings);
+    mtl_reader.warn_if_none_is_named();
     if (file.polygons.empty())
         throw Error(ErrorKind::user, "'" + path.string() + "' holds no face", "claray needs 'f' lines; export a mesh");
     return file;

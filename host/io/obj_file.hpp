@@ -31,6 +31,7 @@ struct ObjFile {
     std::vector<tinyobj::material_t> mtl_materials;  ///< what the MTL files define
     std::vector<std::filesystem::path> mtl_folders;  ///< of each, that of its file
     std::size_t degenerate_faces = 0;                ///< faces of fewer than 3 corners, left out
+    bool lacks_mtl = false;                          ///< an MTL is missing, or none is named: the user is told
 };
 
 /// Reads an OBJ and the MTLs that it names. Throws what load_obj throws.

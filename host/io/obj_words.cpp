@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "host/compute/message.hpp"
+
 namespace claray {
 namespace {
 
@@ -39,10 +41,8 @@ std::string_view next_word(std::string_view& line) {
     return word.starts_with('#') ? line = {} : word;
 }
 
-std::string quoted(std::string_view word) {
-    std::string text = "'";
-    for (const char c : word.substr(0, 40)) text += c >= ' ' && c != 0x7f ? c : '?';
-    return text + (word.size() > 40 ? "...'" : "'");
+std::string quoted(std::string_view word, std::size_t most) {
+    return "'" + one_line(word.substr(0, most)) + (word.size() > most ? "...'" : "'");
 }
 
 bool is_finite_number(std::string_view word) {

@@ -10,8 +10,8 @@ namespace claray {
 /// The next word of a line, which loses it; empty at the end of the line and where a comment begins.
 [[nodiscard]] std::string_view next_word(std::string_view& line);
 
-/// A word of a file that may hold anything, fit for one line of a message.
-[[nodiscard]] std::string quoted(std::string_view word);
+/// A word of a file that may hold anything, fit for one line of a message: at most so many of its characters.
+[[nodiscard]] std::string quoted(std::string_view word, std::size_t most = 40);
 
 /// "1", "-.5", "2.e-3".
 [[nodiscard]] bool is_finite_number(std::string_view word);

@@ -5,6 +5,7 @@
 
 #include "claray/error.hpp"
 #include "host/io/image_file.hpp"
+#include "host/io/obj_words.hpp"
 
 namespace claray {
 namespace {
@@ -25,6 +26,8 @@ bool is_below(const fs::path& root, const fs::path& path) {
     return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
 }
 
+constexpr std::size_t longest_name = 100;  // in messages
+
 int hex_digit(char c) {
     if (c >= '0' && c <= '9') return c - '0';
     const int letter = std::tolower(static_cast<unsigned char>(c));
@@ -33,16 +36,15 @@ int hex_digit(char c) {
 
 }  // namespace
 
-fs::path path_in_scene(const fs::path& root, const fs::path& folder, std::string name) {
-    const auto refuse = [&](const char* why) {
-        throw Error(ErrorKind::user, "'" + root.string() + "': the file name '" + name + "' " + why,
+fs::path path_in_scene(const fs::path& root, const fs::path& folder, std::string name, const fs::path& named_in) {
+    const auto refuse = [&](const std::string& why) {
+        const fs::path at_fault = !named_in.empty() ? named_in : !root.empty() ? root : fs::path(".");
+        throw Error(ErrorKind::user,
+                    "'" + at_fault.string() + "': the file name " + quoted(name, longest_name) + " " + why,
                     "name a file in the scene's folder or below");
     };
     if (name.empty()) refuse("is empty");
-    if (name.find('\0') != std::string::npos) {
-        std::replace(name.begin(), name.end(), '\0', '?');
-        refuse("holds a zero byte");
-    }
+    if (name.find('\0') != std::string::npos) refuse("holds a zero byte");
     if (has_scheme(name)) refuse("is a URL or names a drive");
     std::replace(name.begin(), name.end(), '\\', '/');
     if (name[0] == '/') refuse("is absolute");
@@ -51,9 +53,18 @@ fs::path path_in_scene(const fs::path& root, const fs::path& folder, std::string
     try {
         if (!is_below(base, path)) refuse("leaves the scene's folder");
     } catch (const fs::filesystem_error& error) {
-        refuse(("cannot be looked up (" + error.code().message() + ")").c_str());
+        refuse("cannot be looked up (" + error.code().message() + ")");
     }
     return path;
+}
+
+fs::path namesake_of(const fs::path& folder, const std::string& name) {
+    const bool has_drive = name.size() > 2 && std::isalpha(static_cast<unsigned char>(name[0])) && name[1] == ':';
+    const std::size_t last = name.find_last_of("/\\");
+    if (last == std::string::npos || !(has_drive || name[0] == '/' || name[0] == '\\')) return {};
+    const fs::path path = folder / name.substr(last + 1);
+    std::error_code error;
+    return path.has_filename() && fs::is_regular_file(path, error) ? path : fs::path();
 }
 
 std::string percent_decoded(const std::string& uri) {

@@ -10,10 +10,15 @@
 namespace claray {
 
 /// Where a file that a scene names is: `name` relative to `folder`. Throws ErrorKind::user with the reason where it is
-/// empty, absolute or a URL, or lies outside `root`, be it by ".." or by a link. Backslashes part folders, as they do
-/// where many MTL files come from.
+/// empty, absolute or a URL, or lies outside `root`, be it by ".." or by a link; the message names the file `named_in`,
+/// or else `root`. Backslashes part folders, as they do where many MTL files come from.
 [[nodiscard]] std::filesystem::path path_in_scene(const std::filesystem::path& root,
-                                                  const std::filesystem::path& folder, std::string name);
+                                                  const std::filesystem::path& folder, std::string name,
+                                                  const std::filesystem::path& named_in = {});
+
+/// Many files name others by where they were on the machine that wrote them: "C:\maps\wood.png", "/home/me/wood.png".
+/// The path of the file of the same name in `folder`; empty where `name` is none of these or there is no such file.
+[[nodiscard]] std::filesystem::path namesake_of(const std::filesystem::path& folder, const std::string& name);
 
 /// A URI's %xx as the characters they stand for (RFC 3986, section 2.1).
 [[nodiscard]] std::string percent_decoded(const std::string& uri);

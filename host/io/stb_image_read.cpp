@@ -21,7 +21,6 @@ void opaque_free(void* memory);
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_STATIC
 #define STBI_NO_STDIO
-#define STBI_ONLY_PNG
 #define STBI_ONLY_JPEG
 #define STBI_ONLY_BMP
 #define STBI_ONLY_TGA
@@ -88,15 +87,12 @@ std::optional<ImageShape> image_shape(std::string_view bytes) {
         return {};
     ImageShape shape{unsigned(width), unsigned(height), unsigned(channels)};
     Source again{bytes};
-    shape.sixteen_bits = stbi_is_16_bit_from_callbacks(&callbacks, &again) != 0;
-    again = Source{bytes};
     shape.radiance = stbi_is_hdr_from_callbacks(&callbacks, &again) != 0;
     return shape;
 }
 
 std::string decode_image(std::string_view bytes, ImageShape& shape, DecodedImage& image) {
     if (shape.radiance) return load(bytes, shape, stbi_loadf_from_callbacks, image.floats);
-    if (shape.sixteen_bits) return load(bytes, shape, stbi_load_16_from_callbacks, image.words);
     return load(bytes, shape, stbi_load_from_callbacks, image.bytes);
 }
 

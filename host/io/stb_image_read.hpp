@@ -11,17 +11,15 @@ namespace claray {
 
 struct ImageShape {
     unsigned width = 0, height = 0, channels = 0;
-    bool sixteen_bits = false;
     bool radiance = false;  ///< HDR: floats
 };
 
-/// What the header of a PNG, JPEG, BMP, TGA or HDR says; nothing where it is none.
+/// What the header of a JPEG, BMP, TGA or HDR says; nothing where it is none.
 [[nodiscard]] std::optional<ImageShape> image_shape(std::string_view bytes);
 
 /// One of the vectors is filled, as the shape says: width * height * channels values from the top left.
 struct DecodedImage {
     std::vector<std::uint8_t> bytes;
-    std::vector<std::uint16_t> words;
     std::vector<float> floats;
 };
 

@@ -1,19 +1,10 @@
 #include "host/render/kernel_choice.hpp"
 
-#include <fcntl.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include <thread>
-
 #include "host/compute/device_state.hpp"
 #include "host/compute/hash.hpp"
 #include "host/compute/kernel_sources.hpp"
 #include "host/compute/program_cache.hpp"
 #include "host/render/effects.hpp"
-
-extern char** environ;
 
 namespace claray {
 namespace {
@@ -93,33 +84,6 @@ KernelPlan plan_kernels(const Device& device, EffectSet effects, const RenderCon
     else if (quick != own && !can_trace)
         plan.start = KernelStart::quick, plan.first = quick;
     return plan;
-}
-
-void start_compiler(const std::string& program, const Device& device, const KernelChoice& choice,
-                    const RenderConfig& config) {
-    const char* builder = config.bvh.builder == Builder::fast       ? "fast"
-                          : config.bvh.builder == Builder::balanced ? "balanced"
-                                                                    : "high";
-    std::vector<std::string> arguments = {program, "compile", "--quiet", "--and-generic"};
-    const auto add = [&](const char* option, const std::string& value) {
-        arguments.emplace_back(option), arguments.push_back(value);
-    };
-    add("--device", std::to_string(device.info().index));
-    add("--effects", to_string(choice.effects));
-    add("--layout", choice.layout == Layout::wide ? "wide" : "binary");
-    add("--morton-bits", std::to_string(config.bvh.morton_bits));
-    add("--builder", builder);
-    std::vector<char*> pointers;
-    for (std::string& argument : arguments) pointers.push_back(argument.data());
-    pointers.push_back(nullptr);
-    posix_spawn_file_actions_t silence;
-    ::posix_spawn_file_actions_init(&silence);
-    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})  // so that no pipe waits for it
-        ::posix_spawn_file_actions_addopen(&silence, stream, "/dev/null", O_RDWR, 0);
-    pid_t id = 0;
-    if (::posix_spawn(&id, program.c_str(), &silence, nullptr, pointers.data(), environ) == 0)
-        std::thread([id] { ::waitpid(id, nullptr, 0); }).detach();  // lest it stays as a zombie
-    ::posix_spawn_file_actions_destroy(&silence);
 }
 
 }  // namespace claray

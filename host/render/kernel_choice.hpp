@@ -38,9 +38,4 @@ void remember_as_cached(const Device& device, const KernelChoice& choice, const 
 [[nodiscard]] bool is_path_kernel_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config);
 void remember_path_kernel_as_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config);
 
-/// `claray compile` for a choice and then for the generic kernels, in a process of its own. It goes on when this one
-/// ends: the next render finds its work. Does nothing where the program can't be started.
-void start_compiler(const std::string& program, const Device& device, const KernelChoice& choice,
-                    const RenderConfig& config);
-
 }  // namespace claray

@@ -11,6 +11,7 @@
 #include "host/compute/device_state.hpp"
 #include "host/compute/file.hpp"
 #include "host/compute/joint_program.hpp"
+#include "host/render/background_compiler.hpp"
 #include "host/render/checkpoint.hpp"
 #include "host/render/film.hpp"
 #include "host/render/in_flight.hpp"
@@ -27,6 +28,7 @@ constexpr unsigned largest_side = 1u << 14;
 constexpr unsigned least_spp_for_noise = 16;
 constexpr unsigned spp_that_see_light = 2048;
 constexpr double seconds_between_reports = 0.2;
+constexpr double seconds_between_asking = 1;  // for a compiler, while another render's runs
 constexpr std::size_t most_triangles_by_host = 1u << 20;
 constexpr std::ptrdiff_t most_effects_to_optimize = 16;  // in quick kernels: PoCL takes two seconds for these
 constexpr std::uint32_t quick_first_paths = 2048;        // of the batch that the first pixel waits for
@@ -212,6 +214,8 @@ struct Renderer::State {
     Film::Error last_error;                          // when it was last asked for
     std::optional<double> light_cut_off;             // once it was asked for
     unsigned last_error_spp = 0;                     // and how many samples there were
+    bool compiler_asked = false;                     // else one of another render runs
+    Clock::time_point last_asked;                    // for a compiler
     bool error_is_new = false;                       // not reported
     double measuring_seconds = 0;                    // for noise and error
     std::map<std::string, double> before;            // the profiler's times when this render was set up
@@ -333,12 +337,16 @@ void Renderer::State::first_pixel() {
     if (own_kernels)
         remember_as_cached(device, plan.last, config);
     else
-        start_compiler(config.compiler, device, plan.last, config);
+        compiler_asked = start_compiler(config.compiler, device, plan.last, config), last_asked = Clock::now();
 }
 
 /// Between two batches, so that no path sees two kinds of kernels; the image would be the same even then.
 void Renderer::State::take_over_when_compiled() {
-    if (!are_cached(device, plan.last, config)) return;
+    if (!are_cached(device, plan.last, config)) {
+        if (compiler_asked || seconds_since(last_asked) < seconds_between_asking) return;
+        compiler_asked = start_compiler(config.compiler, device, plan.last, config), last_asked = Clock::now();
+        return;
+    }
     own_kernels = true;
     own_kernels_from = spp();
     const bool rebuilds = plan.last.layout != plan.first.layout;

@@ -13,11 +13,12 @@ enum class ErrorKind : int {
     device = 3  ///< OpenCL: no platform, a failed kernel build, out of device memory
 };
 
-/// `what()` is one line, "what failed: why; remedy", to which failures of a device add lines of report.
+/// `what()` is one line, "what failed: why; remedy", of at most 280 bytes of valid UTF-8 without control characters:
+/// what is not fit for a terminal becomes '?', and what is too long loses its middle. Failures of a device add a line
+/// break and a report of many lines.
 class Error : public std::runtime_error {
 public:
-    Error(ErrorKind kind, const std::string& message, const std::string& remedy = {})
-        : std::runtime_error(remedy.empty() ? message : message + "; " + remedy), kind_(kind) {}
+    Error(ErrorKind kind, const std::string& message, const std::string& remedy = {}, const std::string& report = {});
 
     [[nodiscard]] ErrorKind kind() const noexcept { return kind_; }
 

@@ -8,11 +8,9 @@
 
 #include "claray/profiler.hpp"
 #include "claray/scene.hpp"
+#include "claray/warnings.hpp"
 
 namespace claray {
-
-/// What a loader noticed and mended: lines for the user.
-using Warnings = std::vector<std::string>;
 
 /// What to load of a file that holds more than one picture; of the formats that are read, glTF does. A choice is a name
 /// or, where nothing has that name, an index that counts from 0. Empty: what the member says.

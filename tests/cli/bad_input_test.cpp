@@ -80,8 +80,9 @@ TEST_F(BadInput, CameraVectors) {
 }
 TEST_F(BadInput, OptionValues) {
     const std::vector<std::vector<std::string>> all = {
-        {"--spp", "0"},      {"--spp", "many"}, {"--max-depth", "0"},    {"--time", "-1"},     {"--noise", "0"},
-        {"--aov", "beauty"}, {"--seed", "-1"},  {"--morton-bits", "32"}, {"--layout", "deep"}, {"--tone-map", "warm"}};
+        {"--spp", "0"},   {"--spp", "many"},       {"--max-depth", "0"}, {"--time", "-1"},
+        {"--noise", "0"}, {"--time", "0"},         {"--time", "0s"},     {"--aov", "beauty"},
+        {"--seed", "-1"}, {"--morton-bits", "32"}, {"--layout", "deep"}, {"--tone-map", "warm"}};
     for (const std::vector<std::string>& option : all)
         EXPECT_TRUE(failed_with(render("cornell", option), 2, option[0])) << option[0] << ' ' << option[1];
 }

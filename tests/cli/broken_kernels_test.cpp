@@ -1,4 +1,7 @@
 // A kernel that does not compile: exit code 3, a line that names a file, and in it all that a report needs.
+#include <sys/stat.h>
+
+#include <algorithm>
 #include <fstream>
 
 #include "tests/cli/claray.hpp"
@@ -17,7 +20,7 @@ TEST(BrokenKernels, AreReportedInAFile) {
         "--spp",  "1",       "-q", "--wait-for-kernels",        "--checkpoint", (folder / "c").string()};
     const Environment environment = {{"CLARAY_KERNEL_DIR", (folder / "kernels").string()},
                                      {"CLARAY_CACHE_DIR", (folder / "cache").string()},
-                                     {"TMPDIR", folder.path().string()}};
+                                     {"XDG_STATE_HOME", (folder / "state").string()}};
     ASSERT_EQ(run_claray(render).exit_code, 0);
     const std::string checkpoint = read_file(folder / "c"), image = read_file(folder / "a.png");
 
@@ -30,7 +33,15 @@ TEST(BrokenKernels, AreReportedInAFile) {
     const std::size_t at = result.errors.find("the log is in ");
     ASSERT_NE(at, std::string::npos) << result.errors;
     const std::string path = result.errors.substr(at + 14, result.errors.size() - at - 15);
-    EXPECT_EQ(fs::path(path).parent_path(), folder.path());
+    EXPECT_EQ(fs::path(path).parent_path(), folder / "state/claray");
+    struct stat log_file = {};
+    ASSERT_EQ(::lstat(path.c_str(), &log_file), 0);
+    EXPECT_EQ(log_file.st_mode & 0777, 0600u) << "for nobody else";
+    EXPECT_EQ(log_file.st_nlink, 1u);
+    EXPECT_LE(std::find(result.errors.begin(), result.errors.end(), '\n') - result.errors.begin(), 300);
+    EXPECT_NE(run_claray(render, environment).errors.find("the log is in "), std::string::npos);
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder / "state/claray"), fs::directory_iterator()), 2)
+        << "each has a name of its own";
     const std::string log = read_file(path);
     for (const char* words : {"device: ", "platform: ", "driver: ", "version: ", "kernel sources: ", "-cl-std=CL1.2",
                               "render/shade_surface.cl", "log:\n", "no kernel"})

@@ -1,6 +1,9 @@
 #include "host/cli/progress.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <stdlib.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
@@ -46,6 +49,58 @@ std::string written(ProgressStyle style, const std::vector<RenderProgress>& step
     }
     std::fclose(file);
     return test::read_file(folder / "out");
+}
+
+/// Standard error is a terminal while it lives.
+class Terminal {
+public:
+    Terminal() : main_(::posix_openpt(O_RDWR | O_NOCTTY)), before_(::dup(STDERR_FILENO)) {
+        if (main_ < 0 || ::grantpt(main_) != 0 || ::unlockpt(main_) != 0) return;
+        const int side = ::open(::ptsname(main_), O_RDWR | O_NOCTTY);
+        ::dup2(side, STDERR_FILENO);
+        ::close(side);
+    }
+    ~Terminal() {
+        ::dup2(before_, STDERR_FILENO);
+        ::close(before_);
+        if (main_ >= 0) ::close(main_);
+    }
+    Terminal(const Terminal&) = delete;
+    Terminal& operator=(const Terminal&) = delete;
+
+private:
+    int main_, before_;
+};
+
+TEST(Progress, ABarIsForTerminalsThatEraseLines) {
+    EXPECT_EQ(progress_style(true), ProgressStyle::none);
+    std::vector<ProgressStyle> styles;
+    {
+        const Terminal terminal;
+        if (::isatty(STDERR_FILENO) != 1) GTEST_SKIP() << "no terminals here";
+        for (const char* name : {"xterm", "dumb", ""}) {
+            const test::ScopedEnvironment term("TERM", name);
+            styles.push_back(progress_style(false));
+        }
+    }
+    EXPECT_EQ(styles, (std::vector{ProgressStyle::bar, ProgressStyle::lines, ProgressStyle::lines}));
+}
+
+/// nohup's: what it lets live goes on.
+TEST(Progress, AnIgnoredHangupStaysIgnored) {
+    struct sigaction now = {};
+    std::signal(SIGHUP, SIG_IGN);
+    {
+        const InterruptGuard guard;
+        std::raise(SIGHUP);
+        EXPECT_FALSE(InterruptGuard::interrupted());
+    }
+    sigaction(SIGHUP, nullptr, &now);
+    EXPECT_EQ(now.sa_handler, SIG_IGN);
+    std::signal(SIGHUP, SIG_DFL);
+    const InterruptGuard guard;
+    std::raise(SIGHUP);
+    EXPECT_TRUE(InterruptGuard::interrupted());
 }
 
 TEST(Progress, BarIsDrawnAgainOnOneLine) {

@@ -181,7 +181,7 @@ TEST_P(Signals, StopWithTheImageThatExists) {
     EXPECT_LT(seconds, 3.0);  // 1 s is the aim; tests share the machine
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Signals, testing::Values(SIGINT, SIGTERM));
+INSTANTIATE_TEST_SUITE_P(All, Signals, testing::Values(SIGINT, SIGTERM, SIGHUP, SIGQUIT));
 
 }  // namespace
 }  // namespace claray::test

@@ -324,7 +324,8 @@ TEST_F(Obj, IndexOutOfRangeNamesTheLine) {
     expect_error(ErrorKind::user, {"line 5", "vertex index 0"}, [&] { load(unit_square + "f 0 1 2\n"); });
     expect_error(ErrorKind::user, {"line 6", "texture index 2"},
                  [&] { load(unit_square + "vt 0 0\nf 1/1 2/2 3/1\n"); });
-    expect_error(ErrorKind::user, {"line 5", "normal index 1"}, [&] { load(unit_square + "f 1//1 2//1 3//1\n"); });
+    expect_error(ErrorKind::user, {"line 6", "normal index 2"},
+                 [&] { load(unit_square + "vn 0 0 1\nf 1//1 2//1 3//2\n"); });
     expect_error(ErrorKind::user, {"vertex index 2147483647"}, [&] { load(unit_square + "f 1 2 2147483647\n"); });
     expect_error(ErrorKind::user, {"vertex index -2147483648"}, [&] { load(unit_square + "f 1 2 -2147483648\n"); });
 }

@@ -2,10 +2,16 @@
 #include "host/render/kernel_choice.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cstring>
+#include <fstream>
+#include <thread>
 
 #include "host/compute/device_state.hpp"
+#include "host/render/background_compiler.hpp"
 #include "tests/render/scenes.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/process.hpp"
@@ -142,6 +148,44 @@ TEST_F(KernelChoices, QuickKernelsOfManyEffectsAreNotOptimized) {
     const std::vector<glm::vec3> slow = renderer.image(), image = render_image(scene, few);
     ASSERT_EQ(slow.size(), image.size());
     EXPECT_EQ(std::memcmp(slow.data(), image.data(), image.size() * sizeof image[0]), 0);
+}
+
+/// A compiler that tells its priority, and works until it is released.
+class BackgroundCompiler : public KernelChoices {
+protected:
+    BackgroundCompiler() {
+        std::ofstream(script_) << "#!/bin/sh\nnice >> '" << told_.string() << "'\necho \"$@\" >> '" << told_.string()
+                               << "'\nwhile [ ! -e '" << released_.string() << "' ]; do sleep 0.01; done\n";
+        std::filesystem::permissions(script_, std::filesystem::perms::owner_all);
+    }
+    ~BackgroundCompiler() override { release(); }
+    void release() const { std::ofstream(released_) << '.'; }
+    [[nodiscard]] bool start() const { return start_compiler(script_, device(), {{Effect::mirror}, Layout::wide}, {}); }
+    [[nodiscard]] static bool becomes_true(const std::function<bool()>& condition) {
+        for (int i = 0; i < 2000; ++i) {
+            if (condition()) return true;
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        }
+        return false;
+    }
+    std::filesystem::path script_ = folder_ / "compiler", told_ = folder_ / "told", released_ = folder_ / "released";
+};
+
+TEST_F(BackgroundCompiler, HasLowPriorityFromItsStart) {
+    const int before = ::getpriority(PRIO_PROCESS, 0);
+    ASSERT_TRUE(start());
+    ASSERT_TRUE(becomes_true([&] { return read_file(told_).find("compile") != std::string::npos; }));
+    EXPECT_EQ(read_file(told_).substr(0, read_file(told_).find('\n')), std::to_string(std::min(before + 10, 19)));
+    EXPECT_EQ(::getpriority(PRIO_PROCESS, 0), before) << "the render keeps its own";
+}
+
+TEST_F(BackgroundCompiler, IsTheOnlyOne) {
+    ASSERT_TRUE(start());
+    EXPECT_FALSE(start()) << "it is asked for again later";
+    release();
+    EXPECT_TRUE(becomes_true([&] { return start(); })) << "once the other has ended";
+    const ScopedEnvironment unwritable("CLARAY_CACHE_DIR", "/proc/nobody");
+    EXPECT_TRUE(start()) << "what it compiles would be lost: there is nothing to ask for again";
 }
 
 TEST(CompileKernels, MakesEveryKernelThatARenderNeeds) {

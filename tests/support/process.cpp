@@ -44,14 +44,22 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
 
 Process::Process(const std::vector<std::string>& command, const Environment& environment) : folder_(make_folder()) {
     std::vector<std::string> arguments = command, entries = merged_environment(environment);
+    posix_spawnattr_t attributes;  // as from a shell, whatever this process ignores
+    posix_spawnattr_init(&attributes);
+    sigset_t signals;
+    sigemptyset(&signals);
+    for (const int signal_number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) sigaddset(&signals, signal_number);
+    posix_spawnattr_setsigdefault(&attributes, &signals);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
     posix_spawn_file_actions_addopen(&actions, 1, (folder_ / "output").c_str(), O_WRONLY | O_CREAT, 0600);
     posix_spawn_file_actions_addopen(&actions, 2, (folder_ / "errors").c_str(), O_WRONLY | O_CREAT, 0600);
-    const int status =
-        posix_spawnp(&id_, command[0].c_str(), &actions, nullptr, pointers(arguments).data(), pointers(entries).data());
+    const int status = posix_spawnp(&id_, command[0].c_str(), &actions, &attributes, pointers(arguments).data(),
+                                    pointers(entries).data());
     posix_spawn_file_actions_destroy(&actions);
+    posix_spawnattr_destroy(&attributes);
     if (status != 0) throw std::runtime_error("cannot start " + command[0]);
     running_ = true;
 }

@@ -1,0 +1,81 @@
+// Machines that lack something: a home, a folder to write to, a stack, a terminal that can do more than write.
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fstream>
+
+#include "tests/cli/claray.hpp"
+
+namespace claray::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Machine : public testing::Test {
+protected:
+    [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
+    /// By the sh's own `ulimit`, `cd` or `export` before.
+    [[nodiscard]] ProcessResult run_after(const std::string& shell, const std::vector<std::string>& arguments,
+                                          const Environment& environment = {}) const {
+        std::vector<std::string> command = {"sh", "-c", shell + "; exec \"$@\"", "sh"};
+        for (const std::string& argument : claray_command(arguments)) command.push_back(argument);
+        return run_process(command, environment);
+    }
+    TemporaryFolder folder_;
+};
+
+/// /proc refuses even root. PoCL alone finds no device there, or crashes.
+TEST_F(Machine, WithoutAHomeThatCanBeWrittenTo) {
+    Environment none = {{"HOME", "/proc/nobody"},
+                        {"XDG_CACHE_HOME", ""},
+                        {"CLARAY_CACHE_DIR", "/proc/nobody"},
+                        {"TMPDIR", folder_.path().string()}};
+    const ProcessResult devices = run_claray({"devices"}, none);
+    EXPECT_EQ(devices.exit_code, 0) << devices.errors;
+    EXPECT_EQ(devices.errors, "");
+    const std::string own = path("claray-" + std::to_string(::geteuid()));
+    struct stat found = {};
+    ASSERT_EQ(::lstat(own.c_str(), &found), 0) << "its folder";
+    EXPECT_EQ(found.st_mode & 0777, 0700u);
+    EXPECT_TRUE(fs::is_directory(own + "/pocl"));
+
+    const ProcessResult unset =
+        run_after("unset HOME XDG_CACHE_HOME", {"devices"}, {{"TMPDIR", folder_.path().string()}});
+    EXPECT_EQ(unset.exit_code, 0) << unset.errors;
+
+    none["TMPDIR"] = "/proc/nobody";
+    none["XDG_CACHE_HOME"] = "/proc/nobody";
+    EXPECT_TRUE(failed_with(run_claray({"render", "cornell", "-o", path("b.png")}, none), 3, "set POCL_CACHE_DIR"));
+    EXPECT_TRUE(failed_with(run_claray({"devices"}, {{"POCL_CACHE_DIR", "/proc/nobody"}}), 1,
+                            "POCL_CACHE_DIR is '/proc/nobody', which cannot be written to"));
+}
+
+/// Another user's folder of that name, or a link, is not used.
+TEST_F(Machine, AFolderOfOthersIsNotTrusted) {
+    fs::create_directory(path("elsewhere"));
+    fs::create_directory_symlink("elsewhere", path("claray-" + std::to_string(::geteuid())));
+    const ProcessResult devices = run_claray({"devices"}, {{"HOME", "/proc/nobody"},
+                                                           {"XDG_CACHE_HOME", ""},
+                                                           {"CLARAY_CACHE_DIR", "/proc/nobody"},
+                                                           {"TMPDIR", folder_.path().string()}});
+    EXPECT_EQ(devices.exit_code, 0) << devices.errors;
+    EXPECT_TRUE(fs::is_empty(path("elsewhere")));
+}
+
+/// Compilers go as deep as an expression is nested.
+TEST_F(Machine, WithASmallStack) {
+    fs::copy(fs::path(CLARAY_SOURCE_DIR) / "kernels", folder_ / "kernels", fs::copy_options::recursive);
+    fs::copy(fs::path(CLARAY_SOURCE_DIR) / "include", folder_ / "include", fs::copy_options::recursive);
+    std::string sum = "a[0]";
+    for (int i = 0; i < 2000; ++i) sum += "+a[1]";
+    std::ofstream(folder_ / "kernels/build/bounds.cl", std::ios::app)
+        << "\nkernel void deep(global volatile uint* a) { a[0] = " << sum << "; }\n";
+    const ProcessResult result = run_after(
+        "ulimit -s 256", {"build", "soup:100", "--builder", "fast", "--layout", "binary", "--repeat", "1"},
+        {{"CLARAY_KERNEL_DIR", path("kernels")}});
+    EXPECT_EQ(result.exit_code, 0) << result.errors;
+}
+
+}  // namespace
+}  // namespace claray::test

@@ -1,0 +1,180 @@
+// OBJ and MTL as other programs write them: encodings, line ends, names of files; and what a file asks for in vain.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "claray/io.hpp"
+#include "tests/io/expect_error.hpp"
+#include "tests/io/temporary_folder.hpp"
+
+namespace claray {
+namespace {
+
+using test::expect_error;
+namespace fs = std::filesystem;
+
+const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+const std::string red = "newmtl red\nKd 1 0 0\n";
+
+class ObjText : public ::testing::Test {
+protected:
+    Scene load(const std::string& text) {
+        fs::create_directories(folder / "scene");
+        warnings.clear();
+        Scene scene = load_obj(folder.file("scene/mesh.obj", text), warnings);
+        validate(scene);
+        return scene;
+    }
+    void mtl(const std::string& name, const std::string& text) {
+        fs::create_directories((folder / "scene" / name).parent_path());
+        static_cast<void>(folder.file("scene/" + name, text));
+    }
+    [[nodiscard]] bool warned(const std::string& words) const {
+        return std::any_of(warnings.begin(), warnings.end(),
+                           [&](const std::string& line) { return line.find(words) != std::string::npos; });
+    }
+    /// Nothing but of the light.
+    [[nodiscard]] bool silent() const {
+        return std::all_of(warnings.begin(), warnings.end(),
+                           [](const std::string& line) { return line.find("sky") != std::string::npos; });
+    }
+    /// The triangle is there and red.
+    void expect_red(const std::string& text) {
+        const Scene scene = load(text);
+        ASSERT_EQ(triangle_count(scene), 1u) << text;
+        EXPECT_EQ(scene.meshes[0].positions[1], glm::vec3(1, 0, 0)) << text;
+        EXPECT_EQ(scene.materials.at(scene.meshes[0].materials.at(0)).albedo, glm::vec3(1, 0, 0)) << text;
+    }
+    static std::string replaced(std::string text, const std::string& from, const std::string& to) {
+        for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+            text.replace(at, from.size(), to);
+        return text;
+    }
+
+    test::TemporaryFolder folder;
+    Warnings warnings;
+};
+
+TEST_F(ObjText, ByteOrderMarksAndLineEnds) {
+    const std::string mark = "\xef\xbb\xbf", obj = "mtllib m.mtl\n" + triangle + "usemtl red\nf 1 2 3";
+    mtl("m.mtl", mark + red);
+    expect_red(mark + obj);
+    EXPECT_EQ(load(mark + triangle + "f 1 2 3\n").meshes[0].positions.size(), 3u) << "the first vertex";
+    for (const char* end : {"\r", "\r\n"}) {
+        mtl("m.mtl", replaced(red + "\nnewmtl other", "\n", end));
+        expect_red(replaced(obj, "\n", end));
+        EXPECT_TRUE(silent()) << warnings.front();
+    }
+    mtl("m.mtl", replaced(red, " ", "\t"));
+    expect_red(replaced(obj, " ", "\t"));
+    mtl("m.mtl", "newmtl \\\nred\nKd 1 \\\n 0 \\\n0");
+    expect_red(replaced(obj, "f 1 2 3", "f 1 \\\n 2 \\\r\n3"));
+    EXPECT_TRUE(silent()) << warnings.front();
+}
+
+TEST_F(ObjText, ABackslashContinuesNoComment) {
+    mtl("m.mtl", "# from C:\\models\\\n" + red);
+    expect_red("# from C:\\models\\\nmtllib m.mtl\n# to D:\\\n" + triangle + "usemtl red\nf 1 2 3\n");
+}
+
+TEST_F(ObjText, LinesKeepTheirNumbers) {
+    mtl("m.mtl", "newmtl red\nKd 1 \\\n\\\n 0 0\nKs x 1 1\n");
+    static_cast<void>(load("mtllib m.mtl\n" + triangle + "usemtl red\nf 1 2 3\n"));
+    EXPECT_TRUE(warned("m.mtl line 5: 'x'")) << warnings.front();
+}
+
+TEST_F(ObjText, NamesOfMaterialFiles) {
+    for (const char* name : {"a b.mtl", "two  blanks.mtl", "sub/m.mtl", "m.mtl"}) mtl(name, red);
+    mtl("plain.mtl", "newmtl blue\nKd 0 0 1\n");
+    for (const char* line : {"a b.mtl", "\"a b.mtl\"", "two  blanks.mtl", "./m.mtl", ".\\sub\\m.mtl", "sub/m.mtl",
+                             "plain.mtl m.mtl", "plain.mtl a b.mtl", "a b.mtl plain.mtl", "a\\ b.mtl plain.mtl",
+                             "  m.mtl  ", "C:\\work\\of others\\m.mtl", "/home/me/m.mtl", "\\\\server\\share\\m.mtl"})
+        expect_red(std::string("mtllib ") + line + "\n" + triangle + "usemtl red\nf 1 2 3\n");
+    EXPECT_TRUE(warned("mesh.obj': '\\\\server\\share\\m.mtl' is a path of another machine")) << warnings.front();
+    static_cast<void>(load("mtllib C:\\work\\gone.mtl m.mtl\n" + triangle + "usemtl red\nf 1 2 3\n"));
+    EXPECT_TRUE(warned("gone.mtl' is missing")) << warnings.front();
+}
+
+TEST_F(ObjText, MaterialFilesStayInTheScenesFolder) {
+    static_cast<void>(folder.file("secret.mtl", "newmtl secret\n"));
+    fs::create_directories(folder / "scene");
+    fs::create_symlink("../secret.mtl", folder / "scene/link.mtl");
+    const std::pair<std::string, const char*> cases[] = {
+        {"/etc/passwd", "is absolute"},
+        {"../secret.mtl", "leaves the scene's folder"},
+        {"..\\secret.mtl", "leaves the scene's folder"},
+        {"link.mtl", "leaves the scene's folder"},
+        {(folder / "secret.mtl").string(), "is absolute"},
+    };
+    for (const auto& [name, why] : cases)
+        expect_error(ErrorKind::user, {"mesh.obj'", why}, [&, n = name] {
+            static_cast<void>(load("mtllib " + n + "\n" + triangle + "usemtl secret\nf 1 2 3\n"));
+        });
+}
+
+TEST_F(ObjText, ImagesOfOtherMachinesAreFoundBesideTheFile) {
+    mtl("m.mtl", red + "map_Kd C:\\textures\\wood.pfm\n");
+    mtl("wood.pfm", std::string("PF\n1 1\n-1\n") + std::string(12, '\0'));
+    const std::string obj = "mtllib m.mtl\n" + triangle + "vt 0 0\nusemtl red\nf 1/1 2/1 3/1\n";
+    EXPECT_EQ(load(obj).textures.size(), 1u);
+    EXPECT_TRUE(warned("'C:\\textures\\wood.pfm' is a path of another machine")) << warnings.front();
+    fs::remove(folder / "scene/wood.pfm");
+    expect_error(ErrorKind::user, {"mesh.obj'", "wood.pfm' is a URL or names a drive"},
+                 [&] { static_cast<void>(load(obj)); });
+}
+
+TEST_F(ObjText, OtherEncodingsAreNamed) {
+    std::string little, big;
+    for (const char c : triangle) little += {c, '\0'}, big += {'\0', c};
+    const auto refuse = [&](const std::string& bytes, const char* what) {
+        expect_error(ErrorKind::user, {"mesh.obj' is", what}, [&] { static_cast<void>(load(bytes)); });
+        mtl("m.mtl", bytes);
+        expect_error(ErrorKind::user, {"m.mtl' is", what},
+                     [&] { static_cast<void>(load("mtllib m.mtl\n" + triangle + "f 1 2 3\n")); });
+        expect_error(ErrorKind::user, {"s.gltf' is", what}, [&] {
+            Warnings ignored;
+            static_cast<void>(load_gltf(folder.file("s.gltf", bytes), ignored));
+        });
+    };
+    refuse("\xff\xfe" + little, "UTF-16");
+    refuse("\xfe\xff" + big, "UTF-16");
+    refuse(little, "UTF-16");
+    refuse(big, "UTF-16");
+    refuse("\x1f\x8b\x08 and so on", "gzip");
+    refuse("PK\x03\x04 and so on", "zip archive");
+}
+
+TEST_F(ObjText, WhatIsAskedForInVainIsSaid) {
+    EXPECT_EQ(load(triangle + "usemtl red\nf 1 2 3\n").materials.size(), 1u);
+    EXPECT_TRUE(warned("mesh.obj' uses materials, 'red' for one, but names no file of materials"));
+    mtl("empty.mtl", "\n");
+    static_cast<void>(load("mtllib empty.mtl\n" + triangle + "usemtl red\nf 1 2 3\n"));
+    EXPECT_TRUE(warned("material 'red' is not defined"));
+    static_cast<void>(load(triangle + "f 1 2 3\nl 1 2\np 3\ncstype bezier\nfoo 1 2\nfoo\n"));
+    EXPECT_TRUE(warned("line 5 (and 1 more): 'l' is left out: lines and points"));
+    EXPECT_TRUE(warned("line 7: 'cstype' is left out"));
+    EXPECT_TRUE(warned("line 8 (and 1 more): 'foo' is no statement of an OBJ"));
+    static_cast<void>(load(triangle + "s 1\nf 1 2 3\n"));
+    EXPECT_TRUE(warned("line 4: 's' (a smoothing group) is left out"));
+    static_cast<void>(load(triangle + "vn 0 0 1\ns 1\nf 1//1 2//1 3//1\n"));
+    EXPECT_TRUE(silent());
+    static_cast<void>(load(triangle + "o a\ng b\ns off\nf 1 2 3\n"));
+    EXPECT_TRUE(silent());
+}
+
+TEST_F(ObjText, AttributesOfWhichThereAreNoneAreLeftOut) {
+    for (const char* face : {"f 1/1/1 2/2/2 3/3/3\n", "f -3/-3/-3 -2/-2/-2 -1/-1/-1\n"}) {
+        const Scene scene = load(triangle + face);
+        EXPECT_EQ(triangle_count(scene), 1u);
+        EXPECT_TRUE(scene.meshes[0].normals.empty() && scene.meshes[0].uvs.empty());
+        EXPECT_TRUE(warned("mesh.obj': faces refer to texture coordinates, and there are none"));
+        EXPECT_TRUE(warned("mesh.obj': faces refer to normals, and there are none"));
+    }
+    // Where there are some, an index beyond them is an error as before.
+    for (const char* face : {"vt 0 0\nf 1/1 2/2 3/1\n", "f 1/-1 2/-1 3/-1\nvt 0 0\n"})
+        expect_error(ErrorKind::user, {"texture index", "out of range"},
+                     [&] { static_cast<void>(load(triangle + face)); });
+}
+
+}  // namespace
+}  // namespace claray
