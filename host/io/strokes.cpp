@@ -1,0 +1,99 @@
+#include "host/io/strokes.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+#include <unordered_set>
+
+#include "host/scene/shapes.hpp"
+
+namespace claray {
+namespace {
+
+struct PlaceHash {
+    std::size_t operator()(const glm::vec3& p) const {
+        std::uint64_t h = 0;
+        for (int k = 0; k < 3; ++k) h = (h ^ std::bit_cast<std::uint32_t>(p[k])) * 0x9e3779b97f4a7c15u;
+        return std::size_t(h ^ (h >> 32));
+    }
+};
+
+class Solids {
+public:
+    Solids(const Strokes& strokes, float radius)
+        : strokes_(strokes),
+          radius_(radius),
+          sphere_(scenes::make_sphere(glm::vec3(0.f), 1.f, levels_for(strokes.triangles.size()), 0)),
+          sides_(strokes.triangles.size() > 30'000 ? 8 : 16) {
+        solid_.name = strokes.name;
+        solid_.mask = strokes.mask;
+    }
+
+    /// Places that several strokes share get one sphere.
+    Mesh take() {
+        std::unordered_set<glm::vec3, PlaceHash> places;
+        for (std::size_t i = 0; i < strokes_.triangles.size(); ++i) {
+            const std::uint32_t a = strokes_.triangles[i].x, b = strokes_.triangles[i].y;
+            material_ = strokes_.materials.empty() ? 0 : strokes_.materials[i];
+            for (const std::uint32_t end : {a, b})
+                if (places.insert(strokes_.positions[end]).second) add_sphere(end);
+            if (strokes_.positions[a] != strokes_.positions[b]) add_tube(a, b);
+        }
+        return std::move(solid_);
+    }
+
+private:
+    static unsigned levels_for(std::size_t strokes) { return strokes <= 3'000 ? 2 : strokes <= 30'000 ? 1 : 0; }
+
+    void add_vertex(const glm::vec3& position, const glm::vec3& normal, std::uint32_t of) {
+        solid_.positions.push_back(position);
+        solid_.normals.push_back(normal);
+        if (!strokes_.uvs.empty()) solid_.uvs.push_back(strokes_.uvs[of]);
+        if (!strokes_.uvs1.empty()) solid_.uvs1.push_back(strokes_.uvs1[of]);
+        if (!strokes_.colors.empty()) solid_.colors.push_back(strokes_.colors[of]);
+    }
+    void add_triangle(const glm::uvec3& triangle) {
+        solid_.triangles.push_back(triangle);
+        solid_.materials.push_back(material_);
+    }
+
+    void add_sphere(std::uint32_t at) {
+        const auto first = std::uint32_t(solid_.positions.size());
+        for (const glm::vec3& n : sphere_.positions) add_vertex(strokes_.positions[at] + radius_ * n, n, at);
+        for (const glm::uvec3& t : sphere_.triangles) add_triangle(first + t);
+    }
+
+    void add_tube(std::uint32_t a, std::uint32_t b) {
+        const glm::dvec3 along = glm::normalize(glm::dvec3(strokes_.positions[b]) - glm::dvec3(strokes_.positions[a]));
+        const glm::dvec3 across = std::abs(along.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+        const glm::dvec3 u = glm::normalize(glm::cross(along, across)), v = glm::cross(along, u);
+        const auto first = std::uint32_t(solid_.positions.size());
+        for (std::uint32_t side = 0; side < sides_; ++side) {
+            const double angle = 2 * std::numbers::pi * side / sides_;
+            const glm::vec3 normal(std::cos(angle) * u + std::sin(angle) * v);
+            for (const std::uint32_t end : {a, b}) add_vertex(strokes_.positions[end] + radius_ * normal, normal, end);
+            const std::uint32_t here = first + 2 * side, next = first + 2 * ((side + 1) % sides_);
+            add_triangle({here, next, next + 1});
+            add_triangle({here, next + 1, here + 1});
+        }
+    }
+
+    const Strokes& strokes_;
+    float radius_;
+    Mesh sphere_;
+    std::uint32_t sides_, material_ = 0;
+    Mesh solid_;
+};
+
+}  // namespace
+
+float stroke_radius(const Bounds& bounds, std::size_t strokes) {
+    const float diagonal = bounds.empty() ? 0.f : glm::length(bounds.extent());
+    if (!(diagonal > 0.f && std::isfinite(diagonal))) return 1.f;
+    return diagonal / std::max(400.f, 2.f * std::sqrt(float(strokes)));
+}
+
+Mesh solid_strokes(const Strokes& strokes, float radius) { return Solids(strokes, radius).take(); }
+
+}  // namespace claray
