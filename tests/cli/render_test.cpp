@@ -45,6 +45,22 @@ std::vector<float> read_pfm(const std::string& path, std::size_t channels) {
     return file ? values : std::vector<float>();
 }
 
+/// The bowl of the scene has no backs: what is in it is seen through its wall.
+TEST_F(Render, SidesOfSurfacesCanBeChosen) {
+    const auto primitives = [&](const std::vector<std::string>& options) {
+        std::vector<std::string> all = {"--aov", "primitive"};
+        all.insert(all.end(), options.begin(), options.end());
+        const ProcessResult result = render("effect:culling", "a.pfm", all);
+        EXPECT_EQ(result.exit_code, 0) << result.errors;
+        return read_pfm(path("a.primitive.pfm"), 1);
+    };
+    const std::vector<float> by_file = primitives({}), both = primitives({"--cull", "none"});
+    EXPECT_NE(by_file, both);
+    EXPECT_EQ(primitives({"--cull", "file", "--front", "ccw"}), by_file);
+    EXPECT_NE(primitives({"--front", "cw"}), by_file);
+    EXPECT_EQ(primitives({"--cull", "none", "--front", "cw"}), both);
+}
+
 TEST_F(Render, EveryBuiltInScene) {
     for (std::string name : builtin_scene_names()) {
         if (name.ends_with(":N")) name.replace(name.size() - 1, 1, "500");

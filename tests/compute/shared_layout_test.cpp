@@ -73,6 +73,9 @@ const Field fields[] = {
     FIELD(MaterialData, roughness),
     FIELD(MaterialData, ior),
     FIELD(MaterialData, thin_walled),
+    FIELD(MaterialData, layers),
+    FIELD(MaterialData, film_thickness),
+    FIELD(MaterialData, coat_z),
     FIELD(TriangleLight, v0x),
     FIELD(TriangleLight, area),
     FIELD(TriangleLight, primitive),
@@ -122,6 +125,7 @@ const Field fields[] = {
     FIELD(TextureUseData, uv_set),
     FIELD(MaterialMaps, use),
     FIELD(MaterialMaps, height_scale),
+    FIELD(MaterialMaps, coat_normal_scale),
     FIELD(RayCone, spread),
 };
 #undef FIELD

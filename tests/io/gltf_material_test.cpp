@@ -219,9 +219,9 @@ TEST_F(GltfMaterial, TangentsAreReadForNormalMaps) {
     const std::vector<glm::vec4> tangents = load(material).meshes.at(0).tangents;
     EXPECT_EQ(tangents, (std::vector<glm::vec4>{{1, 0, 0, -1}, {0, 1, 0, 1}, {0, 1, 0, -1}})) << "mirrored";
     const json brushed = {{"extensions", {{"KHR_materials_anisotropy", {{"anisotropyStrength", 1}}}}}};
-    const json coated = {{"extensions",
-                          {{"KHR_materials_clearcoat",
-                            {{"clearcoatFactor", 1}, {"clearcoatNormalTexture", {{"index", 0}}}}}}}};
+    const json coated = {
+        {"extensions",
+         {{"KHR_materials_clearcoat", {{"clearcoatFactor", 1}, {"clearcoatNormalTexture", {{"index", 0}}}}}}}};
     EXPECT_EQ(load(brushed).meshes.at(0).tangents, tangents);
     EXPECT_EQ(load(coated).meshes.at(0).tangents, tangents);
 }
@@ -333,7 +333,8 @@ TEST_F(GltfMaterial, NoIndexOfRefractionLeavesTheReflectanceToSpecular) {
     EXPECT_EQ(m.ior, 1.5f);
     EXPECT_NEAR(m.specular_tint.x, 12.5f, 1e-5);
     EXPECT_NEAR(m.specular_tint.y, 1.f, 1e-6);
-    EXPECT_EQ(std::count_if(warnings.begin(), warnings.end(), [](auto& w) { return w.find("refraction") != w.npos; }), 0);
+    EXPECT_EQ(std::count_if(warnings.begin(), warnings.end(), [](auto& w) { return w.find("refraction") != w.npos; }),
+              0);
     m = load(with({{"KHR_materials_transmission", {{"transmissionFactor", 1}}}})).materials.at(0);
     EXPECT_NE(warnings.at(0).find("index of refraction of 0"), std::string::npos);
 }
@@ -383,8 +384,9 @@ TEST_F(GltfMaterial, Layers) {
     for (const TextureUse* use : {&m.specular_weight_map, &m.sheen_roughness_map, &m.anisotropy_map, &m.iridescence_map,
                                   &m.film_thickness_map, &m.clearcoat_normal_map})
         EXPECT_EQ(format(*use), TexelFormat::linear8);
-    const std::vector<TextureUse> uses = {m.specular_weight_map, m.specular_map,    m.sheen_map,          m.sheen_roughness_map,
-                                          m.anisotropy_map,      m.iridescence_map, m.film_thickness_map, m.clearcoat_normal_map};
+    const std::vector<TextureUse> uses = {m.specular_weight_map, m.specular_map,        m.sheen_map,
+                                          m.sheen_roughness_map, m.anisotropy_map,      m.iridescence_map,
+                                          m.film_thickness_map,  m.clearcoat_normal_map};
     for (std::size_t i = 0; i < uses.size(); ++i)
         for (std::size_t k = 0; k < i; ++k) EXPECT_NE(uses[i].texture, uses[k].texture) << i << " and " << k;
     EXPECT_EQ(load({{"extensions", {{"KHR_materials_sheen", json::object()}}}}).materials.at(0).sheen, glm::vec3(0.f));

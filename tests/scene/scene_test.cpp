@@ -304,6 +304,17 @@ TEST(Validate, ChecksMaterialValues) {
     expect("clearcoat is", [](Material& m) { m.clearcoat = NAN; });
     expect("clearcoat roughness", [](Material& m) { m.clearcoat_roughness = 2.f; });
     expect("specular", [](Material& m) { m.specular.x = -1.f; });
+    expect("specular weight", [](Material& m) { m.specular_weight = 1.5f; });
+    expect("specular tint", [](Material& m) { m.specular_tint.y = -1.f; });
+    expect("sheen colour", [](Material& m) { m.sheen.z = 2.f; });
+    expect("sheen roughness", [](Material& m) { m.sheen_roughness = -1.f; });
+    expect("anisotropy is", [](Material& m) { m.anisotropy = 1.1f; });
+    expect("anisotropy rotation", [](Material& m) { m.anisotropy_rotation = INFINITY; });
+    expect("iridescence is", [](Material& m) { m.iridescence = NAN; });
+    expect("refraction of its iridescence", [](Material& m) { m.iridescence_ior = 0.f; });
+    expect("film thickness", [](Material& m) { m.film_thickness.x = -1.f; });
+    expect("clearcoat normal scale", [](Material& m) { m.clearcoat_normal_scale = NAN; });
+    expect("kind", [](Material& m) { m.kind = MaterialKind(CLARAY_THIN_GLASS); });
     expect("shininess", [](Material& m) { m.shininess = -1.f; });
     expect("attenuation colour", [](Material& m) { m.attenuation.x = 1.5f; });
     expect("attenuation distance", [](Material& m) { m.attenuation_distance = -1.f; });
@@ -316,10 +327,13 @@ TEST(Validate, ChecksMaterialValues) {
 
 TEST(Validate, ChecksMaps) {
     TextureUse Material::*const maps[] = {
-        &Material::albedo_map,       &Material::emission_map,  &Material::metallic_roughness_map,
-        &Material::transmission_map, &Material::clearcoat_map, &Material::clearcoat_roughness_map,
-        &Material::opacity_map,      &Material::normal_map,    &Material::height_map,
-        &Material::light_map};
+        &Material::albedo_map,          &Material::emission_map,         &Material::metallic_roughness_map,
+        &Material::transmission_map,    &Material::clearcoat_map,        &Material::clearcoat_roughness_map,
+        &Material::opacity_map,         &Material::normal_map,           &Material::height_map,
+        &Material::light_map,           &Material::clearcoat_normal_map, &Material::specular_map,
+        &Material::specular_weight_map, &Material::shininess_map,        &Material::sheen_map,
+        &Material::sheen_roughness_map, &Material::anisotropy_map,       &Material::iridescence_map,
+        &Material::film_thickness_map};
     for (const auto map : maps)
         expect_invalid(with([&](Scene& s) { (s.materials[0].*map).texture = 1; }), "map refers to texture 1 of 1");
     expect_invalid(with([](Scene& s) { s.materials[0].albedo_map.uv_set = 2; }), "texture coordinates 2");
