@@ -148,7 +148,10 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
     command.add_option("--tone-map", o.tone_map, "Of a PNG: none (clamp) or aces (filmic) [aces]")
         ->transform(choice_of(tone_maps))
         ->type_name("NAME");
-    command.add_option("--aov", o.aovs, "Also write OUTPUT.NAME.png and .pfm: depth normal albedo primitive heat")
+    command
+        .add_option("--aov", o.aovs,
+                    "Also write OUTPUT.NAME.png and .pfm: depth normal albedo primitive heat.\n"
+                    "albedo includes emitted light up to 1, as denoisers expect")
         ->take_all()
         ->delimiter(',')
         ->check(name_among(std::vector<std::string>(std::begin(aov_names), std::end(aov_names))));
@@ -165,12 +168,14 @@ void add_quality_options(CLI::App& command, RenderOptions& o) {
 }
 
 void add_checkpoint_options(CLI::App& command, RenderOptions& o) {
-    command.add_option("--checkpoint", o.config.checkpoint, "Write FILE now and then, from which --resume goes on");
-    command.add_option("--checkpoint-every", o.config.checkpoint_seconds, "That often: 30s, 5min, 2h [30s]")
+    command.add_option("--checkpoint", o.config.checkpoint,
+                       "Save progress to FILE periodically; continue with --resume");
+    command
+        .add_option("--checkpoint-every", o.config.checkpoint_seconds, "Time between two saves: 30s, 5min, 2h [30s]")
         ->transform(duration())
         ->type_name("TIME");
     command.add_option("--resume", o.config.resume,
-                       "Go on from what --checkpoint wrote for the same scene and settings");
+                       "Continue from a file of --checkpoint, of the same scene and settings");
 }
 
 void add_machine_options(CLI::App& command, RenderOptions& o) {
@@ -200,10 +205,9 @@ void add_render_command(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand("render", "Render a scene to an image by path tracing");
     command->footer(
         "Ctrl-C stops early and writes the image as it is.\n"
-        "With --error or --time the tree and the samples are picked by what claray tune measured of the device. "
-        "--time\n"
-        "is that of sampling: it begins when scene, tree and kernels are there, and ends before files are written. It\n"
-        "counts anew after --resume; --spp may be larger than before.\n"
+        "--error and --time choose the tree and the samples by what claray tune measured on the device.\n"
+        "--time limits sampling only; loading, building, compiling and writing are not counted. After --resume it\n"
+        "starts again, and --spp may be larger than before.\n"
         "Examples:\n"
         "  claray render cornell -o cornell.png --error 0.02\n"
         "  claray render bunny.obj -o bunny.hdr --size 1920x1080 --time 60s --stats\n"
