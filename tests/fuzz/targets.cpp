@@ -80,9 +80,16 @@ bool fuzz_mtl(Bytes bytes) {
 bool fuzz_gltf(Bytes bytes) {
     const bool binary = bytes.size() >= 4 && std::memcmp(bytes.data(), "glTF", 4) == 0;
     const auto path = written(binary ? "input.glb" : "input.gltf", bytes);
+    LoadOptions options;
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    if (text.find("\"channels\"") != text.npos) options.time = 0.3, options.animation = "all";
     return expect_result_or_user_error([&] {
         Warnings warnings;
-        check(load_gltf(path, warnings));
+        try {
+            check(load_gltf(path, warnings, options));
+        } catch (const Error& error) {
+            if (error.kind() != ErrorKind::usage) throw;  // usage: the file has no animation to choose
+        }
     });
 }
 
