@@ -223,10 +223,12 @@ Row probe_row(const Probe& probe, const CameraData& camera, unsigned row) {
     scenes::Random random(row);
     for (unsigned column = 0; column < side; ++column) {
         const double x = 2 * (column + random.uniform()) / side - 1, y = 1 - 2 * (row + random.uniform()) / side;
-        const glm::dvec3 direction = glm::dvec3(camera.forward_x, camera.forward_y, camera.forward_z) +
-                                     x * glm::dvec3(camera.right_x, camera.right_y, camera.right_z) +
-                                     y * glm::dvec3(camera.up_x, camera.up_y, camera.up_z);
-        const std::optional<Sight> sight = probe.look({camera.x, camera.y, camera.z}, glm::normalize(direction));
+        const glm::dvec3 forward(camera.forward_x, camera.forward_y, camera.forward_z);
+        const glm::dvec3 aside = x * glm::dvec3(camera.right_x, camera.right_y, camera.right_z) +
+                                 y * glm::dvec3(camera.up_x, camera.up_y, camera.up_z);
+        const glm::dvec3 position(camera.x, camera.y, camera.z);
+        const std::optional<Sight> sight = camera.orthographic ? probe.look(position + aside, forward)
+                                                               : probe.look(position, glm::normalize(forward + aside));
         if (!sight) continue;
         const bool lit = probe.lit_grey(*sight, random, found.open) >= visible_luminance;
         found.seen += 1, found.lit += lit, found.visible += lit || sight->glows;
