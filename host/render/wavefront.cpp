@@ -269,6 +269,7 @@ void Wavefront::follow(const Batch& batch, std::uint32_t limit_of_depth, Carried
 double Wavefront::cut_off() const {
     constexpr std::uint32_t most_side = 128, paths = most_side * most_side;
     constexpr double slowest_fall = 0.99;  // more light than 100 times what was found is never guessed
+    constexpr double least_share = 1e-5;   // that so few paths can tell
     FrameData frame = frame_;              // the same view in fewer pixels
     frame.width = std::min(frame.width, most_side), frame.height = std::min(frame.height, most_side);
     frame.seed = ~frame_.seed;
@@ -281,7 +282,8 @@ double Wavefront::cut_off() const {
         probe.follow({first, std::min(at_once, pixels - first), 0, samples}, frame_.max_depth, sums);
     if (!(sums.beyond > 0)) return 0;
     const double missing = sums.beyond / (1 - std::min(sums.left / sums.dropped, slowest_fall));
-    return missing / (sums.within + missing);
+    const double share = missing / (sums.within + missing);
+    return share < least_share ? 0 : share;
 }
 
 Wavefront::Times Wavefront::times_between(int in, int out) const {

@@ -202,7 +202,7 @@ TEST(RenderFrames, PicksWhatFitsAndSaysSo) {
     });
     EXPECT_EQ(report.seconds.size(), 3u) << "stopped";
     EXPECT_EQ(report.spp, 5u) << "two seconds are enough for the most";
-    EXPECT_EQ(report.max_depth, 8u);
+    EXPECT_EQ(report.max_depth, default_max_depth);
     EXPECT_EQ(report.percentile, *std::max_element(report.seconds.begin(), report.seconds.end()));
     EXPECT_EQ(report.image.size(), 144u);
     double sum = 0;
