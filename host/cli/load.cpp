@@ -40,6 +40,11 @@ void add_load_options(CLI::App& command, LoadOptions& o) {
     command.add_option("--variant", o.variant,
                        "Variant of the materials of a glTF, by name or index [the default materials]");
     command.add_option("--file-scene", o.scene, "Scene of a glTF that has many, by name or index [its default]");
+    command
+        .add_option("--stroke-radius", o.stroke_radius,
+                    "Radius of the spheres and tubes that stand for points and lines of a glTF; 0 leaves them out")
+        ->check(number_above("0 or more", 0, true))
+        ->type_name("R");
 }
 
 void refuse_unseen(const std::string& name, const Scene& scene) {
@@ -55,8 +60,8 @@ void refuse_unseen(const std::string& name, const Scene& scene) {
                 "export the mesh again");
 }
 
-Scene load(const std::string& name, const LoadOptions& options, const LightOptions& lights, const SurfaceOptions& surfaces,
-           const ChooseCamera& choose, float aspect) {
+Scene load(const std::string& name, const LoadOptions& options, const LightOptions& lights,
+           const SurfaceOptions& surfaces, const ChooseCamera& choose, float aspect) {
     Warnings warnings;
     auto [scene, is_file] = load_without_light(name, warnings, options);
     apply(surfaces, scene);

@@ -20,8 +20,8 @@ using ChooseCamera = std::function<Camera(const Scene&)>;
 /// Options that choose among what a file holds: all but the camera.
 void add_load_options(CLI::App& command, LoadOptions& options);
 
-/// Loads a scene, with lights and sides of surfaces of the command line. Without any, a file that would be dark is lit as by `load_scene`.
-/// `choose` sets its camera; without that it stays as it is.
+/// Loads a scene, with lights and sides of surfaces of the command line. Without any, a file that would be dark is lit
+/// as by `load_scene`. `choose` sets its camera; without that it stays as it is.
 [[nodiscard]] Scene load(const std::string& name, const LoadOptions& options, const LightOptions& lights,
                          const SurfaceOptions& surfaces, const ChooseCamera& choose = {}, float aspect = 1.f);
 

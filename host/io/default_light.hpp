@@ -17,7 +17,8 @@ struct LoadedScene {
 [[nodiscard]] LoadedScene load_without_light(const std::string& name_or_path, Warnings& warnings,
                                              const LoadOptions& options);
 [[nodiscard]] Scene load_obj_without_light(const std::filesystem::path& path, Warnings& warnings);
-[[nodiscard]] Scene load_gltf_without_light(const std::filesystem::path& path, Warnings& warnings, const LoadOptions& options);
+[[nodiscard]] Scene load_gltf_without_light(const std::filesystem::path& path, Warnings& warnings,
+                                            const LoadOptions& options);
 
 /// Lights a scene of which `camera` would see hardly anything by its own lights: by a pale sky or, where no sky reaches
 /// what is in view, by a lamp at the camera. Returns a line that tells the user, nothing where the scene stays as it

@@ -86,7 +86,7 @@ int add_indices(GltfFile& file, const draco::Mesh& mesh) {
     std::vector<unsigned char> bytes(std::size_t(mesh.num_faces()) * 3 * sizeof(std::uint32_t));
     auto* out = reinterpret_cast<std::uint32_t*>(bytes.data());
     for (draco::FaceIndex i(0); i < mesh.num_faces(); ++i)
-        for (const draco::PointIndex corner : mesh.face(i)) *out++ = corner.value();
+        for (const draco::PointIndex& corner : mesh.face(i)) *out++ = corner.value();
     tinygltf::Accessor accessor;
     accessor.type = TINYGLTF_TYPE_SCALAR;
     accessor.componentType = TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;

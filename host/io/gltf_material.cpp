@@ -306,11 +306,10 @@ std::uint32_t GltfMaterials::texture(int index, TexelFormat format, const std::s
         settings.wrap_v = wrap_of(sampler.wrapT, file_);
         settings.filter = filter_of(sampler);
     }
-    return textures_.add(to_string(source) + change.name, settings,
-                         [&](TexelFormat eight_bit, std::size_t room) {
-                             Texture image = decode(source, eight_bit, room);
-                             return change.apply ? change.apply(std::move(image)) : image;
-                         });
+    return textures_.add(to_string(source) + change.name, settings, [&](TexelFormat eight_bit, std::size_t room) {
+        Texture image = decode(source, eight_bit, room);
+        return change.apply ? change.apply(std::move(image)) : image;
+    });
 }
 
 Texture GltfMaterials::decode(int index, TexelFormat eight_bit, std::size_t room) {

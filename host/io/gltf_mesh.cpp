@@ -27,6 +27,28 @@ std::vector<glm::uvec3> triangles_of(const std::vector<std::uint32_t>& indices, 
     return triangles;
 }
 
+/// Points and segments, as host/io/strokes.hpp has them.
+std::vector<glm::uvec3> strokes_of(const std::vector<std::uint32_t>& indices, int mode) {
+    std::vector<glm::uvec3> strokes;
+    const std::size_t count = indices.size(), step = mode == TINYGLTF_MODE_LINE ? 2 : 1;
+    if (mode == TINYGLTF_MODE_POINTS)
+        for (const std::uint32_t i : indices) strokes.emplace_back(i, i, i);
+    else
+        for (std::size_t i = 0; i + 1 < count; i += step)
+            strokes.emplace_back(indices[i], indices[i + 1], indices[i + 1]);
+    if (mode == TINYGLTF_MODE_LINE_LOOP && count > 1) strokes.emplace_back(indices[count - 1], indices[0], indices[0]);
+    return strokes;
+}
+
+void check_whole(std::size_t indices, int mode, const std::string& name, const GltfFile& file) {
+    const auto check = [&](int of, std::size_t corners, const char* shapes) {
+        if (mode == of && indices % corners != 0)
+            file.fail(name + ": " + to_string(indices) + " indices are no whole number of " + shapes);
+    };
+    check(TINYGLTF_MODE_TRIANGLES, 3, "triangles");
+    check(TINYGLTF_MODE_LINE, 2, "lines");
+}
+
 bool usable(const glm::vec3& v) {
     const float length = glm::length(v);
     return std::isfinite(length) && length > 1e-12f;
@@ -174,6 +196,8 @@ std::vector<std::uint32_t> indices_of(const GltfFile& file, const tinygltf::Prim
 
 }  // namespace
 
+bool is_strokes(const tinygltf::Primitive& primitive) { return primitive.mode < TINYGLTF_MODE_TRIANGLES; }
+
 std::optional<Mesh> read_primitive(const GltfFile& file, std::size_t mesh_index, std::size_t primitive_index,
                                    std::uint32_t material, bool tangents, const GltfPose& pose, GltfLeftOut& left_out) {
     const tinygltf::Mesh& source = file.model.meshes[mesh_index];
@@ -182,7 +206,6 @@ std::optional<Mesh> read_primitive(const GltfFile& file, std::size_t mesh_index,
     if (primitive.mode < TINYGLTF_MODE_POINTS || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN)
         file.fail(name + " has the unknown mode " + to_string(primitive.mode));
     Attributes attributes(file, primitive, name, pose.weights);
-    if (primitive.mode < TINYGLTF_MODE_TRIANGLES) return ++left_out.not_triangles, std::nullopt;
     if (!attributes.has("POSITION")) return ++left_out.without_positions, std::nullopt;
 
     Mesh mesh;
@@ -190,9 +213,9 @@ std::optional<Mesh> read_primitive(const GltfFile& file, std::size_t mesh_index,
     if (source.primitives.size() > 1) mesh.name += " / " + to_string(primitive_index);
     mesh.positions = attributes.read<3>("POSITION");
     const std::vector<std::uint32_t> indices = indices_of(file, primitive, mesh.positions.size(), name);
-    if (primitive.mode == TINYGLTF_MODE_TRIANGLES && indices.size() % 3 != 0)
-        file.fail(name + ": " + to_string(indices.size()) + " indices are no whole number of triangles");
-    mesh.triangles = triangles_of(indices, primitive.mode);
+    check_whole(indices.size(), primitive.mode, name, file);
+    mesh.triangles =
+        is_strokes(primitive) ? strokes_of(indices, primitive.mode) : triangles_of(indices, primitive.mode);
     mesh.materials.assign(mesh.triangles.size(), material);
     mesh.normals = attributes.read<3>("NORMAL");
     mesh.uvs = attributes.read<2>("TEXCOORD_0");

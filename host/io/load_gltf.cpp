@@ -1,6 +1,7 @@
 // From a glTF's nodes to a scene.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <map>
 #include <new>
 
@@ -11,6 +12,7 @@
 #include "host/io/gltf_instancing.hpp"
 #include "host/io/gltf_material.hpp"
 #include "host/io/gltf_mesh.hpp"
+#include "host/io/strokes.hpp"
 
 namespace claray {
 namespace {
@@ -75,6 +77,7 @@ struct PlacedShape {
 struct ShapeUse {
     std::size_t count = 0;
     std::optional<std::vector<std::uint32_t>> meshes = {};
+    std::vector<Strokes> strokes = {};  ///< as they are in the object
 };
 
 class Loader {
@@ -101,7 +104,8 @@ private:
     [[nodiscard]] Shape shape_of(const PlacedNode& node);
     [[nodiscard]] std::vector<PlacedShape> place_shapes(const std::vector<PlacedNode>& nodes);
     void add_meshes(const std::vector<PlacedShape>& shapes);
-    [[nodiscard]] std::vector<Mesh> read_shape(const Shape& shape);
+    [[nodiscard]] std::vector<Mesh> read_shape(const Shape& shape, std::vector<Strokes>& strokes);
+    void add_strokes();
     [[nodiscard]] int material_of(const tinygltf::Primitive& primitive) const;
     void warn();
     void warn_if(std::size_t count, const std::string& what) {
@@ -115,7 +119,8 @@ private:
     GltfMaterials materials_;
     std::optional<std::size_t> variant_;
     std::map<Shape, ShapeUse> shapes_;
-    NodeTransforms transforms_;  ///< where there are skins
+    NodeTransforms transforms_;     ///< where there are skins
+    std::vector<Strokes> strokes_;  ///< in the world
     GltfLeftOut left_out_;
     std::size_t without_joints_ = 0;
 };
@@ -264,7 +269,7 @@ std::vector<PlacedShape> Loader::place_shapes(const std::vector<PlacedNode>& nod
     return placed;
 }
 
-std::vector<Mesh> Loader::read_shape(const Shape& shape) {
+std::vector<Mesh> Loader::read_shape(const Shape& shape, std::vector<Strokes>& strokes) {
     const auto index = std::size_t(shape.mesh);
     const tinygltf::Mesh& source = file_.model.meshes[index];
     GltfPose pose;
@@ -280,7 +285,7 @@ std::vector<Mesh> Loader::read_shape(const Shape& shape) {
         const Material& m = scene_.materials[used];
         const bool tangents = m.normal_map.used() || m.clearcoat_normal_map.used() || m.anisotropy > 0.f;
         if (std::optional<Mesh> mesh = read_primitive(file_, index, i, used, tangents, pose, left_out_))
-            meshes.push_back(*std::move(mesh));
+            (is_strokes(source.primitives[i]) ? strokes : meshes).push_back(*std::move(mesh));
     }
     return meshes;
 }
@@ -294,18 +299,43 @@ void Loader::add_meshes(const std::vector<PlacedShape>& shapes) {
         std::optional<std::vector<std::uint32_t>>& known = shapes_[*shape].meshes;
         if (!known) {
             known.emplace();
-            for (Mesh& mesh : read_shape(*shape)) {
+            for (Mesh& mesh : read_shape(*shape, shapes_[*shape].strokes)) {
                 known->push_back(std::uint32_t(scene_.meshes.size()));
                 scene_.meshes.push_back(instances ? std::move(mesh) : transformed(std::move(mesh), world));
             }
         }
         for (const std::uint32_t mesh : *known)
             if (instances) scene_.instances.push_back({mesh, glm::mat4(world), {}});
+        for (const Strokes& strokes : shapes_[*shape].strokes) strokes_.push_back(transformed(strokes, world));
     }
+    if (!strokes_.empty()) add_strokes();
+}
+
+/// All in the world, so that they are round whatever scales their nodes have.
+void Loader::add_strokes() {
+    Bounds bounds = bounds_of(scene_);
+    std::size_t count = 0;
+    for (const Strokes& strokes : strokes_) {
+        const Bounds box = bounds_of(strokes);
+        if (!box.empty()) bounds.grow(box.lo), bounds.grow(box.hi);
+        count += strokes.triangles.size();
+    }
+    const float radius = options_.stroke_radius.value_or(stroke_radius(bounds, count));
+    if (!(radius >= 0.f && std::isfinite(radius)))
+        throw Error(ErrorKind::usage, "a stroke radius of " + to_string(radius), "give a finite one, 0 or more");
+    if (radius == 0.f) return warn_if(strokes_.size(), "primitives of points or lines are left out, as asked for");
+    for (const Strokes& strokes : strokes_) {
+        if (!scene_.instances.empty())
+            scene_.instances.push_back({std::uint32_t(scene_.meshes.size()), glm::mat4(1.f), {}});
+        scene_.meshes.push_back(solid_strokes(strokes, radius));
+    }
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3g", double(radius));
+    warn_if(strokes_.size(), std::string("primitives of points or lines are shown as spheres and tubes of radius ") +
+                                 text + ": choose another by --stroke-radius");
 }
 
 void Loader::warn() {
-    warn_if(left_out_.not_triangles, "primitives of points or lines are left out");
     warn_if(left_out_.without_positions, "primitives without positions are left out");
     warn_if(left_out_.with_clamped_colors, "primitives have colours at vertices beyond 0..1: they are clamped");
     warn_if(without_joints_, "nodes have skins, but their meshes have no joints: they stand where the nodes do");

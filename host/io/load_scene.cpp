@@ -19,6 +19,7 @@ void refuse_choice(const std::string& name, const LoadOptions& options) {
     refuse(!options.variant.empty(), "variants of materials");
     refuse(!options.camera.empty(), "cameras");
     refuse(!options.scene.empty(), "scenes");
+    refuse(options.stroke_radius.has_value(), "points or lines with a radius");
 }
 
 }  // namespace

@@ -130,7 +130,8 @@ PunctualLight punctual_light(const Light& light) {
     data.kind = std::uint32_t(light.kind);
     const glm::vec3 direction = glm::normalize(light.direction);
     data.direction_x = direction.x, data.direction_y = direction.y, data.direction_z = direction.z;
-    // As KHR_lights_punctual computes them, but for its least difference of cosines, 0.001, which would widen narrow edges.
+    // As KHR_lights_punctual computes them, but for its least difference of cosines, 0.001, which would widen narrow
+    // edges.
     constexpr double least_difference = 0x1p-22;  // what float32 can tell
     const double outer = std::cos(double(light.outer_angle)), inner = std::cos(double(light.inner_angle));
     const double scale = 1 / std::max(least_difference, inner - outer);

@@ -15,11 +15,12 @@ namespace claray {
 /// What to load of a file that holds more than one picture; of the formats that are read, glTF does. A choice is a name
 /// or, where nothing has that name, an index that counts from 0. Empty: what the member says.
 struct LoadOptions {
-    std::optional<double> time;  ///< seconds from an animation's begin; empty: nothing is animated
-    std::string animation;       ///< the first; "all": all of them at once
-    std::string variant;         ///< of KHR_materials_variants; the default materials
-    std::string camera;          ///< a camera, or a node that has one; the first in the scene
-    std::string scene;           ///< the file's default, else its first
+    std::optional<double> time;          ///< seconds from an animation's begin; empty: nothing is animated
+    std::string animation;               ///< the first; "all": all of them at once
+    std::string variant;                 ///< of KHR_materials_variants; the default materials
+    std::string camera;                  ///< a camera, or a node that has one; the first in the scene
+    std::string scene;                   ///< the file's default, else its first
+    std::optional<float> stroke_radius;  ///< of points and lines; 0 leaves them out; by the scene's size
 };
 
 /// Loads a Wavefront OBJ with its MTL and the images that used materials name. Polygons become triangles, negative
@@ -29,7 +30,8 @@ struct LoadOptions {
 /// outside the OBJ's folder.
 [[nodiscard]] Scene load_obj(const std::filesystem::path& path, Warnings& warnings);
 
-/// Loads glTF 2.0, as text (.gltf) or binary (.glb): triangles, the node hierarchy at a time of an animation, skins and
+/// Loads glTF 2.0, as text (.gltf) or binary (.glb): triangles, points and lines (as
+/// spheres and tubes), the node hierarchy at a time of an animation, skins and
 /// morph targets, a camera, punctual lights, metallic-roughness materials with the extensions in docs/formats.md, and
 /// the images that used materials name. Meshes that no node uses twice are placed in the world; otherwise
 /// Scene::instances places them. What is left out is warned of. Throws ErrorKind::usage, with the names that the file
@@ -53,9 +55,10 @@ void set_culling(Scene& scene, Culling culling);
 /// counter-clockwise; files that say otherwise need this where backs are culled, and for glass, lamps and relief.
 void flip_fronts(Scene& scene);
 
-/// Reads PNG, JPEG, WebP (8 bits, no animation), BMP, TGA, Radiance HDR or PFM, told by content. `eight_bit` says what bytes mean: srgb8 or linear8;
-/// images of 16 bits become linear float32, HDR and PFM are float32 as they are. At most 16384 pixels a side and 1 GiB
-/// decoded. Throws ErrorKind::user naming the file where it is missing, broken, cut off or too large.
+/// Reads PNG, JPEG, WebP (8 bits, no animation), BMP, TGA, Radiance HDR or PFM, told by content. `eight_bit` says what
+/// bytes mean: srgb8 or linear8; images of 16 bits become linear float32, HDR and PFM are float32 as they are. At most
+/// 16384 pixels a side and 1 GiB decoded. Throws ErrorKind::user naming the file where it is missing, broken, cut off
+/// or too large.
 [[nodiscard]] Texture load_image(const std::filesystem::path& path, TexelFormat eight_bit = TexelFormat::srgb8);
 
 /// Writes the texels as they are: .png for textures of bytes, .pfm for float32 of 1 or 3 channels. Throws like

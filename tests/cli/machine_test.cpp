@@ -71,9 +71,9 @@ TEST_F(Machine, WithASmallStack) {
     for (int i = 0; i < 2000; ++i) sum += "+a[1]";
     std::ofstream(folder_ / "kernels/build/bounds.cl", std::ios::app)
         << "\nkernel void deep(global volatile uint* a) { a[0] = " << sum << "; }\n";
-    const ProcessResult result = run_after(
-        "ulimit -s 256", {"build", "soup:100", "--builder", "fast", "--layout", "binary", "--repeat", "1"},
-        {{"CLARAY_KERNEL_DIR", path("kernels")}});
+    const ProcessResult result =
+        run_after("ulimit -s 256", {"build", "soup:100", "--builder", "fast", "--layout", "binary", "--repeat", "1"},
+                  {{"CLARAY_KERNEL_DIR", path("kernels")}});
     EXPECT_EQ(result.exit_code, 0) << result.errors;
 }
 

@@ -174,7 +174,8 @@ TEST_F(DefaultLight, ObjAndGltfByAllFunctions) {
     EXPECT_GT(load_scene(obj, warnings).sky.zenith.y, 0.f);
     const std::string gltf = folder.file("scene.gltf", builder.gltf()).string();
     EXPECT_GT(load_scene(gltf, warnings).sky.zenith.y, 0.f);
-    for (const std::string& warning : warnings) EXPECT_EQ(warning, "the file has no light: a pale sky lights the scene");
+    for (const std::string& warning : warnings)
+        EXPECT_EQ(warning, "the file has no light: a pale sky lights the scene");
     EXPECT_EQ(warnings.size(), 3u);
     EXPECT_EQ(load_scene("effect:spot-lights", warnings).sky.zenith, builtin_scene("effect:spot-lights")->sky.zenith);
     EXPECT_EQ(warnings.size(), 3u);

@@ -96,14 +96,78 @@ TEST_F(Gltf, StripsAndFans) {
     refuse({"5 indices"});
 }
 
-TEST_F(Gltf, PointsAndLinesAreLeftOut) {
+/// The largest distance of a vertex from the nearest of these segments; a point is one of no length.
+double farthest(const Mesh& solid, const std::vector<std::pair<glm::vec3, glm::vec3>>& segments) {
+    double most = 0;
+    for (const glm::vec3& p : solid.positions) {
+        double nearest = INFINITY;
+        for (const auto& [a, b] : segments) {
+            const glm::vec3 along = b - a;
+            const float length2 = glm::dot(along, along);
+            const float t = length2 > 0 ? glm::clamp(glm::dot(p - a, along) / length2, 0.f, 1.f) : 0.f;
+            nearest = std::min(nearest, double(glm::distance(p, a + t * along)));
+        }
+        most = std::max(most, nearest);
+    }
+    return most;
+}
+
+/// The triangles of `count` spheres and tubes apart from each other.
+std::size_t triangles_of(std::size_t spheres, std::size_t tubes) { return spheres * 320 + tubes * 32; }
+
+TEST_F(Gltf, PointsAndLinesAreSpheresAndTubes) {
     builder.triangle();
-    builder.root["meshes"][0]["primitives"].push_back(primitive());
+    primitive()["attributes"]["POSITION"] = builder.accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0});
+    builder.root["nodes"][0]["scale"] = {3, 1, -1};  // they are round all the same
+    const glm::vec3 a(0, 0, 0), b(3, 0, 0), c(3, 1, 0), d(0, 1, 0);
+    using Segments = std::vector<std::pair<glm::vec3, glm::vec3>>;
+    const std::pair<Segments, std::size_t> modes[] = {{{{a, a}, {b, b}, {c, c}, {d, d}}, 0},
+                                                      {{{a, b}, {c, d}}, 2},
+                                                      {{{a, b}, {b, c}, {c, d}, {d, a}}, 4},
+                                                      {{{a, b}, {b, c}, {c, d}}, 3}};
+    for (int mode = 0; mode < 4; ++mode) {
+        SCOPED_TRACE(mode);
+        primitive()["mode"] = mode;
+        const Scene scene = load({.stroke_radius = 0.125f});
+        ASSERT_EQ(scene.meshes.size(), 1u);
+        validate(scene);
+        EXPECT_NEAR(farthest(scene.meshes[0], modes[mode].first), 0.125, 1e-6);
+        EXPECT_EQ(scene.meshes[0].triangles.size(), triangles_of(4, modes[mode].second));
+        EXPECT_EQ(warned("1 primitives of points or lines are shown"), 1u);
+    }
+    const float expected = std::sqrt(10.f) / 400;  // of the box's diagonal
+    EXPECT_NEAR(farthest(load().meshes.at(0), modes[3].first), expected, 1e-6);
+    refuse({"radius of -1"}, {.stroke_radius = -1.f}, ErrorKind::usage);
+    refuse({"holds no triangle"}, {.stroke_radius = 0.f});
+    primitive()["indices"] = builder.accessor<std::uint8_t>("SCALAR", {3, 0, 2});
+    EXPECT_NEAR(farthest(load({.stroke_radius = 0.1f}).meshes.at(0), {{d, a}, {a, c}}), 0.1, 1e-6);
     primitive()["mode"] = 1;
-    EXPECT_EQ(load().meshes.size(), 1u);
-    EXPECT_EQ(warned("1 primitives of points or lines"), 1u);
-    builder.root["meshes"][0]["primitives"].erase(1);
-    refuse({"no triangle"});
+    refuse({"3 indices are no whole number of lines"});
+}
+
+/// Beside triangles that are placed twice.
+TEST_F(Gltf, PointsAndLinesOfInstances) {
+    builder.triangle();
+    json points = primitive();
+    points["mode"] = 0;
+    points["attributes"]["COLOR_0"] = builder.accessor<float>("VEC3", {1, 0, 0, 0, 1, 0, 0, 0, 1});
+    builder.root["meshes"][0]["primitives"].push_back(points);
+    builder.push("nodes", {{"mesh", 0}, {"translation", {5, 0, 0}}});
+    const Scene scene = load({.stroke_radius = 0.1f});
+    validate(scene);
+    ASSERT_EQ(scene.meshes.size(), 3u);
+    ASSERT_EQ(scene.instances.size(), 4u);
+    for (const std::uint32_t i : {2u, 3u}) {
+        EXPECT_EQ(scene.instances[i].mesh, i - 1);
+        EXPECT_EQ(scene.instances[i].transform, glm::mat4(1.f));
+    }
+    const glm::vec3 x(5, 0, 0);
+    EXPECT_NEAR(farthest(scene.meshes[1], {{{0, 0, 0}, {0, 0, 0}}, {{1, 0, 0}, {1, 0, 0}}, {{0, 1, 0}, {0, 1, 0}}}),
+                0.1, 1e-6);
+    EXPECT_NEAR(farthest(scene.meshes[2], {{x, x}, {{6, 0, 0}, {6, 0, 0}}, {{5, 1, 0}, {5, 1, 0}}}), 0.1, 1e-6);
+    EXPECT_EQ(scene.meshes[2].colors.at(0), glm::vec4(1, 0, 0, 1));
+    EXPECT_EQ(load({.stroke_radius = 0.f}).instances.size(), 2u);
+    EXPECT_EQ(warned("left out, as asked for"), 1u);
 }
 
 TEST_F(Gltf, AttributesOfEveryType) {

@@ -165,7 +165,8 @@ CLARAY_LAYOUT(LightsData, 60)
 
 /// A pinhole camera or a thin lens, as the shutter opens. `right` and `up` span half the image plane at distance 1
 /// along `forward`; of an orthographic camera, half the image plane through the position, where its rays begin. What
-/// follows `aperture` is read under DEPTH_OF_FIELD, what follows `move` under CAMERA_MOTION, the last under ORTHOGRAPHIC.
+/// follows `aperture` is read under DEPTH_OF_FIELD, what follows `move` under CAMERA_MOTION, the last under
+/// ORTHOGRAPHIC.
 typedef struct CameraData {
     float x, y, z;
     float forward_x, forward_y, forward_z;
