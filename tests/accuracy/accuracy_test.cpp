@@ -448,7 +448,7 @@ TEST(Summary, TellsSamplesAndDepth) {
     const std::vector<std::string> summary = summary_of({sampling, bias});
     ASSERT_EQ(summary.size(), 2u);
     EXPECT_EQ(summary[0],
-              "Samples: 64 a pixel are off by 10 % of the mean in 0.64 s; 1 % takes about 6.4e+03 samples and 64 s.");
+              "Samples: 64 a pixel are off by 10 % of the mean in 0.64 s; 1 % takes about 6400 samples and 64 s.");
     EXPECT_EQ(summary[1],
               "Depth: paths that end after 2 surfaces are off by 2.5 % of the mean, which no samples mend; those of 4 "
               "are within 1 %.");
