@@ -27,11 +27,12 @@ void judge(Study& study, const ImageMethod& with, const StudyOptions& options, c
     const StudyPoint bias =
         bias_point(method, "", 0, render_independently(with.render, config, options.runs), reference);
     study.findings.push_back(
-        method + (bias.failure.empty()
-                      ? told(": falls no further at %.3g %%: of that %.3g %% is bias, which no samples mend",
-                             100 * errors.back(), 100 * bias.error.median)
-                      : told(": falls slowly at %.3g %%, by rare bright samples; %s", 100 * errors.back(),
-                             bias.failure.c_str())));
+        method +
+        (bias.failure.empty()
+             ? told(": falls no further at %.3g %%: of that %.3g %% is bias, or light that no render has found",
+                    100 * errors.back(), 100 * bias.error.median)
+             : told(": falls slowly at %.3g %%, by rare bright samples; %s", 100 * errors.back(),
+                    bias.failure.c_str())));
 }
 
 /// error^2 * seconds: what an error costs, whatever it is.
