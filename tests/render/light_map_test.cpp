@@ -46,9 +46,11 @@ TEST(LightMap, HoldsTheIrradianceOfALamp) {
 
 /// Whatever the material: irradiance is that of the light alone.
 TEST(LightMap, OfAWhiteSkyIsPi) {
-    for (const MaterialKind kind : {MaterialKind::lambert, MaterialKind::mirror}) {
+    for (const MaterialKind kind : {MaterialKind::lambert, MaterialKind::mirror, MaterialKind::principled}) {
         Scene scene = floor_scene();
         scene.materials = {material(kind, 0.f)};
+        scene.materials[0].sheen = glm::vec3(1.f), scene.materials[0].sheen_roughness = 1.f;
+        scene.materials[0].clearcoat = 1.f;
         scene.materials[0].emission = glm::vec3(7.f);
         scene.sky = {glm::vec3(1.f), glm::vec3(1.f)};
         const Texture map = bake_light_map(device(), scene, 0, {.width = 4, .height = 4, .spp = 64});
