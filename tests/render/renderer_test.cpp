@@ -198,10 +198,15 @@ TEST(Renderer, NoErrorIsToldOfABlackImage) {
 TEST(Renderer, StopsAtTheTimeLimit) {
     Renderer renderer(device(), *builtin_scene("cornell"),
                       {.width = 64, .height = 64, .spp = 1'000'000, .seconds = 0.7});
-    const RenderProgress progress = renderer.render();
+    unsigned late = 0;
+    const RenderProgress progress = renderer.render([&](const RenderProgress& p) {
+        late += p.seconds >= 0.7;
+        return true;
+    });
     EXPECT_GE(progress.seconds, 0.7);
-    EXPECT_LT(progress.seconds, 3);
+    EXPECT_LE(late, 1u) << "no pass begins after the limit";
     EXPECT_GE(progress.spp, 1u);
+    EXPECT_LT(progress.spp, 1'000'000u);
 }
 
 TEST(Renderer, ReportsProgressAndStopsWhenAsked) {
@@ -215,8 +220,8 @@ TEST(Renderer, ReportsProgressAndStopsWhenAsked) {
         return ++calls < 3;
     });
     EXPECT_EQ(calls, 3u);
-    EXPECT_LT(progress.seconds, 5);
     EXPECT_GE(progress.spp, 1u);
+    EXPECT_LT(progress.spp, 1'000'000u);
 }
 
 TEST(Renderer, ScenesWithoutLightsTraceNoShadowRays) {
