@@ -24,6 +24,16 @@ bool can_be_seen(const Mesh& mesh, const glm::uvec3& triangle) {
     return glm::cross(corners[1] - corners[0], corners[2] - corners[0]) != glm::dvec3(0.);
 }
 
+/// The light that a dark scene got, as the command line would give it.
+LightOptions added_light(const Scene& scene, std::size_t lights_before) {
+    LightOptions added;
+    if (scene.lights.size() > lights_before)
+        added.lights = {scene.lights.back()};
+    else
+        added.sky = scene.sky;
+    return added;
+}
+
 }  // namespace
 
 void print_warnings(const Warnings& warnings) {
@@ -61,7 +71,8 @@ void refuse_unseen(const std::string& name, const Scene& scene) {
 }
 
 Scene load(const std::string& name, const LoadOptions& options, const LightOptions& lights,
-           const SurfaceOptions& surfaces, const ChooseCamera& choose, float aspect) {
+           const SurfaceOptions& surfaces, const ChooseCamera& choose, float aspect,
+           std::optional<LightOptions>* default_light) {
     Warnings warnings;
     auto [scene, is_file] = load_without_light(name, warnings, options);
     apply(surfaces, scene);
@@ -70,9 +81,15 @@ Scene load(const std::string& name, const LoadOptions& options, const LightOptio
     const bool chosen = add_lights(scene, lights);
     if (choose) scene.camera = choose(scene);
     if (chosen || !is_file) return scene;
+    if (default_light && *default_light) {
+        add_lights(scene, **default_light);
+        return scene;
+    }
     const Camera camera = scene.camera.value_or(automatic_camera(bounds_of(scene)));
-    if (const auto line = light_if_dark(scene, camera, aspect))
-        print_warnings({*line + "; choose others by --light, --sky or --environment"});
+    const std::size_t lights_before = scene.lights.size();
+    const auto line = light_if_dark(scene, camera, aspect);
+    if (line) print_warnings({*line + "; choose others by --light, --sky or --environment"});
+    if (default_light) *default_light = line ? added_light(scene, lights_before) : LightOptions();
     return scene;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include "claray/io.hpp"
 #include "host/cli/light_options.hpp"
@@ -21,8 +22,10 @@ using ChooseCamera = std::function<Camera(const Scene&)>;
 void add_load_options(CLI::App& command, LoadOptions& options);
 
 /// Loads a scene, with lights and sides of surfaces of the command line. Without any, a file that would be dark is lit
-/// as by `load_scene`. `choose` sets its camera; without that it stays as it is.
+/// as by `load_scene`. `choose` sets its camera; without that it stays as it is. `default_light`: what all frames of an
+/// animation are lit by where the file is dark; the first one fills it in.
 [[nodiscard]] Scene load(const std::string& name, const LoadOptions& options, const LightOptions& lights,
-                         const SurfaceOptions& surfaces, const ChooseCamera& choose = {}, float aspect = 1.f);
+                         const SurfaceOptions& surfaces, const ChooseCamera& choose = {}, float aspect = 1.f,
+                         std::optional<LightOptions>* default_light = nullptr);
 
 }  // namespace claray::cli

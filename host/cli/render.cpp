@@ -19,8 +19,8 @@
 namespace claray::cli {
 namespace {
 
-Scene load_for(const RenderOptions& options, std::optional<Camera>* automatic) {
-    Scene scene = load_view(options.scene, options.view, options.config.width, options.config.height, automatic);
+Scene load_for(const RenderOptions& options, FirstFrame* first = nullptr) {
+    Scene scene = load_view(options.scene, options.view, options.config.width, options.config.height, first);
     use_light_maps(scene, options.light_maps);
     return scene;
 }
@@ -93,17 +93,16 @@ bool render_picture(const Device& device, const Scene& scene, const RenderOption
     return !outcome.interrupted;
 }
 
-/// As one picture, whose kernels the device keeps for the others. Without a camera in the file, all are seen by the
-/// automatic one of the first.
+/// The device keeps the kernels of one frame for the others.
 void render_animation(const Device& device, const RenderOptions& options, Writes& writes) {
-    std::optional<Camera> automatic;
+    FirstFrame first;
     bool goes_on = true;
     for (unsigned frame = options.animation->first; goes_on && frame <= options.animation->last; ++frame) {
         RenderOptions one = options;
         one.output = numbered(options.output, frame);
         one.view.load.time = frame / options.frame_rate;
         tell_of_signals_until_guarded();
-        goes_on = render_picture(device, load_for(one, &automatic), one, writes);
+        goes_on = render_picture(device, load_for(one, &first), one, writes);
         std::fflush(stdout);
     }
 }
@@ -128,7 +127,7 @@ void render(const RenderOptions& options) {
     if (options.animation) {
         render_animation(device, options, writes);
     } else {
-        const Scene scene = load_for(options, nullptr);
+        const Scene scene = load_for(options);
         if (options.fps > 0) return run_frames(device, scene, options);
         render_picture(device, scene, options, writes);
     }

@@ -67,19 +67,19 @@ Camera choose_camera(Camera camera, const ViewOptions& options) {
 }
 
 Scene load_view(const std::string& name, const ViewOptions& options, unsigned width, unsigned height,
-                std::optional<Camera>* automatic) {
+                FirstFrame* first) {
     if (options.fov && options.ortho)
         throw Error(ErrorKind::usage, "--fov and --ortho contradict each other: parallel rays have no angle",
                     "leave one of them out");
+    FirstFrame alone;
+    FirstFrame& frames = first ? *first : alone;
     const float aspect = float(width) / float(height);
     const auto choose = [&](const Scene& scene) {
         if (scene.camera) return choose_camera(*scene.camera, options);
-        std::optional<Camera> none;
-        std::optional<Camera>& camera = automatic ? *automatic : none;
-        if (!camera) camera = automatic_camera(bounds_of(scene), options.fov.value_or(40.f), aspect);
-        return choose_camera(*camera, options);
+        if (!frames.camera) frames.camera = automatic_camera(bounds_of(scene), options.fov.value_or(40.f), aspect);
+        return choose_camera(*frames.camera, options);
     };
-    return load(name, options.load, options.lights, options.surfaces, choose, aspect);
+    return load(name, options.load, options.lights, options.surfaces, choose, aspect, &frames.light);
 }
 
 }  // namespace claray::cli

@@ -30,9 +30,15 @@ void add_view_options(CLI::App& command, ViewOptions& options);
 /// `from`, the scene's own camera or the automatic one, with what the command line changes.
 [[nodiscard]] Camera choose_camera(Camera from, const ViewOptions& options);
 
+/// What the first frame of an animation chooses for all: the automatic camera, and light where the file is dark.
+struct FirstFrame {
+    std::optional<Camera> camera;
+    std::optional<LightOptions> light;
+};
+
 /// Loads a scene with the lights and the camera of the command line. Prints warnings, and throws as `load` does.
-/// `automatic`: the automatic camera of all frames of an animation, which the first one fills in.
+/// `first`: of an animation; the first frame fills it in, the others follow it.
 [[nodiscard]] Scene load_view(const std::string& name, const ViewOptions& options, unsigned width, unsigned height,
-                              std::optional<Camera>* automatic = nullptr);
+                              FirstFrame* first = nullptr);
 
 }  // namespace claray::cli

@@ -40,14 +40,18 @@ protected:
         arguments.insert(arguments.end(), more.begin(), more.end());
         return run_claray(arguments);
     }
-    /// The height of what shines, in pixels from the bottom.
-    [[nodiscard]] double height_in(const std::string& name) const {
+    [[nodiscard]] std::vector<float> pixels_of(const std::string& name) const {
         std::ifstream file(path(name), std::ios::binary);
         std::string header;
         for (int i = 0; i < 3; ++i) std::getline(file, header);
         std::vector<float> pixels(16 * 16 * 3);
         file.read(reinterpret_cast<char*>(pixels.data()), std::streamsize(pixels.size() * sizeof(float)));
         EXPECT_TRUE(file) << name;
+        return pixels;
+    }
+    /// The height of what shines, in pixels from the bottom.
+    [[nodiscard]] double height_in(const std::string& name) const {
+        const std::vector<float> pixels = pixels_of(name);
         double sum = 0, weight = 0;
         for (std::size_t i = 0; i < 256; ++i) sum += double(i / 16) * pixels[3 * i], weight += pixels[3 * i];
         return sum / weight;
@@ -78,6 +82,37 @@ TEST_F(GltfOptions, AFrameIsAPictureOfItsTime) {
     ASSERT_EQ(render("%02d-up.pfm", {"--frames", "12..12", "--file-camera", "flat"}).exit_code, 0);
     ASSERT_EQ(render("still.pfm", {"--at", "0.5", "--file-camera", "flat"}).exit_code, 0);
     EXPECT_EQ(height_in("12-up.pfm"), height_in("still.pfm")) << "24 frames a second unless told otherwise";
+}
+
+/// A box without light stands round the camera at first, where only a lamp helps, and then far away, where a single
+/// picture would get a sky.
+TEST_F(GltfOptions, AllFramesAreLitAsTheFirst) {
+    GltfBuilder builder;
+    builder.push("materials", {{"doubleSided", true}});
+    builder.triangle({{"material", 0}});
+    json& primitive = builder.root["meshes"][0]["primitives"][0];
+    std::vector<float> corners;
+    for (int i = 0; i < 8; ++i)
+        corners.insert(corners.end(), {i & 1 ? 1.f : -1.f, i & 2 ? 1.f : -1.f, i & 4 ? 1.f : -1.f});
+    primitive["attributes"]["POSITION"] = builder.accessor<float>("VEC3", corners);
+    primitive["indices"] = builder.accessor<std::uint8_t>(
+        "SCALAR",
+        {0, 1, 2, 1, 2, 3, 4, 5, 6, 5, 6, 7, 0, 1, 4, 1, 4, 5, 2, 3, 6, 3, 6, 7, 0, 2, 4, 2, 4, 6, 1, 3, 5, 3, 5, 7});
+    builder.push("animations", {{"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}}},
+                                {"samplers",
+                                 {{{"input", builder.accessor<float>("SCALAR", {0, 1})},
+                                   {"output", builder.accessor<float>("VEC3", {0, 0, 0, 0, 0, -9})}}}}});
+    builder.push("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 0.7}, {"znear", 0.1}}}});
+    builder.push("nodes", {{"camera", 0}});
+    std::ofstream(path("box.gltf")) << builder.gltf();
+    const ProcessResult result = run_claray({"render", path("box.gltf"), "-o", path("b.pfm"), "--size", "16x16",
+                                             "--spp", "1", "-q", "--frames", "0..1", "--frame-rate", "1"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_NE(result.errors.find("lamp"), std::string::npos) << result.errors;
+    EXPECT_EQ(result.errors.find("sky lights"), std::string::npos) << result.errors;
+    EXPECT_GT(pixels_of("b.0000.pfm")[0], 0.f);
+    EXPECT_EQ(pixels_of("b.0001.pfm")[0], 0.f) << "nothing is there";
+    EXPECT_GT(pixels_of("b.0001.pfm")[3 * (16 * 8 + 8)], 0.f);
 }
 
 /// What is given wins over the file's camera: its field of view, its up, its kind of projection.
