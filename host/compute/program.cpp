@@ -45,7 +45,7 @@ bool is_nvidia(const Device& device) { return device.info().vendor.find("NVIDIA"
 
 std::string build_options(const Device& device, const Defines& defines, Math math) {
     if (std::find(defines.begin(), defines.end(), fast_math) != defines.end()) math = Math::fast;
-    std::string options = "-cl-std=CL1.2";
+    std::string options = "-cl-std=CL1.2 -w";  // PoCL counts warnings on standard error
     if (math == Math::fast)
         options += " -cl-fast-relaxed-math";
     else if (device.info().exact_divide)

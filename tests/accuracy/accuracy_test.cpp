@@ -98,7 +98,7 @@ Scene small_scene() { return *builtin_scene("cornell"); }
 TEST(ReferenceImage, GoesOnWhereItStoppedAndIsMadeAnewWhereItsFileIsDamaged) {
     const TemporaryFolder folder;
     const Scene scene = small_scene();
-    const RenderConfig config = {.width = 12, .height = 12};
+    const RenderConfig config = {.width = 24, .height = 24};
     const std::filesystem::path kept = folder / "kept";
     int renders = 0;
     const auto count = [&](double, const std::string&) { return ++renders > 0; };
@@ -156,7 +156,7 @@ TEST(ReferenceImage, OfNothingIsRefused) {
 
 TEST(ReferenceImage, KnowsItsOwnError) {
     const Scene scene = *builtin_scene("hills");
-    const RenderConfig config = {.width = 24, .height = 24};
+    const RenderConfig config = {.width = 48, .height = 48};
     const ReferenceImage rough = reference_image(device(), scene, config, {.least_spp = 1024});
     const ReferenceImage fine =
         reference_image(device(), scene, config, {.least_spp = 1, .uncertainty = rough.uncertainty / 2});

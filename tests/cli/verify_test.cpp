@@ -33,9 +33,15 @@ TEST(VerifyCommand, TellsWhatHolds) {
 /// that is printed.
 TEST(VerifyCommand, NoticesATextbookKernel) {
     const TemporaryFolder folder;
-    const std::string tuning = (folder / "textbook.txt").string(), html = (folder / "report.html").string();
-    std::ofstream(tuning) << "* trace/closest_hit CLARAY_TEXTBOOK_TRIANGLES 1\n* trace/closest_hit BATCH 0\n";
-    const Environment environment = {{"CLARAY_TUNING", tuning}};
+    const std::string tuning = (folder / "batch.txt").string(), html = (folder / "report.html").string();
+    for (const char* part : {"kernels", "include"})
+        std::filesystem::copy(std::filesystem::path(CLARAY_SOURCE_DIR) / part, folder / part,
+                              std::filesystem::copy_options::recursive);
+    const std::filesystem::path textbook = folder / "kernels/compute/textbook.clh";
+    const std::string shipped = read_file(textbook);
+    std::ofstream(textbook) << "#define CLARAY_TEXTBOOK_TRIANGLES 1\n" << shipped;
+    std::ofstream(tuning) << "* trace/closest_hit BATCH 0\n";
+    const Environment environment = {{"CLARAY_TUNING", tuning}, {"CLARAY_KERNEL_DIR", (folder / "kernels").string()}};
     const ProcessResult result = run_claray(
         {"verify", "--case", "edges", "--case", "float-atomics", "--seed", "3", "--html", html}, environment);
     EXPECT_EQ(result.exit_code, 3);

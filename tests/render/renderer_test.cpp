@@ -155,7 +155,7 @@ TEST(Renderer, BeginsAnewAsAnotherWould) {
     EXPECT_EQ(renderer.render().spp, 3u);
     EXPECT_TRUE(same_bits(renderer.image(),
                           render_image(scene, {.width = 24, .height = 16, .spp = 3, .max_depth = 2, .seed = 5})));
-    renderer.restart(0, 9, 8);
+    renderer.restart(0, 9, config.max_depth);
     (void)renderer.render();
     EXPECT_TRUE(renderer.rebuild({.builder = Builder::high}));
     EXPECT_TRUE(same_bits(renderer.image(), render_image(scene, config)));
