@@ -36,7 +36,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, BuiltinScene,
                                          Expected{"spheres", 0.455819, 0.458411, 0.494647},
                                          Expected{"crate", 0.329833, 0.289573, 0.258352},
                                          Expected{"hills", 0.344284, 0.391881, 0.286215},
-                                         Expected{"terrain:1000", 0.383155, 0.422732, 0.379466},
+                                         Expected{"terrain:1000", 0.380624, 0.420344, 0.377387},
                                          Expected{"soup:1000", 0.612470, 0.633347, 0.669071},
                                          Expected{"fan:100", 0.325624, 0.335399, 0.353889}),
                          [](const auto& e) {

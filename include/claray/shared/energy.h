@@ -20,7 +20,7 @@
 /// it, each in CLARAY_STRETCH_SIZE steps, by the square of the sine of the angle to the tangent (0, 1/2, 1), and by
 /// loss_place with the alpha of that angle. Then the averages over the hemisphere.
 #define CLARAY_STRETCH (2 * CLARAY_ENERGY_TABLE)
-#define CLARAY_STRETCH_SIZE 10
+#define CLARAY_STRETCH_SIZE 20
 #define CLARAY_STRETCH_ROW (3 * CLARAY_ENERGY_SIZE)
 #define CLARAY_STRETCH_AVERAGES (CLARAY_STRETCH_SIZE * CLARAY_STRETCH_SIZE * CLARAY_STRETCH_ROW)
 #define CLARAY_STRETCH_TABLE (CLARAY_STRETCH_AVERAGES + CLARAY_STRETCH_SIZE * CLARAY_STRETCH_SIZE)
