@@ -194,7 +194,7 @@ TEST(Study, OfSamplesFallsAsMonteCarloDoes) {
 TEST(Study, OfBiasSeesWhatPathsThatEndEarlyLeaveOutAndAmbientLightMakesUpFor) {
     StudyOptions options;
     options.config = {.width = 16, .height = 16};
-    options.most_spp = 32, options.runs = 3;
+    options.most_spp = 64, options.runs = 3;
     const Study study = study_bias(device(), small_scene(), options);
     ASSERT_EQ(study.points.size(), 21u);
     EXPECT_FALSE(point_named(study, "path depth", "depth 128 (default)").failure.empty());
