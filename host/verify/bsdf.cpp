@@ -286,7 +286,7 @@ TestedMaterial tested(const Device& device, const Kind& kind, float roughness) {
 Agreement agreement_of_samples(const Device& device, const Kind& kind, float roughness, const glm::vec3& outgoing,
                                std::uint32_t samples) {
     // Of a lobe that is stretched and smooth across, a line is left that is narrower than the cells of any grid.
-    const float resolved = kind.make(roughness).anisotropy > 0.f ? std::max(roughness, 0.4f) : roughness;
+    const float resolved = kind.make(roughness).anisotropy > 0.f ? std::max(roughness, 0.15f) : roughness;
     return agreement(tested(device, kind, resolved), outgoing, grids_for(kind, resolved, outgoing), samples);
 }
 
