@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <complex>
+#include <functional>
+#include <memory>
 
 namespace claray::verify {
 
@@ -162,83 +164,137 @@ const std::vector<Kind> kinds = {
 
 // ---- chi-squared
 
-/// Half of a grid over the sphere: equal turns around an axis, and rings that are narrow near it, as the lobe there is.
-/// Only directions above the horizon, or only those below it, belong to it.
-struct Grid {
-    glm::dvec3 axis, side, other;
-    bool above;
-    std::vector<double> edges;  ///< angles from the axis
-    static constexpr int turns = 20;
+/// Cells of directions on one side of the horizon.
+class Grid {
+public:
+    using Visitor = std::function<void(std::size_t cell, const glm::dvec3& direction, double solid_angle)>;
 
-    Grid(const glm::dvec3& towards, double width) : axis(glm::normalize(towards)), above(axis.z > 0) {
-        side = glm::normalize(glm::cross(axis, std::abs(axis.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
-        other = glm::cross(axis, side);
+    explicit Grid(bool above) : above_(above) {}
+    Grid(const Grid&) = delete;
+    Grid& operator=(const Grid&) = delete;
+    virtual ~Grid() = default;
+    [[nodiscard]] bool above() const { return above_; }
+    [[nodiscard]] virtual std::size_t size() const = 0;
+    [[nodiscard]] virtual std::size_t cell(const glm::dvec3& direction) const = 0;
+    /// The midpoints of `fine` times `fine` parts of each cell.
+    virtual void visit(int fine, const Visitor& visitor) const = 0;
+
+private:
+    bool above_;
+};
+
+/// Equal turns around an axis, and rings that are narrow near it, as the lobe there is.
+class RingGrid : public Grid {
+public:
+    RingGrid(const glm::dvec3& towards, double width) : Grid(towards.z > 0), axis_(glm::normalize(towards)) {
+        side_ = glm::normalize(glm::cross(axis_, std::abs(axis_.x) < 0.5 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0)));
+        other_ = glm::cross(axis_, side_);
         const double stretch = std::clamp(2.2 - 1.15 * std::log(width), 0.1, 12.0);  // first rings: width / 4
-        for (int i = 0; i <= 24; ++i) edges.push_back(pi * std::sinh(i * stretch / 24) / std::sinh(stretch));
+        for (int i = 0; i <= 24; ++i) edges_.push_back(pi * std::sinh(i * stretch / 24) / std::sinh(stretch));
+        if (std::abs(axis_.z) == 1) split_at(pi / 2);
     }
-    /// An edge where the density jumps: the midpoint rule does badly in a bin that straddles it.
-    void split_at(double angle) { edges.insert(std::upper_bound(edges.begin(), edges.end(), angle), angle); }
-    [[nodiscard]] int rings() const { return int(edges.size()) - 1; }
-    [[nodiscard]] std::size_t size() const { return std::size_t(rings()) * turns; }
-    /// The bin that a direction lies in.
-    [[nodiscard]] std::size_t bin(const glm::dvec3& d) const {
-        const double x = glm::dot(d, side), y = glm::dot(d, other);
-        const double angle = std::atan2(std::hypot(x, y), glm::dot(d, axis));
-        const auto ring = std::upper_bound(edges.begin() + 1, edges.end() - 1, angle) - edges.begin() - 1;
+    /// An edge where the density jumps: the midpoint rule does badly in a cell that straddles it.
+    void split_at(double angle) { edges_.insert(std::upper_bound(edges_.begin(), edges_.end(), angle), angle); }
+    [[nodiscard]] std::size_t size() const override { return (edges_.size() - 1) * turns; }
+    [[nodiscard]] std::size_t cell(const glm::dvec3& d) const override {
+        const double x = glm::dot(d, side_), y = glm::dot(d, other_);
+        const double angle = std::atan2(std::hypot(x, y), glm::dot(d, axis_));
+        const auto ring = std::upper_bound(edges_.begin() + 1, edges_.end() - 1, angle) - edges_.begin() - 1;
         const double turn = std::atan2(y, x) / (2 * pi) + 0.5;
         return std::size_t(ring) * turns + std::min(int(turn * turns), turns - 1);
     }
+    void visit(int fine, const Visitor& visitor) const override {
+        for (std::size_t ring = 0; ring + 1 < edges_.size(); ++ring)
+            for (int i = 0; i < fine; ++i) {
+                const double width = (edges_[ring + 1] - edges_[ring]) / fine, angle = edges_[ring] + (i + 0.5) * width;
+                const double area = 2 * std::sin(angle) * std::sin(width / 2) * 2 * pi / turns / fine;
+                for (int j = 0; j < turns * fine; ++j)
+                    visitor(ring * turns + j / fine, direction(angle, (j + 0.5) / (turns * fine)), area);
+            }
+    }
+
+private:
     [[nodiscard]] glm::dvec3 direction(double angle, double turn) const {
         const double phi = (turn - 0.5) * 2 * pi;
-        return std::cos(angle) * axis + std::sin(angle) * (std::cos(phi) * side + std::sin(phi) * other);
+        return std::cos(angle) * axis_ + std::sin(angle) * (std::cos(phi) * side_ + std::sin(phi) * other_);
     }
+
+    static constexpr int turns = 20;
+    glm::dvec3 axis_, side_, other_;
+    std::vector<double> edges_;  ///< angles from the axis
 };
 
-/// The integral of the density over each bin, by the midpoint rule.
+/// Cells of the slopes of the facets that reflect: steps of asinh(slope / alpha) along both axes. They resolve a lobe
+/// however it is stretched, and diffuse light with it.
+class SlopeGrid : public Grid {
+public:
+    SlopeGrid(const glm::dvec3& outgoing, const glm::dvec2& alpha)
+        : Grid(true), outgoing_(outgoing), alpha_(alpha), reach_(glm::asinh(1e3 / alpha)) {}
+    [[nodiscard]] std::size_t size() const override { return std::size_t(steps) * steps; }
+    [[nodiscard]] std::size_t cell(const glm::dvec3& incoming) const override {
+        const glm::dvec3 half = outgoing_ + incoming;
+        const glm::dvec2 place = 0.5 + 0.5 * glm::asinh(glm::dvec2(half) / half.z / alpha_) / reach_;
+        const glm::ivec2 at = glm::clamp(glm::ivec2(place * double(steps)), 0, steps - 1);
+        return std::size_t(at.y) * steps + at.x;
+    }
+    void visit(int fine, const Visitor& visitor) const override {
+        const int all = steps * fine;
+        for (int y = 0; y < all; ++y)
+            for (int x = 0; x < all; ++x) {
+                const glm::dvec2 at = reach_ * (2.0 * (glm::dvec2(x, y) + 0.5) / double(all) - 1.0);
+                const glm::dvec3 half = glm::normalize(glm::dvec3(alpha_ * glm::sinh(at), 1));
+                const double cosine = glm::dot(outgoing_, half);
+                const glm::dvec2 step = 2.0 * reach_ / double(all) * alpha_ * glm::cosh(at);
+                // d incoming = 4 cosine d half, and d half = half.z^3 d slope
+                if (cosine > 0)
+                    visitor(std::size_t(y / fine) * steps + x / fine, 2 * cosine * half - outgoing_,
+                            4 * cosine * half.z * half.z * half.z * step.x * step.y);
+            }
+    }
+
+private:
+    static constexpr int steps = 32;
+    glm::dvec3 outgoing_;
+    glm::dvec2 alpha_, reach_;
+};
+
+/// The integral of the density over each cell, by the midpoint rule.
 std::vector<double> expected_shares(const TestedMaterial& material, const glm::vec3& outgoing, const Grid& grid) {
-    const int fine = 32;
     std::vector<float> directions;
     std::vector<double> solid_angles;
-    std::vector<std::size_t> bins;
-    for (int ring = 0; ring < grid.rings(); ++ring)
-        for (int turn = 0; turn < Grid::turns; ++turn)
-            for (int i = 0; i < fine; ++i) {
-                const double width = (grid.edges[ring + 1] - grid.edges[ring]) / fine;
-                const double angle = grid.edges[ring] + (i + 0.5) * width;
-                const double area = 2 * std::sin(angle) * std::sin(width / 2) * 2 * pi / Grid::turns / fine;
-                for (int j = 0; j < fine; ++j) {
-                    const glm::dvec3 d = grid.direction(angle, (turn + (j + 0.5) / fine) / Grid::turns);
-                    if ((d.z > 0) != grid.above) continue;
-                    directions.insert(directions.end(), {float(d.x), float(d.y), float(d.z)});
-                    solid_angles.push_back(area);
-                    bins.push_back(std::size_t(ring) * Grid::turns + turn);
-                }
-            }
+    std::vector<std::size_t> cells;
+    grid.visit(32, [&](std::size_t cell, const glm::dvec3& d, double solid_angle) {
+        if ((d.z > 0) != grid.above()) return;
+        directions.insert(directions.end(), {float(d.x), float(d.y), float(d.z)});
+        solid_angles.push_back(solid_angle), cells.push_back(cell);
+    });
     const std::vector<float> pdfs = material.evaluate(outgoing, directions).pdfs;
     std::vector<double> shares(grid.size());
-    for (std::size_t i = 0; i < pdfs.size(); ++i) shares[bins[i]] += pdfs[i] * solid_angles[i];
+    for (std::size_t i = 0; i < pdfs.size(); ++i) shares[cells[i]] += pdfs[i] * solid_angles[i];
     return shares;
 }
 
+using Grids = std::vector<std::unique_ptr<Grid>>;
+
 /// The chance that a sampler with the density it claims would be off by more. Samples that are not valid or come from a
-/// delta function are in no bin.
-Agreement agreement(const TestedMaterial& material, const glm::vec3& outgoing, const std::vector<Grid>& grids,
+/// delta function are in no cell.
+Agreement agreement(const TestedMaterial& material, const glm::vec3& outgoing, const Grids& grids,
                     std::uint32_t count) {
     std::vector<std::vector<double>> observed;
-    for (const Grid& grid : grids) observed.emplace_back(grid.size());
+    for (const auto& grid : grids) observed.emplace_back(grid->size());
     double valid = 0;
     for (const Sampled& s : material.draw(outgoing, count)) {
         if (!s.valid || s.pdf == 0) continue;
         ++valid;
         for (std::size_t g = 0; g < grids.size(); ++g)
-            if ((s.z > 0) == grids[g].above) ++observed[g][grids[g].bin({s.x, s.y, s.z})];
+            if ((s.z > 0) == grids[g]->above()) ++observed[g][grids[g]->cell({s.x, s.y, s.z})];
     }
     double chi2 = 0, degrees = 0, rare_observed = 0, rare_expected = 0, total = 0;
     const auto add = [&](double seen, double expected) {
         chi2 += (seen - expected) * (seen - expected) / expected, ++degrees;
     };
     for (std::size_t g = 0; g < grids.size(); ++g) {
-        const std::vector<double> shares = expected_shares(material, outgoing, grids[g]);
+        const std::vector<double> shares = expected_shares(material, outgoing, *grids[g]);
         for (std::size_t i = 0; i < shares.size(); ++i) {
             const double expected = count * shares[i];
             total += shares[i];
@@ -253,25 +309,33 @@ Agreement agreement(const TestedMaterial& material, const glm::vec3& outgoing, c
 }
 
 /// Grids around the directions of ideal reflection and refraction where a lobe is narrow, else around the normal.
-std::vector<Grid> grids_for(const Kind& kind, float roughness, const glm::vec3& o) {
-    const Material m = kind.make(roughness);
+Grids round_grids(const Material& m, bool inside, const glm::vec3& o) {
     double width = 1;
     for (const float r : {m.roughness, m.clearcoat > 0 ? m.clearcoat_roughness : 1.f})
         if (r > 0.03f) width = std::min(width, double(r) * r);
-    const double ior = m.thin_walled ? 1 : m.ior, eta = kind.inside ? 1 / ior : ior,
+    const double ior = m.thin_walled ? 1 : m.ior, eta = inside ? 1 / ior : ior,
                  below = 1 - (1 - o.z * o.z) / (eta * eta);
     const bool narrow = width < 0.1;
-    std::vector<Grid> grids = {Grid(narrow ? glm::dvec3(-o.x, -o.y, o.z) : glm::dvec3(0, 0, 1), narrow ? width : 1)};
-    if (m.kind == MaterialKind::glass || m.transmission == 1.f) {
-        const bool refracted = narrow && below > 0;
-        const glm::dvec3 through(-o.x / eta, -o.y / eta, -std::sqrt(std::max(below, 0.0)));
-        grids.emplace_back(refracted ? through : glm::dvec3(0, 0, -1),
-                           refracted ? width * (m.thin_walled ? 1 : std::abs(eta - 1) / 2) : 1);
-        // Light is refracted so by facets that stand upright: behind them there are none, and GGX ends at a jump.
-        if (!refracted && o.z < eta) grids[1].split_at(std::acos(o.z / eta));
-    }
-    for (Grid& grid : grids)
-        if (std::abs(grid.axis.z) == 1) grid.split_at(pi / 2);
+    Grids grids;
+    grids.push_back(std::make_unique<RingGrid>(narrow ? glm::dvec3(-o.x, -o.y, o.z) : glm::dvec3(0, 0, 1), narrow ? width : 1));
+    if (m.kind != MaterialKind::glass && m.transmission != 1.f) return grids;
+    const bool refracted = narrow && below > 0;
+    const glm::dvec3 through(-o.x / eta, -o.y / eta, -std::sqrt(std::max(below, 0.0)));
+    auto grid = std::make_unique<RingGrid>(refracted ? through : glm::dvec3(0, 0, -1),
+                                           refracted ? width * (m.thin_walled ? 1 : std::abs(eta - 1) / 2) : 1);
+    // Light is refracted so by facets that stand upright: behind them there are none, and GGX ends at a jump.
+    if (!refracted && o.z < eta) grid->split_at(std::acos(o.z / eta));
+    grids.push_back(std::move(grid));
+    return grids;
+}
+
+Grids grids_for(const Material& m, bool inside, const glm::vec3& outgoing) {
+    if (m.anisotropy == 0) return round_grids(m, inside, outgoing);
+    // KHR_materials_anisotropy; smooth across is an alpha of SMALLEST_ALPHA in shade/bsdf_ggx.clh.
+    const double across = std::max(double(m.roughness) * m.roughness, 1e-3);
+    Grids grids;
+    grids.push_back(std::make_unique<SlopeGrid>(
+        outgoing, glm::dvec2(glm::mix(across, 1.0, double(m.anisotropy) * m.anisotropy), across)));
     return grids;
 }
 
@@ -285,9 +349,8 @@ TestedMaterial tested(const Device& device, const Kind& kind, float roughness) {
 
 Agreement agreement_of_samples(const Device& device, const Kind& kind, float roughness, const glm::vec3& outgoing,
                                std::uint32_t samples) {
-    // Of a lobe that is stretched and smooth across, a line is left that is narrower than the cells of any grid.
-    const float resolved = kind.make(roughness).anisotropy > 0.f ? std::max(roughness, 0.15f) : roughness;
-    return agreement(tested(device, kind, resolved), outgoing, grids_for(kind, resolved, outgoing), samples);
+    return agreement(tested(device, kind, roughness), outgoing, grids_for(kind.make(roughness), kind.inside, outgoing),
+                     samples);
 }
 
 /// Fresnel's equations in float64 complex arithmetic, which needs no case for total reflection.

@@ -39,7 +39,8 @@ TEST_P(WhiteFurnace, SphereIsInvisible) {
     scene.meshes = {GetParam().smooth ? smooth_sphere(4) : sphere(3)};
     scene.sky = {glm::vec3(1.f), glm::vec3(1.f)};
     scene.camera = Camera{{0, 0, 3}, {0, 0, 0}, {0, 1, 0}, 38.f};  // the sphere just fits
-    const glm::dvec3 radiance = mean(render_image(scene, {.width = 48, .height = 48, .spp = 64, .max_depth = 64}));
+    // Flat triangles of glass keep light inside: 0.50 % beyond 64 surfaces, 0.24 % beyond 128.
+    const glm::dvec3 radiance = mean(render_image(scene, {.width = 48, .height = 48, .spp = 128, .max_depth = 128}));
     EXPECT_NEAR(radiance.x, 1, 0.005);
     EXPECT_NEAR(radiance.y, 1, 0.005);
     EXPECT_NEAR(radiance.z, 1, 0.005);
