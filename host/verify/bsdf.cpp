@@ -263,7 +263,7 @@ std::vector<double> expected_shares(const TestedMaterial& material, const glm::v
     std::vector<float> directions;
     std::vector<double> solid_angles;
     std::vector<std::size_t> cells;
-    grid.visit(32, [&](std::size_t cell, const glm::dvec3& d, double solid_angle) {
+    grid.visit(16, [&](std::size_t cell, const glm::dvec3& d, double solid_angle) {
         if ((d.z > 0) != grid.above()) return;
         directions.insert(directions.end(), {float(d.x), float(d.y), float(d.z)});
         solid_angles.push_back(solid_angle), cells.push_back(cell);
@@ -317,7 +317,8 @@ Grids round_grids(const Material& m, bool inside, const glm::vec3& o) {
                  below = 1 - (1 - o.z * o.z) / (eta * eta);
     const bool narrow = width < 0.1;
     Grids grids;
-    grids.push_back(std::make_unique<RingGrid>(narrow ? glm::dvec3(-o.x, -o.y, o.z) : glm::dvec3(0, 0, 1), narrow ? width : 1));
+    grids.push_back(
+        std::make_unique<RingGrid>(narrow ? glm::dvec3(-o.x, -o.y, o.z) : glm::dvec3(0, 0, 1), narrow ? width : 1));
     if (m.kind != MaterialKind::glass && m.transmission != 1.f) return grids;
     const bool refracted = narrow && below > 0;
     const glm::dvec3 through(-o.x / eta, -o.y / eta, -std::sqrt(std::max(below, 0.0)));

@@ -11,7 +11,7 @@
 namespace claray::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// A regular polygon that faces +z at height z, of the area of a disc of `radius`.
 Mesh disc(float radius, float z, std::uint32_t sides = 64) {
@@ -187,13 +187,6 @@ TEST(Orthographic, CircleOfConfusionHasItsRadiusAndEnergy) {
         EXPECT_NEAR(energy / (radiance * pi * source * source), 1, 0.005);
         EXPECT_NEAR(std::sqrt(2 * (moment / energy - pixel * pixel / 6)), std::hypot(radius, source), 0.001);
     }
-}
-
-/// The mean of every column of the image.
-std::vector<double> column_means(const std::vector<glm::vec3>& image, unsigned width) {
-    std::vector<double> means(width);
-    for (std::size_t i = 0; i < image.size(); ++i) means[i % width] += image[i].x * width / double(image.size());
-    return means;
 }
 
 /// The mean over [a, b] of a ramp that rises from 0 at x0 to 1 at x1.

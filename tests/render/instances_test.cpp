@@ -36,7 +36,7 @@ Scene flattened(const Scene& scene) {
     return flat;
 }
 
-Mesh smooth_sphere(int levels, std::uint32_t material) {
+Mesh smooth_sphere_of(int levels, std::uint32_t material) {
     Mesh mesh = sphere(levels);
     mesh.normals = mesh.positions;
     mesh.materials.assign(mesh.triangles.size(), material);
@@ -48,7 +48,7 @@ Scene spheres_and_floor() {
     Scene scene;
     scene.materials = {lambert(0.6f), lambert(0.4f), material(MaterialKind::metal, 0.9f, 0.3f),
                        material(MaterialKind::glass, 1.f)};
-    scene.meshes = {square(4.f, 0.f), smooth_sphere(2, 1), smooth_sphere(3, 2), smooth_sphere(3, 3)};
+    scene.meshes = {square(4.f, 0.f), smooth_sphere_of(2, 1), smooth_sphere_of(3, 2), smooth_sphere_of(3, 3)};
     scene.instances.push_back({0});
     Random random(1);
     for (int i = 0; i < 9; ++i) {
@@ -126,7 +126,7 @@ TEST(RenderedInstances, AreInvisibleInAFurnace) {
     for (const MaterialKind kind : {MaterialKind::glass, MaterialKind::lambert, MaterialKind::mirror}) {
         Scene scene;
         scene.materials = {material(kind, 1.f)};
-        scene.meshes = {smooth_sphere(3, 0)};
+        scene.meshes = {smooth_sphere_of(3, 0)};
         for (const float z : {0.f, -2.5f})
             scene.instances.push_back({0, glm::scale(at({1000.f, -300.f, 500.f + z}), glm::vec3(1.f, 0.2f, 0.6f)) *
                                               glm::rotate(glm::mat4(1.f), 1.f, glm::normalize(glm::vec3(1, 2, 3)))});
@@ -170,13 +170,6 @@ TEST(RenderedInstances, LampsFarFromTheirOriginsShineAsIfFlat) {
 
 // ---- motion
 
-/// The mean of every column of the image.
-std::vector<double> column_means(const std::vector<glm::vec3>& image, unsigned width) {
-    std::vector<double> means(width);
-    for (std::size_t i = 0; i < image.size(); ++i) means[i % width] += image[i].x * width / double(image.size());
-    return means;
-}
-
 /// The edge of a lamp that moves to the left covers pixels for a share of the time that rises linearly.
 TEST(MovingInstances, AnEdgeBecomesALinearRamp) {
     Scene scene;
@@ -209,7 +202,7 @@ TEST(MovingInstances, AnEdgeBecomesALinearRamp) {
 TEST(MovingInstances, ImageIsTheMeanOverAllTimes) {
     Scene scene;
     scene.materials = {lambert(0.7f), material(MaterialKind::mirror, 0.9f), emitter(5.f)};
-    scene.meshes = {square(3.f, 0.f), smooth_sphere(3, 1), square(0.8f, 0.f, 2)};
+    scene.meshes = {square(3.f, 0.f), smooth_sphere_of(3, 1), square(0.8f, 0.f, 2)};
     const glm::mat4 sphere_from = glm::scale(at({-0.6f, 0.5f, 0}), glm::vec3(0.4f)),
                     sphere_to = glm::scale(at({0.8f, 0.6f, 0.4f}), glm::vec3(0.5f, 0.6f, 0.4f)),
                     lamp_from = at({0, 2, -0.5f}), lamp_to = glm::rotate(at({0.8f, 1.6f, 0}), 0.8f, glm::vec3(0, 0, 1));
@@ -363,7 +356,7 @@ TEST(PlaceInstances, LeavesWhatFloat32WouldBend) {
 }
 
 TEST(PlaceInstances, MirroredFrontsStayFronts) {
-    const Mesh mesh = smooth_sphere(1, 0),
+    const Mesh mesh = smooth_sphere_of(1, 0),
                mirrored = transformed(mesh, glm::scale(glm::mat4(1.f), glm::vec3(-1, 2, 1)));
     for (const glm::uvec3& t : mirrored.triangles) {
         const auto& p = mirrored.positions;

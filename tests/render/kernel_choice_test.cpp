@@ -47,7 +47,7 @@ protected:
         EXPECT_LT(statistics.own_kernels_from, config().spp);
         RenderConfig fixed = config();
         fixed.compiler.clear();
-        const std::vector<glm::vec3> changed = renderer.image(), image = render_image(scene, fixed);
+        const std::vector<glm::vec3> changed = renderer.image(), image = render_by_own_kernels(scene, fixed);
         ASSERT_EQ(changed.size(), image.size());
         EXPECT_EQ(std::memcmp(changed.data(), image.data(), image.size() * sizeof image[0]), 0);
     }
@@ -145,7 +145,7 @@ TEST_F(KernelChoices, QuickKernelsOfManyEffectsAreNotOptimized) {
     EXPECT_EQ(renderer.statistics().start, KernelStart::quick);
     EXPECT_FALSE(renderer.statistics().own_kernels);
     EXPECT_TRUE(device().state().slow_programs.empty());
-    const std::vector<glm::vec3> slow = renderer.image(), image = render_image(scene, few);
+    const std::vector<glm::vec3> slow = renderer.image(), image = render_by_own_kernels(scene, few);
     ASSERT_EQ(slow.size(), image.size());
     EXPECT_EQ(std::memcmp(slow.data(), image.data(), image.size() * sizeof image[0]), 0);
 }
@@ -155,7 +155,8 @@ class BackgroundCompiler : public KernelChoices {
 protected:
     BackgroundCompiler() {
         std::ofstream(script_) << "#!/bin/sh\nnice >> '" << told_.string() << "'\necho \"$@\" >> '" << told_.string()
-                               << "'\nwhile [ ! -e '" << released_.string() << "' ]; do sleep 0.01; done\n";
+                               << "'\nwhile [ -d '" << folder_.path().string() << "' ] && [ ! -e '"
+                               << released_.string() << "' ]; do sleep 0.01; done\n";
         std::filesystem::permissions(script_, std::filesystem::perms::owner_all);
     }
     ~BackgroundCompiler() override { release(); }
@@ -195,7 +196,7 @@ TEST(CompileKernels, MakesEveryKernelThatARenderNeeds) {
     const ScopedEnvironment empty("CLARAY_CACHE_DIR", folder.path().string());
     compile_kernels(device(), effects_of(scene), config);
     const unsigned before = compile_statistics().compiled + compile_statistics().from_cache;
-    (void)render_image(scene, config);
+    (void)render_by_own_kernels(scene, config);
     EXPECT_EQ(compile_statistics().compiled + compile_statistics().from_cache, before);
 }
 

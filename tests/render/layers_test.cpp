@@ -31,8 +31,7 @@ double value(const Material& m, const glm::vec3& o, const glm::vec3& i) {
     return TestedMaterial(device(), m).evaluate(o, {i.x, i.y, i.z}).values.at(0);
 }
 
-double fresnel(double cosine, double eta) { return verify::fresnel_reference(cosine, eta); }
-double schlick(double f0, double cosine) { return f0 + (1 - f0) * std::pow(1 - cosine, 5); }
+double fresnel_of_layer(double cosine, double eta) { return verify::fresnel_reference(cosine, eta); }
 double cosine_to_facet(const glm::vec3& o, const glm::vec3& i) {
     return glm::dot(glm::dvec3(o), glm::normalize(glm::dvec3(o + i)));
 }
@@ -62,7 +61,8 @@ TEST(SpecularLayer, ScalesBothEndsOfFresnelsCurve) {
             m.specular_weight = weight, m.specular_tint = glm::vec3(tint, 1.f, 1.f);
             for_directions(
                 [&](const glm::vec3& o, const glm::vec3& i, const double* v) {
-                    const double f = fresnel(cosine_to_facet(o, i), double(ior)), f0 = fresnel(1, double(ior));
+                    const double f = fresnel_of_layer(cosine_to_facet(o, i), double(ior)),
+                                 f0 = fresnel_of_layer(1, double(ior));
                     const double f0_here = std::min(double(tint) * f0, 1.0);
                     const double expected = double(weight) * (f0_here + (1 - f0_here) * (f - f0) / (1 - f0));
                     EXPECT_NEAR(v[0] / v[1] * f, expected, 1e-4)
@@ -96,8 +96,8 @@ TEST(AnisotropicLayer, IsStretchedGgx) {
                     const glm::dvec3 h = glm::normalize(glm::dvec3(o + i));
                     const double d =
                         1 / (pi * ax * ay * std::pow(std::pow(h.x / ax, 2) + std::pow(h.y / ay, 2) + h.z * h.z, 2));
-                    const double expected =
-                        fresnel(cosine_to_facet(o, i), 1.5) * d / (1 + lambda(o) + lambda(i)) / (4 * o.z * i.z);
+                    const double expected = fresnel_of_layer(cosine_to_facet(o, i), 1.5) * d /
+                                            (1 + lambda(o) + lambda(i)) / (4 * o.z * i.z);
                     EXPECT_NEAR(v[0] / expected, 1, 1e-4) << "roughness " << roughness << ", strength " << strength;
                 },
                 m);
@@ -146,7 +146,7 @@ TEST(FilmLayer, OfNoThicknessOrNoShareIsNone) {
         [&](const glm::vec3& o, const glm::vec3& i, const double* v) {
             EXPECT_EQ(v[0], v[2]);
             EXPECT_EQ(v[1], v[2]);
-            const double f = fresnel(cosine_to_facet(o, i), 1.5);
+            const double f = fresnel_of_layer(cosine_to_facet(o, i), 1.5);
             EXPECT_NEAR(v[3] / v[4] * f, f, 0.02) << "nearly none";
         },
         thin, absent, plain, film_of(1.3f, 1e-3f), plain_base);
@@ -159,9 +159,10 @@ TEST(FilmLayer, OfMuchThicknessIsAPane) {
             [&](const glm::vec3& o, const glm::vec3& i, const double* v) {
                 const double c = cosine_to_facet(o, i), n = double(film_ior),
                              within = std::sqrt(1 - (1 - c * c) / (n * n));
-                const double outer = fresnel(c, n), inner = schlick(std::pow((1.5 - n) / (1.5 + n), 2), within);
+                const double outer = fresnel_of_layer(c, n),
+                             inner = schlick(std::pow((1.5 - n) / (1.5 + n), 2), within);
                 const double expected = outer + std::pow(1 - outer, 2) * inner / (1 - outer * inner);
-                EXPECT_NEAR(v[0] / v[1] * fresnel(c, 1.5), expected, 1e-4) << film_ior;
+                EXPECT_NEAR(v[0] / v[1] * fresnel_of_layer(c, 1.5), expected, 1e-4) << film_ior;
             },
             film_of(film_ior, 1e6f), plain_base);
 }
@@ -197,7 +198,7 @@ TEST(FilmLayer, InterferesAsAirySays) {
     const glm::vec3 up(0.f, 0.f, 1.f);
     for (const float base_ior : {1.5f, 2.2f}) {
         const Material plain = interface_alone(0.5f, base_ior);
-        const double of_plain = value(plain, up, up) / fresnel(1, double(base_ior));
+        const double of_plain = value(plain, up, up) / fresnel_of_layer(1, double(base_ior));
         for (const float film_ior : {1.3f, 1.8f})
             for (const float thickness : {50.f, 120.f, 280.f, 400.f, 800.f})
                 EXPECT_NEAR(value(film_of(film_ior, thickness, plain), up, up) / of_plain,
@@ -233,7 +234,7 @@ TEST(Layers, AreFiniteAtTheEnds) {
 
 // ---- scenes -------------------------------------------------------------------------------------------------------
 
-const RenderConfig config{.width = 4, .height = 4, .spp = 16, .max_depth = 2};
+const RenderConfig layer_config{.width = 4, .height = 4, .spp = 16, .max_depth = 2};
 
 /// A mapped square below a directional light, seen from a direction of the upper half space.
 Scene lit_square(const Material& m, const glm::vec3& towards_viewer, const glm::vec3& towards_light) {
@@ -260,15 +261,15 @@ TEST(AnisotropicLayer, FollowsTangentRotationAndTexture) {
     const glm::vec3 o = at_angle(0.5, 0.4), i = at_angle(0.9, 2.9);
     const auto expected = [&](float angle) { return value(m, turned(o, angle), turned(i, angle)) * double(i.z); };
     Scene scene = lit_square(m, to_square(o), to_square(i));
-    EXPECT_NEAR(mean(render_image(scene, config)).x / expected(0.f), 1, 1e-3);
+    EXPECT_NEAR(mean(render_image(scene, layer_config)).x / expected(0.f), 1, 1e-3);
     scene.materials[0].anisotropy_rotation = -5.f;
-    EXPECT_NEAR(mean(render_image(scene, config)).x / expected(-5.f), 1, 1e-3);
+    EXPECT_NEAR(mean(render_image(scene, layer_config)).x / expected(-5.f), 1, 1e-3);
     scene.textures = {float_texture({1, 1}, [](double, double) { return glm::vec3(0.5f, 1.f, 1.f); })};
     scene.materials[0].anisotropy_map.texture = 0;  // a quarter turn
-    EXPECT_NEAR(mean(render_image(scene, config)).x / expected(-5.f + float(pi / 2)), 1, 1e-3);
+    EXPECT_NEAR(mean(render_image(scene, layer_config)).x / expected(-5.f + float(pi / 2)), 1, 1e-3);
     scene.materials[0].anisotropy_rotation = 0.f;
     scene.meshes[0].tangents.assign(4, {0.f, 0.f, -1.f, 1.f});  // the image's top, whose bitangent is towards -u
-    EXPECT_NEAR(mean(render_image(scene, config)).x / expected(float(pi)), 1, 1e-3);
+    EXPECT_NEAR(mean(render_image(scene, layer_config)).x / expected(float(pi)), 1, 1e-3);
 }
 
 /// Under a sky that is linear in the height a smooth coat shows where it mirrors to.
@@ -284,9 +285,9 @@ TEST(LayeredCoat, LiesOnNormalsOfItsOwn) {
     scene.camera = narrow_camera(2.f * towards_viewer, {0, 0, 0});
     const auto expected = [&](const glm::dvec3& normal) {
         const double c = glm::dot(normal, glm::dvec3(towards_viewer));
-        return fresnel(c, 1.5) * (2 * c * normal.y - double(towards_viewer.y));
+        return fresnel_of_layer(c, 1.5) * (2 * c * normal.y - double(towards_viewer.y));
     };
-    RenderConfig many = config;
+    RenderConfig many = layer_config;
     many.spp = 4096;
     EXPECT_NEAR(mean(render_image(scene, many)).x / expected({0, 1, 0}), 1, 0.02) << "that of the mesh";
     scene.materials[0].clearcoat_normal_map.texture = 0;
@@ -298,19 +299,19 @@ TEST(LayeredCoat, LiesOnNormalsOfItsOwn) {
 /// It shows its base colour in whatever light, to the camera and in mirrors, and lights nothing.
 TEST(Unlit, ShowsItsColorAndLightsNothing) {
     Scene scene = lit_square(material(MaterialKind::unlit, 0.25f), {0, 1, 0}, glm::normalize(glm::vec3(1, 1, 0)));
-    EXPECT_EQ(mean(render_image(scene, config)).x, 0.25);
+    EXPECT_EQ(mean(render_image(scene, layer_config)).x, 0.25);
     scene.lights.clear();
-    EXPECT_EQ(mean(render_image(scene, config)).x, 0.25) << "without light";
+    EXPECT_EQ(mean(render_image(scene, layer_config)).x, 0.25) << "without light";
     scene.materials.push_back(material(MaterialKind::mirror, 0.5f));
     scene.meshes.push_back(square(1.f, 3.f, 1));
     scene.camera = narrow_camera({0.1f, 1.f, 0.f}, {0.1f, 3.f, 0.f});
-    EXPECT_EQ(mean(render_image(scene, config)).x, 0.125) << "in a mirror";
+    EXPECT_EQ(mean(render_image(scene, layer_config)).x, 0.125) << "in a mirror";
     scene.materials[1] = lambert(0.5f);
-    EXPECT_EQ(mean(render_image(scene, config)).x, 0.0) << "is no lamp";
+    EXPECT_EQ(mean(render_image(scene, layer_config)).x, 0.0) << "is no lamp";
     scene.textures = {float_texture({1, 1}, [](double, double) { return 0.5; })};
     scene.materials[0].albedo_map.texture = 0;
     scene.camera = narrow_camera({0.1f, 1.f, 0.f}, {0.1f, 0.f, 0.f});
-    EXPECT_EQ(mean(render_image(scene, config)).x, 0.125) << "textured";
+    EXPECT_EQ(mean(render_image(scene, layer_config)).x, 0.125) << "textured";
 }
 
 /// Each reads the channels that glTF says.
@@ -340,7 +341,7 @@ TEST(LayerMaps, OfOneValueAreFactors) {
         {"Ns", phong, &Material::shininess_map, [](Material& m) { m.shininess *= 0.25f; }},
     };
     const glm::vec3 o = to_square(at_angle(0.5)), i = to_square(at_angle(0.7, 3.0));
-    RenderConfig many = config;
+    RenderConfig many = layer_config;
     many.spp = 256;
     for (const Case& one : cases) {
         Scene multiplied = lit_square(one.base, o, i);
@@ -367,7 +368,8 @@ TEST(LayerMaps, BlinnPhongKeepsEnergyPerTexel) {
         scene.materials[0].albedo_map.texture = 0;
         Scene plain = lit_square(m, o, i);
         plain.materials[0].albedo = glm::vec3(albedo), plain.materials[0].specular = glm::vec3(specular);
-        EXPECT_NEAR(mean(render_image(scene, config)).x / mean(render_image(plain, config)).x, 1, 1e-5) << texel;
+        EXPECT_NEAR(mean(render_image(scene, layer_config)).x / mean(render_image(plain, layer_config)).x, 1, 1e-5)
+            << texel;
     };
     seen(0.25, 0.25f, 0.5f);
     seen(1.0, 2.f / 3, 1.f / 3);

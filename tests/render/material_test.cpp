@@ -12,7 +12,7 @@
 namespace claray::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 // ---- reference ----------------------------------------------------------------------------------------------------
 
@@ -37,7 +37,6 @@ double fresnel(double cosine, double eta) {
     if (i < 1e-6) return std::pow((eta - 1) / (eta + 1), 2);
     return 0.5 * (std::pow(std::sin(i - t) / std::sin(i + t), 2) + std::pow(std::tan(i - t) / std::tan(i + t), 2));
 }
-double schlick(double f0, double cosine) { return f0 + (1 - f0) * std::pow(1 - cosine, 5); }
 
 /// Shares of light from a direction that are reflected and transmitted by one microfacet, by the midpoint rule over the
 /// distribution of normals.
@@ -86,7 +85,7 @@ private:
 };
 
 /// The integral of f(i) * cos(i) * sky(i) over the hemisphere, for directions in local coordinates.
-double integrate(const std::function<double(const glm::dvec3&)>& f, const Sky& sky) {
+double integrate_under(const std::function<double(const glm::dvec3&)>& f, const Sky& sky) {
     const int n = 600;
     double sum = 0;
     for (int a = 0; a < n; ++a)
@@ -101,7 +100,7 @@ double integrate(const std::function<double(const glm::dvec3&)>& f, const Sky& s
 // ---- scenes -------------------------------------------------------------------------------------------------------
 
 const Sky sky{glm::vec3(0.2f), glm::vec3(3.f)};
-const RenderConfig config{.width = 8, .height = 8, .spp = 2048, .max_depth = 1};
+const RenderConfig one_surface{.width = 8, .height = 8, .spp = 2048, .max_depth = 1};
 
 glm::dvec3 direction(double angle) { return {std::sin(angle), 0, std::cos(angle)}; }
 
@@ -134,7 +133,7 @@ TEST(MaterialScene, BlinnPhong) {
         const auto f = [&](const glm::dvec3& i) {
             return 0.4 / pi + 0.5 * norm * std::pow(glm::normalize(o + i).z, 20);
         };
-        expect_radiance(plane(m, angle), config, integrate(f, sky), "angle " + std::to_string(angle));
+        expect_radiance(plane(m, angle), one_surface, integrate_under(f, sky), "angle " + std::to_string(angle));
     }
 }
 
@@ -151,7 +150,8 @@ TEST(MaterialScene, RoughMetalWithAllItsReflections) {
                 return schlick(f0, glm::dot(o, glm::normalize(o + i))) * Ggx{alpha}.reflection(o, i) +
                        tint * lost(o.z) * lost(i.z) / (pi * lost.average);
             };
-            expect_radiance(plane(material(MaterialKind::metal, 0.6f, roughness), angle), config, integrate(f, sky),
+            expect_radiance(plane(material(MaterialKind::metal, 0.6f, roughness), angle), one_surface,
+                            integrate_under(f, sky),
                             "roughness " + std::to_string(roughness) + ", angle " + std::to_string(angle));
         }
     }
@@ -168,11 +168,11 @@ TEST(MaterialScene, PlasticAndItsCoat) {
             return fresnel(glm::dot(o, glm::normalize(o + i)), 1.5) * Ggx{alpha}.reflection(o, i) +
                    albedo * entered(o.z) * entered(i.z) / (pi * entered.average);
         };
-        const double expected = integrate(f, sky);
-        expect_radiance(plane(material(MaterialKind::principled, 0.5f, 0.4f), angle), config, expected, "bare");
+        const double expected = integrate_under(f, sky);
+        expect_radiance(plane(material(MaterialKind::principled, 0.5f, 0.4f), angle), one_surface, expected, "bare");
         Material coated = material(MaterialKind::principled, 0.5f, 0.9f);
         coated.ior = 1.7f, coated.clearcoat = 1.f, coated.clearcoat_roughness = 0.4f;
-        expect_radiance(plane(coated, angle), config, expected, "coated");
+        expect_radiance(plane(coated, angle), one_surface, expected, "coated");
     }
 }
 
@@ -184,7 +184,7 @@ TEST(MaterialScene, SmoothCoatOverSmoothMetal) {
         const double z = std::cos(angle), coat = fresnel(z, 1.5), metal = schlick(double(0.6f), z);
         const double expected = 0.5 * metal + 0.5 * (coat + (1 - coat) * metal);
         const double light = 0.2 + 2.8 * z;
-        expect_radiance(plane(m, angle), config, expected * light, "angle " + std::to_string(angle));
+        expect_radiance(plane(m, angle), one_surface, expected * light, "angle " + std::to_string(angle));
     }
 }
 

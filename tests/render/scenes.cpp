@@ -1,5 +1,6 @@
 #include "tests/render/scenes.hpp"
 
+#include <cmath>
 #include <cstring>
 
 #include "tests/support/device.hpp"
@@ -46,11 +47,24 @@ glm::dvec3 mean(const std::vector<glm::vec3>& image) {
     return sum / double(image.size());
 }
 
+std::vector<double> column_means(const std::vector<glm::vec3>& image, unsigned width) {
+    std::vector<double> means(width);
+    for (std::size_t i = 0; i < image.size(); ++i) means[i % width] += image[i].x * width / double(image.size());
+    return means;
+}
+
+double schlick(double f0, double cosine) { return f0 + (1 - f0) * std::pow(1 - cosine, 5); }
+
 bool same_bits(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b) {
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]) == 0;
 }
 
-std::vector<glm::vec3> render_image(const Scene& scene, const RenderConfig& config) {
+std::vector<glm::vec3> render_image(const Scene& scene, RenderConfig config) {
+    if (!config.effects.any()) config.effects.add = full_effects();
+    return render_by_own_kernels(scene, config);
+}
+
+std::vector<glm::vec3> render_by_own_kernels(const Scene& scene, const RenderConfig& config) {
     Renderer renderer(device(), scene, config);
     renderer.render();
     return renderer.image();

@@ -17,8 +17,15 @@ namespace claray::test {
 
 /// Mean over all pixels.
 [[nodiscard]] glm::dvec3 mean(const std::vector<glm::vec3>& image);
+/// The mean of red of each column.
+[[nodiscard]] std::vector<double> column_means(const std::vector<glm::vec3>& image, unsigned width);
+/// Schlick's approximation of Fresnel's reflectance, from that at normal incidence.
+[[nodiscard]] double schlick(double f0, double cosine);
 [[nodiscard]] bool same_bits(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b);
-/// Renders to the end.
-[[nodiscard]] std::vector<glm::vec3> render_image(const Scene& scene, const RenderConfig& config);
+/// Renders to the end, by the kernels that know every effect unless `config` says otherwise: they are compiled once for
+/// all tests. Effects.OwnKernelsMakeTheSameImage shows that the scene's own kernels change no bit.
+[[nodiscard]] std::vector<glm::vec3> render_image(const Scene& scene, RenderConfig config);
+/// The same by the kernels of the scene's own effects.
+[[nodiscard]] std::vector<glm::vec3> render_by_own_kernels(const Scene& scene, const RenderConfig& config);
 
 }  // namespace claray::test
