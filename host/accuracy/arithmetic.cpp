@@ -27,7 +27,7 @@ glm::vec3 as_half(const glm::vec3& c) {
 }
 
 /// Errors at the most samples, and how the method compares in time.
-void judge(Study& study, const std::vector<ImageMethod>& methods) {
+void judge_arithmetic(Study& study, const std::vector<ImageMethod>& methods) {
     const auto last_of = [&](const std::string& method) {
         const StudyPoint* last = nullptr;
         for (const StudyPoint& p : study.points)
@@ -132,7 +132,7 @@ Study study_arithmetic(const Device& device, const Scene& scene, const StudyOpti
             return image_error(image, strict, config.width);
         },
         progress);
-    judge(study, methods);
+    judge_arithmetic(study, methods);
     return study;
 }
 

@@ -43,7 +43,7 @@ std::vector<float> positions_of(const std::vector<Mesh>& meshes) {
     return all;
 }
 
-StudyPoint point_of(const Candidate& candidate, const bench::Timing& made, const bench::Timing& traced) {
+StudyPoint point_of_build(const Candidate& candidate, const bench::Timing& made, const bench::Timing& traced) {
     StudyPoint point;
     point.method = candidate.method, point.setting = candidate.setting, point.value = candidate.value;
     point.runs = unsigned(made.spans.size());
@@ -196,7 +196,7 @@ Study study_builds(const Device& device, const Scene& scene, const StudyOptions&
     }
     const std::vector<bench::Timing> timings = bench::measure_rounds(device, int(rounds), tasks);
     for (std::size_t i = 0; i < candidates.size(); ++i)
-        study.points.push_back(point_of(candidates[i], timings[2 * i], timings[2 * i + 1]));
+        study.points.push_back(point_of_build(candidates[i], timings[2 * i], timings[2 * i + 1]));
     mark_fronts(study);
     find_crossings(study);
     tabulate(study);

@@ -88,8 +88,8 @@ std::vector<RayVariant> all_variants() {
     return variants;
 }
 
-StudyPoint point_of(const RayVariant& variant, const TracedVariant& traced, const Truth& truth, bool distances,
-                    unsigned parts) {
+StudyPoint point_of_rays(const RayVariant& variant, const TracedVariant& traced, const Truth& truth, bool distances,
+                         unsigned parts) {
     StudyPoint point;
     point.method = variant.method, point.setting = variant.setting, point.runs = unsigned(traced.seconds.size());
     if (traced.hits.empty()) {
@@ -121,7 +121,7 @@ const StudyPoint* point_named(const Study& study, const std::string& method, con
     return nullptr;
 }
 
-void judge(Study& study) {
+void judge_intersection(Study& study) {
     const StudyPoint* shipped = point_named(study, "claray", "as shipped");
     const StudyPoint* robust = point_named(study, "claray", "strict");
     const StudyPoint* textbook = point_named(study, "Moeller-Trumbore", "fused bare boxes");
@@ -149,9 +149,9 @@ Study study_rays(const Device& device, const RaySet& set, const StudyOptions& op
     const std::vector<TracedVariant> traced = trace_variants(device, set.meshes, set.rays, variants, rounds, progress);
     const Truth truth(set);
     for (std::size_t i = 0; i < variants.size(); ++i)
-        study.points.push_back(point_of(variants[i], traced[i], truth, set.distances, rounds));
+        study.points.push_back(point_of_rays(variants[i], traced[i], truth, set.distances, rounds));
     mark_front(study.points);
-    judge(study);
+    judge_intersection(study);
     return study;
 }
 

@@ -9,7 +9,8 @@ namespace {
 
 /// How fast the error falls with the samples. Where it stops falling, new renders tell whether that is bias, or rare
 /// bright samples that few images have met.
-void judge(Study& study, const ImageMethod& with, const StudyOptions& options, const ReferenceImage& reference) {
+void judge_sampling(Study& study, const ImageMethod& with, const StudyOptions& options,
+                    const ReferenceImage& reference) {
     const std::string& method = with.name;
     std::vector<double> samples, errors;
     for (const StudyPoint& p : study.points) {
@@ -63,7 +64,7 @@ void compare_efficiency(Study& study, const std::vector<ImageMethod>& methods) {
 void sweep(Study& study, const Device& device, const Scene& scene, const StudyOptions& options,
            const std::vector<ImageMethod>& methods, const AccuracyProgress& progress) {
     const ReferenceImage reference = sweep_to_reference(study, device, scene, options, methods, progress);
-    for (const ImageMethod& method : methods) judge(study, method, options, reference);
+    for (const ImageMethod& method : methods) judge_sampling(study, method, options, reference);
     compare_efficiency(study, methods);
 }
 

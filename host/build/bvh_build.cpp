@@ -6,7 +6,7 @@
 namespace claray {
 namespace {
 
-constexpr std::uint32_t group = 256;
+constexpr std::uint32_t build_group = 256;
 constexpr std::size_t pieces_a_range = 196;  // MAX_WAITING of kernels/build/serial.clh
 constexpr std::size_t triangle_limit = CLARAY_SLOT;
 
@@ -145,8 +145,9 @@ void Bvh::State::compute_bounds() {
     if (ranges != 0) {  // the leaves' memory is free until the tree is built
         centroids_.run({ranges, 1}, triangles.positions, triangles.indices, count, header, bound_keys, ranges, leaves);
     } else {
-        const std::size_t items = std::min<std::size_t>(count, std::size_t(device.info().compute_units) * 8 * group);
-        bounds_.run({items, group}, triangles.positions, triangles.indices, count, header, bound_keys);
+        const std::size_t items =
+            std::min<std::size_t>(count, std::size_t(device.info().compute_units) * 8 * build_group);
+        bounds_.run({items, build_group}, triangles.positions, triangles.indices, count, header, bound_keys);
     }
     finish_bounds_.run({1, 1}, header, bound_keys, count, axis_bits);
 }
@@ -156,7 +157,7 @@ void Bvh::State::build_tree(Buffer<Code>& codes, RadixSort<Code>& sort) {
     if (ranges != 0)
         encode_.run({ranges, 1}, leaves, count, header, ranges, codes);
     else
-        codes_.run({count, group}, triangles.positions, triangles.indices, count, header, codes);
+        codes_.run({count, build_group}, triangles.positions, triangles.indices, count, header, codes);
     sort.sort(codes, order, count);
     if (config.builder == Builder::fast) {
         build_lbvh(codes);
@@ -192,8 +193,8 @@ void Bvh::State::build_lbvh(const Buffer<Code>& codes) {
         return;
     }
     arrivals.fill(0xffffffffu);
-    lbvh_.run({count, group}, triangles.positions, triangles.indices, triangles.geometries, triangles.masks, codes,
-              order, nodes, leaves, arrivals, header);
+    lbvh_.run({count, build_group}, triangles.positions, triangles.indices, triangles.geometries, triangles.masks,
+              codes, order, nodes, leaves, arrivals, header);
 }
 
 template <class Code>
@@ -242,7 +243,7 @@ void Bvh::State::refit() {
     }
     if (built_cost == 0) built_cost = sah_cost();
     arrivals.fill(0);
-    refit_.run({nodes.size(), group}, triangles.positions, triangles.indices, nodes, leaves, arrivals, header);
+    refit_.run({nodes.size(), build_group}, triangles.positions, triangles.indices, nodes, leaves, arrivals, header);
     if (layout == Layout::wide)
         refit_wide_.run({wide_nodes.size(), 64}, nodes, leaves, wide_nodes, wide_blocks, header);
 }

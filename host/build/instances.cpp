@@ -12,7 +12,7 @@ void without_cutouts(Defines& defines) {
     std::erase_if(defines, [](const auto& define) { return define.first == "CLARAY_CUTOUTS"; });
 }
 
-constexpr std::size_t group = 64;  // GROUP_SIZE of build/instances.cl
+constexpr std::size_t instances_group = 64;  // GROUP_SIZE of build/instances.cl
 
 /// The parts of one bottom level that rays visit.
 struct BottomSize {
@@ -146,8 +146,8 @@ void InstancedBvh::State::place() {
     if (!place_.handle()()) place_ = load_kernel(device, "build/instances.cl", "place_instances");
     widening.fill(0);
     const std::size_t count = instances.size();
-    place_.run({count, group}, instances, ends, std::uint32_t(count), headers, std::uint32_t(ranges.size()), placed,
-               boxes.positions, widening);
+    place_.run({count, instances_group}, instances, ends, std::uint32_t(count), headers, std::uint32_t(ranges.size()),
+               placed, boxes.positions, widening);
 }
 
 InstancedBvh InstancedBvh::build(std::span<const Bvh> bottoms, const Buffer<Instance>& instances,

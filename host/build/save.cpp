@@ -15,9 +15,8 @@
 namespace claray {
 namespace {
 
-constexpr std::array<char, 8> magic = {'C', 'L', 'R', 'B', 'V', 'H', '\r', '\n'};
-constexpr std::uint32_t current_version = 2;
-constexpr std::uint32_t byte_order = 0x01020304;  // reads otherwise on a machine of the other byte order
+constexpr std::array<char, 8> tree_magic = {'C', 'L', 'R', 'B', 'V', 'H', '\r', '\n'};
+constexpr std::uint32_t tree_version = 2;
 /// What the arrays are made of: a file of other structs is not ours to read.
 constexpr std::uint32_t struct_sizes = sizeof(BvhNode) << 16 | sizeof(LeafTriangle) << 8 | sizeof(BvhHeader);
 /// Rounds of the builder `high` that are kept: more gain nothing, and a forged number would keep a rebuild busy for
@@ -27,7 +26,7 @@ constexpr std::size_t chunk_bytes = std::size_t(16) << 20;
 
 /// The beginning of a file. Then the arrays in the order of their counts, and the digest of all that follows the
 /// header.
-struct FileHeader {
+struct TreeHeader {
     std::array<char, 8> name;
     std::uint32_t version;
     std::uint32_t order;
@@ -40,9 +39,9 @@ struct FileHeader {
     BvhHeader bvh;
     Digest digest;  // of this header up to here
 };
-static_assert(sizeof(FileHeader) == 168);
+static_assert(sizeof(TreeHeader) == 168);
 
-Digest digest_of_header(const FileHeader& header) { return digest_of(&header, offsetof(FileHeader, digest)); }
+Digest digest_of_tree_header(const TreeHeader& header) { return digest_of(&header, offsetof(TreeHeader, digest)); }
 
 /// Writes a buffer in pieces, so that host memory need not hold it.
 template <class T>
@@ -68,7 +67,7 @@ public:
         read_header();
     }
 
-    [[nodiscard]] const FileHeader& header() const { return header_; }
+    [[nodiscard]] const TreeHeader& header() const { return header_; }
 
     /// The first `count` elements of a buffer that holds as many; each piece is shown to `look` on its way.
     template <class T, class Look>
@@ -103,23 +102,23 @@ private:
     }
 
     void read_header() {
-        if (bytes_ < sizeof(FileHeader)) {
+        if (bytes_ < sizeof(TreeHeader)) {
             std::array<char, 8> begin{};
             file_.read(begin.data(), begin.size());
-            if (!std::equal(begin.begin(), begin.begin() + file_.gcount(), magic.begin()) || file_.gcount() == 0)
+            if (!std::equal(begin.begin(), begin.begin() + file_.gcount(), tree_magic.begin()) || file_.gcount() == 0)
                 refuse_stranger();
             refuse_damaged("it ends too early");
         }
         read(&header_, sizeof header_);
-        if (header_.name != magic) refuse_stranger();
+        if (header_.name != tree_magic) refuse_stranger();
         if (header_.order != byte_order)
             refuse("it was written on a machine of another byte order", "build the structure on this machine");
-        if (header_.version != current_version)
+        if (header_.version != tree_version)
             refuse("it has format " + std::to_string(header_.version) + ", this claray reads format " +
-                       std::to_string(current_version),
-                   header_.version > current_version ? "use a newer claray, or build the structure anew"
-                                                     : "build the structure anew and save it again");
-        if (header_.digest != digest_of_header(header_)) refuse_damaged("the checksum of its header is wrong");
+                       std::to_string(tree_version),
+                   header_.version > tree_version ? "use a newer claray, or build the structure anew"
+                                                  : "build the structure anew and save it again");
+        if (header_.digest != digest_of_tree_header(header_)) refuse_damaged("the checksum of its header is wrong");
         if (header_.structs != struct_sizes)
             refuse("its nodes or triangles have another layout", "build the structure anew and save it again");
         if (header_.file_bytes != bytes_)
@@ -149,7 +148,7 @@ private:
     std::filesystem::path path_;
     std::ifstream file_;
     std::uint64_t bytes_ = 0;
-    FileHeader header_{};
+    TreeHeader header_{};
     Hasher hasher_;
 };
 
@@ -157,9 +156,9 @@ private:
 
 void Bvh::save(const std::filesystem::path& path) const {
     const State& s = *state_;
-    FileHeader header{};
-    header.name = magic;
-    header.version = current_version;
+    TreeHeader header{};
+    header.name = tree_magic;
+    header.version = tree_version;
     header.order = byte_order;
     header.structs = struct_sizes;
     header.builder = std::uint32_t(s.config.builder);
@@ -175,7 +174,7 @@ void Bvh::save(const std::filesystem::path& path) const {
     header.file_bytes = sizeof header + s.nodes.bytes() + s.leaves.bytes() + s.triangles.positions.bytes() +
                         s.triangles.indices.bytes() + s.triangles.geometries.bytes() + s.triangles.masks.bytes() +
                         sizeof(Digest);
-    header.digest = digest_of_header(header);
+    header.digest = digest_of_tree_header(header);
 
     NewFile file(path);
     Hasher hasher;
@@ -195,14 +194,14 @@ namespace {
 
 /// The settings of the builder `high` with which the structure was built: the room for parts of triangles tells the
 /// budget.
-void restore_high(const FileHeader& header, Bvh::Config& config) {
+void restore_high(const TreeHeader& header, Bvh::Config& config) {
     const auto triangles = double(header.indices / 3);
     config.optimization_rounds = header.high & 0xffffu;
     config.split_budget = triangles > 0 ? std::max(0.0, (double(header.leaves) - triangles + 0.5) / triangles) : 0.0;
 }
 
 Bvh::Config config_of(const SavedFile& file, Layout layout) {
-    const FileHeader& header = file.header();
+    const TreeHeader& header = file.header();
     const std::uint32_t most_in_leaf = header.high >> 16;
     if (header.builder > std::uint32_t(Builder::high) || (header.morton_bits != 30 && header.morton_bits != 63) ||
         most_in_leaf < 1 || most_in_leaf > CLARAY_BLOCK || (header.high & 0xffffu) > most_rounds)
@@ -217,7 +216,7 @@ Bvh::Config config_of(const SavedFile& file, Layout layout) {
 }
 
 TriangleCounts counts_of(const SavedFile& file) {
-    const FileHeader& h = file.header();
+    const TreeHeader& h = file.header();
     if (h.positions % 3 != 0 || h.indices % 3 != 0 || (h.geometries != 0 && h.geometries != h.indices / 3))
         file.refuse_damaged("its arrays are of another number of triangles");
     return {h.positions, h.indices, h.geometries, h.masks};
@@ -225,7 +224,7 @@ TriangleCounts counts_of(const SavedFile& file) {
 
 /// Reads the arrays, in the order in which they were written, and checks all that is used as an index.
 void read_arrays(SavedFile& file, Bvh::State& s) {
-    const FileHeader& h = file.header();
+    const TreeHeader& h = file.header();
     SavedTree tree(h.nodes, h.leaves, h.geometries);
     const auto nothing = [](auto) {};
     const auto add = [&](auto piece) { tree.add(piece); };
@@ -247,7 +246,7 @@ void read_arrays(SavedFile& file, Bvh::State& s) {
 
 Bvh Bvh::load(const Device& device, const std::filesystem::path& path, Layout layout) {
     SavedFile file(path);
-    const FileHeader& header = file.header();
+    const TreeHeader& header = file.header();
     const Config config = config_of(file, layout);
     const TriangleCounts counts = counts_of(file);
     require_memory(device, counts, config);

@@ -5,7 +5,7 @@
 namespace claray {
 namespace {
 
-constexpr const char* file = "build/sbvh.cl";
+constexpr const char* sbvh_file = "build/sbvh.cl";
 // As in the kernels.
 constexpr std::uint32_t tile = 2048, small = 32, large = 4096, words_per_task = 6;
 constexpr std::uint32_t small_tasks = 2, first_level = 3, most_levels = 96;
@@ -29,15 +29,15 @@ Sbvh::Sbvh(const Device& device, std::uint32_t count, double budget)
         for (auto& tasks : queue.tasks)
             tasks = Buffer<std::uint32_t>(device, words_per_task * (std::size_t(capacity()) / least[size] + 1));
         queue.group = device.tuning("build/sbvh", names[size]);
-        queue.split = load_kernel(device, file, "split_nodes", group_of(queue.group));
+        queue.split = load_kernel(device, sbvh_file, "split_nodes", group_of(queue.group));
     }
     const Defines of_tiles = group_of(queues_[1].group);
-    count_references_ = load_kernel(device, file, "count_references", of_tiles);
-    scan_ = load_kernel(device, file, "scan_tiles", of_tiles);
-    place_ = load_kernel(device, file, "place_references", of_tiles);
-    begin_ = load_kernel(device, file, "begin_splitting", of_tiles);
+    count_references_ = load_kernel(device, sbvh_file, "count_references", of_tiles);
+    scan_ = load_kernel(device, sbvh_file, "scan_tiles", of_tiles);
+    place_ = load_kernel(device, sbvh_file, "place_references", of_tiles);
+    begin_ = load_kernel(device, sbvh_file, "begin_splitting", of_tiles);
     finish_subtrees_ = load_kernel(device, "build/sbvh_small.cl", "finish_subtrees");
-    finish_ = load_kernel(device, file, "finish_splitting", of_tiles);
+    finish_ = load_kernel(device, sbvh_file, "finish_splitting", of_tiles);
 }
 
 void Sbvh::build(const TriangleBuffers& triangles, const Buffer<std::uint32_t>& bound_keys,

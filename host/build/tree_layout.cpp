@@ -3,8 +3,8 @@
 namespace claray {
 namespace {
 
-constexpr const char* file = "build/layout.cl";
-constexpr std::size_t group = 64;
+constexpr const char* layout_file = "build/layout.cl";
+constexpr std::size_t layout_group = 64;
 constexpr std::size_t words_per_subtree = 9;
 
 }  // namespace
@@ -12,9 +12,9 @@ constexpr std::size_t words_per_subtree = 9;
 TreeLayout::TreeLayout(const Device& device, std::uint32_t capacity, unsigned max_leaf, bool references)
     : subtrees_(device, words_per_subtree * capacity) {
     const Defines defines = {{"MAX_LEAF", std::to_string(max_leaf) + "u"}, {"REFERENCES", references ? "1" : "0"}};
-    measure_ = load_kernel(device, file, "measure_subtrees", defines);
-    copy_ = load_kernel(device, file, "copy_tree", defines);
-    finish_ = load_kernel(device, file, "finish_copy", defines);
+    measure_ = load_kernel(device, layout_file, "measure_subtrees", defines);
+    copy_ = load_kernel(device, layout_file, "copy_tree", defines);
+    finish_ = load_kernel(device, layout_file, "finish_copy", defines);
 }
 
 void TreeLayout::copy(const TriangleBuffers& triangles, const Buffer<BvhNode>& nodes,
@@ -23,8 +23,8 @@ void TreeLayout::copy(const TriangleBuffers& triangles, const Buffer<BvhNode>& n
                       const Buffer<LeafTriangle>& new_leaves) {
     if (leaf_count == 0) return;
     arrivals.fill(0);
-    measure_.run({leaf_count, group}, nodes, leaves, subtrees_, arrivals, header);
-    copy_.run({leaf_count, group}, nodes, leaves, subtrees_, header, triangles.positions, triangles.indices,
+    measure_.run({leaf_count, layout_group}, nodes, leaves, subtrees_, arrivals, header);
+    copy_.run({leaf_count, layout_group}, nodes, leaves, subtrees_, header, triangles.positions, triangles.indices,
               triangles.geometries, triangles.masks, new_nodes, new_leaves);
     finish_.run({1, 1}, nodes, subtrees_, header);
 }

@@ -47,7 +47,7 @@ constexpr NamedStudy all_studies[] = {{"hard-rays", study_hard_rays},
                                       {"filtering", study_filtering},
                                       {"effects", nullptr}};
 
-struct Options {
+struct AccuracyOptions {
     std::string scene, device, only;
     ViewOptions view;
     StudyOptions study;
@@ -169,7 +169,7 @@ std::string today() {
     return text;
 }
 
-void print_json(const std::vector<Study>& studies, const Options& o, const Device& device) {
+void print_json(const std::vector<Study>& studies, const AccuracyOptions& o, const Device& device) {
     nlohmann::ordered_json report = {
         {"scene", o.scene}, {"device", device.info().name},  {"driver", device.info().driver},
         {"date", today()},  {"width", o.study.config.width}, {"height", o.study.config.height}};
@@ -200,7 +200,7 @@ void print_json(const std::vector<Study>& studies, const Options& o, const Devic
 }
 
 /// Every map as values and in false colours.
-void write_maps(const Options& o, const std::vector<ErrorMap>& maps) {
+void write_maps(const AccuracyOptions& o, const std::vector<ErrorMap>& maps) {
     const RenderConfig& config = o.study.config;
     for (const ErrorMap& map : maps) {
         write_pfm(o.maps / (map.name + ".pfm"), config.width, config.height, map.pixels);
@@ -211,7 +211,7 @@ void write_maps(const Options& o, const std::vector<ErrorMap>& maps) {
 
 /// What was measured is shown; files are of all studies or stay as they are.
 [[noreturn]] void refuse_incomplete(const Error& error, const std::vector<Study>& studies, std::size_t all,
-                                    const Options& o, const Device& device) {
+                                    const AccuracyOptions& o, const Device& device) {
     if (o.json && !studies.empty()) print_json(studies, o, device);
     if (!o.json)
         for (const Study& study : studies) print_study(study);
@@ -224,7 +224,7 @@ void write_maps(const Options& o, const std::vector<ErrorMap>& maps) {
 }
 
 /// All but the maps of single effects, whose names are known only later.
-std::vector<NamedFile> outputs_of(const Options& o, const std::vector<NamedStudy>& chosen) {
+std::vector<NamedFile> outputs_of(const AccuracyOptions& o, const std::vector<NamedStudy>& chosen) {
     std::vector<NamedFile> outputs = {{"--csv", o.csv}, {"--html", o.html}, {"--svg", o.svg}};
     if (!o.svgs.empty())
         for (const NamedStudy& study : chosen)
@@ -233,7 +233,7 @@ std::vector<NamedFile> outputs_of(const Options& o, const std::vector<NamedStudy
     return outputs;
 }
 
-void accuracy(Options o) {
+void accuracy(AccuracyOptions o) {
     const std::vector<NamedStudy> chosen = chosen_studies(o.only);
     if (!o.maps.empty()) {
         if (std::none_of(chosen.begin(), chosen.end(), [](const NamedStudy& s) { return s.run == nullptr; }))
@@ -304,7 +304,7 @@ void add_accuracy_command(CLI::App& app, Action& action) {
         "Examples:\n"
         "  claray accuracy cornell --quick\n"
         "  claray accuracy scene.gltf --device gpu --size 512x512 --spp 1024 --html accuracy.html --csv accuracy.csv");
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<AccuracyOptions>();
     command->add_option("scene", o->scene, "A scene file, or a built-in scene (see claray scenes)")->required();
     command->add_option("--only", o->only, "These studies only: NAME,NAME...");
     command->add_flag("--quick", o->quick, "64x64 pixels, 32 samples and 3 runs at most");

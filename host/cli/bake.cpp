@@ -17,7 +17,7 @@
 namespace claray::cli {
 namespace {
 
-struct Options {
+struct BakeOptions {
     std::string scene, device;
     LightOptions lights;
     SurfaceOptions surfaces;
@@ -27,7 +27,7 @@ struct Options {
     LightMapConfig config;
 };
 
-void bake(Options options) {
+void bake(BakeOptions options) {
     const std::filesystem::path extension = options.output.extension();
     if (extension != ".pfm" && extension != ".hdr")
         throw Error(ErrorKind::usage, "--output: '" + options.output.string() + "' can't hold irradiance",
@@ -58,7 +58,7 @@ void add_bake_command(CLI::App& app, Action& action) {
         "  claray bake effect:light-maps -o lm.hdr --size 64x64\n"
         "  claray render effect:light-maps -o lit.png --light-map 0=lm.hdr\n"
         "  claray bake hall.gltf --mesh 2 -o lm2.hdr --spp 1024");
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<BakeOptions>();
     command->add_option("scene", o->scene, "A scene file, or a built-in scene (see claray scenes)")->required();
     command->add_option("-o,--output", o->output, "The light map: .hdr or .pfm")->required();
     command->add_option("--mesh", o->mesh, "The mesh, counted from 0 [0]")->transform(whole_number(0));

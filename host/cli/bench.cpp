@@ -20,7 +20,7 @@
 namespace claray::cli {
 namespace {
 
-struct Options {
+struct BenchOptions {
     bench::BenchOptions bench;
     std::vector<std::string> devices;
     std::filesystem::path csv;
@@ -147,7 +147,7 @@ std::vector<Device> open_devices(const std::vector<std::string>& selectors) {
     return devices;
 }
 
-void run(const Options& options) {
+void run_bench(const BenchOptions& options) {
     check_outputs({{"--csv", options.csv}});
     for (const std::string& name : options.bench.scenes) bench::check_scene_is_there(name);
     std::string csv = bench::bench_csv_header();
@@ -187,8 +187,8 @@ void add_bench_command(CLI::App& app, Action& action) {
         "between them, and it is what counts in build + trace. Instances are put where they stand, into one tree.\n"
         "Example:\n"
         "  claray bench --scene sponza.obj --scene terrain:10000000 --size 1920x1080 --device gpu --csv gpu.csv");
-    auto options = std::make_shared<Options>();
-    Options& o = *options;
+    auto options = std::make_shared<BenchOptions>();
+    BenchOptions& o = *options;
     o.bench.scenes = {"soup:50000", "terrain:200000", "hair:50000"};
     for (const auto& [name, builder] : bench::builders) o.bench.presets.push_back(builder);
     command->add_option("--scene,scenes", o.bench.scenes,
@@ -211,7 +211,7 @@ void add_bench_command(CLI::App& app, Action& action) {
     command->add_option("--csv", o.csv, "Also write a file of comma-separated values");
     command->add_flag("--stages", o.stages, "Also print the stages of the builds");
     command->add_flag("--json", o.json, "Print the result as JSON");
-    command->callback([&action, options] { action = [options] { run(*options); }; });
+    command->callback([&action, options] { action = [options] { run_bench(*options); }; });
 }
 
 }  // namespace claray::cli

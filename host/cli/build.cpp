@@ -18,7 +18,7 @@
 namespace claray::cli {
 namespace {
 
-struct Options {
+struct BuildOptions {
     std::string scene, device;
     Bvh::Config config;
     std::filesystem::path output;
@@ -41,7 +41,7 @@ struct Report {
     double load_seconds = 0, save_seconds = 0;  // 0: not done
 };
 
-Report make_report(const Device& device, const Options& options) {
+Report make_report(const Device& device, const BuildOptions& options) {
     Report report;
     const auto begin = std::chrono::steady_clock::now();
     const bool saved = options.scene.ends_with(saved_extension);
@@ -65,7 +65,7 @@ Report make_report(const Device& device, const Options& options) {
     return report;
 }
 
-void print_as_text(const Device& device, const Options& options, const Report& r) {
+void print_as_text(const Device& device, const BuildOptions& options, const Report& r) {
     const BvhStatistics& s = r.statistics;
     std::printf("%s on %s\n", options.scene.c_str(), device.info().name.c_str());
     std::printf("tree          %s, %u triangles (%u culled), height %u, SAH cost %.2f, %.1f MB, %s\n", r.layout.c_str(),
@@ -88,7 +88,7 @@ void print_as_text(const Device& device, const Options& options, const Report& r
                     double(std::filesystem::file_size(options.output)) * 1e-6, r.save_seconds);
 }
 
-void print_as_json(const Device& device, const Options& options, const Report& r) {
+void print_as_json(const Device& device, const BuildOptions& options, const Report& r) {
     nlohmann::ordered_json report = {{"scene", options.scene},
                                      {"device", device.info().name},
                                      {"layout", r.layout},
@@ -112,7 +112,7 @@ void print_as_json(const Device& device, const Options& options, const Report& r
 
 bool is_saved(const std::filesystem::path& path) { return path.extension() == saved_extension; }
 
-void check_combinations(const CLI::App& command, const Options& options) {
+void check_build_options(const CLI::App& command, const BuildOptions& options) {
     for (const char* option : {"--builder", "--morton-bits", "--repeat"})
         if (is_saved(options.scene) && command.count(option) > 0)
             throw Error(ErrorKind::usage, std::string(option) + ": '" + options.scene + "' is built already",
@@ -122,7 +122,7 @@ void check_combinations(const CLI::App& command, const Options& options) {
                     "name a file .cbvh");
 }
 
-void run(const Options& options) {
+void run_build(const BuildOptions& options) {
     check_outputs({{"--output", options.output}}, {{"the scene", options.scene}});
     const Device device = open_device(options.device);
     const Report report = make_report(device, options);
@@ -141,8 +141,8 @@ void add_build_command(CLI::App& app, Action& action) {
         "Instances are put where they stand, into one tree.\n"
         "Example:\n"
         "  claray build scene.obj --builder balanced -o scene.cbvh");
-    auto options = std::make_shared<Options>();
-    Options& o = *options;
+    auto options = std::make_shared<BuildOptions>();
+    BuildOptions& o = *options;
     command->add_option("scene", o.scene, "A scene file (.obj, .gltf, .glb), a built-in scene, or a saved tree (.cbvh)")
         ->required();
     command->add_option("-o,--output", o.output, "Save the tree and its triangles: FILE.cbvh");
@@ -151,8 +151,8 @@ void add_build_command(CLI::App& app, Action& action) {
     command->add_option("--device", o.device, "cpu, gpu, an index or a part of the name (see claray devices)");
     command->add_flag("--json", o.json, "Print the result as JSON");
     command->callback([&action, command, options] {
-        check_combinations(*command, *options);
-        action = [options] { run(*options); };
+        check_build_options(*command, *options);
+        action = [options] { run_build(*options); };
     });
 }
 

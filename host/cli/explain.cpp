@@ -26,7 +26,7 @@ using bench::ExplainedEffect;
 using bench::Explanation;
 using bench::Variant;
 
-struct Options {
+struct ExplainOptions {
     std::string scene, device, effects, only;
     ViewOptions view;
     RenderConfig config = {.width = 128, .height = 128};
@@ -77,7 +77,7 @@ void print_variant(const char* name, const Variant& v, bool compile_times) {
 }
 
 /// Before minutes of measuring.
-void print_called_for(const std::vector<ExplainedEffect>& effects, const Options& o, const Device& device) {
+void print_called_for(const std::vector<ExplainedEffect>& effects, const ExplainOptions& o, const Device& device) {
     std::printf("%s on %s, %ux%u, one sample a pixel, calls for:\n", o.scene.c_str(), device.info().name.c_str(),
                 o.config.width, o.config.height);
     for (const ExplainedEffect& e : effects)
@@ -97,7 +97,7 @@ void print_notes(const Explanation& x, bool compile_times) {
             "makes some less than 0\n");
 }
 
-void print_text(const Explanation& x, const Options& o) {
+void print_text(const Explanation& x, const ExplainOptions& o) {
     const bool compile_times = o.measure.compile_times;
     if (!o.effects.empty()) std::printf("effects are overridden: %s\n", o.effects.c_str());
     for (const bool called_for : {true, false}) {
@@ -148,7 +148,7 @@ nlohmann::ordered_json as_json(const ExplainedEffect& e, const Variant& own) {
     return row;
 }
 
-void print_json(const Explanation& x, const Options& o, const Device& device) {
+void print_json(const Explanation& x, const ExplainOptions& o, const Device& device) {
     nlohmann::ordered_json effects = nlohmann::ordered_json::array();
     for (const ExplainedEffect& e : x.effects) effects.push_back(as_json(e, x.own));
     const nlohmann::ordered_json report = {
@@ -158,7 +158,7 @@ void print_json(const Explanation& x, const Options& o, const Device& device) {
     std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
 }
 
-void write_svg(const Explanation& x, const Options& o, const Device& device) {
+void write_svg(const Explanation& x, const ExplainOptions& o, const Device& device) {
     BarChart chart;
     chart.title = "What the effects of " + o.scene + " cost";
     chart.subtitle = "milliseconds of a frame of " + fixed(x.own.milliseconds, 2) + " ms (" +
@@ -171,7 +171,7 @@ void write_svg(const Explanation& x, const Options& o, const Device& device) {
     write_file(o.svg, svg_of(chart));
 }
 
-void explain(const Options& options) {
+void explain(const ExplainOptions& options) {
     check_outputs({{"--svg", options.svg}}, {{"the scene", options.scene}});
     RenderConfig config = options.config;
     if (!options.effects.empty()) config.effects = parse_effect_overrides(options.effects);
@@ -202,7 +202,7 @@ void add_explain_command(CLI::App& app, Action& action) {
         "  claray explain spheres\n"
         "  claray explain scene.gltf --device gpu --size 1024x1024 --svg cost.svg\n"
         "  claray explain cornell --only mirror,glass --json");
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<ExplainOptions>();
     command->add_option("scene", o->scene, "A scene file, or a built-in scene (see claray scenes)")->required();
     command->add_option_function<std::string>(
         "--size", [o](const std::string& text) { std::tie(o->config.width, o->config.height) = parse_size(text); },

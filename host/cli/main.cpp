@@ -30,7 +30,7 @@ void warn_of_lost_kernels() {
                                "; set CLARAY_CACHE_DIR to a folder that you may write to");
 }
 
-int run(int argc, char** argv) {
+int run_program(int argc, char** argv) {
     CLI::App app{"Ray tracing on any OpenCL device: a mesh goes in, an image comes out.", "claray"};
     app.footer(
         "Examples:\n"
@@ -69,7 +69,7 @@ int run(int argc, char** argv) {
 
 int run_and_report(int argc, char** argv) {
     try {
-        return run(argc, argv);
+        return run_program(argc, argv);
     } catch (const claray::Error& error) {
         return claray::cli::print_error(error.kind(), error.what());
     } catch (const std::bad_alloc&) {

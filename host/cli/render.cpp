@@ -191,7 +191,7 @@ void add_machine_options(CLI::App& command, RenderOptions& o) {
     command.add_flag("-q,--quiet", o.quiet, "No progress");
 }
 
-void check_combinations(const CLI::App& command) {
+void check_render_options(const CLI::App& command) {
     refuse_without(command, "--checkpoint-every", "--checkpoint");
     refuse_without(command, "--exposure", "--output");
     refuse_without(command, "--tone-map", "--output");
@@ -222,7 +222,7 @@ void add_render_command(CLI::App& app, Action& action) {
     add_machine_options(*command, *options);
     command->callback([&action, command, options] {
         check_targets(*command, *options);
-        check_combinations(*command);
+        check_render_options(*command);
         action = [options] { render(*options); };
     });
 }

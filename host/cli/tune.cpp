@@ -17,7 +17,7 @@
 namespace claray::cli {
 namespace {
 
-struct Options {
+struct TuneOptions {
     bench::TuneOptions tune;
     std::string device;
     std::filesystem::path output;
@@ -41,7 +41,7 @@ void print_trials(const std::vector<bench::Trial>& trials) {
     std::fflush(stdout);
 }
 
-std::filesystem::path choose_output(const Options& options) {
+std::filesystem::path choose_output(const TuneOptions& options) {
     const std::filesystem::path path = options.output.empty() ? local_tuning_path() : options.output;
     if (path.empty())
         throw Error(ErrorKind::usage, "no place for the tuning table: neither XDG_CONFIG_HOME nor HOME is set",
@@ -77,7 +77,7 @@ std::vector<bench::TunedRow> measured_model(const Device& device, const std::str
     return rows;
 }
 
-void run(const Options& options) {
+void run_tune(const TuneOptions& options) {
     const std::filesystem::path output = options.dry_run ? std::filesystem::path() : choose_output(options);
     const Device device = open_device(options.device);
     const std::vector<bench::TuningCandidates> candidates = bench::candidates_for(device.info());
@@ -113,8 +113,8 @@ void add_tune_command(CLI::App& app, Action& action) {
         "claray render --error, --time and --fps pick by; --only plan/model measures them alone.\n"
         "Example:\n"
         "  claray tune --device gpu --scene terrain:1000000 --size 960x540 --only trace/");
-    auto options = std::make_shared<Options>();
-    Options& o = *options;
+    auto options = std::make_shared<TuneOptions>();
+    TuneOptions& o = *options;
     o.tune.scenes = {"soup:30000", "terrain:100000"};
     command->add_option("--scene,scenes", o.tune.scenes, "Scenes to measure with [soup:30000 terrain:100000]");
     command->add_option_function<std::string>(
@@ -127,7 +127,7 @@ void add_tune_command(CLI::App& app, Action& action) {
     command->add_flag("--dry-run", o.dry_run, "Print the rows, write nothing");
     command->callback([&action, command, options] {
         refuse_both(*command, "--dry-run", {"--output"}, "it writes nothing");
-        action = [options] { run(*options); };
+        action = [options] { run_tune(*options); };
     });
 }
 

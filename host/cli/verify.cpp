@@ -19,7 +19,7 @@
 namespace claray::cli {
 namespace {
 
-struct Options {
+struct VerifyCommandOptions {
     VerifyOptions verify;
     std::vector<std::string> cases;
     std::string device, json;
@@ -72,7 +72,7 @@ nlohmann::ordered_json as_json(const VerifyResult& result) {
             {"facts", facts},      {"failures", result.failures}};
 }
 
-std::string json_of(const Device& device, const Options& options, const std::vector<VerifyResult>& results,
+std::string json_of(const Device& device, const VerifyCommandOptions& options, const std::vector<VerifyResult>& results,
                     double seconds) {
     nlohmann::ordered_json cases = nlohmann::ordered_json::array(), left_out = nlohmann::ordered_json::array();
     for (const VerifyResult& result : results) cases.push_back(as_json(result));
@@ -155,7 +155,7 @@ std::string json_of(const Device& device, const Comparison& c) {
     return report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
 }
 
-void compare(const Options& options, const VerifyOptions& how) {
+void compare(const VerifyCommandOptions& options, const VerifyOptions& how) {
     const Device device = open_device(options.device);
     Comparison c;
     for (bench::Remedy remedy : bench::remedies()) {
@@ -175,7 +175,7 @@ void compare(const Options& options, const VerifyOptions& how) {
         write_file(options.json, json_of(device, c));
 }
 
-void verify(const Options& options) {
+void verify(const VerifyCommandOptions& options) {
     if (options.list) return list_cases();
     const bool json_to_output = options.json == "-";
     check_outputs({{"--json", json_to_output ? "" : options.json}, {"--html", options.html}});
@@ -235,7 +235,7 @@ void add_verify_command(CLI::App& app, Action& action) {
         "  claray verify --full --json verify.json --html verify.html\n"
         "  claray verify --case edges --case boxes --seed 7\n"
         "  claray verify --compare --scene hair:50000 --scene sponza.obj");
-    auto o = std::make_shared<Options>();
+    auto o = std::make_shared<VerifyCommandOptions>();
     command->add_flag(
         "--quick", o->quick,
         "Half a minute where kernels are in the cache, minutes where they are not (this is what it does unless told)");

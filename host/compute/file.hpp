@@ -1,10 +1,14 @@
 // Files as a whole: read one, write one so that there is never half of it.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
 namespace claray {
+
+/// Kept in files: it reads otherwise on a machine of the other byte order.
+constexpr std::uint32_t byte_order = 0x01020304;
 
 /// The bytes of a file. Throws ErrorKind::user where it can't be read; `remedy` completes that message.
 [[nodiscard]] std::string read_file(const std::filesystem::path& path, const std::string& remedy);

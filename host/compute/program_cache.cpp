@@ -21,17 +21,17 @@ namespace {
 namespace fs = std::filesystem;
 
 /// The beginning of a file; the identity and the binary follow. docs/formats.md describes the bytes.
-struct FileHeader {
+struct ProgramHeader {
     std::array<unsigned char, 8> magic;
     Digest sum;  // of all that follows it
     std::uint32_t identity_bytes;
     std::uint32_t binary_bytes;
 };
-static_assert(sizeof(FileHeader) == 32);
-constexpr std::array<unsigned char, 8> magic = {'C', 'L', 'R', 'P', 2, 0, 0, 0};
-constexpr std::size_t before_sum = offsetof(FileHeader, identity_bytes);
+static_assert(sizeof(ProgramHeader) == 32);
+constexpr std::array<unsigned char, 8> program_magic = {'C', 'L', 'R', 'P', 2, 0, 0, 0};
+constexpr std::size_t before_sum = offsetof(ProgramHeader, identity_bytes);
 
-Digest sum_of(const FileHeader& header, const std::string& identity, const std::vector<unsigned char>& binary) {
+Digest sum_of(const ProgramHeader& header, const std::string& identity, const std::vector<unsigned char>& binary) {
     Hasher hasher;
     hasher.add(reinterpret_cast<const unsigned char*>(&header) + before_sum, sizeof header - before_sum);
     hasher.add(identity.data(), identity.size());
@@ -75,10 +75,10 @@ bool is_own(const struct stat& status) {
 /// The binary of an open file, or nothing. No more memory is asked for than the file has bytes.
 std::optional<std::vector<unsigned char>> read_binary(const Descriptor& file, const std::string& identity) {
     struct stat status = {};
-    FileHeader header;
+    ProgramHeader header;
     if (::fstat(file.get(), &status) != 0 || !is_own(status) || !file.read(&header, sizeof header)) return {};
     const std::uint64_t bytes = sizeof header + identity.size() + std::uint64_t(header.binary_bytes);
-    if (header.magic != magic || header.identity_bytes != identity.size() || header.binary_bytes == 0 ||
+    if (header.magic != program_magic || header.identity_bytes != identity.size() || header.binary_bytes == 0 ||
         std::uint64_t(status.st_size) != bytes)
         return {};
     std::string stored(identity.size(), '\0');
@@ -89,7 +89,7 @@ std::optional<std::vector<unsigned char>> read_binary(const Descriptor& file, co
 }
 
 /// Writes a new file that only this user may write; a name that is taken is none of a running process. Returns errno.
-int write_new(const fs::path& path, const FileHeader& header, const std::string& identity,
+int write_new(const fs::path& path, const ProgramHeader& header, const std::string& identity,
               const std::vector<unsigned char>& binary) {
     ::unlink(path.c_str());
     const Descriptor file(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
@@ -148,7 +148,7 @@ std::string store_cached_program(const std::string& identity, const std::vector<
     std::error_code error;
     fs::create_directories(folder, error);
     if (error) return "cannot make the folder '" + folder.string() + "': " + error.message();
-    FileHeader header = {magic, {}, std::uint32_t(identity.size()), std::uint32_t(binary.size())};
+    ProgramHeader header = {program_magic, {}, std::uint32_t(identity.size()), std::uint32_t(binary.size())};
     if (identity.size() > UINT32_MAX || binary.size() > UINT32_MAX) return "the binary has more than 4 GiB";
     header.sum = sum_of(header, identity, binary);
     static std::atomic<unsigned> serial{0};

@@ -41,7 +41,7 @@ namespace {
 
 constexpr std::size_t most_warnings = 10;  // of a table
 
-struct Row {
+struct TuningRow {
     int line = 0;
     std::string name;  // kernel and parameter
     std::optional<unsigned> value;
@@ -69,7 +69,7 @@ std::optional<TuningRange> range_in(std::string text) {
 
 /// Calls `use` for every row for the device. Only claray's own table has ranges.
 void for_each_row(const std::string& text, const std::string& name, const DeviceInfo& info, bool with_ranges,
-                  const std::function<void(const Row&)>& use) {
+                  const std::function<void(const TuningRow&)>& use) {
     std::istringstream lines(text);
     std::string line;
     for (int number = 1; std::getline(lines, line); ++number) {
@@ -77,7 +77,7 @@ void for_each_row(const std::string& text, const std::string& name, const Device
         std::string pattern, kernel, parameter, value, range, rest;
         if (!(words >> pattern)) continue;
         words >> kernel >> parameter >> value >> range >> rest;
-        const Row row = {number, kernel + " " + parameter, number_in(value), range_in(range)};
+        const TuningRow row = {number, kernel + " " + parameter, number_in(value), range_in(range)};
         const bool good = row.value || (value == "-" && row.range);
         if (!good || (with_ranges ? !range.empty() && !row.range : !range.empty()) || !rest.empty())
             throw Error(ErrorKind::user, name + ":" + std::to_string(number) + ": not a tuning row: '" + line + "'",
@@ -89,7 +89,7 @@ void for_each_row(const std::string& text, const std::string& name, const Device
 }  // namespace
 
 void apply_tuning(const std::string& text, const std::string& name, const DeviceInfo& info, Tuning& tuning) {
-    for_each_row(text, name, info, true, [&](const Row& row) {
+    for_each_row(text, name, info, true, [&](const TuningRow& row) {
         if (row.value) tuning.values[row.name] = *row.value;
         if (row.range) tuning.ranges[row.name] = *row.range;
     });
@@ -97,11 +97,11 @@ void apply_tuning(const std::string& text, const std::string& name, const Device
 
 void apply_users_tuning(const std::string& text, const std::string& name, const DeviceInfo& info, Tuning& tuning) {
     std::size_t ignored = 0;
-    const auto ignore = [&](const Row& row, const std::string& why) {
+    const auto ignore = [&](const TuningRow& row, const std::string& why) {
         if (++ignored > most_warnings) return;
         tuning.warnings.push_back(name + ":" + std::to_string(row.line) + ": ignored: '" + row.name + "' " + why);
     };
-    for_each_row(text, name, info, false, [&](const Row& row) {
+    for_each_row(text, name, info, false, [&](const TuningRow& row) {
         const auto range = tuning.ranges.find(row.name);
         if (range == tuning.ranges.end())
             ignore(row, "is no tuning parameter of this device; remove the line (kernels/tuning.txt lists them)");

@@ -44,9 +44,10 @@ const tinygltf::Accessor& accessor_of(const GltfFile& file, int index, std::size
     if (index < 0 || std::size_t(index) >= accessors.size())
         file.fail(what + " refers to accessor " + to_string(index) + " of " + to_string(accessors.size()));
     const tinygltf::Accessor& accessor = accessors[std::size_t(index)];
-    const int stored = tinygltf::GetNumComponentsInType(std::uint32_t(accessor.type));
-    if (stored < 0 || std::size_t(stored) != components || accessor.type == TINYGLTF_TYPE_MAT2)
-        file.fail(what + " has elements of " + to_string(stored) + " components instead of " + to_string(components));
+    const int stored_as = tinygltf::GetNumComponentsInType(std::uint32_t(accessor.type));
+    if (stored_as < 0 || std::size_t(stored_as) != components || accessor.type == TINYGLTF_TYPE_MAT2)
+        file.fail(what + " has elements of " + to_string(stored_as) + " components instead of " +
+                  to_string(components));
     return accessor;
 }
 
@@ -71,7 +72,7 @@ Elements dense_elements(const GltfFile& file, const tinygltf::Accessor& accessor
 }
 
 template <class T>
-T stored(const char* from) {
+T stored_as(const char* from) {
     T value;
     std::memcpy(&value, from, sizeof(T));
     return value;
@@ -81,24 +82,24 @@ T stored(const char* from) {
 float component(const char* from, int type, bool normalized) {
     switch (type) {
         case TINYGLTF_COMPONENT_TYPE_BYTE: {
-            const auto c = float(stored<std::int8_t>(from));
+            const auto c = float(stored_as<std::int8_t>(from));
             return normalized ? std::max(c / 127.f, -1.f) : c;
         }
         case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: {
-            const auto c = float(stored<std::uint8_t>(from));
+            const auto c = float(stored_as<std::uint8_t>(from));
             return normalized ? c / 255.f : c;
         }
         case TINYGLTF_COMPONENT_TYPE_SHORT: {
-            const auto c = float(stored<std::int16_t>(from));
+            const auto c = float(stored_as<std::int16_t>(from));
             return normalized ? std::max(c / 32767.f, -1.f) : c;
         }
         case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: {
-            const auto c = float(stored<std::uint16_t>(from));
+            const auto c = float(stored_as<std::uint16_t>(from));
             return normalized ? c / 65535.f : c;
         }
-        case TINYGLTF_COMPONENT_TYPE_INT: return float(stored<std::int32_t>(from));
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: return float(stored<std::uint32_t>(from));
-        default: return stored<float>(from);
+        case TINYGLTF_COMPONENT_TYPE_INT: return float(stored_as<std::int32_t>(from));
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT: return float(stored_as<std::uint32_t>(from));
+        default: return stored_as<float>(from);
     }
 }
 
@@ -120,9 +121,9 @@ bool is_index_type(int type) {
 std::uint32_t index_at(const Elements& elements, std::size_t i) {
     const char* from = elements.data + i * elements.stride;
     switch (elements.type) {
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return stored<std::uint8_t>(from);
-        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return stored<std::uint16_t>(from);
-        default: return stored<std::uint32_t>(from);
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE: return stored_as<std::uint8_t>(from);
+        case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT: return stored_as<std::uint16_t>(from);
+        default: return stored_as<std::uint32_t>(from);
     }
 }
 

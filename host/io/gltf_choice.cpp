@@ -11,7 +11,7 @@ namespace {
 
 using std::to_string;
 
-std::optional<std::size_t> index_in(const std::string& text) {
+std::optional<std::size_t> index_from(const std::string& text) {
     std::size_t index = 0;
     const char* const end = text.data() + text.size();
     const auto [stop, error] = std::from_chars(text.data(), end, index);
@@ -35,7 +35,7 @@ std::size_t choose(const GltfFile& file, const char* kind, const std::string& ch
                    const std::vector<std::string>& names) {
     const auto named = std::find(names.begin(), names.end(), choice);
     if (named != names.end()) return std::size_t(named - names.begin());
-    if (const auto index = index_in(choice); index && *index < names.size()) return *index;
+    if (const auto index = index_from(choice); index && *index < names.size()) return *index;
     const std::string what = "'" + file.path.string() + "' has no " + kind;
     if (names.empty()) throw Error(ErrorKind::usage, what, "leave the choice of one out");
     throw Error(ErrorKind::usage, what + " " + listed({choice}), "choose one of " + listed(names));

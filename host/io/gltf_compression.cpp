@@ -12,7 +12,7 @@ constexpr std::string_view moved_indices = "indices";  // of a primitive, in its
 constexpr const char* webp_uri = "data:image/webp";
 constexpr std::size_t glb_header = 12, chunk_header = 8;
 
-std::string little_endian(std::size_t value) {
+std::string as_little_endian(std::size_t value) {
     std::string bytes;
     for (int shift = 0; shift < 32; shift += 8) bytes += char(value >> shift & 0xff);
     return bytes;
@@ -28,7 +28,7 @@ std::string with_json(std::string_view glb, std::string text) {
     text.resize((text.size() + 3) / 4 * 4, ' ');
     const std::string_view rest = glb.substr(glb_header + chunk_header + first_chunk_size(glb));
     const std::size_t length = glb_header + chunk_header + text.size() + rest.size();
-    return std::string(glb.substr(0, 8)) + little_endian(length) + little_endian(text.size()) + "JSON" + text +
+    return std::string(glb.substr(0, 8)) + as_little_endian(length) + as_little_endian(text.size()) + "JSON" + text +
            std::string(rest);
 }
 

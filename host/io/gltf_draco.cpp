@@ -11,7 +11,7 @@ namespace {
 
 using std::to_string;
 
-std::unique_ptr<draco::Mesh> decode(const GltfFile& file, std::string_view bytes, const std::string& name) {
+std::unique_ptr<draco::Mesh> decode_draco(const GltfFile& file, std::string_view bytes, const std::string& name) {
     draco::DecoderBuffer buffer;
     buffer.Init(bytes.data(), bytes.size());
     auto decoded = draco::Decoder().DecodeMeshFromBuffer(&buffer);
@@ -100,7 +100,7 @@ void decode_draco_primitive(GltfFile& file, tinygltf::Primitive& primitive, cons
     const tinygltf::Value extension = primitive.extensions.at(draco_extension);
     const std::size_t view = count_in(file, extension, "bufferView", ~std::size_t(0), name);
     const std::unique_ptr<draco::Mesh> mesh =
-        decode(file, file.view(view > 0x7fffffffu ? -1 : int(view), name + ": its Draco data"), name);
+        decode_draco(file, file.view(view > 0x7fffffffu ? -1 : int(view), name + ": its Draco data"), name);
     if (extension.Has("attributes") && extension.Get("attributes").IsObject())
         for (const auto& [attribute, id] : extension.Get("attributes").Get<tinygltf::Value::Object>()) {
             const auto found = primitive.attributes.find(attribute);

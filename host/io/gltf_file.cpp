@@ -45,7 +45,7 @@ bool is_known(const std::string& extension) {
            std::find(std::begin(known_extensions), std::end(known_extensions), extension) != std::end(known_extensions);
 }
 
-std::uint32_t little_endian(std::string_view bytes) {
+std::uint32_t from_little_endian(std::string_view bytes) {
     std::uint32_t value = 0;
     for (std::size_t i = 4; i-- > 0;) value = value << 8 | std::uint8_t(bytes[i]);
     return value;
@@ -56,16 +56,16 @@ std::uint32_t little_endian(std::string_view bytes) {
 std::string_view check_container(std::string_view& bytes, const GltfFile& file) {
     constexpr std::size_t header = 12, chunk_header = 8;
     if (bytes.size() < header + chunk_header) file.fail("the file is cut off");
-    if (little_endian(bytes.substr(4)) != 2)
-        file.fail("binary glTF of version " + to_string(little_endian(bytes.substr(4))), "export it as glTF 2.0");
-    const std::size_t length = little_endian(bytes.substr(8));
+    if (from_little_endian(bytes.substr(4)) != 2)
+        file.fail("binary glTF of version " + to_string(from_little_endian(bytes.substr(4))), "export it as glTF 2.0");
+    const std::size_t length = from_little_endian(bytes.substr(8));
     if (length > bytes.size())
         file.fail("the file is cut off: " + to_string(bytes.size()) + " of " + to_string(length) + " bytes");
     bytes = bytes.substr(0, length);
     std::string_view json;
     for (std::size_t begin = header, chunk = 0; begin < length; ++chunk) {
         if (length - begin < chunk_header) file.fail("its chunk " + to_string(chunk) + " is cut off");
-        const std::size_t size = little_endian(bytes.substr(begin));
+        const std::size_t size = from_little_endian(bytes.substr(begin));
         if (size > length - begin - chunk_header) file.fail("its chunk " + to_string(chunk) + " is cut off");
         if (chunk == 0) json = bytes.substr(begin + chunk_header, size);
         begin += chunk_header + size;

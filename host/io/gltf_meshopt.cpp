@@ -60,7 +60,7 @@ void check(const GltfFile& file, const Packed& packed, const std::string& name) 
 }
 
 /// 0 where all went well.
-int decode(const Packed& packed, std::vector<unsigned char>& to) {
+int decode_meshopt(const Packed& packed, std::vector<unsigned char>& to) {
     const auto* from = reinterpret_cast<const unsigned char*>(packed.bytes.data());
     const std::size_t size = packed.bytes.size();
     if (packed.mode == "TRIANGLES")
@@ -85,7 +85,7 @@ void decode_meshopt_view(GltfFile& file, tinygltf::BufferView& view, const std::
                         text_in(extension, "filter", "NONE")};
     check(file, packed, name);
     std::vector<unsigned char> decoded(packed.count * packed.stride);
-    if (packed.count > 0 && decode(packed, decoded) != 0) file.fail(name + ": its compressed data is damaged");
+    if (packed.count > 0 && decode_meshopt(packed, decoded) != 0) file.fail(name + ": its compressed data is damaged");
     view.buffer = int(file.model.buffers.size());
     view.byteOffset = 0;
     view.byteLength = decoded.size();

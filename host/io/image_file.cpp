@@ -26,8 +26,8 @@ using std::to_string;
     throw Error(ErrorKind::user, "cannot read " + what + ": " + why, remedy);
 }
 
-void check_size(const std::string& what, std::uint64_t width, std::uint64_t height, std::uint64_t texel_bytes,
-                std::size_t room) {
+void check_bytes(const std::string& what, std::uint64_t width, std::uint64_t height, std::uint64_t texel_bytes,
+                 std::size_t room) {
     const std::string size = to_string(width) + "x" + to_string(height);
     if (width == 0 || height == 0) refuse(what, "its size is " + size, "export it again");
     if (width > largest_image_side || height > largest_image_side)
@@ -105,7 +105,7 @@ Texture decode_pfm(std::string_view bytes, const std::string& what, std::size_t 
     texture.width = number<unsigned>(word(rest), what);
     texture.height = number<unsigned>(word(rest), what);
     const float scale = number<float>(word(rest), what);
-    check_size(what, texture.width, texture.height, texture.channels * sizeof(float), room);
+    check_bytes(what, texture.width, texture.height, texture.channels * sizeof(float), room);
     const std::size_t row = std::size_t(texture.width) * texture.channels;
     if (rest.size() < 1 + row * texture.height * sizeof(float)) refuse(what, "it is cut off", "export it again");
     texture.floats.resize(row * texture.height);
@@ -120,7 +120,7 @@ Texture decode_webp(std::string_view bytes, const std::string& what, TexelFormat
     WebpImage image;
     std::string fault = read_webp_header(bytes, image);
     if (!fault.empty()) refuse(what, fault, "convert it to PNG or JPEG");
-    check_size(what, image.width, image.height, image.channels, room);
+    check_bytes(what, image.width, image.height, image.channels, room);
     fault = read_webp_pixels(bytes, image);
     if (!fault.empty()) refuse(what, fault, "export it again");
     Texture texture;
@@ -137,7 +137,7 @@ Texture decode_png(std::string_view bytes, const std::string& what, TexelFormat 
     };
     PngHeader header;
     check(read_png_header(bytes, header));
-    check_size(what, header.width, header.height, header.channels * (header.sixteen_bits ? sizeof(float) : 1), room);
+    check_bytes(what, header.width, header.height, header.channels * (header.sixteen_bits ? sizeof(float) : 1), room);
     constexpr std::uint64_t most_packed = 1032;  // of deflate
     check_plausible(what, header.width, header.height, header.raw_bytes / most_packed, bytes.size());
     Texture texture;
@@ -152,7 +152,7 @@ Texture decode_others(std::string_view bytes, const std::string& what, TexelForm
         refuse(what, "the image is broken (a Huffman table is too long)", "export it again");
     std::optional<ImageShape> shape = image_shape(bytes);
     if (!shape) refuse(what, "it is no PNG, JPEG, WebP, BMP, TGA, HDR or PFM image", "convert it to one of these");
-    check_size(what, shape->width, shape->height, shape->channels * (shape->radiance ? sizeof(float) : 1), room);
+    check_bytes(what, shape->width, shape->height, shape->channels * (shape->radiance ? sizeof(float) : 1), room);
     constexpr std::uint64_t most_packed = 4096;  // no format packs tighter, JPEG's of 1024 to 1 included
     check_plausible(what, shape->width, shape->height,
                     std::uint64_t(shape->width) * shape->height * shape->channels / most_packed, bytes.size());

@@ -7,9 +7,9 @@ namespace claray {
 namespace {
 
 /// Bytes one after the other; 0 behind the end, as stb_image reads on.
-class Reader {
+class JpegReader {
 public:
-    explicit Reader(std::string_view bytes) : bytes_(bytes) {}
+    explicit JpegReader(std::string_view bytes) : bytes_(bytes) {}
     [[nodiscard]] bool at_end() const { return next_ >= bytes_.size(); }
     unsigned byte() { return at_end() ? 0u : std::uint8_t(bytes_[next_++]); }
     void skip(std::size_t count) { next_ = count < bytes_.size() - next_ ? next_ + count : bytes_.size(); }
@@ -31,7 +31,7 @@ private:
 };
 
 /// The tables of one DHT segment (B.2.4.2): a class, 16 counts of codes, the codes' values.
-bool tables_fit(Reader& in, int length) {
+bool tables_fit(JpegReader& in, int length) {
     while (length > 0) {
         static_cast<void>(in.byte());
         unsigned codes = 0;
@@ -46,7 +46,7 @@ bool tables_fit(Reader& in, int length) {
 }  // namespace
 
 bool jpeg_tables_fit(std::string_view bytes) {
-    Reader in(bytes);
+    JpegReader in(bytes);
     constexpr unsigned define_huffman_table = 0xc4, end_of_image = 0xd9;
     for (unsigned marker = in.marker(); marker != 0 && marker != end_of_image; marker = in.marker()) {
         const unsigned high = in.byte(), length = high << 8 | in.byte();

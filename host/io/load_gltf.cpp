@@ -45,7 +45,7 @@ glm::vec3 axis_of(const PlacedNode& node, int axis, const GltfFile& file) {
 }
 
 /// What the camera shows of what lies before it. The image's own aspect counts, not the file's.
-void project(Camera& camera, const tinygltf::Camera& source, const std::string& name, const GltfFile& file) {
+void set_projection(Camera& camera, const tinygltf::Camera& source, const std::string& name, const GltfFile& file) {
     if (source.type == "orthographic") {
         camera.orthographic_height = float(2 * std::abs(source.orthographic.ymag));
         if (!(camera.orthographic_height > 0.f) || !std::isfinite(camera.orthographic_height))
@@ -193,7 +193,7 @@ void Loader::add_camera(const std::vector<PlacedNode>& nodes) {
     camera.position = position_of(node);
     camera.target = camera.position - axis_of(node, 2, file_);
     camera.up = axis_of(node, 1, file_);
-    project(camera, source, gltf_name("camera", source.name, std::size_t(node.node->camera)), file_);
+    set_projection(camera, source, gltf_name("camera", source.name, std::size_t(node.node->camera)), file_);
     scene_.camera = camera;
     if (cameras.size() > 1 && options_.camera.empty())
         warnings_.push_back("the first of the cameras " + listed(names_of_cameras(cameras)) +

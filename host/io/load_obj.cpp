@@ -27,7 +27,7 @@ glm::vec2 from_the_top(const glm::vec2& uv) {
 }
 
 /// A normal of no direction is as good as none.
-bool usable(const glm::vec3& n) {
+bool usable_normal(const glm::vec3& n) {
     const float length = glm::length(n);
     return std::isfinite(length) && length > 1e-12f;
 }
@@ -40,7 +40,7 @@ public:
     /// Meshes have normals, texture coordinates and colours for all vertices or for none.
     void plan(std::span<const ObjCorner> corners) {
         for (const ObjCorner& c : corners) {
-            has_normals_ |= c.normal >= 0 && usable(file_.normals[std::size_t(c.normal)]);
+            has_normals_ |= c.normal >= 0 && usable_normal(file_.normals[std::size_t(c.normal)]);
             has_uvs_ |= c.uv >= 0;
             has_colors_ |= !file_.colors.empty() && file_.colors[std::size_t(c.position)] != glm::vec3(1.f);
         }
@@ -65,12 +65,12 @@ public:
 private:
     [[nodiscard]] glm::vec3 flat_normal(const glm::uvec3& t) const {
         const glm::vec3 n = glm::cross(points_[t.y] - points_[t.x], points_[t.z] - points_[t.x]);
-        return usable(n) ? glm::normalize(n) : glm::vec3(0.f, 1.f, 0.f);
+        return usable_normal(n) ? glm::normalize(n) : glm::vec3(0.f, 1.f, 0.f);
     }
 
     std::uint32_t vertex(ObjCorner corner, const glm::vec3& flat) {
         // Among normals of other faces, a corner without one takes its triangle's and is not shared.
-        const bool own = corner.normal >= 0 && usable(file_.normals[std::size_t(corner.normal)]);
+        const bool own = corner.normal >= 0 && usable_normal(file_.normals[std::size_t(corner.normal)]);
         if (!own) corner.normal = has_normals_ ? -2 - int(mesh_.triangles.size()) : -1;
         const auto [found, is_new] = vertices_.try_emplace(corner, std::uint32_t(mesh_.positions.size()));
         if (!is_new) return found->second;

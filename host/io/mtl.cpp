@@ -7,7 +7,7 @@
 namespace claray {
 namespace {
 
-glm::vec3 color(const tinyobj::real_t (&c)[3]) { return {c[0], c[1], c[2]}; }
+glm::vec3 rgb(const tinyobj::real_t (&c)[3]) { return {c[0], c[1], c[2]}; }
 float largest(const glm::vec3& c) { return std::max({c.x, c.y, c.z}); }
 
 /// GGX roughness of a Phong exponent: alpha^2 = 2 / (Ns + 2) (Walter et al. 2007, section 5.2), roughness^2 = alpha.
@@ -33,7 +33,7 @@ bool is_bare_metal(const tinyobj::material_t& mtl) {
 void make_glass(Material& material, const tinyobj::material_t& mtl) {
     material.kind = MaterialKind::glass;
     material.roughness = mtl.roughness;
-    const glm::vec3 filter = color(mtl.transmittance);  // 0 where the file doesn't say
+    const glm::vec3 filter = rgb(mtl.transmittance);  // 0 where the file doesn't say
     material.albedo = largest(filter) > 0.f ? filter : glm::vec3(1.f);
     material.ior = mtl.ior > 1.f ? mtl.ior : 1.5f;  // 1 where the file doesn't say
 }
@@ -60,13 +60,13 @@ void make_principled(Material& material, const tinyobj::material_t& mtl, float b
 
 /// Asks for a highlight beside the diffuse colour (illumination model 2).
 bool has_highlight(const tinyobj::material_t& mtl) {
-    return mtl.illum >= 2 && (largest(color(mtl.specular)) > 0.f || !mtl.specular_texname.empty());
+    return mtl.illum >= 2 && (largest(rgb(mtl.specular)) > 0.f || !mtl.specular_texname.empty());
 }
 
 /// A texture multiplies the value beside it: where the file names only the texture, that is 1.
 void make_blinn_phong(Material& material, const tinyobj::material_t& mtl) {
     material.kind = MaterialKind::blinn_phong;
-    material.specular = color(mtl.specular);
+    material.specular = rgb(mtl.specular);
     if (material.specular == glm::vec3(0.f)) material.specular = glm::vec3(1.f);
     material.shininess = mtl.shininess;
 }
@@ -104,9 +104,9 @@ void repair(Material& material, Warnings& warnings) {
 Material material_from_mtl(const tinyobj::material_t& mtl, Warnings& warnings) {
     Material material;
     material.name = mtl.name;
-    material.emission = color(mtl.emission);
-    material.albedo = color(mtl.diffuse);
-    const glm::vec3 specular = color(mtl.specular);
+    material.emission = rgb(mtl.emission);
+    material.albedo = rgb(mtl.diffuse);
+    const glm::vec3 specular = rgb(mtl.specular);
     const float by_exponent = roughness_from_exponent(mtl.shininess);
     const bool has_exponent = mtl.shininess > 1.f;  // 1 where the file doesn't say
     if (is_transparent(mtl))

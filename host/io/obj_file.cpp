@@ -252,9 +252,9 @@ double number_of(std::string_view word) {
 }
 
 /// Receives the parser's callbacks.
-class Reader {
+class ObjReader {
 public:
-    Reader(const fs::path& path, ObjFile& file, LineBuffer& lines)
+    ObjReader(const fs::path& path, ObjFile& file, LineBuffer& lines)
         : path_(path), file_(file), lines_(lines), groups_(file.groups), materials_(file.material_names) {}
 
     static tinyobj::callback_t callbacks();
@@ -302,7 +302,7 @@ private:
 
 /// `numbers` are those of the current line as the parser read them, which takes for 0 what is missing or no number, and
 /// "nan" and "inf", too: that would move a vertex silently.
-void Reader::check_numbers(std::span<float> numbers, std::size_t needed, NotFinite& not_finite) {
+void ObjReader::check_numbers(std::span<float> numbers, std::size_t needed, NotFinite& not_finite) {
     std::string_view rest = lines_.text();
     const std::string_view keyword = next_word(rest);
     bool finite = true;
@@ -324,7 +324,7 @@ void Reader::check_numbers(std::span<float> numbers, std::size_t needed, NotFini
 
 /// The colour of the latest vertex, where its line goes on after x y z by r g b. Encoded as sRGB, which is what
 /// painting and scanning programs write. (A fourth number alone is a weight.)
-void Reader::vertex_color() {
+void ObjReader::vertex_color() {
     std::string_view rest = lines_.text(), words[7];
     for (std::string_view& word : words) word = next_word(rest);
     const bool given = !words[6].empty();
@@ -339,24 +339,24 @@ void Reader::vertex_color() {
     file_.colors.push_back(linear_from_display(color));
 }
 
-void Reader::refuse(std::size_t line, const std::string& what, const std::string& remedy) const {
+void ObjReader::refuse(std::size_t line, const std::string& what, const std::string& remedy) const {
     throw Error(ErrorKind::user, "'" + path_.string() + "' line " + to_string(line) + ": " + what, remedy);
 }
 
-void Reader::refuse_cut_off(std::size_t line, std::string_view keyword, std::size_t some, std::size_t needed) const {
+void ObjReader::refuse_cut_off(std::size_t line, std::string_view keyword, std::size_t some, std::size_t needed) const {
     refuse(line,
            "'" + std::string(keyword) + "' with " + to_string(some) + " of " + to_string(needed) +
                (needed == 1 ? " number" : " numbers"),
            "the file may be cut off; export it again");
 }
 
-void Reader::out_of_range(std::size_t line, const char* kind, int index, std::size_t count) const {
+void ObjReader::out_of_range(std::size_t line, const char* kind, int index, std::size_t count) const {
     refuse(line, kind + (" index " + to_string(index)) + " is out of range, there are " + to_string(count),
            "indices count from 1, or from -1 backwards; the file may be cut off");
 }
 
 // From the file's counting (1 is the first, -1 the latest) to ours.
-int Reader::resolve(int index, std::size_t count, const char* kind, Largest& largest) {
+int ObjReader::resolve(int index, std::size_t count, const char* kind, Largest& largest) {
     const std::int64_t resolved = index > 0 ? std::int64_t(index) - 1 : std::int64_t(count) + index;
     if (index == 0 || resolved < 0) out_of_range(lines_.line(), kind, index, count);
     if (resolved > largest.index) largest.index = int(resolved), largest.line = lines_.line();
@@ -364,14 +364,14 @@ int Reader::resolve(int index, std::size_t count, const char* kind, Largest& lar
 }
 
 /// A file without any texture coordinates or normals may refer to them all the same: which it is shows at its end.
-int Reader::resolve_attribute(int index, std::size_t count, const char* kind, Largest& largest) {
+int ObjReader::resolve_attribute(int index, std::size_t count, const char* kind, Largest& largest) {
     if (index >= 0 || count > 0) return resolve(index, count, kind, largest);
     largest.backwards.add(kind, lines_.line());
     return -1;
 }
 
 /// From the line itself: the parser takes for 0 what is no index, and has no room for one beyond 2^31.
-void Reader::face() {
+void ObjReader::face() {
     std::string_view rest = lines_.text();
     static_cast<void>(next_word(rest));  // the "f"
     const std::size_t first = file_.corners.size();
@@ -396,12 +396,12 @@ void Reader::face() {
     }
 }
 
-void Reader::check_bare_lines() const {
+void ObjReader::check_bare_lines() const {
     const LineBuffer::Bare& bare = lines_.bare();
     if (bare.line != 0) refuse_cut_off(bare.line, bare.keyword, 0, bare.keyword == "vt" ? 1 : 3);
 }
 
-void Reader::check_forward_references(Warnings& warnings) {
+void ObjReader::check_forward_references(Warnings& warnings) {
     const auto check = [&](const Largest& largest, std::size_t count, const char* kind) {
         if (largest.index >= 0 && std::size_t(largest.index) >= count)
             out_of_range(largest.line, kind, largest.index + 1, count);
@@ -418,7 +418,7 @@ void Reader::check_forward_references(Warnings& warnings) {
     check_attribute(normals_, file_.normals.size(), "normal", "normals", &ObjCorner::normal);
 }
 
-void Reader::warn_of_left_out(Warnings& warnings) const {
+void ObjReader::warn_of_left_out(Warnings& warnings) const {
     const auto warn = [&](Statement kind, const char* consequence) {
         const LeftOut& left_out = lines_.left_out(kind);
         if (left_out.count == 0) return;
@@ -434,7 +434,7 @@ void Reader::warn_of_left_out(Warnings& warnings) const {
     warn(Statement::unknown, " is no statement of an OBJ: the line is left out");
 }
 
-void Reader::warn_of_bad_numbers(Warnings& warnings) const {
+void ObjReader::warn_of_bad_numbers(Warnings& warnings) const {
     const auto warn = [&](const NotFinite& bad, const char* fault, const char* consequence) {
         if (bad.count == 0) return;
         const std::string more = bad.count > 1 ? " (and " + to_string(bad.count - 1) + " more)" : "";
@@ -447,9 +447,9 @@ void Reader::warn_of_bad_numbers(Warnings& warnings) const {
     warn(bad_colors_, "vertex has a colour that is not three numbers in 0..1", "it is clamped, or else white");
 }
 
-tinyobj::callback_t Reader::callbacks() {
+tinyobj::callback_t ObjReader::callbacks() {
     using tinyobj::real_t;
-    static constexpr auto self = [](void* reader) -> Reader& { return *static_cast<Reader*>(reader); };
+    static constexpr auto self = [](void* reader) -> ObjReader& { return *static_cast<ObjReader*>(reader); };
     tinyobj::callback_t callback;
     callback.vertex_cb = [](void* r, real_t x, real_t y, real_t z, real_t) {
         std::array<float, 3> p = {x, y, z};
@@ -495,9 +495,9 @@ ObjFile read_obj(const fs::path& path, Warnings& warnings) {
     ObjFile file;
     LineBuffer lines(std::move(text));
     std::istream stream(&lines);
-    Reader reader(path, file, lines);
+    ObjReader reader(path, file, lines);
     MtlReader mtl_reader(path, lines, file, warnings);
-    tinyobj::LoadObjWithCallback(stream, Reader::callbacks(), &reader, &mtl_reader);
+    tinyobj::LoadObjWithCallback(stream, ObjReader::callbacks(), &reader, &mtl_reader);
     reader.check_bare_lines();
     reader.check_forward_references(warnings);
     reader.warn_of_bad_numbers(warnings);

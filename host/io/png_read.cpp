@@ -13,15 +13,15 @@ constexpr std::string_view signature("\x89PNG\r\n\x1a\n", 8);
 constexpr const char* cut_off = "it is cut off";
 
 /// libpng reports errors by a jump: what `attempt` calls holds no object that has a destructor.
-class Reader {
+class PngReader {
 public:
-    explicit Reader(std::string_view bytes) : rest_(bytes) {
+    explicit PngReader(std::string_view bytes) : rest_(bytes) {
         png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, this, on_error, [](png_structp, png_const_charp) {});
         info_ = png_ != nullptr ? png_create_info_struct(png_) : nullptr;
     }
-    ~Reader() { png_destroy_read_struct(&png_, &info_, nullptr); }
-    Reader(const Reader&) = delete;
-    Reader& operator=(const Reader&) = delete;
+    ~PngReader() { png_destroy_read_struct(&png_, &info_, nullptr); }
+    PngReader(const PngReader&) = delete;
+    PngReader& operator=(const PngReader&) = delete;
 
     [[nodiscard]] std::string read_header(PngHeader& header) {
         return attempt([this, &header] { header_step(header); });
@@ -66,12 +66,12 @@ private:
     }
 
     [[noreturn]] static void on_error(png_structp png, png_const_charp message) {
-        static_cast<Reader*>(png_get_error_ptr(png))->error_ = message;
+        static_cast<PngReader*>(png_get_error_ptr(png))->error_ = message;
         png_longjmp(png, 1);
     }
 
     static void on_read(png_structp png, png_bytep to, std::size_t count) {
-        Reader& reader = *static_cast<Reader*>(png_get_io_ptr(png));
+        PngReader& reader = *static_cast<PngReader*>(png_get_io_ptr(png));
         if (count > reader.rest_.size()) png_error(png, cut_off);
         std::memcpy(to, reader.rest_.data(), count);
         reader.rest_.remove_prefix(count);
@@ -98,10 +98,10 @@ void words_to_floats(std::vector<float>& floats) {
 
 bool is_png(std::string_view bytes) { return bytes.substr(0, signature.size()) == signature; }
 
-std::string read_png_header(std::string_view bytes, PngHeader& header) { return Reader(bytes).read_header(header); }
+std::string read_png_header(std::string_view bytes, PngHeader& header) { return PngReader(bytes).read_header(header); }
 
 std::string read_png(std::string_view bytes, const PngHeader& header, Texture& texture) {
-    Reader reader(bytes);
+    PngReader reader(bytes);
     PngHeader again;
     std::string fault = reader.read_header(again);
     if (!fault.empty()) return fault;

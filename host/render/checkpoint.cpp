@@ -15,12 +15,11 @@
 namespace claray {
 namespace {
 
-constexpr std::array<char, 8> magic = {'C', 'L', 'R', 'C', 'K', 'P', '\r', '\n'};
-constexpr std::uint32_t current_version = 4;
-constexpr std::uint32_t byte_order = 0x01020304;  // reads otherwise on a machine of the other byte order
+constexpr std::array<char, 8> checkpoint_magic = {'C', 'L', 'R', 'C', 'K', 'P', '\r', '\n'};
+constexpr std::uint32_t checkpoint_version = 4;
 
 /// The beginning of a file. Then the film's sums, and their digest.
-struct FileHeader {
+struct CheckpointHeader {
     std::array<char, 8> name;
     std::uint32_t version;
     std::uint32_t order;
@@ -32,11 +31,11 @@ struct FileHeader {
     Digest scene, settings, kernels;
     Digest digest;  // of this header up to here
 };
-static_assert(sizeof(FileHeader) == 144);
+static_assert(sizeof(CheckpointHeader) == 144);
 
-std::uint64_t pixels_of(const FileHeader& header) { return std::uint64_t(header.width) * header.height; }
+std::uint64_t pixels_of(const CheckpointHeader& header) { return std::uint64_t(header.width) * header.height; }
 
-std::uint64_t bytes_of_sums(const FileHeader& header) {
+std::uint64_t bytes_of_sums(const CheckpointHeader& header) {
     return pixels_of(header) * (sizeof(FilmPixel) + (header.tells_error ? sizeof(ColorSum) : 0));
 }
 
@@ -52,7 +51,9 @@ Digest digest_of_sums(const Film::Sums& sums) {
     return hasher.digest();
 }
 
-Digest digest_of_header(const FileHeader& header) { return digest_of(&header, offsetof(FileHeader, digest)); }
+Digest digest_of_checkpoint_header(const CheckpointHeader& header) {
+    return digest_of(&header, offsetof(CheckpointHeader, digest));
+}
 
 class CheckpointFile {
 public:
@@ -65,25 +66,25 @@ public:
         file_.seekg(0);
     }
 
-    [[nodiscard]] FileHeader header() {
-        FileHeader header{};
+    [[nodiscard]] CheckpointHeader header() {
+        CheckpointHeader header{};
         const std::uint64_t whole = std::min<std::uint64_t>(bytes_, sizeof header);
         read(&header, whole);
-        if (whole < magic.size() || header.name != magic)
+        if (whole < checkpoint_magic.size() || header.name != checkpoint_magic)
             refuse("it is no checkpoint", "name a file that --checkpoint wrote");
         if (whole < sizeof header) refuse_damaged("it ends too early");
         if (header.order != byte_order)
             refuse("it was written on a machine of another byte order", "render from the start");
-        if (header.version != current_version || header.pixel_bytes != sizeof(FilmPixel))
+        if (header.version != checkpoint_version || header.pixel_bytes != sizeof(FilmPixel))
             refuse("it was written by another version of claray", "use that version, or render from the start");
-        if (header.digest != digest_of_header(header)) refuse_damaged("the checksum of its header is wrong");
+        if (header.digest != digest_of_checkpoint_header(header)) refuse_damaged("the checksum of its header is wrong");
         const std::uint64_t expected = sizeof header + bytes_of_sums(header) + sizeof(Digest);
         if (bytes_ != expected)
             refuse_damaged("it has " + std::to_string(bytes_) + " bytes instead of " + std::to_string(expected));
         return header;
     }
 
-    [[nodiscard]] Film::Sums sums(const FileHeader& header) {
+    [[nodiscard]] Film::Sums sums(const CheckpointHeader& header) {
         Film::Sums sums;
         sums.pixels.resize(pixels_of(header)), sums.odd.resize(header.tells_error ? pixels_of(header) : 0);
         read(sums.pixels.data(), bytes_of(sums.pixels));
@@ -132,9 +133,9 @@ RenderIdentity identity_of(const Scene& scene, const RenderConfig& config) {
 }
 
 void write_checkpoint(const std::filesystem::path& path, const RenderIdentity& identity, const Checkpoint& checkpoint) {
-    FileHeader header{};
-    header.name = magic;
-    header.version = current_version;
+    CheckpointHeader header{};
+    header.name = checkpoint_magic;
+    header.version = checkpoint_version;
     header.order = byte_order;
     header.pixel_bytes = sizeof(FilmPixel);
     header.width = identity.width, header.height = identity.height;
@@ -142,7 +143,7 @@ void write_checkpoint(const std::filesystem::path& path, const RenderIdentity& i
     header.tells_error = identity.tells_error;
     header.looks = checkpoint.looks;
     header.scene = identity.scene, header.settings = identity.settings, header.kernels = identity.kernels;
-    header.digest = digest_of_header(header);
+    header.digest = digest_of_checkpoint_header(header);
     const Film::Sums& sums = checkpoint.sums;
     const Digest digest = digest_of_sums(sums);
     NewFile file(path);
@@ -155,7 +156,7 @@ void write_checkpoint(const std::filesystem::path& path, const RenderIdentity& i
 
 Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdentity& identity, std::uint32_t spp) {
     CheckpointFile file(path);
-    const FileHeader header = file.header();
+    const CheckpointHeader header = file.header();
     if (header.width != identity.width || header.height != identity.height)
         file.refuse("its image has " + size_of(header.width, header.height) + " pixels, this one " +
                         size_of(identity.width, identity.height),

@@ -13,7 +13,7 @@ constexpr unsigned generate = unsigned(Stage::generate), trace = unsigned(Stage:
 
 /// An effect without a row is not known to the kernels. Effects that share a macro are bits of its value. Those without
 /// a macro are not added to kernels: the structure that is traced brings them (host/render/structure.hpp).
-struct Row {
+struct EffectRow {
     Effect effect;
     const char* name;
     const char* macro;
@@ -21,48 +21,48 @@ struct Row {
     unsigned stages;
 };
 constexpr std::array rows = {
-    Row{Effect::smooth_normals, "smooth-normals", "NORMALS", 0, shade | aovs},
-    Row{Effect::lambert, "lambert", "MATERIALS", CLARAY_LAMBERT, shade},
-    Row{Effect::mirror, "mirror", "MATERIALS", CLARAY_MIRROR, shade},
-    Row{Effect::glass, "glass", "MATERIALS", CLARAY_GLASS, shade},
-    Row{Effect::metal, "metal", "MATERIALS", CLARAY_METAL, shade},
-    Row{Effect::blinn_phong, "blinn-phong", "MATERIALS", CLARAY_BLINN_PHONG, shade},
-    Row{Effect::principled, "principled", "MATERIALS", CLARAY_PRINCIPLED, shade},
-    Row{Effect::transmission, "transmission", "MATERIALS", CLARAY_GLASS, shade},
-    Row{Effect::thin_walls, "thin-walls", "MATERIALS", CLARAY_THIN_GLASS, shade},
-    Row{Effect::unlit, "unlit", "MATERIALS", CLARAY_UNLIT, shade},
-    Row{Effect::rough_glass, "rough-glass", "ROUGH_GLASS", 0, shade},
-    Row{Effect::clearcoat, "clearcoat", "CLEARCOAT", 0, shade},
-    Row{Effect::coated_metal, "coated-metal", "MATERIALS", CLARAY_COATED_METAL, shade},
-    Row{Effect::layered_coat, "layered-coat", "LAYERED_COAT", 0, shade},
-    Row{Effect::specular, "specular", "SPECULAR", 0, shade},
-    Row{Effect::iridescence, "iridescence", "IRIDESCENCE", 0, shade},
-    Row{Effect::anisotropy, "anisotropy", "ANISOTROPY", 0, shade},
-    Row{Effect::sheen, "sheen", "SHEEN", 0, shade},
-    Row{Effect::absorption, "absorption", "ABSORPTION", 0, shade},
-    Row{Effect::emissive_triangles, "emissive-triangles", "TRIANGLE_LIGHTS", 0, shade},
-    Row{Effect::point_lights, "point-lights", "POINT_LIGHTS", 0, shade},
-    Row{Effect::directional_lights, "directional-lights", "DIRECTIONAL_LIGHTS", 0, shade},
-    Row{Effect::spot_lights, "spot-lights", "SPOT_LIGHTS", 0, shade},
-    Row{Effect::light_falloff, "light-falloff", "LIGHT_FALLOFF", 0, shade},
-    Row{Effect::many_lights, "many-lights", "LIGHT_TREE", 0, shade},
-    Row{Effect::hot_spots, "hot-spots", "HOT_SPOTS", 0, shade},
-    Row{Effect::sky, "sky", "SKY", 0, shade},
-    Row{Effect::environment, "environment", "ENVIRONMENT", 0, shade},
-    Row{Effect::depth_of_field, "depth-of-field", "DEPTH_OF_FIELD", 0, generate},
-    Row{Effect::camera_motion, "camera-motion", "CAMERA_MOTION", 0, generate},
-    Row{Effect::orthographic, "orthographic", "ORTHOGRAPHIC", 0, generate | shade},
-    Row{Effect::instances, "instances", nullptr, 0, 0},
-    Row{Effect::instance_motion, "instance-motion", nullptr, 0, 0},
-    Row{Effect::vertex_colors, "vertex-colors", "VERTEX_COLORS", 0, shade | aovs},
-    Row{Effect::textures, "textures", "TEXTURES", 0, shade | aovs},
-    Row{Effect::mip_maps, "mip-maps", "MIPMAPS", 0, shade | aovs},
-    Row{Effect::normal_maps, "normal-maps", "NORMAL_MAPS", 0, shade | aovs},
-    Row{Effect::height_maps, "height-maps", "HEIGHT_MAPS", 0, shade | aovs},
-    Row{Effect::emission_maps, "emission-maps", "EMISSION_MAPS", 0, shade},
-    Row{Effect::cut_outs, "cut-outs", "CUT_OUTS", 0, trace},
-    Row{Effect::culling, "culling", "CUT_OUTS", 1, trace},
-    Row{Effect::light_maps, "light-maps", "LIGHT_MAPS", 0, shade | aovs},
+    EffectRow{Effect::smooth_normals, "smooth-normals", "NORMALS", 0, shade | aovs},
+    EffectRow{Effect::lambert, "lambert", "MATERIALS", CLARAY_LAMBERT, shade},
+    EffectRow{Effect::mirror, "mirror", "MATERIALS", CLARAY_MIRROR, shade},
+    EffectRow{Effect::glass, "glass", "MATERIALS", CLARAY_GLASS, shade},
+    EffectRow{Effect::metal, "metal", "MATERIALS", CLARAY_METAL, shade},
+    EffectRow{Effect::blinn_phong, "blinn-phong", "MATERIALS", CLARAY_BLINN_PHONG, shade},
+    EffectRow{Effect::principled, "principled", "MATERIALS", CLARAY_PRINCIPLED, shade},
+    EffectRow{Effect::transmission, "transmission", "MATERIALS", CLARAY_GLASS, shade},
+    EffectRow{Effect::thin_walls, "thin-walls", "MATERIALS", CLARAY_THIN_GLASS, shade},
+    EffectRow{Effect::unlit, "unlit", "MATERIALS", CLARAY_UNLIT, shade},
+    EffectRow{Effect::rough_glass, "rough-glass", "ROUGH_GLASS", 0, shade},
+    EffectRow{Effect::clearcoat, "clearcoat", "CLEARCOAT", 0, shade},
+    EffectRow{Effect::coated_metal, "coated-metal", "MATERIALS", CLARAY_COATED_METAL, shade},
+    EffectRow{Effect::layered_coat, "layered-coat", "LAYERED_COAT", 0, shade},
+    EffectRow{Effect::specular, "specular", "SPECULAR", 0, shade},
+    EffectRow{Effect::iridescence, "iridescence", "IRIDESCENCE", 0, shade},
+    EffectRow{Effect::anisotropy, "anisotropy", "ANISOTROPY", 0, shade},
+    EffectRow{Effect::sheen, "sheen", "SHEEN", 0, shade},
+    EffectRow{Effect::absorption, "absorption", "ABSORPTION", 0, shade},
+    EffectRow{Effect::emissive_triangles, "emissive-triangles", "TRIANGLE_LIGHTS", 0, shade},
+    EffectRow{Effect::point_lights, "point-lights", "POINT_LIGHTS", 0, shade},
+    EffectRow{Effect::directional_lights, "directional-lights", "DIRECTIONAL_LIGHTS", 0, shade},
+    EffectRow{Effect::spot_lights, "spot-lights", "SPOT_LIGHTS", 0, shade},
+    EffectRow{Effect::light_falloff, "light-falloff", "LIGHT_FALLOFF", 0, shade},
+    EffectRow{Effect::many_lights, "many-lights", "LIGHT_TREE", 0, shade},
+    EffectRow{Effect::hot_spots, "hot-spots", "HOT_SPOTS", 0, shade},
+    EffectRow{Effect::sky, "sky", "SKY", 0, shade},
+    EffectRow{Effect::environment, "environment", "ENVIRONMENT", 0, shade},
+    EffectRow{Effect::depth_of_field, "depth-of-field", "DEPTH_OF_FIELD", 0, generate},
+    EffectRow{Effect::camera_motion, "camera-motion", "CAMERA_MOTION", 0, generate},
+    EffectRow{Effect::orthographic, "orthographic", "ORTHOGRAPHIC", 0, generate | shade},
+    EffectRow{Effect::instances, "instances", nullptr, 0, 0},
+    EffectRow{Effect::instance_motion, "instance-motion", nullptr, 0, 0},
+    EffectRow{Effect::vertex_colors, "vertex-colors", "VERTEX_COLORS", 0, shade | aovs},
+    EffectRow{Effect::textures, "textures", "TEXTURES", 0, shade | aovs},
+    EffectRow{Effect::mip_maps, "mip-maps", "MIPMAPS", 0, shade | aovs},
+    EffectRow{Effect::normal_maps, "normal-maps", "NORMAL_MAPS", 0, shade | aovs},
+    EffectRow{Effect::height_maps, "height-maps", "HEIGHT_MAPS", 0, shade | aovs},
+    EffectRow{Effect::emission_maps, "emission-maps", "EMISSION_MAPS", 0, shade},
+    EffectRow{Effect::cut_outs, "cut-outs", "CUT_OUTS", 0, trace},
+    EffectRow{Effect::culling, "culling", "CUT_OUTS", 1, trace},
+    EffectRow{Effect::light_maps, "light-maps", "LIGHT_MAPS", 0, shade | aovs},
 };
 constexpr auto known = [] {
     std::array<Effect, rows.size()> effects{};
@@ -70,13 +70,13 @@ constexpr auto known = [] {
     return effects;
 }();
 
-const Row* row_of(Effect effect) {
-    const auto row = std::find_if(rows.begin(), rows.end(), [&](const Row& r) { return r.effect == effect; });
+const EffectRow* row_of(Effect effect) {
+    const auto row = std::find_if(rows.begin(), rows.end(), [&](const EffectRow& r) { return r.effect == effect; });
     return row == rows.end() ? nullptr : &*row;
 }
 
 Effect effect_named(const std::string& name) {
-    for (const Row& row : rows)
+    for (const EffectRow& row : rows)
         if (name == row.name) return row.effect;
     throw Error(ErrorKind::usage, "there is no effect '" + name + "'", "there are: " + to_string(full_effects()));
 }
@@ -84,7 +84,7 @@ Effect effect_named(const std::string& name) {
 }  // namespace
 
 const char* name_of(Effect effect) {
-    const Row* row = row_of(effect);
+    const EffectRow* row = row_of(effect);
     return row ? row->name : "unknown";
 }
 
@@ -98,7 +98,7 @@ EffectSet known_effects() {
 
 EffectSet full_effects() {
     EffectSet all;
-    for (const Row& row : rows)
+    for (const EffectRow& row : rows)
         if (row.macro) all.add(row.effect);
     return all;
 }
@@ -140,14 +140,14 @@ EffectOverrides parse_effect_overrides(const std::string& text) {
 }
 
 bool concerns(Effect effect, Stage stage) {
-    const Row* row = row_of(effect);
+    const EffectRow* row = row_of(effect);
     return row && (row->stages & unsigned(stage)) != 0;
 }
 
 Defines defines_of(EffectSet effects, Stage stage) {
     Defines defines;
     std::vector<unsigned> values;
-    for (const Row& row : rows) {
+    for (const EffectRow& row : rows) {
         if ((row.stages & unsigned(stage)) == 0) continue;
         const auto at = std::find_if(defines.begin(), defines.end(), [&](auto& d) { return d.first == row.macro; });
         const auto index = std::size_t(at - defines.begin());

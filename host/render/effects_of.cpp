@@ -13,7 +13,7 @@
 namespace claray {
 namespace {
 
-bool shines(const glm::vec3& c) { return c.x > 0 || c.y > 0 || c.z > 0; }
+bool is_lit(const glm::vec3& c) { return c.x > 0 || c.y > 0 || c.z > 0; }
 
 Effect effect_of(MaterialKind kind) {
     switch (kind) {
@@ -61,7 +61,7 @@ public:
             if (cut_outs[i]) call_(Effect::cut_outs, "material", scene_.materials[i].name, i);
         }
         for (std::size_t i = 0; i < scene_.lights.size(); ++i)
-            if (shines(scene_.lights[i].intensity)) visit(scene_.lights[i], i);
+            if (is_lit(scene_.lights[i].intensity)) visit(scene_.lights[i], i);
         if (near_lights(scene_) >= lights_for_a_tree) call_(Effect::many_lights, "scene", scene_.name, 0);
         for (const HotSpotPlace& place : find_hot_spots(scene_))
             call_(Effect::hot_spots, "light", scene_.lights[place.light].name, place.light);
@@ -94,7 +94,7 @@ private:
             if (wanted) call_(effect, "material", m.name, index);
         };
         call(effect_of(m), true);
-        call(Effect::emissive_triangles, shines(m.emission));
+        call(Effect::emissive_triangles, is_lit(m.emission));
         const bool principled = m.kind == MaterialKind::principled;
         call(Effect::metal, principled && m.metallic > 0);
         call(Effect::transmission, principled && m.transmission > 0 && !m.thin_walled);
@@ -134,7 +134,7 @@ private:
     void visit_surroundings() {
         const bool image = !scene_.environment.images.empty() && scene_.environment.strength > 0;
         if (image) call_(Effect::environment, "environment", scene_.environment.images[0].name, 0);
-        if (shines(scene_.sky.horizon) || shines(scene_.sky.zenith)) call_(Effect::sky, "sky", {}, 0);
+        if (is_lit(scene_.sky.horizon) || is_lit(scene_.sky.zenith)) call_(Effect::sky, "sky", {}, 0);
     }
 
     void visit(const Camera& camera) {

@@ -12,7 +12,7 @@ namespace claray {
 namespace {
 
 constexpr int size = CLARAY_ENERGY_SIZE, metal_size = CLARAY_METAL_SIZE;
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 struct Vector {
     double x, y, z;
@@ -117,14 +117,14 @@ double transmitted_once(double cosine, double alpha, double eta) {
     return sum;
 }
 
-using Row = std::array<double, size>;
+using TableRow = std::array<double, size>;
 using CosineOf = double (*)(double place, double alpha);
 
 /// Weights of a row's values in its average over the hemisphere, 2 integral of value * cosine, for what is linear
 /// between the nodes.
-Row average_weights(CosineOf cosine_of, double alpha) {
+TableRow average_weights(CosineOf cosine_of, double alpha) {
     constexpr int steps = 32;
-    Row weights{};
+    TableRow weights{};
     double before = 0;  // cosine^2, whose difference is the integral of 2 cosine
     for (int k = 1; k <= steps * (size - 1); ++k) {
         const double cosine = k == steps * (size - 1) ? 1 : cosine_of(double(k) / steps / (size - 1), alpha);
@@ -141,7 +141,7 @@ template <class Value>
 void fill_table(float* table, CosineOf cosine_of, Value value) {
     in_parallel(size, [&](std::size_t row) {
         const double alpha = alpha_at(int(row));
-        const Row weights = average_weights(cosine_of, alpha);
+        const TableRow weights = average_weights(cosine_of, alpha);
         double average = 0;
         for (int i = 0; i < size; ++i) {
             const double v = std::clamp(value(cosine_of(place_of(i), alpha), alpha), 0.0, 1.0);
@@ -230,7 +230,7 @@ void fill_stretched_rows(float* rows, float* average, double along, double acros
     *average = 0.f;
     for (int k = 0; k < 3; ++k) {
         const double sine2 = 0.5 * k, alpha = std::sqrt(along * along * (1 - sine2) + across * across * sine2);
-        const Row weights = average_weights(loss_cosine, alpha);
+        const TableRow weights = average_weights(loss_cosine, alpha);
         for (int i = 0; i < size; ++i) {
             const double cosine = loss_cosine(place_of(i), alpha), sine = std::sqrt(std::max(0.0, 1 - cosine * cosine));
             const Vector o{sine * std::sqrt(1 - sine2), sine * std::sqrt(sine2), cosine};
@@ -289,9 +289,9 @@ void fill_transparent(float* block, double ior) {
 
 /// How the kernels' metal that absorbs nothing reflects: row i has the shares of light from cosine_at(i) that arrive
 /// around the nodes, so that its product with values at the nodes is their average over the lobe.
-std::array<Row, size> metal_matrix(double alpha) {
-    std::array<Row, size> matrix{};
-    const Row weights = average_weights(root_cosine, alpha);
+std::array<TableRow, size> metal_matrix(double alpha) {
+    std::array<TableRow, size> matrix{};
+    const TableRow weights = average_weights(root_cosine, alpha);
     double lost[size], average = 0;
     for (int i = 0; i < size; ++i) {
         double kept = 0;
@@ -311,11 +311,11 @@ std::array<Row, size> metal_matrix(double alpha) {
 }
 
 /// The scaling D with D(o) * sum of matrix(o, i) D(i) = passed(o) (Sinkhorn 1964), by damped iteration.
-void solve_scaling(const std::array<Row, size>& matrix, const Row& passed, float* scale) {
-    Row d{};
+void solve_scaling(const std::array<TableRow, size>& matrix, const TableRow& passed, float* scale) {
+    TableRow d{};
     for (int i = 0; i < size; ++i) d[i] = std::sqrt(passed[i]);
     for (int iteration = 0; iteration < 24; ++iteration) {
-        Row next{};
+        TableRow next{};
         for (int i = 0; i < size; ++i) {
             double sum = 1e-300;
             for (int k = 0; k < size; ++k) sum += matrix[i][k] * d[k];
@@ -327,7 +327,7 @@ void solve_scaling(const std::array<Row, size>& matrix, const Row& passed, float
 }
 
 void fill_coat_scales(float* scales, double ior) {
-    std::array<Row, size> passed;
+    std::array<TableRow, size> passed;
     in_parallel(size, [&](std::size_t coat) {
         for (int i = 0; i < size; ++i)
             passed[coat][i] = 1 - reflected_once(cosine_at(i), alpha_at(int(coat)),

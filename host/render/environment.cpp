@@ -5,13 +5,12 @@
 #include <numbers>
 
 #include "claray/error.hpp"
+#include "host/render/luminance.hpp"
 
 namespace claray {
 namespace {
 
-constexpr double pi = std::numbers::pi;
-
-double luminance(const glm::vec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
+using std::numbers::pi;
 
 float linear(float srgb) { return srgb <= 0.04045f ? srgb / 12.92f : std::pow((srgb + 0.055f) / 1.055f, 2.4f); }
 

@@ -4,17 +4,16 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/render/luminance.hpp"
 #include "host/scene/placement.hpp"
 
 namespace claray {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double gain = 0.5;    // see share_of
 constexpr double near = 0.1;    // of the distance: the spots of many lights at this height may still be worth it
 constexpr double most = 0.125;  // of the scattered rays go to hot spots
-
-double luminance(const glm::vec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
 
 /// A light, and the nearest that was found so far, closer than `distance2`.
 struct Candidate {

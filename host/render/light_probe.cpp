@@ -8,6 +8,7 @@
 #include "host/compute/in_parallel.hpp"
 #include "host/render/host_rays.hpp"
 #include "host/render/lights.hpp"
+#include "host/render/luminance.hpp"
 #include "host/render/mean_texel.hpp"
 #include "host/render/texture_use.hpp"
 #include "host/scene/random.hpp"
@@ -15,13 +16,12 @@
 namespace claray {
 namespace {
 
-constexpr double pi = std::numbers::pi, infinity = std::numeric_limits<double>::infinity();
+using std::numbers::pi;
+constexpr double endless = std::numeric_limits<double>::infinity();
 constexpr unsigned side = 32;            // of the grid of camera rays
 constexpr unsigned bounces = 4;          // rays from each point that is seen
 constexpr std::size_t most_lights = 16;  // that are looked at from each point; of more, so many are drawn
 constexpr unsigned most_layers = 32;     // of what a ray passes through
-
-double luminance(const glm::dvec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
 
 /// What stops a ray. Paths find lamps behind glass, but shadow rays to lights without extent end there.
 enum class Through { openings, glass };
@@ -127,9 +127,9 @@ std::optional<HostHit> Probe::stop_of(const glm::dvec3& origin, const glm::dvec3
 
 /// What the camera sees along a ray; of glass before nothing the glass itself.
 std::optional<Sight> Probe::look(const glm::dvec3& origin, const glm::dvec3& direction) const {
-    std::optional<HostHit> hit = stop_of(origin, direction, infinity, Through::openings);
+    std::optional<HostHit> hit = stop_of(origin, direction, endless, Through::openings);
     if (!hit) return {};
-    if (const auto behind = stop_of(origin, direction, infinity, Through::glass)) hit = behind;
+    if (const auto behind = stop_of(origin, direction, endless, Through::glass)) hit = behind;
     const glm::dvec3 normal = glm::dot(hit->normal, direction) > 0 ? -hit->normal : hit->normal;
     return Sight{origin + hit->distance * direction + nudge_ * normal, normal, glows_at(*hit)};
 }
@@ -170,7 +170,7 @@ double Probe::from_punctual(const PunctualLight& light, const Sight& sight) cons
         arriving *= inside * inside;
     }
     if (!(cosine > 0 && arriving > 0)) return 0;
-    return stop_of(sight.point, way, is_far ? infinity : 1.0, Through::openings) ? 0 : arriving * cosine;
+    return stop_of(sight.point, way, is_far ? endless : 1.0, Through::openings) ? 0 : arriving * cosine;
 }
 
 double Probe::from_light(std::size_t light, const Sight& sight, scenes::Random& random) const {
@@ -214,12 +214,12 @@ double Probe::lit_grey(const Sight& sight, scenes::Random& random, unsigned& ope
 }
 
 /// What one row of camera rays finds.
-struct Row {
+struct ProbedRow {
     unsigned seen = 0, lit = 0, visible = 0, open = 0;
 };
 
-Row probe_row(const Probe& probe, const CameraData& camera, unsigned row) {
-    Row found;
+ProbedRow probe_row(const Probe& probe, const CameraData& camera, unsigned row) {
+    ProbedRow found;
     scenes::Random random(row);
     for (unsigned column = 0; column < side; ++column) {
         const double x = 2 * (column + random.uniform()) / side - 1, y = 1 - 2 * (row + random.uniform()) / side;
@@ -241,10 +241,10 @@ Row probe_row(const Probe& probe, const CameraData& camera, unsigned row) {
 LightProbe probe_light(const Scene& scene, const Camera& camera, float aspect) {
     const Probe probe(scene);
     const CameraData view = camera_data(camera, aspect);
-    std::vector<Row> rows(side);
+    std::vector<ProbedRow> rows(side);
     in_parallel(side, [&](std::size_t i) { rows[i] = probe_row(probe, view, unsigned(i)); });
-    Row sum;
-    for (const Row& row : rows)
+    ProbedRow sum;
+    for (const ProbedRow& row : rows)
         sum.seen += row.seen, sum.lit += row.lit, sum.visible += row.visible, sum.open += row.open;
     if (sum.seen == 0) return {probe.lights()};
     const double seen = sum.seen;

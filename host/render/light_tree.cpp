@@ -10,12 +10,12 @@
 namespace claray {
 namespace {
 
-constexpr float pi = std::numbers::pi_v<float>;
+constexpr float half_turn = std::numbers::pi_v<float>;
 constexpr int width = CLARAY_LIGHT_TREE_WIDTH;
 constexpr int bins = 12;
 
 /// Consecutive elements of the array of light numbers that is being sorted.
-struct Range {
+struct LightRange {
     std::size_t begin = 0, end = 0;
     [[nodiscard]] std::size_t size() const { return end - begin; }
 };
@@ -29,7 +29,7 @@ struct Summary {
     void add(const LightBounds& light, const glm::vec3& reference) {
         box.grow(light.box.lo), box.grow(light.box.hi);
         const bool turn = light.two_sided && glm::dot(light.axis, reference) < 0.f;
-        if (light.spread < pi) axes += turn ? -light.intensity * light.axis : light.intensity * light.axis;
+        if (light.spread < half_turn) axes += turn ? -light.intensity * light.axis : light.intensity * light.axis;
         intensity += light.intensity;
     }
     void add(const Summary& other) {
@@ -47,8 +47,8 @@ struct Summary {
 
 /// The cone round two cones.
 void join_cones(LightBounds& a, const LightBounds& b) {
-    if (a.spread >= pi || b.spread >= pi || a.two_sided != b.two_sided) {
-        a.spread = pi, a.reach = pi, a.two_sided = false;
+    if (a.spread >= half_turn || b.spread >= half_turn || a.two_sided != b.two_sided) {
+        a.spread = half_turn, a.reach = half_turn, a.two_sided = false;
         return;
     }
     a.reach = std::max(a.reach, b.reach);
@@ -62,9 +62,9 @@ void join_cones(LightBounds& a, const LightBounds& b) {
     }
     const float spread = 0.5f * (a.spread + b.spread + between) + 1e-4f;  // acos is that rough near 0
     const glm::vec3 tangent = other - glm::dot(a.axis, other) * a.axis;
-    if (spread >= pi || glm::length(tangent) < 1e-4f) {
-        a.spread = spread >= pi ? pi : spread + 1e-3f;
-        if (spread < pi) a.spread = std::max(a.spread, b.spread + between);
+    if (spread >= half_turn || glm::length(tangent) < 1e-4f) {
+        a.spread = spread >= half_turn ? half_turn : spread + 1e-3f;
+        if (spread < half_turn) a.spread = std::max(a.spread, b.spread + between);
         return;
     }
     const float turn = spread - a.spread;
@@ -72,9 +72,9 @@ void join_cones(LightBounds& a, const LightBounds& b) {
     a.spread = spread;
 }
 
-class Builder {
+class LightTreeBuilder {
 public:
-    explicit Builder(const std::vector<LightBounds>& lights) : lights_(lights), order_(lights.size()) {
+    explicit LightTreeBuilder(const std::vector<LightBounds>& lights) : lights_(lights), order_(lights.size()) {
         for (std::size_t i = 0; i < lights.size(); ++i) order_[i] = std::uint32_t(i);
         tree_.trails.resize(lights.size());
         build({0, lights.size()}, 0, 0);
@@ -84,28 +84,28 @@ public:
 
 private:
     [[nodiscard]] const LightBounds& light(std::size_t i) const { return lights_[order_[i]]; }
-    [[nodiscard]] std::vector<Range> children_of(Range range, unsigned level);
-    [[nodiscard]] std::size_t split(Range range);
-    [[nodiscard]] float cost(Range range) const;
-    [[nodiscard]] LightBounds bounds_of(Range range, float& radius2) const;
-    [[nodiscard]] bool alike(Range range, const LightBounds& bounds) const;
-    std::uint32_t build(Range range, unsigned level, std::uint32_t trail);
+    [[nodiscard]] std::vector<LightRange> children_of(LightRange range, unsigned level);
+    [[nodiscard]] std::size_t split(LightRange range);
+    [[nodiscard]] float cost(LightRange range) const;
+    [[nodiscard]] LightBounds bounds_of(LightRange range, float& radius2) const;
+    [[nodiscard]] bool alike(LightRange range, const LightBounds& bounds) const;
+    std::uint32_t build(LightRange range, unsigned level, std::uint32_t trail);
     void share_numbers();
 
     const std::vector<LightBounds>& lights_;
     std::vector<std::uint32_t> order_;
-    std::vector<std::array<Range, width>> ranges_;  // of the nodes' children
+    std::vector<std::array<LightRange, width>> ranges_;  // of the nodes' children
     LightTree tree_;
 };
 
-float Builder::cost(Range range) const {
+float LightTreeBuilder::cost(LightRange range) const {
     Summary summary;
     for (std::size_t i = range.begin; i < range.end; ++i) summary.add(light(i), light(range.begin).axis);
     return summary.cost();
 }
 
 /// Where to cut the range in two, sorted so: the cheapest of 11 planes across each axis of the centres' box.
-std::size_t Builder::split(Range range) {
+std::size_t LightTreeBuilder::split(LightRange range) {
     Bounds centers;
     for (std::size_t i = range.begin; i < range.end; ++i) centers.grow(light(i).box.center());
     const glm::vec3 reference = light(range.begin).axis, extent = centers.extent();
@@ -141,21 +141,21 @@ std::size_t Builder::split(Range range) {
 }
 
 /// The costliest part is cut in two until there are four. Where the trail might become too long, four equal parts.
-std::vector<Range> Builder::children_of(Range range, unsigned level) {
+std::vector<LightRange> LightTreeBuilder::children_of(LightRange range, unsigned level) {
     const std::uint64_t most = std::uint64_t(1) << 2 * (CLARAY_LIGHT_TREE_HEIGHT - 1 - level);  // below a child
-    std::vector<Range> parts = {range};
+    std::vector<LightRange> parts = {range};
     std::vector<float> costs = {1.f};
     while (parts.size() < width) {
         std::size_t next = parts.size();
         for (std::size_t i = 0; i < parts.size(); ++i)
             if (parts[i].size() > 1 && (next == parts.size() || costs[i] > costs[next])) next = i;
         if (next == parts.size()) break;
-        const Range part = parts[next];
+        const LightRange part = parts[next];
         const std::size_t cut = split(part);
         parts[next] = {part.begin, cut}, costs[next] = cost(parts[next]);
         parts.push_back({cut, part.end}), costs.push_back(cost(parts.back()));
     }
-    const bool too_deep = std::any_of(parts.begin(), parts.end(), [&](Range part) { return part.size() > most; });
+    const bool too_deep = std::any_of(parts.begin(), parts.end(), [&](LightRange part) { return part.size() > most; });
     if (!too_deep) return parts;
     parts.clear();
     for (std::size_t i = 0; i < width; ++i)
@@ -163,7 +163,7 @@ std::vector<Range> Builder::children_of(Range range, unsigned level) {
     return parts;
 }
 
-LightBounds Builder::bounds_of(Range range, float& radius2) const {
+LightBounds LightTreeBuilder::bounds_of(LightRange range, float& radius2) const {
     LightBounds all = light(range.begin);
     for (std::size_t i = range.begin + 1; i < range.end; ++i) {
         all.box.grow(light(i).box.lo), all.box.grow(light(i).box.hi);
@@ -181,17 +181,17 @@ LightBounds Builder::bounds_of(Range range, float& radius2) const {
 
 /// Whether intensity is all that tells these lights apart from far away: they shine everywhere, or in about one
 /// direction.
-bool Builder::alike(Range range, const LightBounds& bounds) const {
+bool LightTreeBuilder::alike(LightRange range, const LightBounds& bounds) const {
     if (bounds.spread < 0.3f) return true;
     for (std::size_t i = range.begin; i < range.end; ++i)
-        if (light(i).spread < pi || light(i).reach < pi) return false;
+        if (light(i).spread < half_turn || light(i).reach < half_turn) return false;
     return true;
 }
 
-std::uint32_t Builder::build(Range range, unsigned level, std::uint32_t trail) {
+std::uint32_t LightTreeBuilder::build(LightRange range, unsigned level, std::uint32_t trail) {
     const auto index = std::uint32_t(tree_.nodes.size());
     tree_.nodes.emplace_back(), ranges_.emplace_back();
-    const std::vector<Range> parts = children_of(range, level);
+    const std::vector<LightRange> parts = children_of(range, level);
     std::copy(parts.begin(), parts.end(), ranges_[index].begin());
     LightNode node{};
     for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -201,9 +201,9 @@ std::uint32_t Builder::build(Range range, unsigned level, std::uint32_t trail) {
         const glm::vec3 center = bounds.box.center();
         node.x[i] = center.x, node.y[i] = center.y, node.z[i] = center.z;
         node.axis_x[i] = bounds.axis.x, node.axis_y[i] = bounds.axis.y, node.axis_z[i] = bounds.axis.z;
-        node.cos_spread[i] = bounds.spread >= pi ? -1.f : std::cos(bounds.spread);
-        node.sin_spread[i] = bounds.spread >= pi ? 0.f : std::sin(bounds.spread);
-        node.cos_reach[i] = bounds.two_sided ? CLARAY_TWO_SIDED_CONE : std::cos(std::min(bounds.reach, pi));
+        node.cos_spread[i] = bounds.spread >= half_turn ? -1.f : std::cos(bounds.spread);
+        node.sin_spread[i] = bounds.spread >= half_turn ? 0.f : std::sin(bounds.spread);
+        node.cos_reach[i] = bounds.two_sided ? CLARAY_TWO_SIDED_CONE : std::cos(std::min(bounds.reach, half_turn));
         node.intensity[i] = bounds.intensity;
         const std::uint32_t below = trail | std::uint32_t(i) << 2 * level;
         if (parts[i].size() == 1) {
@@ -218,7 +218,7 @@ std::uint32_t Builder::build(Range range, unsigned level, std::uint32_t trail) {
 }
 
 /// The leaves with their numbers, and which of these every child has: consecutive ones, as its lights are.
-void Builder::share_numbers() {
+void LightTreeBuilder::share_numbers() {
     const std::size_t count = order_.size();
     double total = 0;
     for (const LightBounds& light : lights_) total += light.intensity;
@@ -234,7 +234,7 @@ void Builder::share_numbers() {
     }
     for (std::size_t node = 0; node < tree_.nodes.size(); ++node)
         for (std::size_t i = 0; i < width; ++i) {
-            const Range range = ranges_[node][i];
+            const LightRange range = ranges_[node][i];
             if (range.size() == 0) continue;
             tree_.nodes[node].first[i] = tree_.leaves[range.begin].first;
             tree_.nodes[node].span[i] = tree_.leaves[range.end - 1].last - tree_.leaves[range.begin].first + 1;
@@ -243,6 +243,6 @@ void Builder::share_numbers() {
 
 }  // namespace
 
-LightTree build_light_tree(const std::vector<LightBounds>& lights) { return Builder(lights).take(); }
+LightTree build_light_tree(const std::vector<LightBounds>& lights) { return LightTreeBuilder(lights).take(); }
 
 }  // namespace claray

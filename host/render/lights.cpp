@@ -7,6 +7,7 @@
 #include "host/render/environment.hpp"
 #include "host/render/hot_spots.hpp"
 #include "host/render/light_tree.hpp"
+#include "host/render/luminance.hpp"
 #include "host/render/mean_texel.hpp"
 #include "host/render/number_shares.hpp"
 #include "host/render/structure.hpp"
@@ -16,9 +17,7 @@
 namespace claray {
 namespace {
 
-constexpr double pi = std::numbers::pi;
-
-double luminance(const glm::vec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
+using std::numbers::pi;
 
 /// As the acceleration structure sees it: others are left out there and can't be hit.
 bool can_be_hit(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {

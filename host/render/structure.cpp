@@ -58,17 +58,17 @@ InstancedBvh::Config config_of_top(const Bvh::Config& config) {
     return {.builder = Builder::balanced, .morton_bits = config.morton_bits};
 }
 
-bool shines(const Scene& scene, const Mesh& mesh) {
-    const auto shines = [&](std::uint32_t material) { return scene.materials[material].emission != glm::vec3(0.f); };
-    return mesh.materials.empty() ? !mesh.triangles.empty() && shines(0)
-                                  : std::any_of(mesh.materials.begin(), mesh.materials.end(), shines);
+bool has_lamp(const Scene& scene, const Mesh& mesh) {
+    const auto has_lamp = [&](std::uint32_t material) { return scene.materials[material].emission != glm::vec3(0.f); };
+    return mesh.materials.empty() ? !mesh.triangles.empty() && has_lamp(0)
+                                  : std::any_of(mesh.materials.begin(), mesh.materials.end(), has_lamp);
 }
 
 }  // namespace
 
 std::vector<std::uint32_t> first_light_numbers(const Scene& scene) {
     std::vector<bool> shining;
-    for (const Mesh& mesh : scene.meshes) shining.push_back(shines(scene, mesh));
+    for (const Mesh& mesh : scene.meshes) shining.push_back(has_lamp(scene, mesh));
     std::vector<std::uint32_t> first;
     std::uint64_t numbers = 0;
     for (const MeshInstance& instance : scene.instances) {
@@ -79,7 +79,7 @@ std::vector<std::uint32_t> first_light_numbers(const Scene& scene) {
     }
     if (numbers > 0xffffffffu)
         throw Error(ErrorKind::user, "instances of objects that shine have more than 2^32 triangles",
-                    "put what shines into a mesh of its own");
+                    "put what has_lamp into a mesh of its own");
     return first;
 }
 

@@ -7,7 +7,7 @@
 namespace claray {
 namespace {
 
-std::string name_of(const Scene& scene, std::uint32_t texture) {
+std::string name_of_texture(const Scene& scene, std::uint32_t texture) {
     const std::string& name = scene.textures[texture].name;
     return name.empty() ? "texture " + std::to_string(texture) : "texture '" + name + "'";
 }
@@ -18,10 +18,10 @@ const Texture& checked_texture(const Scene& scene, std::uint32_t index) {
     const Texture& t = scene.textures.at(index);
     constexpr unsigned largest = 1u << (CLARAY_TEXTURE_LEVELS - 1);
     if (t.width > largest || t.height > largest)
-        throw Error(
-            ErrorKind::user,
-            name_of(scene, index) + " has " + std::to_string(t.width) + "x" + std::to_string(t.height) + " texels",
-            "a texture has at most " + std::to_string(largest) + " a side");
+        throw Error(ErrorKind::user,
+                    name_of_texture(scene, index) + " has " + std::to_string(t.width) + "x" + std::to_string(t.height) +
+                        " texels",
+                    "a texture has at most " + std::to_string(largest) + " a side");
     return t;
 }
 

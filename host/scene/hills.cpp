@@ -10,25 +10,26 @@ namespace {
 
 enum : std::uint32_t { meadow, dry_grass, sand, water, trunk, fir, young_fir, sun };
 
-constexpr float half_size = 60.f;
+constexpr float hills_half_size = 60.f;
 constexpr float water_level = 0.f;
 constexpr unsigned columns = 240;
 
 // Hills that rise away from a basin in the middle.
-double height(double x, double z) {
-    const double distance = std::sqrt(x * x + 1.6 * z * z) / half_size;
+double height_of_hills(double x, double z) {
+    const double distance = std::sqrt(x * x + 1.6 * z * z) / hills_half_size;
     const double basin = 9.0 * std::min(distance * distance, 1.2) - 1.6;
     return basin + 3.4 * fractal_noise(x / 21.0, z / 21.0, 4, 3, 0.42) * (0.35 + std::min(distance, 1.0));
 }
 
 double slope(double x, double z) {
     const double step = 0.25;
-    const double dx = height(x + step, z) - height(x - step, z), dz = height(x, z + step) - height(x, z - step);
+    const double dx = height_of_hills(x + step, z) - height_of_hills(x - step, z),
+                 dz = height_of_hills(x, z + step) - height_of_hills(x, z - step);
     return std::sqrt(dx * dx + dz * dz) / (2.0 * step);
 }
 
-Mesh make_ground() {
-    Mesh mesh = make_height_field(columns, half_size, height);
+Mesh make_meadows() {
+    Mesh mesh = make_height_field(columns, hills_half_size, height_of_hills);
     for (const glm::uvec3& t : mesh.triangles) {
         const glm::vec3 p = (mesh.positions[t.x] + mesh.positions[t.y] + mesh.positions[t.z]) / 3.f;
         const double patches = fractal_noise(p.x / 7.0, p.z / 7.0, 3, 17);
@@ -51,8 +52,9 @@ Mesh make_firs(unsigned tries) {
     mesh.name = "firs";
     Random random(11);
     for (unsigned i = 0; i < tries; ++i) {
-        const float x = random.uniform(-0.97f, 0.97f) * half_size, z = random.uniform(-0.97f, 0.97f) * half_size;
-        const float size = random.uniform(0.6f, 1.4f), y = float(height(x, z));
+        const float x = random.uniform(-0.97f, 0.97f) * hills_half_size,
+                    z = random.uniform(-0.97f, 0.97f) * hills_half_size;
+        const float size = random.uniform(0.6f, 1.4f), y = float(height_of_hills(x, z));
         const std::uint32_t needles = random.below(3) ? fir : young_fir;
         const bool in_view = z > 36.f && std::abs(x) < 8.f;  // none right before the camera
         if (y < water_level + 0.5f || slope(x, z) > 0.55 || fractal_noise(x / 16.0, z / 16.0, 2, 29) < 0.02 || in_view)
@@ -72,8 +74,8 @@ Scene hills() {
                        lambert("young fir", {0.06f, 0.15f, 0.03f}), lamp("sun", {420.f, 350.f, 250.f})};
     Mesh lake;
     lake.name = "lake";
-    add_rectangle(lake, {0.f, water_level, 0.f}, {0.f, 0.f, half_size}, {half_size, 0.f, 0.f}, water);
-    scene.meshes = {make_ground(), std::move(lake), make_firs(5000),
+    add_rectangle(lake, {0.f, water_level, 0.f}, {0.f, 0.f, hills_half_size}, {hills_half_size, 0.f, 0.f}, water);
+    scene.meshes = {make_meadows(), std::move(lake), make_firs(5000),
                     make_lamp({-70.f, 75.f, 45.f}, {0.f, 0.f, 0.f}, 5.5f, sun)};
     scene.sky = {{0.72f, 0.74f, 0.76f}, {0.16f, 0.32f, 0.7f}};
     scene.camera = Camera{{2.f, 9.5f, 46.f}, {0.f, 2.2f, 0.f}, {0.f, 1.f, 0.f}, 42.f};

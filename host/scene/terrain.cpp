@@ -12,13 +12,13 @@ namespace {
 
 enum : std::uint32_t { grass, rock, snow, leaf, bright_leaf };
 
-constexpr float half_size = 50.f;
+constexpr float terrain_half_size = 50.f;
 constexpr std::size_t leaves_a_bush = 64;
 
 // Squaring makes valleys wide and peaks steep; the land sinks towards the camera. The fractal sum lies within +-1.8.
-double height(double x, double z) {
+double height_of_terrain(double x, double z) {
     const double h = 0.5 + fractal_noise(x / 38.0 + 7.3, z / 38.0 + 2.1, 10, 5, 0.44) / 1.8;
-    return 52.0 * h * h * (0.58 - 0.42 * z / half_size);
+    return 52.0 * h * h * (0.58 - 0.42 * z / terrain_half_size);
 }
 
 unsigned grid_columns(std::size_t count) {
@@ -26,8 +26,8 @@ unsigned grid_columns(std::size_t count) {
     return std::max(1u, unsigned(std::sqrt(0.4 * double(count))));
 }
 
-Mesh make_ground(unsigned columns) {
-    Mesh mesh = make_height_field(columns, half_size, height);
+Mesh make_mountains(unsigned columns) {
+    Mesh mesh = make_height_field(columns, terrain_half_size, height_of_terrain);
     mesh.materials.reserve(mesh.triangles.size());
     for (const glm::uvec3& t : mesh.triangles) {
         const glm::vec3 &a = mesh.positions[t.x], &b = mesh.positions[t.y], &c = mesh.positions[t.z];
@@ -42,9 +42,9 @@ Mesh make_ground(unsigned columns) {
 glm::vec3 find_place(Random& random) {
     glm::vec3 place(0.f);
     for (int attempt = 0; attempt < 16; ++attempt) {
-        place.x = random.uniform(-0.98f, 0.98f) * half_size;
-        place.z = random.uniform(-0.98f, 0.98f) * half_size;
-        place.y = float(height(place.x, place.z));
+        place.x = random.uniform(-0.98f, 0.98f) * terrain_half_size;
+        place.z = random.uniform(-0.98f, 0.98f) * terrain_half_size;
+        place.y = float(height_of_terrain(place.x, place.z));
         if (place.y < 10.f) break;
     }
     return place;
@@ -84,7 +84,7 @@ Scene terrain(std::size_t count) {
                        lambert("snow", {0.85f, 0.87f, 0.9f}), lambert("leaf", {0.06f, 0.16f, 0.03f}),
                        lambert("bright leaf", {0.2f, 0.24f, 0.04f})};
     const unsigned columns = grid_columns(count);
-    scene.meshes = {make_ground(columns), make_bushes(count - 2 * std::size_t(columns) * columns)};
+    scene.meshes = {make_mountains(columns), make_bushes(count - 2 * std::size_t(columns) * columns)};
     scene.lights = {point_light({-160.f, 190.f, 130.f}, {2.1e5f, 1.9e5f, 1.55e5f})};
     scene.sky = {{0.72f, 0.76f, 0.8f}, {0.18f, 0.34f, 0.7f}};
     scene.camera = Camera{{0.f, 25.f, 64.f}, {0.f, 8.f, -10.f}, {0.f, 1.f, 0.f}, 42.f};

@@ -5,7 +5,7 @@
 namespace claray {
 namespace {
 
-constexpr const char* file = "sort/radix_sort.cl";
+constexpr const char* radix_file = "sort/radix_sort.cl";
 constexpr const char* stage = "sort/radix_sort";
 constexpr const char* bucket_file = "sort/bucket_sort.cl";
 constexpr const char* bucket_stage = "sort/bucket_sort";
@@ -45,9 +45,9 @@ RadixSort<Key>::RadixSort(const Device& device, std::size_t capacity, const Conf
         digit_groups_ = 4 * device.info().compute_units;
         const std::size_t tiles = (capacity + tile_ - 1) / tile_;
         histogram_ = Buffer<std::uint32_t>(device, sizeof(Key) * (digits + 1 + tiles * digits));
-        count_all_ = load_kernel(device, file, "count_all_digits", defines);
-        scan_ = load_kernel(device, file, "scan_histogram", defines);
-        sort_digit_ = load_kernel(device, file, "sort_digit", defines);
+        count_all_ = load_kernel(device, radix_file, "count_all_digits", defines);
+        scan_ = load_kernel(device, radix_file, "scan_histogram", defines);
+        sort_digit_ = load_kernel(device, radix_file, "sort_digit", defines);
     } else {
         const unsigned units = device.info().compute_units;
         runs_ = std::max(1u, units * device.tuning(bucket_stage, "RUNS_PER_UNIT"));

@@ -14,11 +14,6 @@ Bvh build(const Run& run, const Mesh& mesh, Layout layout) {
     return Bvh::build(run.device(), std::span(&mesh, 1), {.layout = layout});
 }
 
-Mesh translated(Mesh mesh, const glm::vec3& by) {
-    for (glm::vec3& p : mesh.positions) p += by;
-    return mesh;
-}
-
 /// How many triangles claim each ray; for structures of the fast builder, whose leaves hold every triangle once.
 std::vector<std::uint32_t> claims_of(const Bvh& bvh, const Buffer<Ray>& rays) {
     const auto count = std::uint32_t(rays.size());

@@ -54,6 +54,11 @@ Mesh sphere(int levels, float radius, glm::vec3 center) {
     return mesh;
 }
 
+Mesh translated(Mesh mesh, const glm::vec3& by) {
+    for (glm::vec3& p : mesh.positions) p += by;
+    return mesh;
+}
+
 Mesh grid(unsigned n) {
     Mesh mesh;
     for (unsigned y = 0; y <= n; ++y)

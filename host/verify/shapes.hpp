@@ -29,6 +29,8 @@ Mesh soup(std::size_t count, float size, std::uint64_t seed);
 Mesh sphere(int levels, float radius = 1.f, glm::vec3 center = glm::vec3(0.f));
 /// An n x n grid of 2 n^2 triangles in the unit square z = 0.
 Mesh grid(unsigned n);
+/// The mesh elsewhere.
+Mesh translated(Mesh mesh, const glm::vec3& by);
 
 Ray make_ray(glm::vec3 origin, glm::vec3 direction, float tmin = 0.f, float tmax = 1e30f);
 /// Rays from a sphere of `radius` towards random points of the cube of half side `half`.

@@ -35,11 +35,6 @@ void translate(std::vector<Ray>& rays, const glm::vec3& by) {
     for (Ray& r : rays) r.ox += by.x, r.oy += by.y, r.oz += by.z;
 }
 
-Mesh translated(Mesh mesh, const glm::vec3& by) {
-    for (glm::vec3& p : mesh.positions) p += by;
-    return mesh;
-}
-
 /// Counts where two lists of hits name different triangles.
 void compare_primitives(Run& run, const std::vector<Hit>& found, const std::vector<Hit>& expected,
                         const std::vector<Ray>& rays, Tally& tally, const std::string& what) {

@@ -5,17 +5,14 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 #include "tests/build/support.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/not_finite.hpp"
 
 namespace claray::test {
 namespace {
-
-constexpr float infinity = std::numeric_limits<float>::infinity();
-constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 Bvh by_host(std::span<const Mesh> meshes) { return Bvh::build_by_host(device(), meshes, {}); }
 

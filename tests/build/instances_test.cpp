@@ -5,18 +5,15 @@
 
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
-#include <limits>
 
 #include "tests/oracle/instances.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/instances.hpp"
+#include "tests/support/not_finite.hpp"
 
 namespace claray::test {
 namespace {
-
-constexpr float infinity = std::numeric_limits<float>::infinity();
-constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 TEST(InstancedBvh, IsValidAtEverySize) {
     const std::vector<Mesh> meshes = {sphere(1), soup(10, 0.3f, 1)};

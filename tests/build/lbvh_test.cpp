@@ -4,16 +4,13 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <limits>
 
 #include "tests/build/support.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/not_finite.hpp"
 
 namespace claray::test {
 namespace {
-
-constexpr float infinity = std::numeric_limits<float>::infinity();
-constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 /// bits + ceil(log2 N): each level consumes a bit of the code or of the index.
 unsigned height_bound(unsigned bits, std::size_t triangles) { return bits + unsigned(std::bit_width(triangles)); }

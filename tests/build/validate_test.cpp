@@ -2,16 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "tests/build/support.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/not_finite.hpp"
 
 namespace claray::test {
 namespace {
-
-constexpr float infinity = std::numeric_limits<float>::infinity();
-constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 TEST(Bvh, ValidationFindsWhatIsBroken) {
     const Mesh mesh = soup(500, 0.05f, 11);

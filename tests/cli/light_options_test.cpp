@@ -1,6 +1,7 @@
 // claray render --light, --sky, --environment.
 #include <cmath>
 #include <fstream>
+#include <numbers>
 
 #include "tests/cli/claray.hpp"
 #include "tests/support/device.hpp"
@@ -8,7 +9,7 @@
 namespace claray::test {
 namespace {
 
-constexpr double pi = 3.14159265358979;
+using std::numbers::pi;
 
 /// A grey floor seen from above, 1 mm of it.
 class LightOptions : public testing::Test {

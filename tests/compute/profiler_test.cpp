@@ -8,7 +8,7 @@
 namespace claray::test {
 namespace {
 
-constexpr const char* source =
+constexpr const char* kernel_source =
     "kernel void spin(global float* x, uint rounds) {"
     "    float v = x[get_global_id(0)];"
     "    for (uint i = 0; i < rounds; ++i) v = v * 0.999f + 1.0f;"
@@ -19,7 +19,7 @@ TEST(ProfilerTest, CountsAndTimesByName) {
     const Device fresh = Device::open(std::to_string(device().info().index));
     Profiler& profiler = fresh.profiler();
     Buffer<float> data(fresh, std::vector<float>(1024));
-    Kernel spin = compile_kernel(fresh, source, "spin");
+    Kernel spin = compile_kernel(fresh, kernel_source, "spin");
     for (int i = 0; i < 3; ++i) spin.run({1024, 64}, data, 100u);
     (void)data.read();
 
@@ -41,7 +41,7 @@ TEST(ProfilerTest, CountsAndTimesByName) {
 TEST(ProfilerTest, TimeGrowsWithTheWork) {
     const Device fresh = Device::open(std::to_string(device().info().index));
     Buffer<float> data(fresh, std::vector<float>(4096));
-    Kernel spin = compile_kernel(fresh, source, "spin");
+    Kernel spin = compile_kernel(fresh, kernel_source, "spin");
     spin.run({4096, 64}, data, 1u);  // drivers finish compiling at the first run
     const auto time = [&](unsigned rounds) {
         fresh.profiler().reset();
@@ -55,7 +55,7 @@ TEST(ProfilerTest, RecordsAreInOrderAndEndAfterTheyStart) {
     const Device fresh = Device::open(std::to_string(device().info().index));
     fresh.profiler().keep_records(true);
     Buffer<float> data(fresh, std::vector<float>(64));
-    Kernel spin = compile_kernel(fresh, source, "spin");
+    Kernel spin = compile_kernel(fresh, kernel_source, "spin");
     for (int i = 0; i < 5; ++i) spin.run({64}, data, 10u);
     fresh.finish();
     const std::vector<ProfileRecord>& records = fresh.profiler().records();

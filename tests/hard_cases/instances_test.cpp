@@ -35,8 +35,8 @@ Mesh cube() {
 }
 
 /// Rays from around `eye` that aim at random points of edges of the transformed triangles.
-std::vector<Ray> edge_rays(const std::vector<glm::dvec3>& corners, glm::vec3 eye, float spread, std::size_t count,
-                           std::uint64_t seed) {
+std::vector<Ray> rays_at_edges(const std::vector<glm::dvec3>& corners, glm::vec3 eye, float spread, std::size_t count,
+                               std::uint64_t seed) {
     Random random(seed);
     std::vector<Ray> rays;
     for (std::size_t i = 0; i < count; ++i) {
@@ -69,7 +69,7 @@ TEST_P(HardInstances, NoRayLeaksOutOfAnObject) {
         const InstancedBvh bvh = build(meshes, instances);
         std::size_t missed = 0;
         for (const InstanceHit& hit :
-             closest_hit(bvh, edge_rays(world_corners(meshes, instances), offset, 5.f, 50'000, 2)))
+             closest_hit(bvh, rays_at_edges(world_corners(meshes, instances), offset, 5.f, 50'000, 2)))
             missed += hit.primitive == CLARAY_MISS;
         EXPECT_EQ(missed, 0u) << "offset " << offset.x;
     }
@@ -95,7 +95,7 @@ TEST_P(HardInstances, TheTopLevelLosesNothingAlongSilhouettes) {
         std::size_t hits = 0;
         for (const float distance : {30.f, 1e3f, 1e5f})
             hits += expect_nothing_lost(
-                bvh, edge_rays(corners, middle + glm::vec3(0, 0, distance), distance * 0.9f, 15'000, 4));
+                bvh, rays_at_edges(corners, middle + glm::vec3(0, 0, distance), distance * 0.9f, 15'000, 4));
         EXPECT_GT(hits, 10'000u);
     }
 }
@@ -116,7 +116,8 @@ TEST_P(HardInstances, TheTopLevelLosesNothingOfFlattenedObjects) {
     EXPECT_GT(bvh.statistics().widening, 1e-3f);
     const std::vector<glm::dvec3> corners = world_corners(meshes, instances);
     for (const float distance : {50.f, 5e3f}) {  // from afar by far more than the objects' size
-        const std::vector<Ray> rays = edge_rays(corners, glm::vec3(0, distance, distance), 0.6f * distance, 20'000, 6);
+        const std::vector<Ray> rays =
+            rays_at_edges(corners, glm::vec3(0, distance, distance), 0.6f * distance, 20'000, 6);
         EXPECT_GT(expect_nothing_lost(bvh, rays), 5000u);
     }
 }
@@ -132,7 +133,7 @@ TEST_P(HardInstances, TheTopLevelLosesNothingOfObjectsFarFromTheirOrigin) {
         instances.push_back(make_instance(glm::translate(glm::mat4(1.f), random.in_cube(5.f) - away)));
     const InstancedBvh bvh = build(meshes, instances);
     const std::vector<glm::dvec3> corners = world_corners(meshes, instances);
-    EXPECT_GT(expect_nothing_lost(bvh, edge_rays(corners, glm::vec3(0), 6.f, 40'000, 23)), 20'000u);
+    EXPECT_GT(expect_nothing_lost(bvh, rays_at_edges(corners, glm::vec3(0), 6.f, 40'000, 23)), 20'000u);
 }
 
 /// Flat boxes in the planes of the axes, and rays along them.

@@ -7,7 +7,7 @@
 namespace claray::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 class GltfAnimation : public GltfTest {
 protected:

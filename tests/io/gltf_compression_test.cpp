@@ -213,24 +213,24 @@ TEST_F(Compressed, DracoIsRefusedByName) {
 
 #if CLARAY_WITH_MESHOPT
 
-std::string text_of(const std::vector<unsigned char>& bytes) { return {bytes.begin(), bytes.end()}; }
+std::string text_from(const std::vector<unsigned char>& bytes) { return {bytes.begin(), bytes.end()}; }
 
 template <class T>
 std::string encode_attributes(const std::vector<T>& values, std::size_t stride) {
     const std::size_t count = values.size() * sizeof(T) / stride;
     std::vector<unsigned char> bytes(meshopt_encodeVertexBufferBound(count, stride));
     bytes.resize(meshopt_encodeVertexBuffer(bytes.data(), bytes.size(), values.data(), count, stride));
-    return text_of(bytes);
+    return text_from(bytes);
 }
 std::string encode_triangles(const std::vector<unsigned>& indices, std::size_t vertices) {
     std::vector<unsigned char> bytes(meshopt_encodeIndexBufferBound(indices.size(), vertices));
     bytes.resize(meshopt_encodeIndexBuffer(bytes.data(), bytes.size(), indices.data(), indices.size()));
-    return text_of(bytes);
+    return text_from(bytes);
 }
 std::string encode_sequence(const std::vector<unsigned>& indices, std::size_t vertices) {
     std::vector<unsigned char> bytes(meshopt_encodeIndexSequenceBound(indices.size(), vertices));
     bytes.resize(meshopt_encodeIndexSequence(bytes.data(), bytes.size(), indices.data(), indices.size()));
-    return text_of(bytes);
+    return text_from(bytes);
 }
 
 class Meshopt : public Compressed {

@@ -6,7 +6,7 @@
 namespace claray::test {
 namespace {
 
-const std::vector<glm::vec3> corners = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+const std::vector<glm::vec3> posed_corners = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
 
 /// Node 0 shows a triangle that follows two joints: node 1 at (10, 0, 0), and below it node 2, 1 above and turned by 90
 /// degrees about z. At rest both are not turned, the first at the origin and the second at (0, 1, 0).
@@ -167,7 +167,7 @@ TEST_F(GltfSkin, BadOnesAreNamed) {
     });
 }
 
-/// Two targets: the first lifts all corners by z, the second moves corner 1 by x.
+/// Two targets: the first lifts all posed_corners by z, the second moves corner 1 by x.
 class GltfMorph : public GltfTest {
 protected:
     GltfMorph() {

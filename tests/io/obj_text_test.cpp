@@ -13,7 +13,7 @@ namespace {
 using test::expect_error;
 namespace fs = std::filesystem;
 
-const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+const std::string plain_triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 const std::string red = "newmtl red\nKd 1 0 0\n";
 
 class ObjText : public ::testing::Test {
@@ -38,7 +38,7 @@ protected:
         return std::all_of(warnings.begin(), warnings.end(),
                            [](const std::string& line) { return line.find("lights the scene") != std::string::npos; });
     }
-    /// The triangle is there and red.
+    /// The plain_triangle is there and red.
     void expect_red(const std::string& text) {
         const Scene scene = load(text);
         ASSERT_EQ(triangle_count(scene), 1u) << text;
@@ -56,10 +56,10 @@ protected:
 };
 
 TEST_F(ObjText, ByteOrderMarksAndLineEnds) {
-    const std::string mark = "\xef\xbb\xbf", obj = "mtllib m.mtl\n" + triangle + "usemtl red\nf 1 2 3";
+    const std::string mark = "\xef\xbb\xbf", obj = "mtllib m.mtl\n" + plain_triangle + "usemtl red\nf 1 2 3";
     mtl("m.mtl", mark + red);
     expect_red(mark + obj);
-    EXPECT_EQ(load(mark + triangle + "f 1 2 3\n").meshes[0].positions.size(), 3u) << "the first vertex";
+    EXPECT_EQ(load(mark + plain_triangle + "f 1 2 3\n").meshes[0].positions.size(), 3u) << "the first vertex";
     for (const char* end : {"\r", "\r\n"}) {
         mtl("m.mtl", replaced(red + "\nnewmtl other", "\n", end));
         expect_red(replaced(obj, "\n", end));
@@ -74,12 +74,12 @@ TEST_F(ObjText, ByteOrderMarksAndLineEnds) {
 
 TEST_F(ObjText, ABackslashContinuesNoComment) {
     mtl("m.mtl", "# from C:\\models\\\n" + red);
-    expect_red("# from C:\\models\\\nmtllib m.mtl\n# to D:\\\n" + triangle + "usemtl red\nf 1 2 3\n");
+    expect_red("# from C:\\models\\\nmtllib m.mtl\n# to D:\\\n" + plain_triangle + "usemtl red\nf 1 2 3\n");
 }
 
 TEST_F(ObjText, LinesKeepTheirNumbers) {
     mtl("m.mtl", "newmtl red\nKd 1 \\\n\\\n 0 0\nKs x 1 1\n");
-    static_cast<void>(load("mtllib m.mtl\n" + triangle + "usemtl red\nf 1 2 3\n"));
+    static_cast<void>(load("mtllib m.mtl\n" + plain_triangle + "usemtl red\nf 1 2 3\n"));
     EXPECT_TRUE(warned("m.mtl line 5: 'x'")) << warnings.front();
 }
 
@@ -89,9 +89,9 @@ TEST_F(ObjText, NamesOfMaterialFiles) {
     for (const char* line : {"a b.mtl", "\"a b.mtl\"", "two  blanks.mtl", "./m.mtl", ".\\sub\\m.mtl", "sub/m.mtl",
                              "plain.mtl m.mtl", "plain.mtl a b.mtl", "a b.mtl plain.mtl", "a\\ b.mtl plain.mtl",
                              "  m.mtl  ", "C:\\work\\of others\\m.mtl", "/home/me/m.mtl", "\\\\server\\share\\m.mtl"})
-        expect_red(std::string("mtllib ") + line + "\n" + triangle + "usemtl red\nf 1 2 3\n");
+        expect_red(std::string("mtllib ") + line + "\n" + plain_triangle + "usemtl red\nf 1 2 3\n");
     EXPECT_TRUE(warned("mesh.obj': '\\\\server\\share\\m.mtl' is a path of another machine")) << warnings.front();
-    static_cast<void>(load("mtllib C:\\work\\gone.mtl m.mtl\n" + triangle + "usemtl red\nf 1 2 3\n"));
+    static_cast<void>(load("mtllib C:\\work\\gone.mtl m.mtl\n" + plain_triangle + "usemtl red\nf 1 2 3\n"));
     EXPECT_TRUE(warned("gone.mtl' is missing")) << warnings.front();
 }
 
@@ -108,14 +108,14 @@ TEST_F(ObjText, MaterialFilesStayInTheScenesFolder) {
     };
     for (const auto& [name, why] : cases)
         expect_error(ErrorKind::user, {"mesh.obj'", why}, [&, n = name] {
-            static_cast<void>(load("mtllib " + n + "\n" + triangle + "usemtl secret\nf 1 2 3\n"));
+            static_cast<void>(load("mtllib " + n + "\n" + plain_triangle + "usemtl secret\nf 1 2 3\n"));
         });
 }
 
 TEST_F(ObjText, ImagesOfOtherMachinesAreFoundBesideTheFile) {
     mtl("m.mtl", red + "map_Kd C:\\textures\\wood.pfm\n");
     mtl("wood.pfm", std::string("PF\n1 1\n-1\n") + std::string(12, '\0'));
-    const std::string obj = "mtllib m.mtl\n" + triangle + "vt 0 0\nusemtl red\nf 1/1 2/1 3/1\n";
+    const std::string obj = "mtllib m.mtl\n" + plain_triangle + "vt 0 0\nusemtl red\nf 1/1 2/1 3/1\n";
     EXPECT_EQ(load(obj).textures.size(), 1u);
     EXPECT_TRUE(warned("'C:\\textures\\wood.pfm' is a path of another machine")) << warnings.front();
     fs::remove(folder / "scene/wood.pfm");
@@ -125,12 +125,12 @@ TEST_F(ObjText, ImagesOfOtherMachinesAreFoundBesideTheFile) {
 
 TEST_F(ObjText, OtherEncodingsAreNamed) {
     std::string little, big;
-    for (const char c : triangle) little += {c, '\0'}, big += {'\0', c};
+    for (const char c : plain_triangle) little += {c, '\0'}, big += {'\0', c};
     const auto refuse = [&](const std::string& bytes, const char* what) {
         expect_error(ErrorKind::user, {"mesh.obj' is", what}, [&] { static_cast<void>(load(bytes)); });
         mtl("m.mtl", bytes);
         expect_error(ErrorKind::user, {"m.mtl' is", what},
-                     [&] { static_cast<void>(load("mtllib m.mtl\n" + triangle + "f 1 2 3\n")); });
+                     [&] { static_cast<void>(load("mtllib m.mtl\n" + plain_triangle + "f 1 2 3\n")); });
         expect_error(ErrorKind::user, {"s.gltf' is", what}, [&] {
             Warnings ignored;
             static_cast<void>(load_gltf(folder.file("s.gltf", bytes), ignored));
@@ -145,26 +145,26 @@ TEST_F(ObjText, OtherEncodingsAreNamed) {
 }
 
 TEST_F(ObjText, WhatIsAskedForInVainIsSaid) {
-    EXPECT_EQ(load(triangle + "usemtl red\nf 1 2 3\n").materials.size(), 1u);
+    EXPECT_EQ(load(plain_triangle + "usemtl red\nf 1 2 3\n").materials.size(), 1u);
     EXPECT_TRUE(warned("mesh.obj' uses materials, 'red' for one, but names no file of materials"));
     mtl("empty.mtl", "\n");
-    static_cast<void>(load("mtllib empty.mtl\n" + triangle + "usemtl red\nf 1 2 3\n"));
+    static_cast<void>(load("mtllib empty.mtl\n" + plain_triangle + "usemtl red\nf 1 2 3\n"));
     EXPECT_TRUE(warned("material 'red' is not defined"));
-    static_cast<void>(load(triangle + "f 1 2 3\nl 1 2\np 3\ncstype bezier\nfoo 1 2\nfoo\n"));
+    static_cast<void>(load(plain_triangle + "f 1 2 3\nl 1 2\np 3\ncstype bezier\nfoo 1 2\nfoo\n"));
     EXPECT_TRUE(warned("line 5 (and 1 more): 'l' is left out: lines and points"));
     EXPECT_TRUE(warned("line 7: 'cstype' is left out"));
     EXPECT_TRUE(warned("line 8 (and 1 more): 'foo' is no statement of an OBJ"));
-    static_cast<void>(load(triangle + "s 1\nf 1 2 3\n"));
+    static_cast<void>(load(plain_triangle + "s 1\nf 1 2 3\n"));
     EXPECT_TRUE(warned("line 4: 's' (a smoothing group) is left out"));
-    static_cast<void>(load(triangle + "vn 0 0 1\ns 1\nf 1//1 2//1 3//1\n"));
+    static_cast<void>(load(plain_triangle + "vn 0 0 1\ns 1\nf 1//1 2//1 3//1\n"));
     EXPECT_TRUE(silent());
-    static_cast<void>(load(triangle + "o a\ng b\ns off\nf 1 2 3\n"));
+    static_cast<void>(load(plain_triangle + "o a\ng b\ns off\nf 1 2 3\n"));
     EXPECT_TRUE(silent());
 }
 
 TEST_F(ObjText, AttributesOfWhichThereAreNoneAreLeftOut) {
     for (const char* face : {"f 1/1/1 2/2/2 3/3/3\n", "f -3/-3/-3 -2/-2/-2 -1/-1/-1\n"}) {
-        const Scene scene = load(triangle + face);
+        const Scene scene = load(plain_triangle + face);
         EXPECT_EQ(triangle_count(scene), 1u);
         EXPECT_TRUE(scene.meshes[0].normals.empty() && scene.meshes[0].uvs.empty());
         EXPECT_TRUE(warned("mesh.obj': faces refer to texture coordinates, and there are none"));
@@ -173,7 +173,7 @@ TEST_F(ObjText, AttributesOfWhichThereAreNoneAreLeftOut) {
     // Where there are some, an index beyond them is an error as before.
     for (const char* face : {"vt 0 0\nf 1/1 2/2 3/1\n", "f 1/-1 2/-1 3/-1\nvt 0 0\n"})
         expect_error(ErrorKind::user, {"texture index", "out of range"},
-                     [&] { static_cast<void>(load(triangle + face)); });
+                     [&] { static_cast<void>(load(plain_triangle + face)); });
 }
 
 }  // namespace

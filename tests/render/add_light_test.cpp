@@ -28,7 +28,7 @@ Outcome outcome_of(const char* scene, Layout layout, bool with_shadow_rays) {
     return {renderer.image(), renderer.statistics().shadow.rays, fresh.profiler().summary().contains("add_light")};
 }
 
-void expect_same_image(const char* scene, Layout layout, bool added_by_rays) {
+void expect_image_of_both(const char* scene, Layout layout, bool added_by_rays) {
     const Outcome with_rays = outcome_of(scene, layout, true), by_stage = outcome_of(scene, layout, false);
     EXPECT_EQ(with_rays.pixels, by_stage.pixels) << scene;
     EXPECT_EQ(with_rays.shadow_rays, by_stage.shadow_rays) << scene;
@@ -39,12 +39,12 @@ void expect_same_image(const char* scene, Layout layout, bool added_by_rays) {
 
 TEST(AddLight, ShadowRaysDoTheSame) {
     for (const char* scene : {"cornell", "effect:many-lights", "effect:cut-outs"})
-        expect_same_image(scene, Layout::binary, true);
+        expect_image_of_both(scene, Layout::binary, true);
 }
 
 TEST(AddLight, IsAStageForOtherStructures) {
-    expect_same_image("cornell", Layout::wide, false);
-    expect_same_image("effect:instances", Layout::binary, false);
+    expect_image_of_both("cornell", Layout::wide, false);
+    expect_image_of_both("effect:instances", Layout::binary, false);
 }
 
 }  // namespace

@@ -14,7 +14,7 @@
 namespace claray::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 Mesh smooth_sphere(int levels) {
     Mesh mesh = sphere(levels);

@@ -13,7 +13,7 @@
 namespace claray::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 const double tilt = 40 * pi / 180;
 
 Material blinn_phong(float albedo, float highlight) {
@@ -64,7 +64,7 @@ Scene leaning() {
 /// From the side away from which the normals lean, `elevation` degrees above the plane.
 glm::dvec3 view_from(double elevation) { return {-std::cos(elevation * pi / 180), std::sin(elevation * pi / 180), 0}; }
 
-double seen(Scene& scene, Square square, const glm::dvec3& view, const RenderConfig& config) {
+double seen_square(Scene& scene, Square square, const glm::dvec3& view, const RenderConfig& config) {
     const glm::vec3 at(0.f, 0.f, 3.f * float(square));
     scene.camera = narrow_camera(at + 2.f * glm::vec3(view), at);
     return mean(render_image(scene, config)).x;
@@ -107,8 +107,8 @@ TEST(BentNormals, DiffuseLightIsTheSameFromEverywhere) {
         const double expected = 0.8 / pi * 3 * std::max(0.0, glm::dot(normal, to_light));
         for (const Square square : {mapped_lambert, bent_lambert, mapped_matt, bent_matt})
             for (const double elevation : {80.0, 60.0, 30.0, 5.0})
-                EXPECT_NEAR(seen(scene, square, view_from(elevation), {.width = 1, .height = 1, .spp = 1}), expected,
-                            1e-5)
+                EXPECT_NEAR(seen_square(scene, square, view_from(elevation), {.width = 1, .height = 1, .spp = 1}),
+                            expected, 1e-5)
                     << "square " << square << ", light at " << light << ", seen at " << elevation;
     }
 }
@@ -127,7 +127,7 @@ TEST(BentNormals, DiffuseLightAndHighlightUnderASky) {
             return diffuse + (z > 0 ? 0.5 * norm * std::pow(glm::dot(to, glm::normalize(view + i)), 20) * z : 0);
         };
         const double expected = integrate(f, scene.sky);
-        EXPECT_NEAR(seen(scene, shiny, view, under_sky) / expected, 1, 0.005) << elevation;
+        EXPECT_NEAR(seen_square(scene, shiny, view, under_sky) / expected, 1, 0.005) << elevation;
     }
 }
 
@@ -138,9 +138,9 @@ TEST(BentNormals, GainNoLightAndLeaveNoFringe) {
     scene.sky = {glm::vec3(1.f), glm::vec3(1.f)};
     const double seen_sky = 0.5 * (1 + std::cos(tilt));
     for (const double elevation : {85.0, 40.0, 15.0, 3.0}) {
-        EXPECT_NEAR(seen(scene, white_lambert, view_from(elevation), under_sky), seen_sky, 0.003) << elevation;
+        EXPECT_NEAR(seen_square(scene, white_lambert, view_from(elevation), under_sky), seen_sky, 0.003) << elevation;
         for (const Square square : {plastic, smooth_plastic}) {
-            const double radiance = seen(scene, square, view_from(elevation), under_sky);
+            const double radiance = seen_square(scene, square, view_from(elevation), under_sky);
             EXPECT_LT(radiance, 1.003) << elevation;
             EXPECT_GT(radiance, 0.9 * seen_sky) << elevation;
         }
@@ -189,7 +189,8 @@ TEST(BentNormals, BothTechniquesAgree) {
     const double elevations[] = {70, 8};
     for (const std::uint32_t techniques : {1u, 2u, 3u}) {
         device().set_tuning("render/shade_surface", "TECHNIQUES", techniques);
-        for (int i = 0; i < 2; ++i) radiance[techniques][i] = seen(scene, plastic, view_from(elevations[i]), under_sky);
+        for (int i = 0; i < 2; ++i)
+            radiance[techniques][i] = seen_square(scene, plastic, view_from(elevations[i]), under_sky);
     }
     device().set_tuning("render/shade_surface", "TECHNIQUES", 3);
     for (int i = 0; i < 2; ++i) {

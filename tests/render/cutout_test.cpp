@@ -51,21 +51,21 @@ Scene mixed_soup(std::size_t count) {
     return scene;
 }
 
-double wrapped(double i, unsigned size, Wrap wrap) {
+double wrapped_texel(double i, unsigned size, Wrap wrap) {
     if (wrap == Wrap::clamp) return std::clamp(i, 0.0, size - 1.0);
     const double period = wrap == Wrap::mirror ? 2.0 * size : size, m = i - period * std::floor(i / period);
     return m < size ? m : period - 1 - m;
 }
 
 /// One channel of bytes that are linear.
-double texel(const Texture& t, glm::dvec2 uv, unsigned channel) {
+double texel_of(const Texture& t, glm::dvec2 uv, unsigned channel) {
     const double x = uv.x * t.width - 0.5, y = uv.y * t.height - 0.5;
     double sum = 0;
     for (int corner = 0; corner < 4; ++corner) {
         const double i = std::floor(x) + corner % 2, j = std::floor(y) + corner / 2;
         const double weight = (1 - std::abs(x - i)) * (1 - std::abs(y - j));
-        const std::size_t at =
-            std::size_t(wrapped(j, t.height, t.wrap_v)) * t.width + std::size_t(wrapped(i, t.width, t.wrap_u));
+        const std::size_t at = std::size_t(wrapped_texel(j, t.height, t.wrap_v)) * t.width +
+                               std::size_t(wrapped_texel(i, t.width, t.wrap_u));
         sum += weight * t.bytes[at * t.channels + channel] / 255.0;
     }
     return sum;
@@ -99,10 +99,10 @@ double margin(const Scene& scene, const Ray& ray, const Mesh& mesh, std::size_t 
     }
     if (m.albedo_map.used())
         opacity *=
-            texel(scene.textures[m.albedo_map.texture], coordinates(mesh, mesh.triangles[i], m.albedo_map, u, v), 3);
+            texel_of(scene.textures[m.albedo_map.texture], coordinates(mesh, mesh.triangles[i], m.albedo_map, u, v), 3);
     if (m.opacity_map.used())
-        opacity *=
-            texel(scene.textures[m.opacity_map.texture], coordinates(mesh, mesh.triangles[i], m.opacity_map, u, v), 0);
+        opacity *= texel_of(scene.textures[m.opacity_map.texture],
+                            coordinates(mesh, mesh.triangles[i], m.opacity_map, u, v), 0);
     if (m.alpha_mode == AlphaMode::mask) return opacity - double(m.alpha_cutoff);
     const std::uint32_t word =
         hash_words(hash_words(bits(ray.ox), bits(ray.oy)),
@@ -110,15 +110,15 @@ double margin(const Scene& scene, const Ray& ray, const Mesh& mesh, std::size_t 
     return opacity - double(unit_float(hash_words(word, primitive)));
 }
 
-struct Expected {
+struct ExpectedShare {
     double t = 0;
     std::uint32_t primitive = CLARAY_MISS;
     bool doubtful = false;  // an opacity too near its threshold for float32
 };
 
-Expected brute_force_hit(const Scene& scene, const Ray& ray) {
+ExpectedShare brute_force_hit(const Scene& scene, const Ray& ray) {
     const glm::dvec3 o(ray.ox, ray.oy, ray.oz), d(ray.dx, ray.dy, ray.dz);
-    Expected best;
+    ExpectedShare best;
     best.t = double(ray.tmax);
     std::uint32_t primitive = 0;
     for (const Mesh& mesh : scene.meshes)
@@ -156,7 +156,7 @@ TEST_P(Cutouts, HitsEqualAFloat64BruteForce) {
     const std::vector<std::uint8_t> occluded = any_hit(on_device.bvh, rays);
     std::size_t doubtful = 0, hit = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
-        const Expected expected = brute_force_hit(scene, rays[i]);
+        const ExpectedShare expected = brute_force_hit(scene, rays[i]);
         if (expected.doubtful) {
             ++doubtful;
             continue;
@@ -236,7 +236,7 @@ Scene leaf_card(const Texture& texture) {
     return scene;
 }
 
-Texture disc(unsigned size, double radius) {
+Texture disc_texture(unsigned size, double radius) {
     Texture t = random_texture({size, size}, 4, TexelFormat::srgb8, 1);
     for (unsigned y = 0; y < size; ++y)
         for (unsigned x = 0; x < size; ++x) {  // a ramp that crosses one half at the radius
@@ -247,15 +247,15 @@ Texture disc(unsigned size, double radius) {
     return t;
 }
 
-const RenderConfig fine{.width = 64, .height = 64, .spp = 64};
+const RenderConfig disc_config{.width = 64, .height = 64, .spp = 64};
 
 TEST(AlphaMask, CoversTheAreaOfItsMask) {
-    Scene scene = leaf_card(disc(64, 0.35));
+    Scene scene = leaf_card(disc_texture(64, 0.35));
     scene.materials[0].alpha_mode = AlphaMode::mask;
-    const double covered = 1 - mean(render_image(scene, fine)).x;
+    const double covered = 1 - mean(render_image(scene, disc_config)).x;
     EXPECT_NEAR(covered, std::numbers::pi * 0.35 * 0.35, 0.002);
     scene.materials[0].alpha_mode = AlphaMode::opaque;
-    EXPECT_NEAR(mean(render_image(scene, fine)).x, 0, 1e-6);
+    EXPECT_NEAR(mean(render_image(scene, disc_config)).x, 0, 1e-6);
 }
 
 /// What has just the opacity of the cut-off is there, as glTF has it.
@@ -265,14 +265,14 @@ TEST(AlphaMask, IsThereFromTheCutOffOn) {
     scene.textures[0].filter = Filter::nearest;
     scene.materials[0].alpha_mode = AlphaMode::mask;
     scene.materials[0].opacity = scene.materials[0].alpha_cutoff = 0.5f;
-    EXPECT_NEAR(mean(render_image(scene, fine)).x, 0.5, 0.01);
+    EXPECT_NEAR(mean(render_image(scene, disc_config)).x, 0.5, 0.01);
     scene.materials[0].opacity = std::nextafter(0.5f, 0.f);
-    EXPECT_EQ(mean(render_image(scene, fine)).x, 1);
+    EXPECT_EQ(mean(render_image(scene, disc_config)).x, 1);
 }
 
 /// Far away a leaf keeps its area, since cut-outs are looked up in the finest level.
 TEST(AlphaMask, KeepsItsAreaFarAway) {
-    Scene scene = leaf_card(disc(64, 0.35));
+    Scene scene = leaf_card(disc_texture(64, 0.35));
     scene.materials[0].alpha_mode = AlphaMode::mask;
     scene.camera->vertical_fov = float(2 * std::atan(1.6) * 180 / std::numbers::pi);
     const double covered = (1 - mean(render_image(scene, {.width = 32, .height = 32, .spp = 1024})).x) * 256;
@@ -281,7 +281,7 @@ TEST(AlphaMask, KeepsItsAreaFarAway) {
 
 /// What a card lets through of the light is its shadow's brightness.
 TEST(AlphaMask, CastsTheShadowOfItsMask) {
-    Scene scene = leaf_card(disc(64, 0.35));
+    Scene scene = leaf_card(disc_texture(64, 0.35));
     scene.materials[0].alpha_mode = AlphaMode::mask;
     scene.materials.push_back(lambert(1.f));
     for (glm::vec3& p : scene.meshes[0].positions) p *= 0.1f, p.y = 5.f;
@@ -314,23 +314,23 @@ TEST(AlphaBlend, LayersLetThroughThePowerOfTheRest) {
 }
 
 TEST(BackFaces, AreNotThereWhereAllAreCulled) {
-    Scene scene = leaf_card(disc(8, 0.3));
+    Scene scene = leaf_card(disc_texture(8, 0.3));
     scene.textures.clear();
     scene.materials[0] = lambert(0.f);
     scene.materials[0].cull_back = true;
-    EXPECT_EQ(mean(render_image(scene, fine)).x, 0);
+    EXPECT_EQ(mean(render_image(scene, disc_config)).x, 0);
     scene.camera->position.y = -10.f;
-    EXPECT_EQ(mean(render_image(scene, fine)).x, 1);
+    EXPECT_EQ(mean(render_image(scene, disc_config)).x, 1);
     EXPECT_FALSE(Textures(device(), scene).store.allocated());  // queries know it by themselves
 }
 
 TEST(BackFaces, AreNotThereWhereSomeAreCulled) {
-    Scene scene = leaf_card(disc(8, 0.3));
+    Scene scene = leaf_card(disc_texture(8, 0.3));
     scene.materials = {lambert(0.f), lambert(0.f)};
     scene.materials[0].cull_back = true;
     scene.meshes.push_back(square(0.5f, -1.f, 1));
     scene.camera->position.y = -10.f;
-    const double covered = 1 - mean(render_image(scene, fine)).x;
+    const double covered = 1 - mean(render_image(scene, disc_config)).x;
     EXPECT_NEAR(covered, 0.25 * std::pow(10 / 9.0, 2), 0.002);  // the smaller square alone, at distance 9
     EXPECT_TRUE(Textures(device(), scene).has_cutouts);
 }
@@ -339,7 +339,7 @@ TEST(BackFaces, AreNotThereWhereSomeAreCulled) {
 // ----------------------------------------------------------------------------------------------------------
 
 TEST(CutoutMemory, SolidSurfacesHaveNone) {
-    Scene scene = leaf_card(disc(8, 0.3));
+    Scene scene = leaf_card(disc_texture(8, 0.3));
     EXPECT_FALSE(Textures(device(), scene).has_cutouts);  // opaque by its mode
     scene.materials[0].alpha_mode = AlphaMode::mask;
     EXPECT_TRUE(Textures(device(), scene).has_cutouts);

@@ -18,7 +18,7 @@
 namespace claray::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 Texture float_image(unsigned width, unsigned height) {
     Texture image;
@@ -77,7 +77,7 @@ Scene only(const Environment& environment) {
     return scene;
 }
 
-glm::dvec3 seen(Scene scene, const glm::vec3& direction) {
+glm::dvec3 seen_sky(Scene scene, const glm::vec3& direction) {
     scene.camera = narrow_camera({0, 0, 0}, direction);
     return mean(render_image(scene, {.width = 2, .height = 2, .spp = 1}));
 }
@@ -92,7 +92,7 @@ TEST(Environment, IsSeenWhereItsDefinitionSays) {
         environment.strength = 2.f;
         for (const glm::vec3& direction : directions) {
             const glm::dvec3 expected = 2.0 * gradient(glm::normalize(glm::dvec3(direction)));
-            const glm::dvec3 radiance = seen(only(environment), direction);
+            const glm::dvec3 radiance = seen_sky(only(environment), direction);
             for (int c = 0; c < 3; ++c)
                 EXPECT_NEAR(radiance[c], expected[c], 0.005) << (faces ? "cube " : "panorama ") << c << " "
                                                              << direction.x << " " << direction.y << " " << direction.z;
@@ -109,7 +109,7 @@ TEST(Environment, Turns) {
         const glm::dvec3 d = glm::normalize(glm::dvec3(direction));
         const double c = std::cos(0.7), s = std::sin(0.7);  // turned back
         const glm::dvec3 expected = gradient({c * d.x - s * d.z, d.y, s * d.x + c * d.z});
-        EXPECT_NEAR(seen(only(environment), direction).x, expected.x, 0.005)
+        EXPECT_NEAR(seen_sky(only(environment), direction).x, expected.x, 0.005)
             << direction.x << direction.y << direction.z;
     }
 }
@@ -119,9 +119,9 @@ TEST(Environment, BytesAreDecoded) {
     image.width = 2, image.height = 1, image.channels = 1, image.bytes = {128, 128};
     Environment environment;
     environment.images = {image};
-    EXPECT_NEAR(seen(only(environment), {1, 0, 0}).x, 0.2158605, 1e-5);  // of sRGB's 128
+    EXPECT_NEAR(seen_sky(only(environment), {1, 0, 0}).x, 0.2158605, 1e-5);  // of sRGB's 128
     environment.images[0].format = TexelFormat::linear8;
-    EXPECT_NEAR(seen(only(environment), {1, 0, 0}).x, 128 / 255.0, 1e-5);
+    EXPECT_NEAR(seen_sky(only(environment), {1, 0, 0}).x, 128 / 255.0, 1e-5);
 }
 
 TEST(Environment, TakesThePlaceOfTheSky) {
@@ -129,7 +129,7 @@ TEST(Environment, TakesThePlaceOfTheSky) {
     environment.images = {float_image(4, 2)};  // black
     Scene scene = only(environment);
     scene.sky = {glm::vec3(1.f), glm::vec3(1.f)};
-    EXPECT_EQ(seen(scene, {1, 0, 0}).x, 0);
+    EXPECT_EQ(seen_sky(scene, {1, 0, 0}).x, 0);
 }
 
 TEST(Environment, BadTexelsAreRefused) {

@@ -5,6 +5,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 #include <limits>
+#include <numbers>
 
 #include "host/render/light_probe.hpp"
 #include "host/scene/random.hpp"
@@ -13,7 +14,8 @@
 namespace claray::test {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+using std::numbers::pi;
+constexpr double endless = std::numeric_limits<double>::infinity();
 
 Mesh triangles_at_random(std::size_t count, std::uint64_t seed) {
     Mesh mesh;
@@ -35,7 +37,7 @@ void expect_as_oracle(const Scene& scene, std::span<const glm::dvec3> corners) {
     for (int i = 0; i < 500; ++i) {
         const glm::vec3 from = 2.f * random.in_cube(), way = random.in_ball();
         const auto expected = oracle.closest_hit({from.x, from.y, from.z, 0, way.x, way.y, way.z, 1e30f});
-        const auto hit = rays.closest(from, way, infinity);
+        const auto hit = rays.closest(from, way, endless);
         ASSERT_EQ(hit.has_value(), expected.primitive != CLARAY_MISS) << i;
         if (!hit) continue;
         ++hits;
@@ -82,16 +84,16 @@ TEST(HostRays, HitInstances) {
 
 TEST(HostRays, OfNothingHitNothing) {
     Scene scene;
-    EXPECT_FALSE(HostRays(scene).closest({0, 0, 5}, {0, 0, -1}, infinity));
+    EXPECT_FALSE(HostRays(scene).closest({0, 0, 5}, {0, 0, -1}, endless));
     scene.meshes = {Mesh{}};
-    EXPECT_FALSE(HostRays(scene).closest({0, 0, 5}, {0, 0, -1}, infinity));
+    EXPECT_FALSE(HostRays(scene).closest({0, 0, 5}, {0, 0, -1}, endless));
 }
 
 /// A square of side 2 in the plane z = 0 that fills the view of a camera before it.
-struct Square {
+struct TracedSquare {
     Scene scene;
     Camera camera;
-    Square() {
+    TracedSquare() {
         scene.materials.emplace_back();
         add_wall({-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
         camera.position = {0, 0, 10}, camera.vertical_fov = float(glm::degrees(2 * std::atan(0.1)));
@@ -107,21 +109,21 @@ struct Square {
 };
 
 TEST(LightProbe, OfWhatHasNoLight) {
-    const LightProbe probe = Square().probe();
+    const LightProbe probe = TracedSquare().probe();
     EXPECT_EQ(probe.lights, 0u);
     EXPECT_EQ(probe.seen, 1);
     EXPECT_EQ(probe.lit, 0);
     EXPECT_EQ(probe.visible, 0);
     EXPECT_EQ(probe.open, 1);
-    Square away;
+    TracedSquare away;
     away.camera.target = {0, 0, 20};
     EXPECT_EQ(away.probe().seen, 0);
 }
 
 /// A point at height h makes grey as bright as `visible_luminance` at a distance r: I h / (h^2 + r^2)^1.5 0.5 / pi.
 TEST(LightProbe, LitIsTheDiscThatAPointMakesVisible) {
-    Square square;
-    const double h = 0.5, r = 0.7, pi = 3.14159265358979;
+    TracedSquare square;
+    const double h = 0.5, r = 0.7;
     const double intensity = visible_luminance * 2 * pi * std::pow(h * h + r * r, 1.5) / h;
     square.scene.lights = {point_light({0, 0, float(h)}, glm::vec3(float(intensity)))};
     EXPECT_NEAR(square.probe().lit, pi * r * r / 4, 0.03);
@@ -133,7 +135,7 @@ TEST(LightProbe, LitIsTheDiscThatAPointMakesVisible) {
 }
 
 TEST(LightProbe, SpotsSunsAndLampsCountWithTheirShadows) {
-    Square square;
+    TracedSquare square;
     Light spot = point_light({0, 0, 1}, glm::vec3(100.f));
     spot.kind = LightKind::spot, spot.direction = {0, 0, -1};
     spot.outer_angle = float(std::atan(0.5)), spot.inner_angle = spot.outer_angle - 1e-3f;
@@ -161,7 +163,7 @@ TEST(LightProbe, SpotsSunsAndLampsCountWithTheirShadows) {
 
 /// The share of the emission's image that is not black is what is visible.
 TEST(LightProbe, EmissionIsLookedUpInItsImage) {
-    Square square;
+    TracedSquare square;
     Texture texture;
     texture.width = 4, texture.height = 1, texture.channels = 3;
     texture.bytes.resize(12);
@@ -175,7 +177,7 @@ TEST(LightProbe, EmissionIsLookedUpInItsImage) {
 }
 
 TEST(LightProbe, RaysPassThroughWhatLetsLightPass) {
-    Square square;
+    TracedSquare square;
     Light sun;
     sun.kind = LightKind::directional, sun.direction = {0, 0, -1}, sun.intensity = glm::vec3(3.f);
     square.scene.lights = {sun};
@@ -198,7 +200,7 @@ TEST(LightProbe, RaysPassThroughWhatLetsLightPass) {
 }
 
 TEST(LightProbe, InAClosedRoomNothingIsOpen) {
-    Square square;
+    TracedSquare square;
     square.add_wall({-1, -1, 20}, {2, 0, 0}, {0, 2, 0});
     for (const float side : {-1.f, 1.f}) {
         square.add_wall({side, -1, 0}, {0, 2, 0}, {0, 0, 20});

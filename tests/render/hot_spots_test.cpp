@@ -17,7 +17,7 @@
 namespace claray::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Points in the dark Cornell box, some of them very close to its walls and blocks.
 Scene box_with_points(int count) {

@@ -12,7 +12,7 @@
 namespace claray::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr float albedo = 0.6f;
 
 Scene floor_scene() {

@@ -15,10 +15,10 @@
 namespace claray::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// A square of side 2 at y = 0, whose second coordinates are its place.
-Scene floor_scene() {
+Scene baked_floor() {
     Scene scene;
     scene.materials = {lambert(0.6f)};
     scene.meshes = {mapped_square()};
@@ -32,7 +32,7 @@ glm::dvec3 texel(const Texture& map, unsigned x, unsigned y) {
 }
 
 TEST(LightMap, HoldsTheIrradianceOfALamp) {
-    Scene scene = floor_scene();
+    Scene scene = baked_floor();
     scene.lights = {point_light({0.3f, 1.2f, -0.4f}, {5.f, 2.f, 1.f})};
     const Texture map = bake_light_map(device(), scene, 0, {.width = 16, .height = 8, .spp = 4});
     for (unsigned y = 0; y < 8; ++y)
@@ -47,7 +47,7 @@ TEST(LightMap, HoldsTheIrradianceOfALamp) {
 /// Whatever the material: irradiance is that of the light alone.
 TEST(LightMap, OfAWhiteSkyIsPi) {
     for (const MaterialKind kind : {MaterialKind::lambert, MaterialKind::mirror, MaterialKind::principled}) {
-        Scene scene = floor_scene();
+        Scene scene = baked_floor();
         scene.materials = {material(kind, 0.f)};
         scene.materials[0].sheen = glm::vec3(1.f), scene.materials[0].sheen_roughness = 1.f;
         scene.materials[0].clearcoat = 1.f;
@@ -60,7 +60,7 @@ TEST(LightMap, OfAWhiteSkyIsPi) {
 
 /// A floor and a wall that light each other, under a lamp.
 Scene corner_scene() {
-    Scene scene = floor_scene();
+    Scene scene = baked_floor();
     Mesh wall = scene.meshes[0];
     wall.materials.assign(2, 1);
     for (glm::vec3& p : wall.positions) p = {p.x, 1.f - p.z, -1.f};
@@ -98,7 +98,7 @@ TEST(LightMap, ImageIsTheSameAsWithout) {
 
 /// Paths end at a light map, and nothing is asked of the lights there.
 TEST(LightMap, EndsPathsAndShadowRays) {
-    Scene scene = floor_scene();
+    Scene scene = baked_floor();
     scene.lights = {point_light({0, 1, 0}, glm::vec3(1.f))};
     use_light_map(scene, 0, float_texture({1, 1}, [](double, double) { return 2.0; }));
     scene.camera = narrow_camera({0, 1, 1}, {0, 0, 0});
@@ -110,7 +110,7 @@ TEST(LightMap, EndsPathsAndShadowRays) {
 }
 
 TEST(LightMap, IsOfTheFrontAlone) {
-    Scene scene = floor_scene();
+    Scene scene = baked_floor();
     use_light_map(scene, 0, float_texture({1, 1}, [](double, double) { return 2.0; }));
     for (const float side : {1.f, -1.f}) {
         scene.camera = narrow_camera({0, side, 1}, {0, 0, 0});
@@ -149,7 +149,7 @@ TEST(TexelPoints, LieUnderTheTexels) {
 }
 
 TEST(LightMap, BadInput) {
-    const Scene scene = floor_scene();
+    const Scene scene = baked_floor();
     const auto bake = [&](Scene with, LightMapConfig config) {
         return [with, config] { (void)bake_light_map(device(), with, 0, config); };
     };

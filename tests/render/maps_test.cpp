@@ -14,7 +14,7 @@
 namespace claray::test {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Under a white sky a plane's radiance is its albedo.
 Scene plane_under_sky(const Texture& texture) {

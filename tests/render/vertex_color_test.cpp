@@ -34,7 +34,7 @@ glm::dvec3 painted(double x, double z) {
 }
 
 /// What a camera sees of one point, by one light straight above that gives white Lambertians the radiance 1.
-glm::dvec3 seen(Scene scene, double x, double z) {
+glm::dvec3 seen_color(Scene scene, double x, double z) {
     scene.lights = {point_light({0, 1000, 0}, glm::vec3(float(1e6 * std::numbers::pi)))};
     scene.camera = narrow_camera({float(x) + 1, 2, float(z)}, {float(x), 0, float(z)});
     return mean(render_image(scene, {.width = 1, .height = 1, .spp = 4, .max_depth = 1}));
@@ -43,7 +43,7 @@ glm::dvec3 seen(Scene scene, double x, double z) {
 void expect_colors(const Scene& scene) {
     for (const auto& [x, z] :
          {std::pair(-0.9, 0.8), std::pair(-0.5, 0.1), std::pair(0.5, 0.9), std::pair(-0.8, -0.7)}) {
-        const glm::dvec3 color = seen(scene, x, z), expected = painted(x, z);
+        const glm::dvec3 color = seen_color(scene, x, z), expected = painted(x, z);
         for (int k = 0; k < 3; ++k) EXPECT_NEAR(color[k], expected[k], 1e-4) << x << ", " << z;
     }
 }
@@ -62,7 +62,7 @@ TEST(VertexColors, OfOneMeshLeaveOthersWhite) {
     scene.meshes.insert(scene.meshes.begin(), square(1.f, 0.f));
     for (glm::vec3& p : scene.meshes[0].positions) p.x += 3.f;
     expect_colors(scene);
-    EXPECT_NEAR(seen(scene, 3.2, 0.1).y, 1, 1e-4);
+    EXPECT_NEAR(seen_color(scene, 3.2, 0.1).y, 1, 1e-4);
 }
 
 /// Next to an image: they multiply.
@@ -71,7 +71,7 @@ TEST(VertexColors, MultiplyTextures) {
     scene.textures = {float_texture({1, 1}, [](double, double) { return glm::vec3(0.5f, 0.25f, 1.f); })};
     scene.materials[0].albedo_map.texture = 0;
     scene.meshes[0].uvs.assign(3, glm::vec2(0.5f));
-    const glm::dvec3 color = seen(scene, -0.5, 0.1), expected = painted(-0.5, 0.1) * glm::dvec3(0.5, 0.25, 1);
+    const glm::dvec3 color = seen_color(scene, -0.5, 0.1), expected = painted(-0.5, 0.1) * glm::dvec3(0.5, 0.25, 1);
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(color[k], expected[k], 1e-4);
 }
 

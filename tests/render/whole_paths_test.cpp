@@ -20,7 +20,7 @@ Device following(unsigned most_effects, unsigned most_bounces_permille, unsigned
     return fresh;
 }
 
-RenderConfig small() {
+RenderConfig small_config() {
     RenderConfig config{.width = 24, .height = 20, .spp = 4, .max_depth = 4};
     config.bvh.layout = Layout::binary;
     return config;
@@ -30,7 +30,7 @@ Scene scene_named(const std::string& name) { return builtin_scene(name).value();
 
 void expect_same(const Scene& scene, const std::string& name) {
     const Device whole = following(99, 100'000), staged = following(0, 0);
-    Renderer one(whole, scene, small()), many(staged, scene, small());
+    Renderer one(whole, scene, small_config()), many(staged, scene, small_config());
     (void)one.render(), (void)many.render();
     EXPECT_EQ(one.image(), many.image()) << name;
     const RenderStatistics a = one.statistics(), b = many.statistics();
@@ -48,7 +48,7 @@ TEST(WholePaths, MakeTheSameImage) {
 TEST(WholePaths, AreAsLongAsThoseOfTheStages) {
     const Scene scene = scene_named("cornell");
     const auto rays_of = [&](unsigned most_effects, unsigned depth) {
-        RenderConfig config = small();
+        RenderConfig config = small_config();
         config.max_depth = depth;
         Renderer renderer(following(most_effects, 100'000), scene, config);
         (void)renderer.render();
@@ -75,7 +75,7 @@ TEST(WholePaths, HeedMacrosOfShading) {
     const auto image_by = [&](unsigned most_effects, unsigned techniques) {
         const Device fresh = following(most_effects, 100'000);
         fresh.set_tuning("render/shade_surface", "TECHNIQUES", techniques);
-        Renderer renderer(fresh, scene, small());
+        Renderer renderer(fresh, scene, small_config());
         (void)renderer.render();
         return renderer.image();
     };
@@ -86,7 +86,7 @@ TEST(WholePaths, HeedMacrosOfShading) {
 TEST(WholePaths, AreForFewEffectsAndShortPaths) {
     const Scene scene = scene_named("cornell");  // two effects, and nearly two surfaces a path after the first
     const auto follows = [&](unsigned effects, unsigned permille) {
-        Renderer renderer(following(effects, permille), scene, small());
+        Renderer renderer(following(effects, permille), scene, small_config());
         (void)renderer.render();
         return renderer.statistics().in_paths.rays > 0;
     };
@@ -105,7 +105,7 @@ Device with_small_batches_of(std::uint64_t least) {
 
 TEST(WholePaths, AreForSmallBatches) {
     const auto follows = [&](std::uint64_t small_batch) {
-        Renderer renderer(with_small_batches_of(small_batch), scene_named("effect:sky"), small());
+        Renderer renderer(with_small_batches_of(small_batch), scene_named("effect:sky"), small_config());
         (void)renderer.render();
         return renderer.statistics().in_paths.rays > 0;
     };
@@ -115,7 +115,7 @@ TEST(WholePaths, AreForSmallBatches) {
 
 TEST(WholePaths, LeaveLargerBatchesToTheStages) {
     const Scene scene = scene_named("effect:sky");
-    Renderer some(with_small_batches_of(24 * 20), scene, small()), none(following(0, 0), scene, small());
+    Renderer some(with_small_batches_of(24 * 20), scene, small_config()), none(following(0, 0), scene, small_config());
     (void)some.render();
     EXPECT_EQ(some.statistics().in_paths.rays, 0u);
     some.restart(1, 2);
@@ -134,26 +134,26 @@ TEST(WholePaths, LeaveLargerBatchesToTheStages) {
 }
 
 TEST(WholePaths, AreNotForShortRenders) {
-    Renderer renderer(following(99, 100'000, 1'000'000'000), scene_named("effect:sky"), small());
+    Renderer renderer(following(99, 100'000, 1'000'000'000), scene_named("effect:sky"), small_config());
     (void)renderer.render();
     EXPECT_EQ(renderer.statistics().in_paths.rays, 0u);
 }
 
 TEST(WholePaths, AreNotFollowedThroughInstances) {
-    Renderer renderer(following(99, 100'000), scene_named("effect:instances"), small());
+    Renderer renderer(following(99, 100'000), scene_named("effect:instances"), small_config());
     (void)renderer.render();
     EXPECT_EQ(renderer.statistics().in_paths.rays, 0u);
 }
 
 TEST(WholePaths, GoOnInTheNextFrame) {
     const Scene scene = scene_named("effect:sky");
-    Renderer renderer(following(99, 100'000), scene, small());
+    Renderer renderer(following(99, 100'000), scene, small_config());
     (void)renderer.render();
     const std::uint64_t before = renderer.statistics().in_paths.rays;
     renderer.restart(7);
     (void)renderer.render();
     EXPECT_GT(renderer.statistics().in_paths.rays, 2 * before);
-    RenderConfig other = small();
+    RenderConfig other = small_config();
     other.seed = 7;
     Renderer fresh(following(0, 0), scene, other);
     (void)fresh.render();

@@ -26,8 +26,8 @@ protected:
     }
 };
 
-void expect_oracle_hits(const InstancedBvh& bvh, std::span<const Mesh> meshes, std::span<const Instance> instances,
-                        const std::vector<Ray>& rays) {
+void expect_hits_of_instances(const InstancedBvh& bvh, std::span<const Mesh> meshes,
+                              std::span<const Instance> instances, const std::vector<Ray>& rays) {
     const InstanceComparison c = InstanceOracle(meshes, instances).compare(rays, closest_hit(bvh, rays));
     EXPECT_GT(c.hits, rays.size() / 200);
     EXPECT_EQ(c.wrong, 0u) << "of " << rays.size() << " rays, the first of them ray " << c.first_wrong;
@@ -64,8 +64,8 @@ TEST_P(InstancesTest, HitsEqualTheOracle) {
     for (const std::size_t count : {1u, 2u, 3u, 7u, 203u}) {
         const std::vector<Instance> instances = random_instances(count, 3, 2.f, count < 10 ? 1.f : 0.3f, count);
         const InstancedBvh bvh = build(meshes, instances);
-        expect_oracle_hits(bvh, meshes, instances, random_rays(5003, 8.f, 2.f, 5));
-        expect_oracle_hits(bvh, meshes, instances, random_rays(5003, 0.5f, 2.f, 6));
+        expect_hits_of_instances(bvh, meshes, instances, random_rays(5003, 8.f, 2.f, 5));
+        expect_hits_of_instances(bvh, meshes, instances, random_rays(5003, 0.5f, 2.f, 6));
     }
 }
 

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 
 #include "host/build/host_tree.hpp"
@@ -11,13 +10,11 @@
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/not_finite.hpp"
 #include "tests/support/query.hpp"
 
 namespace claray::test {
 namespace {
-
-constexpr float infinity = std::numeric_limits<float>::infinity();
-constexpr float nan = std::numeric_limits<float>::quiet_NaN();
 
 class QueryTest : public testing::TestWithParam<Layout> {
 protected:
