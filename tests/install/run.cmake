@@ -1,6 +1,5 @@
 # Installs a build of claray to a fresh prefix, then configures, builds and runs a consumer that finds it there, and one
-# that finds it in the folder of the build. With SHARED, first builds claray as shared libraries and as a part of the consumer, of the
-# objects of the build where these are compiled in the same way:
+# that finds it in the folder of the build. With SHARED, first builds claray as shared libraries and as a part of the consumer:
 #   cmake -DSOURCE_DIR= -DBINARY_DIR= -DWORK_DIR= -DGENERATOR= -DCXX= [-DSHARED=ON] -P run.cmake
 function(run)
     execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE log ERROR_VARIABLE log)
@@ -18,13 +17,8 @@ file(REMOVE_RECURSE "${WORK_DIR}")
 
 if(SHARED)
     set(whole "${WORK_DIR}/as_subdirectory")
-    file(STRINGS "${BINARY_DIR}/CMakeCache.txt" flags REGEX "^CMAKE_(BUILD_TYPE|CXX_FLAGS[A-Z_]*):STRING=")
-    list(TRANSFORM flags PREPEND "-D")
-    set(ENV{CLARAY_REUSE} "${BINARY_DIR}")
-    set(ENV{CLARAY_LAUNCHER} "${LAUNCHER}")
-    run(${CMAKE_COMMAND} -S "${consumer}" -B "${whole}" -G ${GENERATOR} -DCMAKE_CXX_COMPILER=${CXX} ${flags}
-        "-DCMAKE_CXX_COMPILER_LAUNCHER=${CMAKE_CURRENT_LIST_DIR}/reuse" "-DCLARAY_SOURCE_DIR=${SOURCE_DIR}" -DBUILD_SHARED_LIBS=ON
-        -DCLARAY_INSTALL=ON)
+    run(${CMAKE_COMMAND} -S "${consumer}" -B "${whole}" ${options} "-DCLARAY_SOURCE_DIR=${SOURCE_DIR}" -DBUILD_SHARED_LIBS=ON
+        -DCLARAY_INSTALL=ON -DCLARAY_QUICK_BUILD=ON)
     run(${CMAKE_COMMAND} --build "${whole}" --parallel 2)
     run("${whole}/consumer")
     run(${CMAKE_COMMAND} --install "${whole}" --prefix "${prefix}")
