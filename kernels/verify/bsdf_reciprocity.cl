@@ -18,11 +18,16 @@ kernel void reciprocity(MATERIAL, uint count, uint pairs, global float* worst, g
         if ((k & 1u) && sample_bsdf(&material, tables, o, UP, inside, (float3)(b.xy, a.z), &s)) i = s.incoming;
         if (i.z == 0.0f) continue;
         const bool through = i.z < 0.0f;
-        float pdf;
-        float there = eval_bsdf(&material, tables, o, i, UP, inside, &pdf).x / fabs(i.z);
         // Seen from the other side the frame is turned around x.
         const float3 turn = through ? (float3)(1.0f, -1.0f, -1.0f) : (float3)(1.0f);
-        float back = eval_bsdf(&material, tables, i * turn, o * turn, UP, inside != through, &pdf).x / o.z;
+        float there = 0.0f, back = 0.0f;
+#pragma unroll 1  // eval_bsdf is inlined, and NVIDIA's compiler takes half a minute for each copy
+        for (uint way = 0; way < 2; ++way) {
+            float pdf;
+            const float value = eval_bsdf(&material, tables, way ? i * turn : o, way ? o * turn : i, UP,
+                                          way ? inside != through : inside, &pdf).x;
+            if (way) back = value / o.z; else there = value / fabs(i.z);
+        }
         if (through) {
             const float n2 = material.kind == CLARAY_THIN_GLASS ? 1.0f : material.ior * material.ior;
             if (inside) there *= n2; else back *= n2;
