@@ -186,8 +186,6 @@ Defines Bvh::defines() const {
     Defines defines = {{"CLARAY_WIDE", layout() == Layout::wide ? "1" : "0"}};
     if (state_->small_kernels) defines.emplace_back("CLARAY_SMALL", "1");
     if (has_cutouts()) defines.emplace_back("CLARAY_CUTOUTS", "1");
-    if (const unsigned entries = device().tuning("trace/traverse", "STACK"); entries != 0)
-        defines.emplace_back("CLARAY_STACK", std::to_string(entries));
     return defines;
 }
 

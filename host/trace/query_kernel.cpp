@@ -38,9 +38,7 @@ QueryKernel::QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options,
     }
     rays_per_item_ = std::max(1u, device.tuning(stem, "RAYS_PER_ITEM"));
     group_ = device.tuning(stem, "GROUP_SIZE");
-    const bool whole_stack = device.tuning("trace/traverse", "STACK") == 0;
-    if (bvh.layout() == Layout::wide && !options.visits.allocated() && whole_stack)
-        most_in_batch_ = device.tuning(stem, "BATCH");
+    if (bvh.layout() == Layout::wide && !options.visits.allocated()) most_in_batch_ = device.tuning(stem, "BATCH");
     if (most_in_batch_ != 0) {
         // A batch lies on the stack of the thread that traces it: more than 1 MB of it would be daring, or of two at
         // once.

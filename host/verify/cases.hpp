@@ -38,7 +38,6 @@ void junk(Run& run);
 void equal_codes(Run& run);
 void stadium(Run& run);
 void stack_depth(Run& run);
-void short_stack(Run& run);
 void rebuilds(Run& run);
 
 // materials.cpp

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 
 #include "host/verify/cases.hpp"
 #include "host/verify/oracle.hpp"
@@ -302,31 +301,6 @@ std::vector<Ray> rays_into(const Mesh& mesh, std::size_t count, std::uint64_t se
     return rays;
 }
 
-/// All that a query tells of rays, and how many boxes and triangles it tested.
-struct Answers {
-    std::vector<Hit> hits, counted;
-    std::vector<std::uint8_t> any;
-    std::vector<Visits> visits;
-};
-
-Answers ask(const Bvh& bvh, const std::vector<Ray>& rays) {
-    Answers answers;
-    answers.hits = closest_hit(bvh, rays);
-    answers.any = any_hit(bvh, rays);
-    const Buffer<Visits> visits(bvh.device(), rays.size());
-    QueryOptions counting;
-    counting.visits = visits;
-    answers.counted = closest_hit(bvh, rays, counting);
-    answers.visits = visits.read();
-    return answers;
-}
-
-bool same_hit(const Hit& a, const Hit& b) { return std::memcmp(&a, &b, sizeof(Hit)) == 0; }
-
-}  // namespace
-
-namespace {
-
 void stack_depth(Run& run, const Mesh& mesh, const std::vector<Ray>& rays, const std::string& at) {
     const Oracle oracle(std::span(&mesh, 1));
     for (const auto& [layout, layout_name] : layouts) {
@@ -354,63 +328,6 @@ void stack_depth(Run& run) {
     const Mesh far = deep_mesh(0x1p19f, corner, 0x1p-4f);
     auto rays = rays_into(far, run.count<std::size_t>(1000, 50'000), run.seed() + 36, 0x1p19f, corner);
     stack_depth(run, far, rays, " at 1e6");
-}
-
-namespace {
-
-/// A stack of so many entries, in traversal kernels of their own.
-struct TriedStack {
-    NamedLayout layout;
-    unsigned entries, bound;
-    Tally same = {}, fit = {};
-    std::string other_hit = {};
-
-    void ask_for(const Device& device, const Mesh& mesh, const std::vector<Ray>& rays) {
-        const Bvh bvh = Bvh::build(device, std::span(&mesh, 1), {.layout = layout.layout});
-        const Answers whole = ask(bvh, rays);
-        const ScopedTuning tuning(device, "trace/traverse", "STACK", entries);
-        const Answers found = ask(bvh, rays);
-        for (std::size_t i = 0; i < rays.size(); ++i) {
-            same.add(same_hit(found.hits[i], whole.hits[i]) && same_hit(found.counted[i], whole.hits[i]) &&
-                     found.any[i] == whole.any[i]);
-            if (same.wrong != 0 && other_hit.empty()) other_hit = text_of(rays[i]);
-            fit.add(found.visits[i].nodes == whole.visits[i].nodes);
-        }
-    }
-    void tell(Run& run) const {
-        const std::string stack = ", stack of " + std::to_string(entries) + ", " + layout.name;
-        if (same.wrong != 0) run.failure("another hit" + stack + ": " + other_hit);
-        run.check("other hits" + stack, same.tried, double(same.wrong), 0, "rays");
-        if (entries == bound)
-            run.check("rays that find no room" + stack, fit.tried, double(fit.wrong), 0, "rays");
-        else
-            run.fact("rays that find no room" + stack, std::to_string(fit.wrong));
-        if (entries != bound && fit.wrong < fit.tried / 20)
-            run.check("rays that find no room, provoked" + stack, fit.tried, 1, 0, "");
-    }
-};
-
-}  // namespace
-
-/// Stacks of the bound, where every push is checked, and of few entries, by a deep tree and by one where rays meet
-/// much. What finds no room is seen by the visits, since such a ray begins again.
-void short_stack(Run& run) {
-    const std::size_t count = run.count<std::size_t>(5000, 100'000);
-    const Mesh deep = deep_mesh(), thick = soup(3000, 0.5f, run.seed() + 33);
-    const std::pair<const Mesh*, std::vector<Ray>> scenes[] = {{&deep, rays_into(deep, count, run.seed() + 34)},
-                                                               {&thick, random_rays(count, 3.f, 1.f, run.seed() + 35)}};
-    std::vector<TriedStack> stacks;
-    for (const NamedLayout& layout : layouts) {
-        const unsigned bound =
-            layout.layout == Layout::binary ? CLARAY_MAX_HEIGHT + 1 : CLARAY_MAX_HEIGHT * (CLARAY_WIDTH - 1) + 1;
-        stacks.push_back({layout, bound, bound});
-        stacks.push_back({layout, 4, bound});
-        if (run.full()) stacks.push_back({layout, 1, bound});
-    }
-    run.side_by_side(stacks.size(), [&](const Device& device, std::size_t i) {
-        for (const auto& [mesh, rays] : scenes) stacks[i].ask_for(device, *mesh, rays);
-    });
-    for (const TriedStack& stack : stacks) stack.tell(run);
 }
 
 /// The bottom-up build is a lock-free algorithm: without a fence at device scope it fails now and then, on large trees.

@@ -61,7 +61,6 @@ const std::vector<Entry>& entries() {
          true},
         {{"stadium", "trees", "Nine tenths of the triangles in a cluster of 1e-4 of the scene"}, stadium},
         {{"stack-depth", "trees", "The deepest tree that codes allow needs no more than the stack"}, stack_depth},
-        {{"short-stack", "trees", "Stacks that are too short for the tree change no hit"}, short_stack},
         {{"rebuilds", "trees", "Rebuilding again and again gives one sound tree: the fences work"}, rebuilds},
         {{"ggx-density", "materials", "GGX's density of narrow lobes, alpha down to 1e-4"}, ggx_density},
         {{"ggx-energy", "materials", "What GGX scatters once is what quadrature says, 1 - ln 2 at alpha 1"},

@@ -29,6 +29,11 @@ Image gradient(unsigned width, unsigned height) {
     return image;
 }
 
+/// By the kernels that know every effect: they are compiled once for all studies.
+RenderConfig small_image(unsigned side) {
+    return {.width = side, .height = side, .effects = {.add = full_effects(), .remove = {}}};
+}
+
 TEST(ImageError, IsWhatTheFormulasSay) {
     const Image reference(64, glm::vec3(0.5f));
     Image off = reference;
@@ -169,7 +174,7 @@ TEST(ReferenceImage, KnowsItsOwnError) {
 
 TEST(Study, OfSamplesFallsAsMonteCarloDoes) {
     StudyOptions options;
-    options.config = {.width = 24, .height = 24};
+    options.config = small_image(24);
     options.most_spp = 16, options.runs = 3;
     double last = 0;
     const Study study = study_sampling(device(), small_scene(), options, [&](double done, const std::string&) {
@@ -193,7 +198,7 @@ TEST(Study, OfSamplesFallsAsMonteCarloDoes) {
 
 TEST(Study, OfBiasSeesWhatPathsThatEndEarlyLeaveOutAndAmbientLightMakesUpFor) {
     StudyOptions options;
-    options.config = {.width = 16, .height = 16};
+    options.config = small_image(16);
     options.most_spp = 64, options.runs = 3;
     const Study study = study_bias(device(), small_scene(), options);
     ASSERT_EQ(study.points.size(), 21u);
@@ -211,7 +216,7 @@ TEST(Study, OfBiasSeesWhatPathsThatEndEarlyLeaveOutAndAmbientLightMakesUpFor) {
 
 TEST(Study, OfBiasSeesClampedSamplesAndCaustics) {
     StudyOptions options;
-    options.config = {.width = 20, .height = 20};
+    options.config = small_image(20);
     options.most_spp = 32, options.runs = 4;
     const Study study = study_bias(device(), *builtin_scene("spheres"), options);
     const StudyPoint &hard = point_named(study, "samples clamped", "at 1 x mean"),
@@ -221,14 +226,14 @@ TEST(Study, OfBiasSeesClampedSamplesAndCaustics) {
     EXPECT_FALSE(point_named(study, "samples clamped", "at 1000 x mean").failure.empty());
     EXPECT_EQ(point_named(study, "no caustics", "no caustics").failure, "");
     options.runs = 2;
-    options.config = {.width = 16, .height = 16};
+    options.config = small_image(16);
     const Study matt = study_bias(device(), *builtin_scene("effect:smooth-normals"), options);
     EXPECT_FALSE(point_named(matt, "no caustics", "no caustics").failure.empty());
 }
 
 TEST(Study, OfEffectsMapsWhatIsLostWithoutThem) {
     StudyOptions options;
-    options.config = {.width = 24, .height = 24};
+    options.config = small_image(24);
     options.most_spp = 32, options.runs = 2;
     std::vector<ErrorMap> maps;
     const Study study = study_effects(device(), *builtin_scene("spheres"), options, {}, &maps);
@@ -260,7 +265,7 @@ TEST(Study, OfEffectsMapsWhatIsLostWithoutThem) {
 
 TEST(ErrorCheck, FindsReportedErrorsTrue) {
     StudyOptions options;
-    options.config = {.width = 12, .height = 12};
+    options.config = small_image(12);
     options.most_spp = 4, options.runs = 2;
     const ErrorCheck check = check_errors(device(), *builtin_scene("hills"), options);
     EXPECT_EQ(check.points, 6u);
@@ -378,7 +383,7 @@ TEST(Study, ConcludesNothingFromQuartilesThatOverlap) {
 
 TEST(Study, OfTechniquesSeesWhatSamplingLightsIsWorth) {
     StudyOptions options;
-    options.config = {.width = 16, .height = 16};
+    options.config = small_image(16);
     options.most_spp = 16, options.runs = 3;
     const auto plain = [] {
         return render_image(device(), small_scene(), {.width = 16, .height = 16, .spp = 4}).image;
@@ -407,7 +412,7 @@ TEST(Study, OfTechniquesDoesNotTakeUnfoundLightForBiasAlone) {
                     mesh.positions[corner] = middle + 0.02f * (mesh.positions[corner] - middle);
             }
     StudyOptions options;
-    options.config = {.width = 8, .height = 8};
+    options.config = small_image(8);
     options.most_spp = 8, options.runs = 3;
     const Study study = study_techniques(device(), scene, options);
     std::string findings;
@@ -528,7 +533,7 @@ TEST(Study, EnlargesImagesByTheCentresOfPixels) {
 
 TEST(Study, OfFiltersSeesBiasThatSamplesDoNotMend) {
     StudyOptions options;
-    options.config = {.width = 24, .height = 24};
+    options.config = small_image(24);
     options.most_spp = 64, options.runs = 1;
     const Study study = study_filtering(device(), *builtin_scene("effect:mip-maps"), options);
     const auto error = [&](const char* method, const char* setting) {

@@ -29,6 +29,7 @@ protected:
 TEST_F(Machine, WithoutAHomeThatCanBeWrittenTo) {
     Environment none = {{"HOME", "/proc/nobody"},
                         {"XDG_CACHE_HOME", ""},
+                        {"POCL_CACHE_DIR", ""},
                         {"CLARAY_CACHE_DIR", "/proc/nobody"},
                         {"TMPDIR", folder_.path().string()}};
     const ProcessResult devices = run_claray({"devices"}, none);

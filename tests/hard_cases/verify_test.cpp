@@ -75,7 +75,7 @@ TEST(VerifyCases, UnknownNamesAreRefusedWithThoseThatExist) {
 }
 
 TEST(VerifyCases, AreReportedInTheOrderAskedFor) {
-    const std::vector<std::string> names = {"srgb", "equal-codes", "sort", "fresnel", "tree-hashes", "sort"};
+    const std::vector<std::string> names = {"scales", "fresnel", "sort", "integer-edges", "tree-hashes", "sort"};
     for (const unsigned threads : {0u, 1u, 3u}) {
         std::vector<VerifyResult> results;
         run_verify_cases(device(), names, {.threads = threads},

@@ -74,6 +74,7 @@ TEST_P(UnitKernelsOnLayout, BuildRefitAndTrace) {
     const std::vector<Ray> rays = rays_through_the_cube(65);
     for (const unsigned bits : {30u, 63u})
         for (const std::size_t count : {0u, 1u, 2u, 3u, 130u}) {
+            if (bits == 30 && count < 130) continue;  // only the codes differ
             const Mesh mesh = soup(count);
             Bvh bvh = Bvh::build(device, {&mesh, 1}, {.morton_bits = bits, .layout = GetParam()});
             EXPECT_EQ(bvh.header().culled, count / 10);
@@ -93,23 +94,6 @@ TEST_P(UnitKernelsOnLayout, BuildRefitAndTrace) {
                 EXPECT_EQ(occluded[i] != 0, expected[i].primitive != CLARAY_MISS);
             }
         }
-}
-
-TEST_P(UnitKernelsOnLayout, TraceWithAShortStack) {
-    const Device device = open_device();
-    const std::vector<Ray> rays = rays_through_the_cube(65);
-    const Mesh mesh = soup(130);
-    const Bvh bvh = Bvh::build(device, {&mesh, 1}, {.layout = GetParam()});
-    QueryOptions brute_force;
-    brute_force.brute_force = true;
-    const auto expected = closest_hit(bvh, rays, brute_force);
-    device.set_tuning("trace/traverse", "STACK", 1);
-    const auto hits = closest_hit(bvh, rays);
-    const auto occluded = any_hit(bvh, rays);
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-        EXPECT_EQ(hits[i].primitive, expected[i].primitive);
-        EXPECT_EQ(occluded[i] != 0, expected[i].primitive != CLARAY_MISS);
-    }
 }
 
 /// Both builders by both schedules: every leaf climbs by itself, or one work-item joins a range.

@@ -143,17 +143,5 @@ TEST(SmallTraversal, GivesTheSameHitsUnderAllOptions) {
     EXPECT_EQ(any_hit(host, rays, options), any_hit(other, rays, options));
 }
 
-/// It has no walk without a stack: where rays have but few entries, the other traversal is taken.
-TEST(SmallTraversal, GivesWayToAShortStack) {
-    Device shallow = Device::open(std::to_string(device().info().index));
-    shallow.set_tuning("trace/traverse", "STACK", 2);
-    const Mesh mesh = soup(3001, 0.1f, 1);
-    const std::vector<Ray> rays = random_rays(2003, 2.f, 1.f, 2);
-    const Bvh host = Bvh::build_by_host(shallow, std::span(&mesh, 1), {});
-    const Bvh other = Bvh::build(device(), std::span(&mesh, 1), {.layout = Layout::binary});
-    expect_same_bits(closest_hit(host, rays), closest_hit(other, rays));
-    EXPECT_EQ(any_hit(host, rays), any_hit(other, rays));
-}
-
 }  // namespace
 }  // namespace claray::test
