@@ -198,7 +198,7 @@ TEST(Study, OfSamplesFallsAsMonteCarloDoes) {
 
 TEST(Study, OfBiasSeesWhatPathsThatEndEarlyLeaveOutAndAmbientLightMakesUpFor) {
     StudyOptions options;
-    options.config = small_image(16);
+    options.config = {.width = 16, .height = 16};
     options.most_spp = 64, options.runs = 3;
     const Study study = study_bias(device(), small_scene(), options);
     ASSERT_EQ(study.points.size(), 21u);
@@ -216,7 +216,7 @@ TEST(Study, OfBiasSeesWhatPathsThatEndEarlyLeaveOutAndAmbientLightMakesUpFor) {
 
 TEST(Study, OfBiasSeesClampedSamplesAndCaustics) {
     StudyOptions options;
-    options.config = small_image(20);
+    options.config = {.width = 20, .height = 20};
     options.most_spp = 32, options.runs = 4;
     const Study study = study_bias(device(), *builtin_scene("spheres"), options);
     const StudyPoint &hard = point_named(study, "samples clamped", "at 1 x mean"),
@@ -226,7 +226,7 @@ TEST(Study, OfBiasSeesClampedSamplesAndCaustics) {
     EXPECT_FALSE(point_named(study, "samples clamped", "at 1000 x mean").failure.empty());
     EXPECT_EQ(point_named(study, "no caustics", "no caustics").failure, "");
     options.runs = 2;
-    options.config = small_image(16);
+    options.config = {.width = 16, .height = 16};
     const Study matt = study_bias(device(), *builtin_scene("effect:smooth-normals"), options);
     EXPECT_FALSE(point_named(matt, "no caustics", "no caustics").failure.empty());
 }
