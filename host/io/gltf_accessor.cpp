@@ -44,9 +44,9 @@ const tinygltf::Accessor& accessor_of(const GltfFile& file, int index, std::size
     if (index < 0 || std::size_t(index) >= accessors.size())
         file.fail(what + " refers to accessor " + to_string(index) + " of " + to_string(accessors.size()));
     const tinygltf::Accessor& accessor = accessors[std::size_t(index)];
-    const int stored_as = tinygltf::GetNumComponentsInType(std::uint32_t(accessor.type));
-    if (stored_as < 0 || std::size_t(stored_as) != components || accessor.type == TINYGLTF_TYPE_MAT2)
-        file.fail(what + " has elements of " + to_string(stored_as) + " components instead of " +
+    const int stored = tinygltf::GetNumComponentsInType(std::uint32_t(accessor.type));
+    if (stored < 0 || std::size_t(stored) != components || accessor.type == TINYGLTF_TYPE_MAT2)
+        file.fail(what + " has elements of " + to_string(stored) + " components instead of " +
                   to_string(components));
     return accessor;
 }

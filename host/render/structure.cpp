@@ -79,7 +79,7 @@ std::vector<std::uint32_t> first_light_numbers(const Scene& scene) {
     }
     if (numbers > 0xffffffffu)
         throw Error(ErrorKind::user, "instances of objects that shine have more than 2^32 triangles",
-                    "put what has_lamp into a mesh of its own");
+                    "put what shines into a mesh of its own");
     return first;
 }
 

@@ -57,7 +57,7 @@ void check_view(const glm::dvec3& view, const glm::dvec3& change, const glm::dve
 
 void check_projection(const Camera& camera) {
     if (!(camera.orthographic_height >= 0.f) || std::isinf(camera.orthographic_height))
-        refuse_camera("the orthographic height is negative or not finite_vector",
+        refuse_camera("the orthographic height is negative or not finite",
                       "give the height of the image, or 0 for perspective");
     if (!(camera.vertical_fov > 0.f && camera.vertical_fov < 180.f))
         refuse_camera("the field of view is not between 0 and 180 degrees", "40 is a good start");
@@ -65,10 +65,10 @@ void check_projection(const Camera& camera) {
 
 void check_lens(const Camera& camera) {
     if (!(camera.aperture_radius >= 0.f) || std::isinf(camera.aperture_radius))
-        refuse_camera("the aperture is negative or not finite_vector",
+        refuse_camera("the aperture is negative or not finite",
                       "give the radius of the lens, or 0 for a pinhole");
     if (!(camera.focus_distance >= 0.f) || std::isinf(camera.focus_distance))
-        refuse_camera("the focus distance is negative or not finite_vector",
+        refuse_camera("the focus distance is negative or not finite",
                       "give the distance of what is to be sharp");
 }
 
@@ -84,7 +84,7 @@ CameraData camera_data(const Camera& camera, float aspect) {
     const glm::vec3 target_end = camera.target_end.value_or(camera.target);
     if (!finite_vector(camera.position) || !finite_vector(camera.target) || !finite_vector(camera.up) ||
         !finite_vector(position_end) || !finite_vector(target_end))
-        refuse_camera("a coordinate is not finite_vector", "give three numbers each for position, target and up");
+        refuse_camera("a coordinate is not finite", "give three numbers each for position, target and up");
     check_projection(camera);
     if (!(aspect > 0.f) || std::isinf(aspect))
         refuse_camera("the aspect ratio is not positive", "give a size of at least 1x1");

@@ -167,7 +167,7 @@ TEST_F(GltfSkin, BadOnesAreNamed) {
     });
 }
 
-/// Two targets: the first lifts all posed_corners by z, the second moves corner 1 by x.
+/// Two targets: the first lifts all corners by z, the second moves corner 1 by x.
 class GltfMorph : public GltfTest {
 protected:
     GltfMorph() {

@@ -38,7 +38,7 @@ protected:
         return std::all_of(warnings.begin(), warnings.end(),
                            [](const std::string& line) { return line.find("lights the scene") != std::string::npos; });
     }
-    /// The plain_triangle is there and red.
+    /// The triangle is there and red.
     void expect_red(const std::string& text) {
         const Scene scene = load(text);
         ASSERT_EQ(triangle_count(scene), 1u) << text;
