@@ -35,6 +35,7 @@ bool give_pocl_a_folder() {
         throw Error(ErrorKind::user, "POCL_CACHE_DIR is '" + chosen.string() + "', which cannot be written to",
                     "set it to a folder that you may write to");
     }
+    ::unsetenv("POCL_CACHE_DIR");  // PoCL 3.1 aborts where it is set and empty
     if (make_writable(default_pocl_folder())) return true;
     const fs::path own = pocl_folder();
     return !own.empty() && ::setenv("POCL_CACHE_DIR", own.c_str(), 1) == 0;

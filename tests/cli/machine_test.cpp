@@ -52,6 +52,13 @@ TEST_F(Machine, WithoutAHomeThatCanBeWrittenTo) {
                             "POCL_CACHE_DIR is '/proc/nobody', which cannot be written to"));
 }
 
+/// PoCL alone aborts, whatever else can be written to.
+TEST_F(Machine, WithAnEmptyCacheVariable) {
+    const ProcessResult devices = run_claray({"devices"}, {{"POCL_CACHE_DIR", ""}, {"XDG_CACHE_HOME", folder_.path().string()}});
+    EXPECT_EQ(devices.exit_code, 0) << devices.errors;
+    EXPECT_EQ(devices.errors, "");
+}
+
 /// Another user's folder of that name, or a link, is not used.
 TEST_F(Machine, AFolderOfOthersIsNotTrusted) {
     fs::create_directory(path("elsewhere"));
