@@ -46,9 +46,9 @@ int main(int argc, char** argv) try {
     CLI11_PARSE(app, argc, argv);
     const Device device = Device::open(selector);
     Scene scene;
-    scene.meshes = bench::load_meshes(name);
+    scene.meshes = measure::load_meshes(name);
     const Bvh bvh = Bvh::build(device, scene.meshes);
-    const std::vector<Ray> rays = bench::primary_rays(automatic_camera(bounds_of(scene)), size, size, false);
+    const std::vector<Ray> rays = measure::primary_rays(automatic_camera(bounds_of(scene)), size, size, false);
     const double tests = double(rays.size()) * double(bvh.triangle_count());
     (void)trace(bvh, rays, rays.size(), false);  // warm-up
     const Timed tree = trace(bvh, rays, rays.size(), false);
@@ -64,7 +64,7 @@ int main(int argc, char** argv) try {
     std::printf("  with the tree   %10.2f ms  %.0f times faster, %.1f Mrays/s\n", tree.milliseconds,
                 all.milliseconds / tree.milliseconds, double(rays.size()) * 1e-3 / tree.milliseconds);
     std::printf("  hits that differ: %zu\n", differences);
-    bench::Csv csv(csv_path, device, "scene,rays,triangles,brute_force_ms,tree_ms,differences");
+    measure::Csv csv(csv_path, device, "scene,rays,triangles,brute_force_ms,tree_ms,differences");
     csv.row(name, rays.size(), bvh.triangle_count(), all.milliseconds, tree.milliseconds, differences);
     csv.write();
     return differences == 0 ? 0 : 1;

@@ -9,11 +9,11 @@ using namespace claray;
 
 namespace {
 
-void report(const Device& device, const std::string& name, const Bvh::Config& config, int repeat, bench::Csv& csv) {
-    Bvh bvh = Bvh::build(device, bench::load_meshes(name), config);
-    const auto medians = bench::measure(device, repeat, [&] { bvh.rebuild(); });
+void report(const Device& device, const std::string& name, const Bvh::Config& config, int repeat, measure::Csv& csv) {
+    Bvh bvh = Bvh::build(device, measure::load_meshes(name), config);
+    const auto medians = measure::measure(device, repeat, [&] { bvh.rebuild(); });
     const BvhStatistics s = bvh.statistics();
-    const auto refit = bench::measure(device, repeat, [&] { bvh.refit(); });
+    const auto refit = measure::measure(device, repeat, [&] { bvh.refit(); });
     bvh.rebuild();
     const double total = medians.at("");
     std::printf(
@@ -37,7 +37,7 @@ int main(int argc, char** argv) try {
     Bvh::Config config;
     int repeat = 11;
     app.add_option("--device", selector);
-    bench::add_bvh_options(app, config);
+    measure::add_bvh_options(app, config);
     app.add_option("--repeat", repeat);
     app.add_option("--csv", csv_path);
     app.add_option("scenes", scenes);
@@ -45,7 +45,7 @@ int main(int argc, char** argv) try {
     const Device device = Device::open(selector);
     std::printf("%s, driver %s; medians of %d by OpenCL events\n", device.info().name.c_str(),
                 device.info().driver.c_str(), repeat);
-    bench::Csv csv(csv_path, device, "scene,triangles,bits,stage,milliseconds,sah_cost,bytes");
+    measure::Csv csv(csv_path, device, "scene,triangles,bits,stage,milliseconds,sah_cost,bytes");
     for (const std::string& scene : scenes) report(device, scene, config, repeat, csv);
     csv.write();
 } catch (const std::exception& error) {

@@ -249,18 +249,18 @@ Comparison compare(const Estimate& ours, const Estimate& theirs) {
 double median_of(const std::vector<Render>& renders, double Render::*member) {
     std::vector<double> values;
     for (const Render& render : renders) values.push_back(render.*member);
-    return bench::median(values);
+    return measure::median(values);
 }
 
 /// Median of the rounds' ratios, theirs over ours.
 double paired_ratio(const std::vector<Render>& ours, const std::vector<Render>& theirs, double Render::*member) {
     std::vector<double> ratios;
     for (std::size_t i = 0; i < ours.size(); ++i) ratios.push_back(theirs[i].*member / (ours[i].*member));
-    return bench::median(ratios);
+    return measure::median(ratios);
 }
 
 /// Whether the images agree.
-bool run(const Device& device, const std::string& path, const Options& options, bench::Csv& csv) {
+bool run(const Device& device, const std::string& path, const Options& options, measure::Csv& csv) {
     const Scene scene = grey_scene(path);
     const std::string name = std::filesystem::path(path).stem().string();
     const std::filesystem::path folder =
@@ -311,9 +311,9 @@ int main(int argc, char** argv) try {
                 options.size, options.spp, options.bounces, options.rounds);
     std::printf("%-10s %8s %8s %8s %10s   %8s %8s %11s %8s\n", "scene", "claray", "Cycles", "ratio", "processor",
                 "means", "excess", "beyond 3se", "noise^2");
-    bench::Csv csv(options.csv, device,
-                   "scene,size,spp,bounces,rounds,claray_msamples_per_s,cycles_msamples_per_s,ratio,processor_ratio,"
-                   "mean_ratio,excess,beyond_3_se,variance_ratio");
+    measure::Csv csv(options.csv, device,
+                     "scene,size,spp,bounces,rounds,claray_msamples_per_s,cycles_msamples_per_s,ratio,processor_ratio,"
+                     "mean_ratio,excess,beyond_3_se,variance_ratio");
     bool agree = true;
     for (const std::string& scene : options.scenes) agree &= run(device, scene, options, csv);
     std::printf("images %s\n", agree ? "agree" : "DIFFER");

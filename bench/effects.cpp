@@ -4,7 +4,7 @@
 #include <cstdio>
 
 #include "bench/support.hpp"
-#include "host/bench/explain.hpp"
+#include "host/measure/explain.hpp"
 
 using namespace claray;
 
@@ -24,7 +24,7 @@ int main(int argc, char** argv) try {
     std::string selector, csv_path;
     std::vector<std::string> scenes = all_scenes();
     unsigned side = 256;
-    bench::ExplainOptions options;
+    measure::ExplainOptions options;
     options.only = {};
     app.add_option("--device", selector);
     app.add_option("--scenes", scenes);
@@ -32,17 +32,17 @@ int main(int argc, char** argv) try {
     app.add_option("--rounds", options.rounds);
     app.add_flag("!--no-compile-times", options.compile_times);
     Bvh::Config bvh = RenderConfig().bvh;
-    app.add_option("--builder", bvh.builder)->transform(CLI::CheckedTransformer(bench::builders));
+    app.add_option("--builder", bvh.builder)->transform(CLI::CheckedTransformer(measure::builders));
     app.add_option("--csv", csv_path);
     CLI11_PARSE(app, argc, argv);
 
     const Device device = Device::open(selector);
-    bench::Csv csv(csv_path, device, "scene,own_ms,full_ms,full_over_own,own_compile_ms,full_compile_ms,own_bytes");
+    measure::Csv csv(csv_path, device, "scene,own_ms,full_ms,full_over_own,own_compile_ms,full_compile_ms,own_bytes");
     std::printf("%-26s %10s %10s %7s %12s %12s %8s\n", "scene", "own ms", "all ms", "ratio", "compile own",
                 "compile all", "MB");
     for (const std::string& name : scenes) {
         Warnings warnings;
-        const bench::Explanation x = bench::explain(
+        const measure::Explanation x = measure::explain(
             device, load_scene(name, warnings), {.width = side, .height = side, .max_depth = 8, .bvh = bvh}, options);
         std::printf("%-26s %10.3f %10.3f %7.3f %12.0f %12.0f %8.1f\n", name.c_str(), x.own.milliseconds,
                     x.full.milliseconds, x.full_ratio, x.own.compile_milliseconds, x.full.compile_milliseconds,

@@ -20,18 +20,18 @@ int main(int argc, char** argv) try {
     CLI11_PARSE(app, argc, argv);
     const Device device = Device::open(selector);
     std::printf("%s, driver %s\n", device.info().name.c_str(), device.info().driver.c_str());
-    bench::Csv csv(csv_path, device, "scene,rays,kind,layout,hits,ties,wrong,worst_t_ulp");
+    measure::Csv csv(csv_path, device, "scene,rays,kind,layout,hits,ties,wrong,worst_t_ulp");
     std::size_t wrong = 0;
     for (const std::string& name : scenes) {
         Scene scene;
-        scene.meshes = bench::load_meshes(name);
+        scene.meshes = measure::load_meshes(name);
         const Bounds bounds = bounds_of(scene);
         const test::Oracle oracle(scene.meshes);
         const auto side = unsigned(std::ceil(std::sqrt(double(count)) / 8)) * 8;
-        std::vector<Ray> primary = bench::primary_rays(automatic_camera(bounds), side, side, false);
+        std::vector<Ray> primary = measure::primary_rays(automatic_camera(bounds), side, side, false);
         primary.resize(std::min(primary.size(), count));
         for (const auto& [kind, rays] :
-             {std::pair("primary", std::move(primary)), std::pair("random", bench::random_rays(bounds, count))}) {
+             {std::pair("primary", std::move(primary)), std::pair("random", measure::random_rays(bounds, count))}) {
             const auto expected = oracle.closest_hits(rays);
             for (const Layout layout : {Layout::binary, Layout::wide}) {
                 const Bvh bvh = Bvh::build(device, scene.meshes, {.layout = layout});

@@ -50,9 +50,10 @@ Camera over_field(std::size_t count) {
     return camera;
 }
 
-void report(const Device& device, const std::string& name, std::size_t count, const Options& options, bench::Csv& csv) {
+void report(const Device& device, const std::string& name, std::size_t count, const Options& options,
+            measure::Csv& csv) {
     Scene scene;
-    scene.meshes = bench::load_meshes(name);
+    scene.meshes = measure::load_meshes(name);
     const Bvh bottom = Bvh::build(device, scene.meshes, options.bottom);
     const std::vector<Instance> instances = field(bounds_of(scene), count);
     InstancedBvh bvh = InstancedBvh::build(std::span(&bottom, 1), instances, options.top);
@@ -60,14 +61,14 @@ void report(const Device& device, const std::string& name, std::size_t count, co
     const Bounds world{{top.lox, top.loy, top.loz}, {top.hix, top.hiy, top.hiz}};
 
     const std::size_t rays = std::size_t(options.width) * options.height;
-    const Buffer<Ray> primary(device, bench::primary_rays(over_field(count), options.width, options.height, false));
-    const Buffer<Ray> random(device, bench::random_rays(world, rays));
+    const Buffer<Ray> primary(device, measure::primary_rays(over_field(count), options.width, options.height, false));
+    const Buffer<Ray> random(device, measure::random_rays(world, rays));
     Buffer<InstanceHit> hits(device, rays);
     Buffer<std::uint8_t> occluded(device, rays);
-    const std::vector<bench::Timing> times =
-        bench::measure_rounds(device, options.repeat,
-                              {[&] { bvh.refit(); }, [&] { bvh.rebuild(); }, [&] { closest_hit(bvh, primary, hits); },
-                               [&] { closest_hit(bvh, random, hits); }, [&] { any_hit(bvh, random, occluded); }});
+    const std::vector<measure::Timing> times =
+        measure::measure_rounds(device, options.repeat,
+                                {[&] { bvh.refit(); }, [&] { bvh.rebuild(); }, [&] { closest_hit(bvh, primary, hits); },
+                                 [&] { closest_hit(bvh, random, hits); }, [&] { any_hit(bvh, random, occluded); }});
     const auto mrays = [&](std::size_t i) { return double(rays) * 1e-3 / times[i].milliseconds(); };
     const double rebuild = times[1].milliseconds(), refit = times[0].milliseconds();
     const InstanceStatistics s = bvh.statistics();
@@ -91,10 +92,10 @@ int main(int argc, char** argv) try {
     std::vector<std::string> scenes = {"soup:2000"};
     app.add_option("--device", options.selector);
     app.add_option("--instances", options.counts)->delimiter(',');
-    app.add_option("--builder", options.top.builder)->transform(CLI::CheckedTransformer(bench::builders));
+    app.add_option("--builder", options.top.builder)->transform(CLI::CheckedTransformer(measure::builders));
     app.add_option("--bits", options.top.morton_bits);
-    app.add_option("--bottom-builder", options.bottom.builder)->transform(CLI::CheckedTransformer(bench::builders));
-    app.add_option("--layout", options.bottom.layout)->transform(CLI::CheckedTransformer(bench::layouts));
+    app.add_option("--bottom-builder", options.bottom.builder)->transform(CLI::CheckedTransformer(measure::builders));
+    app.add_option("--layout", options.bottom.layout)->transform(CLI::CheckedTransformer(measure::layouts));
     app.add_option("--width", options.width);
     app.add_option("--height", options.height);
     app.add_option("--repeat", options.repeat);
@@ -104,9 +105,9 @@ int main(int argc, char** argv) try {
     const Device device = Device::open(options.selector);
     std::printf("%s, driver %s; medians of %d by OpenCL events\n", device.info().name.c_str(),
                 device.info().driver.c_str(), options.repeat);
-    bench::Csv csv(csv_path, device,
-                   "scene,triangles,instances,bits,rebuild_ms,refit_ms,primary_mrays,random_mrays,random_any_mrays,"
-                   "top_bytes,bottom_bytes");
+    measure::Csv csv(csv_path, device,
+                     "scene,triangles,instances,bits,rebuild_ms,refit_ms,primary_mrays,random_mrays,random_any_mrays,"
+                     "top_bytes,bottom_bytes");
     for (const std::string& name : scenes)
         for (const std::size_t count : options.counts) report(device, name, count, options, csv);
     csv.write();

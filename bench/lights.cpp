@@ -223,8 +223,8 @@ void run(const Options& options) {
     for (unsigned round = 0; round < options.rounds; ++round)
         for (Arrangement& arrangement : list)
             if (arrangement.wanted) measure(device, options, arrangement, round);
-    bench::Csv csv(options.csv, device,
-                   "lights,picked_by,size,spp,depth,noise,seconds,noise_at_equal_time,of_one_light");
+    measure::Csv csv(options.csv, device,
+                     "lights,picked_by,size,spp,depth,noise,seconds,noise_at_equal_time,of_one_light");
     std::printf("%-32s %-8s %9s %9s %9s\n", "lights", "picked", "noise", "seconds", "of one");
     const auto equal = [](const Arrangement& a) { return std::sqrt(a.noise * a.seconds); };
     for (const Arrangement& a : list) {

@@ -61,8 +61,8 @@ std::pair<double, double> milliseconds(const Device& device, const Options& opti
     const bool follows = whole.statistics().in_paths.rays > 0;
     set_paths(device, paths, 0);
     Renderer staged(device, scene, config);
-    const std::vector<bench::Timing> times =
-        bench::measure_rounds(device, options.rounds, {[&] { render_anew(staged); }, [&] { render_anew(whole); }});
+    const std::vector<measure::Timing> times =
+        measure::measure_rounds(device, options.rounds, {[&] { render_anew(staged); }, [&] { render_anew(whole); }});
     return {times[0].span(), follows ? times[1].span() : 0};
 }
 
@@ -71,7 +71,7 @@ std::pair<double, double> milliseconds(const Device& device, const Options& opti
 int main(int argc, char** argv) try {
     const Options options = parse(argc, argv);
     const Device device = Device::open(options.device);
-    bench::Csv csv(options.csv, device, "scene,paths,stages_ns,whole_ns,whole_over_stages");
+    measure::Csv csv(options.csv, device, "scene,paths,stages_ns,whole_ns,whole_over_stages");
     std::printf("%-20s %9s %10s %10s %7s\n", "scene", "paths", "stages ns", "whole ns", "ratio");
     for (const std::string& name : options.scenes) {
         Warnings warnings;

@@ -46,21 +46,21 @@ std::size_t count_differences(const std::vector<Hit>& a, const std::vector<Hit>&
     return differences;
 }
 
-void report(const Device& device, const Options& options, const std::string& name, bench::Csv& csv) {
+void report(const Device& device, const Options& options, const std::string& name, measure::Csv& csv) {
     Scene scene;
-    scene.meshes = bench::load_meshes(name);
-    const bench::RaySets rays =
-        bench::make_rays(device, scene, bench::three_views(name, scene), options.size, options.size);
+    scene.meshes = measure::load_meshes(name);
+    const measure::RaySets rays =
+        measure::make_rays(device, scene, measure::three_views(name, scene), options.size, options.size);
     Kind kinds[] = {{"primary", Buffer<Ray>(device, rays.primary), {}},
                     {"shadow", Buffer<Ray>(device, rays.shadow), {}},
                     {"bounce", Buffer<Ray>(device, rays.bounce), {}}};
-    for (const auto& [builder_name, builder] : bench::builders) {
+    for (const auto& [builder_name, builder] : measure::builders) {
         if (std::find(options.builders.begin(), options.builders.end(), builder_name) == options.builders.end())
             continue;
         Bvh::Config config = options.config;
         config.builder = builder;
         Bvh traced = Bvh::build(device, scene.meshes, config);
-        const double build_ms = bench::measure(device, options.repeat, [&] { traced.rebuild(); }).at("");
+        const double build_ms = measure::measure(device, options.repeat, [&] { traced.rebuild(); }).at("");
         config.layout = Layout::binary;
         const Bvh binary = Bvh::build(device, scene.meshes, config);
         const BvhStatistics s = binary.statistics();
@@ -72,7 +72,7 @@ void report(const Device& device, const Options& options, const std::string& nam
             const Cost cost = count_visits(binary, kind, hits);
             const std::vector<Hit> found = hits.read();
             if (kind.hits.empty()) kind.hits = found;
-            const auto ms = bench::measure(device, options.repeat, [&] { closest_hit(traced, kind.rays, hits); });
+            const auto ms = measure::measure(device, options.repeat, [&] { closest_hit(traced, kind.rays, hits); });
             const double mrays = double(kind.rays.size()) * 1e-3 / ms.at("closest_hit");
             std::printf("    %-8s %7.2f boxes, %6.2f triangles a ray; %.2f Mrays/s; hits that differ: %zu\n", kind.name,
                         cost.nodes, cost.triangles, mrays, count_differences(found, kind.hits));
@@ -98,7 +98,7 @@ int main(int argc, char** argv) try {
     app.add_option("scenes", options.scenes);
     CLI11_PARSE(app, argc, argv);
     const Device device = Device::open(options.device);
-    bench::Csv csv(
+    measure::Csv csv(
         options.csv, device,
         "scene,builder,triangles,references,build_ms,sah_cost,height,bytes,kind,boxes,triangles_tested,mrays");
     for (const std::string& scene : options.scenes) report(device, options, scene, csv);

@@ -8,7 +8,7 @@
 #include <cstdio>
 
 #include "bench/support.hpp"
-#include "host/bench/device_rays.hpp"
+#include "host/measure/device_rays.hpp"
 
 using namespace claray;
 
@@ -38,14 +38,16 @@ Ceilings measure_ceilings(const Device& device, int repeat) {
     Buffer<float> from(device, vectors * 4), to(device, vectors * 4);
     from.fill(0), to.fill(0);
     Kernel copy = compile_kernel(device, device_source, "copy");
-    const double copy_ms = bench::measure(device, repeat, [&] {
+    const double copy_ms = measure::measure(device, repeat, [&] {
                                copy.run({vectors, 256}, from, to, std::uint32_t(vectors));
                            }).at("");
     const bool cpu = device.info().type == DeviceType::cpu;
     const std::size_t items = std::size_t(device.info().compute_units) * (cpu ? 4096 : 32768);
     Buffer<float> out(device, items);
     Kernel multiply_add = compile_kernel(device, device_source, "multiply_add");
-    const double fma_ms = bench::measure(device, repeat, [&] { multiply_add.run({items, 64}, out, 0.5f, 1.f); }).at("");
+    const double fma_ms = measure::measure(device, repeat, [&] {
+                              multiply_add.run({items, 64}, out, 0.5f, 1.f);
+                          }).at("");
     return {2 * 16e-6 * double(vectors) / copy_ms, operations_an_item * 1e-6 * double(items) / fma_ms};
 }
 
@@ -64,13 +66,13 @@ double least_bytes(const std::string& stage, double vertices_a_triangle) {
 }
 
 void report_build(const Device& device, const std::string& scene, const std::vector<Mesh>& meshes, Bvh::Config config,
-                  const Ceilings& ceilings, int repeat, bench::Csv& csv) {
+                  const Ceilings& ceilings, int repeat, measure::Csv& csv) {
     Bvh bvh = Bvh::build(device, meshes, config);
-    auto stages = bench::measure(device, repeat, [&] { bvh.rebuild(); });
-    stages["refit_nodes"] = bench::measure(device, repeat, [&] { bvh.refit(); }).at("refit_nodes");
+    auto stages = measure::measure(device, repeat, [&] { bvh.rebuild(); });
+    stages["refit_nodes"] = measure::measure(device, repeat, [&] { bvh.refit(); }).at("refit_nodes");
     const double triangles = double(bvh.triangle_count());
     const double vertices = double(bvh.triangles().positions.size()) / 3;
-    const std::string preset = bench::name_of(bench::builders, config.builder);
+    const std::string preset = measure::name_of(measure::builders, config.builder);
     for (const auto& [stage, ms] : stages) {
         const double bytes = least_bytes(stage, vertices / triangles);
         if (bytes == 0) continue;
@@ -85,18 +87,18 @@ void report_build(const Device& device, const std::string& scene, const std::vec
 constexpr double box_operations = 6 * 2 + 12, triangle_operations = 75;
 
 void report_rays(const Device& device, const std::string& scene, const std::vector<Mesh>& meshes, Bvh::Config config,
-                 const Ceilings& ceilings, int repeat, bench::Csv& csv) {
+                 const Ceilings& ceilings, int repeat, measure::Csv& csv) {
     config.layout = Layout::binary;
     const Bvh bvh = Bvh::build(device, meshes, config);
-    const std::string preset = bench::name_of(bench::builders, config.builder);
-    for (bench::DeviceRays& rays : bench::upload_rays(device, scene, meshes, 640, 360)) {
+    const std::string preset = measure::name_of(measure::builders, config.builder);
+    for (measure::DeviceRays& rays : measure::upload_rays(device, scene, meshes, 640, 360)) {
         if (rays.any_hit || rays.rays.size() == 0) continue;
         QueryOptions counting;
         counting.visits = Buffer<Visits>(device, rays.rays.size());
         closest_hit(bvh, rays.rays, rays.hits, counting);
         double boxes = 0, triangles = 0;
         for (const Visits& visits : counting.visits.read()) boxes += visits.nodes, triangles += visits.triangles;
-        const double ms = bench::measure(device, repeat, [&] { rays.trace(bvh); }).at("");
+        const double ms = measure::measure(device, repeat, [&] { rays.trace(bvh); }).at("");
         const double bytes = boxes * 32 + triangles * 48 + double(rays.rays.size()) * (sizeof(Ray) + sizeof(Hit));
         const double operations = boxes * box_operations + triangles * triangle_operations;
         const double floor = operations * 1e-6 / ceilings.gigaflops, n = double(rays.rays.size());
@@ -124,11 +126,11 @@ int main(int argc, char** argv) try {
     const Ceilings ceilings = measure_ceilings(device, repeat);
     std::printf("%s: copies %.0f GB/s (read and written), %.0f GFLOP/s of fused multiply-adds\n",
                 device.info().name.c_str(), ceilings.gigabytes_per_second, ceilings.gigaflops);
-    bench::Csv csv(csv_path, device, "scene,preset,stage,bytes,operations,floor_ms,milliseconds,share");
+    measure::Csv csv(csv_path, device, "scene,preset,stage,bytes,operations,floor_ms,milliseconds,share");
     for (const std::string& scene : scenes) {
-        const std::vector<Mesh> meshes = bench::load_meshes(scene);
+        const std::vector<Mesh> meshes = measure::load_meshes(scene);
         std::printf("%s\n", scene.c_str());
-        for (const auto& [name, builder] : bench::builders) {
+        for (const auto& [name, builder] : measure::builders) {
             Bvh::Config config;
             config.builder = builder;
             report_build(device, scene, meshes, config, ceilings, repeat, csv);

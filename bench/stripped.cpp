@@ -134,7 +134,7 @@ int main(int argc, char** argv) try {
             same &= a.image == b.image;
         }
     }
-    const double ratio = bench::median(ratios), spread = bench::relative_spread(ratios);
+    const double ratio = measure::median(ratios), spread = measure::relative_spread(ratios);
     const double least = *std::min_element(own_times.begin(), own_times.end()) /
                          *std::min_element(stripped_times.begin(), stripped_times.end());
     std::printf(

@@ -1,4 +1,4 @@
-// What the benchmark programs share, beside host/bench: options and CSV.
+// What the benchmark programs share, beside host/measure: options and CSV.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -10,11 +10,11 @@
 
 #include "claray/claray.hpp"
 #include "claray/io.hpp"
-#include "host/bench/measure.hpp"
-#include "host/bench/names.hpp"
-#include "host/bench/rays.hpp"
+#include "host/measure/measure.hpp"
+#include "host/measure/names.hpp"
+#include "host/measure/rays.hpp"
 
-namespace claray::bench {
+namespace claray::measure {
 
 /// --builder, --bits, --layout, --leaf and --split.
 inline void add_bvh_options(CLI::App& app, Bvh::Config& config) {
@@ -47,4 +47,4 @@ private:
     std::string path_, device_, text_;
 };
 
-}  // namespace claray::bench
+}  // namespace claray::measure

@@ -44,7 +44,7 @@ ReferenceImage reference_of(const Device& device, const Scene& scene, const Opti
 }
 
 void coverage(const Device& device, const Options& options) {
-    bench::Csv csv(options.csv, device, "scene,target,seed,spp,estimate,bound,error");
+    measure::Csv csv(options.csv, device, "scene,target,seed,spp,estimate,bound,error");
     unsigned runs = 0, held = 0, wasteful = 0;
     double least = INFINITY;
     std::printf("%-14s %7s %6s %9s %9s %9s %9s\n", "scene", "target", "held", "least/E", "median/E", "most/E", "spp");
@@ -71,7 +71,7 @@ void coverage(const Device& device, const Options& options) {
             runs += options.seeds, held += good;
             const auto [low, high] = std::minmax_element(ratios.begin(), ratios.end());
             std::printf("%-14s %7.3f %4u/%u %9.3f %9.3f %9.3f %9.0f\n", name, target, good, options.seeds, *low,
-                        bench::median(ratios), *high, bench::median(spp));
+                        measure::median(ratios), *high, measure::median(spp));
             std::fflush(stdout);
         }
     }
@@ -102,7 +102,7 @@ struct Cost {
 void sweep(const Device& device, const Options& options) {
     constexpr double target = 0.03;
     constexpr const char* subjects[] = {"cornell", "spheres", "terrain:20000"};
-    bench::Csv csv(options.csv, device, "scene,target,spp,choice,builder,sampler,rms_error,seconds,over_best");
+    measure::Csv csv(options.csv, device, "scene,target,spp,choice,builder,sampler,rms_error,seconds,over_best");
     for (const char* name : subjects) {
         const Scene scene = scene_of(name);
         const ReferenceImage reference = reference_of(device, scene, options, target / 8);
@@ -114,7 +114,7 @@ void sweep(const Device& device, const Options& options) {
             Cost cost;
         };
         std::vector<Fixed> fixed;
-        for (const auto& [builder, preset] : bench::builders)
+        for (const auto& [builder, preset] : measure::builders)
             for (const Sampler sampler : {Sampler::sobol, Sampler::independent}) {
                 RenderConfig config = to_error;
                 config.error = 0, config.sampler = sampler, config.bvh.builder = preset;
@@ -159,10 +159,10 @@ void sweep(const Device& device, const Options& options) {
             const double rms = std::sqrt(cost.squares / options.seeds), over = cost.product() / best->cost.product();
             std::printf("%-14s %-8s %-9s %-12s %8.4f %8.3f %8.3f\n", name, choice, builder.c_str(), sampler.c_str(),
                         rms, cost.seconds / options.seeds, over);
-            csv.row(name, target, bench::median(spp), choice, builder, sampler, rms, cost.seconds / options.seeds,
+            csv.row(name, target, measure::median(spp), choice, builder, sampler, rms, cost.seconds / options.seeds,
                     over);
         };
-        std::printf("%s, %.0f spp\n%-14s %-8s %-9s %-12s %8s %8s %8s\n", picked.c_str(), bench::median(spp), "scene",
+        std::printf("%s, %.0f spp\n%-14s %-8s %-9s %-12s %8s %8s %8s\n", picked.c_str(), measure::median(spp), "scene",
                     "choice", "builder", "sampler", "error", "seconds", "of best");
         row("planner", "", "", planned);
         for (const Fixed& one : fixed) row("fixed", one.builder, one.sampler, one.cost);
@@ -172,7 +172,7 @@ void sweep(const Device& device, const Options& options) {
 }
 
 void times(const Device& device, const Options& options) {
-    bench::Csv csv(options.csv, device, "scene,promised,seconds,spp");
+    measure::Csv csv(options.csv, device, "scene,promised,seconds,spp");
     for (const char* name : {"cornell", "terrain:20000"})
         for (const double seconds : options.times) {
             const Scene scene = scene_of(name);
@@ -190,7 +190,7 @@ void times(const Device& device, const Options& options) {
 
 /// Of renders to an error, by turns with renders of as many samples that look at nothing: in one pass, on one film.
 void overhead(const Device& device, const Options& options) {
-    bench::Csv csv(options.csv, device, "scene,target,spp,seconds,measuring_seconds,seconds_without");
+    measure::Csv csv(options.csv, device, "scene,target,spp,seconds,measuring_seconds,seconds_without");
     std::printf("%-14s %5s %6s %9s %13s %21s\n", "scene", "error", "spp", "seconds", "measuring", "seconds without");
     for (const char* name : scenes)
         for (const double target : targets) {
@@ -208,8 +208,8 @@ void overhead(const Device& device, const Options& options) {
                 seconds.push_back(looked), without.push_back(not_looked);
                 measuring.push_back(looking.statistics().measuring_seconds - before);
             }
-            const double took = bench::median(seconds), look = bench::median(measuring),
-                         blindly = bench::median(without);
+            const double took = measure::median(seconds), look = measure::median(measuring),
+                         blindly = measure::median(without);
             std::printf("%-14s %5.2f %6u %9.4f %6.2f ms %.2f %% %9.4f, %+.1f %%\n", name, target, config.spp, took,
                         1e3 * look, 100 * look / took, blindly, 100 * (took / blindly - 1));
             std::fflush(stdout);

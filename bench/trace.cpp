@@ -25,12 +25,12 @@ double closest_mrays(const Bvh& bvh, const Buffer<Ray>& rays, Buffer<Hit>& hits,
                      Coherence coherence = Coherence::automatic) {
     QueryOptions query;
     query.coherence = coherence;
-    const auto ms = bench::measure(bvh.device(), repeat, [&] { closest_hit(bvh, rays, hits, query); });
+    const auto ms = measure::measure(bvh.device(), repeat, [&] { closest_hit(bvh, rays, hits, query); });
     return double(rays.size()) * 1e-3 / ms.at("closest_hit");
 }
 
 double any_mrays(const Bvh& bvh, const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded, int repeat) {
-    const auto ms = bench::measure(bvh.device(), repeat, [&] { any_hit(bvh, rays, occluded); });
+    const auto ms = measure::measure(bvh.device(), repeat, [&] { any_hit(bvh, rays, occluded); });
     return double(rays.size()) * 1e-3 / ms.at("any_hit");
 }
 
@@ -46,9 +46,9 @@ std::size_t count_differences(const std::vector<Hit>& hits, const float* referen
 }
 
 void trace_recorded(const Device& device, const Bvh& bvh, const std::string& name, const Options& options,
-                    bench::Csv& csv) {
+                    measure::Csv& csv) {
     const std::string stem = name.substr(0, name.size() - 4);
-    const auto words = bench::read_words(stem + ".ray"), reference = bench::read_words(stem + ".ref");
+    const auto words = measure::read_words(stem + ".ray"), reference = measure::read_words(stem + ".ref");
     const std::size_t n0 = words.at(1), n1 = words.at(2), n2 = words.at(3);
     const auto* rays = reinterpret_cast<const Ray*>(&words.at(4));
     const auto* t0 = reinterpret_cast<const float*>(&reference.at(4));
@@ -76,15 +76,15 @@ void trace_recorded(const Device& device, const Bvh& bvh, const std::string& nam
 }
 
 void trace_generated(const Device& device, const Bvh& bvh, const std::vector<Mesh>& meshes, const std::string& name,
-                     const Options& options, bench::Csv& csv) {
+                     const Options& options, measure::Csv& csv) {
     Scene scene;
     scene.meshes = meshes;
     Camera camera = automatic_camera(bounds_of(scene), 40.f, float(options.width) / float(options.height));
     if (const auto builtin = builtin_scene(name); builtin && builtin->camera) camera = *builtin->camera;
     const std::size_t count = std::size_t(options.width) * options.height;
-    const Buffer<Ray> scanline(device, bench::primary_rays(camera, options.width, options.height, false));
-    const Buffer<Ray> tiles(device, bench::primary_rays(camera, options.width, options.height, true));
-    const Buffer<Ray> random(device, bench::random_rays(bounds_of(scene), count));
+    const Buffer<Ray> scanline(device, measure::primary_rays(camera, options.width, options.height, false));
+    const Buffer<Ray> tiles(device, measure::primary_rays(camera, options.width, options.height, true));
+    const Buffer<Ray> random(device, measure::random_rays(bounds_of(scene), count));
     Buffer<Hit> hits(device, count);
     Buffer<std::uint8_t> occluded(device, count);
     const double mrays[4] = {
@@ -107,7 +107,7 @@ int main(int argc, char** argv) try {
     app.add_option("--repeat", options.repeat);
     app.add_option("--width", options.width);
     app.add_option("--height", options.height);
-    bench::add_bvh_options(app, options.bvh);
+    measure::add_bvh_options(app, options.bvh);
     app.add_flag("--hints", options.hints);
     app.add_option("--csv", csv_path);
     app.add_option("scenes", scenes);
@@ -115,9 +115,9 @@ int main(int argc, char** argv) try {
     const Device device = Device::open(options.selector);
     std::printf("%s, driver %s; medians of %d by OpenCL events\n", device.info().name.c_str(),
                 device.info().driver.c_str(), options.repeat);
-    bench::Csv csv(csv_path, device, "scene,kind,rays,mrays_per_second");
+    measure::Csv csv(csv_path, device, "scene,kind,rays,mrays_per_second");
     for (const std::string& name : scenes) {
-        const std::vector<Mesh> meshes = bench::load_meshes(name);
+        const std::vector<Mesh> meshes = measure::load_meshes(name);
         const Bvh bvh = Bvh::build(device, meshes, options.bvh);
         if (name.ends_with(".scn"))
             trace_recorded(device, bvh, name, options, csv);

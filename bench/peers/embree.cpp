@@ -11,7 +11,7 @@
 
 #include "claray/error.hpp"
 
-namespace claray::bench {
+namespace claray::measure {
 namespace {
 
 constexpr std::size_t chunk = 1024;  // rays that a thread takes at a time
@@ -220,4 +220,4 @@ PeerHits EmbreeQuery::hits() const {
     return found;
 }
 
-}  // namespace claray::bench
+}  // namespace claray::measure

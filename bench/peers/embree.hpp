@@ -11,9 +11,9 @@
 
 #include "claray/mesh.hpp"
 #include "claray/shared/types.h"
-#include "host/build/host_tree.hpp"
+#include "host/bvh/host_tree.hpp"
 
-namespace claray::bench {
+namespace claray::measure {
 
 /// How rays are handed to Embree: one by one, in packets, or as a stream of packets of 16.
 enum class Packets { one = 1, eight = 8, sixteen = 16, stream = 0 };
@@ -66,4 +66,4 @@ private:
     std::unique_ptr<Arrays> arrays_;
 };
 
-}  // namespace claray::bench
+}  // namespace claray::measure

@@ -5,7 +5,7 @@
 
 #include "bench/peers/embree.hpp"
 
-namespace claray::bench {
+namespace claray::measure {
 namespace {
 
 struct Node {
@@ -102,4 +102,4 @@ HostTree embree_tree(std::span<const Mesh> meshes, RTCBuildQuality quality) {
     return tree;
 }
 
-}  // namespace claray::bench
+}  // namespace claray::measure

@@ -12,7 +12,7 @@
 #include "bench/peers/rays.hpp"
 
 using namespace claray;
-using bench::Packets;
+using measure::Packets;
 
 namespace {
 
@@ -37,7 +37,7 @@ double milliseconds(const Options& options, const std::function<void()>& run) {
 }
 
 /// Rays on which the two disagree: whether there is a hit, or where.
-std::size_t differences(const std::vector<Hit>& ours, const bench::PeerHits& theirs) {
+std::size_t differences(const std::vector<Hit>& ours, const measure::PeerHits& theirs) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < ours.size(); ++i) {
         const bool hit = ours[i].primitive != CLARAY_MISS, peer_hit = theirs.primitive[i] != CLARAY_MISS;
@@ -45,7 +45,7 @@ std::size_t differences(const std::vector<Hit>& ours, const bench::PeerHits& the
     }
     return count;
 }
-std::size_t differences(const std::vector<std::uint8_t>& ours, const bench::PeerHits& theirs) {
+std::size_t differences(const std::vector<std::uint8_t>& ours, const measure::PeerHits& theirs) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < ours.size(); ++i) count += (ours[i] != 0) != (theirs.primitive[i] != CLARAY_MISS);
     return count;
@@ -72,8 +72,8 @@ std::size_t differences(const std::vector<std::uint8_t>& a, const std::vector<st
 
 /// `on_embree_tree` may be empty.
 void compare_rays(const std::string& scene, const std::string& kind, const std::vector<Ray>& rays, const Bvh& bvh,
-                  const std::optional<Bvh>& on_embree_tree, const bench::EmbreeScene& peer, const Options& options,
-                  bench::Csv& csv) {
+                  const std::optional<Bvh>& on_embree_tree, const measure::EmbreeScene& peer, const Options& options,
+                  measure::Csv& csv) {
     const bool any = kind == "shadow", coherent = kind == "primary" || any;
     const Buffer<Ray> device_rays(bvh.device(), rays);
     Buffer<Hit> hits(bvh.device(), any ? 0 : rays.size());
@@ -103,10 +103,10 @@ void compare_rays(const std::string& scene, const std::string& kind, const std::
         forms.insert(forms.end(), {{letter + "8", Packets::eight}, {letter + "16", Packets::sixteen}});
         if (coherent) forms.emplace_back("NM", Packets::stream);
     }
-    std::vector<std::unique_ptr<bench::EmbreeQuery>> queries;
+    std::vector<std::unique_ptr<measure::EmbreeQuery>> queries;
     for (const auto& [form, packets] : forms) {
-        queries.push_back(std::make_unique<bench::EmbreeQuery>(peer, rays, packets, any, coherent, options.threads));
-        bench::EmbreeQuery* query = queries.back().get();
+        queries.push_back(std::make_unique<measure::EmbreeQuery>(peer, rays, packets, any, coherent, options.threads));
+        measure::EmbreeQuery* query = queries.back().get();
         runners.push_back({form,
                            [=, &options] { return query->run(options.cpu_time); },
                            [&, query] {
@@ -120,11 +120,11 @@ void compare_rays(const std::string& scene, const std::string& kind, const std::
             const double ms = runner.run();
             if (i >= 0) runner.times.push_back(ms);
         }
-    const double our_ms = bench::median(runners[0].times);
+    const double our_ms = measure::median(runners[0].times);
     std::printf("  %-8s %8zu rays: claray %6.2f Mrays/s;", kind.c_str(), rays.size(),
                 double(rays.size()) * 1e-3 / our_ms);
     for (const Runner& runner : runners) {
-        const double ms = bench::median(runner.times);
+        const double ms = measure::median(runner.times);
         const std::size_t wrong = runner.differences();
         csv.row(scene, kind, runner.name, rays.size(), double(rays.size()) * 1e-3 / ms, ms / our_ms, wrong);
         if (runner.name != "claray")
@@ -136,7 +136,7 @@ void compare_rays(const std::string& scene, const std::string& kind, const std::
 }
 
 void compare_builds(const std::string& scene, const std::vector<Mesh>& meshes, const Device& device,
-                    const Options& options, bench::Csv& csv) {
+                    const Options& options, measure::Csv& csv) {
     std::vector<Bvh> ours;
     std::vector<Runner> runners;
     const std::pair<const char*, Builder> builders[] = {{"claray fast", Builder::fast},
@@ -159,7 +159,7 @@ void compare_builds(const std::string& scene, const std::vector<Mesh>& meshes, c
     for (const auto& [name, quality] : qualities)
         runners.push_back({name,
                            [&, quality = quality] {
-                               return bench::EmbreeScene(meshes, quality, true, options.threads).build_milliseconds();
+                               return measure::EmbreeScene(meshes, quality, true, options.threads).build_milliseconds();
                            },
                            {},
                            {}});
@@ -171,29 +171,29 @@ void compare_builds(const std::string& scene, const std::vector<Mesh>& meshes, c
     std::size_t triangles = 0;
     for (const Mesh& mesh : meshes) triangles += mesh.triangles.size();
     for (const Runner& runner : runners) {
-        const double ms = bench::median(runner.times);
+        const double ms = measure::median(runner.times);
         std::printf("  build    %-16s %9.2f ms, %6.2f Mtri/s\n", runner.name.c_str(), ms,
                     double(triangles) * 1e-3 / ms);
         csv.row(scene, "build", runner.name, triangles, double(triangles) * 1e-3 / ms,
-                ms / bench::median(runners[0].times), 0);
+                ms / measure::median(runners[0].times), 0);
     }
 }
 
-void compare_scene(const std::string& name, const Device& device, const Options& options, bench::Csv& csv) {
+void compare_scene(const std::string& name, const Device& device, const Options& options, measure::Csv& csv) {
     Scene scene;
-    scene.meshes = bench::load_meshes(name);
+    scene.meshes = measure::load_meshes(name);
     std::printf("%s, %zu triangles\n", name.c_str(), triangle_count(scene));
     const std::string short_name = std::filesystem::path(name).stem().string();
     if (options.builds) compare_builds(short_name, scene.meshes, device, options, csv);
     if (!options.rays) return;
-    const bench::RaySets sets =
-        bench::make_rays(device, scene, bench::three_views(name, scene), options.width, options.height);
+    const measure::RaySets sets =
+        measure::make_rays(device, scene, measure::three_views(name, scene), options.width, options.height);
     const Bvh bvh = Bvh::build(device, scene.meshes, options.bvh);
-    const bench::EmbreeScene peer(scene.meshes, options.quality, !options.fast_mode, options.threads);
+    const measure::EmbreeScene peer(scene.meshes, options.quality, !options.fast_mode, options.threads);
     std::optional<Bvh> on_embree_tree;
     if (options.embree_tree)
         on_embree_tree =
-            Bvh::build_by_host(device, scene.meshes, bench::embree_tree(scene.meshes, options.quality), options.bvh);
+            Bvh::build_by_host(device, scene.meshes, measure::embree_tree(scene.meshes, options.quality), options.bvh);
     for (const std::string kind : {"primary", "shadow", "bounce", "random"}) {
         if (options.kinds.find(kind) == std::string::npos) continue;
         const std::vector<Ray>& rays = kind == "primary"  ? sets.primary
@@ -212,7 +212,7 @@ int main(int argc, char** argv) try {
     const std::map<std::string, RTCBuildQuality> qualities = {
         {"low", RTC_BUILD_QUALITY_LOW}, {"medium", RTC_BUILD_QUALITY_MEDIUM}, {"high", RTC_BUILD_QUALITY_HIGH}};
     app.add_option("--device", options.selector);
-    bench::add_bvh_options(app, options.bvh);
+    measure::add_bvh_options(app, options.bvh);
     app.add_option("--repeat", options.repeat);
     app.add_option("--width", options.width);
     app.add_option("--height", options.height);
@@ -231,8 +231,8 @@ int main(int argc, char** argv) try {
     std::printf("%s, driver %s, against Embree %s %s, %u threads; medians of %d, by %s\n", device.info().name.c_str(),
                 device.info().driver.c_str(), RTC_VERSION_STRING, options.fast_mode ? "fast" : "robust",
                 options.threads, options.repeat, options.cpu_time ? "processor time" : "the wall clock");
-    bench::Csv csv(options.csv_path, device,
-                   "scene,kind,who,count,millions_per_second,claray_is_faster_by,differences");
+    measure::Csv csv(options.csv_path, device,
+                     "scene,kind,who,count,millions_per_second,claray_is_faster_by,differences");
     for (const std::string& name : options.scenes) compare_scene(name, device, options, csv);
     csv.write();
 } catch (const std::exception& error) {

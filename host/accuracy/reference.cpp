@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "claray/accuracy.hpp"
-#include "host/compute/file.hpp"
-#include "host/compute/hash.hpp"
+#include "host/base/file.hpp"
+#include "host/base/hash.hpp"
 
 namespace claray {
 namespace {

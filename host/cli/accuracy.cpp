@@ -17,15 +17,15 @@
 #include "host/accuracy/plot.hpp"
 #include "host/accuracy/study.hpp"
 #include "host/accuracy/summary.hpp"
+#include "host/base/file.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/open_device.hpp"
-#include "host/cli/option_rules.hpp"
-#include "host/cli/outputs.hpp"
-#include "host/cli/progress.hpp"
-#include "host/cli/render_options.hpp"
-#include "host/cli/table.hpp"
-#include "host/cli/view_options.hpp"
-#include "host/compute/file.hpp"
+#include "host/cli/options/option_rules.hpp"
+#include "host/cli/options/render_options.hpp"
+#include "host/cli/options/view_options.hpp"
+#include "host/cli/output/outputs.hpp"
+#include "host/cli/output/progress.hpp"
+#include "host/cli/output/table.hpp"
 
 namespace claray::cli {
 namespace {

@@ -5,14 +5,14 @@
 #include <tuple>
 
 #include "claray/io.hpp"
-#include "claray/light_map.hpp"
+#include "claray/renderer.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/load.hpp"
 #include "host/cli/open_device.hpp"
-#include "host/cli/option_rules.hpp"
-#include "host/cli/outputs.hpp"
-#include "host/cli/progress.hpp"
-#include "host/cli/render_options.hpp"
+#include "host/cli/options/option_rules.hpp"
+#include "host/cli/options/render_options.hpp"
+#include "host/cli/output/outputs.hpp"
+#include "host/cli/output/progress.hpp"
 
 namespace claray::cli {
 namespace {

@@ -1,5 +1,5 @@
 // claray bench: how fast builds and rays are here.
-#include "host/bench/bench.hpp"
+#include "host/measure/bench.hpp"
 
 #include <cmath>
 #include <cstdio>
@@ -7,21 +7,21 @@
 #include <nlohmann/json.hpp>
 
 #include "claray/io.hpp"
-#include "host/bench/names.hpp"
-#include "host/bench/rays.hpp"
+#include "host/base/file.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/open_device.hpp"
-#include "host/cli/option_rules.hpp"
-#include "host/cli/outputs.hpp"
-#include "host/cli/render_options.hpp"
-#include "host/cli/table.hpp"
-#include "host/compute/file.hpp"
+#include "host/cli/options/option_rules.hpp"
+#include "host/cli/options/render_options.hpp"
+#include "host/cli/output/outputs.hpp"
+#include "host/cli/output/table.hpp"
+#include "host/measure/names.hpp"
+#include "host/measure/rays.hpp"
 
 namespace claray::cli {
 namespace {
 
 struct BenchOptions {
-    bench::BenchOptions bench;
+    measure::BenchOptions bench;
     std::vector<std::string> devices;
     std::filesystem::path csv;
     bool json = false, stages = false;
@@ -34,11 +34,11 @@ std::string short_count(double count) {
     return fixed(count, 0);
 }
 
-void print_results(const bench::SceneResult& scene) {
+void print_results(const measure::SceneResult& scene) {
     Row head = {"preset", "layout", "build ms", "spread", "Mtri/s", "span ms", "refit ms", "SAH", "MB"};
     for (const auto& kind : scene.presets.at(0).kinds) head.push_back(kind.name);
     std::vector<Row> rows = {head};
-    for (const bench::PresetResult& p : scene.presets) {
+    for (const measure::PresetResult& p : scene.presets) {
         Row row = {p.preset,
                    p.layout,
                    fixed(p.build.milliseconds(), 3),
@@ -55,7 +55,7 @@ void print_results(const bench::SceneResult& scene) {
     print_table(rows, 2);
 }
 
-void print_stages(const bench::SceneResult& scene) {
+void print_stages(const measure::SceneResult& scene) {
     std::vector<Row> rows = {{"build ms"}};
     std::map<std::string, Row> stages;
     for (std::size_t i = 0; i < scene.presets.size(); ++i) {
@@ -71,22 +71,22 @@ void print_stages(const bench::SceneResult& scene) {
 }
 
 /// Milliseconds to build and trace, and which preset is the quickest from how many rays on.
-void print_together(const bench::SceneResult& scene) {
+void print_together(const measure::SceneResult& scene) {
     Row head = {"build + trace, ms", "preset"};
-    for (const double rays : bench::ray_counts()) head.push_back(short_count(rays) + " rays");
+    for (const double rays : measure::ray_counts()) head.push_back(short_count(rays) + " rays");
     std::vector<Row> rows = {head};
     std::string winners;
     for (std::size_t kind = 0; kind < scene.presets.at(0).kinds.size(); ++kind) {
         const std::string& name = scene.presets[0].kinds[kind].name;
-        for (const bench::PresetResult& preset : scene.presets) {
+        for (const measure::PresetResult& preset : scene.presets) {
             Row row = {name, preset.preset};
-            for (const double rays : bench::ray_counts())
-                row.push_back(fixed(bench::build_and_trace(preset, kind, rays), 2));
+            for (const double rays : measure::ray_counts())
+                row.push_back(fixed(measure::build_and_trace(preset, kind, rays), 2));
             rows.push_back(std::move(row));
         }
         winners += (winners.empty() ? "" : "; ") + name + ":";
         const char* separator = " ";
-        for (const bench::Winner& winner : bench::quickest_presets(scene, kind)) {
+        for (const measure::Winner& winner : measure::quickest_presets(scene, kind)) {
             winners += separator + winner.preset;
             if (winner.from_rays > 0) winners += " from " + short_count(winner.from_rays) + " rays on";
             separator = ", ";
@@ -96,18 +96,18 @@ void print_together(const bench::SceneResult& scene) {
     std::printf("quickest together: %s\n", winners.c_str());
 }
 
-nlohmann::ordered_json as_json(const bench::SceneResult& scene) {
+nlohmann::ordered_json as_json(const measure::SceneResult& scene) {
     nlohmann::ordered_json presets = nlohmann::ordered_json::array();
-    for (const bench::PresetResult& p : scene.presets) {
+    for (const measure::PresetResult& p : scene.presets) {
         nlohmann::ordered_json rays, together;
         for (std::size_t kind = 0; kind < p.kinds.size(); ++kind) {
             rays[p.kinds[kind].name] = {{"rays", p.kinds[kind].rays},
                                         {"milliseconds", p.kinds[kind].timing.milliseconds()},
                                         {"spread", p.kinds[kind].timing.spread()},
                                         {"mrays_per_second", p.kinds[kind].mrays_per_second()}};
-            for (const double count : bench::ray_counts())
+            for (const double count : measure::ray_counts())
                 together[p.kinds[kind].name].push_back(
-                    {{"rays", count}, {"milliseconds", bench::build_and_trace(p, kind, count)}});
+                    {{"rays", count}, {"milliseconds", measure::build_and_trace(p, kind, count)}});
         }
         presets.push_back({{"preset", p.preset},
                            {"layout", p.layout},
@@ -128,7 +128,7 @@ nlohmann::ordered_json as_json(const bench::SceneResult& scene) {
     }
     nlohmann::ordered_json quickest;
     for (std::size_t kind = 0; kind < scene.presets.at(0).kinds.size(); ++kind)
-        for (const bench::Winner& winner : bench::quickest_presets(scene, kind))
+        for (const measure::Winner& winner : measure::quickest_presets(scene, kind))
             quickest[scene.presets[0].kinds[kind].name].push_back(
                 {{"preset", winner.preset}, {"from_rays", winner.from_rays}});
     return {{"scene", scene.scene}, {"triangles", scene.triangles}, {"presets", presets}, {"quickest", quickest}};
@@ -149,8 +149,8 @@ std::vector<Device> open_devices(const std::vector<std::string>& selectors) {
 
 void run_bench(const BenchOptions& options) {
     check_outputs({{"--csv", options.csv}});
-    for (const std::string& name : options.bench.scenes) bench::check_scene_is_there(name);
-    std::string csv = bench::bench_csv_header();
+    for (const std::string& name : options.bench.scenes) measure::check_scene_is_there(name);
+    std::string csv = measure::bench_csv_header();
     nlohmann::ordered_json report = nlohmann::ordered_json::array();
     for (const Device& device : open_devices(options.devices)) {
         const DeviceInfo& info = device.info();
@@ -159,8 +159,8 @@ void run_bench(const BenchOptions& options) {
             std::printf("%s, driver %s; medians of %d interleaved rounds by the device's clock\n", info.name.c_str(),
                         info.driver.c_str(), options.bench.repeat);
         for (const std::string& name : options.bench.scenes) {
-            const bench::SceneResult scene = bench::run_bench(device, name, options.bench);
-            csv += bench::bench_csv(info, scene);
+            const measure::SceneResult scene = measure::run_bench(device, name, options.bench);
+            csv += measure::bench_csv(info, scene);
             if (options.json) {
                 scenes.push_back(as_json(scene));
                 continue;
@@ -190,17 +190,17 @@ void add_bench_command(CLI::App& app, Action& action) {
     auto options = std::make_shared<BenchOptions>();
     BenchOptions& o = *options;
     o.bench.scenes = {"soup:50000", "terrain:200000", "hair:50000"};
-    for (const auto& [name, builder] : bench::builders) o.bench.presets.push_back(builder);
+    for (const auto& [name, builder] : measure::builders) o.bench.presets.push_back(builder);
     command->add_option("--scene,scenes", o.bench.scenes,
                         "Scene files (.obj, .gltf, .glb), built-in scenes, or NAME.scn with NAME.ray [soup:50000 "
                         "terrain:200000 hair:50000]");
     command->add_option("--preset", o.bench.presets, "fast, balanced, high; all where this is not given")
         ->delimiter(',')
         ->allow_extra_args(false)
-        ->transform(choice_of(bench::builders))
+        ->transform(choice_of(measure::builders))
         ->type_name("NAME");
     command->add_option("--layout", o.bench.layout, "Tree that is traversed: auto, binary or wide [auto]")
-        ->transform(choice_of(bench::layouts))
+        ->transform(choice_of(measure::layouts))
         ->type_name("NAME");
     command->add_option_function<std::string>(
         "--size", [&o](const std::string& text) { std::tie(o.bench.width, o.bench.height) = parse_size(text); },

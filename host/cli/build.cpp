@@ -4,16 +4,16 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "host/bench/measure.hpp"
-#include "host/bench/names.hpp"
-#include "host/bench/rays.hpp"
+#include "host/base/file.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/open_device.hpp"
-#include "host/cli/option_rules.hpp"
-#include "host/cli/outputs.hpp"
-#include "host/cli/table.hpp"
-#include "host/compute/file.hpp"
+#include "host/cli/options/option_rules.hpp"
+#include "host/cli/output/outputs.hpp"
+#include "host/cli/output/table.hpp"
 #include "host/compute/memory.hpp"
+#include "host/measure/measure.hpp"
+#include "host/measure/names.hpp"
+#include "host/measure/rays.hpp"
 
 namespace claray::cli {
 namespace {
@@ -37,7 +37,7 @@ struct Report {
     BvhMemory memory;
     std::string hash, layout;
     bool valid = false;
-    bench::Timing build;                        // no rounds where the structure was loaded
+    measure::Timing build;                      // no rounds where the structure was loaded
     double load_seconds = 0, save_seconds = 0;  // 0: not done
 };
 
@@ -46,16 +46,16 @@ Report make_report(const Device& device, const BuildOptions& options) {
     const auto begin = std::chrono::steady_clock::now();
     const bool saved = options.scene.ends_with(saved_extension);
     Bvh bvh = saved ? Bvh::load(device, options.scene, options.config.layout)
-                    : Bvh::build(device, bench::load_meshes(options.scene), options.config);
+                    : Bvh::build(device, measure::load_meshes(options.scene), options.config);
     if (saved)
         report.load_seconds = seconds_since(begin);
     else
-        report.build = bench::measure_rounds(device, options.repeat, {[&bvh] { bvh.rebuild(); }})[0];
+        report.build = measure::measure_rounds(device, options.repeat, {[&bvh] { bvh.rebuild(); }})[0];
     report.statistics = bvh.statistics();
     report.memory =
         Bvh::memory_needed(device, bvh.triangles().positions.size() / 3, bvh.triangle_count(), options.config);
     report.hash = bvh.hash();
-    report.layout = bench::name_of(bench::layouts, bvh.layout());
+    report.layout = measure::name_of(measure::layouts, bvh.layout());
     report.valid = bvh.validate().ok();
     if (!options.output.empty()) {
         const auto before = std::chrono::steady_clock::now();

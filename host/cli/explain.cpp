@@ -1,5 +1,5 @@
 // claray explain: what a scene calls for, why, and what it costs.
-#include "host/bench/explain.hpp"
+#include "host/measure/explain.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,28 +9,28 @@
 #include <tuple>
 
 #include "claray/io.hpp"
-#include "host/cli/bars.hpp"
+#include "host/base/file.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/open_device.hpp"
-#include "host/cli/option_rules.hpp"
-#include "host/cli/outputs.hpp"
-#include "host/cli/render_options.hpp"
-#include "host/cli/table.hpp"
-#include "host/cli/view_options.hpp"
-#include "host/compute/file.hpp"
+#include "host/cli/options/option_rules.hpp"
+#include "host/cli/options/render_options.hpp"
+#include "host/cli/options/view_options.hpp"
+#include "host/cli/output/bars.hpp"
+#include "host/cli/output/outputs.hpp"
+#include "host/cli/output/table.hpp"
 
 namespace claray::cli {
 namespace {
 
-using bench::ExplainedEffect;
-using bench::Explanation;
-using bench::Variant;
+using measure::ExplainedEffect;
+using measure::Explanation;
+using measure::Variant;
 
 struct ExplainOptions {
     std::string scene, device, effects, only;
     ViewOptions view;
     RenderConfig config = {.width = 128, .height = 128};
-    bench::ExplainOptions measure;
+    measure::ExplainOptions measure;
     std::filesystem::path svg;
     bool json = false, quiet = false;
 };
@@ -178,12 +178,12 @@ void explain(const ExplainOptions& options) {
     if (!config.effects.add.empty())
         throw Error(ErrorKind::usage, "--effects: explain measures every effect that could be added",
                     "write -NAME to take effects from the scene first");
-    bench::ExplainOptions measure = options.measure;
+    measure::ExplainOptions measure = options.measure;
     if (!options.only.empty()) measure.only = parse_effects(options.only);
     const Scene scene = load_view(options.scene, options.view, config.width, config.height);
     const Device device = open_device(options.device);
-    if (!options.json) print_called_for(bench::effects_to_explain(scene, config, measure.only), options, device);
-    const Explanation explanation = bench::explain(device, scene, config, measure, [&](const std::string& what) {
+    if (!options.json) print_called_for(measure::effects_to_explain(scene, config, measure.only), options, device);
+    const Explanation explanation = measure::explain(device, scene, config, measure, [&](const std::string& what) {
         if (!options.quiet) std::fprintf(stderr, "measuring %s\n", what.c_str());
     });
     options.json ? print_json(explanation, options, device) : print_text(explanation, options);

@@ -5,8 +5,8 @@
 #include <set>
 
 #include "claray/error.hpp"
-#include "host/cli/messages.hpp"
-#include "host/cli/option_rules.hpp"
+#include "host/cli/options/option_rules.hpp"
+#include "host/cli/output/messages.hpp"
 #include "host/io/default_light.hpp"
 
 namespace claray::cli {

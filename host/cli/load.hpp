@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "claray/io.hpp"
-#include "host/cli/light_options.hpp"
-#include "host/cli/surface_options.hpp"
+#include "host/cli/options/light_options.hpp"
+#include "host/cli/options/surface_options.hpp"
 
 namespace claray::cli {
 

@@ -9,10 +9,10 @@
 
 #include "claray/error.hpp"
 #include "claray/program.hpp"
+#include "host/base/message.hpp"
 #include "host/cli/commands.hpp"
-#include "host/cli/messages.hpp"
-#include "host/cli/usage_error.hpp"
-#include "host/compute/message.hpp"
+#include "host/cli/options/usage_error.hpp"
+#include "host/cli/output/messages.hpp"
 
 namespace {
 

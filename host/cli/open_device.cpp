@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "claray/tuning.hpp"
+#include "claray/device.hpp"
 
 namespace claray::cli {
 

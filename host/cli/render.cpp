@@ -8,13 +8,13 @@
 #include "claray/renderer.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/load.hpp"
-#include "host/cli/messages.hpp"
 #include "host/cli/open_device.hpp"
-#include "host/cli/option_rules.hpp"
-#include "host/cli/progress.hpp"
-#include "host/cli/render_options.hpp"
-#include "host/cli/render_outputs.hpp"
-#include "host/cli/render_targets.hpp"
+#include "host/cli/options/option_rules.hpp"
+#include "host/cli/options/render_options.hpp"
+#include "host/cli/options/render_targets.hpp"
+#include "host/cli/output/messages.hpp"
+#include "host/cli/output/progress.hpp"
+#include "host/cli/output/render_outputs.hpp"
 
 namespace claray::cli {
 namespace {

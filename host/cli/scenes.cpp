@@ -5,7 +5,7 @@
 
 #include "claray/scene.hpp"
 #include "host/cli/commands.hpp"
-#include "host/cli/table.hpp"
+#include "host/cli/output/table.hpp"
 
 namespace claray::cli {
 namespace {

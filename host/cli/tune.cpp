@@ -1,38 +1,38 @@
 // claray tune: which values of the tuning table are faster on this device.
-#include "host/bench/tune.hpp"
+#include "host/measure/tune.hpp"
 
 #include <cstdio>
 #include <memory>
 
 #include "claray/io.hpp"
 #include "claray/target.hpp"
+#include "host/base/file.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/open_device.hpp"
-#include "host/cli/option_rules.hpp"
-#include "host/cli/render_options.hpp"
-#include "host/cli/table.hpp"
-#include "host/compute/file.hpp"
+#include "host/cli/options/option_rules.hpp"
+#include "host/cli/options/render_options.hpp"
+#include "host/cli/output/table.hpp"
 #include "host/compute/tuning.hpp"
 
 namespace claray::cli {
 namespace {
 
 struct TuneOptions {
-    bench::TuneOptions tune;
+    measure::TuneOptions tune;
     std::string device;
     std::filesystem::path output;
     bool dry_run = false;
 };
 
-std::string verdict(const bench::Trial& trial) {
+std::string verdict(const measure::Trial& trial) {
     if (!trial.failure.empty()) return trial.failure;
     if (trial.in_force) return "in force";
     return trial.kept ? "kept" : "";
 }
 
-void print_trials(const std::vector<bench::Trial>& trials) {
+void print_trials(const std::vector<measure::Trial>& trials) {
     std::vector<Row> rows = {{trials.at(0).kernel + " " + trials[0].parameter, "ms", "time", "noise", ""}};
-    for (const bench::Trial& trial : trials) {
+    for (const measure::Trial& trial : trials) {
         const bool failed = !trial.failure.empty();
         rows.push_back({"  " + std::to_string(trial.value), failed ? "" : fixed(trial.milliseconds, 3),
                         failed ? "" : fixed(trial.ratio, 3), failed ? "" : fixed(trial.noise, 3), verdict(trial)});
@@ -51,10 +51,10 @@ std::filesystem::path choose_output(const TuneOptions& options) {
     return path;
 }
 
-void refuse_no_match(const std::string& only, const std::vector<bench::TuningCandidates>& candidates) {
+void refuse_no_match(const std::string& only, const std::vector<measure::TuningCandidates>& candidates) {
     std::string kernels = "plan/model";
     bool any = kernels.find(only) != std::string::npos;
-    for (const bench::TuningCandidates& of : candidates) {
+    for (const measure::TuningCandidates& of : candidates) {
         any = any || (of.kernel + " " + of.parameter).find(only) != std::string::npos;
         if (!kernels.ends_with(of.kernel)) kernels += ", " + of.kernel;
     }
@@ -62,7 +62,7 @@ void refuse_no_match(const std::string& only, const std::vector<bench::TuningCan
 }
 
 /// What the planner of `claray render --error`, `--time` and `--fps` goes by.
-std::vector<bench::TunedRow> measured_model(const Device& device, const std::string& only) {
+std::vector<measure::TunedRow> measured_model(const Device& device, const std::string& only) {
     if (std::string("plan/model").find(only) == std::string::npos) return {};
     const DeviceModel model = measure_model(device);
     std::vector<Row> table = {{"plan/model", "build ns/triangle", "samples/s"}};
@@ -72,7 +72,7 @@ std::vector<bench::TunedRow> measured_model(const Device& device, const std::str
     print_table(table, 1);
     std::printf("  independent samples take %.2f times the time of Sobol's for the same error\n",
                 model.independent_cost);
-    std::vector<bench::TunedRow> rows;
+    std::vector<measure::TunedRow> rows;
     for (const ModelRow& row : rows_of(model)) rows.push_back({row.kernel, row.parameter, row.value, 1, true});
     return rows;
 }
@@ -80,23 +80,23 @@ std::vector<bench::TunedRow> measured_model(const Device& device, const std::str
 void run_tune(const TuneOptions& options) {
     const std::filesystem::path output = options.dry_run ? std::filesystem::path() : choose_output(options);
     const Device device = open_device(options.device);
-    const std::vector<bench::TuningCandidates> candidates = bench::candidates_for(device.info());
+    const std::vector<measure::TuningCandidates> candidates = measure::candidates_for(device.info());
     refuse_no_match(options.tune.only, candidates);
     std::printf("%s, driver %s; paired medians of %d interleaved rounds by the device's clock\n",
                 device.info().name.c_str(), device.info().driver.c_str(), options.tune.repeat);
-    auto rows = bench::tune(device, options.tune, candidates, print_trials);
-    for (const bench::TunedRow& row : measured_model(device, options.tune.only)) rows.push_back(row);
+    auto rows = measure::tune(device, options.tune, candidates, print_trials);
+    for (const measure::TunedRow& row : measured_model(device, options.tune.only)) rows.push_back(row);
     if (rows.empty()) {
         std::printf("nothing is faster than what is in force\n");
         return;
     }
     if (options.dry_run) {
-        std::printf("rows for a tuning table:\n%s", bench::with_rows("", device.info(), rows).c_str());
+        std::printf("rows for a tuning table:\n%s", measure::with_rows("", device.info(), rows).c_str());
         return;
     }
     std::error_code none;
     const std::string before = std::filesystem::exists(output, none) ? read_file(output, "check the path") : "";
-    write_file(output, bench::with_rows(before, device.info(), rows));
+    write_file(output, measure::with_rows(before, device.info(), rows));
     std::printf("%zu rows written to %s%s\n", rows.size(), output.c_str(),
                 options.output.empty() ? "" : "; CLARAY_TUNING names the file to use");
 }

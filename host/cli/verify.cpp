@@ -7,14 +7,14 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "host/bench/compare.hpp"
+#include "host/base/file.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/open_device.hpp"
-#include "host/cli/option_rules.hpp"
-#include "host/cli/outputs.hpp"
-#include "host/cli/table.hpp"
-#include "host/cli/verify_html.hpp"
-#include "host/compute/file.hpp"
+#include "host/cli/options/option_rules.hpp"
+#include "host/cli/output/outputs.hpp"
+#include "host/cli/output/table.hpp"
+#include "host/cli/output/verify_html.hpp"
+#include "host/measure/compare.hpp"
 
 namespace claray::cli {
 namespace {
@@ -89,9 +89,9 @@ std::string json_of(const Device& device, const VerifyCommandOptions& options, c
 }
 
 struct Comparison {
-    std::vector<bench::ComparedFailures> failures;
-    std::vector<bench::ComparedTimes> times;
-    std::vector<bench::ComparedKernel> kernels;
+    std::vector<measure::ComparedFailures> failures;
+    std::vector<measure::ComparedTimes> times;
+    std::vector<measure::ComparedKernel> kernels;
 };
 
 void print_comparison(const Comparison& c) {
@@ -122,7 +122,7 @@ void print_comparison(const Comparison& c) {
     print_table(rows, 2);
 }
 
-nlohmann::ordered_json as_json(const bench::ComparedPair& p) {
+nlohmann::ordered_json as_json(const measure::ComparedPair& p) {
     return {{"textbook_ms", p.textbook_ms},
             {"robust_ms", p.robust_ms},
             {"ratio", p.ratio},
@@ -158,16 +158,16 @@ std::string json_of(const Device& device, const Comparison& c) {
 void compare(const VerifyCommandOptions& options, const VerifyOptions& how) {
     const Device device = open_device(options.device);
     Comparison c;
-    for (bench::Remedy remedy : bench::remedies()) {
+    for (measure::Remedy remedy : measure::remedies()) {
         if (!options.cases.empty())
             std::erase_if(remedy.cases, [&](const std::string& name) {
                 return std::find(options.cases.begin(), options.cases.end(), name) == options.cases.end();
             });
-        for (auto& f : bench::compare_failures(device, remedy, how)) c.failures.push_back(f);
+        for (auto& f : measure::compare_failures(device, remedy, how)) c.failures.push_back(f);
     }
     for (const std::string& scene : options.scenes)
-        for (auto& t : bench::compare_times(device, scene, 320, 180, options.rounds)) c.times.push_back(t);
-    c.kernels = bench::compare_kernels(device, options.rounds);
+        for (auto& t : measure::compare_times(device, scene, 320, 180, options.rounds)) c.times.push_back(t);
+    c.kernels = measure::compare_kernels(device, options.rounds);
     if (options.json != "-") print_comparison(c);
     if (options.json == "-")
         std::fputs(json_of(device, c).c_str(), stdout);

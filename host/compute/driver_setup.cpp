@@ -7,7 +7,7 @@
 #include <mutex>
 
 #include "claray/error.hpp"
-#include "host/compute/folders.hpp"
+#include "host/base/folders.hpp"
 
 namespace claray {
 namespace {

@@ -5,10 +5,10 @@
 #include <functional>
 #include <mutex>
 
+#include "host/base/in_parallel.hpp"
 #include "host/compute/build_report.hpp"
 #include "host/compute/device_error.hpp"
 #include "host/compute/device_state.hpp"
-#include "host/compute/in_parallel.hpp"
 #include "host/compute/joint_program.hpp"
 #include "host/compute/kernel_sources.hpp"
 #include "host/compute/memory.hpp"

@@ -13,7 +13,7 @@
 #include <filesystem>
 #include <new>
 
-#include "host/compute/folders.hpp"
+#include "host/base/folders.hpp"
 
 namespace claray {
 namespace {

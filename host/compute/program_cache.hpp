@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/compute/hash.hpp"
+#include "host/base/hash.hpp"
 
 namespace claray {
 

@@ -7,9 +7,9 @@
 #include <optional>
 #include <sstream>
 
-#include "claray/tuning.hpp"
+#include "claray/device.hpp"
+#include "host/base/file.hpp"
 #include "host/compute/device_state.hpp"
-#include "host/compute/file.hpp"
 #include "host/compute/kernel_sources.hpp"
 
 namespace claray {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "claray/error.hpp"
-#include "host/render/light_probe.hpp"
+#include "host/lights/light_probe.hpp"
 
 namespace claray {
 namespace {

@@ -4,8 +4,8 @@
 #include <cctype>
 
 #include "claray/error.hpp"
-#include "host/io/image_file.hpp"
-#include "host/io/obj_words.hpp"
+#include "host/io/image/image_file.hpp"
+#include "host/io/obj/obj_words.hpp"
 
 namespace claray {
 namespace {

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <unordered_set>
 
-#include "host/scene/shapes.hpp"
+#include "host/scene/builtin/shapes.hpp"
 
 namespace claray {
 namespace {

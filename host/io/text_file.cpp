@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "claray/error.hpp"
-#include "host/compute/file.hpp"
+#include "host/base/file.hpp"
 
 namespace claray {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "host/compute/message.hpp"
+#include "host/base/message.hpp"
 
 namespace claray {
 namespace {

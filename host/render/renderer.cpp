@@ -8,14 +8,14 @@
 #include <memory>
 #include <optional>
 
+#include "host/base/file.hpp"
 #include "host/compute/device_state.hpp"
-#include "host/compute/file.hpp"
 #include "host/compute/joint_program.hpp"
-#include "host/render/background_compiler.hpp"
-#include "host/render/checkpoint.hpp"
+#include "host/render/checkpoint/checkpoint.hpp"
 #include "host/render/film.hpp"
 #include "host/render/in_flight.hpp"
-#include "host/render/kernel_choice.hpp"
+#include "host/render/kernels/background_compiler.hpp"
+#include "host/render/kernels/kernel_choice.hpp"
 #include "host/render/schedule.hpp"
 #include "host/render/wavefront.hpp"
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "host/render/lights.hpp"
-#include "host/render/material_data.hpp"
+#include "host/bsdf/material_data.hpp"
+#include "host/lights/lights.hpp"
 
 namespace claray {
 namespace {

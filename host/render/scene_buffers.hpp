@@ -1,9 +1,9 @@
 // A scene's shading data in device memory.
 #pragma once
 
-#include "host/render/effects.hpp"
+#include "host/effects/effects.hpp"
 #include "host/render/structure.hpp"
-#include "host/render/textures.hpp"
+#include "host/textures/textures.hpp"
 
 namespace claray {
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "host/lights/lights.hpp"
+
 namespace claray {
 namespace {
 
@@ -58,30 +60,7 @@ InstancedBvh::Config config_of_top(const Bvh::Config& config) {
     return {.builder = Builder::balanced, .morton_bits = config.morton_bits};
 }
 
-bool has_lamp(const Scene& scene, const Mesh& mesh) {
-    const auto has_lamp = [&](std::uint32_t material) { return scene.materials[material].emission != glm::vec3(0.f); };
-    return mesh.materials.empty() ? !mesh.triangles.empty() && has_lamp(0)
-                                  : std::any_of(mesh.materials.begin(), mesh.materials.end(), has_lamp);
-}
-
 }  // namespace
-
-std::vector<std::uint32_t> first_light_numbers(const Scene& scene) {
-    std::vector<bool> shining;
-    for (const Mesh& mesh : scene.meshes) shining.push_back(has_lamp(scene, mesh));
-    std::vector<std::uint32_t> first;
-    std::uint64_t numbers = 0;
-    for (const MeshInstance& instance : scene.instances) {
-        // What is baked into the world counts in any case: there, triangles of all its meshes are numbered through.
-        const bool counts = shining[instance.mesh] || instance.transform == glm::mat4(1.f);
-        first.push_back(counts ? std::uint32_t(numbers) : 0u);
-        if (counts) numbers += scene.meshes[instance.mesh].triangles.size();
-    }
-    if (numbers > 0xffffffffu)
-        throw Error(ErrorKind::user, "instances of objects that shine have more than 2^32 triangles",
-                    "put what shines into a mesh of its own");
-    return first;
-}
 
 Structure::Structure(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config) {
     if (!scene.instances.empty()) {

@@ -11,10 +11,6 @@
 
 namespace claray {
 
-/// Instance::tag: the number of an instance's first triangle among those of all instances whose objects shine.
-/// Ascending in the order of the instances; 0 for those that don't. TriangleLight::primitive counts like this.
-[[nodiscard]] std::vector<std::uint32_t> first_light_numbers(const Scene& scene);
-
 class Structure {
 public:
     Structure() = default;

@@ -65,11 +65,9 @@ void check_projection(const Camera& camera) {
 
 void check_lens(const Camera& camera) {
     if (!(camera.aperture_radius >= 0.f) || std::isinf(camera.aperture_radius))
-        refuse_camera("the aperture is negative or not finite",
-                      "give the radius of the lens, or 0 for a pinhole");
+        refuse_camera("the aperture is negative or not finite", "give the radius of the lens, or 0 for a pinhole");
     if (!(camera.focus_distance >= 0.f) || std::isinf(camera.focus_distance))
-        refuse_camera("the focus distance is negative or not finite",
-                      "give the distance of what is to be sharp");
+        refuse_camera("the focus distance is negative or not finite", "give the distance of what is to be sharp");
 }
 
 }  // namespace

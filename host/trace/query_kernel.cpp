@@ -54,7 +54,7 @@ QueryKernel::QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options,
         }
         load({{"RAY_QUEUE", "0"}, {"BATCH", std::to_string(most_in_batch_)}, {"GROUP_SIZE", "1"}});
         sort_from_ = device.tuning(stem, "SORT_FROM");
-        if (sort_from_ != 0) sample_ = load_kernel(device, "trace/ray_keys.cl", "sample_order");
+        if (sort_from_ != 0) sample_ = load_kernel(device, "trace/queue/ray_order.cl", "sample_order");
         return;
     }
     if (device.tuning(stem, "RAY_QUEUE") == 0 || bvh.layout() != Layout::binary) {
@@ -70,7 +70,7 @@ QueryKernel::QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options,
         load({{"COHERENT", "1"}, {"CHOOSE", "1"}});
         load({{"COHERENT", "0"}, {"CHOOSE", "1"}});
         sample_group_ = 256;
-        sample_ = load_kernel(device, "trace/sample_coherence.cl", "sample_coherence",
+        sample_ = load_kernel(device, "trace/queue/sample_coherence.cl", "sample_coherence",
                               {{"GROUP_SIZE", std::to_string(sample_group_)}});
         sample_ = Kernel(device, sample_.handle(), kernels_[0].name());  // part of the query's time
     }

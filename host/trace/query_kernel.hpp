@@ -8,8 +8,8 @@
 
 namespace claray {
 
-/// The three words of kernels/trace/ray_queue.clh, the same for all queries of a device: its commands run one after
-/// another.
+/// The three words of kernels/trace/queue/ray_queue.clh, the same for all queries of a device: its commands run one
+/// after another.
 [[nodiscard]] const cl::Buffer& ray_queue(const Device& device);
 
 /// Binds CLARAY_CUTOUTS_PARAMETERS alone.

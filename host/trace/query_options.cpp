@@ -10,7 +10,8 @@ Defines query_defines(Defines defines, const QueryOptions& options) {
 }
 
 void check_sizes(std::size_t rays, std::size_t results, const QueryOptions& options) {
-    if (rays > 4'000'000'000)  // the ticket of kernels/trace/ray_queue.clh goes beyond the last ray, and must not wrap
+    if (rays >
+        4'000'000'000)  // the ticket of kernels/trace/queue/ray_queue.clh goes beyond the last ray, and must not wrap
         throw Error(ErrorKind::usage, std::to_string(rays) + " rays in one query", "trace at most 4e9 at a time");
     const bool short_masks = options.ray_masks.allocated() && options.ray_masks.size() < rays;
     const bool short_times = options.ray_times.allocated() && options.ray_times.size() < rays;

@@ -4,7 +4,7 @@ namespace claray {
 namespace {
 
 constexpr unsigned key_bits = 31;
-constexpr std::size_t rays_per_item = 1024;  // both as kernels/trace/ray_keys.cl has them
+constexpr std::size_t rays_per_item = 1024;  // both as kernels/trace/queue/ray_order.cl has them
 
 RadixSort<std::uint32_t>::Config sort_config(const Device& device) {
     auto config = RadixSort<std::uint32_t>::config_for(device);
@@ -18,7 +18,7 @@ RayOrder::RayOrder(const Device& device, std::uint32_t capacity)
     : keys_(device, capacity),
       order_(device, capacity),
       sort_(device, capacity, sort_config(device)),
-      make_keys_(load_kernel(device, "trace/ray_keys.cl", "ray_keys")) {}
+      make_keys_(load_kernel(device, "trace/queue/ray_order.cl", "ray_keys")) {}
 
 const Buffer<std::uint32_t>& RayOrder::sort(const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t count) {
     make_keys_.run({(count + rays_per_item - 1) / rays_per_item, 1}, bvh.header_buffer(), rays, count, keys_);

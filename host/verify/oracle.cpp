@@ -5,7 +5,7 @@
 #include <limits>
 #include <mutex>
 
-#include "host/compute/in_parallel.hpp"
+#include "host/base/in_parallel.hpp"
 #include "host/verify/exact.hpp"
 
 namespace claray::verify {

@@ -7,7 +7,7 @@
 #include <exception>
 #include <thread>
 
-#include "host/bench/measure.hpp"
+#include "host/measure/measure.hpp"
 
 namespace claray::verify {
 
@@ -69,7 +69,7 @@ void Run::check(const std::string& what, std::uint64_t tried, double worst, doub
 }
 void Run::check_time(const std::string& what, std::uint64_t tried, const std::function<void()>& task,
                      const std::function<void()>& other, double bar) {
-    const auto timings = bench::measure_rounds(device_, 21, {task, other});
+    const auto timings = measure::measure_rounds(device_, 21, {task, other});
     const double ratio = timings[0].milliseconds() / timings[1].milliseconds();
     result_.checks.push_back({what, tried, ratio, bar, "times as long", true});
 }

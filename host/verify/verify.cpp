@@ -9,7 +9,7 @@
 #include <set>
 #include <thread>
 
-#include "host/verify/cases.hpp"
+#include "host/verify/cases/cases.hpp"
 #include "host/verify/run.hpp"
 
 namespace claray {

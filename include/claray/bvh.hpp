@@ -96,7 +96,7 @@ public:
     /// Builds on the host, always in the binary layout: a worse tree, but no kernel has to be compiled before.
     /// `rebuild` builds on the device, as `fast`.
     [[nodiscard]] static Bvh build_by_host(const Device& device, std::span<const Mesh> meshes, const Config& config);
-    /// Takes a tree that was made elsewhere (see host/build/host_tree.hpp), in any layout: to compare builders.
+    /// Takes a tree that was made elsewhere (see host/bvh/host_tree.hpp), in any layout: to compare builders.
     [[nodiscard]] static Bvh build_by_host(const Device& device, std::span<const Mesh> meshes, const HostTree& tree,
                                            const Config& config);
 

@@ -15,12 +15,12 @@ namespace claray {
 /// What to load of a file that holds more than one picture; of the formats that are read, glTF does. A choice is a name
 /// or, where nothing has that name, an index that counts from 0. Empty: what the member says.
 struct LoadOptions {
-    std::optional<double> time;          ///< seconds from an animation's begin; empty: nothing is animated
-    std::string animation;               ///< the first; "all": all of them at once
-    std::string variant;                 ///< of KHR_materials_variants; the default materials
-    std::string camera;                  ///< a camera, or a node that has one; the first in the scene
-    std::string scene;                   ///< the file's default, else its first
-    std::optional<float> stroke_radius;  ///< of points and lines; 0 leaves them out; by the scene's size
+    std::optional<double> time = {};          ///< seconds from an animation's begin; empty: nothing is animated
+    std::string animation = {};               ///< the first; "all": all of them at once
+    std::string variant = {};                 ///< of KHR_materials_variants; the default materials
+    std::string camera = {};                  ///< a camera, or a node that has one; the first in the scene
+    std::string scene = {};                   ///< the file's default, else its first
+    std::optional<float> stroke_radius = {};  ///< of points and lines; 0 leaves them out; by the scene's size
 };
 
 /// Loads a Wavefront OBJ with its MTL and the images that used materials name. Polygons become triangles, negative

@@ -11,7 +11,7 @@
 #ifndef TRIANGLE_TEST
 #define TRIANGLE_TEST 0  // see triangle_tests.clh
 #endif
-#define BOX_WIDENED 0  // plane / d - origin / d, widened by a bound on its error: trace/slabs.clh, as claray's binary tree
+#define BOX_WIDENED 0  // plane / d - origin / d, widened by a bound on its error: trace/packets/slabs.clh, as claray's binary tree
 #define BOX_PADDED 1   // (plane - origin) / d, the far distance padded by BOX_PAD: trace/box.clh, as claray's wide tree
 #define BOX_IZE 2      // the same, padded by 2 ulp (Ize 2013)
 #define BOX_BARE 3     // the same without a pad

@@ -2,7 +2,7 @@
 // batches nor the order in which paths end changes the sums.
 #include "claray/shared/path.h"
 #include "compute/textbook.clh"
-#include "shade/vector.clh"
+#include "math/vector.clh"
 
 #define LARGEST_SAMPLE 1e30f  // 2^24 of these still fit in float32
 #ifndef CLAMP_BITS

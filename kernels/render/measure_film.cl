@@ -1,7 +1,7 @@
 // How noisy an image is, and how far it is off: its samples of even and of odd index are two renders that are independent of
 // each other. For means A and B of a and b samples, the expectation of (A - B)^2 a b / (a + b)^2 is the variance of the mean of all.
 #include "claray/shared/path.h"
-#include "shade/vector.clh"
+#include "math/vector.clh"
 
 static inline float3 summed_by(ColorSum s) { return (float3)(s.r, s.g, s.b); }
 static inline float3 lost_by(ColorSum s) { return (float3)(s.lost_r, s.lost_g, s.lost_b); }

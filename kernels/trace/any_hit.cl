@@ -1,5 +1,5 @@
 // Whether each ray of an array hits anything.
-#include "trace/ray_queue.clh"
+#include "trace/queue/ray_queue.clh"
 
 /// As the kernel closest_hit; see answers.clh for what becomes of the answers.
 kernel QUERY_GROUP

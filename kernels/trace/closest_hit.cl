@@ -1,5 +1,5 @@
 // The first hit of every ray of an array.
-#include "trace/ray_queue.clh"
+#include "trace/queue/ray_queue.clh"
 
 /// Traces the first min(capacity, *count) rays, or all where `count` is absent. `masks` and `visits` are read and written
 /// where the macros CLARAY_RAY_MASKS and CLARAY_COUNT_VISITS say so; `queue`: see ray_queue.clh; `batch`: rays an item, and

@@ -1,6 +1,6 @@
 // Directions that an environment image is sampled with, and the density that is claimed for directions.
 #include "claray/shared/rng.h"
-#include "shade/environment.clh"
+#include "lights/environment.clh"
 
 /// Four numbers a sample: the direction, and its density.
 kernel void sample_environment(EnvironmentData image, global const float* texels, global const float* cdf, uint count, uint seed,

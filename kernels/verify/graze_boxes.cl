@@ -1,7 +1,7 @@
 // Boxes near and far from the origin, of all shapes, and a ray to a point of each, on a face, an edge or a corner, or some way
 // past it: what the box tests of the traversals say. All that they get are arrays, as in a tree.
 #include "claray/shared/rng.h"
-#include "trace/slabs.clh"
+#include "trace/packets/slabs.clh"
 
 static inline float uniform(uint random) { return (float)(random >> 8) * 0x1p-24f; }
 static inline float both_ways(uint random) { return (float)(random >> 8) * 0x1p-23f - 1.0f; }

@@ -2,7 +2,7 @@
 #ifndef NORMALS
 #define NORMALS 0
 #endif
-#include "shade/vector_sixteen.clh"
+#include "math/vector_sixteen.clh"
 #include "verify/leaving_rays.clh"
 
 /// `clearance` is where rays begin, relative to the triangle's first edge. Item i belongs to triangle (first + i) / rays_each.

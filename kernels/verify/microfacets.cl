@@ -1,7 +1,7 @@
 // Single functions of microfacets: Fresnel's equations and GGX.
 #include "claray/shared/rng.h"
-#include "shade/bsdf_ggx.clh"
-#include "shade/fresnel.clh"
+#include "bsdf/ggx.clh"
+#include "bsdf/fresnel.clh"
 
 kernel void fresnel(uint count, global const float* cosines, global const float* etas, global float* out) {
     const uint i = get_global_id(0);

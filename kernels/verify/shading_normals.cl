@@ -1,7 +1,7 @@
 // Vertex normals that disagree with their triangle, up to lying in its plane: what shading is given in their place.
 #include "claray/shared/rng.h"
-#include "shade/normals.clh"
-#include "shade/vector.clh"
+#include "math/normals.clh"
+#include "math/vector.clh"
 
 /// Three numbers each: cosine to the viewer, height of the mirrored view over the surface, length.
 kernel void shading_normals(uint count, uint seed, global float* cosines) {

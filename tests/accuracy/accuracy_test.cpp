@@ -7,9 +7,9 @@
 #include <fstream>
 #include <random>
 
-#include "host/accuracy/image_sweep.hpp"
 #include "host/accuracy/pixels.hpp"
 #include "host/accuracy/plot.hpp"
+#include "host/accuracy/studies/image_sweep.hpp"
 #include "host/accuracy/study.hpp"
 #include "host/accuracy/summary.hpp"
 #include "tests/io/temporary_folder.hpp"

@@ -1,5 +1,5 @@
 // A picture that shows nothing is told, with what to do.
-#include "host/cli/brightness.hpp"
+#include "host/cli/output/brightness.hpp"
 
 #include <fstream>
 

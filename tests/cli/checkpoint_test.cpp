@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "claray/io.hpp"
-#include "host/render/checkpoint.hpp"
+#include "host/render/checkpoint/checkpoint.hpp"
 #include "tests/cli/claray.hpp"
 #include "tests/support/device.hpp"
 

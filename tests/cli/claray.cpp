@@ -15,8 +15,8 @@ std::vector<std::string> claray_command(const std::vector<std::string>& argument
     return command;
 }
 
-ProcessResult run_claray(const std::vector<std::string>& arguments, const Environment& environment) {
-    Environment all = environment;
+ProcessResult run_claray(const std::vector<std::string>& arguments, const Variables& environment) {
+    Variables all = environment;
     all.emplace("CLARAY_DEVICE", std::to_string(device().info().index));
     return run_process(claray_command(arguments), all);
 }

@@ -9,7 +9,7 @@ namespace claray::test {
 
 /// `claray ARGUMENT...` on the device that the tests use.
 [[nodiscard]] std::vector<std::string> claray_command(const std::vector<std::string>& arguments);
-[[nodiscard]] ProcessResult run_claray(const std::vector<std::string>& arguments, const Environment& environment = {});
+[[nodiscard]] ProcessResult run_claray(const std::vector<std::string>& arguments, const Variables& environment = {});
 
 /// Until a render tells that every pixel has a sample: before, there is no image to stop with.
 void wait_for_samples(const Process& render);

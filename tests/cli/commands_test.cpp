@@ -77,7 +77,7 @@ TEST(Commands, BadCommandLines) {
 }
 
 TEST(Commands, NoOpenClPlatformAtAll) {
-    const Environment nothing = {{"OCL_ICD_VENDORS", "/nonexistent"}};
+    const Variables nothing = {{"OCL_ICD_VENDORS", "/nonexistent"}};
     const TemporaryFolder folder;
     EXPECT_TRUE(
         failed_with(run_claray({"devices"}, nothing), 3, "no OpenCL platform on this machine; install a driver"));

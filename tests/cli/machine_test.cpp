@@ -17,7 +17,7 @@ protected:
     [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
     /// By the sh's own `ulimit`, `cd` or `export` before.
     [[nodiscard]] ProcessResult run_after(const std::string& shell, const std::vector<std::string>& arguments,
-                                          const Environment& environment = {}) const {
+                                          const Variables& environment = {}) const {
         std::vector<std::string> command = {"sh", "-c", shell + "; exec \"$@\"", "sh"};
         for (const std::string& argument : claray_command(arguments)) command.push_back(argument);
         return run_process(command, environment);
@@ -27,11 +27,11 @@ protected:
 
 /// /proc refuses even root. PoCL alone finds no device there, or crashes.
 TEST_F(Machine, WithoutAHomeThatCanBeWrittenTo) {
-    Environment none = {{"HOME", "/proc/nobody"},
-                        {"XDG_CACHE_HOME", ""},
-                        {"POCL_CACHE_DIR", ""},
-                        {"CLARAY_CACHE_DIR", "/proc/nobody"},
-                        {"TMPDIR", folder_.path().string()}};
+    Variables none = {{"HOME", "/proc/nobody"},
+                      {"XDG_CACHE_HOME", ""},
+                      {"POCL_CACHE_DIR", ""},
+                      {"CLARAY_CACHE_DIR", "/proc/nobody"},
+                      {"TMPDIR", folder_.path().string()}};
     const ProcessResult devices = run_claray({"devices"}, none);
     EXPECT_EQ(devices.exit_code, 0) << devices.errors;
     EXPECT_EQ(devices.errors, "");
@@ -54,7 +54,8 @@ TEST_F(Machine, WithoutAHomeThatCanBeWrittenTo) {
 
 /// PoCL alone aborts, whatever else can be written to.
 TEST_F(Machine, WithAnEmptyCacheVariable) {
-    const ProcessResult devices = run_claray({"devices"}, {{"POCL_CACHE_DIR", ""}, {"XDG_CACHE_HOME", folder_.path().string()}});
+    const ProcessResult devices =
+        run_claray({"devices"}, {{"POCL_CACHE_DIR", ""}, {"XDG_CACHE_HOME", folder_.path().string()}});
     EXPECT_EQ(devices.exit_code, 0) << devices.errors;
     EXPECT_EQ(devices.errors, "");
 }
@@ -77,12 +78,12 @@ TEST_F(Machine, WithASmallStack) {
     fs::copy(fs::path(CLARAY_SOURCE_DIR) / "include", folder_ / "include", fs::copy_options::recursive);
     std::string sum = "a[0]";
     for (int i = 0; i < 1500; ++i) sum += "+a[1]";
-    std::ofstream(folder_ / "kernels/build/bounds.cl", std::ios::app)
+    std::ofstream(folder_ / "kernels/bvh/bounds.cl", std::ios::app)
         << "\n// " << folder_.path().string() << ": no cache holds this text\n"
         << "kernel void deep(global volatile uint* a) { a[0] = " << sum << "; }\n";
-    const ProcessResult result = run_after(
-        "ulimit -s 256", {"build", "soup:100", "--builder", "fast", "--layout", "binary", "--repeat", "1"},
-        {{"CLARAY_KERNEL_DIR", path("kernels")}});
+    const ProcessResult result =
+        run_after("ulimit -s 256", {"build", "soup:100", "--builder", "fast", "--layout", "binary", "--repeat", "1"},
+                  {{"CLARAY_KERNEL_DIR", path("kernels")}});
     EXPECT_EQ(result.exit_code, 0) << result.errors;
 }
 

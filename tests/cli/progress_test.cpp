@@ -1,4 +1,4 @@
-#include "host/cli/progress.hpp"
+#include "host/cli/output/progress.hpp"
 
 #include <fcntl.h>
 #include <gtest/gtest.h>

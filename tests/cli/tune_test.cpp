@@ -7,7 +7,7 @@
 namespace claray::test {
 namespace {
 
-ProcessResult tune(std::vector<std::string> more, const Environment& environment = {}) {
+ProcessResult tune(std::vector<std::string> more, const Variables& environment = {}) {
     std::vector<std::string> all = {"tune",
                                     "--scene",
                                     "soup:300",
@@ -35,7 +35,7 @@ TEST(TuneCommand, PrintsWhatItTried) {
 
 TEST(TuneCommand, WritesATableThatIsReadAgain) {
     const TemporaryFolder folder;
-    const Environment home = {{"XDG_CONFIG_HOME", folder.path().string()}};
+    const Variables home = {{"XDG_CONFIG_HOME", folder.path().string()}};
     const ProcessResult result = tune({}, home);
     ASSERT_EQ(result.exit_code, 0) << result.errors;
     const auto table = folder / "claray/tuning.txt";

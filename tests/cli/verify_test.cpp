@@ -41,7 +41,7 @@ TEST(VerifyCommand, NoticesATextbookKernel) {
     const std::string shipped = read_file(textbook);
     std::ofstream(textbook) << "#define CLARAY_TEXTBOOK_TRIANGLES 1\n" << shipped;
     std::ofstream(tuning) << "* trace/closest_hit BATCH 0\n";
-    const Environment environment = {{"CLARAY_TUNING", tuning}, {"CLARAY_KERNEL_DIR", (folder / "kernels").string()}};
+    const Variables environment = {{"CLARAY_TUNING", tuning}, {"CLARAY_KERNEL_DIR", (folder / "kernels").string()}};
     const ProcessResult result = run_claray(
         {"verify", "--case", "edges", "--case", "float-atomics", "--seed", "3", "--html", html}, environment);
     EXPECT_EQ(result.exit_code, 3);

@@ -81,8 +81,8 @@ TEST(SideBySide, ProgramsAreThereWhenKernelsAreLoaded) {
     };
     const auto load_all = [&] {
         (void)load("render/resolve_film.cl", "resolve_film");
-        (void)load("build/bounds.cl", "reset_header");
-        (void)load("build/bounds.cl", "finish_bounds");
+        (void)load("bvh/bounds.cl", "reset_header");
+        (void)load("bvh/bounds.cl", "finish_bounds");
         (void)load("render/empty_queues.cl", "empty_queues");
     };
     const auto compiled = [before = compile_statistics().compiled] { return compile_statistics().compiled - before; };

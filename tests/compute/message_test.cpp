@@ -1,4 +1,4 @@
-#include "host/compute/message.hpp"
+#include "host/base/message.hpp"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "claray/tuning.hpp"
+#include "claray/device.hpp"
 
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
@@ -54,11 +54,11 @@ TEST(Tuning, UsersTableLiesBetweenTheBuiltInAndTheNamedOne) {
     EXPECT_EQ(local_tuning_path(), folder / "claray/tuning.txt");
     EXPECT_NO_THROW((void)tuning_for(device().info())) << "it need not exist";
     std::filesystem::create_directory(folder / "claray");
-    std::ofstream(folder / "claray/tuning.txt") << "* build/hploc GROUP_SIZE 32\n* sort/radix_sort ITEMS 2\n";
+    std::ofstream(folder / "claray/tuning.txt") << "* bvh/hploc GROUP_SIZE 32\n* sort/radix_sort ITEMS 2\n";
     std::ofstream(folder / "named.txt") << "* sort/radix_sort ITEMS 3\n";
     EXPECT_EQ(tuning_for(device().info()).values.at("sort/radix_sort ITEMS"), 2u);
     const ScopedEnvironment named("CLARAY_TUNING", (folder / "named.txt").string());
-    EXPECT_EQ(tuning_for(device().info()).values.at("build/hploc GROUP_SIZE"), 32u);
+    EXPECT_EQ(tuning_for(device().info()).values.at("bvh/hploc GROUP_SIZE"), 32u);
     EXPECT_EQ(tuning_for(device().info()).values.at("sort/radix_sort ITEMS"), 3u);
     EXPECT_TRUE(tuning_for(device().info()).warnings.empty());
 }

@@ -8,7 +8,7 @@
 #include <random>
 #include <string>
 
-#include "host/compute/hash.hpp"
+#include "host/base/hash.hpp"
 
 namespace claray::test {
 namespace {

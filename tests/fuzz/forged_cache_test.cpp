@@ -4,7 +4,7 @@
 #include <cstring>
 #include <fstream>
 
-#include "host/compute/hash.hpp"
+#include "host/base/hash.hpp"
 #include "host/compute/program_cache.hpp"
 #include "tests/fuzz/forge.hpp"
 #include "tests/support/process.hpp"

@@ -8,9 +8,9 @@
 
 #include "claray/effects.hpp"
 #include "claray/io.hpp"
-#include "host/compute/hash.hpp"
+#include "host/base/hash.hpp"
 #include "host/compute/tuning.hpp"
-#include "host/render/checkpoint.hpp"
+#include "host/render/checkpoint/checkpoint.hpp"
 #include "tests/fuzz/forge.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/process.hpp"

@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "claray/error.hpp"
-#include "tests/io/gltf_builder.hpp"
+#include "tests/io/gltf/gltf_builder.hpp"
 #include "tests/io/temporary_folder.hpp"
 
 namespace claray::test {

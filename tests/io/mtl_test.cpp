@@ -6,9 +6,9 @@
 #include <random>
 
 #include "claray/io.hpp"
-#include "tests/io/base64.hpp"
-#include "tests/io/encoded_images.hpp"
 #include "tests/io/expect_error.hpp"
+#include "tests/io/gltf/base64.hpp"
+#include "tests/io/image/encoded_images.hpp"
 #include "tests/io/temporary_folder.hpp"
 
 namespace claray {

@@ -7,7 +7,7 @@
 #include <random>
 
 #include "claray/io.hpp"
-#include "host/io/obj_words.hpp"
+#include "host/io/obj/obj_words.hpp"
 #include "tests/io/expect_error.hpp"
 #include "tests/io/temporary_folder.hpp"
 

@@ -100,8 +100,8 @@ TEST_P(UnitKernelsOnLayout, BuildRefitAndTrace) {
 TEST(UnitKernels, BuildBySchedule) {
     const Device device = open_device();
     for (const unsigned ranges : {0u, 5u}) {
-        device.set_tuning("build/serial", "RANGES_PER_UNIT", ranges);
-        device.set_tuning("build/serial", "RANGE_LEAVES", 1);
+        device.set_tuning("bvh/serial", "RANGES_PER_UNIT", ranges);
+        device.set_tuning("bvh/serial", "RANGE_LEAVES", 1);
         for (const Builder builder : {Builder::fast, Builder::balanced, Builder::high})
             for (const std::size_t count : {2u, 70u}) {
                 const Mesh mesh = soup(count);

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/render/energy_tables.hpp"
-#include "host/verify/bsdf.hpp"
+#include "host/bsdf/energy_tables.hpp"
+#include "host/verify/cases/bsdf.hpp"
 #include "tests/render/scenes.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/meshes.hpp"

@@ -154,7 +154,9 @@ TEST(Orthographic, ShowsSizesAtAnyDistance) {
             for (unsigned x = 0; x < 24; ++x) {
                 const bool inside = x >= 8 && x < 14 && y >= 4 && y < 10;
                 ASSERT_EQ(image[24 * y + x].x, inside ? 3.f : 0.f) << x << ' ' << y;
-                if (inside) ASSERT_EQ(aovs.depth[24 * y + x], -z);
+                if (inside) {
+                    ASSERT_EQ(aovs.depth[24 * y + x], -z);
+                }
             }
     }
 }

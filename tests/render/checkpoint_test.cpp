@@ -4,7 +4,7 @@
 #include <fstream>
 
 #include "claray/renderer.hpp"
-#include "host/render/scene_digest.hpp"
+#include "host/render/checkpoint/scene_digest.hpp"
 #include "tests/render/scenes.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/render/effects.hpp"
+#include "host/effects/effects.hpp"
 #include "tests/render/scenes.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"

@@ -6,7 +6,6 @@
 #include <functional>
 
 #include "claray/instances.hpp"
-#include "claray/light_map.hpp"
 #include "claray/query.hpp"
 #include "claray/renderer.hpp"
 #include "host/compute/memory.hpp"

@@ -1,5 +1,5 @@
 // A render that begins with other kernels than the scene's own and changes over while it runs gives the same image.
-#include "host/render/kernel_choice.hpp"
+#include "host/render/kernels/kernel_choice.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "host/compute/device_state.hpp"
-#include "host/render/background_compiler.hpp"
+#include "host/render/kernels/background_compiler.hpp"
 #include "tests/render/scenes.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/process.hpp"

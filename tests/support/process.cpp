@@ -22,7 +22,7 @@ std::filesystem::path make_folder() {
     return name;
 }
 
-std::vector<std::string> merged_environment(Environment all) {
+std::vector<std::string> merged_environment(Variables all) {
     for (char** entry = environ; *entry != nullptr; ++entry) {
         const std::string text = *entry;
         const std::size_t equals = text.find('=');
@@ -42,7 +42,7 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
 
 }  // namespace
 
-Process::Process(const std::vector<std::string>& command, const Environment& environment) : folder_(make_folder()) {
+Process::Process(const std::vector<std::string>& command, const Variables& environment) : folder_(make_folder()) {
     std::vector<std::string> arguments = command, entries = merged_environment(environment);
     posix_spawnattr_t attributes;  // as from a shell, whatever this process ignores
     posix_spawnattr_init(&attributes);
@@ -92,7 +92,7 @@ ProcessResult Process::wait() {
     return {code, read_file(folder_ / "output"), read_file(folder_ / "errors")};
 }
 
-ProcessResult run_process(const std::vector<std::string>& command, const Environment& environment) {
+ProcessResult run_process(const std::vector<std::string>& command, const Variables& environment) {
     return Process(command, environment).wait();
 }
 

@@ -17,13 +17,13 @@ struct ProcessResult {
     std::string errors;  ///< standard error
 };
 
-using Environment = std::map<std::string, std::string>;
+using Variables = std::map<std::string, std::string>;
 
 /// A running program, its output going to files in a folder of its own.
 class Process {
 public:
     /// `environment` is added to the test's own. Throws std::runtime_error where the program can't be started.
-    explicit Process(const std::vector<std::string>& command, const Environment& environment = {});
+    explicit Process(const std::vector<std::string>& command, const Variables& environment = {});
     ~Process();
     Process(const Process&) = delete;
     Process& operator=(const Process&) = delete;
@@ -43,7 +43,7 @@ private:
 };
 
 /// Starts a program and waits for its end.
-[[nodiscard]] ProcessResult run_process(const std::vector<std::string>& command, const Environment& environment = {});
+[[nodiscard]] ProcessResult run_process(const std::vector<std::string>& command, const Variables& environment = {});
 
 /// The running test program itself.
 [[nodiscard]] std::string this_program();

@@ -1,4 +1,4 @@
-// Instances that move, hit by rays of all times: trace/moving_instance.clh and the boxes of build/instances.cl.
+// Instances that move, hit by rays of all times: bvh/instances/moving_instance.clh and the boxes of bvh/instances.cl.
 #include <gtest/gtest.h>
 
 #include <cmath>

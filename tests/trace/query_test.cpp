@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "host/build/host_tree.hpp"
+#include "host/bvh/host_tree.hpp"
 #include "tests/oracle/brute_force.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"

@@ -1,4 +1,5 @@
-// How rays in any order are sorted on CPUs, trace/ray_keys.cl: the keys bit by bit, and whether it is done at all.
+// How rays in any order are sorted on CPUs, trace/queue/ray_order.cl: the keys bit by bit, and whether it is done at
+// all.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -52,7 +53,7 @@ std::int64_t expected_key(const Ray& ray, const BvhHeader& box) {
 
 TEST(RayOrder, KeysAreCellsOfStartsAndDirections) {
     const Bvh bvh = cube_of_triangles();
-    const Kernel make_keys = load_kernel(device(), "trace/ray_keys.cl", "ray_keys");
+    const Kernel make_keys = load_kernel(device(), "trace/queue/ray_order.cl", "ray_keys");
     for (const std::size_t count : {1u, 15u, 17u, 1024u, 5003u}) {
         std::vector<Ray> rays = random_rays(count, 0.9f, 1.f, 4);
         for (std::size_t i = 0; i < count; i += 3) rays[i].ox *= 3.f, rays[i].oy *= 3.f;  // outside of the box, some
@@ -75,7 +76,7 @@ TEST(RayOrder, KeysAreCellsOfStartsAndDirections) {
 std::uint32_t unordered(const Bvh& bvh, const std::vector<Ray>& rays) {
     Buffer<std::uint32_t> queue(device(), 3);
     queue.fill(7);
-    load_kernel(device(), "trace/ray_keys.cl", "sample_order")
+    load_kernel(device(), "trace/queue/ray_order.cl", "sample_order")
         .run({1, 1}, bvh.header_buffer(), Buffer<Ray>(device(), rays), std::uint32_t(rays.size()), queue);
     const std::vector<std::uint32_t> words = queue.read();
     EXPECT_EQ(words[0], 7u);

@@ -1,5 +1,5 @@
-// Rays from a queue, trace/ray_queue.clh, and what chooses its schedule, trace/sample_coherence.cl. On devices without
-// warps the rays are dealt out in strides to fewer items than there are rays.
+// Rays from a queue, trace/queue/ray_queue.clh, and what chooses its schedule, trace/queue/sample_coherence.cl. On
+// devices without warps the rays are dealt out in strides to fewer items than there are rays.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,7 +26,7 @@ std::vector<Ray> rays_from_centre(std::size_t count, bool side_by_side) {
 std::uint32_t coherent(const std::vector<Ray>& rays) {
     Buffer<std::uint32_t> queue(device(), 3);
     queue.fill(7);
-    load_kernel(device(), "trace/sample_coherence.cl", "sample_coherence", {{"GROUP_SIZE", "256"}})
+    load_kernel(device(), "trace/queue/sample_coherence.cl", "sample_coherence", {{"GROUP_SIZE", "256"}})
         .run({256, 256}, Buffer<Ray>(device(), rays), std::uint32_t(rays.size()), nullptr, queue);
     const std::vector<std::uint32_t> words = queue.read();
     EXPECT_EQ(words[0], 7u);

@@ -2,7 +2,7 @@
 #include "claray/shared/types.h"
 #include "claray/shared/scene.h"
 #include "render/samples.clh"
-#include "shade/vector.clh"
+#include "math/vector.clh"
 
 kernel void generate_rays(Batch batch, FrameData frame, uint centers, global Ray* rays, global float* radiance, global float* times) {
     const uint path = get_global_id(0);

@@ -3,7 +3,7 @@
 #include "claray/shared/types.h"
 #include "claray/shared/scene.h"
 #include "render/samples.clh"
-#include "shade/vector_sixteen.clh"
+#include "math/vector_sixteen.clh"
 
 #define PATHS 64u
 #define ROULETTE 3u

@@ -1,9 +1,9 @@
-// Layout of the tables that tell how much light rough surfaces scatter once (host/render/energy_tables.hpp).
+// Layout of the tables that tell how much light rough surfaces scatter once (host/bsdf/energy_tables.hpp).
 #ifndef CLARAY_SHARED_ENERGY_H
 #define CLARAY_SHARED_ENERGY_H
 
 /// A table: rows by roughness 0..1, in each as many values by cosine_place or loss_place in
-/// kernels/shade/bsdf_ggx.clh; then each row's average over the hemisphere; that
+/// kernels/bsdf/ggx.clh; then each row's average over the hemisphere; that
 /// of losses over alpha^2, in proportion to which they roughly are.
 #define CLARAY_ENERGY_SIZE 32
 #define CLARAY_ENERGY_TABLE (CLARAY_ENERGY_SIZE * (CLARAY_ENERGY_SIZE + 1))

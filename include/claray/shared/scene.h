@@ -128,7 +128,7 @@ typedef struct LightTrail {
 } LightTrail;
 CLARAY_LAYOUT(LightTrail, 12)
 
-/// A point light so close to a surface that paths seldom come upon its light there (shade/light_hot_spot.clh). The
+/// A point light so close to a surface that paths seldom come upon its light there (lights/light_hot_spot.clh). The
 /// first whose `last` is not below a random number is chosen, none if there is none.
 typedef struct HotSpot {
     uint last;  // 2^32 times the probabilities up to and including this one's, less 1
@@ -138,7 +138,7 @@ typedef struct HotSpot {
 } HotSpot;
 CLARAY_LAYOUT(HotSpot, 20)
 
-/// An image of latitudes and longitudes round the scene, and how its directions are sampled (shade/environment.clh).
+/// An image of latitudes and longitudes round the scene, and how its directions are sampled (lights/environment.clh).
 typedef struct EnvironmentData {
     uint width, height;  // 0: there is none
     float turn;          // added to the column's coordinate, which goes from 0 to 1

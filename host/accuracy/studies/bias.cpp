@@ -1,0 +1,196 @@
+// Study of bias: what settings leave out for ever.
+#include "host/accuracy/studies/bias.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "host/accuracy/pixels.hpp"
+
+namespace claray {
+namespace {
+
+/// Squared bias without noise: the mean of (a - r)(b - r) over all pairs of independent renders, with its standard
+/// error by the jackknife (leaving out one render at a time).
+struct SquaredBias {
+    double square = 0, standard_error = 0;
+};
+
+SquaredBias squared_bias(const std::vector<std::vector<glm::vec3>>& images, const ReferenceImage& reference,
+                         double mean) {
+    const std::size_t n = images.size(), pixels = reference.pixels.size();
+    std::vector<double> sum_with(n);  // of products with all others
+    double sum = 0;
+    for (std::size_t i = 0; i < n; ++i)
+        for (std::size_t j = i + 1; j < n; ++j) {
+            double product = 0;
+            for (std::size_t p = 0; p < pixels; ++p)
+                product += double(glm::dot(images[i][p] - reference.pixels[p], images[j][p] - reference.pixels[p]));
+            product /= 3.0 * double(pixels) * mean * mean;
+            sum += product, sum_with[i] += product, sum_with[j] += product;
+        }
+    const double count = double(n), pairs = count * (count - 1) / 2, pairs_without_one = (count - 1) * (count - 2) / 2;
+    double squares = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+        const double off = (sum - sum_with[i]) / pairs_without_one - sum / pairs;
+        squares += off * off;
+    }
+    // The reference's own error is in both factors.
+    return {sum / pairs - reference.uncertainty * reference.uncertainty, std::sqrt((count - 1) / count * squares)};
+}
+
+constexpr double quartile = 0.6745;  // of a normal distribution, in standard deviations
+
+/// Standard errors that chance stays below 97.7 times of 100: two where they are known well, more where few renders
+/// tell of them (Student's t by Cornish and Fisher's expansion: Abramowitz and Stegun 1964, 26.7.5).
+double doubtful(std::size_t renders) {
+    constexpr double z = 2;
+    const double freedom = double(renders) - 1;
+    return z + (z * z * z + z) / (4 * freedom) +
+           (5 * std::pow(z, 5) + 16 * z * z * z + 3 * z) / (96 * freedom * freedom);
+}
+
+/// Ambient occlusion (Landis 2002): from the first rough surface on, lamps are sampled, and all other light is one
+/// radiance, which surfaces within reach hide and reflect once themselves.
+std::vector<MacroScope::Macro> ambient_occlusion(float reach, glm::vec3 radiance) {
+    constexpr const char* kernel = "render/shade_surface";
+    const auto bits = [](float value) { return std::bit_cast<std::uint32_t>(value); };
+    return {{kernel, "TECHNIQUES", 1},
+            {kernel, "AMBIENT_REACH_BITS", bits(reach)},
+            {kernel, "AMBIENT_R_BITS", bits(radiance.r)},
+            {kernel, "AMBIENT_G_BITS", bits(radiance.g)},
+            {kernel, "AMBIENT_B_BITS", bits(radiance.b)}};
+}
+
+/// The radiance by which such an image has the mean of the true one: of the same seeds, so that what both show alike
+/// has no noise between them.
+class AmbientRadiance {
+public:
+    AmbientRadiance(const Device& device, const Scene& scene, const RenderConfig& config)
+        : device_(device),
+          scene_(scene),
+          config_(config),
+          whole_(mean_with({})),
+          dark_(mean_with(ambient_occlusion(1, glm::vec3(0)))) {}
+
+    [[nodiscard]] glm::vec3 within(float reach) const {
+        const glm::dvec3 added = mean_with(ambient_occlusion(reach, glm::vec3(1))) - dark_;
+        const glm::bvec3 any = glm::greaterThan(added, glm::dvec3(0));
+        return glm::max(glm::mix(glm::dvec3(0), (whole_ - dark_) / added, any), glm::dvec3(0));
+    }
+
+private:
+    [[nodiscard]] glm::dvec3 mean_with(const std::vector<MacroScope::Macro>& macros) const {
+        const MacroScope scope(device_, macros);
+        glm::dvec3 sum(0);
+        const std::vector<glm::vec3> image = render_image(device_, scene_, config_).image;
+        for (const glm::vec3& pixel : image) sum += glm::dvec3(pixel);
+        return sum / double(image.size());
+    }
+
+    const Device& device_;
+    const Scene& scene_;
+    RenderConfig config_;
+    glm::dvec3 whole_, dark_;
+};
+
+}  // namespace
+
+Renders render_independently(const std::function<Rendered(const RenderConfig&)>& method, RenderConfig config,
+                             unsigned runs) {
+    Renders renders;
+    for (unsigned i = 0; i < 2 * std::max(runs, 2u); ++i) {
+        ++config.seed;
+        Rendered done = method(config);
+        renders.images.push_back(std::move(done.image)), renders.seconds.push_back(done.seconds);
+    }
+    return renders;
+}
+
+StudyPoint bias_point(const std::string& method, const std::string& setting, double value, const Renders& renders,
+                      const ReferenceImage& reference) {
+    StudyPoint point;
+    point.method = method, point.setting = setting, point.value = value, point.runs = unsigned(renders.images.size());
+    const SquaredBias bias = squared_bias(renders.images, reference, mean_of(reference.pixels));
+    const auto root = [](double square) { return std::sqrt(std::max(square, 0.0)); };
+    point.error = {root(bias.square - quartile * bias.standard_error), root(bias.square),
+                   root(bias.square + quartile * bias.standard_error)};
+    point.errors.rmse = point.error.median;
+    point.seconds = spread_of(renders.seconds);
+    if (bias.square < doubtful(renders.images.size()) * bias.standard_error ||
+        point.error.median <= reference.uncertainty)
+        point.failure = "no bias that can be told from noise";
+    return point;
+}
+
+std::vector<float> bias_map(const Renders& renders, const ReferenceImage& reference) {
+    const double mean = mean_of(reference.pixels), n = double(renders.images.size());
+    std::vector<float> map(reference.pixels.size());
+    for (std::size_t p = 0; p < map.size(); ++p) {
+        glm::dvec3 sum(0), squares(0);  // sum over pairs = ((sum of all)^2 - sum of squares) / 2
+        for (const std::vector<glm::vec3>& image : renders.images) {
+            const glm::dvec3 off = glm::dvec3(image[p]) - glm::dvec3(reference.pixels[p]);
+            sum += off, squares += off * off;
+        }
+        const glm::dvec3 product = (sum * sum - squares) / (n * (n - 1));
+        map[p] = float(std::sqrt(std::max((product.x + product.y + product.z) / 3, 0.0)) / mean);
+    }
+    return map;
+}
+
+Study study_bias(const Device& device, const Scene& scene, const StudyOptions& options,
+                 const AccuracyProgress& progress) {
+    Study study;
+    study.name = "bias",
+    study.title = "What is wrong for ever: paths cut short, bright samples, caustics, ambient light";
+    study.error = "bias, RMS / mean";
+    constexpr unsigned reference_depth = 1024, depths[] = {1, 2, 3, 4, 6, 8, 12, 16, 32, default_max_depth};
+    constexpr double clamps[] = {1000, 100, 30, 10, 3, 1};
+    constexpr float reaches[] = {0, 1 / 32.f, 1 / 8.f, 1 / 2.f};  // shares of the scene's size
+    StudyOptions deep = options;
+    deep.config.max_depth = reference_depth;
+    const ReferenceImage reference = reference_for(study, device, scene, deep, progress);
+    RenderConfig config = deep.config;
+    const AccuracyProgress rest = scaled(progress, reference_share, 1);
+    config.spp = options.most_spp;
+    const double settings = double(std::size(depths) + std::size(clamps) + std::size(reaches) + 1);
+    bool goes_on = true;
+    const auto add = [&](const char* method, const std::string& setting, double value, const RenderConfig& how,
+                         const std::vector<MacroScope::Macro>& macros) {
+        if (!goes_on) return;
+        const MacroScope scope(device, macros);
+        const Renders renders = render_independently(
+            [&](const RenderConfig& c) { return render_image(device, scene, c); }, how, options.runs);
+        const StudyPoint point = bias_point(method, setting, value, renders, reference);
+        if (point.failure.empty())
+            study.findings.push_back(
+                std::string(method) + ", " + setting +
+                told(": off by %.3f %% of the mean, however many samples", 100 * point.error.median));
+        study.points.push_back(point);
+        goes_on = !rest || rest(double(study.points.size()) / settings, setting);
+    };
+    for (const unsigned depth : depths) {
+        RenderConfig how = config;
+        how.max_depth = depth;
+        add("path depth", told(depth == default_max_depth ? "depth %u (default)" : "depth %u", depth), depth, how, {});
+    }
+    const double mean = mean_of(reference.pixels);
+    for (const double clamp : clamps)
+        add("samples clamped", told("at %g x mean", clamp), clamp, config,
+            {{"render/accumulate_film", "CLAMP_BITS", std::bit_cast<std::uint32_t>(float(clamp * mean))}});
+    add("no caustics", "no caustics", 0, config, {{"render/shade_surface", "CAUSTICS", 0}});
+    if (goes_on) {
+        const float size = glm::length(bounds_of(scene).extent());
+        const AmbientRadiance ambient(device, scene, config);
+        for (const float share : reaches) {
+            const float reach = std::max(share * size, std::numeric_limits<float>::min());
+            add("ambient occlusion", share > 0 ? told("within %g of the scene", share) : "without occlusion", share,
+                config, ambient_occlusion(reach, ambient.within(reach)));
+        }
+    }
+    mark_front(study.points);
+    return study;
+}
+
+}  // namespace claray

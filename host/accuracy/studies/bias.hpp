@@ -1,0 +1,25 @@
+// What is wrong with an image however many samples are taken.
+#pragma once
+
+#include "host/accuracy/studies/image_sweep.hpp"
+
+namespace claray {
+
+/// Independent renders of one setting.
+struct Renders {
+    std::vector<std::vector<glm::vec3>> images;
+    std::vector<double> seconds;
+};
+/// 2 max(runs, 2) of them, with seeds from `config.seed` + 1 on, by the method.
+[[nodiscard]] Renders render_independently(const std::function<Rendered(const RenderConfig&)>& method,
+                                           RenderConfig config, unsigned runs);
+
+/// A point whose error is the renders' bias against the reference; it fails where that can't be told from noise.
+[[nodiscard]] StudyPoint bias_point(const std::string& method, const std::string& setting, double value,
+                                    const Renders& renders, const ReferenceImage& reference);
+
+/// The same of each pixel, over the reference's mean: the root of the mean of (a - r)(b - r) over all pairs and
+/// channels, 0 where noise makes that negative.
+[[nodiscard]] std::vector<float> bias_map(const Renders& renders, const ReferenceImage& reference);
+
+}  // namespace claray

@@ -1,0 +1,79 @@
+// Study of effects: what the image loses without each, where, and what that saves.
+#include <algorithm>
+#include <cmath>
+
+#include "host/accuracy/pixels.hpp"
+#include "host/accuracy/studies/bias.hpp"
+
+namespace claray {
+namespace {
+
+/// Root mean square over renders and channels of what is wrong with a pixel, over the reference's mean.
+std::vector<float> noise_map(const Renders& renders, const ReferenceImage& reference) {
+    const double mean = mean_of(reference.pixels);
+    std::vector<float> map(reference.pixels.size());
+    for (std::size_t p = 0; p < map.size(); ++p) {
+        double squares = 0;
+        for (const std::vector<glm::vec3>& image : renders.images) {
+            const glm::dvec3 off = glm::dvec3(image[p]) - glm::dvec3(reference.pixels[p]);
+            squares += glm::dot(off, off) / 3;
+        }
+        map[p] = float(std::sqrt(squares / double(renders.images.size())) / mean);
+    }
+    return map;
+}
+
+/// `lambert` is what materials become that lose their kind: there is nothing simpler.
+std::vector<Effect> effects_to_leave_out(const Scene& scene) {
+    std::vector<Effect> effects;
+    for (const Effect effect : all_effects())
+        if (effects_of(scene).has(effect) && effect != Effect::lambert) effects.push_back(effect);
+    return effects;
+}
+
+}  // namespace
+
+Study study_effects(const Device& device, const Scene& scene, const StudyOptions& options,
+                    const AccuracyProgress& progress, std::vector<ErrorMap>* maps) {
+    Study study;
+    study.name = "effects", study.title = "Effects: what the image loses without each, and the time that saves";
+    study.error = "bias without it, RMS / mean", study.sweeps = false;
+    const ReferenceImage reference = reference_for(study, device, scene, options, progress);
+    const AccuracyProgress rest = scaled(progress, reference_share, 1);
+    RenderConfig config = options.config;
+    config.spp = options.most_spp;
+    const auto method = [&](const RenderConfig& c) { return render_image(device, scene, c); };
+    (void)method({.width = config.width, .height = config.height, .spp = 1});  // compiles the kernels
+    const Renders whole = render_independently(method, config, options.runs);
+    const double seconds = spread_of(whole.seconds).median;
+    StudyPoint all;
+    all.method = "all effects", all.setting = "nothing left out", all.runs = unsigned(whole.images.size());
+    all.seconds = spread_of(whole.seconds);
+    study.points.push_back(all);
+    if (maps) maps->push_back({"noise", noise_map(whole, reference)});
+    const std::vector<Effect> effects = effects_to_leave_out(scene);
+    for (const Effect effect : effects) {
+        const std::string name = name_of(effect);
+        RenderConfig without = config;
+        without.effects.remove.add(effect);
+        without.spp = 1;
+        (void)method(without);
+        without.spp = config.spp;
+        const Renders renders = render_independently(method, without, options.runs);
+        StudyPoint point = bias_point("left out", name, 0, renders, reference);
+        const double saved = 100 * (1 - point.seconds.median / seconds);
+        point.facts = {{"time saved, %", saved}};
+        if (point.failure.empty())
+            study.findings.push_back(
+                name +
+                told(": without it the image is off by %.3g %% of its mean, and is there ", 100 * point.error.median) +
+                told_time_against(point.seconds, study.points.front().seconds));
+        study.points.push_back(point);
+        if (maps) maps->push_back({"without-" + name, bias_map(renders, reference)});
+        if (rest && !rest(double(study.points.size()) / double(effects.size() + 1), "without " + name)) break;
+    }
+    mark_front(study.points);
+    return study;
+}
+
+}  // namespace claray

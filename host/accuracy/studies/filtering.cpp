@@ -1,0 +1,54 @@
+// Study of filters: textures looked up in three ways, and images of fewer pixels.
+#include <algorithm>
+
+#include "host/accuracy/pixels.hpp"
+#include "host/accuracy/studies/image_sweep.hpp"
+
+namespace claray {
+namespace {
+
+Scene filtered(Scene scene, Filter filter) {
+    for (Texture& texture : scene.textures) texture.filter = filter;
+    return scene;
+}
+
+}  // namespace
+
+Study study_filtering(const Device& device, const Scene& scene, const StudyOptions& options,
+                      const AccuracyProgress& progress) {
+    Study study;
+    study.name = "filtering", study.title = "Texture filters, and images of fewer pixels";
+    study.error = "RMSE / mean";
+    const Scene point = filtered(scene, Filter::nearest), bilinear = filtered(scene, Filter::bilinear),
+                trilinear = filtered(scene, Filter::trilinear);
+    const auto with = [&device](const Scene& how) {
+        return [&device, &how](const RenderConfig& config) { return render_image(device, how, config); };
+    };
+    const auto smaller = [&](unsigned divisor) {
+        return [&device, &bilinear, divisor](RenderConfig config) {
+            const unsigned width = config.width, height = config.height;
+            config.width = std::max(1u, width / divisor), config.height = std::max(1u, height / divisor);
+            Rendered done = render_image(device, bilinear, config);
+            done.image = enlarged(done.image, config.width, config.height, width, height);
+            return done;
+        };
+    };
+    std::vector<ImageMethod> methods = {{"bilinear", with(bilinear)}};
+    if (scene.textures.empty())
+        methods[0].name = "all pixels", study.findings.emplace_back("the scene has no texture to filter");
+    else
+        methods.insert(methods.end(), {{"nearest", with(point)}, {"trilinear", with(trilinear)}});
+    methods.insert(methods.end(), {{"a quarter of the pixels", smaller(2)}, {"a 16th of the pixels", smaller(4)}});
+    sweep_to_reference(study, device, bilinear, options, methods, progress);
+    for (const ImageMethod& method : methods) {
+        const StudyPoint* last = nullptr;
+        for (const StudyPoint& p : study.points)
+            if (p.method == method.name && p.failure.empty()) last = &p;
+        if (last)
+            study.findings.push_back(method.name + told(": error %.3g at %s, after %.3g s", last->error.median,
+                                                        last->setting.c_str(), last->seconds.median));
+    }
+    return study;
+}
+
+}  // namespace claray

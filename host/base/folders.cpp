@@ -1,0 +1,70 @@
+#include "host/base/folders.hpp"
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <string>
+
+namespace claray {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The specification: a path that is not absolute is as good as none.
+fs::path xdg_folder(const char* variable, const char* below_home) {
+    if (const char* folder = std::getenv(variable); folder != nullptr && *folder == '/') return folder;
+    if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') return fs::path(home) / below_home;
+    return {};
+}
+
+/// `claray-UID` in the system's temporary folder, which others can write to, too: so only where it is a folder, no
+/// link, of this user's, and closed to all others. Else empty.
+fs::path temporary_folder() {
+    std::error_code error;
+    const fs::path folder = fs::temp_directory_path(error) / ("claray-" + std::to_string(::geteuid()));
+    if (error) return {};
+    ::mkdir(folder.c_str(), 0700);
+    struct stat found = {};
+    const bool is_ours = ::lstat(folder.c_str(), &found) == 0 && S_ISDIR(found.st_mode) &&
+                         found.st_uid == ::geteuid() && (found.st_mode & 077) == 0;
+    if (is_ours) return folder;
+    std::string name = folder.string() + "-XXXXXX";
+    return ::mkdtemp(name.data()) != nullptr ? fs::path(name) : fs::path();
+}
+
+}  // namespace
+
+bool make_writable(const fs::path& folder) {
+    if (folder.empty()) return false;
+    std::error_code error;
+    const fs::path parent = folder.parent_path();
+    if (!fs::is_directory(folder, error)) {
+        if (parent != folder && !parent.empty() && !fs::is_directory(parent, error))
+            fs::create_directories(parent, error);
+        ::mkdir(folder.c_str(), 0700);
+    }
+    return fs::is_directory(folder, error) && ::access(folder.c_str(), W_OK | X_OK) == 0;
+}
+
+fs::path cache_folder() {
+    if (const char* folder = std::getenv("CLARAY_CACHE_DIR"); folder != nullptr && *folder != '\0') return folder;
+    const fs::path folder = xdg_folder("XDG_CACHE_HOME", ".cache");
+    return folder.empty() ? folder : folder / "claray";
+}
+
+fs::path log_folder() {
+    const fs::path state = xdg_folder("XDG_STATE_HOME", ".local/state");
+    if (!state.empty() && make_writable(state / "claray")) return state / "claray";
+    if (const fs::path cache = cache_folder(); make_writable(cache)) return cache;
+    return temporary_folder();
+}
+
+fs::path pocl_folder() {
+    if (const fs::path cache = cache_folder(); make_writable(cache) && make_writable(cache / "pocl"))
+        return cache / "pocl";
+    const fs::path temporary = temporary_folder();
+    return !temporary.empty() && make_writable(temporary / "pocl") ? temporary / "pocl" : fs::path();
+}
+
+}  // namespace claray

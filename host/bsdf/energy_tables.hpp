@@ -1,0 +1,37 @@
+// How much light rough surfaces scatter once, by direction and roughness: what kernels/bsdf/ggx.clh needs to give
+// back the rest.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <vector>
+
+#include "claray/scene.hpp"
+#include "claray/shared/energy.h"
+
+namespace claray {
+
+/// Made for the materials that need them and for no other: empty where none does.
+class EnergyTables {
+public:
+    explicit EnergyTables(std::span<const Material> materials);
+
+    /// As in claray/shared/energy.h.
+    [[nodiscard]] const std::vector<float>& data() const { return data_; }
+    /// Where the block of an index of refraction begins; 0 where there is none.
+    [[nodiscard]] std::uint32_t block_of(float ior) const;
+
+private:
+    struct Needs {
+        bool opaque = false, transparent = false, coat = false;
+    };
+    void add_needs(const Material& material);
+
+    bool conductor_ = false, sheen_ = false, stretched_ = false;
+    std::map<float, Needs> needs_;
+    std::map<float, std::uint32_t> blocks_;
+    std::vector<float> data_;
+};
+
+}  // namespace claray

@@ -1,0 +1,44 @@
+// Materials as the kernels read them, and what each of them needs.
+#pragma once
+
+#include "host/bsdf/energy_tables.hpp"
+
+namespace claray {
+
+[[nodiscard]] MaterialData material_data(const Material& material, const EnergyTables& tables);
+
+/// The maps of a material but for its opacity's.
+inline constexpr TextureUse Material::*material_maps[] = {
+    &Material::albedo_map,           &Material::emission_map,    &Material::metallic_roughness_map,
+    &Material::transmission_map,     &Material::clearcoat_map,   &Material::clearcoat_roughness_map,
+    &Material::clearcoat_normal_map, &Material::specular_map,    &Material::specular_weight_map,
+    &Material::shininess_map,        &Material::sheen_map,       &Material::sheen_roughness_map,
+    &Material::anisotropy_map,       &Material::iridescence_map, &Material::film_thickness_map,
+    &Material::normal_map,           &Material::height_map,      &Material::light_map};
+
+// What of a material needs code and tables of its own. Textures only multiply, so that what is 0 stays 0.
+
+[[nodiscard]] bool has_diffuse_dielectric(const Material& material);
+[[nodiscard]] bool has_metal(const Material& material);
+/// Of solids.
+[[nodiscard]] bool has_glass(const Material& material);
+[[nodiscard]] bool has_thin_walls(const Material& material);
+[[nodiscard]] bool has_rough_glass(const Material& material);
+[[nodiscard]] bool has_clearcoat(const Material& material);
+[[nodiscard]] bool has_coated_metal(const Material& material);
+/// A coat that is told from what is under it: by normals of its own, or because the latter has more layers.
+[[nodiscard]] bool has_layered_coat(const Material& material);
+/// The dielectric reflects otherwise than its index of refraction says.
+[[nodiscard]] bool has_specular_layer(const Material& material);
+[[nodiscard]] bool has_film(const Material& material);
+[[nodiscard]] bool has_sheen(const Material& material);
+[[nodiscard]] bool is_anisotropic(const Material& material);
+[[nodiscard]] bool absorbs_inside(const Material& material);
+
+/// Whether a map of this material is emission that varies over its triangles.
+[[nodiscard]] bool has_emission_map(const Material& material);
+/// The luminance by which emissive triangles of a material are sampled: MaterialData::sampled_emission, negative where
+/// an image is on them.
+[[nodiscard]] float sampled_emission(const Material& material);
+
+}  // namespace claray

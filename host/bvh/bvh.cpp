@@ -1,0 +1,192 @@
+#include "claray/bvh.hpp"
+
+#include <algorithm>
+
+#include "host/bvh/bvh_state.hpp"
+#include "host/bvh/host_tree.hpp"
+#include "host/bvh/require_memory.hpp"
+#include "host/compute/program_cache.hpp"
+
+namespace claray {
+namespace {
+
+void check_indices(const Mesh& mesh, std::size_t geometry) {
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const glm::uvec3 t = mesh.triangles[i];
+        const std::uint32_t largest = std::max({t.x, t.y, t.z});
+        if (largest < mesh.positions.size()) continue;
+        throw Error(ErrorKind::user, "mesh " + std::to_string(geometry) + " '" + mesh.name + "', triangle " +
+                                         std::to_string(i) + ": vertex " + std::to_string(largest) + " of " +
+                                         std::to_string(mesh.positions.size()) + " does not exist");
+    }
+}
+
+/// One run of vertices and triangles over all meshes, with what tells the meshes apart only where it is needed.
+TriangleBuffers upload(const Device& device, std::span<const Mesh> meshes) {
+    std::vector<float> positions;
+    std::vector<std::uint32_t> indices, geometries, masks;
+    for (std::size_t geometry = 0; geometry < meshes.size(); ++geometry) {
+        const Mesh& mesh = meshes[geometry];
+        check_indices(mesh, geometry);
+        const auto base = std::uint32_t(positions.size() / 3);
+        for (const glm::vec3& p : mesh.positions) positions.insert(positions.end(), {p.x, p.y, p.z});
+        for (const glm::uvec3& t : mesh.triangles) indices.insert(indices.end(), {base + t.x, base + t.y, base + t.z});
+        geometries.resize(indices.size() / 3, std::uint32_t(geometry));
+        masks.push_back(mesh.mask);
+    }
+    TriangleBuffers buffers;
+    buffers.positions = Buffer<float>(device, positions);
+    buffers.indices = Buffer<std::uint32_t>(device, indices);
+    if (meshes.size() > 1) buffers.geometries = Buffer<std::uint32_t>(device, geometries);
+    if (std::any_of(masks.begin(), masks.end(), [](std::uint32_t mask) { return mask != 0xffffffffu; }))
+        buffers.masks = Buffer<std::uint32_t>(device, masks);
+    return buffers;
+}
+
+template <class T>
+void append_bytes(std::string& bytes, const T& value) {
+    bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+}  // namespace
+
+Bvh Bvh::build(const Device& device, std::span<const Mesh> meshes, const Config& config) {
+    require_memory(device, meshes, config);
+    return build(device, upload(device, meshes), config);
+}
+
+Bvh Bvh::build(const Device& device, const TriangleBuffers& triangles, const Config& config) {
+    require_memory(device, triangles, config);
+    Bvh bvh;
+    bvh.state_ = std::make_shared<State>(device, triangles, config);
+    bvh.state_->build();
+    return bvh;
+}
+
+Bvh Bvh::build_by_host(const Device& device, std::span<const Mesh> meshes, const Config& with) {
+    Config config = with;
+    config.layout = Layout::binary, config.builder = Builder::fast;
+    Bvh bvh = build_by_host(device, meshes, build_host_tree(meshes), config);
+    bvh.state_->small_kernels = true;
+    return bvh;
+}
+
+Bvh Bvh::build_by_host(const Device& device, std::span<const Mesh> meshes, const HostTree& tree, const Config& config) {
+    Bvh bvh;
+    bvh.state_ = std::make_shared<State>(device, upload(device, meshes), config, config.layout == Layout::binary);
+    bvh.state_->nodes.write(tree.nodes);
+    bvh.state_->leaves.write(tree.leaves);
+    bvh.state_->header.write(std::span(&tree.header, 1));
+    if (bvh.layout() == Layout::wide) bvh.state_->collapse(false);
+    return bvh;
+}
+
+void Bvh::rebuild() { state_->build(); }
+void Bvh::refit() { state_->refit(); }
+
+const TriangleBuffers& Bvh::triangles() const { return state_->triangles; }
+std::size_t Bvh::triangle_count() const { return state_->count; }
+Layout Bvh::layout() const { return state_->layout; }
+const Device& Bvh::device() const { return state_->device; }
+BvhHeader Bvh::header() const { return state_->read_header(); }
+const Buffer<BvhNode>& Bvh::nodes() const { return state_->nodes; }
+const Buffer<LeafTriangle>& Bvh::leaves() const { return state_->leaves; }
+const Buffer<WideNode>& Bvh::wide_nodes() const { return state_->wide_nodes; }
+const Buffer<TriangleBlock>& Bvh::wide_blocks() const { return state_->wide_blocks; }
+const Buffer<BvhHeader>& Bvh::header_buffer() const { return state_->header; }
+
+BvhStatistics Bvh::statistics() const {
+    const BvhHeader header = state_->read_header();
+    BvhStatistics statistics;
+    statistics.triangles = state_->count - header.culled;
+    statistics.references = header.valid - statistics.triangles;
+    statistics.culled = header.culled;
+    statistics.height = header.height;
+    statistics.bytes = sizeof(BvhHeader);
+    if (layout() == Layout::wide)
+        statistics.bytes += header.wide_nodes * sizeof(WideNode) + header.wide_blocks * sizeof(TriangleBlock);
+    else
+        statistics.bytes += state_->nodes.bytes() + state_->leaves.bytes();
+    statistics.sah_cost = state_->sah_cost();
+    return statistics;
+}
+
+double Bvh::cost_growth() const { return state_->built_cost > 0 ? state_->sah_cost() / state_->built_cost : 1; }
+bool Bvh::should_rebuild(double most_growth) const { return cost_growth() > most_growth; }
+
+BvhValidation Bvh::validate() const {
+    const std::uint32_t count = state_->count;
+    Buffer<std::uint32_t> seen(device(), count), of_nodes(device(), 2), of_leaves(device(), 3);
+    seen.fill(0), of_nodes.fill(0), of_leaves.fill(0);
+    load_kernel(device(), "bvh/validate.cl", "validate_nodes")
+        .run({state_->nodes.size(), 64}, state_->nodes, state_->leaves, state_->header, count, seen, of_nodes);
+    load_kernel(device(), "bvh/validate.cl", "validate_leaves")
+        .run({count, 64}, state_->triangles.positions, state_->triangles.indices, count, state_->nodes, state_->leaves,
+             state_->header, seen, of_leaves);
+    const std::vector<std::uint32_t> nodes = of_nodes.read(), leaves = of_leaves.read();
+    return {.leaves_missing = leaves[0],
+            .leaves_repeated = leaves[1],
+            .boxes_not_containing = nodes[0] + leaves[2],
+            .links_broken = nodes[1]};
+}
+
+std::string Bvh::hash() const {
+    // Depth first, since clustering numbers its nodes as they happen to come; where a child is depends on the node
+    // alone.
+    const std::vector<BvhNode> tree = state_->nodes.read();
+    std::string bytes;
+    std::vector<std::uint32_t> stack;
+    if (const std::uint32_t root = state_->read_header().root; root != CLARAY_NO_CHILD) stack.push_back(root);
+    while (!stack.empty()) {
+        const std::uint32_t child = stack.back();
+        stack.pop_back();
+        if (child & CLARAY_LEAF) {
+            append_bytes(bytes, child);
+            continue;
+        }
+        BvhNode node = tree[child];
+        stack.push_back(node.child1);
+        stack.push_back(node.child0);
+        node.child0 = node.child1 = node.parent = 0;
+        append_bytes(bytes, node);
+    }
+    std::vector<LeafTriangle> leaves(state_->read_header().valid);
+    state_->leaves.read(std::span(leaves));
+    for (const LeafTriangle& leaf : leaves) append_bytes(bytes, leaf);
+    return hash128(bytes);
+}
+
+void Bvh::bind(Kernel& kernel, unsigned& index) const {
+    kernel.require(defines());
+    bind_solid(kernel, index);
+    bind_cutouts(kernel, index);
+}
+
+void Bvh::bind_solid(Kernel& kernel, unsigned& index) const {
+    kernel.set(index, state_->header);
+    if (layout() == Layout::wide) {
+        kernel.set(index, state_->wide_nodes);
+        kernel.set(index, state_->wide_blocks);
+    } else {
+        kernel.set(index, state_->nodes);
+        kernel.set(index, state_->leaves);
+    }
+}
+
+void Bvh::bind_cutouts(Kernel& kernel, unsigned& index) const {
+    if (!has_cutouts()) return;
+    kernel.set(index, state_->cutouts);
+    kernel.set(index, std::uint32_t(0));
+}
+
+void Bvh::set_cutouts(const Buffer<std::uint32_t>& store) { state_->cutouts = store; }
+bool Bvh::has_cutouts() const { return state_->cutouts.allocated(); }
+
+Defines Bvh::defines() const {
+    Defines defines = {{"CLARAY_WIDE", layout() == Layout::wide ? "1" : "0"}};
+    if (state_->small_kernels) defines.emplace_back("CLARAY_SMALL", "1");
+    if (has_cutouts()) defines.emplace_back("CLARAY_CUTOUTS", "1");
+    return defines;
+}
+
+}  // namespace claray

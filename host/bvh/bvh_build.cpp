@@ -1,0 +1,265 @@
+#include <algorithm>
+
+#include "host/bvh/bvh_state.hpp"
+#include "host/compute/joint_program.hpp"
+
+namespace claray {
+namespace {
+
+constexpr std::uint32_t build_group = 256;
+constexpr std::size_t pieces_a_range = 196;  // MAX_WAITING of kernels/bvh/serial.clh
+constexpr std::size_t triangle_limit = CLARAY_SLOT;
+
+Layout resolve(Layout layout, const Device& device) {
+    if (layout != Layout::automatic) return layout;
+    return device.tuning("trace/closest_hit", "WIDE") != 0 ? Layout::wide : Layout::binary;
+}
+
+/// As many subtrees at least, fewer than eight times as many, are collapsed by an item each.
+std::uint32_t subtrees_for(const Device& device) {
+    return device.info().compute_units * device.tuning("bvh/collapse", "SUBTREES_PER_UNIT");
+}
+
+/// Wide nodes whose numbers an item takes at once: few enough that what is left over costs little memory.
+std::uint32_t numbers_at_once(std::uint32_t count, const Device& device) {
+    return std::clamp(count / (64u * CLARAY_WIDTH * std::max(subtrees_for(device), 1u)), 1u, 32u);
+}
+
+}  // namespace
+
+Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& with, bool by_host)
+    : device(on),
+      triangles(of),
+      config(with),
+      layout(resolve(with.layout, on)),
+      count(std::uint32_t(of.indices.size() / 3)) {
+    if (config.morton_bits != 30 && config.morton_bits != 63)
+        throw Error(ErrorKind::usage, "no Morton codes of " + std::to_string(config.morton_bits) + " bits",
+                    "choose 30 or 63");
+    if (config.max_leaf_triangles < 1 || config.max_leaf_triangles > 4)
+        throw Error(ErrorKind::usage, "no leaves of " + std::to_string(config.max_leaf_triangles) + " triangles",
+                    "choose 1 to 4");
+    if (!(config.split_budget >= 0))
+        throw Error(ErrorKind::usage,
+                    "no splitting of " + std::to_string(config.split_budget) + " references a triangle",
+                    "choose 0 or more");
+    if (of.indices.size() / 3 >= triangle_limit)
+        throw Error(ErrorKind::user,
+                    "too many triangles: " + std::to_string(of.indices.size() / 3) + ", the limit is 2^29 - 2");
+    allocate();
+    if (!by_host) prepare_to_build();
+}
+
+void Bvh::State::prepare_to_build() {
+    prepared_ = true;
+    if (config.builder != Builder::high) allocate_for_sorting();
+    compile_side_by_side(device, [this] { load_kernels(1); });
+    load_kernels(count);
+}
+
+void Bvh::State::load_kernels(std::size_t keys_to_sort) {
+    reset_ = load_kernel(device, "bvh/bounds.cl", "reset_header");
+    finish_bounds_ = load_kernel(device, "bvh/bounds.cl", "finish_bounds");
+    if (ranges == 0)
+        bounds_ = load_kernel(device, "bvh/bounds.cl", "compute_bounds",
+                              {{"WHOLE_BOXES", config.builder == Builder::high ? "1" : "0"}});
+    if (config.builder != Builder::high) load_for_sorting(keys_to_sort);
+    if (layout == Layout::wide) {
+        begin_collapse_ = load_kernel(device, "bvh/collapse.cl", "begin_collapse");
+        collapse_level_ = load_kernel(device, "bvh/collapse.cl", "collapse_level");
+        collapse_subtrees_ = load_kernel(device, "bvh/collapse.cl", "collapse_subtrees");
+    }
+}
+
+void Bvh::State::load_for_sorting(std::size_t keys) {
+    if (config.morton_bits == 63)
+        sort64 = std::make_unique<RadixSort<std::uint64_t>>(device, keys, RadixSort<std::uint64_t>::config_for(device));
+    else
+        sort32 = std::make_unique<RadixSort<std::uint32_t>>(device, keys, RadixSort<std::uint32_t>::config_for(device));
+    const bool balanced = config.builder == Builder::balanced;
+    const Defines bits = {{"CODE_BITS", std::to_string(config.morton_bits)}};
+    Defines tree = bits;
+    tree.emplace_back("MAX_LEAF", std::to_string(leaf_limit()));
+    if (ranges == 0) {
+        codes_ = load_kernel(device, "bvh/morton_codes.cl", "compute_morton_codes", bits);
+        lbvh_ = load_kernel(device, "bvh/lbvh.cl", "build_lbvh", tree);
+        if (!balanced) return;
+        hploc_ = load_kernel(device, "bvh/hploc.cl", "build_hploc", tree);
+        return;
+    }
+    centroids_ = load_kernel(device, "bvh/centroids.cl", "compute_centroids", bits);
+    encode_ = load_kernel(device, "bvh/centroids.cl", "encode_centroids", bits);
+    lbvh_ranges_ = load_kernel(device, "bvh/lbvh_serial.cl", "build_lbvh_ranges", tree);
+    join_lbvh_ = load_kernel(device, "bvh/lbvh_serial.cl", "join_lbvh_ranges", tree);
+    if (!balanced) return;
+    hploc_ranges_ = load_kernel(device, "bvh/hploc_serial.cl", "build_hploc_ranges", tree);
+    join_hploc_ = load_kernel(device, "bvh/hploc_serial.cl", "join_hploc_ranges", tree);
+}
+
+void Bvh::State::allocate() {
+    std::uint32_t capacity = count;  // of leaves
+    if (config.builder == Builder::high) {
+        sbvh = Sbvh(device, count, config.split_budget);
+        capacity = sbvh.capacity();
+        other_nodes = Buffer<BvhNode>(device, capacity);
+        other_leaves = Buffer<LeafTriangle>(device, capacity);
+        reinsertion = Reinsertion(device, capacity);
+        renumber = TreeLayout(device, capacity, 1, false);
+        finish = TreeLayout(device, capacity, leaf_limit(), true);
+    }
+    header = Buffer<BvhHeader>(device, 1);
+    bound_keys = Buffer<std::uint32_t>(device, 6);
+    nodes = Buffer<BvhNode>(device, capacity);
+    leaves = Buffer<LeafTriangle>(device, capacity);
+    arrivals = Buffer<std::uint32_t>(device, capacity);
+    if (layout == Layout::wide) {
+        // A node with a wide child has 8 slots, one without has at least 5 triangles: at most count / 4 nodes in all.
+        // Every subtree may leave all but one of the numbers that it took at once unused.
+        const std::size_t spare =
+            std::size_t(CLARAY_WIDTH) * subtrees_for(device) * (numbers_at_once(capacity, device) - 1);
+        wide_nodes = Buffer<WideNode>(device, capacity / 4 + 1 + spare);
+        wide_blocks = Buffer<TriangleBlock>(device, std::max(capacity, 1u) + 2 * spare);
+    }
+}
+
+/// What the builders that begin with Morton codes need.
+void Bvh::State::allocate_for_sorting() {
+    order = Buffer<std::uint32_t>(device, count);
+    const unsigned per_unit = device.tuning("bvh/serial", "RANGES_PER_UNIT");
+    if (per_unit != 0) {
+        const unsigned least = std::max(1u, device.tuning("bvh/serial", "RANGE_LEAVES"));
+        ranges = std::clamp(count / least, 1u, device.info().compute_units * per_unit);
+        pieces = Buffer<std::uint32_t>(device, ranges * 2 * pieces_a_range);
+        piece_counts = Buffer<std::uint32_t>(device, std::size_t(2) * ranges);
+    }
+    if (config.builder == Builder::balanced) clusters = Buffer<std::uint32_t>(device, count);
+    if (config.morton_bits == 63)
+        codes64 = Buffer<std::uint64_t>(device, count);
+    else
+        codes32 = Buffer<std::uint32_t>(device, count);
+}
+
+void Bvh::State::compute_bounds() {
+    const std::uint32_t axis_bits = config.morton_bits / 3;
+    reset_.run({1, 1}, header, bound_keys);
+    if (ranges != 0) {  // the leaves' memory is free until the tree is built
+        centroids_.run({ranges, 1}, triangles.positions, triangles.indices, count, header, bound_keys, ranges, leaves);
+    } else {
+        const std::size_t items =
+            std::min<std::size_t>(count, std::size_t(device.info().compute_units) * 8 * build_group);
+        bounds_.run({items, build_group}, triangles.positions, triangles.indices, count, header, bound_keys);
+    }
+    finish_bounds_.run({1, 1}, header, bound_keys, count, axis_bits);
+}
+
+template <class Code>
+void Bvh::State::build_tree(Buffer<Code>& codes, RadixSort<Code>& sort) {
+    if (ranges != 0)
+        encode_.run({ranges, 1}, leaves, count, header, ranges, codes);
+    else
+        codes_.run({count, build_group}, triangles.positions, triangles.indices, count, header, codes);
+    sort.sort(codes, order, count);
+    if (config.builder == Builder::fast) {
+        build_lbvh(codes);
+        return;
+    }
+    build_hploc(codes);
+    // Clustering has no bound on the height; a tree that is too high for the stack of a traversal is not used.
+    if (read_header().height > CLARAY_MAX_HEIGHT) build_lbvh(codes);
+}
+
+/// Leaves are references until the last copy of the tree turns them into triangles.
+void Bvh::State::build_high(unsigned rounds) {
+    if (rounds == 0) {
+        sbvh.build(triangles, bound_keys, other_nodes, other_leaves, header);
+    } else {
+        sbvh.build(triangles, bound_keys, nodes, leaves, header);
+        renumber.copy(triangles, nodes, leaves, sbvh.capacity(), arrivals, header, other_nodes, other_leaves);
+        reinsertion.run(other_nodes, arrivals, header, rounds, 1);
+    }
+    finish.copy(triangles, other_nodes, other_leaves, sbvh.capacity(), arrivals, header, nodes, leaves);
+    // Moving nodes has no bound on the height; a tree that is too high for the stack of a traversal is not used.
+    if (rounds == 0 || read_header().height <= CLARAY_MAX_HEIGHT) return;
+    compute_bounds();  // begins anew: counts triangles instead of references
+    build_high(0);
+}
+
+template <class Code>
+void Bvh::State::build_lbvh(const Buffer<Code>& codes) {
+    if (ranges != 0) {
+        lbvh_ranges_.run({ranges, 1}, triangles.positions, triangles.indices, triangles.geometries, triangles.masks,
+                         codes, order, nodes, leaves, header, ranges, pieces, piece_counts);
+        join_lbvh_.run({1, 1}, codes, nodes, leaves, header, ranges, pieces, piece_counts);
+        return;
+    }
+    arrivals.fill(0xffffffffu);
+    lbvh_.run({count, build_group}, triangles.positions, triangles.indices, triangles.geometries, triangles.masks,
+              codes, order, nodes, leaves, arrivals, header);
+}
+
+template <class Code>
+void Bvh::State::build_hploc(const Buffer<Code>& codes) {
+    if (ranges != 0) {
+        hploc_ranges_.run({ranges, 1}, triangles.positions, triangles.indices, triangles.geometries, triangles.masks,
+                          codes, order, nodes, leaves, clusters, header, ranges, pieces, piece_counts);
+        join_hploc_.run({1, 1}, codes, nodes, leaves, clusters, header, ranges, pieces, piece_counts);
+        return;
+    }
+    arrivals.fill(0xffffffffu);
+    hploc_.run({count, device.tuning("bvh/hploc", "GROUP_SIZE")}, triangles.positions, triangles.indices,
+               triangles.geometries, triangles.masks, codes, order, nodes, leaves, arrivals, clusters, header);
+}
+
+void Bvh::State::build() {
+    if (!prepared_) prepare_to_build();
+    built_cost = 0;
+    compute_bounds();
+    if (config.builder == Builder::high)
+        build_high(config.optimization_rounds);
+    else if (sort64)
+        build_tree(codes64, *sort64);
+    else
+        build_tree(codes32, *sort32);
+    if (layout == Layout::wide) collapse(config.builder == Builder::fast);
+}
+
+void Bvh::State::collapse(bool by_split) {
+    begin_collapse_.run({1, 1}, header, wide_nodes);
+    std::uint32_t begin = 0, end = read_header().wide_nodes;
+    const std::uint32_t enough = subtrees_for(device), at_once = numbers_at_once(count, device);
+    while (begin < end && end - begin < enough) {
+        collapse_level_.run({end - begin, 1}, nodes, leaves, wide_nodes, wide_blocks, header, begin, end);
+        begin = end;
+        end = read_header().wide_nodes;
+    }
+    collapse_subtrees_.run({end - begin, 1}, nodes, leaves, wide_nodes, wide_blocks, header, begin, end, at_once,
+                           std::uint32_t(by_split));
+}
+
+void Bvh::State::refit() {
+    if (!refit_.handle()()) {
+        refit_ = load_kernel(device, "bvh/refit.cl", "refit_nodes");
+        refit_wide_ = load_kernel(device, "bvh/collapse.cl", "refit_wide");
+    }
+    if (built_cost == 0) built_cost = sah_cost();
+    arrivals.fill(0);
+    refit_.run({nodes.size(), build_group}, triangles.positions, triangles.indices, nodes, leaves, arrivals, header);
+    if (layout == Layout::wide)
+        refit_wide_.run({wide_nodes.size(), 64}, nodes, leaves, wide_nodes, wide_blocks, header);
+}
+
+double Bvh::State::sah_cost() const {
+    const BvhHeader h = read_header();
+    if (h.inner_nodes == 0) return h.valid;
+    const std::size_t items = 4096;
+    const Buffer<float> sums(device, 2 * items);
+    load_kernel(device, "bvh/validate.cl", "sum_areas").run({items, 64}, nodes, header, sums);
+    double area = 0;
+    for (const float sum : sums.read()) area += sum;
+    const double x = double(h.hix) - h.lox, y = double(h.hiy) - h.loy, z = double(h.hiz) - h.loz;
+    return area / (x * y + y * z + z * x);
+}
+
+BvhHeader Bvh::State::read_header() const { return header.read()[0]; }
+
+}  // namespace claray

@@ -1,0 +1,78 @@
+// What the copies of a Bvh share. Internal to host/bvh.
+#pragma once
+
+#include <memory>
+
+#include "claray/bvh.hpp"
+#include "host/bvh/layout.hpp"
+#include "host/bvh/reinsertion.hpp"
+#include "host/bvh/sbvh.hpp"
+#include "host/sort/radix_sort.hpp"
+
+namespace claray {
+
+struct Bvh::State {
+    /// `by_host`: the tree will be filled in. What building takes is loaded and allocated once it is asked for.
+    State(const Device& on, const TriangleBuffers& of, const Config& with, bool by_host = false);
+
+    void build();
+    void refit();
+    /// `by_split`: node i of the binary tree splits the leaves between i and i + 1, as the linear builder numbers them.
+    void collapse(bool by_split);
+    [[nodiscard]] BvhHeader read_header() const;
+    [[nodiscard]] double sah_cost() const;
+    /// Triangles a leaf of the binary tree may hold: the wide tree forms leaves of its own.
+    [[nodiscard]] std::uint32_t leaf_limit() const { return layout == Layout::binary ? config.max_leaf_triangles : 1; }
+
+    Device device;
+    TriangleBuffers triangles;
+    Config config;
+    Layout layout;
+    std::uint32_t count;         // triangles of the input, culled ones included
+    bool small_kernels = false;  // see CLARAY_SMALL in kernels/trace/closest_hit.clh
+
+    double built_cost = 0;  // the cost before the first refit; 0: none since the last build
+
+    Buffer<BvhHeader> header;
+    Buffer<BvhNode> nodes;
+    Buffer<LeafTriangle> leaves;
+    Buffer<WideNode> wide_nodes;
+    Buffer<TriangleBlock> wide_blocks;
+    Buffer<std::uint32_t> cutouts;  // see Bvh::set_cutouts
+
+    // Scratch, kept for rebuilding.
+    Buffer<std::uint32_t> bound_keys, codes32, order, arrivals, clusters;
+    Buffer<std::uint64_t> codes64;
+    Buffer<std::uint32_t> pieces, piece_counts;  // of the serial schedule
+    std::uint32_t ranges = 0;                    // work-items of the serial schedule; 0: every leaf climbs by itself
+    std::unique_ptr<RadixSort<std::uint32_t>> sort32;
+    std::unique_ptr<RadixSort<std::uint64_t>> sort64;
+
+    // Of the builder `high`: a second tree, for copying to and fro.
+    Buffer<BvhNode> other_nodes;
+    Buffer<LeafTriangle> other_leaves;
+    Sbvh sbvh;
+    Reinsertion reinsertion;
+    TreeLayout renumber, finish;
+
+private:
+    void prepare_to_build();
+    void allocate();
+    void allocate_for_sorting();
+    void load_kernels(std::size_t keys_to_sort);
+    void load_for_sorting(std::size_t keys);
+    void compute_bounds();
+    template <class Code>
+    void build_tree(Buffer<Code>& codes, RadixSort<Code>& sort);
+    void build_high(unsigned rounds);
+    template <class Code>
+    void build_lbvh(const Buffer<Code>& codes);
+    template <class Code>
+    void build_hploc(const Buffer<Code>& codes);
+
+    bool prepared_ = false;
+    Kernel reset_, centroids_, encode_, bounds_, finish_bounds_, codes_, lbvh_, hploc_, refit_, lbvh_ranges_,
+        join_lbvh_, hploc_ranges_, join_hploc_, begin_collapse_, collapse_level_, collapse_subtrees_, refit_wide_;
+};
+
+}  // namespace claray

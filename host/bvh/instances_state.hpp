@@ -1,0 +1,49 @@
+// What the copies of an InstancedBvh share. Internal to host/bvh.
+#pragma once
+
+#include <optional>
+
+#include "claray/instances.hpp"
+
+namespace claray {
+
+struct InstancedBvh::State {
+    /// `by_host`: the top level is not built yet.
+    State(std::span<const Bvh> bottoms, const Buffer<Instance>& of, const Buffer<Instance>& to, const Config& with,
+          bool by_host = false);
+
+    void take_bottoms(std::span<const Bvh> bottoms);
+    void place();
+    void build_by_host(std::span<const Instance> begins, std::span<const Instance> motion_ends);
+    void bind_bottoms(Kernel& kernel, unsigned& index) const;
+
+    Device device;
+    Buffer<Instance> instances, ends;  // ends: not allocated where nothing can move
+    Config config;
+    Layout layout = Layout::automatic;  // of the bottom levels
+    Defines defines;
+
+    // The bottom levels: one that is shared, or copies of several behind each other.
+    std::optional<Bvh> shared;
+    Buffer<BvhHeader> headers;
+    Buffer<BottomRange> ranges;
+    Buffer<BvhNode> nodes;
+    Buffer<LeafTriangle> leaves;
+    Buffer<WideNode> wide_nodes;
+    Buffer<TriangleBlock> wide_blocks;
+    Buffer<std::uint32_t> cutouts;  // of several bottom levels; a shared one has its own
+    std::uint64_t bottom_bytes = 0;
+
+    Buffer<PlacedInstance> placed;
+    Buffer<float> widening;
+    TriangleBuffers boxes;  // a triangle that spans the box of each instance
+    std::optional<Bvh> top;
+
+private:
+    [[nodiscard]] Bvh::Config top_config() const;
+    void copy_bottoms(std::span<const Bvh> bottoms);
+
+    Kernel place_;
+};
+
+}  // namespace claray

@@ -1,0 +1,32 @@
+#include "host/bvh/layout.hpp"
+
+namespace claray {
+namespace {
+
+constexpr const char* layout_file = "bvh/layout.cl";
+constexpr std::size_t layout_group = 64;
+constexpr std::size_t words_per_subtree = 9;
+
+}  // namespace
+
+TreeLayout::TreeLayout(const Device& device, std::uint32_t capacity, unsigned max_leaf, bool references)
+    : subtrees_(device, words_per_subtree * capacity) {
+    const Defines defines = {{"MAX_LEAF", std::to_string(max_leaf) + "u"}, {"REFERENCES", references ? "1" : "0"}};
+    measure_ = load_kernel(device, layout_file, "measure_subtrees", defines);
+    copy_ = load_kernel(device, layout_file, "copy_tree", defines);
+    finish_ = load_kernel(device, layout_file, "finish_copy", defines);
+}
+
+void TreeLayout::copy(const TriangleBuffers& triangles, const Buffer<BvhNode>& nodes,
+                      const Buffer<LeafTriangle>& leaves, std::uint32_t leaf_count, Buffer<std::uint32_t>& arrivals,
+                      const Buffer<BvhHeader>& header, const Buffer<BvhNode>& new_nodes,
+                      const Buffer<LeafTriangle>& new_leaves) {
+    if (leaf_count == 0) return;
+    arrivals.fill(0);
+    measure_.run({leaf_count, layout_group}, nodes, leaves, subtrees_, arrivals, header);
+    copy_.run({leaf_count, layout_group}, nodes, leaves, subtrees_, header, triangles.positions, triangles.indices,
+              triangles.geometries, triangles.masks, new_nodes, new_leaves);
+    finish_.run({1, 1}, nodes, subtrees_, header);
+}
+
+}  // namespace claray

@@ -1,0 +1,25 @@
+// Copies a binary tree into the order of its traversal: kernels/bvh/layout.cl.
+#pragma once
+
+#include "claray/bvh.hpp"
+
+namespace claray {
+
+class TreeLayout {
+public:
+    TreeLayout() = default;
+    /// For trees of at most `capacity` leaves. With `references` the leaves copied are references, and become
+    /// triangles.
+    TreeLayout(const Device& device, std::uint32_t capacity, unsigned max_leaf, bool references);
+
+    /// Copies the first `leaf_count` leaves and the tree over them. Enqueued only.
+    void copy(const TriangleBuffers& triangles, const Buffer<BvhNode>& nodes, const Buffer<LeafTriangle>& leaves,
+              std::uint32_t leaf_count, Buffer<std::uint32_t>& arrivals, const Buffer<BvhHeader>& header,
+              const Buffer<BvhNode>& new_nodes, const Buffer<LeafTriangle>& new_leaves);
+
+private:
+    Buffer<std::uint32_t> subtrees_;  // nine words each
+    Kernel measure_, copy_, finish_;
+};
+
+}  // namespace claray

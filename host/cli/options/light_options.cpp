@@ -1,0 +1,154 @@
+#include "host/cli/options/light_options.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <numbers>
+
+#include "claray/error.hpp"
+#include "claray/io.hpp"
+#include "host/cli/options/option_rules.hpp"
+
+namespace claray::cli {
+namespace {
+
+constexpr float degree = std::numbers::pi_v<float> / 180.f;
+
+[[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
+    throw Error(ErrorKind::usage, what, remedy);
+}
+
+std::optional<float> number(std::string_view text) {
+    float value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return {};
+    return value;
+}
+
+std::vector<std::string> split(const std::string& text) {
+    std::vector<std::string> words;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        words.push_back(text.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    return words;
+}
+
+/// A name with the numbers that follow it.
+struct Value {
+    std::string name;
+    std::vector<float> numbers;
+};
+
+std::vector<Value> values_of(const std::string& option, const std::vector<std::string>& words) {
+    std::vector<Value> values;
+    for (std::size_t i = 1; i < words.size(); ++i) {
+        const std::size_t equals = words[i].find('=');
+        if (equals != std::string::npos) values.push_back({words[i].substr(0, equals), {}});
+        const auto value = number(equals == std::string::npos ? words[i] : words[i].substr(equals + 1));
+        if (values.empty() || !value)
+            refuse(option + ": '" + words[i] + "' is no number", "write KIND,NAME=NUMBERS,NAME=NUMBERS ...");
+        values.back().numbers.push_back(*value);
+    }
+    return values;
+}
+
+glm::vec3 three(const std::string& option, const Value& value, bool one_will_do) {
+    if (one_will_do && value.numbers.size() == 1) return glm::vec3(value.numbers[0]);
+    if (value.numbers.size() != 3)
+        refuse(option + ": " + value.name + " has " + std::to_string(value.numbers.size()) + " numbers",
+               one_will_do ? "give one or three" : "give three");
+    return {value.numbers[0], value.numbers[1], value.numbers[2]};
+}
+
+float one(const std::string& option, const Value& value) {
+    if (value.numbers.size() != 1)
+        refuse(option + ": " + value.name + " has " + std::to_string(value.numbers.size()) + " numbers", "give one");
+    return value.numbers[0];
+}
+
+LightKind kind_named(const std::string& name) {
+    if (name == "point") return LightKind::point;
+    if (name == "directional") return LightKind::directional;
+    if (name == "spot") return LightKind::spot;
+    refuse("--light: there is no kind '" + name + "'", "there are point, directional and spot");
+}
+
+}  // namespace
+
+Light parse_light(const std::string& text) {
+    const std::string option = "--light";
+    const std::vector<std::string> words = split(text);
+    Light light;
+    light.kind = kind_named(words[0]);
+    for (const Value& value : values_of(option, words)) {
+        if (value.name == "position")
+            light.position = three(option, value, false);
+        else if (value.name == "direction")
+            light.direction = three(option, value, false);
+        else if (value.name == "intensity")
+            light.intensity = three(option, value, true);
+        else if (value.name == "attenuation")
+            light.attenuation = three(option, value, false);
+        else if (value.name == "range")
+            light.range = one(option, value);
+        else if (value.name == "inner")
+            light.inner_angle = degree * one(option, value);
+        else if (value.name == "outer")
+            light.outer_angle = degree * one(option, value);
+        else
+            refuse(option + ": there is no '" + value.name + "'",
+                   "there are position, direction, intensity, range, attenuation, inner and outer");
+    }
+    return light;
+}
+
+Sky parse_sky(const std::string& text) {
+    const std::vector<std::string> words = split(text);
+    std::vector<float> numbers;
+    for (const std::string& word : words)
+        if (const auto value = number(word); value && *value >= 0.f) numbers.push_back(*value);
+    if (numbers.size() != words.size() || (numbers.size() != 1 && numbers.size() != 3 && numbers.size() != 6))
+        refuse("--sky: '" + text + "' is no radiance", "write R,G,B, or R,G,B,R,G,B from the horizon to the zenith");
+    if (numbers.size() == 1) numbers.assign(3, numbers[0]);
+    if (numbers.size() == 3) numbers.insert(numbers.end(), {numbers[0], numbers[1], numbers[2]});
+    return {{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}};
+}
+
+void add_light_options(CLI::App& command, LightOptions& o) {
+    command
+        .add_option_function<std::vector<std::string>>(
+            "--light",
+            [&o](const std::vector<std::string>& texts) {
+                for (const std::string& text : texts) o.lights.push_back(parse_light(text));
+            },
+            "Adds a light: point, directional or spot, then values as in\n"
+            "spot,position=0,2,0,direction=0,-1,0,intensity=50,inner=20,outer=30 (degrees; also range, attenuation)")
+        ->take_all()
+        ->type_name("TEXT");
+    command.add_option_function<std::string>(
+        "--sky", [&o](const std::string& text) { o.sky = parse_sky(text); },
+        "Radiance from where no surface is: R,G,B, or R,G,B,R,G,B from horizon to zenith");
+    command.add_option(
+        "--environment", o.environment,
+        "An image round the scene, in place of the sky: latitude and longitude, or a folder with px nx py ny pz nz");
+    command.add_option("--environment-strength", o.strength, "Its radiance times this [1]")
+        ->check(number_above("0 or more", 0, true));
+    command.add_option("--environment-rotation", o.rotation, "Turns it by degrees, counter-clockwise from above [0]")
+        ->check(finite_number());
+}
+
+bool add_lights(Scene& scene, const LightOptions& options) {
+    if ((options.strength || options.rotation) && options.environment.empty())
+        refuse("--environment-strength and --environment-rotation change an environment",
+               "name it by --environment FILE");
+    scene.lights.insert(scene.lights.end(), options.lights.begin(), options.lights.end());
+    if (options.sky) scene.sky = *options.sky, scene.environment = {};
+    if (options.environment.empty()) return options.sky || !options.lights.empty();
+    scene.environment = load_environment(options.environment);
+    scene.environment.strength = options.strength.value_or(1.f);
+    scene.environment.rotation = degree * options.rotation.value_or(0.f);
+    return true;
+}
+
+}  // namespace claray::cli

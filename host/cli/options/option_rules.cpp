@@ -1,0 +1,136 @@
+#include "host/cli/options/option_rules.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <optional>
+
+#include "claray/error.hpp"
+
+namespace claray::cli {
+namespace {
+
+std::string in_quotes(const std::string& text) { return "'" + text + "'"; }
+
+std::string lower_case(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+    return text;
+}
+
+/// All of `text`, or nothing.
+std::optional<double> parse_finite(const std::string& text) {
+    const char *begin = text.data(), *const end = begin + text.size();
+    if (text.starts_with('+')) ++begin;
+    double value = NAN;
+    const auto [stop, error] = std::from_chars(begin, end, value);
+    if (error != std::errc() || stop != end || !std::isfinite(value)) return {};
+    return value;
+}
+
+/// "a, b or c"
+std::string listed(const std::vector<std::string>& names) {
+    std::string text;
+    for (std::size_t i = 0; i < names.size(); ++i)
+        text += (i == 0 ? "" : i + 1 == names.size() ? " or " : ", ") + names[i];
+    return text;
+}
+
+std::string no_such(const std::string& name, const std::vector<std::string>& names) {
+    return "there is no " + in_quotes(name) + "; choose " + listed(names);
+}
+
+bool fits_float(double value) { return std::abs(value) <= double(std::numeric_limits<float>::max()); }
+
+}  // namespace
+
+CLI::Validator finite_number() {
+    const auto check = [](const std::string& text) {
+        const auto value = parse_finite(text);
+        return value && fits_float(*value) ? std::string() : in_quotes(text) + " is not a number; write it as in -1.5";
+    };
+    return CLI::Validator(check, "");
+}
+
+CLI::Validator number_above(const std::string& range, double least, bool included) {
+    const auto check = [range, least, included](const std::string& text) {
+        const auto value = parse_finite(text);
+        const bool ok = value && fits_float(*value) && (*value > least || (included && *value == least));
+        return ok ? std::string() : in_quotes(text) + " is not a number of " + range;
+    };
+    return CLI::Validator(check, "");
+}
+
+CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
+    const std::string range = std::to_string(least) + ".." + std::to_string(most);
+    const auto check = [=](std::string& text) {
+        std::uint64_t value = 0;
+        const char* const end = text.data() + text.size();
+        const auto [stop, error] = std::from_chars(text.data(), end, value);
+        if (error != std::errc() || stop != end || value < least || value > most)
+            return in_quotes(text) + " is not a whole number in " + range;
+        text = std::to_string(value);  // "010" would be read as octal
+        return std::string();
+    };
+    return CLI::Validator(check, "");
+}
+
+CLI::Validator duration() {
+    const auto parse = [](std::string& text) {
+        static constexpr std::pair<const char*, double> units[] = {{"", 1},   {"us", 1e-6}, {"ms", 1e-3}, {"s", 1},
+                                                                   {"m", 60}, {"min", 60},  {"h", 3600}};
+        const std::size_t begin = std::min(text.find_first_not_of("+-.0123456789eE"), text.size());
+        const auto value = parse_finite(text.substr(0, begin));
+        const std::string unit = lower_case(text.substr(std::min(text.find_first_not_of(' ', begin), text.size())));
+        for (const auto& [name, unit_seconds] : units) {
+            const double seconds = value ? *value * unit_seconds : 0;
+            if (seconds > 0 && unit == name) {
+                char decimal[32];
+                *std::to_chars(decimal, std::end(decimal) - 1, seconds).ptr = '\0';
+                text = decimal;
+                return std::string();
+            }
+        }
+        return in_quotes(text) + " is not a time of more than 0; write it as in 500ms, 2s, 5min or 1h";
+    };
+    return CLI::Validator(parse, "");
+}
+
+CLI::Validator choice_of(std::vector<std::pair<std::string, int>> choices) {
+    const auto find = [choices = std::move(choices)](std::string& text) {
+        std::vector<std::string> names;
+        for (const auto& [name, number] : choices) {
+            if (lower_case(text) == name) {
+                text = std::to_string(number);
+                return std::string();
+            }
+            names.push_back(name);
+        }
+        return no_such(text, names);
+    };
+    return CLI::Validator(find, "");
+}
+
+CLI::Validator name_among(std::vector<std::string> names) {
+    const auto check = [names = std::move(names)](const std::string& text) {
+        return std::find(names.begin(), names.end(), text) != names.end() ? std::string() : no_such(text, names);
+    };
+    return CLI::Validator(check, "");
+}
+
+void refuse_without(const CLI::App& command, const char* option, const char* other) {
+    if (command.count(option) > 0 && command.count(other) == 0)
+        throw Error(ErrorKind::usage, std::string(option) + " does nothing without " + other,
+                    std::string("give ") + other + ", too, or leave it out");
+}
+
+void refuse_both(const CLI::App& command, const char* option, std::initializer_list<const char*> others,
+                 const char* why) {
+    if (command.count(option) == 0) return;
+    for (const char* other : others)
+        if (command.count(other) > 0)
+            throw Error(ErrorKind::usage, std::string(option) + " and " + other + " contradict each other: " + why,
+                        "leave one of them out");
+}
+
+}  // namespace claray::cli

@@ -1,0 +1,72 @@
+#include "host/cli/options/render_options.hpp"
+
+#include "claray/renderer.hpp"
+#include "host/cli/options/option_rules.hpp"
+#include "host/cli/output/outputs.hpp"
+
+namespace claray::cli {
+namespace {
+
+constexpr unsigned largest_side = 16384;
+
+}  // namespace
+
+std::pair<unsigned, unsigned> parse_size(const std::string& text) {
+    const std::size_t x = text.find('x');
+    if (x != std::string::npos) {
+        const auto width = parse_number<unsigned>(std::string_view(text).substr(0, x));
+        const auto height = parse_number<unsigned>(std::string_view(text).substr(x + 1));
+        if (width && height && *width > 0 && *height > 0 && *width <= largest_side && *height <= largest_side)
+            return {*width, *height};
+    }
+    throw Error(ErrorKind::usage, "--size: '" + text + "' is no image size",
+                "write WIDTHxHEIGHT, each from 1 to " + std::to_string(largest_side));
+}
+
+void use_light_maps(Scene& scene, const std::vector<std::string>& light_maps) {
+    for (const std::string& text : light_maps) {
+        const std::size_t equals = text.find('=');
+        const auto mesh = parse_number<std::size_t>(std::string_view(text).substr(0, equals));
+        if (equals == std::string::npos || !mesh)
+            throw Error(ErrorKind::usage, "--light-map: '" + text + "' names no mesh and file",
+                        "write MESH=FILE: 0=floor.pfm");
+        Texture map = load_image(text.substr(equals + 1));
+        map.filter = Filter::bilinear;
+        map.wrap_u = map.wrap_v = Wrap::clamp;
+        use_light_map(scene, *mesh, std::move(map), light_map_uv_set(scene, *mesh));
+    }
+}
+
+std::pair<std::filesystem::path, std::filesystem::path> aov_paths(const std::filesystem::path& output,
+                                                                  const std::string& name) {
+    const std::string stem = (output.parent_path() / output.stem()).string() + "." + name;
+    return {stem + ".png", stem + ".pfm"};
+}
+
+std::vector<NamedFile> outputs_of(const RenderOptions& options) {
+    std::vector<NamedFile> outputs = {
+        {"--output", options.output}, {"--checkpoint", options.config.checkpoint}, {"--trace", options.trace}};
+    for (const std::string& name : options.aovs) {
+        const auto [picture, raw] = aov_paths(options.output, name);
+        outputs.push_back({"--aov " + name, picture});
+        outputs.push_back({"--aov " + name, raw});
+    }
+    return outputs;
+}
+
+std::vector<NamedFile> inputs_of(const RenderOptions& options) {
+    std::vector<NamedFile> inputs = {{"the scene", options.scene}, {"--environment", options.view.lights.environment}};
+    for (const std::string& text : options.light_maps)
+        inputs.push_back({"--light-map", text.substr(text.find('=') + 1)});
+    return inputs;
+}
+
+void check_outputs(const RenderOptions& options) {
+    const auto check_image = [](const std::filesystem::path& path) {
+        if (!path.empty()) check_writable(path);  // its extension, too
+    };
+    check_image(options.output);
+    check_outputs(outputs_of(options), inputs_of(options));
+}
+
+}  // namespace claray::cli

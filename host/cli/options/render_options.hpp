@@ -1,0 +1,51 @@
+// The command line of `claray render`, parsed and checked.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "claray/io.hpp"
+#include "claray/renderer.hpp"
+#include "host/cli/options/frames.hpp"
+#include "host/cli/options/view_options.hpp"
+
+namespace claray::cli {
+
+struct RenderOptions {
+    std::string scene;
+    std::filesystem::path output;
+    std::string device;
+    RenderConfig config;
+    ViewOptions view;
+    float exposure = 0;  // stops
+    ToneMap tone_map = ToneMap::aces;
+    std::vector<std::string> aovs;
+    std::vector<std::string> light_maps;  // "0=floor.pfm"
+    std::filesystem::path trace;
+    bool stats = false, json = false, quiet = false;
+    bool wait_for_kernels = false;
+    double fps = 0;                                     // 0: one image
+    unsigned frames = 300;                              // at that rate
+    std::string frames_text;                            // as the command line has it: a number, or a range
+    std::optional<FrameRange> animation;                // a picture each
+    double frame_rate = 24;                             // of the animation
+    bool picks_settings = false, picks_builder = true;  // by target; the builder where none is asked for
+};
+
+inline constexpr const char* aov_names[] = {"depth", "normal", "albedo", "primitive", "heat"};
+
+/// "640x480" -> {640, 480}. Throws ErrorKind::usage unless both are 1 .. 16384.
+[[nodiscard]] std::pair<unsigned, unsigned> parse_size(const std::string& text);
+
+/// Lets meshes show the light maps that the command line names. Throws ErrorKind::usage for what is not MESH=FILE.
+void use_light_maps(Scene& scene, const std::vector<std::string>& light_maps);
+
+/// out.png, depth -> {out.depth.png, out.depth.pfm}
+[[nodiscard]] std::pair<std::filesystem::path, std::filesystem::path> aov_paths(const std::filesystem::path& output,
+                                                                                const std::string& name);
+/// Throws what writing any of the output files would throw, before time is spent on rendering.
+void check_outputs(const RenderOptions& options);
+
+}  // namespace claray::cli

@@ -1,0 +1,153 @@
+#include "host/cli/options/render_targets.hpp"
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "host/cli/options/option_rules.hpp"
+#include "host/cli/output/progress.hpp"
+#include "host/cli/output/render_outputs.hpp"
+
+namespace claray::cli {
+namespace {
+
+constexpr unsigned most_spp = 1u << 24;
+
+/// For an error of 0, which can't be reached: what comes closest is told as for any other.
+constexpr const char* least_error = "1e-30";
+
+CLI::Validator least_error_for_none() {
+    return {[](std::string& text) {
+                if (parse_number<double>(text) == 0.0) text = least_error;
+                return std::string();
+            },
+            ""};
+}
+
+}  // namespace
+
+void add_target_options(CLI::App& command, RenderOptions& o) {
+    command
+        .add_option("--error", o.config.error,
+                    "Take as many samples as this RMSE over the mean needs: 0.01, for instance")
+        ->check(number_above("more than 0", 0, false))
+        ->transform(least_error_for_none());
+    command.add_option("--time", o.config.seconds, "Take as many samples as fit into this time: 500ms, 2s, 1m")
+        ->transform(duration())
+        ->type_name("TIME");
+    command
+        .add_option("--fps", o.fps, "Render frames at this rate with as many samples as fit, and tell how it was held")
+        ->check(number_above("more than 0", 0, false));
+    command
+        .add_option("--frames", o.frames_text,
+                    "FIRST..LAST: a picture for each frame of an animation, OUTPUT.0000.png or as %04d in OUTPUT says; "
+                    "with --fps how many [300]")
+        ->type_name("RANGE");
+    command.add_option("--frame-rate", o.frame_rate, "Frames a second of the animation, with --frames [24]")
+        ->check(number_above("more than 0", 0, false));
+}
+
+namespace {
+
+void check_frames(const CLI::App& command, RenderOptions& o) {
+    refuse_without(command, "--frame-rate", "--frames");
+    refuse_both(command, "--fps", {"--frame-rate"}, "one is of a render against the clock, one of an animation");
+    if (command.count("--frames") == 0) return;
+    if (o.fps > 0) {
+        const auto frames = parse_number<unsigned>(o.frames_text);
+        if (!frames || *frames == 0 || *frames > 1'000'000)
+            throw Error(ErrorKind::usage, "--frames: '" + o.frames_text + "' is not a whole number in 1..1000000",
+                        "with --fps it says how many frames are rendered");
+        o.frames = *frames;
+        return;
+    }
+    o.animation = parse_frames(o.frames_text);
+    refuse_both(command, "--frames", {"--at"}, "the frames say the times");
+    refuse_both(command, "--frames", {"--checkpoint", "--resume", "--trace"}, "these are of one image");
+}
+
+}  // namespace
+
+void check_targets(const CLI::App& command, RenderOptions& o) {
+    if (command.count("--fps") == 0 && command.count("--output") == 0) throw CLI::RequiredError("--output");
+    check_frames(command, o);
+    refuse_both(command, "--fps", {"--spp", "--error", "--time", "--noise", "--checkpoint", "--resume", "--aov"},
+                "frames have what fits into their time");
+    refuse_both(command, "--fps", {"--stats", "--trace"}, "these tell of one image");
+    if (o.fps > 0) o.config.spp = most_spp;
+    refuse_both(command, "--error", {"--spp", "--noise"}, "the error says how many samples are taken");
+    const bool until_target = o.config.error > 0 || o.config.seconds > 0;
+    if (until_target && command.count("--spp") == 0) o.config.spp = most_spp;
+    o.picks_settings = until_target && command.count("--spp") == 0;
+    o.picks_builder = command.count("--builder") == 0;
+}
+
+void print_picks(const TargetPlan& plan) {
+    for (const std::string& pick : plan.picks) std::printf("%s\n", pick.c_str());
+}
+
+MeasuringProgress measuring_progress(bool quiet) {
+    return [quiet](const std::string& what) {
+        if (!quiet) std::fprintf(stderr, "measuring for the planner: %s\n", what.c_str());
+        return !InterruptGuard::interrupted();
+    };
+}
+
+void run_frames(const Device& device, const Scene& scene, const RenderOptions& options) {
+    std::optional<InterruptGuard> guard;
+    const FramesReport report = render_frames(
+        device, scene, options.config, options.fps, options.frames, options.picks_builder,
+        [&](unsigned) {
+            if (!guard) guard.emplace();
+            return !InterruptGuard::interrupted();
+        },
+        measuring_progress(options.quiet));
+    if (!options.output.empty()) write_picture(report.image, options);
+    const double budget = 1e3 / options.fps, p50 = 1e3 * report.median, p99 = 1e3 * report.percentile;
+    if (options.json) {
+        const nlohmann::ordered_json json = {
+            {"scene", options.scene},
+            {"device", device.info().name},
+            {"fps", options.fps},
+            {"frames", report.seconds.size()},
+            {"spp", report.spp},
+            {"max_depth", report.max_depth},
+            {"milliseconds", {{"promised", budget}, {"median", p50}, {"percentile_99", p99}}},
+            {"picks", report.picks}};
+        std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    } else {
+        if (!options.quiet)
+            for (const std::string& pick : report.picks) std::printf("%s\n", pick.c_str());
+        std::printf(
+            "%s: %zu of %u frames of %ux%u, %u samples a pixel: median %.2f ms, 99th percentile %.2f ms (promised: "
+            "%.2f)\n",
+            p99 > budget                             ? "missed"
+            : report.seconds.size() < options.frames ? "stopped"
+                                                     : "reached",
+            report.seconds.size(), options.frames, options.config.width, options.config.height, report.spp, p50, p99,
+            budget);
+    }
+    if (p99 <= budget) return;
+    char text[200], remedy[80];
+    std::snprintf(text, sizeof text,
+                  "%.4g frames a second were not held: the 99th percentile is %.2f ms instead of %.2f", options.fps,
+                  p99, budget);
+    std::snprintf(remedy, sizeof remedy, "the closest is about --fps %.3g", 1e3 / p99);
+    throw Error(ErrorKind::user, text, remedy);
+}
+
+void refuse_missed_error(const RenderConfig& config, const RenderProgress& reached) {
+    if (!(config.error > 0) || (reached.error_bound > 0 && reached.error_bound <= config.error)) return;
+    char text[240];
+    if (reached.error_bound > 0) {
+        const double ratio = reached.error_bound / config.error, needed = reached.error_spp * ratio * ratio;
+        std::snprintf(text, sizeof text,
+                      "the error is up to %.3g, not the %g asked for; that needs about %.3g samples a pixel and %.3g s",
+                      reached.error_bound, config.error, needed, reached.seconds * needed / reached.spp);
+    } else {
+        std::snprintf(text, sizeof text, "the error of %g asked for was not reached: %u samples a pixel tell nothing",
+                      config.error, reached.spp);
+    }
+    throw Error(ErrorKind::user, text, "the image is written as it is");
+}
+
+}  // namespace claray::cli

@@ -1,0 +1,25 @@
+#include "host/cli/options/surface_options.hpp"
+
+#include "host/cli/options/option_rules.hpp"
+
+namespace claray::cli {
+
+void add_surface_options(CLI::App& command, SurfaceOptions& o) {
+    command
+        .add_option("--cull", o.culling,
+                    "Which sides of surfaces are left out: back, none, or file, as the materials say [file]")
+        ->transform(choice_of<Culling>({{"file", Culling::by_file}, {"back", Culling::back}, {"none", Culling::none}}))
+        ->type_name("NAME");
+    command
+        .add_option("--front", o.clockwise_front,
+                    "How the vertices of a front appear: ccw (counter-clockwise) or cw [ccw]")
+        ->transform(choice_of({{"ccw", 0}, {"cw", 1}}))
+        ->type_name("NAME");
+}
+
+void apply(const SurfaceOptions& options, Scene& scene) {
+    if (options.clockwise_front) flip_fronts(scene);
+    set_culling(scene, Culling(options.culling));
+}
+
+}  // namespace claray::cli

@@ -1,0 +1,85 @@
+#include "host/cli/options/view_options.hpp"
+
+#include <cmath>
+
+#include "claray/error.hpp"
+#include "host/cli/load.hpp"
+#include "host/cli/options/option_rules.hpp"
+
+namespace claray::cli {
+glm::vec3 parse_vector(const std::string& option, const std::string& text) {
+    glm::vec3 vector{0.f};
+    std::string_view rest = text;
+    for (int i = 0; i < 3; ++i) {
+        const std::size_t comma = i < 2 ? rest.find(',') : rest.size();
+        const auto number = comma == std::string_view::npos ? std::nullopt : parse_number<float>(rest.substr(0, comma));
+        if (!number || !std::isfinite(*number))
+            throw Error(ErrorKind::usage, option + ": '" + text + "' is no vector", "write three numbers: X,Y,Z");
+        vector[i] = *number;
+        rest.remove_prefix(std::min(comma + 1, rest.size()));
+    }
+    return vector;
+}
+
+void add_view_options(CLI::App& command, ViewOptions& o) {
+    const auto add_vector = [&](const char* name, std::optional<glm::vec3>& vector, const char* description) {
+        command.add_option_function<std::string>(
+            name, [name, &vector](const std::string& text) { vector = parse_vector(name, text); }, description);
+    };
+    add_load_options(command, o.load);
+    command.add_option(
+        "--file-camera", o.load.camera,
+        "Camera of a glTF, by name or by index in the scene [the first; without any: one that sees all]");
+    add_vector("--camera", o.camera, "Position X,Y,Z [of the scene's camera]");
+    add_vector("--look-at", o.look_at, "The point in the middle of the image, X,Y,Z [that of the scene's camera]");
+    add_vector("--up", o.up, "The direction that is up in the image, X,Y,Z [of the scene's camera, else 0,1,0]");
+    command.add_option("--fov", o.fov, "Vertical field of view in degrees [of the scene's camera, else 40]")
+        ->check(finite_number());
+    command.add_option("--ortho", o.ortho, "Parallel rays: the height of the image, in units of the scene")
+        ->check(number_above("more than 0", 0, false))
+        ->type_name("HEIGHT");
+    command
+        .add_option("--aperture", o.aperture,
+                    "Radius of the lens, in units of the scene: blurs what is not in focus [0]")
+        ->check(number_above("0 or more", 0, true));
+    command.add_option("--focus-distance", o.focus_distance, "Distance along the view that is sharp [the target's]")
+        ->check(number_above("more than 0", 0, false));
+    add_vector("--camera-end", o.camera_end, "Position when the shutter closes, X,Y,Z: motion blur");
+    add_vector("--look-at-end", o.look_at_end, "The point in the middle when the shutter closes, X,Y,Z");
+    add_light_options(command, o.lights);
+    add_surface_options(command, o.surfaces);
+}
+
+Camera choose_camera(Camera camera, const ViewOptions& options) {
+    // A camera that is put elsewhere keeps no motion of the scene's.
+    if (options.camera) camera.position = *options.camera, camera.position_end.reset();
+    if (options.look_at) camera.target = *options.look_at, camera.target_end.reset();
+    if (options.camera_end) camera.position_end = options.camera_end;
+    if (options.look_at_end) camera.target_end = options.look_at_end;
+    if (options.aperture) camera.aperture_radius = *options.aperture;
+    if (options.focus_distance) camera.focus_distance = *options.focus_distance;
+    if (options.focus_distance && camera.aperture_radius == 0.f)
+        throw Error(ErrorKind::usage, "--focus-distance does nothing without a lens", "give --aperture, too");
+    if (options.up) camera.up = *options.up;
+    if (options.fov) camera.vertical_fov = *options.fov, camera.orthographic_height = 0.f;
+    if (options.ortho) camera.orthographic_height = *options.ortho;
+    return camera;
+}
+
+Scene load_view(const std::string& name, const ViewOptions& options, unsigned width, unsigned height,
+                FirstFrame* first) {
+    if (options.fov && options.ortho)
+        throw Error(ErrorKind::usage, "--fov and --ortho contradict each other: parallel rays have no angle",
+                    "leave one of them out");
+    FirstFrame alone;
+    FirstFrame& frames = first ? *first : alone;
+    const float aspect = float(width) / float(height);
+    const auto choose = [&](const Scene& scene) {
+        if (scene.camera) return choose_camera(*scene.camera, options);
+        if (!frames.camera) frames.camera = automatic_camera(bounds_of(scene), options.fov.value_or(40.f), aspect);
+        return choose_camera(*frames.camera, options);
+    };
+    return load(name, options.load, options.lights, options.surfaces, choose, aspect, &frames.light);
+}
+
+}  // namespace claray::cli

@@ -1,0 +1,44 @@
+// What is seen and in which light: options of all commands that make images of a scene.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "claray/io.hpp"
+#include "host/cli/options/light_options.hpp"
+#include "host/cli/options/surface_options.hpp"
+
+namespace claray::cli {
+
+struct ViewOptions {
+    std::optional<glm::vec3> camera, look_at, up;
+    std::optional<float> fov;                          // degrees, vertical
+    std::optional<float> ortho;                        // height of the image, in units of the scene
+    std::optional<float> aperture, focus_distance;     // of a thin lens
+    std::optional<glm::vec3> camera_end, look_at_end;  // when the shutter closes
+    LightOptions lights;
+    SurfaceOptions surfaces;
+    LoadOptions load;
+};
+
+/// "1,-2,3.5" -> vector. Throws ErrorKind::usage, naming the option, unless it is three finite numbers.
+[[nodiscard]] glm::vec3 parse_vector(const std::string& option, const std::string& text);
+
+void add_view_options(CLI::App& command, ViewOptions& options);
+
+/// `from`, the scene's own camera or the automatic one, with what the command line changes.
+[[nodiscard]] Camera choose_camera(Camera from, const ViewOptions& options);
+
+/// What the first frame of an animation chooses for all: the automatic camera, and light where the file is dark.
+struct FirstFrame {
+    std::optional<Camera> camera;
+    std::optional<LightOptions> light;
+};
+
+/// Loads a scene with the lights and the camera of the command line. Prints warnings, and throws as `load` does.
+/// `first`: of an animation; the first frame fills it in, the others follow it.
+[[nodiscard]] Scene load_view(const std::string& name, const ViewOptions& options, unsigned width, unsigned height,
+                              FirstFrame* first = nullptr);
+
+}  // namespace claray::cli

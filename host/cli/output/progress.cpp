@@ -1,0 +1,126 @@
+#include "host/cli/output/progress.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+namespace claray::cli {
+namespace {
+
+constexpr int bar_width = 30;
+constexpr double seconds_between_lines = 2;
+
+volatile std::sig_atomic_t interrupt_flag = 0;
+
+extern "C" void set_interrupt_flag(int) { interrupt_flag = 1; }
+
+extern "C" void tell_and_end(int signal_number) {
+    constexpr char text[] = "claray: interrupted before the first sample: there is no image to write\n";
+    if (::write(STDERR_FILENO, text, sizeof text - 1) < 0) return;
+    std::raise(signal_number);  // as if there were no handler, which is gone by now
+}
+
+void handle(int signal_number, void (*handler)(int)) {
+    struct sigaction action = {};
+    action.sa_handler = handler;
+    action.sa_flags = int(SA_RESETHAND | SA_RESTART);
+    sigaction(signal_number, &action, nullptr);
+}
+
+/// All that ask the program to end. What `nohup` has set to be ignored stays so.
+void handle_all(void (*handler)(int)) {
+    for (const int signal_number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
+        struct sigaction now = {};
+        sigaction(signal_number, nullptr, &now);
+        if (signal_number == SIGHUP && now.sa_handler == SIG_IGN) continue;
+        handle(signal_number, handler);
+    }
+}
+
+std::string noise_text(const RenderProgress& progress) {
+    if (progress.noise <= 0) return {};
+    char text[64];
+    if (progress.error_bound > 0)
+        std::snprintf(text, sizeof text, ", error below %.2f %%", 100 * progress.error_bound);
+    else
+        std::snprintf(text, sizeof text, ", noise %.2f %%", 100 * progress.noise);
+    return text;
+}
+
+std::string time_left(const RenderProgress& progress, double fraction) {
+    if (fraction < 1e-4 || fraction >= 1) return {};
+    char text[32];
+    std::snprintf(text, sizeof text, ", %.1f s left", progress.seconds * (1 - fraction) / fraction);
+    return text;
+}
+
+}  // namespace
+
+double fraction_done(const RenderProgress& progress, const RenderConfig& config) {
+    double fraction = config.spp > 0 ? double(progress.spp) / config.spp : 0;
+    if (config.seconds > 0) fraction = std::max(fraction, progress.seconds / config.seconds);
+    if (config.noise > 0 && progress.noise > 0) {
+        const double ratio = config.noise / progress.noise;
+        fraction = std::max(fraction, ratio * ratio);
+    }
+    if (config.error > 0 && progress.error_bound > 0) {
+        const double ratio = config.error / progress.error_bound;
+        fraction = std::max(fraction, ratio * ratio * progress.spp / std::max(progress.error_spp, 1u));
+    }
+    return std::clamp(fraction, 0.0, 1.0);
+}
+
+ProgressStyle progress_style(bool quiet) {
+    if (quiet) return ProgressStyle::none;
+    const char* const terminal = std::getenv("TERM");
+    const bool erases_lines = terminal != nullptr && *terminal != '\0' && std::strcmp(terminal, "dumb") != 0;
+    return erases_lines && ::isatty(STDERR_FILENO) == 1 ? ProgressStyle::bar : ProgressStyle::lines;
+}
+
+void ProgressDisplay::show(const RenderProgress& progress) {
+    if (style_ == ProgressStyle::none) return;
+    const double fraction = fraction_done(progress, config_);
+    const bool by_samples = config_.error <= 0 && config_.spp < 1u << 24;
+    const std::string facts = std::to_string(progress.spp) +
+                              (by_samples ? "/" + std::to_string(config_.spp) : std::string()) + " spp" +
+                              time_left(progress, fraction) + noise_text(progress);
+    if (style_ == ProgressStyle::bar) {
+        const int filled = int(fraction * bar_width);
+        const std::string bar =
+            std::string(std::size_t(filled), '=') + std::string(std::size_t(bar_width - filled), ' ');
+        std::fprintf(output_, "\r[%s] %3.0f %%  %s\x1b[K", bar.c_str(), 100 * fraction, facts.c_str());
+        line_open_ = true;
+    } else if (progress.seconds >= next_line_) {
+        std::fprintf(output_, "%3.0f %%  %s\n", 100 * fraction, facts.c_str());
+        next_line_ = progress.seconds + seconds_between_lines;
+    }
+    std::fflush(output_);
+}
+
+void ProgressDisplay::finish(const RenderProgress& progress) {
+    next_line_ = 0;
+    show(progress);
+    leave_line();
+}
+
+void ProgressDisplay::leave_line() {
+    if (line_open_) std::fprintf(output_, "\n");
+    line_open_ = false;
+}
+
+void tell_of_signals_until_guarded() { handle_all(tell_and_end); }
+
+InterruptGuard::InterruptGuard() {
+    interrupt_flag = 0;
+    handle_all(set_interrupt_flag);
+}
+
+InterruptGuard::~InterruptGuard() { handle_all(SIG_DFL); }
+
+bool InterruptGuard::interrupted() { return interrupt_flag != 0; }
+
+}  // namespace claray::cli

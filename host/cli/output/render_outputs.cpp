@@ -1,0 +1,215 @@
+#include "host/cli/output/render_outputs.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+#include "claray/program.hpp"
+#include "host/cli/options/render_targets.hpp"
+#include "host/cli/output/brightness.hpp"
+#include "host/cli/output/messages.hpp"
+
+namespace claray::cli {
+namespace {
+
+template <class T>
+std::vector<float> as_floats(const std::vector<T>& values) {
+    return {values.begin(), values.end()};
+}
+
+/// Directions as the colours of normal maps: the stored byte is 127.5 (n + 1), whatever the sRGB curve would do.
+std::vector<glm::vec3> direction_colors(const std::vector<glm::vec3>& directions) {
+    const auto channel = [](float n) {
+        return linear_from_srgb(std::uint8_t(std::lround(127.5f * (glm::clamp(n, -1.f, 1.f) + 1.f))));
+    };
+    std::vector<glm::vec3> colors;
+    colors.reserve(directions.size());
+    for (const glm::vec3& d : directions) colors.emplace_back(channel(d.x), channel(d.y), channel(d.z));
+    return colors;
+}
+
+void write_aov(const std::string& name, const Aovs& aovs, const RenderOptions& options) {
+    const unsigned width = options.config.width, height = options.config.height;
+    const auto paths = aov_paths(options.output, name);
+    const auto &picture = paths.first, &raw = paths.second;
+    const auto write_scalar = [&](const std::vector<float>& values, const Image& image) {
+        write_image(picture, image, 0.f, ToneMap::none);
+        write_pfm(raw, width, height, values);
+    };
+    const auto write_color = [&](const std::vector<glm::vec3>& values, const Image& image) {
+        write_image(picture, image, 0.f, ToneMap::none);
+        write_image(raw, {width, height, values});
+    };
+    if (name == "depth") write_scalar(aovs.depth, false_color(width, height, aovs.depth));
+    if (name == "normal") write_color(aovs.normal, {width, height, direction_colors(aovs.normal)});
+    if (name == "albedo") write_color(aovs.albedo, {width, height, aovs.albedo});
+    if (name == "primitive") write_scalar(as_floats(aovs.primitive), identifier_color(width, height, aovs.primitive));
+    if (name == "heat") write_scalar(as_floats(aovs.visits), false_color(width, height, as_floats(aovs.visits)));
+}
+
+void print_rays(const char* name, const RayCount& count) {
+    if (count.milliseconds == 0) {
+        std::printf("%-13s %.3f M\n", name, double(count.rays) * 1e-6);
+        return;
+    }
+    std::printf("%-13s %.3f M, %.1f ms, %.2f Mrays/s\n", name, double(count.rays) * 1e-6, count.milliseconds,
+                count.mrays_per_second());
+}
+
+nlohmann::ordered_json as_json(const RayCount& count) {
+    return {{"rays", count.rays}, {"milliseconds", count.milliseconds}, {"mrays_per_second", count.mrays_per_second()}};
+}
+
+/// Names, in the order of all_effects.
+nlohmann::ordered_json as_json(EffectSet effects) {
+    nlohmann::ordered_json names = nlohmann::ordered_json::array();
+    for (const Effect effect : all_effects())
+        if (effects.has(effect)) names.push_back(name_of(effect));
+    return names;
+}
+
+void print_overrides(const EffectOverrides& overrides) {
+    if (!overrides.any()) return;
+    std::printf("effects are overridden: compiled in: %s; taken from the scene: %s\n", to_string(overrides.add).c_str(),
+                to_string(overrides.remove).c_str());
+}
+
+const char* name_of(KernelStart start) {
+    switch (start) {
+        case KernelStart::generic: return "generic";
+        case KernelStart::quick: return "quick";
+        default: return "own";
+    }
+}
+
+void print_start(const RenderStatistics& s) {
+    std::printf("first pixel   %.2f s (processor time %.2f s), by %s kernels", s.first_pixel_seconds,
+                s.first_pixel_processor_seconds, s.start == KernelStart::own ? "the scene's own" : name_of(s.start));
+    if (s.start != KernelStart::own && s.own_kernels) std::printf("; its own from sample %u on", s.own_kernels_from);
+    std::printf("\n");
+}
+
+void print_statistics(const Device& device, const RenderStatistics& s, double seconds) {
+    const CompileStatistics compile = compile_statistics();
+    std::printf("device        %s\n", device.info().name.c_str());
+    std::printf("kernels       %u compiled, %u from the cache, %.0f ms\n", compile.compiled, compile.from_cache,
+                compile.milliseconds);
+    print_start(s);
+    std::printf("build         %.2f ms, %u triangles (%u culled), height %u, SAH cost %.1f, %.1f MB\n",
+                s.build_milliseconds, s.bvh.triangles, s.bvh.culled, s.bvh.height, s.bvh.sah_cost,
+                double(s.bvh.bytes) * 1e-6);
+    std::printf("effects       %s\n", to_string(s.effects).c_str());
+    print_rays("camera rays", s.camera);
+    print_rays("bounce rays", s.bounce);
+    print_rays("shadow rays", s.shadow);
+    if (s.in_paths.rays != 0) print_rays("whole paths", s.in_paths);
+    std::printf("longest       %.1f ms, %s\n", s.longest_milliseconds, s.longest_command.c_str());
+    std::printf("measuring     noise and error: %.1f ms, %.2f %% of the render\n", 1e3 * s.measuring_seconds,
+                seconds > 0 ? 100 * s.measuring_seconds / seconds : 0.0);
+    std::printf("memory        %.1f MB on the device\n", double(s.device_bytes) * 1e-6);
+}
+
+constexpr double least_cut_off_to_tell = 5e-4;
+
+void tell_cut_off(const Renderer& renderer, unsigned max_depth) {
+    const double share = renderer.cut_off();
+    if (share >= least_cut_off_to_tell)
+        std::printf("about %.2g %% of the light is missing: paths end after %u surfaces (--max-depth)\n", 100 * share,
+                    max_depth);
+}
+
+/// The quiet ask for it by --stats.
+bool tells_plan(const RenderOptions& options) { return options.stats || !options.quiet; }
+
+}  // namespace
+
+void write_picture(const std::vector<glm::vec3>& pixels, const RenderOptions& options) {
+    write_image(options.output, {options.config.width, options.config.height, pixels}, options.exposure,
+                options.tone_map);
+    const bool is_png = options.output.extension() == ".png";
+    if (const auto line = brightness_warning(pixels, is_png ? std::optional(options.exposure) : std::nullopt))
+        print_warning(*line);
+}
+
+void write_aovs(const Renderer& renderer, const RenderOptions& options, Writes& writes) {
+    if (options.aovs.empty()) return;
+    const Aovs aovs = renderer.aovs();
+    for (const std::string& name : options.aovs) writes.attempt([&] { write_aov(name, aovs, options); });
+}
+
+void print_as_text(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,
+                   const TargetPlan* plan) {
+    const RenderProgress& p = outcome.progress;
+    if (plan && tells_plan(options)) print_picks(*plan);
+    print_overrides(options.config.effects);
+    if (options.stats) print_statistics(device, renderer.statistics(), p.seconds);
+    std::printf("%s: %ux%u, %u spp in %.2f s", options.output.c_str(), options.config.width, options.config.height,
+                p.spp, p.seconds);
+    if (p.noise > 0) std::printf(", noise %.2f %%", 100 * p.noise);
+    if (p.error > 0) std::printf(", error %.2f %%", 100 * p.error);
+    std::printf("%s\n", outcome.interrupted ? ", interrupted" : "");
+    tell_cut_off(renderer, options.config.max_depth);
+    if (plan && tells_plan(options)) {
+        const char* verdict = outcome.interrupted ? "stopped" : is_kept(*plan, p) ? "reached" : "missed";
+        std::printf("%s: %s\n", verdict, account_of(*plan, p).c_str());
+    }
+    if (p.dropped_samples > 0)
+        print_warning(std::to_string(p.dropped_samples) + " samples were not finite and are left out");
+}
+
+void print_as_json(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,
+                   const TargetPlan* plan) {
+    const RenderStatistics s = renderer.statistics();
+    const CompileStatistics compile = compile_statistics();
+    nlohmann::ordered_json report = {
+        {"output", options.output.string()},
+        {"scene", options.scene},
+        {"device", device.info().name},
+        {"width", options.config.width},
+        {"height", options.config.height},
+        {"spp", outcome.progress.spp},
+        {"seconds", outcome.progress.seconds},
+        {"noise", outcome.progress.noise},
+        {"error", outcome.progress.error},
+        {"error_bound", outcome.progress.error_bound},
+        {"cut_off", renderer.cut_off()},
+        {"measuring_seconds", s.measuring_seconds},
+        {"interrupted", outcome.interrupted},
+        {"dropped_samples", s.dropped_samples},
+        {"kernels",
+         {{"compiled", compile.compiled},
+          {"from_cache", compile.from_cache},
+          {"milliseconds", compile.milliseconds},
+          {"start", name_of(s.start)},
+          {"own_kernels", s.own_kernels},
+          {"own_kernels_from", s.own_kernels_from}}},
+        {"first_pixel_seconds", s.first_pixel_seconds},
+        {"first_pixel_processor_seconds", s.first_pixel_processor_seconds},
+        {"build",
+         {{"milliseconds", s.build_milliseconds},
+          {"triangles", s.bvh.triangles},
+          {"culled", s.bvh.culled},
+          {"height", s.bvh.height},
+          {"sah_cost", s.bvh.sah_cost},
+          {"bytes", s.bvh.bytes}}},
+        {"effects", as_json(s.effects)},
+        {"effect_overrides",
+         {{"add", as_json(options.config.effects.add)}, {"remove", as_json(options.config.effects.remove)}}},
+        {"rays",
+         {{"camera", as_json(s.camera)},
+          {"bounce", as_json(s.bounce)},
+          {"shadow", as_json(s.shadow)},
+          {"in_paths", as_json(s.in_paths)}}},
+        {"longest_command", {{"name", s.longest_command}, {"milliseconds", s.longest_milliseconds}}},
+        {"device_bytes", s.device_bytes}};
+    if (plan)
+        report["target"] = {{"error", plan->config.error},
+                            {"seconds", plan->config.seconds},
+                            {"promised_seconds", plan->promised_seconds},
+                            {"picks", plan->picks},
+                            {"kept", !outcome.interrupted && is_kept(*plan, outcome.progress)},
+                            {"reached", account_of(*plan, outcome.progress)}};
+    std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+}
+
+}  // namespace claray::cli

@@ -1,0 +1,161 @@
+#include "host/effects/effects.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "claray/error.hpp"
+
+namespace claray {
+namespace {
+
+constexpr unsigned generate = unsigned(Stage::generate), trace = unsigned(Stage::trace), shade = unsigned(Stage::shade),
+                   aovs = unsigned(Stage::aovs);
+
+/// An effect without a row is not known to the kernels. Effects that share a macro are bits of its value. Those without
+/// a macro are not added to kernels: the structure that is traced brings them (host/render/structure.hpp).
+struct EffectRow {
+    Effect effect;
+    const char* name;
+    const char* macro;
+    unsigned bit;
+    unsigned stages;
+};
+constexpr std::array rows = {
+    EffectRow{Effect::smooth_normals, "smooth-normals", "NORMALS", 0, shade | aovs},
+    EffectRow{Effect::lambert, "lambert", "MATERIALS", CLARAY_LAMBERT, shade},
+    EffectRow{Effect::mirror, "mirror", "MATERIALS", CLARAY_MIRROR, shade},
+    EffectRow{Effect::glass, "glass", "MATERIALS", CLARAY_GLASS, shade},
+    EffectRow{Effect::metal, "metal", "MATERIALS", CLARAY_METAL, shade},
+    EffectRow{Effect::blinn_phong, "blinn-phong", "MATERIALS", CLARAY_BLINN_PHONG, shade},
+    EffectRow{Effect::principled, "principled", "MATERIALS", CLARAY_PRINCIPLED, shade},
+    EffectRow{Effect::transmission, "transmission", "MATERIALS", CLARAY_GLASS, shade},
+    EffectRow{Effect::thin_walls, "thin-walls", "MATERIALS", CLARAY_THIN_GLASS, shade},
+    EffectRow{Effect::unlit, "unlit", "MATERIALS", CLARAY_UNLIT, shade},
+    EffectRow{Effect::rough_glass, "rough-glass", "ROUGH_GLASS", 0, shade},
+    EffectRow{Effect::clearcoat, "clearcoat", "CLEARCOAT", 0, shade},
+    EffectRow{Effect::coated_metal, "coated-metal", "MATERIALS", CLARAY_COATED_METAL, shade},
+    EffectRow{Effect::layered_coat, "layered-coat", "LAYERED_COAT", 0, shade},
+    EffectRow{Effect::specular, "specular", "SPECULAR", 0, shade},
+    EffectRow{Effect::iridescence, "iridescence", "IRIDESCENCE", 0, shade},
+    EffectRow{Effect::anisotropy, "anisotropy", "ANISOTROPY", 0, shade},
+    EffectRow{Effect::sheen, "sheen", "SHEEN", 0, shade},
+    EffectRow{Effect::absorption, "absorption", "ABSORPTION", 0, shade},
+    EffectRow{Effect::emissive_triangles, "emissive-triangles", "TRIANGLE_LIGHTS", 0, shade},
+    EffectRow{Effect::point_lights, "point-lights", "POINT_LIGHTS", 0, shade},
+    EffectRow{Effect::directional_lights, "directional-lights", "DIRECTIONAL_LIGHTS", 0, shade},
+    EffectRow{Effect::spot_lights, "spot-lights", "SPOT_LIGHTS", 0, shade},
+    EffectRow{Effect::light_falloff, "light-falloff", "LIGHT_FALLOFF", 0, shade},
+    EffectRow{Effect::many_lights, "many-lights", "LIGHT_TREE", 0, shade},
+    EffectRow{Effect::hot_spots, "hot-spots", "HOT_SPOTS", 0, shade},
+    EffectRow{Effect::sky, "sky", "SKY", 0, shade},
+    EffectRow{Effect::environment, "environment", "ENVIRONMENT", 0, shade},
+    EffectRow{Effect::depth_of_field, "depth-of-field", "DEPTH_OF_FIELD", 0, generate},
+    EffectRow{Effect::camera_motion, "camera-motion", "CAMERA_MOTION", 0, generate},
+    EffectRow{Effect::orthographic, "orthographic", "ORTHOGRAPHIC", 0, generate | shade},
+    EffectRow{Effect::instances, "instances", nullptr, 0, 0},
+    EffectRow{Effect::instance_motion, "instance-motion", nullptr, 0, 0},
+    EffectRow{Effect::vertex_colors, "vertex-colors", "VERTEX_COLORS", 0, shade | aovs},
+    EffectRow{Effect::textures, "textures", "TEXTURES", 0, shade | aovs},
+    EffectRow{Effect::mip_maps, "mip-maps", "MIPMAPS", 0, shade | aovs},
+    EffectRow{Effect::normal_maps, "normal-maps", "NORMAL_MAPS", 0, shade | aovs},
+    EffectRow{Effect::height_maps, "height-maps", "HEIGHT_MAPS", 0, shade | aovs},
+    EffectRow{Effect::emission_maps, "emission-maps", "EMISSION_MAPS", 0, shade},
+    EffectRow{Effect::cut_outs, "cut-outs", "CUT_OUTS", 0, trace},
+    EffectRow{Effect::culling, "culling", "CUT_OUTS", 1, trace},
+    EffectRow{Effect::light_maps, "light-maps", "LIGHT_MAPS", 0, shade | aovs},
+};
+constexpr auto known = [] {
+    std::array<Effect, rows.size()> effects{};
+    for (std::size_t i = 0; i < rows.size(); ++i) effects[i] = rows[i].effect;
+    return effects;
+}();
+
+const EffectRow* row_of(Effect effect) {
+    const auto row = std::find_if(rows.begin(), rows.end(), [&](const EffectRow& r) { return r.effect == effect; });
+    return row == rows.end() ? nullptr : &*row;
+}
+
+Effect effect_named(const std::string& name) {
+    for (const EffectRow& row : rows)
+        if (name == row.name) return row.effect;
+    throw Error(ErrorKind::usage, "there is no effect '" + name + "'", "there are: " + to_string(full_effects()));
+}
+
+}  // namespace
+
+const char* name_of(Effect effect) {
+    const EffectRow* row = row_of(effect);
+    return row ? row->name : "unknown";
+}
+
+std::span<const Effect> all_effects() { return known; }
+
+EffectSet known_effects() {
+    EffectSet all;
+    for (const Effect effect : known) all.add(effect);
+    return all;
+}
+
+EffectSet full_effects() {
+    EffectSet all;
+    for (const EffectRow& row : rows)
+        if (row.macro) all.add(row.effect);
+    return all;
+}
+
+std::string to_string(EffectSet effects) {
+    std::string text;
+    for (const Effect effect : known)
+        if (effects.has(effect)) text += (text.empty() ? "" : ", ") + std::string(name_of(effect));
+    return text.empty() ? "nothing" : text;
+}
+
+EffectSet parse_effects(const std::string& text) {
+    EffectSet effects;
+    if (text == "nothing") return effects;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        const std::size_t first = std::min(text.find_first_not_of(' ', begin), end);
+        effects.add(effect_named(text.substr(first, end - first)));
+        begin = end + 1;
+    }
+    return effects;
+}
+
+EffectOverrides parse_effect_overrides(const std::string& text) {
+    EffectOverrides overrides;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        const std::string item = text.substr(begin, end - begin);
+        begin = end + 1;
+        if (item.empty() || (item[0] != '+' && item[0] != '-'))
+            throw Error(ErrorKind::usage, "effect '" + item + "' begins with neither + nor -",
+                        "write +NAME or -NAME, separated by commas: +metal,-sky");
+        (item[0] == '+' ? overrides.add : overrides.remove).add(effect_named(item.substr(1)));
+    }
+    if (!(overrides.add & overrides.remove).empty())
+        throw Error(ErrorKind::usage, "effects both added and removed: " + to_string(overrides.add & overrides.remove),
+                    "write each effect once");
+    return overrides;
+}
+
+bool concerns(Effect effect, Stage stage) {
+    const EffectRow* row = row_of(effect);
+    return row && (row->stages & unsigned(stage)) != 0;
+}
+
+Defines defines_of(EffectSet effects, Stage stage) {
+    Defines defines;
+    std::vector<unsigned> values;
+    for (const EffectRow& row : rows) {
+        if ((row.stages & unsigned(stage)) == 0) continue;
+        const auto at = std::find_if(defines.begin(), defines.end(), [&](auto& d) { return d.first == row.macro; });
+        const auto index = std::size_t(at - defines.begin());
+        if (at == defines.end()) defines.emplace_back(row.macro, ""), values.push_back(0);
+        values[index] |= effects.has(row.effect) ? 1u << row.bit : 0u;
+    }
+    for (std::size_t i = 0; i < defines.size(); ++i) defines[i].second = std::to_string(values[i]);
+    return defines;
+}
+
+}  // namespace claray

@@ -1,0 +1,154 @@
+// The simplest scene that calls for a set of effects.
+#include <algorithm>
+
+#include "claray/effects.hpp"
+#include "host/lights/lights.hpp"
+
+namespace claray {
+namespace {
+
+Mesh unit_square(std::uint32_t material) {
+    Mesh mesh;
+    const float height = 0.1f * float(material);
+    mesh.positions = {{-1, height, 1}, {1, height, 1}, {1, height, -1}, {-1, height, -1}};
+    mesh.uvs = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    mesh.materials = {material, material};
+    return mesh;
+}
+
+Texture grey_texture(Filter filter) {
+    Texture texture;
+    texture.name = "grey";
+    texture.width = texture.height = 2;
+    texture.bytes.assign(16, 128);
+    texture.filter = filter;
+    return texture;
+}
+
+TextureUse use_of_texture() {
+    TextureUse use;
+    use.texture = 0;
+    return use;
+}
+
+void add_layers(Material& m, EffectSet effects) {
+    if (effects.has(Effect::specular)) m.specular_weight = 0.5f;
+    if (effects.has(Effect::sheen)) m.sheen = glm::vec3(0.5f);
+    if (effects.has(Effect::anisotropy)) m.anisotropy = 0.5f;
+    if (effects.has(Effect::iridescence)) m.iridescence = 0.5f;
+    if (effects.has(Effect::layered_coat)) m.clearcoat = 0.5f, m.normal_map = use_of_texture();
+}
+
+std::vector<Material> materials_for(EffectSet effects) {
+    std::vector<Material> materials(1);
+    const auto add = [&](EffectSet causes, MaterialKind kind) {
+        if ((effects & causes).empty()) return;
+        materials.emplace_back();
+        materials.back().kind = kind;
+        materials.back().roughness = effects.has(Effect::rough_glass) ? 0.5f : 0.f;
+    };
+    const bool transmits = effects.has(Effect::transmission);
+    const EffectSet in_glass = {Effect::rough_glass, Effect::absorption};
+    add({Effect::mirror}, MaterialKind::mirror);
+    add(transmits ? EffectSet{Effect::glass} : EffectSet{Effect::glass} | in_glass, MaterialKind::glass);
+    if (effects.has(Effect::absorption))
+        materials.back().attenuation = glm::vec3(0.5f), materials.back().attenuation_distance = 1.f;
+    add({Effect::thin_walls}, MaterialKind::glass);
+    if (effects.has(Effect::thin_walls)) materials.back().thin_walled = true;
+    add({Effect::metal}, MaterialKind::metal);
+    add({Effect::blinn_phong}, MaterialKind::blinn_phong);
+    add({Effect::unlit}, MaterialKind::unlit);
+    add({Effect::coated_metal}, MaterialKind::principled);
+    if (effects.has(Effect::coated_metal)) materials.back().clearcoat = materials.back().metallic = 0.5f;
+    const EffectSet layers = {Effect::layered_coat, Effect::specular, Effect::sheen, Effect::anisotropy,
+                              Effect::iridescence};
+    add(layers, MaterialKind::principled);
+    if (!(effects & layers).empty()) add_layers(materials.back(), effects);
+    add({Effect::principled, Effect::transmission, Effect::clearcoat}, MaterialKind::principled);
+    Material& last = materials.back();  // the principled one where there is one
+    if (transmits) last.transmission = 0.5f;
+    if (effects.has(Effect::clearcoat)) last.clearcoat = 0.5f;
+    if (effects.has(Effect::absorption)) last.attenuation = glm::vec3(0.5f), last.attenuation_distance = 1.f;
+    if (effects.has(Effect::culling)) last.cull_back = true;
+    if (effects.has(Effect::cut_outs)) last.alpha_mode = AlphaMode::blend, last.opacity = 0.5f;
+    if (effects.has(Effect::emissive_triangles)) last.emission = glm::vec3(1.f);
+    if (effects.has(Effect::textures) || effects.has(Effect::mip_maps)) last.albedo_map = use_of_texture();
+    if (effects.has(Effect::normal_maps)) last.normal_map = use_of_texture();
+    if (effects.has(Effect::height_maps)) last.height_map = use_of_texture();
+    if (effects.has(Effect::light_maps)) last.light_map = use_of_texture();
+    if (effects.has(Effect::emission_maps)) {  // on a lamp of its own: those with holes are not sampled
+        materials.emplace_back();
+        materials.back().emission = glm::vec3(1.f), materials.back().emission_map = use_of_texture();
+    }
+    return materials;
+}
+
+void add_light(Scene& scene, LightKind kind) {
+    Light light;
+    light.kind = kind;
+    light.position = {0.f, 2.f, 0.f};
+    scene.lights.push_back(light);
+}
+
+/// As many triangles of the last material, or else as many near lights, as make a tree worth while.
+void multiply_lights(Scene& scene, bool emissive) {
+    Mesh& mesh = scene.meshes.back();
+    while (emissive && mesh.triangles.size() < lights_for_a_tree) {
+        mesh.triangles.push_back(mesh.triangles[0]);
+        mesh.materials.push_back(mesh.materials[0]);
+    }
+    if (emissive) return;
+    Light light;
+    for (const Light& other : scene.lights)
+        if (other.kind != LightKind::directional) light = other;
+    scene.lights.insert(scene.lights.end(), lights_for_a_tree, light);
+}
+
+}  // namespace
+
+Scene scene_calling_for(EffectSet effects) {
+    Scene scene;
+    scene.materials = materials_for(effects);
+    for (std::uint32_t i = 0; i < scene.materials.size(); ++i) scene.meshes.push_back(unit_square(i));
+    if (effects.has(Effect::smooth_normals))
+        for (Mesh& mesh : scene.meshes) mesh.normals.assign(mesh.positions.size(), {0.f, 1.f, 0.f});
+    if (effects.has(Effect::vertex_colors))
+        for (Mesh& mesh : scene.meshes) mesh.colors.assign(mesh.positions.size(), glm::vec4(glm::vec3(0.5f), 1.f));
+    const EffectSet textured = {Effect::textures,   Effect::mip_maps, Effect::normal_maps,   Effect::height_maps,
+                                Effect::light_maps, Effect::cut_outs, Effect::emission_maps, Effect::layered_coat};
+    if (!(effects & textured).empty())
+        scene.textures = {grey_texture(effects.has(Effect::mip_maps) ? Filter::trilinear : Filter::bilinear)};
+    if (effects.has(Effect::point_lights)) add_light(scene, LightKind::point);
+    if (effects.has(Effect::hot_spots)) {
+        add_light(scene, LightKind::point);
+        scene.lights.back().position.y = 0.01f;
+    }
+    if (effects.has(Effect::directional_lights)) add_light(scene, LightKind::directional);
+    if (effects.has(Effect::spot_lights)) add_light(scene, LightKind::spot);
+    if (effects.has(Effect::light_falloff)) {
+        if ((effects & EffectSet{Effect::point_lights, Effect::spot_lights}).empty())
+            add_light(scene, LightKind::point);
+        for (Light& light : scene.lights) light.range = 10.f;
+    }
+    if (effects.has(Effect::many_lights)) multiply_lights(scene, effects.has(Effect::emissive_triangles));
+    if (effects.has(Effect::sky)) scene.sky = {glm::vec3(1.f), glm::vec3(1.f)};
+    if (effects.has(Effect::environment)) scene.environment.images = {grey_texture(Filter::bilinear)};
+    Camera camera{{0.f, 3.f, 3.f}, {0.f, 0.f, 0.f}, {0.f, 1.f, 0.f}, 60.f};
+    if (effects.has(Effect::depth_of_field)) camera.aperture_radius = 0.01f;
+    if (effects.has(Effect::camera_motion)) camera.position_end = glm::vec3(0.f, 3.f, 3.1f);
+    if (effects.has(Effect::orthographic)) camera.orthographic_height = 4.f;
+    scene.camera = camera;
+    if (!(effects & EffectSet{Effect::instances, Effect::instance_motion}).empty())
+        for (std::uint32_t i = 0; i < scene.meshes.size(); ++i) {
+            MeshInstance instance;
+            instance.mesh = i;
+            scene.instances.push_back(instance);
+            instance.transform[3].x = 3.f;  // twice, or it would be baked into the world
+            if (effects.has(Effect::instance_motion)) instance.transform_end = glm::mat4(1.f);
+            scene.instances.push_back(instance);
+        }
+    return scene;
+}
+
+}  // namespace claray

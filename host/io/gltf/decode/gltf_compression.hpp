@@ -1,0 +1,36 @@
+// Compressed geometry of glTF: KHR_draco_mesh_compression and EXT_meshopt_compression, decoded by the libraries Draco
+// and meshoptimizer where claray was built with them.
+#pragma once
+
+#include <optional>
+
+#include "host/io/gltf/gltf_file.hpp"
+
+namespace claray {
+
+inline constexpr const char* draco_extension = "KHR_draco_mesh_compression";
+inline constexpr const char* meshopt_extension = "EXT_meshopt_compression";
+
+/// Whether this is one of the two.
+[[nodiscard]] bool is_compression(std::string_view extension);
+/// Whether claray was built with its library.
+[[nodiscard]] bool can_decode(std::string_view extension);
+
+/// The file as tinygltf takes it, which asks for the buffers and the indices that exist only decoded, and for the kinds
+/// of images that it knows: such a buffer gets a byte, such indices wait in the extension for `decompress`, and images
+/// in data URIs are called bytes. Nothing where the file needs no change.
+[[nodiscard]] std::optional<std::string> adapted_to_tinygltf(std::string_view bytes, bool binary);
+
+/// Decodes what is compressed and can be decoded: accessors and views then refer to plain buffers. Throws where the
+/// data is damaged or does not fit its description.
+void decompress(GltfFile& file);
+
+/// The parts that a library does; each appends to the model's buffers, views and accessors.
+void decode_draco_primitive(GltfFile& file, tinygltf::Primitive& primitive, const std::string& name);
+void decode_meshopt_view(GltfFile& file, tinygltf::BufferView& view, const std::string& name);
+
+/// An integer of an extension; `fallback` where it is not given. Throws where it is negative or no integer.
+[[nodiscard]] std::size_t count_in(const GltfFile& file, const tinygltf::Value& object, const char* key,
+                                   std::size_t fallback, const std::string& name);
+
+}  // namespace claray

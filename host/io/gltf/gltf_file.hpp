@@ -1,0 +1,27 @@
+// A glTF file as tinygltf reads it, checked where tinygltf trusts. No image is read or decoded yet.
+#pragma once
+
+#include "host/io/gltf/decode/tinygltf.hpp"
+
+#include "claray/io.hpp"
+
+namespace claray {
+
+struct GltfFile {
+    std::filesystem::path path;
+    tinygltf::Model model;
+
+    /// Throws ErrorKind::user: "'path': what; remedy".
+    [[noreturn]] void fail(const std::string& what, const std::string& remedy = "export it again") const;
+
+    /// The bytes of a buffer view. Throws where it is none or leaves its buffer; `what` names who wants it.
+    [[nodiscard]] std::string_view view(int index, const std::string& what) const;
+};
+
+/// Reads a .gltf or .glb and the buffers it names. Unknown extensions: an error where required, a warning where used.
+[[nodiscard]] GltfFile read_gltf(const std::filesystem::path& path, Warnings& warnings);
+
+/// "kind 'name'", or "kind INDEX" where it has none.
+[[nodiscard]] std::string gltf_name(const char* kind, const std::string& name, std::size_t index);
+
+}  // namespace claray

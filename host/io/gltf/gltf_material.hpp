@@ -1,0 +1,56 @@
+// glTF materials and their textures to claray's.
+#pragma once
+
+#include <functional>
+
+#include "host/io/gltf/gltf_file.hpp"
+#include "host/io/scene_textures.hpp"
+
+namespace claray {
+
+/// Makes the materials that are asked for, and loads the images that these use.
+class GltfMaterials {
+public:
+    GltfMaterials(const GltfFile& file, Scene& scene, Warnings& warnings)
+        : file_(file),
+          scene_(scene),
+          warnings_(warnings),
+          textures_(scene),
+          known_(file.model.materials.size() + 1, unknown) {}
+
+    /// Index in the scene of a material of the file; -1 is the format's default. `user` names who wants it.
+    [[nodiscard]] std::uint32_t index_of(int material, const std::string& user);
+
+private:
+    static constexpr std::uint32_t unknown = 0xffffffffu;
+
+    [[nodiscard]] Material make(const tinygltf::Material& source, const std::string& name);
+    void add_extensions(Material& material, const tinygltf::Material& source, const std::string& name);
+    void add_transmission(Material& material, const tinygltf::ExtensionMap& all, const std::string& name);
+    void add_clearcoat(Material& material, const tinygltf::Value& clearcoat, const std::string& name);
+    void add_specular(Material& material, const tinygltf::Value& specular, const std::string& name);
+    void add_sheen(Material& material, const tinygltf::Value& sheen, const std::string& name);
+    void add_anisotropy(Material& material, const tinygltf::Value& anisotropy, const std::string& name);
+    void add_iridescence(Material& material, const tinygltf::Value& iridescence, const std::string& name);
+    void add_glossiness(Material& material, const tinygltf::Value& glossiness, const std::string& name);
+    /// What becomes of an image before it is a texture; `name` tells it from others.
+    struct Change {
+        std::string name;
+        std::function<Texture(Texture)> apply;
+    };
+    [[nodiscard]] TextureUse use(int index, int uv_set, const tinygltf::ExtensionMap& extensions, TexelFormat format,
+                                 const std::string& user, const Change& change = {});
+    [[nodiscard]] TextureUse use(const tinygltf::Value& extension, const char* key, const std::string& user,
+                                 TexelFormat format = TexelFormat::linear8, const Change& change = {});
+    [[nodiscard]] int source_of(const tinygltf::Texture& texture, const std::string& name) const;
+    [[nodiscard]] std::uint32_t texture(int index, TexelFormat format, const std::string& user, const Change& change);
+    [[nodiscard]] Texture decode(int image, TexelFormat eight_bit, std::size_t room);
+
+    const GltfFile& file_;
+    Scene& scene_;
+    Warnings& warnings_;
+    SceneTextures textures_;
+    std::vector<std::uint32_t> known_;  ///< by index in the file; the last is the default's
+};
+
+}  // namespace claray

@@ -1,0 +1,364 @@
+// From a glTF's nodes to a scene.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <new>
+
+#include "claray/error.hpp"
+#include "host/io/default_light.hpp"
+#include "host/io/gltf/gltf_animation.hpp"
+#include "host/io/gltf/gltf_choice.hpp"
+#include "host/io/gltf/gltf_instancing.hpp"
+#include "host/io/gltf/gltf_material.hpp"
+#include "host/io/gltf/gltf_mesh.hpp"
+#include "host/io/strokes.hpp"
+
+namespace claray {
+namespace {
+
+using std::to_string;
+
+/// False where it scales to nothing, by which glTF hides a node (section 3.5.3). `name` is the node's.
+bool check_transform(const glm::dmat4& m, const std::string& name, const GltfFile& file) {
+    double largest = 0.0;
+    for (int column = 0; column < 4; ++column)
+        for (int row = 0; row < 4; ++row) {
+            if (!std::isfinite(float(m[column][row]))) file.fail(name + ": its transform is not finite");
+            if (column < 3 && row < 3) largest = std::max(largest, std::abs(m[column][row]));
+        }
+    if (glm::vec4(m[0][3], m[1][3], m[2][3], m[3][3]) != glm::vec4(0, 0, 0, 1))
+        file.fail(name + ": its transform is not affine", "the last row of a matrix must be 0 0 0 1");
+    if (largest == 0.0) return false;
+    if (std::abs(glm::determinant(glm::dmat3(m) / largest)) < 1e-12)
+        file.fail(name + ": its transform cannot be inverted", "use scales other than 0");
+    return true;
+}
+
+/// Where a node stands and looks: along -z, with +y up (section 3.10.2).
+glm::vec3 position_of(const PlacedNode& node) { return glm::vec3(node.world[3]); }
+glm::vec3 axis_of(const PlacedNode& node, int axis, const GltfFile& file) {
+    const glm::dvec3 direction(node.world[axis]);
+    const double length = glm::length(direction);
+    if (!(length > 0.0) || !std::isfinite(length)) file.fail(node.name + ": its transform gives it no direction");
+    return glm::vec3(direction / length);
+}
+
+/// What the camera shows of what lies before it. The image's own aspect counts, not the file's.
+void set_projection(Camera& camera, const tinygltf::Camera& source, const std::string& name, const GltfFile& file) {
+    if (source.type == "orthographic") {
+        camera.orthographic_height = float(2 * std::abs(source.orthographic.ymag));
+        if (!(camera.orthographic_height > 0.f) || !std::isfinite(camera.orthographic_height))
+            file.fail(name + ": its ymag is " + to_string(source.orthographic.ymag), "it must be above 0");
+        return;
+    }
+    if (source.type != "perspective") file.fail(name + " is of the unknown type '" + source.type + "'");
+    camera.vertical_fov = glm::degrees(float(source.perspective.yfov));
+    if (!(camera.vertical_fov > 0.f && camera.vertical_fov < 180.f))
+        file.fail(name + ": its field of view is " + to_string(source.perspective.yfov) + " radians",
+                  "it must be between 0 and pi");
+}
+
+/// A mesh of the file in a pose. Nodes that show the same shape share its meshes.
+struct Shape {
+    int mesh = -1;
+    int skin = -1;
+    std::vector<double> weights;  ///< of the morph targets; empty: none counts
+
+    auto operator<=>(const Shape&) const = default;
+};
+
+struct PlacedShape {
+    const Shape* shape = nullptr;
+    glm::dmat4 world{1.0};
+};
+
+/// Of a shape: its meshes in the scene, and how often it is shown.
+struct ShapeUse {
+    std::size_t count = 0;
+    std::optional<std::vector<std::uint32_t>> meshes = {};
+    std::vector<Strokes> strokes = {};  ///< as they are in the object
+};
+
+class Loader {
+public:
+    Loader(const GltfFile& file, const LoadOptions& options, Scene& scene, Warnings& warnings)
+        : file_(file), options_(options), scene_(scene), warnings_(warnings), materials_(file, scene, warnings) {}
+
+    void load() {
+        choose_variant();
+        const std::vector<PlacedNode> nodes = place_nodes(file_, options_.scene);
+        add_camera(nodes);
+        for (const PlacedNode& node : nodes) add_light(node);
+        add_meshes(place_shapes(nodes));
+        warn();
+    }
+
+private:
+    void choose_variant();
+    void add_camera(const std::vector<PlacedNode>& nodes);
+    [[nodiscard]] const PlacedNode& chosen_camera(const std::vector<const PlacedNode*>& nodes) const;
+    [[nodiscard]] const tinygltf::Camera& camera_of(const PlacedNode& node) const;
+    [[nodiscard]] std::vector<std::string> names_of_cameras(const std::vector<const PlacedNode*>& nodes) const;
+    void add_light(const PlacedNode& node);
+    [[nodiscard]] Shape shape_of(const PlacedNode& node);
+    [[nodiscard]] std::vector<PlacedShape> place_shapes(const std::vector<PlacedNode>& nodes);
+    void add_meshes(const std::vector<PlacedShape>& shapes);
+    [[nodiscard]] std::vector<Mesh> read_shape(const Shape& shape, std::vector<Strokes>& strokes);
+    void add_strokes();
+    [[nodiscard]] int material_of(const tinygltf::Primitive& primitive) const;
+    void warn();
+    void warn_if(std::size_t count, const std::string& what) {
+        if (count > 0) warnings_.push_back(to_string(count) + " " + what);
+    }
+
+    const GltfFile& file_;
+    const LoadOptions& options_;
+    Scene& scene_;
+    Warnings& warnings_;
+    GltfMaterials materials_;
+    std::optional<std::size_t> variant_;
+    std::map<Shape, ShapeUse> shapes_;
+    NodeTransforms transforms_;     ///< where there are skins
+    std::vector<Strokes> strokes_;  ///< in the world
+    GltfLeftOut left_out_;
+    std::size_t without_joints_ = 0;
+};
+
+void Loader::choose_variant() {
+    static const std::string extension = "KHR_materials_variants";
+    const auto found = file_.model.extensions.find(extension);
+    std::vector<std::string> names;
+    if (found != file_.model.extensions.end() && found->second.Has("variants")) {
+        const tinygltf::Value& variants = found->second.Get("variants");
+        for (std::size_t i = 0; i < variants.ArrayLen(); ++i) {
+            const tinygltf::Value& name = variants.Get(i).Get("name");
+            names.push_back(name.IsString() ? name.Get<std::string>() : std::string());
+        }
+    }
+    if (!options_.variant.empty())
+        variant_ = choose(file_, "variant", options_.variant, names);
+    else if (!names.empty())
+        warnings_.push_back("the materials have variants, " + listed(names) + ": choose one by --variant");
+}
+
+/// The material of the variant that is chosen, if the primitive has one.
+int Loader::material_of(const tinygltf::Primitive& primitive) const {
+    const auto found = primitive.extensions.find("KHR_materials_variants");
+    if (!variant_ || found == primitive.extensions.end()) return primitive.material;
+    const tinygltf::Value& mappings = found->second.Get("mappings");
+    for (std::size_t i = 0; i < mappings.ArrayLen(); ++i) {
+        const tinygltf::Value &variants = mappings.Get(i).Get("variants"), &material = mappings.Get(i).Get("material");
+        for (std::size_t k = 0; k < variants.ArrayLen(); ++k)
+            if (variants.Get(k).IsInt() && std::size_t(variants.Get(k).GetNumberAsInt()) == *variant_)
+                return material.IsInt() ? material.GetNumberAsInt() : -1;
+    }
+    return primitive.material;
+}
+
+const tinygltf::Camera& Loader::camera_of(const PlacedNode& node) const {
+    const std::vector<tinygltf::Camera>& cameras = file_.model.cameras;
+    const auto index = std::size_t(node.node->camera);
+    if (index >= cameras.size())
+        file_.fail(node.name + " refers to camera " + to_string(index) + " of " + to_string(cameras.size()));
+    return cameras[index];
+}
+
+/// Those of their nodes where these have names.
+std::vector<std::string> Loader::names_of_cameras(const std::vector<const PlacedNode*>& nodes) const {
+    std::vector<std::string> names;
+    for (const PlacedNode* node : nodes)
+        names.push_back(node->node->name.empty() ? camera_of(*node).name : node->node->name);
+    return names;
+}
+
+/// By the name of its node, else by its own, else by its index in the scene.
+const PlacedNode& Loader::chosen_camera(const std::vector<const PlacedNode*>& nodes) const {
+    if (options_.camera.empty()) return *nodes.front();
+    for (const PlacedNode* node : nodes)
+        if (node->node->name == options_.camera) return *node;
+    for (const PlacedNode* node : nodes)
+        if (camera_of(*node).name == options_.camera) return *node;
+    return *nodes[choose(file_, "camera", options_.camera, names_of_cameras(nodes))];
+}
+
+void Loader::add_camera(const std::vector<PlacedNode>& nodes) {
+    std::vector<const PlacedNode*> cameras;
+    for (const PlacedNode& node : nodes)
+        if (node.node->camera >= 0) cameras.push_back(&node);
+    if (cameras.empty() && options_.camera.empty()) return;
+    const PlacedNode& node = chosen_camera(cameras);
+    const tinygltf::Camera& source = camera_of(node);
+    Camera camera;
+    camera.position = position_of(node);
+    camera.target = camera.position - axis_of(node, 2, file_);
+    camera.up = axis_of(node, 1, file_);
+    set_projection(camera, source, gltf_name("camera", source.name, std::size_t(node.node->camera)), file_);
+    scene_.camera = camera;
+    if (cameras.size() > 1 && options_.camera.empty())
+        warnings_.push_back("the first of the cameras " + listed(names_of_cameras(cameras)) +
+                            " is used: choose another by --file-camera");
+}
+
+/// KHR_lights_punctual. Its candela and lux are taken as W / sr and W / m^2, as emissive factors are as radiance.
+void Loader::add_light(const PlacedNode& node) {
+    const auto found = node.node->extensions.find("KHR_lights_punctual");
+    if (found == node.node->extensions.end() || !found->second.Has("light")) return;
+    const int index = found->second.Get("light").IsNumber() ? found->second.Get("light").GetNumberAsInt() : -1;
+    const std::vector<tinygltf::Light>& lights = file_.model.lights;
+    if (index < 0 || std::size_t(index) >= lights.size())
+        file_.fail(node.name + " refers to light " + to_string(index) + " of " + to_string(lights.size()));
+    const tinygltf::Light& source = lights[std::size_t(index)];
+    const std::string name = gltf_name("light", source.name, std::size_t(index));
+    Light light;
+    light.name = source.name;
+    if (source.type == "directional")
+        light.kind = LightKind::directional;
+    else if (source.type == "spot")
+        light.kind = LightKind::spot;
+    else if (source.type != "point")
+        file_.fail(name + " is of the unknown type '" + source.type + "'", "use point, spot or directional");
+    light.position = position_of(node);
+    if (light.kind != LightKind::point) light.direction = -axis_of(node, 2, file_);
+    for (int k = 0; k < 3; ++k)
+        light.intensity[k] = float(source.intensity * (source.color.size() < 3 ? 1.0 : source.color[std::size_t(k)]));
+    if (light.kind != LightKind::directional) light.range = float(source.range);
+    if (light.kind == LightKind::spot) {
+        light.inner_angle = float(source.spot.innerConeAngle);
+        light.outer_angle = float(source.spot.outerConeAngle);
+    }
+    scene_.lights.push_back(light);
+}
+
+/// Weights of a node stand in for those of its mesh (section 3.7.2.2).
+Shape Loader::shape_of(const PlacedNode& node) {
+    const std::vector<tinygltf::Mesh>& meshes = file_.model.meshes;
+    Shape shape;
+    shape.mesh = node.node->mesh;
+    if (std::size_t(shape.mesh) >= meshes.size())
+        file_.fail(node.name + " refers to mesh " + to_string(shape.mesh) + " of " + to_string(meshes.size()));
+    const tinygltf::Mesh& mesh = meshes[std::size_t(shape.mesh)];
+    shape.weights = node.node->weights.empty() ? mesh.weights : node.node->weights;
+    shape.weights.resize(morph_targets(file_, *node.node), 0.0);
+    for (const double weight : shape.weights)
+        if (!std::isfinite(weight)) file_.fail(node.name + " has a weight of a morph target that is not finite");
+    if (std::all_of(shape.weights.begin(), shape.weights.end(), [](double w) { return w == 0; })) shape.weights.clear();
+    if (node.node->skin < 0) return shape;
+    const bool has_joints = std::all_of(mesh.primitives.begin(), mesh.primitives.end(), [](const auto& primitive) {
+        return primitive.attributes.count("JOINTS_0") > 0;
+    });
+    if (has_joints) shape.skin = node.node->skin;
+    without_joints_ += !has_joints;
+    return shape;
+}
+
+/// What follows joints is put where these are: the node's own transform does not count (section 3.7.3.3).
+std::vector<PlacedShape> Loader::place_shapes(const std::vector<PlacedNode>& nodes) {
+    std::vector<PlacedShape> placed;
+    for (const PlacedNode& node : nodes) {
+        if (node.node->mesh < 0) continue;
+        const Shape shape = shape_of(node);
+        const bool skinned = shape.skin >= 0;
+        for (const glm::dmat4& world : skinned ? std::vector(1, glm::dmat4(1.0)) : placements_of(file_, node)) {
+            if (!check_transform(world, node.name, file_)) continue;
+            auto& [key, use] = *shapes_.try_emplace(shape).first;
+            ++use.count;
+            placed.push_back({&key, world});
+        }
+    }
+    return placed;
+}
+
+std::vector<Mesh> Loader::read_shape(const Shape& shape, std::vector<Strokes>& strokes) {
+    const auto index = std::size_t(shape.mesh);
+    const tinygltf::Mesh& source = file_.model.meshes[index];
+    GltfPose pose;
+    pose.weights = shape.weights;
+    if (shape.skin >= 0) {
+        if (transforms_.empty()) transforms_ = all_transforms(file_);
+        pose.joints = read_skin(file_, std::size_t(shape.skin), transforms_);
+    }
+    std::vector<Mesh> meshes;
+    for (std::size_t i = 0; i < source.primitives.size(); ++i) {
+        const std::uint32_t used =
+            materials_.index_of(material_of(source.primitives[i]), gltf_name("mesh", source.name, index));
+        const Material& m = scene_.materials[used];
+        const bool tangents = m.normal_map.used() || m.clearcoat_normal_map.used() || m.anisotropy > 0.f;
+        if (std::optional<Mesh> mesh = read_primitive(file_, index, i, used, tangents, pose, left_out_))
+            (is_strokes(source.primitives[i]) ? strokes : meshes).push_back(*std::move(mesh));
+    }
+    return meshes;
+}
+
+/// Two levels cost time, which a scene asks for only where a shape is used twice; otherwise all are put where they
+/// stand.
+void Loader::add_meshes(const std::vector<PlacedShape>& shapes) {
+    const bool instances =
+        std::any_of(shapes_.begin(), shapes_.end(), [](const auto& shape) { return shape.second.count > 1; });
+    for (const auto& [shape, world] : shapes) {
+        std::optional<std::vector<std::uint32_t>>& known = shapes_[*shape].meshes;
+        if (!known) {
+            known.emplace();
+            for (Mesh& mesh : read_shape(*shape, shapes_[*shape].strokes)) {
+                known->push_back(std::uint32_t(scene_.meshes.size()));
+                scene_.meshes.push_back(instances ? std::move(mesh) : transformed(std::move(mesh), world));
+            }
+        }
+        for (const std::uint32_t mesh : *known)
+            if (instances) scene_.instances.push_back({mesh, glm::mat4(world), {}});
+        for (const Strokes& strokes : shapes_[*shape].strokes) strokes_.push_back(transformed(strokes, world));
+    }
+    if (!strokes_.empty()) add_strokes();
+}
+
+/// All in the world, so that they are round whatever scales their nodes have.
+void Loader::add_strokes() {
+    Bounds bounds = bounds_of(scene_);
+    std::size_t count = 0;
+    for (const Strokes& strokes : strokes_) {
+        const Bounds box = bounds_of(strokes);
+        if (!box.empty()) bounds.grow(box.lo), bounds.grow(box.hi);
+        count += strokes.triangles.size();
+    }
+    const float radius = options_.stroke_radius.value_or(stroke_radius(bounds, count));
+    if (!(radius >= 0.f && std::isfinite(radius)))
+        throw Error(ErrorKind::usage, "a stroke radius of " + to_string(radius), "give a finite one, 0 or more");
+    if (radius == 0.f) return warn_if(strokes_.size(), "primitives of points or lines are left out, as asked for");
+    for (const Strokes& strokes : strokes_) {
+        if (!scene_.instances.empty())
+            scene_.instances.push_back({std::uint32_t(scene_.meshes.size()), glm::mat4(1.f), {}});
+        scene_.meshes.push_back(solid_strokes(strokes, radius));
+    }
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3g", double(radius));
+    warn_if(strokes_.size(), std::string("primitives of points or lines are shown as spheres and tubes of radius ") +
+                                 text + ": choose another by --stroke-radius");
+}
+
+void Loader::warn() {
+    warn_if(left_out_.without_positions, "primitives without positions are left out");
+    warn_if(left_out_.with_clamped_colors, "primitives have colours at vertices beyond 0..1: they are clamped");
+    warn_if(without_joints_, "nodes have skins, but their meshes have no joints: they stand where the nodes do");
+}
+
+}  // namespace
+
+Scene load_gltf_without_light(const std::filesystem::path& path, Warnings& warnings, const LoadOptions& options) try {
+    Scene scene;
+    scene.name = path.stem().string();
+    GltfFile file = read_gltf(path, warnings);
+    pose(file, options, warnings);
+    Loader(file, options, scene, warnings).load();
+    if (scene.meshes.empty()) file.fail("it holds no triangle", "claray needs a mesh that a node of its scene uses");
+    try {
+        validate(scene);
+    } catch (const Error& error) {
+        throw Error(error.kind(), "'" + path.string() + "': " + error.what());
+    }
+    return scene;
+} catch (const std::bad_alloc&) {
+    throw Error(ErrorKind::user, "'" + path.string() + "': there is not enough memory to load it",
+                "use a smaller scene");
+}
+
+}  // namespace claray

@@ -1,0 +1,212 @@
+// Image files in: PNG through libpng, JPEG, BMP, TGA and HDR through stb_image, WebP through libwebp, and PFM.
+#include "host/io/image/image_file.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+
+#include "claray/error.hpp"
+#include "host/base/file.hpp"
+#include "host/io/image/hdr_check.hpp"
+#include "host/io/image/jpeg_check.hpp"
+#include "host/io/image/png_read.hpp"
+#include "host/io/image/stb_image_read.hpp"
+#include "host/io/image/webp_read.hpp"
+
+namespace claray {
+namespace {
+
+namespace fs = std::filesystem;
+using std::to_string;
+
+[[noreturn]] void refuse(const std::string& what, const std::string& why, const std::string& remedy) {
+    throw Error(ErrorKind::user, "cannot read " + what + ": " + why, remedy);
+}
+
+void check_bytes(const std::string& what, std::uint64_t width, std::uint64_t height, std::uint64_t texel_bytes,
+                 std::size_t room) {
+    const std::string size = to_string(width) + "x" + to_string(height);
+    if (width == 0 || height == 0) refuse(what, "its size is " + size, "export it again");
+    if (width > largest_image_side || height > largest_image_side)
+        refuse(what, "its size is " + size + ", the largest is " + to_string(largest_image_side) + " pixels a side",
+               "scale it down");
+    const std::uint64_t bytes = width * height * texel_bytes;
+    if (bytes > room)
+        refuse(what,
+               size + " take " + to_string(bytes) + " bytes of memory, and " + to_string(room) +
+                   " are left of the limit of " + to_string(largest_image_bytes),
+               "scale images down");
+}
+
+/// So that a few broken bytes can't ask for a gigabyte: `packed_bytes` is the least that the pixels of this size take.
+void check_plausible(const std::string& what, std::uint64_t width, std::uint64_t height, std::uint64_t packed_bytes,
+                     std::size_t file_bytes) {
+    if (packed_bytes > file_bytes)
+        refuse(what,
+               "it is cut off: " + to_string(file_bytes) + " bytes for " + to_string(width) + "x" + to_string(height),
+               "export it again");
+}
+
+float linear_from_srgb16(float value) {
+    return value <= 0.04045f ? value / 12.92f : std::pow((value + 0.055f) / 1.055f, 2.4f);
+}
+
+/// Alpha, the last of 2 or 4 channels, is linear already.
+void make_linear(Texture& texture) {
+    for (std::size_t i = 0; i < texture.floats.size(); ++i) {
+        const bool alpha = texture.channels % 2 == 0 && i % texture.channels == texture.channels - 1;
+        if (!alpha) texture.floats[i] = linear_from_srgb16(texture.floats[i]);
+    }
+}
+
+/// The next word of a PFM's header.
+std::string_view word(std::string_view& rest) {
+    const auto blank = [](char c) { return c == ' ' || c == '\n' || c == '\r' || c == '\t'; };
+    std::size_t begin = 0;
+    while (begin < rest.size() && blank(rest[begin])) ++begin;
+    std::size_t end = begin;
+    while (end < rest.size() && !blank(rest[end])) ++end;
+    const std::string_view found = rest.substr(begin, end - begin);
+    rest.remove_prefix(end);
+    return found;
+}
+
+template <class T>
+T number(std::string_view text, const std::string& what) {
+    T value{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc() || end != text.data() + text.size() || text.empty())
+        refuse(what, "its PFM header is broken", "export it again");
+    return value;
+}
+
+void swap_bytes(std::vector<float>& values) {
+    for (float& value : values) {
+        auto bytes = std::bit_cast<std::array<char, sizeof(float)>>(value);
+        std::reverse(bytes.begin(), bytes.end());
+        value = std::bit_cast<float>(bytes);
+    }
+}
+
+bool is_pfm(std::string_view bytes) {
+    return bytes.size() > 3 && bytes[0] == 'P' && (bytes[1] == 'F' || bytes[1] == 'f') &&
+           (bytes[2] == '\n' || bytes[2] == '\r' || bytes[2] == ' ');
+}
+
+/// Portable float map (Debevec): three words, one blank, rows from the bottom up; a negative scale says little endian.
+Texture decode_pfm(std::string_view bytes, const std::string& what, std::size_t room) {
+    Texture texture;
+    texture.format = TexelFormat::float32;
+    texture.channels = bytes[1] == 'F' ? 3 : 1;
+    std::string_view rest = bytes.substr(2);
+    texture.width = number<unsigned>(word(rest), what);
+    texture.height = number<unsigned>(word(rest), what);
+    const float scale = number<float>(word(rest), what);
+    check_bytes(what, texture.width, texture.height, texture.channels * sizeof(float), room);
+    const std::size_t row = std::size_t(texture.width) * texture.channels;
+    if (rest.size() < 1 + row * texture.height * sizeof(float)) refuse(what, "it is cut off", "export it again");
+    texture.floats.resize(row * texture.height);
+    const char* in = rest.data() + 1;
+    for (unsigned y = texture.height; y-- > 0; in += row * sizeof(float))
+        std::memcpy(texture.floats.data() + y * row, in, row * sizeof(float));
+    if ((scale < 0.f) != (std::endian::native == std::endian::little)) swap_bytes(texture.floats);
+    return texture;
+}
+
+Texture decode_webp(std::string_view bytes, const std::string& what, TexelFormat eight_bit, std::size_t room) {
+    WebpImage image;
+    std::string fault = read_webp_header(bytes, image);
+    if (!fault.empty()) refuse(what, fault, "convert it to PNG or JPEG");
+    check_bytes(what, image.width, image.height, image.channels, room);
+    fault = read_webp_pixels(bytes, image);
+    if (!fault.empty()) refuse(what, fault, "export it again");
+    Texture texture;
+    texture.width = image.width, texture.height = image.height, texture.channels = image.channels;
+    texture.format = eight_bit;
+    texture.bytes = std::move(image.bytes);
+    return texture;
+}
+
+/// 16 bits a channel keep their precision as linear floats.
+Texture decode_png(std::string_view bytes, const std::string& what, TexelFormat eight_bit, std::size_t room) {
+    const auto check = [&](const std::string& fault) {
+        if (!fault.empty()) refuse(what, "the image is broken (" + fault + ")", "export it again");
+    };
+    PngHeader header;
+    check(read_png_header(bytes, header));
+    check_bytes(what, header.width, header.height, header.channels * (header.sixteen_bits ? sizeof(float) : 1), room);
+    constexpr std::uint64_t most_packed = 1032;  // of deflate
+    check_plausible(what, header.width, header.height, header.raw_bytes / most_packed, bytes.size());
+    Texture texture;
+    texture.format = header.sixteen_bits ? TexelFormat::float32 : eight_bit;
+    check(read_png(bytes, header, texture));
+    if (eight_bit == TexelFormat::srgb8) make_linear(texture);
+    return texture;
+}
+
+Texture decode_others(std::string_view bytes, const std::string& what, TexelFormat eight_bit, std::size_t room) {
+    if (bytes.substr(0, 2) == "\xff\xd8" && !jpeg_tables_fit(bytes))
+        refuse(what, "the image is broken (a Huffman table is too long)", "export it again");
+    std::optional<ImageShape> shape = image_shape(bytes);
+    if (!shape) refuse(what, "it is no PNG, JPEG, WebP, BMP, TGA, HDR or PFM image", "convert it to one of these");
+    check_bytes(what, shape->width, shape->height, shape->channels * (shape->radiance ? sizeof(float) : 1), room);
+    constexpr std::uint64_t most_packed = 4096;  // no format packs tighter, JPEG's of 1024 to 1 included
+    check_plausible(what, shape->width, shape->height,
+                    std::uint64_t(shape->width) * shape->height * shape->channels / most_packed, bytes.size());
+    if (shape->radiance && !hdr_runs_fit(bytes, shape->width, shape->height))
+        refuse(what, "it is cut off, or its runs are longer than its rows", "export it again");
+    DecodedImage image;
+    const std::string fault = decode_image(bytes, *shape, image);
+    if (!fault.empty()) refuse(what, "the image is broken (" + fault + ")", "export it again");
+
+    Texture texture;
+    texture.width = shape->width, texture.height = shape->height, texture.channels = shape->channels;
+    texture.format = shape->radiance ? TexelFormat::float32 : eight_bit;
+    texture.bytes = std::move(image.bytes), texture.floats = std::move(image.floats);
+    return texture;
+}
+
+}  // namespace
+
+Texture decode_texture(std::string_view bytes, const std::string& what, TexelFormat eight_bit, std::size_t room) {
+    if (bytes.empty()) refuse(what, "it is empty", "export it again");
+    if (is_pfm(bytes)) return decode_pfm(bytes, what, room);
+    if (is_png(bytes)) return decode_png(bytes, what, eight_bit, room);
+    if (is_webp(bytes)) return decode_webp(bytes, what, eight_bit, room);
+    if (bytes.substr(0, 6) == "\xabKTX 2")
+        refuse(what, "it is KTX 2 (KHR_texture_basisu), which claray does not read", "convert it to PNG or JPEG");
+    return decode_others(bytes, what, eight_bit, room);
+}
+
+Texture load_image(const fs::path& path, TexelFormat eight_bit) {
+    if (eight_bit == TexelFormat::float32)
+        throw Error(ErrorKind::usage, "load_image: bytes are not floats", "ask for srgb8 or linear8");
+    Texture texture = decode_texture(read_file(path, "check the path"), "'" + path.string() + "'", eight_bit);
+    texture.name = path.filename().string();
+    return texture;
+}
+
+Environment load_environment(const fs::path& path) {
+    Environment environment;
+    std::error_code error;
+    if (!fs::is_directory(path, error)) {
+        environment.images.push_back(load_image(path));
+        return environment;
+    }
+    for (const char* face : {"px", "nx", "py", "ny", "pz", "nz"}) {
+        fs::path found;
+        for (const fs::directory_entry& entry : fs::directory_iterator(path, error))
+            if (entry.path().stem() == face && entry.is_regular_file(error)) found = entry.path();
+        if (found.empty())
+            throw Error(ErrorKind::user,
+                        "'" + path.string() + "' has no image '" + face + "' for that face of the cube",
+                        "put px, nx, py, ny, pz and nz there, or name one image in latitude and longitude");
+        environment.images.push_back(load_image(found));
+    }
+    return environment;
+}
+
+}  // namespace claray

@@ -1,0 +1,47 @@
+#include "host/io/image/webp_read.hpp"
+
+#if CLARAY_WITH_WEBP
+#include <webp/decode.h>
+
+#include <memory>
+#endif
+
+namespace claray {
+
+bool is_webp(std::string_view bytes) {
+    return bytes.size() >= 12 && bytes.substr(0, 4) == "RIFF" && bytes.substr(8, 4) == "WEBP";
+}
+
+#if CLARAY_WITH_WEBP
+namespace {
+
+const std::uint8_t* words(std::string_view bytes) { return reinterpret_cast<const std::uint8_t*>(bytes.data()); }
+
+}  // namespace
+
+std::string read_webp_header(std::string_view bytes, WebpImage& image) {
+    WebPBitstreamFeatures features;
+    if (WebPGetFeatures(words(bytes), bytes.size(), &features) != VP8_STATUS_OK) return "its WebP header is broken";
+    if (features.has_animation) return "it is an animation";
+    image.width = unsigned(features.width), image.height = unsigned(features.height);
+    image.channels = features.has_alpha ? 4 : 3;
+    return {};
+}
+
+/// The library's memory is copied only once all is decoded, so that broken data touches little of it.
+std::string read_webp_pixels(std::string_view bytes, WebpImage& image) {
+    int width = 0, height = 0;
+    const auto decode = image.channels == 4 ? WebPDecodeRGBA : WebPDecodeRGB;
+    const std::unique_ptr<std::uint8_t, void (*)(void*)> pixels(decode(words(bytes), bytes.size(), &width, &height),
+                                                                WebPFree);
+    if (!pixels || unsigned(width) != image.width || unsigned(height) != image.height) return "it is cut off or broken";
+    image.bytes.assign(pixels.get(), pixels.get() + std::size_t(image.width) * image.height * image.channels);
+    return {};
+}
+
+#else
+std::string read_webp_header(std::string_view, WebpImage&) { return "claray was built without libwebp"; }
+std::string read_webp_pixels(std::string_view, WebpImage&) { return "claray was built without libwebp"; }
+#endif
+
+}  // namespace claray

@@ -1,0 +1,89 @@
+#include "host/io/obj/obj_words.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <string>
+
+#include "host/base/message.hpp"
+
+namespace claray {
+namespace {
+
+bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+const char* skip_sign(const char* p, const char* end) { return p < end && (*p == '-' || *p == '+') ? p + 1 : p; }
+
+const char* skip_digits(const char* p, const char* end) {
+    while (p < end && is_digit(*p)) ++p;
+    return p;
+}
+
+/// An index up to a slash or the end; 0 where there is none.
+bool parse_index(const char*& p, const char* end, int& index) {
+    if (p == end || *p == '/') return true;
+    if (*p == '+') ++p;  // from_chars takes no plus sign
+    const auto [stop, error] = std::from_chars(p, end, index);
+    p = stop;
+    return error == std::errc() && (p == end || *p == '/');
+}
+
+}  // namespace
+
+std::string_view next_word(std::string_view& line) {
+    std::size_t begin = 0;
+    while (begin < line.size() && is_blank(line[begin])) ++begin;
+    std::size_t end = begin;
+    while (end < line.size() && !is_blank(line[end])) ++end;
+    const std::string_view word = line.substr(begin, end - begin);
+    line.remove_prefix(end);
+    return word.starts_with('#') ? line = {} : word;
+}
+
+std::string quoted(std::string_view word, std::size_t most) {
+    return "'" + one_line(word.substr(0, most)) + (word.size() > most ? "...'" : "'");
+}
+
+bool is_finite_number(std::string_view word) {
+    constexpr std::ptrdiff_t longest_exponent = 8;  // digits; the parser gives up where it does not fit an int
+    const char *const end = word.data() + word.size(), *const begin = skip_sign(word.data(), end);
+    const char* p = skip_digits(begin, end);
+    bool some = p > begin;
+    if (p < end && *p == '.') {
+        const char* const fraction = p + 1;
+        p = skip_digits(fraction, end);
+        some |= p > fraction;
+    }
+    if (some && p < end && (*p == 'e' || *p == 'E')) {
+        const char* const exponent = skip_sign(p + 1, end);
+        p = skip_digits(exponent, end);
+        some = p > exponent && p - exponent <= longest_exponent;
+    }
+    return some && p == end;
+}
+
+std::optional<float> not_finite_number(std::string_view word) {
+    const bool negative = word.starts_with('-');
+    if (negative || word.starts_with('+')) word.remove_prefix(1);
+    std::string lower;
+    for (const char c : word) lower += c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c;
+    // "1.#..." is how old Microsoft libraries write them.
+    if (lower == "inf" || lower == "infinity" || lower.starts_with("1.#inf")) return negative ? -INFINITY : INFINITY;
+    if (lower.starts_with("nan") || lower.starts_with("1.#")) return NAN;
+    return {};
+}
+
+std::optional<ObjIndices> parse_corner(std::string_view word) {
+    const char *p = word.data(), *const end = p + word.size();
+    ObjIndices corner;
+    if (p == end || *p == '/' || !parse_index(p, end, corner.position)) return {};
+    for (int* const index : {&corner.uv, &corner.normal}) {
+        if (p == end) return corner;
+        ++p;  // past the slash
+        if (!parse_index(p, end, *index)) return {};
+    }
+    return p == end ? std::optional(corner) : std::nullopt;
+}
+
+}  // namespace claray

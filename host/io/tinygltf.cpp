@@ -1,3 +1,0 @@
-// The one translation unit that compiles tinygltf.
-#define TINYGLTF_IMPLEMENTATION
-#include "host/io/tinygltf.hpp"

@@ -1,0 +1,150 @@
+#include "host/lights/environment.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "claray/error.hpp"
+#include "host/lights/luminance.hpp"
+
+namespace claray {
+namespace {
+
+using std::numbers::pi;
+
+float linear(float srgb) { return srgb <= 0.04045f ? srgb / 12.92f : std::pow((srgb + 0.055f) / 1.055f, 2.4f); }
+
+/// An image in linear RGB.
+struct Pixels {
+    explicit Pixels(const Texture& texture);
+    [[nodiscard]] const glm::vec3& at(unsigned x, unsigned y) const { return values[std::size_t(y) * width + x]; }
+    [[nodiscard]] glm::vec3 bilinear(double u, double v) const;
+    unsigned width, height;
+    std::vector<glm::vec3> values;
+};
+
+Pixels::Pixels(const Texture& texture) : width(texture.width), height(texture.height) {
+    const std::size_t texels = std::size_t(width) * height;
+    const bool floats = texture.format == TexelFormat::float32;
+    if (texels == 0 || (floats ? texture.floats.size() : texture.bytes.size()) != texels * texture.channels)
+        throw Error(ErrorKind::user, "environment '" + texture.name + "': its size is not that of its texels",
+                    "give width * height * channels numbers");
+    float values_of_bytes[256];
+    for (int i = 0; i < 256; ++i)
+        values_of_bytes[i] = texture.format == TexelFormat::srgb8 ? linear(float(i) / 255.f) : float(i) / 255.f;
+    const unsigned colors = texture.channels >= 3 ? 3 : 1;
+    values.resize(texels);
+    for (std::size_t i = 0; i < texels; ++i)
+        for (unsigned c = 0; c < 3; ++c) {
+            const std::size_t at = i * texture.channels + std::min(c, colors - 1);
+            const float value = floats ? texture.floats[at] : values_of_bytes[texture.bytes[at]];
+            if (!(value >= 0.f && std::isfinite(value)))
+                throw Error(ErrorKind::user,
+                            "environment '" + texture.name + "': the texel at column " + std::to_string(i % width) +
+                                ", row " + std::to_string(i / width) + " is negative or not finite",
+                            "correct the image");
+            values[i][int(c)] = value;
+        }
+}
+
+/// Between texels' centres, the border's texels going on outwards.
+glm::vec3 Pixels::bilinear(double u, double v) const {
+    const double x = std::clamp(u * width - 0.5, 0.0, width - 1.0), y = std::clamp(v * height - 0.5, 0.0, height - 1.0);
+    const unsigned x0 = unsigned(x), y0 = unsigned(y), x1 = std::min(x0 + 1, width - 1),
+                   y1 = std::min(y0 + 1, height - 1);
+    const auto fx = float(x - x0), fy = float(y - y0);
+    return glm::mix(glm::mix(at(x0, y0), at(x1, y0), fx), glm::mix(at(x0, y1), at(x1, y1), fx), fy);
+}
+
+/// The radiance of a cube map in a direction; faces as in the OpenGL specification, table 8.19.
+glm::vec3 cube_radiance(const std::vector<Pixels>& faces, const glm::dvec3& d) {
+    const glm::dvec3 a = glm::abs(d);
+    if (a.x >= a.y && a.x >= a.z) {
+        const double s = d.x > 0 ? -d.z : d.z;
+        return faces[d.x > 0 ? 0 : 1].bilinear(0.5 + 0.5 * s / a.x, 0.5 - 0.5 * d.y / a.x);
+    }
+    if (a.y >= a.z) {
+        const double t = d.y > 0 ? d.z : -d.z;
+        return faces[d.y > 0 ? 2 : 3].bilinear(0.5 + 0.5 * d.x / a.y, 0.5 + 0.5 * t / a.y);
+    }
+    const double s = d.z > 0 ? d.x : -d.x;
+    return faces[d.z > 0 ? 4 : 5].bilinear(0.5 + 0.5 * s / a.z, 0.5 - 0.5 * d.y / a.z);
+}
+
+/// Four samples each way a texel.
+Pixels unfold(const std::vector<Pixels>& faces) {
+    Texture texture;
+    texture.width = 4 * faces[0].width, texture.height = 2 * faces[0].width;
+    texture.channels = 1, texture.format = TexelFormat::float32;
+    texture.floats.resize(std::size_t(texture.width) * texture.height);
+    Pixels image(texture);
+    constexpr int side = 4;
+    for (unsigned y = 0; y < image.height; ++y)
+        for (unsigned x = 0; x < image.width; ++x) {
+            glm::dvec3 sum(0.0);
+            for (int sample = 0; sample < side * side; ++sample) {
+                const double across = 2 * pi * ((x + (sample % side + 0.5) / side) / image.width - 0.5);
+                const double down = pi * (y + (sample / side + 0.5) / side) / image.height;
+                sum += glm::dvec3(cube_radiance(
+                    faces, {std::sin(down) * std::sin(across), std::cos(down), -std::sin(down) * std::cos(across)}));
+            }
+            image.values[std::size_t(y) * image.width + x] = glm::vec3(sum / double(side * side));
+        }
+    return image;
+}
+
+Pixels pixels_of(const Environment& environment) {
+    const std::vector<Texture>& images = environment.images;
+    if (images.size() == 1) return Pixels(images[0]);
+    std::vector<Pixels> faces(images.begin(), images.end());
+    for (const Pixels& face : faces)
+        if (faces.size() != 6 || face.width != faces[0].width || face.height != face.width)
+            throw Error(ErrorKind::user, "an environment of " + std::to_string(images.size()) + " images",
+                        "give one image, or six squares of one size: +x -x +y -y +z -z");
+    return unfold(faces);
+}
+
+/// Turns sums up to each element into the cumulative distribution; returns the total. Nothing at all becomes uniform.
+double normalize_cdf(const std::vector<double>& weights, float* cdf) {
+    double total = 0, sum = 0;
+    for (const double weight : weights) total += weight;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        sum += weights[i];
+        cdf[i] = float(total > 0 ? sum / total : double(i + 1) / double(weights.size()));
+    }
+    cdf[weights.size() - 1] = 1.f;
+    return total;
+}
+
+}  // namespace
+
+EnvironmentImage environment_image(const Environment& environment) {
+    const Pixels pixels = pixels_of(environment);
+    EnvironmentImage image;
+    image.width = pixels.width, image.height = pixels.height;
+    for (const glm::vec3& value : pixels.values)
+        for (int c = 0; c < 3; ++c) image.texels.push_back(value[c] * environment.strength);
+
+    // The weight at the border above row y of cells, column x: of the row of texels there, or of a pole.
+    const auto weight = [&](unsigned x, unsigned y) {
+        if (y == 0 || y > image.height) return 0.0;
+        return luminance(pixels.at(x % image.width, y - 1)) * environment.strength *
+               std::sin(pi * (y - 0.5) / image.height);
+    };
+    const unsigned rows = image.height + 1;
+    image.cdf.resize(rows + std::size_t(rows) * image.width);
+    std::vector<double> of_rows(rows), of_cells(image.width);
+    for (unsigned y = 0; y < rows; ++y) {
+        const double area = y == 0 || y == image.height ? 0.5 : 1.0;  // of a cell, in texels
+        for (unsigned x = 0; x < image.width; ++x)
+            of_cells[x] = 0.25 * area * (weight(x, y) + weight(x + 1, y) + weight(x, y + 1) + weight(x + 1, y + 1));
+        of_rows[y] = normalize_cdf(of_cells, &image.cdf[rows + std::size_t(y) * image.width]);
+    }
+    const double total = normalize_cdf(of_rows, image.cdf.data());
+    const double texel = 2 * pi * pi / (double(image.width) * image.height);  // d(direction) / sine
+    image.integral = total * texel;
+    if (total > 0) image.density = float(1 / image.integral);
+    return image;
+}
+
+}  // namespace claray

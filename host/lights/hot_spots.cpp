@@ -1,0 +1,185 @@
+#include "host/lights/hot_spots.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "host/lights/luminance.hpp"
+#include "host/scene/placement.hpp"
+
+namespace claray {
+namespace {
+
+using std::numbers::pi;
+constexpr double gain = 0.5;    // see share_of
+constexpr double near = 0.1;    // of the distance: the spots of many lights at this height may still be worth it
+constexpr double most = 0.125;  // of the scattered rays go to hot spots
+
+/// A light, and the nearest that was found so far, closer than `distance2`.
+struct Candidate {
+    std::size_t light = 0;
+    glm::dvec3 position{0.0}, way{0.0};
+    double share = 0;  // of the intensity of all points and spots
+    double distance2 = 0;
+    bool found = false;
+};
+
+/// The probability of going to a hot spot that makes the least noise. Let lights whose spots are one have the share S
+/// of all, height h, and be seen from the distance d. By chance a path finds their light c with the variance c^2 d^2 /
+/// 8 h^2 (the ratio of the integrals of the squared and of the plain irradiance of a plane), by going there with
+/// probability a it has c^2 / a, and in both ways together about c^2 / (8 h^2 / d^2 + a). Every share of the rays that
+/// goes there makes the noise of all else, V, as much larger: a V + S^2 C / (8 h^2 / d^2 + a) is least where a = S
+/// sqrt(C / V) - 8 h^2 / d^2. The root is `gain`, and a light gets its part of that.
+double share_of(double share, double of_all, double height2, double distance) {
+    return share * (gain - 8 * height2 / (distance * distance * of_all));
+}
+
+glm::dvec3 nearest_of_edge(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
+    const glm::dvec3 edge = b - a;
+    const double length2 = glm::dot(edge, edge);
+    return a + (length2 > 0 ? std::clamp(glm::dot(p - a, edge) / length2, 0.0, 1.0) : 0.0) * edge;
+}
+
+/// Of a triangle: the foot of the perpendicular if it is inside, else a point of an edge.
+glm::dvec3 nearest_of_triangle(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+    const glm::dvec3 normal = glm::cross(b - a, c - a);
+    const auto left_of = [&](const glm::dvec3& from, const glm::dvec3& to) {
+        return glm::dot(glm::cross(to - from, p - from), normal) >= 0;
+    };
+    const double length2 = glm::dot(normal, normal);
+    if (length2 > 0 && left_of(a, b) && left_of(b, c) && left_of(c, a))
+        return p - glm::dot(p - a, normal) / length2 * normal;
+    glm::dvec3 nearest = nearest_of_edge(p, a, b);
+    for (const glm::dvec3& other : {nearest_of_edge(p, b, c), nearest_of_edge(p, c, a)})
+        if (glm::dot(other - p, other - p) < glm::dot(nearest - p, nearest - p)) nearest = other;
+    return nearest;
+}
+
+/// Looks for the nearest surface of each light, no further than matters.
+class Search {
+public:
+    Search(std::vector<Candidate>& candidates, const Scene& scene) : candidates_(candidates), scene_(scene) {
+        std::sort(candidates.begin(), candidates.end(),
+                  [](const Candidate& a, const Candidate& b) { return a.position.x < b.position.x; });
+        for (const Candidate& c : candidates) {
+            reach_ = std::max(reach_, std::sqrt(c.distance2));
+            box_.grow(glm::vec3(c.position));
+        }
+    }
+    void run() {
+        if (scene_.instances.empty())
+            for (const Mesh& mesh : scene_.meshes) visit(mesh, glm::dmat4(1.0));
+        std::vector<Bounds> boxes;
+        if (!scene_.instances.empty())
+            for (const Mesh& mesh : scene_.meshes) boxes.push_back(bounds_of(mesh));
+        for (const MeshInstance& instance : scene_.instances) {
+            const glm::dmat4 transform(instance.transform);
+            if (!moves(instance) && is_near(boxes[instance.mesh], transform))
+                visit(scene_.meshes[instance.mesh], transform);
+        }
+    }
+
+private:
+    /// Whether some light may be close to what is in the box.
+    [[nodiscard]] bool is_near(const Bounds& box, const glm::dmat4& transform) const {
+        if (box.empty()) return false;
+        const glm::dvec3 center(transform * glm::dvec4(box.center(), 1.0)), half(0.5f * box.extent());
+        for (int k = 0; k < 3; ++k) {
+            double reach = reach_;
+            for (int i = 0; i < 3; ++i) reach += std::abs(transform[i][k]) * half[i];
+            reach += 1e-5 * (std::abs(center[k]) + reach);
+            if (center[k] + reach < box_.lo[k] || center[k] - reach > box_.hi[k]) return false;
+        }
+        return true;
+    }
+    void visit(const Mesh& mesh, const glm::dmat4& transform) {
+        for (const glm::uvec3& t : mesh.triangles) {
+            const auto corner = [&](std::uint32_t i) {
+                return glm::dvec3(transform * glm::dvec4(mesh.positions[i], 1.0));
+            };
+            visit(corner(t.x), corner(t.y), corner(t.z));
+        }
+    }
+    void visit(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+        const glm::dvec3 lo = glm::min(glm::min(a, b), c), hi = glm::max(glm::max(a, b), c);
+        auto at = std::lower_bound(candidates_.begin(), candidates_.end(), lo.x - reach_,
+                                   [](const Candidate& candidate, double x) { return candidate.position.x < x; });
+        for (; at != candidates_.end() && at->position.x <= hi.x + reach_; ++at) {
+            const glm::dvec3 off = glm::max(glm::max(lo - at->position, at->position - hi), glm::dvec3(0.0));
+            if (!(glm::dot(off, off) < at->distance2)) continue;
+            const glm::dvec3 way = nearest_of_triangle(at->position, a, b, c) - at->position;
+            const double distance2 = glm::dot(way, way);
+            if (distance2 < at->distance2) at->distance2 = distance2, at->way = way, at->found = true;
+        }
+    }
+
+    std::vector<Candidate>& candidates_;
+    const Scene& scene_;
+    double reach_ = 0;
+    Bounds box_;  // of the lights
+};
+
+/// Of all lights but lamps and images of environments, roughly. What comes from far away counts by the flux through the
+/// cross section of the scene.
+double total_intensity(const Scene& scene, double radius) {
+    double total = 0.25 * pi * radius * radius * luminance(0.5f * (scene.sky.horizon + scene.sky.zenith));
+    for (const Light& light : scene.lights)
+        total += luminance(light.intensity) * (light.kind == LightKind::directional ? 0.25 * radius * radius : 1);
+    return total;
+}
+
+/// The points that count.
+std::vector<Candidate> candidates_of(const Scene& scene, double distance) {
+    const double total = total_intensity(scene, 2 * distance);
+    std::vector<Candidate> candidates;
+    for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+        const Light& light = scene.lights[i];
+        const bool inverse_square = light.attenuation.x == 0.f && light.attenuation.y == 0.f;
+        if (light.kind != LightKind::point || !(luminance(light.intensity) > 0) || !inverse_square) continue;
+        Candidate candidate{i, light.position};
+        candidate.share = luminance(light.intensity) / total;
+        candidate.distance2 = std::max(candidate.share * gain / 8, near * near) * distance * distance;
+        candidates.push_back(candidate);
+    }
+    return candidates;
+}
+
+/// Of the lights, sorted as Search has left them, whose spots overlap with that of `c`: so far away as two heights. No
+/// more are counted than make its own worth while.
+double share_around(const std::vector<Candidate>& sorted, const Candidate& c, double distance) {
+    const double enough = 4 * 8 * c.distance2 / (distance * distance * gain), reach = 2 * std::sqrt(c.distance2);
+    auto at = std::lower_bound(sorted.begin(), sorted.end(), c.position.x - reach,
+                               [](const Candidate& other, double x) { return other.position.x < x; });
+    double sum = 0;
+    for (; at != sorted.end() && at->position.x <= c.position.x + reach && sum < enough; ++at) {
+        const glm::dvec3 off = at->position - c.position;
+        if (glm::dot(off, off) <= reach * reach) sum += at->share;
+    }
+    return std::max(sum, c.share);
+}
+
+}  // namespace
+
+std::vector<HotSpotPlace> find_hot_spots(const Scene& scene) {
+    std::vector<HotSpotPlace> places;
+    const Bounds bounds = bounds_of(scene);
+    if (bounds.empty()) return places;
+    const double distance = 0.25 * glm::length(glm::dvec3(bounds.extent()));  // from which spots are seen, about
+    std::vector<Candidate> candidates = candidates_of(scene, distance);
+    if (candidates.empty()) return places;
+    Search(candidates, scene).run();
+    double sum = 0;
+    for (const Candidate& c : candidates) {
+        const glm::vec3 way(c.way);
+        if (!c.found || !(glm::dot(way, way) > 1e-30f)) continue;  // in the surface
+        const double share = share_of(c.share, share_around(candidates, c, distance), c.distance2, distance);
+        if (!(share > 0)) continue;
+        places.push_back({c.light, way, share});
+        sum += share;
+    }
+    std::sort(places.begin(), places.end(), [](const auto& a, const auto& b) { return a.light < b.light; });
+    for (HotSpotPlace& place : places) place.probability *= std::min(1.0, most / sum);
+    return places;
+}
+
+}  // namespace claray

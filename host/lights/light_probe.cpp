@@ -1,0 +1,254 @@
+#include "host/lights/light_probe.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "host/base/in_parallel.hpp"
+#include "host/base/random.hpp"
+#include "host/lights/lights.hpp"
+#include "host/lights/luminance.hpp"
+#include "host/textures/mean_texel.hpp"
+#include "host/textures/texture_use.hpp"
+#include "host/trace/host_rays.hpp"
+
+namespace claray {
+namespace {
+
+using std::numbers::pi;
+constexpr double endless = std::numeric_limits<double>::infinity();
+constexpr unsigned side = 32;            // of the grid of camera rays
+constexpr unsigned bounces = 4;          // rays from each point that is seen
+constexpr std::size_t most_lights = 16;  // that are looked at from each point; of more, so many are drawn
+constexpr unsigned most_layers = 32;     // of what a ray passes through
+
+/// What stops a ray. Paths find lamps behind glass, but shadow rays to lights without extent end there.
+enum class Through { openings, glass };
+
+/// What a point looks like, as far as light is concerned.
+struct Sight {
+    glm::dvec3 point, normal;  // towards the viewer
+    bool glows = false;        // visibly
+};
+
+class Probe {
+public:
+    explicit Probe(const Scene& scene)
+        : scene_(scene), rays_(scene), lights_(collect_lights(scene, std::numeric_limits<std::size_t>::max(), 32)) {
+        const Bounds bounds = bounds_of(scene);
+        if (!bounds.empty()) nudge_ = 1e-6 * glm::length(glm::dvec3(bounds.extent()));
+        for (const TriangleLight& light : lights_.triangles) last_numbers_.push_back(light.cumulative);
+        for (const PunctualLight& light : lights_.punctual) last_numbers_.push_back(light.cumulative);
+    }
+
+    [[nodiscard]] std::optional<Sight> look(const glm::dvec3& origin, const glm::dvec3& direction) const;
+    [[nodiscard]] std::size_t lights() const { return lights_.size(); }
+    /// Luminance of grey there: by the lights, and by surfaces that they light.
+    [[nodiscard]] double lit_grey(const Sight& sight, scenes::Random& random, unsigned& open) const;
+
+private:
+    [[nodiscard]] const Material& material_of(const HostHit& hit) const {
+        const Mesh& mesh = scene_.meshes[hit.mesh];
+        return scene_.materials[mesh.materials.empty() ? 0 : mesh.materials[hit.triangle]];
+    }
+    [[nodiscard]] glm::vec2 coordinates(const TextureUse& use, const HostHit& hit) const;
+    [[nodiscard]] bool glows_at(const HostHit& hit) const;
+    [[nodiscard]] double opacity_of(const HostHit& hit) const;
+    [[nodiscard]] bool passes(const HostHit& hit, const glm::dvec3& direction, Through through) const;
+    [[nodiscard]] std::optional<HostHit> stop_of(const glm::dvec3& origin, const glm::dvec3& direction, double distance,
+                                                 Through through) const;
+    [[nodiscard]] double irradiance(const Sight& sight, scenes::Random& random) const;
+    [[nodiscard]] double from_light(std::size_t light, const Sight& sight, scenes::Random& random) const;
+    [[nodiscard]] double from_lamp(const TriangleLight& light, const Sight& sight, scenes::Random& random) const;
+    [[nodiscard]] double from_punctual(const PunctualLight& light, const Sight& sight) const;
+
+    const Scene& scene_;
+    HostRays rays_;
+    Lights lights_;
+    std::vector<std::uint32_t> last_numbers_;  // of all lights, see TriangleLight::cumulative
+    double nudge_ = 1e-6;                      // by which rays begin off surfaces and end before lights
+};
+
+glm::vec2 Probe::coordinates(const TextureUse& use, const HostHit& hit) const {
+    const Mesh& mesh = scene_.meshes[hit.mesh];
+    const std::vector<glm::vec2>& uvs = use.uv_set == 0 ? mesh.uvs : mesh.uvs1;
+    if (uvs.empty()) return transformed(use, glm::vec2(0.f));
+    const glm::uvec3 t = mesh.triangles[hit.triangle];
+    return transformed(use, float(1 - hit.u - hit.v) * uvs[t.x] + float(hit.u) * uvs[t.y] + float(hit.v) * uvs[t.z]);
+}
+
+bool Probe::glows_at(const HostHit& hit) const {
+    const Material& material = material_of(hit);
+    glm::vec3 emission = material.emission;
+    if (emission == glm::vec3(0.f)) return false;
+    if (material.emission_map.used()) {
+        const Texture& texture = scene_.textures[material.emission_map.texture];
+        emission *= glm::vec3(nearest_texel(texture, coordinates(material.emission_map, hit)));
+    }
+    return luminance(emission) >= visible_luminance;
+}
+
+double Probe::opacity_of(const HostHit& hit) const {
+    const Material& material = material_of(hit);
+    if (material.alpha_mode == AlphaMode::opaque) return 1;
+    float opacity = material.opacity;
+    const auto texel = [&](const TextureUse& use) {
+        return nearest_texel(scene_.textures[use.texture], coordinates(use, hit));
+    };
+    if (material.albedo_map.used()) opacity *= texel(material.albedo_map).w;
+    if (material.opacity_map.used()) opacity *= texel(material.opacity_map).x;
+    return material.alpha_mode == AlphaMode::blend ? opacity : opacity >= material.alpha_cutoff ? 1 : 0;
+}
+
+bool Probe::passes(const HostHit& hit, const glm::dvec3& direction, Through through) const {
+    const Material& material = material_of(hit);
+    const bool glass = material.kind == MaterialKind::glass ||
+                       (material.kind == MaterialKind::principled && material.transmission > 0.5f);
+    if (glass) return through == Through::glass;
+    if (material.cull_back && glm::dot(hit.normal, direction) > 0) return true;
+    return opacity_of(hit) < 0.5;
+}
+
+/// The first thing that a ray does not pass through.
+std::optional<HostHit> Probe::stop_of(const glm::dvec3& origin, const glm::dvec3& direction, double distance,
+                                      Through through) const {
+    const double step = nudge_ / glm::length(direction);
+    double gone = 0;
+    for (unsigned layer = 0; layer < most_layers; ++layer) {
+        std::optional<HostHit> hit = rays_.closest(origin + gone * direction, direction, distance - gone);
+        if (!hit) return {};
+        hit->distance += gone;
+        if (!passes(*hit, direction, through)) return hit;
+        gone = hit->distance + step;
+    }
+    return {};
+}
+
+/// What the camera sees along a ray; of glass before nothing the glass itself.
+std::optional<Sight> Probe::look(const glm::dvec3& origin, const glm::dvec3& direction) const {
+    std::optional<HostHit> hit = stop_of(origin, direction, endless, Through::openings);
+    if (!hit) return {};
+    if (const auto behind = stop_of(origin, direction, endless, Through::glass)) hit = behind;
+    const glm::dvec3 normal = glm::dot(hit->normal, direction) > 0 ? -hit->normal : hit->normal;
+    return Sight{origin + hit->distance * direction + nudge_ * normal, normal, glows_at(*hit)};
+}
+
+/// Of the sides that it shines to, towards a point on it that is drawn at random.
+double Probe::from_lamp(const TriangleLight& light, const Sight& sight, scenes::Random& random) const {
+    const glm::dvec3 e1(light.e1x, light.e1y, light.e1z), e2(light.e2x, light.e2y, light.e2z);
+    double u = random.uniform(), v = random.uniform();
+    if (u + v > 1) u = 1 - u, v = 1 - v;
+    const glm::dvec3 way = glm::dvec3(light.v0x, light.v0y, light.v0z) + u * e1 + v * e2 - sight.point;
+    const double distance2 = glm::dot(way, way), cosine = glm::dot(way, sight.normal) / std::sqrt(distance2);
+    double there = -glm::dot(way, glm::normalize(glm::cross(e1, e2))) / std::sqrt(distance2);
+    if (light.area > 0) there = std::abs(there);
+    if (!(cosine > 0 && there > 0)) return 0;
+    const double end = 1 - nudge_ / std::sqrt(distance2);
+    if (stop_of(sight.point, way, end, Through::glass)) return 0;
+    const glm::dvec3 emission(light.emission_r, light.emission_g, light.emission_b);
+    return luminance(emission) * std::abs(light.area) * cosine * there / distance2;
+}
+
+/// As kernels/lights/light_punctual.clh computes it.
+double Probe::from_punctual(const PunctualLight& light, const Sight& sight) const {
+    const double intensity = luminance({light.intensity_r, light.intensity_g, light.intensity_b});
+    const glm::dvec3 axis(light.direction_x, light.direction_y, light.direction_z);
+    const bool is_far = light.kind == CLARAY_DIRECTIONAL_LIGHT;
+    const glm::dvec3 way = is_far ? -axis : glm::dvec3(light.x, light.y, light.z) - sight.point;
+    const double distance2 = glm::dot(way, way), distance = std::sqrt(distance2);
+    const double cosine = glm::dot(way, sight.normal) / distance;
+    double arriving = intensity;
+    if (!is_far) {
+        const double near = distance2 * light.inverse_range * light.inverse_range;
+        arriving *= std::max(1 - near * near, 0.0) /
+                    (light.attenuation_0 + light.attenuation_1 * distance + light.attenuation_2 * distance2);
+    }
+    if (light.kind == CLARAY_SPOT_LIGHT) {
+        const double along = -glm::dot(axis, way) / distance;
+        const double inside = std::clamp(along * light.cone_scale + light.cone_offset, 0.0, 1.0);
+        arriving *= inside * inside;
+    }
+    if (!(cosine > 0 && arriving > 0)) return 0;
+    return stop_of(sight.point, way, is_far ? endless : 1.0, Through::openings) ? 0 : arriving * cosine;
+}
+
+double Probe::from_light(std::size_t light, const Sight& sight, scenes::Random& random) const {
+    const std::size_t lamps = lights_.triangles.size();
+    return light < lamps ? from_lamp(lights_.triangles[light], sight, random)
+                         : from_punctual(lights_.punctual[light - lamps], sight);
+}
+
+/// Luminance of the irradiance; by many lights an estimate.
+double Probe::irradiance(const Sight& sight, scenes::Random& random) const {
+    const std::size_t count = last_numbers_.size();
+    double sum = 0;
+    if (count <= most_lights) {
+        for (std::size_t i = 0; i < count; ++i) sum += from_light(i, sight, random);
+        return sum;
+    }
+    for (std::size_t i = 0; i < most_lights; ++i) {
+        const auto number = std::uint32_t(random.bits() >> 32);
+        const auto found = std::lower_bound(last_numbers_.begin(), last_numbers_.end() - 1, number);
+        const auto light = std::size_t(found - last_numbers_.begin());
+        const double numbers = double(last_numbers_[light]) - (light > 0 ? double(last_numbers_[light - 1]) : -1.0);
+        sum += from_light(light, sight, random) * 4294967296.0 / numbers;
+    }
+    return sum / double(most_lights);
+}
+
+/// Spread by the cosine.
+glm::dvec3 scattered(const glm::dvec3& normal, scenes::Random& random) {
+    const glm::dvec3 in_ball(random.in_ball());
+    return glm::normalize(normal + 0.999 * in_ball / std::max(glm::length(in_ball), 1e-9));
+}
+
+double Probe::lit_grey(const Sight& sight, scenes::Random& random, unsigned& open) const {
+    constexpr double grey = 0.5;
+    double arriving = irradiance(sight, random);
+    for (unsigned i = 0; i < bounces; ++i) {
+        const auto next = look(sight.point, scattered(sight.normal, random));
+        next ? arriving += grey * irradiance(*next, random) / bounces : open += 1;
+    }
+    return grey / pi * arriving;
+}
+
+/// What one row of camera rays finds.
+struct ProbedRow {
+    unsigned seen = 0, lit = 0, visible = 0, open = 0;
+};
+
+ProbedRow probe_row(const Probe& probe, const CameraData& camera, unsigned row) {
+    ProbedRow found;
+    scenes::Random random(row);
+    for (unsigned column = 0; column < side; ++column) {
+        const double x = 2 * (column + random.uniform()) / side - 1, y = 1 - 2 * (row + random.uniform()) / side;
+        const glm::dvec3 forward(camera.forward_x, camera.forward_y, camera.forward_z);
+        const glm::dvec3 aside = x * glm::dvec3(camera.right_x, camera.right_y, camera.right_z) +
+                                 y * glm::dvec3(camera.up_x, camera.up_y, camera.up_z);
+        const glm::dvec3 position(camera.x, camera.y, camera.z);
+        const std::optional<Sight> sight = camera.orthographic ? probe.look(position + aside, forward)
+                                                               : probe.look(position, glm::normalize(forward + aside));
+        if (!sight) continue;
+        const bool lit = probe.lit_grey(*sight, random, found.open) >= visible_luminance;
+        found.seen += 1, found.lit += lit, found.visible += lit || sight->glows;
+    }
+    return found;
+}
+
+}  // namespace
+
+LightProbe probe_light(const Scene& scene, const Camera& camera, float aspect) {
+    const Probe probe(scene);
+    const CameraData view = camera_data(camera, aspect);
+    std::vector<ProbedRow> rows(side);
+    in_parallel(side, [&](std::size_t i) { rows[i] = probe_row(probe, view, unsigned(i)); });
+    ProbedRow sum;
+    for (const ProbedRow& row : rows)
+        sum.seen += row.seen, sum.lit += row.lit, sum.visible += row.visible, sum.open += row.open;
+    if (sum.seen == 0) return {probe.lights()};
+    const double seen = sum.seen;
+    return {probe.lights(), seen / (side * side), sum.lit / seen, sum.visible / seen, sum.open / (bounces * seen)};
+}
+
+}  // namespace claray

@@ -1,0 +1,344 @@
+#include "host/lights/lights.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "host/bsdf/material_data.hpp"
+#include "host/lights/environment.hpp"
+#include "host/lights/hot_spots.hpp"
+#include "host/lights/light_tree.hpp"
+#include "host/lights/luminance.hpp"
+#include "host/lights/number_shares.hpp"
+#include "host/scene/placement.hpp"
+#include "host/textures/mean_texel.hpp"
+#include "host/textures/texture_use.hpp"
+#include "host/textures/textures.hpp"
+
+namespace claray {
+namespace {
+
+using std::numbers::pi;
+
+/// As the acceleration structure sees it: others are left out there and can't be hit.
+bool can_be_hit(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+    const auto sound = [](const glm::vec3& v) {
+        return std::abs(v.x) <= 1e18f && std::abs(v.y) <= 1e18f && std::abs(v.z) <= 1e18f;  // false for NaN
+    };
+    return sound(a) && sound(b) && sound(c) && a != b && b != c && c != a;
+}
+
+TriangleLight triangle_light(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& emission) {
+    const glm::vec3 e1 = b - a, e2 = c - a;
+    TriangleLight light{};
+    light.v0x = a.x, light.v0y = a.y, light.v0z = a.z;
+    light.e1x = e1.x, light.e1y = e1.y, light.e1z = e1.z;
+    light.e2x = e2.x, light.e2y = e2.y, light.e2z = e2.z;
+    light.area = float(0.5 * glm::length(glm::cross(glm::dvec3(b) - glm::dvec3(a), glm::dvec3(c) - glm::dvec3(a))));
+    light.emission_r = emission.x, light.emission_g = emission.y, light.emission_b = emission.z;
+    return light;
+}
+
+/// What a triangle emits on average: of its image only the part that lies on it counts.
+glm::vec3 mean_emission(const Scene& scene, const Material& material, const Mesh& mesh, const glm::uvec3& triangle,
+                        unsigned most_points) {
+    if (!has_emission_map(material)) return material.emission;
+    const TextureUse& use = material.emission_map;
+    const std::vector<glm::vec2>& uvs = use.uv_set == 0 ? mesh.uvs : mesh.uvs1;
+    glm::vec2 corners[3];
+    for (int k = 0; k < 3; ++k)
+        corners[k] = transformed(use, triangle[k] < uvs.size() ? uvs[triangle[k]] : glm::vec2(0.f));
+    return material.emission * mean_texel(scene.textures[use.texture], corners[0], corners[1], corners[2], most_points);
+}
+
+/// Of mesh number `index` that is placed in the world by `transform`; its first triangle has the number `first`.
+void collect_triangles(const Scene& scene, std::uint32_t index, const glm::dmat4& transform, std::uint32_t first,
+                       unsigned most_points, Lights& collected) {
+    std::vector<TriangleLight>& lights = collected.triangles;
+    const Mesh& mesh = scene.meshes[index];
+    std::uint32_t in_memory = 0;  // where its triangles begin there
+    for (std::uint32_t i = 0; i < index; ++i) in_memory += std::uint32_t(scene.meshes[i].triangles.size());
+    const auto place = [&](std::uint32_t vertex) {
+        return glm::vec3(transform * glm::dvec4(mesh.positions[vertex], 1.0));
+    };
+    const bool flips = glm::determinant(glm::dmat3(transform)) < 0;  // fronts stay those of the object
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const Material& material = scene.materials[mesh.materials.empty() ? 0 : mesh.materials[i]];
+        const bool mirrored = flips && material.cull_back;
+        if (sampled_emission(material) == 0.f) continue;
+        const glm::uvec3 t = mesh.triangles[i];
+        const glm::vec3 emission = mean_emission(scene, material, mesh, t, most_points);
+        if (!(luminance(emission) > 0)) continue;
+        const glm::vec3 a = place(t.x), b = place(mirrored ? t.z : t.y), c = place(mirrored ? t.y : t.z);
+        if (!can_be_hit(a, b, c)) continue;
+        lights.push_back(triangle_light(a, b, c, emission));
+        lights.back().primitive = first + std::uint32_t(i);
+        if (!(lights.back().area > 0)) {
+            lights.pop_back();
+            continue;
+        }
+        if (material.cull_back) lights.back().area = -lights.back().area;
+        const std::uint32_t turned = mirrored ? CLARAY_TURNED_LAMP : 0u;
+        collected.lamps.push_back(has_emission_map(material) ? (in_memory + std::uint32_t(i)) | turned : CLARAY_NO_MAP);
+    }
+}
+
+/// Grows the bounds on how far off its lights a ray to an instance may end (docs/numerics.md): 8 roundings of |A|
+/// |A^-1| times the way that it has in the object.
+void grow_instance_errors(const Mesh& mesh, const glm::dmat4& transform, LightsData& data) {
+    if (transform == glm::dmat4(1.0)) return;  // nothing is rounded there
+    const glm::dmat3 linear(transform), inverse = glm::inverse(linear);
+    double error = 0, reach = 0;
+    for (int row = 0; row < 3; ++row) {
+        double sum = 0;
+        for (int i = 0; i < 9; ++i) sum += std::abs(linear[i % 3][row] * inverse[i / 3][i % 3]);
+        error = std::max(error, 8 * 0x1p-24 * sum);
+    }
+    for (const glm::vec3& p : mesh.positions) reach = std::max(reach, glm::length(linear * glm::dvec3(p)));
+    data.instance_error = std::max(data.instance_error, float(error));
+    if (std::isfinite(reach)) data.instance_reach = std::max(data.instance_reach, float(reach));
+}
+
+/// What moves is not among them: its light is found by chance alone.
+void collect_triangles(const Scene& scene, unsigned most_points, Lights& lights) {
+    std::uint32_t first = 0;
+    if (scene.instances.empty()) {
+        for (std::uint32_t i = 0; i < scene.meshes.size(); ++i) {
+            collect_triangles(scene, i, glm::dmat4(1.0), first, most_points, lights);
+            first += std::uint32_t(scene.meshes[i].triangles.size());
+        }
+        return;
+    }
+    const std::vector<std::uint32_t> numbers = first_light_numbers(scene);
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        const MeshInstance& instance = scene.instances[i];
+        if (moves(instance)) continue;
+        const Mesh& mesh = scene.meshes[instance.mesh];
+        const glm::dmat4 transform(instance.transform);
+        const std::size_t before = lights.triangles.size();
+        collect_triangles(scene, instance.mesh, transform, numbers[i], most_points, lights);
+        if (lights.triangles.size() != before) grow_instance_errors(mesh, transform, lights.data);
+    }
+}
+
+bool shines_far(const Light& light) { return light.kind == LightKind::directional; }
+
+PunctualLight punctual_light(const Light& light) {
+    PunctualLight data{};
+    data.x = light.position.x, data.y = light.position.y, data.z = light.position.z;
+    data.intensity_r = light.intensity.x, data.intensity_g = light.intensity.y, data.intensity_b = light.intensity.z;
+    data.kind = std::uint32_t(light.kind);
+    const glm::vec3 direction = glm::normalize(light.direction);
+    data.direction_x = direction.x, data.direction_y = direction.y, data.direction_z = direction.z;
+    // As KHR_lights_punctual computes them, but for its least difference of cosines, 0.001, which would widen narrow
+    // edges.
+    constexpr double least_difference = 0x1p-22;  // what float32 can tell
+    const double outer = std::cos(double(light.outer_angle)), inner = std::cos(double(light.inner_angle));
+    const double scale = 1 / std::max(least_difference, inner - outer);
+    if (light.kind == LightKind::spot) data.cone_scale = float(scale), data.cone_offset = float(-outer * scale);
+    data.inverse_range = light.range > 0.f ? 1.f / light.range : 0.f;
+    data.attenuation_0 = light.attenuation.x, data.attenuation_1 = light.attenuation.y;
+    data.attenuation_2 = light.attenuation.z;
+    return data;
+}
+
+/// Of the light that was collected last.
+void add_hot_spot(const HotSpotPlace& place, Lights& lights) {
+    const double before = lights.hot_spots.empty() ? 0 : lights.hot_spots.back().last + 1.0;
+    const double numbers = std::round(place.probability * 4294967296.0);
+    if (!(numbers >= 1)) return;
+    PunctualLight& light = lights.punctual.back();
+    light.direction_x = place.way.x, light.direction_y = place.way.y, light.direction_z = place.way.z;
+    light.cone_scale = float(numbers / 4294967296.0);
+    lights.hot_spots.push_back({std::uint32_t(before + numbers - 1), light.cone_scale,
+                                std::uint32_t(lights.triangles.size() + lights.punctual.size() - 1), 0, 0});
+}
+
+/// Points and spots, then directional lights; black ones are left out.
+void collect_punctual(const Scene& scene, Lights& lights) {
+    const std::vector<HotSpotPlace> places = find_hot_spots(scene);
+    auto place = places.begin();
+    for (const bool far : {false, true})
+        for (std::size_t i = 0; i < scene.lights.size(); ++i) {
+            const Light& light = scene.lights[i];
+            if (shines_far(light) != far || !(luminance(light.intensity) > 0)) continue;
+            lights.punctual.push_back(punctual_light(light));
+            if (place != places.end() && place->light == i) add_hot_spot(*place++, lights);
+        }
+    lights.data.hot_spots = std::uint32_t(lights.hot_spots.size());
+    lights.data.not_to_hot_spots = 1.f;
+    if (!lights.hot_spots.empty())
+        lights.data.not_to_hot_spots = float(1 - (lights.hot_spots.back().last + 1.0) / 4294967296.0);
+}
+
+/// What a light sends where it shines most, per steradian.
+double intensity_of(const TriangleLight& l) {
+    return std::abs(l.area) * luminance({l.emission_r, l.emission_g, l.emission_b});
+}
+
+/// `radius` of the scene: attenuation that is not physical counts at half of it, where much of the scene may be.
+double intensity_of(const PunctualLight& l, double radius) {
+    const double intensity = luminance({l.intensity_r, l.intensity_g, l.intensity_b});
+    if (l.attenuation_0 == 0.f && l.attenuation_1 == 0.f) return intensity / l.attenuation_2;
+    const double d = 0.5 * radius;
+    return intensity * d * d / (l.attenuation_0 + d * (l.attenuation_1 + d * l.attenuation_2));
+}
+
+double power_of(const TriangleLight& l) { return 2 * pi * intensity_of(l); }
+
+double power_of(const PunctualLight& l, double radius) {
+    if (l.kind == CLARAY_DIRECTIONAL_LIGHT)
+        return luminance({l.intensity_r, l.intensity_g, l.intensity_b}) * pi * radius * radius;
+    if (l.kind == CLARAY_POINT_LIGHT) return 4 * pi * intensity_of(l, radius);
+    const double outer = -l.cone_offset / l.cone_scale, inner = outer + 1 / l.cone_scale;
+    return 2 * pi * intensity_of(l, radius) * (1 - 0.5 * (outer + inner));
+}
+
+LightBounds bounds_of(const TriangleLight& l) {
+    const glm::vec3 a(l.v0x, l.v0y, l.v0z), e1(l.e1x, l.e1y, l.e1z), e2(l.e2x, l.e2y, l.e2z);
+    LightBounds bounds;
+    bounds.box.grow(a), bounds.box.grow(a + e1), bounds.box.grow(a + e2);
+    bounds.axis = glm::vec3(glm::normalize(glm::cross(glm::dvec3(e1), glm::dvec3(e2))));
+    bounds.two_sided = l.area > 0;
+    bounds.reach = float(pi / 2);
+    return bounds;
+}
+
+LightBounds bounds_of(const PunctualLight& l) {
+    LightBounds bounds;
+    bounds.box.grow({l.x, l.y, l.z});
+    bounds.axis = {l.direction_x, l.direction_y, l.direction_z};
+    const bool spot = l.kind == CLARAY_SPOT_LIGHT;
+    bounds.spread = spot ? 0.f : float(pi);
+    bounds.reach = spot ? float(std::acos(std::clamp(-double(l.cone_offset) / l.cone_scale, -1.0, 1.0))) : float(pi);
+    return bounds;
+}
+
+/// The tree over triangles, points and spots. It weighs intensities, which it multiplies by cosines: the power of a
+/// spot says little about the few directions that it shines in.
+void plant_tree(Lights& lights, double radius) {
+    std::vector<LightBounds> bounds;
+    for (const TriangleLight& light : lights.triangles)
+        bounds.push_back(bounds_of(light)), bounds.back().intensity = float(intensity_of(light));
+    for (const PunctualLight& light : lights.punctual)
+        if (light.kind != CLARAY_DIRECTIONAL_LIGHT)
+            bounds.push_back(bounds_of(light)), bounds.back().intensity = float(intensity_of(light, radius));
+    LightTree tree = build_light_tree(bounds);
+    lights.tree = std::move(tree.nodes), lights.leaves = std::move(tree.leaves);
+    for (std::size_t i = 0; i < lights.triangles.size(); ++i)
+        lights.trails.push_back({lights.triangles[i].primitive, tree.trails[i], tree.places[i]});
+    for (HotSpot& spot : lights.hot_spots) spot.trail = tree.trails[spot.light], spot.leaf = tree.places[spot.light];
+    lights.data.tree_probability = float((lights.data.tree_last + 1.0) / 4294967296.0);
+}
+
+/// Near lights (the first ones) and far ones get at least a quarter each.
+void balance(std::vector<double>& powers, std::size_t near) {
+    double of_near = 0, of_far = 0;
+    for (std::size_t i = 0; i < powers.size(); ++i) (i < near ? of_near : of_far) += powers[i];
+    if (!(of_near > 0 && of_far > 0)) return;
+    const double share = std::clamp(of_far / (of_near + of_far), 0.25, 0.75);
+    const double factor = share / (1 - share) * of_near / of_far;
+    for (std::size_t i = near; i < powers.size(); ++i) powers[i] *= factor;
+}
+
+/// Fills in how lights are picked. `environment`: the power of the environment, 0 where there is none.
+void distribute(Lights& lights, double environment, double radius, std::size_t for_a_tree) {
+    std::vector<double> powers;
+    for (const TriangleLight& light : lights.triangles) powers.push_back(power_of(light));
+    for (const PunctualLight& light : lights.punctual) powers.push_back(power_of(light, radius));
+    const auto far = std::size_t(std::count_if(lights.punctual.begin(), lights.punctual.end(), [](const auto& light) {
+        return light.kind == CLARAY_DIRECTIONAL_LIGHT;
+    }));
+    const std::size_t near = powers.size() - far;
+    if (environment > 0) powers.push_back(environment);
+    if (powers.empty()) return;
+    balance(powers, near);
+
+    double total = 0;
+    for (const double power : powers) total += power;
+    NumberShares shares(total, powers.size());
+    LightsData& data = lights.data;
+    for (std::size_t i = 0; i < powers.size(); ++i) {
+        const NumberShares::Share share = shares.next(powers[i]);
+        if (i < lights.triangles.size())
+            lights.triangles[i].cumulative = share.last, lights.triangles[i].probability = share.probability;
+        else if (i - lights.triangles.size() < lights.punctual.size())
+            lights.punctual[i - lights.triangles.size()].cumulative = share.last,
+                                lights.punctual[i - lights.triangles.size()].probability = share.probability;
+        else
+            data.environment.probability = share.probability;
+        if (i + 1 == near) data.tree_last = share.last;
+    }
+    data.triangles = std::uint32_t(lights.triangles.size());
+    data.near = std::uint32_t(near);
+    data.count = std::uint32_t(powers.size());
+    if (!lights.triangles.empty()) data.density = float(2 * pi / total);
+    if (near >= std::max<std::size_t>(for_a_tree, 2)) plant_tree(lights, radius);
+}
+
+bool has_lamp(const Scene& scene, const Mesh& mesh) {
+    const auto shines = [&](std::uint32_t material) { return scene.materials[material].emission != glm::vec3(0.f); };
+    return mesh.materials.empty() ? !mesh.triangles.empty() && shines(0)
+                                  : std::any_of(mesh.materials.begin(), mesh.materials.end(), shines);
+}
+
+}  // namespace
+
+bool has_falloff(const Light& light) {
+    const bool physical = light.range == 0.f && light.attenuation == glm::vec3(0.f, 0.f, 1.f);
+    return !shines_far(light) && !physical;
+}
+
+std::size_t near_lights(const Scene& scene) {
+    std::size_t count = 0;
+    for (const Light& light : scene.lights) count += !shines_far(light) && luminance(light.intensity) > 0;
+    std::vector<std::size_t> of_meshes;
+    for (const Mesh& mesh : scene.meshes) {
+        of_meshes.push_back(0);
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+            of_meshes.back() += luminance(scene.materials[mesh.materials.empty() ? 0 : mesh.materials[i]].emission) > 0;
+        if (scene.instances.empty()) count += of_meshes.back();
+    }
+    for (const MeshInstance& instance : scene.instances) count += moves(instance) ? 0 : of_meshes[instance.mesh];
+    return count;
+}
+
+Lights collect_lights(const Scene& scene, std::size_t for_a_tree, unsigned most_points) {
+    Lights lights;
+    collect_triangles(scene, most_points, lights);
+    if (std::all_of(lights.lamps.begin(), lights.lamps.end(), [](auto lamp) { return lamp == CLARAY_NO_MAP; }))
+        lights.lamps.clear();
+    collect_punctual(scene, lights);
+    const Bounds bounds = bounds_of(scene);
+    const double radius = bounds.empty() ? 1 : std::max(0.5 * glm::length(glm::dvec3(bounds.extent())), 1e-18);
+    EnvironmentImage image;
+    if (!scene.environment.images.empty()) image = environment_image(scene.environment);
+    if (image.integral > 0) {  // a black one is nothing to be seen or sampled
+        const double turn = scene.environment.rotation / (2 * pi);
+        lights.data.environment = {image.width, image.height, float(turn - std::floor(turn)), image.density, 0.f};
+        lights.environment_texels = std::move(image.texels);
+        lights.environment_cdf = std::move(image.cdf);
+    }
+    const double environment = image.integral * pi * radius * radius;
+    distribute(lights, environment, radius, for_a_tree);
+    return lights;
+}
+
+std::vector<std::uint32_t> first_light_numbers(const Scene& scene) {
+    std::vector<bool> shining;
+    for (const Mesh& mesh : scene.meshes) shining.push_back(has_lamp(scene, mesh));
+    std::vector<std::uint32_t> first;
+    std::uint64_t numbers = 0;
+    for (const MeshInstance& instance : scene.instances) {
+        // What is baked into the world counts in any case: there, triangles of all its meshes are numbered through.
+        const bool counts = shining[instance.mesh] || instance.transform == glm::mat4(1.f);
+        first.push_back(counts ? std::uint32_t(numbers) : 0u);
+        if (counts) numbers += scene.meshes[instance.mesh].triangles.size();
+    }
+    if (numbers > 0xffffffffu)
+        throw Error(ErrorKind::user, "instances of objects that shine have more than 2^32 triangles",
+                    "put what shines into a mesh of its own");
+    return first;
+}
+
+}  // namespace claray

@@ -1,0 +1,61 @@
+// What `claray bench` measures: builds and rays, scenes x presets x kinds of rays, on one device.
+#pragma once
+
+#include "claray/bvh.hpp"
+#include "host/measure/measure.hpp"
+
+namespace claray::measure {
+
+struct BenchOptions {
+    std::vector<std::string> scenes;
+    std::vector<Builder> presets;
+    Layout layout = Layout::automatic;
+    unsigned width = 320, height = 180;  ///< of each of three views; scenes with recorded rays bring their own
+    int repeat = 9;                      ///< rounds that count
+};
+
+/// One way to build, and what tracing with its tree gives.
+struct PresetResult {
+    std::string preset, layout;
+    Timing build, refit;
+    BvhStatistics statistics;
+    struct Kind {
+        std::string name;  ///< "primary", "shadow" (any hit), "bounce", "random" (primary and bounce in random order)
+        std::size_t rays = 0;
+        Timing timing;
+        [[nodiscard]] double mrays_per_second() const;
+    };
+    std::vector<Kind> kinds;
+
+    [[nodiscard]] double mtriangles_per_second() const;
+};
+
+struct SceneResult {
+    std::string scene;
+    std::size_t triangles = 0;
+    std::vector<PresetResult> presets;
+};
+
+/// Builds a scene by all presets, then times builds, refits and rays of all of them in interleaved rounds. Throws
+/// ErrorKind::device where two presets disagree about a hit: what is wrong is not measured.
+[[nodiscard]] SceneResult run_bench(const Device& device, const std::string& scene, const BenchOptions& options);
+
+/// Milliseconds to build and then trace `rays` rays, from the two medians.
+[[nodiscard]] double build_and_trace(const PresetResult& preset, std::size_t kind, double rays);
+
+/// From how many rays on the next preset is the quickest to build and trace together.
+struct Winner {
+    std::string preset;
+    double from_rays = 0;
+};
+/// The quickest presets in the order of the number of rays, from 0 on.
+[[nodiscard]] std::vector<Winner> quickest_presets(const SceneResult& scene, std::size_t kind);
+
+/// The numbers of rays in tables of build and trace together: 1e4, 1e5 .. 1e9.
+[[nodiscard]] std::vector<double> ray_counts();
+
+/// One line a measurement, see docs/formats.md; with or without the line that names the columns.
+[[nodiscard]] std::string bench_csv_header();
+[[nodiscard]] std::string bench_csv(const DeviceInfo& device, const SceneResult& scene);
+
+}  // namespace claray::measure

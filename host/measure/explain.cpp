@@ -1,0 +1,202 @@
+#include "host/measure/explain.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "host/effects/effects.hpp"
+#include "host/measure/measure.hpp"
+
+namespace claray::measure {
+namespace {
+
+/// Of a render: on CPUs beginnings weigh as they do in a short one; on GPUs the largest pass, half of it, fills the
+/// queues, as in a long one.
+unsigned spp_on(const Device& device, const RenderConfig& config) {
+    if (device.info().type == DeviceType::cpu) return 4;
+    const std::uint64_t pixels = std::max<std::uint64_t>(1, std::uint64_t(config.width) * config.height);
+    return unsigned(std::max<std::uint64_t>(16, 2 * device.tuning("render/wavefront", "PATHS") / pixels));
+}
+
+constexpr int rounds_before = 2;  // in which a render finds its batches' size and its kernels
+
+/// Device time of a sample of every pixel, in the mean of a render from nothing; what the renderer measures of the
+/// image is not part of it.
+double milliseconds_of_frame(const Device& device, Renderer& renderer) {
+    device.finish();
+    device.profiler().reset();
+    renderer.restart(0);
+    const unsigned spp = renderer.render().spp;
+    double total = 0;
+    for (const auto& [name, summary] : device.profiler().summary())
+        if (name != "measure_film" && name != "write_buffer" && name != "read_buffer") total += summary.milliseconds;
+    return total / spp;
+}
+
+class Explainer {
+public:
+    Explainer(const Device& device, const Scene& scene, const RenderConfig& config, const ExplainOptions& options)
+        : device_(device), scene_(scene), config_(config), options_(options) {
+        config_.spp = spp_on(device, config);
+        config_.compiler.clear();
+    }
+
+    /// Compares a variant with the scene's own kernels.
+    Variant compare_with_own(const EffectOverrides& overrides, EffectSet concerned, double& ratio, bool& noise) {
+        RenderConfig config = config_;
+        config.effects = overrides;
+        Renderer own(device_, scene_, config_), other(device_, scene_, config);
+        const PairedTimes times = compare(device_, own, other, options_.rounds);
+        own_times_.push_back(times.first);
+        own_bytes_ = own.statistics().device_bytes;
+        own_effects_ = own.statistics().effects;
+        Variant variant;
+        variant.bytes = other.statistics().device_bytes;
+        variant.milliseconds = times.second;
+        ratio = times.ratio, noise = times.noise;
+        add_compilation(other.statistics().effects | overrides.add, concerned, variant);
+        return variant;
+    }
+
+    [[nodiscard]] Variant own() {
+        Variant variant;
+        variant.milliseconds = median(own_times_);
+        variant.bytes = own_bytes_;
+        add_compilation(own_effects_, full_effects(), variant);
+        return variant;
+    }
+    /// Compile time of the scene's own kernels of which these effects are a part.
+    [[nodiscard]] double own_compilation(EffectSet concerned) {
+        Variant variant;
+        add_compilation(own_effects_, concerned, variant);
+        return variant.compile_milliseconds;
+    }
+
+private:
+    /// Of the kernels of which one of the effects is a part.
+    void add_compilation(EffectSet effects, EffectSet concerned, Variant& variant) {
+        if (!options_.compile_times) return;
+        const std::pair<Stage, const char*> files[] = {{Stage::generate, "render/generate_rays.cl"},
+                                                       {Stage::trace, "trace/closest_hit.cl"},
+                                                       {Stage::trace, "trace/any_hit.cl"},
+                                                       {Stage::shade, "render/shade_surface.cl"}};
+        for (const auto& [stage, file] : files) {
+            const auto is_part = [&, at = stage](Effect effect) {
+                return concerned.has(effect) && concerns(effect, at);
+            };
+            if (!std::any_of(all_effects().begin(), all_effects().end(), is_part)) continue;
+            const BuildReport& report = build(file, defines_for(effects, stage));
+            variant.compile_milliseconds += report.milliseconds;
+            if (stage == Stage::shade) variant.registers = report.registers, variant.spill_bytes = report.spill_bytes;
+            if (std::string(file) == "trace/closest_hit.cl" && wide() && has_cutouts(effects))
+                variant.compile_milliseconds += build("trace/cutouts.cl", {{"CLARAY_WIDE", "1"}}).milliseconds;
+        }
+    }
+
+    [[nodiscard]] bool wide() const { return device_.tuning("trace/closest_hit", "WIDE") != 0; }
+    static bool has_cutouts(EffectSet effects) { return effects.has(Effect::cut_outs) || effects.has(Effect::culling); }
+
+    /// Kernels that trace are compiled for a structure; those of a wide one leave cut-outs to trace/cutouts.cl.
+    [[nodiscard]] Defines defines_for(EffectSet effects, Stage stage) const {
+        if (stage != Stage::trace) return defines_of(effects, stage);
+        return {{"CLARAY_WIDE", wide() ? "1" : "0"}, {"CLARAY_CUTOUTS", !wide() && has_cutouts(effects) ? "1" : "0"}};
+    }
+
+    /// Compiled once for every set of macros.
+    const BuildReport& build(const std::string& file, const Defines& defines) {
+        std::string key = file;
+        for (const auto& [name, value] : defines) key += ' ' + name + '=' + value;
+        const auto found = builds_.find(key);
+        if (found != builds_.end()) return found->second;
+        return builds_.emplace(key, report_build(device_, file, defines)).first->second;
+    }
+
+    std::map<std::string, BuildReport> builds_;
+    Device device_;
+    const Scene& scene_;
+    RenderConfig config_;
+    ExplainOptions options_;
+    std::vector<double> own_times_;
+    std::uint64_t own_bytes_ = 0;
+    EffectSet own_effects_;
+};
+
+}  // namespace
+
+/// Fewer agree by luck alone in more than one of sixteen comparisons.
+constexpr std::size_t least_to_agree = 5;
+
+bool is_noise(const std::vector<double>& ratios) {
+    const auto above = std::size_t(std::count_if(ratios.begin(), ratios.end(), [](double r) { return r > 1; }));
+    return ratios.size() < least_to_agree || std::min(above, ratios.size() - above) > ratios.size() / 8;
+}
+
+PairedTimes compare(const Device& device, Renderer& first, Renderer& second, int rounds) {
+    std::vector<double> firsts, seconds, ratios;
+    for (int round = -rounds_before; round < rounds; ++round) {
+        double a = 0, b = 0;
+        if (round % 2 == 0)
+            a = milliseconds_of_frame(device, first), b = milliseconds_of_frame(device, second);
+        else
+            b = milliseconds_of_frame(device, second), a = milliseconds_of_frame(device, first);
+        if (round < 0 || !(a > 0)) continue;
+        firsts.push_back(a), seconds.push_back(b), ratios.push_back(b / a);
+    }
+    return {median(firsts), median(seconds), median(ratios), is_noise(ratios)};
+}
+
+std::vector<ExplainedEffect> effects_to_explain(const Scene& scene, const RenderConfig& config, EffectSet only) {
+    const Scene stripped = config.effects.remove.empty() ? Scene() : without_effects(scene, config.effects.remove);
+    const Scene& explained = config.effects.remove.empty() ? scene : stripped;
+    const EffectSet called_for = effects_of(explained);
+    const std::vector<EffectCause> causes = causes_of_effects(explained);
+    std::vector<ExplainedEffect> rows;
+    for (const Effect effect : all_effects()) {
+        if (!only.has(effect)) continue;
+        ExplainedEffect row;
+        row.effect = effect;
+        row.called_for = called_for.has(effect);
+        row.fixed = row.called_for && effect == Effect::lambert;
+        for (const EffectCause& cause : causes)
+            if (cause.effect == effect) row.cause = cause;
+        rows.push_back(std::move(row));
+    }
+    return rows;
+}
+
+Explanation explain(const Device& device, const Scene& scene, const RenderConfig& config, const ExplainOptions& options,
+                    const std::function<void(const std::string&)>& progress) {
+    std::vector<ExplainedEffect> rows = effects_to_explain(scene, config, options.only);
+    const auto fixed = std::count_if(rows.begin(), rows.end(), [](const ExplainedEffect& row) { return row.fixed; });
+    std::size_t told = 0;
+    const auto tell = [&](const std::string& what) {
+        if (!progress) return;
+        progress(what + " (" + std::to_string(++told) + " of " + std::to_string(rows.size() + 1 - fixed) + ")");
+    };
+    const Scene stripped = config.effects.remove.empty() ? Scene() : without_effects(scene, config.effects.remove);
+    const Scene& explained = config.effects.remove.empty() ? scene : stripped;
+    RenderConfig plain = config;
+    plain.effects = {};
+    Explainer explainer(device, explained, plain, options);
+    Explanation explanation;
+    tell("everything compiled in");
+    explanation.full = explainer.compare_with_own({full_effects(), {}}, full_effects(), explanation.full_ratio,
+                                                  explanation.full_noise);
+    for (ExplainedEffect& row : rows) {
+        if (row.fixed) continue;
+        const Effect effect = row.effect;
+        tell(std::string(row.called_for ? "without " : "with ") + name_of(effect));
+        const EffectOverrides overrides =
+            row.called_for ? EffectOverrides{{}, {effect}} : EffectOverrides{{effect}, {}};
+        row.other = explainer.compare_with_own(overrides, {effect}, row.ratio, row.noise);
+        row.own_compile_milliseconds = explainer.own_compilation({effect});
+    }
+    // Pairs' ratios say more than times apart: the machine may have been busy during one of them.
+    explanation.own = explainer.own();
+    explanation.full.milliseconds = explanation.own.milliseconds * explanation.full_ratio;
+    for (ExplainedEffect& row : rows)
+        if (!row.fixed) row.other.milliseconds = explanation.own.milliseconds * row.ratio;
+    explanation.effects = std::move(rows);
+    return explanation;
+}
+
+}  // namespace claray::measure

@@ -1,0 +1,62 @@
+// What each effect of a scene costs: with and without it, by turns.
+#pragma once
+
+#include <functional>
+
+#include "claray/renderer.hpp"
+#include "host/compute/build_report.hpp"
+
+namespace claray::measure {
+
+/// A renderer of the scene for one set of effects.
+struct Variant {
+    double milliseconds = 0;  ///< device time of one frame: a sample for every pixel; of others than a scene's own
+                              ///< kernels that of these times the ratio of pairs
+    double compile_milliseconds = 0;
+    std::optional<unsigned> registers, spill_bytes;  ///< of the shading kernel
+    std::uint64_t bytes = 0;                         ///< device memory
+};
+
+struct ExplainedEffect {
+    Effect effect{};
+    bool called_for = false;
+    EffectCause cause;                    ///< where it is called for
+    bool fixed = false;                   ///< nothing can take its place: only Lambert
+    Variant other;                        ///< the scene without it, or with it compiled in though nothing calls for it
+    double own_compile_milliseconds = 0;  ///< of the same kernels as compiled for the scene
+    double ratio = 1;    ///< time of `other` over that of the scene's own kernels, from pairs of frames
+    bool noise = false;  ///< the pairs don't agree about which is slower
+};
+
+struct Explanation {
+    Variant own;            ///< what the scene calls for and nothing else
+    Variant full;           ///< everything compiled in
+    double full_ratio = 1;  ///< as in ExplainedEffect
+    bool full_noise = false;
+    std::vector<ExplainedEffect> effects;
+};
+
+struct ExplainOptions {
+    EffectSet only = known_effects();  ///< what to measure
+    int rounds = 7;                    ///< pairs of short renders that are compared for each
+    bool compile_times = true;         ///< compile all kernels once more for their time
+};
+/// The rows of an explanation before anything is measured: what the scene calls for, and where.
+[[nodiscard]] std::vector<ExplainedEffect> effects_to_explain(const Scene& scene, const RenderConfig& config,
+                                                              EffectSet only);
+[[nodiscard]] Explanation explain(const Device& device, const Scene& scene, const RenderConfig& config,
+                                  const ExplainOptions& options,
+                                  const std::function<void(const std::string&)>& progress = {});
+
+/// The times of two renderers of the same size over the same samples, by turns: milliseconds of a sample of every
+/// pixel, and the median over the rounds of the second's time over the first's.
+struct PairedTimes {
+    double first = 0, second = 0, ratio = 1;
+    bool noise = false;
+};
+/// Whether there are fewer than five ratios, or more than an eighth are on the other side of 1 than the others. Of 7
+/// rounds of two equally fast renderers one comparison in 64 passes for a difference.
+[[nodiscard]] bool is_noise(const std::vector<double>& ratios);
+[[nodiscard]] PairedTimes compare(const Device& device, Renderer& first, Renderer& second, int rounds);
+
+}  // namespace claray::measure

@@ -1,0 +1,24 @@
+// What the command lines call the choices of a build.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "claray/bvh.hpp"
+
+namespace claray::measure {
+
+inline const std::vector<std::pair<std::string, Builder>> builders = {
+    {"fast", Builder::fast}, {"balanced", Builder::balanced}, {"high", Builder::high}};
+inline const std::vector<std::pair<std::string, Layout>> layouts = {
+    {"auto", Layout::automatic}, {"binary", Layout::binary}, {"wide", Layout::wide}};
+
+template <class Value>
+[[nodiscard]] std::string name_of(const std::vector<std::pair<std::string, Value>>& names, Value value) {
+    for (const auto& [name, named] : names)
+        if (named == value) return name;
+    return "?";
+}
+
+}  // namespace claray::measure

@@ -1,0 +1,52 @@
+// Scenes and rays to measure with: made from a scene's camera and light, or recorded in a file.
+#pragma once
+
+#include <filesystem>
+
+#include "claray/query.hpp"
+#include "claray/scene.hpp"
+
+namespace claray::measure {
+
+/// All meshes where they stand, each as often as it does: one tree over them holds all that is seen as the shutter
+/// opens.
+[[nodiscard]] std::vector<Mesh> world_meshes(const Scene& scene);
+
+/// The same of a scene by built-in name or file, or of the plain binary NAME.scn: u32 'SCN1', vertices, triangles, 0;
+/// positions; indices.
+[[nodiscard]] std::vector<Mesh> load_meshes(const std::string& name);
+
+/// Throws what that would where the name is that of a file which is not there.
+void check_scene_is_there(const std::string& name);
+
+/// A file of 32-bit words.
+[[nodiscard]] std::vector<std::uint32_t> read_words(const std::filesystem::path& path);
+
+/// Primary rays of a camera, one through each pixel's centre, in scanline order or in tiles of 8 x 8 pixels.
+[[nodiscard]] std::vector<Ray> primary_rays(const Camera& camera, unsigned width, unsigned height, bool tiles);
+/// Rays between random points of the box, scaled by 1.5 around its centre.
+[[nodiscard]] std::vector<Ray> random_rays(const Bounds& bounds, std::size_t count);
+
+/// A camera, and the light that shadow rays go to.
+struct View {
+    Camera camera;
+    glm::vec3 light;
+};
+
+/// Three views. Halls are looked at from the inside, by their name; all else from three sides.
+[[nodiscard]] std::vector<View> three_views(const std::string& name, const Scene& scene);
+
+/// Rays by kind, in the order in which they are traced.
+struct RaySets {
+    std::vector<Ray> primary, shadow, bounce;
+    std::vector<Ray> mixed;  ///< the primary and bounce rays in random order
+};
+
+/// Primary rays in scanline order, then from each hit, a hair's breadth off the surface, a ray to the view's light and
+/// a cosine-distributed bounce.
+[[nodiscard]] RaySets make_rays(const Device& device, const Scene& scene, const std::vector<View>& views,
+                                unsigned width, unsigned height);
+/// The same from NAME.ray: u32 'RAY1', three counts; primary, shadow and bounce rays.
+[[nodiscard]] RaySets read_rays(const std::filesystem::path& path);
+
+}  // namespace claray::measure

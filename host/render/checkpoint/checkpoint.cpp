@@ -1,0 +1,190 @@
+#include "host/render/checkpoint/checkpoint.hpp"
+
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <fstream>
+
+#include "claray/shared/path.h"
+#include "host/base/file.hpp"
+#include "host/compute/kernel_sources.hpp"
+#include "host/render/checkpoint/scene_digest.hpp"
+
+namespace claray {
+namespace {
+
+constexpr std::array<char, 8> checkpoint_magic = {'C', 'L', 'R', 'C', 'K', 'P', '\r', '\n'};
+constexpr std::uint32_t checkpoint_version = 4;
+
+/// The beginning of a file. Then the film's sums, and their digest.
+struct CheckpointHeader {
+    std::array<char, 8> name;
+    std::uint32_t version;
+    std::uint32_t order;
+    std::uint32_t pixel_bytes;
+    std::uint32_t width, height;
+    Schedule::Position position;
+    std::uint32_t tells_error;
+    ErrorLooks looks;
+    Digest scene, settings, kernels;
+    Digest digest;  // of this header up to here
+};
+static_assert(sizeof(CheckpointHeader) == 144);
+
+std::uint64_t pixels_of(const CheckpointHeader& header) { return std::uint64_t(header.width) * header.height; }
+
+std::uint64_t bytes_of_sums(const CheckpointHeader& header) {
+    return pixels_of(header) * (sizeof(FilmPixel) + (header.tells_error ? sizeof(ColorSum) : 0));
+}
+
+template <class T>
+std::size_t bytes_of(const std::vector<T>& values) {
+    return values.size() * sizeof(T);
+}
+
+Digest digest_of_sums(const Film::Sums& sums) {
+    Hasher hasher;
+    hasher.add(sums.pixels.data(), bytes_of(sums.pixels));
+    hasher.add(sums.odd.data(), bytes_of(sums.odd));
+    return hasher.digest();
+}
+
+Digest digest_of_checkpoint_header(const CheckpointHeader& header) {
+    return digest_of(&header, offsetof(CheckpointHeader, digest));
+}
+
+class CheckpointFile {
+public:
+    explicit CheckpointFile(const std::filesystem::path& path) : path_(path) {
+        std::error_code none;
+        if (std::filesystem::is_directory(path, none)) refuse("it is a folder", "name a file");
+        file_.open(path, std::ios::binary | std::ios::ate);
+        if (!file_) refuse(std::strerror(errno), "check the path");
+        bytes_ = std::uint64_t(file_.tellg());
+        file_.seekg(0);
+    }
+
+    [[nodiscard]] CheckpointHeader header() {
+        CheckpointHeader header{};
+        const std::uint64_t whole = std::min<std::uint64_t>(bytes_, sizeof header);
+        read(&header, whole);
+        if (whole < checkpoint_magic.size() || header.name != checkpoint_magic)
+            refuse("it is no checkpoint", "name a file that --checkpoint wrote");
+        if (whole < sizeof header) refuse_damaged("it ends too early");
+        if (header.order != byte_order)
+            refuse("it was written on a machine of another byte order", "render from the start");
+        if (header.version != checkpoint_version || header.pixel_bytes != sizeof(FilmPixel))
+            refuse("it was written by another version of claray", "use that version, or render from the start");
+        if (header.digest != digest_of_checkpoint_header(header)) refuse_damaged("the checksum of its header is wrong");
+        const std::uint64_t expected = sizeof header + bytes_of_sums(header) + sizeof(Digest);
+        if (bytes_ != expected)
+            refuse_damaged("it has " + std::to_string(bytes_) + " bytes instead of " + std::to_string(expected));
+        return header;
+    }
+
+    [[nodiscard]] Film::Sums sums(const CheckpointHeader& header) {
+        Film::Sums sums;
+        sums.pixels.resize(pixels_of(header)), sums.odd.resize(header.tells_error ? pixels_of(header) : 0);
+        read(sums.pixels.data(), bytes_of(sums.pixels));
+        read(sums.odd.data(), bytes_of(sums.odd));
+        Digest digest;
+        read(digest.data(), digest.size());
+        if (digest != digest_of_sums(sums)) refuse_damaged("its checksum is wrong");
+        return sums;
+    }
+
+    [[noreturn]] void refuse_damaged(const std::string& why) const {
+        refuse("the file is damaged: " + why, "render from the start");
+    }
+    [[noreturn]] void refuse(const std::string& why, const std::string& remedy) const {
+        throw Error(ErrorKind::user, "cannot go on from '" + path_.string() + "': " + why, remedy);
+    }
+
+private:
+    void read(void* data, std::uint64_t bytes) {
+        if (!file_.read(static_cast<char*>(data), std::streamsize(bytes))) refuse("read error", "check the disk");
+    }
+
+    std::filesystem::path path_;
+    std::ifstream file_;
+    std::uint64_t bytes_ = 0;
+};
+
+std::string size_of(std::uint32_t width, std::uint32_t height) {
+    return std::to_string(width) + "x" + std::to_string(height);
+}
+
+}  // namespace
+
+RenderIdentity identity_of(const Scene& scene, const RenderConfig& config) {
+    RenderIdentity identity{config.width, config.height, tells_error(config), digest_of(scene), {}, {}};
+    const std::string settings = std::to_string(config.seed) + ' ' + std::to_string(config.max_depth) + ' ' +
+                                 std::to_string(int(config.sampler)) + ' ' + to_string(config.effects.remove);
+    identity.settings = digest_of(settings.data(), settings.size());
+    Hasher kernels;
+    for (const KernelSource& source : kernel_sources()) {
+        kernels.add(source.path.data(), source.path.size());
+        kernels.add(source.text.data(), source.text.size());
+    }
+    identity.kernels = kernels.digest();
+    return identity;
+}
+
+void write_checkpoint(const std::filesystem::path& path, const RenderIdentity& identity, const Checkpoint& checkpoint) {
+    CheckpointHeader header{};
+    header.name = checkpoint_magic;
+    header.version = checkpoint_version;
+    header.order = byte_order;
+    header.pixel_bytes = sizeof(FilmPixel);
+    header.width = identity.width, header.height = identity.height;
+    header.position = checkpoint.position;
+    header.tells_error = identity.tells_error;
+    header.looks = checkpoint.looks;
+    header.scene = identity.scene, header.settings = identity.settings, header.kernels = identity.kernels;
+    header.digest = digest_of_checkpoint_header(header);
+    const Film::Sums& sums = checkpoint.sums;
+    const Digest digest = digest_of_sums(sums);
+    NewFile file(path);
+    file.write(&header, sizeof header);
+    file.write(sums.pixels.data(), bytes_of(sums.pixels));
+    file.write(sums.odd.data(), bytes_of(sums.odd));
+    file.write(digest.data(), digest.size());
+    file.commit();
+}
+
+Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdentity& identity, std::uint32_t spp) {
+    CheckpointFile file(path);
+    const CheckpointHeader header = file.header();
+    if (header.width != identity.width || header.height != identity.height)
+        file.refuse("its image has " + size_of(header.width, header.height) + " pixels, this one " +
+                        size_of(identity.width, identity.height),
+                    "give the same --size");
+    if (header.scene != identity.scene)
+        file.refuse("it is of another scene or camera", "give the scene and the camera that it was written for");
+    if (header.settings != identity.settings)
+        file.refuse("it was rendered with another seed, depth, sampler or choice of effects", "give the same settings");
+    if ((header.tells_error != 0) != identity.tells_error)
+        file.refuse(identity.tells_error ? "it was rendered without --error"
+                                         : "it was rendered with --error, and has sums for it",
+                    identity.tells_error ? "leave out --error, or render from the start" : "give --error, too");
+    if (header.kernels != identity.kernels)
+        file.refuse("it was written by a claray with other kernels", "use that version, or render from the start");
+    const Schedule::Position& at = header.position;
+    const bool within = at.pixel != 0 || at.sample != 0;
+    if (at.pixel >= header.width * header.height || (within && at.sample >= at.pass))
+        file.refuse_damaged("it stops where no image does");
+    const std::uint64_t most = std::uint64_t(at.done) + (within ? at.pass : 0);
+    if (most > spp)
+        file.refuse(
+            "it has " + std::to_string(most) + " samples a pixel, and " + std::to_string(spp) + " are asked for",
+            "give a larger --spp");
+    const ErrorLooks& looks = header.looks;
+    const auto sound = [](double value) { return value >= 0 && std::isfinite(value); };
+    if (!(sound(looks.square) && sound(looks.degrees) && sound(looks.last)) || looks.spp > at.done)
+        file.refuse_damaged("what it knows of the error is no number");
+    return {at, looks, file.sums(header)};
+}
+
+}  // namespace claray

@@ -1,0 +1,98 @@
+#include "host/render/kernels/background_compiler.hpp"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/file.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <thread>
+
+#include "host/base/folders.hpp"
+#include "host/effects/effects.hpp"
+
+extern char** environ;
+
+namespace claray {
+namespace {
+
+/// The lock of the only compiler. It is of the open file, which the compiler inherits: it ends with that process,
+/// however this one and that one end.
+class CompilerLock {
+public:
+    CompilerLock() {
+        const std::filesystem::path folder = cache_folder();
+        if (!make_writable(folder)) return;
+        file_ = ::open((folder / "compiler.lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+        if (file_ >= 0 && ::flock(file_, LOCK_EX | LOCK_NB) != 0) is_busy_ = errno == EWOULDBLOCK;
+    }
+    ~CompilerLock() {
+        if (file_ >= 0) ::close(file_);
+    }
+    CompilerLock(const CompilerLock&) = delete;
+    CompilerLock& operator=(const CompilerLock&) = delete;
+
+    [[nodiscard]] int file() const { return file_; }  ///< -1 where there is no such file
+    [[nodiscard]] bool is_busy() const { return is_busy_; }
+
+private:
+    int file_ = -1;
+    bool is_busy_ = false;
+};
+
+const char* name_of_builder(Builder builder) {
+    return builder == Builder::fast ? "fast" : builder == Builder::balanced ? "balanced" : "high";
+}
+
+std::vector<std::string> command_line(const std::string& program, const Device& device, const KernelChoice& choice,
+                                      const RenderConfig& config) {
+    return {program,         "compile",
+            "--quiet",       "--and-generic",
+            "--device",      std::to_string(device.info().index),
+            "--effects",     to_string(choice.effects),
+            "--layout",      choice.layout == Layout::wide ? "wide" : "binary",
+            "--morton-bits", std::to_string(config.bvh.morton_bits),
+            "--builder",     name_of_builder(config.bvh.builder)};
+}
+
+/// On Linux a priority is a thread's, and a process gets that of the thread that starts it (setpriority(2)).
+void lower_priority_of_this_thread() {
+    constexpr int lower = 10, lowest = 19;
+    ::setpriority(PRIO_PROCESS, 0, std::min(::getpriority(PRIO_PROCESS, 0) + lower, lowest));
+}
+
+/// Returns its number, or 0 where it can't be started.
+pid_t start_in_background(std::vector<std::string> arguments, int lock) {
+    std::vector<char*> pointers;
+    for (std::string& argument : arguments) pointers.push_back(argument.data());
+    pointers.push_back(nullptr);
+    posix_spawn_file_actions_t streams;
+    ::posix_spawn_file_actions_init(&streams);
+    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})  // so that no pipe waits for it
+        ::posix_spawn_file_actions_addopen(&streams, stream, "/dev/null", O_RDWR, 0);
+    ::posix_spawn_file_actions_adddup2(&streams, lock, STDERR_FILENO + 1);  // inherited from there
+    pid_t id = 0;
+    std::thread([&] {
+        lower_priority_of_this_thread();
+        if (::posix_spawn(&id, pointers[0], &streams, nullptr, pointers.data(), environ) != 0) id = 0;
+    }).join();
+    ::posix_spawn_file_actions_destroy(&streams);
+    return id;
+}
+
+}  // namespace
+
+bool start_compiler(const std::string& program, const Device& device, const KernelChoice& choice,
+                    const RenderConfig& config) {
+    const CompilerLock lock;
+    if (lock.is_busy()) return false;
+    if (lock.file() < 0) return true;
+    const pid_t id = start_in_background(command_line(program, device, choice, config), lock.file());
+    if (id != 0) std::thread([id] { ::waitpid(id, nullptr, 0); }).detach();  // lest it stays as a zombie
+    return true;
+}
+
+}  // namespace claray

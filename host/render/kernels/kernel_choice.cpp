@@ -1,0 +1,89 @@
+#include "host/render/kernels/kernel_choice.hpp"
+
+#include "host/base/hash.hpp"
+#include "host/compute/device_state.hpp"
+#include "host/compute/kernel_sources.hpp"
+#include "host/compute/program_cache.hpp"
+#include "host/effects/effects.hpp"
+
+namespace claray {
+namespace {
+
+Layout tuned_layout(const Device& device, Layout layout) {
+    if (layout != Layout::automatic) return layout;
+    return device.tuning("trace/closest_hit", "WIDE") != 0 ? Layout::wide : Layout::binary;
+}
+
+EffectSet effects_of_stage(EffectSet effects, Stage stage) {
+    EffectSet of_stage;
+    for (const Effect effect : all_effects())
+        if (effects.has(effect) && concerns(effect, stage)) of_stage.add(effect);
+    return of_stage;
+}
+
+/// Of all that the kernels depend on; `part`: "all" of them, "trace" for the queries' and the tree's, or "paths" for
+/// the one that follows whole paths.
+std::string key_of(const Device& device, const KernelChoice& choice, const RenderConfig& config,
+                   const std::string& part) {
+    const DeviceInfo& info = device.info();
+    const bool lit = !(choice.effects & sampled_lights).empty();
+    const EffectSet structure = choice.effects & EffectSet{Effect::instances, Effect::instance_motion};
+    const EffectSet effects =
+        part != "trace" ? choice.effects : structure | effects_of_stage(choice.effects, Stage::trace);
+    std::string all = "renderer " + part + (lit ? " with shadows\n" : "\n") + info.platform + '\n' + info.name + '\n' +
+                      info.driver + '\n' + info.version + '\n';
+    for (const KernelSource& source : kernel_sources()) all += source.path + '\n' + source.text + '\n';
+    for (const auto& [name, value] : device.state().tuning) all += name + ' ' + std::to_string(value) + '\n';
+    for (const int value : {int(choice.layout), int(config.sampler), int(config.bvh.builder),
+                            int(config.bvh.morton_bits), int(config.bvh.max_leaf_triangles),
+                            int(config.bvh.split_budget > 0), int(config.bvh.optimization_rounds > 0)})
+        all += std::to_string(value) + '\n';
+    return hash128(all + to_string(effects));
+}
+
+void remember(const Device& device, const KernelChoice& choice, const RenderConfig& config, const std::string& part) {
+    const std::string text = part + " of " + to_string(choice.effects);
+    store_cached_program(key_of(device, choice, config, part), {text.begin(), text.end()});
+}
+
+}  // namespace
+
+bool are_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config) {
+    return load_cached_program(key_of(device, choice, config, "all")).has_value();
+}
+
+void remember_as_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config) {
+    for (const char* part : {"all", "trace"}) remember(device, choice, config, part);
+}
+
+bool is_path_kernel_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config) {
+    return load_cached_program(key_of(device, choice, config, "paths")).has_value();
+}
+
+void remember_path_kernel_as_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config) {
+    remember(device, choice, config, "paths");
+}
+
+void compile_once(const Device& device, const KernelChoice& choice, const RenderConfig& config,
+                  const std::function<void()>& compile) {
+    const CacheLock lock("renderers", key_of(device, choice, config, "all"));
+    if (!are_cached(device, choice, config)) compile();
+}
+
+KernelPlan plan_kernels(const Device& device, EffectSet effects, const RenderConfig& config) {
+    const KernelChoice own = {(effects | config.effects.add) - (config.effects.remove & aids),
+                              tuned_layout(device, config.bvh.layout)};
+    KernelPlan plan{KernelStart::own, own, own};
+    if (config.compiler.empty() || are_cached(device, own, config)) return plan;
+    const KernelChoice generic = {full_effects(), own.layout};
+    const KernelChoice quick = {own.effects, config.bvh.layout == Layout::automatic ? Layout::binary : own.layout};
+    const bool can_trace = load_cached_program(key_of(device, own, config, "trace")).has_value();
+    const bool instances = effects.has(Effect::instances);  // the generic kernels do without
+    if (!instances && generic != own && are_cached(device, generic, config))
+        plan.start = KernelStart::generic, plan.first = generic;
+    else if (quick != own && !can_trace)
+        plan.start = KernelStart::quick, plan.first = quick;
+    return plan;
+}
+
+}  // namespace claray

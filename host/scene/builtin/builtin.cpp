@@ -1,0 +1,72 @@
+#include "host/scene/builtin/builtin.hpp"
+
+#include <array>
+#include <charconv>
+#include <string_view>
+
+#include "claray/error.hpp"
+
+namespace claray {
+namespace {
+
+struct FixedScene {
+    std::string_view name;
+    Scene (*make)();
+};
+constexpr std::array fixed_scenes = {FixedScene{"cornell", scenes::cornell}, FixedScene{"spheres", scenes::spheres},
+                                     FixedScene{"crate", scenes::crate}, FixedScene{"hills", scenes::hills},
+                                     FixedScene{"effects", scenes::effects}};
+
+struct CountedScene {
+    std::string_view name;
+    std::size_t least;
+    Scene (*make)(std::size_t);
+};
+constexpr std::array counted_scenes = {CountedScene{"terrain", 1, scenes::terrain},
+                                       CountedScene{"soup", 1, scenes::soup}, CountedScene{"fan", 3, scenes::fan},
+                                       CountedScene{"hair", 1, scenes::hair}};
+
+constexpr std::size_t most_triangles = 100'000'000;
+constexpr std::array names = {"cornell",     "spheres",   "crate",  "hills", "effects",
+                              "effect:NAME", "terrain:N", "soup:N", "fan:N", "hair:N"};
+
+std::size_t parse_count(const CountedScene& scene, std::string_view text) {
+    std::size_t count = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), count);
+    if (error != std::errc() || end != text.data() + text.size() || count < scene.least || count > most_triangles) {
+        const std::string name(scene.name);
+        throw Error(ErrorKind::usage, "scene '" + name + ":N': N is '" + std::string(text) + "'",
+                    "give a number of triangles from " + std::to_string(scene.least) + " to " +
+                        std::to_string(most_triangles) + ", such as " + name + ":10000");
+    }
+    return count;
+}
+
+}  // namespace
+
+std::optional<Scene> builtin_scene(const std::string& name) {
+    for (const FixedScene& scene : fixed_scenes) {
+        if (name != scene.name) continue;
+        Scene made = scene.make();
+        made.name = name;
+        return made;
+    }
+    const std::size_t colon = name.find(':');
+    if (name.starts_with("effect:")) {
+        Scene made = scenes::effect_alone(name.substr(colon + 1));
+        made.name = name;
+        return made;
+    }
+    for (const CountedScene& scene : counted_scenes) {
+        if (std::string_view(name).substr(0, colon) != scene.name) continue;
+        const std::string_view text = colon == std::string::npos ? "" : std::string_view(name).substr(colon + 1);
+        Scene made = scene.make(parse_count(scene, text));
+        made.name = name;
+        return made;
+    }
+    return {};
+}
+
+std::span<const char* const> builtin_scene_names() { return names; }
+
+}  // namespace claray

@@ -1,0 +1,126 @@
+// One scene that calls for every effect at once, but for the sky, in whose place it has an environment.
+#include "host/scene/builtin/builtin.hpp"
+#include "host/scene/builtin/effects_stage.hpp"
+#include "host/scene/builtin/shapes.hpp"
+
+namespace claray::scenes {
+namespace {
+
+/// A material of its own for a ball on the floor, which rests at x, z.
+Material& add_ball(Scene& scene, const Material& material, float x, float z, float radius = 0.36f) {
+    const auto index = std::uint32_t(scene.materials.size());
+    scene.materials.push_back(material);
+    scene.meshes.push_back(textured_ball({x, radius, z}, radius, 4, index));
+    scene.meshes.back().name = material.name;
+    return scene.materials.back();
+}
+
+Material principled(const char* name, const glm::vec3& color, float roughness) {
+    Material material = lambert(name, color);
+    material.kind = MaterialKind::principled, material.roughness = roughness;
+    return material;
+}
+
+void add_balls(Scene& scene) {
+    add_ball(scene, mirror("mirror", glm::vec3(0.9f)), -1.5f, -0.9f, 0.5f);
+    add_ball(scene, metal("metal", {1.f, 0.71f, 0.29f}, 0.35f), -0.35f, -1.1f, 0.45f);
+    Material& absorbing = add_ball(scene, glass("absorbing glass", glm::vec3(0.98f), 1.5f), 0.55f, 0.75f);
+    absorbing.attenuation = {0.15f, 0.7f, 0.5f}, absorbing.attenuation_distance = 0.4f;
+    Material& phong = add_ball(scene, lambert("Blinn-Phong", {0.5f, 0.1f, 0.08f}), -1.25f, 0.45f);
+    phong.kind = MaterialKind::blinn_phong, phong.specular = glm::vec3(0.3f), phong.shininess = 60.f;
+    Material& coated = add_ball(scene, principled("coated", {0.1f, 0.25f, 0.6f}, 0.6f), -0.4f, 0.25f);
+    coated.metallic = coated.clearcoat = 1.f;
+    add_ball(scene, principled("transmitting", {0.95f, 0.8f, 0.5f}, 0.15f), 1.35f, 0.55f).transmission = 0.9f;
+    add_ball(scene, glass("thin-walled", {0.6f, 0.9f, 0.8f}, 1.5f), 1.9f, 0.1f, 0.25f).thin_walled = true;
+    add_ball(scene, lambert("rippled", glm::vec3(0.6f)), 0.6f, -0.9f, 0.4f).normal_map =
+        add_texture(scene, ripples_as_normals());
+    paint(scene.meshes.back());
+    Material& cloth = add_ball(scene, principled("cloth", {0.2f, 0.02f, 0.05f}, 1.f), 0.05f, 0.95f, 0.2f);
+    cloth.sheen = {1.f, 0.6f, 0.7f}, cloth.sheen_roughness = 0.4f, cloth.specular_weight = 0.3f;
+    Material& brushed = add_ball(scene, principled("brushed", {1.f, 0.71f, 0.29f}, 0.3f), 1.1f, 1.1f, 0.2f);
+    brushed.metallic = 1.f, brushed.anisotropy = 0.9f;
+    Material& film = add_ball(scene, principled("film", glm::vec3(0.02f), 0.1f), -0.75f, 0.95f, 0.2f);
+    film.iridescence = film.clearcoat = 1.f, film.iridescence_ior = 2.f, film.film_thickness.y = 380.f;
+    Material& shown = add_ball(scene, lambert("unlit", {0.1f, 0.45f, 0.6f}), 1.75f, 0.95f, 0.15f);
+    shown.kind = MaterialKind::unlit;
+    scene.meshes.push_back(open_bowl({1.5f, 0.4f, -0.8f}, 0.4f, std::uint32_t(scene.materials.size())));
+    scene.materials.push_back(lambert("bowl", {0.3f, 0.55f, 0.3f}));
+    scene.materials.back().cull_back = true;
+}
+
+void add_rectangles(Scene& scene) {
+    scene.meshes.push_back(textured_rectangle({0.f, 1.1f, -2.2f}, {2.6f, 0.f, 0.f}, {0.f, 1.1f, 0.f},
+                                              std::uint32_t(scene.materials.size())));
+    scene.materials.push_back(lambert("rough wall", {0.6f, 0.55f, 0.5f}));
+    scene.materials.back().height_map = add_texture(scene, noise_as_height());
+    scene.materials.back().height_scale = 0.4f;
+    scene.meshes.push_back(textured_rectangle({2.2f, 0.9f, -0.4f}, {0.35f, 0.f, -0.6f}, {0.f, 0.5f, 0.f},
+                                              std::uint32_t(scene.materials.size())));
+    scene.materials.push_back(lambert("baked", glm::vec3(0.6f)));
+    scene.materials.back().light_map = add_texture(scene, pool_of_light());
+    scene.meshes.push_back(textured_rectangle({-2.1f, 0.6f, 0.1f}, {0.4f, 0.f, 0.45f}, {0.f, 0.6f, 0.f},
+                                              std::uint32_t(scene.materials.size())));
+    scene.materials.push_back(lambert("ring", {0.6f, 0.45f, 0.1f}));
+    scene.materials.back().opacity_map = add_texture(scene, disc_opacity());
+    scene.materials.back().alpha_mode = AlphaMode::mask;
+}
+
+void add_lights(Scene& scene) {
+    scene.meshes.push_back(
+        make_lamp({-2.4f, 2.8f, 1.f}, {0.f, 0.3f, 0.f}, 0.3f, std::uint32_t(scene.materials.size())));
+    scene.materials.push_back(lamp("lamp", {14.f, 12.f, 9.f}));
+    scene.meshes.push_back(textured_rectangle({-0.9f, 1.5f, -2.1f}, {0.3f, 0.f, 0.f}, {0.f, 0.2f, 0.f},
+                                              std::uint32_t(scene.materials.size())));
+    scene.materials.push_back(lamp("screen", {2.f, 3.f, 5.f}));
+    scene.materials.back().emission_map = add_texture(scene, checks());
+    Light light = point_light({2.4f, 1.9f, 1.4f}, {3.f, 2.f, 1.4f});
+    scene.lights.push_back(light);
+    for (int i = 0; i < 20; ++i) {  // a chain of small lights along the wall, each of which shines not far
+        Light small = point_light({0.25f * float(i) - 2.4f, 0.08f, -1.9f}, {0.02f, 0.012f, 0.006f});
+        small.range = 2.f;
+        scene.lights.push_back(small);
+    }
+    scene.lights.push_back(point_light({1.9f, 0.03f, 1.7f}, {0.3f, 0.4f, 0.5f}));  // on the floor
+    light.kind = LightKind::spot, light.position = {0.f, 3.5f, 1.f}, light.direction = {0.f, -1.f, -0.45f};
+    light.intensity = {8.f, 9.f, 12.f}, light.inner_angle = 0.2f, light.outer_angle = 0.4f;
+    scene.lights.push_back(light);
+    light.kind = LightKind::directional, light.direction = {-0.4f, -1.f, -0.7f};
+    light.intensity = {0.5f, 0.45f, 0.4f};
+    scene.lights.push_back(light);
+    scene.environment.images = {evening_environment()};
+    scene.environment.strength = 0.5f;
+}
+
+/// Every mesh where it is; the last ball of `add_balls` that does not matter to others moves.
+void add_instances(Scene& scene) {
+    for (std::uint32_t i = 0; i < scene.meshes.size(); ++i) {
+        MeshInstance instance;
+        instance.mesh = i;
+        if (scene.meshes[i].name == "metal") {
+            instance.transform_end = glm::mat4(1.f);
+            (*instance.transform_end)[3] = {0.f, 0.25f, 0.f, 1.f};
+        }
+        scene.instances.push_back(instance);
+    }
+}
+
+}  // namespace
+
+Scene effects() {
+    Scene scene = empty_stage();
+    scene.meshes.resize(1);  // the floor
+    TextureUse& floor = scene.materials[floor_material].albedo_map;
+    floor = add_texture(scene, checks(), Filter::trilinear);
+    floor.scale = glm::vec2(3.f);
+    add_balls(scene);
+    add_rectangles(scene);
+    add_lights(scene);
+    add_instances(scene);
+    Camera camera{{0.3f, 2.f, 4.8f}, {0.f, 0.55f, -0.2f}, {0.f, 1.f, 0.f}, 40.f};
+    camera.aperture_radius = 0.03f;
+    camera.position_end = camera.position + glm::vec3(0.01f, 0.f, 0.f);
+    scene.camera = camera;
+    return scene;
+}
+
+}  // namespace claray::scenes

@@ -1,0 +1,30 @@
+#include "host/verify/cases/expected_hashes.hpp"
+
+#include <map>
+
+namespace claray::verify {
+
+std::string expected_hash(const std::string& name) {
+    static const std::map<std::string, std::string> hashes = {
+        {"tree soup fast", "463901572a4fb168da072f8a408aed1b"},
+        {"tree soup balanced", "9e25db2bd67972aa863ac919592416e7"},
+        {"tree soup high", "1c0956324c094fbdfb13b7dc1b0bb1bf"},
+        {"tree sphere fast", "ea639ee05809047f4b8c06f2e9b02c44"},
+        {"tree sphere balanced", "bdef2043679775be43f6376998a2ed47"},
+        {"tree sphere high", "600b597c9ad1ab2037b0497abf92d8a6"},
+        {"tree grid fast", "538017076409d423c56109824c9ee5c0"},
+        {"tree grid balanced", "c14ee81c9d308aa02bb91bbef4efd534"},
+        {"tree grid high", "fec411f76f43f0b5de6db73655373673"},
+        {"tree hair fast", "9e0803107d90fe99e6576b82321e6fc8"},
+        {"tree hair balanced", "f81cdae93203d837ab9edf62b43b92eb"},
+        {"tree hair high", "eee4d0f13da2787e34b73ed0dc475540"},
+        {"hits soup", "d003576538277500b117849d4465b25f"},
+        {"hits sphere", "e02c6578d42b680a4efe3ca335d492a7"},
+        {"hits grid", "e4bbe9bc424ddb6e632aedab90a7a9d6"},
+        {"hits hair", "4ddacbbfbdfa68c326b556dc6920e721"},
+    };
+    const auto found = hashes.find(name);
+    return found == hashes.end() ? std::string() : found->second;
+}
+
+}  // namespace claray::verify

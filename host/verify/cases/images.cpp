@@ -1,0 +1,473 @@
+// What shows in images: rays that meet the surface they leave, lost samples, sums, curves, poles, lights that are too
+// close.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <numbers>
+
+#include "claray/renderer.hpp"
+#include "host/lights/environment.hpp"
+#include "host/render/film.hpp"
+#include "host/textures/mip_map.hpp"
+#include "host/verify/cases/bsdf.hpp"
+#include "host/verify/cases/cases.hpp"
+#include "host/verify/shapes.hpp"
+
+namespace claray::verify {
+namespace {
+
+std::vector<glm::vec3> render(const Run& run, const Scene& scene, const RenderConfig& config) {
+    Renderer renderer(run.device(), scene, config);
+    renderer.render();
+    return renderer.image();
+}
+
+double mean_of(const std::vector<glm::vec3>& image) {
+    double sum = 0;
+    for (const glm::vec3& pixel : image) sum += pixel.x;
+    return sum / double(image.size());
+}
+
+Material grey(float albedo, float radiance = 0.f) {
+    Material m;
+    m.albedo = glm::vec3(albedo), m.emission = glm::vec3(radiance);
+    return m;
+}
+
+/// A square in the plane of height y, that faces +y, with texture coordinates.
+Mesh square(float half, float y, std::uint32_t material) {
+    Mesh mesh;
+    mesh.positions = {{-half, y, half}, {half, y, half}, {half, y, -half}, {-half, y, -half}};
+    mesh.uvs = {{0, 1}, {1, 1}, {1, 0}, {0, 0}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+    mesh.materials = {material, material};
+    return mesh;
+}
+
+/// As good as one ray.
+Camera narrow_camera(const glm::vec3& position, const glm::vec3& target) {
+    Camera camera;
+    camera.position = position, camera.target = target, camera.vertical_fov = 0.01f;
+    const glm::vec3 view = glm::abs(target - position);
+    if (view.y > 0.9f * glm::length(view)) camera.up = {0.f, 0.f, 1.f};
+    return camera;
+}
+
+std::string text(const char* format, double value) {
+    char buffer[96];
+    std::snprintf(buffer, sizeof buffer, format, value);
+    return buffer;
+}
+
+struct At {
+    const char* name;
+    double offset, scale;
+    bool flat;  ///< triangles in planes y = const, where rounding has no say in y
+};
+
+Mesh triangles_at(const At& at, std::size_t count, std::uint64_t seed) {
+    Mesh mesh = soup(count, 1.f, seed);
+    for (glm::vec3& p : mesh.positions) {
+        p = glm::vec3(glm::dvec3(p) * at.scale + glm::dvec3(at.offset, 0.37 * at.offset, -0.71 * at.offset));
+        if (at.flat) p.y = 0.f;
+    }
+    return mesh;
+}
+
+/// Rays that leave a triangle against it alone, which must not meet it, and the other way, which must: most of them do,
+/// and where none did there would be no triangle to leave.
+void leave_alone(const Device& device, const Mesh& mesh, std::uint32_t triangle, std::span<const Ray> rays, Tally& self,
+                 Tally& back) {
+    Mesh alone = mesh;
+    alone.triangles = {mesh.triangles[triangle]};
+    std::vector<Ray> both(rays.begin(), rays.end());
+    for (Ray ray : rays) ray.dx *= -1, ray.dy *= -1, ray.dz *= -1, both.push_back(ray);
+    const std::vector<Hit> hits = closest_hit(Bvh::build(device, std::span(&alone, 1)), both);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        self.add(hits[i].primitive == CLARAY_MISS);
+        back.add(hits[rays.size() + i].primitive != CLARAY_MISS);
+    }
+}
+
+}  // namespace
+
+/// Rays that leave a surface must not meet it again, at any scale and distance from the origin, nor begin far off.
+void self_intersection(Run& run) {
+    const At places[] = {{"at the origin", 0, 1, false},
+                         {"at 1e3", 1e3, 1, false},
+                         {"scaled by 1e-3", 0, 1e-3, false},
+                         {"scaled by 1e-12", 0, 1e-12, false},
+                         {"at 1e6, scaled by 100", 1e6, 100, false},
+                         {"in a plane", 0, 1, true},
+                         {"in a plane at 1e3", 1e3, 1, true}};
+    const std::uint32_t triangles = 2000, each = run.count(32u, 1024u), count = triangles * each;
+    Kernel leave = load_kernel(run.device(), "verify/leave_surface.cl", "leave_surface_at_random");
+    Kernel by_sixteen = load_kernel(run.device(), "verify/leave_surface.cl", "leave_surface_by_sixteen");
+    const bool shades_sixteen = run.device().info().type == DeviceType::cpu;
+    Tally same;
+    for (const At& at : places) {
+        const Mesh mesh = triangles_at(at, triangles, run.seed() + 41);
+        const Bvh bvh = Bvh::build(run.device(), std::span(&mesh, 1));
+        const Buffer<Ray> rays(run.device(), count);
+        const Buffer<float> clearance(run.device(), count);
+        Buffer<Hit> hits(run.device(), count);
+        leave.run({count, 64}, count, 0u, each, std::uint32_t(run.seed()), bvh.triangles().positions,
+                  bvh.triangles().indices, rays, clearance);
+        closest_hit(bvh, rays, hits);
+        if (shades_sixteen) {
+            const Buffer<std::uint32_t> differ(run.device(), (count + 15) / 16);
+            by_sixteen.run({differ.size(), 64}, count, each, std::uint32_t(run.seed()), bvh.triangles().positions,
+                           bvh.triangles().indices, rays, differ);
+            for (const std::uint32_t lanes : differ.read()) same.tried += 8, same.wrong += lanes;
+        }
+        const auto all = rays.read();
+        Tally self, back;
+        std::uint32_t i = 0;
+        for (const Hit& hit : hits.read()) self.add(hit.primitive != i++ / each);
+        for (std::uint32_t t = 0; t < triangles;
+             t += run.count(100u, 20u)) {  // some alone, so that no other hides them
+            const std::span<const Ray> own(&all[std::size_t(t) * each], each);
+            leave_alone(run.device(), mesh, t, own, self, back);
+        }
+        if (back.wrong > back.tried / 2)
+            run.check(std::string("rays back to their triangle, ") + at.name, back.tried, 1, 0, "");
+        if (self.wrong)
+            run.failure(std::string(at.name) +
+                        ", meets the triangle that it leaves: " + text_of(all[self.first % count]));
+        run.check(std::string("rays that meet their triangle, ") + at.name, self.tried, double(self.wrong), 0, "rays");
+        auto relative = clearance.read();
+        std::nth_element(relative.begin(), relative.begin() + count / 2, relative.end());
+        if (!(relative[count / 2] > 0)) run.check(std::string("how far off they begin, ") + at.name, count, 1, 0, "");
+        run.check(std::string("how far off they begin, median, ") + at.name, count, relative[count / 2], 1e-3,
+                  "of an edge");
+    }
+    if (shades_sixteen) run.check("that sixteen at once begin elsewhere", same.tried, double(same.wrong), 0, "rays");
+}
+
+void nan_pixels(Run& run) {
+    // All effects take longest to compile, so they come first. A quick run compiles these once for most scenes.
+    constexpr const char* names[] = {"effects", "cornell",   "spheres",   "crate",
+                                     "hills",   "soup:2000", "hair:2000", "terrain:2000"};
+    const RenderConfig config{.width = run.count(32u, 256u), .height = run.count(24u, 192u), .spp = run.count(4u, 64u)};
+    struct Rendered {
+        Tally finite;
+        std::uint64_t dropped = 0;
+    };
+    std::vector<Rendered> rendered(std::size(names));
+    run.side_by_side(rendered.size(), [&](const Device& device, std::size_t i) {
+        RenderConfig shared = config;
+        if (!run.full() && i != 1) shared.effects.add = full_effects();
+        Renderer renderer(device, *builtin_scene(names[i]), shared);
+        renderer.render();
+        for (const glm::vec3& p : renderer.image())
+            rendered[i].finite.add(std::isfinite(p.x + p.y + p.z) && p.x >= 0 && p.y >= 0 && p.z >= 0);
+        rendered[i].dropped = renderer.statistics().dropped_samples;
+    });
+    const std::uint64_t samples = std::uint64_t(config.width) * config.height * config.spp;
+    for (std::size_t i = 0; i < rendered.size(); ++i) {
+        const std::string name = names[i];
+        const Tally& finite = rendered[i].finite;
+        const auto dropped = double(rendered[i].dropped);
+        if (finite.wrong || dropped > 0) run.failure(name + " has samples that are no radiance");
+        run.check("samples that are NaN, infinite or above 1e30, " + name, samples, dropped, 0, "samples");
+        run.check("pixels that are no radiance, " + name, finite.tried, double(finite.wrong), 0, "pixels");
+    }
+    // And what is thrown in must come out as a count, not as an image.
+    Film film(run.device(), 2);
+    const float nan = NAN, inf = INFINITY;
+    film.accumulate({0, 2, 0, 4},
+                    Buffer<float>(run.device(), std::vector<float>{1, 2, 3,    nan,   1, 1, 1,   inf, 1,   3,   4, 5,
+                                                                   1, 1, -inf, 1e38f, 1, 1, nan, nan, nan, inf, 1, 1}));
+    const auto image = film.resolve();
+    run.check("bad samples that reach the film", 6, std::abs(6 - double(film.noise().dropped)), 0, "samples");
+    run.check("pixels that bad samples changed", 2,
+              double(image[0] != glm::vec3(2, 3, 4)) + double(image[1] != glm::vec3(0)), 0, "pixels");
+}
+
+/// Lognormal samples, the largest of which are thousands of times their mean: sums in one float lose the rest.
+void accumulation(Run& run) {
+    const std::uint32_t pixels = 2, per_batch = 1u << 16, batches = run.count(8u, 256u);
+    Film film(run.device(), pixels);
+    std::vector<double> exact(pixels);
+    Random random(run.seed() + 7);
+    std::vector<float> radiance(3 * std::size_t(pixels) * per_batch);
+    for (std::uint32_t b = 0; b < batches; ++b) {
+        for (std::uint32_t i = 0; i < pixels * per_batch; ++i) {
+            // A sum of uniform numbers is normal enough, and the same in every library.
+            float normal = -6.f;
+            for (int k = 0; k < 12; ++k) normal += random.uniform();
+            const float value = float(std::exp(2.0 * normal));
+            exact[i / per_batch] += value;
+            radiance[3 * i] = radiance[3 * i + 1] = radiance[3 * i + 2] = value;
+        }
+        film.accumulate({0, pixels, b * per_batch, per_batch}, Buffer<float>(run.device(), radiance));
+    }
+    const std::uint64_t samples = std::uint64_t(per_batch) * batches;
+    double worst = 0;
+    const auto image = film.resolve();
+    for (std::uint32_t p = 0; p < pixels; ++p)
+        worst = std::max(worst, std::abs(image[p].y / (exact[p] / double(samples)) - 1));
+    run.check("relative error of the mean", samples, worst, 1e-5, "");
+}
+
+void srgb(Run& run) {
+    Tally same;
+    double worst = 0;
+    for (int i = 0; i < 256; ++i) {
+        const float linear = decode_srgb(std::uint8_t(i));
+        const double c = i / 255.0, exact = c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4);
+        same.add(encode_srgb(linear) == i);
+        worst = std::max(worst, std::abs(linear - exact));
+    }
+    run.check("bytes that don't come back", same.tried, double(same.wrong), 0, "bytes");
+    run.check("absolute error of the curve", 256, worst, 1e-7, "");
+    // On the device: a texture of all bytes, seen as a picture.
+    Scene scene;
+    Texture ramp;
+    ramp.width = 16, ramp.height = 16, ramp.channels = 3, ramp.format = TexelFormat::srgb8,
+    ramp.filter = Filter::nearest;
+    for (int i = 0; i < 256; ++i) ramp.bytes.insert(ramp.bytes.end(), 3, std::uint8_t(i));
+    scene.textures = {ramp}, scene.materials = {grey(1.f)}, scene.meshes = {square(1.f, 0.f, 0)};
+    scene.materials[0].albedo_map.texture = 0;
+    scene.camera = Camera{{0, 10, 0}, {0, 0, 0}, {0, 0, -1}, float(2 * std::atan(0.1) * 180 / std::numbers::pi)};
+    Renderer renderer(run.device(), scene, {.width = 16, .height = 16, .spp = 1});
+    const auto albedo = renderer.aovs().albedo;
+    double on_device = 0;
+    for (std::size_t i = 0; i < 256; ++i)
+        on_device = std::max(on_device, std::abs(double(albedo[i].x) - double(decode_srgb(std::uint8_t(i)))));
+    run.check("absolute error of a texture on the device", 256, on_device, 1e-6, "");
+}
+
+/// A bright spot at the pole, where rows of the image shrink to a point, and another beside the seam.
+void environment_poles(Run& run) {
+    Environment environment;
+    Texture sky;
+    sky.width = 32, sky.height = 16, sky.channels = 3, sky.format = TexelFormat::float32;
+    for (unsigned y = 0; y < sky.height; ++y)
+        for (unsigned x = 0; x < sky.width; ++x) {
+            const float value = y == 0 ? 50.f : y == 15 ? 20.f + float(x) : x == 31 && y == 8 ? 80.f : 0.3f;
+            sky.floats.insert(sky.floats.end(), 3, value);
+        }
+    environment.images = {sky};
+    const EnvironmentImage image = environment_image(environment);
+    const EnvironmentData data{image.width, image.height, 0.f, image.density, 1.f};
+    const Buffer<float> texels(run.device(), image.texels), cdf(run.device(), image.cdf);
+
+    // The density's integral, by the midpoint rule in the angles, and per bin.
+    const int rows = 24, columns = 24, fine = run.count(16, 64);
+    std::vector<float> directions;
+    std::vector<double> areas;
+    for (int r = 0; r < rows * fine; ++r)
+        for (int c = 0; c < columns * fine; ++c) {
+            const double theta = (r + 0.5) * pi / (rows * fine), phi = (c + 0.5) * 2 * pi / (columns * fine);
+            directions.insert(directions.end(), {float(std::sin(theta) * std::cos(phi)), float(std::cos(theta)),
+                                                 float(std::sin(theta) * std::sin(phi))});
+            areas.push_back((std::cos(theta - 0.5 * pi / (rows * fine)) - std::cos(theta + 0.5 * pi / (rows * fine))) *
+                            2 * pi / (columns * fine));
+        }
+    const auto count = std::uint32_t(areas.size());
+    const Buffer<float> densities(run.device(), count);
+    load_kernel(run.device(), "verify/environment.cl", "density_of_environment")
+        .run({count, 64}, data, texels, count, Buffer<float>(run.device(), directions), densities);
+    std::vector<double> shares(std::size_t(rows) * columns);
+    double integral = 0;
+    const auto pdfs = densities.read();
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t row = i / (std::size_t(columns) * fine) / std::size_t(fine),
+                          column = i % (std::size_t(columns) * fine) / std::size_t(fine);
+        shares[row * columns + column] += pdfs[i] * areas[i], integral += pdfs[i] * areas[i];
+    }
+    run.check("integral of the density off 1", count, std::abs(integral - 1), 1e-4, "");
+
+    const auto samples = run.count(300'000u, 4'000'000u);
+    const Buffer<float> drawn(run.device(), 4 * std::size_t(samples));
+    load_kernel(run.device(), "verify/environment.cl", "sample_environment")
+        .run({samples, 64}, data, texels, cdf, samples, std::uint32_t(run.seed()), drawn);
+    const auto found = drawn.read();
+    std::vector<double> seen(shares.size());
+    Tally sound;
+    for (std::size_t i = 0; i < samples; ++i) {
+        const float *d = &found[4 * i], pdf = found[4 * i + 3];
+        sound.add(std::abs(d[0] * d[0] + d[1] * d[1] + d[2] * d[2] - 1) < 1e-4f && pdf > 0 && std::isfinite(pdf));
+        const int row = std::min(rows - 1, int(std::acos(std::clamp(double(d[1]), -1.0, 1.0)) / pi * rows));
+        const double turn = std::atan2(double(d[2]), double(d[0])) / (2 * pi);
+        ++seen[std::size_t(row) * columns +
+               std::size_t(std::min(columns - 1, int((turn < 0 ? turn + 1 : turn) * columns)))];
+    }
+    double chi2 = 0, degrees = 0;
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+        const double expected = shares[i] / integral * samples;
+        if (expected >= 20) chi2 += (seen[i] - expected) * (seen[i] - expected) / expected, ++degrees;
+    }
+    run.check("directions that are no directions", samples, double(sound.wrong), 0, "samples");
+    const double chance = chance_of_chi_squared(chi2, degrees - 1);
+    run.check("1 - chance of the directions, chi-squared", samples, 1 - chance, 0.99, "");
+    if (chance < 0.01)
+        run.failure("chi-squared is " + std::to_string(chi2) + " at " + std::to_string(degrees) + " degrees");
+}
+
+namespace {
+
+/// Largest error of the normal of a plane wave over a square, from a height map of so many texels a side.
+double height_error(const Run& run, unsigned texels) {
+    Scene scene;
+    Texture wave;
+    wave.width = wave.height = texels, wave.channels = 1, wave.format = TexelFormat::float32,
+    wave.filter = Filter::bilinear;
+    for (unsigned y = 0; y < texels; ++y)
+        for (unsigned x = 0; x < texels; ++x)
+            wave.floats.push_back(float(0.5 + 0.5 * std::sin(2 * pi * ((x + 0.5) / texels + 2 * (y + 0.5) / texels))));
+    scene.textures = {wave}, scene.materials = {grey(0.8f)}, scene.meshes = {square(1.f, 0.f, 0)};
+    scene.sky = {glm::vec3(1.f), glm::vec3(1.f)};
+    scene.materials[0].height_map.texture = 0, scene.materials[0].height_scale = 0.1f;
+    double worst = 0;
+    for (int i = 0; i < run.count(3, 40); ++i) {
+        const double u = (std::floor(std::fmod(0.13 + 0.17 * i, 1.0) * texels) + 0.5) / texels,
+                     v = (std::floor(0.31 * texels) + 0.5) / texels;
+        const glm::vec3 at(float(2 * u - 1), 0.f, float(2 * v - 1));
+        scene.camera = narrow_camera(at + glm::vec3(0, 1, 0), at);
+        const glm::dvec3 normal(Renderer(run.device(), scene, {.width = 1, .height = 1}).aovs().normal[0]);
+        const double slope = 0.05 * 2 * pi * std::cos(2 * pi * (u + 2 * v));
+        worst = std::max(worst, glm::length(normal - glm::normalize(glm::dvec3(-slope / 2, 1, -slope))));
+    }
+    return worst;
+}
+
+}  // namespace
+
+void height_fields(Run& run) {
+    const double coarse = height_error(run, 32), fine = height_error(run, 128), order = std::log2(coarse / fine) / 2;
+    run.fact("largest error of the normal, 32 texels", text("%.3g", coarse));
+    run.fact("largest error of the normal, 128 texels", text("%.3g", fine));
+    run.check("order of convergence off 2", 2, std::abs(order - 2), 0.1, "");
+}
+
+/// A leaf's alpha mask seen from ever farther away: the share of the card that is covered stays.
+void alpha_coverage(Run& run) {
+    Scene scene;
+    Texture leaf;
+    leaf.width = leaf.height = 64, leaf.channels = 4, leaf.format = TexelFormat::srgb8;
+    for (unsigned y = 0; y < 64; ++y)
+        for (unsigned x = 0; x < 64; ++x) {
+            const double distance = std::hypot((x + 0.5) / 64 - 0.5, (y + 0.5) / 64 - 0.5);
+            leaf.bytes.insert(
+                leaf.bytes.end(),
+                {0, 0, 0, std::uint8_t(std::lround(255 * std::clamp(0.5 + (0.35 - distance) * 8, 0.0, 1.0)))});
+        }
+    scene.textures = {leaf}, scene.materials = {grey(0.f)}, scene.meshes = {square(1.f, 0.f, 0)};
+    scene.materials[0].albedo_map.texture = 0, scene.materials[0].alpha_mode = AlphaMode::mask;
+    scene.sky = {glm::vec3(1.f), glm::vec3(1.f)};
+    double worst = 0;
+    for (const double pixels : {32.0, 8.0, 2.0}) {  // that the card covers across
+        const unsigned size = 16;
+        scene.camera = Camera{{0, 10, 0},
+                              {0, 0, 0},
+                              {0, 0, -1},
+                              float(2 * std::atan(0.1 * std::max(1.0, size / pixels)) * 180 / std::numbers::pi)};
+        const unsigned spp = run.count(256u, 4096u) * unsigned(std::max(1.0, 16 / pixels));
+        const double seen = 1 - mean_of(render(run, scene, {.width = size, .height = size, .spp = spp}));
+        const double share = seen * std::pow(std::max(1.0, size / pixels), 2),
+                     drift = std::abs(share / (pi * 0.35 * 0.35) - 1);
+        run.fact(text("coverage at %g pixels", pixels), text("%.4f", share));
+        worst = std::max(worst, drift);
+    }
+    run.check("drift of the coverage", 3, worst, 0.02, "");
+}
+
+/// A lamp of radiance L nearly on the floor lights it by at most albedo * L, and a point light by what the formula
+/// says.
+void light_distance_zero(Run& run) {
+    double most = 0;
+    Tally finite;
+    for (const float height : {1e-1f, 1e-3f, 1e-5f, 1e-7f}) {
+        Scene scene;
+        scene.materials = {grey(0.6f), grey(0.f, 3.f)};
+        scene.meshes = {square(6.f, 0.f, 0), square(1.f, height, 1)};
+        scene.camera = narrow_camera({2.f, 0.5f * height, 0.f}, {0.25f, 0.f, 0.5f});
+        Renderer renderer(run.device(), scene,
+                          {.width = 4, .height = 4, .spp = run.count(256u, 16'384u), .max_depth = 1});
+        renderer.render();
+        const double radiance = mean_of(renderer.image());
+        finite.add(std::isfinite(radiance) && renderer.statistics().dropped_samples == 0);
+        most = std::max(most, radiance / (0.6 * 3));
+    }
+    run.check("light from a lamp on the surface over a full hemisphere's", 4, most, 1.01, "");
+    for (const float distance : {1e-2f, 1e-6f, 1e-12f, 0.f}) {
+        Scene scene;
+        scene.materials = {grey(0.6f)};
+        scene.meshes = {square(1.f, 0.f, 0)};
+        scene.lights = {point_light({0, distance, 0}, glm::vec3(5.f))};
+        scene.camera = narrow_camera({0.f, 1.f, 1.f}, {0.f, 0.f, 0.f});
+        for (const glm::vec3& p : render(run, scene, {.width = 4, .height = 4, .spp = 16, .max_depth = 1}))
+            finite.add(std::isfinite(p.x + p.y + p.z) && p.x >= 0);
+    }
+    run.check("images that are not finite", finite.tried, double(finite.wrong), 0, "pixels");
+}
+
+/// A coarse sphere with smooth normals, lit from the side: black facets near the terminator are the artifact.
+void shadow_terminator(Run& run) {
+    Scene scene;
+    scene.materials = {grey(1.f)};
+    scene.meshes = {sphere(2)};
+    scene.meshes[0].normals = scene.meshes[0].positions;
+    Light sun;
+    const glm::vec3 to_sun = glm::normalize(glm::vec3(1.f, 0.3f, 0.2f));  // no plane of the mesh's symmetry
+    sun.kind = LightKind::directional, sun.direction = -to_sun, sun.intensity = glm::vec3(float(pi));
+    scene.lights = {sun};
+    scene.camera = Camera{{0, 0, 4}, {0, 0, 0}, {0, 1, 0}, 28.f};
+    const unsigned size = run.count(96u, 512u);
+    const RenderConfig config{.width = size, .height = size, .spp = run.count(4u, 64u), .max_depth = 1};
+    Renderer renderer(run.device(), scene, config);
+    renderer.render();
+    const auto image = renderer.image();
+    const Aovs aovs = renderer.aovs();
+    double sum = 0, error = 0, largest = 0;
+    std::uint64_t pixels = 0;
+    for (std::size_t i = 0; i < image.size(); ++i) {
+        if (aovs.primitive[i] == CLARAY_MISS) continue;
+        const double cosine = std::max(0.0, double(glm::dot(aovs.normal[i], to_sun)));
+        sum += cosine, error += std::abs(image[i].x - cosine), ++pixels;
+        if (aovs.normal[i].z > 0.5f) largest = std::max(largest, std::abs(image[i].x - cosine));
+    }
+    run.check("mean error over the mean of the analytic cosine", pixels, error / sum, 0.05, "");
+    run.check("largest error, away from the outline", pixels, largest, 0.02, "of the light");
+}
+
+/// Images by two samplers agree in every pixel within their noise: a z-test, Sidak-corrected for all pixels.
+void image_statistics(Run& run) {
+    const unsigned size = run.count(20u, 64u);
+    const int seeds = run.count(12, 64);
+    for (const char* const name : {"cornell", "spheres"}) {
+        const Scene scene = *builtin_scene(name);
+        const std::size_t pixels = std::size_t(size) * size;
+        std::vector<std::array<double, 4>> sums(pixels);  // of either sampler and of its squares
+        for (int seed = 0; seed < seeds; ++seed)
+            for (const Sampler sampler : {Sampler::sobol, Sampler::independent}) {
+                const auto image = render(run, scene,
+                                          {.width = size,
+                                           .height = size,
+                                           .spp = 32,
+                                           .max_depth = 4,
+                                           .seed = std::uint32_t(seed + 100 * run.seed()),
+                                           .sampler = sampler});
+                const std::size_t k = sampler == Sampler::sobol ? 0 : 2;
+                for (std::size_t i = 0; i < pixels; ++i)
+                    sums[i][k] += image[i].y, sums[i][k + 1] += double(image[i].y) * image[i].y;
+            }
+        const double significance = 1 - std::pow(1 - 0.01, 1.0 / double(pixels));
+        std::size_t passed = 0;
+        for (const auto& s : sums) {
+            const double a = s[0] / seeds, b = s[2] / seeds, n = seeds;
+            const double variance = (std::max(0.0, s[1] / n - a * a) + std::max(0.0, s[3] / n - b * b)) / (n - 1);
+            const double z = variance > 0 ? std::abs(a - b) / std::sqrt(variance) : a == b ? 0 : 1e9;
+            // Student's t with about 2 n - 2 degrees, to its normal (Wallace 1959).
+            const double nu = 2 * n - 2, normal = (8 * nu + 1) / (8 * nu + 3) * std::sqrt(nu * std::log1p(z * z / nu));
+            passed += std::erfc(normal / std::numbers::sqrt2) >= significance;
+        }
+        run.check(std::string("pixels that two samplers disagree about, ") + name, pixels,
+                  double(pixels - passed) / double(pixels), 0.0025, "of all");
+    }
+}
+
+}  // namespace claray::verify

@@ -1,0 +1,153 @@
+// The same input gives the same output: in every run, on every device, whatever the schedule.
+#include <algorithm>
+#include <cstring>
+
+#include "claray/renderer.hpp"
+#include "host/base/hash.hpp"
+#include "host/verify/cases/cases.hpp"
+#include "host/verify/cases/expected_hashes.hpp"
+#include "host/verify/shapes.hpp"
+
+namespace claray::verify {
+namespace {
+
+template <class T>
+std::string hash_of(const std::vector<T>& values) {
+    return hash128(std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)));
+}
+
+Mesh all_of(const Scene& scene) {
+    Mesh all;
+    for (const Mesh& mesh : scene.meshes) {
+        const auto base = std::uint32_t(all.positions.size());
+        all.positions.insert(all.positions.end(), mesh.positions.begin(), mesh.positions.end());
+        for (const glm::uvec3& t : mesh.triangles) all.triangles.push_back(t + base);
+    }
+    return all;
+}
+
+/// The meshes whose hashes are committed; only + - * and square roots made them.
+std::vector<std::pair<std::string, Mesh>> hashed_meshes() {
+    return {{"soup", soup(5003, 0.05f, 5)},
+            {"sphere", sphere(4)},
+            {"grid", grid(40)},
+            {"hair", all_of(*builtin_scene("hair:3000"))}};
+}
+
+void compare_with_committed(Run& run, const std::string& name, const std::string& hash, Tally& tally) {
+    run.fact(name, hash);
+    const std::string expected = expected_hash(name);
+    tally.add(hash == expected);
+    if (hash != expected)
+        run.failure(name + " is " + hash + " instead of " + (expected.empty() ? "none committed" : expected));
+}
+
+/// The part of a hit that is promised on every device: the triangle and the distance.
+std::string hash_of_hits(const std::vector<Hit>& hits) {
+    std::vector<std::uint32_t> words;
+    for (const Hit& hit : hits) {
+        std::uint32_t t;
+        std::memcpy(&t, &hit.t, 4);
+        words.push_back(hit.primitive), words.push_back(hit.primitive == CLARAY_MISS ? 0 : t);
+    }
+    return hash_of(words);
+}
+
+}  // namespace
+
+void tree_hashes(Run& run) {
+    Tally committed, again;
+    const std::pair<Builder, const char*> builders[] = {
+        {Builder::fast, "fast"}, {Builder::balanced, "balanced"}, {Builder::high, "high"}};
+    for (const auto& [name, mesh] : hashed_meshes())
+        for (const auto& [builder, builder_name] : builders) {
+            const auto hash = [&] {
+                return Bvh::build(run.device(), std::span(&mesh, 1), {.builder = builder, .layout = Layout::binary})
+                    .hash();
+            };
+            const std::string first = hash();
+            compare_with_committed(run, "tree " + name + ' ' + builder_name, first, committed);
+            for (int i = 1; i < run.count(3, 100); ++i) again.add(hash() == first);
+        }
+    if (again.wrong) run.failure("build " + std::to_string(again.first) + " gave another tree");
+    run.check("trees that are not the committed ones", committed.tried, double(committed.wrong), 0, "trees");
+    run.check("trees of further builds that differ", again.tried, double(again.wrong), 0, "trees");
+}
+
+/// The same hits by either layout, in any order of the rays, in one query or in many, by packets and alone.
+void hit_hashes(Run& run) {
+    Tally committed, same;
+    for (const auto& [name, mesh] : hashed_meshes()) {
+        const auto rays = random_rays(run.count<std::size_t>(70'000, 70'000), 3.f, 0.8f, 77);
+        std::vector<std::uint32_t> order(rays.size());
+        for (std::size_t i = 0; i < rays.size(); ++i) order[i] = std::uint32_t(i * 31'337 % rays.size());
+        std::string first;
+        for (const auto& [layout, layout_name] : layouts) {
+            const Bvh bvh = Bvh::build(run.device(), std::span(&mesh, 1), {.layout = layout});
+            const auto hits = closest_hit(bvh, rays);
+            const std::string hash = hash_of_hits(hits);
+            if (first.empty()) {
+                first = hash;
+                compare_with_committed(run, "hits " + name, hash, committed);
+            }
+            same.add(hash == first);
+            const auto expect = [&](const std::vector<Hit>& found, const std::string& how) {
+                same.add(hash_of_hits(found) == first);
+                if (same.wrong == 1 && same.first + 1 == same.tried)
+                    run.failure(name + ", " + layout_name + ", " + how + " gives other hits");
+            };
+            std::vector<Ray> shuffled;
+            for (const std::uint32_t i : order) shuffled.push_back(rays[i]);
+            const auto found = closest_hit(bvh, shuffled);
+            std::vector<Hit> unshuffled(rays.size());
+            for (std::size_t i = 0; i < rays.size(); ++i) unshuffled[order[i]] = found[i];
+            expect(unshuffled, "another order of the rays");
+            std::vector<Hit> parts;
+            for (std::size_t begin = 0; begin < rays.size(); begin += 9'973) {
+                const auto part =
+                    closest_hit(bvh, std::span(rays).subspan(begin, std::min<std::size_t>(9'973, rays.size() - begin)));
+                parts.insert(parts.end(), part.begin(), part.end());
+            }
+            expect(parts, "parts");
+            for (const Coherence coherence : {Coherence::coherent, Coherence::incoherent}) {
+                QueryOptions options;
+                options.coherence = coherence;
+                expect(closest_hit(bvh, rays, options),
+                       coherence == Coherence::coherent ? "as coherent" : "as incoherent");
+            }
+            const ScopedTuning alone(run.device(), "trace/closest_hit", "BATCH", 0);
+            expect(closest_hit(bvh, rays), "one by one");
+        }
+    }
+    run.check("hits that are not the committed ones", committed.tried, double(committed.wrong), 0, "sets");
+    run.check("sets of hits that differ", same.tried, double(same.wrong), 0, "sets");
+}
+
+/// Images are promised bit for bit on one device, whatever the sizes of batches; across devices shading may round
+/// otherwise.
+void image_hashes(Run& run) {
+    Tally same;
+    for (const char* const name : {"cornell", "spheres", "crate"}) {
+        const Scene scene = *builtin_scene(name);
+        const RenderConfig config{
+            .width = run.count(37u, 131u), .height = run.count(23u, 97u), .spp = run.count(5u, 40u)};
+        const auto image = [&] {
+            Renderer renderer(run.device(), scene, config);
+            renderer.render();
+            return hash_of(renderer.image());
+        };
+        const std::string first = image();
+        run.fact(std::string("image ") + name, first);
+        same.add(image() == first);
+        for (const unsigned paths : {501u, 4000u}) {
+            const ScopedTuning tuning(run.device(), "render/wavefront", "PATHS", paths);
+            same.add(image() == first);
+        }
+        const ScopedTuning tuning(run.device(), "render/wavefront", "BOUNCES_PER_LOOK", 3);
+        same.add(image() == first);
+        if (same.wrong) run.failure(std::string(name) + ": image " + std::to_string(same.first) + " differs");
+    }
+    run.check("images that differ by run or size of batch", same.tried, double(same.wrong), 0, "images");
+}
+
+}  // namespace claray::verify

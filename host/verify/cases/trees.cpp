@@ -1,0 +1,357 @@
+// Input that breaks builders: nothing, junk, equal codes, clusters, depth, and many builds in a row.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "host/verify/cases/cases.hpp"
+#include "host/verify/oracle.hpp"
+#include "host/verify/shapes.hpp"
+
+namespace claray::verify {
+namespace {
+
+struct NamedBuilder {
+    Builder builder;
+    const char* name;
+};
+constexpr NamedBuilder builders[] = {{Builder::fast, "fast"}, {Builder::balanced, "balanced"}, {Builder::high, "high"}};
+
+double faults_of(const Bvh& bvh) {
+    const BvhValidation v = bvh.validate();
+    return double(v.leaves_missing) + v.leaves_repeated + v.boxes_not_containing + v.links_broken;
+}
+
+QueryOptions without_tree() {
+    QueryOptions options;
+    options.brute_force = true;
+    return options;
+}
+
+/// Hits that differ from those of the same test over every triangle, which `slow` keeps for other trees of the same
+/// mesh.
+Tally against_brute_force(Run& run, const Bvh& bvh, const std::vector<Ray>& rays, const std::string& what,
+                          std::vector<Hit>& slow) {
+    const auto fast = closest_hit(bvh, rays);
+    if (slow.empty()) slow = closest_hit(bvh, rays, without_tree());
+    Tally differ;
+    for (std::size_t i = 0; i < rays.size(); ++i)
+        differ.add(fast[i].primitive == slow[i].primitive && fast[i].t == slow[i].t);
+    if (differ.wrong) run.failure(what + ", the tree hides a hit: " + text_of(rays[differ.first]));
+    return differ;
+}
+
+std::string digits(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g", value);
+    return text;
+}
+
+}  // namespace
+
+void tiny_counts(Run& run) {
+    double faults = 0;
+    Tally differ;
+    std::uint64_t trees = 0;
+    for (const auto& [builder, builder_name] : builders)
+        for (const auto& [layout, layout_name] : layouts)
+            for (const std::size_t count : {0u, 1u, 2u, 3u, 4u, 5u, 9u})
+                for (const char* const at : {"", " at 1e6"}) {
+                    if (*at && !run.full() && builder != Builder::fast) continue;
+                    Mesh mesh = soup(count, 0.5f, run.seed() + count);
+                    if (*at) move_away(mesh);
+                    const Bvh bvh =
+                        Bvh::build(run.device(), std::span(&mesh, 1), {.builder = builder, .layout = layout});
+                    const double wrong = faults_of(bvh);
+                    const std::string what =
+                        std::to_string(count) + " triangles" + at + ", " + builder_name + ", " + layout_name;
+                    if (wrong > 0) run.failure(what + ": the tree is not sound");
+                    faults += wrong, ++trees;
+                    for (const std::size_t n : {1u, 200u}) {
+                        Mesh none;
+                        std::vector<Hit> slow;
+                        std::vector<Ray> rays = random_rays(n, 3.f, 1.f, run.seed() + 5);
+                        if (*at) move_away(none, rays);
+                        const Tally t = against_brute_force(run, bvh, rays, what, slow);
+                        differ.tried += t.tried, differ.wrong += t.wrong;
+                    }
+                    if (!closest_hit(bvh, std::span<const Ray>()).empty()) ++faults;
+                }
+    run.check("faults of trees", trees, faults, 0, "faults");
+    run.check("hits that differ from brute force", differ.tried, double(differ.wrong), 0, "rays");
+}
+
+namespace {
+
+/// A mesh with a tenth of junk among its triangles: NaN, infinite, 1e30 or without area.
+struct JunkMesh {
+    Mesh mesh;
+    std::vector<std::uint32_t> original;  // of every triangle, or CLARAY_MISS
+    std::uint32_t junk_count = 0;
+};
+
+JunkMesh with_junk(const Mesh& clean) {
+    JunkMesh result{clean, {}};
+    Mesh& dirty = result.mesh;
+    const float inf = INFINITY, nan = NAN;
+    const auto bad = std::uint32_t(dirty.positions.size());
+    dirty.positions.insert(dirty.positions.end(), {{nan, 0, 0},
+                                                   {0, inf, 0},
+                                                   {1e30f, 0, 0},
+                                                   {0, 0, -inf},
+                                                   {-3e38f, 0, 0},
+                                                   {0.5f, nan, inf},
+                                                   {1e-42f, 1e-43f, -1e-44f}});
+    dirty.triangles.clear();
+    for (std::uint32_t i = 0; i < clean.triangles.size(); ++i) {
+        dirty.triangles.push_back(clean.triangles[i]), result.original.push_back(i);
+        if (i % 10 != 0) continue;
+        const std::uint32_t kind = i / 10 % 8;
+        dirty.triangles.push_back(kind < 6    ? glm::uvec3(3 * i, 3 * i + 1, bad + kind)
+                                  : kind == 6 ? glm::uvec3(3 * i, 3 * i, 3 * i + 1)
+                                              : glm::uvec3(bad + 6, bad + 6, bad + 6));
+        result.original.push_back(CLARAY_MISS), ++result.junk_count;
+    }
+    return result;
+}
+
+/// What is left is hit as if the junk were not there.
+void junk(Run& run, const Mesh& clean, const std::vector<Ray>& rays, const Bvh::Config& config,
+          const std::string& what) {
+    const JunkMesh dirty = with_junk(clean);
+    const Bvh a = Bvh::build(run.device(), std::span(&clean, 1), config);
+    const Bvh b = Bvh::build(run.device(), std::span(&dirty.mesh, 1), config);
+    const auto expected = closest_hit(a, rays), found = closest_hit(b, rays);
+    Tally changed;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const std::uint32_t primitive =
+            found[i].primitive == CLARAY_MISS ? CLARAY_MISS : dirty.original[found[i].primitive];
+        changed.add(primitive == expected[i].primitive && found[i].t == expected[i].t && found[i].u == expected[i].u &&
+                    found[i].v == expected[i].v);
+    }
+    if (changed.wrong) run.failure(what + ", junk changes a hit: " + text_of(rays[changed.first]));
+    run.check("hits that junk changes, " + what, rays.size(), double(changed.wrong), 0, "rays");
+    run.check("junk not counted, " + what, dirty.junk_count, std::abs(double(b.statistics().culled) - dirty.junk_count),
+              0, "triangles");
+}
+
+}  // namespace
+
+void junk(Run& run) {
+    const Mesh clean = soup(run.count<std::size_t>(5000, 100'000), 0.1f, run.seed() + 3);
+    const auto rays = random_rays(run.count<std::size_t>(20'000, 500'000), 3.f, 1.f, run.seed() + 4);
+    Mesh far = clean;
+    std::vector<Ray> far_rays(rays.begin(), rays.begin() + run.count<std::ptrdiff_t>(5000, 500'000));
+    move_away(far, far_rays);
+    for (const auto& [layout, name] : layouts)
+        for (const auto& [builder, builder_name] : builders) {
+            const Bvh::Config config{.builder = builder, .layout = layout};
+            const std::string what = std::string(builder_name) + ", " + name;
+            junk(run, clean, rays, config, what);
+            if (run.full() || builder == Builder::fast) junk(run, far, far_rays, config, what + " at 1e6");
+        }
+    if (!run.times()) return;
+    const Mesh dirty = with_junk(clean).mesh;
+    Bvh a = Bvh::build(run.device(), std::span(&clean, 1)), b = Bvh::build(run.device(), std::span(&dirty, 1));
+    run.check_time(
+        "building with junk", dirty.triangles.size(), [&] { b.rebuild(); }, [&] { a.rebuild(); }, 1.5);
+}
+
+namespace {
+
+/// Triangles that codes can't tell apart, or only along a line or in a plane.
+struct EqualMeshes {
+    Mesh equal, line, plane;
+};
+
+EqualMeshes equal_meshes(std::size_t count, std::uint64_t seed) {
+    EqualMeshes meshes{soup(1, 0.5f, seed), {}, grid(unsigned(std::sqrt(double(count) / 2)))};
+    meshes.equal.triangles.assign(count, glm::uvec3(0, 1, 2));
+    for (std::uint32_t i = 0; i < std::uint32_t(count); ++i) {
+        const auto x = float(i);
+        meshes.line.positions.insert(meshes.line.positions.end(), {{x, 0, 0}, {x + 1, 0, 0}, {x + 2, 0, 0}});
+        meshes.line.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+    }
+    return meshes;
+}
+
+void equal_codes(Run& run, const EqualMeshes& all, const std::string& at) {
+    double faults = 0, excess = 0;
+    std::uint64_t trees = 0;
+    const std::pair<const Mesh*, const char*> meshes[] = {
+        {&all.equal, "equal"}, {&all.line, "collinear"}, {&all.plane, "planar"}};
+    for (const auto& [mesh, name] : meshes)
+        for (const unsigned bits : {30u, 63u})
+            for (const auto& [builder, builder_name] : builders) {
+                if (builder == Builder::high && bits == 30) continue;  // has no codes
+                const Bvh bvh = Bvh::build(run.device(), std::span(mesh, 1), {.builder = builder, .morton_bits = bits});
+                const double wrong = faults_of(bvh);
+                if (wrong > 0) run.failure(name + at + ", " + builder_name + ": the tree is not sound");
+                faults += wrong, ++trees;
+                const double bound =
+                    builder == Builder::fast ? bits + std::bit_width(mesh->triangles.size() - 1) : CLARAY_MAX_HEIGHT;
+                excess = std::max(excess, double(bvh.header().height) - bound);
+            }
+    run.check("leaves missing or repeated, boxes that don't contain" + at, trees, faults, 0, "faults");
+    run.check("height above bits + ceil(log2 N)" + at, trees, std::max(excess, 0.0), 0, "levels");
+}
+
+}  // namespace
+
+void equal_codes(Run& run) {
+    const auto count = run.count<std::size_t>(60'000, 1'000'000);
+    const EqualMeshes meshes = equal_meshes(count, run.seed());
+    equal_codes(run, meshes, "");
+    EqualMeshes far = equal_meshes(run.count<std::size_t>(5000, 100'000), run.seed());
+    for (glm::vec3& p : far.line.positions) p += far_away;  // whole numbers, exactly
+    move_away(far.equal), move_away(far.plane);
+    equal_codes(run, far, " at 1e6");
+    if (!run.times()) return;
+    const Mesh uniform = soup(count, 0.01f, run.seed() + 2);
+    Bvh a = Bvh::build(run.device(), std::span(&meshes.equal, 1)), b = Bvh::build(run.device(), std::span(&uniform, 1));
+    run.check_time(
+        "equal triangles against random ones", count, [&] { a.rebuild(); }, [&] { b.rebuild(); }, 2);
+}
+
+namespace {
+
+/// Every second ray is sent at the cluster, which is the mesh's first `cluster` triangles.
+void stadium(Run& run, const Mesh& mesh, std::size_t cluster, std::vector<Ray> rays, const std::string& at) {
+    double costs[2][3];
+    for (std::size_t i = 0; i < rays.size(); i += 2) {
+        const glm::vec3 target = mesh.positions[i % (3 * cluster)] + glm::vec3(1e-6f),
+                        origin(rays[i].ox, rays[i].oy, rays[i].oz);
+        rays[i] = make_ray(origin, target - origin);
+    }
+    Tally differ;
+    std::vector<Hit> slow;
+    for (int bits = 0; bits < 2; ++bits)
+        for (int builder = 0; builder < 3; ++builder) {
+            const Bvh bvh = Bvh::build(run.device(), std::span(&mesh, 1),
+                                       {.builder = builders[builder].builder, .morton_bits = bits ? 63u : 30u});
+            costs[bits][builder] = bvh.statistics().sah_cost;
+            const std::string name = std::string(builders[builder].name) + (bits ? ", 63 bits" : ", 30 bits") + at;
+            run.fact("SAH cost, " + name, digits(costs[bits][builder]));
+            if (run.full() || bits == 1) {
+                const Tally t = against_brute_force(run, bvh, rays, name, slow);
+                differ.tried += t.tried, differ.wrong += t.wrong;
+            }
+        }
+    run.check("hits that differ from brute force" + at, differ.tried, double(differ.wrong), 0, "rays");
+    run.check("cost with 63 bits over cost with 30" + at, 3,
+              std::max({costs[1][0] / costs[0][0], costs[1][1] / costs[0][1], costs[1][2] / costs[0][2]}), 1.001,
+              "times");
+}
+
+Mesh stadium_mesh(std::size_t count, std::size_t cluster, std::uint64_t seed) {
+    Mesh mesh = soup(count, 0.02f, seed);
+    for (std::size_t i = 0; i < 3 * cluster; ++i)
+        mesh.positions[i] = mesh.positions[i] * 1e-4f + glm::vec3(0.3f, 0.1f, -0.2f);
+    return mesh;
+}
+
+}  // namespace
+
+/// Nine tenths of the triangles in a cluster of 1e-4 of the scene: codes of 30 bits can't tell them apart.
+void stadium(Run& run) {
+    const auto count = run.count<std::size_t>(20'000, 500'000), cluster = count * 9 / 10;
+    stadium(run, stadium_mesh(count, cluster, run.seed() + 7), cluster,
+            random_rays(run.count<std::size_t>(2000, 20'000), 3.f, 1.f, run.seed() + 8), "");
+    const auto few = run.count<std::size_t>(5000, 100'000), few_clustered = few * 9 / 10;
+    Mesh far = stadium_mesh(few, few_clustered, run.seed() + 9);
+    auto rays = random_rays(run.count<std::size_t>(500, 5000), 3.f, 1.f, run.seed() + 10);
+    move_away(far, rays, 0x1p18f);  // the cluster's triangles are some sixteenths
+    stadium(run, far, few_clustered, rays, " at 1e6");
+}
+
+namespace {
+
+/// Triangles at distances 2^-k, whose codes share ever longer prefixes, on top of equal ones: as deep as codes allow.
+/// `size` times as large with its corner at `corner_at`, where floats may be no closer than `least`.
+Mesh deep_mesh(float size = 1.f, glm::vec3 corner_at = glm::vec3(0.f), float least = 0.f) {
+    Mesh mesh;
+    const auto add = [&](glm::vec3 at, float edge) {
+        const auto base = std::uint32_t(mesh.positions.size());
+        at = corner_at + size * at, edge = std::max(size * edge, least);
+        mesh.positions.insert(mesh.positions.end(), {at, at + glm::vec3(edge, 0, 0), at + glm::vec3(0, edge, 0)});
+        mesh.triangles.emplace_back(base, base + 1, base + 2);
+    };
+    for (int k = 0; k < 21; ++k)
+        for (int corner = 1; corner < 8; ++corner)
+            add(glm::vec3(corner & 1, corner >> 1 & 1, corner >> 2) * std::exp2(-float(k)), std::exp2(-float(k) - 8.f));
+    for (int copy = 0; copy < 4096; ++copy) add(glm::vec3(0), 1e-9f);
+    return mesh;
+}
+
+/// At its triangles, but for the equal ones.
+std::vector<Ray> rays_into(const Mesh& mesh, std::size_t count, std::uint64_t seed, float scene_size = 1.f,
+                           glm::vec3 corner_at = glm::vec3(0.f)) {
+    Random random(seed);
+    std::vector<Ray> rays;
+    for (std::size_t i = 0; i < count; ++i) {
+        const glm::uvec3 t = mesh.triangles[random.below(147)];
+        const glm::vec3 a = mesh.positions[t.x], target = (a + mesh.positions[t.y] + mesh.positions[t.z]) / 3.f;
+        const float size = mesh.positions[t.y].x - a.x;
+        glm::vec3 origin = corner_at + scene_size * glm::vec3(random.uniform(-1, 2), random.uniform(-1, 2), 3.f),
+                  direction = target - origin;
+        if (i % 2)  // from nearby, where float32 can aim
+            origin = target + size * (random.in_cube(0.5f) + glm::vec3(0, 0, 1)),
+            direction = {random.uniform(-0.2f, 0.2f), random.uniform(-0.2f, 0.2f), -1};
+        rays.push_back(make_ray(origin, direction));
+    }
+    return rays;
+}
+
+void stack_depth(Run& run, const Mesh& mesh, const std::vector<Ray>& rays, const std::string& at) {
+    const Oracle oracle(std::span(&mesh, 1));
+    for (const auto& [layout, layout_name] : layouts) {
+        const Bvh bvh = Bvh::build(run.device(), std::span(&mesh, 1), {.layout = layout});
+        const std::string name = layout_name + at;
+        if (faults_of(bvh) > 0) run.failure("the tree is not sound" + at);
+        run.check("faults of the tree, " + name, 1, faults_of(bvh), 0, "faults");
+        run.check("height over the stack, " + name, 1, bvh.header().height, CLARAY_MAX_HEIGHT, "levels");
+        if (bvh.header().height < 70) run.check("height that was provoked, " + name, 1, 1, 0, "");
+        const auto hits = closest_hit(bvh, rays);
+        const Oracle::Verdict verdict = oracle.judge(rays, hits);
+        if (verdict.wrong)
+            run.failure(name + ", " + to_string(verdict.first_fault) + ": " + text_of(rays[verdict.first_wrong]));
+        run.check("wrong hits, " + name, rays.size(), double(verdict.wrong), 0, "rays");
+    }
+}
+
+}  // namespace
+
+void stack_depth(Run& run) {
+    const Mesh mesh = deep_mesh();
+    stack_depth(run, mesh, rays_into(mesh, run.count<std::size_t>(10'000, 200'000), run.seed() + 32), "");
+    // Between half a million and a million floats are sixteenths: of 2^19 that is enough for 21 levels a coordinate.
+    const glm::vec3 corner(0x1p19f, -0x1p20f, 0x1p19f);
+    const Mesh far = deep_mesh(0x1p19f, corner, 0x1p-4f);
+    auto rays = rays_into(far, run.count<std::size_t>(1000, 50'000), run.seed() + 36, 0x1p19f, corner);
+    stack_depth(run, far, rays, " at 1e6");
+}
+
+/// The bottom-up build is a lock-free algorithm: without a fence at device scope it fails now and then, on large trees.
+void rebuilds(Run& run) {
+    const Mesh mesh = soup(run.count<std::size_t>(20'011, 200'003), 0.02f, run.seed() + 5);
+    const int total = run.count(60, 10'000);
+    for (const auto& [builder, name] : builders) {
+        if (builder == Builder::high) continue;  // from the root down, level by level
+        Bvh bvh = Bvh::build(run.device(), std::span(&mesh, 1), {.builder = builder, .layout = Layout::binary});
+        const std::string expected = bvh.hash();
+        const int every = run.count(1, 50);  // a hash reads the whole tree
+        Tally sound, same;
+        for (int i = 0; i < total; ++i) {
+            bvh.rebuild();
+            sound.add(faults_of(bvh) == 0);
+            if (i % every == 0) same.add(bvh.hash() == expected);
+        }
+        if (sound.wrong) run.failure(std::string(name) + ": rebuild " + std::to_string(sound.first) + " is not sound");
+        if (same.wrong)
+            run.failure(std::string(name) + ": another tree at rebuild " +
+                        std::to_string(same.first * std::uint64_t(every)));
+        run.check(std::string("rebuilds that are not sound, ") + name, sound.tried, double(sound.wrong), 0, "trees");
+        run.check(std::string("rebuilds with another hash, ") + name, same.tried, double(same.wrong), 0, "trees");
+    }
+}
+
+}  // namespace claray::verify

@@ -1,0 +1,59 @@
+// Keys by which rays in any order are sorted, so that neighbours start and run alike: where they start, in cells of the scene's box
+// along Morton's curve, then where they run, in cells of the octahedral map.
+#include "trace/packets/columns.clh"
+
+#define RAYS_PER_ITEM 1024
+#define START_BITS 5      // an axis
+#define DIRECTION_BITS 8
+#define SAMPLES 256
+#define NEAR 0.02f        // starts that are alike, relative to the scene
+
+/// Bits of a number of up to 8, every other one, and of one of up to 5, every third one.
+static inline uint16 every_second(uint16 x) {
+    x = (x | (x << 4)) & 0x0f0fu;
+    x = (x | (x << 2)) & 0x3333u;
+    return (x | (x << 1)) & 0x5555u;
+}
+static inline uint16 every_third(uint16 x) {
+    x = (x | (x << 8)) & 0x100fu;
+    x = (x | (x << 4)) & 0x10c3u;
+    return (x | (x << 2)) & 0x1249u;
+}
+
+static inline uint16 start_cell(float16 x, float low, float high) {
+    return every_third(cells16((x - low) * ((float)(1 << START_BITS) / (high - low)), (1u << START_BITS) - 1));
+}
+static inline uint16 direction_cell(float16 x) {
+    return every_second(cells16((x + 1.0f) * (float)(1 << (DIRECTION_BITS - 1)), (1u << DIRECTION_BITS) - 1));
+}
+
+kernel void ray_keys(global const BvhHeader* header, global const Ray* rays, uint count, global uint* keys) {
+    const uint begin = (uint)get_global_id(0) * RAYS_PER_ITEM;
+    for (uint at = begin; at < count && at - begin < RAYS_PER_ITEM; at += 16) {
+        uint order[16];
+        for (uint i = 0; i < 16; ++i) order[i] = min(at + i, count - 1);
+        const Columns16 o = columns_of_rays(rays, order, 0), d = columns_of_rays(rays, order, 1);
+        float16 x, y;
+        octahedral16(d.x, d.y, d.z, &x, &y);
+        const uint16 start = start_cell(o.x, header->lox, header->hix) << 2 | start_cell(o.y, header->loy, header->hiy) << 1 |
+                             start_cell(o.z, header->loz, header->hiz);
+        const uint16 key = start << (2 * DIRECTION_BITS) | direction_cell(x) << 1 | direction_cell(y);
+        for (uint i = 0; i < 16 && at + i < count; ++i) keys[at + i] = ((const uint*)&key)[i];
+    }
+}
+
+/// Sets queue[2] to 1 where half of the rays and more have nothing in common with the next one: another direction, and a start
+/// elsewhere. (Rays that leave a surface in all directions have neighbours near them, and are as fast unsorted.) One item.
+kernel void sample_order(global const BvhHeader* header, global const Ray* rays, uint count, global uint* queue) {
+    const float near = NEAR * max(max(header->hix - header->lox, header->hiy - header->loy), header->hiz - header->loz);
+    uint unlike = 0;
+    for (uint sample = 0; count > 1 && sample < SAMPLES; ++sample) {
+        const uint i = (uint)((ulong)(count - 1) * sample / SAMPLES);
+        const Ray a = rays[i], b = rays[i + 1];
+        const float3 p = (float3)(a.dx, a.dy, a.dz), q = (float3)(b.dx, b.dy, b.dz);
+        const float along = dot(p, q), apart = max(max(fabs(a.ox - b.ox), fabs(a.oy - b.oy)), fabs(a.oz - b.oz));
+        const bool same_way = along > 0.0f && along * along > 0.8f * dot(p, p) * dot(q, q);
+        unlike += !same_way && (apart == 0.0f || apart > near);
+    }
+    queue[2] = 2 * unlike >= SAMPLES;
+}

@@ -1,0 +1,73 @@
+// The clustering builder: bvh/hploc.cl.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/bvh/support.hpp"
+#include "tests/support/meshes.hpp"
+
+namespace claray::test {
+namespace {
+
+Bvh cluster(const Mesh& mesh, unsigned bits = 63) { return build(mesh, bits, Layout::binary, Builder::balanced); }
+
+TEST(Clustering, IsValidAtEverySize) {
+    for (const unsigned bits : {30u, 63u})
+        for (const std::size_t count : {0u, 1u, 2u, 3u, 15u, 16u, 17u, 31u, 32u, 33u, 34u, 257u, 1000u, 5003u}) {
+            const Mesh mesh = soup(count, 0.05f, count);
+            const Bvh bvh = cluster(mesh, bits);
+            SCOPED_TRACE(testing::Message() << count << " triangles, " << bits << " bits");
+            expect_valid(bvh);
+            EXPECT_EQ(bvh.header().valid, count);
+            if (count == 0) continue;
+            const Bounds bounds = bounds_of(mesh);
+            EXPECT_EQ(glm::vec3(bvh.header().lox, bvh.header().loy, bvh.header().loz), bounds.lo);
+            EXPECT_EQ(glm::vec3(bvh.header().hix, bvh.header().hiy, bvh.header().hiz), bounds.hi);
+        }
+}
+
+TEST(Clustering, IsTheSameTreeEveryTime) {
+    const Mesh mesh = soup(20'011, 0.02f, 5);
+    Bvh bvh = cluster(mesh);
+    const std::string hash = bvh.hash();
+    for (int i = 0; i < 20; ++i) {
+        bvh.rebuild();
+        ASSERT_EQ(bvh.hash(), hash) << "rebuild " << i;
+    }
+}
+
+/// Large among small, as walls among ornaments: the case that Morton codes, blind to size, do badly.
+TEST(Clustering, GivesBetterTrees) {
+    Mesh mesh = soup(20'000, 0.005f, 6);
+    const Mesh walls = soup(1000, 0.7f, 7);
+    const auto base = std::uint32_t(mesh.positions.size());
+    mesh.positions.insert(mesh.positions.end(), walls.positions.begin(), walls.positions.end());
+    for (const glm::uvec3 t : walls.triangles) mesh.triangles.push_back(t + base);
+    EXPECT_LT(cluster(mesh).statistics().sah_cost, 0.7 * build(mesh).statistics().sah_cost);
+}
+
+TEST(Clustering, EqualTrianglesGiveALowTree) {
+    Mesh mesh = soup(1, 0.5f, 1);
+    for (const auto& [count, height] : {std::pair(24u, 6u), std::pair(10'000u, 20u)}) {
+        mesh.triangles.assign(count, glm::uvec3(0, 1, 2));
+        const Bvh bvh = cluster(mesh);
+        expect_valid(bvh);
+        EXPECT_LE(bvh.header().height, height);
+    }
+}
+
+/// Triangles each twice as large as the one before are nearest to their predecessors: clustering would give a chain.
+TEST(Clustering, GivesWayToTheFastTreeWhereItWouldBeTooHigh) {
+    Mesh mesh;
+    for (std::uint32_t i = 0; i < 400; ++i) {
+        const float s = std::exp2(float(i % 100) - 50.f) * (1 + float(i) * 1e-4f);
+        mesh.positions.insert(mesh.positions.end(), {{s, 0, 0}, {0, s, 0}, {0, 0, s}});
+        mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+    }
+    const Bvh bvh = cluster(mesh);
+    expect_valid(bvh);
+    EXPECT_LE(bvh.header().height, unsigned(CLARAY_MAX_HEIGHT));
+}
+
+}  // namespace
+}  // namespace claray::test

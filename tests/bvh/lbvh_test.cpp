@@ -1,0 +1,210 @@
+// Bounds, Morton codes and hierarchy of the fast builder: bvh/bounds.cl, bvh/morton_codes.cl, bvh/lbvh.cl.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "tests/bvh/support.hpp"
+#include "tests/support/meshes.hpp"
+#include "tests/support/not_finite.hpp"
+
+namespace claray::test {
+namespace {
+
+/// bits + ceil(log2 N): each level consumes a bit of the code or of the index.
+unsigned height_bound(unsigned bits, std::size_t triangles) { return bits + unsigned(std::bit_width(triangles)); }
+
+TEST(Bvh, IsValidAtEverySize) {
+    for (const unsigned bits : {30u, 63u})
+        for (const std::size_t count : {0u, 1u, 2u, 3u, 4u, 5u, 31u, 64u, 257u, 1000u, 5003u}) {
+            const Mesh mesh = soup(count, 0.05f, count);
+            const Bvh bvh = build(mesh, bits);
+            SCOPED_TRACE(testing::Message() << count << " triangles, " << bits << " bits");
+            expect_valid(bvh);
+            const BvhHeader header = bvh.header();
+            EXPECT_EQ(header.valid, count);
+            EXPECT_EQ(header.culled, 0u);
+            EXPECT_LE(header.height, height_bound(bits, count));
+            if (count == 0) {
+                EXPECT_EQ(header.root, CLARAY_NO_CHILD);
+                continue;
+            }
+            const Bounds bounds = bounds_of(mesh);
+            EXPECT_EQ(glm::vec3(header.lox, header.loy, header.loz), bounds.lo);
+            EXPECT_EQ(glm::vec3(header.hix, header.hiy, header.hiz), bounds.hi);
+        }
+}
+
+TEST(Bvh, IsTheSameTreeEveryTime) {
+    Bvh bvh = build(soup(20'011, 0.02f, 5));
+    const std::string hash = bvh.hash();
+    for (int i = 0; i < 50; ++i) {
+        bvh.rebuild();
+        ASSERT_EQ(bvh.hash(), hash) << "rebuild " << i;
+    }
+    EXPECT_NE(build(soup(20'011, 0.02f, 6)).hash(), hash);
+}
+
+TEST(Bvh, TakesAnyNumberOfEqualTriangles) {
+    Mesh mesh = soup(1, 0.5f, 1);
+    mesh.triangles.assign(10'000, glm::uvec3(0, 1, 2));
+    for (const unsigned bits : {30u, 63u}) {
+        const Bvh bvh = build(mesh, bits);
+        expect_valid(bvh);
+        EXPECT_EQ(bvh.header().height, 12u);  // balanced by index, to leaves of four: ceil(log2 10000) - 2
+    }
+}
+
+TEST(Bvh, TakesPlanarAndCollinearScenes) {
+    Mesh planar = grid(40), line;
+    for (int i = 0; i < 1000; ++i) {
+        const float x = float(i);
+        line.positions.insert(line.positions.end(), {{x, 0, 0}, {x + 1, 0, 0}, {x + 2, 0, 0}});
+        line.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+    }
+    expect_valid(build(planar));
+    expect_valid(build(line));
+}
+
+TEST(Bvh, CullsJunkAndKeepsIndices) {
+    const Mesh clean = soup(1000, 0.05f, 3);
+    Mesh dirty = clean;
+    const auto junk = std::uint32_t(dirty.positions.size());
+    dirty.positions.insert(dirty.positions.end(),
+                           {{nan, 0, 0}, {0, infinity, 0}, {1e30f, 0, 0}, {0, 0, -infinity}, {-3e38f, 0, 0}});
+    for (std::uint32_t bad = 0; bad < 5; ++bad) dirty.triangles.emplace_back(0, 1, junk + bad);
+    dirty.triangles.emplace_back(4, 4, 5);  // two equal vertices
+    const Bvh bvh = build(dirty);
+    expect_valid(bvh);
+    EXPECT_EQ(bvh.header().valid, 1000u);
+    EXPECT_EQ(bvh.header().culled, 6u);
+    EXPECT_EQ(bvh.hash(), build(clean).hash());
+}
+
+TEST(Bvh, CullsEverythingIfNothingIsValid) {
+    Mesh mesh;
+    mesh.positions = {{nan, nan, nan}, {0, 0, 0}, {1, 0, 0}};
+    mesh.triangles = {{0, 1, 2}, {1, 1, 2}};
+    const Bvh bvh = build(mesh, 63, Layout::wide);
+    EXPECT_EQ(bvh.header().valid, 0u);
+    EXPECT_EQ(bvh.header().culled, 2u);
+    expect_valid(bvh);
+}
+
+TEST(Bvh, NegativeZeroIsZero) {
+    Mesh mesh = grid(4), negative = mesh;
+    for (glm::vec3& p : negative.positions) p.z = -0.0f;
+    EXPECT_EQ(build(mesh).hash(), build(negative).hash());
+}
+
+TEST(Bvh, KeepsDenormals) {
+    Mesh mesh = grid(4);
+    for (glm::vec3& p : mesh.positions) p *= 1e-41f;
+    const Bvh bvh = build(mesh);
+    expect_valid(bvh);
+    EXPECT_EQ(bvh.header().hix, 1.f * 1e-41f);
+}
+
+TEST(Bvh, RefusesIndicesOutOfRange) {
+    Mesh mesh = grid(2);
+    mesh.name = "floor";
+    mesh.triangles[3].y = 9;
+    try {
+        (void)build(mesh);
+        FAIL();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::user);
+        EXPECT_STREQ(error.what(), "mesh 0 'floor', triangle 3: vertex 9 of 9 does not exist");
+    }
+}
+
+TEST(Bvh, RefusesOtherCodes) { EXPECT_THROW((void)build(grid(2), 42), Error); }
+
+double half_area(const glm::dvec3& e) { return e.x * e.y + e.y * e.z + e.z * e.x; }
+
+TEST(Bvh, SahCostEqualsTheHosts) {
+    const Bvh bvh = build(soup(3001, 0.05f, 9));
+    const BvhHeader header = bvh.header();
+    double cost = 0;
+    const std::vector<BvhNode> nodes = bvh.nodes().read();
+    for (const BvhNode& n : std::span(nodes).first(header.valid - 1)) {
+        if (n.child0 == CLARAY_NO_CHILD) continue;  // a number that is free
+        const glm::dvec3 lo0(n.lo0x, n.lo0y, n.lo0z), hi0(n.hi0x, n.hi0y, n.hi0z), lo1(n.lo1x, n.lo1y, n.lo1z),
+            hi1(n.hi1x, n.hi1y, n.hi1z);
+        cost += half_area(glm::max(hi0, hi1) - glm::min(lo0, lo1));
+        if (n.child0 & CLARAY_LEAF) cost += half_area(hi0 - lo0) * CLARAY_LEAF_COUNT(n.child0);
+        if (n.child1 & CLARAY_LEAF) cost += half_area(hi1 - lo1) * CLARAY_LEAF_COUNT(n.child1);
+    }
+    cost /= half_area({header.hix - header.lox, header.hiy - header.loy, header.hiz - header.loz});
+    EXPECT_NEAR(bvh.statistics().sah_cost / cost, 1.0, 1e-5);
+}
+
+TEST(Bvh, LeavesFollowTheMortonCurve) {
+    const Mesh mesh = soup(2000, 0.f, 4);  // points: centroid is vertex ... but two equal vertices are culled
+    EXPECT_EQ(build(mesh).header().valid, 0u);
+
+    const Bvh bvh = build(soup(2000, 0.001f, 4));
+    const std::vector<BvhNode> nodes = bvh.nodes().read();
+    // In-order traversal of the tree meets the leaves from first to last.
+    std::vector<std::uint32_t> stack = {bvh.header().root};
+    std::uint32_t next = 0;
+    while (!stack.empty()) {
+        const std::uint32_t child = stack.back();
+        stack.pop_back();
+        if (child & CLARAY_LEAF) {
+            ASSERT_EQ(child & CLARAY_SLOT, next);
+            next += CLARAY_LEAF_COUNT(child);
+            continue;
+        }
+        stack.push_back(nodes[child].child1);
+        stack.push_back(nodes[child].child0);
+    }
+    EXPECT_EQ(next, 2000u);
+}
+
+/// Cells are cubes: what is a hundred times as wide as high is split along, not across, for twelve levels and more.
+TEST(Bvh, SplitsFlatScenesAlong) {
+    Mesh mesh = soup(20'000, 1e-4f, 3);
+    for (glm::vec3& position : mesh.positions) position.x *= 100.f, position.y *= 100.f;
+    const Bvh bvh = build(mesh);
+    const std::vector<BvhNode> nodes = bvh.nodes().read();
+    std::vector<std::pair<std::uint32_t, int>> stack = {{bvh.header().root, 0}};
+    while (!stack.empty()) {
+        const auto [child, level] = stack.back();
+        stack.pop_back();
+        if ((child & CLARAY_LEAF) != 0 || level == 12) continue;
+        const BvhNode& n = nodes[child];
+        const float apart =
+            std::max(std::max(n.lo1x - n.hi0x, n.lo0x - n.hi1x), std::max(n.lo1y - n.hi0y, n.lo0y - n.hi1y));
+        ASSERT_GT(apart, -0.05f) << "level " << level;
+        stack.insert(stack.end(), {{n.child0, level + 1}, {n.child1, level + 1}});
+    }
+}
+
+/// Node i splits between leaves i and i + 1, and no other place in its range has a higher differing bit.
+TEST(Bvh, SplitsWhereTheHighestBitDiffers) {
+    const Bvh bvh = build(soup(3000, 0.01f, 8));
+    const std::vector<BvhNode> nodes = bvh.nodes().read();
+    struct Range {
+        std::uint32_t child, first, last;
+    };
+    std::vector<Range> stack = {{bvh.header().root, 0, 2999}};
+    while (!stack.empty()) {
+        const auto [child, first, last] = stack.back();
+        stack.pop_back();
+        if (child & CLARAY_LEAF) {
+            ASSERT_EQ(child & CLARAY_SLOT, first);
+            ASSERT_EQ(first + CLARAY_LEAF_COUNT(child) - 1, last);
+            continue;
+        }
+        ASSERT_LE(first, child);
+        ASSERT_LT(child, last);
+        stack.push_back({nodes[child].child0, first, child});
+        stack.push_back({nodes[child].child1, child + 1, last});
+        ASSERT_EQ(nodes[child].height_count & CLARAY_COUNT_LIMIT, last - first + 1);
+    }
+}
+
+}  // namespace
+}  // namespace claray::test

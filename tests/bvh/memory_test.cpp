@@ -1,0 +1,166 @@
+// Memory: a build says what it takes before it takes it, and is refused before any work where there is too little.
+#include "host/compute/memory.hpp"
+
+#include "claray/query.hpp"
+#include "host/compute/device_state.hpp"
+#include "tests/bvh/support.hpp"
+#include "tests/support/device.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/meshes.hpp"
+#include "tests/support/process.hpp"
+
+namespace claray::test {
+namespace {
+
+class Memory : public testing::Test {
+protected:
+    /// Lets the device have as much memory beyond what is in use.
+    void leave(std::uint64_t bytes) { device_.state().info.memory = bytes_in_use(device_) + bytes; }
+    [[nodiscard]] std::uint64_t needed(const Bvh::Config& config) const {
+        return Bvh::memory_needed(device_, mesh_.positions.size(), mesh_.triangles.size(), config).bytes;
+    }
+    [[nodiscard]] Bvh build(const Bvh::Config& config) const {
+        return Bvh::build(device_, std::span(&mesh_, 1), config);
+    }
+    Mesh mesh_ = soup(3000, 0.1f, 4);
+    Device device_ = Device::open(std::to_string(device().info().index));  // with a size of its own
+};
+
+std::vector<Bvh::Config> all_configs() {
+    std::vector<Bvh::Config> configs;
+    for (const Builder builder : {Builder::fast, Builder::balanced})
+        for (const Layout layout : {Layout::binary, Layout::wide})
+            for (const unsigned bits : {30u, 63u})
+                configs.push_back({.builder = builder, .morton_bits = bits, .layout = layout});
+    return configs;
+}
+
+TEST_F(Memory, NeededIsWhatIsTaken) {
+    for (const Bvh::Config& config : all_configs()) {
+        const std::uint64_t before = bytes_in_use(device_);
+        {
+            const Bvh bvh = build(config);
+            EXPECT_EQ(bytes_in_use(device_) - before, needed(config));
+        }
+        EXPECT_EQ(bytes_in_use(device_), before) << "all is given back";
+    }
+}
+
+TEST_F(Memory, ExactlyEnoughIsEnough) {
+    for (const Bvh::Config& config : all_configs()) {
+        leave(needed(config));
+        EXPECT_NO_THROW((void)build(config));
+    }
+}
+
+TEST_F(Memory, TooLittleIsRefusedBeforeAnyWork) {
+    for (const Bvh::Config& config : all_configs()) {
+        leave(needed(config) - 1);
+        const std::uint64_t before = bytes_in_use(device_);
+        device_.finish();
+        device_.profiler().reset();
+        EXPECT_TRUE(throws_error(ErrorKind::device,
+                                 "out of device memory: a tree of 3000 triangles needs " + size_text(needed(config)) +
+                                     " on " + device_.info().name + ", which has " +
+                                     size_text(bytes_available(device_)) + " of its " +
+                                     size_text(device_.info().memory),
+                                 [&] { (void)build(config); }));
+        EXPECT_TRUE(device_.profiler().summary().empty()) << "nothing was uploaded or run";
+        EXPECT_EQ(bytes_in_use(device_), before);
+    }
+}
+
+TEST_F(Memory, TheRemedyHelps) {
+    const Bvh::Config least = {.builder = Builder::fast, .morton_bits = 30, .layout = Layout::binary};
+    const Bvh::Config most = {.builder = Builder::balanced, .morton_bits = 63, .layout = Layout::wide};
+    leave(needed(least));
+    EXPECT_TRUE(throws_error(
+        ErrorKind::device,
+        "; choose the builder fast, the binary layout and codes of 30 bits, which take " + size_text(needed(least)),
+        [&] { (void)build(most); }));
+    EXPECT_NO_THROW((void)build(least));
+    leave(needed(least) - 1);
+    EXPECT_TRUE(throws_error(ErrorKind::device, "; use fewer triangles", [&] { (void)build(most); }));
+    EXPECT_TRUE(throws_error(ErrorKind::device, "; use fewer triangles", [&] { (void)build(least); }));
+}
+
+TEST_F(Memory, TrianglesOnTheDeviceAreNotCountedTwice) {
+    const Bvh::Config config = {.layout = Layout::binary};
+    const Bvh first = build(config);
+    const TriangleBuffers triangles = first.triangles();
+    const std::uint64_t more = needed(config) - triangles.positions.bytes() - triangles.indices.bytes();
+    leave(more);
+    EXPECT_NO_THROW((void)Bvh::build(device_, triangles, config));
+    leave(more - 1);
+    EXPECT_TRUE(throws_error(ErrorKind::device, "needs " + size_text(more),
+                             [&] { (void)Bvh::build(device_, triangles, config); }));
+}
+
+TEST_F(Memory, LoadingIsRefusedToo) {
+    const TemporaryFolder folder;
+    const Bvh::Config config = {.layout = Layout::binary};
+    build(config).save(folder / "tree.cbvh");
+    leave(needed(config) - 1);
+    EXPECT_TRUE(throws_error(ErrorKind::device, "a tree of 3000 triangles needs",
+                             [&] { (void)Bvh::load(device_, folder / "tree.cbvh", Layout::binary); }));
+    leave(needed(config));
+    EXPECT_EQ(Bvh::load(device_, folder / "tree.cbvh", Layout::binary).triangle_count(), 3000u);
+}
+
+TEST_F(Memory, LargestBufferIsForTheDriverToDecide) {
+    // Promises less than it gives: what it gives is used.
+    device_.state().info.max_allocation = 1000;
+    EXPECT_TRUE(gives_buffer(device_, 100'000));
+    EXPECT_NO_THROW((void)build({}));
+    // What it does not give is refused before any work, though there is memory in all.
+    device_.state().info = device().info();
+    device_.state().info.memory = std::uint64_t(1) << 62;
+    TriangleBuffers triangles;
+    {
+        const MemoryPlan plan(device_);
+        triangles.positions = Buffer<float>(device_, 300);
+        triangles.indices = Buffer<std::uint32_t>(device_, 3 * (device_.info().max_allocation / sizeof(BvhNode) + 1));
+    }
+    if (triangles.indices.size() / 3 >= (1u << 29) - 2 || gives_buffer(device_, device_.info().max_allocation + 64))
+        GTEST_SKIP() << "no such buffer on this device";
+    EXPECT_TRUE(throws_error(ErrorKind::device, " triangles needs a buffer of ",
+                             [&] { (void)Bvh::build(device_, triangles); }));
+    EXPECT_TRUE(throws_error(ErrorKind::device, "gives at most " + size_text(device_.info().max_allocation) + " in one",
+                             [&] { (void)Bvh::build(device_, triangles); }));
+}
+
+TEST_F(Memory, BuffersAreCountedWhileTheyLive) {
+    const std::uint64_t before = bytes_in_use(device_);
+    {
+        const Buffer<float> buffer(device_, 1000);
+        EXPECT_EQ(bytes_in_use(device_) - before, 4000u);
+        const Buffer<float> same = buffer;
+        EXPECT_EQ(bytes_in_use(device_) - before, 4000u);
+        Buffer<char> grows;
+        grows.reserve(device_, 10);
+        grows.reserve(device_, 20);
+        EXPECT_EQ(bytes_in_use(device_) - before, 4020u);
+        leave(99);
+        EXPECT_TRUE(throws_error(ErrorKind::device, "out of device memory: a buffer of 0.0 MB is needed",
+                                 [&] { (void)Buffer<char>(device_, 100); }));
+    }
+    EXPECT_EQ(bytes_in_use(device_), before);
+}
+
+TEST_F(Memory, PlansMakeNothing) {
+    const std::uint64_t before = bytes_in_use(device_);
+    {
+        const MemoryPlan plan(device_);
+        const Buffer<double> buffer(device_, std::size_t(1) << 50);
+        EXPECT_FALSE(buffer.allocated());
+        const Buffer<char> none(device_, 0);
+        EXPECT_EQ(plan.bytes(), (std::uint64_t(1) << 53) + 1);
+        EXPECT_EQ(plan.largest(), std::uint64_t(1) << 53);
+        EXPECT_TRUE(throws_error(ErrorKind::usage, "within another", [&] { const MemoryPlan inner(device_); }));
+    }
+    EXPECT_EQ(bytes_in_use(device_), before);
+    EXPECT_TRUE(Buffer<char>(device_, 1).allocated());
+}
+
+}  // namespace
+}  // namespace claray::test

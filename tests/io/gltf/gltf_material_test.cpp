@@ -1,0 +1,477 @@
+// glTF: materials, textures, and files that are broken.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "claray/io.hpp"
+#include "tests/io/expect_error.hpp"
+#include "tests/io/gltf/gltf_builder.hpp"
+#include "tests/io/image/encoded_images.hpp"
+#include "tests/io/temporary_folder.hpp"
+
+#if CLARAY_WITH_WEBP
+#include <webp/encode.h>
+#endif
+
+namespace claray {
+namespace {
+
+using test::expect_error;
+using test::from_base64;
+using test::GltfBuilder;
+using test::json;
+using test::TemporaryFolder;
+
+const std::string rgba_uri = std::string("data:image/png;base64,") + test::png_rgba;
+const std::string palette_uri = std::string("data:image/png;base64,") + test::png_palette;
+
+class GltfMaterial : public ::testing::Test {
+protected:
+    GltfMaterial() { builder.triangle({{"material", 0}}); }
+
+    Scene load(const json& material) {
+        builder.root["materials"] = {material};
+        warnings.clear();
+        return load_gltf(folder.file("scene.gltf", builder.gltf()), warnings);
+    }
+    void refuse(const json& material, std::initializer_list<std::string> words) {
+        expect_error(ErrorKind::user, words, [&] { static_cast<void>(load(material)); });
+    }
+    static json base_texture(const json& info) { return {{"pbrMetallicRoughness", {{"baseColorTexture", info}}}}; }
+
+    TemporaryFolder folder;
+    GltfBuilder builder;
+    Warnings warnings;
+};
+
+TEST_F(GltfMaterial, Factors) {
+    const Material m =
+        load({{"name", "paint"},
+              {"doubleSided", true},
+              {"emissiveFactor", {0.1, 0.2, 0.3}},
+              {"alphaMode", "MASK"},
+              {"alphaCutoff", 0.25},
+              {"pbrMetallicRoughness",
+               {{"baseColorFactor", {0.5, 0.25, 0.125, 0.75}}, {"metallicFactor", 0.5}, {"roughnessFactor", 0.25}}}})
+            .materials.at(0);
+    EXPECT_EQ(m.name, "paint");
+    EXPECT_EQ(m.kind, MaterialKind::principled);
+    EXPECT_EQ(m.albedo, glm::vec3(0.5f, 0.25f, 0.125f));
+    EXPECT_EQ(m.opacity, 0.75f);
+    EXPECT_EQ(m.metallic, 0.5f);
+    EXPECT_EQ(m.roughness, 0.25f);
+    EXPECT_EQ(m.emission, glm::vec3(0.1f, 0.2f, 0.3f));
+    EXPECT_EQ(m.alpha_mode, AlphaMode::mask);
+    EXPECT_EQ(m.alpha_cutoff, 0.25f);
+    EXPECT_FALSE(m.cull_back);
+    EXPECT_EQ(load({{"alphaMode", "BLEND"}}).materials.at(0).alpha_mode, AlphaMode::blend);
+    EXPECT_EQ(load({{"alphaMode", "OPAQUE"}}).materials.at(0).alpha_mode, AlphaMode::opaque);
+    EXPECT_EQ(load({{"name", "plain"}}).materials.at(0).ior, 1.5f);
+}
+
+TEST_F(GltfMaterial, Extensions) {
+    const Material m =
+        load({{"emissiveFactor", {1, 0.5, 0}},
+              {"extensions",
+               {{"KHR_materials_emissive_strength", {{"emissiveStrength", 10}}},
+                {"KHR_materials_ior", {{"ior", 1.33}}},
+                {"KHR_materials_transmission", {{"transmissionFactor", 0.9}}},
+                {"KHR_materials_volume",
+                 {{"thicknessFactor", 1}, {"attenuationDistance", 2}, {"attenuationColor", {0.1, 0.2, 0.3}}}},
+                {"KHR_materials_clearcoat", {{"clearcoatFactor", 0.5}, {"clearcoatRoughnessFactor", 0.25}}}}}})
+            .materials.at(0);
+    EXPECT_EQ(m.emission, glm::vec3(10, 5, 0));
+    EXPECT_FLOAT_EQ(m.ior, 1.33f);
+    EXPECT_FLOAT_EQ(m.transmission, 0.9f);
+    EXPECT_FALSE(m.cull_back) << "rays leave a solid by its backs";
+    EXPECT_EQ(m.attenuation, glm::vec3(0.1f, 0.2f, 0.3f));
+    EXPECT_EQ(m.attenuation_distance, 2.f);
+    EXPECT_EQ(m.clearcoat, 0.5f);
+    EXPECT_EQ(m.clearcoat_roughness, 0.25f);
+    EXPECT_FALSE(m.thin_walled);
+    for (const json& volume : {json::object(), json{{"thicknessFactor", 0}}}) {
+        const Scene pane =
+            load({{"name", "pane"},
+                  {"extensions",
+                   {{"KHR_materials_transmission", {{"transmissionFactor", 1}}}, {"KHR_materials_volume", volume}}}});
+        EXPECT_TRUE(pane.materials.at(0).thin_walled);
+        EXPECT_TRUE(pane.materials.at(0).cull_back) << "a wall has the sides that doubleSided says";
+    }
+    EXPECT_EQ(load({{"extensions", {{"KHR_materials_volume", json::object()}}}}).materials.at(0).attenuation_distance,
+              0.f)
+        << "infinite is none";
+}
+
+TEST_F(GltfMaterial, EveryTexture) {
+    for (int i = 0; i < 7; ++i) builder.texture(rgba_uri);
+    const auto t = [](int i) { return json{{"index", i}}; };
+    const Scene scene =
+        load({{"pbrMetallicRoughness", {{"baseColorTexture", t(0)}, {"metallicRoughnessTexture", t(1)}}},
+              {"normalTexture", {{"index", 2}, {"scale", 0.5}}},
+              {"emissiveTexture", t(3)},
+              {"emissiveFactor", {1, 1, 1}},
+              {"occlusionTexture", t(6)},
+              {"extensions",
+               {{"KHR_materials_transmission", {{"transmissionFactor", 1}, {"transmissionTexture", t(4)}}},
+                {"KHR_materials_clearcoat",
+                 {{"clearcoatFactor", 1}, {"clearcoatTexture", t(5)}, {"clearcoatRoughnessTexture", t(6)}}}}}});
+    const Material& m = scene.materials.at(0);
+    ASSERT_EQ(scene.textures.size(), 7u);
+    EXPECT_EQ(m.albedo_map.texture, 0u);
+    EXPECT_EQ(scene.textures[0].format, TexelFormat::srgb8);
+    EXPECT_EQ(scene.textures[m.metallic_roughness_map.texture].format, TexelFormat::linear8);
+    EXPECT_EQ(scene.textures[m.normal_map.texture].format, TexelFormat::linear8);
+    EXPECT_EQ(m.normal_scale, 0.5f);
+    EXPECT_EQ(scene.textures[m.emission_map.texture].format, TexelFormat::srgb8);
+    EXPECT_EQ(scene.textures[m.transmission_map.texture].format, TexelFormat::linear8);
+    EXPECT_EQ(scene.textures[m.clearcoat_map.texture].format, TexelFormat::linear8);
+    EXPECT_TRUE(m.clearcoat_roughness_map.used());
+    EXPECT_EQ(scene.textures[0].bytes[3], 255u);
+    EXPECT_EQ(scene.textures[0].bytes[13], 20u);
+}
+
+TEST_F(GltfMaterial, OnlyWhatIsReferencedIsDecoded) {
+    builder.texture("data:image/png;base64,AAAA");
+    builder.texture("gone.png");
+    builder.texture(rgba_uri);
+    const Scene scene = load({{"occlusionTexture", {{"index", 0}}},
+                              {"emissiveTexture", {{"index", 1}}},  // times an emissive factor of 0
+                              {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 2}}}}}});
+    ASSERT_EQ(scene.textures.size(), 1u);
+    EXPECT_EQ(scene.materials.at(0).albedo_map.texture, 0u);
+    EXPECT_FALSE(scene.materials.at(0).emission_map.used());
+}
+
+TEST_F(GltfMaterial, OneImageForAllWhoReadItAlike) {
+    builder.texture(rgba_uri);
+    builder.push("textures", {{"source", 0}});
+    builder.push("textures", {{"source", 0}, {"sampler", builder.push("samplers", {{"wrapS", 33071}})}});
+    builder.root["materials"] = json::array();
+    const Scene scene = load(
+        {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}, {"metallicRoughnessTexture", {{"index", 0}}}}},
+         {"emissiveTexture", {{"index", 1}}},
+         {"emissiveFactor", {1, 1, 1}},
+         {"normalTexture", {{"index", 2}}}});
+    const Material& m = scene.materials.at(0);
+    EXPECT_EQ(scene.textures.size(), 3u);
+    EXPECT_EQ(m.albedo_map.texture, m.emission_map.texture);
+    EXPECT_NE(m.albedo_map.texture, m.metallic_roughness_map.texture) << "colour and numbers";
+    EXPECT_NE(m.normal_map.texture, m.metallic_roughness_map.texture) << "another sampler";
+}
+
+TEST_F(GltfMaterial, Samplers) {
+    builder.texture(rgba_uri, {{"wrapS", 33071}, {"wrapT", 33648}, {"magFilter", 9728}, {"minFilter", 9987}});
+    const auto load_texture = [&] { return load(base_texture({{"index", 0}})).textures.at(0); };
+    EXPECT_EQ(load_texture().wrap_u, Wrap::clamp);
+    EXPECT_EQ(load_texture().wrap_v, Wrap::mirror);
+    EXPECT_EQ(load_texture().filter, Filter::nearest);
+    builder.root["samplers"][0] = {{"magFilter", 9729}, {"minFilter", 9729}};
+    EXPECT_EQ(load_texture().wrap_u, Wrap::repeat);
+    EXPECT_EQ(load_texture().filter, Filter::bilinear);
+    builder.root["samplers"][0] = {{"minFilter", 9985}};
+    EXPECT_EQ(load_texture().filter, Filter::trilinear);
+    builder.root["textures"][0].erase("sampler");
+    EXPECT_EQ(load_texture().filter, Filter::trilinear) << "left to us";
+    builder.root["textures"][0]["sampler"] = 5;
+    refuse(base_texture({{"index", 0}}), {"texture 0 refers to sampler 5 of 1"});
+    builder.root["textures"][0]["sampler"] = 0;
+    builder.root["samplers"][0] = {{"wrapS", 1}};
+    refuse(base_texture({{"index", 0}}), {"wrap mode 1"});
+}
+
+TEST_F(GltfMaterial, TextureTransformAndSecondCoordinates) {
+    builder.texture(rgba_uri);
+    json info = {
+        {"index", 0},
+        {"texCoord", 1},
+        {"extensions", {{"KHR_texture_transform", {{"offset", {0.25, 0.5}}, {"rotation", 1.5}, {"scale", {2, 3}}}}}}};
+    const TextureUse use = load(base_texture(info)).materials.at(0).albedo_map;
+    EXPECT_EQ(use.uv_set, 1u);
+    EXPECT_EQ(use.offset, glm::vec2(0.25f, 0.5f));
+    EXPECT_EQ(use.scale, glm::vec2(2.f, 3.f));
+    EXPECT_EQ(use.rotation, 1.5f);
+    info["extensions"]["KHR_texture_transform"]["texCoord"] = 0;
+    EXPECT_EQ(load(base_texture(info)).materials.at(0).albedo_map.uv_set, 0u) << "the extension wins";
+    info["extensions"]["KHR_texture_transform"]["texCoord"] = 2;
+    EXPECT_FALSE(load(base_texture(info)).materials.at(0).albedo_map.used());
+    EXPECT_EQ(warnings.size(), 2u);
+    EXPECT_NE(warnings.at(0).find("TEXCOORD_2"), std::string::npos);
+    // In an extension's own texture too.
+    info["extensions"]["KHR_texture_transform"]["texCoord"] = 1;
+    const Material m =
+        load({{"extensions",
+               {{"KHR_materials_transmission", {{"transmissionFactor", 1}, {"transmissionTexture", info}}}}}})
+            .materials.at(0);
+    EXPECT_EQ(m.transmission_map.uv_set, 1u);
+    EXPECT_EQ(m.transmission_map.scale, glm::vec2(2.f, 3.f));
+}
+
+TEST_F(GltfMaterial, TangentsAreReadForNormalMaps) {
+    builder.texture(rgba_uri);
+    json& attributes = builder.root["meshes"][0]["primitives"][0]["attributes"];
+    attributes["TANGENT"] = builder.accessor<float>("VEC4", {2, 0, 0, 1, 0, 1, 0, -1, 0, 1, 0, 1});
+    const json material = {{"normalTexture", {{"index", 0}}}};
+    EXPECT_TRUE(load(material).meshes.at(0).tangents.empty()) << "without normals they are ignored";
+    attributes["NORMAL"] = builder.accessor<float>("VEC3", {0, 0, 1, 0, 0, 1, 0, 0, 1});
+    builder.root["nodes"][0]["scale"] = {3, 1, -1};
+    const std::vector<glm::vec4> tangents = load(material).meshes.at(0).tangents;
+    EXPECT_EQ(tangents, (std::vector<glm::vec4>{{1, 0, 0, -1}, {0, 1, 0, 1}, {0, 1, 0, -1}})) << "mirrored";
+    const json brushed = {{"extensions", {{"KHR_materials_anisotropy", {{"anisotropyStrength", 1}}}}}};
+    const json coated = {
+        {"extensions",
+         {{"KHR_materials_clearcoat", {{"clearcoatFactor", 1}, {"clearcoatNormalTexture", {{"index", 0}}}}}}}};
+    EXPECT_EQ(load(brushed).meshes.at(0).tangents, tangents);
+    EXPECT_EQ(load(coated).meshes.at(0).tangents, tangents);
+}
+
+TEST_F(GltfMaterial, ImagesInBuffersAndFiles) {
+    const int view = builder.view(from_base64(test::png_palette));
+    builder.push("images", {{"bufferView", view}, {"mimeType", "image/png"}, {"name", "inner"}});
+    builder.push("images", {{"uri", "my%20image.png"}});
+    builder.push("textures", {{"source", 0}});
+    builder.push("textures", {{"source", 1}});
+    static_cast<void>(folder.file("my image.png", from_base64(test::png_rgba)));
+    EXPECT_EQ(load(base_texture({{"index", 0}})).textures.at(0).bytes[0], 200u);
+    EXPECT_EQ(load(base_texture({{"index", 0}})).textures.at(0).name, "inner");
+    EXPECT_EQ(load(base_texture({{"index", 1}})).textures.at(0).bytes[13], 20u);
+    EXPECT_EQ(load_gltf(folder.file("scene.glb", builder.glb()), warnings).textures.at(0).bytes[13], 20u);
+}
+
+/// The plain image of a texture stands in for one that can't be decoded.
+TEST_F(GltfMaterial, OtherContainersOfImages) {
+    builder.texture(palette_uri);
+    builder.push("images", {{"uri", "never-opened.ktx2"}, {"mimeType", "image/ktx2"}});
+    json& texture = builder.root["textures"][0];
+    for (const char* extension : {"KHR_texture_basisu", "EXT_texture_avif", "MSFT_texture_dds"}) {
+        texture = {{"source", 0}, {"extensions", {{extension, {{"source", 1}}}}}};
+        builder.root["extensionsUsed"] = builder.root["extensionsRequired"] = {extension};
+        EXPECT_EQ(load(base_texture({{"index", 0}})).textures.at(0).bytes[0], 200u) << extension;
+        for (const std::string& line : warnings) EXPECT_EQ(line.find(extension), std::string::npos) << line;
+        texture.erase("source");
+        refuse(base_texture({{"index", 0}}), {"scene.gltf", "texture 0", extension, "PNG or JPEG"});
+    }
+    texture = {{"source", 1}};
+    static_cast<void>(folder.file("never-opened.ktx2", "\xabKTX 20\xbb\r\n\x1a\n and more"));
+    refuse(base_texture({{"index", 0}}), {"never-opened.ktx2", "KHR_texture_basisu"});
+}
+
+#if CLARAY_WITH_WEBP
+TEST_F(GltfMaterial, WebpImages) {
+    const std::vector<std::uint8_t> pixels = {10, 20, 30, 40, 50, 60};
+    std::uint8_t* encoded = nullptr;
+    const std::size_t size = WebPEncodeLosslessRGB(pixels.data(), 2, 1, 6, &encoded);
+    const std::string bytes(reinterpret_cast<const char*>(encoded), size);
+    WebPFree(encoded);
+    builder.texture(palette_uri);
+    json& texture = builder.root["textures"][0];
+    builder.root["extensionsUsed"] = builder.root["extensionsRequired"] = {"EXT_texture_webp"};
+    texture["extensions"]["EXT_texture_webp"]["source"] =
+        builder.push("images", {{"bufferView", builder.view(bytes)}, {"mimeType", "image/webp"}});
+    EXPECT_EQ(load(base_texture({{"index", 0}})).textures.at(0).bytes, pixels);
+    builder.root["images"][1] = {{"uri", "data:image/webp;base64," + test::base64(bytes)}};
+    EXPECT_EQ(load(base_texture({{"index", 0}})).textures.at(0).bytes, pixels);
+    texture["extensions"]["EXT_texture_webp"]["source"] = 7;
+    refuse(base_texture({{"index", 0}}), {"texture 0 refers to image 7 of 2"});
+}
+#endif
+
+TEST_F(GltfMaterial, BadTextures) {
+    builder.texture("gone.png");
+    const auto with = [&](const json& image, std::initializer_list<std::string> words) {
+        builder.root["images"][0] = image;
+        refuse(base_texture({{"index", 0}}), words);
+    };
+    const std::string good = from_base64(test::png_rgba);
+    with({{"uri", "gone.png"}}, {"gone.png", "put the image beside"});
+    with({{"uri", "../up.png"}}, {"../up.png", "leaves the scene's folder"});
+    with({{"uri", "%2E%2E%2Fup.png"}}, {"../up.png", "leaves the scene's folder"});
+    with({{"uri", "/etc/passwd"}}, {"absolute"});
+    with({{"uri", "https://x.org/a.png"}}, {"URL"});
+    static_cast<void>(folder.file("cut.png", good.substr(0, 50)));
+    with({{"uri", "cut.png"}}, {"cut.png", "cut off"});
+    static_cast<void>(folder.file("text.png", "not an image"));
+    with({{"uri", "text.png"}}, {"text.png", "no PNG"});
+    with({{"uri", "data:image/png;base64,aGVsbG8="}, {"name", "broken"}}, {"image 'broken'", "no PNG"});
+    with({{"bufferView", 0}, {"mimeType", "image/png"}}, {"image 0", "no PNG"});
+    std::string huge = good;
+    huge[18] = 0x50;  // 20482 pixels wide; the checksum is wrong too
+    static_cast<void>(folder.file("huge.png", huge));
+    with({{"uri", "huge.png"}}, {"huge.png"});
+    builder.root["textures"][0]["source"] = 9;
+    refuse(base_texture({{"index", 0}}), {"texture 0 refers to image 9 of 1"});
+    builder.root["textures"][0].erase("source");
+    refuse(base_texture({{"index", 0}}), {"texture 0 has no image"});
+    refuse(base_texture({{"index", 4}}), {"material 0 refers to texture 4 of 1"});
+}
+
+TEST_F(GltfMaterial, BadValues) {
+    refuse({{"name", "paint"}, {"pbrMetallicRoughness", {{"metallicFactor", -0.5}}}},
+           {"scene.gltf", "material 'paint'", "metallic is not in 0..1"});
+    refuse({{"pbrMetallicRoughness", {{"roughnessFactor", 2}}}}, {"roughness"});
+    refuse({{"pbrMetallicRoughness", {{"baseColorFactor", {-1, 0, 0, 1}}}}}, {"albedo"});
+    refuse({{"emissiveFactor", {1e300, 0, 0}}}, {"emission"});
+    refuse({{"alphaMode", "GLASS"}}, {"material 0", "'GLASS'"});
+    refuse({{"extensions", {{"KHR_materials_ior", {{"ior", -1}}}}}}, {"refraction"});
+    refuse({{"extensions", {{"KHR_materials_volume", {{"attenuationDistance", -1}}}}}}, {"attenuation distance"});
+    refuse({{"extensions", {{"KHR_materials_sheen", {{"sheenColorFactor", {2, 0, 0}}}}}}}, {"sheen colour"});
+    refuse({{"extensions", {{"KHR_materials_anisotropy", {{"anisotropyStrength", 1.5}}}}}}, {"anisotropy"});
+    refuse({{"extensions", {{"KHR_materials_iridescence", {{"iridescenceFactor", 1}, {"iridescenceIor", 0}}}}}},
+           {"refraction of its iridescence"});
+    refuse({{"extensions", {{"KHR_materials_specular", {{"specularFactor", -1}}}}}}, {"specular weight"});
+}
+
+/// An index of refraction of 0 stands for a dielectric that reflects all light, times KHR_materials_specular's colour.
+TEST_F(GltfMaterial, NoIndexOfRefractionLeavesTheReflectanceToSpecular) {
+    const auto with = [](const json& others) {
+        json extensions = {{"KHR_materials_ior", {{"ior", 0}}}};
+        extensions.update(others);
+        return json{{"name", "old"}, {"extensions", extensions}};
+    };
+    Material m = load(with({{"KHR_materials_specular", {{"specularColorFactor", {0.5, 0.04, 0}}}}})).materials.at(0);
+    EXPECT_EQ(m.ior, 1.5f);
+    EXPECT_NEAR(m.specular_tint.x, 12.5f, 1e-5);
+    EXPECT_NEAR(m.specular_tint.y, 1.f, 1e-6);
+    EXPECT_EQ(std::count_if(warnings.begin(), warnings.end(), [](auto& w) { return w.find("refraction") != w.npos; }),
+              0);
+    m = load(with({{"KHR_materials_transmission", {{"transmissionFactor", 1}}}})).materials.at(0);
+    EXPECT_NE(warnings.at(0).find("index of refraction of 0"), std::string::npos);
+}
+
+TEST_F(GltfMaterial, Layers) {
+    for (int i = 0; i < 9; ++i) builder.texture(rgba_uri);
+    const auto t = [](int i) { return json{{"index", i}}; };
+    const Scene scene =
+        load({{"name", "layers"},
+              {"extensions",
+               {{"KHR_materials_specular",
+                 {{"specularFactor", 0.5},
+                  {"specularColorFactor", {1, 2, 3}},
+                  {"specularTexture", t(0)},
+                  {"specularColorTexture", t(1)}}},
+                {"KHR_materials_sheen",
+                 {{"sheenColorFactor", {0.1, 0.2, 0.3}},
+                  {"sheenRoughnessFactor", 0.4},
+                  {"sheenColorTexture", t(2)},
+                  {"sheenRoughnessTexture", t(3)}}},
+                {"KHR_materials_anisotropy",
+                 {{"anisotropyStrength", 0.6}, {"anisotropyRotation", -1.5}, {"anisotropyTexture", t(4)}}},
+                {"KHR_materials_iridescence",
+                 {{"iridescenceFactor", 0.7},
+                  {"iridescenceIor", 1.8},
+                  {"iridescenceThicknessMinimum", 150},
+                  {"iridescenceThicknessMaximum", 900},
+                  {"iridescenceTexture", t(5)},
+                  {"iridescenceThicknessTexture", t(6)}}},
+                {"KHR_materials_clearcoat",
+                 {{"clearcoatFactor", 1}, {"clearcoatNormalTexture", {{"index", 7}, {"scale", 0.3}}}}}}}});
+    const Material& m = scene.materials.at(0);
+    EXPECT_EQ(m.kind, MaterialKind::principled);
+    EXPECT_EQ(m.specular_weight, 0.5f);
+    EXPECT_EQ(m.specular_tint, glm::vec3(1, 2, 3));
+    EXPECT_EQ(m.sheen, glm::vec3(0.1f, 0.2f, 0.3f));
+    EXPECT_EQ(m.sheen_roughness, 0.4f);
+    EXPECT_EQ(m.anisotropy, 0.6f);
+    EXPECT_EQ(m.anisotropy_rotation, -1.5f);
+    EXPECT_EQ(m.iridescence, 0.7f);
+    EXPECT_EQ(m.iridescence_ior, 1.8f);
+    EXPECT_EQ(m.film_thickness, glm::vec2(150, 900));
+    EXPECT_EQ(m.clearcoat_normal_scale, 0.3f);
+    const auto format = [&](const TextureUse& use) { return scene.textures.at(use.texture).format; };
+    EXPECT_EQ(format(m.specular_map), TexelFormat::srgb8);
+    EXPECT_EQ(format(m.sheen_map), TexelFormat::srgb8);
+    for (const TextureUse* use : {&m.specular_weight_map, &m.sheen_roughness_map, &m.anisotropy_map, &m.iridescence_map,
+                                  &m.film_thickness_map, &m.clearcoat_normal_map})
+        EXPECT_EQ(format(*use), TexelFormat::linear8);
+    const std::vector<TextureUse> uses = {m.specular_weight_map, m.specular_map,        m.sheen_map,
+                                          m.sheen_roughness_map, m.anisotropy_map,      m.iridescence_map,
+                                          m.film_thickness_map,  m.clearcoat_normal_map};
+    for (std::size_t i = 0; i < uses.size(); ++i)
+        for (std::size_t k = 0; k < i; ++k) EXPECT_NE(uses[i].texture, uses[k].texture) << i << " and " << k;
+    EXPECT_EQ(load({{"extensions", {{"KHR_materials_sheen", json::object()}}}}).materials.at(0).sheen, glm::vec3(0.f));
+}
+
+TEST_F(GltfMaterial, UnlitIsItsBaseColor) {
+    const Material m = load({{"pbrMetallicRoughness", {{"baseColorFactor", {0.1, 0.2, 0.3, 0.4}}}},
+                             {"alphaMode", "BLEND"},
+                             {"emissiveFactor", {1, 1, 1}},
+                             {"extensions", {{"KHR_materials_unlit", json::object()}}}})
+                           .materials.at(0);
+    EXPECT_EQ(m.kind, MaterialKind::unlit);
+    EXPECT_EQ(m.albedo, glm::vec3(0.1f, 0.2f, 0.3f));
+    EXPECT_EQ(m.opacity, 0.4f);
+    EXPECT_EQ(m.alpha_mode, AlphaMode::blend);
+    EXPECT_EQ(m.emission, glm::vec3(0.f));
+}
+
+TEST_F(GltfMaterial, SpecularGlossinessIsConverted) {
+    builder.texture(rgba_uri);  // its alpha: 255 but for the last texel
+    const Scene scene = load({{"extensions",
+                               {{"KHR_materials_pbrSpecularGlossiness",
+                                 {{"diffuseFactor", {0.1, 0.2, 0.3, 0.4}},
+                                  {"specularFactor", {0.04, 0.5, 1}},
+                                  {"glossinessFactor", 0.75},
+                                  {"specularGlossinessTexture", {{"index", 0}}}}}}}});
+    const Material& m = scene.materials.at(0);
+    EXPECT_EQ(m.kind, MaterialKind::principled);
+    EXPECT_EQ(m.albedo, glm::vec3(0.1f, 0.2f, 0.3f));
+    EXPECT_EQ(m.opacity, 0.4f);
+    EXPECT_EQ(m.metallic, 0.f);
+    EXPECT_NEAR(m.specular_tint.x, 1.f, 1e-6);
+    EXPECT_NEAR(m.specular_tint.y, 12.5f, 1e-5);
+    EXPECT_EQ(scene.textures.at(m.specular_map.texture).format, TexelFormat::srgb8);
+    const Texture& rough = scene.textures.at(m.metallic_roughness_map.texture);
+    const Texture& gloss = scene.textures.at(m.specular_map.texture);
+    ASSERT_EQ(rough.channels, 3u);
+    for (std::size_t i = 0; i < 4; ++i)
+        EXPECT_NEAR(rough.bytes.at(3 * i + 1), 255 - 0.75 * gloss.bytes.at(4 * i + 3), 0.51) << i;
+    const Material plain =
+        load({{"extensions", {{"KHR_materials_pbrSpecularGlossiness", {{"glossinessFactor", 0.25}}}}}}).materials.at(0);
+    EXPECT_EQ(plain.roughness, 0.75f);
+    EXPECT_EQ(plain.albedo, glm::vec3(1.f));
+}
+
+/// Whatever happens to the bytes, the result is a sound scene or one line.
+void load_broken(const TemporaryFolder& folder, const std::string& name, const std::string& bytes) {
+    const auto path = folder.file(name, bytes);
+    try {
+        Warnings warnings;
+        validate(load_gltf(path, warnings));
+        for (const std::string& line : warnings) EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+    } catch (const Error& error) {
+        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    }
+}
+
+TEST_F(GltfMaterial, BrokenFilesNeverCrash) {
+    builder.texture(palette_uri);
+    builder.push("images", {{"bufferView", builder.view(from_base64(test::png_rgba))}, {"mimeType", "image/png"}});
+    builder.push("textures", {{"source", 1}});
+    builder.push("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 0.5}, {"znear", 0.1}}}});
+    builder.root["nodes"][0]["camera"] = 0;
+    builder.root["nodes"][0]["rotation"] = {0, 0, 0, 1};
+    builder.root["meshes"][0]["primitives"][0]["indices"] = builder.accessor<std::uint16_t>("SCALAR", {0, 1, 2});
+    static_cast<void>(load({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}},
+                            {"normalTexture", {{"index", 1}}},
+                            {"extensions", {{"KHR_materials_ior", {{"ior", 1.4}}}}}}));
+    const std::string glb = builder.glb(), gltf = builder.gltf();
+    EXPECT_NO_THROW(static_cast<void>(load_gltf(folder.file("whole.glb", glb), warnings)));
+    for (std::size_t size = 0; size < glb.size(); ++size) {
+        const auto path = folder.file("cut.glb", glb.substr(0, size));
+        expect_error(ErrorKind::user, {"cut.glb"}, [&] { static_cast<void>(load_gltf(path, warnings)); });
+    }
+    std::minstd_rand random(7);
+    for (int trial = 0; trial < 3000; ++trial) {
+        std::string broken = trial % 2 ? glb : gltf;
+        for (unsigned flips = 1 + random() % 3; flips > 0; --flips) {
+            // Digits become other digits more often than by chance, so that numbers go wrong in valid JSON.
+            char& c = broken[random() % broken.size()];
+            c = c >= '0' && c <= '9' && random() % 2 ? char('0' + random() % 10) : char(random() >> 8);
+        }
+        load_broken(folder, trial % 2 ? "broken.glb" : "broken.gltf", broken);
+    }
+}
+
+}  // namespace
+}  // namespace claray
