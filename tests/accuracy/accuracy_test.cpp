@@ -9,6 +9,7 @@
 
 #include "host/accuracy/pixels.hpp"
 #include "host/accuracy/plot.hpp"
+#include "host/accuracy/studies/bias.hpp"
 #include "host/accuracy/studies/image_sweep.hpp"
 #include "host/accuracy/study.hpp"
 #include "host/accuracy/summary.hpp"
@@ -397,11 +398,13 @@ TEST(Study, OfTechniquesSeesWhatSamplingLightsIsWorth) {
     EXPECT_LT(point_named(study, "lights alone", "16 spp").error.median, 1.5 * both);
     EXPECT_NE(point_named(study, "no roulette", "16 spp").error.median, both);
     EXPECT_NE(point_named(study, "lights alone", "16 spp").error.median, both);
+    for (const std::string& finding : study.findings)
+        EXPECT_EQ(finding.find("claray: falls"), std::string::npos) << finding << " though it falls as it should";
     EXPECT_EQ(plain(), before) << "the scope of other macros has ended";
 }
 
 /// BSDFs alone find a lamp so small hardly ever: renders that all missed it can't tell that from bias, and say so.
-TEST(Study, OfTechniquesDoesNotTakeUnfoundLightForBiasAlone) {
+std::string findings_with_lamp(float size) {
     Scene scene = small_scene();
     for (Mesh& mesh : scene.meshes)
         for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -409,16 +412,48 @@ TEST(Study, OfTechniquesDoesNotTakeUnfoundLightForBiasAlone) {
                 const glm::uvec3 corners = mesh.triangles[t];
                 const glm::vec3 middle = mesh.positions[corners.x];
                 for (const unsigned corner : {corners.y, corners.z})
-                    mesh.positions[corner] = middle + 0.02f * (mesh.positions[corner] - middle);
+                    mesh.positions[corner] = middle + size * (mesh.positions[corner] - middle);
             }
     StudyOptions options;
     options.config = small_image(8);
     options.most_spp = 8, options.runs = 3;
-    const Study study = study_techniques(device(), scene, options);
     std::string findings;
-    for (const std::string& finding : study.findings) findings += finding + '\n';
+    for (const std::string& finding : study_techniques(device(), scene, options).findings) findings += finding + '\n';
+    return findings;
+}
+
+TEST(Study, OfTechniquesDoesNotTakeRareBrightSamplesForBias) {
+    const std::string findings = findings_with_lamp(0.15f);
+    EXPECT_NE(findings.find("claray: falls slowly at "), std::string::npos) << findings;
+    EXPECT_NE(findings.find("by rare bright samples; no bias that can be told from noise"), std::string::npos) << findings;
+    EXPECT_EQ(findings.find("claray: falls no further"), std::string::npos) << findings;
+}
+
+TEST(Study, OfTechniquesDoesNotTakeUnfoundLightForBiasAlone) {
+    const std::string findings = findings_with_lamp(0.02f);
     EXPECT_NE(findings.find("is bias, or light that no render has found"), std::string::npos) << findings;
     EXPECT_EQ(findings.find("what is left is bias"), std::string::npos) << findings;
+}
+
+/// Of renders that have noise alone few pass for biased, however few they are.
+TEST(Study, OfBiasIsSeldomTakenInByNoise) {
+    ReferenceImage reference;
+    reference.pixels.assign(4, glm::vec3(1.f));
+    std::mt19937 random(1);
+    std::normal_distribution<float> noise(1.f, 0.5f);
+    for (const std::size_t count : {4u, 16u}) {
+        unsigned taken_in = 0;
+        for (int trial = 0; trial < 4000; ++trial) {
+            Renders renders;
+            renders.seconds.assign(count, 1.0);
+            for (std::size_t i = 0; i < count; ++i) {
+                renders.images.emplace_back(4);
+                for (glm::vec3& pixel : renders.images.back()) pixel = glm::vec3(noise(random));
+            }
+            taken_in += bias_point("", "", 0, renders, reference).failure.empty();
+        }
+        EXPECT_LT(taken_in, 60u) << count << " renders";
+    }
 }
 
 TEST(Study, OfImagesTellsWhatTheDepthCutsOff) {

@@ -19,6 +19,8 @@ TEST(Brightness, OfPixels) {
     EXPECT_EQ(warning(pixels, {}).find(black), 0u) << "files of radiance, too";
     for (int i = 0; i < 20; ++i) pixels[std::size_t(i)] = glm::vec3(0.5f);
     EXPECT_EQ(warning(pixels, 0.f), "") << "stars on black";
+    for (int i = 5; i < 20; ++i) pixels[std::size_t(i)] = glm::vec3(0.f);
+    EXPECT_NE(warning(pixels, 0.f).find("nearly black"), std::string::npos) << "a few fireflies";
     for (glm::vec3& pixel : pixels) pixel = glm::vec3(1e-3f);
     EXPECT_NE(warning(pixels, 0.f).find("nearly black"), std::string::npos);
     EXPECT_NE(warning(pixels, 0.f).find("--exposure 9"), std::string::npos) << "0.5 is 512 times as much";

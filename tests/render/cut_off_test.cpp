@@ -80,6 +80,7 @@ TEST(CutOff, CountsInTheError) {
     const RenderProgress reached = most.render();
     EXPECT_NEAR(reached.cut_off, std::pow(0.9, 33), 0.006);
     EXPECT_GE(reached.error, reached.cut_off);
+    EXPECT_GE(reached.error_bound, reached.error);
     EXPECT_LE(reached.error_bound, 0.05);
     EXPECT_NEAR(mean(most.image()).x, 1, 0.05);
 }

@@ -356,13 +356,14 @@ TEST(PlaceInstances, LeavesWhatFloat32WouldBend) {
 }
 
 TEST(PlaceInstances, MirroredFrontsStayFronts) {
-    const Mesh mesh = smooth_sphere_of(1, 0),
-               mirrored = transformed(mesh, glm::scale(glm::mat4(1.f), glm::vec3(-1, 2, 1)));
-    for (const glm::uvec3& t : mirrored.triangles) {
-        const auto& p = mirrored.positions;
-        const glm::vec3 normal = glm::cross(p[t.y] - p[t.x], p[t.z] - p[t.x]);
-        EXPECT_GT(glm::dot(normal, p[t.x]), 0.f);
-        EXPECT_GT(glm::dot(normal, mirrored.normals[t.x]), 0.f);
+    for (const glm::vec3 scale : {glm::vec3(-1, 2, 1), glm::vec3(-1, -2, 1), glm::vec3(-1, -2, -1)}) {
+        const Mesh mirrored = transformed(smooth_sphere_of(1, 0), glm::scale(glm::mat4(1.f), scale));
+        for (const glm::uvec3& t : mirrored.triangles) {
+            const auto& p = mirrored.positions;
+            const glm::vec3 normal = glm::cross(p[t.y] - p[t.x], p[t.z] - p[t.x]);
+            EXPECT_GT(glm::dot(normal, p[t.x]), 0.f);
+            EXPECT_GT(glm::dot(normal, mirrored.normals[t.x]), 0.f);
+        }
     }
 }
 

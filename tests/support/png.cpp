@@ -74,14 +74,16 @@ std::string stored_zlib(std::string_view raw) {
 }
 
 // One zero, then runs of 258 bytes at distance 1 in the fixed code of RFC 1951, section 3.2.6.
-std::string zeros_zlib(std::uint64_t count) {
+std::string zeros_zlib(std::uint64_t count, std::uint8_t value) {
     Bits bits;
     bits.put(1, 1), bits.put(1, 2);  // last block, fixed code
     const std::uint64_t runs = (count - 1) / 258, rest = (count - 1) % 258;
-    for (std::uint64_t i = 0; i < rest + 1; ++i) bits.put_code(0x30, 8);
+    for (std::uint64_t i = 0; i < rest + 1; ++i) bits.put_code(0x30u + value, 8);
     for (std::uint64_t i = 0; i < runs; ++i) bits.put_code(0xc5, 8), bits.put_code(0, 5);
     bits.put_code(0, 7);
-    return "\x78\x01" + bits.bytes() + big_endian(std::uint32_t(count % 65521) << 16 | 1);
+    const std::uint64_t n = count % (2 * 65521);  // Adler's sums, whose period that is
+    const std::uint64_t low = (1 + value * n) % 65521, high = (n + value * (n * (n + 1) / 2 % 65521)) % 65521;
+    return "\x78\x01" + bits.bytes() + big_endian(std::uint32_t(high << 16 | low));
 }
 
 void mend_png(std::vector<std::uint8_t>& file) {

@@ -17,7 +17,7 @@ namespace claray::test {
 /// A zlib stream (RFC 1950) of blocks that are stored, not compressed.
 [[nodiscard]] std::string stored_zlib(std::string_view raw);
 /// A zlib stream of so many zeros, 158 to 1.
-[[nodiscard]] std::string zeros_zlib(std::uint64_t count);
+[[nodiscard]] std::string zeros_zlib(std::uint64_t count, std::uint8_t value = 0);
 
 /// Puts the checksums of all chunks right that are there.
 void mend_png(std::vector<std::uint8_t>& file);

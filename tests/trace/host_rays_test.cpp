@@ -28,6 +28,15 @@ Mesh triangles_at_random(std::size_t count, std::uint64_t seed) {
     return mesh;
 }
 
+/// The number of a hit's triangle among all; of instances, whose meshes may be there twice, only that it is one of its mesh.
+std::uint32_t primitive_of(const Scene& scene, const HostHit& hit, std::uint32_t expected) {
+    EXPECT_LT(hit.triangle, scene.meshes[hit.mesh].triangles.size());
+    if (!scene.instances.empty()) return expected;
+    std::uint32_t primitive = hit.triangle;
+    for (std::uint32_t i = 0; i < hit.mesh; ++i) primitive += std::uint32_t(scene.meshes[i].triangles.size());
+    return primitive;
+}
+
 /// Every ray against every triangle, in another way.
 void expect_as_oracle(const Scene& scene, std::span<const glm::dvec3> corners) {
     const HostRays rays(scene);
@@ -48,6 +57,7 @@ void expect_as_oracle(const Scene& scene, std::span<const glm::dvec3> corners) {
         const glm::dvec3 at = (1 - hit->u - hit->v) * c[0] + hit->u * c[1] + hit->v * c[2];
         EXPECT_LT(glm::length(at - (glm::dvec3(from) + hit->distance * glm::dvec3(way))), 1e-4);
         EXPECT_FALSE(rays.closest(from, way, 0.999 * hit->distance));
+        EXPECT_EQ(primitive_of(scene, *hit, expected.primitive), expected.primitive) << i;
     }
     EXPECT_GT(hits, 100u);
 }
@@ -87,6 +97,25 @@ TEST(HostRays, OfNothingHitNothing) {
     EXPECT_FALSE(HostRays(scene).closest({0, 0, 5}, {0, 0, -1}, endless));
     scene.meshes = {Mesh{}};
     EXPECT_FALSE(HostRays(scene).closest({0, 0, 5}, {0, 0, -1}, endless));
+}
+
+/// Rays along an axis: in the planes of boxes, and at the end of an instance's, whose coordinates are rounded.
+TEST(HostRays, AlongAxesMeetBoxes) {
+    Scene scene;
+    scene.meshes = {Mesh{}};
+    scene.meshes[0].positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+    scene.meshes[0].triangles = {{0, 1, 2}, {0, 2, 3}};
+    const HostRays rays(scene);
+    for (const double x : {0.0, 0.5})
+        for (const double y : {0.0, 0.25}) EXPECT_TRUE(rays.closest({x, y, 5}, {0, 0, -1}, endless)) << x << ", " << y;
+    for (const float way : {1 / 3.f, 1 / 6.f, 1 / 14.f, 1 / 20.f}) {
+        Scene moved = scene;
+        moved.instances = {{0, glm::translate(glm::mat4(1.f), {way, 0.f, 0.f}), {}},
+                           {0, glm::translate(glm::mat4(1.f), {-7.f, 0.f, 0.f}), {}}};  // a tree of two boxes
+        const double end = 1 + double(way);
+        EXPECT_TRUE(HostRays(moved).closest({end - 1e-9, 0.25, 5}, {0, 0, -1}, endless)) << way;
+        EXPECT_FALSE(HostRays(moved).closest({end + 1e-9, 0.25, 5}, {0, 0, -1}, endless)) << way;
+    }
 }
 
 /// A square of side 2 in the plane z = 0 that fills the view of a camera before it.

@@ -390,6 +390,10 @@ TEST_F(GltfMaterial, Layers) {
     for (std::size_t i = 0; i < uses.size(); ++i)
         for (std::size_t k = 0; k < i; ++k) EXPECT_NE(uses[i].texture, uses[k].texture) << i << " and " << k;
     EXPECT_EQ(load({{"extensions", {{"KHR_materials_sheen", json::object()}}}}).materials.at(0).sheen, glm::vec3(0.f));
+    const Material film =
+        load({{"extensions", {{"KHR_materials_iridescence", {{"iridescenceFactor", 1}}}}}}).materials.at(0);
+    EXPECT_EQ(film.iridescence_ior, 1.3f);
+    EXPECT_EQ(film.film_thickness, glm::vec2(100, 400));
 }
 
 TEST_F(GltfMaterial, UnlitIsItsBaseColor) {

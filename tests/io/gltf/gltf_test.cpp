@@ -247,6 +247,8 @@ TEST_F(Gltf, MeshesUsedOnceAreBaked) {
     EXPECT_EQ(mesh.normals[0], glm::vec3(0, 0, -1));
     const glm::vec3 expected = glm::normalize(glm::vec3(0.5f, 0.f, -1.f));  // by the inverse transpose
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(mesh.normals[2][k], expected[k], 1e-6);
+    builder.root["nodes"][1]["scale"] = {-2, 3, -1};
+    EXPECT_EQ(load().meshes.at(0).triangles, (std::vector<glm::uvec3>{{0, 1, 2}})) << "half a turn is no mirror";
 }
 
 TEST_F(Gltf, MeshesUsedTwiceAreInstances) {

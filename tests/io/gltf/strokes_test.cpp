@@ -85,13 +85,18 @@ TEST(Strokes, KeepColoursAndCoordinates) {
     Strokes strokes = one({0, 0, 0}, {1, 0, 0});
     strokes.colors = {{1, 0, 0, 1}, {0, 0, 1, 0.5f}};
     strokes.uvs = {{0.25f, 0.5f}, {0.75f, 1.f}};
+    strokes.uvs1 = {{0.1f, 0.2f}, {0.3f, 0.4f}};
+    strokes.mask = 6;
     const Mesh solid = solid_strokes(strokes, 0.1f);
     ASSERT_EQ(solid.colors.size(), solid.positions.size());
     ASSERT_EQ(solid.uvs.size(), solid.positions.size());
+    ASSERT_EQ(solid.uvs1.size(), solid.positions.size());
+    EXPECT_EQ(solid.mask, 6u);
     for (std::size_t i = 0; i < solid.positions.size(); ++i) {
         const std::size_t end = solid.positions[i].x > 0.5f;
         EXPECT_EQ(solid.colors[i], strokes.colors[end]);
         EXPECT_EQ(solid.uvs[i], strokes.uvs[end]);
+        EXPECT_EQ(solid.uvs1[i], strokes.uvs1[end]);
     }
 }
 
@@ -103,6 +108,8 @@ TEST(Strokes, ManyAreCoarserAndThinner) {
     }
     many.materials.assign(40'000, 0);
     EXPECT_EQ(solid_strokes(many, 0.1f).triangles.size(), 40'000u * 20);
+    for (std::uint32_t i = 0; i < 40'000; ++i) many.triangles[i] = {i, i + 1 - 2 * (i % 2), i + 1 - 2 * (i % 2)};
+    EXPECT_EQ(solid_strokes(many, 0.1f).triangles.size(), 40'000u * (20 + 2 * 8)) << "tubes";
     Bounds bounds;
     bounds.grow({0, 0, 0}), bounds.grow({3, 4, 0});
     EXPECT_FLOAT_EQ(stroke_radius(bounds, 7), 5.f / 400);

@@ -31,6 +31,8 @@ enum Square {
     plastic,
     smooth_plastic,
     white_lambert,
+    bent_shiny,
+    matt_plastic,
     squares
 };
 
@@ -45,14 +47,17 @@ Scene leaning() {
                        blinn_phong(0.4f, 0.5f),
                        material(MaterialKind::principled, 1.f, 0.5f),
                        material(MaterialKind::principled, 1.f, 0.f),
-                       lambert(1.f)};
+                       lambert(1.f),
+                       blinn_phong(0.4f, 0.5f),
+                       material(MaterialKind::principled, 0.8f, 0.5f)};
+    scene.materials[matt_plastic].specular_weight = 0.f;  // a diffuse lobe alone, beside one that is resolved
     const glm::vec3 normal(float(std::sin(tilt)), float(std::cos(tilt)), 0.f);
     const glm::vec3 texel = 0.5f + 0.5f * glm::vec3(normal.x, 0.f, normal.y);
     scene.textures = {float_texture({1, 1}, [&](double, double) { return texel; })};
     for (std::uint32_t i = 0; i < squares; ++i) {
         Mesh mesh = mapped_square(i);
         for (glm::vec3& p : mesh.positions) p.z += 3.f * float(i);
-        if (i == bent_lambert || i == bent_matt)
+        if (i == bent_lambert || i == bent_matt || i == bent_shiny)
             mesh.normals.assign(4, normal);
         else
             scene.materials[i].normal_map.texture = 0;
@@ -105,7 +110,7 @@ TEST(BentNormals, DiffuseLightIsTheSameFromEverywhere) {
         const glm::dvec3 to_light = view_from(light);
         scene.lights = {sun_from(to_light, 3.f)};
         const double expected = 0.8 / pi * 3 * std::max(0.0, glm::dot(normal, to_light));
-        for (const Square square : {mapped_lambert, bent_lambert, mapped_matt, bent_matt})
+        for (const Square square : {mapped_lambert, bent_lambert, mapped_matt, bent_matt, matt_plastic})
             for (const double elevation : {80.0, 60.0, 30.0, 5.0})
                 EXPECT_NEAR(seen_square(scene, square, view_from(elevation), {.width = 1, .height = 1, .spp = 1}),
                             expected, 1e-5)
@@ -127,7 +132,8 @@ TEST(BentNormals, DiffuseLightAndHighlightUnderASky) {
             return diffuse + (z > 0 ? 0.5 * norm * std::pow(glm::dot(to, glm::normalize(view + i)), 20) * z : 0);
         };
         const double expected = integrate(f, scene.sky);
-        EXPECT_NEAR(seen_square(scene, shiny, view, under_sky) / expected, 1, 0.005) << elevation;
+        for (const Square square : {shiny, bent_shiny})
+            EXPECT_NEAR(seen_square(scene, square, view, under_sky) / expected, 1, 0.005) << square << ", " << elevation;
     }
 }
 

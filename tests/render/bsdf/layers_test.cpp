@@ -55,7 +55,7 @@ void for_directions(Check check, const Materials&... materials) {
 /// KHR_materials_specular: F0 = min(0.04 tint, 1) weight and F90 = weight, by Fresnel's curve in between.
 TEST(SpecularLayer, ScalesBothEndsOfFresnelsCurve) {
     for (const float ior : {1.5f, 1.2f})
-        for (const auto& [weight, tint] : {std::pair{0.4f, 5.f}, {0.7f, 0.f}, {1.f, 1000.f}, {0.f, 1.f}}) {
+        for (const auto& [weight, tint] : {std::pair{0.4f, 5.f}, {0.7f, 0.f}, {0.6f, 1000.f}, {0.f, 1.f}}) {
             const Material plain = interface_alone(0.5f, ior);
             Material m = plain;
             m.specular_weight = weight, m.specular_tint = glm::vec3(tint, 1.f, 1.f);
@@ -180,18 +180,25 @@ glm::dvec3 matching(double wave) {
             lobe(1.217, 437.0, 1 / 11.8, 1 / 36.0) + lobe(0.681, 459.0, 1 / 26.0, 1 / 13.8)};
 }
 
-/// Airy's formula at normal incidence, wave by wave, to linear red.
-double airy_red(double base_ior, double film_ior, double thickness) {
-    const double a = (1 - film_ior) / (1 + film_ior), b = (film_ior - base_ior) / (film_ior + base_ior);
+/// Airy's formula, wave by wave, to a channel of linear Rec. 709; of grey light, and of Schlick's curve within.
+double airy(double base_ior, double film_ior, double thickness, int channel = 0, double cosine = 1) {
+    constexpr double rows[3][3] = {{3.2404542, -1.5371385, -0.4985314},
+                                   {-0.9692660, 1.8760108, 0.0415560},
+                                   {0.0556434, -0.2040259, 1.0572252}};
+    const glm::dvec3 row(rows[channel][0], rows[channel][1], rows[channel][2]);
+    const double within = std::sqrt(1 - (1 - cosine * cosine) / (film_ior * film_ior));
+    const double contrast = (film_ior - base_ior) / (film_ior + base_ior);
+    const double a = std::copysign(std::sqrt(fresnel_of_layer(cosine, film_ior)), 1 - film_ior),
+                 b = std::copysign(std::sqrt(schlick(contrast * contrast, within)), contrast);
     const double mean = a * a + std::pow(1 - a * a, 2) * b * b / (1 - a * a * b * b);
-    double red = 0, whole = 0;
+    double sum = 0, whole = 0;
     for (double wave = 380; wave < 780; wave += 0.5) {
-        const auto turned = std::polar(1.0, 4 * pi * film_ior * thickness / wave);
+        const auto turned = std::polar(1.0, 4 * pi * film_ior * thickness * within / wave);
         const double reflected = std::norm((a + b * turned) / (1.0 + a * b * turned));
         const glm::dvec3 xyz = matching(wave);
-        red += (reflected - mean) * (3.2404542 * xyz.x - 1.5371385 * xyz.y - 0.4985314 * xyz.z), whole += xyz.y;
+        sum += (reflected - mean) * glm::dot(row, xyz), whole += xyz.y;
     }
-    return std::clamp(mean + red / whole, 0.0, 1.0);
+    return std::clamp(mean + sum / whole, 0.0, 1.0);
 }
 
 TEST(FilmLayer, InterferesAsAirySays) {
@@ -202,8 +209,14 @@ TEST(FilmLayer, InterferesAsAirySays) {
         for (const float film_ior : {1.3f, 1.8f})
             for (const float thickness : {50.f, 120.f, 280.f, 400.f, 800.f})
                 EXPECT_NEAR(value(film_of(film_ior, thickness, plain), up, up) / of_plain,
-                            airy_red(double(base_ior), double(film_ior), double(thickness)), 0.012)
+                            airy(double(base_ior), double(film_ior), double(thickness)), 0.012)
                     << thickness << " nm of " << film_ior << " on " << base_ior;
+        const glm::vec3 o = at_angle(0.9), i(-o.x, -o.y, o.z);
+        const double plain_aside = value(plain, o, i) / fresnel_of_layer(double(o.z), double(base_ior));
+        for (const float thickness : {120.f, 280.f, 400.f})
+            EXPECT_NEAR(value(film_of(1.3f, thickness, plain), o, i) / plain_aside,
+                        airy(double(base_ior), 1.3, double(thickness), 0, double(o.z)), 0.012)
+                << thickness << " nm seen aside on " << base_ior;
     }
 }
 
@@ -254,6 +267,20 @@ glm::vec3 turned(const glm::vec3& v, float angle) {
     return {std::cos(angle) * v.x + std::sin(angle) * v.y, std::cos(angle) * v.y - std::sin(angle) * v.x, v.z};
 }
 
+/// Of every colour, on a base that reflects so much that the second harmonic counts.
+TEST(FilmLayer, InterferesOnMetalInAllColours) {
+    Material metal = material(MaterialKind::principled, 0.8f, 0.3f);
+    metal.metallic = 1.f;
+    const double root = std::sqrt(0.8), base_ior = (1 + root) / (1 - root);
+    const auto seen = [](const Material& m) { return mean(render_image(lit_square(m, {0, 1, 0}, {0, 1, 0}), layer_config)); };
+    const double of_all = seen(metal).x / 0.8;
+    for (const float thickness : {50.f, 120.f, 280.f}) {
+        const glm::dvec3 reflected = seen(film_of(1.8f, thickness, metal)) / of_all;
+        for (int k = 0; k < 3; ++k)
+            EXPECT_NEAR(reflected[k], airy(base_ior, 1.8, double(thickness), k), 0.025) << thickness << " nm, channel " << k;
+    }
+}
+
 /// Highlights are stretched along the tangent, which rotation and texture turn counter-clockwise.
 TEST(AnisotropicLayer, FollowsTangentRotationAndTexture) {
     Material m = interface_alone(0.5f);
@@ -264,12 +291,18 @@ TEST(AnisotropicLayer, FollowsTangentRotationAndTexture) {
     EXPECT_NEAR(mean(render_image(scene, layer_config)).x / expected(0.f), 1, 1e-3);
     scene.materials[0].anisotropy_rotation = -5.f;
     EXPECT_NEAR(mean(render_image(scene, layer_config)).x / expected(-5.f), 1, 1e-3);
-    scene.textures = {float_texture({1, 1}, [](double, double) { return glm::vec3(0.5f, 1.f, 1.f); })};
-    scene.materials[0].anisotropy_map.texture = 0;  // a quarter turn
-    EXPECT_NEAR(mean(render_image(scene, layer_config)).x / expected(-5.f + float(pi / 2)), 1, 1e-3);
+    const float angle = 0.7f;
+    scene.textures = {float_texture({1, 1}, [&](double, double) {
+        return glm::vec3(0.5f + 0.5f * std::cos(angle), 0.5f + 0.5f * std::sin(angle), 0.75f);
+    })};
+    scene.materials[0].anisotropy_map.texture = 0;
+    m.anisotropy *= 0.75f;
+    EXPECT_NEAR(mean(render_image(scene, layer_config)).x / expected(-5.f + angle), 1, 1e-3);
     scene.materials[0].anisotropy_rotation = 0.f;
-    scene.meshes[0].tangents.assign(4, {0.f, 0.f, -1.f, 1.f});  // the image's top, whose bitangent is towards -u
-    EXPECT_NEAR(mean(render_image(scene, layer_config)).x / expected(float(pi)), 1, 1e-3);
+    for (const float side : {1.f, -1.f}) {  // the tangent is the image's top, the bitangent towards -u or u
+        scene.meshes[0].tangents.assign(4, {0.f, 0.f, -1.f, side});
+        EXPECT_NEAR(mean(render_image(scene, layer_config)).x / expected(float(pi / 2) + side * angle), 1, 1e-3) << side;
+    }
 }
 
 /// Under a sky that is linear in the height a smooth coat shows where it mirrors to.
@@ -312,6 +345,22 @@ TEST(Unlit, ShowsItsColorAndLightsNothing) {
     scene.materials[0].albedo_map.texture = 0;
     scene.camera = narrow_camera({0.1f, 1.f, 0.f}, {0.1f, 0.f, 0.f});
     EXPECT_EQ(mean(render_image(scene, layer_config)).x, 0.125) << "textured";
+}
+
+/// Each channel is what a grey layer of its value would show.
+TEST(Layers, HaveThreeColours) {
+    Material tinted = interface_alone(0.5f), sheen = interface_alone(1.f);
+    tinted.specular_tint = {4.f, 2.f, 1.5f};
+    sheen.specular_weight = 0.f, sheen.sheen = {0.8f, 0.4f, 0.1f}, sheen.sheen_roughness = 0.7f;
+    const glm::vec3 o = to_square(at_angle(0.5)), i = to_square(at_angle(0.7, 3.0));
+    const auto seen = [&](const Material& m) { return mean(render_image(lit_square(m, o, i), layer_config)); };
+    const glm::dvec3 of_tinted = seen(tinted), of_sheen = seen(sheen);
+    for (int k = 0; k < 3; ++k) {
+        Material grey = tinted;
+        grey.specular_tint = glm::vec3(tinted.specular_tint[k]);
+        EXPECT_NEAR(of_tinted[k] / seen(grey)[k], 1, 1e-4) << k;
+        EXPECT_NEAR(of_sheen[k] / of_sheen.x, double(sheen.sheen[k] / sheen.sheen.x), 1e-4) << k;
+    }
 }
 
 /// Each reads the channels that glTF says.
@@ -368,11 +417,15 @@ TEST(LayerMaps, BlinnPhongKeepsEnergyPerTexel) {
         scene.materials[0].albedo_map.texture = 0;
         Scene plain = lit_square(m, o, i);
         plain.materials[0].albedo = glm::vec3(albedo), plain.materials[0].specular = glm::vec3(specular);
-        EXPECT_NEAR(mean(render_image(scene, layer_config)).x / mean(render_image(plain, layer_config)).x, 1, 1e-5)
-            << texel;
+        const glm::dvec3 ratio = mean(render_image(scene, layer_config)) / mean(render_image(plain, layer_config));
+        for (int k = 0; k < 3; ++k) EXPECT_NEAR(ratio[k], 1, 1e-5) << texel << ", channel " << k;
     };
     seen(0.25, 0.25f, 0.5f);
     seen(1.0, 2.f / 3, 1.f / 3);
+    Material kept = m;
+    kept.albedo = glm::vec3(2.f / 3), kept.specular = glm::vec3(1.f / 3);
+    const auto image_of = [&](const Material& one) { return mean(render_image(lit_square(one, o, i), layer_config)); };
+    EXPECT_NEAR(image_of(m).x, image_of(kept).x, 1e-6) << "without a texture";
 }
 
 }  // namespace

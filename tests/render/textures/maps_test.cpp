@@ -441,6 +441,13 @@ TEST(NormalMap, NeverReflectsDownwards) {
     EXPECT_NEAR(mean(render_image(scene, {.width = 2, .height = 2, .spp = 4})).x, 1, 1e-5);
 }
 
+/// A texel below the surface turns the normal as its mirror image above does.
+TEST(NormalMap, ThroughTheTriangleIsMirroredAtIt) {
+    const glm::dvec3 above = normal_at(with_normal_map({0.8f, 0.5f, 0.7f}), 0.4, 0.4),
+                     below = normal_at(with_normal_map({0.8f, 0.5f, 0.3f}), 0.4, 0.4);
+    expect_near(below, above, 1e-5);
+}
+
 TEST(NormalMap, WithoutCoordinatesChangesNothing) {
     Scene scene = with_normal_map({0.8f, 0.5f, 0.9f});
     scene.meshes[0].uvs.clear();

@@ -70,8 +70,9 @@ TEST(VertexColors, MultiplyTextures) {
     Scene scene = painted_triangle();
     scene.textures = {float_texture({1, 1}, [](double, double) { return glm::vec3(0.5f, 0.25f, 1.f); })};
     scene.materials[0].albedo_map.texture = 0;
+    scene.materials[0].albedo = {1.f, 0.5f, 0.25f};
     scene.meshes[0].uvs.assign(3, glm::vec2(0.5f));
-    const glm::dvec3 color = seen_color(scene, -0.5, 0.1), expected = painted(-0.5, 0.1) * glm::dvec3(0.5, 0.25, 1);
+    const glm::dvec3 color = seen_color(scene, -0.5, 0.1), expected = painted(-0.5, 0.1) * glm::dvec3(0.5, 0.125, 0.25);
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(color[k], expected[k], 1e-4);
 }
 
