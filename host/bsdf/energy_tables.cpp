@@ -370,7 +370,7 @@ void EnergyTables::add_needs(const Material& m) {
     if (has_rough_glass(m)) needs_[m.ior].transparent = true;
     if (has_diffuse_dielectric(m)) needs_[m.ior].opaque = true;
     if (has_clearcoat(m)) needs_[CLARAY_COAT_IOR].opaque = true;
-    if (has_coated_metal(m)) needs_[CLARAY_COAT_IOR].coat = true;
+    if (has_coated_metal(m) || has_coated_dielectric(m)) needs_[CLARAY_COAT_IOR].coat = true;
 }
 
 std::uint32_t EnergyTables::block_of(float ior) const {

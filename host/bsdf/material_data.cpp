@@ -38,6 +38,9 @@ bool has_rough_glass(const Material& m) {
 }
 bool has_clearcoat(const Material& m) { return is_principled(m) && m.clearcoat > 0; }
 bool has_coated_metal(const Material& m) { return has_clearcoat(m) && has_metal(m) && !has_layered_coat(m); }
+bool has_coated_dielectric(const Material& m) {
+    return has_clearcoat(m) && has_diffuse_dielectric(m) && !has_layered_coat(m);
+}
 bool has_layered_coat(const Material& m) {
     const bool relief = m.normal_map.used() || m.height_map.used() || m.clearcoat_normal_map.used();
     return has_clearcoat(m) && (relief || has_specular_layer(m) || has_film(m) || has_sheen(m) || is_anisotropic(m));

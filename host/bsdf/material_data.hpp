@@ -26,6 +26,7 @@ inline constexpr TextureUse Material::*material_maps[] = {
 [[nodiscard]] bool has_rough_glass(const Material& material);
 [[nodiscard]] bool has_clearcoat(const Material& material);
 [[nodiscard]] bool has_coated_metal(const Material& material);
+[[nodiscard]] bool has_coated_dielectric(const Material& material);
 /// A coat that is told from what is under it: by normals of its own, or because the latter has more layers.
 [[nodiscard]] bool has_layered_coat(const Material& material);
 /// The dielectric reflects otherwise than its index of refraction says.

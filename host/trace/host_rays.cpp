@@ -18,7 +18,9 @@ struct HostRay {
 /// The slab test; `end` is where the ray ends.
 bool meets(const HostRay& ray, const glm::dvec3& lo, const glm::dvec3& hi, double end) {
     const glm::dvec3 a = (lo - ray.origin) * ray.inverse, b = (hi - ray.origin) * ray.inverse;
-    const glm::dvec3 in = glm::min(a, b), out = glm::max(a, b);
+    glm::dvec3 in = glm::min(a, b), out = glm::max(a, b);
+    for (int k = 0; k < 3; ++k)  // a ray that goes along both planes, and may lie in one of them
+        if (ray.direction[k] == 0 && ray.origin[k] >= lo[k] && ray.origin[k] <= hi[k]) in[k] = 0, out[k] = end;
     return std::max({in.x, in.y, in.z, 0.0}) <= std::min({out.x, out.y, out.z, end});
 }
 

@@ -425,7 +425,8 @@ std::string findings_with_lamp(float size) {
 TEST(Study, OfTechniquesDoesNotTakeRareBrightSamplesForBias) {
     const std::string findings = findings_with_lamp(0.15f);
     EXPECT_NE(findings.find("claray: falls slowly at "), std::string::npos) << findings;
-    EXPECT_NE(findings.find("by rare bright samples; no bias that can be told from noise"), std::string::npos) << findings;
+    EXPECT_NE(findings.find("by rare bright samples; no bias that can be told from noise"), std::string::npos)
+        << findings;
     EXPECT_EQ(findings.find("claray: falls no further"), std::string::npos) << findings;
 }
 

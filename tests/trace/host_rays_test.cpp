@@ -28,7 +28,8 @@ Mesh triangles_at_random(std::size_t count, std::uint64_t seed) {
     return mesh;
 }
 
-/// The number of a hit's triangle among all; of instances, whose meshes may be there twice, only that it is one of its mesh.
+/// The number of a hit's triangle among all; of instances, whose meshes may be there twice, only that it is one of its
+/// mesh.
 std::uint32_t primitive_of(const Scene& scene, const HostHit& hit, std::uint32_t expected) {
     EXPECT_LT(hit.triangle, scene.meshes[hit.mesh].triangles.size());
     if (!scene.instances.empty()) return expected;
@@ -106,8 +107,8 @@ TEST(HostRays, AlongAxesMeetBoxes) {
     scene.meshes[0].positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
     scene.meshes[0].triangles = {{0, 1, 2}, {0, 2, 3}};
     const HostRays rays(scene);
-    for (const double x : {0.0, 0.5})
-        for (const double y : {0.0, 0.25}) EXPECT_TRUE(rays.closest({x, y, 5}, {0, 0, -1}, endless)) << x << ", " << y;
+    for (const double x : {0.0, 0.5, 1.0})
+        for (const double y : {0.0, 0.25, 1.0}) EXPECT_TRUE(rays.closest({x, y, 5}, {0, 0, -1}, endless)) << x << ", " << y;
     for (const float way : {1 / 3.f, 1 / 6.f, 1 / 14.f, 1 / 20.f}) {
         Scene moved = scene;
         moved.instances = {{0, glm::translate(glm::mat4(1.f), {way, 0.f, 0.f}), {}},

@@ -63,6 +63,11 @@ Material under_rough_coat(float roughness) {
     m.clearcoat_roughness = roughness;
     return m;
 }
+Material coated_plastic(float roughness) {
+    Material m = plastic(roughness);
+    m.clearcoat = 1.f, m.clearcoat_roughness = 0.1f;
+    return m;
+}
 Material mixture(float roughness) {
     Material m = white(MaterialKind::principled, roughness, 1.4f);
     m.metallic = 0.4f, m.clearcoat = 0.6f, m.clearcoat_roughness = 0.2f, m.transmission = 0.5f;
@@ -144,6 +149,7 @@ const std::vector<Kind> kinds = {
     {"OnlyHighlight", only_highlight, false, false},
     {"Plastic", plastic},
     {"DensePlastic", dense_plastic},
+    {"CoatedPlastic", coated_plastic, false, false},
     {"CoatedMetal", coated_metal},
     {"UnderRoughCoat", under_rough_coat},
     {"TintedPlastic", tinted_plastic},

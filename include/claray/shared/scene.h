@@ -23,6 +23,7 @@ CLARAY_SHARED_BEGIN
 #define CLARAY_SHEEN_LAYER 4u        // fibres over everything but a coat
 #define CLARAY_ANISOTROPIC_LAYER 8u  // highlights are stretched
 #define CLARAY_COAT_LAYER 16u        // a coat with a normal of its own
+#define CLARAY_PLAIN_COAT 32u        // set at a hit: a coat over a diffuse dielectric
 
 #define CLARAY_POINT_LIGHT 0u
 #define CLARAY_DIRECTIONAL_LIGHT 1u

@@ -133,7 +133,8 @@ TEST(PngLimits, CompressedTextsAndProfilesAreSkipped) {
     const std::string text = test::png_chunk("zTXt", std::string("name\0\0", 6) + test::zeros_zlib(1u << 24)),
                       profile = test::png_chunk("iCCP", std::string("name\0\0", 6) + test::zeros_zlib(1u << 24));
     file.insert(8 + 25, text + profile);
-    // libpng itself refuses what is that large, and keeps no text that begins with 0: others below its limit, many of them.
+    // libpng itself refuses what is that large, and keeps no text that begins with 0: others below its limit, many of
+    // them.
     const std::string letters = test::png_chunk("zTXt", std::string("name\0\0", 6) + test::zeros_zlib(1u << 22, 'a'));
     for (int i = 0; i < 32; ++i) file.insert(8 + 25, letters);
     const std::size_t before = most_memory();

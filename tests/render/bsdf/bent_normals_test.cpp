@@ -133,7 +133,8 @@ TEST(BentNormals, DiffuseLightAndHighlightUnderASky) {
         };
         const double expected = integrate(f, scene.sky);
         for (const Square square : {shiny, bent_shiny})
-            EXPECT_NEAR(seen_square(scene, square, view, under_sky) / expected, 1, 0.005) << square << ", " << elevation;
+            EXPECT_NEAR(seen_square(scene, square, view, under_sky) / expected, 1, 0.005)
+                << square << ", " << elevation;
     }
 }
 

@@ -157,22 +157,43 @@ TEST(MaterialScene, RoughMetalWithAllItsReflections) {
     }
 }
 
-/// An interface over a diffuse base, as a principled material of its own and as the coat over one.
-TEST(MaterialScene, PlasticAndItsCoat) {
+/// What an interface of this roughness and index of refraction lets through.
+Curve let_through(double alpha, double ior) {
+    const auto reflectance = [ior](double c) { return fresnel(c, ior); };
+    return Curve([&](double z) { return 1 - scattered_once(z, alpha, reflectance, ior).reflected; });
+}
+
+/// An interface over a diffuse base.
+TEST(MaterialScene, Plastic) {
     const double alpha = 0.4 * 0.4, albedo = 0.5;
-    const auto reflectance = [](double c) { return fresnel(c, 1.5); };
-    const Curve entered([&](double z) { return 1 - scattered_once(z, alpha, reflectance, 1.5).reflected; });
+    const Curve entered = let_through(alpha, 1.5);
     for (const double angle : {0.2, 1.2}) {
         const glm::dvec3 o = direction(angle);
         const auto f = [&](const glm::dvec3& i) {
             return fresnel(glm::dot(o, glm::normalize(o + i)), 1.5) * Ggx{alpha}.reflection(o, i) +
                    albedo * entered(o.z) * entered(i.z) / (pi * entered.average);
         };
-        const double expected = integrate_under(f, sky);
-        expect_radiance(plane(material(MaterialKind::principled, 0.5f, 0.4f), angle), one_surface, expected, "bare");
-        Material coated = material(MaterialKind::principled, 0.5f, 0.9f);
-        coated.ior = 1.7f, coated.clearcoat = 1.f, coated.clearcoat_roughness = 0.4f;
-        expect_radiance(plane(coated, angle), one_surface, expected, "coated");
+        expect_radiance(plane(material(MaterialKind::principled, 0.5f, 0.4f), angle), one_surface,
+                        integrate_under(f, sky), "angle " + std::to_string(angle));
+    }
+}
+
+/// A rough coat over a smooth interface over a diffuse base: both reflect, and what neither does enters the base.
+TEST(MaterialScene, CoatedPlastic) {
+    const double alpha = 0.4 * 0.4, albedo = 0.5;
+    const Curve passed = let_through(alpha, 1.5);
+    const Curve entered([&](double z) { return passed(z) * (1 - fresnel(z, 1.7)); });
+    Material coated = material(MaterialKind::principled, 0.5f, 0.f);
+    coated.ior = 1.7f, coated.clearcoat = 1.f, coated.clearcoat_roughness = 0.4f;
+    for (const double angle : {0.2, 1.2}) {
+        const glm::dvec3 o = direction(angle);
+        const auto f = [&](const glm::dvec3& i) {
+            return fresnel(glm::dot(o, glm::normalize(o + i)), 1.5) * Ggx{alpha}.reflection(o, i) +
+                   albedo * entered(o.z) * entered(i.z) / (pi * entered.average);
+        };
+        const double mirrored = passed(o.z) * fresnel(o.z, 1.7) * (0.2 + 2.8 * o.z);
+        expect_radiance(plane(coated, angle), one_surface, integrate_under(f, sky) + mirrored,
+                        "angle " + std::to_string(angle));
     }
 }
 
