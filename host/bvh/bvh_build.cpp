@@ -7,7 +7,7 @@ namespace claray {
 namespace {
 
 constexpr std::uint32_t build_group = 256;
-constexpr std::size_t pieces_a_range = 196;  // MAX_WAITING of kernels/bvh/serial.clh
+constexpr std::size_t pieces_a_range = 196;  // MAX_WAITING of kernels/bvh/serial/serial.clh
 constexpr std::size_t triangle_limit = CLARAY_SLOT;
 
 Layout resolve(Layout layout, const Device& device) {
@@ -89,11 +89,11 @@ void Bvh::State::load_for_sorting(std::size_t keys) {
     }
     centroids_ = load_kernel(device, "bvh/centroids.cl", "compute_centroids", bits);
     encode_ = load_kernel(device, "bvh/centroids.cl", "encode_centroids", bits);
-    lbvh_ranges_ = load_kernel(device, "bvh/lbvh_serial.cl", "build_lbvh_ranges", tree);
-    join_lbvh_ = load_kernel(device, "bvh/lbvh_serial.cl", "join_lbvh_ranges", tree);
+    lbvh_ranges_ = load_kernel(device, "bvh/serial/lbvh_serial.cl", "build_lbvh_ranges", tree);
+    join_lbvh_ = load_kernel(device, "bvh/serial/lbvh_serial.cl", "join_lbvh_ranges", tree);
     if (!balanced) return;
-    hploc_ranges_ = load_kernel(device, "bvh/hploc_serial.cl", "build_hploc_ranges", tree);
-    join_hploc_ = load_kernel(device, "bvh/hploc_serial.cl", "join_hploc_ranges", tree);
+    hploc_ranges_ = load_kernel(device, "bvh/serial/hploc_serial.cl", "build_hploc_ranges", tree);
+    join_hploc_ = load_kernel(device, "bvh/serial/hploc_serial.cl", "join_hploc_ranges", tree);
 }
 
 void Bvh::State::allocate() {

@@ -3,7 +3,7 @@
 namespace claray {
 namespace {
 
-constexpr const char* reinsertion_file = "bvh/reinsert.cl";
+constexpr const char* reinsertion_file = "bvh/reinsertion.cl";
 constexpr std::size_t reinsertion_group = 64;
 constexpr std::size_t words_per_move = 4;
 

@@ -1,4 +1,4 @@
-// Makes a binary tree better by moving its nodes: kernels/bvh/reinsert.cl.
+// Makes a binary tree better by moving its nodes: kernels/bvh/reinsertion.cl.
 #pragma once
 
 #include "claray/bvh.hpp"

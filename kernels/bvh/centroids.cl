@@ -1,7 +1,7 @@
 // Bounds and Morton codes for CPUs, as bounds.cl and morton_codes.cl give them: centroids are computed once, one triangle
 // at a time, and encoded in vectors. finish_bounds of bounds.cl lays the grid in between.
 #include "bvh/morton_codes.clh"
-#include "bvh/serial.clh"
+#include "bvh/serial/serial.clh"
 
 /// As triangle_valid. The fourth lanes are 0.
 static inline bool vertices_valid(float4 v0, float4 v1, float4 v2) {

@@ -1,4 +1,4 @@
-// The builder `high`: bvh/sbvh.cl, bvh/reinsert.cl, bvh/layout.cl.
+// The builder `high`: bvh/sbvh.cl, bvh/reinsertion.cl, bvh/layout.cl.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The serial schedule of the builders, bvh/lbvh_serial.cl and bvh/hploc_serial.cl, against the climbing one: the
+// The serial schedule of the builders, bvh/serial/lbvh_serial.cl and bvh/serial/hploc_serial.cl, against the climbing one: the
 // same trees, whatever the number of ranges.
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The tree of lbvh.cl by the serial schedule for CPUs.
-#include "bvh/serial.clh"
+#include "bvh/serial/serial.clh"
 
 typedef struct Subtree {
     float4 lo, hi;

@@ -3,7 +3,7 @@
 // from the range's first leaf on, as they are made.
 #include "bvh/columns.clh"
 #include "bvh/hploc.clh"
-#include "bvh/serial.clh"
+#include "bvh/serial/serial.clh"
 
 /// The fourth lanes hold bits: the child in lo, height and count as in BvhNode in hi.
 typedef struct Cluster {
