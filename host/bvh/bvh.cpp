@@ -119,10 +119,11 @@ BvhValidation Bvh::validate() const {
     Buffer<std::uint32_t> seen(device(), count), of_nodes(device(), 2), of_leaves(device(), 3);
     seen.fill(0), of_nodes.fill(0), of_leaves.fill(0);
     load_kernel(device(), "bvh/validate.cl", "validate_nodes")
-        .run({state_->nodes.size(), 64}, state_->nodes, state_->leaves, state_->header, count, seen, of_nodes);
+        .run({state_->nodes.size(), 64}, state_->nodes, state_->leaves, state_->header, count, arg("seen", seen),
+             arg("failures", of_nodes));
     load_kernel(device(), "bvh/validate.cl", "validate_leaves")
-        .run({count, 64}, state_->triangles.positions, state_->triangles.indices, count, state_->nodes, state_->leaves,
-             state_->header, seen, of_leaves);
+        .run({count, 64}, state_->triangles.positions, arg("indices", state_->triangles.indices), count, state_->nodes,
+             state_->leaves, state_->header, arg("seen", seen), arg("failures", of_leaves));
     const std::vector<std::uint32_t> nodes = of_nodes.read(), leaves = of_leaves.read();
     return {.leaves_missing = leaves[0],
             .leaves_repeated = leaves[1],
@@ -163,19 +164,19 @@ void Bvh::bind(Kernel& kernel, unsigned& index) const {
 }
 
 void Bvh::bind_solid(Kernel& kernel, unsigned& index) const {
-    kernel.set(index, state_->header);
+    kernel.set(index, arg("claray_header", state_->header));
     if (layout() == Layout::wide) {
         kernel.set(index, state_->wide_nodes);
         kernel.set(index, state_->wide_blocks);
     } else {
-        kernel.set(index, state_->nodes);
-        kernel.set(index, state_->leaves);
+        kernel.set(index, arg("claray_nodes", state_->nodes));
+        kernel.set(index, arg("claray_triangles", state_->leaves));
     }
 }
 
 void Bvh::bind_cutouts(Kernel& kernel, unsigned& index) const {
     if (!has_cutouts()) return;
-    kernel.set(index, state_->cutouts);
+    kernel.set(index, arg("claray_cutouts", state_->cutouts));
     kernel.set(index, std::uint32_t(0));
 }
 

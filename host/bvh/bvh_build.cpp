@@ -143,11 +143,13 @@ void Bvh::State::compute_bounds() {
     const std::uint32_t axis_bits = config.morton_bits / 3;
     reset_.run({1, 1}, header, bound_keys);
     if (ranges != 0) {  // the leaves' memory is free until the tree is built
-        centroids_.run({ranges, 1}, triangles.positions, triangles.indices, count, header, bound_keys, ranges, leaves);
+        centroids_.run({ranges, 1}, arg("positions", triangles.positions), arg("indices", triangles.indices), count,
+                       header, arg("keys", bound_keys), ranges, arg("centroids", leaves.memory()));
     } else {
         const std::size_t items =
             std::min<std::size_t>(count, std::size_t(device.info().compute_units) * 8 * build_group);
-        bounds_.run({items, build_group}, triangles.positions, triangles.indices, count, header, bound_keys);
+        bounds_.run({items, build_group}, triangles.positions, arg("indices", triangles.indices), count, header,
+                    arg("keys", bound_keys));
     }
     finish_bounds_.run({1, 1}, header, bound_keys, count, axis_bits);
 }
@@ -155,9 +157,10 @@ void Bvh::State::compute_bounds() {
 template <class Code>
 void Bvh::State::build_tree(Buffer<Code>& codes, RadixSort<Code>& sort) {
     if (ranges != 0)
-        encode_.run({ranges, 1}, leaves, count, header, ranges, codes);
+        encode_.run({ranges, 1}, leaves.memory(), count, header, ranges, codes);
     else
-        codes_.run({count, build_group}, triangles.positions, triangles.indices, count, header, codes);
+        codes_.run({count, build_group}, triangles.positions, arg("indices", triangles.indices), count, header,
+                   arg("codes", codes));
     sort.sort(codes, order, count);
     if (config.builder == Builder::fast) {
         build_lbvh(codes);
@@ -187,27 +190,35 @@ void Bvh::State::build_high(unsigned rounds) {
 template <class Code>
 void Bvh::State::build_lbvh(const Buffer<Code>& codes) {
     if (ranges != 0) {
-        lbvh_ranges_.run({ranges, 1}, triangles.positions, triangles.indices, triangles.geometries, triangles.masks,
-                         codes, order, nodes, leaves, header, ranges, pieces, piece_counts);
-        join_lbvh_.run({1, 1}, codes, nodes, leaves, header, ranges, pieces, piece_counts);
+        lbvh_ranges_.run({ranges, 1}, triangles.positions, arg("indices", triangles.indices),
+                         arg("geometries", triangles.geometries), arg("masks", triangles.masks), arg("codes", codes),
+                         arg("order", order), nodes, leaves, header, ranges, pieces, arg("piece_counts", piece_counts));
+        join_lbvh_.run({1, 1}, arg("codes", codes), nodes, leaves, header, ranges, pieces,
+                       arg("piece_counts", piece_counts));
         return;
     }
     arrivals.fill(0xffffffffu);
-    lbvh_.run({count, build_group}, triangles.positions, triangles.indices, triangles.geometries, triangles.masks,
-              codes, order, nodes, leaves, arrivals, header);
+    lbvh_.run({count, build_group}, triangles.positions, arg("indices", triangles.indices),
+              arg("geometries", triangles.geometries), arg("masks", triangles.masks), arg("codes", codes),
+              arg("order", order), nodes, leaves, arg("arrivals", arrivals), header);
 }
 
 template <class Code>
 void Bvh::State::build_hploc(const Buffer<Code>& codes) {
     if (ranges != 0) {
-        hploc_ranges_.run({ranges, 1}, triangles.positions, triangles.indices, triangles.geometries, triangles.masks,
-                          codes, order, nodes, leaves, clusters, header, ranges, pieces, piece_counts);
-        join_hploc_.run({1, 1}, codes, nodes, leaves, clusters, header, ranges, pieces, piece_counts);
+        hploc_ranges_.run({ranges, 1}, triangles.positions, arg("indices", triangles.indices),
+                          arg("geometries", triangles.geometries), arg("masks", triangles.masks), arg("codes", codes),
+                          arg("order", order), nodes, leaves, arg("clusters", clusters), header, ranges,
+                          arg("pieces", pieces), arg("piece_counts", piece_counts));
+        join_hploc_.run({1, 1}, arg("codes", codes), nodes, leaves, arg("clusters", clusters), header, ranges,
+                        arg("pieces", pieces), arg("piece_counts", piece_counts));
         return;
     }
     arrivals.fill(0xffffffffu);
-    hploc_.run({count, device.tuning("bvh/hploc", "GROUP_SIZE")}, triangles.positions, triangles.indices,
-               triangles.geometries, triangles.masks, codes, order, nodes, leaves, arrivals, clusters, header);
+    hploc_.run({count, device.tuning("bvh/hploc", "GROUP_SIZE")}, triangles.positions,
+               arg("indices", triangles.indices), arg("geometries", triangles.geometries),
+               arg("masks", triangles.masks), arg("codes", codes), arg("order", order), nodes, leaves,
+               arg("arrivals", arrivals), arg("clusters", clusters), header);
 }
 
 void Bvh::State::build() {
@@ -243,7 +254,8 @@ void Bvh::State::refit() {
     }
     if (built_cost == 0) built_cost = sah_cost();
     arrivals.fill(0);
-    refit_.run({nodes.size(), build_group}, triangles.positions, triangles.indices, nodes, leaves, arrivals, header);
+    refit_.run({nodes.size(), build_group}, triangles.positions, arg("indices", triangles.indices), nodes, leaves,
+               arg("arrivals", arrivals), header);
     if (layout == Layout::wide)
         refit_wide_.run({wide_nodes.size(), 64}, nodes, leaves, wide_nodes, wide_blocks, header);
 }

@@ -146,8 +146,8 @@ void InstancedBvh::State::place() {
     if (!place_.handle()()) place_ = load_kernel(device, "bvh/instances.cl", "place_instances");
     widening.fill(0);
     const std::size_t count = instances.size();
-    place_.run({count, instances_group}, instances, ends, std::uint32_t(count), headers, std::uint32_t(ranges.size()),
-               placed, boxes.positions, widening);
+    place_.run({count, instances_group}, arg("instances", instances), arg("ends", ends), std::uint32_t(count), headers,
+               std::uint32_t(ranges.size()), placed, boxes.positions, widening.memory());
 }
 
 InstancedBvh InstancedBvh::build(std::span<const Bvh> bottoms, const Buffer<Instance>& instances,
@@ -227,16 +227,16 @@ InstanceStatistics InstancedBvh::statistics() const {
 void InstancedBvh::bind(Kernel& kernel, unsigned& index) const {
     kernel.require(defines());
     const Bvh& top = *state_->top;
-    kernel.set(index, top.header_buffer());
-    kernel.set(index, top.nodes());
-    kernel.set(index, top.leaves());
-    kernel.set(index, state_->widening);
+    kernel.set(index, arg("claray_top", top.header_buffer()));
+    kernel.set(index, arg("claray_top_nodes", top.nodes()));
+    kernel.set(index, arg("claray_top_leaves", top.leaves()));
+    kernel.set(index, arg("claray_widening", state_->widening));
     kernel.set(index, state_->placed);
     kernel.set(index, state_->ranges);
     state_->bind_bottoms(kernel, index);
     if (!state_->ends.allocated()) return;
-    kernel.set(index, state_->instances);
-    kernel.set(index, state_->ends);
+    kernel.set(index, arg("claray_begins", state_->instances));
+    kernel.set(index, arg("claray_ends", state_->ends));
 }
 
 void InstancedBvh::set_cutouts(const Buffer<std::uint32_t>& store) {
@@ -255,12 +255,12 @@ void InstancedBvh::State::bind_bottoms(Kernel& kernel, unsigned& index) const {
         kernel.set(index, *shared);
         return;
     }
-    kernel.set(index, headers);
+    kernel.set(index, arg("claray_header", headers));
     const bool wide = layout == Layout::wide;
-    wide ? kernel.set(index, wide_nodes) : kernel.set(index, nodes);
-    wide ? kernel.set(index, wide_blocks) : kernel.set(index, leaves);
+    wide ? kernel.set(index, wide_nodes) : kernel.set(index, arg("claray_nodes", nodes));
+    wide ? kernel.set(index, wide_blocks) : kernel.set(index, arg("claray_triangles", leaves));
     if (!cutouts.allocated()) return;
-    kernel.set(index, cutouts);
+    kernel.set(index, arg("claray_cutouts", cutouts));
     kernel.set(index, std::uint32_t(0));  // claray_first_triangle, which every instance replaces by its own
 }
 

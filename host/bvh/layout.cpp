@@ -23,10 +23,11 @@ void TreeLayout::copy(const TriangleBuffers& triangles, const Buffer<BvhNode>& n
                       const Buffer<LeafTriangle>& new_leaves) {
     if (leaf_count == 0) return;
     arrivals.fill(0);
-    measure_.run({leaf_count, layout_group}, nodes, leaves, subtrees_, arrivals, header);
-    copy_.run({leaf_count, layout_group}, nodes, leaves, subtrees_, header, triangles.positions, triangles.indices,
-              triangles.geometries, triangles.masks, new_nodes, new_leaves);
-    finish_.run({1, 1}, nodes, subtrees_, header);
+    measure_.run({leaf_count, layout_group}, nodes, leaves, subtrees_.memory(), arrivals, header);
+    copy_.run({leaf_count, layout_group}, arg("nodes", nodes), arg("leaves", leaves), subtrees_.memory(), header,
+              triangles.positions, arg("indices", triangles.indices), arg("geometries", triangles.geometries),
+              arg("masks", triangles.masks), arg("new_nodes", new_nodes), arg("new_leaves", new_leaves));
+    finish_.run({1, 1}, nodes, subtrees_.memory(), header);
 }
 
 }  // namespace claray

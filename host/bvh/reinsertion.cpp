@@ -33,12 +33,15 @@ void Reinsertion::run(const Buffer<BvhNode>& nodes, Buffer<std::uint32_t>& arriv
         gains_.fill(0);
         owners_.fill(0xffffffffu);
         arrivals.fill(0);
-        find_moves_.run(of_both, nodes, leaf_parents_, header, stride, round % stride, moves_);
-        claim_by_gain_.run(of_both, nodes, leaf_parents_, header, moves_, gains_);
-        claim_by_id_.run(of_both, nodes, leaf_parents_, header, moves_, gains_, owners_);
-        find_winners_.run(of_both, nodes, leaf_parents_, header, moves_, gains_, owners_);
-        prevent_cycles_.run(of_both, nodes, leaf_parents_, header, moves_);
-        apply_.run(of_both, nodes, leaf_parents_, header, moves_);
+        find_moves_.run(of_both, nodes, leaf_parents_, header, stride, round % stride, moves_.memory());
+        claim_by_gain_.run(of_both, nodes, arg("leaf_parents", leaf_parents_), header, moves_.memory(),
+                           arg("gains", gains_));
+        claim_by_id_.run(of_both, nodes, arg("leaf_parents", leaf_parents_), header, moves_.memory(),
+                         arg("gains", gains_), arg("owners", owners_));
+        find_winners_.run(of_both, nodes, arg("leaf_parents", leaf_parents_), header, moves_.memory(),
+                          arg("gains", gains_), arg("owners", owners_));
+        prevent_cycles_.run(of_both, nodes, leaf_parents_, header, moves_.memory());
+        apply_.run(of_both, nodes, leaf_parents_, header, moves_.memory());
         update_.run(of_nodes, nodes, arrivals, header);
     }
 }

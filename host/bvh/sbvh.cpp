@@ -45,12 +45,14 @@ void Sbvh::build(const TriangleBuffers& triangles, const Buffer<std::uint32_t>& 
     if (count_ == 0) return;
     const std::uint32_t group = queues_[1].group;
     const Range of_tiles{std::size_t(tiles_) * group, group};
-    count_references_.run(of_tiles, triangles.positions, triangles.indices, count_, tile_sums_);
+    count_references_.run(of_tiles, triangles.positions, arg("indices", triangles.indices), count_,
+                          arg("tile_sums", tile_sums_));
     scan_.run({group, group}, tile_sums_, tiles_);
-    place_.run(of_tiles, triangles.positions, triangles.indices, count_, tile_sums_, references_[0]);
+    place_.run(of_tiles, triangles.positions, arg("indices", triangles.indices), count_, arg("tile_sums", tile_sums_),
+               references_[0]);
     counters_.fill(0);
-    begin_.run({1, 1}, header, capacity(), references_[0], leaves, nodes, queues_[0].tasks[0], queues_[1].tasks[0],
-               small_, counters_);
+    begin_.run({1, 1}, header, capacity(), references_[0], leaves, nodes, arg("large", queues_[0].tasks[0].memory()),
+               arg("medium", queues_[1].tasks[0].memory()), arg("small", small_.memory()), counters_);
     for (std::uint32_t level = 0; level < most_levels; ++level) {
         std::uint32_t waiting[2];
         counters_.read(waiting, first_level + 2 * level);
@@ -60,8 +62,8 @@ void Sbvh::build(const TriangleBuffers& triangles, const Buffer<std::uint32_t>& 
     std::uint32_t subtrees = 0;
     counters_.read(std::span(&subtrees, 1), small_tasks);
     if (subtrees != 0)
-        finish_subtrees_.run({std::size_t(subtrees) * small, small}, small_, references_[0], references_[1], nodes,
-                             leaves, counters_);
+        finish_subtrees_.run({std::size_t(subtrees) * small, small}, small_.memory(), arg("even", references_[0]),
+                             arg("odd", references_[1]), nodes, leaves, counters_);
     finish_.run({1, 1}, leaves, header, counters_);
 }
 
@@ -72,9 +74,12 @@ void Sbvh::split_level(const TriangleBuffers& triangles, const Buffer<std::uint3
     for (int size = 0; size < 2; ++size) {
         if (waiting[size] == 0) continue;
         Queue& queue = queues_[size];
-        queue.split.run({std::size_t(waiting[size]) * queue.group, queue.group}, queue.tasks[now],
-                        queues_[0].tasks[next], queues_[1].tasks[next], small_, references_[now], references_[next],
-                        triangles.positions, triangles.indices, bound_keys, nodes, leaves, counters_);
+        queue.split.run({std::size_t(waiting[size]) * queue.group, queue.group},
+                        arg("tasks", queue.tasks[now].memory()), arg("large", queues_[0].tasks[next].memory()),
+                        arg("medium", queues_[1].tasks[next].memory()), arg("small", small_.memory()),
+                        arg("from", references_[now]), arg("to", references_[next]), triangles.positions,
+                        arg("indices", triangles.indices), arg("bound_keys", bound_keys), nodes, leaves,
+                        arg("counters", counters_));
     }
 }
 

@@ -37,6 +37,16 @@ std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes) {
     return {};
 }
 
+std::shared_ptr<cl::Buffer> part(const cl::Buffer& whole, std::size_t offset, std::size_t bytes) try {
+    if (whole() == nullptr) return {};  // a plan of memory
+    cl_buffer_region region{offset, bytes};
+    return std::make_shared<cl::Buffer>(
+        cl::Buffer(whole).createSubBuffer(CL_MEM_READ_WRITE, CL_BUFFER_CREATE_TYPE_REGION, &region));
+} catch (const cl::Error& error) {
+    throw Error(ErrorKind::usage, "a part of a buffer can't begin at byte " + std::to_string(offset) +
+                                      " (OpenCL error " + std::to_string(error.err()) + ")");
+}
+
 void write(const Device& device, const cl::Buffer& buffer, std::size_t offset, const void* data,
            std::size_t bytes) try {
     device.profiler().record("write_buffer", [&](cl::Event* event) {

@@ -21,6 +21,7 @@ struct Device::State {
     Profiler profiler;
     bool store_programs = true;                      // in the cache on disk; PoCL compiles them a second time for that
     std::map<std::string, cl::Program> programs;     // by file, options and, for a user's source, its text
+    std::map<cl_program, std::string> parameters;    // of their kernels, see Kernel::check_arguments
     std::vector<std::string> slow_programs;          // keys of those that are there for a quick start only
     std::vector<KernelRequest>* requests = nullptr;  // where set, kernels are not loaded but noted down
     MemoryPlan* plan = nullptr;                      // where set, buffers are not made but added up

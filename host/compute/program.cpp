@@ -43,9 +43,14 @@ const std::pair<std::string, std::string> fast_math = {"CLARAY_FAST_MATH", "1"};
 
 bool is_nvidia(const Device& device) { return device.info().vendor.find("NVIDIA") != std::string::npos; }
 
+bool is_pocl(const Device& device) { return device.info().platform == "Portable Computing Language"; }
+/// For Kernel::check_arguments; others than PoCL are not asked.
+constexpr const char* tell_parameters = "-cl-kernel-arg-info";
+
 std::string build_options(const Device& device, const Defines& defines, Math math) {
     if (std::find(defines.begin(), defines.end(), fast_math) != defines.end()) math = Math::fast;
     std::string options = "-cl-std=CL1.2 -w";  // PoCL counts warnings on standard error
+    if (is_pocl(device)) options += std::string(" ") + tell_parameters;
     if (math == Math::fast)
         options += " -cl-fast-relaxed-math";
     else if (device.info().exact_divide)
@@ -139,7 +144,8 @@ cl::Program compile_from_source(const Device& device, const KernelSource& main, 
     if (compiled != CL_SUCCESS) throw_build_error(device, main, options, build_log(program, device.state().device));
     cl_int linked = CL_SUCCESS;
     const cl_program object = program();
-    const cl_program result = clLinkProgram(context(), 1, &id, "", 1, &object, nullptr, nullptr, &linked);
+    const cl_program result =
+        clLinkProgram(context(), 1, &id, is_pocl(device) ? tell_parameters : "", 1, &object, nullptr, nullptr, &linked);
     if (linked != CL_SUCCESS)
         throw_build_error(device, main, options,
                           result ? build_log(cl::Program(result), device.state().device) : "the link step failed");
@@ -158,15 +164,41 @@ std::optional<cl::Program> build_from_binary(const Device& device, const std::ve
 }
 
 std::optional<cl::Program> load_from_cache(const Device& device, const std::string& identity) {
-    const auto binary = load_cached_program(identity);
-    auto program = binary ? build_from_binary(device, *binary) : std::nullopt;
+    const auto cached = load_cached_program(identity);
+    if (!cached) return {};
+    const auto end = std::find(cached->begin(), cached->end(), '\0');  // of the parameters, before the binary
+    if (end == cached->end()) return {};
+    auto program = build_from_binary(device, {end + 1, cached->end()});
+    if (program) device.state().parameters[(*program)()] = std::string(cached->begin(), end);
     if (program) statistics.change([](CompileStatistics& s) { ++s.from_cache; });
     return program;
 }
 
 /// Of PoCL one process compiles at a time: version 3.1 lists its own cache folder while it hands out a binary, and
 /// crashes on temporary folders that other processes have removed by then.
-bool compiles_alone(const Device& device) { return device.info().platform == "Portable Computing Language"; }
+bool compiles_alone(const Device& device) { return is_pocl(device); }
+
+/// Names and types of the parameters of a program's kernels, a line each. Binaries do not tell them, so that they are
+/// kept with them. Empty where the driver does not tell.
+std::string parameters_of(const cl::Program& program) try {
+    std::vector<cl::Kernel> kernels;
+    cl::Program(program).createKernels(&kernels);
+    std::string lines;
+    for (const cl::Kernel& kernel : kernels)
+        for (cl_uint i = 0; i < kernel.getInfo<CL_KERNEL_NUM_ARGS>(); ++i)
+            lines += kernel.getInfo<CL_KERNEL_FUNCTION_NAME>() + ' ' + kernel.getArgInfo<CL_KERNEL_ARG_NAME>(i) + ' ' +
+                     kernel.getArgInfo<CL_KERNEL_ARG_TYPE_NAME>(i) + '\n';
+    return lines;
+} catch (const cl::Error&) {
+    return {};
+}
+
+std::vector<unsigned char> with_parameters(const std::string& parameters, const std::vector<unsigned char>& binary) {
+    std::vector<unsigned char> all(parameters.begin(), parameters.end());
+    all.push_back('\0');
+    all.insert(all.end(), binary.begin(), binary.end());
+    return all;
+}
 
 cl::Program compile(const Device& device, const KernelSource& main, const std::string& options) {
     const std::string identity = cache_identity(device, main, options);
@@ -181,7 +213,9 @@ cl::Program compile(const Device& device, const KernelSource& main, const std::s
     // What is not to be kept tries whether the cache can be written, too: another process will have to.
     const auto binaries = device.state().store_programs ? program.getInfo<CL_PROGRAM_BINARIES>()
                                                         : std::vector<std::vector<unsigned char>>(1);
-    const std::string error = binaries.empty() ? "" : store_cached_program(identity, binaries[0]);
+    std::string& parameters = device.state().parameters[program()] = parameters_of(program);
+    const std::string error =
+        binaries.empty() ? "" : store_cached_program(identity, with_parameters(parameters, binaries[0]));
     if (!error.empty()) statistics.change([&](CompileStatistics& s) { s.cache_error = error; });
     return program;
 }
@@ -210,7 +244,9 @@ Kernel kernel_of(const Device& device, const KernelSource& main, const std::stri
     auto& programs = device.state().programs;
     auto found = programs.find(key);
     if (found == programs.end()) found = programs.emplace(key, timed_compile(device, main, options)).first;
-    return Kernel(device, cl::Kernel(found->second, function.c_str()), function);
+    Kernel kernel(device, cl::Kernel(found->second, function.c_str()), function);
+    if (!user_source) kernel.check_arguments(device.state().parameters[found->second()]);
+    return kernel;
 } catch (const cl::Error& error) {
     throw_device_error(device, "load the kernel " + function + " of " + main.path, error);
 }
@@ -232,7 +268,51 @@ std::string stem_of(const std::string& file) { return file.substr(0, file.rfind(
 
 }  // namespace
 
+void Kernel::check_arguments(const std::string& lines) {
+    std::vector<Parameter> parameters;
+    std::istringstream rows(lines);
+    for (std::string row; std::getline(rows, row);) {
+        const std::size_t name = row.find(' ') + 1, type = row.find(' ', name) + 1;
+        if (row.substr(0, name - 1) == name_)
+            parameters.push_back({row.substr(name, type - 1 - name), row.substr(type)});
+    }
+    if (parameters.empty()) return;
+    for (Parameter& one : parameters)
+        one.ambiguous =
+            one.type.ends_with('*') && 1 < std::count_if(parameters.begin(), parameters.end(),
+                                                         [&](const Parameter& p) { return p.type == one.type; });
+    parameters_ = std::make_shared<const std::vector<Parameter>>(std::move(parameters));
+}
+
+namespace {
+/// Whether a parameter points to this type or, as float4*, to vectors of it.
+bool points_to(const std::string& parameter, const std::string& type) {
+    const std::size_t rest = parameter.find_first_of("0123456789*", type.size());
+    return parameter.starts_with(type) && rest == type.size();
+}
+}  // namespace
+
+void Kernel::check_buffer(unsigned index, const char* type) {
+    if (!parameters_ || index >= parameters_->size()) return;
+    const Parameter& parameter = (*parameters_)[index];
+    const std::string place = "argument " + std::to_string(index) + " of the kernel " + name_;
+    if (type != nullptr && !points_to(parameter.type, type))
+        throw Error(ErrorKind::usage,
+                    place + " is a buffer of " + type + ", but '" + parameter.name + "' is a " + parameter.type);
+    if (parameter.ambiguous && name_of_argument_ == nullptr)
+        throw Error(ErrorKind::usage, place + " needs its name, since there are several buffers of its type",
+                    "write arg(\"" + parameter.name + "\", ...)");
+}
+
+void Kernel::check_name(unsigned index) {
+    const char* name = std::exchange(name_of_argument_, nullptr);
+    if (name == nullptr || !parameters_ || index >= parameters_->size() || (*parameters_)[index].name == name) return;
+    throw Error(ErrorKind::usage, "argument " + std::to_string(index) + " of the kernel " + name_ + " is called '" +
+                                      (*parameters_)[index].name + "', not '" + name + "'");
+}
+
 void Kernel::set_argument(unsigned index, std::size_t bytes, const void* value) {
+    check_name(index);
     if (!device_) throw Error(ErrorKind::usage, "cannot bind an argument of a kernel that was never loaded");
     const cl_int status = clSetKernelArg(kernel_(), index, bytes, value);
     if (status != CL_SUCCESS)

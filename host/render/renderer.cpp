@@ -569,10 +569,9 @@ Aovs Renderer::aovs() const {
     for (std::size_t first = 0; first < pixels; first += capacity) {
         const std::size_t n = std::min(capacity, pixels - first);
         state.wavefront.trace_centers({std::uint32_t(first), std::uint32_t(n), 0, 1}, visits);
-        write.run({n, 64}, std::uint32_t(n), state.wavefront.rays(), state.wavefront.hits(), visits,
-                  state.structure.triangles().positions, state.structure.triangles().indices, state.buffers.normals,
-                  state.buffers.triangle_materials, state.buffers.materials, depth, normal, albedo, primitive, visited,
-                  state.buffers.textures.maps(), state.structure);
+        write.run({n, 64}, state.wavefront.step_of({}, 0, std::uint32_t(n)), state.buffers, state.wavefront.rays(),
+                  state.wavefront.hits(), visits, arg("depth", depth), arg("normal", normal), arg("albedo", albedo),
+                  arg("primitive", primitive), arg("visited", visited));
         depth.read({&aovs.depth[first], n});
         primitive.read({&aovs.primitive[first], n});
         visited.read({&aovs.visits[first], n});

@@ -1,6 +1,7 @@
 #include "host/render/scene_buffers.hpp"
 
 #include <algorithm>
+#include <cstring>
 
 #include "host/bsdf/material_data.hpp"
 #include "host/lights/lights.hpp"
@@ -38,62 +39,68 @@ std::vector<std::uint32_t> all_triangle_materials(const Scene& scene) {
     return materials;
 }
 
+/// Collects tables behind one another, each beginning where any vector may.
+class TableWriter {
+public:
+    /// Returns where it begins.
+    template <class T>
+    std::uint32_t add(const std::vector<T>& table) {
+        static_assert(sizeof(T) % sizeof(std::uint32_t) == 0);
+        if (table.empty()) return CLARAY_NO_TABLE;
+        const std::size_t begin = (words_.size() + alignment - 1) / alignment * alignment;
+        if (begin >= CLARAY_NO_TABLE) throw Error(ErrorKind::user, "the scene's tables have more than 16 GB");
+        words_.resize(begin + table.size() * sizeof(T) / sizeof(std::uint32_t));
+        std::memcpy(&words_[begin], table.data(), table.size() * sizeof(T));
+        return std::uint32_t(begin);
+    }
+    [[nodiscard]] const std::vector<std::uint32_t>& words() const { return words_; }
+
+private:
+    static constexpr std::size_t alignment = 32;
+    std::vector<std::uint32_t> words_;
+};
+
 }  // namespace
 
 SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Structure& with, EffectSet added)
     : structure(with), effects(effects_of(scene)) {
-    const std::vector<float> vertex_normals = all_normals(scene);
-    if (!vertex_normals.empty()) normals = Buffer<float>(device, vertex_normals);
     const std::vector<std::uint32_t> of_triangles = all_triangle_materials(scene);
-    triangle_materials = Buffer<std::uint32_t>(device, of_triangles);
-
-    std::vector<MaterialData> data;
-    const EnergyTables tables(used_materials(scene, of_triangles));
-    for (const Material& material : scene.materials) data.push_back(material_data(material, tables));
-    materials = Buffer<MaterialData>(device, data);
-    if (!tables.data().empty()) energy_tables = Buffer<float>(device, tables.data());
+    const EnergyTables energy(used_materials(scene, of_triangles));
+    std::vector<MaterialData> materials;
+    for (const Material& material : scene.materials) materials.push_back(material_data(material, energy));
 
     textures = Textures(device, scene, !(added & EffectSet{Effect::cut_outs, Effect::culling}).empty());
     structure.set_cutouts(textures.cutouts());
 
     const Lights found = collect_lights(scene);
-    triangle_lights = Buffer<TriangleLight>(device, found.triangles);
-    punctual_lights = Buffer<PunctualLight>(device, found.punctual);
-    light_tree = Buffer<LightNode>(device, found.tree);
-    light_leaves = Buffer<LightLeaf>(device, found.leaves);
-    light_trails = Buffer<LightTrail>(device, found.trails);
-    if (!found.hot_spots.empty()) hot_spots = Buffer<HotSpot>(device, found.hot_spots);
-    if (!found.lamps.empty()) lamps = Buffer<std::uint32_t>(device, found.lamps);
-    environment_texels = Buffer<float>(device, found.environment_texels);
-    environment_cdf = Buffer<float>(device, found.environment_cdf);
     lights = found.data;
+    TableWriter writer;
+    where = {.normals = writer.add(all_normals(scene)),
+             .triangle_materials = writer.add(of_triangles),
+             .materials = writer.add(materials),
+             .energy = writer.add(energy.data()),
+             .triangle_lights = writer.add(found.triangles),
+             .punctual_lights = writer.add(found.punctual),
+             .light_tree = writer.add(found.tree),
+             .light_leaves = writer.add(found.leaves),
+             .light_trails = writer.add(found.trails),
+             .hot_spots = writer.add(found.hot_spots),
+             .lamps = writer.add(found.lamps),
+             .environment_texels = writer.add(found.environment_texels),
+             .environment_cdf = writer.add(found.environment_cdf)};
+    tables = Buffer<std::uint32_t>(device, writer.words());
 }
 
 void SceneBuffers::bind(Kernel& kernel, unsigned& index) const {
-    kernel.set(index, structure.triangles().positions);
-    kernel.set(index, structure.triangles().indices);
-    kernel.set(index, normals);
-    kernel.set(index, triangle_materials);
-    kernel.set(index, materials);
-    kernel.set(index, energy_tables);
-    kernel.set(index, triangle_lights);
-    kernel.set(index, punctual_lights);
-    kernel.set(index, light_tree);
-    kernel.set(index, light_leaves);
-    kernel.set(index, light_trails);
-    kernel.set(index, hot_spots);
-    kernel.set(index, lamps);
-    kernel.set(index, environment_texels);
-    kernel.set(index, environment_cdf);
-    kernel.set(index, textures.maps());
+    kernel.set(index, arg("positions", structure.triangles().positions));
+    kernel.set(index, arg("indices", structure.triangles().indices));
+    kernel.set(index, arg("tables", tables));
+    kernel.set(index, arg("textures", textures.maps()));
     structure.bind(kernel, index);
 }
 
 std::uint64_t SceneBuffers::bytes() const {
-    return structure.triangles().positions.bytes() + structure.triangles().indices.bytes() + normals.bytes() +
-           triangle_materials.bytes() + materials.bytes() + energy_tables.bytes() + triangle_lights.bytes() +
-           punctual_lights.bytes() + light_tree.bytes() + light_leaves.bytes() + light_trails.bytes() +
-           hot_spots.bytes() + lamps.bytes() + environment_texels.bytes() + environment_cdf.bytes() +
+    return structure.triangles().positions.bytes() + structure.triangles().indices.bytes() + tables.bytes() +
            textures.store.bytes();
 }
 

@@ -153,8 +153,8 @@ Defines Structure::defines() const {
 
 void Structure::bind(Kernel& kernel, unsigned& index) const {
     if (!instanced_) return;
-    kernel.set(index, instanced_->instances());
-    kernel.set(index, instanced_->ends());
+    kernel.set(index, arg("instances", instanced_->instances()));
+    kernel.set(index, arg("instance_ends", instanced_->ends()));
     kernel.set(index, instanced_->placed());
 }
 

@@ -17,8 +17,8 @@ std::uint32_t paths_per_item(const Device& device) {
 
 constexpr const char* path_kernel_stem = "render/trace_paths";
 
-constexpr std::uint64_t bytes_per_path = 2 * (sizeof(Ray) + sizeof(PathState)) + sizeof(Ray) + sizeof(Hit) +
-                                         sizeof(LightSample) + sizeof(std::uint8_t) + 3 * sizeof(float);
+constexpr std::uint64_t bytes_per_path = 2 * (sizeof(Ray) + sizeof(PathState) + sizeof(RayCone)) + sizeof(Ray) +
+                                         sizeof(Hit) + sizeof(LightSample) + sizeof(std::uint8_t) + 3 * sizeof(float);
 
 /// At most a 16th of the device's memory, and no buffer larger than it allows.
 std::uint32_t choose_capacity(const Device& device, std::uint64_t most_paths) {
@@ -110,8 +110,11 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
       most_whole_paths_(most_whole_paths(device)),
       capacity_(choose_capacity(device, most_paths)),
       kernels_(std::move(kernels)) {
-    for (auto* length : {&lengths_[0], &lengths_[1], &lengths_[2], &shadow_lengths_[0], &shadow_lengths_[1]})
-        *length = Buffer<std::uint32_t>(device, std::vector<std::uint32_t>{0});
+    frame_.tables = scene.where;
+    queue_lengths_ = Buffer<QueueLength>(device, std::vector<QueueLength>(CLARAY_RAY_QUEUES + CLARAY_SHADOW_QUEUES));
+    std::size_t at = 0;
+    for (auto& length : lengths_) length = Buffer<std::uint32_t>(queue_lengths_, sizeof(QueueLength) * at++, 1);
+    for (auto& length : shadow_lengths_) length = Buffer<std::uint32_t>(queue_lengths_, sizeof(QueueLength) * at++, 1);
     totals_ = Buffer<std::uint64_t>(device, 2);
     totals_in_paths_ = Buffer<std::uint64_t>(device, 2);
     reset_totals();
@@ -120,21 +123,31 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
 /// Short renders never need room for all the paths that a device takes at once. Nothing is kept in it between batches.
 void Wavefront::make_room(std::uint32_t paths) {
     if (paths <= rays_[0].size()) return;
-    const std::uint32_t room = std::min(capacity_, std::max<std::uint32_t>(paths, 2 * std::uint32_t(rays_[0].size())));
+    const std::uint32_t wanted =
+        std::min(capacity_, std::max<std::uint32_t>(paths, 2 * std::uint32_t(rays_[0].size())));
+    const std::size_t room = (wanted + CLARAY_QUEUE_ROOM - 1) / CLARAY_QUEUE_ROOM * std::size_t(CLARAY_QUEUE_ROOM);
+    const bool moves = scene_.structure.moves();
+    constexpr std::size_t word = sizeof(std::uint32_t);
+    // Kernels for more effects than the scene's write cones, too.
+    const std::size_t words = moves ? CLARAY_QUEUE_WORDS : CLARAY_QUEUE_TIMES;
     for (int i = 0; i < 2; ++i) {
-        rays_[i] = Buffer<Ray>(device_, room);
-        states_[i] = Buffer<PathState>(device_, room);
-        if (scene_.structure.moves()) times_[i] = Buffer<float>(device_, room);
-        if (scene_.textures.mipmaps) cones_[i] = Buffer<RayCone>(device_, room);
+        queues_[i] = Buffer<RayQueue>(device_, words * room);
+        rays_[i] = Buffer<Ray>(queues_[i], 0, room);
+        states_[i] = Buffer<PathState>(queues_[i], CLARAY_QUEUE_STATES * word * room, room);
+        if (moves) times_[i] = Buffer<float>(queues_[i], CLARAY_QUEUE_TIMES * word * room, room);
     }
     hits_ = SceneHits(scene_.structure, room);
-    radiance_ = Buffer<float>(device_, 3 * std::size_t(room));
-    if (scene_.light_tree.allocated()) shading_normals_ = Buffer<float>(device_, 3 * std::size_t(room));
+    radiance_ = Buffer<float>(device_, (scene_.where.light_tree == CLARAY_NO_TABLE ? 3 : 6) * room);
     if (scene_.lights.count == 0) return;
-    shadow_rays_ = Buffer<Ray>(device_, room);
-    shadow_light_ = Buffer<LightSample>(device_, room);
+    shadow_queue_ = Buffer<ShadowQueue>(device_, (moves ? CLARAY_SHADOW_WORDS : CLARAY_SHADOW_TIMES) * room);
+    shadow_rays_ = Buffer<Ray>(shadow_queue_, 0, room);
+    shadow_light_ = Buffer<LightSample>(shadow_queue_, CLARAY_SHADOW_LIGHT * word * room, room);
     occluded_ = Buffer<std::uint8_t>(device_, room);
-    if (scene_.structure.moves()) shadow_times_ = Buffer<float>(device_, room);
+    if (moves) shadow_times_ = Buffer<float>(shadow_queue_, CLARAY_SHADOW_TIMES * word * room, room);
+}
+
+Step Wavefront::step_of(const Batch& batch, std::uint32_t depth, std::uint32_t limit) const {
+    return {batch, frame_, depth, limit, std::uint32_t(rays_[0].size())};
 }
 
 void Wavefront::take_over(const Structure& structure, WavefrontKernels kernels) {
@@ -156,7 +169,8 @@ bool Wavefront::paths_are_short() const {
 void Wavefront::generate(const Batch& batch, bool centers) {
     const std::uint32_t paths = batch.pixels * batch.samples;
     lengths_[0].fill(paths);
-    kernels_.generate.run({paths, 64}, batch, frame_, std::uint32_t(centers), rays_[0], radiance_, times_[0]);
+    kernels_.generate.run({paths, 64}, batch, frame_, std::uint32_t(centers), rays_[0], arg("radiance", radiance_),
+                          arg("times", times_[0]));
 }
 
 void Wavefront::trace(const Batch& batch) {
@@ -173,8 +187,9 @@ void Wavefront::trace_from(const Buffer<Hit>& points, const Batch& batch) {
     const std::uint32_t paths = batch.pixels * batch.samples;
     make_room(paths);
     lengths_[0].fill(paths);
-    kernels_.generate.run({paths, 64}, batch, points, scene_.structure.triangles().positions,
-                          scene_.structure.triangles().indices, rays_[0], hits_, radiance_);
+    kernels_.generate.run(
+        {paths, 64}, batch, arg("points", points), arg("positions", scene_.structure.triangles().positions),
+        scene_.structure.triangles().indices, rays_[0], arg("hits", hits_), arg("radiance", radiance_));
     trace_stages(batch, true);
 }
 
@@ -187,8 +202,8 @@ std::uint32_t Wavefront::waves() const {
 void Wavefront::trace_paths(const Batch& batch) {
     const std::uint32_t paths = batch.pixels * batch.samples;
     camera_rays_in_paths_ += paths;
-    path_kernel_->run({paths, device_.tuning(path_kernel_stem, "GROUP_SIZE")}, batch, frame_, waves(),
-                      scene_.structure.bvh(), scene_, radiance_, shading_normals_, lengths_[1], shadow_lengths_[0]);
+    path_kernel_->run({paths, device_.tuning(path_kernel_stem, "GROUP_SIZE")}, step_of(batch, waves(), paths),
+                      scene_.structure.bvh(), scene_, arg("radiance", radiance_), queue_lengths_);
     empty_queues(totals_in_paths_);
 }
 
@@ -198,7 +213,8 @@ void Wavefront::trace_stages(const Batch& batch, bool arrived) {
     const std::uint32_t all = waves();
     for (std::uint32_t depth = 0; depth < all && limit != 0; ++depth) {
         bounce(batch, depth, limit, arrived && depth == 0);
-        if ((depth + 1) % bounces_per_look_ == 0 && depth + 1 < all) limit = lengths_[(depth + 1) % 3].read()[0];
+        if ((depth + 1) % bounces_per_look_ == 0 && depth + 1 < all)
+            limit = lengths_[(depth + 1) % CLARAY_RAY_QUEUES].read()[0];
     }
     empty_queues(totals_);
 }
@@ -210,19 +226,17 @@ void Wavefront::bounce(const Batch& batch, std::uint32_t depth, std::uint32_t li
 
 void Wavefront::scatter(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived) {
     const int in = depth % 2, out = 1 - in;
-    const Buffer<std::uint32_t>&length = lengths_[depth % 3], &next = lengths_[(depth + 1) % 3],
-          &spent = lengths_[(depth + 2) % 3];
-    const Buffer<std::uint32_t>&shadows = shadow_lengths_[depth % 2], &shadows_spent = shadow_lengths_[(depth + 1) % 2];
     SceneQuery& trace = depth == 0 ? kernels_.trace_camera : kernels_.trace_bounce;
-    if (!arrived) trace.closest(rays_[in], hits_, limit, length, times_[in]);
+    if (!arrived) trace.closest(rays_[in], hits_, limit, lengths_[depth % CLARAY_RAY_QUEUES], times_[in]);
     const std::uint32_t items = (limit + paths_per_item_ - 1) / paths_per_item_;
-    kernels_.shade.run({items, shade_group_}, batch, frame_, depth, scene_, length, limit, rays_[in], hits_,
-                       states_[in], radiance_, shading_normals_, next, rays_[out], states_[out], shadows, shadow_rays_,
-                       shadow_light_, cones_[in], cones_[out], spent, shadows_spent, totals_, times_between(in, out));
+    kernels_.shade.run({items, shade_group_}, step_of(batch, depth, limit), scene_, queue_lengths_, totals_,
+                       arg("queue", queues_[in]), hits_, arg("next_queue", queues_[out]), shadow_queue_,
+                       arg("radiance", radiance_));
 }
 
 void Wavefront::look_for_light(std::uint32_t depth, std::uint32_t limit) {
-    if (scene_.lights.count != 0 && depth < frame_.max_depth) trace_shadows(limit, shadow_lengths_[depth % 2]);
+    if (scene_.lights.count != 0 && depth < frame_.max_depth)
+        trace_shadows(limit, shadow_lengths_[depth % CLARAY_SHADOW_QUEUES]);
 }
 
 /// Of the rays that go on after a surface; those to hot spots are there in addition to others.
@@ -254,7 +268,7 @@ void Wavefront::follow(const Batch& batch, std::uint32_t limit_of_depth, Carried
         scatter(batch, depth, limit, false);
         if (depth == limit_of_depth) within = light_of(paths);  // with what the last surface emits
         look_for_light(depth, limit);
-        limit = lengths_[(depth + 1) % 3].read()[0];
+        limit = lengths_[(depth + 1) % CLARAY_RAY_QUEUES].read()[0];
         if (depth + 1 == limit_of_depth) sums.dropped += carried_on(depth, limit);
         if (depth + 1 == frame_.max_depth) sums.left += carried_on(depth, limit);
     }
@@ -286,13 +300,8 @@ double Wavefront::cut_off() const {
     return share < least_share ? 0 : share;
 }
 
-Wavefront::Times Wavefront::times_between(int in, int out) const {
-    return {scene_.structure.moves(), times_[in], times_[out], shadow_times_};
-}
-
 void Wavefront::empty_queues(const Buffer<std::uint64_t>& totals) {
-    kernels_.empty_queues.run({1, 0}, lengths_[0], lengths_[1], lengths_[2], shadow_lengths_[0], shadow_lengths_[1],
-                              totals);
+    kernels_.empty_queues.run({1, 0}, queue_lengths_, totals);
 }
 
 void Wavefront::trace_shadows(std::uint32_t limit, const Buffer<std::uint32_t>& length) {
@@ -327,9 +336,8 @@ void Wavefront::reset_totals() {
 }
 
 std::uint64_t Wavefront::bytes() const {
-    return rays_[0].bytes() + rays_[1].bytes() + shadow_rays_.bytes() + states_[0].bytes() + states_[1].bytes() +
-           hits_.bytes() + shadow_light_.bytes() + occluded_.bytes() + radiance_.bytes() + cones_[0].bytes() +
-           cones_[1].bytes() + shading_normals_.bytes() + times_[0].bytes() + times_[1].bytes() + shadow_times_.bytes();
+    return queues_[0].bytes() + queues_[1].bytes() + shadow_queue_.bytes() + hits_.bytes() + occluded_.bytes() +
+           radiance_.bytes();
 }
 
 }  // namespace claray

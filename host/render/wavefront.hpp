@@ -73,6 +73,8 @@ public:
     /// First hits of rays through the pixels' centres, and what they cost; enqueued.
     void trace_centers(const Batch& batch, Buffer<Visits>& visits);
     [[nodiscard]] const Buffer<Ray>& rays() const { return rays_[0]; }
+    /// `limit`: of rays in the queue.
+    [[nodiscard]] Step step_of(const Batch& batch, std::uint32_t depth, std::uint32_t limit) const;
     [[nodiscard]] const SceneHits& hits() const { return hits_; }
 
     struct Totals {
@@ -108,16 +110,6 @@ private:
     [[nodiscard]] double carried_on(std::uint32_t depth, std::uint32_t rays) const;
     [[nodiscard]] double light_of(std::uint32_t paths) const;
 
-    /// Binds TIME_PARAMETERS of render/shade_surface.cl.
-    struct Times {
-        bool any = false;
-        Buffer<float> in, out, shadow;
-        void bind(Kernel& kernel, unsigned& index) const {
-            if (any) kernel.set(index, in), kernel.set(index, out), kernel.set(index, shadow);
-        }
-    };
-    [[nodiscard]] Times times_between(int in, int out) const;
-
     Device device_;
     SceneBuffers scene_;
     FrameData frame_;
@@ -126,17 +118,21 @@ private:
     std::uint32_t capacity_;
     std::uint64_t camera_rays_ = 0, camera_rays_in_paths_ = 0;
 
-    Buffer<Ray> rays_[2], shadow_rays_;
+    // Queues, and the arrays in them that others than shade_surface read.
+    Buffer<RayQueue> queues_[2];
+    Buffer<Ray> rays_[2];
     Buffer<PathState> states_[2];
-    Buffer<float> times_[2], shadow_times_;  // of the rays; not allocated where nothing but the camera moves
-    Buffer<RayCone> cones_[2];               // where textures have mip maps
-    Buffer<std::uint32_t> lengths_[3],
-        shadow_lengths_[2];  // of the queues, by depth; one element each; 0 before a batch
-    SceneHits hits_;
+    Buffer<float> times_[2];  // of the rays; not allocated where nothing but the camera moves
+    Buffer<ShadowQueue> shadow_queue_;
+    Buffer<Ray> shadow_rays_;
     Buffer<LightSample> shadow_light_;
+    Buffer<float> shadow_times_;
+    Buffer<QueueLength> queue_lengths_;                           // all 0 before a batch
+    Buffer<std::uint32_t> lengths_[CLARAY_RAY_QUEUES];            // by depth
+    Buffer<std::uint32_t> shadow_lengths_[CLARAY_SHADOW_QUEUES];  // by depth
+    SceneHits hits_;
     Buffer<std::uint8_t> occluded_;
-    Buffer<float> radiance_;
-    Buffer<float> shading_normals_;                   // a path each; for the light tree only
+    Buffer<float> radiance_;  // of each path; behind that, where there is a tree of lights, the normals at its surface
     Buffer<std::uint64_t> totals_, totals_in_paths_;  // see empty_queues.cl; the paths' without the camera's
     WavefrontKernels kernels_;
     std::optional<Kernel> path_kernel_;

@@ -77,13 +77,14 @@ void RadixSort<Key>::sort_onesweep(Buffer<Key>& keys, Buffer<std::uint32_t>& val
     histogram_.fill(0);
     const std::uint32_t tiles = (count + tile_ - 1) / tile_;
     const std::size_t counting = std::min<std::size_t>(std::size_t(digit_groups_) * group_size_, count);
-    count_all_.run({counting, group_size_}, keys, count, histogram_);
+    count_all_.run({counting, group_size_}, arg("keys", keys), count, arg("histogram", histogram_));
     scan_.run({sizeof(Key) * digits, digits}, histogram_);
     const unsigned passes = (config_.key_bits + digit_bits - 1) / digit_bits;
     for (std::uint32_t pass = 0; pass < passes; ++pass) {
         const Buffer<std::uint32_t> positions = pass == 0 ? Buffer<std::uint32_t>() : values;
-        sort_digit_.run({std::size_t(tiles) * group_size_, group_size_}, keys, positions, other_keys_, other_values_,
-                        count, std::uint32_t(pass * digit_bits), pass, histogram_, tiles);
+        sort_digit_.run({std::size_t(tiles) * group_size_, group_size_}, arg("keys_in", keys),
+                        arg("values_in", positions), arg("keys_out", other_keys_), arg("values_out", other_values_),
+                        count, std::uint32_t(pass * digit_bits), pass, arg("histogram", histogram_), tiles);
         std::swap(keys, other_keys_);
         std::swap(values, other_values_);
     }
@@ -92,10 +93,12 @@ void RadixSort<Key>::sort_onesweep(Buffer<Key>& keys, Buffer<std::uint32_t>& val
 template <class Key>
 void RadixSort<Key>::sort_by_buckets(Buffer<Key>& keys, Buffer<std::uint32_t>& values, std::uint32_t count) {
     const std::uint32_t bits = config_.key_bits, runs = runs_;
-    count_buckets_.run({runs, 1}, keys, count, bits, runs, histogram_);
+    count_buckets_.run({runs, 1}, arg("keys", keys), count, bits, runs, arg("counts", histogram_));
     scan_buckets_.run({1, 1}, runs, histogram_);
-    fill_buckets_.run({runs, 1}, keys, other_keys_, other_values_, count, bits, runs, histogram_);
-    sort_buckets_.run({shares_, 1}, other_keys_, other_values_, keys, values, count, bits, runs, histogram_);
+    fill_buckets_.run({runs, 1}, arg("keys", keys), arg("keys_out", other_keys_), arg("values_out", other_values_),
+                      count, bits, runs, arg("counts", histogram_));
+    sort_buckets_.run({shares_, 1}, arg("keys", other_keys_), arg("values", other_values_), arg("keys_out", keys),
+                      arg("values_out", values), count, bits, runs, arg("counts", histogram_));
 }
 
 template <class Key>

@@ -22,9 +22,11 @@ public:
              const Buffer<std::uint32_t>& count, const Buffer<float>& times) {
         const Range range{(std::size_t(capacity) + rays_per_item_ - 1) / rays_per_item_, group_};
         if (kind_ == Kind::closest)
-            kernel_.run(range, bvh_, rays, results, capacity, count, options_.ray_masks, times, options_.visits);
+            kernel_.run(range, bvh_, rays, results, capacity, arg("count", count), arg("masks", options_.ray_masks),
+                        arg("times", times), options_.visits);
         else
-            kernel_.run(range, bvh_, rays, results, capacity, count, options_.ray_masks, times);
+            kernel_.run(range, bvh_, rays, results, capacity, arg("count", count), arg("masks", options_.ray_masks),
+                        arg("times", times));
     }
 
 private:

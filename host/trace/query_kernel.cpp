@@ -82,7 +82,7 @@ Buffer<std::uint32_t> QueryKernel::order_of(const Buffer<Ray>& rays, std::uint32
     const Device& device = bvh_.device();
     if (options_.coherence == Coherence::coherent) return {};
     const cl::Buffer& queue = ray_queue(device);
-    sample_.run({1, 1}, bvh_.header_buffer(), rays, capacity, queue);
+    sample_.run({1, 1}, bvh_.header_buffer(), rays, arg("count", capacity), arg("queue", queue));
     std::uint32_t in_any_order = 0;
     detail::read(device, queue, 2 * sizeof(in_any_order), &in_any_order, sizeof(in_any_order));
     if (in_any_order == 0) return {};

@@ -44,22 +44,23 @@ public:
         const std::size_t items = std::min((std::size_t(capacity) + rays_per_item - 1) / rays_per_item, most_items_);
         if (options_.brute_force) {
             kernels_[0].run({items, group_}, bvh_.header_buffer(), bvh_.leaves(), CutoutsOf{bvh_}, rays, results,
-                            capacity, count, options_.ray_masks);
+                            capacity, arg("count", count), arg("masks", options_.ray_masks));
             return;
         }
         const cl::Buffer& queue = ray_queue(bvh_.device());
         const Buffer<std::uint32_t> order = order_of(rays, capacity, count);
-        if (kernels_.size() > 1) sample_.run({sample_group_, sample_group_}, rays, capacity, count, queue);
+        if (kernels_.size() > 1)
+            sample_.run({sample_group_, sample_group_}, rays, capacity, arg("count", count), arg("queue", queue));
         if (retraces()) {
-            kernels_[0].run({items, group_}, SolidBvh{bvh_}, rays, results, capacity, count, options_.ray_masks,
-                            options_.visits, queue, batch, order);
+            kernels_[0].run({items, group_}, SolidBvh{bvh_}, rays, results, capacity, arg("count", count),
+                            arg("masks", options_.ray_masks), options_.visits, queue, batch, arg("sorted", order));
             retrace_.run({(std::size_t(capacity) + rays_per_item_ - 1) / rays_per_item_, 1}, bvh_, rays, results,
-                         capacity, count, options_.ray_masks);
+                         capacity, arg("count", count), arg("masks", options_.ray_masks));
             return;
         }
         for (Kernel& kernel : kernels_)
-            kernel.run({items, group_}, bvh_, rays, results, capacity, count, options_.ray_masks, options_.visits,
-                       queue, batch, order);
+            kernel.run({items, group_}, bvh_, rays, results, capacity, arg("count", count),
+                       arg("masks", options_.ray_masks), options_.visits, queue, batch, arg("sorted", order));
     }
 
 private:

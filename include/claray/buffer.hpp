@@ -13,6 +13,8 @@ namespace detail {
 /// Checks against what the device has left, then allocates. Throws ErrorKind::device with the bytes needed and
 /// available.
 [[nodiscard]] std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes);
+/// Shares the memory. Throws ErrorKind::usage for a part that begins where the device can't have one begin.
+[[nodiscard]] std::shared_ptr<cl::Buffer> part(const cl::Buffer& whole, std::size_t offset, std::size_t bytes);
 void write(const Device& device, const cl::Buffer& buffer, std::size_t offset, const void* data, std::size_t bytes);
 void read(const Device& device, const cl::Buffer& buffer, std::size_t offset, void* data, std::size_t bytes);
 /// To the bytes of `to` from `offset` on; asynchronous.
@@ -37,6 +39,13 @@ public:
     /// A copy of `data` on the device.
     Buffer(const Device& device, std::span<const T> data) : Buffer(device, data.size()) { write(data); }
     Buffer(const Device& device, const std::vector<T>& data) : Buffer(device, std::span<const T>(data)) {}
+    /// `count` elements of another buffer's memory from a byte on, which is a multiple of 1024. Kernels must not be
+    /// given both buffers.
+    template <class U>
+    Buffer(const Buffer<U>& whole, std::size_t first_byte, std::size_t count)
+        : device_(std::make_shared<Device>(whole.device())),
+          memory_(detail::part(whole.memory(), first_byte, bytes_for(count))),
+          size_(count) {}
 
     [[nodiscard]] std::size_t size() const noexcept { return size_; }
     [[nodiscard]] std::size_t bytes() const noexcept { return size_ * sizeof(T); }

@@ -29,6 +29,26 @@ struct LocalMemory {
     std::size_t bytes = 0;
 };
 
+/// An argument with the name of its parameter, for kernels that have several buffers of one type.
+template <class T>
+struct Argument {
+    const char* name;
+    const T& value;
+};
+template <class T>
+[[nodiscard]] Argument<T> arg(const char* name, const T& value) {
+    return {name, value};
+}
+
+/// What OpenCL C calls a type; null where that is not known. Shared structs: see CLARAY_LAYOUT.
+constexpr const char* device_type_name(const void*) { return nullptr; }
+constexpr const char* device_type_name(const float*) { return "float"; }
+constexpr const char* device_type_name(const double*) { return "double"; }
+constexpr const char* device_type_name(const std::uint8_t*) { return "uchar"; }
+constexpr const char* device_type_name(const std::int32_t*) { return "int"; }
+constexpr const char* device_type_name(const std::uint32_t*) { return "uint"; }
+constexpr const char* device_type_name(const std::uint64_t*) { return "ulong"; }
+
 class Kernel {
 public:
     Kernel() = default;
@@ -36,8 +56,10 @@ public:
         : device_(std::make_shared<Device>(std::move(device))), kernel_(std::move(kernel)), name_(std::move(name)) {}
 
     /// Binds the arguments in order and enqueues the kernel; returns at once. An argument is a Buffer, a plain value of
-    /// exactly the kernel's type, LocalMemory, nullptr (an absent buffer), or an object that binds several arguments
-    /// by a member `bind(Kernel&, index)` (such as Bvh). Reading a buffer waits for it.
+    /// exactly the kernel's type, LocalMemory, nullptr (an absent buffer), an object that binds several arguments
+    /// by a member `bind(Kernel&, index)` (such as Bvh), or one of these with its parameter's name (`arg`). Reading a
+    /// buffer waits for it. Throws ErrorKind::usage for an argument of another type or name than its parameter's,
+    /// and for a buffer without a name where one of claray's own kernels takes several of its type.
     template <class... Args>
     void run(Range range, const Args&... args) {
         unsigned index = 0;
@@ -54,13 +76,21 @@ public:
     /// binds itself to it needs: a structure of another layout would be read as if it were this one.
     void require(const Defines& macros) const;
     void remember(Defines macros) { macros_ = std::make_shared<const Defines>(std::move(macros)); }
+    /// Checks names and types of arguments from now on: a line "kernel name type" for every parameter of a program.
+    void check_arguments(const std::string& parameters);
 
     [[nodiscard]] const cl::Kernel& handle() const noexcept { return kernel_; }
     [[nodiscard]] const std::string& name() const noexcept { return name_; }
 
 private:
     template <class T>
+    void bind(unsigned& index, const Argument<T>& argument) {
+        name_of_argument_ = argument.name;
+        bind(index, argument.value);
+    }
+    template <class T>
     void bind(unsigned& index, const Buffer<T>& buffer) {
+        check_buffer(index, device_type_name(static_cast<const T*>(nullptr)));
         const cl_mem memory = buffer.memory()();  // null where nothing is allocated: an absent buffer
         set_argument(index++, sizeof memory, &memory);
     }
@@ -82,6 +112,8 @@ private:
             set_argument(index++, sizeof(T), &value);
         }
     }
+    void check_buffer(unsigned index, const char* type);
+    void check_name(unsigned index);
     void set_argument(unsigned index, std::size_t bytes, const void* value);
     void enqueue(Range range, unsigned arguments);
 
@@ -89,6 +121,13 @@ private:
     cl::Kernel kernel_;
     std::string name_;
     std::shared_ptr<const Defines> macros_;  // null: not checked
+
+    struct Parameter {
+        std::string name, type;  // "Ray*"
+        bool ambiguous = false;  // another one is a pointer to the same type
+    };
+    std::shared_ptr<const std::vector<Parameter>> parameters_;  // null: not checked
+    const char* name_of_argument_ = nullptr;                    // of the one that is being bound
 };
 
 /// One of claray's own kernels, by its file under kernels/ (such as "sort/radix_sort.cl"). Compiled once per device and

@@ -21,26 +21,29 @@
 #include "render/shade_sixteen.clh"
 #endif
 
-/// Shades the first *length rays, which have met `depth` surfaces before this one. Fills the next queue and, under LIGHTS, the queue of
+/// Shades the rays of `queue`, which have met `depth` surfaces before this one. Fills the next queue and, under LIGHTS, the queue of
 /// shadow rays; both lengths begin at 0. The queues that the bounce before has worked off, of rays and of shadow rays, are
-/// counted in `totals` and emptied, so that they can be filled after this one.
+/// counted in `totals` and emptied, so that they can be filled after this one. `radiance` is followed by the shading normals of
+/// the paths where there is a tree of lights.
 kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
-void shade_surface(Batch batch, FrameData frame, uint depth, SCENE_PARAMETERS, global const uint* length, uint capacity,
-                   global const Ray* rays, global const SceneHit* hits, global const PathState* states, global float* radiance,
-                   global float* shading_normals,
-                   global uint* next_length, global Ray* next_rays, global PathState* next_states,
-                   global uint* shadow_length, global Ray* shadow_rays, global LightSample* shadow_light,
-                   global const RayCone* cones, global RayCone* next_cones, global uint* spent,
-                   global uint* shadows_spent, global ulong* totals TIME_PARAMETERS) {
-    if (get_global_id(0) == 0) count_spent(spent, shadows_spent, totals);
-    const uint all = min(*length, capacity);
+void shade_surface(Step step, SCENE_PARAMETERS, global QueueLength* lengths, global ulong* totals,
+                   global RayQueue* queue, global const SceneHit* hits, global RayQueue* next_queue,
+                   global ShadowQueue* shadow_queue, global float* radiance) {
+    const uint depth = step.depth, room = step.room;
+    if (get_global_id(0) == 0)
+        count_spent(length_of_rays(lengths, depth + 2), length_of_shadows(lengths, depth + 1), totals);
+    const uint all = min(*length_of_rays(lengths, depth), step.capacity);
+    global uint* next_length = length_of_rays(lengths, depth + 1);
+    global uint* shadow_length = length_of_shadows(lengths, depth);
+    global float* shading_normals = radiance + 3 * (size_t)room;
 #if SHADE_SIXTEEN
     const uint begin = (uint)get_global_id(0) * PATHS_PER_ITEM, end = min(begin + PATHS_PER_ITEM, all);
     Shaded16 shaded;
     for (uint i = begin; i < end; i += 16) {
-        shade_sixteen(batch, frame, depth, SCENE, rays, hits, states, i, min(16u, end - i), radiance, shading_normals, &shaded);
-        store_next16(&shaded, next_length, next_rays, next_states);
-        store_shadows16(&shaded, shadow_length, shadow_rays, shadow_light);
+        shade_sixteen(&step, SCENE, rays_of_queue(queue), hits, states_of_queue(queue, room), i, min(16u, end - i), radiance,
+                      shading_normals, &shaded);
+        store_next16(&shaded, next_length, rays_of_queue(next_queue), states_of_queue(next_queue, room));
+        store_shadows16(&shaded, shadow_length, rays_of_shadows(shadow_queue), light_of_shadows(shadow_queue, room));
     }
 #else
 #if CLARAY_CPU
@@ -57,37 +60,37 @@ void shade_surface(Batch batch, FrameData frame, uint depth, SCENE_PARAMETERS, g
         next.wanted = shadow.wanted = false;
         float time = 0.0f;
         if (i < all) {
-            const PathState state = state_of_ray(states, depth, i);
-            RayCone cone = camera_cone(frame);
+            const PathState state = state_of_ray(states_of_queue(queue, room), depth, i);
+            RayCone cone = camera_cone(&step.frame);
 #if MIPMAPS
-            if (cones && depth != 0) cone = cones[i];
+            if (depth != 0) cone = cones_of_queue(queue, room)[i];
 #endif
 #if INSTANCE_MOTION
-            time = times[i];
+            time = times_of_queue(queue, room)[i];
 #endif
-            shade_hit(batch, frame, depth, SCENE, queued_ray(&rays[i]), hits[i], time, state, cone, shading_normals, &gathered,
-                      &next, &shadow);
+            shade_hit(&step, depth, SCENE, queued_ray(&rays_of_queue(queue)[i]), hits[i], time, state, cone, shading_normals,
+                      &gathered, &next, &shadow);
             if (gathered.x != 0.0f || gathered.y != 0.0f || gathered.z != 0.0f) add_radiance(radiance, state.path, gathered);
         }
 
         const uint slot = RESERVE_SLOT(next_length, next.wanted, scratch);
         if (next.wanted) {
-            store_ray(&next_rays[slot], next.ray);
-            next_states[slot] = next.state;
+            store_ray(&rays_of_queue(next_queue)[slot], next.ray);
+            states_of_queue(next_queue, room)[slot] = next.state;
 #if INSTANCE_MOTION
-            next_times[slot] = time;
+            times_of_queue(next_queue, room)[slot] = time;
 #endif
 #if MIPMAPS
-            if (next_cones) next_cones[slot] = next.cone;
+            cones_of_queue(next_queue, room)[slot] = next.cone;
 #endif
         }
 #if LIGHTS
         const uint shadow_slot = RESERVE_SLOT(shadow_length, shadow.wanted, scratch);
         if (shadow.wanted) {
-            store_ray(&shadow_rays[shadow_slot], shadow.ray);
-            store_light(&shadow_light[shadow_slot], shadow.light);
+            store_ray(&rays_of_shadows(shadow_queue)[shadow_slot], shadow.ray);
+            store_light(&light_of_shadows(shadow_queue, room)[shadow_slot], shadow.light);
 #if INSTANCE_MOTION
-            shadow_times[shadow_slot] = time;
+            times_of_shadows(shadow_queue, room)[shadow_slot] = time;
 #endif
         }
 #endif

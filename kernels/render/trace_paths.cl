@@ -11,15 +11,17 @@
 
 #include "claray/shared/types.h"
 #include "render/first_ray.clh"
+#include "render/queue.clh"
 #include "render/shade_hit.clh"
 #include "trace/closest_hit.clh"
 #include "trace/query.clh"
 
-/// Traces all paths of a batch, of `waves` rays at most, and writes their radiance; the order of additions is the stages'.
-/// Counts the rays in `bounces` and `shadows`, both 0 before.
+/// Traces all paths of a batch, of `step.depth` rays at most, and writes their radiance; the order of additions is the stages'.
+/// Counts the rays in the queues' lengths, all 0 before. `radiance`: see shade_surface.
 kernel QUERY_GROUP
-void trace_paths(Batch batch, FrameData frame, uint waves, CLARAY_BVH_PARAMETERS, SCENE_PARAMETERS, global float* radiance,
-                 global float* shading_normals, volatile global uint* bounces, volatile global uint* shadows) {
+void trace_paths(Step step, CLARAY_BVH_PARAMETERS, SCENE_PARAMETERS, global float* radiance, global QueueLength* lengths) {
+    const Batch batch = step.batch;
+    global float* shading_normals = radiance + 3 * (size_t)step.room;
     local uint counts[2];
     if (get_local_id(0) == 0) counts[0] = counts[1] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -30,17 +32,16 @@ void trace_paths(Batch batch, FrameData frame, uint waves, CLARAY_BVH_PARAMETERS
         float time = 0.0f;
         NextRay next;
         next.wanted = true;
-        next.ray = first_ray(batch, frame, path, false, &time);
+        next.ray = first_ray(batch, step.frame, path, false, &time);
         next.state = first_state(path);
-        next.cone = camera_cone(frame);
-        for (uint depth = 0; next.wanted && depth < waves; ++depth) {
+        next.cone = camera_cone(&step.frame);
+        for (uint depth = 0; next.wanted && depth < step.depth; ++depth) {
             const NextRay now = next;
             Visits unused = {0, 0};
             const Hit hit = claray_trace(CLARAY_BVH, now.ray, false, CULL_BACK_FACES, 0xffffffffu, &unused);
             NextShadow shadow;
             float3 gathered;
-            shade_hit(batch, frame, depth, SCENE, now.ray, hit, time, now.state, now.cone, shading_normals, &gathered, &next,
-                      &shadow);
+            shade_hit(&step, depth, SCENE, now.ray, hit, time, now.state, now.cone, shading_normals, &gathered, &next, &shadow);
             sum += gathered;
             bounced += next.wanted;
 #if LIGHTS
@@ -55,5 +56,8 @@ void trace_paths(Batch batch, FrameData frame, uint waves, CLARAY_BVH_PARAMETERS
         atomic_add(&counts[1], asked);
     }
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (get_local_id(0) == 0) atomic_add(bounces, counts[0]), atomic_add(shadows, counts[1]);
+    if (get_local_id(0) == 0) {
+        atomic_add(length_of_rays(lengths, 1), counts[0]);
+        atomic_add(length_of_shadows(lengths, 0), counts[1]);
+    }
 }

@@ -2,14 +2,18 @@
 #include "claray/shared/path.h"
 #include "claray/shared/types.h"
 #include "shade/maps.clh"
+#include "shade/scene.clh"
 
-kernel void write_aovs(uint count, global const Ray* rays, global const SceneHit* hits, global const Visits* visits,
-                       global const float* positions, global const uint* indices, global const float* normals,
-                       global const uint* triangle_materials, global const MaterialData* materials, global float* depth,
-                       global float* normal, global float* albedo, global uint* primitive, global uint* visited,
-                       global const uint* textures INSTANCE_PARAMETERS) {
+/// Of the first `step.capacity` rays.
+kernel void write_aovs(Step step, SCENE_PARAMETERS, global const Ray* rays, global const SceneHit* hits,
+                       global const Visits* visits, global float* depth, global float* normal, global float* albedo,
+                       global uint* primitive, global uint* visited) {
+    const FrameData* frame = &step.frame;
+    global const float* normals = TABLE(float, normals);
+    global const uint* triangle_materials = TABLE(uint, triangle_materials);
+    global const MaterialData* materials = TABLE(MaterialData, materials);
     const uint i = get_global_id(0);
-    if (i >= count) return;
+    if (i >= step.capacity) return;
 #if INSTANCES
     const Hit hit = hit_in_scene(hits[i], instances);
 #else

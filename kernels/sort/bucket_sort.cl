@@ -11,9 +11,9 @@
 #endif
 
 #if KEY_BITS == 64
-typedef ulong Key;
+#define Key ulong
 #else
-typedef uint Key;
+#define Key uint
 #endif
 
 #define BUCKETS (1u << BUCKET_BITS)

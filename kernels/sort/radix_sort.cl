@@ -16,9 +16,9 @@
 #endif
 
 #if KEY_BITS == 64
-typedef ulong Key;
+#define Key ulong
 #else
-typedef uint Key;
+#define Key uint
 #endif
 
 #define DIGITS 256

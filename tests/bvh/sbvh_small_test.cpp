@@ -63,7 +63,7 @@ SmallTree finished(const std::vector<Box>& boxes, std::uint32_t depth) {
     const Buffer<BvhNode> nodes(device(), count - 1);
     const Buffer<LeafTriangle> leaves(device(), count);
     load_kernel(device(), "bvh/sbvh_small.cl", "finish_subtrees")
-        .run({32, 32}, tasks, references, references, nodes, leaves, counters);
+        .run({32, 32}, tasks.memory(), arg("even", references), arg("odd", references), nodes, leaves, counters);
     EXPECT_EQ(counters.read(), (std::vector<std::uint32_t>{count - 1, count, 1}));
     return {boxes, nodes.read(), leaves.read()};
 }

@@ -27,7 +27,8 @@ std::uint32_t coherent(const std::vector<Ray>& rays) {
     Buffer<std::uint32_t> queue(device(), 3);
     queue.fill(7);
     load_kernel(device(), "trace/queue/sample_coherence.cl", "sample_coherence", {{"GROUP_SIZE", "256"}})
-        .run({256, 256}, Buffer<Ray>(device(), rays), std::uint32_t(rays.size()), nullptr, queue);
+        .run({256, 256}, Buffer<Ray>(device(), rays), std::uint32_t(rays.size()), arg("count", nullptr),
+             arg("queue", queue));
     const std::vector<std::uint32_t> words = queue.read();
     EXPECT_EQ(words[0], 7u);
     EXPECT_EQ(words[1], 7u);

@@ -52,7 +52,7 @@ void arithmetic32(Run& run, const std::vector<float>& triples) {
     const auto count = std::uint32_t(triples.size() / 3);
     const Buffer<float> out(run.device(), 6 * std::size_t(count));
     load_kernel(run.device(), "verify/arithmetic.cl", "arithmetic32")
-        .run({count, 64}, count, Buffer<float>(run.device(), triples), out);
+        .run({count, 64}, count, arg("triples", Buffer<float>(run.device(), triples)), arg("out", out));
     const auto found = out.read();
     Tally wrong[6];
     for (std::size_t i = 0; i < count; ++i) {
@@ -77,7 +77,7 @@ void arithmetic64(Run& run, const std::vector<float>& of) {
     const auto count = std::uint32_t(triples.size() / 3);
     const Buffer<double> out(run.device(), 6 * std::size_t(count));
     load_kernel(run.device(), "verify/arithmetic.cl", "arithmetic64")
-        .run({count, 64}, count, Buffer<double>(run.device(), triples), out);
+        .run({count, 64}, count, arg("triples", Buffer<double>(run.device(), triples)), arg("out", out));
     const auto found = out.read();
     Tally wrong[6];
     for (std::size_t i = 0; i < count; ++i) {
@@ -119,7 +119,7 @@ void approximations(Run& run) {
     for (std::uint32_t i = 0; i < count; ++i) x[i] = std::ldexp(1.f + random.uniform(), int(random.below(200)) - 100);
     const Buffer<float> out(run.device(), 3 * std::size_t(count));
     load_kernel(run.device(), "verify/arithmetic.cl", "approximations")
-        .run({count, 64}, count, Buffer<float>(run.device(), x), out);
+        .run({count, 64}, count, arg("x", Buffer<float>(run.device(), x)), arg("out", out));
     const auto found = out.read();
     double worst[3] = {};
     for (std::size_t i = 0; i < count; ++i) {
@@ -148,7 +148,8 @@ void float_atomics(Run& run) {
             for (float& v : values) v = random.below(2) ? -0.f : 0.f;
         const Buffer<std::uint32_t> keys(run.device(), std::vector<std::uint32_t>{0xffffffffu, 0u});
         const Buffer<float> back(run.device(), values.size());
-        kernel.run({values.size(), 64}, std::uint32_t(values.size()), Buffer<float>(run.device(), values), keys, back);
+        kernel.run({values.size(), 64}, std::uint32_t(values.size()), arg("words", Buffer<float>(run.device(), values)),
+                   arg("keys", keys), arg("back", back));
         const auto less = [](float a, float b) { return a < b || (a == b && std::signbit(a) && !std::signbit(b)); };
         const auto found = keys.read();
         const auto value_of = [](std::uint32_t key) {

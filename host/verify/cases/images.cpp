@@ -112,13 +112,13 @@ void self_intersection(Run& run) {
         const Buffer<Ray> rays(run.device(), count);
         const Buffer<float> clearance(run.device(), count);
         Buffer<Hit> hits(run.device(), count);
-        leave.run({count, 64}, count, 0u, each, std::uint32_t(run.seed()), bvh.triangles().positions,
-                  bvh.triangles().indices, rays, clearance);
+        leave.run({count, 64}, count, 0u, each, std::uint32_t(run.seed()), arg("positions", bvh.triangles().positions),
+                  bvh.triangles().indices, rays, arg("clearance", clearance));
         closest_hit(bvh, rays, hits);
         if (shades_sixteen) {
             const Buffer<std::uint32_t> differ(run.device(), (count + 15) / 16);
             by_sixteen.run({differ.size(), 64}, count, each, std::uint32_t(run.seed()), bvh.triangles().positions,
-                           bvh.triangles().indices, rays, differ);
+                           arg("indices", bvh.triangles().indices), rays, arg("differ", differ));
             for (const std::uint32_t lanes : differ.read()) same.tried += 8, same.wrong += lanes;
         }
         const auto all = rays.read();
@@ -269,7 +269,8 @@ void environment_poles(Run& run) {
     const auto count = std::uint32_t(areas.size());
     const Buffer<float> densities(run.device(), count);
     load_kernel(run.device(), "verify/environment.cl", "density_of_environment")
-        .run({count, 64}, data, texels, count, Buffer<float>(run.device(), directions), densities);
+        .run({count, 64}, data, arg("texels", texels), count,
+             arg("directions", Buffer<float>(run.device(), directions)), arg("densities", densities));
     std::vector<double> shares(std::size_t(rows) * columns);
     double integral = 0;
     const auto pdfs = densities.read();
@@ -283,7 +284,8 @@ void environment_poles(Run& run) {
     const auto samples = run.count(300'000u, 4'000'000u);
     const Buffer<float> drawn(run.device(), 4 * std::size_t(samples));
     load_kernel(run.device(), "verify/environment.cl", "sample_environment")
-        .run({samples, 64}, data, texels, cdf, samples, std::uint32_t(run.seed()), drawn);
+        .run({samples, 64}, data, arg("texels", texels), arg("cdf", cdf), samples, std::uint32_t(run.seed()),
+             arg("samples", drawn));
     const auto found = drawn.read();
     std::vector<double> seen(shares.size());
     Tally sound;

@@ -42,7 +42,8 @@ void ggx_density(Run& run) {
     const auto count = std::uint32_t(angles.size());
     const Buffer<float> out(run.device(), count);
     load_kernel(run.device(), "verify/microfacets.cl", "density")
-        .run({count, 64}, count, Buffer<float>(run.device(), angles), Buffer<float>(run.device(), alphas), out);
+        .run({count, 64}, count, arg("angles", Buffer<float>(run.device(), angles)),
+             arg("alphas", Buffer<float>(run.device(), alphas)), arg("out", out));
     const auto found = out.read();
     for (std::size_t a = 0; a < std::size(tested_alphas); ++a) {
         double worst = 0;
@@ -76,7 +77,8 @@ void ggx_energy(Run& run) {
     const std::uint32_t samples = run.count(1u << 16, 1u << 20);
     const Buffer<float> out(run.device(), count);
     load_kernel(run.device(), "verify/microfacets.cl", "single_scattering")
-        .run({count, 1}, count, samples, Buffer<float>(run.device(), c), Buffer<float>(run.device(), a), out);
+        .run({count, 1}, count, samples, arg("cosines", Buffer<float>(run.device(), c)),
+             arg("alphas", Buffer<float>(run.device(), a)), arg("out", out));
     const auto found = out.read();
     double worst = 0;
     for (std::size_t i = 0; i < count; ++i)
@@ -126,7 +128,8 @@ void fresnel(Run& run) {
     const auto count = std::uint32_t(cosines.size());
     const Buffer<float> out(run.device(), count);
     load_kernel(run.device(), "verify/microfacets.cl", "fresnel")
-        .run({count, 64}, count, Buffer<float>(run.device(), cosines), Buffer<float>(run.device(), etas), out);
+        .run({count, 64}, count, arg("cosines", Buffer<float>(run.device(), cosines)),
+             arg("etas", Buffer<float>(run.device(), etas)), arg("out", out));
     const auto found = out.read();
     double worst = 0;
     Tally outside;

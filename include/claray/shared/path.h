@@ -29,6 +29,20 @@ typedef struct Batch {
 } Batch;
 CLARAY_LAYOUT(Batch, 16)
 
+#define CLARAY_NO_TABLE 0xffffffffu
+
+/// Where the tables of a scene begin in the memory that they share, in words of 32 bits; CLARAY_NO_TABLE where it has
+/// none.
+typedef struct SceneTables {
+    uint normals;             // float, 3 a vertex
+    uint triangle_materials;  // uint
+    uint materials;           // MaterialData
+    uint energy;              // float, see energy.h
+    uint triangle_lights, punctual_lights, light_tree, light_leaves, light_trails, hot_spots, lamps;
+    uint environment_texels, environment_cdf;  // float
+} SceneTables;
+CLARAY_LAYOUT(SceneTables, 52)
+
 /// What all paths of a render share.
 typedef struct FrameData {
     CameraData camera;
@@ -37,8 +51,52 @@ typedef struct FrameData {
     uint width, height;
     uint seed;
     uint max_depth;  // surfaces that scatter, at most
+    SceneTables tables;
 } FrameData;
-CLARAY_LAYOUT(FrameData, 216)
+CLARAY_LAYOUT(FrameData, 268)
+
+/// Scalars of a stage.
+typedef struct Step {
+    Batch batch;
+    FrameData frame;
+    uint depth;     // surfaces that the paths have met; of trace_paths: at most so many waves
+    uint capacity;  // rays of the queue, as far as the host knows
+    uint room;      // paths that queues have room for, a multiple of CLARAY_QUEUE_ROOM
+} Step;
+CLARAY_LAYOUT(Step, 296)
+
+/// With this room every array in a queue begins at a multiple of 1024 bytes, where a sub-buffer may begin.
+#define CLARAY_QUEUE_ROOM 256u
+
+/// A word of a queue of rays: arrays behind one another, of `room` elements each: Ray, PathState, RayCone (8 bytes), and
+/// the rays' times (float).
+typedef struct RayQueue {
+    uint word;
+} RayQueue;
+CLARAY_LAYOUT(RayQueue, 4)
+#define CLARAY_QUEUE_STATES 8u  // words a path before the array
+#define CLARAY_QUEUE_CONES 13u
+#define CLARAY_QUEUE_TIMES 15u
+#define CLARAY_QUEUE_WORDS 16u
+
+/// The same of shadow rays: Ray, LightSample, and the rays' times.
+typedef struct ShadowQueue {
+    uint word;
+} ShadowQueue;
+CLARAY_LAYOUT(ShadowQueue, 4)
+#define CLARAY_SHADOW_LIGHT 8u
+#define CLARAY_SHADOW_TIMES 12u
+#define CLARAY_SHADOW_WORDS 13u
+
+/// How many rays are in which queue: three of rays and two of shadow rays, by turns of the depth; then the sums of both
+/// over a batch, as two words each. Each is so far apart that it may be a sub-buffer.
+typedef struct QueueLength {
+    uint length;
+    uint pad[255];
+} QueueLength;
+CLARAY_LAYOUT(QueueLength, 1024)
+#define CLARAY_RAY_QUEUES 3u
+#define CLARAY_SHADOW_QUEUES 2u
 
 /// A sum of colours in two parts: their own sum is the value.
 typedef struct ColorSum {

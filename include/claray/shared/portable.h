@@ -24,10 +24,12 @@ using ulong = std::uint64_t;
 #define CLARAY_SHARED_BEGIN namespace claray {
 #define CLARAY_SHARED_END }
 #define CLARAY_SHARED_FUNCTION inline
-   /// Fails to compile where the host lays a shared struct out in another way than the kernels expect.
-#define CLARAY_LAYOUT(type, size)                                     \
-    static_assert(sizeof(type) == (size), #type " has another size"); \
-    static_assert(std::is_trivially_copyable_v<type> && std::is_standard_layout_v<type>, #type " is not plain data");
+   /// Fails to compile where the host lays a shared struct out in another way than the kernels expect, and tells its
+   /// name to Kernel::run, which compares it with the kernel's parameter.
+#define CLARAY_LAYOUT(type, size)                                                                                     \
+    static_assert(sizeof(type) == (size), #type " has another size");                                                 \
+    static_assert(std::is_trivially_copyable_v<type> && std::is_standard_layout_v<type>, #type " is not plain data"); \
+    constexpr const char* device_type_name(const type*) { return #type; }
 
 #endif
 
