@@ -16,7 +16,8 @@ std::vector<Sampled> TestedMaterial::draw(const glm::vec3& o, std::uint32_t coun
 TestedMaterial::Evaluated TestedMaterial::evaluate(const glm::vec3& o, const std::vector<float>& directions) const {
     const auto count = std::uint32_t(directions.size() / 3);
     const Buffer<float> values(device_, count), pdfs(device_, count);
-    run("bsdf_samples", "eval", count, o.x, o.y, o.z, count, Buffer<float>(device_, directions), values, pdfs);
+    run("bsdf_samples", "eval", count, o.x, o.y, o.z, count, arg("directions", Buffer<float>(device_, directions)),
+        arg("values", values), arg("pdfs", pdfs));
     return {values.read(), pdfs.read()};
 }
 

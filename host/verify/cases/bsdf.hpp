@@ -31,7 +31,7 @@ public:
     template <class... Args>
     void run(const std::string& file, const char* kernel, std::size_t items, const Args&... args) const {
         load_kernel(device_, "verify/" + file + ".cl", kernel)
-            .run({items, 64}, data_, buffer_, std::uint32_t(inside_), args...);
+            .run({items, 64}, data_, arg("tables", buffer_), std::uint32_t(inside_), args...);
     }
     [[nodiscard]] std::vector<Sampled> draw(const glm::vec3& outgoing, std::uint32_t count) const;
     struct Evaluated {

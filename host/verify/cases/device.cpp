@@ -52,7 +52,8 @@ void arithmetic32(Run& run, const std::vector<float>& triples) {
     const auto count = std::uint32_t(triples.size() / 3);
     const Buffer<float> out(run.device(), 6 * std::size_t(count));
     load_kernel(run.device(), "verify/arithmetic.cl", "arithmetic32")
-        .run({count, 64}, count, arg("triples", Buffer<float>(run.device(), triples)), arg("out", out));
+        .run({count, 64}, count, arg("triples", Buffer<float>(run.device(), triples).memory()),
+             arg("out", out.memory()));
     const auto found = out.read();
     Tally wrong[6];
     for (std::size_t i = 0; i < count; ++i) {
@@ -77,7 +78,8 @@ void arithmetic64(Run& run, const std::vector<float>& of) {
     const auto count = std::uint32_t(triples.size() / 3);
     const Buffer<double> out(run.device(), 6 * std::size_t(count));
     load_kernel(run.device(), "verify/arithmetic.cl", "arithmetic64")
-        .run({count, 64}, count, arg("triples", Buffer<double>(run.device(), triples)), arg("out", out));
+        .run({count, 64}, count, arg("triples", Buffer<double>(run.device(), triples).memory()),
+             arg("out", out.memory()));
     const auto found = out.read();
     Tally wrong[6];
     for (std::size_t i = 0; i < count; ++i) {
@@ -148,8 +150,9 @@ void float_atomics(Run& run) {
             for (float& v : values) v = random.below(2) ? -0.f : 0.f;
         const Buffer<std::uint32_t> keys(run.device(), std::vector<std::uint32_t>{0xffffffffu, 0u});
         const Buffer<float> back(run.device(), values.size());
-        kernel.run({values.size(), 64}, std::uint32_t(values.size()), arg("words", Buffer<float>(run.device(), values)),
-                   arg("keys", keys), arg("back", back));
+        kernel.run({values.size(), 64}, std::uint32_t(values.size()),
+                   arg("words", Buffer<float>(run.device(), values).memory()), arg("keys", keys),
+                   arg("back", back.memory()));
         const auto less = [](float a, float b) { return a < b || (a == b && std::signbit(a) && !std::signbit(b)); };
         const auto found = keys.read();
         const auto value_of = [](std::uint32_t key) {
