@@ -454,29 +454,6 @@ TEST(NormalMap, WithoutCoordinatesChangesNothing) {
     expect_near(normal_at(scene, 0.4, 0.4), {0, 1, 0}, 1e-6);
 }
 
-/// Largest error of the normal of a plane wave over the square, whose units are half a coordinate's.
-double height_error(unsigned texels) {
-    Scene scene = plane_under_sky(
-        float_texture({texels, texels}, [](double u, double v) { return 0.5 + 0.5 * std::sin(2 * pi * (u + 2 * v)); }));
-    scene.materials[0] = lambert(0.8f);
-    scene.materials[0].height_map.texture = 0, scene.materials[0].height_scale = 0.1f;
-    double worst = 0;
-    for (int i = 0; i < 5; ++i) {
-        const double u = (std::floor((0.13 + 0.17 * i) * texels) + 0.5) / texels,
-                     v = (std::floor(0.31 * texels) + 0.5) / texels;
-        const double slope = 0.05 * 2 * pi * std::cos(2 * pi * (u + 2 * v));  // per unit of u
-        const glm::dvec3 exact = glm::normalize(glm::dvec3(-slope / 2, 1, -2 * slope / 2));
-        worst = std::max(worst, glm::length(normal_at(scene, u, v) - exact));
-    }
-    return worst;
-}
-
-TEST(HeightMap, NormalConvergesAsTheSquareOfATexel) {
-    const double coarse = height_error(32), fine = height_error(128);
-    EXPECT_LT(coarse, 0.03);
-    EXPECT_NEAR(std::log2(coarse / fine) / 2, 2, 0.1);
-}
-
 /// A ramp of slope 1 in a triangle with skewed edges and coordinates: exact.
 TEST(HeightMap, RampIsExactUnderTransforms) {
     Scene scene = plane_under_sky(float_texture({64, 64}, [](double u, double) { return u; }));
