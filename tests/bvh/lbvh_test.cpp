@@ -26,7 +26,9 @@ TEST(Bvh, IsValidAtEverySize) {
             EXPECT_EQ(header.valid, count);
             EXPECT_EQ(header.culled, 0u);
             EXPECT_LE(header.height, height_bound(bits, count));
-            if (count == 0) EXPECT_EQ(header.root, CLARAY_NO_CHILD);
+            if (count == 0) {
+                EXPECT_EQ(header.root, CLARAY_NO_CHILD);
+            }
             expect_bounds(bvh, mesh);
         }
 }

@@ -15,19 +15,15 @@ namespace fs = std::filesystem;
 
 constexpr const char* triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
-class BadInput : public testing::Test {
+class BadInput : public InFolder {
 protected:
-    [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
     [[nodiscard]] std::string file(const std::string& name, const std::string& content) const {
         std::ofstream(path(name)) << content;
         return path(name);
     }
     [[nodiscard]] std::vector<std::string> arguments(const std::string& scene,
                                                      const std::vector<std::string>& more = {}) const {
-        std::vector<std::string> all = {"render", scene,   "-o", path("out.png"), "--size",
-                                        "16x16",  "--spp", "1",  "--quiet"};
-        all.insert(all.end(), more.begin(), more.end());
-        return all;
+        return with({"render", scene, "-o", path("out.png"), "--size", "16x16", "--spp", "1", "--quiet"}, more);
     }
     [[nodiscard]] ProcessResult render(const std::string& scene, const std::vector<std::string>& more = {}) const {
         return run_claray(arguments(scene, more));
@@ -39,8 +35,6 @@ protected:
         return true;
     }
     void TearDown() override { EXPECT_TRUE(nothing_written()); }
-
-    TemporaryFolder folder_;
 };
 
 TEST_F(BadInput, MissingFile) {

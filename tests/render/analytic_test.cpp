@@ -90,13 +90,8 @@ INSTANTIATE_TEST_SUITE_P(Roughness, MetalFurnace, testing::Values(0.05f, 0.3f, 0
 class LampFurnace : public testing::TestWithParam<float> {};
 
 TEST_P(LampFurnace, LampsAllAroundEqualASky) {
-    Scene scene;
     const bool metal = GetParam() > 0;
-    scene.materials = {material(metal ? MaterialKind::metal : MaterialKind::lambert, 0.8f, GetParam()), emitter(1.f)};
-    Mesh lamps = sphere(2, 4.f, {0.7f, 0.2f, 0.f});
-    lamps.materials.assign(lamps.triangles.size(), 1);
-    scene.meshes = {square(0.5f, 0.f), lamps};
-    scene.camera = narrow_camera({0, 1.2f, 1}, {0, 0, 0});
+    Scene scene = among_lamps(material(metal ? MaterialKind::metal : MaterialKind::lambert, 0.8f, GetParam()));
     const RenderConfig config{.width = 8, .height = 8, .spp = 1024, .max_depth = 1};
     const double lit_by_lamps = mean(render_image(scene, config)).x;
     scene.meshes.pop_back();

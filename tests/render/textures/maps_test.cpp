@@ -243,15 +243,20 @@ TEST(Footprint, CheckerboardFadesToGrey) {
     EXPECT_GT(far_rows(Filter::nearest).second, 0.1);  // what there was to do
 }
 
-/// Two texels a pixel, in stripes of two: where every stripe is one texel of level 1, its pixel sees 3/4 of it between
-/// its neighbours by bilinear filtering. Level 0 would show 7/8, level 2 grey.
-TEST(Footprint, PicksTheLevelWhoseTexelsArePixels) {
+Scene striped_square() {
     Scene scene;
     scene.textures = {float_texture({64, 64}, [](double u, double) { return int(u * 32) % 2; })};
     scene.textures[0].filter = Filter::trilinear;
     scene.materials = {emitter(1.f)};
     scene.materials[0].emission_map.texture = 0;
     scene.meshes = {mapped_square()};
+    return scene;
+}
+
+/// Two texels a pixel, in stripes of two: where every stripe is one texel of level 1, its pixel sees 3/4 of it between
+/// its neighbours by bilinear filtering. Level 0 would show 7/8, level 2 grey.
+TEST(Footprint, PicksTheLevelWhoseTexelsArePixels) {
+    Scene scene = striped_square();
     scene.camera = Camera{{0, 10, 0}, {0, 0, 0}, {0, 0, -1}, float(2 * std::atan(0.1) * 180 / pi)};
     const auto image = render_image(scene, {.width = 32, .height = 32, .spp = 64, .max_depth = 1});
     for (unsigned i = 32 * 15; i < 32 * 17; ++i) ASSERT_NEAR(image[i].x, i % 2 ? 0.75f : 0.25f, 0.03f) << i;
@@ -259,12 +264,7 @@ TEST(Footprint, PicksTheLevelWhoseTexelsArePixels) {
 
 /// The same stripes at any distance: parallel rays have the footprint of a pixel everywhere.
 TEST(Footprint, OfParallelRaysIsThatOfAPixel) {
-    Scene scene;
-    scene.textures = {float_texture({64, 64}, [](double u, double) { return int(u * 32) % 2; })};
-    scene.textures[0].filter = Filter::trilinear;
-    scene.materials = {emitter(1.f)};
-    scene.materials[0].emission_map.texture = 0;
-    scene.meshes = {mapped_square()};
+    Scene scene = striped_square();
     for (const float distance : {0.5f, 40.f}) {
         scene.camera = Camera{{0, distance, 0}, {0, 0, 0}, {0, 0, -1}};
         scene.camera->orthographic_height = 2.f;
