@@ -491,16 +491,6 @@ TEST(Plot, TellsErrorsOverTheMeanInPerCent) {
     EXPECT_EQ(svg_of(study, "").find(" %</text>"), std::string::npos);
 }
 
-TEST(Study, OfTechniquesComparesImagesOfOneMean) {
-    const auto mean_by = [](unsigned techniques) {
-        const MacroScope scope(device(), {{"render/shade_surface", "TECHNIQUES", techniques}});
-        return mean_of(render_image(device(), small_scene(), {.width = 16, .height = 16, .spp = 1024}).image);
-    };
-    const double both = mean_by(3);
-    EXPECT_NEAR(mean_by(1), both, 0.03 * both);
-    EXPECT_NEAR(mean_by(2), both, 0.06 * both);  // standard deviation 1.2 %
-}
-
 TEST(Study, OfArithmeticHasNoNoise) {
     StudyOptions options{.config = {.width = 16, .height = 16}, .most_spp = 8, .runs = 1};
     const Study study = study_arithmetic(device(), small_scene(), options);

@@ -48,15 +48,6 @@ TEST_F(BadInput, UnknownScene) {
                             "no scene 'no-such-scene'; give a .obj, .gltf or .glb file or one of cornell"));
 }
 TEST_F(BadInput, BadTriangleCount) { EXPECT_TRUE(failed_with(render("soup:many"), 2, "soup:N")); }
-TEST_F(BadInput, EmptyObj) { EXPECT_TRUE(failed_with(render(file("empty.obj", "")), 1, "empty.obj")); }
-TEST_F(BadInput, ObjWithoutFaces) { EXPECT_TRUE(failed_with(render(file("points.obj", triangle)), 1, "points.obj")); }
-TEST_F(BadInput, IndexOutOfRange) {
-    EXPECT_TRUE(failed_with(render(file("a.obj", std::string(triangle) + "f 1 2 4\n")), 1, "a.obj"));
-    EXPECT_TRUE(failed_with(render(file("b.obj", std::string(triangle) + "f 1 2 -4\n")), 1, "b.obj"));
-}
-TEST_F(BadInput, BinaryFile) {
-    EXPECT_TRUE(failed_with(render(file("junk.obj", std::string("\0\1\2\xff", 4))), 1, "junk.obj"));
-}
 
 TEST_F(BadInput, ImageSizes) {
     for (const char* size : {"0x16", "16x0", "16", "16x", "x16", "-1x16", "16x16x16", "16.5x16", "99999x16", ""})
