@@ -18,13 +18,12 @@ constexpr const char *ink = "#222", *pale = "#666", *grid = "#e4e4e4";
 constexpr std::array colors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
 
 using svg::escaped;
-using svg::number;
 using svg::rectangle;
 using svg::text;
 
 std::string line(double x0, double y0, double x1, double y1, const char* color, double thick, const char* more = "") {
-    return "<line x1=\"" + number("%.1f", x0) + "\" y1=\"" + number("%.1f", y0) + "\" x2=\"" + number("%.1f", x1) +
-           "\" y2=\"" + number("%.1f", y1) + "\" stroke=\"" + color + "\" stroke-width=\"" + number("%.1f", thick) +
+    return "<line x1=\"" + printed("%.1f", x0) + "\" y1=\"" + printed("%.1f", y0) + "\" x2=\"" + printed("%.1f", x1) +
+           "\" y2=\"" + printed("%.1f", y1) + "\" stroke=\"" + color + "\" stroke-width=\"" + printed("%.1f", thick) +
            "\"" + more + "/>\n";
 }
 
@@ -58,7 +57,7 @@ bool is_share(const Study& study) { return study.error.ends_with("/ mean"); }
 
 /// "0.002", "50", "1e-05", "2 %"
 std::string tick_label(double value, bool share = false) {
-    return share ? number("%g", 100 * value) + " %" : number("%g", value);
+    return share ? printed("%g", 100 * value) + " %" : printed("%g", value);
 }
 
 std::string marker(double x, double y, std::size_t shape, const char* color, bool filled) {
@@ -66,11 +65,11 @@ std::string marker(double x, double y, std::size_t shape, const char* color, boo
         std::string("fill=\"") + (filled ? color : "#fff") + "\" stroke=\"" + color + "\" stroke-width=\"2\"/>\n";
     const auto points = [&](std::initializer_list<std::pair<double, double>> corners) {
         std::string list = "<polygon points=\"";
-        for (const auto& [dx, dy] : corners) list += number("%.1f", x + dx) + "," + number("%.1f", y + dy) + " ";
+        for (const auto& [dx, dy] : corners) list += printed("%.1f", x + dx) + "," + printed("%.1f", y + dy) + " ";
         return list + "\" " + paint;
     };
     switch (shape % 4) {
-        case 0: return "<circle cx=\"" + number("%.1f", x) + "\" cy=\"" + number("%.1f", y) + "\" r=\"5\" " + paint;
+        case 0: return "<circle cx=\"" + printed("%.1f", x) + "\" cy=\"" + printed("%.1f", y) + "\" r=\"5\" " + paint;
         case 1: return points({{-5, -5}, {5, -5}, {5, 5}, {-5, 5}});
         case 2: return points({{0, -6}, {6, 5}, {-6, 5}});
         default: return points({{0, -6}, {6, 0}, {0, 6}, {-6, 0}});
@@ -103,7 +102,7 @@ std::string draw_axes(const Axis& x, const Axis& y, const Study& study) {
            line(left, top, left, height - bottom, ink, 1);
     svg += text((left + width - right) / 2, height - 20, "middle", 13, ink, study.error);
     svg += text(22, (top + height - bottom) / 2, "middle", 13, ink, study.cost,
-                " transform=\"rotate(-90 22 " + number("%.0f", (top + height - bottom) / 2) + ")\"");
+                " transform=\"rotate(-90 22 " + printed("%.0f", (top + height - bottom) / 2) + ")\"");
     return svg;
 }
 
@@ -148,7 +147,7 @@ std::string draw_curve(const Study& study, const std::string& method, std::size_
             continue;
         }
         const double px = x.at(p.error.median), py = y.at(p.seconds.median);
-        path += (gap ? " M" : " L") + number("%.1f", px) + " " + number("%.1f", py);
+        path += (gap ? " M" : " L") + printed("%.1f", px) + " " + printed("%.1f", py);
         gap = false;
         const double least = p.error.median > 0 ? std::max(p.error.low, x.low) : 0;
         marks += line(x.at(least), py, x.at(p.error.high), py, color, 1);
@@ -193,24 +192,24 @@ std::string table_of(const Study& study) {
     for (const StudyPoint& p : study.points) {
         html += "<tr><td>" + escaped(p.method) + "</td><td>" + escaped(p.setting) + "</td>";
         if (!p.failure.empty()) {
-            html += "<td colspan=\"" + number("%.0f", 6.0 + double(facts.empty() ? 2 : facts.size())) + "\">" +
+            html += "<td colspan=\"" + printed("%.0f", 6.0 + double(facts.empty() ? 2 : facts.size())) + "\">" +
                     escaped(p.failure) + "</td></tr>\n";
             continue;
         }
         const auto cell = [&](const std::string& words) { html += "<td class=\"n\">" + words + "</td>"; };
         const double unit = is_share(study) ? 100 : 1;
-        cell(number("%.4g", unit * p.error.median) + (is_share(study) ? " %" : ""));
-        cell(number("%.3g", unit * p.error.low) + " .. " + number("%.3g", unit * p.error.high));
+        cell(printed("%.4g", unit * p.error.median) + (is_share(study) ? " %" : ""));
+        cell(printed("%.3g", unit * p.error.low) + " .. " + printed("%.3g", unit * p.error.high));
         if (facts.empty()) {
-            cell(p.errors.relmse > 0 ? number("%.3g", p.errors.relmse) : "");
-            cell(p.errors.perceptual > 0 ? number("%.3g", p.errors.perceptual) : "");
+            cell(p.errors.relmse > 0 ? printed("%.3g", p.errors.relmse) : "");
+            cell(p.errors.perceptual > 0 ? printed("%.3g", p.errors.perceptual) : "");
         }
         for (const std::string& fact : facts) {
             const double value = fact_of(p, fact);
-            cell(std::isnan(value) ? "" : number("%.4g", value));
+            cell(std::isnan(value) ? "" : printed("%.4g", value));
         }
-        cell(number("%.4g", p.seconds.median));
-        cell(number("%.3g", p.seconds.low) + " .. " + number("%.3g", p.seconds.high));
+        cell(printed("%.4g", p.seconds.median));
+        cell(printed("%.3g", p.seconds.low) + " .. " + printed("%.3g", p.seconds.high));
         cell(std::to_string(p.runs));
         cell(p.front ? "yes" : "");
         html += "</tr>\n";
@@ -253,9 +252,9 @@ std::string svg_of(const Study& study, const std::string& subtitle) {
     Axis x(errors, some_are_zero ? left + 44 : left, width - right);
     if (some_are_zero) x.zero = left + 18;
     const Axis y(seconds, height - bottom, top);
-    std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + number("%.0f", width) + " " +
-                      number("%.0f", height) + "\" width=\"" + number("%.0f", width) + "\" height=\"" +
-                      number("%.0f", height) +
+    std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + printed("%.0f", width) + " " +
+                      printed("%.0f", height) + "\" width=\"" + printed("%.0f", width) + "\" height=\"" +
+                      printed("%.0f", height) +
                       "\" font-family=\"sans-serif\">\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
     svg += text(16, 26, "start", 18, ink, study.title) + text(16, 45, "start", 12, pale, subtitle);
     if (study.floor > 0) {  // what the reference can't tell
@@ -290,7 +289,7 @@ std::string html_of(const std::vector<Study>& studies, const std::string& title,
         html += "<h2>" + escaped(study.title) + "</h2>\n" + svg_of(study, subtitle);
         if (study.reference_spp != 0)
             html += "<p>Reference: " + std::to_string(study.reference_spp) + " samples a pixel, its own error " +
-                    number("%.3g", study.floor) +
+                    printed("%.3g", study.floor) +
                     " of the mean, by the spread of the renders that it is the mean of.</p>\n";
         html += "<ul>\n";
         for (const std::string& finding : study.findings) html += "<li>" + escaped(finding) + "</li>\n";
@@ -316,10 +315,10 @@ std::string csv_of(const std::vector<Study>& studies, const std::string& device,
             for (const double v : {p.value, double(p.runs), p.error.median, p.error.low, p.error.high, p.errors.relmse,
                                    p.errors.perceptual, p.seconds.median, p.seconds.low, p.seconds.high,
                                    p.front ? 1.0 : 0.0, study.floor})
-                csv += ',' + number("%.6g", v);
+                csv += ',' + printed("%.6g", v);
             std::string facts;
             for (const auto& [name, value] : p.facts)
-                facts += (facts.empty() ? "" : "; ") + name + " = " + number("%.6g", value);
+                facts += (facts.empty() ? "" : "; ") + name + " = " + printed("%.6g", value);
             csv += ',' + quoted(p.failure) + ',' + quoted(facts) + '\n';
         }
     return csv;

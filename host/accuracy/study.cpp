@@ -41,7 +41,7 @@ bool overlap(const Spread& a, const Spread& b) { return a.low <= b.high && b.low
 
 std::string told_time_against(const Spread& seconds, const Spread& others) {
     if (overlap(seconds, others)) return "in a time that can't be told apart (the quartiles overlap)";
-    return told("in %.2f of the time", seconds.median / others.median);
+    return printed("in %.2f of the time", seconds.median / others.median);
 }
 
 void mark_front(std::vector<StudyPoint>& points) {

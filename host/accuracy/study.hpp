@@ -1,9 +1,8 @@
 // What studies have in common.
 #pragma once
 
-#include <cstdio>
-
 #include "claray/accuracy.hpp"
+#include "host/base/format.hpp"
 
 namespace claray {
 
@@ -11,14 +10,6 @@ namespace claray {
 [[nodiscard]] std::vector<std::string> fact_names(const Study& study);
 /// NaN where the point has none of that name.
 [[nodiscard]] double fact_of(const StudyPoint& point, const std::string& name);
-
-/// std::snprintf into a string.
-template <class... Values>
-[[nodiscard]] std::string told(const char* format, Values... values) {
-    char text[320];
-    std::snprintf(text, sizeof text, format, values...);
-    return text;
-}
 
 /// Whether what is between the quartiles of one is partly between those of the other: then runs don't tell which is
 /// more.

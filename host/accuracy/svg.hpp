@@ -1,16 +1,11 @@
 // Pieces of SVG and HTML, for plots, charts and reports.
 #pragma once
 
-#include <cstdio>
 #include <string>
 
-namespace claray::svg {
+#include "host/base/format.hpp"
 
-[[nodiscard]] inline std::string number(const char* format, double value) {
-    char text[48];
-    std::snprintf(text, sizeof text, format, value);
-    return text;
-}
+namespace claray::svg {
 
 /// As text between tags.
 [[nodiscard]] inline std::string escaped(const std::string& text) {
@@ -22,14 +17,14 @@ namespace claray::svg {
 /// `anchor` is start, middle or end; `more` are further attributes.
 [[nodiscard]] inline std::string text(double x, double y, const char* anchor, double size, const char* color,
                                       const std::string& words, const std::string& more = {}) {
-    return "<text x=\"" + number("%.1f", x) + "\" y=\"" + number("%.1f", y) + "\" text-anchor=\"" + anchor +
-           "\" font-size=\"" + number("%.0f", size) + "\" fill=\"" + color + "\"" + more + ">" + escaped(words) +
+    return "<text x=\"" + printed("%.1f", x) + "\" y=\"" + printed("%.1f", y) + "\" text-anchor=\"" + anchor +
+           "\" font-size=\"" + printed("%.0f", size) + "\" fill=\"" + color + "\"" + more + ">" + escaped(words) +
            "</text>\n";
 }
 
 [[nodiscard]] inline std::string rectangle(double x, double y, double w, double h, const char* color) {
-    return "<rect x=\"" + number("%.1f", x) + "\" y=\"" + number("%.1f", y) + "\" width=\"" + number("%.1f", w) +
-           "\" height=\"" + number("%.1f", h) + "\" fill=\"" + color + "\"/>\n";
+    return "<rect x=\"" + printed("%.1f", x) + "\" y=\"" + printed("%.1f", y) + "\" width=\"" + printed("%.1f", w) +
+           "\" height=\"" + printed("%.1f", h) + "\" fill=\"" + color + "\"/>\n";
 }
 
 }  // namespace claray::svg

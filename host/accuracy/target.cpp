@@ -45,19 +45,19 @@ void run_pilot(TargetPlan& plan, const Device& device) {
 
 std::string why(const TargetPlan& plan, Builder builder, double seconds) {
     if (!plan.model.known())
-        return told("tree: %s; no model of this device is stored (see claray tune)", name_of(builder));
-    std::string text = told("tree: %s, for %zu triangles and about %s of sampling;", name_of(builder), plan.triangles,
-                            told_time(seconds).c_str());
+        return printed("tree: %s; no model of this device is stored (see claray tune)", name_of(builder));
+    std::string text = printed("tree: %s, for %zu triangles and about %s of sampling;", name_of(builder),
+                               plan.triangles, told_time(seconds).c_str());
     for (const Builder other : {Builder::fast, Builder::balanced, Builder::high})
-        text += told(" %s %s and %.2f times the speed%s", name_of(other),
-                     told_time(build_seconds(plan.model, other, plan.triangles)).c_str(), speed_of(plan.model, other),
-                     other == Builder::high ? "" : ",");
+        text += printed(" %s %s and %.2f times the speed%s", name_of(other),
+                        told_time(build_seconds(plan.model, other, plan.triangles)).c_str(),
+                        speed_of(plan.model, other), other == Builder::high ? "" : ",");
     return text;
 }
 
 std::string why_fixed(const TargetPlan& plan) {
-    return told("tree: %s, as given: the planner picks trees of scenes without instances, where none is asked for",
-                name_of(plan.config.bvh.builder));
+    return printed("tree: %s, as given: the planner picks trees of scenes without instances, where none is asked for",
+                   name_of(plan.config.bvh.builder));
 }
 
 void pick_sampler(TargetPlan& plan) {
@@ -68,8 +68,8 @@ void pick_sampler(TargetPlan& plan) {
     }
     const double cost = plan.model.independent_cost;
     plan.config.sampler = cost < 1 ? Sampler::independent : Sampler::sobol;
-    plan.picks.push_back(told("samples: %s; independent ones take %.2f times the time for the same error",
-                              cost < 1 ? "independent" : "Sobol's", cost));
+    plan.picks.push_back(printed("samples: %s; independent ones take %.2f times the time for the same error",
+                                 cost < 1 ? "independent" : "Sobol's", cost));
 }
 
 void refuse_unreachable(const TargetPlan& plan, const Forecast& needed, const RenderProgress& so_far) {
@@ -78,9 +78,11 @@ void refuse_unreachable(const TargetPlan& plan, const Forecast& needed, const Re
     const double closest = so_far.error_bound * std::sqrt(so_far.error_spp / most);
     throw Error(
         ErrorKind::user,
-        told("an error of %g can't be reached: it needs about %.3g samples a pixel (%s), and %.0f are the most",
-             plan.config.error > 1e-20 ? plan.config.error : 0.0, needed.spp, told_time(needed.seconds).c_str(), most),
-        told("the closest is about --error %.2g, in %s", closest, told_time(most * needed.seconds_a_sample).c_str()));
+        printed("an error of %g can't be reached: it needs about %.3g samples a pixel (%s), and %.0f are the most",
+                plan.config.error > 1e-20 ? plan.config.error : 0.0, needed.spp, told_time(needed.seconds).c_str(),
+                most),
+        printed("the closest is about --error %.2g, in %s", closest,
+                told_time(most * needed.seconds_a_sample).c_str()));
 }
 
 void refuse_late(const RenderConfig& config, const RenderProgress& reached) {
@@ -95,12 +97,12 @@ void refuse_late(const RenderConfig& config, const RenderProgress& reached) {
 }  // namespace
 
 std::string told_time(double seconds) {
-    if (seconds < 1e-3) return told("%.3g us", 1e6 * seconds);
-    if (seconds < 0.1) return told("%.3g ms", 1e3 * seconds);
-    if (seconds < 120) return told("%.3g s", seconds);
-    if (seconds < 7200) return told("%.3g min", seconds / 60);
-    if (seconds < 172'800) return told("%.3g h", seconds / 3600);
-    return told("%.4g days", seconds / 86'400);
+    if (seconds < 1e-3) return printed("%.3g us", 1e6 * seconds);
+    if (seconds < 0.1) return printed("%.3g ms", 1e3 * seconds);
+    if (seconds < 120) return printed("%.3g s", seconds);
+    if (seconds < 7200) return printed("%.3g min", seconds / 60);
+    if (seconds < 172'800) return printed("%.3g h", seconds / 3600);
+    return printed("%.4g days", seconds / 86'400);
 }
 
 Builder choose_builder(const DeviceModel& model, std::size_t triangles, double seconds, Builder built) {
@@ -152,7 +154,7 @@ TargetPlan plan_render(const Device& device, const Scene& scene, const RenderCon
     if (plan.picks_builder) {
         const Builder first = first_builder(plan);
         plan.config.bvh.builder = first;
-        plan.picks.push_back(told("tree: %s, until the first samples tell how long it takes", name_of(first)));
+        plan.picks.push_back(printed("tree: %s, until the first samples tell how long it takes", name_of(first)));
     } else {
         plan.picks.push_back(why_fixed(plan));
     }
@@ -170,7 +172,7 @@ bool rebuild_if_better(Renderer& renderer, TargetPlan& plan, Builder builder) {
     plan.config.bvh.builder = before;
     renderer.rebuild(plan.config.bvh);
     plan.picks.push_back(
-        told("tree: %s again, whose cost by the surface area heuristic is lower in this scene", name_of(before)));
+        printed("tree: %s again, whose cost by the surface area heuristic is lower in this scene", name_of(before)));
     return false;
 }
 
@@ -222,14 +224,14 @@ bool is_kept(const TargetPlan& plan, const RenderProgress& reached) {
 
 std::string account_of(const TargetPlan& plan, const RenderProgress& reached) {
     if (plan.config.error > 0) {
-        std::string text = told("error of %g, in %s", plan.config.error, told_time(reached.seconds).c_str());
-        if (plan.promised_seconds > 0) text += told(" (foreseen: %s)", told_time(plan.promised_seconds).c_str());
-        if (reached.error_bound == 0) return text + told(": %u samples a pixel tell nothing", reached.spp);
-        return text +
-               told(": it is about %.3g, and less than %.3g in 95 of 100 renders", reached.error, reached.error_bound);
+        std::string text = printed("error of %g, in %s", plan.config.error, told_time(reached.seconds).c_str());
+        if (plan.promised_seconds > 0) text += printed(" (foreseen: %s)", told_time(plan.promised_seconds).c_str());
+        if (reached.error_bound == 0) return text + printed(": %u samples a pixel tell nothing", reached.spp);
+        return text + printed(": it is about %.3g, and less than %.3g in 95 of 100 renders", reached.error,
+                              reached.error_bound);
     }
-    return told("time of %s: %s, %u samples a pixel", told_time(plan.config.seconds).c_str(),
-                told_time(reached.seconds).c_str(), reached.spp);
+    return printed("time of %s: %s, %u samples a pixel", told_time(plan.config.seconds).c_str(),
+                   told_time(reached.seconds).c_str(), reached.spp);
 }
 
 }  // namespace claray

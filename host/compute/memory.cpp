@@ -1,8 +1,8 @@
 #include "host/compute/memory.hpp"
 
 #include <algorithm>
-#include <cstdio>
 
+#include "host/base/format.hpp"
 #include "host/compute/device_state.hpp"
 
 namespace claray {
@@ -43,10 +43,8 @@ void fail_if_asked(unsigned& countdown, int error) {
 }
 
 std::string size_text(std::uint64_t bytes) {
-    char text[32];
     const bool large = bytes >= 1'000'000'000;
-    std::snprintf(text, sizeof text, large ? "%.2f GB" : "%.1f MB", double(bytes) * (large ? 1e-9 : 1e-6));
-    return text;
+    return printed(large ? "%.2f GB" : "%.1f MB", double(bytes) * (large ? 1e-9 : 1e-6));
 }
 
 }  // namespace claray

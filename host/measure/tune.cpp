@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <memory>
 #include <sstream>
 
 #include "claray/io.hpp"
 #include "claray/renderer.hpp"
+#include "host/base/format.hpp"
 #include "host/compute/kernel_sources.hpp"
 #include "host/compute/tuning.hpp"
 #include "host/measure/device_rays.hpp"
@@ -268,10 +268,9 @@ std::string with_rows(const std::string& table, const DeviceInfo& info, const st
         if (!replaced) text += line + "\n";
     }
     for (const TunedRow& row : rows) {
-        char saved[64];
-        std::snprintf(saved, sizeof saved, "  # claray tune: %.1f %% less time", 100 * (1 - row.ratio));
-        if (row.measured) std::snprintf(saved, sizeof saved, "  # claray tune: measured");
-        text += pattern + "  " + row.kernel + "  " + row.parameter + "  " + std::to_string(row.value) + saved + "\n";
+        const std::string saved = row.measured ? "measured" : printed("%.1f %% less time", 100 * (1 - row.ratio));
+        text += pattern + "  " + row.kernel + "  " + row.parameter + "  " + std::to_string(row.value) +
+                "  # claray tune: " + saved + "\n";
     }
     return text;
 }

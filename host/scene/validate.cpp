@@ -1,13 +1,13 @@
 // What a scene must fulfil before it is rendered.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <string>
 #include <utility>
 
 #include "claray/error.hpp"
 #include "claray/scene.hpp"
+#include "host/base/format.hpp"
 
 namespace claray {
 namespace {
@@ -190,11 +190,7 @@ void check_texture(const Texture& texture, const Check& check, bool radiance) {
     }
 }
 
-std::string in_degrees(float radians) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.5g", radians * (180. / std::numbers::pi));
-    return text;
-}
+std::string in_degrees(float radians) { return printed("%.5g", radians * (180. / std::numbers::pi)); }
 
 void check_light(const Light& light, const Check& check) {
     check.that(light.kind <= LightKind::spot, "unknown kind", "use a LightKind");

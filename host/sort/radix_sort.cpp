@@ -9,12 +9,12 @@ constexpr const char* radix_file = "sort/radix_sort.cl";
 constexpr const char* stage = "sort/radix_sort";
 constexpr const char* bucket_file = "sort/bucket_sort.cl";
 constexpr const char* bucket_stage = "sort/bucket_sort";
-constexpr unsigned digits = 256, digit_bits = 8;
-constexpr std::size_t onesweep_limit = std::size_t(1) << 30;  // a look-back word counts in 30 bits
+constexpr unsigned digits = 256, digit_bits = 8, group_size = digits;  // one work-item a digit
+constexpr std::size_t onesweep_limit = std::size_t(1) << 30;           // a look-back word counts in 30 bits
 
 /// The most keys a work-item that the group's local memory holds: the tile, the counters of each warp, and two rows of
 /// scratch.
-unsigned items_that_fit(const Device& device, std::size_t key_bytes, unsigned group_size, unsigned wanted) {
+unsigned items_that_fit(const Device& device, std::size_t key_bytes, unsigned wanted) {
     const std::size_t fixed = 4 * digits * (group_size / 32 + 3);
     const std::size_t memory = device.info().local_memory;
     const std::size_t most = memory > fixed ? (memory - fixed) / (group_size * key_bytes) : 0;
@@ -38,9 +38,8 @@ RadixSort<Key>::RadixSort(const Device& device, std::size_t capacity, const Conf
         throw Error(ErrorKind::user, "cannot sort " + std::to_string(capacity) + " keys: the limit is 2^30 - 1");
     Defines defines = {{"KEY_BITS", std::to_string(8 * sizeof(Key))}};
     if (config_.onesweep) {
-        group_size_ = device.tuning(stage, "GROUP_SIZE");
-        const unsigned items = items_that_fit(device, sizeof(Key), group_size_, device.tuning(stage, "ITEMS"));
-        tile_ = group_size_ * items;
+        const unsigned items = items_that_fit(device, sizeof(Key), device.tuning(stage, "ITEMS"));
+        tile_ = group_size * items;
         defines.emplace_back("ITEMS", std::to_string(items));
         digit_groups_ = 4 * device.info().compute_units;
         const std::size_t tiles = (capacity + tile_ - 1) / tile_;
@@ -76,13 +75,13 @@ template <class Key>
 void RadixSort<Key>::sort_onesweep(Buffer<Key>& keys, Buffer<std::uint32_t>& values, std::uint32_t count) {
     histogram_.fill(0);
     const std::uint32_t tiles = (count + tile_ - 1) / tile_;
-    const std::size_t counting = std::min<std::size_t>(std::size_t(digit_groups_) * group_size_, count);
-    count_all_.run({counting, group_size_}, arg("keys", keys), count, arg("histogram", histogram_));
+    const std::size_t counting = std::min<std::size_t>(std::size_t(digit_groups_) * group_size, count);
+    count_all_.run({counting, group_size}, arg("keys", keys), count, arg("histogram", histogram_));
     scan_.run({sizeof(Key) * digits, digits}, histogram_);
     const unsigned passes = (config_.key_bits + digit_bits - 1) / digit_bits;
     for (std::uint32_t pass = 0; pass < passes; ++pass) {
         const Buffer<std::uint32_t> positions = pass == 0 ? Buffer<std::uint32_t>() : values;
-        sort_digit_.run({std::size_t(tiles) * group_size_, group_size_}, arg("keys_in", keys),
+        sort_digit_.run({std::size_t(tiles) * group_size, group_size}, arg("keys_in", keys),
                         arg("values_in", positions), arg("keys_out", other_keys_), arg("values_out", other_values_),
                         count, std::uint32_t(pass * digit_bits), pass, arg("histogram", histogram_), tiles);
         std::swap(keys, other_keys_);
@@ -99,11 +98,6 @@ void RadixSort<Key>::sort_by_buckets(Buffer<Key>& keys, Buffer<std::uint32_t>& v
                       count, bits, runs, arg("counts", histogram_));
     sort_buckets_.run({shares_, 1}, arg("keys", other_keys_), arg("values", other_values_), arg("keys_out", keys),
                       arg("values_out", values), count, bits, runs, arg("counts", histogram_));
-}
-
-template <class Key>
-std::size_t RadixSort<Key>::scratch_bytes() const {
-    return other_keys_.bytes() + other_values_.bytes() + histogram_.bytes();
 }
 
 template class RadixSort<std::uint32_t>;

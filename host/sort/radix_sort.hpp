@@ -24,16 +24,13 @@ public:
     /// keys[i]. Both buffers hold at least `count` elements; the content of `values` does not matter. Enqueued only.
     void sort(Buffer<Key>& keys, Buffer<std::uint32_t>& values, std::size_t count);
 
-    [[nodiscard]] std::size_t scratch_bytes() const;
-
 private:
     void sort_onesweep(Buffer<Key>& keys, Buffer<std::uint32_t>& values, std::uint32_t count);
     void sort_by_buckets(Buffer<Key>& keys, Buffer<std::uint32_t>& values, std::uint32_t count);
 
     Config config_;
     std::size_t capacity_;
-    unsigned group_size_ = 0, tile_ = 0, runs_ = 0, shares_ = 0;
-    unsigned digit_groups_ = 0;
+    unsigned tile_ = 0, runs_ = 0, shares_ = 0, digit_groups_ = 0;
     Buffer<Key> other_keys_;
     Buffer<std::uint32_t> other_values_, histogram_;  // followed by tickets and look-back words
     Kernel count_all_, scan_, sort_digit_, count_buckets_, scan_buckets_, fill_buckets_, sort_buckets_;

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstdio>
 #include <exception>
 #include <thread>
 
+#include "host/base/format.hpp"
 #include "host/measure/measure.hpp"
 
 namespace claray::verify {
@@ -78,10 +78,8 @@ void Run::failure(const std::string& what) { result_.failures.push_back(what); }
 void Run::picture(VerifyPicture picture) { result_.pictures.push_back(std::move(picture)); }
 
 std::string text_of(const Ray& r) {
-    char text[256];
-    std::snprintf(text, sizeof text, "origin %a %a %a direction %a %a %a tmin %a tmax %a", double(r.ox), double(r.oy),
-                  double(r.oz), double(r.dx), double(r.dy), double(r.dz), double(r.tmin), double(r.tmax));
-    return text;
+    return printed("origin %a %a %a direction %a %a %a tmin %a tmax %a", double(r.ox), double(r.oy), double(r.oz),
+                   double(r.dx), double(r.dy), double(r.dz), double(r.tmin), double(r.tmax));
 }
 
 VerifyPicture picture_along(const Ray& ray, const Mesh& mesh, std::uint32_t wrong, const std::string& title) {

@@ -8,9 +8,6 @@
 #ifndef KEY_BITS
 #define KEY_BITS 64  // of the key's type: 32 or 64
 #endif
-#ifndef GROUP_SIZE
-#define GROUP_SIZE 256  // one work-item a digit: must be 256
-#endif
 #ifndef ITEMS
 #define ITEMS 13  // keys a work-item
 #endif
@@ -23,33 +20,33 @@
 
 #define DIGITS 256
 #define PASSES (KEY_BITS / 8)
-#define WARPS (GROUP_SIZE / 32)
-#define TILE (GROUP_SIZE * ITEMS)
+#define WARPS (DIGITS / 32)
+#define TILE (DIGITS * ITEMS)
 #define MASKS_AS_KEYS (WARPS * DIGITS * 4 / (KEY_BITS / 8))
 #define STAGED (TILE > MASKS_AS_KEYS ? TILE : MASKS_AS_KEYS)
 
 static inline uint digit_of(Key key, uint shift) { return (uint)(key >> shift) & (DIGITS - 1); }
 
 /// Adds the histograms of all digits of all keys to `histogram`: PASSES x DIGITS counters, zero before.
-kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
+kernel __attribute__((reqd_work_group_size(DIGITS, 1, 1)))
 void count_all_digits(global const Key* keys, uint count, global uint* histogram) {
     local uint counters[PASSES * DIGITS];
     const uint item = get_local_id(0);
-    for (uint i = item; i < PASSES * DIGITS; i += GROUP_SIZE) counters[i] = 0;
+    for (uint i = item; i < PASSES * DIGITS; i += DIGITS) counters[i] = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
     for (uint i = get_global_id(0); i < count; i += get_global_size(0)) {
         const Key key = keys[i];
         for (uint pass = 0; pass < PASSES; ++pass) atomic_inc(&counters[pass * DIGITS + digit_of(key, 8 * pass)]);
     }
     barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint i = item; i < PASSES * DIGITS; i += GROUP_SIZE)
+    for (uint i = item; i < PASSES * DIGITS; i += DIGITS)
         if (counters[i] != 0) atomic_add(&histogram[i], counters[i]);
 }
 
 /// Turns each digit position's histogram into the offsets where its digits begin: one group a pass.
-kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
+kernel __attribute__((reqd_work_group_size(DIGITS, 1, 1)))
 void scan_histogram(global uint* histogram) {
-    local uint scratch[GROUP_SIZE];
+    local uint scratch[DIGITS];
     const uint i = get_global_id(0);
     uint total;
     histogram[i] = group_exclusive_sum(histogram[i], scratch, &total);
@@ -102,14 +99,14 @@ static inline void rank_keys(const Key* keys, uint shift, local uint* next, loca
 
 /// Sorts by the digit at `shift`. Behind `histogram` follow, zero before the first pass, a ticket for each pass, then the
 /// look-back words, tiles x DIGITS for each pass. Without `values_in` the values are the keys' positions.
-kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
+kernel __attribute__((reqd_work_group_size(DIGITS, 1, 1)))
 void sort_digit(global const Key* keys_in, global const uint* values_in, global Key* keys_out, global uint* values_out,
                 uint count, uint shift, uint pass, volatile global uint* histogram, uint tiles) {
     volatile global uint* tickets = histogram + PASSES * DIGITS;
     local Key staged[STAGED];  // first the masks of the warps, then the tile in sorted order, then its values
     local uint warp_counts[WARPS][DIGITS];
     local uint target[DIGITS];
-    local uint scratch[GROUP_SIZE];
+    local uint scratch[DIGITS];
     local uint shared_tile;
 
     const uint item = get_local_id(0), warp = item / WARP, lane = item % WARP;
@@ -158,7 +155,7 @@ void sort_digit(global const Key* keys_in, global const uint* values_in, global 
 
     uint targets[ITEMS];
     for (uint i = 0; i < ITEMS; ++i) {
-        const uint at = item + i * GROUP_SIZE;
+        const uint at = item + i * DIGITS;
         const Key key = staged[at];
         targets[i] = target[digit_of(key, shift)] + at;
         if (at < in_tile) keys_out[targets[i]] = key;
@@ -168,7 +165,7 @@ void sort_digit(global const Key* keys_in, global const uint* values_in, global 
     for (uint i = 0; i < ITEMS; ++i) staged_values[ranks[i]] = values[i];
     barrier(CLK_LOCAL_MEM_FENCE);
     for (uint i = 0; i < ITEMS; ++i) {
-        const uint at = item + i * GROUP_SIZE;
+        const uint at = item + i * DIGITS;
         if (at < in_tile) values_out[targets[i]] = staged_values[at];
     }
 }

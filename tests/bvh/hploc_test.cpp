@@ -1,8 +1,6 @@
 // The clustering builder: bvh/hploc.cl.
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 #include "tests/bvh/support.hpp"
 #include "tests/support/meshes.hpp"
 
@@ -19,21 +17,8 @@ TEST(Clustering, IsValidAtEverySize) {
             SCOPED_TRACE(testing::Message() << count << " triangles, " << bits << " bits");
             expect_valid(bvh);
             EXPECT_EQ(bvh.header().valid, count);
-            if (count == 0) continue;
-            const Bounds bounds = bounds_of(mesh);
-            EXPECT_EQ(glm::vec3(bvh.header().lox, bvh.header().loy, bvh.header().loz), bounds.lo);
-            EXPECT_EQ(glm::vec3(bvh.header().hix, bvh.header().hiy, bvh.header().hiz), bounds.hi);
+            expect_bounds(bvh, mesh);
         }
-}
-
-TEST(Clustering, IsTheSameTreeEveryTime) {
-    const Mesh mesh = soup(20'011, 0.02f, 5);
-    Bvh bvh = cluster(mesh);
-    const std::string hash = bvh.hash();
-    for (int i = 0; i < 20; ++i) {
-        bvh.rebuild();
-        ASSERT_EQ(bvh.hash(), hash) << "rebuild " << i;
-    }
 }
 
 /// Large among small, as walls among ornaments: the case that Morton codes, blind to size, do badly.
@@ -56,15 +41,8 @@ TEST(Clustering, EqualTrianglesGiveALowTree) {
     }
 }
 
-/// Triangles each twice as large as the one before are nearest to their predecessors: clustering would give a chain.
 TEST(Clustering, GivesWayToTheFastTreeWhereItWouldBeTooHigh) {
-    Mesh mesh;
-    for (std::uint32_t i = 0; i < 400; ++i) {
-        const float s = std::exp2(float(i % 100) - 50.f) * (1 + float(i) * 1e-4f);
-        mesh.positions.insert(mesh.positions.end(), {{s, 0, 0}, {0, s, 0}, {0, 0, s}});
-        mesh.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
-    }
-    const Bvh bvh = cluster(mesh);
+    const Bvh bvh = cluster(doubling_triangles());
     expect_valid(bvh);
     EXPECT_LE(bvh.header().height, unsigned(CLARAY_MAX_HEIGHT));
 }

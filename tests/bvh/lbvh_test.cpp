@@ -28,22 +28,9 @@ TEST(Bvh, IsValidAtEverySize) {
             EXPECT_LE(header.height, height_bound(bits, count));
             if (count == 0) {
                 EXPECT_EQ(header.root, CLARAY_NO_CHILD);
-                continue;
             }
-            const Bounds bounds = bounds_of(mesh);
-            EXPECT_EQ(glm::vec3(header.lox, header.loy, header.loz), bounds.lo);
-            EXPECT_EQ(glm::vec3(header.hix, header.hiy, header.hiz), bounds.hi);
+            expect_bounds(bvh, mesh);
         }
-}
-
-TEST(Bvh, IsTheSameTreeEveryTime) {
-    Bvh bvh = build(soup(20'011, 0.02f, 5));
-    const std::string hash = bvh.hash();
-    for (int i = 0; i < 50; ++i) {
-        bvh.rebuild();
-        ASSERT_EQ(bvh.hash(), hash) << "rebuild " << i;
-    }
-    EXPECT_NE(build(soup(20'011, 0.02f, 6)).hash(), hash);
 }
 
 TEST(Bvh, TakesAnyNumberOfEqualTriangles) {
@@ -54,17 +41,6 @@ TEST(Bvh, TakesAnyNumberOfEqualTriangles) {
         expect_valid(bvh);
         EXPECT_EQ(bvh.header().height, 12u);  // balanced by index, to leaves of four: ceil(log2 10000) - 2
     }
-}
-
-TEST(Bvh, TakesPlanarAndCollinearScenes) {
-    Mesh planar = grid(40), line;
-    for (int i = 0; i < 1000; ++i) {
-        const float x = float(i);
-        line.positions.insert(line.positions.end(), {{x, 0, 0}, {x + 1, 0, 0}, {x + 2, 0, 0}});
-        line.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
-    }
-    expect_valid(build(planar));
-    expect_valid(build(line));
 }
 
 TEST(Bvh, CullsJunkAndKeepsIndices) {

@@ -15,19 +15,15 @@ namespace fs = std::filesystem;
 
 constexpr const char* triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
-class BadInput : public testing::Test {
+class BadInput : public InFolder {
 protected:
-    [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
     [[nodiscard]] std::string file(const std::string& name, const std::string& content) const {
         std::ofstream(path(name)) << content;
         return path(name);
     }
     [[nodiscard]] std::vector<std::string> arguments(const std::string& scene,
                                                      const std::vector<std::string>& more = {}) const {
-        std::vector<std::string> all = {"render", scene,   "-o", path("out.png"), "--size",
-                                        "16x16",  "--spp", "1",  "--quiet"};
-        all.insert(all.end(), more.begin(), more.end());
-        return all;
+        return with({"render", scene, "-o", path("out.png"), "--size", "16x16", "--spp", "1", "--quiet"}, more);
     }
     [[nodiscard]] ProcessResult render(const std::string& scene, const std::vector<std::string>& more = {}) const {
         return run_claray(arguments(scene, more));
@@ -39,8 +35,6 @@ protected:
         return true;
     }
     void TearDown() override { EXPECT_TRUE(nothing_written()); }
-
-    TemporaryFolder folder_;
 };
 
 TEST_F(BadInput, MissingFile) {
@@ -54,15 +48,6 @@ TEST_F(BadInput, UnknownScene) {
                             "no scene 'no-such-scene'; give a .obj, .gltf or .glb file or one of cornell"));
 }
 TEST_F(BadInput, BadTriangleCount) { EXPECT_TRUE(failed_with(render("soup:many"), 2, "soup:N")); }
-TEST_F(BadInput, EmptyObj) { EXPECT_TRUE(failed_with(render(file("empty.obj", "")), 1, "empty.obj")); }
-TEST_F(BadInput, ObjWithoutFaces) { EXPECT_TRUE(failed_with(render(file("points.obj", triangle)), 1, "points.obj")); }
-TEST_F(BadInput, IndexOutOfRange) {
-    EXPECT_TRUE(failed_with(render(file("a.obj", std::string(triangle) + "f 1 2 4\n")), 1, "a.obj"));
-    EXPECT_TRUE(failed_with(render(file("b.obj", std::string(triangle) + "f 1 2 -4\n")), 1, "b.obj"));
-}
-TEST_F(BadInput, BinaryFile) {
-    EXPECT_TRUE(failed_with(render(file("junk.obj", std::string("\0\1\2\xff", 4))), 1, "junk.obj"));
-}
 
 TEST_F(BadInput, ImageSizes) {
     for (const char* size : {"0x16", "16x0", "16", "16x", "x16", "-1x16", "16x16x16", "16.5x16", "99999x16", ""})

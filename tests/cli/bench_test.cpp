@@ -11,10 +11,8 @@ namespace claray::test {
 namespace {
 
 ProcessResult bench(std::vector<std::string> more) {
-    std::vector<std::string> all = {
-        "bench", "--size", "16x8", "--repeat", "1", "--device", std::to_string(device().info().index)};
-    all.insert(all.end(), more.begin(), more.end());
-    return run_claray(all);
+    return run_claray(
+        with({"bench", "--size", "16x8", "--repeat", "1", "--device", std::to_string(device().info().index)}, more));
 }
 
 TEST(BenchCommand, TableNamesWhatIsMeasured) {

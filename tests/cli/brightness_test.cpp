@@ -34,7 +34,7 @@ TEST(Brightness, OfPixels) {
 }
 
 /// A square that nothing lights.
-class DarkFile : public testing::Test {
+class DarkFile : public InFolder {
 protected:
     void SetUp() override {
         std::ofstream(path("a.mtl")) << "newmtl a\nKd .5 .5 .5\n";
@@ -50,8 +50,6 @@ protected:
     [[nodiscard]] ProcessResult render(const std::vector<std::string>& more) const {
         return run({"render", "-o", path("a.png"), "--size", "16x16", "--spp", "4", "--quiet"}, more);
     }
-    [[nodiscard]] std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
-    TemporaryFolder folder_;
 };
 
 bool tells(const ProcessResult& result, const std::string& words) {

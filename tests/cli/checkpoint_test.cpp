@@ -20,14 +20,11 @@ namespace {
 using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
-class CheckpointOptions : public testing::Test {
+class CheckpointOptions : public InFolder {
 protected:
-    [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
     [[nodiscard]] std::vector<std::string> arguments(const std::string& output,
                                                      const std::vector<std::string>& more = {}) const {
-        std::vector<std::string> all = {"render", "cornell", "-o", path(output), "--size", "64x48", "--spp", "8", "-q"};
-        all.insert(all.end(), more.begin(), more.end());
-        return all;
+        return with({"render", "cornell", "-o", path(output), "--size", "64x48", "--spp", "8", "-q"}, more);
     }
     [[nodiscard]] ProcessResult render(const std::string& output, const std::vector<std::string>& more = {}) const {
         return run_claray(arguments(output, more));
@@ -35,7 +32,6 @@ protected:
     [[nodiscard]] Process start(const std::vector<std::string>& all) const {
         return Process(claray_command(all), {{"CLARAY_DEVICE", std::to_string(device().info().index)}});
     }
-    TemporaryFolder folder_;
 };
 
 TEST_F(CheckpointOptions, InterruptedAndResumedIsTheSameImage) {

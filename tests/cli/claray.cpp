@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <regex>
+#include <sstream>
 #include <thread>
 
 #include "tests/support/device.hpp"
@@ -19,6 +20,25 @@ ProcessResult run_claray(const std::vector<std::string>& arguments, const Variab
     Variables all = environment;
     all.emplace("CLARAY_DEVICE", std::to_string(device().info().index));
     return run_process(claray_command(arguments), all);
+}
+
+std::vector<std::string> with(std::vector<std::string> arguments, const std::vector<std::string>& more) {
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+}
+
+std::vector<float> read_pfm(const std::string& path, std::size_t channels) {
+    std::istringstream file(read_file(path));
+    std::string kind;
+    std::size_t width = 0, height = 0;
+    float scale = 0;
+    file >> kind >> width >> height >> scale;
+    file.get();
+    EXPECT_EQ(kind, channels == 3 ? "PF" : "Pf");
+    EXPECT_LT(scale, 0.f);  // little endian
+    std::vector<float> values(width * height * channels);
+    file.read(reinterpret_cast<char*>(values.data()), std::streamsize(values.size() * sizeof(float)));
+    return file ? values : std::vector<float>();
 }
 
 void wait_for_samples(const Process& render) {

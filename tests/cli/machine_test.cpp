@@ -12,9 +12,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class Machine : public testing::Test {
+class Machine : public InFolder {
 protected:
-    [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
     /// By the sh's own `ulimit`, `cd` or `export` before.
     [[nodiscard]] ProcessResult run_after(const std::string& shell, const std::vector<std::string>& arguments,
                                           const Variables& environment = {}) const {
@@ -22,7 +21,6 @@ protected:
         for (const std::string& argument : claray_command(arguments)) command.push_back(argument);
         return run_process(command, environment);
     }
-    TemporaryFolder folder_;
 };
 
 /// /proc refuses even root. PoCL alone finds no device there, or crashes.

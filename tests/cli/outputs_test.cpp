@@ -14,14 +14,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class Outputs : public testing::Test {
+class Outputs : public InFolder {
 protected:
-    [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
     [[nodiscard]] static std::vector<std::string> small(const std::string& output,
                                                         const std::vector<std::string>& more = {}) {
-        std::vector<std::string> all = {"render", "cornell", "-o", output, "--size", "16x16", "--spp", "1", "--quiet"};
-        all.insert(all.end(), more.begin(), more.end());
-        return all;
+        return with({"render", "cornell", "-o", output, "--size", "16x16", "--spp", "1", "--quiet"}, more);
     }
     void refuse(const std::string& output, const std::vector<std::string>& more, const std::string& words) const {
         EXPECT_TRUE(failed_with(run_claray(small(output, more)), 2, words)) << words;
@@ -33,7 +30,6 @@ protected:
         for (const std::string& argument : claray_command(arguments)) command.push_back(argument);
         return run_process(command);
     }
-    TemporaryFolder folder_;
 };
 
 TEST_F(Outputs, APipeIsOpenedOnce) {

@@ -13,36 +13,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class Render : public testing::Test {
+class Render : public InFolder {
 protected:
-    [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
     /// Renders 24 x 16 pixels, 2 samples each, unless `more` says otherwise.
     [[nodiscard]] ProcessResult render(const std::string& scene, const std::string& output,
                                        const std::vector<std::string>& more = {}) const {
-        std::vector<std::string> arguments = {"render", scene, "-o", path(output), "--size", "24x16", "--spp", "2"};
-        arguments.insert(arguments.end(), more.begin(), more.end());
-        return run_claray(arguments);
+        return run_claray(with({"render", scene, "-o", path(output), "--size", "24x16", "--spp", "2"}, more));
     }
     [[nodiscard]] std::size_t file_count() const {
         return std::size_t(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()));
     }
-    TemporaryFolder folder_;
 };
-
-/// A PFM file's pixels, row by row as stored; empty where the file is none.
-std::vector<float> read_pfm(const std::string& path, std::size_t channels) {
-    std::istringstream file(read_file(path));
-    std::string kind;
-    std::size_t width = 0, height = 0;
-    float scale = 0;
-    file >> kind >> width >> height >> scale;
-    file.get();
-    EXPECT_EQ(kind, channels == 3 ? "PF" : "Pf");
-    EXPECT_LT(scale, 0.f);  // little endian
-    std::vector<float> values(width * height * channels);
-    file.read(reinterpret_cast<char*>(values.data()), std::streamsize(values.size() * sizeof(float)));
-    return file ? values : std::vector<float>();
-}
 
 /// The bowl of the scene has no backs: what is in it is seen through its wall.
 TEST_F(Render, SidesOfSurfacesCanBeChosen) {

@@ -7,15 +7,11 @@
 namespace claray::test {
 namespace {
 
-class Target : public testing::Test {
+class Target : public InFolder {
 protected:
-    [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
     [[nodiscard]] ProcessResult render(const std::vector<std::string>& more) const {
-        std::vector<std::string> all = {"render", "hills", "-o", path("a.pfm"), "--size", "24x24", "-q"};
-        all.insert(all.end(), more.begin(), more.end());
-        return run_claray(all);
+        return run_claray(with({"render", "hills", "-o", path("a.pfm"), "--size", "24x24", "-q"}, more));
     }
-    TemporaryFolder folder_;
 };
 
 TEST_F(Target, ErrorIsReachedAndToldOf) {

@@ -8,19 +8,10 @@ namespace claray::test {
 namespace {
 
 ProcessResult tune(std::vector<std::string> more, const Variables& environment = {}) {
-    std::vector<std::string> all = {"tune",
-                                    "--scene",
-                                    "soup:300",
-                                    "--size",
-                                    "16x8",
-                                    "--repeat",
-                                    "3",
-                                    "--only",
-                                    "trace/any_hit GROUP_SIZE",
-                                    "--device",
-                                    std::to_string(device().info().index)};
-    all.insert(all.end(), more.begin(), more.end());
-    return run_claray(all, environment);
+    return run_claray(with({"tune", "--scene", "soup:300", "--size", "16x8", "--repeat", "3", "--only",
+                            "trace/any_hit GROUP_SIZE", "--device", std::to_string(device().info().index)},
+                           more),
+                      environment);
 }
 
 TEST(TuneCommand, PrintsWhatItTried) {

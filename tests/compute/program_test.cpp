@@ -118,16 +118,13 @@ TEST(Program, DefinesReachTheSource) {
 }
 
 TEST(Program, TuningValuesReachTheFileTheyAreFor) {
-    // The sort's group size becomes a macro of its file; an impossible value shows that it arrives, and that the caller
-    // wins.
+    // The group size becomes a macro of its file; an impossible value shows that it arrives, and that the caller wins.
     const Device fresh = Device::open(std::to_string(device().info().index));
-    EXPECT_EQ(fresh.tuning("sort/radix_sort", "GROUP_SIZE"), 256u);
-    fresh.set_tuning("sort/radix_sort", "GROUP_SIZE", 0);
-    const auto load = [&](const Defines& defines) {
-        (void)load_kernel(fresh, "sort/radix_sort.cl", "count_all_digits", defines);
-    };
+    EXPECT_EQ(fresh.tuning("bvh/hploc", "GROUP_SIZE"), 128u);
+    fresh.set_tuning("bvh/hploc", "GROUP_SIZE", 0);
+    const auto load = [&](const Defines& defines) { (void)load_kernel(fresh, "bvh/hploc.cl", "build_hploc", defines); };
     EXPECT_TRUE(throws_error(ErrorKind::device, "-DGROUP_SIZE=0", [&] { load({}); }));
-    EXPECT_NO_THROW(load({{"GROUP_SIZE", "256"}}));
+    EXPECT_NO_THROW(load({{"GROUP_SIZE", "64"}}));
 }
 
 TEST(Program, StrictMathDoesNotContract) {

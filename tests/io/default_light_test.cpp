@@ -7,7 +7,7 @@
 
 #include "claray/error.hpp"
 #include "tests/io/gltf/gltf_builder.hpp"
-#include "tests/io/temporary_folder.hpp"
+#include "tests/support/process.hpp"
 
 namespace claray::test {
 namespace {

@@ -1,11 +1,29 @@
-// Checks of claray::Error: kind, content, and that it is one line.
+// What tests of readers share: their folder and warnings, and checks of claray::Error: kind, content, and that it is
+// one line.
 #pragma once
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "claray/error.hpp"
+#include "claray/warnings.hpp"
+#include "tests/support/process.hpp"
 
 namespace claray::test {
+
+class ReaderTest : public ::testing::Test {
+protected:
+    /// How many warnings hold these words.
+    [[nodiscard]] std::size_t warned(const std::string& words) const {
+        return std::size_t(std::count_if(warnings.begin(), warnings.end(), [&](const std::string& line) {
+            return line.find(words) != std::string::npos;
+        }));
+    }
+
+    TemporaryFolder folder;
+    Warnings warnings;
+};
 
 /// `action` throws an Error of `kind` whose one line holds every one of `words`.
 template <class Action>

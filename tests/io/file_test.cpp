@@ -7,13 +7,12 @@
 
 #include "claray/io.hpp"
 #include "tests/io/expect_error.hpp"
-#include "tests/io/temporary_folder.hpp"
+#include "tests/support/process.hpp"
 
 namespace claray {
 namespace {
 
 namespace fs = std::filesystem;
-using test::bytes_of;
 using test::expect_error;
 using test::TemporaryFolder;
 
@@ -43,9 +42,9 @@ TEST(File, IsWrittenWholeAndReplaced) {
     const TemporaryFolder folder;
     const std::string large(1 << 20, 'x');
     write_file(folder / "a", large);
-    EXPECT_EQ(bytes_of(folder / "a"), large);
+    EXPECT_EQ(test::read_file(folder / "a"), large);
     write_file(folder / "a", std::string("b\0c", 3));
-    EXPECT_EQ(bytes_of(folder / "a"), std::string("b\0c", 3));
+    EXPECT_EQ(test::read_file(folder / "a"), std::string("b\0c", 3));
     write_file(folder / "empty", "");
     EXPECT_EQ(fs::file_size(folder / "empty"), 0u);
     EXPECT_EQ(folder.entries(), 2u) << "no temporary file stays";
@@ -104,7 +103,7 @@ TEST(File, FullDiskLeavesTheOldFileAndNothingElse) {
         expect_error(ErrorKind::user, {"a.pfm", "free some space"}, [&] { write_image(folder / "a.pfm", image); });
         expect_error(ErrorKind::user, {"new.pfm"}, [&] { write_image(folder / "new.pfm", image); });
     }
-    EXPECT_EQ(bytes_of(folder / "a.pfm"), "old");
+    EXPECT_EQ(test::read_file(folder / "a.pfm"), "old");
     EXPECT_EQ(folder.entries(), 1u);
     write_image(folder / "a.pfm", image);
     EXPECT_GT(fs::file_size(folder / "a.pfm"), 120000u);
@@ -130,7 +129,7 @@ TEST(File, LinksAreFollowed) {
     fs::create_symlink("target.png", folder / "link.png");
     write_image(folder / "link.png", small_image);
     EXPECT_TRUE(fs::is_symlink(folder / "link.png"));
-    EXPECT_EQ(bytes_of(folder / "target.png").substr(1, 3), "PNG");
+    EXPECT_EQ(test::read_file(folder / "target.png").substr(1, 3), "PNG");
 }
 
 TEST(File, CheckingLeavesNoTrace) {
@@ -139,7 +138,7 @@ TEST(File, CheckingLeavesNoTrace) {
     EXPECT_EQ(folder.entries(), 0u);
     write_file(folder / "a.png", "old");
     check_writable(folder / "a.png");
-    EXPECT_EQ(bytes_of(folder / "a.png"), "old");
+    EXPECT_EQ(test::read_file(folder / "a.png"), "old");
 }
 
 }  // namespace

@@ -9,18 +9,17 @@
 #include "tests/io/expect_error.hpp"
 #include "tests/io/gltf/base64.hpp"
 #include "tests/io/image/encoded_images.hpp"
-#include "tests/io/temporary_folder.hpp"
+#include "tests/support/process.hpp"
 
 namespace claray {
 namespace {
 
 using test::expect_error;
 using test::from_base64;
-using test::TemporaryFolder;
 
 const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
-class Mtl : public ::testing::Test {
+class Mtl : public test::ReaderTest {
 protected:
     Scene load(const std::string& mtl, const std::string& faces) {
         static_cast<void>(folder.file("m.mtl", mtl));
@@ -31,14 +30,6 @@ protected:
     Material load(const std::string& description) {
         return load("newmtl a\n" + description + "\n", "usemtl a\nf 1 2 3\n").materials.at(0);
     }
-    [[nodiscard]] std::size_t warned(const std::string& word) const {
-        return std::size_t(std::count_if(warnings.begin(), warnings.end(), [&](const std::string& line) {
-            return line.find(word) != std::string::npos;
-        }));
-    }
-
-    TemporaryFolder folder;
-    Warnings warnings;
 };
 
 TEST_F(Mtl, DiffuseIsLambert) {

@@ -9,15 +9,14 @@
 #include "claray/io.hpp"
 #include "host/io/obj/obj_words.hpp"
 #include "tests/io/expect_error.hpp"
-#include "tests/io/temporary_folder.hpp"
+#include "tests/support/process.hpp"
 
 namespace claray {
 namespace {
 
 using test::expect_error;
-using test::TemporaryFolder;
 
-class Obj : public ::testing::Test {
+class Obj : public test::ReaderTest {
 protected:
     Scene load(const std::string& text) {
         warnings.clear();
@@ -25,13 +24,6 @@ protected:
         validate(scene);
         return scene;
     }
-    [[nodiscard]] bool warned(const std::string& word) const {
-        return std::any_of(warnings.begin(), warnings.end(),
-                           [&](const std::string& line) { return line.find(word) != std::string::npos; });
-    }
-
-    TemporaryFolder folder;
-    Warnings warnings;
 };
 
 // Sum of the triangles' area vectors: the polygon's own, however it was cut, if none overlaps or is turned over.

@@ -5,7 +5,7 @@
 
 #include "claray/io.hpp"
 #include "tests/io/expect_error.hpp"
-#include "tests/io/temporary_folder.hpp"
+#include "tests/support/process.hpp"
 
 namespace claray {
 namespace {
@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 const std::string plain_triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 const std::string red = "newmtl red\nKd 1 0 0\n";
 
-class ObjText : public ::testing::Test {
+class ObjText : public test::ReaderTest {
 protected:
     Scene load(const std::string& text) {
         fs::create_directories(folder / "scene");
@@ -28,10 +28,6 @@ protected:
     void mtl(const std::string& name, const std::string& text) {
         fs::create_directories((folder / "scene" / name).parent_path());
         static_cast<void>(folder.file("scene/" + name, text));
-    }
-    [[nodiscard]] bool warned(const std::string& words) const {
-        return std::any_of(warnings.begin(), warnings.end(),
-                           [&](const std::string& line) { return line.find(words) != std::string::npos; });
     }
     /// Nothing but of the light.
     [[nodiscard]] bool silent() const {
@@ -50,9 +46,6 @@ protected:
             text.replace(at, from.size(), to);
         return text;
     }
-
-    test::TemporaryFolder folder;
-    Warnings warnings;
 };
 
 TEST_F(ObjText, ByteOrderMarksAndLineEnds) {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "claray/io.hpp"
-#include "tests/io/temporary_folder.hpp"
+#include "tests/support/process.hpp"
 
 namespace claray {
 namespace {
@@ -18,7 +18,7 @@ TEST(Trace, EventsAreInMicrosecondsFromTheFirst) {
                 {{"sort \"digits\"", origin + 500, origin + 2000, origin + 5500},
                  {"build", origin, origin + 6000, origin + 6001}},
                 "pthread-\xff CPU");
-    const json trace = json::parse(test::bytes_of(folder / "t.json"));
+    const json trace = json::parse(test::read_file(folder / "t.json"));
     const json& events = trace.at("traceEvents");
     ASSERT_EQ(events.size(), 4u);
     EXPECT_EQ(events[0].at("ph"), "M");
@@ -35,7 +35,7 @@ TEST(Trace, EventsAreInMicrosecondsFromTheFirst) {
 TEST(Trace, NoRecordsAreAValidTrace) {
     const test::TemporaryFolder folder;
     write_trace(folder / "t.json", {}, "none");
-    EXPECT_EQ(json::parse(test::bytes_of(folder / "t.json")).at("traceEvents").size(), 2u);
+    EXPECT_EQ(json::parse(test::read_file(folder / "t.json")).at("traceEvents").size(), 2u);
 }
 
 }  // namespace

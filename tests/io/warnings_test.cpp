@@ -7,7 +7,7 @@
 
 #include "claray/io.hpp"
 #include "tests/io/expect_error.hpp"
-#include "tests/io/temporary_folder.hpp"
+#include "tests/support/process.hpp"
 
 namespace claray {
 namespace {

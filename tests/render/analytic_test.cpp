@@ -68,35 +68,12 @@ TEST(Ggx, TableOfLostLightIsWhatOneReflectionLacks) {
         }
 }
 
-class MetalFurnace : public testing::TestWithParam<float> {};
-
-TEST_P(MetalFurnace, ReflectsAllLight) {
-    for (const double angle : {0.0, 0.6, 1.2, 1.45}) {
-        Scene scene;
-        scene.materials = {material(MaterialKind::metal, 1.f, GetParam())};
-        scene.meshes = {square(10.f, 0.f)};
-        scene.sky = {glm::vec3(1.f), glm::vec3(1.f)};
-        scene.camera = narrow_camera({0, 2 * std::cos(angle), 2 * std::sin(angle)}, {0, 0, 0});
-        const double radiance = mean(render_image(scene, {.width = 8, .height = 8, .spp = 1024})).x;
-        EXPECT_NEAR(radiance, 1, 0.01) << "roughness " << GetParam() << ", angle " << angle;
-    }
-}
-
-INSTANTIATE_TEST_SUITE_P(Roughness, MetalFurnace, testing::Values(0.05f, 0.3f, 0.6f, 1.f),
-                         [](const auto& r) { return "Percent" + std::to_string(int(100 * r.param + 0.5f)); });
-
-/// The same with the light coming from triangles all around, by both sampling techniques: their weights must add up
-/// to 1.
+/// A sky's light coming from triangles all around, by both sampling techniques: their weights must add up to 1.
 class LampFurnace : public testing::TestWithParam<float> {};
 
 TEST_P(LampFurnace, LampsAllAroundEqualASky) {
-    Scene scene;
     const bool metal = GetParam() > 0;
-    scene.materials = {material(metal ? MaterialKind::metal : MaterialKind::lambert, 0.8f, GetParam()), emitter(1.f)};
-    Mesh lamps = sphere(2, 4.f, {0.7f, 0.2f, 0.f});
-    lamps.materials.assign(lamps.triangles.size(), 1);
-    scene.meshes = {square(0.5f, 0.f), lamps};
-    scene.camera = narrow_camera({0, 1.2f, 1}, {0, 0, 0});
+    Scene scene = among_lamps(material(metal ? MaterialKind::metal : MaterialKind::lambert, 0.8f, GetParam()));
     const RenderConfig config{.width = 8, .height = 8, .spp = 1024, .max_depth = 1};
     const double lit_by_lamps = mean(render_image(scene, config)).x;
     scene.meshes.pop_back();

@@ -17,16 +17,6 @@
 namespace claray::test {
 namespace {
 
-TEST(Renderer, SameConfigurationGivesTheSameBits) {
-    const Scene scene = *builtin_scene("spheres");
-    const RenderConfig config{.width = 67, .height = 45, .spp = 9};
-    const std::vector<glm::vec3> image = render_image(scene, config);
-    EXPECT_TRUE(same_bits(image, render_image(scene, config)));
-    RenderConfig other = config;
-    other.seed = 1;
-    EXPECT_FALSE(same_bits(image, render_image(scene, other)));
-}
-
 TEST(Renderer, SlicesDoNotChangeTheBits) {
     const Scene scene = *builtin_scene("cornell");
     const RenderConfig config{.width = 61, .height = 43, .spp = 21};

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "tests/support/device.hpp"
+#include "tests/support/meshes.hpp"
 
 namespace claray::test {
 
@@ -39,6 +40,16 @@ Camera narrow_camera(glm::vec3 position, glm::vec3 target) {
     const glm::vec3 view = glm::abs(target - position);
     if (view.y > 0.9f * glm::length(view)) camera.up = {0.f, 0.f, 1.f};
     return camera;
+}
+
+Scene among_lamps(const Material& material) {
+    Scene scene;
+    scene.materials = {material, emitter(1.f)};
+    Mesh lamps = sphere(2, 4.f, {0.7f, 0.2f, 0.f});
+    lamps.materials.assign(lamps.triangles.size(), 1);
+    scene.meshes = {square(0.5f, 0.f), lamps};
+    scene.camera = narrow_camera({0, 1.2f, 1}, {0, 0, 0});
+    return scene;
 }
 
 glm::dvec3 mean(const std::vector<glm::vec3>& image) {

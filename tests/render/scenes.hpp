@@ -15,6 +15,9 @@ namespace claray::test {
 /// A camera with a field of view so narrow that the image shows one point.
 [[nodiscard]] Camera narrow_camera(glm::vec3 position, glm::vec3 target);
 
+/// A square of the material in a sphere of lamps of radiance 1, which is not round its middle.
+[[nodiscard]] Scene among_lamps(const Material& material);
+
 /// Mean over all pixels.
 [[nodiscard]] glm::dvec3 mean(const std::vector<glm::vec3>& image);
 /// The mean of red of each column.

@@ -105,6 +105,16 @@ TemporaryFolder::~TemporaryFolder() {
     std::filesystem::remove_all(path_, ignored);
 }
 
+std::filesystem::path TemporaryFolder::file(const std::string& name, const std::string& content) const {
+    std::filesystem::remove(path_ / name);
+    std::ofstream(path_ / name, std::ios::binary) << content;
+    return path_ / name;
+}
+
+std::size_t TemporaryFolder::entries() const {
+    return std::size_t(std::distance(std::filesystem::directory_iterator(path_), {}));
+}
+
 ScopedEnvironment::ScopedEnvironment(std::string name, const std::string& value) : name_(std::move(name)) {
     const char* before = std::getenv(name_.c_str());
     was_set_ = before != nullptr;

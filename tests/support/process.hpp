@@ -57,6 +57,10 @@ public:
     TemporaryFolder& operator=(const TemporaryFolder&) = delete;
     [[nodiscard]] const std::filesystem::path& path() const { return path_; }
     [[nodiscard]] std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+    /// Writes a file and returns its path. One that is there goes first: ext4 syncs a file that is cut to nothing and
+    /// written anew, which takes milliseconds.
+    [[nodiscard]] std::filesystem::path file(const std::string& name, const std::string& content) const;
+    [[nodiscard]] std::size_t entries() const;
 
 private:
     std::filesystem::path path_;

@@ -239,18 +239,6 @@ TEST_P(QueryTest, RaysThatAreNoRaysHitNothing) {
     for (const std::uint8_t occluded : any_hit(bvh, rays)) EXPECT_EQ(occluded, 0);
 }
 
-TEST_P(QueryTest, TracesTinyStructures) {
-    if (!device().info().fp64) GTEST_SKIP() << "hits are exact with float64 only";
-    for (const std::size_t count : {0u, 1u, 2u, 3u, 5u}) {
-        const Mesh mesh = soup(count, 0.8f, 40 + count);
-        const Bvh bvh = build(mesh);
-        const std::vector<Ray> rays = random_rays(2000, 3.f, 1.f, 18);
-        const HitComparison result = compare(closest_hit(bvh, rays), Oracle(std::span(&mesh, 1)).closest_hits(rays));
-        EXPECT_EQ(result.wrong, 0u) << count;
-        EXPECT_EQ(result.hits > 0, count > 0);
-    }
-}
-
 TEST_P(QueryTest, TracesNoRays) {
     const Bvh bvh = build(sphere(1));
     EXPECT_TRUE(closest_hit(bvh, std::span<const Ray>()).empty());

@@ -7,6 +7,7 @@
 #include "tests/support/device.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/query.hpp"
+#include "tests/verify/edge_rays.hpp"
 
 namespace claray::test {
 namespace {
@@ -15,20 +16,6 @@ class HardCase : public testing::TestWithParam<Layout> {
 protected:
     static Bvh build(const Mesh& mesh) { return Bvh::build(device(), std::span(&mesh, 1), {.layout = GetParam()}); }
 };
-
-/// Rays from around `center` through points of edges and through vertices, as exactly as float32 allows.
-std::vector<Ray> edge_rays(const Mesh& mesh, glm::vec3 center, float radius, std::size_t count, std::uint64_t seed) {
-    Random random(seed);
-    std::vector<Ray> rays;
-    for (std::size_t i = 0; i < count; ++i) {
-        const glm::uvec3 t = mesh.triangles[random.below(std::uint32_t(mesh.triangles.size()))];
-        const float s = i % 2 ? random.uniform() : 0.f;  // every second ray meets a vertex
-        const glm::vec3 target = mesh.positions[t.x] + s * (mesh.positions[t.y] - mesh.positions[t.x]);
-        const glm::vec3 origin = center + radius * random.in_cube(1.f);
-        rays.push_back(make_ray(origin, target - origin));
-    }
-    return rays;
-}
 
 /// How many triangles claim each ray, without the tree.
 std::vector<std::uint32_t> count_claims(const Bvh& bvh, const std::vector<Ray>& rays) {
@@ -43,7 +30,7 @@ std::vector<std::uint32_t> count_claims(const Bvh& bvh, const std::vector<Ray>& 
 TEST_P(HardCase, ClosedMeshesAreLeftAsOftenAsEntered) {
     const Mesh mesh = sphere(3);
     const Bvh bvh = build(mesh);
-    const std::vector<Ray> rays = edge_rays(mesh, glm::vec3(0, 0, 4), 1.f, 20'000, 2);
+    const std::vector<Ray> rays = rays_at_edges(corners_of(mesh), glm::vec3(0, 0, 4), 1.f, 20'000, 2);
     for (const std::uint32_t claims : count_claims(bvh, rays)) ASSERT_EQ(claims % 2, 0u);
 }
 

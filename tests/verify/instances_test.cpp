@@ -11,6 +11,7 @@
 #include "tests/support/device.hpp"
 #include "tests/support/instances.hpp"
 #include "tests/support/query.hpp"
+#include "tests/verify/edge_rays.hpp"
 
 namespace claray::test {
 namespace {
@@ -32,21 +33,6 @@ Mesh cube() {
         mesh.triangles.emplace_back(f.x, f.z, f.w);
     }
     return mesh;
-}
-
-/// Rays from around `eye` that aim at random points of edges of the transformed triangles.
-std::vector<Ray> rays_at_edges(const std::vector<glm::dvec3>& corners, glm::vec3 eye, float spread, std::size_t count,
-                               std::uint64_t seed) {
-    Random random(seed);
-    std::vector<Ray> rays;
-    for (std::size_t i = 0; i < count; ++i) {
-        const std::size_t t = 3 * random.below(std::uint32_t(corners.size() / 3));
-        const double s = i % 2 ? random.uniform() : 0.f;
-        const glm::vec3 target(corners[t] + s * (corners[t + 1] - corners[t]));
-        const glm::vec3 origin = eye + random.in_cube(spread);
-        rays.push_back(make_ray(origin, target - origin));
-    }
-    return rays;
 }
 
 /// The hits with the top level and without must be the same to the bit. Returns how many there are.

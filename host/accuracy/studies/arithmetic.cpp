@@ -39,7 +39,7 @@ void judge_arithmetic(Study& study, const std::vector<ImageMethod>& methods) {
         const StudyPoint* p = last_of(methods[i].name);
         if (!p->failure.empty() || !(strict->seconds.median > 0)) continue;
         study.findings.push_back(
-            p->method + told(" changes the image by %.2g of its mean at %s, ", p->error.median, p->setting.c_str()) +
+            p->method + printed(" changes the image by %.2g of its mean at %s, ", p->error.median, p->setting.c_str()) +
             told_time_against(p->seconds, strict->seconds));
     }
 }
@@ -73,7 +73,7 @@ StudyPoint sum_point(const Device& device, const SumMethod& method, std::uint32_
                      const Buffer<float>& radiance, const std::vector<double>& means, unsigned runs) {
     const MacroScope scope(device, method.macros);
     StudyPoint point;
-    point.method = method.name, point.setting = told("2^%.0f", std::log2(double(samples)));
+    point.method = method.name, point.setting = printed("2^%.0f", std::log2(double(samples)));
     point.value = samples, point.runs = runs;
     std::vector<glm::vec3> image;
     const auto timings =
@@ -167,8 +167,8 @@ Study study_sums(const Device& device, const Scene&, const StudyOptions& options
         for (const StudyPoint& p : study.points)
             if (p.method == method.name && p.failure.empty()) last = &p;
         if (last)
-            study.findings.push_back(told("%s: after %s samples the mean is off by %.2g", method.name,
-                                          last->setting.c_str(), last->error.median));
+            study.findings.push_back(printed("%s: after %s samples the mean is off by %.2g", method.name,
+                                             last->setting.c_str(), last->error.median));
     }
     return study;
 }

@@ -166,18 +166,19 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
         if (point.failure.empty())
             study.findings.push_back(
                 std::string(method) + ", " + setting +
-                told(": off by %.3f %% of the mean, however many samples", 100 * point.error.median));
+                printed(": off by %.3f %% of the mean, however many samples", 100 * point.error.median));
         study.points.push_back(point);
         goes_on = !rest || rest(double(study.points.size()) / settings, setting);
     };
     for (const unsigned depth : depths) {
         RenderConfig how = config;
         how.max_depth = depth;
-        add("path depth", told(depth == default_max_depth ? "depth %u (default)" : "depth %u", depth), depth, how, {});
+        add("path depth", printed(depth == default_max_depth ? "depth %u (default)" : "depth %u", depth), depth, how,
+            {});
     }
     const double mean = mean_of(reference.pixels);
     for (const double clamp : clamps)
-        add("samples clamped", told("at %g x mean", clamp), clamp, config,
+        add("samples clamped", printed("at %g x mean", clamp), clamp, config,
             {{"render/accumulate_film", "CLAMP_BITS", std::bit_cast<std::uint32_t>(float(clamp * mean))}});
     add("no caustics", "no caustics", 0, config, {{"render/shade_surface", "CAUSTICS", 0}});
     if (goes_on) {
@@ -185,7 +186,7 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
         const AmbientRadiance ambient(device, scene, config);
         for (const float share : reaches) {
             const float reach = std::max(share * size, std::numeric_limits<float>::min());
-            add("ambient occlusion", share > 0 ? told("within %g of the scene", share) : "without occlusion", share,
+            add("ambient occlusion", share > 0 ? printed("within %g of the scene", share) : "without occlusion", share,
                 config, ambient_occlusion(reach, ambient.within(reach)));
         }
     }

@@ -99,7 +99,7 @@ void find_crossings(Study& study) {
             if (crossing < at) at = crossing, next = &p;
         }
         if (!next) break;
-        text += told("; from %.3g million rays on ", std::max(at, 0.0)) + name_of(*next);
+        text += printed("; from %.3g million rays on ", std::max(at, 0.0)) + name_of(*next);
         best = next;
     }
     study.findings.push_back(text);
@@ -108,12 +108,12 @@ void find_crossings(Study& study) {
 /// Time of so many rays with the build.
 void tabulate(Study& study) {
     for (const double millions : {0.01, 1.0, 100.0}) {
-        std::string text = told("%g million rays, building included:", millions);
+        std::string text = printed("%g million rays, building included:", millions);
         bool some = false;
         for (const StudyPoint& p : study.points)
             if (p.failure.empty() && p.setting == "63 bits") {
-                text += told("%s %s %.4g s", some ? "," : "", p.method.c_str(),
-                             p.seconds.median + millions * p.error.median);
+                text += printed("%s %s %.4g s", some ? "," : "", p.method.c_str(),
+                                p.seconds.median + millions * p.error.median);
                 some = true;
             }
         if (some) study.findings.push_back(text);
@@ -130,7 +130,7 @@ void judge_refits(Study& study) {
         const double saved = rebuild.seconds.median - refit.seconds.median,
                      lost = refit.error.median - rebuild.error.median;
         if (saved > 0 && lost > 0 && !overlap(refit.error, rebuild.error))
-            text += told("; a rebuild pays from %.3g million rays on", saved / lost);
+            text += printed("; a rebuild pays from %.3g million rays on", saved / lost);
         study.findings.push_back(text);
     }
 }
@@ -152,7 +152,8 @@ Study study_builds(const Device& device, const Scene& scene, const StudyOptions&
         {"fast", Builder::fast}, {"balanced", Builder::balanced}, {"high", Builder::high}};
     for (const auto& [name, builder] : builders)
         for (const unsigned bits : {30u, 63u}) {
-            Candidate& c = candidates.emplace_back(Candidate{name, told("%u bits", bits), double(bits), {}, {}, &rays});
+            Candidate& c =
+                candidates.emplace_back(Candidate{name, printed("%u bits", bits), double(bits), {}, {}, &rays});
             c.make = [&c, &device, &triangles, config = Bvh::Config{.builder = builder, .morton_bits = bits}] {
                 c.bvh = Bvh::build(device, triangles.triangles(), config);
             };
@@ -164,7 +165,7 @@ Study study_builds(const Device& device, const Scene& scene, const StudyOptions&
         moved_rays.emplace_back(device, rays_of_scene(device, scene, now, options.rays));
         for (const bool refit : {true, false}) {
             Candidate& c = candidates.emplace_back(Candidate{refit ? "refit" : "rebuild",
-                                                             told("moved %g %%", 100.0 * double(share)),
+                                                             printed("moved %g %%", 100.0 * double(share)),
                                                              share,
                                                              {},
                                                              {},

@@ -64,10 +64,10 @@ Study study_effects(const Device& device, const Scene& scene, const StudyOptions
         const double saved = 100 * (1 - point.seconds.median / seconds);
         point.facts = {{"time saved, %", saved}};
         if (point.failure.empty())
-            study.findings.push_back(
-                name +
-                told(": without it the image is off by %.3g %% of its mean, and is there ", 100 * point.error.median) +
-                told_time_against(point.seconds, study.points.front().seconds));
+            study.findings.push_back(name +
+                                     printed(": without it the image is off by %.3g %% of its mean, and is there ",
+                                             100 * point.error.median) +
+                                     told_time_against(point.seconds, study.points.front().seconds));
         study.points.push_back(point);
         if (maps) maps->push_back({"without-" + name, bias_map(renders, reference)});
         if (rest && !rest(double(study.points.size()) / double(effects.size() + 1), "without " + name)) break;

@@ -45,8 +45,8 @@ Study study_filtering(const Device& device, const Scene& scene, const StudyOptio
         for (const StudyPoint& p : study.points)
             if (p.method == method.name && p.failure.empty()) last = &p;
         if (last)
-            study.findings.push_back(method.name + told(": error %.3g at %s, after %.3g s", last->error.median,
-                                                        last->setting.c_str(), last->seconds.median));
+            study.findings.push_back(method.name + printed(": error %.3g at %s, after %.3g s", last->error.median,
+                                                           last->setting.c_str(), last->seconds.median));
     }
     return study;
 }

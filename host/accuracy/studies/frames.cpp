@@ -62,12 +62,12 @@ double percentile(std::vector<double> values, double share_below) {
     const double scale = std::sqrt(share * budget / seconds);
     const double width = std::floor(config.width * scale), height = std::floor(config.height * scale);
     const std::string size = std::min(width, height) >= 1
-                                 ? told("%.4g needs about --size %.0fx%.0f", 1 / budget, width, height)
-                                 : told("%.4g is out of reach at any size", 1 / budget);
+                                 ? printed("%.4g needs about --size %.0fx%.0f", 1 / budget, width, height)
+                                 : printed("%.4g is out of reach at any size", 1 / budget);
     throw Error(ErrorKind::user,
-                told("%.4g frames a second can't be reached: one sample a pixel that meets one surface takes %s",
-                     1 / budget, told_time(seconds).c_str()),
-                told("the closest is about --fps %.3g; %s", share / seconds, size.c_str()));
+                printed("%.4g frames a second can't be reached: one sample a pixel that meets one surface takes %s",
+                        1 / budget, told_time(seconds).c_str()),
+                printed("the closest is about --fps %.3g; %s", share / seconds, size.c_str()));
 }
 
 /// Where the deepest paths take too long, the deepest that do not, by halving, or those that meet one surface. Returns
@@ -106,12 +106,12 @@ void pick(Frames& frames, const RenderConfig& config, double budget, std::vector
         seconds = frames.slowest();
         if (seconds <= budget && seconds >= 0.7 * budget) break;
     }
-    picks.push_back(told("samples: %u a pixel; one takes %s, and frames of these %s of %s", frames.spp,
-                         told_time(one).c_str(), told_time(seconds).c_str(), told_time(budget).c_str()));
+    picks.push_back(printed("samples: %u a pixel; one takes %s, and frames of these %s of %s", frames.spp,
+                            told_time(one).c_str(), told_time(seconds).c_str(), told_time(budget).c_str()));
     if (frames.max_depth < config.max_depth)
-        picks.push_back(
-            told("paths: %u surfaces at most instead of %u, which takes light away; a smaller --size would keep them",
-                 frames.max_depth, config.max_depth));
+        picks.push_back(printed(
+            "paths: %u surfaces at most instead of %u, which takes light away; a smaller --size would keep them",
+            frames.max_depth, config.max_depth));
 }
 
 }  // namespace

@@ -127,9 +127,9 @@ void judge_intersection(Study& study) {
     const StudyPoint* textbook = point_named(study, "Moeller-Trumbore", "fused bare boxes");
     if (!shipped || !robust || !textbook) return;
     const auto wrong = [](const StudyPoint& p) { return fact_of(p, "missed /10^6") + fact_of(p, "false /10^6"); };
-    study.findings.push_back(told("claray as shipped is wrong about %.3g rays of 10^6, and off by %.3g ulp at most",
-                                  wrong(*shipped), fact_of(*shipped, "worst t error, ulp")));
-    study.findings.push_back(told(
+    study.findings.push_back(printed("claray as shipped is wrong about %.3g rays of 10^6, and off by %.3g ulp at most",
+                                     wrong(*shipped), fact_of(*shipped, "worst t error, ulp")));
+    study.findings.push_back(printed(
         "the textbook's tests (Moeller-Trumbore, fused bare boxes) are wrong about %.3g of 10^6, and off by %.3g ulp; "
         "claray's take %.2f times as long in the same loop",
         wrong(*textbook), fact_of(*textbook, "worst t error, ulp"), robust->seconds.median / textbook->seconds.median));

@@ -49,8 +49,8 @@ Study study_nodes(const Device& device, const Scene& scene, const StudyOptions& 
             {"bytes a node", double(bytes)}, {"boxes a ray", traced[i].boxes}, {"Mrays/s", 1 / point.seconds.median}};
         study.points.push_back(point);
         if (point.failure.empty() && i > 0 && traced[0].boxes > 0)
-            study.findings.push_back(told("%s: the same hits, %.3g times the boxes, ", point.setting.c_str(),
-                                          traced[i].boxes / traced[0].boxes) +
+            study.findings.push_back(printed("%s: the same hits, %.3g times the boxes, ", point.setting.c_str(),
+                                             traced[i].boxes / traced[0].boxes) +
                                      told_time_against(point.seconds, study.points[0].seconds));
     }
     mark_front(study.points);

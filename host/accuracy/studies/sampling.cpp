@@ -19,7 +19,7 @@ void judge_sampling(Study& study, const ImageMethod& with, const StudyOptions& o
     }
     if (samples.size() < 3) return;
     study.findings.push_back(
-        method + told(": error falls with the samples to the power of %.3f", log_log_slope(samples, errors)));
+        method + printed(": error falls with the samples to the power of %.3f", log_log_slope(samples, errors)));
     const std::size_t tail = samples.size() - 3;
     const double end = log_log_slope(std::span(samples).subspan(tail), std::span(errors).subspan(tail));
     if (end <= -0.25) return;
@@ -30,10 +30,10 @@ void judge_sampling(Study& study, const ImageMethod& with, const StudyOptions& o
     study.findings.push_back(
         method +
         (bias.failure.empty()
-             ? told(": falls no further at %.3g %%: of that %.3g %% is bias, or light that no render has found",
-                    100 * errors.back(), 100 * bias.error.median)
-             : told(": falls slowly at %.3g %%, by rare bright samples; %s", 100 * errors.back(),
-                    bias.failure.c_str())));
+             ? printed(": falls no further at %.3g %%: of that %.3g %% is bias, or light that no render has found",
+                       100 * errors.back(), 100 * bias.error.median)
+             : printed(": falls slowly at %.3g %%, by rare bright samples; %s", 100 * errors.back(),
+                       bias.failure.c_str())));
 }
 
 /// error^2 * seconds: what an error costs, whatever it is.
@@ -56,7 +56,7 @@ void compare_efficiency(Study& study, const std::vector<ImageMethod>& methods) {
         if (!(first.median > 0 && other.median > 0)) continue;
         const std::string verdict = overlap(first, other)
                                         ? " can't be told apart (the quartiles overlap) from "
-                                        : told(" takes %.3g times as long as ", other.median / first.median);
+                                        : printed(" takes %.3g times as long as ", other.median / first.median);
         study.findings.push_back(methods[i].name + verdict + methods.front().name + " for the same error");
     }
 }

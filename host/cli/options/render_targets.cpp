@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "host/base/format.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/output/progress.hpp"
 #include "host/cli/output/render_outputs.hpp"
@@ -127,25 +128,23 @@ void run_frames(const Device& device, const Scene& scene, const RenderOptions& o
             budget);
     }
     if (p99 <= budget) return;
-    char text[200], remedy[80];
-    std::snprintf(text, sizeof text,
-                  "%.4g frames a second were not held: the 99th percentile is %.2f ms instead of %.2f", options.fps,
-                  p99, budget);
-    std::snprintf(remedy, sizeof remedy, "the closest is about --fps %.3g", 1e3 / p99);
-    throw Error(ErrorKind::user, text, remedy);
+    throw Error(ErrorKind::user,
+                printed("%.4g frames a second were not held: the 99th percentile is %.2f ms instead of %.2f",
+                        options.fps, p99, budget),
+                printed("the closest is about --fps %.3g", 1e3 / p99));
 }
 
 void refuse_missed_error(const RenderConfig& config, const RenderProgress& reached) {
     if (!(config.error > 0) || (reached.error_bound > 0 && reached.error_bound <= config.error)) return;
-    char text[240];
+    std::string text;
     if (reached.error_bound > 0) {
         const double ratio = reached.error_bound / config.error, needed = reached.error_spp * ratio * ratio;
-        std::snprintf(text, sizeof text,
-                      "the error is up to %.3g, not the %g asked for; that needs about %.3g samples a pixel and %.3g s",
-                      reached.error_bound, config.error, needed, reached.seconds * needed / reached.spp);
+        text =
+            printed("the error is up to %.3g, not the %g asked for; that needs about %.3g samples a pixel and %.3g s",
+                    reached.error_bound, config.error, needed, reached.seconds * needed / reached.spp);
     } else {
-        std::snprintf(text, sizeof text, "the error of %g asked for was not reached: %u samples a pixel tell nothing",
-                      config.error, reached.spp);
+        text = printed("the error of %g asked for was not reached: %u samples a pixel tell nothing", config.error,
+                       reached.spp);
     }
     throw Error(ErrorKind::user, text, "the image is written as it is");
 }

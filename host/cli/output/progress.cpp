@@ -8,6 +8,8 @@
 #include <cstring>
 #include <string>
 
+#include "host/base/format.hpp"
+
 namespace claray::cli {
 namespace {
 
@@ -43,19 +45,13 @@ void handle_all(void (*handler)(int)) {
 
 std::string noise_text(const RenderProgress& progress) {
     if (progress.noise <= 0) return {};
-    char text[64];
-    if (progress.error_bound > 0)
-        std::snprintf(text, sizeof text, ", error below %.2f %%", 100 * progress.error_bound);
-    else
-        std::snprintf(text, sizeof text, ", noise %.2f %%", 100 * progress.noise);
-    return text;
+    if (progress.error_bound > 0) return printed(", error below %.2f %%", 100 * progress.error_bound);
+    return printed(", noise %.2f %%", 100 * progress.noise);
 }
 
 std::string time_left(const RenderProgress& progress, double fraction) {
     if (fraction < 1e-4 || fraction >= 1) return {};
-    char text[32];
-    std::snprintf(text, sizeof text, ", %.1f s left", progress.seconds * (1 - fraction) / fraction);
-    return text;
+    return printed(", %.1f s left", progress.seconds * (1 - fraction) / fraction);
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "host/base/format.hpp"
+
 namespace claray::cli {
 
 void print_table(const std::vector<Row>& rows, std::size_t first_right) {
@@ -22,16 +24,7 @@ void print_table(const std::vector<Row>& rows, std::size_t first_right) {
     }
 }
 
-std::string fixed(double value, int digits) {
-    char text[64];
-    std::snprintf(text, sizeof text, "%.*f", digits, value);
-    return text;
-}
-
-std::string number(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.4g", value);
-    return text;
-}
+std::string fixed(double value, int digits) { return printed("%.*f", digits, value); }
+std::string number(double value) { return printed("%.4g", value); }
 
 }  // namespace claray::cli

@@ -1,8 +1,7 @@
 #include "host/cli/output/verify_html.hpp"
 
-#include <cstdio>
-
 #include "host/accuracy/svg.hpp"
+#include "host/base/format.hpp"
 #include "host/cli/output/table.hpp"
 
 namespace claray::cli {
@@ -13,20 +12,17 @@ using svg::escaped;
 std::string svg_of(const VerifyPicture& picture) {
     std::string svg = "<figure><svg viewBox=\"0 0 1 1\" width=\"420\" height=\"420\">";
     for (const VerifyPicture::Shape& shape : picture.shapes) {
-        char color[8], point[64];
-        std::snprintf(color, sizeof color, "#%06x", unsigned(shape.color));
+        const std::string color = printed("#%06x", unsigned(shape.color));
         if (shape.points.size() == 2) {
-            std::snprintf(point, sizeof point, "cx=\"%g\" cy=\"%g\"", double(shape.points[0]),
-                          double(1 - shape.points[1]));
-            svg += std::string("<circle ") + point + " r=\"0.006\" fill=\"" + color + "\"/>";
+            svg += printed("<circle cx=\"%g\" cy=\"%g\" r=\"0.006\" fill=\"", double(shape.points[0]),
+                           double(1 - shape.points[1])) +
+                   color + "\"/>";
             continue;
         }
         const bool closed = shape.filled || shape.points.size() == 6;
         svg += closed ? "<polygon points=\"" : "<polyline points=\"";
-        for (std::size_t i = 0; i + 1 < shape.points.size(); i += 2) {
-            std::snprintf(point, sizeof point, "%g,%g ", double(shape.points[i]), double(1 - shape.points[i + 1]));
-            svg += point;
-        }
+        for (std::size_t i = 0; i + 1 < shape.points.size(); i += 2)
+            svg += printed("%g,%g ", double(shape.points[i]), double(1 - shape.points[i + 1]));
         svg += std::string("\" fill=\"") + (shape.filled ? color : "none") + "\" stroke=\"" + color +
                "\" stroke-width=\"0.002\"/>";
     }

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <glm/gtc/quaternion.hpp>
 
 #include "claray/error.hpp"
+#include "host/base/format.hpp"
 #include "host/io/gltf/gltf_accessor.hpp"
 #include "host/io/gltf/gltf_choice.hpp"
 #include "host/io/gltf/gltf_nodes.hpp"
@@ -102,11 +102,7 @@ double length_of(const GltfFile& file, const tinygltf::Animation& animation) {
     return length;
 }
 
-std::string in_seconds(double time) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.4g s", time);
-    return text;
-}
+std::string in_seconds(double time) { return printed("%.4g s", time); }
 
 void tell_of_animations(const GltfFile& file, Warnings& warnings) {
     const std::vector<tinygltf::Animation>& animations = file.model.animations;

@@ -1,11 +1,11 @@
 // From a glTF's nodes to a scene.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <new>
 
 #include "claray/error.hpp"
+#include "host/base/format.hpp"
 #include "host/io/default_light.hpp"
 #include "host/io/gltf/gltf_animation.hpp"
 #include "host/io/gltf/gltf_choice.hpp"
@@ -329,10 +329,9 @@ void Loader::add_strokes() {
             scene_.instances.push_back({std::uint32_t(scene_.meshes.size()), glm::mat4(1.f), {}});
         scene_.meshes.push_back(solid_strokes(strokes, radius));
     }
-    char text[32];
-    std::snprintf(text, sizeof text, "%.3g", double(radius));
-    warn_if(strokes_.size(), std::string("primitives of points or lines are shown as spheres and tubes of radius ") +
-                                 text + ": choose another by --stroke-radius");
+    warn_if(strokes_.size(), printed("primitives of points or lines are shown as spheres and tubes of radius %.3g: "
+                                     "choose another by --stroke-radius",
+                                     double(radius)));
 }
 
 void Loader::warn() {

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "claray/program.hpp"
+#include "host/base/format.hpp"
 #include "host/verify/cases/cases.hpp"
-#include "host/verify/oracle.hpp"
 #include "host/verify/shapes.hpp"
 
 namespace claray::verify {
@@ -56,22 +56,6 @@ std::vector<Ray> axis_rays_on(const Mesh& mesh, std::size_t count, std::uint64_t
     return rays;
 }
 
-void judge_axis_rays(Run& run, const Mesh& mesh, const std::vector<Ray>& rays, const std::string& at) {
-    const Oracle oracle(std::span(&mesh, 1));
-    for (const auto& [layout, name] : layouts) {
-        const Bvh bvh = Bvh::build(run.device(), std::span(&mesh, 1), {.layout = layout});
-        const auto hits = closest_hit(bvh, rays);
-        const Oracle::Verdict verdict = oracle.judge(rays, hits);
-        if (verdict.wrong != 0) {
-            const Ray& ray = rays[verdict.first_wrong];
-            run.failure(name + at + ", " + to_string(verdict.first_fault) + ": " + text_of(ray));
-            run.picture(picture_along(ray, mesh, hits[verdict.first_wrong].primitive, to_string(verdict.first_fault)));
-        }
-        run.check("wrong hits, " + (name + at), rays.size(), double(verdict.wrong), 0, "rays");
-        if (verdict.hits < rays.size() / 20) run.check("share of rays that hit", rays.size(), 1, 0, "");
-    }
-}
-
 }  // namespace
 
 /// Boxes near and far, of all shapes, and rays to their faces, edges and corners.
@@ -102,10 +86,9 @@ void boxes(Run& run) {
                 missed[k].add(says || !meets);
                 if (!says && meets && missed[k].wrong == 1) {
                     const Box& b = host_boxes[i];
-                    char text[160];
-                    std::snprintf(text, sizeof text, " box %a %a %a to %a %a %a", double(b.lo[0]), double(b.lo[1]),
-                                  double(b.lo[2]), double(b.hi[0]), double(b.hi[1]), double(b.hi[2]));
-                    run.failure(std::string("missed by ") + names[k] + ": " + text_of(host_rays[i]) + text);
+                    run.failure(std::string("missed by ") + names[k] + ": " + text_of(host_rays[i]) +
+                                printed(" box %a %a %a to %a %a %a", double(b.lo[0]), double(b.lo[1]), double(b.lo[2]),
+                                        double(b.hi[0]), double(b.hi[1]), double(b.hi[2])));
                 }
             }
         }
@@ -124,9 +107,9 @@ void boxes(Run& run) {
 void axis_rays(Run& run) {
     Mesh mesh = lattice_soup(run.count<std::size_t>(400, 1000), run.seed() + 21);
     auto rays = axis_rays_on(mesh, run.count<std::size_t>(60'000, 1'000'000), run.seed() + 22, 0.f);
-    judge_axis_rays(run, mesh, rays, "");
+    judge(run, mesh, rays, "", rays.size() / 20);
     move_away(mesh, rays);  // eighths become multiples of 128: rays still begin on faces
-    judge_axis_rays(run, mesh, rays, " at 1e6");
+    judge(run, mesh, rays, "at 1e6", rays.size() / 20);
     if (!run.times()) return;
     // Rays along the axes against rays tilted by 1e-3, in a larger mesh that is on no lattice: there they would meet
     // more boxes, not only slower ones.

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "claray/program.hpp"
+#include "host/base/format.hpp"
 #include "host/sort/radix_sort.hpp"
 #include "host/verify/cases/cases.hpp"
 #include "host/verify/shapes.hpp"
@@ -30,11 +31,7 @@ float any_float(Random& random, const std::vector<float>& specials, std::uint32_
     return sign * std::ldexp(mantissa, kind % 3 == 1 ? int(random.below(250)) - 125 : int(random.below(3)) - 1);
 }
 
-std::string hexadecimal(double value) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%a", value);
-    return text;
-}
+std::string hexadecimal(double value) { return printed("%a", value); }
 
 bool same(double a, double b) {
     return (std::isnan(a) && std::isnan(b)) || std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);

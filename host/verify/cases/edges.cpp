@@ -118,6 +118,10 @@ Mesh random_closed_mesh(int levels, Random& random) {
 
 struct Outcome {
     Tally missed, twice;
+    void check(Run& run) const {
+        run.check("rays that leak", missed.tried, double(missed.wrong), 0, "rays");
+        run.check("rays not claimed once", twice.tried, double(twice.wrong), 0, "rays");
+    }
 };
 
 /// Traces by both layouts, and counts claims.
@@ -141,6 +145,12 @@ void trace_closed(Run& run, const Mesh& mesh, const std::vector<Ray>& rays, Outc
     if (fresh[1]) report(run, outcome.twice, "not claimed once by " + what, rays, mesh, first[1]);
 }
 
+void trace_here_and_away(Run& run, Mesh& mesh, std::vector<Ray>& rays, Outcome& outcome, const std::string& what) {
+    trace_closed(run, mesh, rays, outcome, what);
+    move_away(mesh, rays);
+    trace_closed(run, mesh, rays, outcome, what + " at 1e6");
+}
+
 }  // namespace
 
 void edges(Run& run) { aim_at(run, true); }
@@ -156,12 +166,9 @@ void fans(Run& run) {
             Mesh mesh = random_fan(triangles, random);
             auto rays = fan_rays(mesh, run.count<std::size_t>(4096, 65'536), random);
             const std::string what = "a fan of " + std::to_string(triangles);
-            trace_closed(run, mesh, rays, outcome, what);
-            move_away(mesh, rays);
-            trace_closed(run, mesh, rays, outcome, what + " at 1e6");
+            trace_here_and_away(run, mesh, rays, outcome, what);
         }
-    run.check("rays that leak", outcome.missed.tried, double(outcome.missed.wrong), 0, "rays");
-    run.check("rays not claimed once", outcome.twice.tried, double(outcome.twice.wrong), 0, "rays");
+    outcome.check(run);
 }
 
 void closed_meshes(Run& run) {
@@ -181,12 +188,9 @@ void closed_meshes(Run& run) {
                     origin, mesh.positions[t.x] + share * (mesh.positions[t.y] - mesh.positions[t.x]) - origin));
             }
             const std::string what = "a closed mesh of " + std::to_string(mesh.triangles.size());
-            trace_closed(run, mesh, rays, outcome, what);
-            move_away(mesh, rays);
-            trace_closed(run, mesh, rays, outcome, what + " at 1e6");
+            trace_here_and_away(run, mesh, rays, outcome, what);
         }
-    run.check("rays that leak", outcome.missed.tried, double(outcome.missed.wrong), 0, "rays");
-    run.check("rays not claimed once", outcome.twice.tried, double(outcome.twice.wrong), 0, "rays");
+    outcome.check(run);
 }
 
 /// Small integer coordinates make rays meet edges and vertices exactly: the determinants are true zeros.

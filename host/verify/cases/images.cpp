@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "claray/renderer.hpp"
+#include "host/base/format.hpp"
 #include "host/lights/environment.hpp"
 #include "host/render/film.hpp"
 #include "host/textures/mip_map.hpp"
@@ -52,12 +53,6 @@ Camera narrow_camera(const glm::vec3& position, const glm::vec3& target) {
     const glm::vec3 view = glm::abs(target - position);
     if (view.y > 0.9f * glm::length(view)) camera.up = {0.f, 0.f, 1.f};
     return camera;
-}
-
-std::string text(const char* format, double value) {
-    char buffer[96];
-    std::snprintf(buffer, sizeof buffer, format, value);
-    return buffer;
 }
 
 struct At {
@@ -324,7 +319,7 @@ double height_error(const Run& run, unsigned texels) {
     scene.sky = {glm::vec3(1.f), glm::vec3(1.f)};
     scene.materials[0].height_map.texture = 0, scene.materials[0].height_scale = 0.1f;
     double worst = 0;
-    for (int i = 0; i < run.count(3, 40); ++i) {
+    for (int i = 0; i < run.count(5, 40); ++i) {
         const double u = (std::floor(std::fmod(0.13 + 0.17 * i, 1.0) * texels) + 0.5) / texels,
                      v = (std::floor(0.31 * texels) + 0.5) / texels;
         const glm::vec3 at(float(2 * u - 1), 0.f, float(2 * v - 1));
@@ -340,8 +335,8 @@ double height_error(const Run& run, unsigned texels) {
 
 void height_fields(Run& run) {
     const double coarse = height_error(run, 32), fine = height_error(run, 128), order = std::log2(coarse / fine) / 2;
-    run.fact("largest error of the normal, 32 texels", text("%.3g", coarse));
-    run.fact("largest error of the normal, 128 texels", text("%.3g", fine));
+    run.check("largest error of the normal, 32 texels", 1, coarse, 0.03, "");
+    run.fact("largest error of the normal, 128 texels", printed("%.3g", fine));
     run.check("order of convergence off 2", 2, std::abs(order - 2), 0.1, "");
 }
 
@@ -371,7 +366,7 @@ void alpha_coverage(Run& run) {
         const double seen = 1 - mean_of(render(run, scene, {.width = size, .height = size, .spp = spp}));
         const double share = seen * std::pow(std::max(1.0, size / pixels), 2),
                      drift = std::abs(share / (pi * 0.35 * 0.35) - 1);
-        run.fact(text("coverage at %g pixels", pixels), text("%.4f", share));
+        run.fact(printed("coverage at %g pixels", pixels), printed("%.4f", share));
         worst = std::max(worst, drift);
     }
     run.check("drift of the coverage", 3, worst, 0.02, "");

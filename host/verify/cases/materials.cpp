@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/base/format.hpp"
 #include "host/verify/cases/bsdf.hpp"
 #include "host/verify/cases/cases.hpp"
 
@@ -10,9 +11,7 @@ namespace claray::verify {
 namespace {
 
 std::string named(const Kind& kind, float roughness) {
-    char text[96];
-    std::snprintf(text, sizeof text, "%s of roughness %g", kind.name, double(roughness));
-    return text;
+    return printed("%s of roughness %g", kind.name, double(roughness));
 }
 
 /// Every second kind, and not the mixtures, where there is no time for all.
@@ -54,13 +53,11 @@ void ggx_density(Run& run) {
             x.push_back(angles[i]), y.push_back(error);
             if (!(error <= worst)) worst = error, at = i;
         }
-        char text[96];
-        std::snprintf(text, sizeof text, "relative error of D, alpha %g", double(tested_alphas[a]));
-        run.check(text, std::uint64_t(steps), worst, 1e-6, "");
+        run.check(printed("relative error of D, alpha %g", double(tested_alphas[a])), std::uint64_t(steps), worst, 1e-6,
+                  "");
         if (worst <= 1e-6) continue;
-        std::snprintf(text, sizeof text, "D is %a at angle %a, alpha %a", double(found[at]), double(angles[at]),
-                      double(alphas[at]));
-        run.failure(text);
+        run.failure(
+            printed("D is %a at angle %a, alpha %a", double(found[at]), double(angles[at]), double(alphas[at])));
         run.picture(picture_of_curves({{x, y, 0xc00000u}}, "relative error of D over the angle"));
     }
 }

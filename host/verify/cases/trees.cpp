@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 
+#include "host/base/format.hpp"
 #include "host/verify/cases/cases.hpp"
 #include "host/verify/oracle.hpp"
 #include "host/verify/shapes.hpp"
@@ -38,12 +39,6 @@ Tally against_brute_force(Run& run, const Bvh& bvh, const std::vector<Ray>& rays
         differ.add(fast[i].primitive == slow[i].primitive && fast[i].t == slow[i].t);
     if (differ.wrong) run.failure(what + ", the tree hides a hit: " + text_of(rays[differ.first]));
     return differ;
-}
-
-std::string digits(double value) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.4g", value);
-    return text;
 }
 
 }  // namespace
@@ -230,7 +225,7 @@ void stadium(Run& run, const Mesh& mesh, std::size_t cluster, std::vector<Ray> r
                                        {.builder = builders[builder].builder, .morton_bits = bits ? 63u : 30u});
             costs[bits][builder] = bvh.statistics().sah_cost;
             const std::string name = std::string(builders[builder].name) + (bits ? ", 63 bits" : ", 30 bits") + at;
-            run.fact("SAH cost, " + name, digits(costs[bits][builder]));
+            run.fact("SAH cost, " + name, printed("%.4g", costs[bits][builder]));
             if (run.full() || bits == 1) {
                 const Tally t = against_brute_force(run, bvh, rays, name, slow);
                 differ.tried += t.tried, differ.wrong += t.wrong;

@@ -8,11 +8,8 @@
 #include "host/verify/shapes.hpp"
 
 namespace claray::verify {
-namespace {
 
-/// Traces by both layouts and holds every hit against exact arithmetic.
-void judge(Run& run, const Mesh& mesh, const std::vector<Ray>& rays, const std::string& what,
-           std::size_t least_hits = 100) {
+void judge(Run& run, const Mesh& mesh, const std::vector<Ray>& rays, const std::string& what, std::size_t least_hits) {
     const Oracle oracle(std::span(&mesh, 1));
     for (const auto& [layout, name] : layouts) {
         const Bvh bvh = Bvh::build(run.device(), std::span(&mesh, 1), {.layout = layout});
@@ -30,6 +27,8 @@ void judge(Run& run, const Mesh& mesh, const std::vector<Ray>& rays, const std::
             run.check("hits that are missing, " + title, rays.size(), double(least_hits - verdict.hits), 0, "rays");
     }
 }
+
+namespace {
 
 void translate(std::vector<Ray>& rays, const glm::vec3& by) {
     for (Ray& r : rays) r.ox += by.x, r.oy += by.y, r.oz += by.z;

@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A square that shines and goes up by 1 a second, seen by two cameras: "flat" is orthographic.
-class GltfOptions : public testing::Test {
+class GltfOptions : public InFolder {
 protected:
     GltfOptions() {
         GltfBuilder builder;
@@ -33,20 +33,14 @@ protected:
         builder.push("nodes", {{"name", "flat"}, {"camera", 1}, {"translation", {0, 0, 4}}});
         std::ofstream(path("up.gltf")) << builder.gltf();
     }
-    [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
     [[nodiscard]] ProcessResult render(const std::string& output, const std::vector<std::string>& more = {}) const {
-        std::vector<std::string> arguments = {
-            "render", path("up.gltf"), "-o", path(output), "--size", "16x16", "--spp", "1", "-q", "--sky", "0,0,0"};
-        arguments.insert(arguments.end(), more.begin(), more.end());
-        return run_claray(arguments);
+        return run_claray(with(
+            {"render", path("up.gltf"), "-o", path(output), "--size", "16x16", "--spp", "1", "-q", "--sky", "0,0,0"},
+            more));
     }
     [[nodiscard]] std::vector<float> pixels_of(const std::string& name) const {
-        std::ifstream file(path(name), std::ios::binary);
-        std::string header;
-        for (int i = 0; i < 3; ++i) std::getline(file, header);
-        std::vector<float> pixels(16 * 16 * 3);
-        file.read(reinterpret_cast<char*>(pixels.data()), std::streamsize(pixels.size() * sizeof(float)));
-        EXPECT_TRUE(file) << name;
+        const std::vector<float> pixels = read_pfm(path(name), 3);
+        EXPECT_EQ(pixels.size(), 16u * 16 * 3) << name;
         return pixels;
     }
     /// The height of what shines, in pixels from the bottom.
@@ -56,7 +50,6 @@ protected:
         for (std::size_t i = 0; i < 256; ++i) sum += double(i / 16) * pixels[3 * i], weight += pixels[3 * i];
         return sum / weight;
     }
-    TemporaryFolder folder_;
 };
 
 /// Of 16 pixels 4 units high, one is a quarter of a unit.

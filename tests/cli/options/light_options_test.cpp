@@ -12,7 +12,7 @@ namespace {
 using std::numbers::pi;
 
 /// A grey floor seen from above, 1 mm of it.
-class LightOptions : public testing::Test {
+class LightOptions : public InFolder {
 protected:
     void SetUp() override {
         std::ofstream(folder_.path() / "floor.mtl") << "newmtl grey\nKd 0.5 0.5 0.5\n";
@@ -20,30 +20,21 @@ protected:
             << "mtllib floor.mtl\nusemtl grey\nv -9 0 9\nv 9 0 9\nv 9 0 -9\nv -9 0 -9\nf 1 2 3 4\n";
     }
     [[nodiscard]] ProcessResult render(const std::vector<std::string>& more) const {
-        std::vector<std::string> arguments = {"render",   path("floor.obj"), "-o",        path("image.pfm"), "--size",
-                                              "8x8",      "--spp",           "64",        "--max-depth",     "1",
-                                              "--camera", "0,1,0",           "--look-at", "0,0,0",           "--up",
-                                              "0,0,-1",   "--fov",           "0.05",      "--quiet"};
-        arguments.insert(arguments.end(), more.begin(), more.end());
-        return run_claray(arguments);
+        return run_claray(
+            with({"render", path("floor.obj"), "-o", path("image.pfm"), "--size", "8x8", "--spp", "64", "--max-depth",
+                  "1", "--camera", "0,1,0", "--look-at", "0,0,0", "--up", "0,0,-1", "--fov", "0.05", "--quiet"},
+                 more));
     }
     /// Mean of the image's colours times pi over the albedo: irradiance.
     [[nodiscard]] double irradiance(const std::vector<std::string>& more) const {
         const ProcessResult result = render(more);
         EXPECT_EQ(result.exit_code, 0) << result.errors;
-        std::ifstream file(path("image.pfm"), std::ios::binary);
-        std::string line;
-        for (int i = 0; i < 3; ++i) std::getline(file, line);
-        float values[3 * 8 * 8] = {};
-        file.read(reinterpret_cast<char*>(values), sizeof values);
         double sum = 0;
-        for (const float value : values) sum += double(value) / (3 * 8 * 8);
+        for (const float value : read_pfm(path("image.pfm"), 3)) sum += double(value) / (3 * 8 * 8);
         const std::string black = "claray: warning: the picture is black";
         EXPECT_EQ(result.errors.substr(0, black.size()), sum == 0 ? black : "");
         return sum * pi / 0.5;
     }
-    [[nodiscard]] std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
-    TemporaryFolder folder_;
 };
 
 TEST_F(LightOptions, EveryKindOfLight) {

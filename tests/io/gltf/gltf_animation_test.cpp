@@ -27,9 +27,7 @@ protected:
     json& animation() { return builder.root["animations"][0]; }
 
     glm::vec3 corner(double time, std::size_t index = 0, const char* name = "") {
-        LoadOptions options;
-        options.time = time, options.animation = name;
-        return load(options).meshes.at(0).positions.at(index);
+        return load({.time = time, .animation = name}).meshes.at(0).positions.at(index);
     }
 };
 

@@ -8,21 +8,9 @@ namespace {
 
 using GltfChoice = GltfTest;
 
-LoadOptions scene_named(const char* name) {
-    LoadOptions options;
-    options.scene = name;
-    return options;
-}
-LoadOptions camera_named(const char* name) {
-    LoadOptions options;
-    options.camera = name;
-    return options;
-}
-LoadOptions variant_named(const char* name) {
-    LoadOptions options;
-    options.variant = name;
-    return options;
-}
+LoadOptions scene_named(const char* name) { return {.scene = name}; }
+LoadOptions camera_named(const char* name) { return {.camera = name}; }
+LoadOptions variant_named(const char* name) { return {.variant = name}; }
 
 TEST_F(GltfChoice, Scenes) {
     builder.triangle();
@@ -96,10 +84,9 @@ TEST_F(GltfChoice, VariantsOfMaterials) {
 
 TEST_F(GltfChoice, OtherFormatsHaveNone) {
     const std::string obj = folder.file("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").string();
-    LoadOptions animated;
-    animated.time = 1;
     for (const std::string& name : {obj, std::string("cornell")})
-        for (const LoadOptions& options : {animated, scene_named("0"), camera_named("0"), variant_named("0")})
+        for (const LoadOptions& options :
+             {LoadOptions{.time = 1}, scene_named("0"), camera_named("0"), variant_named("0")})
             expect_error(ErrorKind::usage, {name + "' has no ", "only glTF"},
                          [&] { static_cast<void>(load_scene(name, warnings, options)); });
 }

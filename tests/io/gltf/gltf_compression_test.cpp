@@ -4,10 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "claray/io.hpp"
-#include "tests/io/expect_error.hpp"
-#include "tests/io/gltf/gltf_builder.hpp"
-#include "tests/io/temporary_folder.hpp"
+#include "tests/io/gltf/gltf_fixture.hpp"
 
 #if CLARAY_WITH_DRACO
 #include <draco/compression/encode.h>
@@ -20,29 +17,18 @@
 namespace claray {
 namespace {
 
-using test::expect_error;
 using test::GltfBuilder;
 using test::json;
-using test::TemporaryFolder;
 
-class Compressed : public ::testing::Test {
+class Compressed : public test::GltfTest {
 protected:
     Scene load(bool binary = false) {
         warnings.clear();
-        Scene scene = binary ? load_gltf(folder.file("scene.glb", builder.glb()), warnings)
-                             : load_gltf(folder.file("scene.gltf", builder.gltf()), warnings);
+        Scene scene = load_gltf(
+            binary ? folder.file("scene.glb", builder.glb()) : folder.file("scene.gltf", builder.gltf()), warnings);
         validate(scene);
         return scene;
     }
-    void refuse(std::initializer_list<std::string> words) {
-        const auto path = folder.file("scene.gltf", builder.gltf());
-        expect_error(ErrorKind::user, words, [&] { static_cast<void>(load_gltf(path, warnings)); });
-    }
-    json& primitive() { return builder.root["meshes"][0]["primitives"][0]; }
-
-    TemporaryFolder folder;
-    GltfBuilder builder;
-    Warnings warnings;
 };
 
 /// What a build without the library says, too.

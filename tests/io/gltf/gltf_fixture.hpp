@@ -8,11 +8,11 @@
 #include "claray/io.hpp"
 #include "tests/io/expect_error.hpp"
 #include "tests/io/gltf/gltf_builder.hpp"
-#include "tests/io/temporary_folder.hpp"
+#include "tests/support/process.hpp"
 
 namespace claray::test {
 
-class GltfTest : public ::testing::Test {
+class GltfTest : public ReaderTest {
 protected:
     Scene load(const LoadOptions& options = {}) {
         warnings.clear();
@@ -23,16 +23,9 @@ protected:
         const auto path = folder.file("scene.gltf", builder.gltf());
         expect_error(kind, words, [&] { static_cast<void>(load_gltf(path, warnings, options)); });
     }
-    [[nodiscard]] std::size_t warned(const std::string& word) const {
-        return std::size_t(std::count_if(warnings.begin(), warnings.end(), [&](const std::string& line) {
-            return line.find(word) != std::string::npos;
-        }));
-    }
     json& primitive() { return builder.root["meshes"][0]["primitives"][0]; }
 
-    TemporaryFolder folder;
     GltfBuilder builder;
-    Warnings warnings;
 };
 
 inline void expect_near(const glm::vec3& found, const glm::vec3& expected, float tolerance = 1e-6f) {

@@ -9,7 +9,7 @@
 #include "tests/io/expect_error.hpp"
 #include "tests/io/gltf/gltf_builder.hpp"
 #include "tests/io/image/encoded_images.hpp"
-#include "tests/io/temporary_folder.hpp"
+#include "tests/support/process.hpp"
 
 #if CLARAY_WITH_WEBP
 #include <webp/encode.h>
@@ -27,7 +27,7 @@ using test::TemporaryFolder;
 const std::string rgba_uri = std::string("data:image/png;base64,") + test::png_rgba;
 const std::string palette_uri = std::string("data:image/png;base64,") + test::png_palette;
 
-class GltfMaterial : public ::testing::Test {
+class GltfMaterial : public test::ReaderTest {
 protected:
     GltfMaterial() { builder.triangle({{"material", 0}}); }
 
@@ -41,9 +41,7 @@ protected:
     }
     static json base_texture(const json& info) { return {{"pbrMetallicRoughness", {{"baseColorTexture", info}}}}; }
 
-    TemporaryFolder folder;
     GltfBuilder builder;
-    Warnings warnings;
 };
 
 TEST_F(GltfMaterial, Factors) {

@@ -18,12 +18,11 @@
 
 #include "claray/io.hpp"
 #include "tests/io/expect_error.hpp"
-#include "tests/io/temporary_folder.hpp"
+#include "tests/support/process.hpp"
 
 namespace claray {
 namespace {
 
-using test::bytes_of;
 using test::expect_error;
 using test::TemporaryFolder;
 
@@ -168,7 +167,7 @@ TEST(Image, BadNamesAndSizesAreRefused) {
 TEST(Image, UpperCaseExtensionsAreTaken) {
     const TemporaryFolder folder;
     write_image(folder / "A.PNG", test_image());
-    EXPECT_EQ(bytes_of(folder / "A.PNG").substr(1, 3), "PNG");
+    EXPECT_EQ(test::read_file(folder / "A.PNG").substr(1, 3), "PNG");
 }
 
 }  // namespace

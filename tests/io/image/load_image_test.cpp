@@ -11,7 +11,7 @@
 #include "tests/io/expect_error.hpp"
 #include "tests/io/gltf/base64.hpp"
 #include "tests/io/image/encoded_images.hpp"
-#include "tests/io/temporary_folder.hpp"
+#include "tests/support/process.hpp"
 
 #if CLARAY_WITH_WEBP
 #include <webp/encode.h>
@@ -20,7 +20,6 @@
 namespace claray {
 namespace {
 
-using test::bytes_of;
 using test::expect_error;
 using test::from_base64;
 using test::TemporaryFolder;

@@ -270,15 +270,6 @@ TEST(AlphaMask, IsThereFromTheCutOffOn) {
     EXPECT_EQ(mean(render_image(scene, disc_config)).x, 1);
 }
 
-/// Far away a leaf keeps its area, since cut-outs are looked up in the finest level.
-TEST(AlphaMask, KeepsItsAreaFarAway) {
-    Scene scene = leaf_card(disc_texture(64, 0.35));
-    scene.materials[0].alpha_mode = AlphaMode::mask;
-    scene.camera->vertical_fov = float(2 * std::atan(1.6) * 180 / std::numbers::pi);
-    const double covered = (1 - mean(render_image(scene, {.width = 32, .height = 32, .spp = 1024})).x) * 256;
-    EXPECT_NEAR(covered / (std::numbers::pi * 0.35 * 0.35), 1, 0.02);
-}
-
 /// What a card lets through of the light is its shadow's brightness.
 TEST(AlphaMask, CastsTheShadowOfItsMask) {
     Scene scene = leaf_card(disc_texture(64, 0.35));

@@ -243,15 +243,20 @@ TEST(Footprint, CheckerboardFadesToGrey) {
     EXPECT_GT(far_rows(Filter::nearest).second, 0.1);  // what there was to do
 }
 
-/// Two texels a pixel, in stripes of two: where every stripe is one texel of level 1, its pixel sees 3/4 of it between
-/// its neighbours by bilinear filtering. Level 0 would show 7/8, level 2 grey.
-TEST(Footprint, PicksTheLevelWhoseTexelsArePixels) {
+Scene striped_square() {
     Scene scene;
     scene.textures = {float_texture({64, 64}, [](double u, double) { return int(u * 32) % 2; })};
     scene.textures[0].filter = Filter::trilinear;
     scene.materials = {emitter(1.f)};
     scene.materials[0].emission_map.texture = 0;
     scene.meshes = {mapped_square()};
+    return scene;
+}
+
+/// Two texels a pixel, in stripes of two: where every stripe is one texel of level 1, its pixel sees 3/4 of it between
+/// its neighbours by bilinear filtering. Level 0 would show 7/8, level 2 grey.
+TEST(Footprint, PicksTheLevelWhoseTexelsArePixels) {
+    Scene scene = striped_square();
     scene.camera = Camera{{0, 10, 0}, {0, 0, 0}, {0, 0, -1}, float(2 * std::atan(0.1) * 180 / pi)};
     const auto image = render_image(scene, {.width = 32, .height = 32, .spp = 64, .max_depth = 1});
     for (unsigned i = 32 * 15; i < 32 * 17; ++i) ASSERT_NEAR(image[i].x, i % 2 ? 0.75f : 0.25f, 0.03f) << i;
@@ -259,12 +264,7 @@ TEST(Footprint, PicksTheLevelWhoseTexelsArePixels) {
 
 /// The same stripes at any distance: parallel rays have the footprint of a pixel everywhere.
 TEST(Footprint, OfParallelRaysIsThatOfAPixel) {
-    Scene scene;
-    scene.textures = {float_texture({64, 64}, [](double u, double) { return int(u * 32) % 2; })};
-    scene.textures[0].filter = Filter::trilinear;
-    scene.materials = {emitter(1.f)};
-    scene.materials[0].emission_map.texture = 0;
-    scene.meshes = {mapped_square()};
+    Scene scene = striped_square();
     for (const float distance : {0.5f, 40.f}) {
         scene.camera = Camera{{0, distance, 0}, {0, 0, 0}, {0, 0, -1}};
         scene.camera->orthographic_height = 2.f;
@@ -452,29 +452,6 @@ TEST(NormalMap, WithoutCoordinatesChangesNothing) {
     Scene scene = with_normal_map({0.8f, 0.5f, 0.9f});
     scene.meshes[0].uvs.clear();
     expect_near(normal_at(scene, 0.4, 0.4), {0, 1, 0}, 1e-6);
-}
-
-/// Largest error of the normal of a plane wave over the square, whose units are half a coordinate's.
-double height_error(unsigned texels) {
-    Scene scene = plane_under_sky(
-        float_texture({texels, texels}, [](double u, double v) { return 0.5 + 0.5 * std::sin(2 * pi * (u + 2 * v)); }));
-    scene.materials[0] = lambert(0.8f);
-    scene.materials[0].height_map.texture = 0, scene.materials[0].height_scale = 0.1f;
-    double worst = 0;
-    for (int i = 0; i < 5; ++i) {
-        const double u = (std::floor((0.13 + 0.17 * i) * texels) + 0.5) / texels,
-                     v = (std::floor(0.31 * texels) + 0.5) / texels;
-        const double slope = 0.05 * 2 * pi * std::cos(2 * pi * (u + 2 * v));  // per unit of u
-        const glm::dvec3 exact = glm::normalize(glm::dvec3(-slope / 2, 1, -2 * slope / 2));
-        worst = std::max(worst, glm::length(normal_at(scene, u, v) - exact));
-    }
-    return worst;
-}
-
-TEST(HeightMap, NormalConvergesAsTheSquareOfATexel) {
-    const double coarse = height_error(32), fine = height_error(128);
-    EXPECT_LT(coarse, 0.03);
-    EXPECT_NEAR(std::log2(coarse / fine) / 2, 2, 0.1);
 }
 
 /// A ramp of slope 1 in a triangle with skewed edges and coordinates: exact.
