@@ -70,7 +70,7 @@ MaterialData material_data(const Material& m, const EnergyTables& tables) {
     return {.albedo_r = albedo.x,
             .albedo_g = albedo.y,
             .albedo_b = albedo.z,
-            .kind = m.kind == MaterialKind::glass && m.thin_walled ? CLARAY_THIN_GLASS : std::uint32_t(m.kind),
+            .kind = m.kind == MaterialKind::glass && m.thin_walled ? CLARAY_THIN_WALLS : std::uint32_t(m.kind),
             .emission_r = m.emission.x,
             .emission_g = m.emission.y,
             .emission_b = m.emission.z,

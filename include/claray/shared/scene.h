@@ -2,20 +2,10 @@
 #ifndef CLARAY_SHARED_SCENE_H
 #define CLARAY_SHARED_SCENE_H
 
+#include "claray/shared/bsdfs.h"
 #include "claray/shared/portable.h"
 
 CLARAY_SHARED_BEGIN
-
-#define CLARAY_LAMBERT 0u
-#define CLARAY_MIRROR 1u
-#define CLARAY_GLASS 2u
-#define CLARAY_METAL 3u
-#define CLARAY_BLINN_PHONG 4u
-#define CLARAY_PRINCIPLED 5u
-#define CLARAY_COATED_METAL \
-    6u                        // what a principled material may turn out to be at a hit; no material's kind on the host
-#define CLARAY_THIN_GLASS 7u  // glass with Material::thin_walled, and what a principled material may turn out to be
-#define CLARAY_UNLIT 8u
 
 // Layers of a principled material, bits of MaterialData::layers.
 #define CLARAY_SPECULAR_LAYER 1u     // its dielectric reflects otherwise than its index of refraction says
@@ -31,7 +21,7 @@ CLARAY_SHARED_BEGIN
 
 typedef struct MaterialData {
     float albedo_r, albedo_g, albedo_b;        // see Material::albedo
-    uint kind;                                 // CLARAY_LAMBERT ...
+    uint kind;                                 // claray/shared/bsdfs.h
     float emission_r, emission_g, emission_b;  // radiance, W / (m^2 sr)
     float roughness;                           // alpha = roughness^2 (GGX)
     float ior;                                 // index of refraction, inside over outside
