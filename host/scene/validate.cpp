@@ -132,8 +132,7 @@ void check_maps(const Material& material, const Check& check, std::size_t textur
 }
 
 void check_material(const Material& material, const Check& check, std::size_t textures) {
-    check.that(material.kind <= MaterialKind::principled || material.kind == MaterialKind::unlit, "unknown kind",
-               "use a MaterialKind");
+    check.that(row_of(material.kind) != nullptr, "unknown kind", "use a MaterialKind");
     check.that(material.alpha_mode <= AlphaMode::blend, "unknown alpha mode", "use an AlphaMode");
     check.sound(sound(material.albedo), "albedo");
     check.sound(sound(material.emission), "emission");

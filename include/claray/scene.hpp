@@ -10,15 +10,36 @@
 
 namespace claray {
 
+/// MaterialKind::lambert, mirror, glass, metal, blinn_phong, principled and unlit: those of CLARAY_MATERIAL_KINDS.
 enum class MaterialKind : std::uint32_t {
-    lambert = CLARAY_LAMBERT,
-    mirror = CLARAY_MIRROR,
-    glass = CLARAY_GLASS,
-    metal = CLARAY_METAL,
-    blinn_phong = CLARAY_BLINN_PHONG,
-    principled = CLARAY_PRINCIPLED,
-    unlit = CLARAY_UNLIT  ///< shows its albedo and neither receives nor gives light (KHR_materials_unlit)
+#define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) name = CLARAY_##NAME,
+    CLARAY_MATERIAL_KINDS(CLARAY_ROW)
+#undef CLARAY_ROW
 };
+
+/// What claray/shared/bsdfs.h says of a kind.
+struct MaterialKindRow {
+    MaterialKind kind;
+    const char* name;      ///< for users: "blinn-phong"
+    bool transmits;        ///< light goes through
+    bool reads_roughness;  ///< Material::roughness and its map count
+};
+inline constexpr MaterialKindRow material_kinds[] = {
+#define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) {MaterialKind::name, text, transmits != 0, rough != 0},
+    CLARAY_MATERIAL_KINDS(CLARAY_ROW)
+#undef CLARAY_ROW
+};
+
+/// Null for a number that is no kind.
+[[nodiscard]] constexpr const MaterialKindRow* row_of(MaterialKind kind) {
+    for (const MaterialKindRow& row : material_kinds)
+        if (row.kind == kind) return &row;
+    return nullptr;
+}
+[[nodiscard]] constexpr bool transmits(MaterialKind kind) { return row_of(kind) && row_of(kind)->transmits; }
+[[nodiscard]] constexpr bool reads_roughness(MaterialKind kind) {
+    return row_of(kind) && row_of(kind)->reads_roughness;
+}
 
 /// What the opacity does (glTF's alphaMode).
 enum class AlphaMode : std::uint32_t {
