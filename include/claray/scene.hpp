@@ -65,7 +65,6 @@ struct Material {
     float clearcoat = 0.f;     ///< principled: share of a dielectric coat of index 1.5
     float clearcoat_roughness = 0.f;  ///< 0..1
     glm::vec3 specular{0.f};          ///< Blinn-Phong: the highlight's colour
-    float shininess = 32.f;           ///< Blinn-Phong: its exponent
 
     // Layers of the principled kind, as glTF's extension of that name describes each.
     float specular_weight = 1.f;      ///< 0..1, strength of the dielectric's reflection (KHR_materials_specular)
@@ -111,6 +110,11 @@ struct Material {
     TextureUse height_map;  ///< red, times `height_scale` in units of the scene; shifts the normal only
     float height_scale = 1.f;
     TextureUse light_map;  ///< RGB irradiance that is used in place of light from elsewhere
+
+    // `shininess` (Blinn-Phong: the highlight's exponent); those of CLARAY_BSDF_PARAMETERS.
+#define CLARAY_ROW(name, text, standard, check) float name = standard;
+    CLARAY_BSDF_PARAMETERS(CLARAY_ROW)
+#undef CLARAY_ROW
 };
 
 enum class LightKind : std::uint32_t {

@@ -41,4 +41,8 @@
 
 #define CLARAY_BSDFS(X) CLARAY_MATERIAL_KINDS(X) CLARAY_HIT_KINDS(X)
 
+/// Numbers that one BSDF alone reads. A row is X(name, "name in errors", default, check): Material::name and
+/// MaterialData::name; `check` is what validation asks for: `share` (0..1) or `sound` (not negative, finite).
+#define CLARAY_BSDF_PARAMETERS(X) X(shininess, "shininess", 32.f, sound) /* blinn_phong: the highlight's exponent */
+
 #endif

@@ -29,7 +29,6 @@ typedef struct MaterialData {
     float metallic, transmission;                    // principled
     float clearcoat, clearcoat_roughness;            // principled
     float specular_r, specular_g, specular_b;        // Blinn-Phong: specular + albedo <= 1; principled: the tint
-    float shininess;                                 // Blinn-Phong
     float absorption_r, absorption_g, absorption_b;  // inside, per unit of length
     uint energy, coat_energy;  // where the blocks of its ior and of its coat begin in the energy tables
     uint thin_walled;          // principled
@@ -42,8 +41,12 @@ typedef struct MaterialData {
     float film_thickness, film_thickness_min;  // nanometres; at a hit the first is its thickness
     float coat_x, coat_y, coat_z;              // the coat's normal at a hit, in the local frame
     uint spare;
+#define CLARAY_MEMBER(name, text, standard, check) float name;
+    CLARAY_BSDF_PARAMETERS(CLARAY_MEMBER)
+#undef CLARAY_MEMBER
 } MaterialData;
-CLARAY_LAYOUT(MaterialData, 160)
+#define CLARAY_MEMBER_SIZE(name, text, standard, check) +4
+CLARAY_LAYOUT(MaterialData, 156 CLARAY_BSDF_PARAMETERS(CLARAY_MEMBER_SIZE))
 
 // Lights are numbered: emissive triangles, points and spots, directional lights, the environment. A random 32-bit
 // number picks the first one whose `cumulative` is not below it, the environment if there is none; where there is a
