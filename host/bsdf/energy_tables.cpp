@@ -170,7 +170,7 @@ double sheen_lambda(double cosine, double alpha) {
     return std::exp(cosine < 0.5 ? fitted(cosine) : 2 * fitted(0.5) - fitted(1 - cosine));
 }
 
-/// What white sheen reflects, as eval_sheen in kernels/bsdf/sheen.clh without its bound; the midpoint rule by the
+/// What white sheen reflects, as eval_sheen in kernels/bsdf/layers/sheen.clh without its bound; the midpoint rule by the
 /// cube root of the incoming cosine and the angle between both directions.
 double sheen_albedo(double cosine, double alpha) {
     constexpr int rings = 64, turns = 32;

@@ -70,7 +70,7 @@ MaterialData material_data(const Material& m, const EnergyTables& tables) {
     return {.albedo_r = albedo.x,
             .albedo_g = albedo.y,
             .albedo_b = albedo.z,
-            .kind = m.kind == MaterialKind::glass && m.thin_walled ? CLARAY_THIN_GLASS : std::uint32_t(m.kind),
+            .kind = m.kind == MaterialKind::glass && m.thin_walled ? CLARAY_THIN_WALLS : std::uint32_t(m.kind),
             .emission_r = m.emission.x,
             .emission_g = m.emission.y,
             .emission_b = m.emission.z,
@@ -84,7 +84,6 @@ MaterialData material_data(const Material& m, const EnergyTables& tables) {
             .specular_r = specular.x,
             .specular_g = specular.y,
             .specular_b = specular.z,
-            .shininess = m.shininess,
             .absorption_r = absorption.x,
             .absorption_g = absorption.y,
             .absorption_b = absorption.z,
@@ -106,7 +105,11 @@ MaterialData material_data(const Material& m, const EnergyTables& tables) {
             .coat_x = 0.f,
             .coat_y = 0.f,
             .coat_z = 1.f,
-            .spare = 0};
+            .spare = 0,
+#define CLARAY_ROW(name, text, standard, check) .name = m.name,
+            CLARAY_BSDF_PARAMETERS(CLARAY_ROW)
+#undef CLARAY_ROW
+    };
 }
 
 bool has_emission_map(const Material& material) {

@@ -21,19 +21,14 @@ struct EffectRow {
     unsigned stages;
 };
 constexpr std::array rows = {
-    EffectRow{Effect::smooth_normals, "smooth-normals", "NORMALS", 0, shade | aovs},
-    EffectRow{Effect::lambert, "lambert", "MATERIALS", CLARAY_LAMBERT, shade},
-    EffectRow{Effect::mirror, "mirror", "MATERIALS", CLARAY_MIRROR, shade},
-    EffectRow{Effect::glass, "glass", "MATERIALS", CLARAY_GLASS, shade},
-    EffectRow{Effect::metal, "metal", "MATERIALS", CLARAY_METAL, shade},
-    EffectRow{Effect::blinn_phong, "blinn-phong", "MATERIALS", CLARAY_BLINN_PHONG, shade},
-    EffectRow{Effect::principled, "principled", "MATERIALS", CLARAY_PRINCIPLED, shade},
+    EffectRow{Effect::smooth_normals, "smooth-normals", "NORMALS", 0, shade | aovs}
+#define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) \
+    , EffectRow { Effect::name, text, "MATERIALS", CLARAY_##NAME, shade }
+    CLARAY_BSDFS(CLARAY_ROW),
+#undef CLARAY_ROW
     EffectRow{Effect::transmission, "transmission", "MATERIALS", CLARAY_GLASS, shade},
-    EffectRow{Effect::thin_walls, "thin-walls", "MATERIALS", CLARAY_THIN_GLASS, shade},
-    EffectRow{Effect::unlit, "unlit", "MATERIALS", CLARAY_UNLIT, shade},
     EffectRow{Effect::rough_glass, "rough-glass", "ROUGH_GLASS", 0, shade},
     EffectRow{Effect::clearcoat, "clearcoat", "CLEARCOAT", 0, shade},
-    EffectRow{Effect::coated_metal, "coated-metal", "MATERIALS", CLARAY_COATED_METAL, shade},
     EffectRow{Effect::layered_coat, "layered-coat", "LAYERED_COAT", 0, shade},
     EffectRow{Effect::specular, "specular", "SPECULAR", 0, shade},
     EffectRow{Effect::iridescence, "iridescence", "IRIDESCENCE", 0, shade},
@@ -64,6 +59,19 @@ constexpr std::array rows = {
     EffectRow{Effect::culling, "culling", "CUT_OUTS", 1, trace},
     EffectRow{Effect::light_maps, "light-maps", "LIGHT_MAPS", 0, shade | aovs},
 };
+constexpr bool numbers_of_bsdfs_differ() {
+    std::uint32_t bits = 0;
+#define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) CLARAY_##NAME,
+    for (const std::uint32_t number : {CLARAY_BSDFS(CLARAY_ROW)}) {
+#undef CLARAY_ROW
+        if ((bits >> number & 1) != 0) return false;
+        bits |= 1u << number;
+    }
+    return true;
+}
+static_assert(numbers_of_bsdfs_differ(), "two BSDFs of claray/shared/bsdfs.h have the same number");
+static_assert(rows.size() <= 64, "an EffectSet has 64 bits");
+
 constexpr auto known = [] {
     std::array<Effect, rows.size()> effects{};
     for (std::size_t i = 0; i < rows.size(); ++i) effects[i] = rows[i].effect;

@@ -1,4 +1,5 @@
-// The one place that knows which macros of which kernels belong to an effect. A new effect is: an enumerator of Effect,
+// The one place that knows which macros of which kernels belong to an effect. A BSDF is an effect by its row in
+// claray/shared/bsdfs.h. Any other new effect is: an enumerator of Effect,
 // a row in effects.cpp, who calls for it and how a scene is stripped of it in effects_of.cpp, a scene in
 // tests/render/effects_test.cpp, and in the kernels a macro whose default is "all of it". Its code must find nothing to
 // do in scenes without the effect (an absent buffer is null, a count is 0): kernels may know more than the scene needs.
@@ -19,6 +20,8 @@ enum class Stage : unsigned {
 
 /// The macros of a stage, all of them, 0 where the effect is not in the set.
 [[nodiscard]] Defines defines_of(EffectSet effects, Stage stage);
+/// Of a material of that kind, whatever else it calls for.
+[[nodiscard]] Effect effect_of(MaterialKind kind);
 /// Whether the effect is code in that stage's kernels.
 [[nodiscard]] bool concerns(Effect effect, Stage stage);
 

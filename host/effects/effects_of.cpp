@@ -4,6 +4,7 @@
 
 #include "claray/effects.hpp"
 #include "host/bsdf/material_data.hpp"
+#include "host/effects/effects.hpp"
 #include "host/lights/hot_spots.hpp"
 #include "host/lights/lights.hpp"
 #include "host/scene/placement.hpp"
@@ -14,18 +15,6 @@ namespace claray {
 namespace {
 
 bool is_lit(const glm::vec3& c) { return c.x > 0 || c.y > 0 || c.z > 0; }
-
-Effect effect_of(MaterialKind kind) {
-    switch (kind) {
-        case MaterialKind::mirror: return Effect::mirror;
-        case MaterialKind::glass: return Effect::glass;
-        case MaterialKind::metal: return Effect::metal;
-        case MaterialKind::blinn_phong: return Effect::blinn_phong;
-        case MaterialKind::principled: return Effect::principled;
-        case MaterialKind::unlit: return Effect::unlit;
-        default: return Effect::lambert;
-    }
-}
 
 Effect effect_of(const Material& m) {
     return m.kind == MaterialKind::glass && m.thin_walled ? Effect::thin_walls : effect_of(m.kind);
@@ -180,6 +169,16 @@ void strip(Material& m, EffectSet effects) {
 }
 
 }  // namespace
+
+Effect effect_of(MaterialKind kind) {
+    switch (kind) {
+#define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) \
+    case MaterialKind::name: return Effect::name;
+        CLARAY_MATERIAL_KINDS(CLARAY_ROW)
+#undef CLARAY_ROW
+    }
+    return Effect::lambert;
+}
 
 std::vector<EffectCause> causes_of_effects(const Scene& scene) {
     std::map<Effect, EffectCause> causes;

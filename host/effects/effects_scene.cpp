@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "claray/effects.hpp"
+#include "host/effects/effects.hpp"
 #include "host/lights/lights.hpp"
 
 namespace claray {
@@ -50,15 +51,16 @@ std::vector<Material> materials_for(EffectSet effects) {
     };
     const bool transmits = effects.has(Effect::transmission);
     const EffectSet in_glass = {Effect::rough_glass, Effect::absorption};
-    add({Effect::mirror}, MaterialKind::mirror);
     add(transmits ? EffectSet{Effect::glass} : EffectSet{Effect::glass} | in_glass, MaterialKind::glass);
     if (effects.has(Effect::absorption))
         materials.back().attenuation = glm::vec3(0.5f), materials.back().attenuation_distance = 1.f;
     add({Effect::thin_walls}, MaterialKind::glass);
     if (effects.has(Effect::thin_walls)) materials.back().thin_walled = true;
-    add({Effect::metal}, MaterialKind::metal);
-    add({Effect::blinn_phong}, MaterialKind::blinn_phong);
-    add({Effect::unlit}, MaterialKind::unlit);
+    for (const MaterialKindRow& row : material_kinds) {
+        // Lambert is there already; other effects, too, call for glass and for what is principled.
+        const auto others = {MaterialKind::lambert, MaterialKind::glass, MaterialKind::principled};
+        if (std::find(others.begin(), others.end(), row.kind) == others.end()) add({effect_of(row.kind)}, row.kind);
+    }
     add({Effect::coated_metal}, MaterialKind::principled);
     if (effects.has(Effect::coated_metal)) materials.back().clearcoat = materials.back().metallic = 0.5f;
     const EffectSet layers = {Effect::layered_coat, Effect::specular, Effect::sheen, Effect::anisotropy,

@@ -8,9 +8,8 @@ namespace {
 
 /// Light leaves a solid that it entered by a back.
 bool is_solid_glass(const Material& m) {
-    const bool transmits =
-        m.kind == MaterialKind::glass || (m.kind == MaterialKind::principled && m.transmission > 0.f);
-    return transmits && !m.thin_walled;
+    const bool lets_through = transmits(m.kind) || (m.kind == MaterialKind::principled && m.transmission > 0.f);
+    return lets_through && !m.thin_walled;
 }
 
 }  // namespace

@@ -103,8 +103,8 @@ double Probe::opacity_of(const HostHit& hit) const {
 
 bool Probe::passes(const HostHit& hit, const glm::dvec3& direction, Through through) const {
     const Material& material = material_of(hit);
-    const bool glass = material.kind == MaterialKind::glass ||
-                       (material.kind == MaterialKind::principled && material.transmission > 0.5f);
+    const bool glass =
+        transmits(material.kind) || (material.kind == MaterialKind::principled && material.transmission > 0.5f);
     if (glass) return through == Through::glass;
     if (material.cull_back && glm::dot(hit.normal, direction) > 0) return true;
     return opacity_of(hit) < 0.5;

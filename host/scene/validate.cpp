@@ -132,8 +132,7 @@ void check_maps(const Material& material, const Check& check, std::size_t textur
 }
 
 void check_material(const Material& material, const Check& check, std::size_t textures) {
-    check.that(material.kind <= MaterialKind::principled || material.kind == MaterialKind::unlit, "unknown kind",
-               "use a MaterialKind");
+    check.that(row_of(material.kind) != nullptr, "unknown kind", "use a MaterialKind");
     check.that(material.alpha_mode <= AlphaMode::blend, "unknown alpha mode", "use an AlphaMode");
     check.sound(sound(material.albedo), "albedo");
     check.sound(sound(material.emission), "emission");
@@ -144,7 +143,6 @@ void check_material(const Material& material, const Check& check, std::size_t te
     check.share(share(material.clearcoat), "clearcoat");
     check.share(share(material.clearcoat_roughness), "clearcoat roughness");
     check.sound(sound(material.specular), "specular colour");
-    check.sound(sound(material.shininess), "shininess");
     check.share(share(material.specular_weight), "specular weight");
     check.sound(sound(material.specular_tint), "specular tint");
     check.share(share(material.sheen), "sheen colour");
@@ -162,6 +160,9 @@ void check_material(const Material& material, const Check& check, std::size_t te
     check.sound(sound(material.alpha_cutoff), "alpha cutoff");
     check.finite(std::isfinite(material.normal_scale), "normal scale");
     check.finite(std::isfinite(material.height_scale), "height scale");
+#define CLARAY_ROW(name, text, standard, kind) check.kind(kind(material.name), text);
+    CLARAY_BSDF_PARAMETERS(CLARAY_ROW)
+#undef CLARAY_ROW
     check_maps(material, check, textures);
 }
 

@@ -21,8 +21,7 @@ std::array<TextureUse, CLARAY_MAPS> maps_of(const Material& m) {
     maps[CLARAY_HEIGHT_MAP] = m.height_map;
     maps[CLARAY_NORMAL_MAP] = m.normal_map;
     const bool principled = m.kind == MaterialKind::principled;
-    if (principled || m.kind == MaterialKind::metal || m.kind == MaterialKind::glass)
-        maps[CLARAY_METALLIC_ROUGHNESS_MAP] = m.metallic_roughness_map;
+    if (reads_roughness(m.kind)) maps[CLARAY_METALLIC_ROUGHNESS_MAP] = m.metallic_roughness_map;
     if (principled) {
         maps[CLARAY_TRANSMISSION_MAP] = m.transmission_map;
         maps[CLARAY_CLEARCOAT_MAP] = m.clearcoat_map;

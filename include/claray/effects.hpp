@@ -11,19 +11,13 @@
 
 namespace claray {
 
-/// Each is a piece of kernel code that a scene can do without.
+/// Each is a piece of kernel code that a scene can do without. Every BSDF is one: Effect::lambert, mirror, glass,
+/// metal, blinn_phong, principled, unlit, thin_walls and coated_metal.
 enum class Effect : std::uint8_t {
     smooth_normals,
-    lambert,
-    mirror,
-    glass,
-    metal,
-    blinn_phong,
-    principled,
     transmission,
     rough_glass,
     clearcoat,
-    coated_metal,
     absorption,
     culling,
     emissive_triangles,
@@ -45,16 +39,17 @@ enum class Effect : std::uint8_t {
     instances,
     instance_motion,
     emission_maps,
-    thin_walls,
     hot_spots,
     vertex_colors,
-    unlit,
     specular,
     sheen,
     anisotropy,
     iridescence,
     layered_coat,
-    orthographic
+    orthographic,
+#define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) name,
+    CLARAY_BSDFS(CLARAY_ROW)
+#undef CLARAY_ROW
 };
 
 class EffectSet {

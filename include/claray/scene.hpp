@@ -10,15 +10,36 @@
 
 namespace claray {
 
+/// MaterialKind::lambert, mirror, glass, metal, blinn_phong, principled and unlit: those of CLARAY_MATERIAL_KINDS.
 enum class MaterialKind : std::uint32_t {
-    lambert = CLARAY_LAMBERT,
-    mirror = CLARAY_MIRROR,
-    glass = CLARAY_GLASS,
-    metal = CLARAY_METAL,
-    blinn_phong = CLARAY_BLINN_PHONG,
-    principled = CLARAY_PRINCIPLED,
-    unlit = CLARAY_UNLIT  ///< shows its albedo and neither receives nor gives light (KHR_materials_unlit)
+#define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) name = CLARAY_##NAME,
+    CLARAY_MATERIAL_KINDS(CLARAY_ROW)
+#undef CLARAY_ROW
 };
+
+/// What claray/shared/bsdfs.h says of a kind.
+struct MaterialKindRow {
+    MaterialKind kind;
+    const char* name;      ///< for users: "blinn-phong"
+    bool transmits;        ///< light goes through
+    bool reads_roughness;  ///< Material::roughness and its map count
+};
+inline constexpr MaterialKindRow material_kinds[] = {
+#define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) {MaterialKind::name, text, transmits != 0, rough != 0},
+    CLARAY_MATERIAL_KINDS(CLARAY_ROW)
+#undef CLARAY_ROW
+};
+
+/// Null for a number that is no kind.
+[[nodiscard]] constexpr const MaterialKindRow* row_of(MaterialKind kind) {
+    for (const MaterialKindRow& row : material_kinds)
+        if (row.kind == kind) return &row;
+    return nullptr;
+}
+[[nodiscard]] constexpr bool transmits(MaterialKind kind) { return row_of(kind) && row_of(kind)->transmits; }
+[[nodiscard]] constexpr bool reads_roughness(MaterialKind kind) {
+    return row_of(kind) && row_of(kind)->reads_roughness;
+}
 
 /// What the opacity does (glTF's alphaMode).
 enum class AlphaMode : std::uint32_t {
@@ -44,7 +65,6 @@ struct Material {
     float clearcoat = 0.f;     ///< principled: share of a dielectric coat of index 1.5
     float clearcoat_roughness = 0.f;  ///< 0..1
     glm::vec3 specular{0.f};          ///< Blinn-Phong: the highlight's colour
-    float shininess = 32.f;           ///< Blinn-Phong: its exponent
 
     // Layers of the principled kind, as glTF's extension of that name describes each.
     float specular_weight = 1.f;      ///< 0..1, strength of the dielectric's reflection (KHR_materials_specular)
@@ -90,6 +110,11 @@ struct Material {
     TextureUse height_map;  ///< red, times `height_scale` in units of the scene; shifts the normal only
     float height_scale = 1.f;
     TextureUse light_map;  ///< RGB irradiance that is used in place of light from elsewhere
+
+    // `shininess` (Blinn-Phong: the highlight's exponent); those of CLARAY_BSDF_PARAMETERS.
+#define CLARAY_ROW(name, text, standard, check) float name = standard;
+    CLARAY_BSDF_PARAMETERS(CLARAY_ROW)
+#undef CLARAY_ROW
 };
 
 enum class LightKind : std::uint32_t {

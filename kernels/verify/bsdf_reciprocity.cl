@@ -29,7 +29,7 @@ kernel void reciprocity(MATERIAL, uint count, uint pairs, global float* worst, g
             if (way) back = value / o.z; else there = value / fabs(i.z);
         }
         if (through) {
-            const float n2 = material.kind == CLARAY_THIN_GLASS ? 1.0f : material.ior * material.ior;
+            const float n2 = material.kind == CLARAY_THIN_WALLS ? 1.0f : material.ior * material.ior;
             if (inside) there *= n2; else back *= n2;
         }
         if (!(there > 1e-20f) && !(back > 1e-20f)) continue;

@@ -314,7 +314,7 @@ TEST(Validate, ChecksMaterialValues) {
     expect("refraction of its iridescence", [](Material& m) { m.iridescence_ior = 0.f; });
     expect("film thickness", [](Material& m) { m.film_thickness.x = -1.f; });
     expect("clearcoat normal scale", [](Material& m) { m.clearcoat_normal_scale = NAN; });
-    expect("kind", [](Material& m) { m.kind = MaterialKind(CLARAY_THIN_GLASS); });
+    expect("kind", [](Material& m) { m.kind = MaterialKind(CLARAY_THIN_WALLS); });
     expect("shininess", [](Material& m) { m.shininess = -1.f; });
     expect("attenuation colour", [](Material& m) { m.attenuation.x = 1.5f; });
     expect("attenuation distance", [](Material& m) { m.attenuation_distance = -1.f; });

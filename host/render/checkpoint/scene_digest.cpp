@@ -62,22 +62,25 @@ private:
         add(texture, uv_set, offset, scale, rotation);
     }
     void put(const Material& material) {
+#define CLARAY_ROW(name, text, standard, check) , name
         const auto& [name, kind, albedo, emission, roughness, ior, metallic, transmission, thin_walled, clearcoat,
-                     clearcoat_roughness, specular, shininess, specular_weight, specular_tint, sheen, sheen_roughness,
-                     anisotropy, anisotropy_rotation, iridescence, iridescence_ior, film_thickness, attenuation,
+                     clearcoat_roughness, specular, specular_weight, specular_tint, sheen, sheen_roughness, anisotropy,
+                     anisotropy_rotation, iridescence, iridescence_ior, film_thickness, attenuation,
                      attenuation_distance, opacity, alpha_mode, alpha_cutoff, cull_back, albedo_map, emission_map,
                      metallic_roughness_map, transmission_map, clearcoat_map, clearcoat_roughness_map,
                      clearcoat_normal_map, clearcoat_normal_scale, specular_map, specular_weight_map, shininess_map,
                      sheen_map, sheen_roughness_map, anisotropy_map, iridescence_map, film_thickness_map, opacity_map,
-                     normal_map, normal_scale, height_map, height_scale, light_map] = material;
+                     normal_map, normal_scale, height_map, height_scale, light_map CLARAY_BSDF_PARAMETERS(CLARAY_ROW)] =
+            material;
         add(kind, albedo, emission, roughness, ior, metallic, transmission, thin_walled, clearcoat, clearcoat_roughness,
-            specular, shininess, specular_weight, specular_tint, sheen, sheen_roughness, anisotropy,
-            anisotropy_rotation, iridescence, iridescence_ior, film_thickness, attenuation, attenuation_distance,
-            opacity, alpha_mode, alpha_cutoff, cull_back);
+            specular, specular_weight, specular_tint, sheen, sheen_roughness, anisotropy, anisotropy_rotation,
+            iridescence, iridescence_ior, film_thickness, attenuation, attenuation_distance, opacity, alpha_mode,
+            alpha_cutoff, cull_back);
         add(albedo_map, emission_map, metallic_roughness_map, transmission_map, clearcoat_map, clearcoat_roughness_map,
             clearcoat_normal_map, clearcoat_normal_scale, specular_map, specular_weight_map, shininess_map, sheen_map,
             sheen_roughness_map, anisotropy_map, iridescence_map, film_thickness_map, opacity_map, normal_map,
-            normal_scale, height_map, height_scale, light_map);
+            normal_scale, height_map, height_scale, light_map CLARAY_BSDF_PARAMETERS(CLARAY_ROW));
+#undef CLARAY_ROW
     }
     void put(const Light& light) {
         const auto& [name, kind, position, direction, intensity, inner_angle, outer_angle, range, attenuation] = light;

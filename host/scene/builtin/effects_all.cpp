@@ -1,4 +1,6 @@
 // One scene that calls for every effect at once, but for the sky, in whose place it has an environment.
+#include <algorithm>
+
 #include "host/scene/builtin/builtin.hpp"
 #include "host/scene/builtin/effects_stage.hpp"
 #include "host/scene/builtin/shapes.hpp"
@@ -46,6 +48,19 @@ void add_balls(Scene& scene) {
     scene.meshes.push_back(open_bowl({1.5f, 0.4f, -0.8f}, 0.4f, std::uint32_t(scene.materials.size())));
     scene.materials.push_back(lambert("bowl", {0.3f, 0.55f, 0.3f}));
     scene.materials.back().cull_back = true;
+}
+
+/// A small ball of every kind that no other ball is of, in a row at the front.
+void add_other_kinds(Scene& scene) {
+    float x = -1.9f;
+    for (const MaterialKindRow& row : material_kinds) {
+        const auto is_of_kind = [&](const Material& m) { return m.kind == row.kind; };
+        if (std::any_of(scene.materials.begin(), scene.materials.end(), is_of_kind)) continue;
+        Material material = principled(row.name, {0.7f, 0.25f, 0.12f}, 0.35f);
+        material.kind = row.kind;
+        add_ball(scene, material, x, 1.4f, 0.15f);
+        x += 0.4f;
+    }
 }
 
 void add_rectangles(Scene& scene) {
@@ -113,6 +128,7 @@ Scene effects() {
     floor = add_texture(scene, checks(), Filter::trilinear);
     floor.scale = glm::vec2(3.f);
     add_balls(scene);
+    add_other_kinds(scene);
     add_rectangles(scene);
     add_lights(scene);
     add_instances(scene);

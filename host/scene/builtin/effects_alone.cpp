@@ -1,5 +1,6 @@
 // One scene for every effect that calls for it, for Lambert, for one kind of light, and for what the effect itself
 // needs.
+#include <algorithm>
 #include <array>
 #include <string_view>
 
@@ -239,16 +240,28 @@ constexpr std::array alone = {
     Alone{"instance-motion", make_instance_move},
 };
 
+bool has_own_scene(const MaterialKindRow& row) {
+    return std::any_of(alone.begin(), alone.end(), [&](const Alone& one) { return one.name == row.name; });
+}
+
 }  // namespace
 
 Scene effect_alone(const std::string& name) {
     std::string known;
+    const auto is = [&](const std::string_view& other) {
+        known += (known.empty() ? "" : ", ") + std::string(other);
+        return name == other;
+    };
+    Scene scene = empty_stage();
+    scene.sky = {{0.95f, 0.93f, 0.9f}, {0.35f, 0.5f, 0.8f}};
     for (const Alone& one : alone) {
-        known += (known.empty() ? "" : ", ") + std::string(one.name);
-        if (name != one.name) continue;
-        Scene scene = empty_stage();
-        scene.sky = {{0.95f, 0.93f, 0.9f}, {0.35f, 0.5f, 0.8f}};
+        if (!is(one.name)) continue;
         one.change(scene);
+        return scene;
+    }
+    for (const MaterialKindRow& row : material_kinds) {  // whose scene is not designed: the ball is of that kind
+        if (has_own_scene(row) || !is(row.name)) continue;
+        set_kind(scene, row.kind, {0.7f, 0.25f, 0.12f}, 0.35f);
         return scene;
     }
     throw Error(ErrorKind::usage, "scene 'effect:NAME': NAME is '" + name + "'", "give one of: " + known);

@@ -2,20 +2,10 @@
 #ifndef CLARAY_SHARED_SCENE_H
 #define CLARAY_SHARED_SCENE_H
 
+#include "claray/shared/bsdfs.h"
 #include "claray/shared/portable.h"
 
 CLARAY_SHARED_BEGIN
-
-#define CLARAY_LAMBERT 0u
-#define CLARAY_MIRROR 1u
-#define CLARAY_GLASS 2u
-#define CLARAY_METAL 3u
-#define CLARAY_BLINN_PHONG 4u
-#define CLARAY_PRINCIPLED 5u
-#define CLARAY_COATED_METAL \
-    6u                        // what a principled material may turn out to be at a hit; no material's kind on the host
-#define CLARAY_THIN_GLASS 7u  // glass with Material::thin_walled, and what a principled material may turn out to be
-#define CLARAY_UNLIT 8u
 
 // Layers of a principled material, bits of MaterialData::layers.
 #define CLARAY_SPECULAR_LAYER 1u     // its dielectric reflects otherwise than its index of refraction says
@@ -31,7 +21,7 @@ CLARAY_SHARED_BEGIN
 
 typedef struct MaterialData {
     float albedo_r, albedo_g, albedo_b;        // see Material::albedo
-    uint kind;                                 // CLARAY_LAMBERT ...
+    uint kind;                                 // claray/shared/bsdfs.h
     float emission_r, emission_g, emission_b;  // radiance, W / (m^2 sr)
     float roughness;                           // alpha = roughness^2 (GGX)
     float ior;                                 // index of refraction, inside over outside
@@ -39,7 +29,6 @@ typedef struct MaterialData {
     float metallic, transmission;                    // principled
     float clearcoat, clearcoat_roughness;            // principled
     float specular_r, specular_g, specular_b;        // Blinn-Phong: specular + albedo <= 1; principled: the tint
-    float shininess;                                 // Blinn-Phong
     float absorption_r, absorption_g, absorption_b;  // inside, per unit of length
     uint energy, coat_energy;  // where the blocks of its ior and of its coat begin in the energy tables
     uint thin_walled;          // principled
@@ -52,8 +41,12 @@ typedef struct MaterialData {
     float film_thickness, film_thickness_min;  // nanometres; at a hit the first is its thickness
     float coat_x, coat_y, coat_z;              // the coat's normal at a hit, in the local frame
     uint spare;
+#define CLARAY_MEMBER(name, text, standard, check) float name;
+    CLARAY_BSDF_PARAMETERS(CLARAY_MEMBER)
+#undef CLARAY_MEMBER
 } MaterialData;
-CLARAY_LAYOUT(MaterialData, 160)
+#define CLARAY_MEMBER_SIZE(name, text, standard, check) +4
+CLARAY_LAYOUT(MaterialData, 156 CLARAY_BSDF_PARAMETERS(CLARAY_MEMBER_SIZE))
 
 // Lights are numbered: emissive triangles, points and spots, directional lights, the environment. A random 32-bit
 // number picks the first one whose `cumulative` is not below it, the environment if there is none; where there is a

@@ -27,6 +27,16 @@ class Bsdf : public testing::TestWithParam<Kind> {};
 INSTANTIATE_TEST_SUITE_P(Materials, Bsdf, testing::ValuesIn(verify::bsdf_kinds()),
                          [](const auto& k) { return k.param.name; });
 
+/// Unlit surfaces scatter nothing.
+TEST(Bsdfs, AreAllTried) {
+    const auto& tried = verify::bsdf_kinds();
+    for (const MaterialKindRow& row : material_kinds)
+        EXPECT_TRUE(
+            row.kind == MaterialKind::unlit ||
+            std::any_of(tried.begin(), tried.end(), [&](const Kind& k) { return k.make(0.5f).kind == row.kind; }))
+            << row.name << " is missing in host/verify/cases/bsdf.cpp";
+}
+
 // ---- energy -----------------------------------------------------------------------------------------------------
 
 TEST_P(Bsdf, FurnaceStaysWhiteAtEveryRoughnessAndAngle) {

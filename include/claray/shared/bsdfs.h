@@ -1,0 +1,48 @@
+// The list of all BSDFs. The kinds of materials, their effects and names on the host, and in the kernels the choice
+// among BSDFs are made from it (kernels/bsdf/kinds.clh, docs/architecture.md).
+#ifndef CLARAY_SHARED_BSDFS_H
+#define CLARAY_SHARED_BSDFS_H
+
+// MaterialData::kind, and the bit in the kernels' MATERIALS. Macros, since `#if USES(CLARAY_METAL)` reads them.
+#define CLARAY_LAMBERT 0u
+#define CLARAY_MIRROR 1u
+#define CLARAY_GLASS 2u
+#define CLARAY_METAL 3u
+#define CLARAY_BLINN_PHONG 4u
+#define CLARAY_PRINCIPLED 5u
+#define CLARAY_COATED_METAL 6u
+#define CLARAY_THIN_WALLS 7u
+#define CLARAY_UNLIT 8u
+
+// A row is X(name, NAME, "name for users", transmits, lobes, rough):
+//   name       MaterialKind::name, Effect::name, kernels/bsdf/name.clh with sample_name, eval_name and is_delta_name
+//   NAME       its number is CLARAY_NAME
+//   transmits  1: light goes through
+//   lobes      1: random.z chooses between several lobes. May be a macro that name.clh defines; but not one that the
+//              host defines, since kernels that differ in a macro of this header cannot be joined
+//              (host/compute/joint_program)
+//   rough      1: reads the roughness, so that the roughness map counts
+
+/// What a material on the host can be. Unlit ones show their albedo and neither receive nor give light
+/// (KHR_materials_unlit).
+#define CLARAY_MATERIAL_KINDS(X)                        \
+    X(lambert, LAMBERT, "lambert", 0, 0, 0)             \
+    X(mirror, MIRROR, "mirror", 0, 0, 0)                \
+    X(glass, GLASS, "glass", 1, CLARAY_GLASS_LOBES, 1)  \
+    X(metal, METAL, "metal", 0, 1, 1)                   \
+    X(blinn_phong, BLINN_PHONG, "blinn-phong", 0, 1, 0) \
+    X(principled, PRINCIPLED, "principled", 0, 1, 1)    \
+    X(unlit, UNLIT, "unlit", 0, 0, 0)
+
+/// What only a hit can be: glass with Material::thin_walled, and what a principled material turns out to be by chance.
+#define CLARAY_HIT_KINDS(X)                          \
+    X(thin_walls, THIN_WALLS, "thin-walls", 1, 1, 1) \
+    X(coated_metal, COATED_METAL, "coated-metal", 0, 1, 1)
+
+#define CLARAY_BSDFS(X) CLARAY_MATERIAL_KINDS(X) CLARAY_HIT_KINDS(X)
+
+/// Numbers that one BSDF alone reads. A row is X(name, "name in errors", default, check): Material::name and
+/// MaterialData::name; `check` is what validation asks for: `share` (0..1) or `sound` (not negative, finite).
+#define CLARAY_BSDF_PARAMETERS(X) X(shininess, "shininess", 32.f, sound) /* blinn_phong: the highlight's exponent */
+
+#endif
