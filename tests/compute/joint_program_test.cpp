@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "claray/shared/path.h"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/process.hpp"
@@ -43,13 +44,13 @@ TEST(JointProgram, GivesEachFileItsOwnMacros) {
 }
 
 void expect_that_it_empties_queues(Kernel& kernel) {
-    std::vector<Buffer<std::uint32_t>> lengths;
-    for (const std::uint32_t length : {7u, 5u, 1u, 3u, 2u})
-        lengths.emplace_back(device(), std::vector<std::uint32_t>{length});
+    std::vector<QueueLength> queues;
+    for (const std::uint32_t length : {7u, 5u, 1u, 3u, 2u}) queues.push_back({length, {}});
+    const Buffer<QueueLength> lengths(device(), queues);
     const Buffer<std::uint64_t> totals(device(), std::vector<std::uint64_t>{10, 20});
-    kernel.run({1, 0}, lengths[0], lengths[1], lengths[2], lengths[3], lengths[4], totals);
+    kernel.run({1, 0}, lengths, totals);
     EXPECT_EQ(totals.read(), (std::vector<std::uint64_t>{23, 25}));
-    for (const Buffer<std::uint32_t>& length : lengths) EXPECT_EQ(length.read()[0], 0u);
+    for (const QueueLength& queue : lengths.read()) EXPECT_EQ(queue.length, 0u);
 }
 
 TEST(JointProgram, CompilesOnceAndServesThoseWhoAsk) {
@@ -142,10 +143,10 @@ TEST(JointProgram, LeavesErrorsToWhoAsksForTheKernel) {
     };
     EXPECT_NO_THROW(compile_jointly(device(), [&] {
         (void)load("render/add_light.cl", "add_light");
-        (void)load("render/empty_queues.cl", "empty_queues");
+        (void)load("bvh/bounds.cl", "reset_header");
     }));
     EXPECT_THROW((void)load("render/add_light.cl", "add_light"), Error);
-    EXPECT_NO_THROW((void)load("render/empty_queues.cl", "empty_queues"));
+    EXPECT_NO_THROW((void)load("bvh/bounds.cl", "reset_header"));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "claray/shared/path.h"
 #include "claray/shared/types.h"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
@@ -138,6 +139,30 @@ TEST(Program, StrictMathDoesNotContract) {
     compile_kernel(device(), source, "f").run({1}, out, a, a, c);
     EXPECT_EQ(out.read()[0], 0.f);
     EXPECT_EQ(std::fma(a, a, c), std::ldexp(1.f, -24));
+}
+
+/// What two buffers that changed places would be: another type, or the other's name. Nothing is enqueued.
+TEST(Program, ArgumentsInEachOthersPlaceAreRefused) {
+    if (device().info().platform != "Portable Computing Language") GTEST_SKIP() << "only PoCL is asked for parameters";
+    const Buffer<std::uint32_t> length(device(), std::vector<std::uint32_t>{1});
+    const Buffer<std::uint8_t> occluded(device(), 1);
+    const Buffer<LightSample> light(device(), 1);
+    const Buffer<float> radiance(device(), 3);
+    Kernel add_light = load_kernel(device(), "render/add_light.cl", "add_light");
+    add_light.run({1, 1}, length, 1u, occluded, light, radiance);
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "is a buffer of float, but 'light' is a LightSample*", [&] {
+        add_light.run({1, 1}, length, 1u, occluded, radiance, light);
+    }));
+
+    const Buffer<std::uint32_t> keys(device(), 1), counts(device(), 1u << 13);  // a run has as many buckets
+    Kernel count_buckets = load_kernel(device(), "sort/bucket_sort.cl", "count_buckets", {{"KEY_BITS", "32"}});
+    count_buckets.run({1, 1}, arg("keys", keys), 0u, 32u, 1u, arg("counts", counts));
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "needs its name", [&] {
+        count_buckets.run({1, 1}, keys, 0u, 32u, 1u, counts);
+    }));
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "is called 'keys', not 'counts'", [&] {
+        count_buckets.run({1, 1}, arg("counts", counts), 0u, 32u, 1u, arg("keys", keys));
+    }));
 }
 
 }  // namespace

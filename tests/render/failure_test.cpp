@@ -113,6 +113,7 @@ TEST_F(Failures, OfRenders) {
             renderer.render();
             (void)renderer.image();
             (void)renderer.aovs();
+            (void)renderer.cut_off();
         };
         allocations(render, 40 / step, step);
         commands(render, 40 / step, step);

@@ -47,7 +47,8 @@ TEST_P(Bsdf, FurnaceStaysWhiteAtEveryRoughnessAndAngle) {
     for (const float roughness : {0.f, 0.04f, 0.07f, 0.15f, 0.29f, 0.5f, 0.75f, 1.f}) {
         const Buffer<float> out(device(), count);
         tested(GetParam(), roughness)
-            .run("bsdf_albedo", "albedo", count, count, 16384u, Buffer<float>(device(), cosines), out);
+            .run("bsdf_albedo", "albedo", count, count, 16384u, arg("cosines", Buffer<float>(device(), cosines)),
+                 arg("out", out));
         const std::vector<float> albedos = out.read();
         for (std::size_t i = 0; i < count; ++i) {
             EXPECT_LE(albedos[i], 1.01f) << "roughness " << roughness << ", cosine " << cosines[i];
@@ -65,7 +66,8 @@ TEST_P(Bsdf, IsReciprocal) {
     for (const float roughness : {0.05f, 0.35f, 1.f}) {
         const Buffer<float> worst(device(), items);
         const Buffer<std::uint32_t> compared(device(), items);
-        tested(GetParam(), roughness).run("bsdf_reciprocity", "reciprocity", items, items, pairs, worst, compared);
+        tested(GetParam(), roughness)
+            .run("bsdf_reciprocity", "reciprocity", items, items, pairs, arg("worst", worst), compared);
         const std::vector<float> errors = worst.read();
         const std::vector<std::uint32_t> counts = compared.read();
         EXPECT_LE(*std::max_element(errors.begin(), errors.end()), 1e-5f) << "roughness " << roughness;
@@ -116,7 +118,7 @@ TEST(Principled, IsAMixtureInProportion) {
     const std::uint32_t count = 100'000;
     const Buffer<std::uint32_t> kinds_of(device(), count);
     const Buffer<float> roughness(device(), count);
-    TestedMaterial(device(), m).run("bsdf_samples", "resolve", count, count, kinds_of, roughness);
+    TestedMaterial(device(), m).run("bsdf_samples", "resolve", count, count, kinds_of, arg("roughness", roughness));
     const std::vector<std::uint32_t> found = kinds_of.read();
     const std::vector<float> rough = roughness.read();
     const auto share = [&](std::uint32_t kind, float r) {
