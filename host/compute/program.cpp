@@ -163,13 +163,20 @@ std::optional<cl::Program> build_from_binary(const Device& device, const std::ve
     return {};
 }
 
+/// Programs that are compiled side by side come here at once.
+void remember_parameters(const Device& device, const cl::Program& program, const std::string& parameters) {
+    static std::mutex mutex;
+    const std::lock_guard<std::mutex> lock(mutex);
+    device.state().parameters[program()] = parameters;
+}
+
 std::optional<cl::Program> load_from_cache(const Device& device, const std::string& identity) {
     const auto cached = load_cached_program(identity);
     if (!cached) return {};
     const auto end = std::find(cached->begin(), cached->end(), '\0');  // of the parameters, before the binary
     if (end == cached->end()) return {};
     auto program = build_from_binary(device, {end + 1, cached->end()});
-    if (program) device.state().parameters[(*program)()] = std::string(cached->begin(), end);
+    if (program) remember_parameters(device, *program, {cached->begin(), end});
     if (program) statistics.change([](CompileStatistics& s) { ++s.from_cache; });
     return program;
 }
@@ -213,7 +220,8 @@ cl::Program compile(const Device& device, const KernelSource& main, const std::s
     // What is not to be kept tries whether the cache can be written, too: another process will have to.
     const auto binaries = device.state().store_programs ? program.getInfo<CL_PROGRAM_BINARIES>()
                                                         : std::vector<std::vector<unsigned char>>(1);
-    std::string& parameters = device.state().parameters[program()] = parameters_of(program);
+    const std::string parameters = parameters_of(program);
+    remember_parameters(device, program, parameters);
     const std::string error =
         binaries.empty() ? "" : store_cached_program(identity, with_parameters(parameters, binaries[0]));
     if (!error.empty()) statistics.change([&](CompileStatistics& s) { s.cache_error = error; });
@@ -286,21 +294,20 @@ void Kernel::check_arguments(const std::string& lines) {
 
 namespace {
 /// Whether a parameter points to this type or, as float4*, to vectors of it.
-bool points_to(const std::string& parameter, const std::string& type) {
-    const std::size_t rest = parameter.find_first_of("0123456789*", type.size());
-    return parameter.starts_with(type) && rest == type.size();
+bool points_to(std::string_view parameter, std::string_view type) {
+    return parameter.starts_with(type) && parameter.find_first_of("0123456789*", type.size()) == type.size();
 }
 }  // namespace
 
 void Kernel::check_buffer(unsigned index, const char* type) {
     if (!parameters_ || index >= parameters_->size()) return;
     const Parameter& parameter = (*parameters_)[index];
-    const std::string place = "argument " + std::to_string(index) + " of the kernel " + name_;
+    const auto place = [&] { return "argument " + std::to_string(index) + " of the kernel " + name_; };
     if (type != nullptr && !points_to(parameter.type, type))
         throw Error(ErrorKind::usage,
-                    place + " is a buffer of " + type + ", but '" + parameter.name + "' is a " + parameter.type);
+                    place() + " is a buffer of " + type + ", but '" + parameter.name + "' is a " + parameter.type);
     if (parameter.ambiguous && name_of_argument_ == nullptr)
-        throw Error(ErrorKind::usage, place + " needs its name, since there are several buffers of its type",
+        throw Error(ErrorKind::usage, place() + " needs its name, since there are several buffers of its type",
                     "write arg(\"" + parameter.name + "\", ...)");
 }
 
