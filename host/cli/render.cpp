@@ -57,7 +57,7 @@ Outcome run_renderer(const Device& device, Renderer& renderer, const RenderOptio
 }
 
 void refuse_lost_checkpoint(const Renderer& renderer) {
-    const std::string error = renderer.statistics().checkpoint_error;
+    const std::string& error = renderer.checkpoint_error();
     if (!error.empty()) throw Error(ErrorKind::user, "the last checkpoint could not be written: " + error);
 }
 

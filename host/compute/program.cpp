@@ -413,9 +413,9 @@ void compile_jointly(const Device& device, const std::function<void()>& load, bo
     const JointSource joint = join(requests_of(device, load));
     if (joint.members.size() < 2) return;
     try {
-        const std::string joint_options = build_options(device, {}, Math::strict);
-        const cl::Program program =
-            timed_compile(device, joint.source, joint_options + (optimized ? "" : " -cl-opt-disable"));
+        const std::string joint_options =
+            build_options(device, {}, Math::strict) + (optimized ? "" : " -cl-opt-disable -DCLARAY_UNOPTIMIZED=1");
+        const cl::Program program = timed_compile(device, joint.source, joint_options);
         for (const KernelRequest& member : joint.members) {
             const std::string options = build_options(device, member.defines, Math::strict);
             const std::string key = key_in_memory(kernel_source(member.file), options, false);

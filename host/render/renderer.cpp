@@ -524,7 +524,6 @@ RenderStatistics Renderer::statistics() const {
     statistics.own_kernels = state.own_kernels;
     statistics.own_kernels_from = state.own_kernels_from;
     statistics.effects = state.buffers.effects;
-    statistics.checkpoint_error = state.checkpoint_error;
     for (const auto& [name, summary] : state.device.profiler().summary())
         if (summary.longest > statistics.longest_milliseconds)
             statistics.longest_milliseconds = summary.longest, statistics.longest_command = name;
@@ -532,6 +531,8 @@ RenderStatistics Renderer::statistics() const {
     statistics.measuring_seconds = state.measuring_seconds;
     return statistics;
 }
+
+const std::string& Renderer::checkpoint_error() const { return state_->checkpoint_error; }
 
 void compile_kernels(const Device& device, EffectSet effects, const RenderConfig& with) {
     RenderConfig config = with;

@@ -91,7 +91,6 @@ struct RenderStatistics {
     std::uint64_t device_bytes = 0;
     double longest_milliseconds = 0;    ///< of all commands of this device so far
     std::string longest_command;        ///< its name
-    std::string checkpoint_error;       ///< why the last checkpoint could not be written; empty where it could
     std::uint64_t dropped_samples = 0;  ///< as in RenderProgress
     double measuring_seconds = 0;       ///< for noise and error, of those that rendering took
 };
@@ -116,7 +115,7 @@ public:
     /// Adds samples until a target of the configuration is met. `progress` is called after the first batch of samples,
     /// a few times a second, and when the error was asked for; it returns false to stop, which takes one batch; the
     /// image is then valid, some pixels having more samples than others, and another call goes on where this one
-    /// stopped. Returns what was reached. A checkpoint that can't be written ends nothing: see RenderStatistics.
+    /// stopped. Returns what was reached. A checkpoint that can't be written ends nothing: see `checkpoint_error`.
     RenderProgress render(const std::function<bool(const RenderProgress&)>& progress = {});
 
     /// Forgets all samples and begins anew with those of another seed, to another number of samples a pixel and
@@ -133,7 +132,10 @@ public:
     /// estimate: light from beyond is taken to fall as it does before. The first call traces some thousand paths.
     [[nodiscard]] double cut_off() const;
     [[nodiscard]] Aovs aovs() const;
+    /// May wait for a kernel to be compiled.
     [[nodiscard]] RenderStatistics statistics() const;
+    /// Why the last checkpoint could not be written; empty where it could.
+    [[nodiscard]] const std::string& checkpoint_error() const;
 
     struct State;
 

@@ -14,8 +14,9 @@ kernel void reciprocity(MATERIAL, uint count, uint pairs, global float* worst, g
         const float z = 1.0f - a.x, around = b.z * 2.0f - 1.0f;
         const float3 o = (float3)(sqrt(1.0f - z * z) * cosine_and_sine(a.y), z);
         float3 i = (float3)(sqrt(1.0f - around * around) * cosine_and_sine(b.x), around);
+        const BsdfView view = {tables, o, UP, inside};
         BsdfSample s;
-        if ((k & 1u) && sample_bsdf(&material, tables, o, UP, inside, (float3)(b.xy, a.z), &s)) i = s.incoming;
+        if ((k & 1u) && sample_bsdf(&material, &view, (float3)(b.xy, a.z), &s)) i = s.incoming;
         if (i.z == 0.0f) continue;
         const bool through = i.z < 0.0f;
         // Seen from the other side the frame is turned around x.
@@ -23,9 +24,9 @@ kernel void reciprocity(MATERIAL, uint count, uint pairs, global float* worst, g
         float there = 0.0f, back = 0.0f;
 #pragma unroll 1  // eval_bsdf is inlined, and NVIDIA's compiler takes half a minute for each copy
         for (uint way = 0; way < 2; ++way) {
+            const BsdfView from = {tables, way ? i * turn : o, UP, way ? inside != through : inside};
             float pdf;
-            const float value = eval_bsdf(&material, tables, way ? i * turn : o, way ? o * turn : i, UP,
-                                          way ? inside != through : inside, &pdf).x;
+            const float value = eval_bsdf(&material, &from, way ? o * turn : i, &pdf).x;
             if (way) back = value / o.z; else there = value / fabs(i.z);
         }
         if (through) {

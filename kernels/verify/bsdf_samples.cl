@@ -7,15 +7,15 @@ typedef struct Sampled { float x, y, z, weight, pdf, eval_value, eval_pdf; uint 
 kernel void sample(MATERIAL, float ox, float oy, float oz, uint count, global Sampled* out) {
     const uint i = get_global_id(0);
     if (i >= count) return;
-    const float3 outgoing = (float3)(ox, oy, oz);
+    const BsdfView view = {tables, (float3)(ox, oy, oz), UP, inside};
     resolve_principled(&material, 0.0f);
     BsdfSample s;
     Sampled r = {0, 0, 0, 0, 0, 0, 0, 0};
-    r.valid = sample_bsdf(&material, tables, outgoing, UP, inside, three(i, 4321u), &s);
+    r.valid = sample_bsdf(&material, &view, three(i, 4321u), &s);
     if (r.valid) {
         r.x = s.incoming.x, r.y = s.incoming.y, r.z = s.incoming.z;
         r.weight = s.weight.x, r.pdf = s.pdf;
-        r.eval_value = eval_bsdf(&material, tables, outgoing, s.incoming, UP, inside, &r.eval_pdf).x;
+        r.eval_value = eval_bsdf(&material, &view, s.incoming, &r.eval_pdf).x;
     }
     out[i] = r;
 }
@@ -26,8 +26,9 @@ kernel void eval(MATERIAL, float ox, float oy, float oz, uint count, global cons
     if (i >= count) return;
     const float3 incoming = vload3(i, directions);
     resolve_principled(&material, 0.0f);
+    const BsdfView view = {tables, (float3)(ox, oy, oz), UP, inside};
     float pdf;
-    values[i] = eval_bsdf(&material, tables, (float3)(ox, oy, oz), incoming, UP, inside, &pdf).x / fabs(incoming.z);
+    values[i] = eval_bsdf(&material, &view, incoming, &pdf).x / fabs(incoming.z);
     pdfs[i] = pdf;
 }
 

@@ -99,7 +99,7 @@ TEST_F(CheckpointFiles, WrittenNowAndThen) {
         EXPECT_TRUE(std::filesystem::exists(config_.checkpoint)) << "before the end";
         return ++reports < 1;
     });
-    EXPECT_EQ(renderer.statistics().checkpoint_error, "");
+    EXPECT_EQ(renderer.checkpoint_error(), "");
 }
 
 TEST_F(CheckpointFiles, EveryFlippedBitIsNoticed) {
@@ -150,7 +150,7 @@ TEST_F(CheckpointFiles, ThatCannotBeWritten) {
     config_.checkpoint = "/dev/full";  // opens, and then is full
     Renderer renderer(device(), scene_, config_);
     EXPECT_EQ(renderer.render().spp, config_.spp) << "the render is not lost";
-    EXPECT_NE(renderer.statistics().checkpoint_error.find("No space left on device"), std::string::npos);
+    EXPECT_NE(renderer.checkpoint_error().find("No space left on device"), std::string::npos);
 }
 
 /// Every value of a scene is in its digest, and nothing else.

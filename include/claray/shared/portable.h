@@ -5,6 +5,12 @@
 
 #ifdef __OPENCL_C_VERSION__
 
+// Programs that are compiled without optimization. PoCL 3.1 copies called functions to the kernel by a search that visits
+// every path of calls, which takes seconds where calls are deep (pocl/lib/llvmopencl/linker.cpp, copy_func_callgraph).
+#if CLARAY_UNOPTIMIZED
+#define inline inline __attribute__((always_inline))
+#endif
+
 #define CLARAY_SHARED_BEGIN
 #define CLARAY_SHARED_END
 #define CLARAY_SHARED_FUNCTION static inline
