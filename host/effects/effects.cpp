@@ -36,9 +36,10 @@ constexpr std::array rows = {
     EffectRow{Effect::sheen, "sheen", "SHEEN", 0, shade},
     EffectRow{Effect::absorption, "absorption", "ABSORPTION", 0, shade},
     EffectRow{Effect::emissive_triangles, "emissive-triangles", "TRIANGLE_LIGHTS", 0, shade},
-    EffectRow{Effect::point_lights, "point-lights", "POINT_LIGHTS", 0, shade},
-    EffectRow{Effect::directional_lights, "directional-lights", "DIRECTIONAL_LIGHTS", 0, shade},
-    EffectRow{Effect::spot_lights, "spot-lights", "SPOT_LIGHTS", 0, shade},
+#define CLARAY_ROW(name, NAME, text, far, cone) \
+    EffectRow{Effect::name##_lights, text "-lights", #NAME "_LIGHTS", 0, shade},
+    CLARAY_LIGHT_KINDS(CLARAY_ROW)
+#undef CLARAY_ROW
     EffectRow{Effect::light_falloff, "light-falloff", "LIGHT_FALLOFF", 0, shade},
     EffectRow{Effect::many_lights, "many-lights", "LIGHT_TREE", 0, shade},
     EffectRow{Effect::hot_spots, "hot-spots", "HOT_SPOTS", 0, shade},

@@ -1,5 +1,5 @@
 // The one place that knows which macros of which kernels belong to an effect. A BSDF is an effect by its row in
-// claray/shared/bsdfs.h. Any other new effect is: an enumerator of Effect,
+// claray/shared/bsdfs.h, a kind of light by its row in lights.h. Any other new effect is: an enumerator of Effect,
 // a row in effects.cpp, who calls for it and how a scene is stripped of it in effects_of.cpp, a scene in
 // tests/render/effects_test.cpp, and in the kernels a macro whose default is "all of it". Its code must find nothing to
 // do in scenes without the effect (an absent buffer is null, a count is 0): kernels may know more than the scene needs.
@@ -26,10 +26,18 @@ enum class Stage : unsigned {
 [[nodiscard]] bool concerns(Effect effect, Stage stage);
 
 /// Effects that shadow rays are traced for.
-inline constexpr EffectSet sampled_lights = {Effect::emissive_triangles, Effect::point_lights,
-                                             Effect::directional_lights, Effect::spot_lights, Effect::environment};
+inline constexpr EffectSet sampled_lights = {
+#define CLARAY_ROW(name, NAME, text, far, cone) Effect::name##_lights,
+    CLARAY_LIGHT_KINDS(CLARAY_ROW)
+#undef CLARAY_ROW
+        Effect::emissive_triangles,
+    Effect::environment};
 /// Effects by which a path gathers radiance where it ends.
-inline constexpr EffectSet emitters = {Effect::emissive_triangles, Effect::sky, Effect::environment, Effect::light_maps,
+inline constexpr EffectSet emitters = {
+#define CLARAY_ROW(name, NAME, text, far, cone) Effect::name##_lights,
+    CLARAY_SEEN_LIGHTS(CLARAY_ROW)
+#undef CLARAY_ROW
+        Effect::emissive_triangles, Effect::sky, Effect::environment, Effect::light_maps,
                                        Effect::unlit};
 /// Effects that change how noisy an image is but not what it converges to. No scene can be stripped of them: to take
 /// one away leaves its code out of the kernels.

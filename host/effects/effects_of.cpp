@@ -22,10 +22,12 @@ Effect effect_of(const Material& m) {
 
 Effect effect_of(LightKind kind) {
     switch (kind) {
-        case LightKind::directional: return Effect::directional_lights;
-        case LightKind::spot: return Effect::spot_lights;
-        default: return Effect::point_lights;
+#define CLARAY_ROW(name, NAME, text, far, cone) \
+    case LightKind::name: return Effect::name##_lights;
+        CLARAY_LIGHT_KINDS(CLARAY_ROW)
+#undef CLARAY_ROW
     }
+    return Effect::point_lights;
 }
 
 /// "the material 'gold'", or by its number where it has no name.

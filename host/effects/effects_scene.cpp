@@ -103,7 +103,7 @@ void multiply_lights(Scene& scene, bool emissive) {
     if (emissive) return;
     Light light;
     for (const Light& other : scene.lights)
-        if (other.kind != LightKind::directional) light = other;
+        if (!traits_of(other.kind)->far) light = other;
     scene.lights.insert(scene.lights.end(), lights_for_a_tree, light);
 }
 
@@ -121,15 +121,17 @@ Scene scene_calling_for(EffectSet effects) {
                                 Effect::light_maps, Effect::cut_outs, Effect::emission_maps, Effect::layered_coat};
     if (!(effects & textured).empty())
         scene.textures = {grey_texture(effects.has(Effect::mip_maps) ? Filter::trilinear : Filter::bilinear)};
-    if (effects.has(Effect::point_lights)) add_light(scene, LightKind::point);
+#define CLARAY_ROW(name, NAME, text, far, cone) \
+    if (effects.has(Effect::name##_lights)) add_light(scene, LightKind::name);
+    CLARAY_LIGHT_KINDS(CLARAY_ROW)
+#undef CLARAY_ROW
     if (effects.has(Effect::hot_spots)) {
         add_light(scene, LightKind::point);
         scene.lights.back().position.y = 0.01f;
     }
-    if (effects.has(Effect::directional_lights)) add_light(scene, LightKind::directional);
-    if (effects.has(Effect::spot_lights)) add_light(scene, LightKind::spot);
     if (effects.has(Effect::light_falloff)) {
-        if ((effects & EffectSet{Effect::point_lights, Effect::spot_lights}).empty())
+        if (std::all_of(scene.lights.begin(), scene.lights.end(),
+                        [](const Light& light) { return traits_of(light.kind)->far; }))
             add_light(scene, LightKind::point);
         for (Light& light : scene.lights) light.range = 10.f;
     }

@@ -150,27 +150,27 @@ double Probe::from_lamp(const TriangleLight& light, const Sight& sight, scenes::
     return luminance(emission) * std::abs(light.area) * cosine * there / distance2;
 }
 
-/// As kernels/lights/light_punctual.clh computes it.
+/// As kernels/lights/kinds.clh computes it.
 double Probe::from_punctual(const PunctualLight& light, const Sight& sight) const {
     const double intensity = luminance({light.intensity_r, light.intensity_g, light.intensity_b});
     const glm::dvec3 axis(light.direction_x, light.direction_y, light.direction_z);
-    const bool is_far = light.kind == CLARAY_DIRECTIONAL_LIGHT;
-    const glm::dvec3 way = is_far ? -axis : glm::dvec3(light.x, light.y, light.z) - sight.point;
+    const LightTraits& kind = *traits_of(LightKind(light.kind));
+    const glm::dvec3 way = kind.far ? -axis : glm::dvec3(light.x, light.y, light.z) - sight.point;
     const double distance2 = glm::dot(way, way), distance = std::sqrt(distance2);
     const double cosine = glm::dot(way, sight.normal) / distance;
     double arriving = intensity;
-    if (!is_far) {
+    if (!kind.far) {
         const double near = distance2 * light.inverse_range * light.inverse_range;
         arriving *= std::max(1 - near * near, 0.0) /
                     (light.attenuation_0 + light.attenuation_1 * distance + light.attenuation_2 * distance2);
     }
-    if (light.kind == CLARAY_SPOT_LIGHT) {
+    if (!kind.far && kind.cone) {
         const double along = -glm::dot(axis, way) / distance;
         const double inside = std::clamp(along * light.cone_scale + light.cone_offset, 0.0, 1.0);
         arriving *= inside * inside;
     }
     if (!(cosine > 0 && arriving > 0)) return 0;
-    return stop_of(sight.point, way, is_far ? endless : 1.0, Through::openings) ? 0 : arriving * cosine;
+    return stop_of(sight.point, way, kind.far ? endless : 1.0, Through::openings) ? 0 : arriving * cosine;
 }
 
 double Probe::from_light(std::size_t light, const Sight& sight, scenes::Random& random) const {

@@ -121,7 +121,8 @@ void collect_triangles(const Scene& scene, unsigned most_points, Lights& lights)
     }
 }
 
-bool shines_far(const Light& light) { return light.kind == LightKind::directional; }
+bool shines_far(const Light& light) { return traits_of(light.kind)->far; }
+const LightTraits& traits_of(const PunctualLight& light) { return *traits_of(LightKind(light.kind)); }
 
 PunctualLight punctual_light(const Light& light) {
     PunctualLight data{};
@@ -135,7 +136,7 @@ PunctualLight punctual_light(const Light& light) {
     constexpr double least_difference = 0x1p-22;  // what float32 can tell
     const double outer = std::cos(double(light.outer_angle)), inner = std::cos(double(light.inner_angle));
     const double scale = 1 / std::max(least_difference, inner - outer);
-    if (light.kind == LightKind::spot) data.cone_scale = float(scale), data.cone_offset = float(-outer * scale);
+    if (traits_of(light.kind)->cone) data.cone_scale = float(scale), data.cone_offset = float(-outer * scale);
     data.inverse_range = light.range > 0.f ? 1.f / light.range : 0.f;
     data.attenuation_0 = light.attenuation.x, data.attenuation_1 = light.attenuation.y;
     data.attenuation_2 = light.attenuation.z;
@@ -154,7 +155,7 @@ void add_hot_spot(const HotSpotPlace& place, Lights& lights) {
                                 std::uint32_t(lights.triangles.size() + lights.punctual.size() - 1), 0, 0});
 }
 
-/// Points and spots, then directional lights; black ones are left out.
+/// Near lights, then far ones; black ones are left out.
 void collect_punctual(const Scene& scene, Lights& lights) {
     const std::vector<HotSpotPlace> places = find_hot_spots(scene);
     auto place = places.begin();
@@ -187,9 +188,8 @@ double intensity_of(const PunctualLight& l, double radius) {
 double power_of(const TriangleLight& l) { return 2 * pi * intensity_of(l); }
 
 double power_of(const PunctualLight& l, double radius) {
-    if (l.kind == CLARAY_DIRECTIONAL_LIGHT)
-        return luminance({l.intensity_r, l.intensity_g, l.intensity_b}) * pi * radius * radius;
-    if (l.kind == CLARAY_POINT_LIGHT) return 4 * pi * intensity_of(l, radius);
+    if (traits_of(l).far) return luminance({l.intensity_r, l.intensity_g, l.intensity_b}) * pi * radius * radius;
+    if (!traits_of(l).cone) return 4 * pi * intensity_of(l, radius);
     const double outer = -l.cone_offset / l.cone_scale, inner = outer + 1 / l.cone_scale;
     return 2 * pi * intensity_of(l, radius) * (1 - 0.5 * (outer + inner));
 }
@@ -208,20 +208,20 @@ LightBounds bounds_of(const PunctualLight& l) {
     LightBounds bounds;
     bounds.box.grow({l.x, l.y, l.z});
     bounds.axis = {l.direction_x, l.direction_y, l.direction_z};
-    const bool spot = l.kind == CLARAY_SPOT_LIGHT;
-    bounds.spread = spot ? 0.f : float(pi);
-    bounds.reach = spot ? float(std::acos(std::clamp(-double(l.cone_offset) / l.cone_scale, -1.0, 1.0))) : float(pi);
+    const bool cone = traits_of(l).cone;
+    bounds.spread = cone ? 0.f : float(pi);
+    bounds.reach = cone ? float(std::acos(std::clamp(-double(l.cone_offset) / l.cone_scale, -1.0, 1.0))) : float(pi);
     return bounds;
 }
 
-/// The tree over triangles, points and spots. It weighs intensities, which it multiplies by cosines: the power of a
+/// The tree over near lights. It weighs intensities, which it multiplies by cosines: the power of a
 /// spot says little about the few directions that it shines in.
 void plant_tree(Lights& lights, double radius) {
     std::vector<LightBounds> bounds;
     for (const TriangleLight& light : lights.triangles)
         bounds.push_back(bounds_of(light)), bounds.back().intensity = float(intensity_of(light));
     for (const PunctualLight& light : lights.punctual)
-        if (light.kind != CLARAY_DIRECTIONAL_LIGHT)
+        if (!traits_of(light).far)
             bounds.push_back(bounds_of(light)), bounds.back().intensity = float(intensity_of(light, radius));
     LightTree tree = build_light_tree(bounds);
     lights.tree = std::move(tree.nodes), lights.leaves = std::move(tree.leaves);
@@ -247,7 +247,7 @@ void distribute(Lights& lights, double environment, double radius, std::size_t f
     for (const TriangleLight& light : lights.triangles) powers.push_back(power_of(light));
     for (const PunctualLight& light : lights.punctual) powers.push_back(power_of(light, radius));
     const auto far = std::size_t(std::count_if(lights.punctual.begin(), lights.punctual.end(), [](const auto& light) {
-        return light.kind == CLARAY_DIRECTIONAL_LIGHT;
+        return traits_of(light).far;
     }));
     const std::size_t near = powers.size() - far;
     if (environment > 0) powers.push_back(environment);

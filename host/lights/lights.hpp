@@ -10,7 +10,7 @@ namespace claray {
 /// Host data of a scene's lights. What the scene has no use for is empty.
 struct Lights {
     std::vector<TriangleLight> triangles;
-    std::vector<PunctualLight> punctual;  // points and spots before directional lights
+    std::vector<PunctualLight> punctual;  // near ones before far ones
     std::vector<LightNode> tree;          // empty: lights are picked by power alone
     std::vector<LightLeaf> leaves;        // of the tree
     std::vector<LightTrail> trails;       // of triangles, where there is a tree
@@ -23,7 +23,7 @@ struct Lights {
     [[nodiscard]] std::size_t size() const { return data.count; }
 };
 
-/// With as many lights (triangles, points and spots), a tree picks among them.
+/// With as many near lights, a tree picks among them.
 inline constexpr std::size_t lights_for_a_tree = 16;
 
 /// Emissive triangles that can be hit, lights without extent, and the environment, each picked in proportion to its

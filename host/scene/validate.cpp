@@ -194,17 +194,18 @@ void check_texture(const Texture& texture, const Check& check, bool radiance) {
 std::string in_degrees(float radians) { return printed("%.5g", radians * (180. / std::numbers::pi)); }
 
 void check_light(const Light& light, const Check& check) {
-    check.that(light.kind <= LightKind::spot, "unknown kind", "use a LightKind");
+    const LightTraits* kind = traits_of(light.kind);
+    check.that(kind != nullptr, "unknown kind", "use a LightKind");
     check.finite(finite(light.position), "position");
     check.sound(sound(light.intensity), "intensity");
     check.sound(sound(light.range), "range");
     check.sound(sound(light.attenuation), "attenuation");
     check.that(light.attenuation != glm::vec3(0.f), "its attenuation is 0 everywhere",
                "the physical inverse square is 0, 0, 1");
-    if (light.kind == LightKind::point) return;
+    if (!kind->far && !kind->cone) return;
     const float length = glm::length(light.direction);
     check.that(std::isfinite(length) && length > 0.f, "its direction is none", "give a finite direction other than 0");
-    if (light.kind == LightKind::directional) return;
+    if (!kind->cone) return;
     constexpr float right_angle = 1.57079637f;  // rounded up, so that a right angle itself passes
     check.that(
         light.inner_angle >= 0.f && light.inner_angle <= light.outer_angle && light.outer_angle <= right_angle &&

@@ -13,6 +13,7 @@ namespace claray {
 
 /// Each is a piece of kernel code that a scene can do without. Every BSDF is one: Effect::lambert, mirror, glass,
 /// metal, blinn_phong, principled, unlit, thin_walls and coated_metal.
+/// So is every kind of light: Effect::point_lights, directional_lights and spot_lights.
 enum class Effect : std::uint8_t {
     smooth_normals,
     transmission,
@@ -21,9 +22,6 @@ enum class Effect : std::uint8_t {
     absorption,
     culling,
     emissive_triangles,
-    point_lights,
-    directional_lights,
-    spot_lights,
     light_falloff,
     many_lights,
     sky,
@@ -49,6 +47,9 @@ enum class Effect : std::uint8_t {
     orthographic,
 #define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) name,
     CLARAY_BSDFS(CLARAY_ROW)
+#undef CLARAY_ROW
+#define CLARAY_ROW(name, NAME, text, far, cone) name##_lights,
+        CLARAY_LIGHT_KINDS(CLARAY_ROW)
 #undef CLARAY_ROW
 };
 

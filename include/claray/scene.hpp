@@ -117,19 +117,38 @@ struct Material {
 #undef CLARAY_ROW
 };
 
+/// LightKind::point, spot and directional: a row of claray/shared/lights.h each.
 enum class LightKind : std::uint32_t {
-    point = CLARAY_POINT_LIGHT,
-    directional = CLARAY_DIRECTIONAL_LIGHT,
-    spot = CLARAY_SPOT_LIGHT
+#define CLARAY_ROW(name, NAME, text, far, cone) name = CLARAY_##NAME##_LIGHT,
+    CLARAY_LIGHT_KINDS(CLARAY_ROW)
+#undef CLARAY_ROW
 };
 
-/// A light without extent.
+struct LightTraits {
+    LightKind kind;
+    const char* name;
+    bool far;   ///< shines on the whole scene from one direction
+    bool cone;  ///< has a direction, and shines within `Light::outer_angle` of it
+};
+inline constexpr LightTraits light_kinds[] = {
+#define CLARAY_ROW(name, NAME, text, far, cone) {LightKind::name, text, (far) != 0, (cone) != 0},
+    CLARAY_LIGHT_KINDS(CLARAY_ROW)
+#undef CLARAY_ROW
+};
+/// Null where there is no such kind.
+[[nodiscard]] constexpr const LightTraits* traits_of(LightKind kind) {
+    for (const LightTraits& traits : light_kinds)
+        if (traits.kind == kind) return &traits;
+    return nullptr;
+}
+
+/// A light that is neither a mesh nor an image.
 struct Light {
     std::string name;
     LightKind kind = LightKind::point;
     glm::vec3 position{0.f};
     glm::vec3 direction{0.f, -1.f, 0.f};  ///< in which it shines; not for points
-    glm::vec3 intensity{1.f};             ///< W / sr; directional: irradiance of a surface that faces it, W / m^2
+    glm::vec3 intensity{1.f};             ///< W / sr; far lights: irradiance of a surface that faces it, W / m^2
     float inner_angle = 0.f;              ///< spot: radians from the axis, up to which it shines fully
     float outer_angle = 0.785398163f;  ///< spot: from which on it does not shine at all (KHR_lights_punctual's falloff)
     float range = 0.f;                 ///< beyond which it fades to nothing (KHR_lights_punctual); 0: none

@@ -15,7 +15,7 @@
 /// Where shade_sixteen.clh does the work.
 #define SHADE_SIXTEEN                                                                                                      \
     (SIXTEEN && CLARAY_CPU && MATERIALS == 1u << CLARAY_LAMBERT && !NORMALS && !TEXTURES && !MIPMAPS && !INSTANCES && !BAKE && \
-     !VERTEX_COLORS && !ENVIRONMENT && !SPOT_LIGHTS && !DIRECTIONAL_LIGHTS && !LIGHT_FALLOFF && !ABSORPTION &&                 \
+     !VERTEX_COLORS && !ENVIRONMENT && LIGHT_KINDS_USED == POINT_LIGHTS && !LIGHT_FALLOFF && !ABSORPTION &&                 \
      !(TRIANGLE_LIGHTS && POINT_LIGHTS))
 #if SHADE_SIXTEEN
 #include "render/shade_sixteen.clh"

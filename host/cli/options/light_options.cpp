@@ -68,10 +68,12 @@ float one(const std::string& option, const Value& value) {
 }
 
 LightKind kind_named(const std::string& name) {
-    if (name == "point") return LightKind::point;
-    if (name == "directional") return LightKind::directional;
-    if (name == "spot") return LightKind::spot;
-    refuse("--light: there is no kind '" + name + "'", "there are point, directional and spot");
+    std::string kinds;
+    for (const LightTraits& traits : light_kinds) {
+        if (name == traits.name) return traits.kind;
+        kinds += (kinds.empty() ? "" : ", ") + std::string(traits.name);
+    }
+    refuse("--light: there is no kind '" + name + "'", "the kinds are " + kinds);
 }
 
 }  // namespace
@@ -122,7 +124,7 @@ void add_light_options(CLI::App& command, LightOptions& o) {
             [&o](const std::vector<std::string>& texts) {
                 for (const std::string& text : texts) o.lights.push_back(parse_light(text));
             },
-            "Adds a light: point, directional or spot, then values as in\n"
+            "Add a light: point, directional or spot, then values as in\n"
             "spot,position=0,2,0,direction=0,-1,0,intensity=50,inner=20,outer=30 (degrees; also range, attenuation)")
         ->take_all()
         ->type_name("TEXT");

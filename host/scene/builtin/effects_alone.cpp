@@ -30,6 +30,20 @@ Light& replace_sky_by(Scene& scene, LightKind kind) {
     return scene.lights[0];
 }
 
+/// A light of the kind over the ball.
+template <LightKind kind>
+void make_light(Scene& scene) {
+    Light& light = replace_sky_by(scene, kind);
+    constexpr LightTraits traits = *traits_of(kind);
+    if (traits.far) {
+        light.direction = {0.6f, -1.f, -0.5f}, light.intensity = glm::vec3(3.f, 2.8f, 2.4f);
+    } else if (traits.cone) {
+        light.direction = glm::vec3(0.1f, 0.4f, 0.1f) - light.position;
+        light.intensity *= 2.f;
+    }
+    if (traits.cone) light.inner_angle = 0.15f, light.outer_angle = 0.33f;
+}
+
 /// With a sun that coats reflect.
 void replace_sky_by_evening(Scene& scene) { scene.sky = {}, scene.environment.images = {evening_environment()}; }
 
@@ -165,18 +179,9 @@ constexpr std::array alone = {
               s.materials.push_back(lamp("lamp", {15.f, 13.f, 10.f}));
               s.meshes.push_back(make_lamp({-1.8f, 3.f, 2.2f}, {0.f, 0.5f, 0.f}, 0.6f, stage_materials));
           }},
-    Alone{"point-lights", [](Scene& s) { replace_sky_by(s, LightKind::point); }},
-    Alone{"directional-lights",
-          [](Scene& s) {
-              Light& light = replace_sky_by(s, LightKind::directional);
-              light.direction = {0.6f, -1.f, -0.5f}, light.intensity = glm::vec3(3.f, 2.8f, 2.4f);
-          }},
-    Alone{"spot-lights",
-          [](Scene& s) {
-              Light& light = replace_sky_by(s, LightKind::spot);
-              light.direction = glm::vec3(0.1f, 0.4f, 0.1f) - light.position;
-              light.intensity *= 2.f, light.inner_angle = 0.15f, light.outer_angle = 0.33f;
-          }},
+#define CLARAY_ROW(name, NAME, text, far, cone) Alone{text "-lights", make_light<LightKind::name>},
+    CLARAY_LIGHT_KINDS(CLARAY_ROW)
+#undef CLARAY_ROW
     Alone{"light-falloff",
           [](Scene& s) {
               Light& light = replace_sky_by(s, LightKind::point);

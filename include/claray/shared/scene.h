@@ -3,6 +3,7 @@
 #define CLARAY_SHARED_SCENE_H
 
 #include "claray/shared/bsdfs.h"
+#include "claray/shared/lights.h"
 #include "claray/shared/portable.h"
 
 CLARAY_SHARED_BEGIN
@@ -14,10 +15,6 @@ CLARAY_SHARED_BEGIN
 #define CLARAY_ANISOTROPIC_LAYER 8u  // highlights are stretched
 #define CLARAY_COAT_LAYER 16u        // a coat with a normal of its own
 #define CLARAY_PLAIN_COAT 32u        // set at a hit: a coat over a diffuse dielectric
-
-#define CLARAY_POINT_LIGHT 0u
-#define CLARAY_DIRECTIONAL_LIGHT 1u
-#define CLARAY_SPOT_LIGHT 2u
 
 typedef struct MaterialData {
     float albedo_r, albedo_g, albedo_b;        // see Material::albedo
@@ -48,7 +45,7 @@ typedef struct MaterialData {
 #define CLARAY_MEMBER_SIZE(name, text, standard, check) +4
 CLARAY_LAYOUT(MaterialData, 156 CLARAY_BSDF_PARAMETERS(CLARAY_MEMBER_SIZE))
 
-// Lights are numbered: emissive triangles, points and spots, directional lights, the environment. A random 32-bit
+// Lights are numbered: emissive triangles, near lights of lights.h, far ones, the environment. A random 32-bit
 // number picks the first one whose `cumulative` is not below it, the environment if there is none; where there is a
 // tree, numbers up to LightsData::tree_last go there instead.
 
@@ -65,16 +62,16 @@ typedef struct TriangleLight {
 } TriangleLight;
 CLARAY_LAYOUT(TriangleLight, 64)
 
-/// A light without extent.
+/// A light of lights.h.
 typedef struct PunctualLight {
-    float x, y, z;                                // position; not of directional ones
-    float intensity_r, intensity_g, intensity_b;  // radiant intensity, W / sr; directional: irradiance, W / m^2
+    float x, y, z;                                // position; not of far ones
+    float intensity_r, intensity_g, intensity_b;  // radiant intensity, W / sr; far: irradiance, W / m^2
     uint cumulative;                              // as in TriangleLight
     float probability;
     float direction_x, direction_y,
         direction_z;                // in which it shines, unit length; points: way to the surface that is near
-    uint kind;                      // CLARAY_POINT_LIGHT ...
-    float cone_scale, cone_offset;  // spot: clamp(cosine * scale + offset, 0, 1)^2; of points the scale is
+    uint kind;                      // claray/shared/lights.h
+    float cone_scale, cone_offset;  // cones: clamp(cosine * scale + offset, 0, 1)^2; of points the scale is
                                     // HotSpot::probability, 0 where nothing is near
     float inverse_range;            // 0: unlimited
     float attenuation_0, attenuation_1, attenuation_2;
