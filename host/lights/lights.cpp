@@ -134,7 +134,8 @@ PunctualLight punctual_light(const Light& light) {
     // As KHR_lights_punctual computes them, but for its least difference of cosines, 0.001, which would widen narrow
     // edges.
     constexpr double least_difference = 0x1p-22;  // what float32 can tell
-    const double outer = std::cos(double(light.outer_angle)), inner = std::cos(double(light.inner_angle));
+    const double outer = std::cos(double(light.outer_angle));
+    const double inner = shines_far(light) ? 1 : std::cos(double(light.inner_angle));
     const double scale = 1 / std::max(least_difference, inner - outer);
     if (traits_of(light.kind)->cone) data.cone_scale = float(scale), data.cone_offset = float(-outer * scale);
     data.inverse_range = light.range > 0.f ? 1.f / light.range : 0.f;
@@ -246,9 +247,8 @@ void distribute(Lights& lights, double environment, double radius, std::size_t f
     std::vector<double> powers;
     for (const TriangleLight& light : lights.triangles) powers.push_back(power_of(light));
     for (const PunctualLight& light : lights.punctual) powers.push_back(power_of(light, radius));
-    const auto far = std::size_t(std::count_if(lights.punctual.begin(), lights.punctual.end(), [](const auto& light) {
-        return traits_of(light).far;
-    }));
+    const auto far = std::size_t(std::count_if(lights.punctual.begin(), lights.punctual.end(),
+                                               [](const auto& light) { return traits_of(light).far; }));
     const std::size_t near = powers.size() - far;
     if (environment > 0) powers.push_back(environment);
     if (powers.empty()) return;

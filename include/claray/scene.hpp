@@ -129,10 +129,14 @@ struct LightTraits {
     const char* name;
     bool far;   ///< shines on the whole scene from one direction
     bool cone;  ///< has a direction, and shines within `Light::outer_angle` of it
+    bool seen;  ///< has an extent: rays that leave the scene meet it
 };
 inline constexpr LightTraits light_kinds[] = {
-#define CLARAY_ROW(name, NAME, text, far, cone) {LightKind::name, text, (far) != 0, (cone) != 0},
-    CLARAY_LIGHT_KINDS(CLARAY_ROW)
+#define CLARAY_ROW(name, NAME, text, far, cone) {LightKind::name, text, (far) != 0, (cone) != 0, false},
+    CLARAY_HIDDEN_LIGHTS(CLARAY_ROW)
+#undef CLARAY_ROW
+#define CLARAY_ROW(name, NAME, text, far, cone) {LightKind::name, text, (far) != 0, (cone) != 0, true},
+        CLARAY_SEEN_LIGHTS(CLARAY_ROW)
 #undef CLARAY_ROW
 };
 /// Null where there is no such kind.
@@ -149,9 +153,9 @@ struct Light {
     glm::vec3 position{0.f};
     glm::vec3 direction{0.f, -1.f, 0.f};  ///< in which it shines; not for points
     glm::vec3 intensity{1.f};             ///< W / sr; far lights: irradiance of a surface that faces it, W / m^2
-    float inner_angle = 0.f;              ///< spot: radians from the axis, up to which it shines fully
-    float outer_angle = 0.785398163f;  ///< spot: from which on it does not shine at all (KHR_lights_punctual's falloff)
-    float range = 0.f;                 ///< beyond which it fades to nothing (KHR_lights_punctual); 0: none
+    float inner_angle = 0.f;              ///< near cones: radians from the axis, up to which it shines fully
+    float outer_angle = 0.785398163f;     ///< cones: radians from the axis, beyond which it does not shine
+    float range = 0.f;                    ///< beyond which it fades to nothing (KHR_lights_punctual); 0: none
     /// a0, a1, a2: intensity / (a0 + a1 d + a2 d^2) at distance d; the physical inverse square is 0, 0, 1.
     glm::vec3 attenuation{0.f, 0.f, 1.f};
 };

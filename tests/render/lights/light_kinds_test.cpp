@@ -1,4 +1,4 @@
-// Every kind of light against a closed form: lights/light_punctual.clh, lights/light_triangle.clh.
+// Every kind of light against a closed form: lights/kinds.clh, lights/light_triangle.clh.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -119,6 +119,18 @@ TEST(LightAttenuation, IsAPolynomialOfTheDistance) {
         }
 }
 
+/// Where the light shines most, a surface that faces it gets its intensity, of near ones over the squared distance.
+TEST(LightKinds, ShineByTheirIntensity) {
+    for (const LightTraits& kind : light_kinds) {
+        Scene scene = floor_scene();
+        scene.lights = {make_light(kind.kind, {0, 2, 0}, {0, -1, 0}, 3.f)};
+        if (kind.cone) scene.lights[0].inner_angle = 0.1f, scene.lights[0].outer_angle = 0.2f;
+        scene.camera = narrow_camera({0.3f, 1.f, 1.f}, {0, 0, 0});
+        const RenderConfig config{.width = 8, .height = 8, .spp = 64, .max_depth = 1};
+        EXPECT_NEAR(mean(render_image(scene, config)).x * pi / albedo, kind.far ? 3 : 0.75, 0.002) << kind.name;
+    }
+}
+
 /// Point, spot, directional and triangle at once: every kind is picked by its own kernel code.
 TEST(Lights, OfAllKindsAddUp) {
     Scene scene = floor_scene();
@@ -228,6 +240,18 @@ TEST_P(Techniques, AgreeOnALamp) {
     scene.meshes.push_back(square(0.6f, 1.f, 1));
     for (glm::vec3& p : scene.meshes[1].positions) p.x += 1.2f;
     expect_agreement(scene);
+}
+
+/// Lights with an extent that are no triangles, and not what a program adds to the list.
+TEST_P(Techniques, AgreeOnLightsThatAreSeen) {
+    for (const LightTraits& kind : light_kinds) {
+        if (!kind.seen) continue;
+        Scene scene = bare();
+        Light light = make_light(kind.kind, {1.2f, 1, 0}, {-1.2f, -1, 0}, 2.f);
+        light.outer_angle = 0.3f;
+        scene.lights = {light};
+        expect_agreement(scene);
+    }
 }
 
 TEST_P(Techniques, AgreeOnManyTriangles) {
