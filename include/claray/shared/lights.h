@@ -7,6 +7,7 @@
 #define CLARAY_POINT_LIGHT 0u
 #define CLARAY_DIRECTIONAL_LIGHT 1u
 #define CLARAY_SPOT_LIGHT 2u
+#define CLARAY_SUN_LIGHT 3u
 
 // A row is X(name, NAME, "name for users", far, cone):
 //   name  LightKind::name, Effect::name_lights, kernels/lights/name.clh with view_name_light
@@ -21,7 +22,7 @@
     X(spot, SPOT, "spot", 0, 1)
 
 /// Far lights with an extent: rays that leave the scene find them, too. kernels/lights/name.clh has radiance_of_name_light.
-#define CLARAY_SEEN_LIGHTS(X)
+#define CLARAY_SEEN_LIGHTS(X) X(sun, SUN, "sun", 1, 1)
 
 #define CLARAY_LIGHT_KINDS(X) CLARAY_HIDDEN_LIGHTS(X) CLARAY_SEEN_LIGHTS(X)
 

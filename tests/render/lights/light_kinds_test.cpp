@@ -119,6 +119,44 @@ TEST(LightAttenuation, IsAPolynomialOfTheDistance) {
         }
 }
 
+Light sun(const glm::vec3& direction, float angle, float irradiance) {
+    Light light = make_light(LightKind::sun, {}, direction, irradiance);
+    light.outer_angle = angle;
+    return light;
+}
+
+/// A mirror shows the disc with its radiance, and nothing beside it.
+TEST(SunLight, IsSeenByMirrors) {
+    const float angle = 0.02f;
+    for (const float off : {0.f, 0.9f, 1.1f}) {
+        Scene scene = floor_scene();
+        scene.materials = {material(MaterialKind::mirror, 1.f)};
+        scene.lights = {sun({-std::sin(0.3f + off * angle), -std::cos(0.3f + off * angle), 0}, angle, 3.f)};
+        scene.camera = narrow_camera({-std::sin(0.3f), std::cos(0.3f), 0}, {0, 0, 0});
+        const double radiance = mean(render_image(scene, {.width = 2, .height = 2, .spp = 4})).x;
+        EXPECT_NEAR(radiance / (3 / (pi * std::pow(std::sin(angle), 2))), off < 1 ? 1 : 0, 1e-3) << off;
+    }
+}
+
+/// The edge of a wide plate covers the half of a disc at the zenith: under it a point gets half of the irradiance, and
+/// the width of the penumbra is the height of the plate times twice the tangent of the angle.
+TEST(SunLight, HasAPenumbra) {
+    const float angle = 0.1f, height = 2.f;
+    for (const double place : {-1.05, -0.5, 0.0, 0.5, 1.05}) {
+        Scene scene = floor_scene();
+        scene.meshes.push_back(square(20.f, height));
+        for (glm::vec3& p : scene.meshes[1].positions) p.x += 20.f;
+        scene.lights = {sun({0, -1, 0}, angle, 3.f)};
+        const glm::vec3 at(-float(place) * height * std::tan(angle), 0.f, 0.f);
+        scene.camera = narrow_camera(at + glm::vec3(-0.3f, 1.f, 1.f), at);
+        const RenderConfig config{.width = 16, .height = 16, .spp = 256, .max_depth = 1};
+        // The share of a disc beyond a chord at `place` radii; the disc is small enough to be flat.
+        const double p = std::clamp(place, -1.0, 1.0);
+        const double share = 1 - (std::acos(p) - p * std::sqrt(1 - p * p)) / pi;
+        EXPECT_NEAR(mean(render_image(scene, config)).x * pi / albedo / 3, share, 0.01) << place;
+    }
+}
+
 /// Where the light shines most, a surface that faces it gets its intensity, of near ones over the squared distance.
 TEST(LightKinds, ShineByTheirIntensity) {
     for (const LightTraits& kind : light_kinds) {
@@ -250,7 +288,7 @@ TEST_P(Techniques, AgreeOnLightsThatAreSeen) {
         Light light = make_light(kind.kind, {1.2f, 1, 0}, {-1.2f, -1, 0}, 2.f);
         light.outer_angle = 0.3f;
         scene.lights = {light};
-        expect_agreement(scene);
+        expect_agreement(scene, true);
     }
 }
 
