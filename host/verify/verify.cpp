@@ -176,7 +176,7 @@ private:
 };
 
 /// A CPU that runs kernels has a thread for each processor already. GPUs wait for compilers, which more than five
-/// threads of one process make no faster (docs/numerics.md).
+/// threads of one process make no faster (docs/notebook.md).
 unsigned threads_for(const Device& device, const VerifyOptions& options) {
     if (options.threads != 0) return options.threads;
     if (device.info().type != DeviceType::gpu) return 1;
