@@ -35,8 +35,7 @@
     X(principled, PRINCIPLED, "principled", 0, 1, 1)    \
     X(unlit, UNLIT, "unlit", 0, 0, 0)
 
-/// Kinds that only a hit can have: glass with Material::thin_walled, and a principled material that is sampled as a
-/// coated metal at this hit.
+/// Kinds that only a hit can have: glass with Material::thin_walled, and the random variant of a principled material.
 #define CLARAY_HIT_KINDS(X)                          \
     X(thin_walls, THIN_WALLS, "thin-walls", 1, 1, 1) \
     X(coated_metal, COATED_METAL, "coated-metal", 0, 1, 1)
