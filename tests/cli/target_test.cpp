@@ -55,8 +55,7 @@ TEST_F(Target, WhatWasMissedIsToldAfterTheImageIsWritten) {
     for (const char* error : {"0.0005", "1e-9"}) {
         const ProcessResult result = render({"--error", error, "--time", "500ms", "--stats"});
         EXPECT_TRUE(failed_with(
-            result, 1,
-            std::string(", not the ") + (error[0] == '1' ? "1e-09" : error) + " asked for; that needs about"));
+            result, 1, std::string(" instead of ") + (error[0] == '1' ? "1e-09" : error) + ", which needs about"));
         EXPECT_NE(result.output.find("missed: error of "), std::string::npos) << result.output;
         EXPECT_TRUE(std::filesystem::remove(path("a.pfm")));
     }
@@ -66,7 +65,7 @@ TEST_F(Target, FramesAreCountedAndTimed) {
     const ProcessResult result = run_claray(
         {"render", "hills", "--size", "16x16", "--fps", "5", "--frames", "3", "-o", path("last.pfm"), "--json"});
     // Whether a busy machine holds the rate is no matter of this test.
-    const bool late = result.errors.find("5 frames a second were not held") != std::string::npos;
+    const bool late = result.errors.find("5 frames per second were not reached") != std::string::npos;
     ASSERT_EQ(result.exit_code, late ? 1 : 0) << result.errors;
     const auto report = nlohmann::json::parse(result.output);
     EXPECT_EQ(report.at("frames"), 3);
@@ -97,7 +96,7 @@ TEST_F(Target, BadInput) {
     for (const char* other : {"--spp", "--time", "--error", "--noise", "--checkpoint", "--resume"})
         EXPECT_TRUE(failed_with(render({"--fps", "1", other, "1"}), 2, std::string("--fps and ") + other)) << other;
     EXPECT_TRUE(failed_with(render({"--fps", "0"}), 2, "--fps: '0' is not a number of more than 0"));
-    EXPECT_TRUE(failed_with(render({"--frames", "3"}), 2, "'3' is no range of frames"));
+    EXPECT_TRUE(failed_with(render({"--frames", "3"}), 2, "'3' is not a range of frames"));
     EXPECT_TRUE(failed_with(run_claray({"render", "hills"}), 2, "--output is required"));
     EXPECT_TRUE(failed_with(render({"--fps", "1000000"}), 1, "1e+06 frames a second can't be reached: one sample"));
     EXPECT_FALSE(std::filesystem::exists(path("a.pfm")));

@@ -138,14 +138,15 @@ TEST_F(GltfOptions, BadChoicesAreUsageErrors) {
     EXPECT_TRUE(refused({"--ortho", "0"}, "--ortho: '0' is not a number of more than 0"));
     EXPECT_TRUE(refused({"--ortho", "2", "--fov", "30"}, "--fov and --ortho contradict"));
     for (const char* range : {"5", "3..1", "a..b", "1..", "..2", "-1..2", "0..1000000", "0...2"})
-        EXPECT_TRUE(refused({"--frames", range}, "is no range of frames")) << range;
+        EXPECT_TRUE(refused({"--frames", range}, "is not a range of frames")) << range;
     EXPECT_TRUE(refused({"--frames", "0..1", "--frame-rate", "0"}, "--frame-rate: '0'"));
-    EXPECT_TRUE(refused({"--frame-rate", "30"}, "--frame-rate does nothing without --frames"));
+    EXPECT_TRUE(refused({"--frame-rate", "30"}, "--frame-rate has no effect without --frames"));
     EXPECT_TRUE(refused({"--frames", "0..1", "--at", "1"}, "--frames and --at contradict"));
     EXPECT_TRUE(refused({"--frames", "0..1", "--checkpoint", path("c")}, "--frames and --checkpoint contradict"));
     EXPECT_TRUE(refused({"--fps", "5", "--frames", "0..1"}, "'0..1' is not a whole number"));
     for (const char* name : {"%s.png", "%d%d.png", "%4d.png", "%00d.png", "a%.png"})
-        EXPECT_TRUE(failed_with(render(name, {"--frames", "0..1"}), 2, "has no place for the number of a frame"))
+        EXPECT_TRUE(
+            failed_with(render(name, {"--frames", "0..1"}), 2, "has an invalid placeholder for the frame number"))
             << name;
     EXPECT_TRUE(failed_with(run_claray({"render", "cornell", "-o", path("a.png"), "--at", "1"}), 2,
                             "'cornell' has no animations"));
