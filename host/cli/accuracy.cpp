@@ -221,7 +221,7 @@ void write_maps(const AccuracyOptions& o, const std::vector<ErrorMap>& maps) {
     const std::string share = std::to_string(studies.size()) + " of " + std::to_string(all) + " studies";
     const std::string_view text = error.what(), line = text.substr(0, text.find('\n')),
                            report = text.substr(line.size());
-    throw Error(error.kind(), std::string(line), share + "are finished and printed; no file was written",
+    throw Error(error.kind(), std::string(line), share + " are finished and printed; no file was written",
                 std::string(report.substr(report.empty() ? 0 : 1)));
 }
 

@@ -158,7 +158,7 @@ void print_json(const Explanation& x, const ExplainOptions& o, const Device& dev
 
 void write_svg(const Explanation& x, const ExplainOptions& o, const Device& device) {
     BarChart chart;
-    chart.title = "Cost of the effects of " + o.scene + " cost";
+    chart.title = "Cost of the effects of " + o.scene;
     chart.subtitle = "milliseconds per frame of " + fixed(x.own.milliseconds, 2) + " ms (" +
                      std::to_string(o.config.width) + "x" + std::to_string(o.config.height) +
                      ", one sample per pixel) on " + device.info().name;

@@ -71,7 +71,7 @@ std::vector<measure::TunedRow> measured_model(const Device& device, const std::s
          {std::pair("  fast", model.fast), std::pair("  balanced", model.balanced), std::pair("  high", model.high)})
         table.push_back({name, fixed(preset.build_nanoseconds, 1), fixed(preset.samples_per_second, 0)});
     print_table(table, 1);
-    std::printf("independent samples need %.2f times the time of Sobol samples for the same error\n",
+    std::printf("  independent samples need %.2f times the time of Sobol samples for the same error\n",
                 model.independent_cost);
     std::vector<measure::TunedRow> rows;
     for (const ModelRow& row : rows_of(model)) rows.push_back({row.kernel, row.parameter, row.value, 1, true});

@@ -53,7 +53,7 @@ void print_result(const VerifyResult& result) {
     for (const auto& [name, value] : result.facts) std::printf("%-18s %s: %s\n", "", name.c_str(), value.c_str());
     if (!result.holds()) {
         for (const std::string& failure : result.failures) std::printf("  %s\n", failure.c_str());
-        std::printf("repeat: %s\n", result.command.c_str());
+        std::printf("  repeat: %s\n", result.command.c_str());
     }
     std::fflush(stdout);
 }
