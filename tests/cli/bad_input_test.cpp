@@ -45,7 +45,7 @@ TEST_F(BadInput, FolderAsScene) {
 }
 TEST_F(BadInput, UnknownScene) {
     EXPECT_TRUE(failed_with(render("no-such-scene"), 2,
-                            "no scene 'no-such-scene'; give a .obj, .gltf or .glb file or one of cornell"));
+                            "unknown scene 'no-such-scene'; give a .obj, .gltf or .glb file or one of cornell"));
 }
 TEST_F(BadInput, BadTriangleCount) { EXPECT_TRUE(failed_with(render("soup:many"), 2, "soup:N")); }
 
@@ -139,7 +139,7 @@ TEST_F(Mended, AProgramCacheThatCannotBeWrittenIsAWarning) {
     EXPECT_EQ(result.exit_code, 0) << result.errors;
     EXPECT_TRUE(
         result.errors.starts_with("claray: warning: compiled kernels cannot be cached: "
-                                  "cannot make the folder '/proc/kernels': "))
+                                  "cannot create the folder '/proc/kernels': "))
         << result.errors;
     EXPECT_EQ(std::count(result.errors.begin(), result.errors.end(), '\n'), 1) << result.errors;
 }

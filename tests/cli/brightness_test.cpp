@@ -58,7 +58,7 @@ bool tells(const ProcessResult& result, const std::string& words) {
 }
 
 constexpr const char* sky =
-    "the file has no light: a pale sky lights the scene; choose other light with --light, --sky or --env";
+    "the file has no light: added a pale sky as light; choose other light with --light, --sky or --env";
 
 TEST_F(DarkFile, AllCommandsThatRenderLightIt) {
     EXPECT_TRUE(tells(render({}), sky));

@@ -40,9 +40,10 @@ TEST(TuneCommand, RowsThatAreIgnoredAreNamed) {
     const ProcessResult result = run_claray({"bench", "soup:10", "--size", "8x8", "--repeat", "1"},
                                             {{"CLARAY_TUNING", (folder / "mine.txt").string()}});
     EXPECT_EQ(result.exit_code, 0);
-    EXPECT_NE(result.errors.find("claray: warning: " + (folder / "mine.txt").string() +
-                                 ":2: ignored: 'trace/closest_hit CLARAY_TEXTBOOK_TRIANGLES' is no tuning parameter"),
-              std::string::npos)
+    EXPECT_NE(
+        result.errors.find("claray: warning: " + (folder / "mine.txt").string() +
+                           ":2: ignored: 'trace/closest_hit CLARAY_TEXTBOOK_TRIANGLES' is not a tuning parameter"),
+        std::string::npos)
         << result.errors;
 }
 

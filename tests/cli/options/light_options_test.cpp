@@ -64,7 +64,7 @@ TEST_F(LightOptions, SkyAndEnvironment) {
 }
 
 TEST_F(LightOptions, WithoutAnyThePaleSkyIsTold) {
-    EXPECT_NE(render({}).errors.find("a pale sky lights the scene"), std::string::npos);
+    EXPECT_NE(render({}).errors.find("added a pale sky as light"), std::string::npos);
 }
 
 TEST_F(LightOptions, BadOnesAreRefused) {

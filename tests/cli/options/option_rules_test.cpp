@@ -134,7 +134,7 @@ TEST(OptionRules, FoldersThatCannotBeMade) {
     std::ofstream{file};
     for (const char* option : {"--svgs", "--maps"})
         EXPECT_TRUE(
-            failed_with(run_claray({"accuracy", "cornell", option, file + "/plots"}), 1, "cannot make the folder"));
+            failed_with(run_claray({"accuracy", "cornell", option, file + "/plots"}), 1, "cannot create the folder"));
 }
 
 }  // namespace
