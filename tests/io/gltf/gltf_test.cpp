@@ -412,7 +412,7 @@ TEST_F(Gltf, ExternalBuffer) {
         expect_error(ErrorKind::user, words, [&] { static_cast<void>(load_text()); });
     };
     builder.root["buffers"][0]["uri"] = "gone.bin";
-    refuse_text({"gone.bin", "put the buffer beside"});
+    refuse_text({"gone.bin", "put the buffer next to"});
     builder.root["buffers"][0]["uri"] = "%2e%2e/secret.bin";
     refuse_text({"../secret.bin", "leaves the scene's folder"});
     builder.root["buffers"][0]["uri"] = "a%20b.bin";
