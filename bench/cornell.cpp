@@ -86,10 +86,10 @@ int run(const Options& options) {
 int main(int argc, char** argv) try {
     CLI::App app("Mean radiance and speed of the Cornell box");
     Options options;
-    app.add_option("--device", options.device, "cpu, gpu, an index or a part of the name");
+    app.add_option("--device", options.device, "cpu, gpu, an index or part of a name");
     app.add_option("--size", options.size, "Pixels a side [512]");
-    app.add_option("--spp", options.spp, "Samples a pixel [256]");
-    app.add_option("--reference-spp", options.reference_spp, "Samples a pixel of the reference [65536]");
+    app.add_option("--spp", options.spp, "Samples per pixel [256]");
+    app.add_option("--reference-spp", options.reference_spp, "Samples per pixel of the reference [65536]");
     app.add_option("--reference", options.reference, "R,G,B: the mean radiance of a known reference")
         ->delimiter(',')
         ->expected(3);

@@ -242,10 +242,10 @@ void run(const Options& options) {
 int main(int argc, char** argv) try {
     CLI::App app("Noise at equal time of many lights against one");
     Options options;
-    app.add_option("--device", options.device, "cpu, gpu, an index or a part of the name");
+    app.add_option("--device", options.device, "cpu, gpu, an index or part of a name");
     app.add_option("--size", options.size, "Pixels a side [64]");
-    app.add_option("--spp", options.spp, "Samples a pixel [64]");
-    app.add_option("--depth", options.depth, "Surfaces a path may meet [8]");
+    app.add_option("--spp", options.spp, "Samples per pixel [64]");
+    app.add_option("--depth", options.depth, "Surfaces per path, at most [8]");
     app.add_option("--rounds", options.rounds, "Renders of each [3]");
     app.add_option("--points", options.points, "Point lights [1000]");
     app.add_option("--triangles", options.triangles, "Emissive triangles [100000]");

@@ -225,7 +225,7 @@ int main(int argc, char** argv) try {
     Options options;
     app.require_subcommand(1);
     app.fallthrough();
-    app.add_option("--device", options.device, "cpu, gpu, an index or a part of the name");
+    app.add_option("--device", options.device, "cpu, gpu, an index or part of a name");
     app.add_option("--size", options.size, "Pixels a side [48]");
     app.add_option("--seeds", options.seeds, "Renders of each scene and target [7]");
     app.add_option("--references", options.references, "Where references are kept");

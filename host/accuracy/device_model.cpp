@@ -146,9 +146,9 @@ DeviceModel measure_model(const Device& device, std::size_t triangles, const Mea
     model.balanced.build_nanoseconds = nanoseconds * seconds_to_build(device, scene, Builder::balanced);
     if (!goes_on("the high builder")) return {};
     model.high.build_nanoseconds = nanoseconds * seconds_to_build(device, scene, Builder::high);
-    if (!goes_on("samples a second with their trees")) return {};
+    if (!goes_on("samples per second with these trees")) return {};
     measure_speeds(device, scene, model);
-    if (!goes_on("what samples are worth")) return {};
+    if (!goes_on("the error of both samplers")) return {};
     model.independent_cost =
         cost_of_error(device, scene, Sampler::independent) / cost_of_error(device, scene, Sampler::sobol);
     return model;

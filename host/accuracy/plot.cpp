@@ -264,7 +264,7 @@ std::string svg_of(const Study& study, const std::string& subtitle) {
     svg += draw_axes(x, y, study);
     const std::vector<std::string> methods = methods_of(study);
     for (std::size_t i = 0; i < methods.size(); ++i) svg += draw_curve(study, methods[i], i, x, y);
-    svg += draw_legend(methods, study.floor > 0 ? "shaded: below the reference's own error" : "");
+    svg += draw_legend(methods, study.floor > 0 ? "shaded: below the error of the reference" : "");
     svg += draw_labels(study, x, y);
     return svg + "</svg>\n";
 }
@@ -277,9 +277,9 @@ std::string html_of(const std::vector<Study>& studies, const std::string& title,
         "#ddd;text-align:left}td.n{text-align:right;"
         "font-variant-numeric:tabular-nums}p{max-width:48em}</style></head><body>\n<h1>" +
         escaped(title) + "</h1>\n<p>" + escaped(subtitle) +
-        "</p>\n<p>Every point is a setting: the median of its runs, with the quartiles as whiskers. Filled points are "
-        "on the "
-        "front: no other point is at once faster and more accurate.</p>\n";
+        "</p>\n"
+        "<p>Every point is a setting: the median of its runs, with the quartiles as whiskers. Filled points are on the "
+        "front: no other point is both faster and more accurate.</p>\n";
     if (const std::vector<std::string> summary = summary_of(studies); !summary.empty()) {
         html += "<h2>What matters most</h2>\n<ul>\n";
         for (const std::string& fact : summary) html += "<li>" + escaped(fact) + "</li>\n";
@@ -288,9 +288,8 @@ std::string html_of(const std::vector<Study>& studies, const std::string& title,
     for (const Study& study : studies) {
         html += "<h2>" + escaped(study.title) + "</h2>\n" + svg_of(study, subtitle);
         if (study.reference_spp != 0)
-            html += "<p>Reference: " + std::to_string(study.reference_spp) + " samples a pixel, its own error " +
-                    printed("%.3g", study.floor) +
-                    " of the mean, by the spread of the renders that it is the mean of.</p>\n";
+            html += "<p>Reference: " + std::to_string(study.reference_spp) + " samples per pixel, its own error " +
+                    printed("%.3g", study.floor) + " of the mean, estimated from the spread of its renders.</p>\n";
         html += "<ul>\n";
         for (const std::string& finding : study.findings) html += "<li>" + escaped(finding) + "</li>\n";
         html += "</ul>\n" + table_of(study);

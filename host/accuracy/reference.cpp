@@ -97,7 +97,7 @@ void refuse_black(const Sums& sums) {
     if (std::any_of(sums.values.begin(), sums.values.end(), [](double value) { return value != 0; })) return;
     throw Error(ErrorKind::user,
                 "the image is black after " + std::to_string(render_spp * sums.renders) +
-                    " samples a pixel: an error relative to its mean has no meaning",
+                    " samples per pixel: an error relative to its mean is undefined",
                 "add light, or choose studies of rays and trees");
 }
 

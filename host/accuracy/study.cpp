@@ -40,7 +40,7 @@ Spread spread_of(std::vector<double> values) {
 bool overlap(const Spread& a, const Spread& b) { return a.low <= b.high && b.low <= a.high; }
 
 std::string told_time_against(const Spread& seconds, const Spread& others) {
-    if (overlap(seconds, others)) return "in a time that can't be told apart (the quartiles overlap)";
+    if (overlap(seconds, others)) return "in about the same time (the quartiles overlap)";
     return printed("in %.2f of the time", seconds.median / others.median);
 }
 

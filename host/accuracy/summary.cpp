@@ -28,9 +28,10 @@ std::string samples_needed(const std::vector<StudyPoint>& points) {
     const double slope = std::clamp(log_log_slope(samples, errors), -1.0, -0.5);
     const double times = std::pow(wanted_error / errors.back(), 1 / slope);
     const double seconds = points.back().seconds.median;
-    return printed("Samples: %g a pixel are off by %.3g %% of the mean in %s; %g %% takes about %.0f samples and %s.",
-                   samples.back(), 100 * errors.back(), told_time(seconds).c_str(), 100 * wanted_error,
-                   samples.back() * times, told_time(seconds * times).c_str());
+    return printed(
+        "Samples: %g per pixel have an error of %.3g %% of the mean in %s; %g %% needs about %.0f samples and %s.",
+        samples.back(), 100 * errors.back(), told_time(seconds).c_str(), 100 * wanted_error, samples.back() * times,
+        told_time(seconds * times).c_str());
 }
 
 /// The least depth from which on all are good enough.
@@ -39,12 +40,11 @@ std::string depth_needed(const std::vector<StudyPoint>& points) {
     const auto is_wrong = [](const StudyPoint& p) { return p.failure.empty() && p.error.median > wanted_error; };
     const auto last_wrong = std::find_if(points.rbegin(), points.rend(), is_wrong);
     if (last_wrong == points.rend())
-        return printed("Depth: paths of %g surfaces bring all light but 1 %%.", points.front().value);
-    const std::string wrong =
-        printed("Depth: paths that end after %g surfaces are off by %.3g %% of the mean, which no samples mend",
-                last_wrong->value, 100 * last_wrong->error.median);
+        return printed("Depth: paths of %g surfaces contain at least 99 %% of the light.", points.front().value);
+    const std::string wrong = printed("Depth: paths that end after %g surfaces have a bias of %.3g %% of the mean",
+                                      last_wrong->value, 100 * last_wrong->error.median);
     if (last_wrong == points.rbegin()) return wrong + ".";
-    return wrong + printed("; those of %g are within 1 %%.", std::prev(last_wrong)->value);
+    return wrong + printed("; paths of %g surfaces are within 1 %%.", std::prev(last_wrong)->value);
 }
 
 }  // namespace

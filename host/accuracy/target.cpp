@@ -40,12 +40,12 @@ void run_pilot(TargetPlan& plan, const Device& device) {
     const Device other = Device::open(std::to_string(device.info().index));
     plan.model = measure_model(other, pilot_triangles, plan.measuring);
     if (plan.model.known())
-        plan.picks.emplace_back("model: none of this device is stored (see claray tune), so a short one was measured");
+        plan.picks.emplace_back("model: none is stored for this device (see claray tune); a short one was measured");
 }
 
 std::string why(const TargetPlan& plan, Builder builder, double seconds) {
     if (!plan.model.known())
-        return printed("tree: %s; no model of this device is stored (see claray tune)", name_of(builder));
+        return printed("tree: %s; no model is stored for this device (see claray tune)", name_of(builder));
     std::string text = printed("tree: %s, for %zu triangles and about %s of sampling;", name_of(builder),
                                plan.triangles, told_time(seconds).c_str());
     for (const Builder other : {Builder::fast, Builder::balanced, Builder::high})
@@ -56,19 +56,20 @@ std::string why(const TargetPlan& plan, Builder builder, double seconds) {
 }
 
 std::string why_fixed(const TargetPlan& plan) {
-    return printed("tree: %s, as given: the planner picks trees of scenes without instances, where none is asked for",
-                   name_of(plan.config.bvh.builder));
+    return printed(
+        "tree: %s, as given: the planner chooses a tree only without --builder and for scenes without instances",
+        name_of(plan.config.bvh.builder));
 }
 
 void pick_sampler(TargetPlan& plan) {
     if (plan.config.sampler != Sampler::sobol) return;
     if (!plan.model.known()) {
-        plan.picks.emplace_back("samples: Sobol's, less noise for the same number");
+        plan.picks.emplace_back("samples: Sobol, with less noise for the same number");
         return;
     }
     const double cost = plan.model.independent_cost;
     plan.config.sampler = cost < 1 ? Sampler::independent : Sampler::sobol;
-    plan.picks.push_back(printed("samples: %s; independent ones take %.2f times the time for the same error",
+    plan.picks.push_back(printed("samples: %s; independent samples need %.2f times the time for the same error",
                                  cost < 1 ? "independent" : "Sobol's", cost));
 }
 
@@ -78,10 +79,10 @@ void refuse_unreachable(const TargetPlan& plan, const Forecast& needed, const Re
     const double closest = so_far.error_bound * std::sqrt(so_far.error_spp / most);
     throw Error(
         ErrorKind::user,
-        printed("an error of %g can't be reached: it needs about %.3g samples a pixel (%s), and %.0f are the most",
+        printed("an error of %g cannot be reached: it needs about %.3g samples per pixel (%s), but the limit is %.0f",
                 plan.config.error > 1e-20 ? plan.config.error : 0.0, needed.spp, told_time(needed.seconds).c_str(),
                 most),
-        printed("the closest is about --error %.2g, in %s", closest,
+        printed("the closest possible is about --error %.2g, in %s", closest,
                 told_time(most * needed.seconds_a_sample).c_str()));
 }
 
@@ -89,9 +90,9 @@ void refuse_late(const RenderConfig& config, const RenderProgress& reached) {
     if (!(config.seconds > 0) || reached.spp != 1 || reached.seconds <= late * config.seconds || !config.resume.empty())
         return;
     throw Error(ErrorKind::user,
-                "a time of " + told_time(config.seconds) + " can't be kept: a sample for every pixel takes " +
+                "a time of " + told_time(config.seconds) + " is too short: one sample for every pixel takes " +
                     told_time(reached.seconds),
-                "give that time, or a smaller --size or --max-depth");
+                "allow this time, or use a smaller --size or --max-depth");
 }
 
 }  // namespace
@@ -154,7 +155,7 @@ TargetPlan plan_render(const Device& device, const Scene& scene, const RenderCon
     if (plan.picks_builder) {
         const Builder first = first_builder(plan);
         plan.config.bvh.builder = first;
-        plan.picks.push_back(printed("tree: %s, until the first samples tell how long it takes", name_of(first)));
+        plan.picks.push_back(printed("tree: %s, until the first samples predict the total time", name_of(first)));
     } else {
         plan.picks.push_back(why_fixed(plan));
     }
@@ -172,7 +173,7 @@ bool rebuild_if_better(Renderer& renderer, TargetPlan& plan, Builder builder) {
     plan.config.bvh.builder = before;
     renderer.rebuild(plan.config.bvh);
     plan.picks.push_back(
-        printed("tree: %s again, whose cost by the surface area heuristic is lower in this scene", name_of(before)));
+        printed("tree: %s again, since its surface area heuristic cost is lower in this scene", name_of(before)));
     return false;
 }
 
@@ -225,12 +226,13 @@ bool is_kept(const TargetPlan& plan, const RenderProgress& reached) {
 std::string account_of(const TargetPlan& plan, const RenderProgress& reached) {
     if (plan.config.error > 0) {
         std::string text = printed("error of %g, in %s", plan.config.error, told_time(reached.seconds).c_str());
-        if (plan.promised_seconds > 0) text += printed(" (foreseen: %s)", told_time(plan.promised_seconds).c_str());
-        if (reached.error_bound == 0) return text + printed(": %u samples a pixel tell nothing", reached.spp);
-        return text + printed(": it is about %.3g, and less than %.3g in 95 of 100 renders", reached.error,
-                              reached.error_bound);
+        if (plan.promised_seconds > 0) text += printed(" (predicted: %s)", told_time(plan.promised_seconds).c_str());
+        if (reached.error_bound == 0)
+            return text + printed(": %u samples per pixel are too few to estimate the error", reached.spp);
+        return text +
+               printed(": about %.3g, and less than %.3g in 95 of 100 renders", reached.error, reached.error_bound);
     }
-    return printed("time of %s: %s, %u samples a pixel", told_time(plan.config.seconds).c_str(),
+    return printed("time of %s: %s, %u samples per pixel", told_time(plan.config.seconds).c_str(),
                    told_time(reached.seconds).c_str(), reached.spp);
 }
 

@@ -22,9 +22,9 @@ namespace fs = std::filesystem;
 [[noreturn]] void fail(const std::string& action, const fs::path& path, int error) {
     const char* remedy = "check the path";
     if (error == ENOSPC || error == EDQUOT || error == EFBIG) remedy = "free some space or choose another folder";
-    if (error == EACCES || error == EPERM || error == EROFS) remedy = "choose a folder that you may write to";
+    if (error == EACCES || error == EPERM || error == EROFS) remedy = "choose a writable folder";
     if (error == ENOENT || error == ENOTDIR) remedy = "create the folder first";
-    if (error == EISDIR) remedy = "name a file in the folder";
+    if (error == EISDIR) remedy = "give the name of a file in the folder";
     throw Error(ErrorKind::user, action + " '" + path.string() + "': " + std::strerror(error), remedy);
 }
 
@@ -166,9 +166,10 @@ void make_folder(const fs::path& path) {
     std::error_code error;
     fs::create_directories(path, error);
     if (error || !fs::is_directory(path, error))
-        throw Error(ErrorKind::user,
-                    "cannot make the folder '" + path.string() + "': " + std::strerror(error ? error.value() : ENOTDIR),
-                    "choose another place");
+        throw Error(
+            ErrorKind::user,
+            "cannot create the folder '" + path.string() + "': " + std::strerror(error ? error.value() : ENOTDIR),
+            "choose another folder");
 }
 
 void check_file_writable(const fs::path& path) {

@@ -25,8 +25,7 @@ BottomSize size_of(const Bvh& bvh, const BvhHeader& header) {
 }
 
 void check_bottoms(std::span<const Bvh> bottoms) {
-    if (bottoms.empty())
-        throw Error(ErrorKind::usage, "instances of nothing: no bottom level was given", "build at least one Bvh");
+    if (bottoms.empty()) throw Error(ErrorKind::usage, "instances without a bottom level", "pass at least one Bvh");
     for (const Bvh& bvh : bottoms) {
         if (bvh.device().context()() != bottoms[0].device().context()())
             throw Error(ErrorKind::usage, "bottom levels of different devices", "build all of them on one Device");
@@ -58,7 +57,7 @@ InstancedBvh::State::State(std::span<const Bvh> bottoms, const Buffer<Instance>&
     if (to.allocated() && to.size() != count)
         throw Error(ErrorKind::usage,
                     std::to_string(count) + " instances, but " + std::to_string(to.size()) + " ends of their motion",
-                    "give one each; one that stands still ends where it begins");
+                    "pass one end per instance; for an instance that does not move, repeat its transform");
     if (count >= CLARAY_SLOT)
         throw Error(ErrorKind::user, "too many instances: " + std::to_string(count) + ", the limit is 2^29 - 2");
     take_bottoms(bottoms);
@@ -117,7 +116,7 @@ void InstancedBvh::State::copy_bottoms(std::span<const Bvh> bottoms) {
         all = {all.nodes + size.nodes, all.leaves + size.leaves};
     }
     if (std::max(all.nodes, all.leaves) > 0xffffffffu)
-        throw Error(ErrorKind::user, "bottom levels of more than 2^32 nodes or leaves in all");
+        throw Error(ErrorKind::user, "the bottom levels have more than 2^32 nodes or leaves in total");
     headers = Buffer<BvhHeader>(device, host_headers);
     ranges = Buffer<BottomRange>(device, host_ranges);
     const bool wide = layout == Layout::wide;
@@ -181,7 +180,7 @@ InstancedBvh InstancedBvh::build_by_host(std::span<const Bvh> bottoms, std::span
     const Device& device = bottoms[0].device();
     if (!device.info().fp64)
         throw Error(ErrorKind::usage,
-                    "instances placed by the host for a device without float64, which rounds otherwise",
+                    "instances cannot be placed by the host for a device without float64, since results differ",
                     "use InstancedBvh::build");
     const Buffer<Instance> end_buffer = ends.empty() ? Buffer<Instance>() : Buffer<Instance>(device, ends);
     InstancedBvh bvh;

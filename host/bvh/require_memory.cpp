@@ -36,12 +36,12 @@ void require(const Device& device, std::uint64_t triangles, const Bvh::Config& c
         why += size_text(needed.bytes) + " on " + info.name + ", which has " + size_text(bytes_available(device)) +
                " of its " + size_text(info.memory) + " left";
     else
-        why += "a buffer of " + size_text(needed.largest_buffer) + ", and " + info.name + " gives at most " +
-               size_text(info.max_allocation) + " in one";
+        why += "a buffer of " + size_text(needed.largest_buffer) + ", but " + info.name + " allocates at most " +
+               size_text(info.max_allocation) + " per buffer";
     Bvh::Config least = config;
     least.builder = Builder::fast, least.layout = Layout::binary, least.morton_bits = 30;
     const BvhMemory smaller = plan(least);
-    const std::string remedy = "choose the builder fast, the binary layout and codes of 30 bits, which take " +
+    const std::string remedy = "choose the builder fast, the binary layout and codes of 30 bits, which need " +
                                size_text(smaller.bytes) + ", or another device";
     throw Error(ErrorKind::device, why,
                 fits(device, smaller) ? remedy : "use fewer triangles, or a device with more memory");

@@ -89,7 +89,7 @@ public:
     }
 
     [[noreturn]] void refuse_damaged(const std::string& why) const {
-        refuse("the file is damaged: " + why, "build the structure anew and save it again");
+        refuse("the file is damaged: " + why, "build the structure again and save it");
     }
 
 private:
@@ -112,19 +112,19 @@ private:
         read(&header_, sizeof header_);
         if (header_.name != tree_magic) refuse_stranger();
         if (header_.order != byte_order)
-            refuse("it was written on a machine of another byte order", "build the structure on this machine");
+            refuse("it was written on a machine with a different byte order", "build the structure on this machine");
         if (header_.version != tree_version)
-            refuse("it has format " + std::to_string(header_.version) + ", this claray reads format " +
+            refuse("it has format " + std::to_string(header_.version) + ", but this claray reads format " +
                        std::to_string(tree_version),
-                   header_.version > tree_version ? "use a newer claray, or build the structure anew"
-                                                  : "build the structure anew and save it again");
+                   header_.version > tree_version ? "use a newer claray, or build the structure again"
+                                                  : "build the structure again and save it");
         if (header_.digest != digest_of_tree_header(header_)) refuse_damaged("the checksum of its header is wrong");
         if (header_.structs != struct_sizes)
-            refuse("its nodes or triangles have another layout", "build the structure anew and save it again");
+            refuse("its nodes or triangles have a different layout", "build the structure again and save it");
         if (header_.file_bytes != bytes_)
             refuse_damaged("it has " + std::to_string(bytes_) + " bytes instead of " +
                            std::to_string(header_.file_bytes));
-        if (!holds_its_arrays()) refuse_damaged("its arrays have another size than the file");
+        if (!holds_its_arrays()) refuse_damaged("the sizes of its arrays do not match the file size");
     }
 
     /// So that the room for a tree is known to be that of the file before any is asked for.
@@ -142,7 +142,7 @@ private:
     }
 
     [[noreturn]] void refuse_stranger() const {
-        refuse("it is no saved structure", "name a file that Bvh::save wrote");
+        refuse("it is not a saved structure", "give a file written by Bvh::save");
     }
 
     std::filesystem::path path_;
@@ -205,7 +205,7 @@ Bvh::Config config_of(const SavedFile& file, Layout layout) {
     const std::uint32_t most_in_leaf = header.high >> 16;
     if (header.builder > std::uint32_t(Builder::high) || (header.morton_bits != 30 && header.morton_bits != 63) ||
         most_in_leaf < 1 || most_in_leaf > CLARAY_BLOCK || (header.high & 0xffffu) > most_rounds)
-        file.refuse_damaged("no builder makes such a tree");
+        file.refuse_damaged("its builder settings are invalid");
     Bvh::Config config;
     config.builder = Builder(header.builder);
     config.morton_bits = header.morton_bits;
@@ -218,7 +218,7 @@ Bvh::Config config_of(const SavedFile& file, Layout layout) {
 TriangleCounts counts_of(const SavedFile& file) {
     const TreeHeader& h = file.header();
     if (h.positions % 3 != 0 || h.indices % 3 != 0 || (h.geometries != 0 && h.geometries != h.indices / 3))
-        file.refuse_damaged("its arrays are of another number of triangles");
+        file.refuse_damaged("the sizes of its arrays do not match each other");
     return {h.positions, h.indices, h.geometries, h.masks};
 }
 
@@ -255,7 +255,7 @@ Bvh Bvh::load(const Device& device, const std::filesystem::path& path, Layout la
     bvh.state_ = std::make_shared<State>(device, triangles, config);
     State& s = *bvh.state_;
     if (s.nodes.size() != header.nodes || s.leaves.size() != header.leaves)
-        file.refuse_damaged("its tree and its triangles don't belong together");
+        file.refuse_damaged("its tree and its triangles do not match");
     read_arrays(file, s);
     s.header.write(std::span(&header.bvh, 1));
     if (s.layout == Layout::wide && config.max_leaf_triangles > 1)

@@ -55,10 +55,11 @@ std::string SavedTree::fault(const BvhHeader& header, const Counts& counts) cons
 }
 
 std::string SavedTree::fault_of_header(const BvhHeader& h, const Counts& counts) const {
-    if (h.inner_nodes > nodes_.size() || h.valid > leaves_.size()) return "its header counts more nodes than there are";
+    if (h.inner_nodes > nodes_.size() || h.valid > leaves_.size())
+        return "its header counts more nodes than the file contains";
     const std::uint64_t listed = std::uint64_t(h.valid) + h.culled;
     if (h.culled > counts.triangles || (counts.splits ? listed < counts.triangles : listed != counts.triangles))
-        return "its tree has another number of triangles than its mesh";
+        return "its tree and its mesh differ in the number of triangles";
     if ((h.valid == 0) != (h.root == CLARAY_NO_CHILD)) return "its root is missing";
     if (h.height > CLARAY_MAX_HEIGHT) return "its tree is higher than " + std::to_string(CLARAY_MAX_HEIGHT) + " levels";
     if (h.valid == 0) return {};
@@ -69,28 +70,28 @@ std::string SavedTree::fault_of_header(const BvhHeader& h, const Counts& counts)
 }
 
 std::string SavedTree::fault_of_triangles(const Counts& counts) const {
-    if (counts.triangles != 0 && largest_index_ >= counts.vertices) return numbered("it has no vertex", largest_index_);
+    if (counts.triangles != 0 && largest_index_ >= counts.vertices) return numbered("missing vertex", largest_index_);
     if (masks_.empty()) return {};
     const auto largest = std::max_element(geometries_.begin(), geometries_.end());
     const std::uint32_t geometry = largest == geometries_.end() ? 0 : *largest;
-    return geometry < masks_.size() ? "" : numbered("it has no mask of geometry", geometry);
+    return geometry < masks_.size() ? "" : numbered("missing mask of geometry", geometry);
 }
 
 /// A node's parent is one, so that no node can be the child of two; and a child is lower than its parent, so that no
 /// path comes back.
 std::string SavedTree::fault_of_child(const BvhHeader& header, std::uint32_t child, Walk& walk) const {
     if (!is_leaf(child)) {
-        if (child >= header.inner_nodes || nodes_[child].free()) return numbered("it has no node", child);
-        if (nodes_[child].parent != walk.index) return numbered("another node is the parent of node", child);
+        if (child >= header.inner_nodes || nodes_[child].free()) return numbered("missing node", child);
+        if (nodes_[child].parent != walk.index) return numbered("wrong parent of node", child);
         ++walk.links;
         walk.height = std::max(walk.height, height_of(nodes_[child].height_count));
         walk.count += nodes_[child].height_count & CLARAY_COUNT_LIMIT;
         return {};
     }
     const std::uint32_t first = child & CLARAY_SLOT, count = CLARAY_LEAF_COUNT(child);
-    if (count > walk.most_in_leaf || first + count > header.valid) return numbered("it has no leaf", child);
+    if (count > walk.most_in_leaf || first + count > header.valid) return numbered("invalid leaf", child);
     for (std::uint32_t slot = first; slot < first + count; ++slot) {
-        if (walk.slots[slot]) return numbered("several leaves hold triangle", slot);
+        if (walk.slots[slot]) return numbered("several leaves contain triangle", slot);
         walk.slots[slot] = true;
     }
     walk.held += count;
@@ -107,7 +108,7 @@ std::string SavedTree::fault_of_node(const BvhHeader& header, std::uint32_t inde
     const std::uint32_t count = std::min(walk.count, CLARAY_COUNT_LIMIT);
     if (node.height_count != ((walk.height + 1) << 24 | count)) return numbered("wrong height or count in node", index);
     if (walk.height >= CLARAY_MAX_HEIGHT) return numbered("the tree is too high below node", index);
-    if ((node.parent == CLARAY_NO_CHILD) != (index == header.root)) return numbered("no parent has node", index);
+    if ((node.parent == CLARAY_NO_CHILD) != (index == header.root)) return numbered("missing parent of node", index);
     return {};
 }
 
@@ -134,7 +135,7 @@ std::string SavedTree::fault_of_nodes(const BvhHeader& header, const Counts& cou
 std::string SavedTree::fault_of_leaves(const BvhHeader& header, const Counts& counts) const {
     for (std::uint32_t slot = 0; slot < header.valid; ++slot) {
         const Leaf& leaf = leaves_[slot];
-        if (leaf.primitive >= counts.triangles) return numbered("it has no triangle", leaf.primitive);
+        if (leaf.primitive >= counts.triangles) return numbered("missing triangle", leaf.primitive);
         if (leaf.geometry != geometry_of(leaf.primitive) || leaf.mask != mask_of(leaf.geometry))
             return numbered("wrong geometry or mask in leaf", slot);
     }

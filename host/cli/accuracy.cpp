@@ -70,7 +70,7 @@ std::vector<NamedStudy> chosen_studies(const std::string& names) {
         for (const NamedStudy& study : all_studies)
             if (name == study.name) found = &study;
         if (!found)
-            throw Error(ErrorKind::usage, "--only: there is no study '" + name + "'", "choose of " + study_names());
+            throw Error(ErrorKind::usage, "--only: unknown study '" + name + "'", "choose from " + study_names());
         chosen.push_back(*found);
     }
     return chosen;
@@ -81,7 +81,8 @@ class KeptReferences {
 public:
     KeptReferences() {
         std::string name = (std::filesystem::temp_directory_path() / "claray-references-XXXXXX").string();
-        if (!mkdtemp(name.data())) throw Error(ErrorKind::user, "cannot make the folder " + name, "set TMPDIR");
+        if (!mkdtemp(name.data()))
+            throw Error(ErrorKind::user, "cannot create the folder " + name, "set TMPDIR to a writable folder");
         path_ = name;
     }
     ~KeptReferences() {
@@ -117,7 +118,7 @@ AccuracyProgress show_progress(const std::string& study, bool quiet) {
 void print_study(const Study& study) {
     std::printf("\n%s: %s against %s", study.title.c_str(), study.error.c_str(), study.cost.c_str());
     if (study.reference_spp != 0)
-        std::printf("; reference of %u samples a pixel, its own error %s", study.reference_spp,
+        std::printf("; reference of %u samples per pixel, its own error %s", study.reference_spp,
                     number(study.floor).c_str());
     std::printf("\n");
     const std::vector<std::string> facts = fact_names(study);
@@ -155,8 +156,9 @@ void print_check(const ErrorCheck& check) {
     }
     print_table(rows, 2);
     std::printf(
-        "%u of %u points are within 10 %% of the error against an independent reference of %u samples a pixel, "
-        "the worst is off by %.2f %%\nindependent sampler: error falls with the samples to the power of %.3f\n",
+        "%u of %u points are within 10 %% of the error against an independent reference of %u samples per pixel, the "
+        "largest difference is %.2f %%\n"
+        "independent sampler: the error is proportional to the samples to the power of %.3f\n",
         check.within, check.points, check.independent.reference_spp, 100 * check.worst, check.slope);
 }
 
@@ -219,7 +221,7 @@ void write_maps(const AccuracyOptions& o, const std::vector<ErrorMap>& maps) {
     const std::string share = std::to_string(studies.size()) + " of " + std::to_string(all) + " studies";
     const std::string_view text = error.what(), line = text.substr(0, text.find('\n')),
                            report = text.substr(line.size());
-    throw Error(error.kind(), std::string(line), share + " are done and shown, and no file is written",
+    throw Error(error.kind(), std::string(line), share + " are finished and printed; no file was written",
                 std::string(report.substr(report.empty() ? 0 : 1)));
 }
 
@@ -237,11 +239,11 @@ void accuracy(AccuracyOptions o) {
     const std::vector<NamedStudy> chosen = chosen_studies(o.only);
     if (!o.maps.empty()) {
         if (std::none_of(chosen.begin(), chosen.end(), [](const NamedStudy& s) { return s.run == nullptr; }))
-            throw Error(ErrorKind::usage, "--maps are made by the study effects", "add effects to --only");
+            throw Error(ErrorKind::usage, "--maps needs the study effects", "add effects to --only");
         make_folder(o.maps);
     }
     if (!o.svg.empty() && chosen.size() != 1)
-        throw Error(ErrorKind::usage, "--svg is the plot of one study", "choose it by --only, or use --html");
+        throw Error(ErrorKind::usage, "--svg plots one study", "select it with --only, or use --html");
     if (!o.svgs.empty()) make_folder(o.svgs);
     check_outputs(outputs_of(o, chosen), {{"the scene", o.scene}});
     if (o.quick) o.study.most_spp = std::min(o.study.most_spp, 32u), o.study.runs = std::min(o.study.runs, 3u);
@@ -277,7 +279,7 @@ void accuracy(AccuracyOptions o) {
         writes.attempt([&] { write_file(path, text); });
     };
     if (!o.csv.empty()) write(o.csv, csv_of(studies, info.name, info.driver, o.scene));
-    if (!o.html.empty()) write(o.html, html_of(studies, "What accuracy costs: " + o.scene, subtitle));
+    if (!o.html.empty()) write(o.html, html_of(studies, "Accuracy against time: " + o.scene, subtitle));
     if (!o.svg.empty()) write(o.svg, svg_of(studies.front(), subtitle));
     if (!o.svgs.empty())
         for (const Study& study : studies) write(o.svgs / (study.name + ".svg"), svg_of(study, subtitle));
@@ -296,46 +298,44 @@ void accuracy(AccuracyOptions o) {
 }  // namespace
 
 void add_accuracy_command(CLI::App& app, Action& action) {
-    CLI::App* command = app.add_subcommand("accuracy", "Measure what accuracy costs in time, and draw it");
+    CLI::App* command = app.add_subcommand("accuracy", "Measure and plot accuracy against time");
     command->footer(
-        "Studies: hard-rays and scene-rays (tests of triangles and boxes), builds, nodes, sampling (samples a pixel, "
-        "by\n"
-        "sampler), techniques (of sampling), bias, arithmetic, sums, filtering, effects (docs/accuracy.md).\n"
+        "Studies: hard-rays and scene-rays (triangle and box tests), builds, nodes, sampling (samples per pixel, by\n"
+        "sampler), techniques (of sampling), bias, arithmetic, sums, filtering, effects (see docs/accuracy.md).\n"
         "Examples:\n"
         "  claray accuracy cornell --quick\n"
         "  claray accuracy scene.gltf --device gpu --size 512x512 --spp 1024 --html accuracy.html --csv accuracy.csv");
     auto o = std::make_shared<AccuracyOptions>();
     command->add_option("scene", o->scene, "A scene file, or a built-in scene (see claray scenes)")->required();
-    command->add_option("--only", o->only, "These studies only: NAME,NAME...");
-    command->add_flag("--quick", o->quick, "64x64 pixels, 32 samples and 3 runs at most");
+    command->add_option("--only", o->only, "Run these studies only: NAME,NAME...");
+    command->add_flag("--quick", o->quick, "At most 64x64 pixels, 32 samples and 3 runs");
     command->add_option_function<std::string>(
         "--size",
         [o](const std::string& text) { std::tie(o->study.config.width, o->study.config.height) = parse_size(text); },
         "WIDTHxHEIGHT in pixels [128x128]");
-    command->add_option("--spp", o->study.most_spp, "Samples a pixel up to which it is measured [256]")
+    command->add_option("--spp", o->study.most_spp, "Largest number of samples per pixel [256]")
         ->transform(whole_number(1, 65536));
-    command->add_option("--runs", o->study.runs, "Repetitions with seeds of their own [5]")
+    command->add_option("--runs", o->study.runs, "Repetitions, each with its own seed [5]")
         ->transform(whole_number(1, 1000));
-    command->add_option("--rays", o->study.rays, "Rays of the studies that make no image [262144]")
+    command->add_option("--rays", o->study.rays, "Rays in studies that render no image [262144]")
         ->transform(whole_number(1024, 1 << 27));
     add_view_options(*command, o->view);
-    command->add_option("--max-depth", o->study.config.max_depth, "Surfaces a path may meet [128]")
+    command->add_option("--max-depth", o->study.config.max_depth, "Surfaces per path, at most [128]")
         ->transform(whole_number(1, 1024));
-    command->add_option("--references", o->study.references, "Folder that keeps the references, to go on from");
-    command->add_option("--csv", o->csv, "Write all points");
+    command->add_option("--references", o->study.references, "Folder in which references are kept and continued");
+    command->add_option("--csv", o->csv, "Write all points as CSV");
     command->add_option("--html", o->html, "Write a report with plots");
     command->add_option("--svg", o->svg, "Write the plot of one study");
     command->add_option("--svgs", o->svgs, "Folder for the plots of all studies");
-    command->add_option("--maps", o->maps,
-                        "Folder for maps of the error of each pixel, without each effect (PFM and PNG)");
+    command->add_option("--maps", o->maps, "Folder for error maps without each effect (PFM and PNG)");
     command->add_flag("--check", o->check,
-                      "Hold the errors of the study sampling against a reference 16 times as large");
+                      "Check the errors of the study sampling against a reference with 16 times the samples");
     command->add_flag("--json", o->json, "Print as JSON");
-    command->add_option("--device", o->device, "cpu, gpu, an index or a part of the name (see claray devices)");
-    command->add_flag("-q,--quiet", o->quiet, "No progress");
+    command->add_option("--device", o->device, "cpu, gpu, an index or part of a name (see claray devices)");
+    command->add_flag("-q,--quiet", o->quiet, "Print no progress");
     command->callback([&action, command, o] {
         refuse_both(*command, "--check", {"--only", "--csv", "--html", "--svg", "--svgs", "--maps", "--json"},
-                    "it is a study of its own and prints a table");
+                    "--check is a separate study and prints a table");
         action = [o] { accuracy(*o); };
     });
 }

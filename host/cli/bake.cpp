@@ -30,8 +30,8 @@ struct BakeOptions {
 void bake(BakeOptions options) {
     const std::filesystem::path extension = options.output.extension();
     if (extension != ".pfm" && extension != ".hdr")
-        throw Error(ErrorKind::usage, "--output: '" + options.output.string() + "' can't hold irradiance",
-                    "name a file .hdr or .pfm");
+        throw Error(ErrorKind::usage, "--output: '" + options.output.string() + "' cannot store irradiance",
+                    "use the extension .hdr or .pfm");
     check_outputs({{"--output", options.output}}, {{"the scene", options.scene}});
     const Scene scene = load(options.scene, options.load, options.lights, options.surfaces);
     options.config.uv_set = light_map_uv_set(scene, options.mesh);
@@ -44,7 +44,7 @@ void bake(BakeOptions options) {
     write_image(options.output, image);
     if (std::none_of(map.floats.begin(), map.floats.end(), [](float value) { return value > 0; }))
         print_warnings({"no light falls on mesh " + std::to_string(options.mesh) +
-                        ": the map is black; add some by --light or --sky"});
+                        ": the light map is black; add light with --light or --sky"});
     std::printf("%s: irradiance of mesh %zu, %ux%u texels on coordinates %u\n", options.output.string().c_str(),
                 options.mesh, map.width, map.height, options.config.uv_set);
 }
@@ -52,7 +52,7 @@ void bake(BakeOptions options) {
 }  // namespace
 
 void add_bake_command(CLI::App& app, Action& action) {
-    CLI::App* command = app.add_subcommand("bake", "Compute the light that falls on a mesh, for render --light-map");
+    CLI::App* command = app.add_subcommand("bake", "Compute the light on a mesh as a light map for render --light-map");
     command->footer(
         "Examples:\n"
         "  claray bake effect:light-maps -o lm.hdr --size 64x64\n"
@@ -60,19 +60,20 @@ void add_bake_command(CLI::App& app, Action& action) {
         "  claray bake hall.gltf --mesh 2 -o lm2.hdr --spp 1024");
     auto o = std::make_shared<BakeOptions>();
     command->add_option("scene", o->scene, "A scene file, or a built-in scene (see claray scenes)")->required();
-    command->add_option("-o,--output", o->output, "The light map: .hdr or .pfm")->required();
-    command->add_option("--mesh", o->mesh, "The mesh, counted from 0 [0]")->transform(whole_number(0));
+    command->add_option("-o,--output", o->output, "Output light map: .hdr or .pfm")->required();
+    command->add_option("--mesh", o->mesh, "Index of the mesh, from 0 [0]")->transform(whole_number(0));
     command->add_option_function<std::string>(
         "--size", [o](const std::string& text) { std::tie(o->config.width, o->config.height) = parse_size(text); },
         "WIDTHxHEIGHT in texels [128x128]");
-    command->add_option("--spp", o->config.spp, "Paths a texel [256]")->transform(whole_number(1, 1 << 24));
-    command->add_option("--max-depth", o->config.max_depth, "Surfaces a path may meet; 1 is direct light only [128]")
+    command->add_option("--spp", o->config.spp, "Paths per texel [256]")->transform(whole_number(1, 1 << 24));
+    command->add_option("--max-depth", o->config.max_depth, "Surfaces per path, at most; 1 is direct light only [128]")
         ->transform(whole_number(1, 1024));
     add_light_options(*command, o->lights);
     add_surface_options(*command, o->surfaces);
     add_load_options(*command, o->load);
-    command->add_option("--seed", o->config.seed, "Another number gives other noise [0]")->transform(whole_number(0));
-    command->add_option("--device", o->device, "cpu, gpu, an index or a part of the name (see claray devices)");
+    command->add_option("--seed", o->config.seed, "Seed of the random numbers; changes the noise [0]")
+        ->transform(whole_number(0));
+    command->add_option("--device", o->device, "cpu, gpu, an index or part of a name (see claray devices)");
     command->callback([&action, o] { action = [o] { bake(*o); }; });
 }
 

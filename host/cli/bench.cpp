@@ -180,11 +180,13 @@ void run_bench(const BenchOptions& options) {
 }  // namespace
 
 void add_bench_command(CLI::App& app, Action& action) {
-    CLI::App* command = app.add_subcommand("bench", "Time builds and rays: scenes x presets x kinds of rays x devices");
+    CLI::App* command =
+        app.add_subcommand("bench", "Measure build times and ray rates: scenes x presets x kinds of rays x devices");
     command->footer(
-        "Shadow rays ask whether they hit anything, the others what they hit first; random rays are the primary and\n"
-        "bounce rays in random order. 'build ms' is the time of all commands of a build; 'span ms' adds the pauses\n"
-        "between them, and it is what counts in build + trace. Instances are put where they stand, into one tree.\n"
+        "Shadow rays are any-hit queries, the others closest-hit queries. Random rays are the primary and bounce rays\n"
+        "in random order. 'build ms' is the time of all commands of a build. 'span ms' also contains the pauses "
+        "between\n"
+        "them; build + trace uses it. Instances are copied to their places, into one tree.\n"
         "Example:\n"
         "  claray bench --scene sponza.obj --scene terrain:10000000 --size 1920x1080 --device gpu --csv gpu.csv");
     auto options = std::make_shared<BenchOptions>();
@@ -194,22 +196,22 @@ void add_bench_command(CLI::App& app, Action& action) {
     command->add_option("--scene,scenes", o.bench.scenes,
                         "Scene files (.obj, .gltf, .glb), built-in scenes, or NAME.scn with NAME.ray [soup:50000 "
                         "terrain:200000 hair:50000]");
-    command->add_option("--preset", o.bench.presets, "fast, balanced, high; all where this is not given")
+    command->add_option("--preset", o.bench.presets, "fast, balanced, high [all]")
         ->delimiter(',')
         ->allow_extra_args(false)
         ->transform(choice_of(measure::builders))
         ->type_name("NAME");
-    command->add_option("--layout", o.bench.layout, "Tree that is traversed: auto, binary or wide [auto]")
+    command->add_option("--layout", o.bench.layout, "Layout of the tree for tracing: auto, binary or wide [auto]")
         ->transform(choice_of(measure::layouts))
         ->type_name("NAME");
     command->add_option_function<std::string>(
         "--size", [&o](const std::string& text) { std::tie(o.bench.width, o.bench.height) = parse_size(text); },
         "WIDTHxHEIGHT of each of the three views [320x180]");
-    command->add_option("--repeat", o.bench.repeat, "Rounds that count [9]")->transform(whole_number(1, 1000));
-    command->add_option("--device", o.devices, "cpu, gpu, an index, a part of the name, or all; may be repeated")
+    command->add_option("--repeat", o.bench.repeat, "Rounds to measure [9]")->transform(whole_number(1, 1000));
+    command->add_option("--device", o.devices, "cpu, gpu, an index, part of a name, or all; may be repeated")
         ->allow_extra_args(false);
-    command->add_option("--csv", o.csv, "Also write a file of comma-separated values");
-    command->add_flag("--stages", o.stages, "Also print the stages of the builds");
+    command->add_option("--csv", o.csv, "Also write a CSV file");
+    command->add_flag("--stages", o.stages, "Also print the build time per stage");
     command->add_flag("--json", o.json, "Print the result as JSON");
     command->callback([&action, options] { action = [options] { run_bench(*options); }; });
 }

@@ -71,12 +71,12 @@ void print_as_text(const Device& device, const BuildOptions& options, const Repo
     std::printf("tree          %s, %u triangles (%u culled), height %u, SAH cost %.2f, %.1f MB, %s\n", r.layout.c_str(),
                 s.triangles, s.culled, s.height, s.sah_cost, double(s.bytes) * 1e-6, r.valid ? "valid" : "INVALID");
     if (!r.build.rounds.empty())
-        std::printf("memory        %s to build, scratch and triangles included; the largest buffer %s\n",
+        std::printf("memory        %s to build, including scratch and triangles; the largest buffer %s\n",
                     size_text(r.memory.bytes).c_str(), size_text(r.memory.largest_buffer).c_str());
     std::printf("hash          %s\n", r.hash.c_str());
     if (r.load_seconds > 0) std::printf("loaded        in %.2f s\n", r.load_seconds);
     if (!r.build.rounds.empty()) {
-        std::printf("build         %.3f ms, %.1f Mtri/s; %.3f ms with the pauses between commands; median of %zu\n",
+        std::printf("build         %.3f ms, %.1f Mtri/s; %.3f ms including pauses between commands; median of %zu\n",
                     r.build.milliseconds(), double(s.triangles) * 1e-3 / r.build.milliseconds(), r.build.span(),
                     r.build.rounds.size());
         std::vector<Row> rows;
@@ -115,11 +115,12 @@ bool is_saved(const std::filesystem::path& path) { return path.extension() == sa
 void check_build_options(const CLI::App& command, const BuildOptions& options) {
     for (const char* option : {"--builder", "--morton-bits", "--repeat"})
         if (is_saved(options.scene) && command.count(option) > 0)
-            throw Error(ErrorKind::usage, std::string(option) + ": '" + options.scene + "' is built already",
-                        "give the scene that it was built from, or leave the option out");
+            throw Error(ErrorKind::usage,
+                        std::string(option) + ": '" + options.scene + "' is a saved tree and is not built again",
+                        "give the scene from which it was built, or leave the option out");
     if (!options.output.empty() && !is_saved(options.output))
-        throw Error(ErrorKind::usage, "--output: '" + options.output.string() + "' is no name of a saved tree",
-                    "name a file .cbvh");
+        throw Error(ErrorKind::usage, "--output: '" + options.output.string() + "' is not the name of a saved tree",
+                    "use the extension .cbvh");
 }
 
 void run_build(const BuildOptions& options) {
@@ -129,16 +130,17 @@ void run_build(const BuildOptions& options) {
     options.json ? print_as_json(device, options, report) : print_as_text(device, options, report);
     if (!report.valid)
         throw Error(ErrorKind::device, "the tree of " + options.scene + " is not valid on " + device.info().name,
-                    "report this with the output of 'claray devices --json'");
+                    "report this, with the output of 'claray devices --json'");
 }
 
 }  // namespace
 
 void add_build_command(CLI::App& app, Action& action) {
-    CLI::App* command = app.add_subcommand("build", "Build a tree: its cost stage by stage, its quality; or save it");
+    CLI::App* command = app.add_subcommand(
+        "build", "Build a tree, print its build time per stage and its quality, and optionally save it");
     command->footer(
-        "A saved tree can be loaded on any device: Bvh::load, or 'claray build FILE.cbvh', which checks it.\n"
-        "Instances are put where they stand, into one tree.\n"
+        "A saved tree can be loaded on any device by Bvh::load. 'claray build FILE.cbvh' loads and checks it.\n"
+        "Instances are copied to their places, into one tree.\n"
         "Example:\n"
         "  claray build scene.obj --builder balanced -o scene.cbvh");
     auto options = std::make_shared<BuildOptions>();
@@ -147,8 +149,8 @@ void add_build_command(CLI::App& app, Action& action) {
         ->required();
     command->add_option("-o,--output", o.output, "Save the tree and its triangles: FILE.cbvh");
     add_bvh_options(*command, o.config);
-    command->add_option("--repeat", o.repeat, "Builds to take the median of [5]")->transform(whole_number(1, 1000));
-    command->add_option("--device", o.device, "cpu, gpu, an index or a part of the name (see claray devices)");
+    command->add_option("--repeat", o.repeat, "Builds for the median [5]")->transform(whole_number(1, 1000));
+    command->add_option("--device", o.device, "cpu, gpu, an index or part of a name (see claray devices)");
     command->add_flag("--json", o.json, "Print the result as JSON");
     command->callback([&action, command, options] {
         check_build_options(*command, *options);

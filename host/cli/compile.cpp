@@ -30,15 +30,17 @@ void compile(const CompileOptions& options) {
 }  // namespace
 
 void add_compile_command(CLI::App& app, Action& action) {
-    CLI::App* command = app.add_subcommand("compile", "Compile kernels ahead, so that a first picture comes at once");
+    CLI::App* command =
+        app.add_subcommand("compile", "Compile kernels in advance, so that the first image starts without delay");
     command->footer(
-        "Without --effects: the generic kernels, with which renders of new scenes begin. claray render does this by\n"
-        "itself in the background.");
+        "Without --effects: compile the generic kernels, with which renders of new scenes start. claray render also "
+        "does\n"
+        "this automatically in the background.");
     auto options = std::make_shared<CompileOptions>();
-    command->add_option("--effects", options->effects, "What the kernels shall know: NAME,NAME... [all]");
-    command->add_option("--device", options->device, "cpu, gpu, an index or a part of the name (see claray devices)");
+    command->add_option("--effects", options->effects, "Effects that the kernels support: NAME,NAME... [all]");
+    command->add_option("--device", options->device, "cpu, gpu, an index or part of a name (see claray devices)");
     add_bvh_options(*command, options->config.bvh);
-    command->add_flag("--and-generic", options->and_generic, "Afterwards the generic kernels, too");
+    command->add_flag("--and-generic", options->and_generic, "Also compile the generic kernels afterwards");
     command->add_flag("-q,--quiet", options->quiet, "Print nothing");
     command->callback([&action, options] { action = [options] { compile(*options); }; });
 }

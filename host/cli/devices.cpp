@@ -58,9 +58,9 @@ void print_as_json(const std::vector<DeviceInfo>& infos) {
 }  // namespace
 
 void add_devices_command(CLI::App& app, Action& action) {
-    CLI::App* command = app.add_subcommand("devices", "List the OpenCL devices that --device can name");
+    CLI::App* command = app.add_subcommand("devices", "List the OpenCL devices for --device");
     auto json = std::make_shared<bool>(false);
-    command->add_flag("--json", *json, "As JSON, with all extensions");
+    command->add_flag("--json", *json, "Print as JSON, with all extensions");
     command->callback([&action, json] {
         action = [json] { *json ? print_as_json(list_devices()) : print_as_table(list_devices()); };
     });

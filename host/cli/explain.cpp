@@ -78,7 +78,7 @@ void print_variant(const char* name, const Variant& v, bool compile_times) {
 
 /// Before minutes of measuring.
 void print_called_for(const std::vector<ExplainedEffect>& effects, const ExplainOptions& o, const Device& device) {
-    std::printf("%s on %s, %ux%u, one sample a pixel, calls for:\n", o.scene.c_str(), device.info().name.c_str(),
+    std::printf("%s on %s, %ux%u, one sample per pixel, uses:\n", o.scene.c_str(), device.info().name.c_str(),
                 o.config.width, o.config.height);
     for (const ExplainedEffect& e : effects)
         if (e.called_for) std::printf("  %-24s %s\n", name_of(e.effect), reason(e.cause).c_str());
@@ -90,11 +90,10 @@ void print_notes(const Explanation& x, bool compile_times) {
     const auto any = [&](auto test) { return std::any_of(x.effects.begin(), x.effects.end(), test); };
     if (any([](const ExplainedEffect& e) { return e.noise; }))
         std::printf(
-            "noise: rounds are fewer than five, or don't agree about which is slower; more --rounds may tell\n");
+            "noise: fewer than five rounds, or the rounds disagree about which is slower; more --rounds may help\n");
     if (compile_times && any([](const ExplainedEffect& e) { return !e.fixed && compile_cost(e) < 0; }))
         std::printf(
-            "compile times are of one compilation each and differ by some percent from one to the next, which alone "
-            "makes some less than 0\n");
+            "compile times are measured once and vary by some percent; therefore some differences are below 0\n");
 }
 
 void print_text(const Explanation& x, const ExplainOptions& o) {
@@ -112,9 +111,8 @@ void print_text(const Explanation& x, const ExplainOptions& o) {
     std::printf("\n");
     print_variant("the scene's own", x.own, compile_times);
     print_variant("everything", x.full, compile_times);
-    std::printf("leaving out what nothing calls for: %s", x.full_noise
-                                                              ? "no faster, as far as the noise tells"
-                                                              : (fixed(x.full_ratio, 2) + " times as fast").c_str());
+    std::printf("without unused effects: %s",
+                x.full_noise ? "no measurable difference" : (fixed(x.full_ratio, 2) + " times as fast").c_str());
     if (compile_times)
         std::printf(", %.0f ms less to compile", x.full.compile_milliseconds - x.own.compile_milliseconds);
     std::printf("\n");
@@ -160,11 +158,11 @@ void print_json(const Explanation& x, const ExplainOptions& o, const Device& dev
 
 void write_svg(const Explanation& x, const ExplainOptions& o, const Device& device) {
     BarChart chart;
-    chart.title = "What the effects of " + o.scene + " cost";
-    chart.subtitle = "milliseconds of a frame of " + fixed(x.own.milliseconds, 2) + " ms (" +
+    chart.title = "Cost of the effects of " + o.scene;
+    chart.subtitle = "milliseconds per frame of " + fixed(x.own.milliseconds, 2) + " ms (" +
                      std::to_string(o.config.width) + "x" + std::to_string(o.config.height) +
-                     ", one sample a pixel) on " + device.info().name;
-    chart.strong = "called for: what it adds", chart.weak = "left out: what it would add";
+                     ", one sample per pixel) on " + device.info().name;
+    chart.strong = "called for: cost in this scene", chart.weak = "left out: cost if it were used";
     for (const ExplainedEffect& e : x.effects)
         if (!e.fixed) chart.bars.push_back({name_of(e.effect), cost(e, x.own), e.called_for, e.noise});
     chart.bars.push_back({"everything", x.own.milliseconds * (x.full_ratio - 1), false, x.full_noise});
@@ -176,8 +174,8 @@ void explain(const ExplainOptions& options) {
     RenderConfig config = options.config;
     if (!options.effects.empty()) config.effects = parse_effect_overrides(options.effects);
     if (!config.effects.add.empty())
-        throw Error(ErrorKind::usage, "--effects: explain measures every effect that could be added",
-                    "write -NAME to take effects from the scene first");
+        throw Error(ErrorKind::usage, "--effects: explain measures all effects that can be added",
+                    "use -NAME to remove effects from the scene first");
     measure::ExplainOptions measure = options.measure;
     if (!options.only.empty()) measure.only = parse_effects(options.only);
     const Scene scene = load_view(options.scene, options.view, config.width, config.height);
@@ -193,11 +191,10 @@ void explain(const ExplainOptions& options) {
 }  // namespace
 
 void add_explain_command(CLI::App& app, Action& action) {
-    CLI::App* command = app.add_subcommand("explain", "Tell what a scene calls for, why, and what each effect costs");
+    CLI::App* command = app.add_subcommand("explain", "Show which effects a scene uses, why, and the cost of each");
     command->footer(
-        "Every effect is measured against the scene's own kernels over the same samples, by turns. What the image "
-        "loses\n"
-        "without each, pixel by pixel: claray accuracy SCENE --only effects --maps FOLDER.\n"
+        "Every effect is compared with the scene's own kernels, with the same samples, alternating between the two.\n"
+        "For the error per pixel without each effect: claray accuracy SCENE --only effects --maps FOLDER.\n"
         "Examples:\n"
         "  claray explain spheres\n"
         "  claray explain scene.gltf --device gpu --size 1024x1024 --svg cost.svg\n"
@@ -208,18 +205,18 @@ void add_explain_command(CLI::App& app, Action& action) {
         "--size", [o](const std::string& text) { std::tie(o->config.width, o->config.height) = parse_size(text); },
         "WIDTHxHEIGHT in pixels [128x128]");
     add_view_options(*command, o->view);
-    command->add_option("--max-depth", o->config.max_depth, "Surfaces a path may meet [128]")
+    command->add_option("--max-depth", o->config.max_depth, "Surfaces per path, at most [128]")
         ->transform(whole_number(1, 1024));
-    command->add_option("--rounds", o->measure.rounds, "Pairs of short renders that are compared for each effect [7]")
+    command->add_option("--rounds", o->measure.rounds, "Pairs of short renders to compare for each effect [7]")
         ->transform(whole_number(1, 1000));
-    command->add_flag("!--no-compile-times", o->measure.compile_times, "Don't compile everything again for its time");
+    command->add_flag("!--no-compile-times", o->measure.compile_times, "Do not measure compile times");
     command->add_option("--only", o->only, "Measure these effects only: NAME,NAME...");
-    command->add_option("--effects", o->effects, "-NAME,-NAME... takes effects from the scene first");
+    command->add_option("--effects", o->effects, "-NAME,-NAME... removes effects from the scene first");
     command->add_option("--svg", o->svg, "Write a bar chart");
-    command->add_option("--device", o->device, "cpu, gpu, an index or a part of the name (see claray devices)");
+    command->add_option("--device", o->device, "cpu, gpu, an index or part of a name (see claray devices)");
     add_bvh_options(*command, o->config.bvh);
     command->add_flag("--json", o->json, "Print as JSON");
-    command->add_flag("-q,--quiet", o->quiet, "No progress");
+    command->add_flag("-q,--quiet", o->quiet, "Print no progress");
     command->callback([&action, o] { action = [o] { explain(*o); }; });
 }
 

@@ -43,16 +43,16 @@ void print_warnings(const Warnings& warnings) {
 }
 
 void add_load_options(CLI::App& command, LoadOptions& o) {
-    command.add_option("--at", o.time, "Show a glTF as it is after this many seconds of its animation [at rest]")
+    command.add_option("--at", o.time, "Time in the animation of a glTF, in seconds [rest pose]")
         ->check(number_above("0 or more", 0, true))
         ->type_name("SECONDS");
-    command.add_option("--animation", o.animation, "Which one, by name or index; or all at once: all [the first]");
-    command.add_option("--variant", o.variant,
-                       "Variant of the materials of a glTF, by name or index [the default materials]");
-    command.add_option("--file-scene", o.scene, "Scene of a glTF that has many, by name or index [its default]");
+    command.add_option("--animation", o.animation, "Animation by name or index; all: all at once [the first]");
+    command.add_option("--variant", o.variant, "Material variant of a glTF, by name or index [the default materials]");
+    command.add_option("--file-scene", o.scene, "Scene of a glTF with several scenes, by name or index [its default]");
     command
-        .add_option("--stroke-radius", o.stroke_radius,
-                    "Radius of the spheres and tubes that stand for points and lines of a glTF; 0 leaves them out")
+        .add_option(
+            "--stroke-radius", o.stroke_radius,
+            "Radius of the spheres and tubes for points and lines of a glTF; 0: leave them out [by the scene's size]")
         ->check(number_above("0 or more", 0, true))
         ->type_name("R");
 }
@@ -65,8 +65,8 @@ void refuse_unseen(const std::string& name, const Scene& scene) {
     const std::size_t triangles = triangle_count(scene);
     if (any || triangles == 0) return;
     throw Error(ErrorKind::user,
-                "'" + name + "' shows nothing: its triangles, " + std::to_string(triangles) +
-                    ", are all without area, not finite or beyond 1e18",
+                "'" + name + "' has no visible triangle: all " + std::to_string(triangles) +
+                    " are without area, not finite or beyond 1e18",
                 "export the mesh again");
 }
 
@@ -88,7 +88,7 @@ Scene load(const std::string& name, const LoadOptions& options, const LightOptio
     const Camera camera = scene.camera.value_or(automatic_camera(bounds_of(scene)));
     const std::size_t lights_before = scene.lights.size();
     const auto line = light_if_dark(scene, camera, aspect);
-    if (line) print_warnings({*line + "; choose others by --light, --sky or --environment"});
+    if (line) print_warnings({*line + "; choose other light with --light, --sky or --environment"});
     if (default_light) *default_light = line ? added_light(scene, lights_before) : LightOptions();
     return scene;
 }

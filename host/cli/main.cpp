@@ -1,4 +1,5 @@
-// claray: the program. Exit codes: 0 done, 1 input or environment, 2 command line, 3 OpenCL (see claray/error.hpp).
+// claray: the program. Exit codes: 0: success; 1: input or environment; 2: invalid command line; 3: OpenCL (see
+// claray/error.hpp).
 #include <pthread.h>
 #include <sys/resource.h>
 
@@ -26,18 +27,18 @@ void flush_output() {
 void warn_of_lost_kernels() {
     const std::string error = claray::compile_statistics().cache_error;
     if (error.empty()) return;
-    claray::cli::print_warning("compiled kernels are not kept for the next time: " + error +
-                               "; set CLARAY_CACHE_DIR to a folder that you may write to");
+    claray::cli::print_warning("compiled kernels cannot be cached: " + error +
+                               "; set CLARAY_CACHE_DIR to a writable folder");
 }
 
 int run_program(int argc, char** argv) {
-    CLI::App app{"Ray tracing on any OpenCL device: a mesh goes in, an image comes out.", "claray"};
+    CLI::App app{"Renders scenes by ray tracing on any OpenCL device.", "claray"};
     app.footer(
         "Examples:\n"
         "  claray devices\n"
         "  claray render spheres -o spheres.png --device cpu --spp 256\n"
         "  claray render scene.obj -o scene.png --camera 3,2,5 --look-at 0,1,0 --fov 50\n"
-        "'claray COMMAND --help' tells more. $CLARAY_DEVICE is the device where --device is not given.");
+        "'claray COMMAND --help' describes a command. $CLARAY_DEVICE is the default of --device.");
     app.set_version_flag("--version", "claray " CLARAY_VERSION);
     app.require_subcommand(0, 1);  // without one see below: CLI11 would not name an unknown command
     claray::cli::Action action;
@@ -60,7 +61,7 @@ int run_program(int argc, char** argv) {
         return claray::cli::print_error(claray::ErrorKind::usage,
                                         claray::one_line(claray::cli::usage_error(app, argc, argv, error)));
     }
-    if (!action) return claray::cli::print_error(claray::ErrorKind::usage, "a command is missing; see claray --help");
+    if (!action) return claray::cli::print_error(claray::ErrorKind::usage, "the command is missing; see claray --help");
     action();
     flush_output();
     warn_of_lost_kernels();

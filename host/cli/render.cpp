@@ -33,7 +33,7 @@ std::string this_program() {
 
 void warn_of_culled(const RenderProgress& progress) {
     if (progress.culled > 0)
-        print_warning("triangles are left out that are not finite, huge, or without area: " +
+        print_warning("triangles that are not finite, huge, or without area are left out: " +
                       std::to_string(progress.culled));
 }
 
@@ -52,7 +52,7 @@ Outcome run_renderer(const Device& device, Renderer& renderer, const RenderOptio
     const RenderProgress progress = plan ? render_to_target(device, renderer, *plan, show) : renderer.render(show);
     display.finish(progress);
     if (progress.spp == 0)
-        throw Error(ErrorKind::user, "interrupted before every pixel had a sample: there is no image to write");
+        throw Error(ErrorKind::user, "interrupted before every pixel had a sample: no image was written");
     return {progress, InterruptGuard::interrupted()};
 }
 
@@ -65,8 +65,8 @@ void refuse_lost_checkpoint(const Renderer& renderer) {
 void warn_of_picture_options(const RenderOptions& options) {
     const bool shaped = options.exposure != 0 || options.tone_map != RenderOptions{}.tone_map;
     if (shaped && !options.output.empty() && options.output.extension() != ".png")
-        print_warning("--exposure and --tone-map are of PNGs: '" + options.output.string() +
-                      "' holds the radiance as it is");
+        print_warning("--exposure and --tone-map apply to .png only: '" + options.output.string() +
+                      "' stores the radiance unchanged");
 }
 
 /// False: it was interrupted.
@@ -137,14 +137,15 @@ void render(const RenderOptions& options) {
 void add_image_options(CLI::App& command, RenderOptions& o) {
     command.add_option("scene", o.scene, "A scene file (.obj, .gltf, .glb), or a built-in scene (see claray scenes)")
         ->required();
-    command.add_option("-o,--output", o.output, "The image: .png, .hdr or .pfm; with --fps the last one");
+    command.add_option("-o,--output", o.output, "Output image: .png, .hdr or .pfm; with --fps the last frame");
     command.add_option_function<std::string>(
         "--size", [&o](const std::string& text) { std::tie(o.config.width, o.config.height) = parse_size(text); },
         "WIDTHxHEIGHT in pixels [512x512]");
-    command.add_option("--light-map", o.light_maps, "MESH=FILE: light of a mesh from claray bake; may be repeated");
-    command.add_option("--exposure", o.exposure, "Brightens a PNG by this many stops [0]")->check(finite_number());
+    command.add_option("--light-map", o.light_maps,
+                       "MESH=FILE: light map of a mesh, from claray bake; may be repeated");
+    command.add_option("--exposure", o.exposure, "Brighten a PNG by this many stops [0]")->check(finite_number());
     const std::vector<std::pair<std::string, ToneMap>> tone_maps = {{"none", ToneMap::none}, {"aces", ToneMap::aces}};
-    command.add_option("--tone-map", o.tone_map, "Of a PNG: none (clamp) or aces (filmic) [aces]")
+    command.add_option("--tone-map", o.tone_map, "Tone map of a PNG: none (clamp) or aces (filmic) [aces]")
         ->transform(choice_of(tone_maps))
         ->type_name("NAME");
     command
@@ -157,13 +158,14 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
 }
 
 void add_quality_options(CLI::App& command, RenderOptions& o) {
-    command.add_option("--spp", o.config.spp, "Samples a pixel [64]; with --time, the most")
+    command.add_option("--spp", o.config.spp, "Samples per pixel [64]; with --time the upper limit")
         ->transform(whole_number(1, 1 << 24));
-    command.add_option("--noise", o.config.noise, "Stop at this relative standard error, 0.01 for instance")
+    command.add_option("--noise", o.config.noise, "Stop at this relative standard error, for example 0.01")
         ->check(number_above("more than 0", 0, false));
-    command.add_option("--max-depth", o.config.max_depth, "Surfaces a path may meet; 1 is direct light only [128]")
+    command.add_option("--max-depth", o.config.max_depth, "Surfaces per path, at most; 1 is direct light only [128]")
         ->transform(whole_number(1, 1024));
-    command.add_option("--seed", o.config.seed, "Another number gives other noise [0]")->transform(whole_number(0));
+    command.add_option("--seed", o.config.seed, "Seed of the random numbers; changes the noise [0]")
+        ->transform(whole_number(0));
 }
 
 void add_checkpoint_options(CLI::App& command, RenderOptions& o) {
@@ -174,28 +176,28 @@ void add_checkpoint_options(CLI::App& command, RenderOptions& o) {
         ->transform(duration())
         ->type_name("TIME");
     command.add_option("--resume", o.config.resume,
-                       "Continue from a file of --checkpoint, of the same scene and settings");
+                       "Continue from a file of --checkpoint; scene and settings must be the same");
 }
 
 void add_machine_options(CLI::App& command, RenderOptions& o) {
-    command.add_option("--device", o.device, "cpu, gpu, an index or a part of the name (see claray devices)");
+    command.add_option("--device", o.device, "cpu, gpu, an index or part of a name (see claray devices)");
     add_bvh_options(command, o.config.bvh);
     command.add_flag("--stats", o.stats, "Print build time, rays per second and memory");
     command.add_flag("--json", o.json, "Print the result and all statistics as JSON");
     command.add_option_function<std::string>(
         "--effects", [&o](const std::string& text) { o.config.effects = parse_effect_overrides(text); },
-        "For experiments: +NAME compiles an effect in, -NAME strips the scene of it (see claray explain)");
+        "For experiments: +NAME compiles an effect in, -NAME removes it from the scene (see claray explain)");
     command.add_flag("--wait-for-kernels", o.wait_for_kernels,
-                     "Compile the scene's own kernels first, not while others already render");
+                     "Compile the scene's own kernels before rendering, not in the background");
     command.add_option("--trace", o.trace, "Write every device command to FILE (JSON) for ui.perfetto.dev");
-    command.add_flag("-q,--quiet", o.quiet, "No progress");
+    command.add_flag("-q,--quiet", o.quiet, "Print no progress");
 }
 
 void check_render_options(const CLI::App& command) {
     refuse_without(command, "--checkpoint-every", "--checkpoint");
     refuse_without(command, "--exposure", "--output");
     refuse_without(command, "--tone-map", "--output");
-    refuse_both(command, "--sky", {"--environment"}, "there is one background");
+    refuse_both(command, "--sky", {"--environment"}, "a scene has one background");
 }
 
 }  // namespace
@@ -203,10 +205,11 @@ void check_render_options(const CLI::App& command) {
 void add_render_command(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand("render", "Render a scene to an image by path tracing");
     command->footer(
-        "Ctrl-C stops early and writes the image as it is.\n"
-        "--error and --time choose the tree and the samples by what claray tune measured on the device.\n"
-        "--time limits sampling only; loading, building, compiling and writing are not counted. After --resume it\n"
-        "starts again, and --spp may be larger than before.\n"
+        "Ctrl-C stops early and writes the image rendered so far.\n"
+        "--error and --time choose the tree and the sampler from the measurements of claray tune on the device.\n"
+        "--time limits sampling only; loading, building, compiling and writing are not counted. With --resume the "
+        "time\n"
+        "starts again from 0, and --spp may be larger than before.\n"
         "Examples:\n"
         "  claray render cornell -o cornell.png --error 0.02\n"
         "  claray render bunny.obj -o bunny.hdr --size 1920x1080 --time 60s --stats\n"

@@ -13,15 +13,15 @@ namespace {
 /// What they show, in the order of their names.
 constexpr const char* descriptions[] = {
     "the Cornell box: two blocks under a lamp",
-    "spheres of every material on a chequered floor",
-    "wooden crates under a small strong sun",
-    "hills with firs round a lake that mirrors them",
+    "spheres with every material on a chequered floor",
+    "wooden crates under a small, bright sun",
+    "hills with firs around a mirroring lake",
     "every effect at once",
-    "one effect, by a name that claray explain gives it: effect:mirror",
-    "mountains and bushes, N triangles in all",
+    "one effect, by its name in claray explain: effect:mirror",
+    "mountains and bushes, N triangles in total",
     "N random triangles, the hardest input for a tree",
-    "N triangles in fans, each round one vertex",
-    "strands of hair, N long thin triangles in all",
+    "N triangles in fans, each around one vertex",
+    "strands of hair, N long thin triangles in total",
 };
 
 void list_scenes(bool json) {
@@ -42,7 +42,7 @@ void list_scenes(bool json) {
 void add_scenes_command(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand("scenes", "List the built-in scenes; N is a number of triangles");
     auto json = std::make_shared<bool>(false);
-    command->add_flag("--json", *json, "As JSON");
+    command->add_flag("--json", *json, "Print as JSON");
     command->callback([&action, json] { action = [json] { list_scenes(*json); }; });
 }
 

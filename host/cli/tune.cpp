@@ -44,8 +44,8 @@ void print_trials(const std::vector<measure::Trial>& trials) {
 std::filesystem::path choose_output(const TuneOptions& options) {
     const std::filesystem::path path = options.output.empty() ? local_tuning_path() : options.output;
     if (path.empty())
-        throw Error(ErrorKind::usage, "no place for the tuning table: neither XDG_CONFIG_HOME nor HOME is set",
-                    "name a file: -o FILE");
+        throw Error(ErrorKind::usage, "no folder for the tuning table: XDG_CONFIG_HOME and HOME are not set",
+                    "give a file: -o FILE");
     if (options.output.empty()) make_folder(path.parent_path());
     check_file_writable(path);
     return path;
@@ -58,7 +58,8 @@ void refuse_no_match(const std::string& only, const std::vector<measure::TuningC
         any = any || (of.kernel + " " + of.parameter).find(only) != std::string::npos;
         if (!kernels.ends_with(of.kernel)) kernels += ", " + of.kernel;
     }
-    if (!any) throw Error(ErrorKind::usage, "--only: no parameter holds '" + only + "'", "choose a part of " + kernels);
+    if (!any)
+        throw Error(ErrorKind::usage, "--only: no parameter contains '" + only + "'", "choose part of " + kernels);
 }
 
 /// What the planner of `claray render --error`, `--time` and `--fps` goes by.
@@ -70,7 +71,7 @@ std::vector<measure::TunedRow> measured_model(const Device& device, const std::s
          {std::pair("  fast", model.fast), std::pair("  balanced", model.balanced), std::pair("  high", model.high)})
         table.push_back({name, fixed(preset.build_nanoseconds, 1), fixed(preset.samples_per_second, 0)});
     print_table(table, 1);
-    std::printf("  independent samples take %.2f times the time of Sobol's for the same error\n",
+    std::printf("  independent samples need %.2f times the time of Sobol samples for the same error\n",
                 model.independent_cost);
     std::vector<measure::TunedRow> rows;
     for (const ModelRow& row : rows_of(model)) rows.push_back({row.kernel, row.parameter, row.value, 1, true});
@@ -87,7 +88,7 @@ void run_tune(const TuneOptions& options) {
     auto rows = measure::tune(device, options.tune, candidates, print_trials);
     for (const measure::TunedRow& row : measured_model(device, options.tune.only)) rows.push_back(row);
     if (rows.empty()) {
-        std::printf("nothing is faster than what is in force\n");
+        std::printf("no value is faster than the current one\n");
         return;
     }
     if (options.dry_run) {
@@ -98,19 +99,19 @@ void run_tune(const TuneOptions& options) {
     const std::string before = std::filesystem::exists(output, none) ? read_file(output, "check the path") : "";
     write_file(output, measure::with_rows(before, device.info(), rows));
     std::printf("%zu rows written to %s%s\n", rows.size(), output.c_str(),
-                options.output.empty() ? "" : "; CLARAY_TUNING names the file to use");
+                options.output.empty() ? "" : "; set CLARAY_TUNING to this file to use it");
 }
 
 }  // namespace
 
 void add_tune_command(CLI::App& app, Action& action) {
-    CLI::App* command = app.add_subcommand("tune", "Find the values of the tuning table that are faster on a device");
+    CLI::App* command = app.add_subcommand("tune", "Find faster values of the tuning table for a device");
     command->footer(
-        "Values come from kernels/tuning_candidates.txt. 'time' is relative to the value in force. A value is kept "
-        "where\n"
-        "it saves 2 % and twice the noise, twice over, and changes no result. Without -o the rows go to\n"
-        "$XDG_CONFIG_HOME/claray/tuning.txt, which is read whenever a device is opened. The rows plan/model are what\n"
-        "claray render --error, --time and --fps pick by; --only plan/model measures them alone.\n"
+        "Candidate values are in kernels/tuning_candidates.txt. 'time' is relative to the current value ('in force').\n"
+        "A value is kept if it saves at least 2 % and twice the noise in two measurements, and changes no result.\n"
+        "Without -o the rows are written to $XDG_CONFIG_HOME/claray/tuning.txt, which is read whenever a device is\n"
+        "opened. claray render --error, --time and --fps use the rows plan/model; --only plan/model measures only "
+        "these.\n"
         "Example:\n"
         "  claray tune --device gpu --scene terrain:1000000 --size 960x540 --only trace/");
     auto options = std::make_shared<TuneOptions>();
@@ -120,13 +121,13 @@ void add_tune_command(CLI::App& app, Action& action) {
     command->add_option_function<std::string>(
         "--size", [&o](const std::string& text) { std::tie(o.tune.width, o.tune.height) = parse_size(text); },
         "WIDTHxHEIGHT of each of the three views [192x108]");
-    command->add_option("--repeat", o.tune.repeat, "Rounds that count [9]")->transform(whole_number(3, 1000));
-    command->add_option("--only", o.tune.only, "Only parameters whose 'kernel PARAMETER' holds this text");
-    command->add_option("--device", o.device, "cpu, gpu, an index or a part of the name (see claray devices)");
-    command->add_option("-o,--output", o.output, "The table to add rows to");
-    command->add_flag("--dry-run", o.dry_run, "Print the rows, write nothing");
+    command->add_option("--repeat", o.tune.repeat, "Rounds to measure [9]")->transform(whole_number(3, 1000));
+    command->add_option("--only", o.tune.only, "Only parameters whose 'kernel PARAMETER' contains this text");
+    command->add_option("--device", o.device, "cpu, gpu, an index or part of a name (see claray devices)");
+    command->add_option("-o,--output", o.output, "Tuning table to which the rows are added");
+    command->add_flag("--dry-run", o.dry_run, "Print the rows, do not write them");
     command->callback([&action, command, options] {
-        refuse_both(*command, "--dry-run", {"--output"}, "it writes nothing");
+        refuse_both(*command, "--dry-run", {"--output"}, "--dry-run writes nothing");
         action = [options] { run_tune(*options); };
     });
 }

@@ -34,7 +34,9 @@ void list_cases() {
     std::vector<Row> rows = {{"case", "family", "what must hold"}};
     for (const VerifyCase& c : verify_cases()) rows.push_back({c.name, c.family, c.what});
     print_table(rows);
-    std::printf("\nleft out, since they wait for a feature:\n");
+    std::printf(
+        "\n"
+        "left out, since a feature is missing:\n");
     rows.clear();
     for (const VerifyCase& c : verify_cases_left_out()) rows.push_back({c.name, c.family, c.what});
     print_table(rows);
@@ -51,7 +53,7 @@ void print_result(const VerifyResult& result) {
     for (const auto& [name, value] : result.facts) std::printf("%-18s %s: %s\n", "", name.c_str(), value.c_str());
     if (!result.holds()) {
         for (const std::string& failure : result.failures) std::printf("  %s\n", failure.c_str());
-        std::printf("  again: %s\n", result.command.c_str());
+        std::printf("  repeat: %s\n", result.command.c_str());
     }
     std::fflush(stdout);
 }
@@ -102,9 +104,10 @@ void print_comparison(const Comparison& c) {
                         number(f.by_textbook), f.unit});
     print_table(rows, 3);
     std::printf(
-        "\nmilliseconds to trace, by turns: as this device traces (with packets and sorting, where it has them) by "
-        "the\n"
-        "textbook's tests and as shipped, and the same ray by ray\n");
+        "\n"
+        "milliseconds to trace, in alternating runs: as usual on this device (with packets and sorting, if it uses "
+        "them), with the\n"
+        "textbook's tests and as shipped; then the same for single rays\n");
     rows = {{"scene", "rays", "textbook", "shipped", "shipped / textbook", "of least", "of processor time",
              "ray by ray: textbook", "with fast math", "robust", "robust / textbook", "of least", "of processor time"}};
     for (const auto& t : c.times)
@@ -114,7 +117,9 @@ void print_comparison(const Comparison& c) {
                         fixed(t.one_by_one.ratio, 3), fixed(t.one_by_one.least_ratio, 3),
                         fixed(t.one_by_one.processor, 3)});
     print_table(rows, 2);
-    std::printf("\nmilliseconds of kernels that shade and sum\n");
+    std::printf(
+        "\n"
+        "milliseconds of kernels for shading and summing\n");
     rows = {{"remedy", "kernel", "textbook", "as shipped", "shipped / textbook", "of least"}};
     for (const auto& k : c.kernels)
         rows.push_back({k.remedy, k.kernel, fixed(k.textbook_ms, 3), fixed(k.shipped_ms, 3),
@@ -218,7 +223,7 @@ void verify(const VerifyCommandOptions& options) {
         throw Error(ErrorKind::device,
                     std::to_string(failed) + " of " + std::to_string(results.size()) + " cases fail on " +
                         device.info().name + ": " + which,
-                    "don't trust this driver with them; the commands above run them again");
+                    "do not rely on this driver in these cases; the commands above repeat them");
     }
     writes.finish();
 }
@@ -226,47 +231,43 @@ void verify(const VerifyCommandOptions& options) {
 }  // namespace
 
 void add_verify_command(CLI::App& app, Action& action) {
-    CLI::App* command = app.add_subcommand("verify", "Try the cases that break ray tracers on this device and driver");
+    CLI::App* command = app.add_subcommand("verify", "Test this device and driver with cases that break ray tracers");
     command->footer(
-        "Every case has a bar; the exit code is 3 where one does not hold, and each failure names the command that\n"
-        "repeats it. docs/numerics.md tells what the cases are and what is guaranteed.\n"
+        "Every case has a limit. The exit code is 3 if a case fails; each failure prints the command that repeats it.\n"
+        "docs/numerics.md describes the cases and the guarantees.\n"
         "Examples:\n"
         "  claray verify --device gpu\n"
         "  claray verify --full --json verify.json --html verify.html\n"
         "  claray verify --case edges --case boxes --seed 7\n"
         "  claray verify --compare --scene hair:50000 --scene sponza.obj");
     auto o = std::make_shared<VerifyCommandOptions>();
-    command->add_flag(
-        "--quick", o->quick,
-        "Half a minute where kernels are in the cache, minutes where they are not (this is what it does unless told)");
-    command->add_flag("--full", o->full, "With the counts that the bars are meant for: minutes");
-    command->add_option("--case", o->cases, "Only this case; may be repeated")->allow_extra_args(false);
-    command->add_flag("--list", o->list, "Print the cases and what they wait for that are left out");
-    command->add_flag(
-        "--compare", o->compare,
-        "Show what each remedy costs: failures (of --case, where given) and times beside the textbook's versions");
-    command->add_option("--scene", o->scenes, "Scenes and files to compare times on [the built-in ones]")
+    command->add_flag("--quick", o->quick, "Half a minute if the kernels are cached, otherwise minutes (default)");
+    command->add_flag("--full", o->full, "Run the full number of trials: minutes");
+    command->add_option("--case", o->cases, "Run only this case; may be repeated")->allow_extra_args(false);
+    command->add_flag("--list", o->list, "Print the cases, and the missing features of those left out");
+    command->add_flag("--compare", o->compare,
+                      "Compare each remedy with the textbook's version: failures (of --case, if given) and times");
+    command->add_option("--scene", o->scenes, "Scenes and files for comparing times [the built-in ones]")
         ->allow_extra_args(false);
-    command->add_option("--rounds", o->rounds, "Rounds of times to compare [9]")->transform(whole_number(1, 1000));
-    command->add_option("--seed", o->verify.seed, "Of random rays and meshes [1]")
+    command->add_option("--rounds", o->rounds, "Rounds for comparing times [9]")->transform(whole_number(1, 1000));
+    command->add_option("--seed", o->verify.seed, "Seed of random rays and meshes [1]")
         ->transform(whole_number(0, UINT64_MAX));
-    command->add_flag("!--no-times", o->verify.times, "Don't check ratios of times, which a busy machine disturbs");
+    command->add_flag("!--no-times", o->verify.times, "Do not check ratios of times (for busy machines)");
     command
-        ->add_option("--threads", o->verify.threads,
-                     "Cases at once [on a GPU as many as there are processors, 5 at most; else 1]")
+        ->add_option("--threads", o->verify.threads, "Cases run at once [GPU: number of processors, at most 5; else 1]")
         ->transform(whole_number(1, 64));
-    command->add_option("--json", o->json, "Write the results as JSON to this file; - is standard output");
-    command->add_option("--html", o->html, "Write a report with pictures of failures");
-    command->add_option("--device", o->device, "cpu, gpu, an index or a part of the name (see claray devices)");
+    command->add_option("--json", o->json, "Write the results as JSON to this file; - means standard output");
+    command->add_option("--html", o->html, "Write an HTML report with pictures of failures");
+    command->add_option("--device", o->device, "cpu, gpu, an index or part of a name (see claray devices)");
     command->callback([&action, command, o] {
-        refuse_both(*command, "--quick", {"--full"}, "there is one effort");
+        refuse_both(*command, "--quick", {"--full"}, "choose one");
         refuse_without(*command, "--scene", "--compare");
         refuse_without(*command, "--rounds", "--compare");
-        refuse_both(*command, "--compare", {"--html", "--no-times"}, "it prints failures and times");
+        refuse_both(*command, "--compare", {"--html", "--no-times"}, "--compare prints failures and times");
         refuse_both(
             *command, "--list",
             {"--quick", "--full", "--case", "--compare", "--seed", "--no-times", "--json", "--html", "--device"},
-            "nothing runs");
+            "--list runs no case");
         action = [o] { verify(*o); };
     });
 }

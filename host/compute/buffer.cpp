@@ -13,10 +13,10 @@ std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes) {
         return {};
     }
     const auto refuse = [&](const std::string& why) {
-        throw Error(
-            ErrorKind::device,
-            "out of device memory: a buffer of " + size_text(bytes) + " is needed on " + info.name + ", which " + why,
-            "use a smaller scene or image, or another device");
+        throw Error(ErrorKind::device,
+                    "out of device memory: a buffer of " + size_text(bytes) + " does not fit on " + info.name +
+                        ", which " + why,
+                    "use a smaller scene or image, or another device");
     };
     if (bytes > bytes_available(device))
         refuse("has " + size_text(bytes_available(device)) + " of its " + size_text(info.memory) + " left");
@@ -31,8 +31,8 @@ std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes) {
                     delete buffer;
                 }};
     } catch (const cl::Error& error) {
-        refuse(bytes > info.max_allocation ? "gives at most " + size_text(info.max_allocation) + " in one buffer"
-                                           : "does not give it (OpenCL error " + std::to_string(error.err()) + ")");
+        refuse(bytes > info.max_allocation ? "allocates at most " + size_text(info.max_allocation) + " per buffer"
+                                           : "refuses it (OpenCL error " + std::to_string(error.err()) + ")");
     }
     return {};
 }
@@ -43,8 +43,8 @@ std::shared_ptr<cl::Buffer> part(const cl::Buffer& whole, std::size_t offset, st
     return std::make_shared<cl::Buffer>(
         cl::Buffer(whole).createSubBuffer(CL_MEM_READ_WRITE, CL_BUFFER_CREATE_TYPE_REGION, &region));
 } catch (const cl::Error& error) {
-    throw Error(ErrorKind::usage, "a part of a buffer can't begin at byte " + std::to_string(offset) +
-                                      " (OpenCL error " + std::to_string(error.err()) + ")");
+    throw Error(ErrorKind::usage, "a sub-buffer cannot begin at byte " + std::to_string(offset) + " (OpenCL error " +
+                                      std::to_string(error.err()) + ")");
 }
 
 void write(const Device& device, const cl::Buffer& buffer, std::size_t offset, const void* data,

@@ -85,7 +85,7 @@ std::string listing(const std::vector<DeviceInfo>& infos) {
         if (!text.empty()) text += ", ";
         text += std::to_string(info.index) + " = " + info.name + " (" + to_string(info.type) + ")";
     }
-    return text.empty() ? "no device at all" : text;
+    return text.empty() ? "none" : text;
 }
 
 bool matches(const DeviceInfo& info, const std::string& selector) {
@@ -110,7 +110,7 @@ std::size_t select(const std::vector<DeviceInfo>& infos, const std::string& sele
     if (found.size() != 1)
         throw Error(ErrorKind::usage,
                     (found.empty() ? "no device matches '" : "several devices match '") + selector + "'",
-                    "there are: " + listing(infos));
+                    "available: " + listing(infos));
     return found[0];
 }
 
@@ -174,7 +174,8 @@ Device Device::adopt(cl_context context, cl_command_queue queue) try {
     if (state->queue.getInfo<CL_QUEUE_CONTEXT>()() != context)
         throw Error(ErrorKind::usage, "cannot adopt the queue: it belongs to another context");
     if (state->queue.getInfo<CL_QUEUE_PROPERTIES>() & CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE)
-        throw Error(ErrorKind::usage, "cannot adopt the queue: it runs out of order", "make an in-order queue");
+        throw Error(ErrorKind::usage, "cannot adopt the queue: it is an out-of-order queue",
+                    "create an in-order queue");
     state->device = state->queue.getInfo<CL_QUEUE_DEVICE>();
     const std::vector<cl::Device> devices = all_devices();
     const auto found = std::find_if(devices.begin(), devices.end(), [&](auto& d) { return d() == state->device(); });

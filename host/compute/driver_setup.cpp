@@ -32,8 +32,8 @@ bool give_pocl_a_folder() {
     const fs::path chosen = value_of("POCL_CACHE_DIR");
     if (!chosen.empty()) {
         if (make_writable(chosen)) return true;
-        throw Error(ErrorKind::user, "POCL_CACHE_DIR is '" + chosen.string() + "', which cannot be written to",
-                    "set it to a folder that you may write to");
+        throw Error(ErrorKind::user, "POCL_CACHE_DIR is '" + chosen.string() + "', which is not writable",
+                    "set it to a writable folder");
     }
     ::unsetenv("POCL_CACHE_DIR");  // PoCL 3.1 aborts where it is set and empty
     if (make_writable(default_pocl_folder())) return true;
@@ -67,9 +67,8 @@ void set_up_drivers() {
 }
 
 std::string no_device_remedy() {
-    if (!pocl_can_write)
-        return "PoCL finds no folder that it can write to: set POCL_CACHE_DIR to one, or HOME or TMPDIR";
-    return "install a driver, for the CPU for instance: apt-get install pocl-opencl-icd";
+    if (!pocl_can_write) return "PoCL has no writable folder: set POCL_CACHE_DIR, HOME or TMPDIR to a writable folder";
+    return "install a driver, for example for CPUs: apt-get install pocl-opencl-icd";
 }
 
 }  // namespace claray

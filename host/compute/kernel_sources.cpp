@@ -27,7 +27,7 @@ std::vector<KernelSource> sources_in_force() {
     const fs::path kernels = fs::weakly_canonical(override_dir);  // so that "kernels/" has the right parent
     if (!fs::is_directory(kernels))
         throw Error(ErrorKind::user, "CLARAY_KERNEL_DIR: no folder " + kernels.string(),
-                    "set it to claray's folder kernels, or unset it");
+                    "set it to the folder kernels of claray, or unset it");
     bool any = false;
     for (KernelSource& source : sources) {
         const bool shared = source.path.starts_with("claray/");
@@ -37,8 +37,8 @@ std::vector<KernelSource> sources_in_force() {
         any = any || !shared;
     }
     if (!any)
-        throw Error(ErrorKind::user, "CLARAY_KERNEL_DIR: no kernel of claray's in " + kernels.string(),
-                    "set it to claray's folder kernels, or unset it");
+        throw Error(ErrorKind::user, "CLARAY_KERNEL_DIR: no kernels of claray in " + kernels.string(),
+                    "set it to the folder kernels of claray, or unset it");
     return sources;
 }
 

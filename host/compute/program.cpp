@@ -307,7 +307,7 @@ void Kernel::check_buffer(unsigned index, const char* type) {
         throw Error(ErrorKind::usage,
                     place() + " is a buffer of " + type + ", but '" + parameter.name + "' is a " + parameter.type);
     if (parameter.ambiguous && name_of_argument_ == nullptr)
-        throw Error(ErrorKind::usage, place() + " needs its name, since there are several buffers of its type",
+        throw Error(ErrorKind::usage, place() + " needs its name, since the kernel has several buffers of its type",
                     "write arg(\"" + parameter.name + "\", ...)");
 }
 
@@ -324,7 +324,7 @@ void Kernel::set_argument(unsigned index, std::size_t bytes, const void* value) 
     const cl_int status = clSetKernelArg(kernel_(), index, bytes, value);
     if (status != CL_SUCCESS)
         throw Error(ErrorKind::usage, "argument " + std::to_string(index) + " of the kernel " + name_ +
-                                          " does not fit (OpenCL error " + std::to_string(status) + ")");
+                                          " has the wrong size or type (OpenCL error " + std::to_string(status) + ")");
 }
 
 void Kernel::enqueue(Range range, unsigned arguments) try {
@@ -345,10 +345,10 @@ void Kernel::enqueue(Range range, unsigned arguments) try {
     // Drivers may put off an allocation until the buffer is first used, and other programs may hold memory too.
     if (error.err() == CL_MEM_OBJECT_ALLOCATION_FAILURE)
         throw Error(ErrorKind::device,
-                    "out of device memory: " + device_->info().name + " can't hold the buffers of the kernel " + name_ +
-                        ", where claray uses " + size_text(bytes_in_use(*device_)) + " of its " +
+                    "out of device memory: " + device_->info().name + " cannot allocate the buffers of the kernel " +
+                        name_ + ", where claray uses " + size_text(bytes_in_use(*device_)) + " of its " +
                         size_text(device_->info().memory),
-                    "end other programs that use the device, or use a smaller scene");
+                    "close other programs that use the device, or use a smaller scene");
     throw_device_error(*device_, "run the kernel " + name_, error, compiled_with(*device_, kernel_));
 }
 
@@ -471,7 +471,7 @@ void Kernel::require(const Defines& macros) const {
     for (const auto& macro : macros)
         if (std::find(macros_->begin(), macros_->end(), macro) == macros_->end())
             throw Error(ErrorKind::usage,
-                        "the kernel " + name_ + " was not compiled for this structure: without " + macro.first + "=" +
+                        "the kernel " + name_ + " was not compiled for this structure: it lacks " + macro.first + "=" +
                             macro.second,
                         "pass the structure's defines() to compile_kernel");
 }

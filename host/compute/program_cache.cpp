@@ -144,12 +144,12 @@ std::optional<std::vector<unsigned char>> load_cached_program(const std::string&
 
 std::string store_cached_program(const std::string& identity, const std::vector<unsigned char>& binary) {
     const fs::path folder = cache_folder();
-    if (folder.empty()) return "neither CLARAY_CACHE_DIR, XDG_CACHE_HOME nor HOME is set";
+    if (folder.empty()) return "CLARAY_CACHE_DIR, XDG_CACHE_HOME and HOME are not set";
     std::error_code error;
     fs::create_directories(folder, error);
-    if (error) return "cannot make the folder '" + folder.string() + "': " + error.message();
+    if (error) return "cannot create the folder '" + folder.string() + "': " + error.message();
     ProgramHeader header = {program_magic, {}, std::uint32_t(identity.size()), std::uint32_t(binary.size())};
-    if (identity.size() > UINT32_MAX || binary.size() > UINT32_MAX) return "the binary has more than 4 GiB";
+    if (identity.size() > UINT32_MAX || binary.size() > UINT32_MAX) return "the binary is larger than 4 GiB";
     header.sum = sum_of(header, identity, binary);
     static std::atomic<unsigned> serial{0};
     const fs::path file = file_of(folder, identity);

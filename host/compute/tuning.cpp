@@ -104,7 +104,9 @@ void apply_users_tuning(const std::string& text, const std::string& name, const 
     for_each_row(text, name, info, false, [&](const TuningRow& row) {
         const auto range = tuning.ranges.find(row.name);
         if (range == tuning.ranges.end())
-            ignore(row, "is no tuning parameter of this device; remove the line (kernels/tuning.txt lists them)");
+            ignore(
+                row,
+                "is not a tuning parameter of this device; remove the line (kernels/tuning.txt lists the parameters)");
         else if (!range->second.holds(*row.value))
             ignore(row, "cannot be " + std::to_string(*row.value) + "; " + range->second.text());
         else
@@ -112,7 +114,7 @@ void apply_users_tuning(const std::string& text, const std::string& name, const 
     });
     if (ignored > most_warnings)
         tuning.warnings.push_back(name + ": " + std::to_string(ignored - most_warnings) +
-                                  " more rows are ignored; remove the file, or write it anew by 'claray tune'");
+                                  " more rows are ignored; remove the file, or write it again with 'claray tune'");
 }
 
 Tuning tuning_for(const DeviceInfo& info) {
@@ -123,8 +125,7 @@ Tuning tuning_for(const DeviceInfo& info) {
     if (!users.empty() && std::filesystem::exists(users, unreadable))
         apply_users_tuning(read_file(users, "check its permissions"), users.string(), info, tuning);
     if (const char* local = std::getenv("CLARAY_TUNING"); local != nullptr && *local != '\0')
-        apply_users_tuning(read_file(local, "CLARAY_TUNING names it: set it to a tuning table, or unset it"), local,
-                           info, tuning);
+        apply_users_tuning(read_file(local, "set CLARAY_TUNING to a tuning table, or unset it"), local, info, tuning);
     return tuning;
 }
 

@@ -34,10 +34,10 @@ bool is_usable(const Camera& camera) {
 
 std::string reason(const LightProbe& probe) {
     if (probe.lights == 0) return "the file has no light";
-    if (probe.visible == 0) return "no light of the file reaches what is in view";
+    if (probe.visible == 0) return "no light of the file reaches the visible surfaces";
     const long per_cent = std::lround(100 * probe.visible);
     const std::string share = per_cent > 0 ? std::to_string(per_cent) + " %" : "less than 1 %";
-    return "the file's own light shows " + share + " of what is in view";
+    return "the file's own light reaches " + share + " of the visible surfaces";
 }
 
 }  // namespace
@@ -49,11 +49,11 @@ std::optional<std::string> light_if_dark(Scene& scene, const Camera& camera, flo
     const std::string why = reason(probe);
     if (probe.seen == 0 || probe.open >= hardly_any) {
         scene.sky = {{0.2f, 0.23f, 0.28f}, {1.1f, 1.15f, 1.25f}};  // dark behind what is lit from above
-        return why + ": a pale sky lights the scene";
+        return why + ": added a pale sky as light";
     }
     if (probe.visible >= hardly_any) return {};  // a room with little light, to which a sky would add none
     scene.lights.push_back(lamp_at(camera));
-    return why + ", nor would a sky: a lamp at the camera lights the scene";
+    return why + ", and a sky would not help: added a lamp at the camera";
 }
 
 namespace {

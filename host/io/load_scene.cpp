@@ -13,10 +13,10 @@ void refuse_choice(const std::string& name, const LoadOptions& options) {
     const auto refuse = [&](bool chosen, const char* what) {
         if (chosen)
             throw Error(ErrorKind::usage, "'" + name + "' has no " + what + " to choose from",
-                        "leave that out, only glTF files have them");
+                        "leave this option out, only glTF files have them");
     };
     refuse(options.time.has_value() || !options.animation.empty(), "animations");
-    refuse(!options.variant.empty(), "variants of materials");
+    refuse(!options.variant.empty(), "material variants");
     refuse(!options.camera.empty(), "cameras");
     refuse(!options.scene.empty(), "scenes");
     refuse(options.stroke_radius.has_value(), "points or lines with a radius");
@@ -41,11 +41,11 @@ LoadedScene load_without_light(const std::string& name_or_path, Warnings& warnin
 
     std::error_code unreadable;
     if (std::filesystem::is_regular_file(path, unreadable))
-        throw Error(ErrorKind::user, "'" + name_or_path + "' is no .obj, .gltf or .glb file",
+        throw Error(ErrorKind::user, "'" + name_or_path + "' is not a .obj, .gltf or .glb file",
                     "convert it to one of these");
     std::string known;
     for (const char* name : builtin_scene_names()) known += std::string(known.empty() ? "" : ", ") + name;
-    throw Error(ErrorKind::usage, "no scene '" + name_or_path + "'",
+    throw Error(ErrorKind::usage, "unknown scene '" + name_or_path + "'",
                 "give a .obj, .gltf or .glb file or one of " + known);
 }
 

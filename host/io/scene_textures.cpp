@@ -41,11 +41,11 @@ fs::path path_in_scene(const fs::path& root, const fs::path& folder, std::string
         const fs::path at_fault = !named_in.empty() ? named_in : !root.empty() ? root : fs::path(".");
         throw Error(ErrorKind::user,
                     "'" + at_fault.string() + "': the file name " + quoted(name, longest_name) + " " + why,
-                    "name a file in the scene's folder or below");
+                    "use a file in the scene's folder or below");
     };
     if (name.empty()) refuse("is empty");
-    if (name.find('\0') != std::string::npos) refuse("holds a zero byte");
-    if (has_scheme(name)) refuse("is a URL or names a drive");
+    if (name.find('\0') != std::string::npos) refuse("contains a zero byte");
+    if (has_scheme(name)) refuse("is a URL or contains a drive");
     std::replace(name.begin(), name.end(), '\\', '/');
     if (name[0] == '/') refuse("is absolute");
     const fs::path base = root.empty() ? fs::path(".") : root;
@@ -53,7 +53,7 @@ fs::path path_in_scene(const fs::path& root, const fs::path& folder, std::string
     try {
         if (!is_below(base, path)) refuse("leaves the scene's folder");
     } catch (const fs::filesystem_error& error) {
-        refuse("cannot be looked up (" + error.code().message() + ")");
+        refuse("cannot be resolved (" + error.code().message() + ")");
     }
     return path;
 }

@@ -23,7 +23,7 @@ void check_same_hits(const std::string& scene, std::vector<DeviceRays>& kinds, c
                 throw Error(ErrorKind::device,
                             scene + ": two presets disagree about the hits of " + kind.name + " rays on " +
                                 bvhs[i].device().info().name,
-                            "run the tests on this device, and report it");
+                            "run the tests on this device, and report this error");
         }
     }
 }

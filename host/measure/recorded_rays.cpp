@@ -52,7 +52,8 @@ std::vector<Mesh> load_meshes(const std::string& name) {
     for (const glm::uvec3& t : mesh.triangles)
         if (std::max({t.x, t.y, t.z}) >= mesh.positions.size())
             throw Error(ErrorKind::user,
-                        "'" + name + "' has a triangle beyond its " + std::to_string(mesh.positions.size()) + " points",
+                        "'" + name + "' has a triangle with an index beyond its " +
+                            std::to_string(mesh.positions.size()) + " points",
                         "record it again");
     return {std::move(mesh)};
 }

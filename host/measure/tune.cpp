@@ -136,7 +136,7 @@ std::vector<Trial> tune_parameter(const Device& device, const TuneOptions& optio
             works.push_back(std::make_unique<Work>(prepare(device, options, of, subjects)));
             try_once(*works.back());
             device.finish();
-            if (works.back()->results != works[0]->results) trial.failure = "gives other results";
+            if (works.back()->results != works[0]->results) trial.failure = "gives different results";
         } catch (const Error& error) {
             if (trial.in_force) throw;  // then nothing works here
             trial.failure = one_line(error.what());

@@ -42,16 +42,17 @@ const RenderConfig& checked(const RenderConfig& config) {
         throw Error(ErrorKind::usage, what, remedy);
     };
     if (config.width == 0 || config.height == 0 || config.width > largest_side || config.height > largest_side)
-        refuse("image size " + std::to_string(config.width) + "x" + std::to_string(config.height),
-               "give 1 to 16384 pixels a side");
-    if (config.spp == 0) refuse("0 samples a pixel", "give at least 1");
+        refuse("invalid image size " + std::to_string(config.width) + "x" + std::to_string(config.height),
+               "use 1 to 16384 pixels per side");
+    if (config.spp == 0) refuse("0 samples per pixel", "give at least 1");
     if (config.max_depth == 0) refuse("a maximum depth of 0", "give at least 1, which is direct light only");
     if (!(config.seconds >= 0 && std::isfinite(config.seconds)))
-        refuse("a time limit that is no time", "give seconds, or 0 for no limit");
-    if (!(config.noise >= 0)) refuse("a noise limit that is negative or no number", "0.01 is a good start");
+        refuse("the time limit must be finite and not negative", "give seconds, or 0 for no limit");
+    if (!(config.noise >= 0)) refuse("the noise limit must not be negative or NaN", "start with 0.01");
     if (!(config.error >= 0 && std::isfinite(config.error)))
-        refuse("an error to reach that is negative or no number", "0.01 is a good start");
-    if (!(config.checkpoint_seconds > 0)) refuse("checkpoints every 0 seconds or less", "30 is a good start");
+        refuse("the target error must be finite and not negative", "start with 0.01");
+    if (!(config.checkpoint_seconds > 0))
+        refuse("the time between checkpoints must be greater than 0 seconds", "start with 30");
     return config;
 }
 
@@ -303,8 +304,8 @@ void Renderer::State::look_at_error(unsigned spp) {
     if (spp < spp_that_see_light) return;
     throw Error(claray::ErrorKind::user,
                 "the image is black after " + std::to_string(spp) +
-                    " samples a pixel: an error relative to its mean has no meaning",
-                "add light, or give --spp instead of --error");
+                    " samples per pixel: an error relative to its mean is undefined",
+                "add light, or use --spp instead of --error");
 }
 
 /// Depends on neither the samples nor the seed.
@@ -321,9 +322,9 @@ double Renderer::State::error_left_to_noise() {
     char text[160];
     std::snprintf(
         text, sizeof text,
-        "an error of %.3g can't be reached: about %.2g of the light is cut off, since paths end after %u surfaces",
+        "an error of %.3g cannot be reached: about %.2g of the light is missing, since paths end after %u surfaces",
         config.error, share, config.max_depth);
-    throw Error(claray::ErrorKind::user, text, "give a larger --max-depth, or leave it out");
+    throw Error(claray::ErrorKind::user, text, "use a larger --max-depth, or leave it out");
 }
 
 /// Waits for it. Everything that follows has time.
@@ -479,7 +480,8 @@ RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>
 void Renderer::restart(std::uint32_t seed, unsigned spp, unsigned max_depth) {
     State& state = *state_;
     if (!state.config.checkpoint.empty())
-        throw Error(ErrorKind::usage, "a render that writes checkpoints can't begin anew", "leave the checkpoint out");
+        throw Error(ErrorKind::usage, "a render that writes checkpoints cannot be restarted",
+                    "leave out the checkpoint");
     state.config.seed = seed;
     state.wavefront.set_seed(seed);
     const unsigned wanted = spp == 0 ? state.config.spp : std::min(spp, state.most_spp);

@@ -48,7 +48,7 @@ public:
         static_assert(sizeof(T) % sizeof(std::uint32_t) == 0);
         if (table.empty()) return CLARAY_NO_TABLE;
         const std::size_t begin = (words_.size() + alignment - 1) / alignment * alignment;
-        if (begin >= CLARAY_NO_TABLE) throw Error(ErrorKind::user, "the scene's tables have more than 16 GB");
+        if (begin >= CLARAY_NO_TABLE) throw Error(ErrorKind::user, "the scene's tables are larger than 16 GB");
         words_.resize(begin + table.size() * sizeof(T) / sizeof(std::uint32_t));
         std::memcpy(&words_[begin], table.data(), table.size() * sizeof(T));
         return std::uint32_t(begin);

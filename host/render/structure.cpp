@@ -113,8 +113,8 @@ void Structure::build_instances(const Device& device, const Scene& scene, std::s
     if (culled > empty)
         throw Error(ErrorKind::user,
                     std::to_string(culled - empty) + " of " + std::to_string(begins.size()) +
-                        " instances can't be placed: their transforms, or those on the way, can't be inverted",
-                    "use other scales than 0, and less than half a turn of motion");
+                        " instances cannot be placed: their transforms are not invertible at some time of their motion",
+                    "use scales other than 0, and rotations of less than half a turn");
     triangles_ = levels.bvhs.size() == 1 ? levels.bvhs[0].triangles() : upload_all(device, scene);
     if (by_host) by_host_ = levels.bvhs;
 }

@@ -46,13 +46,14 @@ double nearest_to_zero(const glm::dvec3& a, const glm::dvec3& b) {
 void check_view(const glm::dvec3& view, const glm::dvec3& change, const glm::dvec3& up) {
     const bool moves = change != glm::dvec3(0.0);
     if (!(glm::length(view + nearest_to_zero(view, change) * change) > 0.0))
-        refuse_camera(moves ? "on its way it meets the point that it looks at" : "it stands where it looks at",
+        refuse_camera(moves ? "during its motion the position reaches the target" : "its position is its target",
                       "move the position or the target");
     const glm::dvec3 sideways = glm::cross(view, up), sideways_change = glm::cross(change, up);
     const double t = nearest_to_zero(sideways, sideways_change);
     if (!(glm::length(sideways + t * sideways_change) > 1e-6 * glm::length(up) * glm::length(view + t * change)))
-        refuse_camera(moves ? "on its way it looks along its up vector" : "it looks along its up vector",
-                      "choose another up, such as 0,0,1");
+        refuse_camera(moves ? "during its motion the view becomes parallel to the up vector"
+                            : "its view is parallel to the up vector",
+                      "choose another up vector, for example 0,0,1");
 }
 
 void check_projection(const Camera& camera) {
@@ -60,14 +61,14 @@ void check_projection(const Camera& camera) {
         refuse_camera("the orthographic height is negative or not finite",
                       "give the height of the image, or 0 for perspective");
     if (!(camera.vertical_fov > 0.f && camera.vertical_fov < 180.f))
-        refuse_camera("the field of view is not between 0 and 180 degrees", "40 is a good start");
+        refuse_camera("the field of view is not between 0 and 180 degrees", "use for example 40");
 }
 
 void check_lens(const Camera& camera) {
     if (!(camera.aperture_radius >= 0.f) || std::isinf(camera.aperture_radius))
         refuse_camera("the aperture is negative or not finite", "give the radius of the lens, or 0 for a pinhole");
     if (!(camera.focus_distance >= 0.f) || std::isinf(camera.focus_distance))
-        refuse_camera("the focus distance is negative or not finite", "give the distance of what is to be sharp");
+        refuse_camera("the focus distance is negative or not finite", "give the distance of the sharp plane");
 }
 
 }  // namespace
@@ -82,10 +83,10 @@ CameraData camera_data(const Camera& camera, float aspect) {
     const glm::vec3 target_end = camera.target_end.value_or(camera.target);
     if (!finite_vector(camera.position) || !finite_vector(camera.target) || !finite_vector(camera.up) ||
         !finite_vector(position_end) || !finite_vector(target_end))
-        refuse_camera("a coordinate is not finite", "give three numbers each for position, target and up");
+        refuse_camera("a coordinate is not finite", "give three numbers for each of position, target and up");
     check_projection(camera);
     if (!(aspect > 0.f) || std::isinf(aspect))
-        refuse_camera("the aspect ratio is not positive", "give a size of at least 1x1");
+        refuse_camera("the aspect ratio is not positive", "use a size of at least 1x1");
     check_lens(camera);
 
     const glm::dvec3 view = glm::dvec3(camera.target) - glm::dvec3(camera.position);

@@ -52,7 +52,8 @@ private:
 
 void check_length(const Check& check, const char* array, std::size_t length, std::size_t expected, const char* per) {
     check.that(length == 0 || length == expected,
-               to_string(length) + " " + array + " for " + to_string(expected) + " " + per, "give one each, or none");
+               to_string(length) + " " + array + " for " + to_string(expected) + " " + per,
+               "give one per element, or none");
 }
 
 /// Positions may be anything, but what is looked up by a coordinate must be somewhere.
@@ -179,7 +180,7 @@ void check_texture(const Texture& texture, const Check& check, bool radiance) {
     check.that(size == expected && (real ? texture.bytes.size() : texture.floats.size()) == 0,
                to_string(size) + (real ? " floats" : " bytes") + " for " + to_string(texture.width) + "x" +
                    to_string(texture.height) + " texels of " + to_string(texture.channels) + " channels",
-               "give width * height * channels of what its format says, and nothing else");
+               "give width * height * channels values of its format, and none of the other format");
     for (std::size_t i = 0; i < texture.floats.size(); ++i) {
         const float value = texture.floats[i];
         if (std::isfinite(value) && (value >= 0.f || !radiance)) continue;
@@ -220,7 +221,7 @@ void check_environment(const Environment& environment) {
     check.sound(sound(environment.strength), "strength");
     check.finite(std::isfinite(environment.rotation), "rotation");
     check.that(images == 0 || images == 1 || images == 6, to_string(images) + " images",
-               "give one in latitude and longitude, or the six faces of a cube");
+               "give one image in latitude and longitude, or the six faces of a cube");
     for (std::size_t i = 0; i < images; ++i) {
         const Texture& image = environment.images[i];
         check_texture(image, Check(name_of("environment image", image.name, i)), true);
@@ -228,7 +229,7 @@ void check_environment(const Environment& environment) {
             check.that(
                 image.width == image.height && image.width == environment.images[0].width,
                 "face " + to_string(i) + " of its cube is " + to_string(image.width) + "x" + to_string(image.height),
-                "use squares of one size");
+                "use squares of equal size");
     }
 }
 

@@ -62,7 +62,7 @@ RadixSort<Key>::RadixSort(const Device& device, std::size_t capacity, const Conf
 template <class Key>
 void RadixSort<Key>::sort(Buffer<Key>& keys, Buffer<std::uint32_t>& values, std::size_t count) {
     if (count > capacity_ || count > keys.size() || count > values.size())
-        throw Error(ErrorKind::usage, "cannot sort " + std::to_string(count) + " keys: room is for " +
+        throw Error(ErrorKind::usage, "cannot sort " + std::to_string(count) + " keys: the capacity is " +
                                           std::to_string(std::min({capacity_, keys.size(), values.size()})));
     if (count == 0) return;
     if (config_.onesweep)

@@ -21,7 +21,7 @@ const Texture& checked_texture(const Scene& scene, std::uint32_t index) {
         throw Error(ErrorKind::user,
                     name_of_texture(scene, index) + " has " + std::to_string(t.width) + "x" + std::to_string(t.height) +
                         " texels",
-                    "a texture has at most " + std::to_string(largest) + " a side");
+                    "the maximum is " + std::to_string(largest) + " per side");
     return t;
 }
 

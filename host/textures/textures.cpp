@@ -61,7 +61,7 @@ public:
     std::uint32_t begin_section() {
         words_.resize((words_.size() + 3) / 4 * 4);
         if (words_.size() > 0xfffffff0u)
-            throw Error(ErrorKind::user, "the textures take more than 16 GiB", "use smaller ones");
+            throw Error(ErrorKind::user, "the textures take more than 16 GiB", "use smaller textures");
         return std::uint32_t(words_.size());
     }
     template <class T>

@@ -12,12 +12,13 @@ Defines query_defines(Defines defines, const QueryOptions& options) {
 void check_sizes(std::size_t rays, std::size_t results, const QueryOptions& options) {
     if (rays >
         4'000'000'000)  // the ticket of kernels/trace/queue/ray_queue.clh goes beyond the last ray, and must not wrap
-        throw Error(ErrorKind::usage, std::to_string(rays) + " rays in one query", "trace at most 4e9 at a time");
+        throw Error(ErrorKind::usage, std::to_string(rays) + " rays are too many for one query",
+                    "trace at most 4e9 rays at a time");
     const bool short_masks = options.ray_masks.allocated() && options.ray_masks.size() < rays;
     const bool short_times = options.ray_times.allocated() && options.ray_times.size() < rays;
     const bool short_visits = options.visits.allocated() && options.visits.size() < rays;
     if (results < rays || short_masks || short_times || short_visits)
-        throw Error(ErrorKind::usage, "a query of " + std::to_string(rays) + " rays needs as many " +
+        throw Error(ErrorKind::usage, "a query of " + std::to_string(rays) + " rays needs the same number of " +
                                           (results < rays ? "results"
                                            : short_masks  ? "ray masks"
                                            : short_times  ? "ray times"

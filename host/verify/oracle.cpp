@@ -133,7 +133,7 @@ const char* to_string(Fault fault) {
         case Fault::none: return "right";
         case Fault::missed: return "missed a triangle that the ray passes through";
         case Fault::invented: return "hit a triangle that the ray does not meet";
-        case Fault::not_nearest: return "hit what is not the nearest";
+        case Fault::not_nearest: return "hit a triangle that is not the nearest";
         case Fault::bad_distance: return "has a distance off by more than 1 ulp";
     }
     return "";

@@ -1,4 +1,4 @@
-// What accuracy costs in time: error against seconds for every setting of a method, measured on this device.
+// Accuracy against time: error and seconds for every setting of a method, measured on this device.
 #pragma once
 
 #include <filesystem>
@@ -11,158 +11,164 @@
 
 namespace claray {
 
-/// How far an image is from another; of linear radiance.
+/// The difference between two images of linear radiance. All members are without unit.
 struct ImageError {
-    double rmse = 0;        ///< root of the mean squared difference of all channels, over the reference's mean
-    double relmse = 0;      ///< mean over channels of (difference / (reference + 1 % of its mean))^2
-    double perceptual = 0;  ///< 0 to 1: the colour term of FLIP (Andersson et al. 2020), both images exposed alike
+    double rmse = 0;    ///< square root of the mean squared difference of all channels, divided by the reference's mean
+    double relmse = 0;  ///< mean over channels of (difference / (reference + 1 % of its mean))^2
+    double perceptual = 0;  ///< 0 to 1: the colour term of FLIP (Andersson et al. 2020), equal exposure of both images
 };
 
-/// Rows of `width` pixels. Throws ErrorKind::usage where the sizes differ or nothing is there to compare.
+/// Compares two images, stored as rows of `width` pixels. Throws ErrorKind::usage if the sizes differ or the images are
+/// empty.
 [[nodiscard]] ImageError image_error(std::span<const glm::vec3> image, std::span<const glm::vec3> reference,
                                      unsigned width);
 
-/// The mean of many renders with seeds of their own.
+/// The mean of many renders, each with its own seed.
 struct ReferenceImage {
     std::vector<glm::vec3> pixels;
     unsigned spp = 0;
-    double uncertainty = 0;  ///< its own ImageError::rmse, from the spread of the renders it is the mean of
+    double uncertainty = 0;  ///< estimated ImageError::rmse of the reference, from the spread of the renders
 };
 
 struct ReferenceOptions {
     unsigned least_spp = 4096;
-    double uncertainty = 0;            ///< go on until this is reached, too, where > 0
-    unsigned most_spp = 1u << 20;      ///< but no further
-    std::uint32_t seed = 0x7e000000u;  ///< of the first render, far from those that studies count up
-    /// Where it is kept and continued; empty: nowhere. The file's name tells scene, settings and device apart.
+    double uncertainty = 0;            ///< if > 0: continue until this uncertainty is reached, too
+    unsigned most_spp = 1u << 20;      ///< upper limit of samples per pixel
+    std::uint32_t seed = 0x7e000000u;  ///< seed of the first render, far from the seeds that studies use
+    /// Folder in which the reference is saved and from which it is continued; empty: do not save. The file name
+    /// identifies scene, settings and device.
     std::filesystem::path folder = {};
 };
 
-/// Tells how much is done, 0 to 1, of what; false stops.
+/// Receives the fraction done, 0 to 1, and the name of the current step. Return false to stop.
 using AccuracyProgress = std::function<bool(double done, const std::string& what)>;
 
-/// A converged image of the scene as `config` would render it, by seeds that `config.seed` does not share. Throws
-/// ErrorKind::user where it is black. What `progress` throws goes through, once what was rendered is kept.
+/// Renders a converged image of the scene with the settings of `config`, but with other seeds than `config.seed`.
+/// Throws ErrorKind::user if the image is black. An exception thrown by `progress` is passed on after the finished
+/// renders are saved.
 [[nodiscard]] ReferenceImage reference_image(const Device& device, const Scene& scene, const RenderConfig& config,
                                              const ReferenceOptions& options, const AccuracyProgress& progress = {});
 
-/// Median and quartiles over repeated runs.
+/// Median and quartiles of repeated runs.
 struct Spread {
     double low = 0, median = 0, high = 0;
 };
+/// Computes the quartiles and the median of `values`.
 [[nodiscard]] Spread spread_of(std::vector<double> values);
 
-/// One setting of one method.
+/// The measurement of one setting of one method.
 struct StudyPoint {
-    std::string method;   ///< a curve of the plot: "Sobol"
-    std::string setting;  ///< "64 spp"
+    std::string method;   ///< name of the curve in the plot: "Sobol"
+    std::string setting;  ///< label of the setting: "64 spp"
     double value = 0;     ///< the setting as a number
     unsigned runs = 0;
     Spread error, seconds;
-    ImageError errors;  ///< medians of all measures; none where no image is measured
-    std::vector<std::pair<std::string, double>> facts = {};  ///< further figures, by name with unit
-    bool front = false;                                      ///< no other point is at once faster and more accurate
-    std::string failure;                                     ///< why there is no figure
+    ImageError errors;  ///< medians of all error measures; 0 if the study does not compare images
+    std::vector<std::pair<std::string, double>> facts = {};  ///< further figures: name with unit, value
+    bool front = false;   ///< true if no other point is both faster and more accurate
+    std::string failure;  ///< the reason if the point could not be measured; otherwise empty
 };
 
 struct Study {
-    std::string name;              ///< "sampling"
-    std::string title;             ///< of the plot
+    std::string name;              ///< short name: "sampling"
+    std::string title;             ///< title of the plot
     std::string error;             ///< what `StudyPoint::error` measures
-    std::string cost = "seconds";  ///< what `StudyPoint::seconds` are for: "seconds per 10^6 rays"
-    bool sweeps = true;            ///< a method's settings follow each other, so that a plot joins its points
+    std::string cost = "seconds";  ///< unit of `StudyPoint::seconds`: "seconds per 10^6 rays"
+    bool sweeps = true;            ///< the settings of a method are ordered, so that a plot connects its points
     std::vector<StudyPoint> points;
-    double floor = 0;  ///< the reference's own uncertainty: errors below it tell nothing
+    double floor = 0;  ///< uncertainty of the reference; smaller errors have no meaning
     unsigned reference_spp = 0;
-    std::vector<std::string> findings;  ///< slopes, plateaus, who wins where
+    std::vector<std::string> findings;  ///< conclusions in words: slopes, plateaus, the best method by range
 };
 
 struct StudyOptions {
     RenderConfig config = {.width = 128, .height = 128};
-    unsigned most_spp = 256;                ///< settings go up to it by factors of two
-    unsigned runs = 5;                      ///< with seeds of their own
-    std::size_t rays = 1u << 18;            ///< of studies that trace rays without making an image
-    std::filesystem::path references = {};  ///< as ReferenceOptions::folder
-    unsigned reference_factor = 64;         ///< samples of a reference, in those of the largest setting
+    unsigned most_spp = 256;                ///< largest number of samples per pixel; settings double up to it
+    unsigned runs = 5;                      ///< runs per setting, each with its own seed
+    std::size_t rays = 1u << 18;            ///< number of rays in studies that trace rays without rendering an image
+    std::filesystem::path references = {};  ///< see ReferenceOptions::folder
+    unsigned reference_factor = 64;         ///< samples of a reference per sample of the largest setting
     std::uint32_t reference_seed = ReferenceOptions{}.seed;
 };
 
-/// Samples a pixel by each sampler: how fast noise goes down.
+/// Error against samples per pixel, for each sampler.
 [[nodiscard]] Study study_sampling(const Device& device, const Scene& scene, const StudyOptions& options,
                                    const AccuracyProgress& progress = {});
 
-/// Whether the errors that study_sampling reports are true: its images once more, against a reference of other seeds
-/// and 16 times the samples.
+/// Checks the errors that study_sampling reports: measures its images again, against a reference with other seeds and
+/// 16 times the samples.
 struct ErrorCheck {
     Study reported, independent;
-    unsigned points = 0, within = 0;  ///< points in both, and those whose error is the same to 10 %
-    double worst = 0;                 ///< how far, relatively, the worst point is off
-    double slope = 0;                 ///< of log error over log samples, of the independent sampler: -0.5 by theory
+    unsigned points = 0, within = 0;  ///< points in both studies, and those of them whose errors agree within 10 %
+    double worst = 0;                 ///< largest relative difference of a point
+    double slope = 0;                 ///< slope of log error over log samples for the independent sampler; theory: -0.5
 };
 [[nodiscard]] ErrorCheck check_errors(const Device& device, const Scene& scene, const StudyOptions& options,
                                       const AccuracyProgress& progress = {});
 
-/// The same with lights or BSDFs sampled alone, without Russian roulette, and, where a tree picks among many lights,
-/// with lights picked by power.
+/// Error against samples per pixel for other techniques: only light sampling, only BSDF sampling, no Russian roulette.
+/// If a light tree selects among many lights, also selection by power.
 [[nodiscard]] Study study_techniques(const Device& device, const Scene& scene, const StudyOptions& options,
                                      const AccuracyProgress& progress = {});
 
-/// What is left out for ever, however many samples there are: paths that end at 1 to 16 surfaces (1: direct light
-/// alone), samples clamped at multiples of the image's mean, and no light that reaches a matt surface over mirrors or
-/// smooth glass. Errors are free of noise, since two independent renders are multiplied: E[(a - r)(b - r)] = bias^2.
+/// Bias, which does not decrease with more samples: paths that end at 1 to 16 surfaces (1: direct light only), samples
+/// clamped at multiples of the image's mean, and no light that reaches a diffuse surface via mirrors or smooth glass.
+/// The errors contain no noise: two independent renders are multiplied, E[(a - r)(b - r)] = bias^2.
 [[nodiscard]] Study study_bias(const Device& device, const Scene& scene, const StudyOptions& options,
                                const AccuracyProgress& progress = {});
 
-/// One value per pixel, over the reference's mean.
+/// One value per pixel, divided by the reference's mean.
 struct ErrorMap {
-    std::string name;  ///< "without-glass", "noise"
+    std::string name;  ///< name of the effect or "noise": "without-glass", "noise"
     std::vector<float> pixels;
 };
 
-/// Each effect that the scene calls for left out (`without_effects`): what that is wrong by and what time it saves, in
-/// the image as a whole and, where `maps` is given, pixel by pixel, beside the noise of as many samples.
+/// Removes each effect that the scene uses (`without_effects`) and measures the resulting error and the time saved, for
+/// the whole image and, if `maps` is not null, per pixel. Also reports the noise of the same number of samples.
 [[nodiscard]] Study study_effects(const Device& device, const Scene& scene, const StudyOptions& options,
                                   const AccuracyProgress& progress = {}, std::vector<ErrorMap>* maps = nullptr);
 
-/// Rays that no camera sends by chance: aimed at edges and vertices of closed meshes, near the origin and far from it.
-/// Tests of triangles and boxes from the literature, under three kinds of arithmetic, beside claray's, by one loop over
-/// one tree; wrong hits by a float64 oracle that asks exact arithmetic where it is in doubt.
+/// Tests numerical robustness with rays aimed at edges and vertices of closed meshes, near the origin and far from it.
+/// Compares triangle and box tests from the literature, with three kinds of arithmetic, and claray's own tests, in one
+/// loop over one tree. A float64 oracle counts wrong hits; it uses exact arithmetic in doubtful cases.
 [[nodiscard]] Study study_hard_rays(const Device& device, const Scene& scene, const StudyOptions& options,
                                     const AccuracyProgress& progress = {});
 
-/// The same on the scene's own rays: from its camera, and one bounce from what they hit.
+/// As study_hard_rays, with rays of the scene: from its camera, and one bounce from their hits.
 [[nodiscard]] Study study_scene_rays(const Device& device, const Scene& scene, const StudyOptions& options,
                                      const AccuracyProgress& progress = {});
 
-/// Builders with codes of 30 and 63 bits, and refits against rebuilds of what has moved. The error is the time to trace
-/// with the tree, its cost the time to build it; findings tell from how many rays on which tree is done first.
+/// Compares builders with codes of 30 and 63 bits, and refitting with rebuilding after geometry has moved. The error is
+/// the time to trace with the tree; the cost is the time to build it. The findings tell from which number of rays on a
+/// tree has the lowest total time.
 [[nodiscard]] Study study_builds(const Device& device, const Scene& scene, const StudyOptions& options,
                                  const AccuracyProgress& progress = {});
 
-/// Nodes with boxes of 32, 16 and 8 bits a plane, rounded outward: what smaller nodes cost in boxes that are entered in
-/// vain. The error is boxes tested beyond those of full floats; hits that differ make a point fail.
+/// Compares nodes with boxes of 32, 16 and 8 bits per plane, rounded outward: smaller nodes cause more unnecessary box
+/// tests. The error is the number of additional boxes tested, compared with full floats. A point fails if its hits
+/// differ.
 [[nodiscard]] Study study_nodes(const Device& device, const Scene& scene, const StudyOptions& options,
                                 const AccuracyProgress& progress = {});
 
-/// Fast math and other sums against strict arithmetic on the same samples: no noise is part of the error, which is what
-/// the arithmetic changes.
+/// Compares fast math and other summations with strict arithmetic, on the same samples. The error contains no noise,
+/// only the difference of the arithmetic.
 [[nodiscard]] Study study_arithmetic(const Device& device, const Scene& scene, const StudyOptions& options,
                                      const AccuracyProgress& progress = {});
 
-/// How samples are added up in a pixel: in two floats, in one, in half precision and in float64; up to 16 times
-/// `StudyOptions::rays` of them.
+/// Compares ways to sum the samples of a pixel: in two floats, in one float, in half precision and in float64; up to 16
+/// times `StudyOptions::rays` samples.
 [[nodiscard]] Study study_sums(const Device& device, const Scene& scene, const StudyOptions& options,
                                const AccuracyProgress& progress = {});
 
-/// Textures by the nearest texel, bilinear and from mip maps, and images of a quarter and a 16th of the pixels. The
-/// truth is the finest level, bilinear, at full size.
+/// Compares texture filters (nearest texel, bilinear, mip maps) and images with a quarter and a 16th of the pixels. The
+/// reference is the finest level, bilinear, at full size.
 [[nodiscard]] Study study_filtering(const Device& device, const Scene& scene, const StudyOptions& options,
                                     const AccuracyProgress& progress = {});
 
-/// Marks the points that no other one beats in both error and time.
+/// Sets `front` on all points for which no other point has both less error and less time.
 void mark_front(std::vector<StudyPoint>& points);
 
-/// The slope of log y over log x by least squares; 0 for fewer than two points.
+/// Returns the slope of log y over log x by least squares; 0 for fewer than two points.
 [[nodiscard]] double log_log_slope(std::span<const double> x, std::span<const double> y);
 
 }  // namespace claray

@@ -10,37 +10,40 @@
 namespace claray {
 
 namespace detail {
-/// Checks against what the device has left, then allocates. Throws ErrorKind::device with the bytes needed and
-/// available.
+/// Allocates `bytes` bytes. Throws ErrorKind::device, with the bytes needed and available, if the device has too little
+/// memory left.
 [[nodiscard]] std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes);
-/// Shares the memory. Throws ErrorKind::usage for a part that begins where the device can't have one begin.
+/// Creates a sub-buffer that shares the memory. Throws ErrorKind::usage if `offset` is not aligned as the device
+/// requires.
 [[nodiscard]] std::shared_ptr<cl::Buffer> part(const cl::Buffer& whole, std::size_t offset, std::size_t bytes);
+/// Blocking transfers of `bytes` bytes between the host and the bytes of `buffer` from `offset` on.
 void write(const Device& device, const cl::Buffer& buffer, std::size_t offset, const void* data, std::size_t bytes);
 void read(const Device& device, const cl::Buffer& buffer, std::size_t offset, void* data, std::size_t bytes);
-/// To the bytes of `to` from `offset` on; asynchronous.
+/// Copies `bytes` bytes to `to`, starting at byte `offset` of it. Asynchronous.
 void copy(const Device& device, const cl::Buffer& from, const cl::Buffer& to, std::size_t bytes,
           std::size_t offset = 0);
 void fill_bytes(const Device& device, const cl::Buffer& buffer, unsigned pattern, std::size_t bytes);
 }  // namespace detail
 
-/// `size()` elements of plain data on a device. A handle: copies share the memory. An empty buffer still holds one
-/// element's bytes, since OpenCL has no buffers of zero bytes.
+/// `size()` elements of plain data in device memory. A handle: copies share the memory, which is freed with the last
+/// copy. An empty buffer allocates the bytes of one element, since OpenCL has no buffers of zero bytes.
 template <class T>
 class Buffer {
     static_assert(std::is_trivially_copyable_v<T>, "device memory holds plain data only");
 
 public:
     Buffer() = default;
-    /// Uninitialised memory for `count` elements.
+    /// Allocates uninitialized memory for `count` elements. Throws ErrorKind::device if the device has too little
+    /// memory.
     Buffer(const Device& device, std::size_t count)
         : device_(std::make_shared<Device>(device)),
           memory_(detail::allocate(device, bytes_for(count))),
           size_(count) {}
-    /// A copy of `data` on the device.
+    /// Allocates memory and copies `data` to the device. Blocks until the copy is done.
     Buffer(const Device& device, std::span<const T> data) : Buffer(device, data.size()) { write(data); }
     Buffer(const Device& device, const std::vector<T>& data) : Buffer(device, std::span<const T>(data)) {}
-    /// `count` elements of another buffer's memory from a byte on, which is a multiple of 1024. Kernels must not be
-    /// given both buffers.
+    /// A view of `count` elements of another buffer's memory, starting at `first_byte`, which must be a multiple of
+    /// 1024. Do not pass both buffers to the same kernel.
     template <class U>
     Buffer(const Buffer<U>& whole, std::size_t first_byte, std::size_t count)
         : device_(std::make_shared<Device>(whole.device())),
@@ -56,35 +59,36 @@ public:
     }
     [[nodiscard]] const Device& device() const { return *device_; }
 
-    /// Blocks until `data` is copied to the elements from `offset` on.
+    /// Copies `data` to the elements from `offset` on. Blocks. Throws ErrorKind::usage if the range exceeds the buffer.
     void write(std::span<const T> data, std::size_t offset = 0) {
         check(offset, data.size());
         if (!data.empty()) detail::write(*device_, memory(), offset * sizeof(T), data.data(), data.size_bytes());
     }
-    /// Blocks until `data` is filled from the elements from `offset` on.
+    /// Copies the elements from `offset` on to `data`. Blocks. Throws ErrorKind::usage if the range exceeds the buffer.
     void read(std::span<T> data, std::size_t offset = 0) const {
         check(offset, data.size());
         if (!data.empty()) detail::read(*device_, memory(), offset * sizeof(T), data.data(), data.size_bytes());
     }
-    /// All elements. Blocks.
+    /// Returns a copy of all elements. Blocks.
     [[nodiscard]] std::vector<T> read() const {
         std::vector<T> data(size_);
         read(std::span<T>(data));
         return data;
     }
-    /// Sets every 32-bit word to `word`; asynchronous. The element size must be a multiple of 4.
+    /// Sets every 32-bit word to `word`. Asynchronous. The element size must be a multiple of 4 bytes. Throws
+    /// ErrorKind::usage if the buffer is not allocated.
     void fill(unsigned word) {
         static_assert(sizeof(T) % 4 == 0);
         if (!allocated()) throw Error(ErrorKind::usage, "cannot fill a buffer that was never allocated");
         detail::fill_bytes(*device_, memory(), word, bytes_for(size_));
     }
-    /// Makes room for at least `count` elements; the content is lost when the buffer grows.
+    /// Ensures room for at least `count` elements. The content is lost if the buffer grows.
     void reserve(const Device& device, std::size_t count) {
         if (!allocated() || size_ < count) *this = Buffer(device, count);
     }
 
 private:
-    /// A size that does not fit becomes the largest there is, which `allocate` refuses.
+    /// Returns the largest size on overflow; `allocate` refuses it.
     static std::size_t bytes_for(std::size_t count) {
         if (count > std::size_t(-1) / sizeof(T)) return std::size_t(-1);
         return (count ? count : 1) * sizeof(T);
@@ -95,7 +99,7 @@ private:
                                               std::to_string(offset) + " on, of " + std::to_string(size_));
     }
     std::shared_ptr<Device> device_;
-    std::shared_ptr<cl::Buffer> memory_;  // counted in what is in use on the device
+    std::shared_ptr<cl::Buffer> memory_;  // counted as used device memory
     std::size_t size_ = 0;
 };
 

@@ -12,11 +12,11 @@
 
 namespace claray {
 
-/// Which tree is traversed.
+/// Memory layout of the tree that is traversed.
 enum class Layout {
-    automatic,  ///< by the tuning table
-    binary,     ///< 64-byte nodes with both children's boxes
-    wide        ///< 8 boxes a node and 4 triangles a leaf, tested at once by vector instructions
+    automatic,  ///< chosen by the tuning table
+    binary,     ///< 64-byte nodes with the boxes of both children
+    wide        ///< 8 boxes per node and up to 4 triangles per leaf, tested together by vector instructions
 };
 
 /// How the tree is built: time for quality.
@@ -26,30 +26,30 @@ enum class Builder {
     high  ///< balanced, over large triangles split into several boxes, then improved by moving nodes: the best tree
 };
 
-/// Measured facts of a built structure.
+/// Measurements of a built structure.
 struct BvhStatistics {
-    std::uint32_t triangles = 0;   ///< in the tree
-    std::uint32_t culled = 0;      ///< left out: not finite, beyond 1e18, or with two equal vertices
-    std::uint32_t references = 0;  ///< leaves beyond one a triangle, of triangles that were split
+    std::uint32_t triangles = 0;   ///< number of triangles in the tree
+    std::uint32_t culled = 0;      ///< triangles left out: not finite, beyond 1e18, or with two equal vertices
+    std::uint32_t references = 0;  ///< additional leaves of triangles that were split
     std::uint32_t height = 0;
     double sah_cost = 0;      ///< surface area heuristic: 1 per box pair, 1 per triangle, relative to the root's area
-    std::uint64_t bytes = 0;  ///< device memory of the structure, without scratch
+    std::uint64_t bytes = 0;  ///< device memory of the structure, without scratch memory
 };
 
-/// The outcome of `Bvh::validate`; all counts are 0 for a sound structure.
+/// The result of `Bvh::validate`. All counts are 0 for a valid structure.
 struct BvhValidation {
-    std::uint32_t leaves_missing = 0;   ///< triangles that no leaf holds
-    std::uint32_t leaves_repeated = 0;  ///< triangles that several leaves hold whole
-    std::uint32_t boxes_not_containing =
-        0;                           ///< child boxes that don't contain what is below, split triangles not covered
-    std::uint32_t links_broken = 0;  ///< parents that don't point back, or indices out of range
+    std::uint32_t leaves_missing = 0;        ///< triangles that are in no leaf
+    std::uint32_t leaves_repeated = 0;       ///< triangles that are in several leaves without being split
+    std::uint32_t boxes_not_containing = 0;  ///< boxes that do not contain their subtree, split triangles not covered
+    std::uint32_t links_broken = 0;          ///< wrong parent indices, and indices out of range
     [[nodiscard]] bool ok() const {
         return leaves_missing + leaves_repeated + boxes_not_containing + links_broken == 0;
     }
 };
 
-/// Triangles in device memory: `positions` holds 3 floats a vertex, `indices` 3 vertices a triangle. `geometries`
-/// (per triangle) may be empty: all belong to geometry 0; `masks` (per geometry) may be empty: every ray sees all.
+/// Triangles in device memory: `positions` holds 3 floats per vertex, `indices` 3 vertices per triangle. `geometries`
+/// (one per triangle) may be empty: all triangles belong to geometry 0. `masks` (one per geometry) may be empty: every
+/// ray sees every geometry.
 struct TriangleBuffers {
     Buffer<float> positions;
     Buffer<std::uint32_t> indices;
@@ -57,7 +57,8 @@ struct TriangleBuffers {
     Buffer<std::uint32_t> masks;
 };
 
-/// Device memory that a build takes: the triangles, the structure, and the scratch that is kept for rebuilding.
+/// Device memory for a build, in bytes: the triangles, the structure, and the scratch memory that is kept for
+/// rebuilding.
 struct BvhMemory {
     std::uint64_t bytes = 0;
     std::uint64_t largest_buffer = 0;
@@ -70,63 +71,66 @@ class Bvh {
 public:
     struct Config {
         Builder builder = Builder::fast;
-        unsigned morton_bits = 63;  ///< 30 or 63 bits a code: 10 or 21 an axis
+        unsigned morton_bits = 63;  ///< bits per Morton code: 30 or 63, which is 10 or 21 per axis
         Layout layout = Layout::automatic;
-        /// `high` only: further references that splitting large triangles may make, per triangle; 0 splits none. A
-        /// refit undoes what splitting gains, so that 0 is for what moves.
+        /// `high` only: upper limit of additional references from splitting large triangles, per triangle; 0: do not
+        /// split. A refit loses the gain from splitting. Use 0 for geometry that will be refitted.
         double split_budget = 0.5;
-        /// `high` only: rounds of moving nodes.
+        /// `high` only: number of rounds of moving nodes.
         unsigned optimization_rounds = 2;
-        /// Binary layout only: triangles a leaf may hold where the surface area heuristic says so, up to 4.
+        /// Binary layout only: largest number of triangles per leaf, up to 4, if the surface area heuristic prefers it.
         unsigned max_leaf_triangles = 4;
     };
 
-    /// Builds over the triangles of all meshes; primitive indices count over all meshes in order. Throws
-    /// ErrorKind::device, before anything is uploaded or computed, where the device has too little memory.
+    /// Builds a tree over the triangles of all meshes. Primitive indices continue from mesh to mesh, in order. Throws
+    /// ErrorKind::device, before any upload or computation, if the device has too little memory.
     [[nodiscard]] static Bvh build(const Device& device, std::span<const Mesh> meshes, const Config& config);
     [[nodiscard]] static Bvh build(const Device& device, std::span<const Mesh> meshes) {
         return build(device, meshes, Config{});
     }
-    /// Builds from triangles that are already on the device, which it keeps for `rebuild` and `refit`.
+    /// Builds a tree from triangles that are already on the device. The structure shares these buffers, for `rebuild`
+    /// and `refit`.
     [[nodiscard]] static Bvh build(const Device& device, const TriangleBuffers& triangles, const Config& config);
     [[nodiscard]] static Bvh build(const Device& device, const TriangleBuffers& triangles) {
         return build(device, triangles, Config{});
     }
 
-    /// Builds on the host, always in the binary layout: a worse tree, but no kernel has to be compiled before.
-    /// `rebuild` builds on the device, as `fast`.
+    /// Builds on the host, always in the binary layout. The tree is worse, but no kernel is compiled. A later `rebuild`
+    /// builds on the device with Builder::fast.
     [[nodiscard]] static Bvh build_by_host(const Device& device, std::span<const Mesh> meshes, const Config& config);
-    /// Takes a tree that was made elsewhere (see host/bvh/host_tree.hpp), in any layout: to compare builders.
+    /// Uses a tree that was built elsewhere (see host/bvh/host_tree.hpp), in any layout. For comparing builders.
     [[nodiscard]] static Bvh build_by_host(const Device& device, std::span<const Mesh> meshes, const HostTree& tree,
                                            const Config& config);
 
-    /// What building over so many vertices and triangles takes on the device.
+    /// Returns the device memory that a build over this many vertices and triangles needs.
     [[nodiscard]] static BvhMemory memory_needed(const Device& device, std::size_t vertices, std::size_t triangles,
                                                  const Config& config);
 
-    /// Writes the structure and its triangles to a file, so that `load` gives what was saved: same tree, same hits, and
-    /// it can be refitted and rebuilt. Written by temporary file and rename. Throws ErrorKind::user where that fails.
+    /// Writes the structure and its triangles to a file. `load` restores the same tree with the same hits, and it can
+    /// be refitted and rebuilt. The data is written to a temporary file, which is then renamed. Throws ErrorKind::user
+    /// on failure.
     void save(const std::filesystem::path& path) const;
-    /// A saved structure, on any device; a wide tree is made from the binary one in the file. Throws ErrorKind::user,
-    /// naming the file, where it can't be read, is damaged, or was written by another version.
+    /// Loads a saved structure on any device. A wide tree is made from the binary tree in the file. Throws
+    /// ErrorKind::user, naming the file, if the file cannot be read, is damaged, or was written by another version.
     [[nodiscard]] static Bvh load(const Device& device, const std::filesystem::path& path,
                                   Layout layout = Layout::automatic);
 
-    /// Builds anew, in the same memory, after the positions in `triangles().positions` have changed.
+    /// Rebuilds the tree in the same memory after the positions in `triangles().positions` have changed.
     void rebuild();
-    /// Keeps the tree and recomputes all boxes after the positions have changed: faster than `rebuild`, and a worse
-    /// tree the more has moved. Triangles culled at the last build stay out; ones that became NaN can't be hit.
+    /// Keeps the tree and recomputes all boxes after the positions have changed. Faster than `rebuild`, but the tree
+    /// gets worse with more motion. Triangles culled at the last build stay out. Triangles that became NaN cannot be
+    /// hit.
     void refit();
-    /// How many times the tree's SAH cost at its last build it costs now, after refits: 1 where nothing moved. Measured
-    /// on the device in about the time of a refit; waits for it.
+    /// Returns the current SAH cost divided by the SAH cost at the last build: 1 if nothing moved. Computed on the
+    /// device in about the time of a refit; blocks.
     [[nodiscard]] double cost_growth() const;
-    /// Whether the tree is so much worse than when it was built that a rebuild pays: by Lauterbach et al. 2006
-    /// ("RT-DEFORM"), who rebuilt at 40 %.
+    /// Returns whether `cost_growth()` is large enough for a rebuild to pay off (Lauterbach et al. 2006, "RT-DEFORM",
+    /// who rebuilt at 40 %).
     [[nodiscard]] bool should_rebuild(double most_growth = 1.4) const;
 
-    /// Makes rays pass through what is cut out of the triangles: `store` is what the renderer makes of a scene's
-    /// textures (include/claray/shared/texture.h). All kernels that trace this structure are compiled for it; one that
-    /// is not allocated takes it away again.
+    /// Enables cut-outs: rays pass through the transparent parts of triangles. `store` is the texture store that the
+    /// renderer makes from a scene (include/claray/shared/texture.h). All kernels that trace this structure are then
+    /// compiled with cut-outs. Pass an unallocated buffer to disable them.
     void set_cutouts(const Buffer<std::uint32_t>& store);
     [[nodiscard]] bool has_cutouts() const;
 
@@ -137,10 +141,10 @@ public:
 
     [[nodiscard]] BvhHeader header() const;
     [[nodiscard]] BvhStatistics statistics() const;
-    /// Checks every leaf, box and link on the device.
+    /// Checks every leaf, box and link on the device. Blocks.
     [[nodiscard]] BvhValidation validate() const;
-    /// The same for all devices that build the same tree from the same triangles: 32 hexadecimal digits over the binary
-    /// nodes and the order of the leaves.
+    /// Returns 32 hexadecimal digits over the binary nodes and the order of the leaves. The hash is equal on all
+    /// devices that build the same tree from the same triangles.
     [[nodiscard]] std::string hash() const;
 
     [[nodiscard]] const Buffer<BvhNode>& nodes() const;
@@ -149,13 +153,14 @@ public:
     [[nodiscard]] const Buffer<TriangleBlock>& wide_blocks() const;
     [[nodiscard]] const Buffer<BvhHeader>& header_buffer() const;
 
-    /// Binds the kernel parameters CLARAY_BVH_PARAMETERS of trace/closest_hit.clh.
+    /// Binds the kernel parameters CLARAY_BVH_PARAMETERS of trace/closest_hit.clh, from `index` on, and advances
+    /// `index`.
     void bind(Kernel& kernel, unsigned& index) const;
-    /// The same for a kernel that takes all triangles for solid and is compiled without CLARAY_CUTOUTS.
+    /// As `bind`, for a kernel that treats all triangles as solid and is compiled without CLARAY_CUTOUTS.
     void bind_solid(Kernel& kernel, unsigned& index) const;
-    /// Binds CLARAY_CUTOUTS_PARAMETERS of trace/ray.clh: nothing where nothing is cut out.
+    /// Binds CLARAY_CUTOUTS_PARAMETERS of trace/ray.clh. Binds nothing if there are no cut-outs.
     void bind_cutouts(Kernel& kernel, unsigned& index) const;
-    /// Macros with which a kernel that includes trace/closest_hit.clh must be compiled for this structure.
+    /// Returns the macros for compiling a kernel that includes trace/closest_hit.clh for this structure.
     [[nodiscard]] Defines defines() const;
 
     struct State;

@@ -1,4 +1,4 @@
-// All of claray's core library.
+// Includes claray's core library.
 #pragma once
 
 #include "claray/buffer.hpp"

@@ -1,4 +1,4 @@
-// Devices: find them, open one, adopt one that the host program already uses.
+// Devices: list them, open one, or adopt one that the host program already uses.
 #pragma once
 
 #include <cstddef>
@@ -15,9 +15,9 @@ namespace claray {
 
 enum class DeviceType { cpu, gpu, other };
 
-/// What OpenCL says of one device. Sizes in bytes.
+/// Properties of one device, as reported by OpenCL. Sizes are in bytes.
 struct DeviceInfo {
-    std::size_t index = 0;  ///< position in `list_devices()`, over all platforms
+    std::size_t index = 0;  ///< position in `list_devices()`, counted over all platforms
     std::string platform;
     std::string name;
     std::string vendor;
@@ -30,7 +30,7 @@ struct DeviceInfo {
     std::uint64_t local_memory = 0;
     std::size_t max_work_group = 0;
     bool fp64 = false;          ///< double precision in kernels
-    bool exact_divide = false;  ///< accepts -cl-fp32-correctly-rounded-divide-sqrt
+    bool exact_divide = false;  ///< supports -cl-fp32-correctly-rounded-divide-sqrt
     std::vector<std::string> extensions;
 
     [[nodiscard]] bool has(const std::string& extension) const;
@@ -39,19 +39,20 @@ struct DeviceInfo {
 /// "cpu", "gpu" or "other".
 [[nodiscard]] const char* to_string(DeviceType type) noexcept;
 
-/// Every device of every platform, in the platforms' order. Throws ErrorKind::device where there is no platform at all.
+/// Returns all devices of all platforms, in the order of the platforms. Throws ErrorKind::device if there is no OpenCL
+/// platform.
 [[nodiscard]] std::vector<DeviceInfo> list_devices();
 
-/// An open device: a context, an in-order queue, and the kernels compiled for it. Cheap to copy; copies share all.
+/// An open device: a context, an in-order queue, and the kernels compiled for it. A handle: copies share everything.
 class Device {
 public:
-    /// Opens a device by "cpu", "gpu", an index of `list_devices()` or a part of its name (case ignored). Without a
-    /// selector $CLARAY_DEVICE decides, and without that the first GPU, else the first device. Throws ErrorKind::usage
-    /// naming what exists when nothing or more than one device matches.
+    /// Opens a device by "cpu", "gpu", an index of `list_devices()` or a part of its name (case-insensitive). If
+    /// `selector` is empty, $CLARAY_DEVICE is used; if that is unset, the first GPU, else the first device. Throws
+    /// ErrorKind::usage, listing the devices, if no device or more than one matches.
     [[nodiscard]] static Device open(const std::string& selector = {});
 
-    /// Uses a context and an in-order queue of the host program. Both are retained. Times are profiled only where the
-    /// queue was made with CL_QUEUE_PROFILING_ENABLE.
+    /// Uses a context and an in-order queue of the host program. Both are retained. Times are measured only if the
+    /// queue was created with CL_QUEUE_PROFILING_ENABLE.
     [[nodiscard]] static Device adopt(cl_context context, cl_command_queue queue);
 
     [[nodiscard]] const DeviceInfo& info() const noexcept;
@@ -59,12 +60,13 @@ public:
     [[nodiscard]] const cl::CommandQueue& queue() const noexcept;
     [[nodiscard]] Profiler& profiler() const noexcept;
 
-    /// A value of the tuning table (kernels/tuning.txt) for this device: the row of the most particular device pattern.
+    /// Returns a value of the tuning table (kernels/tuning.txt) for this device: from the row with the most specific
+    /// device pattern.
     [[nodiscard]] unsigned tuning(const std::string& kernel, const std::string& parameter) const;
-    /// Overrides a tuning value for this device from now on; programs compiled later see it.
+    /// Overrides a tuning value for this device. It takes effect for programs compiled later.
     void set_tuning(const std::string& kernel, const std::string& parameter, unsigned value) const;
 
-    /// Blocks until all that was enqueued is done, and hands the measured times to the profiler.
+    /// Blocks until all enqueued commands are finished, and passes the measured times to the profiler.
     void finish() const;
 
     struct State;
@@ -75,8 +77,8 @@ private:
     std::shared_ptr<State> state_;
 };
 
-/// Rows of the user's tuning tables that were ignored when the device was opened, since they name no tuning parameter,
-/// or a value that does not work: file, line and remedy, a line each.
+/// Returns the rows of the user's tuning tables that were ignored when the device was opened, because of an unknown
+/// parameter or an invalid value. One line per row: file, line and remedy.
 [[nodiscard]] std::vector<std::string> tuning_warnings(const Device& device);
 
 }  // namespace claray

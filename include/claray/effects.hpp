@@ -1,5 +1,5 @@
-// What a scene calls for: kernels hold the code of these effects and of no other, and what none of them needs is
-// neither uploaded nor run.
+// Effects of a scene. Kernels contain code only for the effects that the scene uses. Data and commands that no effect
+// needs are neither uploaded nor run.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +11,9 @@
 
 namespace claray {
 
-/// Each is a piece of kernel code that a scene can do without. Every BSDF is one: Effect::lambert, mirror, glass,
-/// metal, blinn_phong, principled, unlit, thin_walls and coated_metal.
-/// So is every kind of light: Effect::point_lights, directional_lights and spot_lights.
+/// Each effect is a part of the kernel code that a scene may not need. Every BSDF is an effect: Effect::lambert,
+/// mirror, glass, metal, blinn_phong, principled, unlit, thin_walls and coated_metal. Every kind of light is an
+/// effect: Effect::point_lights, directional_lights, spot_lights and sun_lights.
 enum class Effect : std::uint8_t {
     smooth_normals,
     transmission,
@@ -53,6 +53,7 @@ enum class Effect : std::uint8_t {
 #undef CLARAY_ROW
 };
 
+/// A set of effects.
 class EffectSet {
 public:
     constexpr EffectSet() = default;
@@ -75,43 +76,44 @@ private:
     std::uint64_t bits_ = 0;
 };
 
-/// As users write it: "smooth-normals".
+/// Returns the name for users: "smooth-normals".
 [[nodiscard]] const char* name_of(Effect effect);
-/// Every effect that the kernels know, in the order in which they are shown.
+/// Returns all effects that the kernels support, in display order.
 [[nodiscard]] std::span<const Effect> all_effects();
-/// The same as a set.
+/// Returns the same effects as a set.
 [[nodiscard]] EffectSet known_effects();
-/// What the generic kernels can do: all but instances, which have kernels of their own.
+/// Returns the effects of the generic kernels: all except instances, which have their own kernels.
 [[nodiscard]] EffectSet full_effects();
-/// "lambert, point-lights"; "nothing" where the set is empty.
+/// Returns the names, separated by commas: "lambert, point-lights". Returns "nothing" for an empty set.
 [[nodiscard]] std::string to_string(EffectSet effects);
 
-/// The reverse, with or without blanks. Throws ErrorKind::usage for a name that is none.
+/// Parses the output of `to_string`, with or without blanks. Throws ErrorKind::usage for an unknown name.
 [[nodiscard]] EffectSet parse_effects(const std::string& text);
 
-/// What the scene calls for.
+/// Returns the effects that the scene uses.
 [[nodiscard]] EffectSet effects_of(const Scene& scene);
 
+/// Why a scene uses an effect.
 struct EffectCause {
     Effect effect{};
-    std::string first;      ///< who calls for it: "the material 'gold'"
-    std::size_t count = 0;  ///< how many do
+    std::string first;      ///< the first object that uses it: "the material 'gold'"
+    std::size_t count = 0;  ///< number of objects that use it
 };
-/// Why: one row for every effect of `effects_of`, in the order of `all_effects`.
+/// Returns one row for every effect of `effects_of`, in the order of `all_effects`.
 [[nodiscard]] std::vector<EffectCause> causes_of_effects(const Scene& scene);
 
-/// For experiments: effects that are compiled in though nothing calls for them, which changes no pixel, and effects
-/// that the scene is stripped of, which changes the image.
+/// For experiments. `add`: effects compiled in although the scene does not use them; no pixel changes. `remove`:
+/// effects removed from the scene; the image changes.
 struct EffectOverrides {
     EffectSet add, remove;
     [[nodiscard]] bool any() const { return !add.empty() || !remove.empty(); }
 };
-/// "+textures,-sky". Throws ErrorKind::usage for what is no such list.
+/// Parses a list such as "+textures,-sky". Throws ErrorKind::usage if the list is malformed or a name is unknown.
 [[nodiscard]] EffectOverrides parse_effect_overrides(const std::string& text);
-/// The scene stripped of some effects, by the same rules as `effects_of`: no normals, no lights of a kind, a material
-/// of that kind is Lambert, a lens is a pinhole, and so on.
+/// Returns the scene without some effects, by the rules of `effects_of`: for example without normals or without lights
+/// of a kind; a material of a removed kind becomes Lambert, a lens becomes a pinhole.
 [[nodiscard]] Scene without_effects(Scene scene, EffectSet effects);
-/// A square with lights and a camera that calls for the effects, and for `lambert`, as simply as can be.
+/// Returns a simple scene that uses these effects and `lambert`: a square with lights and a camera.
 [[nodiscard]] Scene scene_calling_for(EffectSet effects);
 
 }  // namespace claray

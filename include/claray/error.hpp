@@ -1,4 +1,4 @@
-// The one exception type of claray: what went wrong, where, and what to do about it.
+// The only exception type of claray. The message tells what failed, where, and what to do.
 #pragma once
 
 #include <stdexcept>
@@ -6,16 +6,16 @@
 
 namespace claray {
 
-/// Who can mend an error. The values are the exit codes of the program `claray`.
+/// The cause of an error. The values are the exit codes of the program `claray`.
 enum class ErrorKind : int {
     user = 1,   ///< input or environment: a missing file, a bad mesh, a full disk
-    usage = 2,  ///< the call or the command line itself
+    usage = 2,  ///< an invalid call or command line
     device = 3  ///< OpenCL: no platform, a failed kernel build, out of device memory
 };
 
-/// `what()` is one line, "what failed: why; remedy", of at most 280 bytes of valid UTF-8 without control characters:
-/// what is not fit for a terminal becomes '?', and what is too long loses its middle. Failures of a device add a line
-/// break and a report of many lines.
+/// `what()` is one line, "what failed: why; remedy", of at most 280 bytes of valid UTF-8 without control characters.
+/// Characters that a terminal cannot show become '?'; messages that are too long are shortened in the middle. Device
+/// errors append a line break and a report of several lines.
 class Error : public std::runtime_error {
 public:
     Error(ErrorKind kind, const std::string& message, const std::string& remedy = {}, const std::string& report = {});

@@ -1,4 +1,4 @@
-// OpenCL-CLHPP, configured once for the whole project: OpenCL 1.2, errors as exceptions.
+// OpenCL-CLHPP, with one configuration for the whole project: OpenCL 1.2, errors as exceptions.
 #pragma once
 
 #ifndef CL_TARGET_OPENCL_VERSION

@@ -1,4 +1,4 @@
-// One profiler for everything that measures: OpenCL events of every kernel and transfer of a device.
+// The profiler: OpenCL events of all kernels and transfers of a device.
 #pragma once
 
 #include <cstdint>
@@ -11,26 +11,26 @@
 
 namespace claray {
 
-/// One command as the device's clock saw it, in nanoseconds.
+/// Times of one command, in nanoseconds of the device's clock.
 struct ProfileRecord {
     std::string name;
     std::uint64_t queued = 0, start = 0, end = 0;
     [[nodiscard]] double milliseconds() const { return double(end - start) * 1e-6; }
 };
 
-/// All commands of one name.
+/// Totals of all commands with the same name.
 struct ProfileSummary {
     std::uint64_t count = 0;
     double milliseconds = 0;
-    double longest = 0;                ///< milliseconds of the longest one
+    double longest = 0;                ///< milliseconds of the longest command
     std::uint64_t start = 0, end = 0;  ///< of the first and of the last command, in nanoseconds of the device's clock
 };
 
-/// Collects event times. Not thread safe: one profiler belongs to one queue.
+/// Collects event times. Not thread-safe: one profiler belongs to one queue.
 class Profiler {
 public:
-    /// Calls enqueue(cl::Event*) with what is to become the command's event, whose times are read once it has finished;
-    /// with null where nothing is measured.
+    /// Calls enqueue(cl::Event*). The function must set the event of its command; the times are read after the command
+    /// has finished. Passes null if the profiler is disabled.
     template <class Enqueue>
     void record(std::string name, const Enqueue& enqueue) {
         if (!enabled_) return enqueue(nullptr);
@@ -38,24 +38,26 @@ public:
         enqueue(&event);
         add(std::move(name), event);
     }
-    /// Reads the times of all remembered events, waiting for those under way.
+    /// Reads the times of all pending events. Blocks until they are finished.
     void collect();
 
-    /// Totals by name since the last reset.
+    /// Returns the totals by name since the last reset. Blocks as collect().
     [[nodiscard]] const std::map<std::string, ProfileSummary>& summary();
-    /// Device milliseconds of one name since the last reset, 0 if it never ran.
+    /// Returns the device time of all commands with this name since the last reset, in milliseconds; 0 if there were
+    /// none.
     [[nodiscard]] double milliseconds(const std::string& name);
-    /// Device milliseconds of all commands since the last reset.
+    /// Returns the device time of all commands since the last reset, in milliseconds.
     [[nodiscard]] double total_milliseconds();
-    /// Forgets the totals, not the records.
+    /// Clears the totals, but keeps the records.
     void reset();
 
-    /// Keeps every single record too, for a trace; off at first, for a long render makes millions.
+    /// Also keeps the record of every command, for a trace. Off by default, since a long render has millions of
+    /// commands.
     void keep_records(bool keep) { keep_records_ = keep; }
     [[nodiscard]] const std::vector<ProfileRecord>& records();
 
-    /// On at first. Events cost a GPU's queue some microseconds each: without them renders of milliseconds take it up
-    /// to a quarter less (docs/performance.md), and RenderStatistics have no times of the device.
+    /// On by default. Events cost some microseconds each on a GPU's queue. Without them, renders of milliseconds take
+    /// up to a quarter less time (docs/performance.md), but RenderStatistics contain no device times.
     void enable(bool enabled) { enabled_ = enabled; }
 
 private:

@@ -1,4 +1,4 @@
-// Kernels: compile claray's own or yours, bind plain structs and buffers, run.
+// Kernels: compile claray's or your own, bind plain structs and buffers, run.
 #pragma once
 
 #include <string>
@@ -9,27 +9,28 @@
 
 namespace claray {
 
-/// Macros for a kernel's compilation, name and value.
+/// Macros for compiling a kernel: name and value.
 using Defines = std::vector<std::pair<std::string, std::string>>;
 
-/// How floating point is compiled.
+/// How floating-point code is compiled.
 enum class Math {
-    strict,  ///< IEEE: no contraction, denormals kept, divisions rounded correctly where the device can
-    fast     ///< -cl-fast-relaxed-math: no NaN or infinity may be relied on. Never for geometry.
+    strict,  ///< IEEE: no contraction, denormals kept, divisions rounded correctly if the device supports it
+    fast     ///< -cl-fast-relaxed-math: NaN and infinity are not reliable. Do not use it for geometry.
 };
 
-/// Work-items in all and per group. The global size is rounded up to whole groups: kernels check their index.
+/// Number of work-items in total and per group. The global size is rounded up to whole groups; kernels must check their
+/// index.
 struct Range {
     std::size_t global = 0;
-    std::size_t local = 0;  ///< 0: the driver chooses, and the global size is exact
+    std::size_t local = 0;  ///< 0: the driver chooses, and the global size is not rounded
 };
 
-/// Local (work-group) memory for a kernel argument.
+/// Local (work-group) memory for a kernel argument, in bytes.
 struct LocalMemory {
     std::size_t bytes = 0;
 };
 
-/// An argument with the name of its parameter, for kernels that have several buffers of one type.
+/// An argument with the name of its parameter. Needed for kernels that have several buffers of one type.
 template <class T>
 struct Argument {
     const char* name;
@@ -40,7 +41,7 @@ template <class T>
     return {name, value};
 }
 
-/// What OpenCL C calls a type; null where that is not known. Shared structs: see CLARAY_LAYOUT.
+/// Returns the OpenCL C name of a type, or null if it is unknown. For shared structs see CLARAY_LAYOUT.
 constexpr const char* device_type_name(const void*) { return nullptr; }
 constexpr const char* device_type_name(const float*) { return "float"; }
 constexpr const char* device_type_name(const double*) { return "double"; }
@@ -55,11 +56,11 @@ public:
     Kernel(Device device, cl::Kernel kernel, std::string name)
         : device_(std::make_shared<Device>(std::move(device))), kernel_(std::move(kernel)), name_(std::move(name)) {}
 
-    /// Binds the arguments in order and enqueues the kernel; returns at once. An argument is a Buffer, a plain value of
-    /// exactly the kernel's type, LocalMemory, nullptr (an absent buffer), an object that binds several arguments
-    /// by a member `bind(Kernel&, index)` (such as Bvh), or one of these with its parameter's name (`arg`). Reading a
-    /// buffer waits for it. Throws ErrorKind::usage for an argument of another type or name than its parameter's,
-    /// and for a buffer without a name where one of claray's own kernels takes several of its type.
+    /// Binds the arguments in order and enqueues the kernel. Asynchronous. An argument is a Buffer, a plain value of
+    /// exactly the kernel's type, LocalMemory, nullptr (no buffer), an object that binds several arguments by a member
+    /// `bind(Kernel&, index)` (such as Bvh), or one of these with its parameter's name (`arg`). Reading a buffer waits
+    /// for the kernel. Throws ErrorKind::usage if the type or the name of an argument differs from its parameter, and
+    /// for a buffer without a name if one of claray's own kernels takes several buffers of its type.
     template <class... Args>
     void run(Range range, const Args&... args) {
         unsigned index = 0;
@@ -72,11 +73,12 @@ public:
         bind(index, value);
     }
 
-    /// Throws ErrorKind::usage where a kernel of compile_kernel was compiled without one of these macros, which what
-    /// binds itself to it needs: a structure of another layout would be read as if it were this one.
+    /// Throws ErrorKind::usage if this kernel comes from compile_kernel and was compiled without one of these macros.
+    /// Objects with a `bind` member call this to check that the kernel was compiled for their memory layout.
     void require(const Defines& macros) const;
     void remember(Defines macros) { macros_ = std::make_shared<const Defines>(std::move(macros)); }
-    /// Checks names and types of arguments from now on: a line "kernel name type" for every parameter of a program.
+    /// Enables checks of the names and types of arguments. `parameters` holds a line "kernel name type" for every
+    /// parameter of a program.
     void check_arguments(const std::string& parameters);
 
     [[nodiscard]] const cl::Kernel& handle() const noexcept { return kernel_; }
@@ -91,7 +93,7 @@ private:
     template <class T>
     void bind(unsigned& index, const Buffer<T>& buffer) {
         check_buffer(index, device_type_name(static_cast<const T*>(nullptr)));
-        const cl_mem memory = buffer.memory()();  // null where nothing is allocated: an absent buffer
+        const cl_mem memory = buffer.memory()();  // null if nothing is allocated: no buffer
         set_argument(index++, sizeof memory, &memory);
     }
     void bind(unsigned& index, const cl::Buffer& buffer) {
@@ -124,32 +126,32 @@ private:
 
     struct Parameter {
         std::string name, type;  // "Ray*"
-        bool ambiguous = false;  // another one is a pointer to the same type
+        bool ambiguous = false;  // another parameter is a pointer to the same type
     };
     std::shared_ptr<const std::vector<Parameter>> parameters_;  // null: not checked
-    const char* name_of_argument_ = nullptr;                    // of the one that is being bound
+    const char* name_of_argument_ = nullptr;                    // name of the argument that is being bound
 };
 
-/// One of claray's own kernels, by its file under kernels/ (such as "sort/radix_sort.cl"). Compiled once per device and
-/// set of macros, then kept in memory and on disk. The file's tuning values become macros; `defines` win over them.
-/// Throws ErrorKind::device with the compiler's log.
+/// Loads one of claray's own kernels by its file under kernels/ (such as "sort/radix_sort.cl"). It is compiled once per
+/// device and set of macros, then cached in memory and on disk. The file's tuning values become macros; `defines`
+/// override them. Throws ErrorKind::device with the compiler's log.
 [[nodiscard]] Kernel load_kernel(const Device& device, const std::string& file, const std::string& function,
                                  const Defines& defines = {}, Math math = Math::strict);
 
-/// A kernel of your own source text. It may #include claray's device headers ("claray/shared/types.h",
-/// "trace/closest_hit.clh" and the rest). `name` appears in error messages as the file name. A kernel that takes a Bvh
-/// or an InstancedBvh is compiled with its defines(), which say how it is laid out; binding another throws
-/// ErrorKind::usage.
+/// Compiles a kernel from your own source text. It may #include claray's device headers ("claray/shared/types.h",
+/// "trace/closest_hit.clh" and the rest). `name` is the file name in error messages. Compile a kernel that takes a Bvh
+/// or an InstancedBvh with its defines(), which describe its layout; binding a structure with another layout throws
+/// ErrorKind::usage. Throws ErrorKind::device with the compiler's log.
 [[nodiscard]] Kernel compile_kernel(const Device& device, const std::string& source, const std::string& function,
                                     const Defines& defines = {}, Math math = Math::strict,
                                     const std::string& name = "user.cl");
 
-/// Times spent compiling since the start of the process, in milliseconds, and how many programs came from where.
+/// Time spent compiling since the start of the process, in milliseconds, and the number of programs by origin.
 struct CompileStatistics {
     double milliseconds = 0;
     unsigned compiled = 0;    ///< by the driver, from source
-    unsigned from_cache = 0;  ///< from the cache on disk
-    std::string cache_error;  ///< why the latest could not be kept there; empty where all were
+    unsigned from_cache = 0;  ///< loaded from the cache on disk
+    std::string cache_error;  ///< why the latest program could not be cached; empty if all were
 };
 [[nodiscard]] CompileStatistics compile_statistics();
 

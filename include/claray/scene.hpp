@@ -1,4 +1,4 @@
-// What is to be rendered: meshes, materials, lights, sky and camera, on the host.
+// The scene on the host: meshes, materials, lights, sky and camera.
 #pragma once
 
 #include <optional>
@@ -10,19 +10,19 @@
 
 namespace claray {
 
-/// MaterialKind::lambert, mirror, glass, metal, blinn_phong, principled and unlit: those of CLARAY_MATERIAL_KINDS.
+/// MaterialKind::lambert, mirror, glass, metal, blinn_phong, principled and unlit: the rows of CLARAY_MATERIAL_KINDS.
 enum class MaterialKind : std::uint32_t {
 #define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) name = CLARAY_##NAME,
     CLARAY_MATERIAL_KINDS(CLARAY_ROW)
 #undef CLARAY_ROW
 };
 
-/// What claray/shared/bsdfs.h says of a kind.
+/// Properties of a material kind, from claray/shared/bsdfs.h.
 struct MaterialKindRow {
     MaterialKind kind;
-    const char* name;      ///< for users: "blinn-phong"
-    bool transmits;        ///< light goes through
-    bool reads_roughness;  ///< Material::roughness and its map count
+    const char* name;      ///< name for users: "blinn-phong"
+    bool transmits;        ///< light passes through
+    bool reads_roughness;  ///< uses Material::roughness and its map
 };
 inline constexpr MaterialKindRow material_kinds[] = {
 #define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) {MaterialKind::name, text, transmits != 0, rough != 0},
@@ -30,7 +30,7 @@ inline constexpr MaterialKindRow material_kinds[] = {
 #undef CLARAY_ROW
 };
 
-/// Null for a number that is no kind.
+/// Returns null for an invalid number.
 [[nodiscard]] constexpr const MaterialKindRow* row_of(MaterialKind kind) {
     for (const MaterialKindRow& row : material_kinds)
         if (row.kind == kind) return &row;
@@ -41,51 +41,50 @@ inline constexpr MaterialKindRow material_kinds[] = {
     return row_of(kind) && row_of(kind)->reads_roughness;
 }
 
-/// What the opacity does (glTF's alphaMode).
+/// How the opacity is used (glTF's alphaMode).
 enum class AlphaMode : std::uint32_t {
-    opaque,  ///< nothing
-    mask,    ///< the surface is there where the opacity reaches `alpha_cutoff`
-    blend    ///< it is there with the opacity as probability
+    opaque,  ///< ignored
+    mask,    ///< the surface exists where the opacity reaches `alpha_cutoff`
+    blend    ///< the surface exists with the opacity as probability
 };
 
-/// Colours are linear Rec. 709. A texture multiplies the value beside it.
+/// Surface properties. Colours are linear Rec. 709. A texture multiplies the corresponding value.
 struct Material {
     std::string name;
     MaterialKind kind = MaterialKind::lambert;
-    /// Lambert, Blinn-Phong: diffuse albedo; mirror and metal: reflectance at normal incidence; glass: tint of what is
-    /// transmitted; principled: glTF's base colour.
+    /// Lambert, Blinn-Phong: diffuse albedo; mirror and metal: reflectance at normal incidence; glass: tint of
+    /// transmitted light; principled: glTF's base colour.
     glm::vec3 albedo{0.7f};
     glm::vec3 emission{0.f};  ///< radiance of the front and the back, W / (m^2 sr)
     float roughness = 0.3f;   ///< metal, glass, principled: 0..1; GGX alpha = roughness^2
     float ior = 1.5f;         ///< glass, principled
 
-    float metallic = 0.f;      ///< principled: 0 a dielectric, 1 a metal
+    float metallic = 0.f;      ///< principled: 0 is a dielectric, 1 a metal
     float transmission = 0.f;  ///< principled: share of the dielectric's base that refracts instead of scattering
-    bool thin_walled = false;  ///< glass, principled: a wall that does not bend what it transmits, not a solid's border
+    bool thin_walled = false;  ///< glass, principled: a thin wall without refraction, not the border of a solid
     float clearcoat = 0.f;     ///< principled: share of a dielectric coat of index 1.5
     float clearcoat_roughness = 0.f;  ///< 0..1
-    glm::vec3 specular{0.f};          ///< Blinn-Phong: the highlight's colour
+    glm::vec3 specular{0.f};          ///< Blinn-Phong: colour of the highlight
 
-    // Layers of the principled kind, as glTF's extension of that name describes each.
+    // Layers of the principled kind. The glTF extension in parentheses describes each layer.
     float specular_weight = 1.f;      ///< 0..1, strength of the dielectric's reflection (KHR_materials_specular)
     glm::vec3 specular_tint{1.f};     ///< multiplies its reflectance at normal incidence; may exceed 1
     glm::vec3 sheen{0.f};             ///< 0..1, colour of the fibres (KHR_materials_sheen)
     float sheen_roughness = 0.f;      ///< 0..1
     float anisotropy = 0.f;           ///< 0..1, stretches highlights (KHR_materials_anisotropy)
-    float anisotropy_rotation = 0.f;  ///< radians, counter-clockwise from the tangent; along it they are stretched
+    float anisotropy_rotation = 0.f;  ///< radians, counter-clockwise from the tangent, to the direction of stretching
     float iridescence = 0.f;          ///< 0..1, share of a thin film (KHR_materials_iridescence)
-    float iridescence_ior = 1.3f;     ///< of the film
-    glm::vec2 film_thickness{100.f, 400.f};  ///< nanometres where its map is 0 and where it is 1 (or absent)
+    float iridescence_ior = 1.3f;     ///< index of refraction of the film
+    glm::vec2 film_thickness{100.f, 400.f};  ///< nanometres, where its map is 0 and where it is 1 (or absent)
 
-    /// Beer's law inside: `attenuation` of white is left after `attenuation_distance`. 0: nothing is absorbed.
+    /// Beer's law inside: white light is reduced to `attenuation` after `attenuation_distance`. 0: no absorption.
     glm::vec3 attenuation{1.f};
     float attenuation_distance = 0.f;
 
     float opacity = 1.f;
     AlphaMode alpha_mode = AlphaMode::opaque;
     float alpha_cutoff = 0.5f;
-    bool cull_back =
-        false;  ///< rays pass through where they meet the back (glTF: doubleSided = false); solid glass has both
+    bool cull_back = false;  ///< rays pass through the back (glTF: doubleSided = false); ignored for solid glass
 
     TextureUse albedo_map;               ///< RGB; its alpha multiplies the opacity
     TextureUse emission_map;             ///< RGB
@@ -93,25 +92,25 @@ struct Material {
     TextureUse transmission_map;         ///< red
     TextureUse clearcoat_map;            ///< red: clearcoat
     TextureUse clearcoat_roughness_map;  ///< green: its roughness
-    TextureUse clearcoat_normal_map;     ///< as normal_map; without it the coat lies on the mesh's own normals
+    TextureUse clearcoat_normal_map;     ///< as normal_map; if unused, the coat has the normals of the mesh
     float clearcoat_normal_scale = 1.f;
     TextureUse specular_map;         ///< RGB: specular_tint; Blinn-Phong: specular
     TextureUse specular_weight_map;  ///< alpha: specular_weight
     TextureUse shininess_map;        ///< red: shininess
     TextureUse sheen_map;            ///< RGB: sheen
-    TextureUse sheen_roughness_map;  ///< alpha: its roughness
+    TextureUse sheen_roughness_map;  ///< alpha: sheen_roughness
     TextureUse anisotropy_map;       ///< red and green: direction, 0.5 is 0; blue: anisotropy
     TextureUse iridescence_map;      ///< red: iridescence
-    TextureUse film_thickness_map;   ///< green: from the first thickness to the second
+    TextureUse film_thickness_map;   ///< green: interpolates from the first thickness to the second
     TextureUse opacity_map;          ///< red
-    TextureUse normal_map;           ///< tangent space, 0.5 is 0; +x to the right and +y up in the image, that is along
-                                     ///< decreasing v (glTF, OpenGL)
+    TextureUse normal_map;  ///< tangent space, 0.5 is 0; +x is right and +y is up in the image, towards decreasing v
+                            ///< (glTF, OpenGL)
     float normal_scale = 1.f;
-    TextureUse height_map;  ///< red, times `height_scale` in units of the scene; shifts the normal only
+    TextureUse height_map;  ///< red, times `height_scale` in units of the scene; changes the normal only
     float height_scale = 1.f;
-    TextureUse light_map;  ///< RGB irradiance that is used in place of light from elsewhere
+    TextureUse light_map;  ///< RGB irradiance that replaces light from elsewhere
 
-    // `shininess` (Blinn-Phong: the highlight's exponent); those of CLARAY_BSDF_PARAMETERS.
+    // The members of CLARAY_BSDF_PARAMETERS: `shininess` (Blinn-Phong: exponent of the highlight).
 #define CLARAY_ROW(name, text, standard, check) float name = standard;
     CLARAY_BSDF_PARAMETERS(CLARAY_ROW)
 #undef CLARAY_ROW
@@ -166,16 +165,16 @@ struct Light {
     return light;
 }
 
-/// Radiance of rays that leave the scene, from `horizon` (and below) to `zenith`. Black unless set.
+/// Radiance of rays that leave the scene, from `horizon` (and below) to `zenith`. Black by default.
 struct Sky {
     glm::vec3 horizon{0.f};
     glm::vec3 zenith{0.f};
 };
 
-/// An image around the scene, in place of the sky.
+/// An image around the scene. It replaces the sky.
 struct Environment {
-    /// One image: latitude and longitude, its middle column towards -z and +y at the top. Six: the faces +x -x +y -y +z
-    /// -z of a cube, as OpenGL orients them. Linear or sRGB; none: there is no environment.
+    /// One image: latitude and longitude, its middle column towards -z and +y at the top. Six images: the faces +x -x
+    /// +y -y +z -z of a cube, oriented as in OpenGL. Linear or sRGB. Empty: no environment.
     std::vector<Texture> images;
     float strength = 1.f;
     float rotation = 0.f;  ///< radians about +y, counter-clockwise seen from above
@@ -186,11 +185,11 @@ struct Camera {
     glm::vec3 target{0.f};
     glm::vec3 up{0.f, 1.f, 0.f};
     float vertical_fov = 40.f;    ///< degrees
-    float aperture_radius = 0.f;  ///< of a thin lens; 0: a pinhole
-    float focus_distance = 0.f;   ///< of the plane that is sharp, along the view; 0: the target's
-    std::optional<glm::vec3> position_end = {}, target_end = {};  ///< when the shutter closes, where the camera moves
-    /// Of the image, in units of the scene: all rays are parallel then and begin in the plane through the position, and
-    /// `vertical_fov` is not used. 0: perspective.
+    float aperture_radius = 0.f;  ///< radius of a thin lens, in units of the scene; 0: a pinhole
+    float focus_distance = 0.f;   ///< distance of the sharp plane along the view; 0: that of the target
+    std::optional<glm::vec3> position_end = {}, target_end = {};  ///< at shutter close, if the camera moves
+    /// Height of the image in units of the scene. If > 0, all rays are parallel and start in the plane through the
+    /// position, and `vertical_fov` is ignored. 0: perspective.
     float orthographic_height = 0.f;
 };
 
@@ -198,46 +197,46 @@ struct Camera {
 struct MeshInstance {
     std::uint32_t mesh = 0;
     glm::mat4 transform{1.f};                     ///< affine, invertible
-    std::optional<glm::mat4> transform_end = {};  ///< when the shutter closes, where it moves; the path is linear
+    std::optional<glm::mat4> transform_end = {};  ///< at shutter close, if it moves; motion is linear
 };
 
 struct Scene {
     std::string name;
     std::vector<Mesh> meshes;
-    std::vector<MeshInstance> instances;  ///< empty: every mesh once, where it is
+    std::vector<MeshInstance> instances;  ///< empty: every mesh once, without transform
     std::vector<Material> materials;
     std::vector<Texture> textures;
     std::vector<Light> lights;
     Sky sky;
     Environment environment;
-    std::optional<Camera> camera;  ///< empty: `automatic_camera` looks at the whole
+    std::optional<Camera> camera;  ///< empty: use `automatic_camera`
 };
 
-/// Of all that is placed in it, the ends of motion included; of what is turned, the box of its turned box.
+/// Returns the box of all placed meshes, including the ends of motion. For a rotated mesh: the box of its rotated box.
 [[nodiscard]] Bounds bounds_of(const Scene& scene);
-/// Of all that is placed in it.
+/// Returns the number of triangles of all placed meshes.
 [[nodiscard]] std::size_t triangle_count(const Scene& scene);
 
-/// Looks at the centre of the bounds from the front, a little from above and from the right, so far away that the
-/// bounding sphere just fits. A scene without extent is looked at from distance 1.
+/// Returns a camera that looks at the centre of the bounds from the front, slightly from above and from the right. The
+/// bounding sphere just fits into the image. If the bounds have no extent, the distance is 1.
 [[nodiscard]] Camera automatic_camera(const Bounds& bounds, float vertical_fov = 40.f, float aspect = 1.f);
 
-/// Camera as kernels read it. `aspect` = width / height. Throws ErrorKind::usage where at some time the position is the
-/// target or `up` is parallel to the view, the angle is outside (0, 180), the orthographic height is negative or not
-/// finite, or the lens is no lens.
+/// Returns the camera in the form that kernels read. `aspect` = width / height. Throws ErrorKind::usage if at some time
+/// the position equals the target or `up` is parallel to the view, if the angle is outside (0, 180), if the
+/// orthographic height is negative or not finite, or if the lens is invalid.
 [[nodiscard]] CameraData camera_data(const Camera& camera, float aspect);
-/// Whether it moves while the shutter is open.
+/// Returns whether the camera moves while the shutter is open.
 [[nodiscard]] bool moves(const Camera& camera);
 
-/// Throws ErrorKind::user, naming the thing and the value, where an index is out of range, an array has the wrong
-/// length, a value is not finite, negative or not in 0..1 where it must be, an instance's transform is not affine or
-/// can't be inverted, or an environment is neither one image nor a cube. Positions may be anything: triangles that are
-/// not finite are culled and counted when the structure is built.
+/// Throws ErrorKind::user, naming the object and the value, if an index is out of range, an array has the wrong length,
+/// a value is not finite, negative or not in 0..1 although it must be, an instance's transform is not affine or not
+/// invertible, or an environment has neither one image nor six. Positions are not checked: triangles that are not
+/// finite are culled and counted when the structure is built.
 void validate(const Scene& scene);
 
-/// The built-in scenes: "cornell", "spheres", "crate", "hills", "effects" (all of them), "effect:NAME" (one of them, by
-/// the name that `claray explain` gives it), "terrain:N", "soup:N", "fan:N", "hair:N" (N
-/// triangles). Nothing where `name` is none of them. Throws ErrorKind::usage for a bad N.
+/// Returns a built-in scene: "cornell", "spheres", "crate", "hills", "effects" (all effects), "effect:NAME" (one
+/// effect, by its name in `claray explain`), "terrain:N", "soup:N", "fan:N", "hair:N" (N triangles). Returns no scene
+/// for an unknown name. Throws ErrorKind::usage for an invalid N.
 [[nodiscard]] std::optional<Scene> builtin_scene(const std::string& name);
 [[nodiscard]] std::span<const char* const> builtin_scene_names();
 

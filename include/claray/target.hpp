@@ -1,5 +1,4 @@
-// Choosing by target: an error, a time or frames a second instead of settings, which a planner picks by the measured
-// model of the device.
+// Targets: an error, a time or frames per second. A planner chooses the settings with a measured model of the device.
 #pragma once
 
 #include <functional>
@@ -10,85 +9,86 @@
 
 namespace claray {
 
-/// How fast a device builds trees and renders, by preset of the builder.
+/// How fast a device builds trees and renders, for each builder.
 struct DeviceModel {
     struct Preset {
-        double build_nanoseconds = 0;   ///< a triangle
-        double samples_per_second = 0;  ///< of the model's scene
+        double build_nanoseconds = 0;   ///< per triangle
+        double samples_per_second = 0;  ///< in the scene of the model
     };
     Preset fast, balanced, high;
-    double independent_cost = 0;  ///< time that independent samples take for the error that Sobol's take 1 for
+    double independent_cost = 0;  ///< time of independent samples divided by time of Sobol samples, at equal error
 
     [[nodiscard]] const Preset& of(Builder builder) const;
     [[nodiscard]] bool known() const { return fast.samples_per_second > 0; }
 };
 
-/// What `claray tune` stored for this device: rows of the tuning table; not `known()` where it never ran.
+/// Returns the model that `claray tune` stored for this device in the tuning table. Not `known()` if it never ran.
 [[nodiscard]] DeviceModel stored_model(const Device& device);
-/// Told what is measured next of a device; false ends the measuring, and nothing is known then.
+/// Receives the name of the next measurement. Return false to stop; the model is then not known.
 using MeasuringProgress = std::function<bool(const std::string& what)>;
-/// Measures it, over a terrain of so many triangles: a few seconds, and what compiling takes. Leaves the device's
-/// profiler with what it ran.
+/// Measures the model with a terrain of this many triangles: takes a few seconds and the time for compiling. The
+/// commands are recorded by the device's profiler.
 [[nodiscard]] DeviceModel measure_model(const Device& device, std::size_t triangles = 100'000,
                                         const MeasuringProgress& progress = {});
-/// The model as rows of the tuning table.
+/// A model value as a row of the tuning table.
 struct ModelRow {
     std::string kernel, parameter;
     unsigned value = 0;
 };
 [[nodiscard]] std::vector<ModelRow> rows_of(const DeviceModel& model);
 
-/// The preset with which a tree over so many triangles is built and what takes so many seconds with `fast` is traced
-/// soonest; `built` is there already. `fast` where nothing is known.
+/// Returns the builder with the least total time for building a tree over this many triangles and for tracing that
+/// takes `seconds_with_fast` with Builder::fast. A tree of `built` exists already. Returns `fast` if the model is not
+/// known.
 [[nodiscard]] Builder choose_builder(const DeviceModel& model, std::size_t triangles, double seconds_with_fast,
                                      Builder built = Builder::fast);
 
-/// What a planner picked for RenderConfig::error or RenderConfig::seconds.
+/// The choices of the planner for RenderConfig::error or RenderConfig::seconds.
 struct TargetPlan {
-    RenderConfig config;  ///< as it was given, with what was picked
+    RenderConfig config;  ///< the given configuration with the chosen settings
     DeviceModel model;
     std::size_t triangles = 0;
-    bool picks_builder = true;        ///< false: it is as it was given
-    std::vector<std::string> picks;   ///< what was picked and why, a line each
-    double promised_seconds = 0;      ///< of sampling, as foreseen after the first samples of a render to an error
-    double seconds_to_foresee = 0.3;  ///< for which these are watched
-    MeasuringProgress measuring;      ///< where the device itself must be measured on the way
+    bool picks_builder = true;        ///< false: keep the given builder
+    std::vector<std::string> picks;   ///< each choice and its reason, one line each
+    double promised_seconds = 0;      ///< sampling time, predicted after the first samples of a render to an error
+    double seconds_to_foresee = 0.3;  ///< sampling time on which the prediction is based
+    MeasuringProgress measuring;      ///< called if the device must be measured during the render
 };
 
-/// Picks sampler and builder for a render to an error or for a time. Where there is no model of the device and the
-/// time is worth it, measures one, small, first.
+/// Chooses sampler and builder for a render to an error or within a time. If the device has no model and the time is
+/// long enough, measures a small model first.
 [[nodiscard]] TargetPlan plan_render(const Device& device, const Scene& scene, const RenderConfig& config,
                                      bool picks_builder = true, const MeasuringProgress& measuring = {});
 
-/// Renders to the target; `renderer` was made with `plan.config`. After the first samples it is known how long it takes
-/// to an error, and the tree may be built anew. `progress` as in Renderer::render. Throws ErrorKind::user, naming the
-/// closest that can be reached, for a time that can't be, and for an error that can't be where there is no limit of
-/// time.
+/// Renders to the target. `renderer` must be constructed with `plan.config`. After the first samples, the time for
+/// reaching an error is predicted, and the tree may be rebuilt. `progress` as in Renderer::render. Throws
+/// ErrorKind::user, naming the closest possible target, if a time cannot be met, or if an error cannot be reached and
+/// there is no time limit.
 RenderProgress render_to_target(const Device& device, Renderer& renderer, TargetPlan& plan,
                                 const std::function<bool(const RenderProgress&)>& progress = {});
 
-/// Frames at a rate: each a render of its own of so many samples a pixel, from the first sample until its image is in
-/// the host's memory.
+/// The result of rendering frames at a rate. Each frame is a separate render; its time runs from the first sample until
+/// its image is in host memory.
 struct FramesReport {
     unsigned spp = 0,
-             max_depth = 0;  ///< that were picked: `max_depth` is lowered only where a sample a pixel is too many
-    std::vector<std::string> picks;     ///< what was picked and why, a line each
-    std::vector<double> seconds;        ///< that frames took
-    double median = 0, percentile = 0;  ///< of them; the 99th
-    std::vector<glm::vec3> image;       ///< the last one
+             max_depth = 0;  ///< chosen values; `max_depth` is lowered only if one sample per pixel takes too long
+    std::vector<std::string> picks;     ///< each choice and its reason, one line each
+    std::vector<double> seconds;        ///< time of each frame
+    double median = 0, percentile = 0;  ///< median and 99th percentile of `seconds`
+    std::vector<glm::vec3> image;       ///< the last frame
 };
 
-/// Picks the samples a pixel with which frames take no longer than 1 / fps, and renders so many. `config.spp` and
-/// `config.max_depth` are the most that may be picked. `progress` is asked after every frame whether to go on. Throws
-/// ErrorKind::user, naming the closest rate, where it can't be reached.
+/// Chooses the samples per pixel so that a frame takes at most 1 / fps, and renders `frames` frames. `config.spp` and
+/// `config.max_depth` are upper limits. `progress` is called after every frame; return false to stop. Throws
+/// ErrorKind::user, naming the closest rate, if the rate cannot be reached.
 [[nodiscard]] FramesReport render_frames(const Device& device, const Scene& scene, const RenderConfig& config,
                                          double fps, unsigned frames, bool picks_builder = true,
                                          const std::function<bool(unsigned done)>& progress = {},
                                          const MeasuringProgress& measuring = {});
 
-/// Whether the error, or else the time, is what was asked for.
+/// Returns whether the error target, or else the time target, was met.
 [[nodiscard]] bool is_kept(const TargetPlan& plan, const RenderProgress& reached);
-/// What was reached against what was asked for, in a line.
+/// Returns one line that compares the result with the target.
 [[nodiscard]] std::string account_of(const TargetPlan& plan, const RenderProgress& reached);
 
 }  // namespace claray

@@ -1,4 +1,4 @@
-// Whether a device and its driver can be trusted: cases that break ray tracers, each with a bar that it must meet.
+// Tests of a device and its driver: cases that break ray tracers, each with limits for its results.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@
 namespace claray {
 
 enum class Effort {
-    quick,  ///< seconds in all
-    full    ///< with the counts that the bars are meant for: minutes
+    quick,  ///< seconds in total
+    full    ///< with the full number of trials: minutes
 };
 
 /// A case that is known to break ray tracers.
@@ -23,20 +23,20 @@ struct VerifyCase {
     std::string what;    ///< what is tried, and what must hold
 };
 
-/// One figure and its bar; it holds where worst <= bar.
+/// One measured value and its limit. It passes if worst <= bar.
 struct VerifyCheck {
     std::string what;
-    std::uint64_t tried = 0;  ///< how often
+    std::uint64_t tried = 0;  ///< number of trials
     double worst = 0, bar = 0;
     std::string unit;
-    bool time = false;  ///< a ratio of times, which a busy machine disturbs
+    bool time = false;  ///< true for a ratio of times, which is unreliable on a busy machine
     [[nodiscard]] bool holds() const { return worst <= bar; }
 };
 
-/// A drawing of what went wrong: shapes in a plane of width 1, y upwards.
+/// A drawing of a failure: shapes in a plane of width 1, y upwards.
 struct VerifyPicture {
     struct Shape {
-        std::vector<float> points;  ///< x, y pairs; one pair is a dot
+        std::vector<float> points;  ///< x, y pairs; a single pair is a dot
         bool filled = false;
         std::uint32_t color = 0x000000;  ///< 0xrrggbb
     };
@@ -47,38 +47,39 @@ struct VerifyPicture {
 struct VerifyResult {
     std::string name;
     std::vector<VerifyCheck> checks;
-    std::vector<std::pair<std::string, std::string>> facts;  ///< without a bar: hashes, costs of trees
+    std::vector<std::pair<std::string, std::string>> facts;  ///< values without a limit: hashes, costs of trees
     std::vector<std::string> failures;                       ///< the first wrong ray or value of each kind
-    std::vector<VerifyPicture> pictures;                     ///< of failures
+    std::vector<VerifyPicture> pictures;                     ///< drawings of failures
     double seconds = 0;
     std::uint64_t seed = 0;
-    std::string command;  ///< runs this case again in the same way
+    std::string command;  ///< command line that repeats this case in the same way
     [[nodiscard]] bool holds() const;
 };
 
 struct VerifyOptions {
     Effort effort = Effort::quick;
-    std::uint64_t seed = 1;  ///< of all random rays and meshes
-    bool times = true;       ///< also checks ratios of times
-    unsigned threads = 0;    ///< cases at once; 0: on a GPU as many as there are processors, but 5 at most, else 1
+    std::uint64_t seed = 1;  ///< seed of all random rays and meshes
+    bool times = true;       ///< also check ratios of times
+    unsigned threads = 0;    ///< cases that run at once; 0: on a GPU the number of processors, but at most 5, else 1
 };
 
+/// Returns all cases that can be run.
 [[nodiscard]] const std::vector<VerifyCase>& verify_cases();
 
-/// Cases of claray's catalogue that wait for a feature, with the feature's name.
+/// Returns cases of claray's catalogue that need a missing feature, with the name of that feature.
 [[nodiscard]] const std::vector<VerifyCase>& verify_cases_left_out();
 
-/// Throws ErrorKind::usage where one of the names is no case's, with those that there are.
+/// Throws ErrorKind::usage, listing the existing cases, if one of the names is unknown.
 void check_verify_cases(std::span<const std::string> names);
 
-/// Runs one case. Throws ErrorKind::usage, naming those that exist, where there is no such case, and ErrorKind::device
-/// where the device refuses to work at all.
+/// Runs one case. Throws ErrorKind::usage, listing the existing cases, if there is no such case, and ErrorKind::device
+/// if the device does not work at all.
 [[nodiscard]] VerifyResult run_verify_case(const Device& device, const std::string& name,
                                            const VerifyOptions& options = {});
 
-/// Runs cases and hands over the result of each, in the order of `names`, as soon as it is there and those before are.
-/// Most take longer to compile than to run, so several run at once, each thread with a queue of its own; those that
-/// measure times run alone, after the others. Throws as run_verify_case does.
+/// Runs cases and passes each result to `report`, in the order of `names`, as soon as it and those before it are
+/// available. Most cases take longer to compile than to run, so several run at once, each thread with its own queue.
+/// Cases that measure times run alone, after the others. Throws as run_verify_case does.
 void run_verify_cases(const Device& device, std::span<const std::string> names, const VerifyOptions& options,
                       const std::function<void(const VerifyResult&)>& report);
 

@@ -1,4 +1,4 @@
-// What loaders noticed and mended.
+// Warnings of the loaders: problems that they found and corrected.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,9 @@
 
 namespace claray {
 
-/// Lines for the user, each fit for a terminal as `Error::what()` is. Of a kind 20 are kept, and one line more counts
-/// the rest. Warnings are of one kind if they differ only in numbers and in what is quoted.
+/// Lines for the user. Each is fit for a terminal, as `Error::what()` is. At most 20 warnings of a kind are kept, and
+/// one additional line counts the rest. Warnings are of the same kind if they differ only in numbers and in quoted
+/// text.
 class Warnings {
 public:
     using value_type = std::string;
@@ -41,7 +42,7 @@ public:
 private:
     struct Kind {
         std::size_t count = 0;
-        std::string rest;  ///< the line that counts those that are not kept
+        std::string rest;  ///< the line that counts the warnings that are not kept
     };
 
     std::vector<std::string> lines_;

@@ -96,7 +96,7 @@ TEST(Plan, SaysWhatItPickedAndKeepsWhatWasAskedFor) {
     EXPECT_EQ(plan.config.bvh.builder, Builder::high);
     EXPECT_EQ(plan.promised_seconds, 20);
     ASSERT_EQ(plan.picks.size(), 2u);
-    EXPECT_NE(plan.picks[0].find("independent ones take 1.30 times the time"), std::string::npos) << plan.picks[0];
+    EXPECT_NE(plan.picks[0].find("independent samples need 1.30 times the time"), std::string::npos) << plan.picks[0];
     EXPECT_NE(plan.picks[1].find("tree: high, for 2000 triangles and about 20 s"), std::string::npos) << plan.picks[1];
     EXPECT_NE(plan.picks[1].find("high 2 ms and 1.50 times the speed"), std::string::npos) << plan.picks[1];
     config.bvh.builder = Builder::balanced;
@@ -107,7 +107,8 @@ TEST(Plan, SaysWhatItPickedAndKeepsWhatWasAskedFor) {
     config.seconds = 1;
     const Device unknown = device_with(simple_model());
     unknown.set_tuning("plan/model", "HIGH_SAMPLES_PER_SECOND", 0);
-    EXPECT_NE(plan_render(unknown, scene, config).picks.back().find("no model of this device"), std::string::npos);
+    EXPECT_NE(plan_render(unknown, scene, config).picks.back().find("no model is stored for this device"),
+              std::string::npos);
 }
 
 /// The tree is built anew on the way, which changes no bit of the image.
@@ -170,10 +171,10 @@ TEST(RenderToTarget, RefusesWhatCannotBeReachedAndNamesWhatCan) {
             (void)render_to_target(device(), renderer, plan);
         });
     };
-    EXPECT_TRUE(refused(to_error(1e-9), "an error of 1e-09 can't be reached: it needs about"));
-    EXPECT_TRUE(refused(to_error(1e-9), "the closest is about --error "));
+    EXPECT_TRUE(refused(to_error(1e-9), "an error of 1e-09 cannot be reached: it needs about"));
+    EXPECT_TRUE(refused(to_error(1e-9), "the closest possible is about --error "));
     EXPECT_TRUE(refused({.width = 24, .height = 24, .spp = 1u << 24, .seconds = 1e-6},
-                        "a time of 1 us can't be kept: a sample for every pixel takes "));
+                        "a time of 1 us is too short: one sample for every pixel takes "));
 }
 
 TEST(IsKept, AnErrorBelowItsBoundAndATimeToATenth) {
@@ -181,7 +182,8 @@ TEST(IsKept, AnErrorBelowItsBoundAndATimeToATenth) {
     to_bound.config.error = 0.1, in_time.config.seconds = 1;
     RenderProgress reached;
     EXPECT_FALSE(is_kept(to_bound, reached)) << "no error is known";
-    EXPECT_NE(account_of(to_bound, reached).find("0 samples a pixel tell nothing"), std::string::npos);
+    EXPECT_NE(account_of(to_bound, reached).find("0 samples per pixel are too few to estimate the error"),
+              std::string::npos);
     reached.error = 0.05, reached.error_bound = 0.1;
     EXPECT_TRUE(is_kept(to_bound, reached));
     reached.error_bound = 0.11;
@@ -208,9 +210,9 @@ TEST(RenderFrames, PicksWhatFitsAndSaysSo) {
     double sum = 0;
     for (const glm::vec3& p : report.image) sum += p.y;
     EXPECT_GT(sum, 0);
-    EXPECT_TRUE(throws_error(ErrorKind::user, "the closest is about --fps ",
+    EXPECT_TRUE(throws_error(ErrorKind::user, "the closest possible is about --fps ",
                              [&] { (void)render_frames(device(), scene, config, 1e6, 1); }));
-    EXPECT_TRUE(throws_error(ErrorKind::usage, "no number above 0",
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "must be greater than 0",
                              [&] { (void)render_frames(device(), scene, config, NAN, 1); }));
 }
 

@@ -112,7 +112,7 @@ TEST(InstancedBvh, RefusesBottomLevelsThatDoNotFitTogether) {
     const std::vector<Mesh> meshes = {sphere(1)};
     std::vector<Bvh> bottoms = build_bottoms(meshes, Layout::binary);
     const std::vector<Instance> one = {make_instance(glm::mat4(1.f))};
-    EXPECT_TRUE(throws_error(ErrorKind::usage, "no bottom level", [&] { (void)InstancedBvh::build({}, one); }));
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "without a bottom level", [&] { (void)InstancedBvh::build({}, one); }));
     InstancedBvh bvh = InstancedBvh::build(bottoms, one);
     bottoms.push_back(build_bottoms(meshes, Layout::wide)[0]);
     EXPECT_TRUE(throws_error(ErrorKind::usage, "different layouts", [&] { (void)InstancedBvh::build(bottoms, one); }));

@@ -76,7 +76,7 @@ TEST_F(Memory, TheRemedyHelps) {
     leave(needed(least));
     EXPECT_TRUE(throws_error(
         ErrorKind::device,
-        "; choose the builder fast, the binary layout and codes of 30 bits, which take " + size_text(needed(least)),
+        "; choose the builder fast, the binary layout and codes of 30 bits, which need " + size_text(needed(least)),
         [&] { (void)build(most); }));
     EXPECT_NO_THROW((void)build(least));
     leave(needed(least) - 1);
@@ -125,7 +125,8 @@ TEST_F(Memory, LargestBufferIsForTheDriverToDecide) {
         GTEST_SKIP() << "no such buffer on this device";
     EXPECT_TRUE(throws_error(ErrorKind::device, " triangles needs a buffer of ",
                              [&] { (void)Bvh::build(device_, triangles); }));
-    EXPECT_TRUE(throws_error(ErrorKind::device, "gives at most " + size_text(device_.info().max_allocation) + " in one",
+    EXPECT_TRUE(throws_error(ErrorKind::device,
+                             "allocates at most " + size_text(device_.info().max_allocation) + " per buffer",
                              [&] { (void)Bvh::build(device_, triangles); }));
 }
 

@@ -141,9 +141,9 @@ TEST_F(Save, MissingFilesAndStrangersAreRefused) {
     EXPECT_TRUE(throws_error(ErrorKind::user, "none.cbvh': No such file or directory; check the path",
                              [&] { (void)Bvh::load(device(), path("none.cbvh")); }));
     EXPECT_TRUE(throws_error(ErrorKind::user, "it is a folder", [&] { (void)Bvh::load(device(), folder_.path()); }));
-    EXPECT_TRUE(refused("", "it is no saved structure"));
-    EXPECT_TRUE(refused("v 0 0 0\n", "it is no saved structure"));
-    EXPECT_TRUE(refused(std::string(100'000, 'x'), "it is no saved structure"));
+    EXPECT_TRUE(refused("", "it is not a saved structure"));
+    EXPECT_TRUE(refused("v 0 0 0\n", "it is not a saved structure"));
+    EXPECT_TRUE(refused(std::string(100'000, 'x'), "it is not a saved structure"));
 }
 
 TEST_F(Save, EveryFlippedBitOfTheHeaderIsRefused) {
@@ -163,7 +163,7 @@ TEST_F(Save, FlippedBitsAnywhereAreRefused) {
         std::string bad = good;
         const std::size_t at = header_bytes + random.below(std::uint32_t(good.size() - header_bytes));
         bad[at] = char(bad[at] ^ (1 << random.below(8)));
-        ASSERT_TRUE(refused(bad, "the file is damaged: its checksum is wrong; build the structure anew")) << at;
+        ASSERT_TRUE(refused(bad, "the file is damaged: its checksum is wrong; build the structure again")) << at;
     }
     for (std::size_t at = good.size() - digest_bytes; at < good.size(); ++at) {
         std::string bad = good;
@@ -187,9 +187,9 @@ TEST_F(Save, OtherVersionsAndByteOrdersAreNamed) {
         std::memcpy(bytes.data() + at, &word, 4);
         return bytes;
     };
-    EXPECT_TRUE(refused(with_word(8, 3), "it has format 3, this claray reads format 2; use a newer claray"));
-    EXPECT_TRUE(refused(with_word(8, 1), "it has format 1, this claray reads format 2; build the structure anew"));
-    EXPECT_TRUE(refused(with_word(12, 0x04030201), "another byte order"));
+    EXPECT_TRUE(refused(with_word(8, 3), "it has format 3, but this claray reads format 2; use a newer claray"));
+    EXPECT_TRUE(refused(with_word(8, 1), "it has format 1, but this claray reads format 2; build the structure again"));
+    EXPECT_TRUE(refused(with_word(12, 0x04030201), "a different byte order"));
 }
 
 }  // namespace

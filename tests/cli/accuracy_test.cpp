@@ -42,13 +42,13 @@ TEST(Accuracy, IsOfTheViewAndTheLightAskedFor) {
     EXPECT_NE(error_in({"--camera", "0,3,0.1", "--look-at", "0,0,0"}), plain);
     EXPECT_NE(error_in({"--light", "point,position=0,2,1,intensity=20"}), plain);
     EXPECT_NE(error_in({"--max-depth", "1"}), plain);
-    EXPECT_TRUE(failed_with(run_claray({"accuracy", "cornell", "--camera", "0,0"}), 2, "--camera: '0,0' is no vector"));
+    EXPECT_TRUE(
+        failed_with(run_claray({"accuracy", "cornell", "--camera", "0,0"}), 2, "--camera: '0,0' is not a vector"));
 }
 
 TEST(Accuracy, RefusesWhatItDoesNotKnow) {
-    EXPECT_TRUE(failed_with(run_claray({"accuracy", "cornell", "--only", "colour"}), 2, "there is no study 'colour'"));
-    EXPECT_TRUE(
-        failed_with(run_claray({"accuracy", "cornell", "--svg", "x.svg"}), 2, "--svg is the plot of one study"));
+    EXPECT_TRUE(failed_with(run_claray({"accuracy", "cornell", "--only", "colour"}), 2, "unknown study 'colour'"));
+    EXPECT_TRUE(failed_with(run_claray({"accuracy", "cornell", "--svg", "x.svg"}), 2, "--svg plots one study"));
     EXPECT_TRUE(failed_with(run_claray({"accuracy", "no_such_scene.obj"}), 1, "no_such_scene.obj"));
     EXPECT_TRUE(failed_with(run_claray({"accuracy", "cornell", "--html", "/nowhere/x.html"}), 1, "/nowhere/x.html"));
 }

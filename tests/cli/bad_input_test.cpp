@@ -45,7 +45,7 @@ TEST_F(BadInput, FolderAsScene) {
 }
 TEST_F(BadInput, UnknownScene) {
     EXPECT_TRUE(failed_with(render("no-such-scene"), 2,
-                            "no scene 'no-such-scene'; give a .obj, .gltf or .glb file or one of cornell"));
+                            "unknown scene 'no-such-scene'; give a .obj, .gltf or .glb file or one of cornell"));
 }
 TEST_F(BadInput, BadTriangleCount) { EXPECT_TRUE(failed_with(render("soup:many"), 2, "soup:N")); }
 
@@ -117,7 +117,7 @@ TEST_F(BadInput, ASceneOfWhichNothingCanBeSeen) {
     const std::string flat = file("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv nan 0 0\nf 1 1 2\nf 1 2 3\nf 1 2 4\n");
     const ProcessResult result = render(flat, {"--sky", "1"});
     EXPECT_EQ(result.exit_code, 1);
-    EXPECT_NE(result.errors.find("flat.obj' shows nothing: its triangles, 3, are all without area"), std::string::npos)
+    EXPECT_NE(result.errors.find("flat.obj' has no visible triangle: all 3 are without area"), std::string::npos)
         << result.errors;
     EXPECT_TRUE(failed_with(render(file("a.obj", std::string(triangle) + "f 1 2 x\n")), 1, "a.obj' line 4: 'x'"));
 }
@@ -138,8 +138,8 @@ TEST_F(Mended, AProgramCacheThatCannotBeWrittenIsAWarning) {
     const ProcessResult result = run_claray(arguments("cornell"), {{"CLARAY_CACHE_DIR", "/proc/kernels"}});
     EXPECT_EQ(result.exit_code, 0) << result.errors;
     EXPECT_TRUE(
-        result.errors.starts_with("claray: warning: compiled kernels are not kept for the next time: "
-                                  "cannot make the folder '/proc/kernels': "))
+        result.errors.starts_with("claray: warning: compiled kernels cannot be cached: "
+                                  "cannot create the folder '/proc/kernels': "))
         << result.errors;
     EXPECT_EQ(std::count(result.errors.begin(), result.errors.end(), '\n'), 1) << result.errors;
 }

@@ -66,7 +66,8 @@ TEST(BenchCommand, BadInput) {
     };
     EXPECT_TRUE(failed_with(recorded({}), 1, "a.scn' is cut off"));
     EXPECT_TRUE(failed_with(recorded({0, 0xffffffffu, 0xffffffffu, 0, 0}), 1, "a.scn' is cut off"));
-    EXPECT_TRUE(failed_with(recorded({0, 1, 1, 0, 0, 0, 0, 0, 0, 7}), 1, "a.scn' has a triangle beyond its 1 points"));
+    EXPECT_TRUE(failed_with(recorded({0, 1, 1, 0, 0, 0, 0, 0, 0, 7}), 1,
+                            "a.scn' has a triangle with an index beyond its 1 points"));
     EXPECT_TRUE(failed_with(bench({"soup:10", "--csv", "/no/such/folder/x.csv"}), 1, "/no/such/folder"));
 }
 

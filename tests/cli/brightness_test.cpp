@@ -14,7 +14,7 @@ std::string warning(const std::vector<glm::vec3>& pixels, std::optional<float> e
 
 TEST(Brightness, OfPixels) {
     std::vector<glm::vec3> pixels(1000, glm::vec3(0.f));
-    const std::string black = "the picture is black: no light reaches what is in view";
+    const std::string black = "the image is black: no light reaches the visible surfaces";
     EXPECT_EQ(warning(pixels, 0.f).find(black), 0u);
     EXPECT_EQ(warning(pixels, {}).find(black), 0u) << "files of radiance, too";
     for (int i = 0; i < 20; ++i) pixels[std::size_t(i)] = glm::vec3(0.5f);
@@ -58,7 +58,7 @@ bool tells(const ProcessResult& result, const std::string& words) {
 }
 
 constexpr const char* sky =
-    "the file has no light: a pale sky lights the scene; choose others by --light, --sky or --env";
+    "the file has no light: added a pale sky as light; choose other light with --light, --sky or --env";
 
 TEST_F(DarkFile, AllCommandsThatRenderLightIt) {
     EXPECT_TRUE(tells(render({}), sky));
@@ -71,14 +71,14 @@ TEST_F(DarkFile, AllCommandsThatRenderLightIt) {
 TEST_F(DarkFile, LightThatIsChosenIsNotDoubted) {
     const ProcessResult black = render({"--sky", "0"});
     EXPECT_FALSE(tells(black, "pale sky"));
-    EXPECT_TRUE(tells(black, "the picture is black"));
+    EXPECT_TRUE(tells(black, "the image is black"));
     const ProcessResult dim = render({"--sky", "1e-3"});
     EXPECT_FALSE(tells(dim, "pale sky"));
-    EXPECT_TRUE(tells(dim, "brighten it by --exposure"));
-    EXPECT_TRUE(tells(render({"--sky", "100"}), "most of the picture is white; darken it by --exposure -"));
+    EXPECT_TRUE(tells(dim, "brighten it with --exposure"));
+    EXPECT_TRUE(tells(render({"--sky", "100"}), "most of the image is white; darken it with --exposure -"));
     EXPECT_EQ(render({"--sky", "1"}).errors, "");
-    EXPECT_TRUE(
-        tells(run({"bake", "-o", path("a.pfm"), "--size", "4x4", "--spp", "1", "--sky", "0"}), "the map is black"));
+    EXPECT_TRUE(tells(run({"bake", "-o", path("a.pfm"), "--size", "4x4", "--spp", "1", "--sky", "0"}),
+                      "the light map is black"));
 }
 
 }  // namespace

@@ -69,7 +69,7 @@ TEST(Commands, FullDiskUnderStandardOutput) {
 }
 
 TEST(Commands, BadCommandLines) {
-    EXPECT_TRUE(failed_with(run_claray({}), 2, "a command is missing"));
+    EXPECT_TRUE(failed_with(run_claray({}), 2, "the command is missing"));
     EXPECT_TRUE(failed_with(run_claray({"no-such-command"}), 2, "no-such-command"));
     EXPECT_TRUE(failed_with(run_claray({"devices", "--no-such-option"}), 2, "--no-such-option"));
     EXPECT_TRUE(failed_with(run_claray({"render", "cornell"}), 2, "--output"));

@@ -104,8 +104,8 @@ TEST(Effects, OverridesAreSaid) {
         "render", "cornell", "-o", image, "--size", "8x8", "--spp", "1", "--effects", "+mirror,-smooth-normals", "-q"};
     const ProcessResult text = run_claray(render);
     ASSERT_EQ(text.exit_code, 0) << text.errors;
-    EXPECT_EQ(count(text.output, "effects are overridden: compiled in: mirror; taken from the scene: smooth-normals\n"),
-              1u)
+    EXPECT_EQ(
+        count(text.output, "effects are overridden: compiled in: mirror; removed from the scene: smooth-normals\n"), 1u)
         << text.output;
     std::vector<std::string> with_json = render;
     with_json.emplace_back("--json");

@@ -47,7 +47,7 @@ TEST_F(Machine, WithoutAHomeThatCanBeWrittenTo) {
     none["XDG_CACHE_HOME"] = "/proc/nobody";
     EXPECT_TRUE(failed_with(run_claray({"render", "cornell", "-o", path("b.png")}, none), 3, "set POCL_CACHE_DIR"));
     EXPECT_TRUE(failed_with(run_claray({"devices"}, {{"POCL_CACHE_DIR", "/proc/nobody"}}), 1,
-                            "POCL_CACHE_DIR is '/proc/nobody', which cannot be written to"));
+                            "POCL_CACHE_DIR is '/proc/nobody', which is not writable"));
 }
 
 /// PoCL alone aborts, whatever else can be written to.

@@ -50,17 +50,17 @@ TEST_F(Outputs, TwoNamesOfOneFileAreRefused) {
     fs::create_symlink("there.json", path("link.json"));
     fs::create_symlink("a.png", path("dangling"));
     const std::string a = path("a.png");
-    refuse(a, {"--trace", path("sub/../a.png")}, "--output and --trace name one file");
-    refuse(a, {"--trace", path("dangling")}, "--output and --trace name one file");
-    refuse(path("sub/b.png"), {"--trace", path("way/b.png")}, "--output and --trace name one file");
+    refuse(a, {"--trace", path("sub/../a.png")}, "--output and --trace are the same file");
+    refuse(a, {"--trace", path("dangling")}, "--output and --trace are the same file");
+    refuse(path("sub/b.png"), {"--trace", path("way/b.png")}, "--output and --trace are the same file");
     refuse(a, {"--trace", path("link.json"), "--checkpoint", path("there.json")}, "--checkpoint and --trace name one");
-    refuse(a, {"--trace", path("a.depth.png"), "--aov", "depth"}, "--trace and --aov depth name one file");
+    refuse(a, {"--trace", path("a.depth.png"), "--aov", "depth"}, "--trace and --aov depth are the same file");
     refuse(path("a.depth.pfm"), {"--aov", "normal", "--checkpoint", path("a.depth.normal.pfm")},
            "--aov normal name one");
     EXPECT_TRUE(failed_with(run_claray({"accuracy", "cornell", "--csv", a, "--html", path("./a.png")}), 2,
-                            "--csv and --html name one file"));
+                            "--csv and --html are the same file"));
     EXPECT_TRUE(failed_with(run_claray({"verify", "--json", a, "--html", path("./a.png")}), 2,
-                            "--json and --html name one file"));
+                            "--json and --html are the same file"));
     EXPECT_FALSE(fs::exists(a));
 }
 
@@ -70,7 +70,7 @@ TEST_F(Outputs, WhatIsReadIsNotReplaced) {
     const std::string before = read_file(path("s.obj"));
     const ProcessResult result = run_claray(
         {"render", path("s.obj"), "-o", path("a.png"), "--trace", path("link"), "--size", "8x8", "--spp", "1"});
-    EXPECT_TRUE(failed_with(result, 2, "--trace and the scene name one file"));
+    EXPECT_TRUE(failed_with(result, 2, "--trace and the scene are the same file"));
     EXPECT_EQ(read_file(path("s.obj")), before);
 }
 
@@ -96,8 +96,8 @@ TEST_F(Outputs, StandardOutputKeepsWhatWasPrinted) {
     const std::string log = read_file(path("log"));
     EXPECT_NE(log.find("traceEvents"), std::string::npos);
     EXPECT_NE(log.find("a.png: 16x16"), std::string::npos) << "printed after the trace";
-    EXPECT_TRUE(
-        failed_with(run_into(path("b.png"), small(path("b.png"))), 2, "--output and standard output name one file"));
+    EXPECT_TRUE(failed_with(run_into(path("b.png"), small(path("b.png"))), 2,
+                            "--output and standard output are the same file"));
 }
 
 TEST_F(Outputs, OneFullDiskLosesNothingElse) {

@@ -18,7 +18,7 @@ TEST_F(Target, ErrorIsReachedAndToldOf) {
     const ProcessResult text = render({"--error", "0.05", "--stats"});
     ASSERT_EQ(text.exit_code, 0) << text.errors;
     for (const char* words :
-         {"samples: ", "tree: ", "reached: error of 0.05, in ", ": it is about 0.0", "measuring     noise"})
+         {"samples: ", "tree: ", "reached: error of 0.05, in ", ": about 0.0", "measuring     noise"})
         EXPECT_NE(text.output.find(words), std::string::npos) << words << " in " << text.output;
     const ProcessResult quiet = render({"--error", "0.05"});
     EXPECT_EQ(quiet.output.find("tree: "), std::string::npos) << quiet.output;
@@ -55,8 +55,7 @@ TEST_F(Target, WhatWasMissedIsToldAfterTheImageIsWritten) {
     for (const char* error : {"0.0005", "1e-9"}) {
         const ProcessResult result = render({"--error", error, "--time", "500ms", "--stats"});
         EXPECT_TRUE(failed_with(
-            result, 1,
-            std::string(", not the ") + (error[0] == '1' ? "1e-09" : error) + " asked for; that needs about"));
+            result, 1, std::string(" instead of ") + (error[0] == '1' ? "1e-09" : error) + ", which needs about"));
         EXPECT_NE(result.output.find("missed: error of "), std::string::npos) << result.output;
         EXPECT_TRUE(std::filesystem::remove(path("a.pfm")));
     }
@@ -66,7 +65,7 @@ TEST_F(Target, FramesAreCountedAndTimed) {
     const ProcessResult result = run_claray(
         {"render", "hills", "--size", "16x16", "--fps", "5", "--frames", "3", "-o", path("last.pfm"), "--json"});
     // Whether a busy machine holds the rate is no matter of this test.
-    const bool late = result.errors.find("5 frames a second were not held") != std::string::npos;
+    const bool late = result.errors.find("5 frames per second were not reached") != std::string::npos;
     ASSERT_EQ(result.exit_code, late ? 1 : 0) << result.errors;
     const auto report = nlohmann::json::parse(result.output);
     EXPECT_EQ(report.at("frames"), 3);
@@ -87,19 +86,19 @@ TEST_F(Target, BadInput) {
         EXPECT_TRUE(failed_with(render({"--time", value}), 2, "--time")) << value;
     EXPECT_TRUE(failed_with(render({"--error", "0.1", "--spp", "4"}), 2, "--error and --spp contradict each other"));
     EXPECT_TRUE(failed_with(render({"--error", "0.1", "--noise", "0.1"}), 2, "--error and --noise contradict"));
-    EXPECT_TRUE(failed_with(render({"--time", "1us"}), 1, "a time of 1 us can't be kept: a sample for every pixel"));
+    EXPECT_TRUE(failed_with(render({"--time", "1us"}), 1, "a time of 1 us is too short: one sample for every pixel"));
     for (const char* value : {"0", "0s", "0.0 ms"})
         EXPECT_TRUE(failed_with(render({"--time", value}), 2, "is not a time of more than 0")) << value;
-    EXPECT_TRUE(failed_with(render({"--error", "1e-9"}), 1, "an error of 1e-09 can't be reached"));
+    EXPECT_TRUE(failed_with(render({"--error", "1e-9"}), 1, "an error of 1e-09 cannot be reached"));
     for (const char* value : {"0", "0.00"})
-        EXPECT_TRUE(failed_with(render({"--error", value}), 1, "an error of 0 can't be reached: it needs about"))
+        EXPECT_TRUE(failed_with(render({"--error", value}), 1, "an error of 0 cannot be reached: it needs about"))
             << value;
     for (const char* other : {"--spp", "--time", "--error", "--noise", "--checkpoint", "--resume"})
         EXPECT_TRUE(failed_with(render({"--fps", "1", other, "1"}), 2, std::string("--fps and ") + other)) << other;
     EXPECT_TRUE(failed_with(render({"--fps", "0"}), 2, "--fps: '0' is not a number of more than 0"));
-    EXPECT_TRUE(failed_with(render({"--frames", "3"}), 2, "'3' is no range of frames"));
+    EXPECT_TRUE(failed_with(render({"--frames", "3"}), 2, "'3' is not a range of frames"));
     EXPECT_TRUE(failed_with(run_claray({"render", "hills"}), 2, "--output is required"));
-    EXPECT_TRUE(failed_with(render({"--fps", "1000000"}), 1, "1e+06 frames a second can't be reached: one sample"));
+    EXPECT_TRUE(failed_with(render({"--fps", "1000000"}), 1, "1e+06 frames per second cannot be reached: one sample"));
     EXPECT_FALSE(std::filesystem::exists(path("a.pfm")));
 }
 

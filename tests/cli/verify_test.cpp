@@ -46,7 +46,7 @@ TEST(VerifyCommand, NoticesATextbookKernel) {
         {"verify", "--case", "edges", "--case", "float-atomics", "--seed", "3", "--html", html}, environment);
     EXPECT_EQ(result.exit_code, 3);
     EXPECT_NE(result.errors.find("1 of 2 cases fail"), std::string::npos) << result.errors;
-    EXPECT_NE(result.output.find("again: claray verify --case edges --quick --seed 3"), std::string::npos);
+    EXPECT_NE(result.output.find("repeat: claray verify --case edges --quick --seed 3"), std::string::npos);
     EXPECT_NE(result.output.find("origin 0x"), std::string::npos) << "the ray that leaks";
     const std::string report = read_file(html);
     EXPECT_NE(report.find("<svg"), std::string::npos) << "no picture of the leak";

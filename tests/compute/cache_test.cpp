@@ -144,7 +144,8 @@ TEST_F(Cache, StoredBytesComeBack) {
 TEST_F(Cache, AFolderThatCannotBeWrittenIsNoError) {
     const ScopedEnvironment nowhere("CLARAY_CACHE_DIR", "/proc/no/such/folder");
     expect_compiled(compile(1));
-    EXPECT_NE(compile_statistics().cache_error.find("cannot make the folder '/proc/no/such/folder'"), std::string::npos)
+    EXPECT_NE(compile_statistics().cache_error.find("cannot create the folder '/proc/no/such/folder'"),
+              std::string::npos)
         << compile_statistics().cache_error;
     expect_compiled(compile(1));
     EXPECT_TRUE(files().empty());

@@ -109,7 +109,8 @@ TEST(Devices, AdoptRefusesWhatCannotWork) {
     EXPECT_TRUE(throws_error(ErrorKind::device, "cannot adopt", [&] { (void)Device::adopt(context, nullptr); }));
     clReleaseCommandQueue(queue);
     const cl_command_queue disordered = make_queue(CL_QUEUE_OUT_OF_ORDER_EXEC_MODE_ENABLE);
-    EXPECT_TRUE(throws_error(ErrorKind::usage, "out of order", [&] { (void)Device::adopt(context, disordered); }));
+    EXPECT_TRUE(
+        throws_error(ErrorKind::usage, "out-of-order queue", [&] { (void)Device::adopt(context, disordered); }));
     clReleaseCommandQueue(disordered);
 }
 

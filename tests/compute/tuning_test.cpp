@@ -102,9 +102,10 @@ TEST_F(UsersTuning, OthersAreIgnoredWithAWarning) {
         {"* a/b C 10", "mine:1: ignored: 'a/b C' cannot be 10; choose a value in 2..9"},
         {"* a/b POWER 33", "mine:1: ignored: 'a/b POWER' cannot be 33; choose a power of two in 4..64"},
         {"* a/b ONE 2", "mine:1: ignored: 'a/b ONE' cannot be 2; only 1 works"},
-        {"* a/b INTERNAL 7", "mine:1: ignored: 'a/b INTERNAL' is no tuning parameter of this device; remove the line"},
-        {"* a/b OF_GPUS 1", "'a/b OF_GPUS' is no tuning parameter of this device"},
-        {"\n* a/b CLARAY_TEXTBOOK 1", "mine:2: ignored: 'a/b CLARAY_TEXTBOOK' is no tuning parameter"}};
+        {"* a/b INTERNAL 7",
+         "mine:1: ignored: 'a/b INTERNAL' is not a tuning parameter of this device; remove the line"},
+        {"* a/b OF_GPUS 1", "'a/b OF_GPUS' is not a tuning parameter of this device"},
+        {"\n* a/b CLARAY_TEXTBOOK 1", "mine:2: ignored: 'a/b CLARAY_TEXTBOOK' is not a tuning parameter"}};
     for (const auto& [row, words] : rows) {
         tuning_.warnings.clear();
         apply(row);
@@ -139,7 +140,7 @@ TEST(Tuning, NoTableDefinesOtherMacros) {
 TEST(Tuning, MissingLocalTableIsAnError) {
     const ScopedEnvironment local("CLARAY_TUNING", "/no/such/table.txt");
     EXPECT_TRUE(throws_error(ErrorKind::user,
-                             "cannot read '/no/such/table.txt': No such file or directory; CLARAY_TUNING names it",
+                             "cannot read '/no/such/table.txt': No such file or directory; set CLARAY_TUNING",
                              [] { (void)tuning_for(device().info()); }));
 }
 

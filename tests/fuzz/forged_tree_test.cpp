@@ -126,29 +126,30 @@ TEST_P(ForgedTrees, EveryKindOfFaultIsNamed) {
         EXPECT_TRUE(throws_error(ErrorKind::user, words, [&] { (void)Bvh::load(device(), path, GetParam()); }));
     };
     EXPECT_TRUE(is_read(Words(good).mended()));
-    expect("it has no node 40;", [&](Words& f) { f.node(node, child) = 40; });
-    expect("another node is the parent of node", [&](Words& f) { f.node(node, child) = top; });
-    expect("another node is the parent of node", [&](Words& f) { f.node(below, parent) = below; });
-    expect("it has no leaf 2147483688;", [&](Words& f) { f.node(node, child) = CLARAY_LEAF | 40; });
-    expect("it has no leaf", [&](Words& f) { f.node(node, child) = CLARAY_LEAF | 1u << CLARAY_LEAF_COUNT_SHIFT; });
-    expect("several leaves hold triangle", [&](Words& f) { f.node(node, child) = CLARAY_LEAF; });
+    expect("missing node 40;", [&](Words& f) { f.node(node, child) = 40; });
+    expect("wrong parent of node", [&](Words& f) { f.node(node, child) = top; });
+    expect("wrong parent of node", [&](Words& f) { f.node(below, parent) = below; });
+    expect("invalid leaf 2147483688;", [&](Words& f) { f.node(node, child) = CLARAY_LEAF | 40; });
+    expect("invalid leaf", [&](Words& f) { f.node(node, child) = CLARAY_LEAF | 1u << CLARAY_LEAF_COUNT_SHIFT; });
+    expect("several leaves contain triangle", [&](Words& f) { f.node(node, child) = CLARAY_LEAF; });
     expect("wrong height or count in node", [&](Words& f) { f.node(node, height_count) += 1; });
     expect("wrong height or count in node", [&](Words& f) { f.node(node, height_count) += 1 << 24; });
     expect("its tree is higher than 96 levels", [&](Words& f) { f.header(height) = 97; });
     expect("its height is wrong", [&](Words& f) { f.header(height) += 1; });
-    expect("no parent has node", [&](Words& f) { f.header(root) = below; });
+    expect("missing parent of node", [&](Words& f) { f.header(root) = below; });
     expect("its root is missing", [&](Words& f) { f.header(root) = CLARAY_NO_CHILD; });
     expect("its root is missing", [&](Words& f) { f.header(root) = 1000; });
     expect("its header counts more nodes", [&](Words& f) { f.header(inner) = 1u << 30; });
-    expect("another number of triangles", [&](Words& f) { f.header(valid) -= 1; });
-    expect("another number of triangles", [&](Words& f) { f.header(culled) = 1; });
+    expect("differ in the number of triangles", [&](Words& f) { f.header(valid) -= 1; });
+    expect("differ in the number of triangles", [&](Words& f) { f.header(culled) = 1; });
     expect("it has no bounds", [&](Words& f) { f.header(0) = 0x7fc00000u; });
-    expect("it has no triangle 40;", [&](Words& f) { f.leaf(3, 3) = 40; });
+    expect("missing triangle 40;", [&](Words& f) { f.leaf(3, 3) = 40; });
     expect("wrong geometry or mask in leaf 3;", [&](Words& f) { f.leaf(3, 7) ^= 1; });
     expect("wrong geometry or mask in leaf 3;", [&](Words& f) { f.leaf(3, 11) ^= 1; });
-    expect("it has no vertex 120;", [&](Words& f) { f.index(7) = 120; });
-    expect("it has no mask of geometry 9;", [&](Words& f) { f.index(120) = 9; });
-    expect("of another number of triangles", [&](Words& f) { --f.at(72), ++f.at(80); });  // a geometry is a mask
+    expect("missing vertex 120;", [&](Words& f) { f.index(7) = 120; });
+    expect("missing mask of geometry 9;", [&](Words& f) { f.index(120) = 9; });
+    expect("the sizes of its arrays do not match each other",
+           [&](Words& f) { --f.at(72), ++f.at(80); });  // a geometry is a mask
 }
 
 INSTANTIATE_TEST_SUITE_P(Layouts, ForgedTrees, testing::Values(Layout::binary, Layout::wide),

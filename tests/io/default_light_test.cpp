@@ -75,7 +75,7 @@ protected:
         EXPECT_GT(scene.sky.zenith.y, 0.f);
         EXPECT_EQ(scene.lights.size(), lights);
         ASSERT_EQ(warnings.size(), 1u);
-        EXPECT_EQ(warnings[0], reason + ": a pale sky lights the scene");
+        EXPECT_EQ(warnings[0], reason + ": added a pale sky as light");
     }
     void expect_as_it_is() {
         const std::size_t lights = builder.root.contains("extensions") ? 1 : 0;
@@ -90,7 +90,7 @@ protected:
     Warnings warnings;
 };
 
-constexpr const char* out_of_reach = "no light of the file reaches what is in view";
+constexpr const char* out_of_reach = "no light of the file reaches the visible surfaces";
 
 TEST_F(DefaultLight, WithoutAnyLight) { expect_sky("the file has no light"); }
 
@@ -155,7 +155,7 @@ TEST_F(DefaultLight, InAClosedRoomALampIsPutAtTheCamera) {
     ASSERT_EQ(scene.lights.size(), 1u);
     EXPECT_EQ(scene.lights[0].position, glm::vec3(0, 0, 8));
     ASSERT_EQ(warnings.size(), 1u);
-    EXPECT_EQ(warnings[0], "the file has no light, nor would a sky: a lamp at the camera lights the scene");
+    EXPECT_EQ(warnings[0], "the file has no light, and a sky would not help: added a lamp at the camera");
 }
 
 TEST_F(DefaultLight, NotWhereTheRoomHasALamp) {
@@ -174,8 +174,7 @@ TEST_F(DefaultLight, ObjAndGltfByAllFunctions) {
     EXPECT_GT(load_scene(obj, warnings).sky.zenith.y, 0.f);
     const std::string gltf = folder.file("scene.gltf", builder.gltf()).string();
     EXPECT_GT(load_scene(gltf, warnings).sky.zenith.y, 0.f);
-    for (const std::string& warning : warnings)
-        EXPECT_EQ(warning, "the file has no light: a pale sky lights the scene");
+    for (const std::string& warning : warnings) EXPECT_EQ(warning, "the file has no light: added a pale sky as light");
     EXPECT_EQ(warnings.size(), 3u);
     EXPECT_EQ(load_scene("effect:spot-lights", warnings).sky.zenith, builtin_scene("effect:spot-lights")->sky.zenith);
     EXPECT_EQ(warnings.size(), 3u);

@@ -81,7 +81,7 @@ TEST(File, ReadOnlyFolderIsAnError) {
     const TemporaryFolder folder;
     fs::create_directory(folder / "locked");
     fs::permissions(folder / "locked", fs::perms::owner_read | fs::perms::owner_exec);
-    expect_error(ErrorKind::user, {"locked/a.png", "Permission denied", "may write"},
+    expect_error(ErrorKind::user, {"locked/a.png", "Permission denied", "writable folder"},
                  [&] { check_writable(folder / "locked" / "a.png"); });
 }
 

@@ -38,7 +38,7 @@ TEST_F(Mtl, DiffuseIsLambert) {
     EXPECT_EQ(m.name, "a");
     EXPECT_EQ(m.albedo, glm::vec3(0.1f, 0.2f, 0.3f));
     EXPECT_EQ(m.emission, glm::vec3(0.f));
-    EXPECT_EQ(warned("a"), warned("a pale sky lights the scene")) << warnings.at(0);
+    EXPECT_EQ(warned("a"), warned("added a pale sky as light")) << warnings.at(0);
 }
 
 TEST_F(Mtl, HighlightIsBlinnPhong) {
@@ -57,7 +57,7 @@ TEST_F(Mtl, HighlightIsBlinnPhong) {
     const Material wild = load("Kd 1 1 1\nKs 3 1 1\nNs -5\nillum 2");
     EXPECT_EQ(wild.specular, glm::vec3(1.f));
     EXPECT_EQ(wild.shininess, 0.f);
-    EXPECT_EQ(warned("values out of range were moved into it"), 1u);
+    EXPECT_EQ(warned("values out of range were clamped"), 1u);
     const Scene two = load("newmtl a\nKd 1 1 1\nKs 1 1 1\nnewmtl b\nKd 1 1 1\nKs 1 1 1\nillum 1\n",
                            "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n");
     EXPECT_EQ(two.materials.at(0).kind, MaterialKind::blinn_phong) << "the other's illum is not its own";
@@ -66,7 +66,7 @@ TEST_F(Mtl, HighlightIsBlinnPhong) {
 
 TEST_F(Mtl, WhatIsNoNumberIsAWarningThatNamesTheLine) {
     EXPECT_EQ(load("Ka 1 1 1\nKd 0.5 x 0.5").albedo, glm::vec3(0.5f, 0.f, 0.5f));
-    EXPECT_EQ(warned("m.mtl line 3: 'x' is no number that a material can have: it counts as 0"), 1u);
+    EXPECT_EQ(warned("m.mtl line 3: 'x' is not a valid number for a material: 0 is used"), 1u);
     for (const std::string line : {"Ni nan", "Pr inf", "Ns", "illum two", "Tf spectral a.rfl", "d 0,5", "Ke 1 1 0x1"}) {
         warnings.clear();
         load(line);
@@ -74,7 +74,7 @@ TEST_F(Mtl, WhatIsNoNumberIsAWarningThatNamesTheLine) {
     }
     warnings.clear();
     load("Kd 1 .5 1e-3 # pale\nNs +20.\nd -halo 0.5\nillum 2\nother x\nTr 0");
-    EXPECT_EQ(warned("is no number"), 0u);
+    EXPECT_EQ(warned("is not a valid number"), 0u);
 }
 
 TEST_F(Mtl, OneNumberIsGrey) {
@@ -304,7 +304,7 @@ TEST_F(MtlMap, Relief) {
     s = scene("Kd 1 1 1\nbump -bm 2 normals.png");
     EXPECT_TRUE(s.materials.at(0).normal_map.used());
     EXPECT_EQ(s.materials[0].normal_scale, 2.f);
-    EXPECT_EQ(warned("holds normals"), 1u);
+    EXPECT_EQ(warned("contains normals"), 1u);
 }
 
 TEST_F(MtlMap, SpecularColorsMirrorsOnly) {
@@ -312,8 +312,8 @@ TEST_F(MtlMap, SpecularColorsMirrorsOnly) {
     EXPECT_EQ(s.materials.at(0).kind, MaterialKind::metal);
     EXPECT_EQ(s.textures.at(s.materials[0].albedo_map.texture).bytes, (Bytes{200, 100, 50, 9, 8, 7}));
     EXPECT_TRUE(scene("Kd 1 1 1\nKs 1 1 1\nillum 1\nmap_Ks pal.png\nmap_Ns pal.png").textures.empty());
-    EXPECT_EQ(warned("map_Ks is left out"), 1u);
-    EXPECT_EQ(warned("map_Ns is left out"), 1u);
+    EXPECT_EQ(warned("map_Ks is ignored"), 1u);
+    EXPECT_EQ(warned("map_Ns is ignored"), 1u);
 }
 
 TEST_F(MtlMap, HighlightHasColorAndExponent) {
@@ -337,7 +337,7 @@ TEST_F(MtlMap, ImagesAreSharedAndUnusedOnesNotRead) {
 }
 
 TEST_F(MtlMap, BadImages) {
-    refuse("map_Kd gone.png", {"gone.png", "put the image beside the MTL"});
+    refuse("map_Kd gone.png", {"gone.png", "put the image next to the MTL"});
     refuse("map_Kd ../up.png", {"../up.png", "leaves the scene's folder"});
     refuse("map_Kd ..\\up.png", {"leaves the scene's folder"});
     refuse("map_Kd /etc/passwd", {"absolute"});

@@ -202,8 +202,8 @@ TEST_F(Obj, WhatIsNoNumberIsAnErrorThatNamesTheLine) {
         expect_error(ErrorKind::user, {"mesh.obj' line 5: "}, [&] { load(unit_square + line + "\nf 1 2 3\n"); });
         expect_error(ErrorKind::user, words, [&] { load(unit_square + line + "\nf 1 2 3\n"); });
     };
-    refuse("v 0 0 x", {"'x' is no number"});
-    refuse("v 0,5 0 0", {"'0,5' is no number"});
+    refuse("v 0 0 x", {"'x' is not a number"});
+    refuse("v 0,5 0 0", {"'0,5' is not a number"});
     refuse("v 0x1 0 0", {"'0x1'"});
     refuse("v 0 1e 0", {"'1e'"});
     refuse("v 0 0 1e0000000001", {"'1e0000000001'"});  // the parser's limit
@@ -216,12 +216,12 @@ TEST_F(Obj, WhatIsNoNumberIsAnErrorThatNamesTheLine) {
     refuse("vn 0 1", {"'vn' with 2 of 3 numbers"});
     refuse("vn 0 1 up", {"'up'"});
     refuse("vt ", {"'vt' with 0 of 1 number;"});
-    refuse("vt 0 v", {"'v' is no number"});
+    refuse("vt 0 v", {"'v' is not a number"});
     refuse("v 0 0 \x1b[31mred", {"'?[31mred'"});
     refuse(std::string("v 0 0 ") + std::string(100, 'x'), {std::string(40, 'x') + "...'"});
     for (const std::string corner :
          {"x", "1.5", "1/x", "1//x", "1/1/x", "/1", "1/1/1/1", "2147483648", "1/4294967297", "1-"})
-        refuse("f 1 2 " + corner, {"'" + corner + "' is no corner of a face"});
+        refuse("f 1 2 " + corner, {"'" + corner + "' is not a corner of a face"});
 }
 
 /// By the curve of IEC 61966-2-1: 0.5 is 0.21404, and below 0.04045 it is a line.
@@ -283,7 +283,7 @@ TEST_F(Obj, NumbersAreThoseOfTheCLibrary) {
 TEST_F(Obj, FacesOfTwoVerticesAreLeftOutWithAWarning) {
     const Scene scene = load(unit_square + "f 1 2\nf 1\nf 1 2 3\n");
     EXPECT_EQ(triangle_count(scene), 1u);
-    EXPECT_TRUE(warned("2 faces of fewer than 3"));
+    EXPECT_TRUE(warned("2 faces with fewer than 3"));
 }
 
 TEST_F(Obj, MissingFileIsAnError) {
@@ -325,7 +325,7 @@ TEST_F(Obj, IndexOutOfRangeNamesTheLine) {
 TEST_F(Obj, SceneNamesAreBuiltInOrFiles) {
     EXPECT_EQ(load_scene("cornell", warnings).name, "cornell");
     EXPECT_EQ(triangle_count(load_scene(folder.file("A.OBJ", unit_square + "f 1 2 3\n").string(), warnings)), 1u);
-    expect_error(ErrorKind::usage, {"no scene 'teapot'", "cornell", "soup:N"},
+    expect_error(ErrorKind::usage, {"unknown scene 'teapot'", "cornell", "soup:N"},
                  [&] { static_cast<void>(load_scene("teapot", warnings)); });
     expect_error(ErrorKind::usage, {"mesh.ply", ".obj"}, [&] { static_cast<void>(load_scene("mesh.ply", warnings)); });
     expect_error(ErrorKind::user, {"absent.obj"}, [&] { static_cast<void>(load_scene("absent.obj", warnings)); });
@@ -334,7 +334,7 @@ TEST_F(Obj, SceneNamesAreBuiltInOrFiles) {
 TEST_F(Obj, AMeshWithoutLightGetsASky) {
     const Scene scene = load(unit_square + "f 1 2 3\n");
     EXPECT_GT(scene.sky.zenith.y, 0.f);
-    EXPECT_TRUE(warned("a pale sky lights the scene"));
+    EXPECT_TRUE(warned("added a pale sky as light"));
 }
 
 }  // namespace

@@ -148,7 +148,7 @@ TEST_F(Tune, ValuesThatFailOrChangeResultsAreRefused) {
     // A macro that makes the kernel wrong: back faces are no longer hit.
     device_.set_tuning("trace/any_hit", "CULL_BACK_FACES", 0);
     const auto wrong = run({"trace/any_hit", "CULL_BACK_FACES", {"any"}, {1}});
-    EXPECT_EQ(wrong.at(1).failure, "gives other results");
+    EXPECT_EQ(wrong.at(1).failure, "gives different results");
     EXPECT_FALSE(wrong[1].kept);
     EXPECT_EQ(device_.tuning("trace/any_hit", "CULL_BACK_FACES"), 0u);
     EXPECT_TRUE(rows_.empty());

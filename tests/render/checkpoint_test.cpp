@@ -74,7 +74,7 @@ TEST_F(CheckpointFiles, RendersToAnErrorGoOn) {
         }
     }
     plain.resume = config_.checkpoint;
-    EXPECT_TRUE(refused(plain, "it was rendered with --error, and has sums for it; give --error, too"));
+    EXPECT_TRUE(refused(plain, "it was rendered with --error; add --error"));
     plain.resume.clear();
     (void)finish(plain);
     EXPECT_TRUE(refused(resumed(), "it was rendered without --error"));
@@ -87,7 +87,7 @@ TEST_F(CheckpointFiles, MoreSamplesGoOnWhereFewerStopped) {
     EXPECT_TRUE(same_bits(finish(resumed()), render_image(scene_, {.width = 61, .height = 43, .spp = 21})));
     RenderConfig too_few = resumed();
     too_few.spp = 4;
-    EXPECT_TRUE(refused(too_few, "it has 21 samples a pixel, and 4 are asked for; give a larger --spp"));
+    EXPECT_TRUE(refused(too_few, "it has 21 samples per pixel, but only 4 are requested; use a larger --spp"));
 }
 
 TEST_F(CheckpointFiles, WrittenNowAndThen) {
@@ -110,12 +110,13 @@ TEST_F(CheckpointFiles, EveryFlippedBitIsNoticed) {
         std::string bad = good;
         bad[at] = char(bad[at] ^ (1 << at % 8));
         std::ofstream(config_.checkpoint, std::ios::binary) << bad;
-        ASSERT_TRUE(refused(resumed(), "cannot go on from '" + config_.checkpoint.string() + "': ")) << "byte " << at;
+        ASSERT_TRUE(refused(resumed(), "cannot continue from '" + config_.checkpoint.string() + "': "))
+            << "byte " << at;
     }
     for (const std::size_t length :
          {std::size_t(0), std::size_t(7), std::size_t(8), std::size_t(135), good.size() - 1}) {
         std::ofstream(config_.checkpoint, std::ios::binary) << good.substr(0, length);
-        ASSERT_TRUE(refused(resumed(), length < 8 ? "it is no checkpoint" : "the file is damaged")) << length;
+        ASSERT_TRUE(refused(resumed(), length < 8 ? "it is not a checkpoint" : "the file is damaged")) << length;
     }
     std::ofstream(config_.checkpoint, std::ios::binary) << good + "x";
     ASSERT_TRUE(refused(resumed(), "bytes instead of"));
@@ -130,18 +131,18 @@ TEST_F(CheckpointFiles, OtherScenesAndSettingsAreRefused) {
         change(config);
         return config;
     };
-    EXPECT_TRUE(refused(with([](auto& c) { c.width = 60; }), "its image has 61x43 pixels, this one 60x43"));
+    EXPECT_TRUE(refused(with([](auto& c) { c.width = 60; }), "its image has 61x43 pixels instead of 60x43"));
     EXPECT_TRUE(refused(with([](auto& c) { c.seed = 1; }), "another seed, depth, sampler"));
     EXPECT_TRUE(refused(with([](auto& c) { c.max_depth = 7; }), "another seed, depth, sampler"));
     EXPECT_TRUE(refused(with([](auto& c) { c.sampler = Sampler::independent; }), "another seed, depth, sampler"));
-    EXPECT_TRUE(refused(with([](auto& c) { c.effects.remove.add(Effect::mirror); }), "choice of effects"));
+    EXPECT_TRUE(refused(with([](auto& c) { c.effects.remove.add(Effect::mirror); }), "sampler or effects"));
     EXPECT_TRUE(refused(with([&](auto& c) { c.resume = folder_ / "none"; }), "No such file"));
     EXPECT_TRUE(refused(with([&](auto& c) { c.resume = folder_.path(); }), "it is a folder"));
     scene_.camera->position.x += 1e-4f;
-    EXPECT_TRUE(refused(resumed(), "it is of another scene or camera"));
+    EXPECT_TRUE(refused(resumed(), "it belongs to another scene or camera"));
     scene_.camera->position.x -= 1e-4f;
     std::swap(scene_.materials[0], scene_.materials[1]);
-    EXPECT_TRUE(refused(resumed(), "it is of another scene or camera"));
+    EXPECT_TRUE(refused(resumed(), "it belongs to another scene or camera"));
 }
 
 TEST_F(CheckpointFiles, ThatCannotBeWritten) {

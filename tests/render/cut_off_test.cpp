@@ -74,7 +74,7 @@ TEST(CutOff, CountsInTheError) {
     RenderConfig config = small;
     config.error = 0.05, config.spp = 1u << 16, config.max_depth = 4;
     Renderer cut(device(), furnace(0.9f), config);
-    EXPECT_TRUE(throws_error(ErrorKind::user, "is cut off", [&] { (void)cut.render(); }));
+    EXPECT_TRUE(throws_error(ErrorKind::user, "is missing", [&] { (void)cut.render(); }));
     config.max_depth = 32;  // which leaves out 3 %
     Renderer most(device(), furnace(0.9f), config);
     const RenderProgress reached = most.render();

@@ -182,7 +182,7 @@ TEST(Renderer, NoErrorIsToldOfABlackImage) {
     for (Material& material : scene.materials) material.emission = glm::vec3(0.f);
     Renderer renderer(device(), scene, {.width = 4, .height = 4, .spp = 1u << 24, .error = 0.1});
     EXPECT_TRUE(
-        throws_error(ErrorKind::user, "the image is black after 2048 samples a pixel", [&] { renderer.render(); }));
+        throws_error(ErrorKind::user, "the image is black after 2048 samples per pixel", [&] { renderer.render(); }));
 }
 
 TEST(Renderer, StopsAtTheTimeLimit) {
@@ -360,7 +360,7 @@ TEST(Renderer, RefusesBadConfigurations) {
     EXPECT_TRUE(refused({.noise = std::nan("")}, "noise"));
     EXPECT_TRUE(refused({.error = -0.1}, "error"));
     EXPECT_TRUE(refused({.error = std::nan("")}, "error"));
-    EXPECT_TRUE(refused({.checkpoint_seconds = 0}, "checkpoints every 0 seconds"));
+    EXPECT_TRUE(refused({.checkpoint_seconds = 0}, "time between checkpoints"));
     Scene broken = scene;
     broken.materials[0].albedo.x = std::nanf("");
     EXPECT_TRUE(throws_error(ErrorKind::user, "albedo", [&] { Renderer(device(), broken, {}); }));

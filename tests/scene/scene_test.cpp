@@ -105,8 +105,9 @@ TEST(Camera, LensAndMotionAreChecked) {
         EXPECT_TRUE(refused([&](Camera& c) { c.orthographic_height = height; }, "orthographic height"));
     EXPECT_TRUE(refused([](Camera& c) { c.position_end = glm::vec3(NAN, 0, 0); }, "not finite"));
     EXPECT_TRUE(refused([](Camera& c) { c.target_end = glm::vec3(0, INFINITY, 0); }, "not finite"));
-    EXPECT_TRUE(refused([](Camera& c) { c.position_end = glm::vec3(0, 0, -5); }, "meets the point"));
-    EXPECT_TRUE(refused([](Camera& c) { c.target_end = glm::vec3(0, 7, 5), c.target.y = -7; }, "along its up"));
+    EXPECT_TRUE(refused([](Camera& c) { c.position_end = glm::vec3(0, 0, -5); }, "reaches the target"));
+    EXPECT_TRUE(
+        refused([](Camera& c) { c.target_end = glm::vec3(0, 7, 5), c.target.y = -7; }, "parallel to the up vector"));
 }
 
 TEST(Camera, FocusesOnItsTargetUnlessTold) {

@@ -99,7 +99,7 @@ StudyPoint sum_point(const Device& device, const SumMethod& method, std::uint32_
 Study study_arithmetic(const Device& device, const Scene& scene, const StudyOptions& options,
                        const AccuracyProgress& progress) {
     Study study;
-    study.name = "arithmetic", study.title = "Arithmetic: what it changes in an image of the same samples";
+    study.name = "arithmetic", study.title = "Arithmetic: differences of images with the same samples";
     study.error = "RMS difference / mean";
     // By the stages, each with arithmetic of its own; one kernel for whole paths would be faster where nothing changes.
     const MacroScope stages(device, {{"render/trace_paths", "MOST_EFFECTS", 0}});
@@ -138,7 +138,7 @@ Study study_arithmetic(const Device& device, const Scene& scene, const StudyOpti
 
 Study study_sums(const Device& device, const Scene&, const StudyOptions& options, const AccuracyProgress& progress) {
     Study study;
-    study.name = "sums", study.title = "Adding up samples: relative error of a pixel's mean";
+    study.name = "sums", study.title = "Summing samples: relative error of a pixel's mean";
     study.error = "relative error", study.cost = "seconds per 10^6 samples";
     std::vector<SumMethod> methods = {
         {"two floats", {}}, {"one float", sums_in_one}, {"half", sums_in_half}, {"float64", sums_in_double}};
@@ -167,7 +167,7 @@ Study study_sums(const Device& device, const Scene&, const StudyOptions& options
         for (const StudyPoint& p : study.points)
             if (p.method == method.name && p.failure.empty()) last = &p;
         if (last)
-            study.findings.push_back(printed("%s: after %s samples the mean is off by %.2g", method.name,
+            study.findings.push_back(printed("%s: after %s samples the error of the mean is %.2g", method.name,
                                              last->setting.c_str(), last->error.median));
     }
     return study;

@@ -120,7 +120,7 @@ StudyPoint bias_point(const std::string& method, const std::string& setting, dou
     point.seconds = spread_of(renders.seconds);
     if (bias.square < doubtful(renders.images.size()) * bias.standard_error ||
         point.error.median <= reference.uncertainty)
-        point.failure = "no bias that can be told from noise";
+        point.failure = "no bias above the noise";
     return point;
 }
 
@@ -142,8 +142,7 @@ std::vector<float> bias_map(const Renders& renders, const ReferenceImage& refere
 Study study_bias(const Device& device, const Scene& scene, const StudyOptions& options,
                  const AccuracyProgress& progress) {
     Study study;
-    study.name = "bias",
-    study.title = "What is wrong for ever: paths cut short, bright samples, caustics, ambient light";
+    study.name = "bias", study.title = "Bias: short paths, clamped samples, no caustics, ambient occlusion";
     study.error = "bias, RMS / mean";
     constexpr unsigned reference_depth = 1024, depths[] = {1, 2, 3, 4, 6, 8, 12, 16, 32, default_max_depth};
     constexpr double clamps[] = {1000, 100, 30, 10, 3, 1};
@@ -164,9 +163,8 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
             [&](const RenderConfig& c) { return render_image(device, scene, c); }, how, options.runs);
         const StudyPoint point = bias_point(method, setting, value, renders, reference);
         if (point.failure.empty())
-            study.findings.push_back(
-                std::string(method) + ", " + setting +
-                printed(": off by %.3f %% of the mean, however many samples", 100 * point.error.median));
+            study.findings.push_back(std::string(method) + ", " + setting +
+                                     printed(": bias of %.3f %% of the mean", 100 * point.error.median));
         study.points.push_back(point);
         goes_on = !rest || rest(double(study.points.size()) / settings, setting);
     };

@@ -89,7 +89,7 @@ void find_crossings(Study& study) {
     for (const StudyPoint& p : study.points)
         if (p.failure.empty() && !has_moved(p) && (!best || p.seconds.median < best->seconds.median)) best = &p;
     if (!best) return;
-    std::string text = "building included, " + name_of(*best) + " is done first";
+    std::string text = "including the build, " + name_of(*best) + " is fastest";
     for (;;) {
         const StudyPoint* next = nullptr;
         double at = std::numeric_limits<double>::infinity();
@@ -108,7 +108,7 @@ void find_crossings(Study& study) {
 /// Time of so many rays with the build.
 void tabulate(Study& study) {
     for (const double millions : {0.01, 1.0, 100.0}) {
-        std::string text = printed("%g million rays, building included:", millions);
+        std::string text = printed("%g million rays, including the build:", millions);
         bool some = false;
         for (const StudyPoint& p : study.points)
             if (p.failure.empty() && p.setting == "63 bits") {
@@ -124,13 +124,13 @@ void judge_refits(Study& study) {
     for (std::size_t i = 0; i + 1 < study.points.size(); ++i) {
         const StudyPoint &refit = study.points[i], &rebuild = study.points[i + 1];
         if (refit.method != "refit" || !refit.failure.empty() || !rebuild.failure.empty()) continue;
-        std::string text = refit.setting + ": against a rebuild, a refit is there " +
+        std::string text = refit.setting + ": compared with a rebuild, a refit is done " +
                            told_time_against(refit.seconds, rebuild.seconds) + ", and rays are traced " +
                            told_time_against(refit.error, rebuild.error);
         const double saved = rebuild.seconds.median - refit.seconds.median,
                      lost = refit.error.median - rebuild.error.median;
         if (saved > 0 && lost > 0 && !overlap(refit.error, rebuild.error))
-            text += printed("; a rebuild pays from %.3g million rays on", saved / lost);
+            text += printed("; a rebuild pays off from %.3g million rays on", saved / lost);
         study.findings.push_back(text);
     }
 }

@@ -36,7 +36,7 @@ std::vector<Effect> effects_to_leave_out(const Scene& scene) {
 Study study_effects(const Device& device, const Scene& scene, const StudyOptions& options,
                     const AccuracyProgress& progress, std::vector<ErrorMap>* maps) {
     Study study;
-    study.name = "effects", study.title = "Effects: what the image loses without each, and the time that saves";
+    study.name = "effects", study.title = "Effects: error and time saved without each";
     study.error = "bias without it, RMS / mean", study.sweeps = false;
     const ReferenceImage reference = reference_for(study, device, scene, options, progress);
     const AccuracyProgress rest = scaled(progress, reference_share, 1);
@@ -65,7 +65,7 @@ Study study_effects(const Device& device, const Scene& scene, const StudyOptions
         point.facts = {{"time saved, %", saved}};
         if (point.failure.empty())
             study.findings.push_back(name +
-                                     printed(": without it the image is off by %.3g %% of its mean, and is there ",
+                                     printed(": without it the image differs by %.3g %% of its mean and is rendered ",
                                              100 * point.error.median) +
                                      told_time_against(point.seconds, study.points.front().seconds));
         study.points.push_back(point);

@@ -63,11 +63,11 @@ double percentile(std::vector<double> values, double share_below) {
     const double width = std::floor(config.width * scale), height = std::floor(config.height * scale);
     const std::string size = std::min(width, height) >= 1
                                  ? printed("%.4g needs about --size %.0fx%.0f", 1 / budget, width, height)
-                                 : printed("%.4g is out of reach at any size", 1 / budget);
+                                 : printed("%.4g is not possible at any size", 1 / budget);
     throw Error(ErrorKind::user,
-                printed("%.4g frames a second can't be reached: one sample a pixel that meets one surface takes %s",
+                printed("%.4g frames per second cannot be reached: one sample per pixel with one surface takes %s",
                         1 / budget, told_time(seconds).c_str()),
-                printed("the closest is about --fps %.3g; %s", share / seconds, size.c_str()));
+                printed("the closest possible is about --fps %.3g; %s", share / seconds, size.c_str()));
 }
 
 /// Where the deepest paths take too long, the deepest that do not, by halving, or those that meet one surface. Returns
@@ -106,12 +106,12 @@ void pick(Frames& frames, const RenderConfig& config, double budget, std::vector
         seconds = frames.slowest();
         if (seconds <= budget && seconds >= 0.7 * budget) break;
     }
-    picks.push_back(printed("samples: %u a pixel; one takes %s, and frames of these %s of %s", frames.spp,
+    picks.push_back(printed("samples: %u per pixel; one sample takes %s, a frame takes %s of %s", frames.spp,
                             told_time(one).c_str(), told_time(seconds).c_str(), told_time(budget).c_str()));
     if (frames.max_depth < config.max_depth)
-        picks.push_back(printed(
-            "paths: %u surfaces at most instead of %u, which takes light away; a smaller --size would keep them",
-            frames.max_depth, config.max_depth));
+        picks.push_back(
+            printed("paths: at most %u surfaces instead of %u, which removes light; use a smaller --size to avoid this",
+                    frames.max_depth, config.max_depth));
 }
 
 }  // namespace
@@ -120,7 +120,8 @@ FramesReport render_frames(const Device& device, const Scene& scene, const Rende
                            unsigned frames, bool picks_builder, const std::function<bool(unsigned)>& progress,
                            const MeasuringProgress& measuring) {
     if (!(fps > 0 && std::isfinite(fps)) || frames == 0)
-        throw Error(ErrorKind::usage, "a frame rate that is no number above 0, or no frames", "give 60, for instance");
+        throw Error(ErrorKind::usage, "the frame rate and the number of frames must be greater than 0",
+                    "use for example 60");
     const double budget = 1 / fps;
     TargetPlan plan = plan_render(device, scene, config, picks_builder, measuring);
     plan.picks.clear();

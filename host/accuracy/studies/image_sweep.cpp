@@ -39,7 +39,7 @@ void tell_cut_off(Study& study, const Device& device, const Scene& scene, Render
     const double share = Renderer(device, scene, config).cut_off();
     if (share >= least_cut_off_to_tell)
         study.findings.push_back(
-            printed("about %.2g %% of the light is missing from all images, since paths end after %u surfaces",
+            printed("about %.2g %% of the light is missing in all images, since paths end after %u surfaces",
                     100 * share, config.max_depth));
 }
 

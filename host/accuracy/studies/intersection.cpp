@@ -127,18 +127,19 @@ void judge_intersection(Study& study) {
     const StudyPoint* textbook = point_named(study, "Moeller-Trumbore", "fused bare boxes");
     if (!shipped || !robust || !textbook) return;
     const auto wrong = [](const StudyPoint& p) { return fact_of(p, "missed /10^6") + fact_of(p, "false /10^6"); };
-    study.findings.push_back(printed("claray as shipped is wrong about %.3g rays of 10^6, and off by %.3g ulp at most",
-                                     wrong(*shipped), fact_of(*shipped, "worst t error, ulp")));
+    study.findings.push_back(
+        printed("claray as shipped has wrong hits for %.3g rays of 10^6 and distance errors of at most %.3g ulp",
+                wrong(*shipped), fact_of(*shipped, "worst t error, ulp")));
     study.findings.push_back(printed(
-        "the textbook's tests (Moeller-Trumbore, fused bare boxes) are wrong about %.3g of 10^6, and off by %.3g ulp; "
-        "claray's take %.2f times as long in the same loop",
+        "the textbook's tests (Moeller-Trumbore, fused bare boxes) have wrong hits for %.3g rays of 10^6 and errors of "
+        "at most %.3g ulp; claray's tests take %.2f times as long in the same loop",
         wrong(*textbook), fact_of(*textbook, "worst t error, ulp"), robust->seconds.median / textbook->seconds.median));
 }
 
 Study study_rays(const Device& device, const RaySet& set, const StudyOptions& options,
                  const AccuracyProgress& progress) {
     Study study;
-    study.error = set.distances ? "worst distance of right hits, ulp" : "wrong hits per 10^6 rays";
+    study.error = set.distances ? "largest distance error of correct hits, ulp" : "wrong hits per 10^6 rays";
     study.cost = "seconds per 10^6 rays", study.sweeps = false;
     if (set.rays.empty()) {
         study.findings.emplace_back("there are no rays");
@@ -182,7 +183,7 @@ RaySet hard_rays(std::size_t count) {
 Study study_hard_rays(const Device& device, const Scene&, const StudyOptions& options,
                       const AccuracyProgress& progress) {
     Study study = study_rays(device, hard_rays(options.rays), options, progress);
-    study.name = "hard-rays", study.title = "Tests of triangles and boxes, on rays aimed at edges and vertices";
+    study.name = "hard-rays", study.title = "Triangle and box tests with rays aimed at edges and vertices";
     return study;
 }
 
@@ -193,7 +194,7 @@ Study study_scene_rays(const Device& device, const Scene& scene, const StudyOpti
     set.meshes = measure::world_meshes(scene);
     set.rays = rays_of_scene(device, scene, set.meshes, rays_to_judge(options.rays, set.meshes));
     Study study = study_rays(device, set, options, progress);
-    study.name = "scene-rays", study.title = "Tests of triangles and boxes, on the scene's own rays";
+    study.name = "scene-rays", study.title = "Triangle and box tests with rays of the scene";
     return study;
 }
 

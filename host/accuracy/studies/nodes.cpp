@@ -21,8 +21,8 @@ std::size_t different(const std::vector<Hit>& a, const std::vector<Hit>& b) {
 Study study_nodes(const Device& device, const Scene& scene, const StudyOptions& options,
                   const AccuracyProgress& progress) {
     Study study;
-    study.name = "nodes", study.title = "Boxes in fewer bits";
-    study.error = "boxes tested beyond full floats, per ray", study.cost = "seconds per 10^6 rays";
+    study.name = "nodes", study.title = "Boxes with fewer bits";
+    study.error = "additional boxes tested, compared with full floats, per ray", study.cost = "seconds per 10^6 rays";
     const std::vector<Mesh> meshes = measure::world_meshes(scene);
     const std::vector<Ray> rays = rays_of_scene(device, scene, meshes, options.rays);
     std::vector<RayVariant> variants;

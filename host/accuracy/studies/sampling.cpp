@@ -18,8 +18,8 @@ void judge_sampling(Study& study, const ImageMethod& with, const StudyOptions& o
         samples.push_back(p.value), errors.push_back(p.error.median);
     }
     if (samples.size() < 3) return;
-    study.findings.push_back(
-        method + printed(": error falls with the samples to the power of %.3f", log_log_slope(samples, errors)));
+    study.findings.push_back(method + printed(": the error is proportional to the samples to the power of %.3f",
+                                              log_log_slope(samples, errors)));
     const std::size_t tail = samples.size() - 3;
     const double end = log_log_slope(std::span(samples).subspan(tail), std::span(errors).subspan(tail));
     if (end <= -0.25) return;
@@ -30,9 +30,9 @@ void judge_sampling(Study& study, const ImageMethod& with, const StudyOptions& o
     study.findings.push_back(
         method +
         (bias.failure.empty()
-             ? printed(": falls no further at %.3g %%: of that %.3g %% is bias, or light that no render has found",
+             ? printed(": stops decreasing at %.3g %%: %.3g %% of this is bias, or light that no render has found",
                        100 * errors.back(), 100 * bias.error.median)
-             : printed(": falls slowly at %.3g %%, by rare bright samples; %s", 100 * errors.back(),
+             : printed(": decreases slowly at %.3g %%, due to rare bright samples; %s", 100 * errors.back(),
                        bias.failure.c_str())));
 }
 
@@ -55,7 +55,7 @@ void compare_efficiency(Study& study, const std::vector<ImageMethod>& methods) {
         const Spread other = cost_of(study, methods[i].name);
         if (!(first.median > 0 && other.median > 0)) continue;
         const std::string verdict = overlap(first, other)
-                                        ? " can't be told apart (the quartiles overlap) from "
+                                        ? " does not differ measurably (the quartiles overlap) from "
                                         : printed(" takes %.3g times as long as ", other.median / first.median);
         study.findings.push_back(methods[i].name + verdict + methods.front().name + " for the same error");
     }
@@ -73,7 +73,7 @@ void sweep(Study& study, const Device& device, const Scene& scene, const StudyOp
 Study study_sampling(const Device& device, const Scene& scene, const StudyOptions& options,
                      const AccuracyProgress& progress) {
     Study study;
-    study.name = "sampling", study.title = "Samples a pixel", study.error = "RMSE / mean";
+    study.name = "sampling", study.title = "Samples per pixel", study.error = "RMSE / mean";
     const auto by = [&](Sampler sampler) {
         return [&device, &scene, sampler](RenderConfig config) {
             config.sampler = sampler;

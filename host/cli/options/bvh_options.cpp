@@ -5,15 +5,15 @@
 namespace claray::cli {
 
 void add_bvh_options(CLI::App& command, Bvh::Config& config) {
-    command.add_option("--morton-bits", config.morton_bits, "Bits of a Morton code: 30 or 63 [63]")
+    command.add_option("--morton-bits", config.morton_bits, "Bits per Morton code: 30 or 63 [63]")
         ->check(name_among({"30", "63"}));
     command
         .add_option("--builder", config.builder,
-                    "How the tree is built: fast, balanced (better, slower) or high (best, slowest) [" +
+                    "Builder of the tree: fast, balanced (better, slower) or high (best, slowest) [" +
                         measure::name_of(measure::builders, config.builder) + "]")
         ->transform(choice_of(measure::builders))
         ->type_name("NAME");
-    command.add_option("--layout", config.layout, "Tree that is traversed: auto, binary or wide [auto]")
+    command.add_option("--layout", config.layout, "Layout of the tree for tracing: auto, binary or wide [auto]")
         ->transform(choice_of(measure::layouts))
         ->type_name("NAME");
 }

@@ -21,8 +21,8 @@ FrameRange parse_frames(const std::string& text) {
         const auto last = parse_number<unsigned>(std::string_view(text).substr(dots + 2));
         if (first && last && *first <= *last && *last < most) return {*first, *last};
     }
-    throw Error(ErrorKind::usage, "--frames: '" + text + "' is no range of frames",
-                "write FIRST..LAST, as in 0..47; a number alone goes with --fps");
+    throw Error(ErrorKind::usage, "--frames: '" + text + "' is not a range of frames",
+                "write FIRST..LAST, as in 0..47; a single number is for --fps");
 }
 
 std::filesystem::path numbered(const std::filesystem::path& output, unsigned frame) {
@@ -35,8 +35,8 @@ std::filesystem::path numbered(const std::filesystem::path& output, unsigned fra
     const std::string digits = name.substr(percent + 1, end - percent - 1);
     const bool plain = digits.empty() || (digits.size() == 2 && digits[0] == '0' && digits[1] != '0');
     if (end == std::string::npos || name[end] != 'd' || !plain || name.find('%', end) != std::string::npos)
-        throw Error(ErrorKind::usage, "--output: '" + name + "' has no place for the number of a frame",
-                    "write it as %d or %04d, once");
+        throw Error(ErrorKind::usage, "--output: '" + name + "' has an invalid placeholder for the frame number",
+                    "write %d or %04d once");
     return output.parent_path() / name.replace(percent, end + 1 - percent,
                                                with_zeros(frame, digits.empty() ? 1 : std::size_t(digits[1] - '0')));
 }

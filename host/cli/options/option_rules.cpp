@@ -37,7 +37,7 @@ std::string listed(const std::vector<std::string>& names) {
 }
 
 std::string no_such(const std::string& name, const std::vector<std::string>& names) {
-    return "there is no " + in_quotes(name) + "; choose " + listed(names);
+    return "unknown name " + in_quotes(name) + "; choose " + listed(names);
 }
 
 bool fits_float(double value) { return std::abs(value) <= double(std::numeric_limits<float>::max()); }
@@ -120,8 +120,8 @@ CLI::Validator name_among(std::vector<std::string> names) {
 
 void refuse_without(const CLI::App& command, const char* option, const char* other) {
     if (command.count(option) > 0 && command.count(other) == 0)
-        throw Error(ErrorKind::usage, std::string(option) + " does nothing without " + other,
-                    std::string("give ") + other + ", too, or leave it out");
+        throw Error(ErrorKind::usage, std::string(option) + " has no effect without " + other,
+                    std::string("add ") + other + ", or leave it out");
 }
 
 void refuse_both(const CLI::App& command, const char* option, std::initializer_list<const char*> others,

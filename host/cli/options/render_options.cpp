@@ -19,7 +19,7 @@ std::pair<unsigned, unsigned> parse_size(const std::string& text) {
         if (width && height && *width > 0 && *height > 0 && *width <= largest_side && *height <= largest_side)
             return {*width, *height};
     }
-    throw Error(ErrorKind::usage, "--size: '" + text + "' is no image size",
+    throw Error(ErrorKind::usage, "--size: '" + text + "' is not an image size",
                 "write WIDTHxHEIGHT, each from 1 to " + std::to_string(largest_side));
 }
 
@@ -28,8 +28,8 @@ void use_light_maps(Scene& scene, const std::vector<std::string>& light_maps) {
         const std::size_t equals = text.find('=');
         const auto mesh = parse_number<std::size_t>(std::string_view(text).substr(0, equals));
         if (equals == std::string::npos || !mesh)
-            throw Error(ErrorKind::usage, "--light-map: '" + text + "' names no mesh and file",
-                        "write MESH=FILE: 0=floor.pfm");
+            throw Error(ErrorKind::usage, "--light-map: '" + text + "' is not a mesh and a file",
+                        "write MESH=FILE, for example 0=floor.pfm");
         Texture map = load_image(text.substr(equals + 1));
         map.filter = Filter::bilinear;
         map.wrap_u = map.wrap_v = Wrap::clamp;

@@ -28,22 +28,22 @@ CLI::Validator least_error_for_none() {
 
 void add_target_options(CLI::App& command, RenderOptions& o) {
     command
-        .add_option("--error", o.config.error,
-                    "Take as many samples as this RMSE over the mean needs: 0.01, for instance")
+        .add_option("--error", o.config.error, "Render until the RMSE over the mean is at most this: for example 0.01")
         ->check(number_above("more than 0", 0, false))
         ->transform(least_error_for_none());
-    command.add_option("--time", o.config.seconds, "Take as many samples as fit into this time: 500ms, 2s, 1m")
+    command.add_option("--time", o.config.seconds, "Render as many samples as fit into this time: 500ms, 2s, 1m")
         ->transform(duration())
         ->type_name("TIME");
     command
-        .add_option("--fps", o.fps, "Render frames at this rate with as many samples as fit, and tell how it was held")
+        .add_option("--fps", o.fps,
+                    "Render frames at this rate with as many samples as fit, and print whether the rate was met")
         ->check(number_above("more than 0", 0, false));
     command
         .add_option("--frames", o.frames_text,
-                    "FIRST..LAST: a picture for each frame of an animation, OUTPUT.0000.png or as %04d in OUTPUT says; "
-                    "with --fps how many [300]")
+                    "FIRST..LAST: write an image per frame of an animation, as OUTPUT.0000.png or by %04d in OUTPUT; "
+                    "with --fps: number of frames [300]")
         ->type_name("RANGE");
-    command.add_option("--frame-rate", o.frame_rate, "Frames a second of the animation, with --frames [24]")
+    command.add_option("--frame-rate", o.frame_rate, "Frames per second of the animation, with --frames [24]")
         ->check(number_above("more than 0", 0, false));
 }
 
@@ -51,19 +51,20 @@ namespace {
 
 void check_frames(const CLI::App& command, RenderOptions& o) {
     refuse_without(command, "--frame-rate", "--frames");
-    refuse_both(command, "--fps", {"--frame-rate"}, "one is of a render against the clock, one of an animation");
+    refuse_both(command, "--fps", {"--frame-rate"},
+                "--fps is for rendering in real time, --frame-rate for an animation");
     if (command.count("--frames") == 0) return;
     if (o.fps > 0) {
         const auto frames = parse_number<unsigned>(o.frames_text);
         if (!frames || *frames == 0 || *frames > 1'000'000)
             throw Error(ErrorKind::usage, "--frames: '" + o.frames_text + "' is not a whole number in 1..1000000",
-                        "with --fps it says how many frames are rendered");
+                        "with --fps it is the number of frames to render");
         o.frames = *frames;
         return;
     }
     o.animation = parse_frames(o.frames_text);
-    refuse_both(command, "--frames", {"--at"}, "the frames say the times");
-    refuse_both(command, "--frames", {"--checkpoint", "--resume", "--trace"}, "these are of one image");
+    refuse_both(command, "--frames", {"--at"}, "the frames define the times");
+    refuse_both(command, "--frames", {"--checkpoint", "--resume", "--trace"}, "--frames renders several images");
 }
 
 }  // namespace
@@ -72,10 +73,10 @@ void check_targets(const CLI::App& command, RenderOptions& o) {
     if (command.count("--fps") == 0 && command.count("--output") == 0) throw CLI::RequiredError("--output");
     check_frames(command, o);
     refuse_both(command, "--fps", {"--spp", "--error", "--time", "--noise", "--checkpoint", "--resume", "--aov"},
-                "frames have what fits into their time");
-    refuse_both(command, "--fps", {"--stats", "--trace"}, "these tell of one image");
+                "the frame time decides the number of samples");
+    refuse_both(command, "--fps", {"--stats", "--trace"}, "--fps renders several images");
     if (o.fps > 0) o.config.spp = most_spp;
-    refuse_both(command, "--error", {"--spp", "--noise"}, "the error says how many samples are taken");
+    refuse_both(command, "--error", {"--spp", "--noise"}, "the error decides the number of samples");
     const bool until_target = o.config.error > 0 || o.config.seconds > 0;
     if (until_target && command.count("--spp") == 0) o.config.spp = most_spp;
     o.picks_settings = until_target && command.count("--spp") == 0;
@@ -119,7 +120,7 @@ void run_frames(const Device& device, const Scene& scene, const RenderOptions& o
         if (!options.quiet)
             for (const std::string& pick : report.picks) std::printf("%s\n", pick.c_str());
         std::printf(
-            "%s: %zu of %u frames of %ux%u, %u samples a pixel: median %.2f ms, 99th percentile %.2f ms (promised: "
+            "%s: %zu of %u frames of %ux%u, %u samples per pixel: median %.2f ms, 99th percentile %.2f ms (target: "
             "%.2f)\n",
             p99 > budget                             ? "missed"
             : report.seconds.size() < options.frames ? "stopped"
@@ -129,9 +130,9 @@ void run_frames(const Device& device, const Scene& scene, const RenderOptions& o
     }
     if (p99 <= budget) return;
     throw Error(ErrorKind::user,
-                printed("%.4g frames a second were not held: the 99th percentile is %.2f ms instead of %.2f",
+                printed("%.4g frames per second were not reached: the 99th percentile is %.2f ms instead of %.2f",
                         options.fps, p99, budget),
-                printed("the closest is about --fps %.3g", 1e3 / p99));
+                printed("the closest possible is about --fps %.3g", 1e3 / p99));
 }
 
 void refuse_missed_error(const RenderConfig& config, const RenderProgress& reached) {
@@ -139,14 +140,13 @@ void refuse_missed_error(const RenderConfig& config, const RenderProgress& reach
     std::string text;
     if (reached.error_bound > 0) {
         const double ratio = reached.error_bound / config.error, needed = reached.error_spp * ratio * ratio;
-        text =
-            printed("the error is up to %.3g, not the %g asked for; that needs about %.3g samples a pixel and %.3g s",
-                    reached.error_bound, config.error, needed, reached.seconds * needed / reached.spp);
+        text = printed("the error is up to %.3g instead of %g, which needs about %.3g samples per pixel and %.3g s",
+                       reached.error_bound, config.error, needed, reached.seconds * needed / reached.spp);
     } else {
-        text = printed("the error of %g asked for was not reached: %u samples a pixel tell nothing", config.error,
-                       reached.spp);
+        text = printed("the error of %g was not reached: %u samples per pixel are too few to estimate the error",
+                       config.error, reached.spp);
     }
-    throw Error(ErrorKind::user, text, "the image is written as it is");
+    throw Error(ErrorKind::user, text, "the image was written nevertheless");
 }
 
 }  // namespace claray::cli

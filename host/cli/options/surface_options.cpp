@@ -7,12 +7,12 @@ namespace claray::cli {
 void add_surface_options(CLI::App& command, SurfaceOptions& o) {
     command
         .add_option("--cull", o.culling,
-                    "Which sides of surfaces are left out: back, none, or file, as the materials say [file]")
+                    "Sides of surfaces to leave out: back, none, or file (as in the materials) [file]")
         ->transform(choice_of<Culling>({{"file", Culling::by_file}, {"back", Culling::back}, {"none", Culling::none}}))
         ->type_name("NAME");
     command
         .add_option("--front", o.clockwise_front,
-                    "How the vertices of a front appear: ccw (counter-clockwise) or cw [ccw]")
+                    "Order of the vertices of a front: ccw (counter-clockwise) or cw [ccw]")
         ->transform(choice_of({{"ccw", 0}, {"cw", 1}}))
         ->type_name("NAME");
 }

@@ -11,7 +11,7 @@ namespace {
 std::string unexpected(const CLI::App& command) {
     const std::vector<std::string> words = command.remaining();
     const std::string word = words.empty() ? "?" : words.front();
-    return word.starts_with('-') ? "there is no option '" + word + "'" : "'" + word + "' is one argument too many";
+    return word.starts_with('-') ? "unknown option '" + word + "'" : "'" + word + "' is an unexpected argument";
 }
 
 /// "--output: 1 required TEXT missing" -> "--output"
@@ -28,9 +28,9 @@ std::string what_is_wrong(const CLI::App& command, const CLI::ParseError& error)
     if (dynamic_cast<const CLI::ArgumentMismatch*>(&error))
         return option_of(error) + (std::string(error.what()).find("At Most") != std::string::npos
                                        ? " is given more than once"
-                                       : " lacks its value");
+                                       : " needs a value");
     if (dynamic_cast<const CLI::ConversionError*>(&error) && option_of(error).starts_with('-'))
-        return option_of(error) + " takes no such value";
+        return option_of(error) + " does not accept this value";
     return error.what();
 }
 
@@ -40,7 +40,7 @@ std::string usage_error(const CLI::App& app, int argc, char** argv, const CLI::P
     const std::vector<CLI::App*> commands = app.get_subcommands();
     const bool any = !commands.empty();
     if (!any && argc > 1 && argv[1][0] != '-')
-        return "there is no command '" + std::string(argv[1]) + "'; see claray --help";
+        return "unknown command '" + std::string(argv[1]) + "'; see claray --help";
     return what_is_wrong(any ? *commands.front() : app, error) + "; see claray " +
            (any ? commands.front()->get_name() + " " : std::string()) + "--help";
 }
@@ -51,7 +51,7 @@ void refuse_empty_values(const CLI::App& app) {
             for (const std::string& value : option->results())
                 if (value.empty() && option->get_expected_max() > 0)
                     throw Error(ErrorKind::usage, option->get_name() + " has an empty value",
-                                "give one, or leave the option out");
+                                "give a value, or leave the option out");
 }
 
 }  // namespace claray::cli

@@ -14,7 +14,7 @@ glm::vec3 parse_vector(const std::string& option, const std::string& text) {
         const std::size_t comma = i < 2 ? rest.find(',') : rest.size();
         const auto number = comma == std::string_view::npos ? std::nullopt : parse_number<float>(rest.substr(0, comma));
         if (!number || !std::isfinite(*number))
-            throw Error(ErrorKind::usage, option + ": '" + text + "' is no vector", "write three numbers: X,Y,Z");
+            throw Error(ErrorKind::usage, option + ": '" + text + "' is not a vector", "write three numbers: X,Y,Z");
         vector[i] = *number;
         rest.remove_prefix(std::min(comma + 1, rest.size()));
     }
@@ -27,25 +27,25 @@ void add_view_options(CLI::App& command, ViewOptions& o) {
             name, [name, &vector](const std::string& text) { vector = parse_vector(name, text); }, description);
     };
     add_load_options(command, o.load);
-    command.add_option(
-        "--file-camera", o.load.camera,
-        "Camera of a glTF, by name or by index in the scene [the first; without any: one that sees all]");
-    add_vector("--camera", o.camera, "Position X,Y,Z [of the scene's camera]");
-    add_vector("--look-at", o.look_at, "The point in the middle of the image, X,Y,Z [that of the scene's camera]");
-    add_vector("--up", o.up, "The direction that is up in the image, X,Y,Z [of the scene's camera, else 0,1,0]");
-    command.add_option("--fov", o.fov, "Vertical field of view in degrees [of the scene's camera, else 40]")
+    command.add_option("--file-camera", o.load.camera,
+                       "Camera of a glTF, by name or by index in the scene [the first; if there is none, a camera that "
+                       "sees the whole scene]");
+    add_vector("--camera", o.camera, "Position of the camera, X,Y,Z [scene's camera]");
+    add_vector("--look-at", o.look_at, "Point in the middle of the image, X,Y,Z [scene's camera]");
+    add_vector("--up", o.up, "Direction that is up in the image, X,Y,Z [scene's camera, else 0,1,0]");
+    command.add_option("--fov", o.fov, "Vertical field of view in degrees [scene's camera, else 40]")
         ->check(finite_number());
-    command.add_option("--ortho", o.ortho, "Parallel rays: the height of the image, in units of the scene")
+    command.add_option("--ortho", o.ortho, "Use parallel rays; height of the image, in units of the scene")
         ->check(number_above("more than 0", 0, false))
         ->type_name("HEIGHT");
-    command
-        .add_option("--aperture", o.aperture,
-                    "Radius of the lens, in units of the scene: blurs what is not in focus [0]")
+    command.add_option("--aperture", o.aperture, "Radius of the lens, in units of the scene, for depth of field [0]")
         ->check(number_above("0 or more", 0, true));
-    command.add_option("--focus-distance", o.focus_distance, "Distance along the view that is sharp [the target's]")
+    command
+        .add_option("--focus-distance", o.focus_distance,
+                    "Distance of the sharp plane along the view [that of --look-at]")
         ->check(number_above("more than 0", 0, false));
-    add_vector("--camera-end", o.camera_end, "Position when the shutter closes, X,Y,Z: motion blur");
-    add_vector("--look-at-end", o.look_at_end, "The point in the middle when the shutter closes, X,Y,Z");
+    add_vector("--camera-end", o.camera_end, "Position at shutter close, X,Y,Z, for motion blur");
+    add_vector("--look-at-end", o.look_at_end, "Point in the middle at shutter close, X,Y,Z");
     add_light_options(command, o.lights);
     add_surface_options(command, o.surfaces);
 }
@@ -59,7 +59,7 @@ Camera choose_camera(Camera camera, const ViewOptions& options) {
     if (options.aperture) camera.aperture_radius = *options.aperture;
     if (options.focus_distance) camera.focus_distance = *options.focus_distance;
     if (options.focus_distance && camera.aperture_radius == 0.f)
-        throw Error(ErrorKind::usage, "--focus-distance does nothing without a lens", "give --aperture, too");
+        throw Error(ErrorKind::usage, "--focus-distance has no effect without a lens", "add --aperture");
     if (options.up) camera.up = *options.up;
     if (options.fov) camera.vertical_fov = *options.fov, camera.orthographic_height = 0.f;
     if (options.ortho) camera.orthographic_height = *options.ortho;

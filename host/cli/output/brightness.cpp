@@ -30,16 +30,17 @@ std::optional<std::string> brightness_warning(std::span<const glm::vec3> pixels,
     std::vector<double> luminances;
     for (const glm::vec3& p : pixels) luminances.push_back(0.2126 * p.x + 0.7152 * p.y + 0.0722 * p.z);
     if (!(*std::max_element(luminances.begin(), luminances.end()) > 0))
-        return "the picture is black: no light reaches what is in view; add some by --light or --sky, or move the "
-               "camera";
+        return "the image is black: no light reaches the visible surfaces; add light with --light or --sky, or move "
+               "the camera";
     if (!exposure) return {};
     const double scale = std::exp2(double(*exposure)), bright = quantile(luminances, 0.99);
     if (bright * scale < visible_luminance && bright > 0)
-        return "the picture is nearly black; add light by --light or --sky, or brighten it by " + exposure_for(bright);
+        return "the image is nearly black; add light with --light or --sky, or brighten it with " +
+               exposure_for(bright);
     if (bright * scale < visible_luminance)
-        return "the picture is nearly black; add light by --light or --sky, or move the camera";
+        return "the image is nearly black; add light with --light or --sky, or move the camera";
     const double middle = quantile(luminances, 0.5);
-    if (middle * scale > white) return "most of the picture is white; darken it by " + exposure_for(middle);
+    if (middle * scale > white) return "most of the image is white; darken it with " + exposure_for(middle);
     return {};
 }
 

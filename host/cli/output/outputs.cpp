@@ -7,8 +7,8 @@ namespace {
 
 [[noreturn]] void refuse_one_file(const std::string& option, const std::string& other,
                                   const std::filesystem::path& path) {
-    throw Error(ErrorKind::usage, option + " and " + other + " name one file, '" + path.string() + "'",
-                "give each its own");
+    throw Error(ErrorKind::usage, option + " and " + other + " are the same file, '" + path.string() + "'",
+                "use different files");
 }
 
 /// Where it goes to a file. Who names /dev/stdout wants to write there, too.

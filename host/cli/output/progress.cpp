@@ -21,7 +21,7 @@ volatile std::sig_atomic_t interrupt_flag = 0;
 extern "C" void set_interrupt_flag(int) { interrupt_flag = 1; }
 
 extern "C" void tell_and_end(int signal_number) {
-    constexpr char text[] = "claray: interrupted before the first sample: there is no image to write\n";
+    constexpr char text[] = "claray: interrupted before the first sample: no image was written\n";
     if (::write(STDERR_FILENO, text, sizeof text - 1) < 0) return;
     std::raise(signal_number);  // as if there were no handler, which is gone by now
 }

@@ -70,8 +70,8 @@ nlohmann::ordered_json as_json(EffectSet effects) {
 
 void print_overrides(const EffectOverrides& overrides) {
     if (!overrides.any()) return;
-    std::printf("effects are overridden: compiled in: %s; taken from the scene: %s\n", to_string(overrides.add).c_str(),
-                to_string(overrides.remove).c_str());
+    std::printf("effects are overridden: compiled in: %s; removed from the scene: %s\n",
+                to_string(overrides.add).c_str(), to_string(overrides.remove).c_str());
 }
 
 const char* name_of(KernelStart start) {

@@ -33,7 +33,7 @@ Elements elements_of(const GltfFile& file, int view, std::size_t offset, std::si
         file.fail(what + " has a stride of " + to_string(stride) + " bytes for elements of " + to_string(size));
     if (count == 0) return {};
     if (offset > bytes.size() || size > bytes.size() - offset || (count - 1) > (bytes.size() - offset - size) / stride)
-        file.fail(what + " leaves its buffer view: " + to_string(count) + " elements of " + to_string(size) +
+        file.fail(what + " exceeds its buffer view: " + to_string(count) + " elements of " + to_string(size) +
                   " bytes do not fit into " + to_string(bytes.size()));
     return {bytes.data() + offset, count, stride, type, false};
 }
@@ -64,7 +64,7 @@ Elements dense_elements(const GltfFile& file, const tinygltf::Accessor& accessor
     }
     constexpr std::size_t most_zeros = std::size_t(1)
                                        << 24;  // no bytes stand for them, so that a typo may ask for any number
-    if (accessor.count > most_zeros) file.fail(what + " has " + to_string(accessor.count) + " elements of no data");
+    if (accessor.count > most_zeros) file.fail(what + " has " + to_string(accessor.count) + " elements but no data");
     if (size_of_component(accessor.componentType) == 0)
         file.fail(what + " has components of the unknown type " + to_string(accessor.componentType));
     return {nullptr, accessor.count, 0, accessor.componentType, accessor.normalized};

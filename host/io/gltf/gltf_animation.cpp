@@ -111,10 +111,10 @@ void tell_of_animations(const GltfFile& file, Warnings& warnings) {
     for (const tinygltf::Animation& animation : animations) longest = std::max(longest, length_of(file, animation));
     const bool one = animations.size() == 1;
     const std::string length = longest > 0 ? (one ? " of " : " of up to ") + in_seconds(longest) : "";
-    warnings.push_back("the scene is shown at rest, it has " +
+    warnings.push_back("the scene is shown in its rest pose, it has " +
                        (one ? std::string("an animation") : to_string(animations.size()) + " animations") + length +
-                       ": choose a time by --at SECONDS" +
-                       (one ? "" : ", and one of " + listed(names_of(animations)) + " by --animation"));
+                       ": choose a time with --at SECONDS" +
+                       (one ? "" : ", and one of " + listed(names_of(animations)) + " with --animation"));
 }
 
 /// What a channel animates.
@@ -220,10 +220,11 @@ void pose(GltfFile& file, const LoadOptions& options, Warnings& warnings) {
     const std::vector<tinygltf::Animation>& animations = file.model.animations;
     if (!options.time) {
         if (!options.animation.empty())
-            throw Error(ErrorKind::usage, "an animation is chosen, but no time of it", "choose a time, too");
+            throw Error(ErrorKind::usage, "an animation is chosen without a time", "also choose a time");
         return tell_of_animations(file, warnings);
     }
-    if (!std::isfinite(*options.time)) throw Error(ErrorKind::usage, "the time is not finite", "give seconds");
+    if (!std::isfinite(*options.time))
+        throw Error(ErrorKind::usage, "the time is not finite", "give a time in seconds");
     const std::vector<std::string> names = names_of(animations);
     const bool is_name = std::find(names.begin(), names.end(), options.animation) != names.end();
     const bool all = options.animation == "all" && !is_name && !animations.empty();
@@ -234,7 +235,7 @@ void pose(GltfFile& file, const LoadOptions& options, Warnings& warnings) {
     for (std::size_t i = 0; i < animations.size(); ++i)
         if (all || i == chosen) left_out += Animator(file, i).apply(*options.time);
     if (left_out > 0)
-        warnings.push_back(to_string(left_out) + " channels animate what claray does not know: they are left out");
+        warnings.push_back(to_string(left_out) + " channels animate unsupported properties: they are left out");
 }
 
 }  // namespace claray

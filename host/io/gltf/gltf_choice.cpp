@@ -24,7 +24,7 @@ std::string listed(const std::vector<std::string>& names) {
     constexpr std::size_t longest = 150, longest_name = 40;
     std::string text;
     for (std::size_t i = 0; i < names.size(); ++i) {
-        if (text.size() > longest) return text + ", ... (" + to_string(names.size()) + " in all)";
+        if (text.size() > longest) return text + ", ... (" + to_string(names.size()) + " in total)";
         const std::string name = names[i].size() > longest_name ? names[i].substr(0, longest_name) + "..." : names[i];
         text += (i > 0 ? ", " : "") + (name.empty() ? to_string(i) : "'" + name + "'");
     }
@@ -37,7 +37,7 @@ std::size_t choose(const GltfFile& file, const char* kind, const std::string& ch
     if (named != names.end()) return std::size_t(named - names.begin());
     if (const auto index = index_from(choice); index && *index < names.size()) return *index;
     const std::string what = "'" + file.path.string() + "' has no " + kind;
-    if (names.empty()) throw Error(ErrorKind::usage, what, "leave the choice of one out");
+    if (names.empty()) throw Error(ErrorKind::usage, what, "leave this choice out");
     throw Error(ErrorKind::usage, what + " " + listed({choice}), "choose one of " + listed(names));
 }
 

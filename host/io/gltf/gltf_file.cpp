@@ -104,7 +104,7 @@ struct Folder {
     static bool read(std::vector<unsigned char>* out, std::string*, const std::string& name, void* user) {
         const fs::path &gltf = static_cast<const Folder*>(user)->file->path, folder = gltf.parent_path();
         const std::string bytes =
-            read_file(path_in_scene(folder, folder, name, gltf), "put the buffer beside the glTF");
+            read_file(path_in_scene(folder, folder, name, gltf), "put the buffer next to the glTF");
         out->assign(bytes.begin(), bytes.end());
         return true;
     }
@@ -180,7 +180,7 @@ void check_extensions(const GltfFile& file, Warnings& warnings) {
                       "export it without");
     for (const std::string& name : file.model.extensionsUsed)
         if (!is_known(name))
-            warnings.push_back("the extension '" + one_line(name) + "' is not known: what it says is left out");
+            warnings.push_back("the extension '" + one_line(name) + "' is not supported: it is ignored");
 }
 
 }  // namespace

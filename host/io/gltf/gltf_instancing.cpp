@@ -52,7 +52,7 @@ std::vector<glm::dmat4> placements_of(const GltfFile& file, const PlacedNode& no
     for (std::size_t i = 0; i < *instances.count(); ++i) {
         const glm::dvec4 rotation = rotations.empty() ? glm::dvec4(0, 0, 0, 1) : glm::dvec4(rotations[i]);
         if (!(glm::length(rotation) > 1e-6))
-            file.fail(node.name + ": the rotation of its instance " + to_string(i) + " has no length");
+            file.fail(node.name + ": the rotation of its instance " + to_string(i) + " has length 0");
         placements.push_back(node.world *
                              transform_of(translations.empty() ? glm::dvec3(0.0) : glm::dvec3(translations[i]),
                                           rotation, scales.empty() ? glm::dvec3(1.0) : glm::dvec3(scales[i])));

@@ -164,10 +164,10 @@ void GltfMaterials::add_extensions(Material& material, const tinygltf::Material&
     add_iridescence(material, extension(all, "KHR_materials_iridescence"), name);
     add_glossiness(material, extension(all, "KHR_materials_pbrSpecularGlossiness"), name);
     if (reflects_all && material.transmission > 0.f)
-        warnings_.push_back(name + " transmits and has an index of refraction of 0: 1.5 bends what it transmits");
+        warnings_.push_back(name + " transmits light and has an index of refraction of 0: refraction uses 1.5");
     if (all.contains("KHR_materials_unlit")) make_unlit(material);
     if (material.transmission > 0.f && material.anisotropy > 0.f)
-        warnings_.push_back(name + ": what it transmits is scattered without KHR_materials_anisotropy");
+        warnings_.push_back(name + ": KHR_materials_anisotropy is not applied to transmitted light");
 }
 
 void GltfMaterials::add_transmission(Material& material, const tinygltf::ExtensionMap& all, const std::string& name) {
@@ -256,8 +256,8 @@ TextureUse GltfMaterials::use(int index, int uv_set, const tinygltf::ExtensionMa
     result.rotation = number(transform, "rotation", 0.f);
     const int set = index_in(transform, "texCoord", uv_set);
     if (set != 0 && set != 1) {
-        warnings_.push_back(user + ": a texture by coordinates TEXCOORD_" + to_string(set) +
-                            " is left out, only 0 and 1 are read");
+        warnings_.push_back(user + ": a texture with coordinates TEXCOORD_" + to_string(set) +
+                            " is left out, only 0 and 1 are supported");
         return {};
     }
     result.uv_set = std::uint32_t(set);
@@ -281,7 +281,7 @@ int GltfMaterials::source_of(const tinygltf::Texture& texture, const std::string
     if (webp >= 0) return webp;
     if (texture.source >= 0) return texture.source;
     if (texture.extensions.empty()) file_.fail(name + " has no image", "export images as PNG or JPEG");
-    file_.fail(name + " has only an image of the extension '" + texture.extensions.begin()->first +
+    file_.fail(name + " only has an image of the extension '" + texture.extensions.begin()->first +
                    "', which claray cannot decode",
                "export images as PNG or JPEG");
 }
@@ -325,7 +325,7 @@ Texture GltfMaterials::decode(int index, TexelFormat eight_bit, std::size_t room
     } else {
         const auto folder = file_.path.parent_path();
         const auto path = path_in_scene(folder, folder, percent_decoded(image.uri), file_.path);
-        const std::string bytes = read_file(path, "put the image beside the glTF");
+        const std::string bytes = read_file(path, "put the image next to the glTF");
         texture = decode_texture(bytes, "'" + path.string() + "'", eight_bit, room);
     }
     texture.name = !image.name.empty() ? image.name : !image.uri.empty() ? image.uri : "image " + to_string(index);

@@ -43,7 +43,7 @@ std::vector<glm::uvec3> strokes_of(const std::vector<std::uint32_t>& indices, in
 void check_whole(std::size_t indices, int mode, const std::string& name, const GltfFile& file) {
     const auto check = [&](int of, std::size_t corners, const char* shapes) {
         if (mode == of && indices % corners != 0)
-            file.fail(name + ": " + to_string(indices) + " indices are no whole number of " + shapes);
+            file.fail(name + ": " + to_string(indices) + " indices do not form whole " + shapes);
     };
     check(TINYGLTF_MODE_TRIANGLES, 3, "triangles");
     check(TINYGLTF_MODE_LINE, 2, "lines");

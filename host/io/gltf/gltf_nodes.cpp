@@ -30,7 +30,7 @@ glm::dmat4 local_transform(const tinygltf::Node& node, const std::string& name, 
     if (check(node.translation, 3, "translation")) read(translation, node.translation);
     if (check(node.rotation, 4, "rotation")) read(rotation, node.rotation);
     if (check(node.scale, 3, "scale")) read(scale, node.scale);
-    if (!(glm::length(rotation) > 1e-6)) file.fail(name + ": its rotation has no length");
+    if (!(glm::length(rotation) > 1e-6)) file.fail(name + ": its rotation has length 0");
     return transform_of(translation, rotation, scale);
 }
 
@@ -83,7 +83,7 @@ std::vector<PlacedNode> place_below(const std::vector<int>& roots, const GltfFil
             file.fail("a scene or node refers to node " + to_string(next.node) + " of " + to_string(nodes.size()));
         const auto i = std::size_t(next.node);
         PlacedNode node{&nodes[i], name_of_node(file, i), {}};
-        if (seen[i]) file.fail(node.name + " has two parents or is below itself", "nodes must form trees");
+        if (seen[i]) file.fail(node.name + " has two parents or is its own descendant", "nodes must form trees");
         seen[i] = true;
         node.world = next.parent * local_transform(nodes[i], node.name, file);
         push(nodes[i].children, node.world);

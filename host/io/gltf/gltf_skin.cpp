@@ -73,7 +73,7 @@ JointMatrices read_skin(const GltfFile& file, std::size_t index, const NodeTrans
         if (joint < 0 || std::size_t(joint) >= nodes.size())
             file.fail(name + " refers to node " + to_string(joint) + " of " + to_string(nodes.size()));
         const std::optional<glm::dmat4>& world = nodes[std::size_t(joint)];
-        if (!world) file.fail(name + ": its joint " + to_string(i) + " is below itself", "nodes must form trees");
+        if (!world) file.fail(name + ": its joint " + to_string(i) + " is its own descendant", "nodes must form trees");
         matrices.push_back(*world);
         if (!inverses.empty()) matrices.back() *= matrix_at(inverses, i);
         if (!is_finite(matrices.back())) file.fail(name + ": the matrix of joint " + to_string(i) + " is not finite");

@@ -40,7 +40,7 @@ glm::vec3 position_of(const PlacedNode& node) { return glm::vec3(node.world[3]);
 glm::vec3 axis_of(const PlacedNode& node, int axis, const GltfFile& file) {
     const glm::dvec3 direction(node.world[axis]);
     const double length = glm::length(direction);
-    if (!(length > 0.0) || !std::isfinite(length)) file.fail(node.name + ": its transform gives it no direction");
+    if (!(length > 0.0) || !std::isfinite(length)) file.fail(node.name + ": its transform removes its direction");
     return glm::vec3(direction / length);
 }
 
@@ -52,7 +52,7 @@ void set_projection(Camera& camera, const tinygltf::Camera& source, const std::s
             file.fail(name + ": its ymag is " + to_string(source.orthographic.ymag), "it must be above 0");
         return;
     }
-    if (source.type != "perspective") file.fail(name + " is of the unknown type '" + source.type + "'");
+    if (source.type != "perspective") file.fail(name + " has the unknown type '" + source.type + "'");
     camera.vertical_fov = glm::degrees(float(source.perspective.yfov));
     if (!(camera.vertical_fov > 0.f && camera.vertical_fov < 180.f))
         file.fail(name + ": its field of view is " + to_string(source.perspective.yfov) + " radians",
@@ -139,7 +139,7 @@ void Loader::choose_variant() {
     if (!options_.variant.empty())
         variant_ = choose(file_, "variant", options_.variant, names);
     else if (!names.empty())
-        warnings_.push_back("the materials have variants, " + listed(names) + ": choose one by --variant");
+        warnings_.push_back("the materials have variants, " + listed(names) + ": choose one with --variant");
 }
 
 /// The material of the variant that is chosen, if the primitive has one.
@@ -197,7 +197,7 @@ void Loader::add_camera(const std::vector<PlacedNode>& nodes) {
     scene_.camera = camera;
     if (cameras.size() > 1 && options_.camera.empty())
         warnings_.push_back("the first of the cameras " + listed(names_of_cameras(cameras)) +
-                            " is used: choose another by --file-camera");
+                            " is used: choose another with --file-camera");
 }
 
 /// KHR_lights_punctual. Its candela and lux are taken as W / sr and W / m^2, as emissive factors are as radiance.
@@ -217,7 +217,7 @@ void Loader::add_light(const PlacedNode& node) {
     else if (source.type == "spot")
         light.kind = LightKind::spot;
     else if (source.type != "point")
-        file_.fail(name + " is of the unknown type '" + source.type + "'", "use point, spot or directional");
+        file_.fail(name + " has the unknown type '" + source.type + "'", "use point, spot or directional");
     light.position = position_of(node);
     if (light.kind != LightKind::point) light.direction = -axis_of(node, 2, file_);
     for (int k = 0; k < 3; ++k)
@@ -322,22 +322,22 @@ void Loader::add_strokes() {
     }
     const float radius = options_.stroke_radius.value_or(stroke_radius(bounds, count));
     if (!(radius >= 0.f && std::isfinite(radius)))
-        throw Error(ErrorKind::usage, "a stroke radius of " + to_string(radius), "give a finite one, 0 or more");
-    if (radius == 0.f) return warn_if(strokes_.size(), "primitives of points or lines are left out, as asked for");
+        throw Error(ErrorKind::usage, "invalid stroke radius " + to_string(radius), "give a finite radius, 0 or more");
+    if (radius == 0.f) return warn_if(strokes_.size(), "primitives of points or lines are left out, as requested");
     for (const Strokes& strokes : strokes_) {
         if (!scene_.instances.empty())
             scene_.instances.push_back({std::uint32_t(scene_.meshes.size()), glm::mat4(1.f), {}});
         scene_.meshes.push_back(solid_strokes(strokes, radius));
     }
     warn_if(strokes_.size(), printed("primitives of points or lines are shown as spheres and tubes of radius %.3g: "
-                                     "choose another by --stroke-radius",
+                                     "choose another radius with --stroke-radius",
                                      double(radius)));
 }
 
 void Loader::warn() {
     warn_if(left_out_.without_positions, "primitives without positions are left out");
-    warn_if(left_out_.with_clamped_colors, "primitives have colours at vertices beyond 0..1: they are clamped");
-    warn_if(without_joints_, "nodes have skins, but their meshes have no joints: they stand where the nodes do");
+    warn_if(left_out_.with_clamped_colors, "primitives have vertex colours outside 0..1: they are clamped");
+    warn_if(without_joints_, "nodes have skins, but their meshes have no joints: the transform of the node is used");
 }
 
 }  // namespace
@@ -348,7 +348,8 @@ Scene load_gltf_without_light(const std::filesystem::path& path, Warnings& warni
     GltfFile file = read_gltf(path, warnings);
     pose(file, options, warnings);
     Loader(file, options, scene, warnings).load();
-    if (scene.meshes.empty()) file.fail("it holds no triangle", "claray needs a mesh that a node of its scene uses");
+    if (scene.meshes.empty())
+        file.fail("it contains no triangle", "claray needs a mesh that is used by a node of the scene");
     try {
         validate(scene);
     } catch (const Error& error) {

@@ -28,18 +28,18 @@ Format format_of(const fs::path& path) {
     if (extension == ".hdr") return Format::hdr;
     if (extension == ".pfm") return Format::pfm;
     throw Error(ErrorKind::usage, "cannot write '" + path.string() + "': unknown image format '" + extension + "'",
-                "end its name in .png, .hdr or .pfm");
+                "use the extension .png, .hdr or .pfm");
 }
 
 void check_size(const fs::path& path, unsigned width, unsigned height, std::size_t values, unsigned limit) {
     const std::string size = std::to_string(width) + "x" + std::to_string(height);
     if (width == 0 || height == 0 || width > limit || height > limit)
         throw Error(ErrorKind::usage, "cannot write '" + path.string() + "': its size is " + size,
-                    "use 1 to " + std::to_string(limit) + " pixels a side");
+                    "use 1 to " + std::to_string(limit) + " pixels per side");
     if (values != std::size_t(width) * height)
         throw Error(ErrorKind::usage,
                     "cannot write '" + path.string() + "': " + std::to_string(values) + " pixels for " + size,
-                    "give width * height pixels");
+                    "pass width * height pixels");
 }
 
 void write_encoded(const fs::path& path, const std::string& bytes) {
@@ -105,12 +105,14 @@ void write_pfm(const fs::path& path, unsigned width, unsigned height, const std:
 void write_texture(const fs::path& path, const Texture& texture) {
     const bool real = texture.format == TexelFormat::float32;
     if (format_of(path) != (real ? Format::pfm : Format::png))
-        throw Error(ErrorKind::usage, "cannot write '" + path.string() + "': the texture's texels don't fit its format",
-                    "name it .png for bytes and .pfm for floats");
+        throw Error(
+            ErrorKind::usage,
+            "cannot write '" + path.string() + "': the number of texels does not match the texture's size and format",
+            "use .png for bytes and .pfm for floats");
     const unsigned n = texture.channels;
     if (n < 1 || n > 4 || (real && n != 1 && n != 3))
         throw Error(ErrorKind::usage, "cannot write '" + path.string() + "': it has " + std::to_string(n) + " channels",
-                    "PNG takes 1 to 4, PFM 1 or 3");
+                    "PNG supports 1 to 4 channels, PFM 1 or 3");
     const std::size_t values = real ? texture.floats.size() : texture.bytes.size();
     check_size(path, texture.width, texture.height, values % n ? 0 : values / n, most_pixels_a_side);
     if (real) return write_file(path, pfm_bytes(texture.width, texture.height, n, texture.floats.data()));

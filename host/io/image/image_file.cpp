@@ -31,14 +31,14 @@ void check_bytes(const std::string& what, std::uint64_t width, std::uint64_t hei
     const std::string size = to_string(width) + "x" + to_string(height);
     if (width == 0 || height == 0) refuse(what, "its size is " + size, "export it again");
     if (width > largest_image_side || height > largest_image_side)
-        refuse(what, "its size is " + size + ", the largest is " + to_string(largest_image_side) + " pixels a side",
+        refuse(what, "its size is " + size + ", the maximum is " + to_string(largest_image_side) + " pixels per side",
                "scale it down");
     const std::uint64_t bytes = width * height * texel_bytes;
     if (bytes > room)
         refuse(what,
                size + " take " + to_string(bytes) + " bytes of memory, and " + to_string(room) +
-                   " are left of the limit of " + to_string(largest_image_bytes),
-               "scale images down");
+                   " remain of the limit of " + to_string(largest_image_bytes),
+               "scale the images down");
 }
 
 /// So that a few broken bytes can't ask for a gigabyte: `packed_bytes` is the least that the pixels of this size take.
@@ -79,7 +79,7 @@ T number(std::string_view text, const std::string& what) {
     T value{};
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     if (error != std::errc() || end != text.data() + text.size() || text.empty())
-        refuse(what, "its PFM header is broken", "export it again");
+        refuse(what, "its PFM header is damaged", "export it again");
     return value;
 }
 
@@ -133,7 +133,7 @@ Texture decode_webp(std::string_view bytes, const std::string& what, TexelFormat
 /// 16 bits a channel keep their precision as linear floats.
 Texture decode_png(std::string_view bytes, const std::string& what, TexelFormat eight_bit, std::size_t room) {
     const auto check = [&](const std::string& fault) {
-        if (!fault.empty()) refuse(what, "the image is broken (" + fault + ")", "export it again");
+        if (!fault.empty()) refuse(what, "the image is damaged (" + fault + ")", "export it again");
     };
     PngHeader header;
     check(read_png_header(bytes, header));
@@ -149,9 +149,9 @@ Texture decode_png(std::string_view bytes, const std::string& what, TexelFormat 
 
 Texture decode_others(std::string_view bytes, const std::string& what, TexelFormat eight_bit, std::size_t room) {
     if (bytes.substr(0, 2) == "\xff\xd8" && !jpeg_tables_fit(bytes))
-        refuse(what, "the image is broken (a Huffman table is too long)", "export it again");
+        refuse(what, "the image is damaged (a Huffman table is too long)", "export it again");
     std::optional<ImageShape> shape = image_shape(bytes);
-    if (!shape) refuse(what, "it is no PNG, JPEG, WebP, BMP, TGA, HDR or PFM image", "convert it to one of these");
+    if (!shape) refuse(what, "it is not a PNG, JPEG, WebP, BMP, TGA, HDR or PFM image", "convert it to one of these");
     check_bytes(what, shape->width, shape->height, shape->channels * (shape->radiance ? sizeof(float) : 1), room);
     constexpr std::uint64_t most_packed = 4096;  // no format packs tighter, JPEG's of 1024 to 1 included
     check_plausible(what, shape->width, shape->height,
@@ -160,7 +160,7 @@ Texture decode_others(std::string_view bytes, const std::string& what, TexelForm
         refuse(what, "it is cut off, or its runs are longer than its rows", "export it again");
     DecodedImage image;
     const std::string fault = decode_image(bytes, *shape, image);
-    if (!fault.empty()) refuse(what, "the image is broken (" + fault + ")", "export it again");
+    if (!fault.empty()) refuse(what, "the image is damaged (" + fault + ")", "export it again");
 
     Texture texture;
     texture.width = shape->width, texture.height = shape->height, texture.channels = shape->channels;
@@ -177,13 +177,13 @@ Texture decode_texture(std::string_view bytes, const std::string& what, TexelFor
     if (is_png(bytes)) return decode_png(bytes, what, eight_bit, room);
     if (is_webp(bytes)) return decode_webp(bytes, what, eight_bit, room);
     if (bytes.substr(0, 6) == "\xabKTX 2")
-        refuse(what, "it is KTX 2 (KHR_texture_basisu), which claray does not read", "convert it to PNG or JPEG");
+        refuse(what, "it is KTX 2 (KHR_texture_basisu), which claray does not support", "convert it to PNG or JPEG");
     return decode_others(bytes, what, eight_bit, room);
 }
 
 Texture load_image(const fs::path& path, TexelFormat eight_bit) {
     if (eight_bit == TexelFormat::float32)
-        throw Error(ErrorKind::usage, "load_image: bytes are not floats", "ask for srgb8 or linear8");
+        throw Error(ErrorKind::usage, "load_image: bytes cannot be read as float32", "use srgb8 or linear8");
     Texture texture = decode_texture(read_file(path, "check the path"), "'" + path.string() + "'", eight_bit);
     texture.name = path.filename().string();
     return texture;
@@ -202,8 +202,8 @@ Environment load_environment(const fs::path& path) {
             if (entry.path().stem() == face && entry.is_regular_file(error)) found = entry.path();
         if (found.empty())
             throw Error(ErrorKind::user,
-                        "'" + path.string() + "' has no image '" + face + "' for that face of the cube",
-                        "put px, nx, py, ny, pz and nz there, or name one image in latitude and longitude");
+                        "'" + path.string() + "' has no image '" + face + "' for this face of the cube",
+                        "put px, nx, py, ny, pz and nz into the folder, or give one image in latitude and longitude");
         environment.images.push_back(load_image(found));
     }
     return environment;

@@ -21,7 +21,7 @@ const std::uint8_t* words(std::string_view bytes) { return reinterpret_cast<cons
 
 std::string read_webp_header(std::string_view bytes, WebpImage& image) {
     WebPBitstreamFeatures features;
-    if (WebPGetFeatures(words(bytes), bytes.size(), &features) != VP8_STATUS_OK) return "its WebP header is broken";
+    if (WebPGetFeatures(words(bytes), bytes.size(), &features) != VP8_STATUS_OK) return "its WebP header is damaged";
     if (features.has_animation) return "it is an animation";
     image.width = unsigned(features.width), image.height = unsigned(features.height);
     image.channels = features.has_alpha ? 4 : 3;
@@ -34,7 +34,8 @@ std::string read_webp_pixels(std::string_view bytes, WebpImage& image) {
     const auto decode = image.channels == 4 ? WebPDecodeRGBA : WebPDecodeRGB;
     const std::unique_ptr<std::uint8_t, void (*)(void*)> pixels(decode(words(bytes), bytes.size(), &width, &height),
                                                                 WebPFree);
-    if (!pixels || unsigned(width) != image.width || unsigned(height) != image.height) return "it is cut off or broken";
+    if (!pixels || unsigned(width) != image.width || unsigned(height) != image.height)
+        return "it is cut off or damaged";
     image.bytes.assign(pixels.get(), pixels.get() + std::size_t(image.width) * image.height * image.channels);
     return {};
 }

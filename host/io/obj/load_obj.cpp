@@ -124,7 +124,7 @@ void make_materials(const ObjFile& file, const std::filesystem::path& path, Scen
         const auto found = defined.find(name);
         if (found == defined.end()) {
             if (!name.empty() && !(file.lacks_mtl && file.mtl_materials.empty()))
-                warnings.push_back("material '" + name + "' is not defined: it becomes grey");
+                warnings.push_back("material '" + name + "' is not defined: it is shown in grey");
             return grey_lambert(name);
         }
         const tinyobj::material_t& mtl = file.mtl_materials[found->second];
@@ -154,7 +154,7 @@ Scene load_obj_without_light(const std::filesystem::path& path, Warnings& warnin
     scene.meshes = make_meshes(file, scene.name);
     make_materials(file, path, scene, warnings);
     if (file.degenerate_faces)
-        warnings.push_back(std::to_string(file.degenerate_faces) + " faces of fewer than 3 vertices were left out");
+        warnings.push_back(std::to_string(file.degenerate_faces) + " faces with fewer than 3 vertices were left out");
     return scene;
 }
 

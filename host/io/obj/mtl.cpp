@@ -96,7 +96,7 @@ void repair(Material& material, Warnings& warnings) {
                          &material.opacity})
         moved |= clamp(*value, 0.f, 1.f);
     moved |= clamp(material.ior, 1e-3f, 1e3f) | clamp(material.shininess, 0.f, 1e6f);
-    if (moved) warnings.push_back("material '" + material.name + "': values out of range were moved into it");
+    if (moved) warnings.push_back("material '" + material.name + "': values out of range were clamped");
 }
 
 }  // namespace

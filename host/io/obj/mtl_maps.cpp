@@ -127,11 +127,11 @@ bool looks_like_normals(const Texture& t) {
 Texture MtlMaps::read(const fs::path& folder, const std::string& name, TexelFormat eight_bit, std::size_t room) const {
     const fs::path namesake = namesake_of(folder, name);
     if (!namesake.empty())
-        warnings_.push_back("'" + obj_.string() + "': '" + name + "' is a path of another machine: '" +
-                            namesake.string() + "' is read");
+        warnings_.push_back("'" + obj_.string() + "': '" + name + "' is a path on another machine: '" +
+                            namesake.string() + "' is used instead");
     const fs::path path =
         path_in_scene(obj_.parent_path(), folder, namesake.empty() ? name : namesake.filename().string(), obj_);
-    const std::string bytes = read_file(path, "put the image beside the MTL");
+    const std::string bytes = read_file(path, "put the image next to the MTL");
     Texture texture = decode_texture(bytes, "'" + path.string() + "'", eight_bit, room);
     texture.name = name;
     return texture;
@@ -189,7 +189,7 @@ void MtlMaps::add_relief(Material& material, const tinyobj::material_t& mtl, con
     if (name.empty()) return;
     if (bump && looks_like_normals(read(folder, name, TexelFormat::linear8, largest_image_bytes))) {
         warnings_.push_back("material '" + mtl.name + "': its bump map '" + name +
-                            "' holds normals and is used as such");
+                            "' contains normals and is used as a normal map");
         material.normal_map = color(folder, name, options, TexelFormat::linear8);
         material.normal_scale = options.bump_multiplier;
         return;
@@ -215,10 +215,10 @@ void MtlMaps::add(Material& material, const tinyobj::material_t& mtl, const fs::
     add_highlight(material, mtl, folder);
     if (!by_specular && !mtl.specular_texname.empty() && !material.specular_map.used())
         warnings_.push_back("material '" + mtl.name +
-                            "': map_Ks is left out, its illum and other keys ask for no highlight");
+                            "': map_Ks is ignored, since illum and the other keys define no highlight");
     if (!mtl.specular_highlight_texname.empty() && !material.shininess_map.used())
         warnings_.push_back("material '" + mtl.name +
-                            "': map_Ns is left out, its illum and other keys ask for no highlight");
+                            "': map_Ns is ignored, since illum and the other keys define no highlight");
     material.emission_map = color(folder, mtl.emissive_texname, mtl.emissive_texopt, TexelFormat::srgb8);
     if (material.emission_map.used() && material.emission == glm::vec3(0.f)) material.emission = glm::vec3(1.f);
     add_roughness_and_metallic(material, mtl, folder);

@@ -113,7 +113,7 @@ void warn_of_numbers(const std::string& mtl, const std::string& name, Warnings& 
         while (is_finite_number(word)) word = next_word(rest);
         if (!word.empty())
             warnings.push_back(name + " line " + std::to_string(number) + ": " + quoted(word) +
-                               " is no number that a material can have: it counts as 0");
+                               " is not a valid number for a material: 0 is used");
     }
 }
 

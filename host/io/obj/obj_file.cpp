@@ -164,7 +164,7 @@ public:
             } else {
                 file_.lacks_mtl = true;
                 warnings_.push_back("material file '" + (folder_ / name).string() +
-                                    "' is missing: its materials become grey");
+                                    "' is missing: its materials are shown in grey");
             }
         }
         return found;
@@ -174,7 +174,7 @@ public:
         if (names_any_ || file_.material_names.size() < 2) return;
         file_.lacks_mtl = true;
         warnings_.push_back("'" + obj_.string() + "' uses materials, " + claray::quoted(file_.material_names[1]) +
-                            " for one, but names no file of materials (mtllib): they become grey");
+                            " for example, but has no mtllib line: they are shown in grey");
     }
 
 private:
@@ -202,7 +202,7 @@ private:
         fs::path path = namesake_of(folder_, name);
         if (!path.empty())
             warnings_.push_back("'" + obj_.string() + "': " + claray::quoted(name) +
-                                " is a path of another machine: '" + path.string() + "' is read");
+                                " is a path on another machine: '" + path.string() + "' is used instead");
         path = path_in_scene(folder_, folder_, path.empty() ? name : path.filename().string(), obj_);
         const std::string mtl = with_joined_lines(read_text(path, "check its permissions"));
         const std::string shown = path.filename().string();
@@ -315,7 +315,7 @@ void ObjReader::check_numbers(std::span<float> numbers, std::size_t needed, NotF
         } else if (const std::optional<float> value = not_finite_number(word)) {
             numbers[k] = *value;
         } else {
-            refuse(lines_.line(), quoted(word) + " is no number", "numbers are written as in -1.5 or 2e-3");
+            refuse(lines_.line(), quoted(word) + " is not a number", "write numbers as in -1.5 or 2e-3");
         }
         finite &= std::isfinite(numbers[k]);
     }
@@ -352,7 +352,7 @@ void ObjReader::refuse_cut_off(std::size_t line, std::string_view keyword, std::
 
 void ObjReader::out_of_range(std::size_t line, const char* kind, int index, std::size_t count) const {
     refuse(line, kind + (" index " + to_string(index)) + " is out of range, there are " + to_string(count),
-           "indices count from 1, or from -1 backwards; the file may be cut off");
+           "indices count from 1, or backwards from -1; the file may be cut off");
 }
 
 // From the file's counting (1 is the first, -1 the latest) to ours.
@@ -378,9 +378,9 @@ void ObjReader::face() {
     for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) {
         const std::optional<ObjIndices> raw = parse_corner(word);
         if (!raw)
-            refuse(lines_.line(), quoted(word) + " is no corner of a face",
-                   "write vertex, vertex/texture, vertex//normal or vertex/texture/normal, as numbers of lines of 'v', "
-                   "'vt' and 'vn'");
+            refuse(lines_.line(), quoted(word) + " is not a corner of a face",
+                   "write vertex, vertex/texture, vertex//normal or vertex/texture/normal, as indices of 'v', 'vt' and "
+                   "'vn' lines");
         ObjCorner corner;
         corner.position = resolve(raw->position, file_.positions.size(), "vertex", positions_);
         if (raw->uv) corner.uv = resolve_attribute(raw->uv, file_.uvs.size(), "texture", uvs_);
@@ -410,7 +410,8 @@ void ObjReader::check_forward_references(Warnings& warnings) {
     const auto check_attribute = [&](const Largest& largest, std::size_t count, const char* kind, const char* all,
                                      int ObjCorner::*of) {
         if (count > 0 || (largest.index < 0 && largest.backwards.count == 0)) return check(largest, count, kind);
-        warnings.push_back("'" + path_.string() + "': faces refer to " + all + ", and there are none: they do without");
+        warnings.push_back("'" + path_.string() + "': faces refer to " + all +
+                           ", but there are none: they are ignored");
         for (ObjCorner& corner : file_.corners) corner.*of = -1;
     };
     check(positions_, file_.positions.size(), "vertex");
@@ -426,12 +427,12 @@ void ObjReader::warn_of_left_out(Warnings& warnings) const {
         warnings.push_back("'" + path_.string() + "' line " + to_string(left_out.line) + more + ": " +
                            claray::quoted(left_out.keyword) + consequence);
     };
-    warn(Statement::line_or_point, " is left out: lines and points are not shown, only faces");
-    warn(Statement::free_form, " is left out: curves and surfaces of free form are not shown, only faces");
+    warn(Statement::line_or_point, " is ignored: only faces are shown, no lines and points");
+    warn(Statement::free_form, " is ignored: only faces are shown, no free-form curves and surfaces");
     const auto is_flat = [](const ObjCorner& corner) { return corner.normal < 0; };
     if (std::any_of(file_.corners.begin(), file_.corners.end(), is_flat))
-        warn(Statement::smoothing, " (a smoothing group) is left out: faces without normals are flat");
-    warn(Statement::unknown, " is no statement of an OBJ: the line is left out");
+        warn(Statement::smoothing, " (a smoothing group) is ignored: faces without normals are flat");
+    warn(Statement::unknown, " is not an OBJ statement: the line is ignored");
 }
 
 void ObjReader::warn_of_bad_numbers(Warnings& warnings) const {
@@ -442,9 +443,9 @@ void ObjReader::warn_of_bad_numbers(Warnings& warnings) const {
                            consequence);
     };
     warn(bad_positions_, "vertex is not finite", "its triangles are left out");
-    warn(bad_uvs_, "texture coordinate is not finite", "it becomes 0");
-    warn(bad_normals_, "normal is not finite", "that of the face takes its place");
-    warn(bad_colors_, "vertex has a colour that is not three numbers in 0..1", "it is clamped, or else white");
+    warn(bad_uvs_, "texture coordinate is not finite", "0 is used");
+    warn(bad_normals_, "normal is not finite", "the normal of the face is used");
+    warn(bad_colors_, "vertex has a colour that is not three numbers in 0..1", "it is clamped, or replaced by white");
 }
 
 tinyobj::callback_t ObjReader::callbacks() {
@@ -504,7 +505,8 @@ ObjFile read_obj(const fs::path& path, Warnings& warnings) {
     reader.warn_of_left_out(warnings);
     mtl_reader.warn_if_none_is_named();
     if (file.polygons.empty())
-        throw Error(ErrorKind::user, "'" + path.string() + "' holds no face", "claray needs 'f' lines; export a mesh");
+        throw Error(ErrorKind::user, "'" + path.string() + "' contains no face",
+                    "claray needs 'f' lines; export a mesh");
     return file;
 }
 

@@ -17,12 +17,13 @@ void check(const LightMapConfig& config) {
         throw Error(ErrorKind::usage, what, remedy);
     };
     if (config.width == 0 || config.height == 0 || config.width > 16384 || config.height > 16384)
-        refuse("a light map of " + std::to_string(config.width) + "x" + std::to_string(config.height) + " texels",
-               "give 1 to 16384 a side");
-    if (config.spp == 0) refuse("0 paths a texel", "give at least 1");
-    if (config.max_depth == 0) refuse("a maximum depth of 0", "give at least 1, which is direct light only");
+        refuse(
+            "invalid light map size " + std::to_string(config.width) + "x" + std::to_string(config.height) + " texels",
+            "use 1 to 16384 texels per side");
+    if (config.spp == 0) refuse("0 paths per texel", "use at least 1");
+    if (config.max_depth == 0) refuse("a maximum depth of 0", "use at least 1, which is direct light only");
     if (config.uv_set > 1)
-        refuse("light map on set " + std::to_string(config.uv_set) + " of coordinates", "give 0 or 1");
+        refuse("light map on set " + std::to_string(config.uv_set) + " of coordinates", "use 0 or 1");
 }
 
 const std::vector<glm::vec2>& coordinates(const Scene& scene, std::size_t mesh, std::uint32_t uv_set) {
@@ -89,7 +90,7 @@ std::vector<glm::vec3> radiance_of(const Device& device, const Scene& scene, con
         const std::chrono::duration<double, std::milli> taken = std::chrono::steady_clock::now() - begin;
         pace.took(batch.pixels * batch.samples, taken.count());
         if (progress && !progress(double(schedule.samples()) / all))
-            throw Error(ErrorKind::user, "interrupted: there is no light map to write");
+            throw Error(ErrorKind::user, "interrupted: no light map was written");
     }
     return film.resolve();
 }
@@ -102,8 +103,8 @@ Texture bake_light_map(const Device& device, const Scene& scene, std::size_t mes
     validate(scene);
     const std::vector<glm::vec2>& uvs = coordinates(scene, mesh, config.uv_set);
     if (!scene.instances.empty())
-        throw Error(ErrorKind::user, "the scene has instances, whose light differs from one to the next",
-                    "bake a scene whose meshes stand where they are");
+        throw Error(ErrorKind::user, "the scene has instances, which receive different light",
+                    "bake a scene without instances");
     std::uint32_t first_triangle = 0;
     for (std::size_t i = 0; i < mesh; ++i) first_triangle += std::uint32_t(scene.meshes[i].triangles.size());
     const std::string name =
@@ -111,7 +112,8 @@ Texture bake_light_map(const Device& device, const Scene& scene, std::size_t mes
     const TexelPoints texels =
         find_texel_points(scene.meshes[mesh], uvs, config.width, config.height, first_triangle, name);
     if (texels.texels.empty())
-        throw Error(ErrorKind::user, name + " covers no texel of the light map", "give it an area in its coordinates");
+        throw Error(ErrorKind::user, name + " covers no texel of the light map",
+                    "give the mesh an area in texture coordinates");
 
     Scene lit = scene;
     for (Material& material : lit.materials) material.light_map = {};

@@ -61,8 +61,8 @@ TexelPoints find_texel_points(const Mesh& mesh, const std::vector<glm::vec2>& uv
             const glm::vec2 uv = uvs[t[k]];
             if (!(uv.x >= 0.f && uv.x <= 1.f && uv.y >= 0.f && uv.y <= 1.f))
                 throw Error(ErrorKind::user,
-                            name + ": the light map's coordinates of triangle " + std::to_string(i) + " leave 0..1",
-                            "spread the mesh over the unit square");
+                            name + ": the light map coordinates of triangle " + std::to_string(i) + " are outside 0..1",
+                            "unwrap the mesh into the unit square");
             corners[k] = glm::dvec2(uv) * size;
         }
         const Flat flat{corners[0], corners[1] - corners[0], corners[2] - corners[0],
@@ -88,8 +88,8 @@ TexelPoints find_texel_points(const Mesh& mesh, const std::vector<glm::vec2>& uv
             }
     }
     if (twice > covered / 1000)
-        throw Error(ErrorKind::user, name + ": triangles share texels of the light map",
-                    "give the mesh coordinates without overlaps, or more texels");
+        throw Error(ErrorKind::user, name + ": several triangles cover the same texels of the light map",
+                    "use coordinates without overlaps, or more texels");
     TexelPoints found;
     for (std::size_t i = 0; i < nearest.size(); ++i) {
         if (!(nearest[i].distance < reach)) continue;

@@ -71,10 +71,10 @@ public:
         const std::uint64_t whole = std::min<std::uint64_t>(bytes_, sizeof header);
         read(&header, whole);
         if (whole < checkpoint_magic.size() || header.name != checkpoint_magic)
-            refuse("it is no checkpoint", "name a file that --checkpoint wrote");
+            refuse("it is not a checkpoint", "give a file written by --checkpoint");
         if (whole < sizeof header) refuse_damaged("it ends too early");
         if (header.order != byte_order)
-            refuse("it was written on a machine of another byte order", "render from the start");
+            refuse("it was written on a machine with a different byte order", "render from the start");
         if (header.version != checkpoint_version || header.pixel_bytes != sizeof(FilmPixel))
             refuse("it was written by another version of claray", "use that version, or render from the start");
         if (header.digest != digest_of_checkpoint_header(header)) refuse_damaged("the checksum of its header is wrong");
@@ -99,7 +99,7 @@ public:
         refuse("the file is damaged: " + why, "render from the start");
     }
     [[noreturn]] void refuse(const std::string& why, const std::string& remedy) const {
-        throw Error(ErrorKind::user, "cannot go on from '" + path_.string() + "': " + why, remedy);
+        throw Error(ErrorKind::user, "cannot continue from '" + path_.string() + "': " + why, remedy);
     }
 
 private:
@@ -158,32 +158,32 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
     CheckpointFile file(path);
     const CheckpointHeader header = file.header();
     if (header.width != identity.width || header.height != identity.height)
-        file.refuse("its image has " + size_of(header.width, header.height) + " pixels, this one " +
+        file.refuse("its image has " + size_of(header.width, header.height) + " pixels instead of " +
                         size_of(identity.width, identity.height),
-                    "give the same --size");
+                    "use the same --size");
     if (header.scene != identity.scene)
-        file.refuse("it is of another scene or camera", "give the scene and the camera that it was written for");
+        file.refuse("it belongs to another scene or camera", "use the scene and the camera for which it was written");
     if (header.settings != identity.settings)
-        file.refuse("it was rendered with another seed, depth, sampler or choice of effects", "give the same settings");
+        file.refuse("it was rendered with another seed, depth, sampler or effects", "use the same settings");
     if ((header.tells_error != 0) != identity.tells_error)
-        file.refuse(identity.tells_error ? "it was rendered without --error"
-                                         : "it was rendered with --error, and has sums for it",
-                    identity.tells_error ? "leave out --error, or render from the start" : "give --error, too");
+        file.refuse(identity.tells_error ? "it was rendered without --error" : "it was rendered with --error",
+                    identity.tells_error ? "leave out --error, or render from the start" : "add --error");
     if (header.kernels != identity.kernels)
-        file.refuse("it was written by a claray with other kernels", "use that version, or render from the start");
+        file.refuse("it was written by a version of claray with other kernels",
+                    "use that version, or render from the start");
     const Schedule::Position& at = header.position;
     const bool within = at.pixel != 0 || at.sample != 0;
     if (at.pixel >= header.width * header.height || (within && at.sample >= at.pass))
-        file.refuse_damaged("it stops where no image does");
+        file.refuse_damaged("its position is outside the image");
     const std::uint64_t most = std::uint64_t(at.done) + (within ? at.pass : 0);
     if (most > spp)
         file.refuse(
-            "it has " + std::to_string(most) + " samples a pixel, and " + std::to_string(spp) + " are asked for",
-            "give a larger --spp");
+            "it has " + std::to_string(most) + " samples per pixel, but only " + std::to_string(spp) + " are requested",
+            "use a larger --spp");
     const ErrorLooks& looks = header.looks;
     const auto sound = [](double value) { return value >= 0 && std::isfinite(value); };
     if (!(sound(looks.square) && sound(looks.degrees) && sound(looks.last)) || looks.spp > at.done)
-        file.refuse_damaged("what it knows of the error is no number");
+        file.refuse_damaged("its error estimate is not a valid number");
     return {at, looks, file.sums(header)};
 }
 

@@ -36,8 +36,8 @@ std::size_t parse_count(const CountedScene& scene, std::string_view text) {
     if (error != std::errc() || end != text.data() + text.size() || count < scene.least || count > most_triangles) {
         const std::string name(scene.name);
         throw Error(ErrorKind::usage, "scene '" + name + ":N': N is '" + std::string(text) + "'",
-                    "give a number of triangles from " + std::to_string(scene.least) + " to " +
-                        std::to_string(most_triangles) + ", such as " + name + ":10000");
+                    "use a number of triangles from " + std::to_string(scene.least) + " to " +
+                        std::to_string(most_triangles) + ", for example " + name + ":10000");
     }
     return count;
 }

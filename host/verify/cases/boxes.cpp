@@ -101,7 +101,8 @@ void boxes(Run& run) {
         if (total - met - falsely_met[k] < total / 50)
             run.check(std::string("rays that pass their box, ") + names[k], total, 1, 0, "");
     run.fact("rays that meet their box", std::to_string(met));
-    for (int k = 0; k < 4; ++k) run.fact(std::string("met for nothing, ") + names[k], std::to_string(falsely_met[k]));
+    for (int k = 0; k < 4; ++k)
+        run.fact(std::string("hit although the ray passes, ") + names[k], std::to_string(falsely_met[k]));
 }
 
 void axis_rays(Run& run) {

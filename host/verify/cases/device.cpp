@@ -166,7 +166,7 @@ void float_atomics(Run& run) {
     }
     if (extremes.wrong) run.failure("extreme " + std::to_string(extremes.first) + " is wrong");
     run.check("wrong minima and maxima", extremes.tried, double(extremes.wrong), 0, "values");
-    run.check("floats that don't come back from integers", round_trip.tried, double(round_trip.wrong), 0, "values");
+    run.check("floats that integers do not restore", round_trip.tried, double(round_trip.wrong), 0, "values");
 }
 
 /// Equal keys keep their order: on that stands that equal Morton codes give one tree.

@@ -164,9 +164,10 @@ void nan_pixels(Run& run) {
         const std::string name = names[i];
         const Tally& finite = rendered[i].finite;
         const auto dropped = double(rendered[i].dropped);
-        if (finite.wrong || dropped > 0) run.failure(name + " has samples that are no radiance");
+        if (finite.wrong || dropped > 0) run.failure(name + " has samples that are NaN, infinite or negative");
         run.check("samples that are NaN, infinite or above 1e30, " + name, samples, dropped, 0, "samples");
-        run.check("pixels that are no radiance, " + name, finite.tried, double(finite.wrong), 0, "pixels");
+        run.check("pixels that are NaN, infinite or negative, " + name, finite.tried, double(finite.wrong), 0,
+                  "pixels");
     }
     // And what is thrown in must come out as a count, not as an image.
     Film film(run.device(), 2);
@@ -175,7 +176,7 @@ void nan_pixels(Run& run) {
                     Buffer<float>(run.device(), std::vector<float>{1, 2, 3,    nan,   1, 1, 1,   inf, 1,   3,   4, 5,
                                                                    1, 1, -inf, 1e38f, 1, 1, nan, nan, nan, inf, 1, 1}));
     const auto image = film.resolve();
-    run.check("bad samples that reach the film", 6, std::abs(6 - double(film.noise().dropped)), 0, "samples");
+    run.check("bad samples that were not dropped", 6, std::abs(6 - double(film.noise().dropped)), 0, "samples");
     run.check("pixels that bad samples changed", 2,
               double(image[0] != glm::vec3(2, 3, 4)) + double(image[1] != glm::vec3(0)), 0, "pixels");
 }
@@ -215,7 +216,7 @@ void srgb(Run& run) {
         same.add(encode_srgb(linear) == i);
         worst = std::max(worst, std::abs(linear - exact));
     }
-    run.check("bytes that don't come back", same.tried, double(same.wrong), 0, "bytes");
+    run.check("bytes that are not restored", same.tried, double(same.wrong), 0, "bytes");
     run.check("absolute error of the curve", 256, worst, 1e-7, "");
     // On the device: a texture of all bytes, seen as a picture.
     Scene scene;
@@ -297,7 +298,7 @@ void environment_poles(Run& run) {
         const double expected = shares[i] / integral * samples;
         if (expected >= 20) chi2 += (seen[i] - expected) * (seen[i] - expected) / expected, ++degrees;
     }
-    run.check("directions that are no directions", samples, double(sound.wrong), 0, "samples");
+    run.check("invalid directions", samples, double(sound.wrong), 0, "samples");
     const double chance = chance_of_chi_squared(chi2, degrees - 1);
     run.check("1 - chance of the directions, chi-squared", samples, 1 - chance, 0.99, "");
     if (chance < 0.01)

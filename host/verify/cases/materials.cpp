@@ -187,7 +187,7 @@ void bsdf_sampling(Run& run) {
     }
     const double significance = 1 - std::pow(1 - 0.01, 1.0 / tests);
     if (!(least >= significance))
-        run.failure("the directions of " + worst + " don't follow the density: chance " + std::to_string(least));
+        run.failure("the directions of " + worst + " do not follow the density: chance " + std::to_string(least));
     run.check("1 - least chance, chi-squared of " + std::to_string(tests) + " tests", std::uint64_t(tests) * samples,
               1 - least, 1 - significance, "");
     run.check("density's integral against the share of samples", std::uint64_t(tests) * samples, excess, 5e-3, "");

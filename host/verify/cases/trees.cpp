@@ -186,7 +186,7 @@ void equal_codes(Run& run, const EqualMeshes& all, const std::string& at) {
                     builder == Builder::fast ? bits + std::bit_width(mesh->triangles.size() - 1) : CLARAY_MAX_HEIGHT;
                 excess = std::max(excess, double(bvh.header().height) - bound);
             }
-    run.check("leaves missing or repeated, boxes that don't contain" + at, trees, faults, 0, "faults");
+    run.check("leaves missing or repeated, boxes that do not contain" + at, trees, faults, 0, "faults");
     run.check("height above bits + ceil(log2 N)" + at, trees, std::max(excess, 0.0), 0, "levels");
 }
 

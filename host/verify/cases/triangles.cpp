@@ -236,7 +236,7 @@ void ray_ends(Run& run, const Mesh& mesh, const std::vector<Ray>& rays, const st
             behind.add(later[i].primitive == CLARAY_MISS || later[i].t > begins[i].tmin);
         for (const Hit& hit : closest_hit(bvh, no_rays)) none.add(hit.primitive == CLARAY_MISS);
         if (behind.wrong) run.failure("a hit at tmin: " + text_of(begins[behind.first]));
-        if (none.wrong) run.failure("a hit of no ray: " + text_of(no_rays[none.first]));
+        if (none.wrong) run.failure("a hit of an invalid ray: " + text_of(no_rays[none.first]));
         run.check("hits at tmax that are lost, " + (name + at), at_end.tried, double(at_end.wrong), 0, "rays");
         run.check("hits at or before tmin, " + (name + at), behind.tried, double(behind.wrong), 0, "rays");
         run.check("hits of rays that are not finite or have no direction, " + (name + at), none.tried,

@@ -1,9 +1,10 @@
-// The list of all BSDFs. The kinds of materials, their effects and names on the host, and in the kernels the choice
-// among BSDFs are made from it (kernels/bsdf/kinds.clh, docs/architecture.md).
+// The list of all BSDFs. It defines the kinds of materials, their effects and their names on the host, and the
+// selection among BSDFs in kernels (kernels/bsdf/kinds.clh, docs/architecture.md).
 #ifndef CLARAY_SHARED_BSDFS_H
 #define CLARAY_SHARED_BSDFS_H
 
-// MaterialData::kind, and the bit in the kernels' MATERIALS. Macros, since `#if USES(CLARAY_METAL)` reads them.
+// Values of MaterialData::kind and bit numbers in the kernels' MATERIALS. They are macros because `#if
+// USES(CLARAY_METAL)` reads them.
 #define CLARAY_LAMBERT 0u
 #define CLARAY_MIRROR 1u
 #define CLARAY_GLASS 2u
@@ -16,14 +17,14 @@
 
 // A row is X(name, NAME, "name for users", transmits, lobes, rough):
 //   name       MaterialKind::name, Effect::name, kernels/bsdf/name.clh with sample_name, eval_name and is_delta_name
-//   NAME       its number is CLARAY_NAME
-//   transmits  1: light goes through
-//   lobes      1: random.z chooses between several lobes. May be a macro that name.clh defines; but not one that the
-//              host defines, since kernels that differ in a macro of this header cannot be joined
+//   NAME       the number is CLARAY_NAME
+//   transmits  1: light passes through
+//   lobes      1: random.z selects one of several lobes. May be a macro that name.clh defines, but not one that the
+//              host defines: kernels with different values of a macro of this header cannot be joined
 //              (host/compute/joint_program)
-//   rough      1: reads the roughness, so that the roughness map counts
+//   rough      1: reads the roughness and its map
 
-/// What a material on the host can be. Unlit ones show their albedo and neither receive nor give light
+/// Kinds that a material on the host can have. Unlit materials show their albedo and neither receive nor emit light
 /// (KHR_materials_unlit).
 #define CLARAY_MATERIAL_KINDS(X)                        \
     X(lambert, LAMBERT, "lambert", 0, 0, 0)             \
@@ -34,15 +35,15 @@
     X(principled, PRINCIPLED, "principled", 0, 1, 1)    \
     X(unlit, UNLIT, "unlit", 0, 0, 0)
 
-/// What only a hit can be: glass with Material::thin_walled, and what a principled material turns out to be by chance.
+/// Kinds that only a hit can have: glass with Material::thin_walled, and the random variant of a principled material.
 #define CLARAY_HIT_KINDS(X)                          \
     X(thin_walls, THIN_WALLS, "thin-walls", 1, 1, 1) \
     X(coated_metal, COATED_METAL, "coated-metal", 0, 1, 1)
 
 #define CLARAY_BSDFS(X) CLARAY_MATERIAL_KINDS(X) CLARAY_HIT_KINDS(X)
 
-/// Numbers that one BSDF alone reads. A row is X(name, "name in errors", default, check): Material::name and
-/// MaterialData::name; `check` is what validation asks for: `share` (0..1) or `sound` (not negative, finite).
+/// Parameters that only one BSDF reads. A row is X(name, "name in errors", default, check): Material::name and
+/// MaterialData::name; `check` is the range that validation requires: `share` (0..1) or `sound` (not negative, finite).
 #define CLARAY_BSDF_PARAMETERS(X) X(shininess, "shininess", 32.f, sound) /* blinn_phong: the highlight's exponent */
 
 #endif

@@ -1,4 +1,4 @@
-// The acceleration structure's memory layout, as builders write it and traversals read it.
+// Memory layout of the acceleration structure, shared by builders and traversals.
 #ifndef CLARAY_SHARED_BVH_NODE_H
 #define CLARAY_SHARED_BVH_NODE_H
 
@@ -6,8 +6,8 @@
 
 CLARAY_SHARED_BEGIN
 
-/// A reference to a child: with the top bit set a leaf, 1nn. .... its triangles less one, then its first slot;
-/// otherwise the index of a node.
+/// A reference to a child. If the top bit is set, it is a leaf: 1nn. .... with the number of triangles minus one in nn,
+/// then the first slot. Otherwise it is the index of a node.
 #define CLARAY_LEAF 0x80000000u
 #define CLARAY_LEAF_COUNT_SHIFT 29
 #define CLARAY_LEAF_COUNT(child) ((((child) >> CLARAY_LEAF_COUNT_SHIFT) & 3u) + 1u)
@@ -15,26 +15,27 @@ CLARAY_SHARED_BEGIN
 /// No child: an empty slot of a wide node, or the root of an empty structure.
 #define CLARAY_NO_CHILD 0xffffffffu
 
-/// A stack of this many entries is enough for any tree of ours: every level consumes a bit of the code (63) or of
-/// the index that separates equal codes (32).
+/// A stack with this many entries is enough for any tree: every level consumes a bit of the code (63) or of the index
+/// that separates equal codes (32).
 #define CLARAY_MAX_HEIGHT 96
 
-/// Inner node of the binary tree: the boxes of both children, so that one 64-byte line decides where to go (Aila and
-/// Laine 2009). Node i splits the sorted leaves between i and i + 1 (Apetrei 2014), so numbering is the same
-/// everywhere. A number between the leaves that share a reference is free: its children are CLARAY_NO_CHILD.
+/// Inner node of the binary tree. It holds the boxes of both children, so that one 64-byte line decides which children
+/// to visit (Aila and Laine 2009). Node i splits the sorted leaves between i and i + 1 (Apetrei 2014), so the numbering
+/// is the same on all devices. If adjacent leaves share a reference, the node between them is unused: its children are
+/// CLARAY_NO_CHILD.
 typedef struct BvhNode {
     float lo0x, hi0x, lo0y, hi0y;
     float lo1x, hi1x, lo1y, hi1y;
     float lo0z, hi0z, lo1z, hi1z;
     uint child0, child1;
     uint parent;        // CLARAY_NO_CHILD at the root
-    uint height_count;  // hhhh hhhh cccc cccc cccc cccc cccc cccc: height, and leaves below (saturated)
+    uint height_count;  // hhhh hhhh cccc cccc cccc cccc cccc cccc: height, and number of leaves below (saturated)
 } BvhNode;
 CLARAY_LAYOUT(BvhNode, 64)
 
 #define CLARAY_COUNT_LIMIT 0x00ffffffu
 
-/// A triangle in the order of the leaves.
+/// A triangle, in the order of the leaves.
 typedef struct LeafTriangle {
     float v0x, v0y, v0z;
     uint primitive;  // index in the order of the input
@@ -48,19 +49,18 @@ CLARAY_LAYOUT(LeafTriangle, 48)
 #define CLARAY_WIDTH 8
 #define CLARAY_BLOCK 4
 
-/// Inner node of the wide tree, structure of arrays: one ray tests all boxes at once. Empty slots hold boxes that no
-/// ray meets (lo = +inf, hi = -inf).
+/// Inner node of the wide tree, a structure of arrays: one ray tests all boxes together. Empty slots hold boxes that no
+/// ray hits (lo = +inf, hi = -inf).
 typedef struct WideNode {
     float lox[CLARAY_WIDTH], hix[CLARAY_WIDTH];
     float loy[CLARAY_WIDTH], hiy[CLARAY_WIDTH];
     float loz[CLARAY_WIDTH], hiz[CLARAY_WIDTH];
-    uint child[CLARAY_WIDTH];   // a leaf: 1 nn. .... its triangles less one, then the index of its TriangleBlock
-    uint source[CLARAY_WIDTH];  // the child of the binary tree that this slot stands for: where its box comes from in a
-                                // refit
+    uint child[CLARAY_WIDTH];   // leaf: 1 nn. .... number of triangles minus one, then the index of its TriangleBlock
+    uint source[CLARAY_WIDTH];  // the corresponding child in the binary tree, from which a refit takes the box
 } WideNode;
 CLARAY_LAYOUT(WideNode, 256)
 
-/// Up to four triangles of one leaf of the wide tree. Lanes beyond the leaf's count are not looked at.
+/// Up to four triangles of one leaf of the wide tree. Lanes beyond the leaf's count are ignored.
 typedef struct TriangleBlock {
     float v0x[CLARAY_BLOCK], v0y[CLARAY_BLOCK], v0z[CLARAY_BLOCK];
     float v1x[CLARAY_BLOCK], v1y[CLARAY_BLOCK], v1z[CLARAY_BLOCK];
@@ -71,16 +71,16 @@ typedef struct TriangleBlock {
 } TriangleBlock;
 CLARAY_LAYOUT(TriangleBlock, 192)
 
-/// One per structure, in device memory: what kernels need to know before the first node.
+/// One per structure, in device memory: the data that kernels need before the first node.
 typedef struct BvhHeader {
-    float lox, loy, loz, hix, hiy, hiz;  // bounds of all valid triangles; lo > hi where there is none
+    float lox, loy, loz, hix, hiy, hiz;  // bounds of all valid triangles; lo > hi if there are none
     uint root;                           // child reference: a node, a leaf, or CLARAY_NO_CHILD
-    uint valid;                          // triangles in the leaves, one that was split counted for each of its parts
+    uint valid;                          // triangles in the leaves; a split triangle counts once per part
     uint culled;                         // triangles left out: not finite, huge, or without area
     uint height;                         // levels of inner nodes below and including the root
-    uint wide_nodes, wide_blocks;        // of the wide tree, where there is one
+    uint wide_nodes, wide_blocks;        // sizes of the wide tree, if it exists
     float scale;                         // cells of the Morton grid per unit of length
-    uint inner_nodes;                    // of the binary tree, numbers that are free counted
+    uint inner_nodes;                    // of the binary tree, including unused nodes
     uint unused0, unused1;
 } BvhHeader;
 CLARAY_LAYOUT(BvhHeader, 64)

@@ -1,4 +1,4 @@
-// Two levels: instances place whole structures in the world, as the host and every kernel see them.
+// Two levels: instances place whole structures in the world. Shared by the host and all kernels.
 #ifndef CLARAY_SHARED_INSTANCE_H
 #define CLARAY_SHARED_INSTANCE_H
 
@@ -6,38 +6,38 @@
 
 CLARAY_SHARED_BEGIN
 
-/// One placement of a structure. The transform maps objects into the world: x' = row0 . (x, y, z, 1), and so on; its
-/// last column is the translation. Transforms that are not finite, beyond 1e18 or without an inverse in float32 are
-/// counted and left out, so that a transform of zeros takes an instance out of the scene.
+/// One placement of a structure. The transform maps object space to world space: x' = row0 . (x, y, z, 1), and so on;
+/// the last column is the translation. Transforms that are not finite, beyond 1e18 or not invertible in float32 are
+/// counted and left out. Therefore a transform of zeros removes an instance from the scene.
 typedef struct Instance {
     float row0[4], row1[4], row2[4];
-    uint bottom;  // index of the structure, in the order in which they were given
-    uint mask;    // a ray sees the instance where its mask and this one share a bit
-    uint id;      // the caller's own; claray only keeps it
-    uint tag;     // another of the caller's
+    uint bottom;  // index of the structure, in the order given to the build
+    uint mask;    // a ray sees the instance if its mask and this one share a bit
+    uint id;      // free for the caller; claray does not change it
+    uint tag;     // as id
 } Instance;
 CLARAY_LAYOUT(Instance, 64)
 
-/// What a traversal needs of an instance: rows of the inverse of the linear part, each with a component of the
-/// translation behind it. An object's point is inverse * (x - translation).
+/// The data of an instance that a traversal reads: the rows of the inverse of the linear part, each followed by a
+/// component of the translation. A point in object space is inverse * (x - translation).
 typedef struct PlacedInstance {
     float row0[4], row1[4], row2[4];
     uint bottom;
     uint mask;
     uint id;
-    uint moves;  // 1: all this is as the shutter opens only
+    uint moves;  // 1: the instance moves, and this is its placement at shutter open
 } PlacedInstance;
 CLARAY_LAYOUT(PlacedInstance, 64)
 
-/// Where one of several structures begins in the memory that holds them all.
+/// Where each structure begins, if several structures share one buffer.
 typedef struct BottomRange {
     uint first_node;
     uint first_leaf;
 } BottomRange;
 CLARAY_LAYOUT(BottomRange, 8)
 
-/// A hit, and of which instance. The distance is that of the world's ray; u, v, primitive and geometry are as the
-/// instance's own structure counts them.
+/// A hit and its instance. The distance is that of the ray in world space; u, v, primitive and geometry refer to the
+/// structure of the instance.
 typedef struct InstanceHit {
     float t;         // distance; the ray's tmax on a miss
     float u, v;      // barycentric weights of the second and the third vertex

@@ -6,7 +6,7 @@
 
 CLARAY_SHARED_BEGIN
 
-/// Two zero bits between any two of the lowest 10 bits (Karras 2012).
+/// Inserts two zero bits between any two of the lowest 10 bits (Karras 2012).
 CLARAY_SHARED_FUNCTION uint morton_spread10(uint v) {
     v = (v | (v << 16)) & 0x030000ffu;
     v = (v | (v << 8)) & 0x0300f00fu;
@@ -14,7 +14,7 @@ CLARAY_SHARED_FUNCTION uint morton_spread10(uint v) {
     return (v | (v << 2)) & 0x09249249u;
 }
 
-/// The same for 21 bits.
+/// Inserts two zero bits between any two of the lowest 21 bits.
 CLARAY_SHARED_FUNCTION ulong morton_spread21(uint value) {
     ulong v = value;
     v = (v | (v << 32)) & 0x001f00000000fffful;
@@ -26,10 +26,12 @@ CLARAY_SHARED_FUNCTION ulong morton_spread21(uint value) {
 
 CLARAY_SHARED_FUNCTION uint morton30(uint x, uint y, uint z) {
     return (morton_spread10(x) << 2) | (morton_spread10(y) << 1) | morton_spread10(z);
+    /// A code of 30 bits, from coordinates of 10 bits each.
 }
 
 CLARAY_SHARED_FUNCTION ulong morton63(uint x, uint y, uint z) {
     return (morton_spread21(x) << 2) | (morton_spread21(y) << 1) | morton_spread21(z);
+    /// A code of 63 bits, from coordinates of 21 bits each.
 }
 
 CLARAY_SHARED_END

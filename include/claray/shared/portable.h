@@ -1,12 +1,13 @@
-// Makes one header compile as C++ and as OpenCL C. Shared structs hold scalars only: a float3 has another size on the
-// host than on the device.
+// Makes a header compile as C++ and as OpenCL C. Shared structs contain scalars only, since the size of a float3
+// differs between host and device.
 #ifndef CLARAY_SHARED_PORTABLE_H
 #define CLARAY_SHARED_PORTABLE_H
 
 #ifdef __OPENCL_C_VERSION__
 
-// Programs that are compiled without optimization. PoCL 3.1 copies called functions to the kernel by a search that visits
-// every path of calls, which takes seconds where calls are deep (pocl/lib/llvmopencl/linker.cpp, copy_func_callgraph).
+// For programs that are compiled without optimization. PoCL 3.1 copies called functions into the kernel with a search
+// that visits every call path, which takes seconds if calls are deeply nested (pocl/lib/llvmopencl/linker.cpp,
+// copy_func_callgraph).
 #if CLARAY_UNOPTIMIZED
 #define inline inline __attribute__((always_inline))
 #endif
@@ -30,7 +31,7 @@ using ulong = std::uint64_t;
 #define CLARAY_SHARED_BEGIN namespace claray {
 #define CLARAY_SHARED_END }
 #define CLARAY_SHARED_FUNCTION inline
-   /// Fails to compile where the host lays a shared struct out in another way than the kernels expect, and tells its
+   /// Fails to compile if the host's layout of a shared struct differs from that of the kernels. Passes the struct's
    /// name to Kernel::run, which compares it with the kernel's parameter.
 #define CLARAY_LAYOUT(type, size)                                                                                     \
     static_assert(sizeof(type) == (size), #type " has another size");                                                 \

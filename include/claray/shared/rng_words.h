@@ -1,7 +1,7 @@
-// The functions of rng.h, for words CLARAY_WORD, pairs of them CLARAY_PAIR, and under names CLARAY_OF_WORD(name):
-// kernels for CPUs include it a second time for vectors of words.
+// The functions of rng.h, for the types CLARAY_WORD and CLARAY_PAIR, with names CLARAY_OF_WORD(name). Kernels for CPUs
+// include this file a second time, for vectors of words.
 
-/// A bijection of 32-bit words whose output bits all depend on all input bits (constants: Wellons 2018, "lowbias32").
+/// A bijection of 32-bit words: all output bits depend on all input bits (constants: Wellons 2018, "lowbias32").
 CLARAY_SHARED_FUNCTION CLARAY_WORD CLARAY_OF_WORD(hash_word)(CLARAY_WORD x) {
     x ^= x >> 16;
     x *= 0x7feb352du;
@@ -22,8 +22,8 @@ CLARAY_SHARED_FUNCTION CLARAY_WORD CLARAY_OF_WORD(reverse_bits)(CLARAY_WORD x) {
     return (x >> 16) | (x << 16);
 }
 
-/// Owen scrambling of a number whose bits are in reverse: every bit is flipped or not by a hash of the bits below it.
-/// The constants are Vegdahl's (2021, "Building a better LK hash").
+/// Owen scrambling of a bit-reversed number: a hash of the lower bits decides whether a bit is flipped. The constants
+/// are from Vegdahl (2021, "Building a better LK hash").
 CLARAY_SHARED_FUNCTION CLARAY_WORD CLARAY_OF_WORD(owen_scramble_reversed)(CLARAY_WORD x, CLARAY_WORD seed) {
     x ^= x * 0x3d20adeau;
     x += seed;
@@ -32,8 +32,8 @@ CLARAY_SHARED_FUNCTION CLARAY_WORD CLARAY_OF_WORD(owen_scramble_reversed)(CLARAY
     return x ^ (x * 0x53a22864u);
 }
 
-/// Bits of the second Sobol dimension in reverse. Its generator matrix is Pascal's triangle modulo 2, the fifth
-/// Kronecker power of (1 1; 0 1), hence these five steps instead of a loop over 32 direction numbers.
+/// Bit-reversed second dimension of the Sobol sequence. Its generator matrix is Pascal's triangle modulo 2, the fifth
+/// Kronecker power of (1 1; 0 1). Therefore these five steps replace a loop over 32 direction numbers.
 CLARAY_SHARED_FUNCTION CLARAY_WORD CLARAY_OF_WORD(sobol_second_reversed)(CLARAY_WORD index) {
     index ^= (index >> 1) & 0x55555555u;
     index ^= (index >> 2) & 0x33333333u;
@@ -42,7 +42,7 @@ CLARAY_SHARED_FUNCTION CLARAY_WORD CLARAY_OF_WORD(sobol_second_reversed)(CLARAY_
     return index ^ (index >> 16);
 }
 
-/// Point `index` of a shuffled and scrambled Sobol sequence; seeds give independent sequences.
+/// Point `index` of a shuffled and scrambled Sobol sequence. Different seeds give independent sequences.
 CLARAY_SHARED_FUNCTION CLARAY_PAIR CLARAY_OF_WORD(sobol_pair)(CLARAY_WORD index, CLARAY_WORD seed) {
     CLARAY_PAIR pair;
     index =
@@ -70,8 +70,8 @@ CLARAY_SHARED_FUNCTION CLARAY_PAIR CLARAY_OF_WORD(independent_pair)(CLARAY_WORD 
     return pair;
 }
 
-/// The pair of numbers that sample `sample` of a pixel uses for `dimension`. Samples alternate between two sequences
-/// that are scrambled independently, so that the difference of their means tells the error of both (Owen 1997:
+/// Returns the pair of numbers that sample `sample` of a pixel uses for `dimension`. Samples alternate between two
+/// sequences with independent scrambling, so that the difference of their means estimates the error of both (Owen 1997:
 /// replicated randomised quasi-Monte Carlo).
 CLARAY_SHARED_FUNCTION CLARAY_PAIR CLARAY_OF_WORD(sample_pair)(uint sampler, CLARAY_WORD pixel_seed, CLARAY_WORD sample,
                                                                CLARAY_WORD dimension) {

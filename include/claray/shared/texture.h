@@ -1,6 +1,6 @@
-// Textures in device memory: one buffer of 32-bit words, the store, that begins with a TextureStore and holds
-// everything that textures need. Images of OpenCL are not asked for: devices may lack them, and their filters are too
-// coarse (8 bits of fraction) and differ.
+// Textures in device memory. One buffer of 32-bit words, the store, begins with a TextureStore and holds all data of
+// textures. OpenCL images are not used: some devices lack them, and their filters are too coarse (8 bits of fraction)
+// and differ between devices.
 #ifndef CLARAY_SHARED_TEXTURE_H
 #define CLARAY_SHARED_TEXTURE_H
 
@@ -20,17 +20,17 @@ CLARAY_SHARED_BEGIN
 #define CLARAY_LINEAR8 1u
 #define CLARAY_FLOAT32 2u
 
-/// What a material can be given by a texture.
+/// Material parameters that a texture can set.
 #define CLARAY_ALBEDO_MAP 0u
 #define CLARAY_EMISSION_MAP 1u
 #define CLARAY_METALLIC_ROUGHNESS_MAP 2u
 #define CLARAY_TRANSMISSION_MAP 3u
 #define CLARAY_CLEARCOAT_MAP 4u
 #define CLARAY_CLEARCOAT_ROUGHNESS_MAP 5u
-#define CLARAY_HEIGHT_MAP 6u  // before the normal map, which turns what it left
+#define CLARAY_HEIGHT_MAP 6u  // applied before the normal map, which rotates the resulting normal
 #define CLARAY_NORMAL_MAP 7u
 #define CLARAY_LIGHT_MAP 8u
-#define CLARAY_COMMON_MAPS 9  // the maps above are looked for in every textured scene, those below under LAYER_MAPS
+#define CLARAY_COMMON_MAPS 9  // the maps above are checked in every textured scene, those below only under LAYER_MAPS
 #define CLARAY_SPECULAR_MAP 9u
 #define CLARAY_SPECULAR_WEIGHT_MAP 10u
 #define CLARAY_SHININESS_MAP 11u
@@ -43,37 +43,36 @@ CLARAY_SHARED_BEGIN
 #define CLARAY_MAPS 18
 
 #define CLARAY_NO_MAP 0xffffffffu
-#define CLARAY_TEXTURE_LEVELS 15  // a side of 2^14 texels, and so on down to one
+#define CLARAY_TEXTURE_LEVELS 15  // sides of 2^14 texels down to one
 
-/// Where the sections of the store begin, in words; 0 where there is none.
+/// Begin of each section of the store, in words; 0: the section is absent.
 typedef struct TextureStore {
     uint textures;   // TextureData
     uint uses;       // TextureUseData
-    uint materials;  // MaterialMaps, one a material of the scene
-    uint decode;     // floats: what the 256 bytes mean under CLARAY_LINEAR8, then what they mean under CLARAY_SRGB8
-    uint uvs[2];     // two floats a vertex
-    uint tangents;   // four floats a vertex; 0 0 0 0 where a mesh has none
-    uint
-        cutouts;  // a word a triangle: where its record begins (see CutoutMaterial), or CLARAY_NO_MAP where it is solid
+    uint materials;  // MaterialMaps, one per material of the scene
+    uint decode;     // floats: values of the 256 bytes for CLARAY_LINEAR8, then for CLARAY_SRGB8
+    uint uvs[2];     // two floats per vertex
+    uint tangents;   // four floats per vertex; 0 0 0 0 if the mesh has no tangents
+    uint cutouts;    // one word per triangle: begin of its record (see CutoutMaterial), or CLARAY_NO_MAP if it is solid
     uint cutout_materials;  // CutoutMaterial
-    uint colors;            // three floats a vertex; 1 1 1 where a mesh has none
+    uint colors;            // three floats per vertex; 1 1 1 if the mesh has no colours
     uint spare[2];
 } TextureStore;
 CLARAY_LAYOUT(TextureStore, 48)
 
-/// Texels lie row by row, in bytes (of three channels a fourth is added, so that a texel is a word) or floats.
+/// Texels are stored row by row, as bytes (three channels are padded to four, so that a texel is a word) or as floats.
 typedef struct TextureData {
     uint width, height;
-    uint levels;                         // of the mip map; 1: the image alone
+    uint levels;                         // of the mip map; 1: the original image only
     uint channels;                       // 1 to 4: grey, grey and alpha, RGB, RGBA
     uint format, filter;                 // CLARAY_SRGB8 ..., CLARAY_NEAREST ...
     uint wrap_u, wrap_v;                 // CLARAY_REPEAT ...
-    uint offset[CLARAY_TEXTURE_LEVELS];  // of each level, in words
+    uint offset[CLARAY_TEXTURE_LEVELS];  // begin of each level, in words
     uint spare;
 } TextureData;
 CLARAY_LAYOUT(TextureData, 96)
 
-/// A texture as a material uses it: u' = m00 u + m01 v + m02, v' = m10 u + m11 v + m12.
+/// How a material uses a texture: u' = m00 u + m01 v + m02, v' = m10 u + m11 v + m12.
 typedef struct TextureUseData {
     float m00, m01, m02;
     float m10, m11, m12;
@@ -92,27 +91,27 @@ typedef struct MaterialMaps {
 } MaterialMaps;
 CLARAY_LAYOUT(MaterialMaps, 96)
 
-#define CLARAY_CUT_MASK 1u          // there where the opacity reaches the cut-off
-#define CLARAY_CUT_BLEND 2u         // there with the opacity as probability
-#define CLARAY_CUT_BACK 4u          // not there when met from behind
-#define CLARAY_CUT_VERTEX_ALPHA 8u  // the opacity is multiplied by an alpha of each corner
+#define CLARAY_CUT_MASK 1u          // the surface exists where the opacity reaches the cut-off
+#define CLARAY_CUT_BLEND 2u         // the surface exists with the opacity as probability
+#define CLARAY_CUT_BACK 4u          // the surface does not exist for rays from behind
+#define CLARAY_CUT_VERTEX_ALPHA 8u  // the opacity is multiplied by an alpha per corner
 
-/// Where rays pass through triangles that they meet. The record of such a triangle is the index of its CutoutMaterial,
-/// then the alphas of the three corners where the mode says so, and then for each of the two textures that are there
-/// the coordinates of the three corners, transformed.
+/// Where rays pass through triangles. The record of such a triangle holds the index of its CutoutMaterial, then the
+/// alphas of the three corners if the mode has them, then the transformed coordinates of the three corners for each
+/// texture that is used.
 typedef struct CutoutMaterial {
     uint mode;  // CLARAY_CUT_...
     float opacity, cutoff;
-    uint albedo;       // the texture whose alpha multiplies the opacity, or CLARAY_NO_MAP
-    uint opacity_map;  // the one whose red does
+    uint albedo;       // texture whose alpha multiplies the opacity, or CLARAY_NO_MAP
+    uint opacity_map;  // texture whose red multiplies the opacity, or CLARAY_NO_MAP
     uint spare[3];
 } CutoutMaterial;
 CLARAY_LAYOUT(CutoutMaterial, 32)
 
-/// The footprint of a path: a cone round its ray (Akenine-Moeller et al. 2019, Ray Tracing Gems ch. 20).
+/// The footprint of a path: a cone around its ray (Akenine-Moeller et al. 2019, Ray Tracing Gems ch. 20).
 typedef struct RayCone {
     float width;   // at the ray's origin
-    float spread;  // how much wider a unit of length on
+    float spread;  // increase of the width per unit of length
 } RayCone;
 CLARAY_LAYOUT(RayCone, 8)
 

@@ -1,4 +1,4 @@
-// What goes into a query and what comes out, as the host and every kernel see it.
+// Input and output of queries, shared by the host and all kernels.
 #ifndef CLARAY_SHARED_TYPES_H
 #define CLARAY_SHARED_TYPES_H
 
@@ -6,9 +6,9 @@
 
 CLARAY_SHARED_BEGIN
 
-/// A ray hits at distances tmin < t <= tmax, in units of the direction's length (it need not be normalised).
-/// tmin must not be negative. A ray that meets an edge or a vertex exactly hits one of the triangles that share it; the
-/// border of an open mesh is half open, as in rasterisation.
+/// A ray hits at distances tmin < t <= tmax, in units of the direction's length. The direction need not be normalized.
+/// tmin must not be negative. A ray that passes exactly through an edge or a vertex hits exactly one of the triangles
+/// that share it. The border of an open mesh is half open, as in rasterization.
 typedef struct Ray {
     float ox, oy, oz;  // origin
     float tmin;
@@ -17,19 +17,19 @@ typedef struct Ray {
 } Ray;
 CLARAY_LAYOUT(Ray, 32)
 
-/// Primitive of a ray that hits nothing.
+/// Hit::primitive of a ray that hits nothing.
 #define CLARAY_MISS 0xffffffffu
 
-/// The hit point is (1 - u - v) * v0 + u * v1 + v * v2 of the triangle.
+/// A hit. The hit point is (1 - u - v) * v0 + u * v1 + v * v2 of the triangle.
 typedef struct Hit {
     float t;         // distance; the ray's tmax on a miss
     float u, v;      // barycentric weights of the second and the third vertex
-    uint primitive;  // index of the triangle in the order of the input, over all geometries; CLARAY_MISS on a miss
-    uint geometry;   // index of the mesh that it belongs to
+    uint primitive;  // index of the triangle in the input, over all geometries; CLARAY_MISS on a miss
+    uint geometry;   // index of its mesh
 } Hit;
 CLARAY_LAYOUT(Hit, 20)
 
-/// What one ray cost: boxes tested and triangles tested.
+/// The cost of one ray: number of boxes and of triangles tested.
 typedef struct Visits {
     uint nodes;
     uint triangles;

@@ -31,7 +31,7 @@ protected:
         EXPECT_EQ(result.exit_code, 0) << result.errors;
         double sum = 0;
         for (const float value : read_pfm(path("image.pfm"), 3)) sum += double(value) / (3 * 8 * 8);
-        const std::string black = "claray: warning: the picture is black";
+        const std::string black = "claray: warning: the image is black";
         EXPECT_EQ(result.errors.substr(0, black.size()), sum == 0 ? black : "");
         return sum * pi / 0.5;
     }
@@ -64,7 +64,7 @@ TEST_F(LightOptions, SkyAndEnvironment) {
 }
 
 TEST_F(LightOptions, WithoutAnyThePaleSkyIsTold) {
-    EXPECT_NE(render({}).errors.find("a pale sky lights the scene"), std::string::npos);
+    EXPECT_NE(render({}).errors.find("added a pale sky as light"), std::string::npos);
 }
 
 TEST_F(LightOptions, BadOnesAreRefused) {

@@ -39,15 +39,16 @@ TEST_F(GltfAnimation, LinearBetweenKeysAndStillOutside) {
     expect_near(corner(3), {4, 1, 0});
     expect_near(corner(4), {4, 3, 0});
     expect_near(corner(1e9), {4, 9, 0});
-    EXPECT_EQ(warned("at rest"), 0u);
+    EXPECT_EQ(warned("rest pose"), 0u);
     expect_near(load().meshes.at(0).positions[0], {0, 0, 0});
-    EXPECT_EQ(warned("shown at rest, it has an animation: choose a time by --at SECONDS"), 1u);
+    EXPECT_EQ(warned("shown in its rest pose, it has an animation: choose a time with --at SECONDS"), 1u);
     builder.root["accessors"][animation()["samplers"][0]["input"].get<int>()]["max"] = {7};
     load();
     EXPECT_EQ(warned("it has an animation of 7 s: choose a time"), 1u);
     animate("scale", "STEP", {0}, 0, "grow");
     load();
-    EXPECT_EQ(warned("it has 2 animations of up to 7 s: choose a time by --at SECONDS, and one of 0, 'grow' by"), 1u);
+    EXPECT_EQ(warned("it has 2 animations of up to 7 s: choose a time with --at SECONDS, and one of 0, 'grow' with"),
+              1u);
 }
 
 TEST_F(GltfAnimation, StepsHoldTheirValue) {
@@ -126,7 +127,7 @@ TEST_F(GltfAnimation, OneIsChosenByNameOrIndex) {
     expect_near(corner(0, 0, "1"), {1, 1, 1});
     LoadOptions options;
     options.animation = "fly";
-    refuse({"no time"}, options, ErrorKind::usage);
+    refuse({"without a time"}, options, ErrorKind::usage);
     options.time = 0;
     refuse({"scene.gltf' has no animation 'fly'; choose one of '1', 'run', '2'"}, options, ErrorKind::usage);
     options.time = NAN;

@@ -41,7 +41,7 @@ TEST_F(GltfChoice, Cameras) {
     builder.push("nodes", {{"camera", 0}, {"name", "window"}, {"translation", {0, 0, 8}}});
     const auto z = [&](const char* name) { return load(camera_named(name)).camera->position.z; };
     EXPECT_EQ(z(""), 0.f);
-    EXPECT_EQ(warned("first of the cameras 'door', 'plan', 'window' is used: choose another by --file-camera"), 1u);
+    EXPECT_EQ(warned("first of the cameras 'door', 'plan', 'window' is used: choose another with --file-camera"), 1u);
     EXPECT_EQ(z("window"), 8.f);
     EXPECT_EQ(warned("camera"), 0u);
     EXPECT_EQ(z("2"), 8.f);
@@ -68,7 +68,7 @@ TEST_F(GltfChoice, VariantsOfMaterials) {
                                                                        {{"variants", {0, 2}}, {"material", 2}}};
     const auto material = [&](const char* name) { return load(variant_named(name)).materials.at(0).name; };
     EXPECT_EQ(material(""), "black");
-    EXPECT_EQ(warned("variants, 'night', 'day', 'dusk': choose one by --variant"), 1u);
+    EXPECT_EQ(warned("variants, 'night', 'day', 'dusk': choose one with --variant"), 1u);
     EXPECT_EQ(material("day"), "white");
     EXPECT_TRUE(warned("variant") == 0u);
     EXPECT_EQ(material("night"), "red");
@@ -101,7 +101,7 @@ TEST_F(GltfChoice, LongListsAreCut) {
     } catch (const Error& error) {
         EXPECT_LT(std::string(error.what()).size() - folder.file("scene.gltf", "").string().size(), 300u)
             << error.what();
-        EXPECT_NE(std::string(error.what()).find("(500 in all)"), std::string::npos) << error.what();
+        EXPECT_NE(std::string(error.what()).find("(500 in total)"), std::string::npos) << error.what();
     }
 }
 
@@ -136,7 +136,7 @@ TEST_F(GltfChoice, InstancesOfANode) {
     refuse({"node 0: TRANSLATION of its instances refers to accessor 77"});
     attributes.erase("TRANSLATION");
     attributes["ROTATION"] = builder.accessor<float>("VEC4", std::vector<float>(8, 0.f));
-    refuse({"node 0: the rotation of its instance 0 has no length"});
+    refuse({"node 0: the rotation of its instance 0 has length 0"});
     node["extensions"]["EXT_mesh_gpu_instancing"] = json::object();
     EXPECT_EQ(load().meshes.size(), 1u) << "without attributes it is a node like any other";
 }

@@ -164,7 +164,7 @@ TEST_F(Draco, DamageIsAnError) {
     extension()["bufferView"] = 9;
     refuse({"mesh 0: its Draco data refers to buffer view 9 of 1"});
     extension()["bufferView"] = -1;
-    refuse({"mesh 0: 'bufferView' is no index or size"});
+    refuse({"mesh 0: 'bufferView' is not an index or a size"});
     builder.root = good;
     builder.root["bufferViews"][0]["byteLength"] = 20;
     refuse({"mesh 0: its Draco data is damaged"});
@@ -366,7 +366,7 @@ TEST_F(Meshopt, DamageIsAnError) {
     refuse_with(positions, "byteOffset", 1 << 20, "leaves its buffer");
     refuse_with(positions, "byteLength", 9, "damaged");
     refuse_with(positions, "count", 2'000'000'000, "cut off");
-    refuse_with(positions, "count", -5, "'count' is no index or size");
+    refuse_with(positions, "count", -5, "'count' is not an index or a size");
     refuse_with(indices, "byteOffset", 0, "damaged");
 }
 #endif

@@ -282,7 +282,7 @@ TEST_F(GltfMaterial, BadTextures) {
         refuse(base_texture({{"index", 0}}), words);
     };
     const std::string good = from_base64(test::png_rgba);
-    with({{"uri", "gone.png"}}, {"gone.png", "put the image beside"});
+    with({{"uri", "gone.png"}}, {"gone.png", "put the image next to"});
     with({{"uri", "../up.png"}}, {"../up.png", "leaves the scene's folder"});
     with({{"uri", "%2E%2E%2Fup.png"}}, {"../up.png", "leaves the scene's folder"});
     with({{"uri", "/etc/passwd"}}, {"absolute"});
@@ -290,9 +290,9 @@ TEST_F(GltfMaterial, BadTextures) {
     static_cast<void>(folder.file("cut.png", good.substr(0, 50)));
     with({{"uri", "cut.png"}}, {"cut.png", "cut off"});
     static_cast<void>(folder.file("text.png", "not an image"));
-    with({{"uri", "text.png"}}, {"text.png", "no PNG"});
-    with({{"uri", "data:image/png;base64,aGVsbG8="}, {"name", "broken"}}, {"image 'broken'", "no PNG"});
-    with({{"bufferView", 0}, {"mimeType", "image/png"}}, {"image 0", "no PNG"});
+    with({{"uri", "text.png"}}, {"text.png", "not a PNG"});
+    with({{"uri", "data:image/png;base64,aGVsbG8="}, {"name", "broken"}}, {"image 'broken'", "not a PNG"});
+    with({{"bufferView", 0}, {"mimeType", "image/png"}}, {"image 0", "not a PNG"});
     std::string huge = good;
     huge[18] = 0x50;  // 20482 pixels wide; the checksum is wrong too
     static_cast<void>(folder.file("huge.png", huge));

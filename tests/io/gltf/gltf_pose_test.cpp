@@ -153,7 +153,7 @@ TEST_F(GltfSkin, BadOnesAreNamed) {
          [&] { primitive()["attributes"]["JOINTS_0"] = builder.accessor<float>("VEC4", std::vector<float>(12, 0.f)); });
     with({"WEIGHTS_0 has 2 elements for 3 vertices"},
          [&] { primitive()["attributes"]["WEIGHTS_0"] = builder.accessor<float>("VEC4", std::vector<float>(8, 0.f)); });
-    with({"skin 'bones': its joint 1 is below itself"}, [&] {
+    with({"skin 'bones': its joint 1 is its own descendant"}, [&] {
         builder.push("nodes", {{"children", {2}}});
         node(1).erase("children");
         node(2)["children"] = {3};

@@ -137,12 +137,12 @@ TEST_F(Gltf, PointsAndLinesAreSpheresAndTubes) {
     }
     const float expected = std::sqrt(10.f) / 400;  // of the box's diagonal
     EXPECT_NEAR(farthest(load().meshes.at(0), modes[3].first), expected, 1e-6);
-    refuse({"radius of -1"}, {.stroke_radius = -1.f}, ErrorKind::usage);
-    refuse({"holds no triangle"}, {.stroke_radius = 0.f});
+    refuse({"invalid stroke radius -1"}, {.stroke_radius = -1.f}, ErrorKind::usage);
+    refuse({"contains no triangle"}, {.stroke_radius = 0.f});
     primitive()["indices"] = builder.accessor<std::uint8_t>("SCALAR", {3, 0, 2});
     EXPECT_NEAR(farthest(load({.stroke_radius = 0.1f}).meshes.at(0), {{d, a}, {a, c}}), 0.1, 1e-6);
     primitive()["mode"] = 1;
-    refuse({"3 indices are no whole number of lines"});
+    refuse({"3 indices do not form whole lines"});
 }
 
 /// Beside triangles that are placed twice.
@@ -167,7 +167,7 @@ TEST_F(Gltf, PointsAndLinesOfInstances) {
     EXPECT_NEAR(farthest(scene.meshes[2], {{x, x}, {{6, 0, 0}, {6, 0, 0}}, {{5, 1, 0}, {5, 1, 0}}}), 0.1, 1e-6);
     EXPECT_EQ(scene.meshes[2].colors.at(0), glm::vec4(1, 0, 0, 1));
     EXPECT_EQ(load({.stroke_radius = 0.f}).instances.size(), 2u);
-    EXPECT_EQ(warned("left out, as asked for"), 1u);
+    EXPECT_EQ(warned("left out, as requested"), 1u);
 }
 
 TEST_F(Gltf, AttributesOfEveryType) {
@@ -412,7 +412,7 @@ TEST_F(Gltf, ExternalBuffer) {
         expect_error(ErrorKind::user, words, [&] { static_cast<void>(load_text()); });
     };
     builder.root["buffers"][0]["uri"] = "gone.bin";
-    refuse_text({"gone.bin", "put the buffer beside"});
+    refuse_text({"gone.bin", "put the buffer next to"});
     builder.root["buffers"][0]["uri"] = "%2e%2e/secret.bin";
     refuse_text({"../secret.bin", "leaves the scene's folder"});
     builder.root["buffers"][0]["uri"] = "a%20b.bin";
@@ -455,7 +455,7 @@ TEST_F(Gltf, NodesMustFormTrees) {
     builder.triangle();
     builder.root["nodes"] = {{{"children", {1}}, {"mesh", 0}}, {{"children", {0}}}};
     builder.root["scenes"] = {{{"nodes", {0}}}};
-    refuse({"node 0", "two parents or is below itself"});
+    refuse({"node 0", "two parents or is its own descendant"});
     builder.root["nodes"] = {{{"children", {2}}}, {{"children", {2}}}, {{"mesh", 0}}};
     builder.root["scenes"] = {{{"nodes", {0, 1}}}};
     refuse({"node 2", "two parents"});
@@ -484,9 +484,9 @@ TEST_F(Gltf, BadReferences) {
     with({"buffer 7 of 1"}, [&] { builder.root["bufferViews"][0]["buffer"] = 7; });
     with({"buffer view 0 leaves its buffer"}, [&] { builder.root["bufferViews"][0]["byteLength"] = 1000; });
     with({"buffer view 0 leaves its buffer"}, [&] { builder.root["bufferViews"][0]["byteOffset"] = 4; });
-    with({"leaves its buffer view", "4 elements"}, [&] { builder.root["accessors"][0]["count"] = 4; });
-    with({"leaves its buffer view"}, [&] { builder.root["accessors"][0]["byteOffset"] = 1; });
-    with({"leaves its buffer view"}, [&] { builder.root["accessors"][0]["byteOffset"] = 1ull << 63; });
+    with({"exceeds its buffer view", "4 elements"}, [&] { builder.root["accessors"][0]["count"] = 4; });
+    with({"exceeds its buffer view"}, [&] { builder.root["accessors"][0]["byteOffset"] = 1; });
+    with({"exceeds its buffer view"}, [&] { builder.root["accessors"][0]["byteOffset"] = 1ull << 63; });
     with({"stride of 8"}, [&] { builder.root["bufferViews"][0]["byteStride"] = 8; });
     with({"2 components instead of 3"}, [&] { builder.root["accessors"][0]["type"] = "VEC2"; });
     with({"unknown type 5130"}, [&] { builder.root["accessors"][0]["componentType"] = 5130; });

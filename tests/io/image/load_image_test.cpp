@@ -186,7 +186,7 @@ TEST_F(LoadImage, Webp) {
 TEST_F(LoadImage, RefusesWhatIsNoImage) {
     expect_error(ErrorKind::user, {"gone.png"}, [&] { static_cast<void>(load_image(folder / "gone.png")); });
     refuse("", {"image.any", "empty"});
-    refuse("hello, world", {"image.any", "no PNG, JPEG"});
+    refuse("hello, world", {"image.any", "not a PNG, JPEG"});
     expect_error(ErrorKind::usage, {"srgb8"},
                  [&] { static_cast<void>(load(from_base64(test::png_rgba), TexelFormat::float32)); });
 }
@@ -306,7 +306,7 @@ TEST(PathInScene, RefusesWhatLeavesTheFolder) {
     for (const char* name : {"http://x.org/a.png", "file:///etc/passwd", "C:\\a.png", "c:a.png"}) refuse(name, "URL");
     refuse("", "empty");
     refuse(std::string("a\0b", 3), "zero");
-    refuse(std::string(5000, 'a'), "looked up");
+    refuse(std::string(5000, 'a'), "resolved");
     for (const char* name : {"a.png", "in.png", "sub/../a.png", "sub\\..\\a.png", "./a.png"})
         EXPECT_TRUE(std::filesystem::equivalent(path_in_scene(root, root, name), root / "a.png")) << name;
     EXPECT_EQ(path_in_scene(root, root / "sub", "../a.png"), root / "sub" / "../a.png") << "relative to a folder below";

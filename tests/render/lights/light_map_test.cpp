@@ -159,10 +159,10 @@ TEST(LightMap, BadInput) {
     EXPECT_TRUE(throws_error(ErrorKind::user, "no mesh 2", [&] { (void)bake_light_map(device(), scene, 2); }));
     Scene outside = scene;
     outside.meshes[0].uvs1[1].x = 1.2f;
-    EXPECT_TRUE(throws_error(ErrorKind::user, "leave 0..1", bake(outside, {})));
+    EXPECT_TRUE(throws_error(ErrorKind::user, "are outside 0..1", bake(outside, {})));
     Scene twice = scene;
     twice.meshes[0].triangles[1] = twice.meshes[0].triangles[0];
-    EXPECT_TRUE(throws_error(ErrorKind::user, "share texels", bake(twice, {})));
+    EXPECT_TRUE(throws_error(ErrorKind::user, "cover the same texels", bake(twice, {})));
 }
 
 }  // namespace

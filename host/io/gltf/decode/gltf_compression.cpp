@@ -104,7 +104,7 @@ std::size_t count_in(const GltfFile& file, const tinygltf::Value& object, const 
                      const std::string& name) {
     if (!object.IsObject() || !object.Has(key)) return fallback;
     const tinygltf::Value& value = object.Get(key);
-    if (!value.IsInt() || value.GetNumberAsInt() < 0) file.fail(name + ": '" + key + "' is no index or size");
+    if (!value.IsInt() || value.GetNumberAsInt() < 0) file.fail(name + ": '" + key + "' is not an index or a size");
     return std::size_t(value.GetNumberAsInt());
 }
 

@@ -69,16 +69,16 @@ int add_attribute(GltfFile& file, const draco::Mesh& mesh, std::uint32_t id, int
                   const std::string& name) {
     const draco::PointAttribute* attribute = mesh.GetAttributeByUniqueId(id);
     if (attribute == nullptr)
-        file.fail(name + " refers to attribute " + to_string(id) + ", which its Draco data lacks");
+        file.fail(name + " refers to attribute " + to_string(id) + ", which is missing in its Draco data");
     tinygltf::Model& model = file.model;
     if (accessor_index < 0 || std::size_t(accessor_index) >= model.accessors.size())
         file.fail(name + " refers to accessor " + to_string(accessor_index) + " of " +
                   to_string(model.accessors.size()));
     const tinygltf::Accessor& accessor = model.accessors[std::size_t(accessor_index)];
     const int components = tinygltf::GetNumComponentsInType(std::uint32_t(accessor.type));
-    if (components < 1 || components > 4) file.fail(name + " is of a type that Draco data can't be");
+    if (components < 1 || components > 4) file.fail(name + " has a type that Draco data cannot have");
     std::vector<unsigned char> bytes = values_of(mesh, *attribute, accessor.componentType, std::size_t(components));
-    if (bytes.empty() && mesh.num_points() > 0) file.fail(name + ": its Draco data is of another type");
+    if (bytes.empty() && mesh.num_points() > 0) file.fail(name + ": its Draco data has a different type");
     return add_accessor(model, accessor, mesh.num_points(), std::move(bytes));
 }
 

@@ -31,7 +31,7 @@ std::string_view bytes_of(const GltfFile& file, const tinygltf::Value& extension
                   to_string(file.model.buffers.size()));
     const std::vector<unsigned char>& data = file.model.buffers[buffer].data;
     if (offset > data.size() || length > data.size() - offset)
-        file.fail(name + ": its compressed data leaves its buffer of " + to_string(data.size()) + " bytes");
+        file.fail(name + ": its compressed data exceeds its buffer of " + to_string(data.size()) + " bytes");
     return {reinterpret_cast<const char*>(data.data()) + offset, length};
 }
 
@@ -45,15 +45,15 @@ void check(const GltfFile& file, const Packed& packed, const std::string& name) 
     const bool known_filter = packed.filter == "NONE" || packed.filter == "OCTAHEDRAL" ||
                               packed.filter == "QUATERNION" || packed.filter == "EXPONENTIAL";
     if (!known_filter || (!attributes && packed.filter != "NONE"))
-        file.fail(name + ": its compression has the filter '" + packed.filter + "', which its mode does not know");
+        file.fail(name + ": its compression has the filter '" + packed.filter + "', which its mode does not support");
     const bool fits_mode = attributes ? stride >= 4 && stride <= 256 && stride % 4 == 0 : stride == 2 || stride == 4;
     const bool fits_filter = packed.filter == "OCTAHEDRAL"   ? stride == 4 || stride == 8
                              : packed.filter == "QUATERNION" ? stride == 8
                                                              : true;
     if (!fits_mode || !fits_filter)
-        file.fail(name + ": its compressed elements have " + to_string(stride) + " bytes, which they can't");
+        file.fail(name + ": its compressed elements have " + to_string(stride) + " bytes, which is not allowed");
     if (triangles && packed.count % 3 != 0)
-        file.fail(name + ": " + to_string(packed.count) + " compressed indices are no whole number of triangles");
+        file.fail(name + ": " + to_string(packed.count) + " compressed indices do not form whole triangles");
     if (packed.count > (packed.bytes.size() + 1) * 1024)
         file.fail(name + ": its compressed data is cut off: " + to_string(packed.bytes.size()) + " bytes for " +
                   to_string(packed.count) + " elements");
