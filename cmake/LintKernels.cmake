@@ -57,6 +57,11 @@ foreach(row IN LISTS rows)
         list(APPEND macros -D${macro}=0)
     endif()
 endforeach()
+file(STRINGS "${SOURCE_DIR}/include/claray/shared/lights.h" rows REGEX "X\\([a-z_]+, [A-Z_]+, \"")
+foreach(row IN LISTS rows)
+    string(REGEX REPLACE ".*X\\([a-z_]+, ([A-Z_]+), .*" "\\1" kind "${row}")
+    list(APPEND macros -D${kind}_LIGHTS=0)
+endforeach()
 foreach(sixteen 0 1)
     execute_process(
         COMMAND "${CLANG}" -x cl -cl-std=CL1.2 -w -O1 -fno-inline -gline-tables-only -S -emit-llvm -Iinclude -Ikernels -DCLARAY_CPU=1

@@ -142,7 +142,7 @@ TEST_F(Memory, BuffersAreCountedWhileTheyLive) {
         grows.reserve(device_, 20);
         EXPECT_EQ(bytes_in_use(device_) - before, 4020u);
         leave(99);
-        EXPECT_TRUE(throws_error(ErrorKind::device, "out of device memory: a buffer of 0.0 MB is needed",
+        EXPECT_TRUE(throws_error(ErrorKind::device, "out of device memory: a buffer of 0.0 MB does not fit on",
                                  [&] { (void)Buffer<char>(device_, 100); }));
     }
     EXPECT_EQ(bytes_in_use(device_), before);

@@ -73,7 +73,7 @@ TEST_F(BadInput, OptionValues) {
 }
 TEST_F(BadInput, UnknownDevice) {
     EXPECT_TRUE(
-        failed_with(render("cornell", {"--device", "abacus"}), 2, "no device matches 'abacus'; there are: 0 = "));
+        failed_with(render("cornell", {"--device", "abacus"}), 2, "no device matches 'abacus'; available: 0 = "));
     EXPECT_TRUE(
         failed_with(run_claray(arguments("cornell"), {{"CLARAY_DEVICE", "abacus"}}), 2, "no device matches 'abacus'"));
 }

@@ -70,7 +70,7 @@ TEST(Explain, CountsLightsOfTheCommandLine) {
 
 TEST(Explain, RefusesWhatItDoesNotKnow) {
     EXPECT_TRUE(failed_with(run_claray({"explain", "cornell", "--only", "mirror,stars"}), 2, "'stars'"));
-    EXPECT_TRUE(failed_with(run_claray({"explain", "cornell", "--effects", "+mirror"}), 2, "every effect"));
+    EXPECT_TRUE(failed_with(run_claray({"explain", "cornell", "--effects", "+mirror"}), 2, "all effects"));
     EXPECT_TRUE(failed_with(run_claray({"explain", "no_such_scene"}), 2, "no_such_scene"));
 }
 

@@ -372,7 +372,7 @@ TEST(Validate, ChecksLights) {
            [](Light& l) { l.inner_angle = 1.f, l.outer_angle = std::numbers::pi_v<float> / 4; });
     expect("cone", [](Light& l) { l.inner_angle = 1.f; });
     expect("cone", [](Light& l) { l.outer_angle = 1.6f; });
-    expect("light 'lamp': unknown kind", [](Light& l) { l.name = "lamp", l.kind = LightKind(3); });
+    expect("light 'lamp': unknown kind", [](Light& l) { l.name = "lamp", l.kind = LightKind(99); });
     EXPECT_NO_THROW(validate(with([](Scene& s) { s.lights[0].direction = glm::vec3(0.f); }))) << "a point has none";
     expect_invalid(with([](Scene& s) { s.sky.zenith.x = -1.f; }), "sky");
 }

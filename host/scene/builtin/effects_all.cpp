@@ -102,6 +102,11 @@ void add_lights(Scene& scene) {
     light.kind = LightKind::directional, light.direction = {-0.4f, -1.f, -0.7f};
     light.intensity = {0.5f, 0.45f, 0.4f};
     scene.lights.push_back(light);
+    for (const LightTraits& traits : light_kinds) {  // a faint one of each, wide enough to be found
+        if (!traits.seen) continue;
+        light.kind = traits.kind, light.intensity = glm::vec3(0.05f), light.inner_angle = 0.f, light.outer_angle = 0.3f;
+        scene.lights.push_back(light);
+    }
     scene.environment.images = {evening_environment()};
     scene.environment.strength = 0.5f;
 }

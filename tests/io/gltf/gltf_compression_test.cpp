@@ -363,7 +363,7 @@ TEST_F(Meshopt, DamageIsAnError) {
     refuse_with(indices, "byteStride", 12, "have 12 bytes");
     refuse_with(indices, "count", 8, "8 compressed indices");
     refuse_with(positions, "buffer", 7, "buffer 7 of 2");
-    refuse_with(positions, "byteOffset", 1 << 20, "leaves its buffer");
+    refuse_with(positions, "byteOffset", 1 << 20, "exceeds its buffer");
     refuse_with(positions, "byteLength", 9, "damaged");
     refuse_with(positions, "count", 2'000'000'000, "cut off");
     refuse_with(positions, "count", -5, "'count' is not an index or a size");

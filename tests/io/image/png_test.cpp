@@ -148,7 +148,7 @@ TEST(PngLimits, TooFewPixelsAreRefused) {
     std::string raw = png.raw();
     EXPECT_EQ(decoded(png.file()).bytes.size(), 81u);
     raw.pop_back();
-    expect_error(ErrorKind::user, {"it", "broken"},
+    expect_error(ErrorKind::user, {"it", "damaged"},
                  [&] { static_cast<void>(decoded(png.file_with(test::stored_zlib(raw)))); });
     png.width = png.height = 16000;  // and no 256 MB are asked for before that shows
     const std::size_t before = most_memory();
