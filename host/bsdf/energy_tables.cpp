@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "host/base/in_parallel.hpp"
+#include "host/bsdf/custom_bsdfs.hpp"
 #include "host/bsdf/material_data.hpp"
 
 namespace claray {
@@ -344,6 +345,16 @@ void fill_coat_scales(float* scales, double ior) {
 
 EnergyTables::EnergyTables(std::span<const Material> materials) {
     for (const Material& material : materials) add_needs(material);
+    fill_tables();
+    for (const Material& material : materials) {
+        check_custom(material);
+        if (material.kind != MaterialKind::custom || parameters_.contains(material.parameters)) continue;
+        parameters_[material.parameters] = std::uint32_t(data_.size());
+        data_.insert(data_.end(), material.parameters.begin(), material.parameters.end());
+    }
+}
+
+void EnergyTables::fill_tables() {
     if (!conductor_ && !sheen_ && !stretched_ && needs_.empty()) return;
     data_.resize(stretched_ ? CLARAY_STRETCH + CLARAY_STRETCH_TABLE
                  : sheen_   ? CLARAY_SHEEN + CLARAY_ENERGY_TABLE
@@ -376,6 +387,11 @@ void EnergyTables::add_needs(const Material& m) {
 std::uint32_t EnergyTables::block_of(float ior) const {
     const auto block = blocks_.find(ior);
     return block == blocks_.end() ? 0 : block->second;
+}
+
+std::uint32_t EnergyTables::parameters_of(const Material& material) const {
+    const auto begin = parameters_.find(material.parameters);
+    return begin == parameters_.end() ? 0 : begin->second;
 }
 
 }  // namespace claray

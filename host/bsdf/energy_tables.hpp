@@ -12,7 +12,8 @@
 
 namespace claray {
 
-/// Made for the materials that need them and for no other: empty where none does.
+/// Made for the materials that need them and for no other: empty where none does. Parameters of added BSDFs lie behind
+/// them.
 class EnergyTables {
 public:
     explicit EnergyTables(std::span<const Material> materials);
@@ -21,16 +22,20 @@ public:
     [[nodiscard]] const std::vector<float>& data() const { return data_; }
     /// Where the block of an index of refraction begins; 0 where there is none.
     [[nodiscard]] std::uint32_t block_of(float ior) const;
+    /// Where the parameters of a material with an added BSDF begin.
+    [[nodiscard]] std::uint32_t parameters_of(const Material& material) const;
 
 private:
     struct Needs {
         bool opaque = false, transparent = false, coat = false;
     };
     void add_needs(const Material& material);
+    void fill_tables();
 
     bool conductor_ = false, sheen_ = false, stretched_ = false;
     std::map<float, Needs> needs_;
     std::map<float, std::uint32_t> blocks_;
+    std::map<std::vector<float>, std::uint32_t> parameters_;  // of added BSDFs
     std::vector<float> data_;
 };
 

@@ -87,7 +87,7 @@ MaterialData material_data(const Material& m, const EnergyTables& tables) {
             .absorption_r = absorption.x,
             .absorption_g = absorption.y,
             .absorption_b = absorption.z,
-            .energy = tables.block_of(m.ior),
+            .energy = m.kind == MaterialKind::custom ? tables.parameters_of(m) : tables.block_of(m.ior),
             .coat_energy = tables.block_of(CLARAY_COAT_IOR),
             .thin_walled = m.thin_walled,
             .layers = layers_of(m),
@@ -105,7 +105,7 @@ MaterialData material_data(const Material& m, const EnergyTables& tables) {
             .coat_x = 0.f,
             .coat_y = 0.f,
             .coat_z = 1.f,
-            .spare = 0,
+            .custom = m.custom,
 #define CLARAY_ROW(name, text, standard, check) .name = m.name,
             CLARAY_BSDF_PARAMETERS(CLARAY_ROW)
 #undef CLARAY_ROW

@@ -44,10 +44,26 @@ std::vector<KernelSource> sources_in_force() {
 
 }  // namespace
 
-const std::vector<KernelSource>& kernel_sources() {
-    static const std::vector<KernelSource> sources = sources_in_force();
+namespace {
+
+std::vector<KernelSource>& changeable_sources() {
+    static std::vector<KernelSource> sources = sources_in_force();
     return sources;
 }
+
+unsigned replaced = 0;
+
+}  // namespace
+
+const std::vector<KernelSource>& kernel_sources() { return changeable_sources(); }
+
+void replace_kernel_source(const std::string& path, std::string text) {
+    for (KernelSource& source : changeable_sources())
+        if (source.path == path) source.text = std::move(text);
+    ++replaced;
+}
+
+unsigned kernel_sources_replaced() { return replaced; }
 
 const KernelSource& kernel_source(const std::string& path) {
     for (const KernelSource& source : kernel_sources())

@@ -21,6 +21,11 @@ const std::vector<KernelSource>& kernel_sources();
 /// Throws ErrorKind::usage where there is no such file.
 const KernelSource& kernel_source(const std::string& path);
 
+/// Replaces the text of a file in this process. Not while another thread compiles.
+void replace_kernel_source(const std::string& path, std::string text);
+/// The number of replacements so far: programs compiled before and after them differ.
+[[nodiscard]] unsigned kernel_sources_replaced();
+
 /// The files that a text includes, directly or through others, whatever its macros are.
 std::vector<const KernelSource*> included_sources(const std::string& text);
 

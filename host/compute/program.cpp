@@ -230,7 +230,8 @@ cl::Program compile(const Device& device, const KernelSource& main, const std::s
 
 /// Of Device::State::programs.
 std::string key_in_memory(const KernelSource& main, const std::string& options, bool user_source) {
-    return main.path + '\n' + options + '\n' + (user_source ? main.text : "");
+    return main.path + '\n' + options + '\n' + std::to_string(kernel_sources_replaced()) + '\n' +
+           (user_source ? main.text : "");
 }
 
 void add_milliseconds_since(std::chrono::steady_clock::time_point begin) {

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "claray/error.hpp"
+#include "host/bsdf/custom_bsdfs.hpp"
 
 namespace claray {
 namespace {
@@ -21,10 +22,11 @@ struct EffectRow {
     unsigned stages;
 };
 constexpr std::array rows = {
-    EffectRow{Effect::smooth_normals, "smooth-normals", "NORMALS", 0, shade | aovs}
 #define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) \
-    , EffectRow { Effect::name, text, "MATERIALS", CLARAY_##NAME, shade }
-    CLARAY_BSDFS(CLARAY_ROW),
+    EffectRow{Effect::name, text, "MATERIALS", CLARAY_##NAME, shade},
+    CLARAY_CUSTOM_KINDS(CLARAY_ROW)
+    EffectRow{Effect::smooth_normals, "smooth-normals", "NORMALS", 0, shade | aovs},
+    CLARAY_MATERIAL_KINDS(CLARAY_ROW) CLARAY_HIT_KINDS(CLARAY_ROW)
 #undef CLARAY_ROW
     EffectRow{Effect::transmission, "transmission", "MATERIALS", CLARAY_GLASS, shade},
     EffectRow{Effect::rough_glass, "rough-glass", "ROUGH_GLASS", 0, shade},
@@ -97,11 +99,13 @@ const char* name_of(Effect effect) {
     return row ? row->name : "unknown";
 }
 
-std::span<const Effect> all_effects() { return known; }
+std::span<const Effect> all_effects() {
+    return custom_bsdfs().empty() ? std::span(known).subspan(1) : std::span(known);  // the first is Effect::custom
+}
 
 EffectSet known_effects() {
     EffectSet all;
-    for (const Effect effect : known) all.add(effect);
+    for (const Effect effect : all_effects()) all.add(effect);
     return all;
 }
 
@@ -109,7 +113,7 @@ EffectSet full_effects() {
     EffectSet all;
     for (const EffectRow& row : rows)
         if (row.macro) all.add(row.effect);
-    return all;
+    return all & known_effects();
 }
 
 std::string to_string(EffectSet effects) {

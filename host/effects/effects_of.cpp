@@ -176,7 +176,7 @@ Effect effect_of(MaterialKind kind) {
     switch (kind) {
 #define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) \
     case MaterialKind::name: return Effect::name;
-        CLARAY_MATERIAL_KINDS(CLARAY_ROW)
+        CLARAY_MATERIAL_KINDS(CLARAY_ROW) CLARAY_CUSTOM_KINDS(CLARAY_ROW)
 #undef CLARAY_ROW
     }
     return Effect::lambert;

@@ -12,7 +12,7 @@
 namespace claray {
 
 /// Each effect is a part of the kernel code that a scene may not need. Every BSDF is an effect: Effect::lambert,
-/// mirror, glass, metal, blinn_phong, principled, unlit, thin_walls and coated_metal. Every kind of light is an
+/// mirror, glass, metal, blinn_phong, principled, unlit, thin_walls, coated_metal and custom. Every kind of light is an
 /// effect: Effect::point_lights, directional_lights, spot_lights and sun_lights.
 enum class Effect : std::uint8_t {
     smooth_normals,

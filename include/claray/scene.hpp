@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "claray/mesh.hpp"
 #include "claray/shared/scene.h"
@@ -10,10 +11,11 @@
 
 namespace claray {
 
-/// MaterialKind::lambert, mirror, glass, metal, blinn_phong, principled and unlit: the rows of CLARAY_MATERIAL_KINDS.
+/// MaterialKind::lambert, mirror, glass, metal, blinn_phong, principled and unlit: the rows of CLARAY_MATERIAL_KINDS;
+/// and MaterialKind::custom (claray/bsdf.hpp).
 enum class MaterialKind : std::uint32_t {
 #define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) name = CLARAY_##NAME,
-    CLARAY_MATERIAL_KINDS(CLARAY_ROW)
+    CLARAY_MATERIAL_KINDS(CLARAY_ROW) CLARAY_CUSTOM_KINDS(CLARAY_ROW)
 #undef CLARAY_ROW
 };
 
@@ -24,13 +26,14 @@ struct MaterialKindRow {
     bool transmits;        ///< light passes through
     bool reads_roughness;  ///< uses Material::roughness and its map
 };
+/// All but MaterialKind::custom.
 inline constexpr MaterialKindRow material_kinds[] = {
 #define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) {MaterialKind::name, text, transmits != 0, rough != 0},
     CLARAY_MATERIAL_KINDS(CLARAY_ROW)
 #undef CLARAY_ROW
 };
 
-/// Returns null for an invalid number.
+/// Returns null for MaterialKind::custom and for an invalid number.
 [[nodiscard]] constexpr const MaterialKindRow* row_of(MaterialKind kind) {
     for (const MaterialKindRow& row : material_kinds)
         if (row.kind == kind) return &row;
@@ -38,7 +41,7 @@ inline constexpr MaterialKindRow material_kinds[] = {
 }
 [[nodiscard]] constexpr bool transmits(MaterialKind kind) { return row_of(kind) && row_of(kind)->transmits; }
 [[nodiscard]] constexpr bool reads_roughness(MaterialKind kind) {
-    return row_of(kind) && row_of(kind)->reads_roughness;
+    return kind == MaterialKind::custom || (row_of(kind) && row_of(kind)->reads_roughness);
 }
 
 /// How the opacity is used (glTF's alphaMode).
@@ -109,6 +112,9 @@ struct Material {
     TextureUse height_map;  ///< red, times `height_scale` in units of the scene; changes the normal only
     float height_scale = 1.f;
     TextureUse light_map;  ///< RGB irradiance that replaces light from elsewhere
+
+    std::uint32_t custom = 0;       ///< MaterialKind::custom: the number of the BSDF, from add_bsdf
+    std::vector<float> parameters;  ///< MaterialKind::custom: CustomBsdf::parameters numbers that it reads
 
     // The members of CLARAY_BSDF_PARAMETERS: `shininess` (Blinn-Phong: exponent of the highlight).
 #define CLARAY_ROW(name, text, standard, check) float name = standard;

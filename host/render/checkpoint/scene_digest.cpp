@@ -2,6 +2,7 @@
 // is added to one of them does not compile here until it is named, and so can't be forgotten.
 #include <glm/glm.hpp>
 
+#include "host/bsdf/custom_bsdfs.hpp"
 #include "host/render/checkpoint/scene_digest.hpp"
 
 namespace claray {
@@ -45,6 +46,7 @@ private:
         else
             for (const T& value : values) add(value);
     }
+    void put(const std::string& text) { hasher_.add(text.data(), text.size()); }
     void put(const Mesh& mesh) {
         const auto& [name, positions, normals, uvs, uvs1, tangents, colors, triangles, materials, mask] = mesh;
         add(positions, normals, uvs, uvs1, tangents, colors, triangles, materials, mask);
@@ -70,12 +72,14 @@ private:
                      metallic_roughness_map, transmission_map, clearcoat_map, clearcoat_roughness_map,
                      clearcoat_normal_map, clearcoat_normal_scale, specular_map, specular_weight_map, shininess_map,
                      sheen_map, sheen_roughness_map, anisotropy_map, iridescence_map, film_thickness_map, opacity_map,
-                     normal_map, normal_scale, height_map, height_scale, light_map CLARAY_BSDF_PARAMETERS(CLARAY_ROW)] =
+                     normal_map, normal_scale, height_map, height_scale, light_map, custom,
+                     parameters CLARAY_BSDF_PARAMETERS(CLARAY_ROW)] =
             material;
         add(kind, albedo, emission, roughness, ior, metallic, transmission, thin_walled, clearcoat, clearcoat_roughness,
             specular, specular_weight, specular_tint, sheen, sheen_roughness, anisotropy, anisotropy_rotation,
             iridescence, iridescence_ior, film_thickness, attenuation, attenuation_distance, opacity, alpha_mode,
-            alpha_cutoff, cull_back);
+            alpha_cutoff, cull_back, custom, parameters);
+        if (kind == MaterialKind::custom && custom < custom_bsdfs().size()) put(custom_bsdfs()[custom].source);
         add(albedo_map, emission_map, metallic_roughness_map, transmission_map, clearcoat_map, clearcoat_roughness_map,
             clearcoat_normal_map, clearcoat_normal_scale, specular_map, specular_weight_map, shininess_map, sheen_map,
             sheen_roughness_map, anisotropy_map, iridescence_map, film_thickness_map, opacity_map, normal_map,

@@ -14,6 +14,7 @@
 #define CLARAY_COATED_METAL 6u
 #define CLARAY_THIN_WALLS 7u
 #define CLARAY_UNLIT 8u
+#define CLARAY_CUSTOM 9u
 
 // A row is X(name, NAME, "name for users", transmits, lobes, rough):
 //   name       MaterialKind::name, Effect::name, kernels/bsdf/name.clh with sample_name, eval_name and is_delta_name
@@ -40,7 +41,10 @@
     X(thin_walls, THIN_WALLS, "thin-walls", 1, 1, 1) \
     X(coated_metal, COATED_METAL, "coated-metal", 0, 1, 1)
 
-#define CLARAY_BSDFS(X) CLARAY_MATERIAL_KINDS(X) CLARAY_HIT_KINDS(X)
+/// The BSDFs that programs add (claray/bsdf.hpp).
+#define CLARAY_CUSTOM_KINDS(X) X(custom, CUSTOM, "custom", 0, 1, 1)
+
+#define CLARAY_BSDFS(X) CLARAY_MATERIAL_KINDS(X) CLARAY_HIT_KINDS(X) CLARAY_CUSTOM_KINDS(X)
 
 /// Parameters that only one BSDF reads. A row is X(name, "name in errors", default, check): Material::name and
 /// MaterialData::name; `check` is the range that validation requires: `share` (0..1) or `sound` (not negative, finite).
