@@ -1,5 +1,5 @@
-// A BSDF that claray does not have, in a file of its own: dust.clh. Two moons in the light of a sun, the left one of a Lambertian,
-// the right one of dust, which is as bright at its edge as in its middle when the sun is behind the viewer.
+// A BSDF that claray does not have, in a file of its own: dust.clh. Two moons in the light of a sun, the left one of a
+// Lambertian, the right one of dust, which is as bright at its edge as in its middle when the sun is behind the viewer.
 //     example_09_own_bsdf [PICTURE [SPP]]
 #include <claray/claray.hpp>
 #include <claray/io.hpp>
@@ -31,7 +31,7 @@ claray::Scene two_moons(std::uint32_t dust) {
     scene.materials[0].name = "paint";
     scene.materials[1].name = "moon dust", scene.materials[1].kind = claray::MaterialKind::custom;
     scene.materials[1].custom = dust, scene.materials[1].parameters = {-0.3f};
-    claray::Mesh ball = claray::load_scene("effect:smooth-normals", warnings).meshes[1];
+    claray::Mesh ball = claray::load_scene("effect:lambert", warnings).meshes[1];
     for (glm::vec3& p : ball.positions) p -= glm::vec3(-0.35f, 0.8f, 0.f);
     for (std::uint32_t material = 0; material < 2; ++material) {
         ball.materials.assign(ball.triangles.size(), material);
@@ -51,7 +51,8 @@ claray::Scene two_moons(std::uint32_t dust) {
 int main(int argc, char** argv) try {
     const std::string picture = argc > 1 ? argv[1] : "moons.png";
     const auto spp = unsigned(argc > 2 ? std::atoi(argv[2]) : 64);
-    const std::uint32_t dust = claray::add_bsdf({.name = "dust", .source = read_beside_this_file("dust.clh"), .parameters = 1});
+    const std::uint32_t dust =
+        claray::add_bsdf({.name = "dust", .source = read_beside_this_file("dust.clh"), .parameters = 1});
     const claray::Scene scene = two_moons(dust);
     for (const claray::EffectCause& cause : claray::causes_of_effects(scene))
         std::printf("%s: %s\n", claray::name_of(cause.effect), cause.first.c_str());

@@ -41,16 +41,19 @@ std::string choice(const std::string& head, const std::string& function, const s
 
 /// kernels/bsdf/custom.clh for the BSDFs added so far.
 std::string source() {
-    std::string text = "#ifndef CLARAY_BSDF_CUSTOM_CLH\n#define CLARAY_BSDF_CUSTOM_CLH\n#include \"bsdf/ggx.clh\"\n"
-                       "static inline global const float* parameters_of(const MaterialData* material, const BsdfView* "
-                       "view) {\n    return view->tables + material->energy;\n}\n";
+    std::string text =
+        "#ifndef CLARAY_BSDF_CUSTOM_CLH\n#define CLARAY_BSDF_CUSTOM_CLH\n#include \"bsdf/ggx.clh\"\n"
+        "static inline global const float* parameters_of(const MaterialData* material, const BsdfView* "
+        "view) {\n    return view->tables + material->energy;\n}\n";
     for (const CustomBsdf& bsdf : added()) text += "#line 1 \"" + bsdf.name + "\"\n" + bsdf.source + '\n';
     text += "#line 1 \"bsdf/custom.clh\"\n";
-    text += choice("float3 eval_custom(const MaterialData* material, const BsdfView* view, float3 incoming, float* pdf)",
-                   "eval", "material, view, incoming, pdf", "eval_nothing(pdf)");
-    text += choice("bool sample_custom(const MaterialData* material, const BsdfView* view, float3 random, "
-                   "BsdfSample* sample)",
-                   "sample", "material, view, random, sample", "false");
+    text +=
+        choice("float3 eval_custom(const MaterialData* material, const BsdfView* view, float3 incoming, float* pdf)",
+               "eval", "material, view, incoming, pdf", "eval_nothing(pdf)");
+    text += choice(
+        "bool sample_custom(const MaterialData* material, const BsdfView* view, float3 random, "
+        "BsdfSample* sample)",
+        "sample", "material, view, random, sample", "false");
     text += choice("bool is_delta_custom(const MaterialData* material)", "is_delta", "material", "false");
     return text + "#endif\n";
 }
@@ -62,7 +65,8 @@ std::span<const CustomBsdf> custom_bsdfs() { return added(); }
 std::uint32_t add_bsdf(CustomBsdf bsdf) {
     if (!is_identifier(bsdf.name))
         throw Error(ErrorKind::usage, "'" + bsdf.name + "' is not a name of a BSDF", "use letters, digits and _");
-    if (is_taken(bsdf.name)) throw Error(ErrorKind::usage, "there is a BSDF '" + bsdf.name + "' already", "choose another name");
+    if (is_taken(bsdf.name))
+        throw Error(ErrorKind::usage, "there is a BSDF '" + bsdf.name + "' already", "choose another name");
     added().push_back(std::move(bsdf));
     replace_kernel_source("bsdf/custom.clh", source());
     return std::uint32_t(added().size() - 1);
@@ -72,9 +76,10 @@ void check_custom(const Material& material) {
     if (material.kind != MaterialKind::custom) return;
     const std::string what = "the material '" + material.name + "'";
     if (material.custom >= added().size())
-        throw Error(ErrorKind::user, what + " uses the BSDF number " + std::to_string(material.custom) + " of " +
-                                         std::to_string(added().size()),
-                    "add it with add_bsdf");
+        throw Error(
+            ErrorKind::user,
+            what + " uses the BSDF number " + std::to_string(material.custom) + " of " + std::to_string(added().size()),
+            "add it with add_bsdf");
     const CustomBsdf& bsdf = added()[material.custom];
     if (material.parameters.size() != bsdf.parameters)
         throw Error(ErrorKind::user, what + " has " + std::to_string(material.parameters.size()) + " parameters",

@@ -1,9 +1,8 @@
-// The BSDFs that add_bsdf has added: claray/bsdf.hpp.
+// The BSDFs that add_bsdf has added: claray/scene.hpp.
 #pragma once
 
 #include <span>
 
-#include "claray/bsdf.hpp"
 #include "claray/scene.hpp"
 
 namespace claray {

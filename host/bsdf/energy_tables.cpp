@@ -171,8 +171,8 @@ double sheen_lambda(double cosine, double alpha) {
     return std::exp(cosine < 0.5 ? fitted(cosine) : 2 * fitted(0.5) - fitted(1 - cosine));
 }
 
-/// What white sheen reflects, as eval_sheen in kernels/bsdf/layers/sheen.clh without its bound; the midpoint rule by the
-/// cube root of the incoming cosine and the angle between both directions.
+/// What white sheen reflects, as eval_sheen in kernels/bsdf/layers/sheen.clh without its bound; the midpoint rule by
+/// the cube root of the incoming cosine and the angle between both directions.
 double sheen_albedo(double cosine, double alpha) {
     constexpr int rings = 64, turns = 32;
     const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine)), masked = 1 + sheen_lambda(cosine, alpha);

@@ -160,6 +160,7 @@ Device Device::open(const std::string& selector) try {
     state->device = devices[index];
     state->context = cl::Context(state->device);
     state->queue = cl::CommandQueue(state->context, state->device, CL_QUEUE_PROFILING_ENABLE);
+    state->owns_queue = true;
     tune(*state);
     return Device(std::move(state));
 } catch (const cl::Error& error) {
@@ -202,6 +203,10 @@ unsigned Device::tuning(const std::string& kernel, const std::string& parameter)
 
 void Device::set_tuning(const std::string& kernel, const std::string& parameter, unsigned value) const {
     state_->tuning[kernel + " " + parameter] = value;
+}
+
+Device::State::~State() {
+    if (owns_queue) clFinish(queue());
 }
 
 void Device::finish() const try {

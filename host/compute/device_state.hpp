@@ -14,10 +14,18 @@ class MemoryPlan;
 struct KernelRequest;
 
 struct Device::State {
+    State() = default;
+    State(const State&) = delete;
+    State& operator=(const State&) = delete;
+    /// Waits for the commands of a queue of its own. PoCL compiles a kernel in a thread when it first runs, and crashes
+    /// if the process exits meanwhile.
+    ~State();
+
     DeviceInfo info;
     cl::Device device;
     cl::Context context;
     cl::CommandQueue queue;
+    bool owns_queue = false;
     Profiler profiler;
     bool store_programs = true;                      // in the cache on disk; PoCL compiles them a second time for that
     std::map<std::string, cl::Program> programs;     // by file, options and, for a user's source, its text

@@ -24,11 +24,10 @@ struct EffectRow {
 constexpr std::array rows = {
 #define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) \
     EffectRow{Effect::name, text, "MATERIALS", CLARAY_##NAME, shade},
-    CLARAY_CUSTOM_KINDS(CLARAY_ROW)
-    EffectRow{Effect::smooth_normals, "smooth-normals", "NORMALS", 0, shade | aovs},
+    CLARAY_CUSTOM_KINDS(CLARAY_ROW) EffectRow{Effect::smooth_normals, "smooth-normals", "NORMALS", 0, shade | aovs},
     CLARAY_MATERIAL_KINDS(CLARAY_ROW) CLARAY_HIT_KINDS(CLARAY_ROW)
 #undef CLARAY_ROW
-    EffectRow{Effect::transmission, "transmission", "MATERIALS", CLARAY_GLASS, shade},
+        EffectRow{Effect::transmission, "transmission", "MATERIALS", CLARAY_GLASS, shade},
     EffectRow{Effect::rough_glass, "rough-glass", "ROUGH_GLASS", 0, shade},
     EffectRow{Effect::clearcoat, "clearcoat", "CLEARCOAT", 0, shade},
     EffectRow{Effect::layered_coat, "layered-coat", "LAYERED_COAT", 0, shade},
@@ -42,7 +41,7 @@ constexpr std::array rows = {
     EffectRow{Effect::name##_lights, text "-lights", #NAME "_LIGHTS", 0, shade},
     CLARAY_LIGHT_KINDS(CLARAY_ROW)
 #undef CLARAY_ROW
-    EffectRow{Effect::light_falloff, "light-falloff", "LIGHT_FALLOFF", 0, shade},
+        EffectRow{Effect::light_falloff, "light-falloff", "LIGHT_FALLOFF", 0, shade},
     EffectRow{Effect::many_lights, "many-lights", "LIGHT_TREE", 0, shade},
     EffectRow{Effect::hot_spots, "hot-spots", "HOT_SPOTS", 0, shade},
     EffectRow{Effect::sky, "sky", "SKY", 0, shade},

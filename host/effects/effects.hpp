@@ -37,8 +37,8 @@ inline constexpr EffectSet emitters = {
 #define CLARAY_ROW(name, NAME, text, far, cone) Effect::name##_lights,
     CLARAY_SEEN_LIGHTS(CLARAY_ROW)
 #undef CLARAY_ROW
-        Effect::emissive_triangles, Effect::sky, Effect::environment, Effect::light_maps,
-                                       Effect::unlit};
+        Effect::emissive_triangles,
+    Effect::sky, Effect::environment, Effect::light_maps, Effect::unlit};
 /// Effects that change how noisy an image is but not what it converges to. No scene can be stripped of them: to take
 /// one away leaves its code out of the kernels.
 inline constexpr EffectSet aids = {Effect::many_lights, Effect::hot_spots};

@@ -135,8 +135,9 @@ void check_maps(const Material& material, const Check& check, std::size_t textur
 void check_material(const Material& material, const Check& check, std::size_t textures) {
     check.that(row_of(material.kind) != nullptr || material.kind == MaterialKind::custom, "unknown kind",
                "use a MaterialKind");
-    check.finite(std::all_of(material.parameters.begin(), material.parameters.end(), [](float p) { return std::isfinite(p); }),
-                 "parameters");
+    check.finite(
+        std::all_of(material.parameters.begin(), material.parameters.end(), [](float p) { return std::isfinite(p); }),
+        "parameters");
     check.that(material.alpha_mode <= AlphaMode::blend, "unknown alpha mode", "use an AlphaMode");
     check.sound(sound(material.albedo), "albedo");
     check.sound(sound(material.emission), "emission");

@@ -1,7 +1,6 @@
 // Includes claray's core library.
 #pragma once
 
-#include "claray/bsdf.hpp"
 #include "claray/buffer.hpp"
 #include "claray/bvh.hpp"
 #include "claray/device.hpp"

@@ -12,7 +12,7 @@
 namespace claray {
 
 /// MaterialKind::lambert, mirror, glass, metal, blinn_phong, principled and unlit: the rows of CLARAY_MATERIAL_KINDS;
-/// and MaterialKind::custom (claray/bsdf.hpp).
+/// and MaterialKind::custom (add_bsdf).
 enum class MaterialKind : std::uint32_t {
 #define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) name = CLARAY_##NAME,
     CLARAY_MATERIAL_KINDS(CLARAY_ROW) CLARAY_CUSTOM_KINDS(CLARAY_ROW)
@@ -121,6 +121,22 @@ struct Material {
     CLARAY_BSDF_PARAMETERS(CLARAY_ROW)
 #undef CLARAY_ROW
 };
+
+/// A BSDF that reflects. Materials use it with MaterialKind::custom.
+struct CustomBsdf {
+    std::string name;  ///< a C identifier, such as "dust"
+    /// OpenCL C that defines sample_NAME, eval_NAME and is_delta_NAME as kernels/bsdf/types.clh describes. It may
+    /// include the files of kernels/bsdf and kernels/math, and reads Material::parameters by parameters_of(material,
+    /// view). Compiler messages name the file NAME.
+    /// The energy tables of claray's own BSDFs are not available to it.
+    std::string source;
+    std::uint32_t parameters = 0;  ///< floats in Material::parameters
+};
+
+/// Adds a BSDF to the kernels of this process and returns its number for Material::custom. Call it before a Renderer
+/// is created; programs compiled earlier stay as they are. Throws ErrorKind::usage if the name is not an identifier or
+/// is already in use.
+std::uint32_t add_bsdf(CustomBsdf bsdf);
 
 /// LightKind::point, spot and directional: a row of claray/shared/lights.h each.
 enum class LightKind : std::uint32_t {

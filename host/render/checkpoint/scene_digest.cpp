@@ -73,8 +73,7 @@ private:
                      clearcoat_normal_map, clearcoat_normal_scale, specular_map, specular_weight_map, shininess_map,
                      sheen_map, sheen_roughness_map, anisotropy_map, iridescence_map, film_thickness_map, opacity_map,
                      normal_map, normal_scale, height_map, height_scale, light_map, custom,
-                     parameters CLARAY_BSDF_PARAMETERS(CLARAY_ROW)] =
-            material;
+                     parameters CLARAY_BSDF_PARAMETERS(CLARAY_ROW)] = material;
         add(kind, albedo, emission, roughness, ior, metallic, transmission, thin_walled, clearcoat, clearcoat_roughness,
             specular, specular_weight, specular_tint, sheen, sheen_roughness, anisotropy, anisotropy_rotation,
             iridescence, iridescence_ior, film_thickness, attenuation, attenuation_distance, opacity, alpha_mode,

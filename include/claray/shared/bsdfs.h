@@ -41,7 +41,7 @@
     X(thin_walls, THIN_WALLS, "thin-walls", 1, 1, 1) \
     X(coated_metal, COATED_METAL, "coated-metal", 0, 1, 1)
 
-/// The BSDFs that programs add (claray/bsdf.hpp).
+/// The BSDFs that programs add (claray/scene.hpp).
 #define CLARAY_CUSTOM_KINDS(X) X(custom, CUSTOM, "custom", 0, 1, 1)
 
 #define CLARAY_BSDFS(X) CLARAY_MATERIAL_KINDS(X) CLARAY_HIT_KINDS(X) CLARAY_CUSTOM_KINDS(X)

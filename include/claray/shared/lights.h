@@ -1,5 +1,5 @@
-// The list of the kinds of lights that are no triangles and no images. The kinds, effects, names and checks on the host, and
-// in the kernels the choice among kinds are made from it (kernels/lights/kinds.clh, docs/architecture.md).
+// The list of the kinds of lights that are no triangles and no images. The kinds, effects, names and checks on the
+// host, and in the kernels the choice among kinds are made from it (kernels/lights/kinds.clh, docs/architecture.md).
 #ifndef CLARAY_SHARED_LIGHTS_H
 #define CLARAY_SHARED_LIGHTS_H
 
@@ -16,12 +16,13 @@
 //   cone  1: it has a direction, and shines within Light::outer_angle of it
 
 /// Lights without extent, which only shadow rays find.
-#define CLARAY_HIDDEN_LIGHTS(X)                        \
-    X(point, POINT, "point", 0, 0)                     \
-    X(directional, DIRECTIONAL, "directional", 1, 0)   \
+#define CLARAY_HIDDEN_LIGHTS(X)                      \
+    X(point, POINT, "point", 0, 0)                   \
+    X(directional, DIRECTIONAL, "directional", 1, 0) \
     X(spot, SPOT, "spot", 0, 1)
 
-/// Far lights with an extent: rays that leave the scene find them, too. kernels/lights/name.clh has radiance_of_name_light.
+/// Far lights with an extent: rays that leave the scene find them, too. kernels/lights/name.clh has
+/// radiance_of_name_light.
 #define CLARAY_SEEN_LIGHTS(X) X(sun, SUN, "sun", 1, 1)
 
 #define CLARAY_LIGHT_KINDS(X) CLARAY_HIDDEN_LIGHTS(X) CLARAY_SEEN_LIGHTS(X)

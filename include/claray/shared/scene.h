@@ -37,7 +37,7 @@ typedef struct MaterialData {
     float iridescence, film_ior;
     float film_thickness, film_thickness_min;  // nanometres; at a hit, the first is the thickness there
     float coat_x, coat_y, coat_z;              // normal of the coat at a hit, in the local frame
-    uint custom;  // number of the added BSDF; `energy` is where its parameters begin
+    uint custom;                               // number of the added BSDF; `energy` is where its parameters begin
 #define CLARAY_MEMBER(name, text, standard, check) float name;
     CLARAY_BSDF_PARAMETERS(CLARAY_MEMBER)
 #undef CLARAY_MEMBER
