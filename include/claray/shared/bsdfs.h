@@ -46,6 +46,9 @@
 
 #define CLARAY_BSDFS(X) CLARAY_MATERIAL_KINDS(X) CLARAY_HIT_KINDS(X) CLARAY_CUSTOM_KINDS(X)
 
+/// Kinds that are shaded with the normal as it is, not bent to the viewer, on whom diffuse light does not depend.
+#define CLARAY_IS_DIFFUSE(kind) ((kind) == CLARAY_LAMBERT)
+
 /// Parameters that only one BSDF reads. A row is X(name, "name in errors", default, check): Material::name and
 /// MaterialData::name; `check` is the range that validation requires: `share` (0..1) or `sound` (not negative, finite).
 #define CLARAY_BSDF_PARAMETERS(X) X(shininess, "shininess", 32.f, sound) /* blinn_phong: the highlight's exponent */
