@@ -136,6 +136,7 @@ Material coated_brushed_metal(float roughness) {
 
 const std::vector<Kind> kinds = {
     {"Lambert", [](float r) { return white(MaterialKind::lambert, r); }},
+    {"OrenNayar", [](float r) { return white(MaterialKind::oren_nayar, r); }},
     {"Mirror", [](float r) { return white(MaterialKind::mirror, r); }},
     {"Metal", plain_metal},
     {"Glass", plain_glass},

@@ -15,6 +15,7 @@
 #define CLARAY_THIN_WALLS 7u
 #define CLARAY_UNLIT 8u
 #define CLARAY_CUSTOM 9u
+#define CLARAY_OREN_NAYAR 10u
 
 // A row is X(name, NAME, "name for users", transmits, lobes, rough):
 //   name       MaterialKind::name, Effect::name, kernels/bsdf/name.clh with sample_name, eval_name and is_delta_name
@@ -34,7 +35,8 @@
     X(metal, METAL, "metal", 0, 1, 1)                   \
     X(blinn_phong, BLINN_PHONG, "blinn-phong", 0, 1, 0) \
     X(principled, PRINCIPLED, "principled", 0, 1, 1)    \
-    X(unlit, UNLIT, "unlit", 0, 0, 0)
+    X(unlit, UNLIT, "unlit", 0, 0, 0)                   \
+    X(oren_nayar, OREN_NAYAR, "oren-nayar", 0, 0, 1)
 
 /// Kinds that only a hit can have: glass with Material::thin_walled, and the random variant of a principled material.
 #define CLARAY_HIT_KINDS(X)                          \
@@ -47,7 +49,7 @@
 #define CLARAY_BSDFS(X) CLARAY_MATERIAL_KINDS(X) CLARAY_HIT_KINDS(X) CLARAY_CUSTOM_KINDS(X)
 
 /// Kinds that are shaded with the normal as it is, not bent to the viewer, on whom diffuse light does not depend.
-#define CLARAY_IS_DIFFUSE(kind) ((kind) == CLARAY_LAMBERT)
+#define CLARAY_IS_DIFFUSE(kind) ((kind) == CLARAY_LAMBERT || (kind) == CLARAY_OREN_NAYAR)
 
 /// Parameters that only one BSDF reads. A row is X(name, "name in errors", default, check): Material::name and
 /// MaterialData::name; `check` is the range that validation requires: `share` (0..1) or `sound` (not negative, finite).
