@@ -13,7 +13,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr const char* table_name = "plan/model";
-constexpr Builder builders[] = {Builder::fast, Builder::balanced, Builder::high};
 constexpr unsigned side = 128;  // of the images that are rendered
 constexpr double least_seconds = 0.15;
 constexpr int rounds = 5;
@@ -25,14 +24,28 @@ struct Figure {
     double& (*of)(DeviceModel& model);
 };
 constexpr Figure figures[] = {
-    {"FAST_PICOSECONDS_PER_TRIANGLE", 1e3, [](DeviceModel& m) -> double& { return m.fast.build_nanoseconds; }},
-    {"BALANCED_PICOSECONDS_PER_TRIANGLE", 1e3, [](DeviceModel& m) -> double& { return m.balanced.build_nanoseconds; }},
-    {"HIGH_PICOSECONDS_PER_TRIANGLE", 1e3, [](DeviceModel& m) -> double& { return m.high.build_nanoseconds; }},
-    {"FAST_SAMPLES_PER_SECOND", 1, [](DeviceModel& m) -> double& { return m.fast.samples_per_second; }},
-    {"BALANCED_SAMPLES_PER_SECOND", 1, [](DeviceModel& m) -> double& { return m.balanced.samples_per_second; }},
-    {"HIGH_SAMPLES_PER_SECOND", 1, [](DeviceModel& m) -> double& { return m.high.samples_per_second; }},
-    {"INDEPENDENT_COST_PERMILLE", 1e3, [](DeviceModel& m) -> double& { return m.independent_cost; }},
+#define CLARAY_ROW(name, NAME, note, codes, splits) \
+    {#NAME "_PICOSECONDS_PER_TRIANGLE", 1e3, [](DeviceModel& m) -> double& { return m.name.build_nanoseconds; }},
+    CLARAY_PLANNED_BUILDERS(CLARAY_ROW)
+#undef CLARAY_ROW
+#define CLARAY_ROW(name, NAME, note, codes, splits) \
+    {#NAME "_SAMPLES_PER_SECOND", 1, [](DeviceModel& m) -> double& { return m.name.samples_per_second; }},
+        CLARAY_PLANNED_BUILDERS(CLARAY_ROW)
+#undef CLARAY_ROW
+            {"INDEPENDENT_COST_PERMILLE", 1e3, [](DeviceModel& m) -> double& { return m.independent_cost; }},
 };
+
+/// Of a model or a const one. `fast` for a builder that the planner does not choose.
+template <class Model>
+auto& preset_of(Model& model, Builder builder) {
+    switch (builder) {
+#define CLARAY_ROW(name, NAME, note, codes, splits) \
+    case Builder::name: return model.name;
+        CLARAY_PLANNED_BUILDERS(CLARAY_ROW)
+#undef CLARAY_ROW
+        default: return model.fast;
+    }
+}
 
 /// On a CPU device the threads' time shared out among its units, which other programs don't lengthen.
 double render_seconds(const Device& device, Renderer& renderer) {
@@ -73,21 +86,20 @@ void measure_speeds(const Device& device, const Scene& scene, DeviceModel& model
     const double seconds = seconds_at(4);
     config.spp = unsigned(std::clamp(4 * least_seconds / std::max(seconds, 1e-5), 1.0, 65536.0));
     std::vector<Renderer> renderers;
-    for (const Builder builder : builders) {
+    for (const Builder builder : planned_builders) {
         config.bvh.builder = builder;
         renderers.emplace_back(device, scene, config);
         (void)renderers.back().render();
     }
-    double least[] = {INFINITY, INFINITY, INFINITY};
+    std::vector<double> least(renderers.size(), INFINITY);
     for (std::uint32_t round = 1; round <= rounds; ++round)
         for (std::size_t i = 0; i < renderers.size(); ++i) {
             renderers[i].restart(round);
             least[i] = std::min(least[i], render_seconds(device, renderers[i]));
         }
     const double samples = double(side) * side * config.spp;
-    model.fast.samples_per_second = samples / least[0];
-    model.balanced.samples_per_second = samples / least[1];
-    model.high.samples_per_second = samples / least[2];
+    for (std::size_t i = 0; i < least.size(); ++i)
+        preset_of(model, planned_builders[i]).samples_per_second = samples / least[i];
 }
 
 /// Error squared times seconds: what an error costs, since it falls with the root of the time.
@@ -106,13 +118,7 @@ double cost_of_error(const Device& device, const Scene& scene, Sampler sampler) 
 
 }  // namespace
 
-const DeviceModel::Preset& DeviceModel::of(Builder builder) const {
-    switch (builder) {
-        case Builder::balanced: return balanced;
-        case Builder::high: return high;
-        default: return fast;
-    }
-}
+const DeviceModel::Preset& DeviceModel::of(Builder builder) const { return preset_of(*this, builder); }
 
 DeviceModel stored_model(const Device& device) {
     DeviceModel model;
@@ -140,12 +146,10 @@ DeviceModel measure_model(const Device& device, std::size_t triangles, const Mea
     DeviceModel model;
     const double nanoseconds = 1e9 / double(triangles);
     const auto goes_on = [&](const char* what) { return !progress || progress(what); };
-    if (!goes_on("the fast builder")) return {};
-    model.fast.build_nanoseconds = nanoseconds * seconds_to_build(device, scene, Builder::fast);
-    if (!goes_on("the balanced builder")) return {};
-    model.balanced.build_nanoseconds = nanoseconds * seconds_to_build(device, scene, Builder::balanced);
-    if (!goes_on("the high builder")) return {};
-    model.high.build_nanoseconds = nanoseconds * seconds_to_build(device, scene, Builder::high);
+    for (const Builder builder : planned_builders) {
+        if (!goes_on(traits_of(builder).name)) return {};
+        preset_of(model, builder).build_nanoseconds = nanoseconds * seconds_to_build(device, scene, builder);
+    }
     if (!goes_on("samples per second with these trees")) return {};
     measure_speeds(device, scene, model);
     if (!goes_on("the error of both samplers")) return {};

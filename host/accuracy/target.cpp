@@ -16,9 +16,7 @@ constexpr std::size_t pilot_triangles = 20'000;
 constexpr double sure_gain = 1.25;  // by which a better tree must save more than it costs: models err
 constexpr double late = 1.1;        // of a time limit
 
-const char* name_of(Builder builder) {
-    return builder == Builder::fast ? "fast" : builder == Builder::balanced ? "balanced" : "high";
-}
+const char* name_of(Builder builder) { return traits_of(builder).name; }
 
 double build_seconds(const DeviceModel& model, Builder builder, std::size_t triangles) {
     return 1e-9 * model.of(builder).build_nanoseconds * double(triangles);
@@ -48,10 +46,10 @@ std::string why(const TargetPlan& plan, Builder builder, double seconds) {
         return printed("tree: %s; no model is stored for this device (see claray tune)", name_of(builder));
     std::string text = printed("tree: %s, for %zu triangles and about %s of sampling;", name_of(builder),
                                plan.triangles, told_time(seconds).c_str());
-    for (const Builder other : {Builder::fast, Builder::balanced, Builder::high})
+    for (const Builder other : planned_builders)
         text += printed(" %s %s and %.2f times the speed%s", name_of(other),
                         told_time(build_seconds(plan.model, other, plan.triangles)).c_str(),
-                        speed_of(plan.model, other), other == Builder::high ? "" : ",");
+                        speed_of(plan.model, other), other == std::end(planned_builders)[-1] ? "" : ",");
     return text;
 }
 
@@ -110,7 +108,7 @@ Builder choose_builder(const DeviceModel& model, std::size_t triangles, double s
     if (!model.known()) return built;
     Builder best = built;
     double least = seconds / speed_of(model, built);
-    for (const Builder other : {Builder::fast, Builder::balanced, Builder::high}) {
+    for (const Builder other : planned_builders) {
         if (other == built) continue;
         const double tracing = seconds / speed_of(model, other), all = tracing + build_seconds(model, other, triangles);
         const bool sure = seconds / speed_of(model, built) - tracing > sure_gain * (all - tracing);

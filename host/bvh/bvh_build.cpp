@@ -52,7 +52,7 @@ Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& wit
 
 void Bvh::State::prepare_to_build() {
     prepared_ = true;
-    if (config.builder != Builder::high) allocate_for_sorting();
+    if (traits_of(config.builder).codes) allocate_for_sorting();
     compile_side_by_side(device, [this] { load_kernels(1); });
     load_kernels(count);
 }
@@ -62,8 +62,8 @@ void Bvh::State::load_kernels(std::size_t keys_to_sort) {
     finish_bounds_ = load_kernel(device, "bvh/bounds.cl", "finish_bounds");
     if (ranges == 0)
         bounds_ = load_kernel(device, "bvh/bounds.cl", "compute_bounds",
-                              {{"WHOLE_BOXES", config.builder == Builder::high ? "1" : "0"}});
-    if (config.builder != Builder::high) load_for_sorting(keys_to_sort);
+                              {{"WHOLE_BOXES", traits_of(config.builder).codes ? "0" : "1"}});
+    if (traits_of(config.builder).codes) load_for_sorting(keys_to_sort);
     if (layout == Layout::wide) {
         begin_collapse_ = load_kernel(device, "bvh/collapse.cl", "begin_collapse");
         collapse_level_ = load_kernel(device, "bvh/collapse.cl", "collapse_level");
@@ -98,13 +98,14 @@ void Bvh::State::load_for_sorting(std::size_t keys) {
 
 void Bvh::State::allocate() {
     std::uint32_t capacity = count;  // of leaves
-    if (config.builder == Builder::high) {
-        sbvh = Sbvh(device, count, config.split_budget);
+    if (!traits_of(config.builder).codes) {
+        const bool splits = traits_of(config.builder).splits;
+        sbvh = Sbvh(device, count, splits ? config.split_budget : 0);
         capacity = sbvh.capacity();
         other_nodes = Buffer<BvhNode>(device, capacity);
         other_leaves = Buffer<LeafTriangle>(device, capacity);
-        reinsertion = Reinsertion(device, capacity);
-        renumber = TreeLayout(device, capacity, 1, false);
+        if (splits) reinsertion = Reinsertion(device, capacity);
+        if (splits) renumber = TreeLayout(device, capacity, 1, false);
         finish = TreeLayout(device, capacity, leaf_limit(), true);
     }
     header = Buffer<BvhHeader>(device, 1);
@@ -172,7 +173,7 @@ void Bvh::State::build_tree(Buffer<Code>& codes, RadixSort<Code>& sort) {
 }
 
 /// Leaves are references until the last copy of the tree turns them into triangles.
-void Bvh::State::build_high(unsigned rounds) {
+void Bvh::State::build_from_root(unsigned rounds) {
     if (rounds == 0) {
         sbvh.build(triangles, bound_keys, other_nodes, other_leaves, header);
     } else {
@@ -184,7 +185,7 @@ void Bvh::State::build_high(unsigned rounds) {
     // Moving nodes has no bound on the height; a tree that is too high for the stack of a traversal is not used.
     if (rounds == 0 || read_header().height <= CLARAY_MAX_HEIGHT) return;
     compute_bounds();  // begins anew: counts triangles instead of references
-    build_high(0);
+    build_from_root(0);
 }
 
 template <class Code>
@@ -225,8 +226,8 @@ void Bvh::State::build() {
     if (!prepared_) prepare_to_build();
     built_cost = 0;
     compute_bounds();
-    if (config.builder == Builder::high)
-        build_high(config.optimization_rounds);
+    if (!traits_of(config.builder).codes)
+        build_from_root(traits_of(config.builder).splits ? config.optimization_rounds : 0);
     else if (sort64)
         build_tree(codes64, *sort64);
     else

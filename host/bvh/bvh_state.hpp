@@ -48,7 +48,7 @@ struct Bvh::State {
     std::unique_ptr<RadixSort<std::uint32_t>> sort32;
     std::unique_ptr<RadixSort<std::uint64_t>> sort64;
 
-    // Of the builder `high`: a second tree, for copying to and fro.
+    // Of builders that split from the root down: a second tree, for copying to and fro.
     Buffer<BvhNode> other_nodes;
     Buffer<LeafTriangle> other_leaves;
     Sbvh sbvh;
@@ -64,7 +64,7 @@ private:
     void compute_bounds();
     template <class Code>
     void build_tree(Buffer<Code>& codes, RadixSort<Code>& sort);
-    void build_high(unsigned rounds);
+    void build_from_root(unsigned rounds);
     template <class Code>
     void build_lbvh(const Buffer<Code>& codes);
     template <class Code>

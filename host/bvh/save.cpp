@@ -203,7 +203,7 @@ void restore_high(const TreeHeader& header, Bvh::Config& config) {
 Bvh::Config config_of(const SavedFile& file, Layout layout) {
     const TreeHeader& header = file.header();
     const std::uint32_t most_in_leaf = header.high >> 16;
-    if (header.builder > std::uint32_t(Builder::high) || (header.morton_bits != 30 && header.morton_bits != 63) ||
+    if (header.builder >= std::size(builders) || (header.morton_bits != 30 && header.morton_bits != 63) ||
         most_in_leaf < 1 || most_in_leaf > CLARAY_BLOCK || (header.high & 0xffffu) > most_rounds)
         file.refuse_damaged("its builder settings are invalid");
     Bvh::Config config;
@@ -211,7 +211,7 @@ Bvh::Config config_of(const SavedFile& file, Layout layout) {
     config.morton_bits = header.morton_bits;
     config.layout = layout;
     config.max_leaf_triangles = most_in_leaf;
-    if (config.builder == Builder::high) restore_high(header, config);
+    if (traits_of(config.builder).splits) restore_high(header, config);
     return config;
 }
 
@@ -238,7 +238,7 @@ void read_arrays(SavedFile& file, Bvh::State& s) {
     const SavedTree::Counts counts = {.triangles = s.count,
                                       .vertices = h.positions / 3,
                                       .most_in_leaf = s.config.max_leaf_triangles,
-                                      .splits = s.config.builder == Builder::high};
+                                      .splits = traits_of(s.config.builder).splits};
     if (const std::string fault = tree.fault(h.bvh, counts); !fault.empty()) file.refuse_damaged(fault);
 }
 

@@ -1,4 +1,4 @@
-// The tree of the builder `high`: kernels/bvh/sbvh/sbvh.cl.
+// Splits from the root down, for the builders without Morton codes: kernels/bvh/sbvh.cl.
 #pragma once
 
 #include "claray/bvh.hpp"

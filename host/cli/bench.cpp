@@ -196,7 +196,7 @@ void add_bench_command(CLI::App& app, Action& action) {
     command->add_option("--scene,scenes", o.bench.scenes,
                         "Scene files (.obj, .gltf, .glb), built-in scenes, or NAME.scn with NAME.ray [soup:50000 "
                         "terrain:200000 hair:50000]");
-    command->add_option("--preset", o.bench.presets, "fast, balanced, high [all]")
+    command->add_option("--preset", o.bench.presets, "Builders to measure [all]")
         ->delimiter(',')
         ->allow_extra_args(false)
         ->transform(choice_of(measure::builders))

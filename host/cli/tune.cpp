@@ -67,9 +67,11 @@ std::vector<measure::TunedRow> measured_model(const Device& device, const std::s
     if (std::string("plan/model").find(only) == std::string::npos) return {};
     const DeviceModel model = measure_model(device);
     std::vector<Row> table = {{"plan/model", "build ns/triangle", "samples/s"}};
-    for (const auto& [name, preset] :
-         {std::pair("  fast", model.fast), std::pair("  balanced", model.balanced), std::pair("  high", model.high)})
-        table.push_back({name, fixed(preset.build_nanoseconds, 1), fixed(preset.samples_per_second, 0)});
+    for (const Builder builder : planned_builders) {
+        const DeviceModel::Preset& preset = model.of(builder);
+        table.push_back({std::string("  ") + traits_of(builder).name, fixed(preset.build_nanoseconds, 1),
+                         fixed(preset.samples_per_second, 0)});
+    }
     print_table(table, 1);
     std::printf("  independent samples need %.2f times the time of Sobol samples for the same error\n",
                 model.independent_cost);

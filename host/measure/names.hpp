@@ -10,7 +10,10 @@
 namespace claray::measure {
 
 inline const std::vector<std::pair<std::string, Builder>> builders = {
-    {"fast", Builder::fast}, {"balanced", Builder::balanced}, {"high", Builder::high}};
+#define CLARAY_ROW(name, NAME, note, codes, splits) {#name, Builder::name},
+    CLARAY_BUILDERS(CLARAY_ROW)
+#undef CLARAY_ROW
+};
 inline const std::vector<std::pair<std::string, Layout>> layouts = {
     {"auto", Layout::automatic}, {"binary", Layout::binary}, {"wide", Layout::wide}};
 

@@ -19,12 +19,42 @@ enum class Layout {
     wide        ///< 8 boxes per node and up to 4 triangles per leaf, tested together by vector instructions
 };
 
-/// How the tree is built: time for quality.
+// The list of all builders. A row is X(name, NAME, "note for users", codes, splits):
+//   name    Builder::name, and the name for users
+//   NAME    prefix of the planner's tuning rows
+//   codes   1: sorts Morton codes first; 0: splits nodes from the root down (host/bvh/sbvh.hpp)
+//   splits  1: splits large triangles into several boxes, and moves nodes afterwards
+
+/// Builders that the planner chooses among (claray/target.hpp).
+#define CLARAY_PLANNED_BUILDERS(X)                     \
+    X(fast, FAST, "fastest to build", 1, 0)            \
+    X(balanced, BALANCED, "better tree, slower", 1, 0) \
+    X(high, HIGH, "best tree, slowest", 0, 1)
+#define CLARAY_OTHER_BUILDERS(X)
+#define CLARAY_BUILDERS(X) CLARAY_PLANNED_BUILDERS(X) CLARAY_OTHER_BUILDERS(X)
+
+/// How the tree is built: build time for trace speed. `fast`: linear BVH (Apetrei 2014). `balanced`: hierarchical
+/// locally-ordered clustering (Benthin et al. 2024). `high`: binned SAH from the root down, over large triangles split
+/// into several boxes (Stich et al. 2009), then improved by moving nodes (Meister and Bittner 2018).
 enum class Builder {
-    fast,      ///< linear BVH (Apetrei 2014)
-    balanced,  ///< hierarchical locally-ordered clustering (Benthin et al. 2024): a better tree
-    high  ///< balanced, over large triangles split into several boxes, then improved by moving nodes: the best tree
+#define CLARAY_ROW(name, NAME, note, codes, splits) name,
+    CLARAY_BUILDERS(CLARAY_ROW)
+#undef CLARAY_ROW
 };
+
+struct BuilderTraits {
+    Builder builder;
+    const char* name;
+    const char* note;  ///< for users
+    bool codes;        ///< sorts Morton codes first
+    bool splits;       ///< a large triangle may be in several leaves
+};
+inline constexpr BuilderTraits builders[] = {
+#define CLARAY_ROW(name, NAME, note, codes, splits) {Builder::name, #name, note, (codes) != 0, (splits) != 0},
+    CLARAY_BUILDERS(CLARAY_ROW)
+#undef CLARAY_ROW
+};
+[[nodiscard]] constexpr const BuilderTraits& traits_of(Builder builder) { return builders[std::size_t(builder)]; }
 
 /// Measurements of a built structure.
 struct BvhStatistics {

@@ -9,13 +9,22 @@
 
 namespace claray {
 
+/// The builders that the planner chooses among.
+inline constexpr Builder planned_builders[] = {
+#define CLARAY_ROW(name, NAME, note, codes, splits) Builder::name,
+    CLARAY_PLANNED_BUILDERS(CLARAY_ROW)
+#undef CLARAY_ROW
+};
+
 /// How fast a device builds trees and renders, for each builder.
 struct DeviceModel {
     struct Preset {
         double build_nanoseconds = 0;   ///< per triangle
         double samples_per_second = 0;  ///< in the scene of the model
     };
-    Preset fast, balanced, high;
+#define CLARAY_ROW(name, NAME, note, codes, splits) Preset name;
+    CLARAY_PLANNED_BUILDERS(CLARAY_ROW)  // fast, balanced and high
+#undef CLARAY_ROW
     double independent_cost = 0;  ///< time of independent samples divided by time of Sobol samples, at equal error
 
     [[nodiscard]] const Preset& of(Builder builder) const;

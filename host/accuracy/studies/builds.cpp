@@ -146,11 +146,9 @@ Study study_builds(const Device& device, const Scene& scene, const StudyOptions&
     const Bounds bounds = bounds_of(scene);
     const Buffer<Ray> rays(device, rays_of_scene(device, scene, meshes, options.rays));
     std::vector<Candidate> candidates;
-    candidates.reserve(12);  // tasks keep references to them
+    candidates.reserve(2 * std::size(builders) + 6);  // tasks keep references to them
     const Bvh triangles = Bvh::build(device, meshes);
-    const std::pair<const char*, Builder> builders[] = {
-        {"fast", Builder::fast}, {"balanced", Builder::balanced}, {"high", Builder::high}};
-    for (const auto& [name, builder] : builders)
+    for (const auto& [builder, name, note, codes, splits] : builders)
         for (const unsigned bits : {30u, 63u}) {
             Candidate& c =
                 candidates.emplace_back(Candidate{name, printed("%u bits", bits), double(bits), {}, {}, &rays});

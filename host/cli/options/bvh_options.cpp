@@ -3,13 +3,24 @@
 #include "host/measure/names.hpp"
 
 namespace claray::cli {
+namespace {
+
+/// "fast (fastest to build), balanced (...)".
+std::string builders_with_notes() {
+    std::string text;
+    for (const BuilderTraits& traits : builders)
+        text += (text.empty() ? "" : ", ") + std::string(traits.name) + " (" + traits.note + ')';
+    return text;
+}
+
+}  // namespace
 
 void add_bvh_options(CLI::App& command, Bvh::Config& config) {
     command.add_option("--morton-bits", config.morton_bits, "Bits per Morton code: 30 or 63 [63]")
         ->check(name_among({"30", "63"}));
     command
         .add_option("--builder", config.builder,
-                    "Builder of the tree: fast, balanced (better, slower) or high (best, slowest) [" +
+                    "Builder of the tree: " + builders_with_notes() + " [" +
                         measure::name_of(measure::builders, config.builder) + "]")
         ->transform(choice_of(measure::builders))
         ->type_name("NAME");

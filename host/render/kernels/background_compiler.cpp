@@ -43,10 +43,6 @@ private:
     bool is_busy_ = false;
 };
 
-const char* name_of_builder(Builder builder) {
-    return builder == Builder::fast ? "fast" : builder == Builder::balanced ? "balanced" : "high";
-}
-
 std::vector<std::string> command_line(const std::string& program, const Device& device, const KernelChoice& choice,
                                       const RenderConfig& config) {
     return {program,         "compile",
@@ -55,7 +51,7 @@ std::vector<std::string> command_line(const std::string& program, const Device& 
             "--effects",     to_string(choice.effects),
             "--layout",      choice.layout == Layout::wide ? "wide" : "binary",
             "--morton-bits", std::to_string(config.bvh.morton_bits),
-            "--builder",     name_of_builder(config.bvh.builder)};
+            "--builder",     traits_of(config.bvh.builder).name};
 }
 
 /// On Linux a priority is a thread's, and a process gets that of the thread that starts it (setpriority(2)).

@@ -57,10 +57,8 @@ std::string hash_of_hits(const std::vector<Hit>& hits) {
 
 void tree_hashes(Run& run) {
     Tally committed, again;
-    const std::pair<Builder, const char*> builders[] = {
-        {Builder::fast, "fast"}, {Builder::balanced, "balanced"}, {Builder::high, "high"}};
     for (const auto& [name, mesh] : hashed_meshes())
-        for (const auto& [builder, builder_name] : builders) {
+        for (const auto& [builder, builder_name, note, codes, splits] : builders) {
             const auto hash = [&] {
                 return Bvh::build(run.device(), std::span(&mesh, 1), {.builder = builder, .layout = Layout::binary})
                     .hash();

@@ -11,12 +11,6 @@
 namespace claray::verify {
 namespace {
 
-struct NamedBuilder {
-    Builder builder;
-    const char* name;
-};
-constexpr NamedBuilder builders[] = {{Builder::fast, "fast"}, {Builder::balanced, "balanced"}, {Builder::high, "high"}};
-
 double faults_of(const Bvh& bvh) {
     const BvhValidation v = bvh.validate();
     return double(v.leaves_missing) + v.leaves_repeated + v.boxes_not_containing + v.links_broken;
@@ -47,7 +41,7 @@ void tiny_counts(Run& run) {
     double faults = 0;
     Tally differ;
     std::uint64_t trees = 0;
-    for (const auto& [builder, builder_name] : builders)
+    for (const auto& [builder, builder_name, note, codes, splits] : builders)
         for (const auto& [layout, layout_name] : layouts)
             for (const std::size_t count : {0u, 1u, 2u, 3u, 4u, 5u, 9u})
                 for (const char* const at : {"", " at 1e6"}) {
@@ -138,7 +132,7 @@ void junk(Run& run) {
     std::vector<Ray> far_rays(rays.begin(), rays.begin() + run.count<std::ptrdiff_t>(5000, 500'000));
     move_away(far, far_rays);
     for (const auto& [layout, name] : layouts)
-        for (const auto& [builder, builder_name] : builders) {
+        for (const auto& [builder, builder_name, note, codes, splits] : builders) {
             const Bvh::Config config{.builder = builder, .layout = layout};
             const std::string what = std::string(builder_name) + ", " + name;
             junk(run, clean, rays, config, what);
@@ -176,8 +170,8 @@ void equal_codes(Run& run, const EqualMeshes& all, const std::string& at) {
         {&all.equal, "equal"}, {&all.line, "collinear"}, {&all.plane, "planar"}};
     for (const auto& [mesh, name] : meshes)
         for (const unsigned bits : {30u, 63u})
-            for (const auto& [builder, builder_name] : builders) {
-                if (builder == Builder::high && bits == 30) continue;  // has no codes
+            for (const auto& [builder, builder_name, note, codes, splits] : builders) {
+                if (!codes && bits == 30) continue;
                 const Bvh bvh = Bvh::build(run.device(), std::span(mesh, 1), {.builder = builder, .morton_bits = bits});
                 const double wrong = faults_of(bvh);
                 if (wrong > 0) run.failure(name + at + ", " + builder_name + ": the tree is not sound");
@@ -329,8 +323,8 @@ void stack_depth(Run& run) {
 void rebuilds(Run& run) {
     const Mesh mesh = soup(run.count<std::size_t>(20'011, 200'003), 0.02f, run.seed() + 5);
     const int total = run.count(60, 10'000);
-    for (const auto& [builder, name] : builders) {
-        if (builder == Builder::high) continue;  // from the root down, level by level
+    for (const auto& [builder, name, note, codes, splits] : builders) {
+        if (!codes) continue;  // from the root down, level by level
         Bvh bvh = Bvh::build(run.device(), std::span(&mesh, 1), {.builder = builder, .layout = Layout::binary});
         const std::string expected = bvh.hash();
         const int every = run.count(1, 50);  // a hash reads the whole tree
