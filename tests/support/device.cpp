@@ -2,6 +2,8 @@
 
 #include <cstdlib>
 
+#include <gtest/gtest.h>
+
 namespace claray::test {
 namespace {
 
@@ -13,10 +15,22 @@ Device open_device() {
     return Device::open();
 }
 
+/// Waits for the last test's commands. PoCL compiles a kernel in a thread when it first runs, and crashes if the
+/// process exits meanwhile: by then the compiler's own static objects are gone.
+class WaitForDevice : public testing::Environment {
+public:
+    void TearDown() override {
+        if (is_open) device().finish();
+    }
+    static inline bool is_open = false;
+};
+[[maybe_unused]] const auto* const wait_for_device = testing::AddGlobalTestEnvironment(new WaitForDevice);
+
 }  // namespace
 
 Device& device() {
     static Device opened = open_device();
+    WaitForDevice::is_open = true;
     return opened;
 }
 
