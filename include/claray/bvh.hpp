@@ -30,12 +30,13 @@ enum class Layout {
     X(fast, FAST, "fastest to build", 1, 0)            \
     X(balanced, BALANCED, "better tree, slower", 1, 0) \
     X(high, HIGH, "best tree, slowest", 0, 1)
-#define CLARAY_OTHER_BUILDERS(X)
+#define CLARAY_OTHER_BUILDERS(X) X(binned, BINNED, "binned SAH, nothing split or moved", 0, 0)
 #define CLARAY_BUILDERS(X) CLARAY_PLANNED_BUILDERS(X) CLARAY_OTHER_BUILDERS(X)
 
 /// How the tree is built: build time for trace speed. `fast`: linear BVH (Apetrei 2014). `balanced`: hierarchical
 /// locally-ordered clustering (Benthin et al. 2024). `high`: binned SAH from the root down, over large triangles split
-/// into several boxes (Stich et al. 2009), then improved by moving nodes (Meister and Bittner 2018).
+/// into several boxes (Stich et al. 2009), then improved by moving nodes (Meister and Bittner 2018). `binned`: binned
+/// SAH alone (Wald 2007), for comparison and for what is refitted.
 enum class Builder {
 #define CLARAY_ROW(name, NAME, note, codes, splits) name,
     CLARAY_BUILDERS(CLARAY_ROW)

@@ -134,6 +134,18 @@ TEST(High, GivesBetterTrees) {
     EXPECT_LT(cost(build_high(ball)), cost(build(ball, 63, Layout::binary, Builder::balanced)));
 }
 
+/// The same splits without what `high` adds: each triangle has one leaf, and no node moves.
+TEST(Binned, IsSahAlone) {
+    for (const Mesh& mesh : {hall(3000), sphere(4)}) {
+        const Bvh binned = Bvh::build(device(), std::span(&mesh, 1),
+                                      {.builder = Builder::binned, .layout = Layout::binary, .max_leaf_triangles = 1});
+        EXPECT_TRUE(binned.validate().ok());
+        EXPECT_EQ(binned.statistics().references, 0u);
+        EXPECT_EQ(binned.hash(), build_high(mesh, 0.0, 0).hash());
+        EXPECT_LT(binned.statistics().sah_cost, build(mesh, 63, Layout::binary, Builder::fast).statistics().sah_cost);
+    }
+}
+
 using Point = std::array<long double, 3>;
 
 bool holds(const Bounds& box, const Point& p) {
