@@ -47,7 +47,7 @@ std::vector<Value> values_of(const std::string& option, const std::vector<std::s
         if (equals != std::string::npos) values.push_back({words[i].substr(0, equals), {}});
         const auto value = number(equals == std::string::npos ? words[i] : words[i].substr(equals + 1));
         if (values.empty() || !value)
-            refuse(option + ": '" + words[i] + "' is no number", "write KIND,NAME=NUMBERS,NAME=NUMBERS ...");
+            refuse(option + ": '" + words[i] + "' is not a number", "write KIND,NAME=NUMBERS,NAME=NUMBERS ...");
         values.back().numbers.push_back(*value);
     }
     return values;
@@ -67,13 +67,17 @@ float one(const std::string& option, const Value& value) {
     return value.numbers[0];
 }
 
+/// "point, directional, ...".
+std::string kinds() {
+    std::string text;
+    for (const LightTraits& traits : light_kinds) text += (text.empty() ? "" : ", ") + std::string(traits.name);
+    return text;
+}
+
 LightKind kind_named(const std::string& name) {
-    std::string kinds;
-    for (const LightTraits& traits : light_kinds) {
+    for (const LightTraits& traits : light_kinds)
         if (name == traits.name) return traits.kind;
-        kinds += (kinds.empty() ? "" : ", ") + std::string(traits.name);
-    }
-    refuse("--light: there is no kind '" + name + "'", "the kinds are " + kinds);
+    refuse("--light: unknown kind '" + name + "'", "the kinds are " + kinds());
 }
 
 }  // namespace
@@ -99,8 +103,8 @@ Light parse_light(const std::string& text) {
         else if (value.name == "outer")
             light.outer_angle = degree * one(option, value);
         else
-            refuse(option + ": there is no '" + value.name + "'",
-                   "there are position, direction, intensity, range, attenuation, inner and outer");
+            refuse(option + ": unknown value '" + value.name + "'",
+                   "use position, direction, intensity, range, attenuation, inner or outer");
     }
     return light;
 }
@@ -111,7 +115,7 @@ Sky parse_sky(const std::string& text) {
     for (const std::string& word : words)
         if (const auto value = number(word); value && *value >= 0.f) numbers.push_back(*value);
     if (numbers.size() != words.size() || (numbers.size() != 1 && numbers.size() != 3 && numbers.size() != 6))
-        refuse("--sky: '" + text + "' is no radiance", "write R,G,B, or R,G,B,R,G,B from the horizon to the zenith");
+        refuse("--sky: '" + text + "' is not a radiance", "write R,G,B, or R,G,B,R,G,B from the horizon to the zenith");
     if (numbers.size() == 1) numbers.assign(3, numbers[0]);
     if (numbers.size() == 3) numbers.insert(numbers.end(), {numbers[0], numbers[1], numbers[2]});
     return {{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}};
@@ -124,8 +128,10 @@ void add_light_options(CLI::App& command, LightOptions& o) {
             [&o](const std::vector<std::string>& texts) {
                 for (const std::string& text : texts) o.lights.push_back(parse_light(text));
             },
-            "Add a light: point, directional or spot, then values as in\n"
-            "spot,position=0,2,0,direction=0,-1,0,intensity=50,inner=20,outer=30 (degrees; also range, attenuation)")
+            "Add a light: its kind (" + kinds() +
+                "), then values as in\n"
+                "spot,position=0,2,0,direction=0,-1,0,intensity=50,inner=20,outer=30 (degrees; also range, "
+                "attenuation)")
         ->take_all()
         ->type_name("TEXT");
     command.add_option_function<std::string>(

@@ -68,11 +68,11 @@ TEST_F(LightOptions, WithoutAnyThePaleSkyIsTold) {
 }
 
 TEST_F(LightOptions, BadOnesAreRefused) {
-    EXPECT_TRUE(failed_with(render({"--light", "laser"}), 2, "there is no kind 'laser'"));
-    EXPECT_TRUE(failed_with(render({"--light", "point,positon=0,0,0"}), 2, "there is no 'positon'"));
+    EXPECT_TRUE(failed_with(render({"--light", "laser"}), 2, "unknown kind 'laser'"));
+    EXPECT_TRUE(failed_with(render({"--light", "point,positon=0,0,0"}), 2, "unknown value 'positon'"));
     EXPECT_TRUE(failed_with(render({"--light", "point,position=0,0"}), 2, "position has 2 numbers"));
-    EXPECT_TRUE(failed_with(render({"--light", "point,intensity=nan"}), 2, "is no number"));
-    EXPECT_TRUE(failed_with(render({"--sky", "-1"}), 2, "is no radiance"));
+    EXPECT_TRUE(failed_with(render({"--light", "point,intensity=nan"}), 2, "is not a number"));
+    EXPECT_TRUE(failed_with(render({"--sky", "-1"}), 2, "is not a radiance"));
     EXPECT_TRUE(failed_with(render({"--environment-strength", "2"}), 2, "change an environment"));
     EXPECT_TRUE(failed_with(render({"--environment", path("none.hdr")}), 1, "none.hdr"));
 }
