@@ -145,9 +145,9 @@ DeviceModel measure_model(const Device& device, std::size_t triangles, const Mea
     const Scene scene = *builtin_scene("terrain:" + std::to_string(triangles));
     DeviceModel model;
     const double nanoseconds = 1e9 / double(triangles);
-    const auto goes_on = [&](const char* what) { return !progress || progress(what); };
+    const auto goes_on = [&](const std::string& what) { return !progress || progress(what); };
     for (const Builder builder : planned_builders) {
-        if (!goes_on(traits_of(builder).name)) return {};
+        if (!goes_on(std::string("the ") + traits_of(builder).name + " builder")) return {};
         preset_of(model, builder).build_nanoseconds = nanoseconds * seconds_to_build(device, scene, builder);
     }
     if (!goes_on("samples per second with these trees")) return {};
