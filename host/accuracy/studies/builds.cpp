@@ -135,6 +135,28 @@ void judge_refits(Study& study) {
     }
 }
 
+/// Building and tracing by turns: two timings per candidate.
+std::vector<measure::Timing> time_candidates(const Device& device, std::vector<Candidate>& candidates, unsigned rounds,
+                                             const AccuracyProgress& progress) {
+    std::vector<std::function<void()>> tasks;
+    double done = 0;
+    bool goes_on = true;
+    const auto tell = [&](const Candidate& c, const char* what) {
+        done += 1.0 / (2.0 * double(candidates.size()) * (rounds + 1));
+        goes_on = goes_on && (!progress || progress(std::min(done, 1.0), what + (" " + c.method)));
+    };
+    for (Candidate& c : candidates) {
+        auto hits = std::make_shared<Buffer<Hit>>(device, c.rays->size());
+        tasks.emplace_back([&] {
+            if (goes_on) c.make(), device.finish(), tell(c, "building,");
+        });
+        tasks.emplace_back([&, hits] {
+            if (goes_on) closest_hit(c.bvh, *c.rays, *hits), device.finish(), tell(c, "tracing,");
+        });
+    }
+    return measure::measure_rounds(device, int(rounds), tasks);
+}
+
 }  // namespace
 
 Study study_builds(const Device& device, const Scene& scene, const StudyOptions& options,
@@ -176,24 +198,8 @@ Study study_builds(const Device& device, const Scene& scene, const StudyOptions&
     }
     for (Candidate& c : candidates) c.make();
 
-    std::vector<std::function<void()>> tasks;
-    const unsigned rounds = std::max(options.runs, least_rounds);
-    double done = 0;
-    bool goes_on = true;
-    const auto tell = [&](const Candidate& c, const char* what) {
-        done += 1.0 / (2.0 * double(candidates.size()) * (rounds + 1));
-        goes_on = goes_on && (!progress || progress(std::min(done, 1.0), what + (" " + c.method)));
-    };
-    for (Candidate& c : candidates) {
-        auto hits = std::make_shared<Buffer<Hit>>(device, c.rays->size());
-        tasks.emplace_back([&] {
-            if (goes_on) c.make(), device.finish(), tell(c, "building,");
-        });
-        tasks.emplace_back([&, hits] {
-            if (goes_on) closest_hit(c.bvh, *c.rays, *hits), device.finish(), tell(c, "tracing,");
-        });
-    }
-    const std::vector<measure::Timing> timings = measure::measure_rounds(device, int(rounds), tasks);
+    const std::vector<measure::Timing> timings =
+        time_candidates(device, candidates, std::max(options.runs, least_rounds), progress);
     for (std::size_t i = 0; i < candidates.size(); ++i)
         study.points.push_back(point_of_build(candidates[i], timings[2 * i], timings[2 * i + 1]));
     mark_fronts(study);

@@ -235,9 +235,10 @@ void srgb(Run& run) {
     run.check("absolute error of a texture on the device", 256, on_device, 1e-6, "");
 }
 
-/// A bright spot at the pole, where rows of the image shrink to a point, and another beside the seam.
-void environment_poles(Run& run) {
-    Environment environment;
+namespace {
+
+/// Bright at both poles, and in a texel at the seam.
+Texture uneven_sky() {
     Texture sky;
     sky.width = 32, sky.height = 16, sky.channels = 3, sky.format = TexelFormat::float32;
     for (unsigned y = 0; y < sky.height; ++y)
@@ -245,7 +246,15 @@ void environment_poles(Run& run) {
             const float value = y == 0 ? 50.f : y == 15 ? 20.f + float(x) : x == 31 && y == 8 ? 80.f : 0.3f;
             sky.floats.insert(sky.floats.end(), 3, value);
         }
-    environment.images = {sky};
+    return sky;
+}
+
+}  // namespace
+
+/// A bright spot at the pole, where rows of the image shrink to a point, and another beside the seam.
+void environment_poles(Run& run) {
+    Environment environment;
+    environment.images = {uneven_sky()};
     const EnvironmentImage image = environment_image(environment);
     const EnvironmentData data{image.width, image.height, 0.f, image.density, 1.f};
     const Buffer<float> texels(run.device(), image.texels), cdf(run.device(), image.cdf);
