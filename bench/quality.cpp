@@ -94,7 +94,6 @@ int main(int argc, char** argv) try {
     app.add_option("--builders", options.builders, "presets to compare")->allow_extra_args(false)->delimiter(',');
     app.add_option("--splits", options.config.split_budget, "further references a triangle");
     app.add_option("--leaf", options.config.max_leaf_triangles, "triangles a leaf may hold");
-    app.add_option("--rounds", options.config.optimization_rounds, "rounds of moving nodes");
     app.add_option("scenes", options.scenes);
     CLI11_PARSE(app, argc, argv);
     const Device device = Device::open(options.device);

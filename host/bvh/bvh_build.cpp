@@ -99,14 +99,11 @@ void Bvh::State::load_for_sorting(std::size_t keys) {
 void Bvh::State::allocate() {
     std::uint32_t capacity = count;  // of leaves
     if (!traits_of(config.builder).codes) {
-        const bool splits = traits_of(config.builder).splits;
-        sbvh = Sbvh(device, count, splits ? config.split_budget : 0);
+        sbvh = Sbvh(device, count, traits_of(config.builder).splits ? config.split_budget : 0);
         capacity = sbvh.capacity();
         other_nodes = Buffer<BvhNode>(device, capacity);
         other_leaves = Buffer<LeafTriangle>(device, capacity);
-        if (splits) reinsertion = Reinsertion(device, capacity);
-        if (splits) renumber = TreeLayout(device, capacity, 1, false);
-        finish = TreeLayout(device, capacity, leaf_limit(), true);
+        finish = TreeLayout(device, capacity, leaf_limit());
     }
     header = Buffer<BvhHeader>(device, 1);
     bound_keys = Buffer<std::uint32_t>(device, 6);
@@ -172,20 +169,10 @@ void Bvh::State::build_tree(Buffer<Code>& codes, RadixSort<Code>& sort) {
     if (read_header().height > CLARAY_MAX_HEIGHT) build_lbvh(codes);
 }
 
-/// Leaves are references until the last copy of the tree turns them into triangles.
-void Bvh::State::build_from_root(unsigned rounds) {
-    if (rounds == 0) {
-        sbvh.build(triangles, bound_keys, other_nodes, other_leaves, header);
-    } else {
-        sbvh.build(triangles, bound_keys, nodes, leaves, header);
-        renumber.copy(triangles, nodes, leaves, sbvh.capacity(), arrivals, header, other_nodes, other_leaves);
-        reinsertion.run(other_nodes, arrivals, header, rounds, 1);
-    }
+/// Leaves are references until the copy turns them into triangles.
+void Bvh::State::build_from_root() {
+    sbvh.build(triangles, bound_keys, other_nodes, other_leaves, header);
     finish.copy(triangles, other_nodes, other_leaves, sbvh.capacity(), arrivals, header, nodes, leaves);
-    // Moving nodes has no bound on the height; a tree that is too high for the stack of a traversal is not used.
-    if (rounds == 0 || read_header().height <= CLARAY_MAX_HEIGHT) return;
-    compute_bounds();  // begins anew: counts triangles instead of references
-    build_from_root(0);
 }
 
 template <class Code>
@@ -227,7 +214,7 @@ void Bvh::State::build() {
     built_cost = 0;
     compute_bounds();
     if (!traits_of(config.builder).codes)
-        build_from_root(traits_of(config.builder).splits ? config.optimization_rounds : 0);
+        build_from_root();
     else if (sort64)
         build_tree(codes64, *sort64);
     else

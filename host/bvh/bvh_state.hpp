@@ -5,7 +5,6 @@
 
 #include "claray/bvh.hpp"
 #include "host/bvh/layout.hpp"
-#include "host/bvh/reinsertion.hpp"
 #include "host/bvh/sbvh.hpp"
 #include "host/sort/radix_sort.hpp"
 
@@ -48,12 +47,11 @@ struct Bvh::State {
     std::unique_ptr<RadixSort<std::uint32_t>> sort32;
     std::unique_ptr<RadixSort<std::uint64_t>> sort64;
 
-    // Of builders that split from the root down: a second tree, for copying to and fro.
+    // Of builders that split from the root down: the tree before it is copied into its final order.
     Buffer<BvhNode> other_nodes;
     Buffer<LeafTriangle> other_leaves;
     Sbvh sbvh;
-    Reinsertion reinsertion;
-    TreeLayout renumber, finish;
+    TreeLayout finish;
 
 private:
     void prepare_to_build();
@@ -64,7 +62,7 @@ private:
     void compute_bounds();
     template <class Code>
     void build_tree(Buffer<Code>& codes, RadixSort<Code>& sort);
-    void build_from_root(unsigned rounds);
+    void build_from_root();
     template <class Code>
     void build_lbvh(const Buffer<Code>& codes);
     template <class Code>

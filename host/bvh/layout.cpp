@@ -9,9 +9,9 @@ constexpr std::size_t words_per_subtree = 9;
 
 }  // namespace
 
-TreeLayout::TreeLayout(const Device& device, std::uint32_t capacity, unsigned max_leaf, bool references)
+TreeLayout::TreeLayout(const Device& device, std::uint32_t capacity, unsigned max_leaf)
     : subtrees_(device, words_per_subtree * capacity) {
-    const Defines defines = {{"MAX_LEAF", std::to_string(max_leaf) + "u"}, {"REFERENCES", references ? "1" : "0"}};
+    const Defines defines = {{"MAX_LEAF", std::to_string(max_leaf) + "u"}};
     measure_ = load_kernel(device, layout_file, "measure_subtrees", defines);
     copy_ = load_kernel(device, layout_file, "copy_tree", defines);
     finish_ = load_kernel(device, layout_file, "finish_copy", defines);

@@ -8,11 +8,10 @@ namespace claray {
 class TreeLayout {
 public:
     TreeLayout() = default;
-    /// For trees of at most `capacity` leaves. With `references` the leaves copied are references, and become
-    /// triangles.
-    TreeLayout(const Device& device, std::uint32_t capacity, unsigned max_leaf, bool references);
+    /// For trees of at most `capacity` leaves, each a reference to a triangle.
+    TreeLayout(const Device& device, std::uint32_t capacity, unsigned max_leaf);
 
-    /// Copies the first `leaf_count` leaves and the tree over them. Enqueued only.
+    /// Copies the triangles of the first `leaf_count` leaves and the tree over them. Asynchronous.
     void copy(const TriangleBuffers& triangles, const Buffer<BvhNode>& nodes, const Buffer<LeafTriangle>& leaves,
               std::uint32_t leaf_count, Buffer<std::uint32_t>& arrivals, const Buffer<BvhHeader>& header,
               const Buffer<BvhNode>& new_nodes, const Buffer<LeafTriangle>& new_leaves);

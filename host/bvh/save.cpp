@@ -19,9 +19,6 @@ constexpr std::array<char, 8> tree_magic = {'C', 'L', 'R', 'B', 'V', 'H', '\r', 
 constexpr std::uint32_t tree_version = 2;
 /// What the arrays are made of: a file of other structs is not ours to read.
 constexpr std::uint32_t struct_sizes = sizeof(BvhNode) << 16 | sizeof(LeafTriangle) << 8 | sizeof(BvhHeader);
-/// Rounds of the builder `high` that are kept: more gain nothing, and a forged number would keep a rebuild busy for
-/// hours.
-constexpr std::uint32_t most_rounds = 100;
 constexpr std::size_t chunk_bytes = std::size_t(16) << 20;
 
 /// The beginning of a file. Then the arrays in the order of their counts, and the digest of all that follows the
@@ -33,7 +30,7 @@ struct TreeHeader {
     std::uint32_t structs;
     std::uint32_t builder;
     std::uint32_t morton_bits;
-    std::uint32_t high;  // rounds of the builder `high`, and above 16 bits triangles a leaf
+    std::uint32_t leaf_limit;  // triangles per leaf, in the upper 16 bits; the lower bits are not read
     std::uint64_t file_bytes;
     std::uint64_t nodes, leaves, positions, indices, geometries, masks;  // elements
     BvhHeader bvh;
@@ -163,7 +160,7 @@ void Bvh::save(const std::filesystem::path& path) const {
     header.structs = struct_sizes;
     header.builder = std::uint32_t(s.config.builder);
     header.morton_bits = s.config.morton_bits;
-    header.high = std::min(s.config.optimization_rounds, most_rounds) | s.leaf_limit() << 16;
+    header.leaf_limit = s.leaf_limit() << 16;
     header.nodes = s.nodes.size();
     header.leaves = s.leaves.size();
     header.positions = s.triangles.positions.size();
@@ -192,26 +189,24 @@ void Bvh::save(const std::filesystem::path& path) const {
 
 namespace {
 
-/// The settings of the builder `high` with which the structure was built: the room for parts of triangles tells the
-/// budget.
-void restore_high(const TreeHeader& header, Bvh::Config& config) {
+/// Returns the split budget of a build that allocated so many leaves.
+double split_budget_of(const TreeHeader& header) {
     const auto triangles = double(header.indices / 3);
-    config.optimization_rounds = header.high & 0xffffu;
-    config.split_budget = triangles > 0 ? std::max(0.0, (double(header.leaves) - triangles + 0.5) / triangles) : 0.0;
+    return triangles > 0 ? std::max(0.0, (double(header.leaves) - triangles + 0.5) / triangles) : 0.0;
 }
 
 Bvh::Config config_of(const SavedFile& file, Layout layout) {
     const TreeHeader& header = file.header();
-    const std::uint32_t most_in_leaf = header.high >> 16;
+    const std::uint32_t most_in_leaf = header.leaf_limit >> 16;
     if (header.builder >= std::size(builders) || (header.morton_bits != 30 && header.morton_bits != 63) ||
-        most_in_leaf < 1 || most_in_leaf > CLARAY_BLOCK || (header.high & 0xffffu) > most_rounds)
+        most_in_leaf < 1 || most_in_leaf > CLARAY_BLOCK)
         file.refuse_damaged("its builder settings are invalid");
     Bvh::Config config;
     config.builder = Builder(header.builder);
     config.morton_bits = header.morton_bits;
     config.layout = layout;
     config.max_leaf_triangles = most_in_leaf;
-    if (traits_of(config.builder).splits) restore_high(header, config);
+    if (traits_of(config.builder).splits) config.split_budget = split_budget_of(header);
     return config;
 }
 

@@ -23,20 +23,19 @@ enum class Layout {
 //   name    Builder::name, and the name for users
 //   NAME    prefix of the planner's tuning rows
 //   codes   1: sorts Morton codes first; 0: splits nodes from the root down (host/bvh/sbvh.hpp)
-//   splits  1: splits large triangles into several boxes, and moves nodes afterwards
+//   splits  1: splits large triangles into several boxes
 
 /// Builders that the planner chooses among (claray/target.hpp).
 #define CLARAY_PLANNED_BUILDERS(X)                     \
     X(fast, FAST, "fastest to build", 1, 0)            \
     X(balanced, BALANCED, "better tree, slower", 1, 0) \
     X(high, HIGH, "best tree, slowest", 0, 1)
-#define CLARAY_OTHER_BUILDERS(X) X(binned, BINNED, "binned SAH, nothing split or moved", 0, 0)
+#define CLARAY_OTHER_BUILDERS(X) X(binned, BINNED, "binned SAH, nothing split", 0, 0)
 #define CLARAY_BUILDERS(X) CLARAY_PLANNED_BUILDERS(X) CLARAY_OTHER_BUILDERS(X)
 
 /// How the tree is built: build time for trace speed. `fast`: linear BVH (Apetrei 2014). `balanced`: hierarchical
 /// locally-ordered clustering (Benthin et al. 2024). `high`: binned SAH from the root down, over large triangles split
-/// into several boxes (Stich et al. 2009), then improved by moving nodes (Meister and Bittner 2018). `binned`: binned
-/// SAH alone (Wald 2007), for comparison and for what is refitted.
+/// into several boxes (Stich et al. 2009). `binned`: binned SAH alone (Wald 2007), for geometry that is refitted.
 enum class Builder {
 #define CLARAY_ROW(name, NAME, note, codes, splits) name,
     CLARAY_BUILDERS(CLARAY_ROW)
@@ -107,8 +106,6 @@ public:
         /// `high` only: upper limit of additional references from splitting large triangles, per triangle; 0: do not
         /// split. A refit loses the gain from splitting. Use 0 for geometry that will be refitted.
         double split_budget = 0.5;
-        /// `high` only: number of rounds of moving nodes.
-        unsigned optimization_rounds = 2;
         /// Binary layout only: largest number of triangles per leaf, up to 4, if the surface area heuristic prefers it.
         unsigned max_leaf_triangles = 4;
     };

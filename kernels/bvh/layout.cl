@@ -1,14 +1,11 @@
 // Copies a finished binary tree into the order in which it is traversed: depth first, so that a node's first child follows it,
 // and leaves from left to right. On the way subtrees become leaves where that is cheaper by the surface area
 // heuristic, and parts of one triangle that ended up side by side become one again. The same tree gets the same numbers on
-// every device.
+// every device. The leaves copied are references, of which only the primitive is used.
 #include "bvh/sbvh/references.clh"
 
 #ifndef MAX_LEAF
 #define MAX_LEAF 1u  // triangles a leaf, up to 4
-#endif
-#ifndef REFERENCES
-#define REFERENCES 0  // 1: `leaves` are references, of which only the primitive is used
 #endif
 #ifndef TREELET
 #define TREELET 32u  // leaves of a subtree that one item copies
@@ -137,12 +134,8 @@ typedef struct Target {
 } Target;
 
 static inline void copy_leaf(global const LeafTriangle* leaf, const Target* target, uint slot) {
-#if REFERENCES
     store_leaf(&target->leaves[slot], load_triangle(target->positions, target->indices, leaf->primitive), leaf->primitive,
                target->geometries, target->masks);
-#else
-    target->leaves[slot] = *leaf;
-#endif
 }
 
 static inline void copy_leaves(global const LeafTriangle* leaves, global const Subtree* subtrees, Place place,

@@ -34,9 +34,9 @@ std::string key_of(const Device& device, const KernelChoice& choice, const Rende
                       info.driver + '\n' + info.version + '\n';
     for (const KernelSource& source : kernel_sources()) all += source.path + '\n' + source.text + '\n';
     for (const auto& [name, value] : device.state().tuning) all += name + ' ' + std::to_string(value) + '\n';
-    for (const int value : {int(choice.layout), int(config.sampler), int(config.bvh.builder),
-                            int(config.bvh.morton_bits), int(config.bvh.max_leaf_triangles),
-                            int(config.bvh.split_budget > 0), int(config.bvh.optimization_rounds > 0)})
+    for (const int value :
+         {int(choice.layout), int(config.sampler), int(config.bvh.builder), int(config.bvh.morton_bits),
+          int(config.bvh.max_leaf_triangles), int(config.bvh.split_budget > 0)})
         all += std::to_string(value) + '\n';
     return hash128(all + to_string(effects));
 }
