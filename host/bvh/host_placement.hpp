@@ -12,7 +12,8 @@ namespace claray {
 
 struct HostPlacement {
     std::vector<PlacedInstance> placed;
-    Mesh boxes;  // a triangle each that spans the box of an instance
+    Mesh boxes;                          // a triangle each that spans the box of an instance
+    std::vector<MovingInstance> moving;  ///< empty where nothing can move
     float widening = 0;
 };
 

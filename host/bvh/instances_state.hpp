@@ -14,6 +14,7 @@ struct InstancedBvh::State {
 
     void take_bottoms(std::span<const Bvh> bottoms);
     void place();
+    void widen_top();
     void build_by_host(std::span<const Instance> begins, std::span<const Instance> motion_ends);
     void bind_bottoms(Kernel& kernel, unsigned& index) const;
 
@@ -26,7 +27,6 @@ struct InstancedBvh::State {
     // The bottom levels: one that is shared, or copies of several behind each other.
     std::optional<Bvh> shared;
     Buffer<BvhHeader> headers;
-    Buffer<BottomRange> ranges;
     Buffer<BvhNode> nodes;
     Buffer<LeafTriangle> leaves;
     Buffer<WideNode> wide_nodes;
@@ -35,8 +35,9 @@ struct InstancedBvh::State {
     std::uint64_t bottom_bytes = 0;
 
     Buffer<PlacedInstance> placed;
-    Buffer<float> widening;
-    TriangleBuffers boxes;  // a triangle that spans the box of each instance
+    Buffer<MovingInstance> moving;  // not allocated where nothing can move
+    Buffer<float> widening;         // the top level's, until its header holds it
+    TriangleBuffers boxes;          // a triangle that spans the box of each instance
     std::optional<Bvh> top;
 
 private:
