@@ -180,25 +180,37 @@ static inline uint place_child(Box box, SplitTask task, uint count, uint node, g
     return node;
 }
 
-/// A group a task. The references go from one buffer to the other: those of the left side from the beginning of the node's
-/// places upwards, those of the right side from the end downwards.
-kernel __attribute__((reqd_work_group_size(GROUP, 1, 1)))
-void split_nodes(global const SplitTask* tasks, global SplitTask* large, global SplitTask* medium, global SplitTask* small,
-                 global const float4* from, global float4* to, global const float* positions, global const uint* indices,
-                 global const uint* bound_keys, global BvhNode* nodes, global LeafTriangle* leaves,
-                 volatile global uint* counters) {
-    local uint bin_boxes[3 * BINS * BOX_WORDS], bin_begin[3 * BINS], bin_end[3 * BINS];
-    local uint bounds[2][BOX_WORDS], sides[2][BOX_WORDS], scratch[GROUP];
-    local Candidate candidates[3];
-    local Split chosen;
-    local uint wants_planes;
-    const Bins bins = {bin_boxes, bin_begin, bin_end};
-    const uint item = get_local_id(0);
-    const SplitTask task = tasks[get_group_id(0)];
+/// What the items of a group share while they split a node.
+typedef struct Scratch {
+    uint bin_boxes[3 * BINS * BOX_WORDS], bin_begin[3 * BINS], bin_end[3 * BINS];
+    uint bounds[2][BOX_WORDS], sides[2][BOX_WORDS], sums[GROUP];
+    Candidate candidates[3];
+    Split chosen;
+    uint wants_planes;
+} Scratch;
 
-    // The node's box, and that of its references' doubled centroids.
-    if (item < 2) clear_box(bounds[item]);
-    clear_bins(bins);
+static inline Bins bins_of(local Scratch* scratch) {
+    const Bins bins = {scratch->bin_boxes, scratch->bin_begin, scratch->bin_end};
+    return bins;
+}
+
+/// A node's bins.
+typedef struct Grid {
+    Slabs centroids[3], planes[3];  // along the references' doubled centroids, and across the node's box
+    float over_area;                // 1 / the area of the node's box
+} Grid;
+
+static inline void make_axes(Slabs* slabs, Box box) {
+    slabs[0] = make_slabs(box.lo.x, box.hi.x);
+    slabs[1] = make_slabs(box.lo.y, box.hi.y);
+    slabs[2] = make_slabs(box.lo.z, box.hi.z);
+}
+
+/// Clears the bins, too.
+static inline Grid lay_grid(SplitTask task, global const float4* from, local Scratch* scratch) {
+    const uint item = get_local_id(0);
+    if (item < 2) clear_box(scratch->bounds[item]);
+    clear_bins(bins_of(scratch));
     barrier(CLK_LOCAL_MEM_FENCE);
     Box box = empty_box(), centroids = empty_box();
     for (uint i = item; i < task.count; i += GROUP) {
@@ -208,118 +220,152 @@ void split_nodes(global const SplitTask* tasks, global SplitTask* large, global 
         centroids.lo = fmin(centroids.lo, centroid), centroids.hi = fmax(centroids.hi, centroid);
     }
     if (item < task.count) {
-        grow_box(bounds[0], box);
-        grow_box(bounds[1], centroids);
+        grow_box(scratch->bounds[0], box);
+        grow_box(scratch->bounds[1], centroids);
     }
     barrier(CLK_LOCAL_MEM_FENCE);
-    box = grown_box(bounds[0]), centroids = grown_box(bounds[1]);
-    const Slabs of_centroids[3] = {make_slabs(centroids.lo.x, centroids.hi.x), make_slabs(centroids.lo.y, centroids.hi.y),
-                                   make_slabs(centroids.lo.z, centroids.hi.z)};
-    const Slabs of_planes[3] = {make_slabs(box.lo.x, box.hi.x), make_slabs(box.lo.y, box.hi.y),
-                                make_slabs(box.lo.z, box.hi.z)};
+    box = grown_box(scratch->bounds[0]), centroids = grown_box(scratch->bounds[1]);
+    Grid grid;
+    make_axes(grid.centroids, centroids);
+    make_axes(grid.planes, box);
     const float area = half_area(box);
-    const float over_area = area > 1e-30f && area < 1e30f ? strict_reciprocal(area) : 1.0f;
+    grid.over_area = area > 1e-30f && area < 1e30f ? strict_reciprocal(area) : 1.0f;
+    return grid;
+}
 
-    // Between triangles.
-    for (uint i = item; i < task.count; i += GROUP) {
+/// Fills the bins of centroids.
+static inline void bin_centroids(SplitTask task, global const float4* from, const Grid* grid, Bins bins) {
+    for (uint i = get_local_id(0); i < task.count; i += GROUP) {
         const Box b = load_reference(from, task.at + i).box;
         for (uint axis = 0; axis < 3; ++axis) {
-            if (!(of_centroids[axis].scale > 0.0f)) continue;
-            const uint bin = axis * BINS + slab_of(of_centroids[axis], component(b.lo, axis) + component(b.hi, axis));
+            if (!(grid->centroids[axis].scale > 0.0f)) continue;
+            const uint bin = axis * BINS + slab_of(grid->centroids[axis], component(b.lo, axis) + component(b.hi, axis));
             grow_box(bins.boxes + bin * BOX_WORDS, b);
             atomic_inc(&bins.begin[bin]);
             atomic_inc(&bins.end[bin]);
         }
     }
+}
+
+/// Half the area in which the sides of a split between triangles overlap.
+static inline float shared_area_of(Split split, Bins bins) {
+    if (split.kind != BY_CENTROID) return INFINITY;
+    const Box overlap = box_intersection(box_of_bins(bins, split.axis, 0, split.bin + 1),
+                                         box_of_bins(bins, split.axis, split.bin + 1, BINS));
+    return box_empty(overlap) ? 0.0f : half_area(overlap);
+}
+
+/// Finds the best split between triangles, and whether one through triangles is worth a search.
+static inline void split_between(SplitTask task, global const float4* from, const Grid* grid, global const uint* bound_keys,
+                                 local Scratch* scratch) {
+    const uint item = get_local_id(0);
+    const Bins bins = bins_of(scratch);
+    bin_centroids(task, from, grid, bins);
     barrier(CLK_LOCAL_MEM_FENCE);
-    if (item < 3) candidates[item] = best_border(bins, item, over_area, task.count, task.count);
-    if (item == 0) wants_planes = 0;
+    if (item < 3) scratch->candidates[item] = best_border(bins, item, grid->over_area, task.count, task.count);
     barrier(CLK_LOCAL_MEM_FENCE);
     if (item == 0) {
         Split split = {BY_PLACE, 0, 0, INFINITY};
-        if (task.depth < HALVING_DEPTH) choose_axis(&split, BY_CENTROID, candidates);
-        float shared_area = INFINITY;
-        if (split.kind == BY_CENTROID) {
-            const Box overlap = box_intersection(box_of_bins(bins, split.axis, 0, split.bin + 1),
-                                                 box_of_bins(bins, split.axis, split.bin + 1, BINS));
-            shared_area = box_empty(overlap) ? 0.0f : half_area(overlap);
-        }
+        if (task.depth < HALVING_DEPTH) choose_axis(&split, BY_CENTROID, scratch->candidates);
         const Box root = {(float3)(float_from_key(bound_keys[0]), float_from_key(bound_keys[1]), float_from_key(bound_keys[2])),
                           (float3)(float_from_key(bound_keys[3]), float_from_key(bound_keys[4]), float_from_key(bound_keys[5]))};
-        chosen = split;
-        wants_planes = task.depth < HALVING_DEPTH && task.capacity > task.count &&
-                       shared_area > LEAST_OVERLAP * 0.25f * half_area(root);  // whose coordinates are doubled
+        scratch->chosen = split;
+        scratch->wants_planes = task.depth < HALVING_DEPTH && task.capacity > task.count &&
+                                shared_area_of(split, bins) > LEAST_OVERLAP * 0.25f * half_area(root);  // of doubled coordinates
     }
     barrier(CLK_LOCAL_MEM_FENCE);
+}
 
-    // Through triangles.
-    if (wants_planes) {
-        clear_bins(bins);
-        barrier(CLK_LOCAL_MEM_FENCE);
-        for (uint i = item; i < task.count; i += GROUP)
-            bin_parts(bins, of_planes, load_reference(from, task.at + i), positions, indices);
-        barrier(CLK_LOCAL_MEM_FENCE);
-        if (item < 3) candidates[item] = best_border(bins, item, over_area, task.count, task.capacity);
-        barrier(CLK_LOCAL_MEM_FENCE);
-        if (item == 0) {
-            Split split = chosen;
-            choose_axis(&split, BY_PLANE, candidates);
-            chosen = split;
-        }
-        barrier(CLK_LOCAL_MEM_FENCE);
+/// Takes the best split through triangles where that is better.
+static inline void split_through(SplitTask task, global const float4* from, const Grid* grid, global const float* positions,
+                                 global const uint* indices, local Scratch* scratch) {
+    const uint item = get_local_id(0);
+    const Bins bins = bins_of(scratch);
+    clear_bins(bins);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    for (uint i = item; i < task.count; i += GROUP)
+        bin_parts(bins, grid->planes, load_reference(from, task.at + i), positions, indices);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (item < 3) scratch->candidates[item] = best_border(bins, item, grid->over_area, task.count, task.capacity);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (item == 0) {
+        Split split = scratch->chosen;
+        choose_axis(&split, BY_PLANE, scratch->candidates);
+        scratch->chosen = split;
     }
+    barrier(CLK_LOCAL_MEM_FENCE);
+}
 
-    // To both sides; where roundings leave one of them empty, by halves.
-    Split split = chosen;
-    uint left_count = 0, right_count = 0;
-    for (uint attempt = 0; attempt < 2 && (left_count == 0 || right_count == 0); ++attempt) {
-        if (attempt == 1) split.kind = BY_PLACE;
-        left_count = right_count = 0;
-        if (item < 2) clear_box(sides[item]);
-        barrier(CLK_LOCAL_MEM_FENCE);
-        Box left_box = empty_box(), right_box = empty_box();
-        for (uint begin = 0; begin < task.count; begin += GROUP) {
-            const uint i = begin + item;
-            Box left = empty_box(), right = left;
-            Reference reference;
-            if (i < task.count) {
-                reference = load_reference(from, task.at + i);
-                divide(split, of_centroids, of_planes, reference, i < task.count / 2, positions, indices, &left, &right);
-            }
-            const bool to_left = !box_empty(left), to_right = !box_empty(right);
-            uint total;
-            const uint before = group_exclusive_sum((to_left ? 1 : 0) + (to_right ? 0x10000 : 0), scratch, &total);
-            if (to_left) {
-                save_reference(to, task.begin + left_count + (before & 0xffff), left, reference.primitive);
-                left_box = box_union(left_box, left);
-            }
-            if (to_right) {
-                save_reference(to, task.begin + task.capacity - 1 - right_count - (before >> 16), right,
-                               reference.primitive);
-                right_box = box_union(right_box, right);
-            }
-            left_count += total & 0xffff;
-            right_count += total >> 16;
+/// Moves the references: those of the left side to the beginning of the node's places and upwards, those of the right side to the
+/// end and downwards. Returns their counts; their boxes are in `scratch->sides`.
+static inline uint2 part_references(SplitTask task, Split split, const Grid* grid, global const float4* from, global float4* to,
+                                    global const float* positions, global const uint* indices, local Scratch* scratch) {
+    const uint item = get_local_id(0);
+    uint2 counts = (uint2)(0);
+    if (item < 2) clear_box(scratch->sides[item]);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    Box left_box = empty_box(), right_box = empty_box();
+    for (uint begin = 0; begin < task.count; begin += GROUP) {
+        const uint i = begin + item;
+        Box left = empty_box(), right = left;
+        Reference reference;
+        if (i < task.count) {
+            reference = load_reference(from, task.at + i);
+            divide(split, grid->centroids, grid->planes, reference, i < task.count / 2, positions, indices, &left, &right);
         }
-        if (!box_empty(left_box)) grow_box(sides[0], left_box);
-        if (!box_empty(right_box)) grow_box(sides[1], right_box);
-        barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+        const bool to_left = !box_empty(left), to_right = !box_empty(right);
+        uint total;
+        const uint before = group_exclusive_sum((to_left ? 1 : 0) + (to_right ? 0x10000 : 0), scratch->sums, &total);
+        if (to_left) {
+            save_reference(to, task.begin + counts.x + (before & 0xffff), left, reference.primitive);
+            left_box = box_union(left_box, left);
+        }
+        if (to_right) {
+            save_reference(to, task.begin + task.capacity - 1 - counts.y - (before >> 16), right, reference.primitive);
+            right_box = box_union(right_box, right);
+        }
+        counts += (uint2)(total & 0xffff, total >> 16);
     }
-    if (item != 0) return;
+    if (!box_empty(left_box)) grow_box(scratch->sides[0], left_box);
+    if (!box_empty(right_box)) grow_box(scratch->sides[1], right_box);
+    barrier(CLK_LOCAL_MEM_FENCE | CLK_GLOBAL_MEM_FENCE);
+    return counts;
+}
+
+/// A group a task. The references go from one buffer to the other.
+kernel __attribute__((reqd_work_group_size(GROUP, 1, 1)))
+void split_nodes(global const SplitTask* tasks, global SplitTask* large, global SplitTask* medium, global SplitTask* small,
+                 global const float4* from, global float4* to, global const float* positions, global const uint* indices,
+                 global const uint* bound_keys, global BvhNode* nodes, global LeafTriangle* leaves,
+                 volatile global uint* counters) {
+    local Scratch scratch;
+    const SplitTask task = tasks[get_group_id(0)];
+    const Grid grid = lay_grid(task, from, &scratch);
+    split_between(task, from, &grid, bound_keys, &scratch);
+    if (scratch.wants_planes) split_through(task, from, &grid, positions, indices, &scratch);
+
+    Split split = scratch.chosen;
+    uint2 counts = (uint2)(0);
+    // A loop, since PoCL 3.1 crashes where two calls with barriers are compiled.
+    for (uint attempt = 0; attempt < 2 && (counts.x == 0 || counts.y == 0); ++attempt) {
+        if (attempt == 1) split.kind = BY_PLACE;  // roundings left one side empty
+        counts = part_references(task, split, &grid, from, to, positions, indices, &scratch);
+    }
+    if (get_local_id(0) != 0) return;
 
     // What is free is shared out in proportion.
-    const uint used = left_count + right_count, free_places = task.capacity - used;
-    const uint left_free = (uint)((ulong)free_places * left_count / used);
-    SplitTask left = {task.begin, left_count + left_free, task.begin, 0, 0, task.depth + 1};
+    const uint used = counts.x + counts.y, free_places = task.capacity - used;
+    const uint left_free = (uint)((ulong)free_places * counts.x / used);
+    SplitTask left = {task.begin, counts.x + left_free, task.begin, 0, 0, task.depth + 1};
     SplitTask right = {task.begin + left.capacity, task.capacity - left.capacity, 0, 0, 0, task.depth + 1};
-    right.at = task.begin + task.capacity - right_count;
-    const uint first_node = atomic_add(&counters[NODES], (left_count > 1 ? 1 : 0) + (right_count > 1 ? 1 : 0));
-    const uint nodes_of[2] = {first_node, first_node + (left_count > 1 ? 1 : 0)};
+    right.at = task.begin + task.capacity - counts.y;
+    const uint first_node = atomic_add(&counters[NODES], (counts.x > 1 ? 1 : 0) + (counts.y > 1 ? 1 : 0));
+    const uint nodes_of[2] = {first_node, first_node + (counts.x > 1 ? 1 : 0)};
     global SplitTask* queues[3] = {large, medium, small};
-    const Box boxes[2] = {grown_box(sides[0]), grown_box(sides[1])};
+    const Box boxes[2] = {grown_box(scratch.sides[0]), grown_box(scratch.sides[1])};
     const uint level = task.depth + 1;
-    const uint child0 = place_child(boxes[0], left, left_count, nodes_of[0], to, leaves, queues, counters, level);
-    const uint child1 = place_child(boxes[1], right, right_count, nodes_of[1], to, leaves, queues, counters, level);
+    const uint child0 = place_child(boxes[0], left, counts.x, nodes_of[0], to, leaves, queues, counters, level);
+    const uint child1 = place_child(boxes[1], right, counts.y, nodes_of[1], to, leaves, queues, counters, level);
     global BvhNode* node = &nodes[task.node];
     store_child_box(node, 0, boxes[0]);
     store_child_box(node, 1, boxes[1]);
