@@ -1,0 +1,145 @@
+// The time of every kernel of the pipeline, by its name: bench_stages [--device D] [--triangles N] [--side PIXELS]
+// [--rounds N]
+// [--csv FILE]. Everything runs by the schedule of CPUs and by that of GPUs, whatever the device, so that each kernel
+// has a row (tests/docs/house looks for them in bench/results).
+#include <cstdio>
+
+#include "bench/support.hpp"
+#include "claray/instances.hpp"
+#include "claray/shared/texture.h"
+
+using namespace claray;
+
+namespace {
+
+struct Options {
+    std::string device, csv;
+    unsigned triangles = 100'000, side = 256;
+    int rounds = 9;
+};
+
+using Task = std::function<void()>;
+
+/// A device that builds, traces and renders as CPUs do, or as GPUs do.
+Device with_schedule(const std::string& selector, bool of_cpus) {
+    const Device device = Device::open(selector);
+    device.set_tuning("bvh/serial", "RANGES_PER_UNIT", of_cpus ? 16 : 0);
+    device.set_tuning("sort/radix_sort", "ONESWEEP", of_cpus ? 0 : 1);
+    for (const char* query : {"trace/closest_hit", "trace/any_hit"}) {
+        if (!of_cpus) device.set_tuning(query, "BATCH", 0);  // a batch needs more private memory than GPUs have
+        device.set_tuning(query, "RAY_QUEUE", of_cpus ? 0 : 1);
+        device.set_tuning(query, "GROUP_SIZE", of_cpus ? 1 : 64);
+    }
+    device.set_tuning("render/add_light", "WITH_SHADOW_RAYS", of_cpus ? 0 : 1);
+    device.set_tuning("render/trace_paths", "MOST_EFFECTS", of_cpus ? 0 : 64);
+    device.set_tuning("render/trace_paths", "MOST_BOUNCES_PERMILLE", 100'000);
+    device.set_tuning("render/trace_paths", "PATIENCE_MILLISECONDS", 0);
+    return device;
+}
+
+std::vector<Task> builds(const Device& device, const std::vector<Mesh>& meshes, Layout layout) {
+    std::vector<Task> tasks;
+    for (const BuilderTraits& traits : builders)
+        tasks.emplace_back([bvh = Bvh::build(device, meshes, {.builder = traits.builder, .layout = layout})]() mutable {
+            bvh.rebuild();
+            bvh.refit();
+            (void)bvh.cost_growth();
+            (void)bvh.validate();
+        });
+    return tasks;
+}
+
+/// A store of textures in which no triangle is cut out.
+Buffer<std::uint32_t> no_cutouts(const Device& device, std::size_t triangles) {
+    constexpr std::size_t header_words = sizeof(TextureStore) / sizeof(std::uint32_t);
+    std::vector<std::uint32_t> words(header_words + triangles, CLARAY_NO_MAP);
+    words[offsetof(TextureStore, cutouts) / sizeof(std::uint32_t)] = header_words;
+    return {device, words};
+}
+
+std::vector<Task> queries(const Device& device, const std::vector<Mesh>& meshes, unsigned side, Layout layout) {
+    const Bvh bvh = Bvh::build(device, meshes, {.layout = layout});
+    const std::vector<Ray> random = measure::random_rays(bounds_of(meshes[0]), std::size_t(side) * side);
+    const Buffer<Ray> rays(device, random), few(device, std::span(random).first(64));
+    Bvh with_cutouts = Bvh::build(device, meshes, {.layout = layout});
+    with_cutouts.set_cutouts(no_cutouts(device, bvh.triangle_count()));
+    Instance instance = make_instance(glm::mat4(1.f), 0);
+    InstancedBvh instances = InstancedBvh::build({&bvh, 1}, {&instance, 1});
+    const auto all = [=](const auto& structure, const Buffer<Ray>& of, auto hits, const QueryOptions& options) {
+        Buffer<std::uint8_t> occluded(device, of.size());
+        closest_hit(structure, of, hits, options);
+        any_hit(structure, of, occluded, options);
+    };
+    return {[=] { all(bvh, rays, Buffer<Hit>(device, rays.size()), {}); },
+            [=] { all(with_cutouts, rays, Buffer<Hit>(device, rays.size()), {}); },
+            [=] { all(bvh, few, Buffer<Hit>(device, few.size()), {.brute_force = true}); },
+            [=]() mutable {
+                instances.rebuild();
+                all(instances, rays, Buffer<InstanceHit>(device, rays.size()), {});
+            }};
+}
+
+/// A scene by stages or whole paths, with an estimate of its error and its AOVs.
+Task render(const Device& device, const std::string& name, unsigned side, Layout layout) {
+    RenderConfig config{.width = side, .height = side, .spp = 16, .error = 1e-6};
+    config.bvh.layout = layout;
+    auto renderer = std::make_shared<Renderer>(device, *builtin_scene(name), config);
+    return [renderer] {
+        renderer->restart(0);
+        (void)renderer->render();
+        (void)renderer->image();
+        (void)renderer->aovs();
+    };
+}
+
+Task bake(const Device& device) {
+    Scene scene = *builtin_scene("cornell");
+    Mesh square{.positions = {{-1, 0, -1}, {1, 0, -1}, {1, 0, 1}, {-1, 0, 1}}, .triangles = {{0, 2, 1}, {0, 3, 2}}};
+    square.uvs1 = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    scene.meshes = {square};
+    return [device, scene] { (void)bake_light_map(device, scene, 0, {.width = 64, .height = 64, .spp = 16}); };
+}
+
+std::vector<Task> tasks_of(const Device& device, const Options& options, Layout layout) {
+    const std::vector<Mesh> meshes = measure::load_meshes("soup:" + std::to_string(options.triangles));
+    std::vector<Task> tasks = builds(device, meshes, layout);
+    const std::vector<Task> traces = queries(device, meshes, options.side, layout);
+    tasks.insert(tasks.end(), traces.begin(), traces.end());
+    for (const char* scene : {"crate", "effect:cut-outs"}) tasks.push_back(render(device, scene, options.side, layout));
+    tasks.push_back(bake(device));
+    return tasks;
+}
+
+void report(const Options& options, bool of_cpus, measure::Csv& csv) {
+    const Device device = with_schedule(options.device, of_cpus);
+    const char* const schedule = of_cpus ? "cpu" : "gpu";
+    const std::vector<Task> tasks = tasks_of(device, options, of_cpus ? Layout::wide : Layout::binary);
+    std::map<std::string, double> longest;  // of all tasks, for each kernel
+    for (const measure::Timing& timing : measure::measure_rounds(device, options.rounds, tasks))
+        for (const auto& [kernel, milliseconds] : timing.commands)
+            longest[kernel] = std::max(longest[kernel], milliseconds);
+    for (const auto& [kernel, milliseconds] : longest) {
+        std::printf("%-5s %-28s %10.3f ms\n", schedule, kernel.c_str(), milliseconds);
+        csv.row(schedule, kernel, milliseconds);
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+    CLI::App app("Times every kernel of the pipeline");
+    Options options;
+    app.add_option("--device", options.device);
+    app.add_option("--triangles", options.triangles, "of the trees [100000]");
+    app.add_option("--side", options.side, "pixels along each side of an image [256]");
+    app.add_option("--rounds", options.rounds);
+    app.add_option("--csv", options.csv);
+    CLI11_PARSE(app, argc, argv);
+    const Device device = Device::open(options.device);
+    measure::Csv csv(options.csv, device, "schedule,kernel,milliseconds");
+    for (const bool of_cpus : {true, false}) report(options, of_cpus, csv);
+    csv.write();
+} catch (const std::exception& error) {
+    std::fprintf(stderr, "bench_stages: error: %s\n", error.what());
+    return 1;
+}
