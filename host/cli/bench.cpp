@@ -9,7 +9,6 @@
 #include "claray/io.hpp"
 #include "host/base/file.hpp"
 #include "host/cli/commands.hpp"
-#include "host/cli/open_device.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/options/render_options.hpp"
 #include "host/cli/output/outputs.hpp"
@@ -173,7 +172,7 @@ void run_bench(const BenchOptions& options) {
         }
         report.push_back({{"device", info.name}, {"driver", info.driver}, {"scenes", scenes}});
     }
-    if (options.json) std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    if (options.json) print_json(report);
     if (!options.csv.empty()) write_file(options.csv, csv);
 }
 
@@ -204,9 +203,7 @@ void add_bench_command(CLI::App& app, Action& action) {
     command->add_option("--layout", o.bench.layout, "Layout of the tree for tracing: auto, binary or wide [auto]")
         ->transform(choice_of(measure::layouts))
         ->type_name("NAME");
-    command->add_option_function<std::string>(
-        "--size", [&o](const std::string& text) { std::tie(o.bench.width, o.bench.height) = parse_size(text); },
-        "WIDTHxHEIGHT of each of the three views [320x180]");
+    add_size_option(*command, o.bench.width, o.bench.height, "WIDTHxHEIGHT of each of the three views [320x180]");
     command->add_option("--repeat", o.bench.repeat, "Rounds to measure [9]")->transform(whole_number(1, 1000));
     command->add_option("--device", o.devices, "cpu, gpu, an index, part of a name, or all; may be repeated")
         ->allow_extra_args(false);

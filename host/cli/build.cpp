@@ -6,7 +6,6 @@
 
 #include "host/base/file.hpp"
 #include "host/cli/commands.hpp"
-#include "host/cli/open_device.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/output/outputs.hpp"
 #include "host/cli/output/table.hpp"
@@ -107,7 +106,7 @@ void print_as_json(const Device& device, const BuildOptions& options, const Repo
                            {"stages", r.build.commands}};
     if (r.load_seconds > 0) report["load_seconds"] = r.load_seconds;
     if (r.save_seconds > 0) report["save_seconds"] = r.save_seconds;
-    std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    print_json(report);
 }
 
 bool is_saved(const std::filesystem::path& path) { return path.extension() == saved_extension; }

@@ -57,6 +57,19 @@ void add_load_options(CLI::App& command, LoadOptions& o) {
         ->type_name("R");
 }
 
+void add_surface_options(CLI::App& command, SurfaceOptions& o) {
+    command
+        .add_option("--cull", o.culling,
+                    "Sides of surfaces to leave out: back, none, or file (as in the materials) [file]")
+        ->transform(choice_of<Culling>({{"file", Culling::by_file}, {"back", Culling::back}, {"none", Culling::none}}))
+        ->type_name("NAME");
+    command
+        .add_option("--front", o.clockwise_front,
+                    "Order of the vertices of a front: ccw (counter-clockwise) or cw [ccw]")
+        ->transform(choice_of({{"ccw", 0}, {"cw", 1}}))
+        ->type_name("NAME");
+}
+
 void refuse_unseen(const std::string& name, const Scene& scene) {
     const bool any = std::any_of(scene.meshes.begin(), scene.meshes.end(), [](const Mesh& mesh) {
         return std::any_of(mesh.triangles.begin(), mesh.triangles.end(),
@@ -75,7 +88,8 @@ Scene load(const std::string& name, const LoadOptions& options, const LightOptio
            std::optional<LightOptions>* default_light) {
     Warnings warnings;
     auto [scene, is_file] = load_without_light(name, warnings, options);
-    apply(surfaces, scene);
+    if (surfaces.clockwise_front) flip_fronts(scene);
+    set_culling(scene, Culling(surfaces.culling));
     print_warnings(warnings);
     refuse_unseen(name, scene);
     const bool chosen = add_lights(scene, lights);

@@ -6,7 +6,6 @@
 
 #include "claray/io.hpp"
 #include "host/cli/options/light_options.hpp"
-#include "host/cli/options/surface_options.hpp"
 
 namespace claray::cli {
 
@@ -15,6 +14,13 @@ void print_warnings(const Warnings& warnings);
 
 /// Throws ErrorKind::user where a scene has triangles and none of them can be seen: all have no area or are not finite.
 void refuse_unseen(const std::string& name, const Scene& scene);
+
+/// --cull and --front: which sides of a file's surfaces exist, and which of them is the front.
+struct SurfaceOptions {
+    int culling = int(Culling::by_file);
+    bool clockwise_front = false;
+};
+void add_surface_options(CLI::App& command, SurfaceOptions& options);
 
 using ChooseCamera = std::function<Camera(const Scene&)>;
 

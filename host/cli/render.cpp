@@ -2,13 +2,11 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
-#include <tuple>
 
 #include "claray/io.hpp"
 #include "claray/renderer.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/load.hpp"
-#include "host/cli/open_device.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/options/render_options.hpp"
 #include "host/cli/options/render_targets.hpp"
@@ -138,9 +136,7 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
     command.add_option("scene", o.scene, "A scene file (.obj, .gltf, .glb), or a built-in scene (see claray scenes)")
         ->required();
     command.add_option("-o,--output", o.output, "Output image: .png, .hdr or .pfm; with --fps the last frame");
-    command.add_option_function<std::string>(
-        "--size", [&o](const std::string& text) { std::tie(o.config.width, o.config.height) = parse_size(text); },
-        "WIDTHxHEIGHT in pixels [512x512]");
+    add_size_option(command, o.config.width, o.config.height, "WIDTHxHEIGHT in pixels [512x512]");
     command.add_option("--light-map", o.light_maps,
                        "MESH=FILE: light map of a mesh, from claray bake; may be repeated");
     command.add_option("--exposure", o.exposure, "Brighten a PNG by this many stops [0]")->check(finite_number());

@@ -8,7 +8,6 @@
 #include "claray/target.hpp"
 #include "host/base/file.hpp"
 #include "host/cli/commands.hpp"
-#include "host/cli/open_device.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/options/render_options.hpp"
 #include "host/cli/output/table.hpp"
@@ -120,9 +119,7 @@ void add_tune_command(CLI::App& app, Action& action) {
     TuneOptions& o = *options;
     o.tune.scenes = {"soup:30000", "terrain:100000"};
     command->add_option("--scene,scenes", o.tune.scenes, "Scenes to measure with [soup:30000 terrain:100000]");
-    command->add_option_function<std::string>(
-        "--size", [&o](const std::string& text) { std::tie(o.tune.width, o.tune.height) = parse_size(text); },
-        "WIDTHxHEIGHT of each of the three views [192x108]");
+    add_size_option(*command, o.tune.width, o.tune.height, "WIDTHxHEIGHT of each of the three views [192x108]");
     command->add_option("--repeat", o.tune.repeat, "Rounds to measure [9]")->transform(whole_number(3, 1000));
     command->add_option("--only", o.tune.only, "Only parameters whose 'kernel PARAMETER' contains this text");
     command->add_option("--device", o.device, "cpu, gpu, an index or part of a name (see claray devices)");

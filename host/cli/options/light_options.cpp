@@ -1,6 +1,5 @@
 #include "host/cli/options/light_options.hpp"
 
-#include <charconv>
 #include <cmath>
 #include <numbers>
 
@@ -18,10 +17,8 @@ constexpr float degree = std::numbers::pi_v<float> / 180.f;
 }
 
 std::optional<float> number(std::string_view text) {
-    float value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return {};
-    return value;
+    const auto value = parse_number<float>(text);
+    return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 std::vector<std::string> split(const std::string& text) {
@@ -40,30 +37,36 @@ struct Value {
     std::vector<float> numbers;
 };
 
-std::vector<Value> values_of(const std::string& option, const std::vector<std::string>& words) {
+std::vector<Value> values_of(const std::vector<std::string>& words) {
     std::vector<Value> values;
     for (std::size_t i = 1; i < words.size(); ++i) {
         const std::size_t equals = words[i].find('=');
         if (equals != std::string::npos) values.push_back({words[i].substr(0, equals), {}});
         const auto value = number(equals == std::string::npos ? words[i] : words[i].substr(equals + 1));
         if (values.empty() || !value)
-            refuse(option + ": '" + words[i] + "' is not a number", "write KIND,NAME=NUMBERS,NAME=NUMBERS ...");
+            refuse("--light: '" + words[i] + "' is not a number", "write KIND,NAME=NUMBERS,NAME=NUMBERS ...");
         values.back().numbers.push_back(*value);
     }
     return values;
 }
 
-glm::vec3 three(const std::string& option, const Value& value, bool one_will_do) {
-    if (one_will_do && value.numbers.size() == 1) return glm::vec3(value.numbers[0]);
-    if (value.numbers.size() != 3)
-        refuse(option + ": " + value.name + " has " + std::to_string(value.numbers.size()) + " numbers",
-               one_will_do ? "give one or three" : "give three");
+void expect_count(const Value& value, bool good, const char* remedy) {
+    if (!good) refuse("--light: " + value.name + " has " + std::to_string(value.numbers.size()) + " numbers", remedy);
+}
+
+glm::vec3 three(const Value& value) {
+    expect_count(value, value.numbers.size() == 3, "give three");
     return {value.numbers[0], value.numbers[1], value.numbers[2]};
 }
 
-float one(const std::string& option, const Value& value) {
-    if (value.numbers.size() != 1)
-        refuse(option + ": " + value.name + " has " + std::to_string(value.numbers.size()) + " numbers", "give one");
+glm::vec3 one_or_three(const Value& value) {
+    if (value.numbers.size() == 1) return glm::vec3(value.numbers[0]);
+    expect_count(value, value.numbers.size() == 3, "give one or three");
+    return three(value);
+}
+
+float one(const Value& value) {
+    expect_count(value, value.numbers.size() == 1, "give one");
     return value.numbers[0];
 }
 
@@ -83,27 +86,26 @@ LightKind kind_named(const std::string& name) {
 }  // namespace
 
 Light parse_light(const std::string& text) {
-    const std::string option = "--light";
     const std::vector<std::string> words = split(text);
     Light light;
     light.kind = kind_named(words[0]);
-    for (const Value& value : values_of(option, words)) {
+    for (const Value& value : values_of(words)) {
         if (value.name == "position")
-            light.position = three(option, value, false);
+            light.position = three(value);
         else if (value.name == "direction")
-            light.direction = three(option, value, false);
+            light.direction = three(value);
         else if (value.name == "intensity")
-            light.intensity = three(option, value, true);
+            light.intensity = one_or_three(value);
         else if (value.name == "attenuation")
-            light.attenuation = three(option, value, false);
+            light.attenuation = three(value);
         else if (value.name == "range")
-            light.range = one(option, value);
+            light.range = one(value);
         else if (value.name == "inner")
-            light.inner_angle = degree * one(option, value);
+            light.inner_angle = degree * one(value);
         else if (value.name == "outer")
-            light.outer_angle = degree * one(option, value);
+            light.outer_angle = degree * one(value);
         else
-            refuse(option + ": unknown value '" + value.name + "'",
+            refuse("--light: unknown value '" + value.name + "'",
                    "use position, direction, intensity, range, attenuation, inner or outer");
     }
     return light;

@@ -8,10 +8,14 @@
 
 #include "claray/io.hpp"
 #include "claray/renderer.hpp"
-#include "host/cli/options/frames.hpp"
 #include "host/cli/options/view_options.hpp"
 
 namespace claray::cli {
+
+/// The frames of an animation, a picture each.
+struct FrameRange {
+    unsigned first = 0, last = 0;
+};
 
 struct RenderOptions {
     std::string scene;
@@ -36,8 +40,15 @@ struct RenderOptions {
 
 inline constexpr const char* aov_names[] = {"depth", "normal", "albedo", "primitive", "heat"};
 
-/// "640x480" -> {640, 480}. Throws ErrorKind::usage unless both are 1 .. 16384.
-[[nodiscard]] std::pair<unsigned, unsigned> parse_size(const std::string& text);
+/// --size WIDTHxHEIGHT, each 1 .. 16384.
+void add_size_option(CLI::App& command, unsigned& width, unsigned& height, const char* description);
+
+/// "0..47" -> {0, 47}. Throws ErrorKind::usage for what is no such range, or one of more than a million frames.
+[[nodiscard]] FrameRange parse_frames(const std::string& text);
+
+/// The file of a frame: its number takes the place of %d or %04d in the name, or stands before the extension, as in
+/// out.0007.png. Throws ErrorKind::usage where the name has another % than one of these.
+[[nodiscard]] std::filesystem::path numbered(const std::filesystem::path& output, unsigned frame);
 
 /// Lets meshes show the light maps that the command line names. Throws ErrorKind::usage for what is not MESH=FILE.
 void use_light_maps(Scene& scene, const std::vector<std::string>& light_maps);

@@ -7,6 +7,7 @@
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/output/progress.hpp"
 #include "host/cli/output/render_outputs.hpp"
+#include "host/cli/output/table.hpp"
 
 namespace claray::cli {
 namespace {
@@ -115,7 +116,7 @@ void run_frames(const Device& device, const Scene& scene, const RenderOptions& o
             {"max_depth", report.max_depth},
             {"milliseconds", {{"promised", budget}, {"median", p50}, {"percentile_99", p99}}},
             {"picks", report.picks}};
-        std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+        print_json(json);
     } else {
         if (!options.quiet)
             for (const std::string& pick : report.picks) std::printf("%s\n", pick.c_str());

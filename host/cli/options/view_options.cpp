@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "claray/error.hpp"
-#include "host/cli/load.hpp"
 #include "host/cli/options/option_rules.hpp"
 
 namespace claray::cli {

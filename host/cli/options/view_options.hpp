@@ -6,8 +6,7 @@
 #include <string>
 
 #include "claray/io.hpp"
-#include "host/cli/options/light_options.hpp"
-#include "host/cli/options/surface_options.hpp"
+#include "host/cli/load.hpp"
 
 namespace claray::cli {
 

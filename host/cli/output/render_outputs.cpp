@@ -8,6 +8,7 @@
 #include "host/cli/options/render_targets.hpp"
 #include "host/cli/output/brightness.hpp"
 #include "host/cli/output/messages.hpp"
+#include "host/cli/output/table.hpp"
 
 namespace claray::cli {
 namespace {
@@ -209,7 +210,7 @@ void print_as_json(const Device& device, const Renderer& renderer, const RenderO
                             {"picks", plan->picks},
                             {"kept", !outcome.interrupted && is_kept(*plan, outcome.progress)},
                             {"reached", account_of(*plan, outcome.progress)}};
-    std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    print_json(report);
 }
 
 }  // namespace claray::cli
