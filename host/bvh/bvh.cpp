@@ -175,7 +175,9 @@ void Bvh::bind_solid(Kernel& kernel, unsigned& index) const {
 }
 
 void Bvh::bind_cutouts(Kernel& kernel, unsigned& index) const {
-    if (has_cutouts()) kernel.set(index, arg("claray_cutouts", state_->cutouts));
+    if (!has_cutouts()) return;
+    kernel.set(index, arg("claray_cutouts", state_->cutouts));
+    kernel.set(index, std::uint32_t(0));
 }
 
 void Bvh::set_cutouts(const Buffer<std::uint32_t>& store) { state_->cutouts = store; }

@@ -109,7 +109,7 @@ void Bvh::State::allocate() {
         finish = TreeLayout(device, capacity, leaf_limit(), true);
     }
     header = Buffer<BvhHeader>(device, 1);
-    bound_keys = Buffer<std::uint32_t>(device, 7);
+    bound_keys = Buffer<std::uint32_t>(device, 6);
     nodes = Buffer<BvhNode>(device, capacity);
     leaves = Buffer<LeafTriangle>(device, capacity);
     arrivals = Buffer<std::uint32_t>(device, capacity);
@@ -158,10 +158,10 @@ void Bvh::State::compute_bounds() {
 template <class Code>
 void Bvh::State::build_tree(Buffer<Code>& codes, RadixSort<Code>& sort) {
     if (ranges != 0)
-        encode_.run({ranges, 1}, leaves.memory(), count, header, arg("keys", bound_keys), ranges, arg("codes", codes));
+        encode_.run({ranges, 1}, leaves.memory(), count, header, ranges, codes);
     else
         codes_.run({count, build_group}, triangles.positions, arg("indices", triangles.indices), count, header,
-                   arg("keys", bound_keys), arg("codes", codes));
+                   arg("codes", codes));
     sort.sort(codes, order, count);
     if (config.builder == Builder::fast) {
         build_lbvh(codes);

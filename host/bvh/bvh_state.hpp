@@ -41,8 +41,7 @@ struct Bvh::State {
     Buffer<std::uint32_t> cutouts;  // see Bvh::set_cutouts
 
     // Scratch, kept for rebuilding.
-    Buffer<std::uint32_t> bound_keys;  // three minima, three maxima (float_key), and the Morton grid's scale
-    Buffer<std::uint32_t> codes32, order, arrivals, clusters;
+    Buffer<std::uint32_t> bound_keys, codes32, order, arrivals, clusters;
     Buffer<std::uint64_t> codes64;
     Buffer<std::uint32_t> pieces, piece_counts;  // of the serial schedule
     std::uint32_t ranges = 0;                    // work-items of the serial schedule; 0: every leaf climbs by itself

@@ -40,7 +40,6 @@ HostPlacement place_by_host(std::span<const Instance> instances, std::span<const
                                               uint(bottoms.size()), &placed, corners);
         all.widening = std::max(all.widening, widening);
         all.placed.push_back(placed);
-        if (!ends.empty()) all.moving.push_back({instances[i], ends[i]});
         for (const float* c : {corners, corners + 3, corners + 6}) all.boxes.positions.emplace_back(c[0], c[1], c[2]);
         all.boxes.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
     }

@@ -62,7 +62,6 @@ InstancedBvh::State::State(std::span<const Bvh> bottoms, const Buffer<Instance>&
         throw Error(ErrorKind::user, "too many instances: " + std::to_string(count) + ", the limit is 2^29 - 2");
     take_bottoms(bottoms);
     placed = Buffer<PlacedInstance>(device, count);
-    if (ends.allocated()) moving = Buffer<MovingInstance>(device, count);
     widening = Buffer<float>(device, 1);
     if (by_host) return;
     boxes.positions = Buffer<float>(device, 9 * count);
@@ -71,7 +70,6 @@ InstancedBvh::State::State(std::span<const Bvh> bottoms, const Buffer<Instance>&
         .run({3 * count, 256}, boxes.indices, std::uint32_t(3 * count));
     place();
     top = Bvh::build(device, boxes, top_config());
-    widen_top();
 }
 
 Bvh::Config InstancedBvh::State::top_config() const {
@@ -84,17 +82,9 @@ Bvh::Config InstancedBvh::State::top_config() const {
 void InstancedBvh::State::build_by_host(std::span<const Instance> begins, std::span<const Instance> motion_ends) {
     const HostPlacement placement = place_by_host(begins, motion_ends, headers.read());
     placed.write(placement.placed);
-    if (moving.allocated()) moving.write(placement.moving);
     widening.write(std::span(&placement.widening, 1));
     top = Bvh::build_by_host(device, std::span(&placement.boxes, 1), top_config());
     boxes = top->triangles();
-    widen_top();
-}
-
-/// The builder clears the header.
-void InstancedBvh::State::widen_top() {
-    detail::copy(device, widening.memory(), top->header_buffer().memory(), sizeof(float),
-                 offsetof(BvhHeader, widening));
 }
 
 void InstancedBvh::State::take_bottoms(std::span<const Bvh> bottoms) {
@@ -111,22 +101,24 @@ void InstancedBvh::State::take_bottoms(std::span<const Bvh> bottoms) {
     }
     shared = bottoms[0];
     headers = shared->header_buffer();
+    ranges = Buffer<BottomRange>(device, std::vector<BottomRange>(1));
     bottom_bytes = shared->statistics().bytes;
 }
 
 void InstancedBvh::State::copy_bottoms(std::span<const Bvh> bottoms) {
     std::vector<BvhHeader> host_headers;
+    std::vector<BottomRange> host_ranges;
     BottomSize all;
     for (const Bvh& bvh : bottoms) {
         host_headers.push_back(bvh.header());
-        BvhHeader& header = host_headers.back();
-        header.first_node = std::uint32_t(all.nodes), header.first_leaf = std::uint32_t(all.leaves);
-        const BottomSize size = size_of(bvh, header);
+        host_ranges.push_back({std::uint32_t(all.nodes), std::uint32_t(all.leaves)});
+        const BottomSize size = size_of(bvh, host_headers.back());
         all = {all.nodes + size.nodes, all.leaves + size.leaves};
     }
     if (std::max(all.nodes, all.leaves) > 0xffffffffu)
         throw Error(ErrorKind::user, "the bottom levels have more than 2^32 nodes or leaves in total");
     headers = Buffer<BvhHeader>(device, host_headers);
+    ranges = Buffer<BottomRange>(device, host_ranges);
     const bool wide = layout == Layout::wide;
     if (wide) {
         wide_nodes = Buffer<WideNode>(device, all.nodes);
@@ -138,7 +130,7 @@ void InstancedBvh::State::copy_bottoms(std::span<const Bvh> bottoms) {
     bottom_bytes = headers.bytes() + wide_nodes.bytes() + wide_blocks.bytes() + nodes.bytes() + leaves.bytes();
     for (std::size_t i = 0; i < bottoms.size(); ++i) {
         const BottomSize size = size_of(bottoms[i], host_headers[i]);
-        const BvhHeader& at = host_headers[i];
+        const BottomRange at = host_ranges[i];
         if (wide) {
             append(device, bottoms[i].wide_nodes(), wide_nodes, at.first_node, size.nodes);
             append(device, bottoms[i].wide_blocks(), wide_blocks, at.first_leaf, size.leaves);
@@ -154,7 +146,7 @@ void InstancedBvh::State::place() {
     widening.fill(0);
     const std::size_t count = instances.size();
     place_.run({count, instances_group}, arg("instances", instances), arg("ends", ends), std::uint32_t(count), headers,
-               std::uint32_t(headers.size()), placed, moving, boxes.positions, widening.memory());
+               std::uint32_t(ranges.size()), placed, boxes.positions, widening.memory());
 }
 
 InstancedBvh InstancedBvh::build(std::span<const Bvh> bottoms, const Buffer<Instance>& instances,
@@ -200,13 +192,11 @@ InstancedBvh InstancedBvh::build_by_host(std::span<const Bvh> bottoms, std::span
 void InstancedBvh::rebuild() {
     state_->place();
     state_->top->rebuild();
-    state_->widen_top();
 }
 
 void InstancedBvh::refit() {
     state_->place();
     state_->top->refit();
-    state_->widen_top();
 }
 
 void InstancedBvh::replace_bottoms(std::span<const Bvh> bottoms) { state_->take_bottoms(bottoms); }
@@ -228,8 +218,7 @@ InstanceStatistics InstancedBvh::statistics() const {
     statistics.height = top.height;
     statistics.sah_cost = top.sah_cost;
     statistics.widening = state_->widening.read()[0];
-    statistics.top_bytes = top.bytes + state_->instances.bytes() + state_->ends.bytes() + state_->placed.bytes() +
-                           state_->moving.bytes();
+    statistics.top_bytes = top.bytes + state_->instances.bytes() + state_->ends.bytes() + state_->placed.bytes();
     statistics.bottom_bytes = state_->bottom_bytes;
     return statistics;
 }
@@ -240,9 +229,13 @@ void InstancedBvh::bind(Kernel& kernel, unsigned& index) const {
     kernel.set(index, arg("claray_top", top.header_buffer()));
     kernel.set(index, arg("claray_top_nodes", top.nodes()));
     kernel.set(index, arg("claray_top_leaves", top.leaves()));
+    kernel.set(index, arg("claray_widening", state_->widening));
     kernel.set(index, state_->placed);
+    kernel.set(index, state_->ranges);
     state_->bind_bottoms(kernel, index);
-    if (state_->moving.allocated()) kernel.set(index, state_->moving);
+    if (!state_->ends.allocated()) return;
+    kernel.set(index, arg("claray_begins", state_->instances));
+    kernel.set(index, arg("claray_ends", state_->ends));
 }
 
 void InstancedBvh::set_cutouts(const Buffer<std::uint32_t>& store) {
@@ -265,7 +258,9 @@ void InstancedBvh::State::bind_bottoms(Kernel& kernel, unsigned& index) const {
     const bool wide = layout == Layout::wide;
     wide ? kernel.set(index, wide_nodes) : kernel.set(index, arg("claray_nodes", nodes));
     wide ? kernel.set(index, wide_blocks) : kernel.set(index, arg("claray_triangles", leaves));
-    if (cutouts.allocated()) kernel.set(index, arg("claray_cutouts", cutouts));
+    if (!cutouts.allocated()) return;
+    kernel.set(index, arg("claray_cutouts", cutouts));
+    kernel.set(index, std::uint32_t(0));  // claray_first_triangle, which every instance replaces by its own
 }
 
 }  // namespace claray

@@ -26,6 +26,7 @@ struct InstancedBvh::State {
     // The bottom levels: one that is shared, or copies of several behind each other.
     std::optional<Bvh> shared;
     Buffer<BvhHeader> headers;
+    Buffer<BottomRange> ranges;
     Buffer<BvhNode> nodes;
     Buffer<LeafTriangle> leaves;
     Buffer<WideNode> wide_nodes;
@@ -34,15 +35,13 @@ struct InstancedBvh::State {
     std::uint64_t bottom_bytes = 0;
 
     Buffer<PlacedInstance> placed;
-    Buffer<MovingInstance> moving;  // not allocated where nothing can move
-    Buffer<float> widening;         // the top level's, until its header holds it
+    Buffer<float> widening;
     TriangleBuffers boxes;  // a triangle that spans the box of each instance
     std::optional<Bvh> top;
 
 private:
     [[nodiscard]] Bvh::Config top_config() const;
     void copy_bottoms(std::span<const Bvh> bottoms);
-    void widen_top();
 
     Kernel place_;
 };

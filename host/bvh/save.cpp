@@ -257,9 +257,7 @@ Bvh Bvh::load(const Device& device, const std::filesystem::path& path, Layout la
     if (s.nodes.size() != header.nodes || s.leaves.size() != header.leaves)
         file.refuse_damaged("its tree and its triangles do not match");
     read_arrays(file, s);
-    BvhHeader alone = header.bvh;
-    alone.first_node = alone.first_leaf = 0;  // kernels add these to their pointers
-    s.header.write(std::span(&alone, 1));
+    s.header.write(std::span(&header.bvh, 1));
     if (s.layout == Layout::wide && config.max_leaf_triangles > 1)
         s.build();  // the wide tree has its own leaves
     else if (s.layout == Layout::wide)

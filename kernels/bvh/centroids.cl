@@ -40,11 +40,11 @@ kernel void compute_centroids(global const float* positions, global const uint* 
 
 /// One item a range of triangles. The loop has no branches, so that compilers turn it into vectors.
 kernel void encode_centroids(global const float* restrict centroids, uint count, global const BvhHeader* header,
-                             global const uint* restrict keys, uint ranges, global Code* restrict codes) {
+                             uint ranges, global Code* restrict codes) {
     const uint range = get_global_id(0);
     if (range >= ranges) return;
     const float lox = header->lox, loy = header->loy, loz = header->loz;
-    const float scale = as_float(keys[GRID_SCALE]);
+    const float scale = header->scale;
     global const float* restrict xs = centroids;
     global const float* restrict ys = centroids + count;
     global const float* restrict zs = centroids + 2 * (size_t)count;

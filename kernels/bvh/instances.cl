@@ -6,12 +6,11 @@
 #define GROUP_SIZE 64
 #endif
 
-/// `widening`, zero before, becomes the largest of all instances; of positive floats the bits have the same order. `ends` and
-/// `moving` are absent where nothing moves.
+/// `widening`, zero before, becomes the largest of all instances; of positive floats the bits have the same order. `ends` is
+/// absent where nothing moves.
 kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
 void place_instances(global const Instance* instances, global const Instance* ends, uint count, global const BvhHeader* bottoms,
-                     uint bottom_count, global PlacedInstance* placed, global MovingInstance* moving, global float* corners,
-                     volatile global uint* widening) {
+                     uint bottom_count, global PlacedInstance* placed, global float* corners, volatile global uint* widening) {
     local uint group_widening;
     if (get_local_id(0) == 0) group_widening = 0;
     barrier(CLK_LOCAL_MEM_FENCE);
@@ -19,7 +18,6 @@ void place_instances(global const Instance* instances, global const Instance* en
     if (i < count) {
         const float mine = place_instance(&instances[i], ends ? &ends[i] : 0, bottoms, bottom_count, &placed[i], corners + 9 * i);
         atomic_max(&group_widening, as_uint(mine));
-        if (ends) moving[i].begin = instances[i], moving[i].end = ends[i];
     }
     barrier(CLK_LOCAL_MEM_FENCE);
     if (get_local_id(0) == 0) atomic_max(widening, group_widening);

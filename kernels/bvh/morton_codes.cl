@@ -4,7 +4,7 @@
 
 /// Culled triangles get a code above all others, so that sorting puts them behind the tree's leaves.
 kernel void compute_morton_codes(global const float* positions, global const uint* indices, uint count,
-                                 global const BvhHeader* header, global const uint* keys, global Code* codes) {
+                                 global const BvhHeader* header, global Code* codes) {
     const uint i = get_global_id(0);
     if (i >= count) return;
     const Triangle triangle = load_triangle(positions, indices, i);
@@ -14,6 +14,6 @@ kernel void compute_morton_codes(global const float* positions, global const uin
     }
     const Box box = box_of(triangle);
     const float3 offset = box.lo + box.hi - (float3)(header->lox, header->loy, header->loz);
-    const float scale = as_float(keys[GRID_SCALE]);
-    codes[i] = MORTON(grid_cell(offset.x, scale), grid_cell(offset.y, scale), grid_cell(offset.z, scale));
+    codes[i] = MORTON(grid_cell(offset.x, header->scale), grid_cell(offset.y, header->scale),
+                      grid_cell(offset.z, header->scale));
 }

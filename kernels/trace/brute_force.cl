@@ -6,7 +6,7 @@ static inline Hit test_all(global const BvhHeader* header, global const LeafTria
                            uint mask, bool any) {
     if (!ray_valid(ray)) return no_hit(ray.tmax);
     PreparedRay prepared = prepare_ray(ray, CULL_BACK_FACES, mask);
-    SET_CUTOUTS(&prepared, 0);
+    SET_CUTOUTS(&prepared);
     Candidate best = no_candidate(ray.tmax);
     const uint valid = header->valid;
     for (uint i = 0; i < valid; ++i)

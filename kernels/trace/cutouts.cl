@@ -13,7 +13,7 @@ void retrace_closest(CLARAY_BVH_PARAMETERS, global const Ray* rays, global Hit* 
     const uint all = rays_to_trace(capacity, count);
     FOR_EACH_RAY(i, all) {
         const uint primitive = hits[i].primitive;
-        if (primitive == CLARAY_MISS || cutout_of(claray_cutouts, primitive) == CLARAY_NO_MAP) continue;
+        if (primitive == CLARAY_MISS || cutout_of(claray_cutouts, claray_first_triangle + primitive) == CLARAY_NO_MAP) continue;
         Visits unused = {0, 0};
         hits[i] = claray_trace(CLARAY_BVH, rays[i], false, CULL_BACK_FACES, mask_of_ray(masks, i), &unused);
     }

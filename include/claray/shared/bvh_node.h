@@ -79,9 +79,9 @@ typedef struct BvhHeader {
     uint culled;                         // triangles left out: not finite, huge, or without area
     uint height;                         // levels of inner nodes below and including the root
     uint wide_nodes, wide_blocks;        // sizes of the wide tree, if it exists
-    float widening;                      // of a top level over instances: growth of its boxes per unit of distance
+    float scale;                         // cells of the Morton grid per unit of length
     uint inner_nodes;                    // of the binary tree, including unused nodes
-    uint first_node, first_leaf;         // where the structure begins if several structures share one buffer
+    uint unused0, unused1;
 } BvhHeader;
 CLARAY_LAYOUT(BvhHeader, 64)
 

@@ -29,11 +29,12 @@ typedef struct PlacedInstance {
 } PlacedInstance;
 CLARAY_LAYOUT(PlacedInstance, 64)
 
-/// An instance at shutter open and at shutter close.
-typedef struct MovingInstance {
-    Instance begin, end;
-} MovingInstance;
-CLARAY_LAYOUT(MovingInstance, 128)
+/// Where each structure begins, if several structures share one buffer.
+typedef struct BottomRange {
+    uint first_node;
+    uint first_leaf;
+} BottomRange;
+CLARAY_LAYOUT(BottomRange, 8)
 
 /// A hit and its instance. The distance is that of the ray in world space; u, v, primitive and geometry refer to the
 /// structure of the instance.
