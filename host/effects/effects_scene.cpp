@@ -27,18 +27,14 @@ Texture grey_texture(Filter filter) {
     return texture;
 }
 
-TextureUse use_of_texture() {
-    TextureUse use;
-    use.texture = 0;
-    return use;
-}
+const TextureUse grey = {.texture = 0};
 
 void add_layers(Material& m, EffectSet effects) {
     if (effects.has(Effect::specular)) m.specular_weight = 0.5f;
     if (effects.has(Effect::sheen)) m.sheen = glm::vec3(0.5f);
     if (effects.has(Effect::anisotropy)) m.anisotropy = 0.5f;
     if (effects.has(Effect::iridescence)) m.iridescence = 0.5f;
-    if (effects.has(Effect::layered_coat)) m.clearcoat = 0.5f, m.normal_map = use_of_texture();
+    if (effects.has(Effect::layered_coat)) m.clearcoat = 0.5f, m.normal_map = grey;
 }
 
 std::vector<Material> materials_for(EffectSet effects) {
@@ -75,32 +71,29 @@ std::vector<Material> materials_for(EffectSet effects) {
     if (effects.has(Effect::culling)) last.cull_back = true;
     if (effects.has(Effect::cut_outs)) last.alpha_mode = AlphaMode::blend, last.opacity = 0.5f;
     if (effects.has(Effect::emissive_triangles)) last.emission = glm::vec3(1.f);
-    if (effects.has(Effect::textures) || effects.has(Effect::mip_maps)) last.albedo_map = use_of_texture();
-    if (effects.has(Effect::normal_maps)) last.normal_map = use_of_texture();
-    if (effects.has(Effect::height_maps)) last.height_map = use_of_texture();
-    if (effects.has(Effect::light_maps)) last.light_map = use_of_texture();
+    if (effects.has(Effect::textures) || effects.has(Effect::mip_maps)) last.albedo_map = grey;
+    if (effects.has(Effect::normal_maps)) last.normal_map = grey;
+    if (effects.has(Effect::height_maps)) last.height_map = grey;
+    if (effects.has(Effect::light_maps)) last.light_map = grey;
     if (effects.has(Effect::emission_maps)) {  // on a lamp of its own: those with holes are not sampled
         materials.emplace_back();
-        materials.back().emission = glm::vec3(1.f), materials.back().emission_map = use_of_texture();
+        materials.back().emission = glm::vec3(1.f), materials.back().emission_map = grey;
     }
     return materials;
 }
 
 void add_light(Scene& scene, LightKind kind) {
-    Light light;
-    light.kind = kind;
-    light.position = {0.f, 2.f, 0.f};
-    scene.lights.push_back(light);
+    scene.lights.push_back({.name = {}, .kind = kind, .position = {0.f, 2.f, 0.f}});
 }
 
 /// As many triangles of the last material, or else as many near lights, as make a tree worth while.
 void multiply_lights(Scene& scene, bool emissive) {
     Mesh& mesh = scene.meshes.back();
-    while (emissive && mesh.triangles.size() < lights_for_a_tree) {
-        mesh.triangles.push_back(mesh.triangles[0]);
-        mesh.materials.push_back(mesh.materials[0]);
+    if (emissive) {
+        mesh.triangles.resize(lights_for_a_tree, mesh.triangles[0]);
+        mesh.materials.resize(lights_for_a_tree, mesh.materials[0]);
+        return;
     }
-    if (emissive) return;
     Light light;
     for (const Light& other : scene.lights)
         if (!traits_of(other.kind)->far) light = other;
@@ -145,12 +138,11 @@ Scene scene_calling_for(EffectSet effects) {
     scene.camera = camera;
     if (!(effects & EffectSet{Effect::instances, Effect::instance_motion}).empty())
         for (std::uint32_t i = 0; i < scene.meshes.size(); ++i) {
-            MeshInstance instance;
-            instance.mesh = i;
-            scene.instances.push_back(instance);
-            instance.transform[3].x = 3.f;  // twice, or it would be baked into the world
-            if (effects.has(Effect::instance_motion)) instance.transform_end = glm::mat4(1.f);
-            scene.instances.push_back(instance);
+            // Twice, or it would be baked into the world.
+            scene.instances.push_back({.mesh = i});
+            MeshInstance& second = scene.instances.emplace_back(MeshInstance{.mesh = i});
+            second.transform[3].x = 3.f;
+            if (effects.has(Effect::instance_motion)) second.transform_end = glm::mat4(1.f);
         }
     return scene;
 }
