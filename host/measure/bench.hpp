@@ -51,8 +51,8 @@ struct Winner {
 /// The quickest presets in the order of the number of rays, from 0 on.
 [[nodiscard]] std::vector<Winner> quickest_presets(const SceneResult& scene, std::size_t kind);
 
-/// The numbers of rays in tables of build and trace together: 1e4, 1e5 .. 1e9.
-[[nodiscard]] std::vector<double> ray_counts();
+/// The numbers of rays in tables of build and trace together.
+inline constexpr double ray_counts[] = {1e4, 1e5, 1e6, 1e7, 1e8, 1e9};
 
 /// One line a measurement, see docs/formats.md; with or without the line that names the columns.
 [[nodiscard]] std::string bench_csv_header();

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/measure/pcg.hpp"
 #include "host/scene/placement.hpp"
 
 namespace claray::measure {
@@ -96,6 +95,12 @@ std::vector<View> three_views(const std::string& name, const Scene& scene) {
         views.push_back(made);
     }
     return views;
+}
+
+std::vector<Ray> shuffled(std::vector<Ray> rays, const std::vector<Ray>& more, Pcg& random) {
+    rays.insert(rays.end(), more.begin(), more.end());
+    for (std::size_t i = rays.size(); i > 1; --i) std::swap(rays[i - 1], rays[random.next() % i]);
+    return rays;
 }
 
 RaySets make_rays(const Device& device, const Scene& scene, const std::vector<View>& views, unsigned width,

@@ -49,4 +49,41 @@ struct RaySets {
 /// The same from NAME.ray: u32 'RAY1', three counts; primary, shadow and bounce rays.
 [[nodiscard]] RaySets read_rays(const std::filesystem::path& path);
 
+/// Rays of one kind on the device, and their results.
+struct DeviceRays {
+    std::string name;  ///< "primary", "shadow", "bounce", "random"
+    bool any_hit;      ///< asked whether they hit, not what
+    Buffer<Ray> rays;
+    Buffer<Hit> hits;
+    Buffer<std::uint8_t> occluded;
+
+    DeviceRays(const Device& device, std::string kind, bool any, const std::vector<Ray>& of);
+
+    void trace(const Bvh& bvh);
+    /// What the last trace found, as bytes to compare.
+    [[nodiscard]] std::string results() const;
+};
+
+/// All kinds of rays of a scene (see three_views, make_rays), or those recorded beside a .scn file.
+[[nodiscard]] std::vector<DeviceRays> upload_rays(const Device& device, const std::string& scene,
+                                                  const std::vector<Mesh>& meshes, unsigned width, unsigned height);
+
+/// PCG (O'Neill 2014): the same 32-bit numbers on every machine.
+class Pcg {
+public:
+    std::uint32_t next() {
+        state_ = state_ * 6364136223846793005ull + 1442695040888963407ull;
+        const auto word = std::uint32_t(((state_ >> 18) ^ state_) >> 27);
+        const auto turn = std::uint32_t(state_ >> 59);
+        return (word >> turn) | (word << ((32 - turn) & 31));
+    }
+    float uniform() { return float(next() >> 8) * 0x1p-24f; }
+
+private:
+    std::uint64_t state_ = 1;
+};
+
+/// All of both, in random order.
+[[nodiscard]] std::vector<Ray> shuffled(std::vector<Ray> rays, const std::vector<Ray>& more, Pcg& random);
+
 }  // namespace claray::measure

@@ -10,7 +10,6 @@
 #include "host/base/format.hpp"
 #include "host/compute/kernel_sources.hpp"
 #include "host/compute/tuning.hpp"
-#include "host/measure/device_rays.hpp"
 #include "host/measure/measure.hpp"
 #include "host/measure/rays.hpp"
 
