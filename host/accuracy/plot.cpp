@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "host/accuracy/study.hpp"
-#include "host/accuracy/summary.hpp"
 #include "host/accuracy/svg.hpp"
 
 namespace claray {
@@ -22,9 +21,8 @@ using svg::rectangle;
 using svg::text;
 
 std::string line(double x0, double y0, double x1, double y1, const char* color, double thick, const char* more = "") {
-    return "<line x1=\"" + printed("%.1f", x0) + "\" y1=\"" + printed("%.1f", y0) + "\" x2=\"" + printed("%.1f", x1) +
-           "\" y2=\"" + printed("%.1f", y1) + "\" stroke=\"" + color + "\" stroke-width=\"" + printed("%.1f", thick) +
-           "\"" + more + "/>\n";
+    return printed("<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" stroke=\"%s\" stroke-width=\"%.1f\"%s/>\n",
+                   x0, y0, x1, y1, color, thick, more);
 }
 
 /// One logarithmic axis: values to pixels, and marks at decades or, where it is short, at parts of them. What is 0 has
@@ -252,10 +250,7 @@ std::string svg_of(const Study& study, const std::string& subtitle) {
     Axis x(errors, some_are_zero ? left + 44 : left, width - right);
     if (some_are_zero) x.zero = left + 18;
     const Axis y(seconds, height - bottom, top);
-    std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + printed("%.0f", width) + " " +
-                      printed("%.0f", height) + "\" width=\"" + printed("%.0f", width) + "\" height=\"" +
-                      printed("%.0f", height) +
-                      "\" font-family=\"sans-serif\">\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
+    std::string svg = svg::begin(width, height);
     svg += text(16, 26, "start", 18, ink, study.title) + text(16, 45, "start", 12, pale, subtitle);
     if (study.floor > 0) {  // what the reference can't tell
         const double end = x.at(study.floor);

@@ -20,6 +20,12 @@ double fact_of(const StudyPoint& point, const std::string& name) {
     return std::nan("");
 }
 
+const StudyPoint* last_of(const Study& study, const std::string& method) {
+    const auto last = std::find_if(study.points.rbegin(), study.points.rend(),
+                                   [&](const StudyPoint& p) { return p.method == method && p.failure.empty(); });
+    return last == study.points.rend() ? nullptr : &*last;
+}
+
 AccuracyProgress scaled(const AccuracyProgress& progress, double from, double to) {
     if (!progress) return {};
     return [=](double done, const std::string& what) { return progress(from + (to - from) * done, what); };
@@ -35,6 +41,11 @@ Spread spread_of(std::vector<double> values) {
         return values[below] + (place - double(below)) * (next - values[below]);
     };
     return {at(0.25), at(0.5), at(0.75)};
+}
+
+Spread spread_of(std::vector<double> values, double factor) {
+    for (double& value : values) value *= factor;
+    return spread_of(std::move(values));
 }
 
 bool overlap(const Spread& a, const Spread& b) { return a.low <= b.high && b.low <= a.high; }

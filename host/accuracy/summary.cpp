@@ -1,5 +1,4 @@
-#include "host/accuracy/summary.hpp"
-
+// What users should know first about a scene.
 #include <algorithm>
 #include <cmath>
 

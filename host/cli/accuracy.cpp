@@ -14,7 +14,6 @@
 #include "claray/io.hpp"
 #include "host/accuracy/plot.hpp"
 #include "host/accuracy/study.hpp"
-#include "host/accuracy/summary.hpp"
 #include "host/base/file.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/options/option_rules.hpp"

@@ -28,16 +28,10 @@ glm::vec3 as_half(const glm::vec3& c) {
 
 /// Errors at the most samples, and how the method compares in time.
 void judge_arithmetic(Study& study, const std::vector<ImageMethod>& methods) {
-    const auto last_of = [&](const std::string& method) {
-        const StudyPoint* last = nullptr;
-        for (const StudyPoint& p : study.points)
-            if (p.method == method) last = &p;
-        return last;
-    };
-    const StudyPoint* strict = last_of(methods.front().name);
-    for (std::size_t i = 1; i < methods.size(); ++i) {
-        const StudyPoint* p = last_of(methods[i].name);
-        if (!p->failure.empty() || !(strict->seconds.median > 0)) continue;
+    const StudyPoint* strict = last_of(study, methods.front().name);
+    for (std::size_t i = 1; strict && i < methods.size(); ++i) {
+        const StudyPoint* p = last_of(study, methods[i].name);
+        if (!p || p->setting != strict->setting || !(strict->seconds.median > 0)) continue;
         study.findings.push_back(
             p->method + printed(" changes the image by %.2g of its mean at %s, ", p->error.median, p->setting.c_str()) +
             told_time_against(p->seconds, strict->seconds));
@@ -83,9 +77,7 @@ StudyPoint sum_point(const Device& device, const SumMethod& method, std::uint32_
                                         sums_of_samples.accumulate({0, sum_pixels, at, samples_a_batch}, radiance);
                                     image = sums_of_samples.resolve();
                                 }});
-    std::vector<double> seconds;
-    for (const double ms : timings[0].rounds) seconds.push_back(1e3 * ms / (double(samples) * sum_pixels));
-    point.seconds = spread_of(seconds);
+    point.seconds = spread_of(timings[0].rounds, 1e3 / (double(samples) * sum_pixels));
     std::vector<double> errors;
     for (std::size_t p = 0; p < means.size(); ++p) errors.push_back(std::fabs(double(image[p].x) / means[p] - 1));
     if (!std::all_of(errors.begin(), errors.end(), [](double e) { return std::isfinite(e); }))
@@ -104,12 +96,7 @@ Study study_arithmetic(const Device& device, const Scene& scene, const StudyOpti
     // By the stages, each with arithmetic of its own; one kernel for whole paths would be faster where nothing changes.
     const MacroScope stages(device, {{"render/trace_paths", "MOST_EFFECTS", 0}});
     std::vector<glm::vec3> strict;  // of the configuration that is at hand
-    const auto with = [&](const Macros& macros) {
-        return [&device, &scene, macros](const RenderConfig& config) {
-            const MacroScope scope(device, macros);
-            return render_image(device, scene, config);
-        };
-    };
+    const auto with = [&](const Macros& macros) { return render_with(device, scene, macros); };
     const auto render_strict = [&](const RenderConfig& config) {
         Rendered done = render_image(device, scene, config);
         strict = done.image;
@@ -163,10 +150,7 @@ Study study_sums(const Device& device, const Scene&, const StudyOptions& options
         }
     mark_front(study.points);
     for (const SumMethod& method : methods) {
-        const StudyPoint* last = nullptr;
-        for (const StudyPoint& p : study.points)
-            if (p.method == method.name && p.failure.empty()) last = &p;
-        if (last)
+        if (const StudyPoint* last = last_of(study, method.name))
             study.findings.push_back(printed("%s: after %s samples the error of the mean is %.2g", method.name,
                                              last->setting.c_str(), last->error.median));
     }

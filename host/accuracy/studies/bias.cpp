@@ -82,9 +82,8 @@ public:
 
 private:
     [[nodiscard]] glm::dvec3 mean_with(const std::vector<MacroScope::Macro>& macros) const {
-        const MacroScope scope(device_, macros);
         glm::dvec3 sum(0);
-        const std::vector<glm::vec3> image = render_image(device_, scene_, config_).image;
+        const std::vector<glm::vec3> image = render_with(device_, scene_, macros)(config_).image;
         for (const glm::vec3& pixel : image) sum += glm::dvec3(pixel);
         return sum / double(image.size());
     }
@@ -97,8 +96,7 @@ private:
 
 }  // namespace
 
-Renders render_independently(const std::function<Rendered(const RenderConfig&)>& method, RenderConfig config,
-                             unsigned runs) {
+Renders render_independently(const RenderMethod& method, RenderConfig config, unsigned runs) {
     Renders renders;
     for (unsigned i = 0; i < 2 * std::max(runs, 2u); ++i) {
         ++config.seed;
@@ -158,9 +156,7 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
     const auto add = [&](const char* method, const std::string& setting, double value, const RenderConfig& how,
                          const std::vector<MacroScope::Macro>& macros) {
         if (!goes_on) return;
-        const MacroScope scope(device, macros);
-        const Renders renders = render_independently(
-            [&](const RenderConfig& c) { return render_image(device, scene, c); }, how, options.runs);
+        const Renders renders = render_independently(render_with(device, scene, macros), how, options.runs);
         const StudyPoint point = bias_point(method, setting, value, renders, reference);
         if (point.failure.empty())
             study.findings.push_back(std::string(method) + ", " + setting +

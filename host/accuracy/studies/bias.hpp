@@ -1,4 +1,4 @@
-// What is wrong with an image however many samples are taken.
+// The error of an image that more samples do not reduce.
 #pragma once
 
 #include "host/accuracy/studies/image_sweep.hpp"
@@ -11,10 +11,9 @@ struct Renders {
     std::vector<double> seconds;
 };
 /// 2 max(runs, 2) of them, with seeds from `config.seed` + 1 on, by the method.
-[[nodiscard]] Renders render_independently(const std::function<Rendered(const RenderConfig&)>& method,
-                                           RenderConfig config, unsigned runs);
+[[nodiscard]] Renders render_independently(const RenderMethod& method, RenderConfig config, unsigned runs);
 
-/// A point whose error is the renders' bias against the reference; it fails where that can't be told from noise.
+/// A point whose error is the renders' bias against the reference; it fails if the bias is not above the noise.
 [[nodiscard]] StudyPoint bias_point(const std::string& method, const std::string& setting, double value,
                                     const Renders& renders, const ReferenceImage& reference);
 

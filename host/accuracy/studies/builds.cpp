@@ -47,10 +47,8 @@ StudyPoint point_of_build(const Candidate& candidate, const measure::Timing& mad
     StudyPoint point;
     point.method = candidate.method, point.setting = candidate.setting, point.value = candidate.value;
     point.runs = unsigned(made.spans.size());
-    std::vector<double> trace, make;
-    for (const double ms : traced.spans) trace.push_back(1e3 * ms / double(candidate.rays->size()));
-    for (const double ms : made.spans) make.push_back(1e-3 * ms);
-    point.error = spread_of(trace), point.seconds = spread_of(make);
+    point.error = spread_of(traced.spans, 1e3 / double(candidate.rays->size()));
+    point.seconds = spread_of(made.spans, 1e-3);
     if (!(point.error.median > 0)) {
         point.failure = "was not run";
         return point;

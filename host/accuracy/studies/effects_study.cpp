@@ -42,7 +42,7 @@ Study study_effects(const Device& device, const Scene& scene, const StudyOptions
     const AccuracyProgress rest = scaled(progress, reference_share, 1);
     RenderConfig config = options.config;
     config.spp = options.most_spp;
-    const auto method = [&](const RenderConfig& c) { return render_image(device, scene, c); };
+    const RenderMethod method = render_with(device, scene);
     (void)method({.width = config.width, .height = config.height, .spp = 1});  // compiles the kernels
     const Renders whole = render_independently(method, config, options.runs);
     const double seconds = spread_of(whole.seconds).median;

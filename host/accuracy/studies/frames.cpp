@@ -3,7 +3,8 @@
 #include <chrono>
 #include <cmath>
 
-#include "host/accuracy/plan_text.hpp"
+#include "host/accuracy/forecast.hpp"
+#include "host/accuracy/study.hpp"
 
 namespace claray {
 namespace {
