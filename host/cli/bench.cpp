@@ -72,14 +72,14 @@ void print_stages(const measure::SceneResult& scene) {
 /// Milliseconds to build and trace, and which preset is the quickest from how many rays on.
 void print_together(const measure::SceneResult& scene) {
     Row head = {"build + trace, ms", "preset"};
-    for (const double rays : measure::ray_counts()) head.push_back(short_count(rays) + " rays");
+    for (const double rays : measure::ray_counts) head.push_back(short_count(rays) + " rays");
     std::vector<Row> rows = {head};
     std::string winners;
     for (std::size_t kind = 0; kind < scene.presets.at(0).kinds.size(); ++kind) {
         const std::string& name = scene.presets[0].kinds[kind].name;
         for (const measure::PresetResult& preset : scene.presets) {
             Row row = {name, preset.preset};
-            for (const double rays : measure::ray_counts())
+            for (const double rays : measure::ray_counts)
                 row.push_back(fixed(measure::build_and_trace(preset, kind, rays), 2));
             rows.push_back(std::move(row));
         }
@@ -104,7 +104,7 @@ nlohmann::ordered_json as_json(const measure::SceneResult& scene) {
                                         {"milliseconds", p.kinds[kind].timing.milliseconds()},
                                         {"spread", p.kinds[kind].timing.spread()},
                                         {"mrays_per_second", p.kinds[kind].mrays_per_second()}};
-            for (const double count : measure::ray_counts())
+            for (const double count : measure::ray_counts)
                 together[p.kinds[kind].name].push_back(
                     {{"rays", count}, {"milliseconds", measure::build_and_trace(p, kind, count)}});
         }

@@ -132,7 +132,29 @@ void run_build(const BuildOptions& options) {
                     "report this, with the output of 'claray devices --json'");
 }
 
+/// "fast (fastest to build), balanced (...)".
+std::string builders_with_notes() {
+    std::string text;
+    for (const BuilderTraits& traits : builders)
+        text += (text.empty() ? "" : ", ") + std::string(traits.name) + " (" + traits.note + ')';
+    return text;
+}
+
 }  // namespace
+
+void add_bvh_options(CLI::App& command, Bvh::Config& config) {
+    command.add_option("--morton-bits", config.morton_bits, "Bits per Morton code: 30 or 63 [63]")
+        ->check(name_among({"30", "63"}));
+    command
+        .add_option("--builder", config.builder,
+                    "Builder of the tree: " + builders_with_notes() + " [" +
+                        measure::name_of(measure::builders, config.builder) + "]")
+        ->transform(choice_of(measure::builders))
+        ->type_name("NAME");
+    command.add_option("--layout", config.layout, "Layout of the tree for tracing: auto, binary or wide [auto]")
+        ->transform(choice_of(measure::layouts))
+        ->type_name("NAME");
+}
 
 void add_build_command(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand(

@@ -172,9 +172,7 @@ std::string bar_chart(const std::string& title, const std::string& subtitle, con
     // Room for the numbers: right of positive bars, left of negative ones.
     const double left = label_width + (lowest < 0 ? value_width : 12), right = width - value_width;
     const double scale = highest > lowest ? (right - left) / (highest - lowest) : 0, zero = left - lowest * scale;
-    std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + fixed(width, 0) + " " +
-                      fixed(height, 0) + "\" width=\"" + fixed(width, 0) + "\" height=\"" + fixed(height, 0) +
-                      "\" font-family=\"sans-serif\">\n" + rectangle(0, 0, width, height, "#fff");
+    std::string svg = svg::begin(width, height);
     svg += text(16, 28, "start", 18, ink, title) + text(16, 48, "start", 12, pale_ink, subtitle);
     svg += rectangle(16, 62, 12, 12, strong_color) + text(34, 72, "start", 12, ink, "called for: cost in this scene");
     svg += rectangle(256, 62, 12, 12, weak_color) + text(274, 72, "start", 12, ink, "left out: cost if it were used");

@@ -157,7 +157,7 @@ void add_quality_options(CLI::App& command, RenderOptions& o) {
     command.add_option("--spp", o.config.spp, "Samples per pixel [64]; with --time the upper limit")
         ->transform(whole_number(1, 1 << 24));
     command.add_option("--noise", o.config.noise, "Stop at this relative standard error, for example 0.01")
-        ->check(number_above("more than 0", 0, false));
+        ->check(positive_number());
     command.add_option("--max-depth", o.config.max_depth, "Surfaces per path, at most; 1 is direct light only [128]")
         ->transform(whole_number(1, 1024));
     command.add_option("--seed", o.config.seed, "Seed of the random numbers; changes the noise [0]")

@@ -23,11 +23,8 @@ std::optional<float> number(std::string_view text) {
 
 std::vector<std::string> split(const std::string& text) {
     std::vector<std::string> words;
-    for (std::size_t begin = 0; begin <= text.size();) {
-        const std::size_t end = std::min(text.find(',', begin), text.size());
-        words.push_back(text.substr(begin, end - begin));
-        begin = end + 1;
-    }
+    for (std::size_t begin = 0; begin <= text.size(); begin += words.back().size() + 1)
+        words.push_back(text.substr(begin, text.find(',', begin) - begin));
     return words;
 }
 
@@ -83,8 +80,8 @@ LightKind kind_named(const std::string& name) {
     refuse("--light: unknown kind '" + name + "'", "the kinds are " + kinds());
 }
 
-}  // namespace
-
+/// "spot,position=0,2,0,direction=0,-1,0,intensity=50,inner=20,outer=30": a kind, then names and values; angles in
+/// degrees, one number for three equal ones.
 Light parse_light(const std::string& text) {
     const std::vector<std::string> words = split(text);
     Light light;
@@ -111,6 +108,7 @@ Light parse_light(const std::string& text) {
     return light;
 }
 
+/// "R,G,B", or "R,G,B,R,G,B" from the horizon to the zenith; one number is grey.
 Sky parse_sky(const std::string& text) {
     const std::vector<std::string> words = split(text);
     std::vector<float> numbers;
@@ -122,6 +120,8 @@ Sky parse_sky(const std::string& text) {
     if (numbers.size() == 3) numbers.insert(numbers.end(), {numbers[0], numbers[1], numbers[2]});
     return {{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}};
 }
+
+}  // namespace
 
 void add_light_options(CLI::App& command, LightOptions& o) {
     command
@@ -142,8 +142,7 @@ void add_light_options(CLI::App& command, LightOptions& o) {
     command.add_option(
         "--environment", o.environment,
         "An image round the scene, in place of the sky: latitude and longitude, or a folder with px nx py ny pz nz");
-    command.add_option("--environment-strength", o.strength, "Its radiance times this [1]")
-        ->check(number_above("0 or more", 0, true));
+    command.add_option("--environment-strength", o.strength, "Its radiance times this [1]")->check(number_from_0());
     command.add_option("--environment-rotation", o.rotation, "Turns it by degrees, counter-clockwise from above [0]")
         ->check(finite_number());
 }

@@ -103,10 +103,7 @@ std::vector<NamedFile> inputs_of(const RenderOptions& options) {
 }
 
 void check_outputs(const RenderOptions& options) {
-    const auto check_image = [](const std::filesystem::path& path) {
-        if (!path.empty()) check_writable(path);  // its extension, too
-    };
-    check_image(options.output);
+    if (!options.output.empty()) check_writable(options.output);  // its extension, too
     check_outputs(outputs_of(options), inputs_of(options));
 }
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr unsigned most_spp = 1u << 24;
 
-/// For an error of 0, which can't be reached: what comes closest is told as for any other.
+/// In place of an error of 0, which cannot be reached: the message then names the closest possible error.
 constexpr const char* least_error = "1e-30";
 
 CLI::Validator least_error_for_none() {
@@ -24,31 +24,6 @@ CLI::Validator least_error_for_none() {
             },
             ""};
 }
-
-}  // namespace
-
-void add_target_options(CLI::App& command, RenderOptions& o) {
-    command
-        .add_option("--error", o.config.error, "Render until the RMSE over the mean is at most this: for example 0.01")
-        ->check(number_above("more than 0", 0, false))
-        ->transform(least_error_for_none());
-    command.add_option("--time", o.config.seconds, "Render as many samples as fit into this time: 500ms, 2s, 1m")
-        ->transform(duration())
-        ->type_name("TIME");
-    command
-        .add_option("--fps", o.fps,
-                    "Render frames at this rate with as many samples as fit, and print whether the rate was met")
-        ->check(number_above("more than 0", 0, false));
-    command
-        .add_option("--frames", o.frames_text,
-                    "FIRST..LAST: write an image per frame of an animation, as OUTPUT.0000.png or by %04d in OUTPUT; "
-                    "with --fps: number of frames [300]")
-        ->type_name("RANGE");
-    command.add_option("--frame-rate", o.frame_rate, "Frames per second of the animation, with --frames [24]")
-        ->check(number_above("more than 0", 0, false));
-}
-
-namespace {
 
 void check_frames(const CLI::App& command, RenderOptions& o) {
     refuse_without(command, "--frame-rate", "--frames");
@@ -69,6 +44,27 @@ void check_frames(const CLI::App& command, RenderOptions& o) {
 }
 
 }  // namespace
+
+void add_target_options(CLI::App& command, RenderOptions& o) {
+    command
+        .add_option("--error", o.config.error, "Render until the RMSE over the mean is at most this: for example 0.01")
+        ->check(positive_number())
+        ->transform(least_error_for_none());
+    command.add_option("--time", o.config.seconds, "Render as many samples as fit into this time: 500ms, 2s, 1m")
+        ->transform(duration())
+        ->type_name("TIME");
+    command
+        .add_option("--fps", o.fps,
+                    "Render frames at this rate with as many samples as fit, and print whether the rate was met")
+        ->check(positive_number());
+    command
+        .add_option("--frames", o.frames_text,
+                    "FIRST..LAST: write an image per frame of an animation, as OUTPUT.0000.png or by %04d in OUTPUT; "
+                    "with --fps: number of frames [300]")
+        ->type_name("RANGE");
+    command.add_option("--frame-rate", o.frame_rate, "Frames per second of the animation, with --frames [24]")
+        ->check(positive_number());
+}
 
 void check_targets(const CLI::App& command, RenderOptions& o) {
     if (command.count("--fps") == 0 && command.count("--output") == 0) throw CLI::RequiredError("--output");

@@ -21,13 +21,7 @@ struct ViewOptions {
     LoadOptions load;
 };
 
-/// "1,-2,3.5" -> vector. Throws ErrorKind::usage, naming the option, unless it is three finite numbers.
-[[nodiscard]] glm::vec3 parse_vector(const std::string& option, const std::string& text);
-
 void add_view_options(CLI::App& command, ViewOptions& options);
-
-/// `from`, the scene's own camera or the automatic one, with what the command line changes.
-[[nodiscard]] Camera choose_camera(Camera from, const ViewOptions& options);
 
 /// What the first frame of an animation chooses for all: the automatic camera, and light where the file is dark.
 struct FirstFrame {
