@@ -25,8 +25,8 @@ std::string line(double x0, double y0, double x1, double y1, const char* color, 
                    x0, y0, x1, y1, color, thick, more);
 }
 
-/// One logarithmic axis: values to pixels, and marks at decades or, where it is short, at parts of them. What is 0 has
-/// a place of its own, where there is such.
+/// A logarithmic axis: maps values to pixels; ticks at decades or, on short axes, at parts of them. The value 0 has a
+/// place of its own.
 struct Axis {
     double low, high, from, to, zero = 0;
     Axis(std::vector<double> values, double pixel_from, double pixel_to) : from(pixel_from), to(pixel_to) {
@@ -50,7 +50,7 @@ struct Axis {
     }
 };
 
-/// Errors over a mean are told in per cent.
+/// Errors relative to a mean are printed in per cent.
 bool is_share(const Study& study) { return study.error.ends_with("/ mean"); }
 
 /// "0.002", "50", "1e-05", "2 %"
@@ -104,7 +104,7 @@ std::string draw_axes(const Axis& x, const Axis& y, const Study& study) {
     return svg;
 }
 
-/// Words and marks that labels must not cover.
+/// Rectangles of text and marks that labels must not cover.
 struct Taken {
     double x0, y0, x1, y1;
 };
@@ -116,7 +116,7 @@ bool is_free(const Taken& place, const std::vector<Taken>& taken) {
     });
 }
 
-/// The setting's name beside its mark, on the first of four sides with room; nothing where there is none.
+/// The setting's name beside its mark, in the first of four positions that is free; nothing if none is.
 std::string draw_label(const std::string& words, double x, double y, std::vector<Taken>& taken) {
     constexpr double size = 11, gap = 9;
     const double length = 0.58 * size * double(words.size());
@@ -215,7 +215,7 @@ std::string table_of(const Study& study) {
     return html + "</table>\n";
 }
 
-/// Marks and names of the methods, in one row or two; returns what follows them.
+/// Marks and names of the methods, then `rest`, in one row or two.
 std::string draw_legend(const std::vector<std::string>& methods, const std::string& rest) {
     double x = left, y = 64;
     const auto place = [&](std::size_t letters) {

@@ -8,7 +8,7 @@ namespace claray {
 
 /// Names of all `StudyPoint::facts`, in the order in which they first appear.
 [[nodiscard]] std::vector<std::string> fact_names(const Study& study);
-/// NaN where the point has none of that name.
+/// NaN if the point has no fact of that name.
 [[nodiscard]] double fact_of(const StudyPoint& point, const std::string& name);
 
 /// The last point of a method that did not fail; null if there is none.

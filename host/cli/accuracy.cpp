@@ -1,4 +1,4 @@
-// claray accuracy: what accuracy costs in time, for every setting of the methods that make an image.
+// claray accuracy: error against time, for every setting of the methods that make an image.
 #include "claray/accuracy.hpp"
 
 #include <algorithm>
@@ -83,7 +83,7 @@ std::shared_ptr<const std::filesystem::path> temporary_folder() {
             }};
 }
 
-/// One line, drawn again: what is done, and how long the rest takes at this pace. An interruption ends the study.
+/// Prints the fraction done and the time left at this pace. An interruption ends the study.
 AccuracyProgress show_progress(const std::string& study, bool quiet) {
     const auto begin = std::chrono::steady_clock::now();
     const auto shown = std::make_shared<double>(-1);
@@ -91,7 +91,7 @@ AccuracyProgress show_progress(const std::string& study, bool quiet) {
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
         if (!quiet && (seconds - *shown > 2 || done >= 1)) {
             *shown = seconds;
-            // The first steps say little: what they compile is compiled once.
+            // The first steps are no measure: they include compilation.
             const bool known = done >= 0.02 && done < 1 && seconds > 1;
             std::fprintf(stderr, "%s: %3.0f %%, %s, %s%s\n", study.c_str(), 100 * done, what.c_str(),
                          told_time(known ? seconds * (1 - done) / done : seconds).c_str(), known ? " left" : " so far");
@@ -131,7 +131,7 @@ void print_study(const Study& study) {
     for (const std::string& finding : study.findings) std::printf("%s\n", finding.c_str());
 }
 
-/// A row a point: its error by both references.
+/// A row per point: its error by both references.
 void print_check(const ErrorCheck& check) {
     std::vector<Row> rows = {{"method", "setting", "error", "independent", "ratio"}};
     for (std::size_t i = 0; i < check.reported.points.size(); ++i) {
@@ -187,7 +187,7 @@ void print_as_json(const std::vector<Study>& studies, const AccuracyOptions& o, 
     print_json(report);
 }
 
-/// Every map as values and in false colours.
+/// Writes every map as values and in false colours.
 void write_maps(const AccuracyOptions& o, const std::vector<ErrorMap>& maps) {
     const RenderConfig& config = o.study.config;
     for (const ErrorMap& map : maps) {
@@ -197,7 +197,7 @@ void write_maps(const AccuracyOptions& o, const std::vector<ErrorMap>& maps) {
     }
 }
 
-/// What was measured is shown; files are of all studies or stay as they are.
+/// Prints the finished studies. Files are written for all studies or not at all.
 [[noreturn]] void refuse_incomplete(const Error& error, const std::vector<Study>& studies, std::size_t all,
                                     const AccuracyOptions& o, const Device& device) {
     if (o.json && !studies.empty()) print_as_json(studies, o, device);
@@ -211,7 +211,7 @@ void write_maps(const AccuracyOptions& o, const std::vector<ErrorMap>& maps) {
                 std::string(report.substr(report.empty() ? 0 : 1)));
 }
 
-/// All but the maps of single effects, whose names are known only later.
+/// All files but the maps of single effects, whose names are known only later.
 std::vector<NamedFile> outputs_of(const AccuracyOptions& o, const std::vector<NamedStudy>& chosen) {
     std::vector<NamedFile> outputs = {{"--csv", o.csv}, {"--html", o.html}, {"--svg", o.svg}};
     if (!o.svgs.empty())

@@ -1,4 +1,4 @@
-// claray bench: how fast builds and rays are here.
+// claray bench: how fast a device builds trees and traces rays.
 #include "host/measure/bench.hpp"
 
 #include <cmath>
@@ -69,7 +69,7 @@ void print_stages(const measure::SceneResult& scene) {
     print_table(rows, 1);
 }
 
-/// Milliseconds to build and trace, and which preset is the quickest from how many rays on.
+/// Milliseconds to build and trace, and the number of rays from which on each preset is the fastest.
 void print_together(const measure::SceneResult& scene) {
     Row head = {"build + trace, ms", "preset"};
     for (const double rays : measure::ray_counts) head.push_back(short_count(rays) + " rays");

@@ -1,4 +1,4 @@
-// claray build: what a tree costs and how good it is; and a file to keep it in.
+// claray build: builds a tree, measures its build time and quality, and saves it.
 #include <chrono>
 #include <cstdio>
 #include <memory>

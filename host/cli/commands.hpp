@@ -8,7 +8,7 @@
 
 namespace claray::cli {
 
-/// What the command line asks for; set while it is parsed, run afterwards.
+/// The work of the command line: set while it is parsed, run afterwards.
 using Action = std::function<void()>;
 
 using AddCommand = void(CLI::App& app, Action& action);

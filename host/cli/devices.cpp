@@ -1,4 +1,4 @@
-// claray devices: what OpenCL has to offer on this machine.
+// claray devices: the OpenCL devices of this machine.
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>

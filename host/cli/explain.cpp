@@ -1,4 +1,4 @@
-// claray explain: what a scene calls for, why, and what it costs.
+// claray explain: which effects a scene uses, why, and what they cost.
 #include "host/measure/explain.hpp"
 
 #include <algorithm>
@@ -33,7 +33,7 @@ struct ExplainOptions {
     bool json = false, quiet = false;
 };
 
-/// Milliseconds that the effect adds to a frame; for one that nothing calls for, that it would add.
+/// Milliseconds that the effect adds to a frame, or would add if the scene used it.
 double cost(const ExplainedEffect& e, const Variant& own) {
     return e.called_for ? own.milliseconds * (1 - e.ratio) : own.milliseconds * (e.ratio - 1);
 }
@@ -74,7 +74,7 @@ void print_variant(const char* name, const Variant& v, bool compile_times) {
                 told(v.spill_bytes).c_str());
 }
 
-/// Before minutes of measuring.
+/// Printed first, since measuring takes minutes.
 void print_called_for(const std::vector<ExplainedEffect>& effects, const ExplainOptions& o, const Device& device) {
     std::printf("%s on %s, %ux%u, one sample per pixel, uses:\n", o.scene.c_str(), device.info().name.c_str(),
                 o.config.width, o.config.height);
@@ -83,7 +83,7 @@ void print_called_for(const std::vector<ExplainedEffect>& effects, const Explain
     std::fflush(stdout);
 }
 
-/// What the figures don't say by themselves.
+/// Explains figures that could be misread.
 void print_notes(const Explanation& x, bool compile_times) {
     const auto any = [&](auto test) { return std::any_of(x.effects.begin(), x.effects.end(), test); };
     if (any([](const ExplainedEffect& e) { return e.noise; }))

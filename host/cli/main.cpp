@@ -18,7 +18,7 @@
 namespace claray::cli {
 namespace {
 
-/// What no option and no argument takes: the first of it.
+/// About the first word that no option and no argument accepts.
 std::string unexpected(const CLI::App& command) {
     const std::vector<std::string> words = command.remaining();
     const std::string word = words.empty() ? "?" : words.front();
@@ -32,7 +32,7 @@ std::string option_of(const CLI::ParseError& error) {
 }
 
 std::string what_is_wrong(const CLI::App& command, const CLI::ParseError& error) {
-    // What is missing may be what a misspelt option was to give.
+    // A misspelt option may be the reason for a missing one.
     const bool missing = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
     if (dynamic_cast<const CLI::ExtrasError*>(&error) || (missing && !command.remaining().empty()))
         return unexpected(command);

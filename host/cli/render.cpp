@@ -1,4 +1,4 @@
-// claray render: a scene goes in, an image comes out.
+// claray render: renders a scene to an image.
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -23,7 +23,7 @@ Scene load_for(const RenderOptions& options, FirstFrame* first = nullptr) {
     return scene;
 }
 
-/// Empty where the system does not tell.
+/// Empty if the system does not provide the path.
 std::string this_program() {
     std::error_code unknown;
     return std::filesystem::read_symlink("/proc/self/exe", unknown).string();
@@ -35,7 +35,7 @@ void warn_of_culled(const RenderProgress& progress) {
                       std::to_string(progress.culled));
 }
 
-/// Renders until a target is met or a signal comes.
+/// Renders until a target is reached or a signal arrives.
 Outcome run_renderer(const Device& device, Renderer& renderer, const RenderOptions& options, TargetPlan* plan) {
     ProgressDisplay display(options.config, progress_style(options.quiet));
     std::optional<InterruptGuard> guard;
@@ -59,7 +59,7 @@ void refuse_lost_checkpoint(const Renderer& renderer) {
     if (!error.empty()) throw Error(ErrorKind::user, "the last checkpoint could not be written: " + error);
 }
 
-/// Scripts give one set of options for images of all kinds.
+/// A warning, not an error: scripts use the same options for all kinds of images.
 void warn_of_picture_options(const RenderOptions& options) {
     const bool shaped = options.exposure != 0 || options.tone_map != RenderOptions{}.tone_map;
     if (shaped && !options.output.empty() && options.output.extension() != ".png")
@@ -67,7 +67,7 @@ void warn_of_picture_options(const RenderOptions& options) {
                       "' stores the radiance unchanged");
 }
 
-/// False: it was interrupted.
+/// Returns false if it was interrupted.
 bool render_picture(const Device& device, const Scene& scene, const RenderOptions& options, Writes& writes) {
     RenderConfig config = options.config;
     if (!options.wait_for_kernels) config.compiler = this_program();

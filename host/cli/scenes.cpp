@@ -10,7 +10,7 @@
 namespace claray::cli {
 namespace {
 
-/// What they show, in the order of their names.
+/// In the order of builtin_scene_names().
 constexpr const char* descriptions[] = {
     "the Cornell box: two blocks under a lamp",
     "spheres with every material on a chequered floor",

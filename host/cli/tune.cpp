@@ -1,4 +1,4 @@
-// claray tune: which values of the tuning table are faster on this device.
+// claray tune: finds faster values of the tuning table for this device.
 #include "host/measure/tune.hpp"
 
 #include <cstdio>
@@ -61,7 +61,7 @@ void refuse_no_match(const std::string& only, const std::vector<measure::TuningC
         throw Error(ErrorKind::usage, "--only: no parameter contains '" + only + "'", "choose part of " + kernels);
 }
 
-/// What the planner of `claray render --error`, `--time` and `--fps` goes by.
+/// The rows that the planner of `claray render --error`, `--time` and `--fps` uses.
 std::vector<measure::TunedRow> measured_model(const Device& device, const std::string& only) {
     if (std::string("plan/model").find(only) == std::string::npos) return {};
     const DeviceModel model = measure_model(device);

@@ -1,4 +1,4 @@
-// claray verify: whether this device and its driver can be trusted with the cases that break ray tracers.
+// claray verify: tests this device and its driver with cases that break ray tracers.
 #include "claray/verify.hpp"
 
 #include <algorithm>

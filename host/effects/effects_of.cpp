@@ -1,4 +1,4 @@
-// What a scene calls for, and scenes that are stripped of it.
+// Which effects a scene uses, and scenes without some of them.
 #include <algorithm>
 #include <map>
 
@@ -35,7 +35,7 @@ std::string described(const char* kind, const std::string& name, std::size_t ind
     return std::string("the ") + kind + " " + (name.empty() ? std::to_string(index) : "'" + name + "'");
 }
 
-/// Calls `call(effect, kind of thing, its name, its index)` for everything that calls for an effect.
+/// Calls `call(effect, kind of object, its name, its index)` for everything that needs an effect.
 template <class Call>
 class Visitor {
 public:

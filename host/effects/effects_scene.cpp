@@ -1,4 +1,4 @@
-// The simplest scene that calls for a set of effects.
+// The simplest scene that needs a set of effects.
 #include <algorithm>
 
 #include "claray/effects.hpp"
@@ -53,7 +53,7 @@ std::vector<Material> materials_for(EffectSet effects) {
     add({Effect::thin_walls}, MaterialKind::glass);
     if (effects.has(Effect::thin_walls)) materials.back().thin_walled = true;
     for (const MaterialKindRow& row : material_kinds) {
-        // Lambert is there already; other effects, too, call for glass and for what is principled.
+        // Lambert exists already; glass and principled are also needed by other effects and are added above and below.
         const auto others = {MaterialKind::lambert, MaterialKind::glass, MaterialKind::principled};
         if (std::find(others.begin(), others.end(), row.kind) == others.end()) add({effect_of(row.kind)}, row.kind);
     }
@@ -86,7 +86,7 @@ void add_light(Scene& scene, LightKind kind) {
     scene.lights.push_back({.name = {}, .kind = kind, .position = {0.f, 2.f, 0.f}});
 }
 
-/// As many triangles of the last material, or else as many near lights, as make a tree worth while.
+/// Adds triangles of the last material, or else near lights, until a light tree is used.
 void multiply_lights(Scene& scene, bool emissive) {
     Mesh& mesh = scene.meshes.back();
     if (emissive) {

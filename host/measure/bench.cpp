@@ -49,7 +49,7 @@ SceneResult run_bench(const Device& device, const std::string& scene, const Benc
         bvhs.push_back(Bvh::build(device, meshes, {.builder = preset, .layout = options.layout}));
     check_same_hits(scene, kinds, bvhs);
 
-    // Refitting a tree over positions that did not change leaves it as it was.
+    // Positions do not change, so that refitting does not change the tree.
     std::vector<std::function<void()>> tasks;
     for (Bvh& bvh : bvhs) {
         tasks.emplace_back([&bvh] { bvh.rebuild(); });
@@ -79,7 +79,7 @@ double build_and_trace(const PresetResult& preset, std::size_t kind, double rays
     return preset.build.span() + (of.rays > 0 ? rays * of.timing.milliseconds() / double(of.rays) : 0);
 }
 
-// Times are straight lines over the number of rays: from one winner on, the next is the line that crosses it first.
+// Times are linear in the number of rays: the next winner is the line that first crosses the current one.
 std::vector<Winner> quickest_presets(const SceneResult& scene, std::size_t kind) {
     const auto build = [&](std::size_t i) { return build_and_trace(scene.presets[i], kind, 0); };
     const auto slope = [&](std::size_t i) { return build_and_trace(scene.presets[i], kind, 1) - build(i); };

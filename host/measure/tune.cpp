@@ -23,7 +23,7 @@ struct Subject {
     std::vector<DeviceRays> rays;
 };
 
-/// What is run to measure one value, and what must come out of it.
+/// The tasks that measure one value, and their expected results.
 struct Work {
     std::vector<std::function<void()>> tasks;
     std::string results;
@@ -49,7 +49,7 @@ void add_rays(const Device& device, Subject& subject, bool closest, bool any, Wo
     }
 }
 
-/// Building the renderer is part of the task, which is why this is only as good as the render is long.
+/// The task includes the creation of the renderer.
 void add_render(const Device& device, const Subject& subject, const TuneOptions& options, Work& work) {
     if (subject.name.ends_with(".scn")) return;  // no materials
     Warnings warnings;
@@ -74,8 +74,7 @@ Work prepare(const Device& device, const TuneOptions& options, const TuningCandi
     return work;
 }
 
-/// For every round the product of the tasks' times, as milliseconds: the geometric mean times the number of tasks, so
-/// that a long task weighs no more than a short one.
+/// Per round the geometric mean of the tasks' times, times their number: long tasks weigh no more than short ones.
 std::vector<double> combine(const std::vector<Timing>& timings, std::size_t begin, std::size_t count) {
     if (count == 0) return {};
     std::vector<double> combined(timings[begin].spans.size(), 0);
@@ -87,7 +86,7 @@ std::vector<double> combine(const std::vector<Timing>& timings, std::size_t begi
     return combined;
 }
 
-/// Times several values by turns; nothing for a value that failed.
+/// Times several values in alternating runs.
 std::vector<std::vector<double>> race(const Device& device, const TuningCandidates& of, int repeat,
                                       const std::vector<std::pair<unsigned, const Work*>>& values) {
     std::vector<std::function<void()>> tasks;
@@ -107,14 +106,14 @@ std::vector<std::vector<double>> race(const Device& device, const TuningCandidat
     return times;
 }
 
-/// A task fails where it is first run: when it is prepared, or for renders and rebuilds here.
+/// Tasks fail in their first run: some during preparation, renders and rebuilds here.
 void try_once(const Work& work) {
     for (const auto& task : work.tasks) task();
 }
 
 std::string one_line(std::string text) { return text.substr(0, text.find('\n')); }
 
-/// Tries the values of one parameter and leaves the best in force.
+/// Tries the values of one parameter and sets the best.
 std::vector<Trial> tune_parameter(const Device& device, const TuneOptions& options, const TuningCandidates& of,
                                   std::vector<Subject>& subjects) {
     const unsigned in_force = device.tuning(of.kernel, of.parameter);
@@ -157,7 +156,7 @@ std::vector<Trial> tune_parameter(const Device& device, const TuneOptions& optio
         trial.ratio = paired.ratio, trial.noise = paired.noise;
         if (paired.faster() && paired.ratio < best_ratio) best = i, best_ratio = paired.ratio;
     }
-    if (best != 0) {  // the best of many is flattered by chance: once more, alone
+    if (best != 0) {  // the best of many may be so by chance: measure it again, alone
         const auto again = race(device, of, options.repeat, {runners[0], runners[best]});
         const PairedRatio paired = paired_ratio(again[1], again[0]);
         Trial& trial = trials[trial_of[best]];
@@ -169,7 +168,7 @@ std::vector<Trial> tune_parameter(const Device& device, const TuneOptions& optio
     return trials;
 }
 
-/// The device's name as a pattern of the tuning table, which knows no blanks.
+/// The device's name as a pattern of the tuning table, in which blanks separate words.
 std::string pattern_of(const DeviceInfo& info) {
     std::string pattern = info.name;
     for (char& c : pattern)

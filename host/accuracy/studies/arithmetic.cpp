@@ -1,4 +1,4 @@
-// Studies of arithmetic: fast math, and in how many bits samples are added up.
+// Studies of arithmetic: fast math, and the precision of sums of samples.
 #include <algorithm>
 #include <cmath>
 
@@ -26,7 +26,7 @@ glm::vec3 as_half(const glm::vec3& c) {
     return {rounded(c.x), rounded(c.y), rounded(c.z)};
 }
 
-/// Errors at the most samples, and how the method compares in time.
+/// Errors and times at the largest number of samples.
 void judge_arithmetic(Study& study, const std::vector<ImageMethod>& methods) {
     const StudyPoint* strict = last_of(study, methods.front().name);
     for (std::size_t i = 1; strict && i < methods.size(); ++i) {
@@ -42,8 +42,8 @@ void judge_arithmetic(Study& study, const std::vector<ImageMethod>& methods) {
 
 constexpr std::uint32_t sum_pixels = 4, samples_a_batch = 1u << 14;
 
-/// Heavy-tailed radiance, as paths bring it: exp(2 x) with x nearly normal, in so small a unit that 2^20 of them don't
-/// overflow half precision.
+/// Heavy-tailed radiance, as of paths: exp(2 x) with x nearly normal, scaled so that sums of 2^20 do not overflow half
+/// precision.
 std::vector<float> radiance_of_batch() {
     std::vector<float> radiance(3 * std::size_t(sum_pixels) * samples_a_batch);
     std::uint64_t state = 1;
@@ -93,7 +93,7 @@ Study study_arithmetic(const Device& device, const Scene& scene, const StudyOpti
     Study study;
     study.name = "arithmetic", study.title = "Arithmetic: differences of images with the same samples";
     study.error = "RMS difference / mean";
-    // By the stages, each with arithmetic of its own; one kernel for whole paths would be faster where nothing changes.
+    // One kernel per stage for all: strict images alone could use the kernel for whole paths, which is faster.
     const MacroScope stages(device, {{"render/trace_paths", "MOST_EFFECTS", 0}});
     std::vector<glm::vec3> strict;  // of the configuration that is at hand
     const auto with = [&](const Macros& macros) { return render_with(device, scene, macros); };

@@ -10,7 +10,7 @@ struct Renders {
     std::vector<std::vector<glm::vec3>> images;
     std::vector<double> seconds;
 };
-/// 2 max(runs, 2) of them, with seeds from `config.seed` + 1 on, by the method.
+/// Renders 2 max(runs, 2) images with seeds from `config.seed` + 1 on.
 [[nodiscard]] Renders render_independently(const RenderMethod& method, RenderConfig config, unsigned runs);
 
 /// A point whose error is the renders' bias against the reference; it fails if the bias is not above the noise.

@@ -11,10 +11,10 @@
 namespace claray {
 namespace {
 
-/// Quartiles of fewer are apart by luck too often to conclude from.
+/// With fewer rounds, quartiles are too often apart by chance.
 constexpr unsigned least_rounds = 5;
 
-/// A tree that is made again and again, and rays that it is asked for.
+/// A tree that is built repeatedly, and the rays to trace.
 struct Candidate {
     std::string method, setting;
     double value = 0;
@@ -23,7 +23,7 @@ struct Candidate {
     const Buffer<Ray>* rays = nullptr;
 };
 
-/// Every vertex on a smooth wave, as long as the scene is large, of an amplitude that is a share of it.
+/// Moves vertices by a smooth wave of the scene's length. The amplitude is the fraction `share` of that length.
 std::vector<Mesh> moved(std::vector<Mesh> meshes, const Bounds& bounds, float share) {
     const glm::vec3 extent = bounds.extent();
     const float size = std::max({extent.x, extent.y, extent.z, 1e-30f});
@@ -81,7 +81,7 @@ void mark_fronts(Study& study) {
 
 std::string name_of(const StudyPoint& p) { return p.method + ", " + p.setting; }
 
-/// Which tree is done first with so many rays, building included: the lower envelope of lines.
+/// The fastest tree by number of rays, with the build: the lower envelope of lines.
 void find_crossings(Study& study) {
     const StudyPoint* best = nullptr;
     for (const StudyPoint& p : study.points)
@@ -103,7 +103,7 @@ void find_crossings(Study& study) {
     study.findings.push_back(text);
 }
 
-/// Time of so many rays with the build.
+/// Times of three numbers of rays, with the build.
 void tabulate(Study& study) {
     for (const double millions : {0.01, 1.0, 100.0}) {
         std::string text = printed("%g million rays, including the build:", millions);
@@ -133,7 +133,7 @@ void judge_refits(Study& study) {
     }
 }
 
-/// Building and tracing by turns: two timings per candidate.
+/// Builds and traces in alternating runs: two timings per candidate.
 std::vector<measure::Timing> time_candidates(const Device& device, std::vector<Candidate>& candidates, unsigned rounds,
                                              const AccuracyProgress& progress) {
     std::vector<std::function<void()>> tasks;

@@ -1,4 +1,4 @@
-// Study of filters: textures looked up in three ways, and images of fewer pixels.
+// Study of filters: three texture filters, and images of fewer pixels.
 #include <algorithm>
 
 #include "host/accuracy/pixels.hpp"

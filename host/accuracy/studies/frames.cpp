@@ -1,4 +1,4 @@
-// Frames at a rate: how many samples a pixel fit into one.
+// Frames at a fixed rate: how many samples per pixel fit into one.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -22,7 +22,7 @@ public:
     Frames(const Device& device, const Scene& scene, const RenderConfig& config)
         : max_depth(config.max_depth), renderer_(device, scene, config), seed_(config.seed) {}
 
-    /// Other kernels have another speed. Returns false where `measuring` does.
+    /// Renders until the scene's own kernels are used, which have another speed. Returns false if `measuring` does.
     bool wait_for_kernels(const MeasuringProgress& measuring) {
         if (measuring && !measuring("kernels")) return false;
         do (void)next();
@@ -71,8 +71,8 @@ double percentile(std::vector<double> values, double share_below) {
                 printed("the closest possible is about --fps %.3g; %s", share / seconds, size.c_str()));
 }
 
-/// Where the deepest paths take too long, the deepest that do not, by halving, or those that meet one surface. Returns
-/// the time of a frame.
+/// If the deepest paths take too long, finds the deepest that fit by bisection, or those of one surface. Returns a
+/// frame's time.
 double pick_depth(Frames& frames, double budget) {
     double seconds = frames.slowest();
     if (seconds <= share * budget || frames.max_depth == 1) return seconds;

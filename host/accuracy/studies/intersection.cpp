@@ -31,7 +31,7 @@ double ulps(float t, double exact) {
     return std::fabs(double(t) - exact) / ulp;
 }
 
-/// What rays hit as computed in float64, and exactly where that is asked for.
+/// The correct hits in float64; doubtful cases are judged by exact arithmetic.
 class Truth {
 public:
     explicit Truth(const RaySet& set) : set_(set), oracle_(set.meshes), nearest_(oracle_.closest_hits(set.rays)) {}
@@ -54,7 +54,7 @@ public:
     }
 
 private:
-    /// Whatever distance the hit claims: that has a figure of its own.
+    /// Ignores the distance that the hit claims: distances have their own figure.
     [[nodiscard]] verify::Fault fault_of(const Ray& ray, Hit hit) const {
         if (hit.primitive == CLARAY_MISS && set_.inside) return verify::Fault::missed;
         if (hit.primitive != CLARAY_MISS && hit.primitive < oracle_.triangles()) {

@@ -1,4 +1,4 @@
-// Studies of samples: how fast noise falls, by sampler and by what is sampled.
+// Studies of samples: how fast noise falls, by sampler and by technique.
 #include <algorithm>
 #include <cmath>
 

@@ -12,7 +12,7 @@
 
 namespace claray::cli {
 
-/// The frames of an animation, a picture each.
+/// The frames of an animation, one image each.
 struct FrameRange {
     unsigned first = 0, last = 0;
 };
@@ -43,20 +43,20 @@ inline constexpr const char* aov_names[] = {"depth", "normal", "albedo", "primit
 /// --size WIDTHxHEIGHT, each 1 .. 16384.
 void add_size_option(CLI::App& command, unsigned& width, unsigned& height, const char* description);
 
-/// "0..47" -> {0, 47}. Throws ErrorKind::usage for what is no such range, or one of more than a million frames.
+/// "0..47" -> {0, 47}. Throws ErrorKind::usage for other text and for more than a million frames.
 [[nodiscard]] FrameRange parse_frames(const std::string& text);
 
-/// The file of a frame: its number takes the place of %d or %04d in the name, or stands before the extension, as in
-/// out.0007.png. Throws ErrorKind::usage where the name has another % than one of these.
+/// The file of a frame: the number replaces %d or %04d in the name, or precedes the extension, as in out.0007.png.
+/// Throws ErrorKind::usage for any other % in the name.
 [[nodiscard]] std::filesystem::path numbered(const std::filesystem::path& output, unsigned frame);
 
-/// Lets meshes show the light maps that the command line names. Throws ErrorKind::usage for what is not MESH=FILE.
+/// Puts light maps on meshes. Throws ErrorKind::usage for text that is not MESH=FILE.
 void use_light_maps(Scene& scene, const std::vector<std::string>& light_maps);
 
 /// out.png, depth -> {out.depth.png, out.depth.pfm}
 [[nodiscard]] std::pair<std::filesystem::path, std::filesystem::path> aov_paths(const std::filesystem::path& output,
                                                                                 const std::string& name);
-/// Throws what writing any of the output files would throw, before time is spent on rendering.
+/// Called before rendering: throws the errors that writing the output files would throw.
 void check_outputs(const RenderOptions& options);
 
 }  // namespace claray::cli

@@ -61,7 +61,6 @@ nlohmann::ordered_json as_json(const RayCount& count) {
     return {{"rays", count.rays}, {"milliseconds", count.milliseconds}, {"mrays_per_second", count.mrays_per_second()}};
 }
 
-/// Names, in the order of all_effects.
 nlohmann::ordered_json as_json(EffectSet effects) {
     nlohmann::ordered_json names = nlohmann::ordered_json::array();
     for (const Effect effect : all_effects())
