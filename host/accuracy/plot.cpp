@@ -184,24 +184,19 @@ std::string draw_labels(const Study& study, const Axis& x, const Axis& y) {
 std::string table_of(const Study& study) {
     const std::vector<std::string> facts = fact_names(study);
     std::string html = "<table><tr><th>method</th><th>setting</th><th>error</th><th>quartiles</th>";
-    if (facts.empty()) html += "<th>relMSE</th><th>perceptual</th>";
     for (const std::string& fact : facts) html += "<th>" + escaped(fact) + "</th>";
     html += "<th>" + escaped(study.cost) + "</th><th>quartiles</th><th>runs</th><th>front</th></tr>\n";
     for (const StudyPoint& p : study.points) {
         html += "<tr><td>" + escaped(p.method) + "</td><td>" + escaped(p.setting) + "</td>";
         if (!p.failure.empty()) {
-            html += "<td colspan=\"" + printed("%.0f", 6.0 + double(facts.empty() ? 2 : facts.size())) + "\">" +
-                    escaped(p.failure) + "</td></tr>\n";
+            html += "<td colspan=\"" + printed("%.0f", 6.0 + double(facts.size())) + "\">" + escaped(p.failure) +
+                    "</td></tr>\n";
             continue;
         }
         const auto cell = [&](const std::string& words) { html += "<td class=\"n\">" + words + "</td>"; };
         const double unit = is_share(study) ? 100 : 1;
         cell(printed("%.4g", unit * p.error.median) + (is_share(study) ? " %" : ""));
         cell(printed("%.3g", unit * p.error.low) + " .. " + printed("%.3g", unit * p.error.high));
-        if (facts.empty()) {
-            cell(p.errors.relmse > 0 ? printed("%.3g", p.errors.relmse) : "");
-            cell(p.errors.perceptual > 0 ? printed("%.3g", p.errors.perceptual) : "");
-        }
         for (const std::string& fact : facts) {
             const double value = fact_of(p, fact);
             cell(std::isnan(value) ? "" : printed("%.4g", value));

@@ -11,13 +11,14 @@ std::vector<std::string> fact_names(const Study& study) {
     for (const StudyPoint& p : study.points)
         for (const auto& [name, value] : p.facts)
             if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-    return names;
+    return names.empty() ? std::vector<std::string>{"relMSE", "perceptual"} : names;
 }
 
 double fact_of(const StudyPoint& point, const std::string& name) {
     for (const auto& [known, value] : point.facts)
         if (known == name) return value;
-    return std::nan("");
+    const double error = name == "relMSE" ? point.errors.relmse : name == "perceptual" ? point.errors.perceptual : 0;
+    return error > 0 ? error : std::nan("");
 }
 
 const StudyPoint* last_of(const Study& study, const std::string& method) {

@@ -6,9 +6,10 @@
 
 namespace claray {
 
-/// Names of all `StudyPoint::facts`, in the order in which they first appear.
+/// Columns of tables: names of all `StudyPoint::facts`, in the order in which they first appear. A study without facts
+/// has further measures of images: "relMSE" and "perceptual".
 [[nodiscard]] std::vector<std::string> fact_names(const Study& study);
-/// NaN if the point has no fact of that name.
+/// NaN if the point has no fact of that name, or the measure is 0.
 [[nodiscard]] double fact_of(const StudyPoint& point, const std::string& name);
 
 /// The last point of a method that did not fail; null if there is none.

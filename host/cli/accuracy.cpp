@@ -109,7 +109,6 @@ void print_study(const Study& study) {
     std::printf("\n");
     const std::vector<std::string> facts = fact_names(study);
     Row head = {"method", "setting", "error", "quartiles"};
-    if (facts.empty()) head.insert(head.end(), {"relMSE", "perceptual"});
     head.insert(head.end(), facts.begin(), facts.end());
     head.insert(head.end(), {study.cost, "quartiles", "front"});
     std::vector<Row> rows = {head};
@@ -118,9 +117,6 @@ void print_study(const Study& study) {
         const auto cell = [&](double value) { return failed || std::isnan(value) ? "-" : number(value); };
         Row row = {p.method, p.setting, cell(p.error.median),
                    failed ? "-" : number(p.error.low) + ".." + number(p.error.high)};
-        if (facts.empty())
-            for (const double value : {p.errors.relmse, p.errors.perceptual})
-                row.push_back(value > 0 ? cell(value) : "-");
         for (const std::string& fact : facts) row.push_back(cell(fact_of(p, fact)));
         row.push_back(failed ? "-" : number(p.seconds.median));
         row.push_back(failed ? "-" : number(p.seconds.low) + ".." + number(p.seconds.high));

@@ -55,7 +55,7 @@ std::string kilobytes(double bytes) { return fixed(bytes * 1e-3, 1); }
 Row row_of(const ExplainedEffect& e, const Variant& own, bool compile_times) {
     Row row = {name_of(e.effect), e.called_for ? reason(e.cause) : "-"};
     if (e.fixed) {
-        for (int i = 0; i < 6; ++i) row.emplace_back("-");
+        row.insert(row.end(), 6, "-");
         return row;
     }
     const double with = e.called_for ? own.milliseconds : own.milliseconds * e.ratio;

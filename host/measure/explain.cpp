@@ -48,32 +48,27 @@ public:
         own_times_.push_back(times.first);
         own_bytes_ = own.statistics().device_bytes;
         own_effects_ = own.statistics().effects;
-        Variant variant;
-        variant.bytes = other.statistics().device_bytes;
-        variant.milliseconds = times.second;
         ratio = times.ratio, noise = times.noise;
-        add_compilation(other.statistics().effects | overrides.add, concerned, variant);
+        Variant variant = compiled(other.statistics().effects | overrides.add, concerned);
+        variant.milliseconds = times.second, variant.bytes = other.statistics().device_bytes;
         return variant;
     }
 
     [[nodiscard]] Variant own() {
-        Variant variant;
-        variant.milliseconds = median(own_times_);
-        variant.bytes = own_bytes_;
-        add_compilation(own_effects_, full_effects(), variant);
+        Variant variant = compiled(own_effects_, full_effects());
+        variant.milliseconds = median(own_times_), variant.bytes = own_bytes_;
         return variant;
     }
     /// Compile time of those of the scene's own kernels that contain these effects.
     [[nodiscard]] double own_compilation(EffectSet concerned) {
-        Variant variant;
-        add_compilation(own_effects_, concerned, variant);
-        return variant.compile_milliseconds;
+        return compiled(own_effects_, concerned).compile_milliseconds;
     }
 
 private:
-    /// For the kernels that contain one of the effects.
-    void add_compilation(EffectSet effects, EffectSet concerned, Variant& variant) {
-        if (!options_.compile_times) return;
+    /// Compiles the kernels that contain one of the concerned effects.
+    Variant compiled(EffectSet effects, EffectSet concerned) {
+        Variant variant;
+        if (!options_.compile_times) return variant;
         const std::pair<Stage, const char*> files[] = {{Stage::generate, "render/generate_rays.cl"},
                                                        {Stage::trace, "trace/closest_hit.cl"},
                                                        {Stage::trace, "trace/any_hit.cl"},
@@ -89,6 +84,7 @@ private:
             if (std::string(file) == "trace/closest_hit.cl" && wide() && has_cutouts(effects))
                 variant.compile_milliseconds += build("trace/cutouts.cl", {{"CLARAY_WIDE", "1"}}).milliseconds;
         }
+        return variant;
     }
 
     [[nodiscard]] bool wide() const { return device_.tuning("trace/closest_hit", "WIDE") != 0; }

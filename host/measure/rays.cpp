@@ -68,12 +68,8 @@ std::vector<View> three_views(const std::string& name, const Scene& scene) {
     const glm::vec3 extent = bounds.extent();
     const float unit = std::max({extent.x, extent.y, extent.z}) / 1000;
     const auto view = [&](glm::vec3 eye, glm::vec3 target, float fov, glm::vec3 light) {
-        View made;
-        made.camera.position = bounds.center() + unit * eye;
-        made.camera.target = bounds.center() + unit * target;
-        made.camera.vertical_fov = fov;
-        made.light = bounds.center() + unit * light;
-        return made;
+        const auto at = [&](glm::vec3 place) { return bounds.center() + unit * place; };
+        return View{{.position = at(eye), .target = at(target), .vertical_fov = fov}, at(light)};
     };
     if (name.find("sponza") != name.npos)
         return {view({-330, -110, 10}, {200, -60, -60}, 75, {60, 150, 0}),

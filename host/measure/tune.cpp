@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <memory>
 #include <sstream>
 
@@ -106,13 +107,6 @@ std::vector<std::vector<double>> race(const Device& device, const TuningCandidat
     return times;
 }
 
-/// Tasks fail in their first run: some during preparation, renders and rebuilds here.
-void try_once(const Work& work) {
-    for (const auto& task : work.tasks) task();
-}
-
-std::string one_line(std::string text) { return text.substr(0, text.find('\n')); }
-
 /// Tries the values of one parameter and sets the best.
 std::vector<Trial> tune_parameter(const Device& device, const TuneOptions& options, const TuningCandidates& of,
                                   std::vector<Subject>& subjects) {
@@ -132,12 +126,12 @@ std::vector<Trial> tune_parameter(const Device& device, const TuneOptions& optio
         try {
             device.set_tuning(of.kernel, of.parameter, value);
             works.push_back(std::make_unique<Work>(prepare(device, options, of, subjects)));
-            try_once(*works.back());
+            for (const auto& task : works.back()->tasks) task();
             device.finish();
             if (works.back()->results != works[0]->results) trial.failure = "gives different results";
         } catch (const Error& error) {
             if (trial.in_force) throw;  // then nothing works here
-            trial.failure = one_line(error.what());
+            trial.failure = std::string(error.what(), std::strcspn(error.what(), "\n"));
         }
         if (trial.failure.empty()) {
             runners.emplace_back(value, works.back().get());

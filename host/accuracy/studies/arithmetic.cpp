@@ -21,11 +21,6 @@ const Macros fast_everything = {{"render/shade_surface", fast, 1},
                                 {"trace/closest_hit", fast, 1},
                                 {"trace/any_hit", fast, 1}};
 
-glm::vec3 as_half(const glm::vec3& c) {
-    const auto rounded = [](float x) { return glm::unpackHalf1x16(glm::packHalf1x16(x)); };
-    return {rounded(c.x), rounded(c.y), rounded(c.z)};
-}
-
 /// Errors and times at the largest number of samples.
 void judge_arithmetic(Study& study, const std::vector<ImageMethod>& methods) {
     const StudyPoint* strict = last_of(study, methods.front().name);
@@ -104,7 +99,7 @@ Study study_arithmetic(const Device& device, const Scene& scene, const StudyOpti
     };
     const auto render_half = [&](const RenderConfig& config) {
         Rendered done = render_image(device, scene, config);
-        for (glm::vec3& c : done.image) c = as_half(c);
+        for (glm::vec3& c : done.image) c = glm::unpackHalf(glm::packHalf(c));
         return done;
     };
     const std::vector<ImageMethod> methods = {{"strict", render_strict},

@@ -1,6 +1,6 @@
 #include "host/cli/options/light_options.hpp"
 
-#include <cmath>
+#include <algorithm>
 #include <numbers>
 
 #include "claray/error.hpp"
@@ -16,18 +16,6 @@ constexpr float degree = std::numbers::pi_v<float> / 180.f;
     throw Error(ErrorKind::usage, what, remedy);
 }
 
-std::optional<float> number(std::string_view text) {
-    const auto value = parse_number<float>(text);
-    return value && std::isfinite(*value) ? value : std::nullopt;
-}
-
-std::vector<std::string> split(const std::string& text) {
-    std::vector<std::string> words;
-    for (std::size_t begin = 0; begin <= text.size(); begin += words.back().size() + 1)
-        words.push_back(text.substr(begin, text.find(',', begin) - begin));
-    return words;
-}
-
 /// A name with the numbers that follow it.
 struct Value {
     std::string name;
@@ -39,10 +27,10 @@ std::vector<Value> values_of(const std::vector<std::string>& words) {
     for (std::size_t i = 1; i < words.size(); ++i) {
         const std::size_t equals = words[i].find('=');
         if (equals != std::string::npos) values.push_back({words[i].substr(0, equals), {}});
-        const auto value = number(equals == std::string::npos ? words[i] : words[i].substr(equals + 1));
-        if (values.empty() || !value)
+        const auto numbers = parse_numbers(equals == std::string::npos ? words[i] : words[i].substr(equals + 1));
+        if (values.empty() || numbers.empty())
             refuse("--light: '" + words[i] + "' is not a number", "write KIND,NAME=NUMBERS,NAME=NUMBERS ...");
-        values.back().numbers.push_back(*value);
+        values.back().numbers.push_back(numbers[0]);
     }
     return values;
 }
@@ -110,11 +98,9 @@ Light parse_light(const std::string& text) {
 
 /// "R,G,B", or "R,G,B,R,G,B" from the horizon to the zenith; one number is grey.
 Sky parse_sky(const std::string& text) {
-    const std::vector<std::string> words = split(text);
-    std::vector<float> numbers;
-    for (const std::string& word : words)
-        if (const auto value = number(word); value && *value >= 0.f) numbers.push_back(*value);
-    if (numbers.size() != words.size() || (numbers.size() != 1 && numbers.size() != 3 && numbers.size() != 6))
+    std::vector<float> numbers = parse_numbers(text);
+    const bool negative = std::any_of(numbers.begin(), numbers.end(), [](float x) { return x < 0; });
+    if (negative || (numbers.size() != 1 && numbers.size() != 3 && numbers.size() != 6))
         refuse("--sky: '" + text + "' is not a radiance", "write R,G,B, or R,G,B,R,G,B from the horizon to the zenith");
     if (numbers.size() == 1) numbers.assign(3, numbers[0]);
     if (numbers.size() == 3) numbers.insert(numbers.end(), {numbers[0], numbers[1], numbers[2]});

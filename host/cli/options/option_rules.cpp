@@ -49,6 +49,23 @@ CLI::Validator number_that_is(Good good, const char* mistake) {
 
 }  // namespace
 
+std::vector<std::string> split(const std::string& text) {
+    std::vector<std::string> words;
+    for (std::size_t begin = 0; begin <= text.size(); begin += words.back().size() + 1)
+        words.push_back(text.substr(begin, text.find(',', begin) - begin));
+    return words;
+}
+
+std::vector<float> parse_numbers(const std::string& text) {
+    std::vector<float> numbers;
+    for (const std::string& word : split(text)) {
+        const auto number = parse_number<float>(word);
+        if (!number || !std::isfinite(*number)) return {};
+        numbers.push_back(*number);
+    }
+    return numbers;
+}
+
 CLI::Validator finite_number() {
     return number_that_is([](double) { return true; }, " is not a number; write it as in -1.5");
 }

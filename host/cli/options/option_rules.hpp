@@ -23,6 +23,11 @@ template <class T>
     return value;
 }
 
+/// Splits at commas.
+[[nodiscard]] std::vector<std::string> split(const std::string& text);
+/// The numbers between commas. Empty if one is not a finite number.
+[[nodiscard]] std::vector<float> parse_numbers(const std::string& text);
+
 /// Accept finite numbers only.
 [[nodiscard]] CLI::Validator finite_number();
 [[nodiscard]] CLI::Validator positive_number();

@@ -3,6 +3,7 @@
 #include <tuple>
 
 #include "claray/renderer.hpp"
+#include "host/base/format.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/output/outputs.hpp"
 
@@ -10,11 +11,6 @@ namespace claray::cli {
 namespace {
 
 constexpr unsigned largest_side = 16384;
-
-std::string with_zeros(unsigned frame, std::size_t digits) {
-    const std::string number = std::to_string(frame);
-    return std::string(digits > number.size() ? digits - number.size() : 0, '0') + number;
-}
 
 /// "640x480" -> {640, 480}
 std::pair<unsigned, unsigned> parse_size(const std::string& text) {
@@ -53,15 +49,15 @@ std::filesystem::path numbered(const std::filesystem::path& output, unsigned fra
     const std::size_t percent = name.find('%');
     if (percent == std::string::npos)
         return output.parent_path() /
-               (output.stem().string() + "." + with_zeros(frame, 4) + output.extension().string());
+               (output.stem().string() + "." + printed("%04u", frame) + output.extension().string());
     const std::size_t end = name.find_first_not_of("0123456789", percent + 1);
     const std::string digits = name.substr(percent + 1, end - percent - 1);
     const bool plain = digits.empty() || (digits.size() == 2 && digits[0] == '0' && digits[1] != '0');
     if (end == std::string::npos || name[end] != 'd' || !plain || name.find('%', end) != std::string::npos)
         throw Error(ErrorKind::usage, "--output: '" + name + "' has an invalid placeholder for the frame number",
                     "write %d or %04d once");
-    return output.parent_path() / name.replace(percent, end + 1 - percent,
-                                               with_zeros(frame, digits.empty() ? 1 : std::size_t(digits[1] - '0')));
+    return output.parent_path() /
+           name.replace(percent, end + 1 - percent, printed("%0*u", digits.empty() ? 1 : digits[1] - '0', frame));
 }
 
 void use_light_maps(Scene& scene, const std::vector<std::string>& light_maps) {

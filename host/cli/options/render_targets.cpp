@@ -80,8 +80,8 @@ void check_targets(const CLI::App& command, RenderOptions& o) {
     o.picks_builder = command.count("--builder") == 0;
 }
 
-void print_picks(const TargetPlan& plan) {
-    for (const std::string& pick : plan.picks) std::printf("%s\n", pick.c_str());
+void print_picks(const std::vector<std::string>& picks) {
+    for (const std::string& pick : picks) std::printf("%s\n", pick.c_str());
 }
 
 MeasuringProgress measuring_progress(bool quiet) {
@@ -114,8 +114,7 @@ void run_frames(const Device& device, const Scene& scene, const RenderOptions& o
             {"picks", report.picks}};
         print_json(json);
     } else {
-        if (!options.quiet)
-            for (const std::string& pick : report.picks) std::printf("%s\n", pick.c_str());
+        if (!options.quiet) print_picks(report.picks);
         std::printf(
             "%s: %zu of %u frames of %ux%u, %u samples per pixel: median %.2f ms, 99th percentile %.2f ms (target: "
             "%.2f)\n",

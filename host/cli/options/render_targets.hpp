@@ -15,7 +15,7 @@ void check_targets(const CLI::App& command, RenderOptions& options);
 /// Unless quiet, prints on standard error what is measured. A signal ends the measurement.
 [[nodiscard]] MeasuringProgress measuring_progress(bool quiet);
 /// Prints what was picked and why.
-void print_picks(const TargetPlan& plan);
+void print_picks(const std::vector<std::string>& picks);
 /// claray render --fps. Throws ErrorKind::user if the rate was not reached.
 void run_frames(const Device& device, const Scene& scene, const RenderOptions& options);
 /// Throws ErrorKind::user if a render ended before it reached its error. The message names the samples it needs.

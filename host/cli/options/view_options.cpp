@@ -1,7 +1,5 @@
 #include "host/cli/options/view_options.hpp"
 
-#include <cmath>
-
 #include "claray/error.hpp"
 #include "host/cli/options/option_rules.hpp"
 
@@ -10,17 +8,10 @@ namespace {
 
 /// "1,-2,3.5" -> vector
 glm::vec3 parse_vector(const std::string& option, const std::string& text) {
-    glm::vec3 vector{0.f};
-    std::string_view rest = text;
-    for (int i = 0; i < 3; ++i) {
-        const std::size_t comma = i < 2 ? rest.find(',') : rest.size();
-        const auto number = comma == std::string_view::npos ? std::nullopt : parse_number<float>(rest.substr(0, comma));
-        if (!number || !std::isfinite(*number))
-            throw Error(ErrorKind::usage, option + ": '" + text + "' is not a vector", "write three numbers: X,Y,Z");
-        vector[i] = *number;
-        rest.remove_prefix(std::min(comma + 1, rest.size()));
-    }
-    return vector;
+    const std::vector<float> numbers = parse_numbers(text);
+    if (numbers.size() != 3)
+        throw Error(ErrorKind::usage, option + ": '" + text + "' is not a vector", "write three numbers: X,Y,Z");
+    return {numbers[0], numbers[1], numbers[2]};
 }
 
 /// The scene's own camera or the automatic one, with the changes of the command line.

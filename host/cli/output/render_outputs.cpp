@@ -140,7 +140,7 @@ void write_aovs(const Renderer& renderer, const RenderOptions& options, Writes& 
 void print_as_text(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,
                    const TargetPlan* plan) {
     const RenderProgress& p = outcome.progress;
-    if (plan && tells_plan(options)) print_picks(*plan);
+    if (plan && tells_plan(options)) print_picks(plan->picks);
     print_overrides(options.config.effects);
     if (options.stats) print_statistics(device, renderer.statistics(), p.seconds);
     std::printf("%s: %ux%u, %u spp in %.2f s", options.output.c_str(), options.config.width, options.config.height,
