@@ -84,7 +84,7 @@ Image blurred(const Image& image, unsigned width) {
     return pass(pass(image, true), false);
 }
 
-/// As the eye sees it: exposed, blurred, in a space where distances are differences seen.
+/// The image as perceived: exposed, blurred, in a space whose distances are perceived differences.
 Image seen(std::span<const glm::vec3> image, float exposure, unsigned width) {
     Image opponent(image.size());
     std::transform(image.begin(), image.end(), opponent.begin(),

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double width = 760, height = 536, left = 84, right = 24, top = 100, bottom = 64;
 constexpr const char *ink = "#222", *pale = "#666", *grid = "#e4e4e4";
-/// Colours that people with any colour vision tell apart (Okabe and Ito 2008), dark ones first; shapes differ, too.
+/// Colours that are distinct for any colour vision (Okabe and Ito 2008), dark ones first; shapes differ, too.
 constexpr std::array colors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
 
 using svg::escaped;
@@ -247,7 +247,7 @@ std::string svg_of(const Study& study, const std::string& subtitle) {
     const Axis y(seconds, height - bottom, top);
     std::string svg = svg::begin(width, height);
     svg += text(16, 26, "start", 18, ink, study.title) + text(16, 45, "start", 12, pale, subtitle);
-    if (study.floor > 0) {  // what the reference can't tell
+    if (study.floor > 0) {  // errors that the reference cannot resolve
         const double end = x.at(study.floor);
         svg += rectangle(left, top, std::max(end - left, 0.0), height - bottom - top, "#f3f0e6");
     }

@@ -13,7 +13,7 @@ namespace claray {
 namespace {
 
 constexpr unsigned render_spp = 256;
-constexpr std::uint32_t least_renders = 4;  // below which their spread tells little
+constexpr std::uint32_t least_renders = 4;  // for an estimate of their spread
 constexpr char magic[16] = "claray ref. 1\n";
 constexpr std::chrono::seconds between_saves(5);
 

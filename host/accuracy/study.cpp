@@ -1,4 +1,4 @@
-// What studies have in common: statistics of repeated runs, the front, slopes.
+// Functions that studies share: statistics of repeated runs, the front, slopes.
 #include <algorithm>
 #include <cmath>
 

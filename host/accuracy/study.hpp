@@ -1,4 +1,4 @@
-// What studies have in common.
+// Functions that studies share.
 #pragma once
 
 #include "claray/accuracy.hpp"

@@ -36,7 +36,7 @@ struct Report {
     BvhMemory memory;
     std::string hash, layout;
     bool valid = false;
-    measure::Timing build;                      // no rounds where the structure was loaded
+    measure::Timing build;                      // no rounds if the structure was loaded
     double load_seconds = 0, save_seconds = 0;  // 0: not done
 };
 

@@ -11,7 +11,7 @@
 namespace claray::cli {
 namespace {
 
-/// Extensions that change what claray can do, and their short names in the table.
+/// Extensions that claray can use, and their short names in the table.
 constexpr std::pair<const char*, const char*> extensions_that_matter[] = {
     {"cl_khr_fp64", "fp64"},           {"cl_khr_fp16", "fp16"},
     {"cl_khr_subgroups", "subgroups"}, {"cl_khr_int64_base_atomics", "int64 atomics"},

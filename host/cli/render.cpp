@@ -211,7 +211,7 @@ void add_render_command(CLI::App& app, Action& action) {
         "  claray render bunny.obj -o bunny.hdr --size 1920x1080 --time 60s --stats\n"
         "  claray render terrain:1000000 -o terrain.png --aov depth,heat --trace trace.json\n"
         "  claray render walk.glb -o walk.png --frames 0..47 --frame-rate 24 --animation Walk");
-    command->option_defaults()->take_last();  // so that scripts can override what they were given
+    command->option_defaults()->take_last();  // so that scripts can override options
     auto options = std::make_shared<RenderOptions>();
     add_image_options(*command, *options);
     add_view_options(*command, options->view);

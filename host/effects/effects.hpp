@@ -32,7 +32,7 @@ inline constexpr EffectSet sampled_lights = {
 #undef CLARAY_ROW
         Effect::emissive_triangles,
     Effect::environment};
-/// Effects by which a path gathers radiance where it ends.
+/// Effects that give radiance to the end of a path.
 inline constexpr EffectSet emitters = {
 #define CLARAY_ROW(name, NAME, text, far, cone) Effect::name##_lights,
     CLARAY_SEEN_LIGHTS(CLARAY_ROW)

@@ -64,7 +64,7 @@ std::vector<Material> materials_for(EffectSet effects) {
     add(layers, MaterialKind::principled);
     if (!(effects & layers).empty()) add_layers(materials.back(), effects);
     add({Effect::principled, Effect::transmission, Effect::clearcoat}, MaterialKind::principled);
-    Material& last = materials.back();  // the principled one where there is one
+    Material& last = materials.back();  // the principled one if there is one
     if (transmits) last.transmission = 0.5f;
     if (effects.has(Effect::clearcoat)) last.clearcoat = 0.5f;
     if (effects.has(Effect::absorption)) last.attenuation = glm::vec3(0.5f), last.attenuation_distance = 1.f;

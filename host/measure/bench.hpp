@@ -1,4 +1,4 @@
-// What `claray bench` measures: builds and rays, scenes x presets x kinds of rays, on one device.
+// `claray bench` on one device: times of builds and rays, for scenes x presets x kinds of rays.
 #pragma once
 
 #include "claray/bvh.hpp"
@@ -14,7 +14,7 @@ struct BenchOptions {
     int repeat = 9;                      ///< rounds that count
 };
 
-/// One way to build, and what tracing with its tree gives.
+/// One way to build, and the times to trace with its tree.
 struct PresetResult {
     std::string preset, layout;
     Timing build, refit;
@@ -37,7 +37,7 @@ struct SceneResult {
 };
 
 /// Builds a scene by all presets, then times builds, refits and rays of all of them in interleaved rounds. Throws
-/// ErrorKind::device where two presets disagree about a hit: what is wrong is not measured.
+/// ErrorKind::device if two presets disagree about a hit.
 [[nodiscard]] SceneResult run_bench(const Device& device, const std::string& scene, const BenchOptions& options);
 
 /// Milliseconds to build and then trace `rays` rays, from the two medians.

@@ -17,7 +17,7 @@
 namespace claray::measure {
 namespace {
 
-/// A scene as it is measured. Rays are made once, whatever is tuned: hits don't depend on it.
+/// A scene to measure. Its rays are made once, since hits do not depend on tuning.
 struct Subject {
     std::string name;
     std::vector<Mesh> meshes;
@@ -130,7 +130,7 @@ std::vector<Trial> tune_parameter(const Device& device, const TuneOptions& optio
             device.finish();
             if (works.back()->results != works[0]->results) trial.failure = "gives different results";
         } catch (const Error& error) {
-            if (trial.in_force) throw;  // then nothing works here
+            if (trial.in_force) throw;  // the current value must work
             trial.failure = std::string(error.what(), std::strcspn(error.what(), "\n"));
         }
         if (trial.failure.empty()) {

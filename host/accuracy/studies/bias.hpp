@@ -18,7 +18,7 @@ struct Renders {
                                     const Renders& renders, const ReferenceImage& reference);
 
 /// The same of each pixel, over the reference's mean: the root of the mean of (a - r)(b - r) over all pairs and
-/// channels, 0 where noise makes that negative.
+/// channels, 0 if noise makes that negative.
 [[nodiscard]] std::vector<float> bias_map(const Renders& renders, const ReferenceImage& reference);
 
 }  // namespace claray

@@ -63,20 +63,16 @@ StudyPoint point_of_build(const Candidate& candidate, const measure::Timing& mad
 
 bool has_moved(const StudyPoint& p) { return p.method == "refit" || p.method == "rebuild"; }
 
-/// Trees are compared on the same triangles only.
-void mark_fronts(Study& study) {
-    std::vector<StudyPoint> all;
-    for (const StudyPoint& first : study.points) {
-        const auto is_like = [&](const StudyPoint& p) {
-            return has_moved(first) ? has_moved(p) && p.setting == first.setting : !has_moved(p);
-        };
-        if (std::any_of(all.begin(), all.end(), is_like)) continue;
-        std::vector<StudyPoint> same;
-        std::copy_if(study.points.begin(), study.points.end(), std::back_inserter(same), is_like);
+/// Compares trees of the same triangles only: their points are neighbours.
+void mark_fronts(std::vector<StudyPoint>& points) {
+    for (auto begin = points.begin(); begin != points.end();) {
+        const auto end = std::find_if(begin, points.end(), [&](const StudyPoint& p) {
+            return has_moved(p) != has_moved(*begin) || (has_moved(p) && p.setting != begin->setting);
+        });
+        std::vector<StudyPoint> same(begin, end);
         mark_front(same);
-        all.insert(all.end(), same.begin(), same.end());
+        begin = std::copy(same.begin(), same.end(), begin);
     }
-    study.points = all;
 }
 
 std::string name_of(const StudyPoint& p) { return p.method + ", " + p.setting; }
@@ -200,7 +196,7 @@ Study study_builds(const Device& device, const Scene& scene, const StudyOptions&
         time_candidates(device, candidates, std::max(options.runs, least_rounds), progress);
     for (std::size_t i = 0; i < candidates.size(); ++i)
         study.points.push_back(point_of_build(candidates[i], timings[2 * i], timings[2 * i + 1]));
-    mark_fronts(study);
+    mark_fronts(study.points);
     find_crossings(study);
     tabulate(study);
     judge_refits(study);

@@ -25,9 +25,10 @@ std::vector<float> noise_map(const Renders& renders, const ReferenceImage& refer
 
 /// Materials without their kind become `lambert`, which therefore cannot be left out.
 std::vector<Effect> effects_to_leave_out(const Scene& scene) {
+    const EffectSet called_for = effects_of(scene);
     std::vector<Effect> effects;
     for (const Effect effect : all_effects())
-        if (effects_of(scene).has(effect) && effect != Effect::lambert) effects.push_back(effect);
+        if (called_for.has(effect) && effect != Effect::lambert) effects.push_back(effect);
     return effects;
 }
 

@@ -99,7 +99,7 @@ void pick(Frames& frames, const RenderConfig& config, double budget, std::vector
     if (seconds > budget) refuse_rate(config, budget, seconds);
     const double one = seconds;
     const unsigned most = std::min(config.spp, most_spp);
-    for (int tries = 0; tries < 6; ++tries) {  // what a sample costs depends on how many there are
+    for (int tries = 0; tries < 6; ++tries) {  // the cost of a sample depends on their number
         const double wanted = std::floor(frames.spp * share * budget / seconds);
         const auto spp = unsigned(std::clamp(wanted, 1.0, double(most)));
         if (spp == frames.spp) break;

@@ -18,7 +18,7 @@ std::string lower_case(std::string text) {
     return text;
 }
 
-/// All of `text`, or nothing.
+/// The finite number that is all of `text`, or nothing.
 std::optional<double> parse_finite(std::string_view text) {
     if (text.starts_with('+')) text.remove_prefix(1);
     const auto value = parse_number<double>(text);

@@ -14,7 +14,7 @@
 
 namespace claray::cli {
 
-/// All of `text`, or nothing.
+/// The number that is all of `text`, or nothing.
 template <class T>
 [[nodiscard]] std::optional<T> parse_number(std::string_view text) {
     T value{};

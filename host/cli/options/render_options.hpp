@@ -35,7 +35,7 @@ struct RenderOptions {
     std::string frames_text;                            // as the command line has it: a number, or a range
     std::optional<FrameRange> animation;                // a picture each
     double frame_rate = 24;                             // of the animation
-    bool picks_settings = false, picks_builder = true;  // by target; the builder where none is asked for
+    bool picks_settings = false, picks_builder = true;  // by target; the builder only without --builder
 };
 
 inline constexpr const char* aov_names[] = {"depth", "normal", "albedo", "primitive", "heat"};

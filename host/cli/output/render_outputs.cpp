@@ -18,7 +18,7 @@ std::vector<float> as_floats(const std::vector<T>& values) {
     return {values.begin(), values.end()};
 }
 
-/// Directions as the colours of normal maps: the stored byte is 127.5 (n + 1), whatever the sRGB curve would do.
+/// Directions as the colours of normal maps: inverts the sRGB curve, so that the stored byte is 127.5 (n + 1).
 std::vector<glm::vec3> direction_colors(const std::vector<glm::vec3>& directions) {
     const auto channel = [](float n) {
         return linear_from_srgb(std::uint8_t(std::lround(127.5f * (glm::clamp(n, -1.f, 1.f) + 1.f))));
