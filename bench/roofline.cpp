@@ -8,7 +8,7 @@
 #include <cstdio>
 
 #include "bench/support.hpp"
-#include "host/measure/device_rays.hpp"
+#include "host/measure/rays.hpp"
 
 using namespace claray;
 

@@ -1,4 +1,4 @@
-// How fast a device builds and renders: measured here, kept in the tuning table.
+// The speed of a device: measured here, stored in the tuning table.
 #include <algorithm>
 #include <chrono>
 #include <cmath>

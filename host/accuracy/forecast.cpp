@@ -10,9 +10,8 @@ constexpr unsigned least_spp_to_foresee = 16;
 
 }  // namespace
 
-/// To which power of the samples the squared error falls: that of independent samples is 1, and Sobol's falls as fast
-/// as 1.5 where integrands are discontinuous along edges alone (He and Wang 2015). What few samples tell is not
-/// believed.
+/// The power of the samples with which the squared error falls: 1 for independent samples, up to 1.5 for Sobol's if
+/// integrands are discontinuous along edges only (He and Wang 2015). 1 while there are too few samples to estimate it.
 double Watched::convergence(const RenderProgress& so_far) const {
     constexpr double least_growth = 4, fastest = 1.5;
     const double samples = double(so_far.error_spp) / error_->error_spp, errors = so_far.error / error_->error;

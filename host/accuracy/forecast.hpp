@@ -1,22 +1,22 @@
-// When a render to an error will end, from what its first samples tell.
+// Planning: predicts from the first samples when a render will reach an error.
 #pragma once
 
 #include <optional>
 
-#include "claray/renderer.hpp"
+#include "claray/target.hpp"
 
 namespace claray {
 
-/// What is foreseen from the pace and the last error that is known.
+/// Prediction from the pace and the last known error.
 struct Forecast {
-    double spp = 0, seconds = 0;  // that the error needs
+    double spp = 0, seconds = 0;  // until the error is reached
     double seconds_a_sample = 0;  // for every pixel
 };
 
-/// A render whose reports are watched.
+/// Watches the reports of a render.
 class Watched {
 public:
-    /// Takes note of a report. Nothing until an error is known and `least_seconds` have passed with the scene's own
+    /// Records a report. Returns nothing until an error is known and `least_seconds` have passed with the scene's own
     /// kernels.
     std::optional<Forecast> foresee(const RenderProgress& so_far, double error, double least_seconds);
 
@@ -24,8 +24,11 @@ private:
     [[nodiscard]] double convergence(const RenderProgress& so_far) const;
     [[nodiscard]] Forecast forecast(const RenderProgress& so_far, double error) const;
 
-    std::optional<RenderProgress> pace_;   // since when the scene's own kernels render
-    std::optional<RenderProgress> error_;  // the first that tells one
+    std::optional<RenderProgress> pace_;   // first report of the scene's own kernels
+    std::optional<RenderProgress> error_;  // first report with an error
 };
+
+/// Picks sampler and tree for so many seconds of sampling; see plan_render.
+void pick_for_time(TargetPlan& plan, const Device& device, double seconds);
 
 }  // namespace claray

@@ -55,7 +55,7 @@ float distance(const glm::vec3& a, const glm::vec3& b) {
     return std::pow(std::abs(a.x - b.x) + std::hypot(a.y - b.y, a.z - b.z), 0.7f);
 }
 
-/// What the eye still resolves at a distance of `pixels`, for each opponent colour.
+/// The eye's contrast sensitivity at a distance of `pixels`, for each opponent colour.
 glm::vec3 sensitivity(int pixels) {
     const double x = pixels / pixels_a_degree, x2 = x * x, pi2 = 9.8696044;
     const auto bell = [&](double a, double b) { return a * std::sqrt(3.14159265 / b) * std::exp(-pi2 * x2 / b); };
@@ -84,7 +84,7 @@ Image blurred(const Image& image, unsigned width) {
     return pass(pass(image, true), false);
 }
 
-/// As the eye sees it: exposed, blurred, in a space where distances are differences seen.
+/// The image as perceived: exposed, blurred, in a space whose distances are perceived differences.
 Image seen(std::span<const glm::vec3> image, float exposure, unsigned width) {
     Image opponent(image.size());
     std::transform(image.begin(), image.end(), opponent.begin(),

@@ -1,4 +1,4 @@
-// What measures and studies ask of an image.
+// Functions on pixels that measures and studies share.
 #pragma once
 
 #include <algorithm>

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "host/accuracy/study.hpp"
-#include "host/accuracy/summary.hpp"
 #include "host/accuracy/svg.hpp"
 
 namespace claray {
@@ -14,7 +13,7 @@ namespace {
 
 constexpr double width = 760, height = 536, left = 84, right = 24, top = 100, bottom = 64;
 constexpr const char *ink = "#222", *pale = "#666", *grid = "#e4e4e4";
-/// Colours that people with any colour vision tell apart (Okabe and Ito 2008), dark ones first; shapes differ, too.
+/// Colours that are distinct for any colour vision (Okabe and Ito 2008), dark ones first; shapes differ, too.
 constexpr std::array colors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
 
 using svg::escaped;
@@ -22,13 +21,12 @@ using svg::rectangle;
 using svg::text;
 
 std::string line(double x0, double y0, double x1, double y1, const char* color, double thick, const char* more = "") {
-    return "<line x1=\"" + printed("%.1f", x0) + "\" y1=\"" + printed("%.1f", y0) + "\" x2=\"" + printed("%.1f", x1) +
-           "\" y2=\"" + printed("%.1f", y1) + "\" stroke=\"" + color + "\" stroke-width=\"" + printed("%.1f", thick) +
-           "\"" + more + "/>\n";
+    return printed("<line x1=\"%.1f\" y1=\"%.1f\" x2=\"%.1f\" y2=\"%.1f\" stroke=\"%s\" stroke-width=\"%.1f\"%s/>\n",
+                   x0, y0, x1, y1, color, thick, more);
 }
 
-/// One logarithmic axis: values to pixels, and marks at decades or, where it is short, at parts of them. What is 0 has
-/// a place of its own, where there is such.
+/// A logarithmic axis: maps values to pixels; ticks at decades or, on short axes, at parts of them. The value 0 has a
+/// place of its own.
 struct Axis {
     double low, high, from, to, zero = 0;
     Axis(std::vector<double> values, double pixel_from, double pixel_to) : from(pixel_from), to(pixel_to) {
@@ -52,7 +50,7 @@ struct Axis {
     }
 };
 
-/// Errors over a mean are told in per cent.
+/// Errors relative to a mean are printed in per cent.
 bool is_share(const Study& study) { return study.error.ends_with("/ mean"); }
 
 /// "0.002", "50", "1e-05", "2 %"
@@ -106,7 +104,7 @@ std::string draw_axes(const Axis& x, const Axis& y, const Study& study) {
     return svg;
 }
 
-/// Words and marks that labels must not cover.
+/// Rectangles of text and marks that labels must not cover.
 struct Taken {
     double x0, y0, x1, y1;
 };
@@ -118,7 +116,7 @@ bool is_free(const Taken& place, const std::vector<Taken>& taken) {
     });
 }
 
-/// The setting's name beside its mark, on the first of four sides with room; nothing where there is none.
+/// The setting's name beside its mark, in the first of four positions that is free; nothing if none is.
 std::string draw_label(const std::string& words, double x, double y, std::vector<Taken>& taken) {
     constexpr double size = 11, gap = 9;
     const double length = 0.58 * size * double(words.size());
@@ -186,24 +184,19 @@ std::string draw_labels(const Study& study, const Axis& x, const Axis& y) {
 std::string table_of(const Study& study) {
     const std::vector<std::string> facts = fact_names(study);
     std::string html = "<table><tr><th>method</th><th>setting</th><th>error</th><th>quartiles</th>";
-    if (facts.empty()) html += "<th>relMSE</th><th>perceptual</th>";
     for (const std::string& fact : facts) html += "<th>" + escaped(fact) + "</th>";
     html += "<th>" + escaped(study.cost) + "</th><th>quartiles</th><th>runs</th><th>front</th></tr>\n";
     for (const StudyPoint& p : study.points) {
         html += "<tr><td>" + escaped(p.method) + "</td><td>" + escaped(p.setting) + "</td>";
         if (!p.failure.empty()) {
-            html += "<td colspan=\"" + printed("%.0f", 6.0 + double(facts.empty() ? 2 : facts.size())) + "\">" +
-                    escaped(p.failure) + "</td></tr>\n";
+            html += "<td colspan=\"" + printed("%.0f", 6.0 + double(facts.size())) + "\">" + escaped(p.failure) +
+                    "</td></tr>\n";
             continue;
         }
         const auto cell = [&](const std::string& words) { html += "<td class=\"n\">" + words + "</td>"; };
         const double unit = is_share(study) ? 100 : 1;
         cell(printed("%.4g", unit * p.error.median) + (is_share(study) ? " %" : ""));
         cell(printed("%.3g", unit * p.error.low) + " .. " + printed("%.3g", unit * p.error.high));
-        if (facts.empty()) {
-            cell(p.errors.relmse > 0 ? printed("%.3g", p.errors.relmse) : "");
-            cell(p.errors.perceptual > 0 ? printed("%.3g", p.errors.perceptual) : "");
-        }
         for (const std::string& fact : facts) {
             const double value = fact_of(p, fact);
             cell(std::isnan(value) ? "" : printed("%.4g", value));
@@ -217,7 +210,7 @@ std::string table_of(const Study& study) {
     return html + "</table>\n";
 }
 
-/// Marks and names of the methods, in one row or two; returns what follows them.
+/// Marks and names of the methods, then `rest`, in one row or two.
 std::string draw_legend(const std::vector<std::string>& methods, const std::string& rest) {
     double x = left, y = 64;
     const auto place = [&](std::size_t letters) {
@@ -252,12 +245,9 @@ std::string svg_of(const Study& study, const std::string& subtitle) {
     Axis x(errors, some_are_zero ? left + 44 : left, width - right);
     if (some_are_zero) x.zero = left + 18;
     const Axis y(seconds, height - bottom, top);
-    std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + printed("%.0f", width) + " " +
-                      printed("%.0f", height) + "\" width=\"" + printed("%.0f", width) + "\" height=\"" +
-                      printed("%.0f", height) +
-                      "\" font-family=\"sans-serif\">\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n";
+    std::string svg = svg::begin(width, height);
     svg += text(16, 26, "start", 18, ink, study.title) + text(16, 45, "start", 12, pale, subtitle);
-    if (study.floor > 0) {  // what the reference can't tell
+    if (study.floor > 0) {  // errors that the reference cannot resolve
         const double end = x.at(study.floor);
         svg += rectangle(left, top, std::max(end - left, 0.0), height - bottom - top, "#f3f0e6");
     }

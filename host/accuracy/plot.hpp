@@ -1,4 +1,4 @@
-// Work-precision plots: error across, seconds upwards, both logarithmic; SVG that needs nothing else.
+// Work-precision plots as self-contained SVG: error on the x axis, seconds on the y axis, both logarithmic.
 #pragma once
 
 #include <string>
@@ -7,14 +7,14 @@
 
 namespace claray {
 
-/// `subtitle` tells scene, device, driver and date. Points that failed are gaps; those on the front are filled.
+/// `subtitle`: scene, device, driver and date. Failed points are gaps; points on the front are filled.
 [[nodiscard]] std::string svg_of(const Study& study, const std::string& subtitle);
 
 /// A page with every study's plot, table and findings.
 [[nodiscard]] std::string html_of(const std::vector<Study>& studies, const std::string& title,
                                   const std::string& subtitle);
 
-/// A row a point.
+/// A row per point.
 [[nodiscard]] std::string csv_of(const std::vector<Study>& studies, const std::string& device,
                                  const std::string& driver, const std::string& scene);
 

@@ -1,4 +1,4 @@
-// Converged images: the mean of many renders, kept in a file that a later run goes on from.
+// Converged images: the mean of many renders, saved in a file from which later runs continue.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -13,7 +13,7 @@ namespace claray {
 namespace {
 
 constexpr unsigned render_spp = 256;
-constexpr std::uint32_t least_renders = 4;  // below which their spread tells little
+constexpr std::uint32_t least_renders = 4;  // for an estimate of their spread
 constexpr char magic[16] = "claray ref. 1\n";
 constexpr std::chrono::seconds between_saves(5);
 
@@ -31,8 +31,8 @@ std::vector<glm::vec3> render_once(const Device& device, const Scene& scene, Ren
     return renderer.image();
 }
 
-/// A name that differs wherever the converged image may: renders are the same bit for bit for the same scene and
-/// settings, so a few samples tell.
+/// A name that differs if the converged image may differ. Renders are reproducible bit for bit, so that a few samples
+/// identify scene and settings.
 std::string name_of_reference(const Device& device, const Scene& scene, const RenderConfig& config,
                               std::uint32_t seed) {
     const std::vector<glm::vec3> probe = render_once(device, scene, config, 4, seed - 1);
@@ -53,7 +53,7 @@ std::string bytes_of(const Sums& sums) {
     return bytes;
 }
 
-/// Nothing where the file is not there or not as it was written: then the work is done anew.
+/// Nothing if the file is missing or damaged: then the reference is rendered again.
 std::optional<Sums> load(const std::filesystem::path& path, std::size_t values) {
     std::error_code none;
     if (!std::filesystem::exists(path, none)) return std::nullopt;
@@ -75,7 +75,7 @@ std::optional<Sums> load(const std::filesystem::path& path, std::size_t values) 
     return sums;
 }
 
-/// The mean, and how far it is off by the spread of the renders.
+/// The mean, and its standard error from the spread of the renders.
 ReferenceImage reference_of(const Sums& sums) {
     ReferenceImage reference;
     const std::size_t values = sums.values.size();

@@ -1,4 +1,4 @@
-// What studies have in common: statistics of repeated runs, the front, slopes.
+// Functions that studies share: statistics of repeated runs, the front, slopes.
 #include <algorithm>
 #include <cmath>
 
@@ -11,13 +11,20 @@ std::vector<std::string> fact_names(const Study& study) {
     for (const StudyPoint& p : study.points)
         for (const auto& [name, value] : p.facts)
             if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-    return names;
+    return names.empty() ? std::vector<std::string>{"relMSE", "perceptual"} : names;
 }
 
 double fact_of(const StudyPoint& point, const std::string& name) {
     for (const auto& [known, value] : point.facts)
         if (known == name) return value;
-    return std::nan("");
+    const double error = name == "relMSE" ? point.errors.relmse : name == "perceptual" ? point.errors.perceptual : 0;
+    return error > 0 ? error : std::nan("");
+}
+
+const StudyPoint* last_of(const Study& study, const std::string& method) {
+    const auto last = std::find_if(study.points.rbegin(), study.points.rend(),
+                                   [&](const StudyPoint& p) { return p.method == method && p.failure.empty(); });
+    return last == study.points.rend() ? nullptr : &*last;
 }
 
 AccuracyProgress scaled(const AccuracyProgress& progress, double from, double to) {
@@ -35,6 +42,11 @@ Spread spread_of(std::vector<double> values) {
         return values[below] + (place - double(below)) * (next - values[below]);
     };
     return {at(0.25), at(0.5), at(0.75)};
+}
+
+Spread spread_of(std::vector<double> values, double factor) {
+    for (double& value : values) value *= factor;
+    return spread_of(std::move(values));
 }
 
 bool overlap(const Spread& a, const Spread& b) { return a.low <= b.high && b.low <= a.high; }

@@ -1,4 +1,4 @@
-// What studies have in common.
+// Functions that studies share.
 #pragma once
 
 #include "claray/accuracy.hpp"
@@ -6,21 +6,30 @@
 
 namespace claray {
 
-/// Names of all `StudyPoint::facts`, in the order in which they first appear.
+/// Columns of tables: names of all `StudyPoint::facts`, in the order in which they first appear. A study without facts
+/// has further measures of images: "relMSE" and "perceptual".
 [[nodiscard]] std::vector<std::string> fact_names(const Study& study);
-/// NaN where the point has none of that name.
+/// NaN if the point has no fact of that name, or the measure is 0.
 [[nodiscard]] double fact_of(const StudyPoint& point, const std::string& name);
 
-/// Whether what is between the quartiles of one is partly between those of the other: then runs don't tell which is
-/// more.
+/// The last point of a method that did not fail; null if there is none.
+[[nodiscard]] const StudyPoint* last_of(const Study& study, const std::string& method);
+
+/// Quartiles and median of `values` times `factor`.
+[[nodiscard]] Spread spread_of(std::vector<double> values, double factor);
+/// Whether the ranges between the quartiles overlap: then the runs do not show which is larger.
 [[nodiscard]] bool overlap(const Spread& a, const Spread& b);
-/// "in 0.53 of the time", or that the runs don't tell.
+/// "in 0.53 of the time", or that the quartiles overlap.
 [[nodiscard]] std::string told_time_against(const Spread& seconds, const Spread& others);
 
 /// "0.53 s", "2.1 min", "3.4 h", "12 days"
 [[nodiscard]] std::string told_time(double seconds);
 
-/// Progress of a part that is from `from` to `to` of the whole.
+/// Progress of a part of the work, from the fraction `from` to the fraction `to` of the whole.
 [[nodiscard]] AccuracyProgress scaled(const AccuracyProgress& progress, double from, double to);
+
+/// How many samples an error of 1 % needs, from the study `sampling`, and how many surfaces per path, from the study
+/// `bias`. Studies that were not run have no line.
+[[nodiscard]] std::vector<std::string> summary_of(const std::vector<Study>& studies);
 
 }  // namespace claray

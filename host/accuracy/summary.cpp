@@ -1,5 +1,4 @@
-#include "host/accuracy/summary.hpp"
-
+// What users should know first about a scene.
 #include <algorithm>
 #include <cmath>
 
@@ -19,7 +18,7 @@ std::vector<StudyPoint> points_of(const std::vector<Study>& studies, const char*
     return points;
 }
 
-/// By the slope of the measured errors, no flatter than that of independent samples and no steeper than 1 / samples.
+/// Extrapolates the slope of the errors, limited to between that of independent samples and 1 / samples.
 std::string samples_needed(const std::vector<StudyPoint>& points) {
     std::vector<double> samples, errors;
     for (const StudyPoint& p : points)
@@ -34,7 +33,7 @@ std::string samples_needed(const std::vector<StudyPoint>& points) {
         told_time(seconds * times).c_str());
 }
 
-/// The least depth from which on all are good enough.
+/// The least depth from which on the bias is small enough.
 std::string depth_needed(const std::vector<StudyPoint>& points) {
     if (points.empty()) return {};
     const auto is_wrong = [](const StudyPoint& p) { return p.failure.empty() && p.error.median > wanted_error; };

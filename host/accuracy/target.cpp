@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "host/accuracy/forecast.hpp"
-#include "host/accuracy/plan_text.hpp"
+#include "host/accuracy/study.hpp"
 
 namespace claray {
 namespace {

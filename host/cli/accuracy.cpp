@@ -1,4 +1,4 @@
-// claray accuracy: what accuracy costs in time, for every setting of the methods that make an image.
+// claray accuracy: error against time, for every setting of the methods that make an image.
 #include "claray/accuracy.hpp"
 
 #include <algorithm>
@@ -9,17 +9,13 @@
 #include <ctime>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <sstream>
-#include <tuple>
 
 #include "claray/io.hpp"
 #include "host/accuracy/plot.hpp"
 #include "host/accuracy/study.hpp"
-#include "host/accuracy/summary.hpp"
 #include "host/base/file.hpp"
 #include "host/cli/commands.hpp"
-#include "host/cli/open_device.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/options/render_options.hpp"
 #include "host/cli/options/view_options.hpp"
@@ -66,38 +62,28 @@ std::vector<NamedStudy> chosen_studies(const std::string& names) {
     std::vector<NamedStudy> chosen;
     std::istringstream list(names);
     for (std::string name; std::getline(list, name, ',');) {
-        const NamedStudy* found = nullptr;
-        for (const NamedStudy& study : all_studies)
-            if (name == study.name) found = &study;
-        if (!found)
+        const auto found = std::find_if(std::begin(all_studies), std::end(all_studies),
+                                        [&](const NamedStudy& study) { return name == study.name; });
+        if (found == std::end(all_studies))
             throw Error(ErrorKind::usage, "--only: unknown study '" + name + "'", "choose from " + study_names());
         chosen.push_back(*found);
     }
     return chosen;
 }
 
-/// Where references are kept until the end of the command, so that studies share them.
-class KeptReferences {
-public:
-    KeptReferences() {
-        std::string name = (std::filesystem::temp_directory_path() / "claray-references-XXXXXX").string();
-        if (!mkdtemp(name.data()))
-            throw Error(ErrorKind::user, "cannot create the folder " + name, "set TMPDIR to a writable folder");
-        path_ = name;
-    }
-    ~KeptReferences() {
-        std::error_code none;
-        std::filesystem::remove_all(path_, none);
-    }
-    KeptReferences(const KeptReferences&) = delete;
-    KeptReferences& operator=(const KeptReferences&) = delete;
-    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+/// Creates a folder for references that all studies share. It is removed with the last copy of the pointer.
+std::shared_ptr<const std::filesystem::path> temporary_folder() {
+    std::string name = (std::filesystem::temp_directory_path() / "claray-references-XXXXXX").string();
+    if (!mkdtemp(name.data()))
+        throw Error(ErrorKind::user, "cannot create the folder " + name, "set TMPDIR to a writable folder");
+    return {new std::filesystem::path(name), [](const std::filesystem::path* path) {
+                std::error_code none;
+                std::filesystem::remove_all(*path, none);
+                delete path;
+            }};
+}
 
-private:
-    std::filesystem::path path_;
-};
-
-/// One line, drawn again: what is done, and how long the rest takes at this pace. An interruption ends the study.
+/// Prints the fraction done and the time left at this pace. An interruption ends the study.
 AccuracyProgress show_progress(const std::string& study, bool quiet) {
     const auto begin = std::chrono::steady_clock::now();
     const auto shown = std::make_shared<double>(-1);
@@ -105,7 +91,7 @@ AccuracyProgress show_progress(const std::string& study, bool quiet) {
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
         if (!quiet && (seconds - *shown > 2 || done >= 1)) {
             *shown = seconds;
-            // The first steps say little: what they compile is compiled once.
+            // The first steps are no measure: they include compilation.
             const bool known = done >= 0.02 && done < 1 && seconds > 1;
             std::fprintf(stderr, "%s: %3.0f %%, %s, %s%s\n", study.c_str(), 100 * done, what.c_str(),
                          told_time(known ? seconds * (1 - done) / done : seconds).c_str(), known ? " left" : " so far");
@@ -123,7 +109,6 @@ void print_study(const Study& study) {
     std::printf("\n");
     const std::vector<std::string> facts = fact_names(study);
     Row head = {"method", "setting", "error", "quartiles"};
-    if (facts.empty()) head.insert(head.end(), {"relMSE", "perceptual"});
     head.insert(head.end(), facts.begin(), facts.end());
     head.insert(head.end(), {study.cost, "quartiles", "front"});
     std::vector<Row> rows = {head};
@@ -132,9 +117,6 @@ void print_study(const Study& study) {
         const auto cell = [&](double value) { return failed || std::isnan(value) ? "-" : number(value); };
         Row row = {p.method, p.setting, cell(p.error.median),
                    failed ? "-" : number(p.error.low) + ".." + number(p.error.high)};
-        if (facts.empty())
-            for (const double value : {p.errors.relmse, p.errors.perceptual})
-                row.push_back(value > 0 ? cell(value) : "-");
         for (const std::string& fact : facts) row.push_back(cell(fact_of(p, fact)));
         row.push_back(failed ? "-" : number(p.seconds.median));
         row.push_back(failed ? "-" : number(p.seconds.low) + ".." + number(p.seconds.high));
@@ -145,7 +127,7 @@ void print_study(const Study& study) {
     for (const std::string& finding : study.findings) std::printf("%s\n", finding.c_str());
 }
 
-/// A row a point: its error by both references.
+/// A row per point: its error by both references.
 void print_check(const ErrorCheck& check) {
     std::vector<Row> rows = {{"method", "setting", "error", "independent", "ratio"}};
     for (std::size_t i = 0; i < check.reported.points.size(); ++i) {
@@ -171,7 +153,7 @@ std::string today() {
     return text;
 }
 
-void print_json(const std::vector<Study>& studies, const AccuracyOptions& o, const Device& device) {
+void print_as_json(const std::vector<Study>& studies, const AccuracyOptions& o, const Device& device) {
     nlohmann::ordered_json report = {
         {"scene", o.scene}, {"device", device.info().name},  {"driver", device.info().driver},
         {"date", today()},  {"width", o.study.config.width}, {"height", o.study.config.height}};
@@ -198,10 +180,10 @@ void print_json(const std::vector<Study>& studies, const AccuracyOptions& o, con
                                      {"findings", study.findings},
                                      {"points", points}});
     }
-    std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    print_json(report);
 }
 
-/// Every map as values and in false colours.
+/// Writes every map as values and in false colours.
 void write_maps(const AccuracyOptions& o, const std::vector<ErrorMap>& maps) {
     const RenderConfig& config = o.study.config;
     for (const ErrorMap& map : maps) {
@@ -211,10 +193,10 @@ void write_maps(const AccuracyOptions& o, const std::vector<ErrorMap>& maps) {
     }
 }
 
-/// What was measured is shown; files are of all studies or stay as they are.
+/// Prints the finished studies. Files are written for all studies or not at all.
 [[noreturn]] void refuse_incomplete(const Error& error, const std::vector<Study>& studies, std::size_t all,
                                     const AccuracyOptions& o, const Device& device) {
-    if (o.json && !studies.empty()) print_json(studies, o, device);
+    if (o.json && !studies.empty()) print_as_json(studies, o, device);
     if (!o.json)
         for (const Study& study : studies) print_study(study);
     std::fflush(stdout);
@@ -225,7 +207,7 @@ void write_maps(const AccuracyOptions& o, const std::vector<ErrorMap>& maps) {
                 std::string(report.substr(report.empty() ? 0 : 1)));
 }
 
-/// All but the maps of single effects, whose names are known only later.
+/// All files but the maps of single effects, whose names are known only later.
 std::vector<NamedFile> outputs_of(const AccuracyOptions& o, const std::vector<NamedStudy>& chosen) {
     std::vector<NamedFile> outputs = {{"--csv", o.csv}, {"--html", o.html}, {"--svg", o.svg}};
     if (!o.svgs.empty())
@@ -233,6 +215,12 @@ std::vector<NamedFile> outputs_of(const AccuracyOptions& o, const std::vector<Na
             outputs.push_back({"--svgs", o.svgs / (std::string(study.name) + ".svg")});
     if (!o.maps.empty()) outputs.push_back({"--maps", o.maps / "noise.pfm"});
     return outputs;
+}
+
+void limit_to_quick(StudyOptions& study) {
+    const auto limit = [](auto& value, unsigned most) { value = std::min<std::size_t>(value, most); };
+    limit(study.most_spp, 32), limit(study.runs, 3), limit(study.rays, 1u << 16);
+    limit(study.config.width, 64), limit(study.config.height, 64);
 }
 
 void accuracy(AccuracyOptions o) {
@@ -246,16 +234,12 @@ void accuracy(AccuracyOptions o) {
         throw Error(ErrorKind::usage, "--svg plots one study", "select it with --only, or use --html");
     if (!o.svgs.empty()) make_folder(o.svgs);
     check_outputs(outputs_of(o, chosen), {{"the scene", o.scene}});
-    if (o.quick) o.study.most_spp = std::min(o.study.most_spp, 32u), o.study.runs = std::min(o.study.runs, 3u);
-    if (o.quick) o.study.rays = std::min<std::size_t>(o.study.rays, 1u << 16);
-    if (o.quick)
-        o.study.config.width = std::min(o.study.config.width, 64u),
-        o.study.config.height = std::min(o.study.config.height, 64u);
+    if (o.quick) limit_to_quick(o.study);
     const Scene scene = load_view(o.scene, o.view, o.study.config.width, o.study.config.height);
     const Device device = open_device(o.device);
     const InterruptGuard guard;
-    std::optional<KeptReferences> kept;
-    if (o.study.references.empty()) o.study.references = kept.emplace().path();
+    std::shared_ptr<const std::filesystem::path> kept;
+    if (o.study.references.empty()) o.study.references = *(kept = temporary_folder());
     std::vector<Study> studies;
     if (o.check) return print_check(check_errors(device, scene, o.study, show_progress("check", o.quiet)));
     std::vector<ErrorMap> maps;
@@ -284,7 +268,7 @@ void accuracy(AccuracyOptions o) {
     if (!o.svgs.empty())
         for (const Study& study : studies) write(o.svgs / (study.name + ".svg"), svg_of(study, subtitle));
     if (o.json) {
-        print_json(studies, o, device);
+        print_as_json(studies, o, device);
         return writes.finish();
     }
     std::printf("%s\n", subtitle.c_str());
@@ -309,10 +293,7 @@ void add_accuracy_command(CLI::App& app, Action& action) {
     command->add_option("scene", o->scene, "A scene file, or a built-in scene (see claray scenes)")->required();
     command->add_option("--only", o->only, "Run these studies only: NAME,NAME...");
     command->add_flag("--quick", o->quick, "At most 64x64 pixels, 32 samples and 3 runs");
-    command->add_option_function<std::string>(
-        "--size",
-        [o](const std::string& text) { std::tie(o->study.config.width, o->study.config.height) = parse_size(text); },
-        "WIDTHxHEIGHT in pixels [128x128]");
+    add_size_option(*command, o->study.config.width, o->study.config.height, "WIDTHxHEIGHT in pixels [128x128]");
     command->add_option("--spp", o->study.most_spp, "Largest number of samples per pixel [256]")
         ->transform(whole_number(1, 65536));
     command->add_option("--runs", o->study.runs, "Repetitions, each with its own seed [5]")

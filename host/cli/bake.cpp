@@ -2,13 +2,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
-#include <tuple>
 
 #include "claray/io.hpp"
 #include "claray/renderer.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/load.hpp"
-#include "host/cli/open_device.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/options/render_options.hpp"
 #include "host/cli/output/outputs.hpp"
@@ -62,9 +60,7 @@ void add_bake_command(CLI::App& app, Action& action) {
     command->add_option("scene", o->scene, "A scene file, or a built-in scene (see claray scenes)")->required();
     command->add_option("-o,--output", o->output, "Output light map: .hdr or .pfm")->required();
     command->add_option("--mesh", o->mesh, "Index of the mesh, from 0 [0]")->transform(whole_number(0));
-    command->add_option_function<std::string>(
-        "--size", [o](const std::string& text) { std::tie(o->config.width, o->config.height) = parse_size(text); },
-        "WIDTHxHEIGHT in texels [128x128]");
+    add_size_option(*command, o->config.width, o->config.height, "WIDTHxHEIGHT in texels [128x128]");
     command->add_option("--spp", o->config.spp, "Paths per texel [256]")->transform(whole_number(1, 1 << 24));
     command->add_option("--max-depth", o->config.max_depth, "Surfaces per path, at most; 1 is direct light only [128]")
         ->transform(whole_number(1, 1024));

@@ -1,4 +1,4 @@
-// claray bench: how fast builds and rays are here.
+// claray bench: how fast a device builds trees and traces rays.
 #include "host/measure/bench.hpp"
 
 #include <cmath>
@@ -9,7 +9,6 @@
 #include "claray/io.hpp"
 #include "host/base/file.hpp"
 #include "host/cli/commands.hpp"
-#include "host/cli/open_device.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/options/render_options.hpp"
 #include "host/cli/output/outputs.hpp"
@@ -70,17 +69,17 @@ void print_stages(const measure::SceneResult& scene) {
     print_table(rows, 1);
 }
 
-/// Milliseconds to build and trace, and which preset is the quickest from how many rays on.
+/// Milliseconds to build and trace, and the number of rays from which on each preset is the fastest.
 void print_together(const measure::SceneResult& scene) {
     Row head = {"build + trace, ms", "preset"};
-    for (const double rays : measure::ray_counts()) head.push_back(short_count(rays) + " rays");
+    for (const double rays : measure::ray_counts) head.push_back(short_count(rays) + " rays");
     std::vector<Row> rows = {head};
     std::string winners;
     for (std::size_t kind = 0; kind < scene.presets.at(0).kinds.size(); ++kind) {
         const std::string& name = scene.presets[0].kinds[kind].name;
         for (const measure::PresetResult& preset : scene.presets) {
             Row row = {name, preset.preset};
-            for (const double rays : measure::ray_counts())
+            for (const double rays : measure::ray_counts)
                 row.push_back(fixed(measure::build_and_trace(preset, kind, rays), 2));
             rows.push_back(std::move(row));
         }
@@ -105,7 +104,7 @@ nlohmann::ordered_json as_json(const measure::SceneResult& scene) {
                                         {"milliseconds", p.kinds[kind].timing.milliseconds()},
                                         {"spread", p.kinds[kind].timing.spread()},
                                         {"mrays_per_second", p.kinds[kind].mrays_per_second()}};
-            for (const double count : measure::ray_counts())
+            for (const double count : measure::ray_counts)
                 together[p.kinds[kind].name].push_back(
                     {{"rays", count}, {"milliseconds", measure::build_and_trace(p, kind, count)}});
         }
@@ -173,7 +172,7 @@ void run_bench(const BenchOptions& options) {
         }
         report.push_back({{"device", info.name}, {"driver", info.driver}, {"scenes", scenes}});
     }
-    if (options.json) std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    if (options.json) print_json(report);
     if (!options.csv.empty()) write_file(options.csv, csv);
 }
 
@@ -204,9 +203,7 @@ void add_bench_command(CLI::App& app, Action& action) {
     command->add_option("--layout", o.bench.layout, "Layout of the tree for tracing: auto, binary or wide [auto]")
         ->transform(choice_of(measure::layouts))
         ->type_name("NAME");
-    command->add_option_function<std::string>(
-        "--size", [&o](const std::string& text) { std::tie(o.bench.width, o.bench.height) = parse_size(text); },
-        "WIDTHxHEIGHT of each of the three views [320x180]");
+    add_size_option(*command, o.bench.width, o.bench.height, "WIDTHxHEIGHT of each of the three views [320x180]");
     command->add_option("--repeat", o.bench.repeat, "Rounds to measure [9]")->transform(whole_number(1, 1000));
     command->add_option("--device", o.devices, "cpu, gpu, an index, part of a name, or all; may be repeated")
         ->allow_extra_args(false);

@@ -1,4 +1,4 @@
-// claray build: what a tree costs and how good it is; and a file to keep it in.
+// claray build: builds a tree, measures its build time and quality, and saves it.
 #include <chrono>
 #include <cstdio>
 #include <memory>
@@ -6,7 +6,6 @@
 
 #include "host/base/file.hpp"
 #include "host/cli/commands.hpp"
-#include "host/cli/open_device.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/output/outputs.hpp"
 #include "host/cli/output/table.hpp"
@@ -37,7 +36,7 @@ struct Report {
     BvhMemory memory;
     std::string hash, layout;
     bool valid = false;
-    measure::Timing build;                      // no rounds where the structure was loaded
+    measure::Timing build;                      // no rounds if the structure was loaded
     double load_seconds = 0, save_seconds = 0;  // 0: not done
 };
 
@@ -107,7 +106,7 @@ void print_as_json(const Device& device, const BuildOptions& options, const Repo
                            {"stages", r.build.commands}};
     if (r.load_seconds > 0) report["load_seconds"] = r.load_seconds;
     if (r.save_seconds > 0) report["save_seconds"] = r.save_seconds;
-    std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    print_json(report);
 }
 
 bool is_saved(const std::filesystem::path& path) { return path.extension() == saved_extension; }
@@ -133,7 +132,29 @@ void run_build(const BuildOptions& options) {
                     "report this, with the output of 'claray devices --json'");
 }
 
+/// "fast (fastest to build), balanced (...)".
+std::string builders_with_notes() {
+    std::string text;
+    for (const BuilderTraits& traits : builders)
+        text += (text.empty() ? "" : ", ") + std::string(traits.name) + " (" + traits.note + ')';
+    return text;
+}
+
 }  // namespace
+
+void add_bvh_options(CLI::App& command, Bvh::Config& config) {
+    command.add_option("--morton-bits", config.morton_bits, "Bits per Morton code: 30 or 63 [63]")
+        ->check(name_among({"30", "63"}));
+    command
+        .add_option("--builder", config.builder,
+                    "Builder of the tree: " + builders_with_notes() + " [" +
+                        measure::name_of(measure::builders, config.builder) + "]")
+        ->transform(choice_of(measure::builders))
+        ->type_name("NAME");
+    command.add_option("--layout", config.layout, "Layout of the tree for tracing: auto, binary or wide [auto]")
+        ->transform(choice_of(measure::layouts))
+        ->type_name("NAME");
+}
 
 void add_build_command(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand(

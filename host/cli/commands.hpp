@@ -8,22 +8,17 @@
 
 namespace claray::cli {
 
-/// What the command line asks for; set while it is parsed, run afterwards.
+/// The work of the command line: set while it is parsed, run afterwards.
 using Action = std::function<void()>;
 
-void add_devices_command(CLI::App& app, Action& action);
-void add_scenes_command(CLI::App& app, Action& action);
-void add_render_command(CLI::App& app, Action& action);
-void add_explain_command(CLI::App& app, Action& action);
-void add_compile_command(CLI::App& app, Action& action);
-void add_bench_command(CLI::App& app, Action& action);
-void add_tune_command(CLI::App& app, Action& action);
-void add_build_command(CLI::App& app, Action& action);
-void add_bake_command(CLI::App& app, Action& action);
-void add_verify_command(CLI::App& app, Action& action);
-void add_accuracy_command(CLI::App& app, Action& action);
+using AddCommand = void(CLI::App& app, Action& action);
+AddCommand add_devices_command, add_scenes_command, add_render_command, add_explain_command, add_compile_command,
+    add_bake_command, add_build_command, add_bench_command, add_tune_command, add_verify_command, add_accuracy_command;
 
 /// --builder, --layout and --morton-bits, for the commands that build a tree.
 void add_bvh_options(CLI::App& command, Bvh::Config& config);
+
+/// Opens the device of a command. Prints the warnings about the user's tuning tables.
+[[nodiscard]] Device open_device(const std::string& selector = {});
 
 }  // namespace claray::cli

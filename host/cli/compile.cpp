@@ -1,4 +1,4 @@
-// claray compile: kernels are compiled ahead.
+// claray compile: compiles kernels in advance.
 #include <cstdio>
 #include <memory>
 

@@ -1,16 +1,17 @@
-// claray devices: what OpenCL has to offer on this machine.
+// claray devices: the OpenCL devices of this machine.
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "claray/device.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/output/messages.hpp"
 #include "host/cli/output/table.hpp"
 
 namespace claray::cli {
 namespace {
 
-/// Extensions that change what claray can do, and their short names in the table.
+/// Extensions that claray can use, and their short names in the table.
 constexpr std::pair<const char*, const char*> extensions_that_matter[] = {
     {"cl_khr_fp64", "fp64"},           {"cl_khr_fp16", "fp16"},
     {"cl_khr_subgroups", "subgroups"}, {"cl_khr_int64_base_atomics", "int64 atomics"},
@@ -51,11 +52,16 @@ void print_as_json(const std::vector<DeviceInfo>& infos) {
                            {"max_work_group", info.max_work_group},
                            {"exact_divide", info.exact_divide},
                            {"extensions", info.extensions}});
-    // Names come from drivers: bytes that are no UTF-8 are replaced rather than refused.
-    std::printf("%s\n", devices.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    print_json(devices);
 }
 
 }  // namespace
+
+Device open_device(const std::string& selector) {
+    Device device = Device::open(selector);
+    for (const std::string& warning : tuning_warnings(device)) print_warning(warning);
+    return device;
+}
 
 void add_devices_command(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand("devices", "List the OpenCL devices for --device");

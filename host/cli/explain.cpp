@@ -1,4 +1,4 @@
-// claray explain: what a scene calls for, why, and what it costs.
+// claray explain: which effects a scene uses, why, and what they cost.
 #include "host/measure/explain.hpp"
 
 #include <algorithm>
@@ -6,16 +6,14 @@
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <tuple>
 
 #include "claray/io.hpp"
+#include "host/accuracy/svg.hpp"
 #include "host/base/file.hpp"
 #include "host/cli/commands.hpp"
-#include "host/cli/open_device.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/options/render_options.hpp"
 #include "host/cli/options/view_options.hpp"
-#include "host/cli/output/bars.hpp"
 #include "host/cli/output/outputs.hpp"
 #include "host/cli/output/table.hpp"
 
@@ -35,7 +33,7 @@ struct ExplainOptions {
     bool json = false, quiet = false;
 };
 
-/// Milliseconds that the effect adds to a frame; for one that nothing calls for, that it would add.
+/// Milliseconds that the effect adds to a frame, or would add if the scene used it.
 double cost(const ExplainedEffect& e, const Variant& own) {
     return e.called_for ? own.milliseconds * (1 - e.ratio) : own.milliseconds * (e.ratio - 1);
 }
@@ -57,7 +55,7 @@ std::string kilobytes(double bytes) { return fixed(bytes * 1e-3, 1); }
 Row row_of(const ExplainedEffect& e, const Variant& own, bool compile_times) {
     Row row = {name_of(e.effect), e.called_for ? reason(e.cause) : "-"};
     if (e.fixed) {
-        for (int i = 0; i < 6; ++i) row.emplace_back("-");
+        row.insert(row.end(), 6, "-");
         return row;
     }
     const double with = e.called_for ? own.milliseconds : own.milliseconds * e.ratio;
@@ -76,7 +74,7 @@ void print_variant(const char* name, const Variant& v, bool compile_times) {
                 told(v.spill_bytes).c_str());
 }
 
-/// Before minutes of measuring.
+/// Printed first, since measuring takes minutes.
 void print_called_for(const std::vector<ExplainedEffect>& effects, const ExplainOptions& o, const Device& device) {
     std::printf("%s on %s, %ux%u, one sample per pixel, uses:\n", o.scene.c_str(), device.info().name.c_str(),
                 o.config.width, o.config.height);
@@ -85,7 +83,7 @@ void print_called_for(const std::vector<ExplainedEffect>& effects, const Explain
     std::fflush(stdout);
 }
 
-/// What the figures don't say by themselves.
+/// Explains figures that could be misread.
 void print_notes(const Explanation& x, bool compile_times) {
     const auto any = [&](auto test) { return std::any_of(x.effects.begin(), x.effects.end(), test); };
     if (any([](const ExplainedEffect& e) { return e.noise; }))
@@ -146,27 +144,62 @@ nlohmann::ordered_json as_json(const ExplainedEffect& e, const Variant& own) {
     return row;
 }
 
-void print_json(const Explanation& x, const ExplainOptions& o, const Device& device) {
+void print_as_json(const Explanation& x, const ExplainOptions& o, const Device& device) {
     nlohmann::ordered_json effects = nlohmann::ordered_json::array();
     for (const ExplainedEffect& e : x.effects) effects.push_back(as_json(e, x.own));
     const nlohmann::ordered_json report = {
         {"scene", o.scene},          {"device", device.info().name},  {"width", o.config.width},
         {"height", o.config.height}, {"effect_overrides", o.effects}, {"own", as_json(x.own)},
         {"full", as_json(x.full)},   {"full_ratio", x.full_ratio},    {"effects", effects}};
-    std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    print_json(report);
+}
+
+struct Bar {
+    std::string label;
+    double value = 0;
+    bool strong = true;  ///< an effect that the scene uses; others are drawn in a pale colour
+    bool noise = false;  ///< the value does not differ measurably from 0: no bar is drawn
+};
+
+std::string bar_chart(const std::string& title, const std::string& subtitle, const std::vector<Bar>& bars) {
+    constexpr double width = 760, label_width = 170, value_width = 80, top = 92, pitch = 26, thickness = 16;
+    constexpr const char *strong_color = "#2a6f97", *weak_color = "#b8c4cc", *ink = "#222", *pale_ink = "#666";
+    using svg::rectangle, svg::text;
+    double lowest = 0, highest = 0;
+    for (const Bar& bar : bars)
+        if (!bar.noise) lowest = std::min(lowest, bar.value), highest = std::max(highest, bar.value);
+    const double height = top + pitch * double(bars.size()) + 14;
+    // Room for the numbers: right of positive bars, left of negative ones.
+    const double left = label_width + (lowest < 0 ? value_width : 12), right = width - value_width;
+    const double scale = highest > lowest ? (right - left) / (highest - lowest) : 0, zero = left - lowest * scale;
+    std::string svg = svg::begin(width, height);
+    svg += text(16, 28, "start", 18, ink, title) + text(16, 48, "start", 12, pale_ink, subtitle);
+    svg += rectangle(16, 62, 12, 12, strong_color) + text(34, 72, "start", 12, ink, "called for: cost in this scene");
+    svg += rectangle(256, 62, 12, 12, weak_color) + text(274, 72, "start", 12, ink, "left out: cost if it were used");
+    double y = top;
+    for (const Bar& bar : bars) {
+        const double value = bar.noise ? 0 : bar.value, length = std::abs(value) * scale, end = zero + value * scale;
+        const double baseline = y + 0.5 * thickness + 4;
+        svg += text(label_width, baseline, "end", 12, ink, bar.label);
+        svg +=
+            rectangle(std::min(zero, end), y, std::max(length, 1.0), thickness, bar.strong ? strong_color : weak_color);
+        svg += text(value < 0 ? end - 5 : end + 5, baseline, value < 0 ? "end" : "start", 12, pale_ink,
+                    bar.noise ? "noise" : fixed(value, 3));
+        y += pitch;
+    }
+    svg += rectangle(zero, top - 4, 1, pitch * double(bars.size()), ink);
+    return svg + "</svg>\n";
 }
 
 void write_svg(const Explanation& x, const ExplainOptions& o, const Device& device) {
-    BarChart chart;
-    chart.title = "Cost of the effects of " + o.scene;
-    chart.subtitle = "milliseconds per frame of " + fixed(x.own.milliseconds, 2) + " ms (" +
-                     std::to_string(o.config.width) + "x" + std::to_string(o.config.height) +
-                     ", one sample per pixel) on " + device.info().name;
-    chart.strong = "called for: cost in this scene", chart.weak = "left out: cost if it were used";
+    const std::string subtitle = "milliseconds per frame of " + fixed(x.own.milliseconds, 2) + " ms (" +
+                                 std::to_string(o.config.width) + "x" + std::to_string(o.config.height) +
+                                 ", one sample per pixel) on " + device.info().name;
+    std::vector<Bar> bars;
     for (const ExplainedEffect& e : x.effects)
-        if (!e.fixed) chart.bars.push_back({name_of(e.effect), cost(e, x.own), e.called_for, e.noise});
-    chart.bars.push_back({"everything", x.own.milliseconds * (x.full_ratio - 1), false, x.full_noise});
-    write_file(o.svg, svg_of(chart));
+        if (!e.fixed) bars.push_back({name_of(e.effect), cost(e, x.own), e.called_for, e.noise});
+    bars.push_back({"everything", x.own.milliseconds * (x.full_ratio - 1), false, x.full_noise});
+    write_file(o.svg, bar_chart("Cost of the effects of " + o.scene, subtitle, bars));
 }
 
 void explain(const ExplainOptions& options) {
@@ -184,7 +217,7 @@ void explain(const ExplainOptions& options) {
     const Explanation explanation = measure::explain(device, scene, config, measure, [&](const std::string& what) {
         if (!options.quiet) std::fprintf(stderr, "measuring %s\n", what.c_str());
     });
-    options.json ? print_json(explanation, options, device) : print_text(explanation, options);
+    options.json ? print_as_json(explanation, options, device) : print_text(explanation, options);
     if (!options.svg.empty()) write_svg(explanation, options, device);
 }
 
@@ -201,9 +234,7 @@ void add_explain_command(CLI::App& app, Action& action) {
         "  claray explain cornell --only mirror,glass --json");
     auto o = std::make_shared<ExplainOptions>();
     command->add_option("scene", o->scene, "A scene file, or a built-in scene (see claray scenes)")->required();
-    command->add_option_function<std::string>(
-        "--size", [o](const std::string& text) { std::tie(o->config.width, o->config.height) = parse_size(text); },
-        "WIDTHxHEIGHT in pixels [128x128]");
+    add_size_option(*command, o->config.width, o->config.height, "WIDTHxHEIGHT in pixels [128x128]");
     add_view_options(*command, o->view);
     command->add_option("--max-depth", o->config.max_depth, "Surfaces per path, at most [128]")
         ->transform(whole_number(1, 1024));

@@ -12,7 +12,7 @@
 namespace claray::cli {
 namespace {
 
-/// Builders leave out what is not finite or huge, and no ray hits what has no area.
+/// Builders leave out triangles that are huge or not finite, and no ray hits a triangle without area.
 bool can_be_seen(const Mesh& mesh, const glm::uvec3& triangle) {
     constexpr float huge = 1e18f;
     glm::dvec3 corners[3];
@@ -22,6 +22,19 @@ bool can_be_seen(const Mesh& mesh, const glm::uvec3& triangle) {
         corners[k] = p;
     }
     return glm::cross(corners[1] - corners[0], corners[2] - corners[0]) != glm::dvec3(0.);
+}
+
+void refuse_unseen(const std::string& name, const Scene& scene) {
+    const bool any = std::any_of(scene.meshes.begin(), scene.meshes.end(), [](const Mesh& mesh) {
+        return std::any_of(mesh.triangles.begin(), mesh.triangles.end(),
+                           [&](const glm::uvec3& triangle) { return can_be_seen(mesh, triangle); });
+    });
+    const std::size_t triangles = triangle_count(scene);
+    if (any || triangles == 0) return;
+    throw Error(ErrorKind::user,
+                "'" + name + "' has no visible triangle: all " + std::to_string(triangles) +
+                    " are without area, not finite or beyond 1e18",
+                "export the mesh again");
 }
 
 /// The light that a dark scene got, as the command line would give it.
@@ -44,7 +57,7 @@ void print_warnings(const Warnings& warnings) {
 
 void add_load_options(CLI::App& command, LoadOptions& o) {
     command.add_option("--at", o.time, "Time in the animation of a glTF, in seconds [rest pose]")
-        ->check(number_above("0 or more", 0, true))
+        ->check(number_from_0())
         ->type_name("SECONDS");
     command.add_option("--animation", o.animation, "Animation by name or index; all: all at once [the first]");
     command.add_option("--variant", o.variant, "Material variant of a glTF, by name or index [the default materials]");
@@ -53,21 +66,21 @@ void add_load_options(CLI::App& command, LoadOptions& o) {
         .add_option(
             "--stroke-radius", o.stroke_radius,
             "Radius of the spheres and tubes for points and lines of a glTF; 0: leave them out [by the scene's size]")
-        ->check(number_above("0 or more", 0, true))
+        ->check(number_from_0())
         ->type_name("R");
 }
 
-void refuse_unseen(const std::string& name, const Scene& scene) {
-    const bool any = std::any_of(scene.meshes.begin(), scene.meshes.end(), [](const Mesh& mesh) {
-        return std::any_of(mesh.triangles.begin(), mesh.triangles.end(),
-                           [&](const glm::uvec3& triangle) { return can_be_seen(mesh, triangle); });
-    });
-    const std::size_t triangles = triangle_count(scene);
-    if (any || triangles == 0) return;
-    throw Error(ErrorKind::user,
-                "'" + name + "' has no visible triangle: all " + std::to_string(triangles) +
-                    " are without area, not finite or beyond 1e18",
-                "export the mesh again");
+void add_surface_options(CLI::App& command, SurfaceOptions& o) {
+    command
+        .add_option("--cull", o.culling,
+                    "Sides of surfaces to leave out: back, none, or file (as in the materials) [file]")
+        ->transform(choice_of<Culling>({{"file", Culling::by_file}, {"back", Culling::back}, {"none", Culling::none}}))
+        ->type_name("NAME");
+    command
+        .add_option("--front", o.clockwise_front,
+                    "Order of the vertices of a front: ccw (counter-clockwise) or cw [ccw]")
+        ->transform(choice_of({{"ccw", 0}, {"cw", 1}}))
+        ->type_name("NAME");
 }
 
 Scene load(const std::string& name, const LoadOptions& options, const LightOptions& lights,
@@ -75,7 +88,8 @@ Scene load(const std::string& name, const LoadOptions& options, const LightOptio
            std::optional<LightOptions>* default_light) {
     Warnings warnings;
     auto [scene, is_file] = load_without_light(name, warnings, options);
-    apply(surfaces, scene);
+    if (surfaces.clockwise_front) flip_fronts(scene);
+    set_culling(scene, Culling(surfaces.culling));
     print_warnings(warnings);
     refuse_unseen(name, scene);
     const bool chosen = add_lights(scene, lights);

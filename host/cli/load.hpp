@@ -1,4 +1,4 @@
-// Scenes as commands load them: warnings are printed, and what would show nothing is refused.
+// Loads scenes for commands: prints warnings, refuses scenes without visible triangles.
 #pragma once
 
 #include <functional>
@@ -6,24 +6,27 @@
 
 #include "claray/io.hpp"
 #include "host/cli/options/light_options.hpp"
-#include "host/cli/options/surface_options.hpp"
 
 namespace claray::cli {
 
-/// To stderr, each line once, however many frames it is true of.
+/// Prints each line to stderr once, even if several frames cause it.
 void print_warnings(const Warnings& warnings);
 
-/// Throws ErrorKind::user where a scene has triangles and none of them can be seen: all have no area or are not finite.
-void refuse_unseen(const std::string& name, const Scene& scene);
+/// --cull and --front: which sides of a file's surfaces exist, and which of them is the front.
+struct SurfaceOptions {
+    int culling = int(Culling::by_file);
+    bool clockwise_front = false;
+};
+void add_surface_options(CLI::App& command, SurfaceOptions& options);
 
 using ChooseCamera = std::function<Camera(const Scene&)>;
 
-/// Options that choose among what a file holds: all but the camera.
+/// Options that select parts of a file: all but the camera.
 void add_load_options(CLI::App& command, LoadOptions& options);
 
-/// Loads a scene, with lights and sides of surfaces of the command line. Without any, a file that would be dark is lit
-/// as by `load_scene`. `choose` sets its camera; without that it stays as it is. `default_light`: what all frames of an
-/// animation are lit by where the file is dark; the first one fills it in.
+/// Loads a scene, with lights and sides of surfaces of the command line. Without any light, a file that would be dark
+/// is lit as by `load_scene`. `choose` replaces the camera. `default_light` is the light of all frames of an animation
+/// whose file is dark; the first frame sets it. Throws ErrorKind::user if the scene has triangles but none can be seen.
 [[nodiscard]] Scene load(const std::string& name, const LoadOptions& options, const LightOptions& lights,
                          const SurfaceOptions& surfaces, const ChooseCamera& choose = {}, float aspect = 1.f,
                          std::optional<LightOptions>* default_light = nullptr);

@@ -3,6 +3,7 @@
 #include <pthread.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -12,23 +13,68 @@
 #include "claray/program.hpp"
 #include "host/base/message.hpp"
 #include "host/cli/commands.hpp"
-#include "host/cli/options/usage_error.hpp"
 #include "host/cli/output/messages.hpp"
 
+namespace claray::cli {
 namespace {
+
+/// About the first word that no option and no argument accepts.
+std::string unexpected(const CLI::App& command) {
+    const std::vector<std::string> words = command.remaining();
+    const std::string word = words.empty() ? "?" : words.front();
+    return word.starts_with('-') ? "unknown option '" + word + "'" : "'" + word + "' is an unexpected argument";
+}
+
+/// "--output: 1 required TEXT missing" -> "--output"
+std::string option_of(const CLI::ParseError& error) {
+    const std::string text = error.what();
+    return text.substr(0, std::min(text.find(": "), text.find(' ')));
+}
+
+std::string what_is_wrong(const CLI::App& command, const CLI::ParseError& error) {
+    // A misspelt option may be the reason for a missing one.
+    const bool missing = dynamic_cast<const CLI::RequiredError*>(&error) != nullptr;
+    if (dynamic_cast<const CLI::ExtrasError*>(&error) || (missing && !command.remaining().empty()))
+        return unexpected(command);
+    if (dynamic_cast<const CLI::ArgumentMismatch*>(&error))
+        return option_of(error) + (std::string(error.what()).find("At Most") != std::string::npos
+                                       ? " is given more than once"
+                                       : " needs a value");
+    if (dynamic_cast<const CLI::ConversionError*>(&error) && option_of(error).starts_with('-'))
+        return option_of(error) + " does not accept this value";
+    return error.what();
+}
+
+/// One line: what is wrong, where, and what to do. `app` threw `error` when it parsed these arguments.
+std::string usage_error(const CLI::App& app, int argc, char** argv, const CLI::ParseError& error) {
+    const std::vector<CLI::App*> commands = app.get_subcommands();
+    const bool any = !commands.empty();
+    if (!any && argc > 1 && argv[1][0] != '-')
+        return "unknown command '" + std::string(argv[1]) + "'; see claray --help";
+    return what_is_wrong(any ? *commands.front() : app, error) + "; see claray " +
+           (any ? commands.front()->get_name() + " " : std::string()) + "--help";
+}
+
+/// An unset variable in a script gives an option an empty value.
+void refuse_empty_values(const CLI::App& app) {
+    for (const CLI::App* command : app.get_subcommands())
+        for (const CLI::Option* option : command->get_options())
+            for (const std::string& value : option->results())
+                if (value.empty() && option->get_expected_max() > 0)
+                    throw Error(ErrorKind::usage, option->get_name() + " has an empty value",
+                                "give a value, or leave the option out");
+}
 
 void flush_output() {
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
-        throw claray::Error(claray::ErrorKind::user,
-                            std::string("cannot write to standard output: ") + std::strerror(errno));
+        throw Error(ErrorKind::user, std::string("cannot write to standard output: ") + std::strerror(errno));
 }
 
-/// Only what had to be compiled is missed: a cache that holds everything may be read-only.
+/// A cache that holds all kernels may be read-only: nothing had to be written.
 void warn_of_lost_kernels() {
-    const std::string error = claray::compile_statistics().cache_error;
+    const std::string error = compile_statistics().cache_error;
     if (error.empty()) return;
-    claray::cli::print_warning("compiled kernels cannot be cached: " + error +
-                               "; set CLARAY_CACHE_DIR to a writable folder");
+    print_warning("compiled kernels cannot be cached: " + error + "; set CLARAY_CACHE_DIR to a writable folder");
 }
 
 int run_program(int argc, char** argv) {
@@ -41,27 +87,19 @@ int run_program(int argc, char** argv) {
         "'claray COMMAND --help' describes a command. $CLARAY_DEVICE is the default of --device.");
     app.set_version_flag("--version", "claray " CLARAY_VERSION);
     app.require_subcommand(0, 1);  // without one see below: CLI11 would not name an unknown command
-    claray::cli::Action action;
-    claray::cli::add_devices_command(app, action);
-    claray::cli::add_scenes_command(app, action);
-    claray::cli::add_render_command(app, action);
-    claray::cli::add_explain_command(app, action);
-    claray::cli::add_compile_command(app, action);
-    claray::cli::add_bake_command(app, action);
-    claray::cli::add_build_command(app, action);
-    claray::cli::add_bench_command(app, action);
-    claray::cli::add_tune_command(app, action);
-    claray::cli::add_verify_command(app, action);
-    claray::cli::add_accuracy_command(app, action);
+    Action action;
+    for (AddCommand* const add : {add_devices_command, add_scenes_command, add_render_command, add_explain_command,
+                                  add_compile_command, add_bake_command, add_build_command, add_bench_command,
+                                  add_tune_command, add_verify_command, add_accuracy_command})
+        add(app, action);
     try {
         app.parse(argc, argv);
-        claray::cli::refuse_empty_values(app);
+        refuse_empty_values(app);
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-        return claray::cli::print_error(claray::ErrorKind::usage,
-                                        claray::one_line(claray::cli::usage_error(app, argc, argv, error)));
+        return print_error(ErrorKind::usage, one_line(usage_error(app, argc, argv, error)));
     }
-    if (!action) return claray::cli::print_error(claray::ErrorKind::usage, "the command is missing; see claray --help");
+    if (!action) return print_error(ErrorKind::usage, "the command is missing; see claray --help");
     action();
     flush_output();
     warn_of_lost_kernels();
@@ -71,17 +109,17 @@ int run_program(int argc, char** argv) {
 int run_and_report(int argc, char** argv) {
     try {
         return run_program(argc, argv);
-    } catch (const claray::Error& error) {
-        return claray::cli::print_error(error.kind(), error.what());
+    } catch (const Error& error) {
+        return print_error(error.kind(), error.what());
     } catch (const std::bad_alloc&) {
-        return claray::cli::print_error(claray::ErrorKind::user, "out of memory; use a smaller scene or image");
+        return print_error(ErrorKind::user, "out of memory; use a smaller scene or image");
     } catch (const std::exception& error) {
-        return claray::cli::print_error(claray::ErrorKind::device, error.what());
+        return print_error(ErrorKind::device, error.what());
     }
 }
 
-/// Compilers of drivers go deep, and `ulimit -s` bounds the stack of the first thread only: on less than the usual 8
-/// MiB the program runs in a second one that has them.
+/// Compilers in drivers recurse deeply, and `ulimit -s` bounds the stack of the first thread only: if that is less than
+/// the usual 8 MiB, the program runs in a second thread with 8 MiB.
 int run_with_enough_stack(int argc, char** argv) {
     constexpr std::size_t enough = std::size_t(8) << 20;
     struct rlimit limit = {};
@@ -107,5 +145,6 @@ int run_with_enough_stack(int argc, char** argv) {
 }
 
 }  // namespace
+}  // namespace claray::cli
 
-int main(int argc, char** argv) { return run_with_enough_stack(argc, argv); }
+int main(int argc, char** argv) { return claray::cli::run_with_enough_stack(argc, argv); }

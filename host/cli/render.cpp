@@ -1,14 +1,12 @@
-// claray render: a scene goes in, an image comes out.
+// claray render: renders a scene to an image.
 #include <cstdio>
 #include <memory>
 #include <optional>
-#include <tuple>
 
 #include "claray/io.hpp"
 #include "claray/renderer.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/load.hpp"
-#include "host/cli/open_device.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/options/render_options.hpp"
 #include "host/cli/options/render_targets.hpp"
@@ -25,7 +23,7 @@ Scene load_for(const RenderOptions& options, FirstFrame* first = nullptr) {
     return scene;
 }
 
-/// Empty where the system does not tell.
+/// Empty if the system does not provide the path.
 std::string this_program() {
     std::error_code unknown;
     return std::filesystem::read_symlink("/proc/self/exe", unknown).string();
@@ -37,7 +35,7 @@ void warn_of_culled(const RenderProgress& progress) {
                       std::to_string(progress.culled));
 }
 
-/// Renders until a target is met or a signal comes.
+/// Renders until a target is reached or a signal arrives.
 Outcome run_renderer(const Device& device, Renderer& renderer, const RenderOptions& options, TargetPlan* plan) {
     ProgressDisplay display(options.config, progress_style(options.quiet));
     std::optional<InterruptGuard> guard;
@@ -61,7 +59,7 @@ void refuse_lost_checkpoint(const Renderer& renderer) {
     if (!error.empty()) throw Error(ErrorKind::user, "the last checkpoint could not be written: " + error);
 }
 
-/// Scripts give one set of options for images of all kinds.
+/// A warning, not an error: scripts use the same options for all kinds of images.
 void warn_of_picture_options(const RenderOptions& options) {
     const bool shaped = options.exposure != 0 || options.tone_map != RenderOptions{}.tone_map;
     if (shaped && !options.output.empty() && options.output.extension() != ".png")
@@ -69,7 +67,7 @@ void warn_of_picture_options(const RenderOptions& options) {
                       "' stores the radiance unchanged");
 }
 
-/// False: it was interrupted.
+/// Returns false if it was interrupted.
 bool render_picture(const Device& device, const Scene& scene, const RenderOptions& options, Writes& writes) {
     RenderConfig config = options.config;
     if (!options.wait_for_kernels) config.compiler = this_program();
@@ -138,9 +136,7 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
     command.add_option("scene", o.scene, "A scene file (.obj, .gltf, .glb), or a built-in scene (see claray scenes)")
         ->required();
     command.add_option("-o,--output", o.output, "Output image: .png, .hdr or .pfm; with --fps the last frame");
-    command.add_option_function<std::string>(
-        "--size", [&o](const std::string& text) { std::tie(o.config.width, o.config.height) = parse_size(text); },
-        "WIDTHxHEIGHT in pixels [512x512]");
+    add_size_option(command, o.config.width, o.config.height, "WIDTHxHEIGHT in pixels [512x512]");
     command.add_option("--light-map", o.light_maps,
                        "MESH=FILE: light map of a mesh, from claray bake; may be repeated");
     command.add_option("--exposure", o.exposure, "Brighten a PNG by this many stops [0]")->check(finite_number());
@@ -161,7 +157,7 @@ void add_quality_options(CLI::App& command, RenderOptions& o) {
     command.add_option("--spp", o.config.spp, "Samples per pixel [64]; with --time the upper limit")
         ->transform(whole_number(1, 1 << 24));
     command.add_option("--noise", o.config.noise, "Stop at this relative standard error, for example 0.01")
-        ->check(number_above("more than 0", 0, false));
+        ->check(positive_number());
     command.add_option("--max-depth", o.config.max_depth, "Surfaces per path, at most; 1 is direct light only [128]")
         ->transform(whole_number(1, 1024));
     command.add_option("--seed", o.config.seed, "Seed of the random numbers; changes the noise [0]")
@@ -215,7 +211,7 @@ void add_render_command(CLI::App& app, Action& action) {
         "  claray render bunny.obj -o bunny.hdr --size 1920x1080 --time 60s --stats\n"
         "  claray render terrain:1000000 -o terrain.png --aov depth,heat --trace trace.json\n"
         "  claray render walk.glb -o walk.png --frames 0..47 --frame-rate 24 --animation Walk");
-    command->option_defaults()->take_last();  // so that scripts can override what they were given
+    command->option_defaults()->take_last();  // so that scripts can override options
     auto options = std::make_shared<RenderOptions>();
     add_image_options(*command, *options);
     add_view_options(*command, options->view);

@@ -10,7 +10,7 @@
 namespace claray::cli {
 namespace {
 
-/// What they show, in the order of their names.
+/// In the order of builtin_scene_names().
 constexpr const char* descriptions[] = {
     "the Cornell box: two blocks under a lamp",
     "spheres with every material on a chequered floor",
@@ -26,11 +26,7 @@ constexpr const char* descriptions[] = {
 
 void list_scenes(bool json) {
     const std::span<const char* const> names = builtin_scene_names();
-    if (json) {
-        std::printf("%s\n",
-                    nlohmann::ordered_json(std::vector<std::string>(names.begin(), names.end())).dump(2).c_str());
-        return;
-    }
+    if (json) return print_json(std::vector<std::string>(names.begin(), names.end()));
     std::vector<Row> rows;
     for (std::size_t i = 0; i < names.size(); ++i)
         rows.push_back({names[i], i < std::size(descriptions) ? descriptions[i] : ""});

@@ -1,4 +1,4 @@
-// claray tune: which values of the tuning table are faster on this device.
+// claray tune: finds faster values of the tuning table for this device.
 #include "host/measure/tune.hpp"
 
 #include <cstdio>
@@ -8,7 +8,6 @@
 #include "claray/target.hpp"
 #include "host/base/file.hpp"
 #include "host/cli/commands.hpp"
-#include "host/cli/open_device.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/options/render_options.hpp"
 #include "host/cli/output/table.hpp"
@@ -62,7 +61,7 @@ void refuse_no_match(const std::string& only, const std::vector<measure::TuningC
         throw Error(ErrorKind::usage, "--only: no parameter contains '" + only + "'", "choose part of " + kernels);
 }
 
-/// What the planner of `claray render --error`, `--time` and `--fps` goes by.
+/// The rows that the planner of `claray render --error`, `--time` and `--fps` uses.
 std::vector<measure::TunedRow> measured_model(const Device& device, const std::string& only) {
     if (std::string("plan/model").find(only) == std::string::npos) return {};
     const DeviceModel model = measure_model(device);
@@ -120,9 +119,7 @@ void add_tune_command(CLI::App& app, Action& action) {
     TuneOptions& o = *options;
     o.tune.scenes = {"soup:30000", "terrain:100000"};
     command->add_option("--scene,scenes", o.tune.scenes, "Scenes to measure with [soup:30000 terrain:100000]");
-    command->add_option_function<std::string>(
-        "--size", [&o](const std::string& text) { std::tie(o.tune.width, o.tune.height) = parse_size(text); },
-        "WIDTHxHEIGHT of each of the three views [192x108]");
+    add_size_option(*command, o.tune.width, o.tune.height, "WIDTHxHEIGHT of each of the three views [192x108]");
     command->add_option("--repeat", o.tune.repeat, "Rounds to measure [9]")->transform(whole_number(3, 1000));
     command->add_option("--only", o.tune.only, "Only parameters whose 'kernel PARAMETER' contains this text");
     command->add_option("--device", o.device, "cpu, gpu, an index or part of a name (see claray devices)");

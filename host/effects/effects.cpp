@@ -91,6 +91,14 @@ Effect effect_named(const std::string& name) {
     throw Error(ErrorKind::usage, "there is no effect '" + name + "'", "there are: " + to_string(full_effects()));
 }
 
+/// Splits at commas.
+std::vector<std::string> items_of(const std::string& text) {
+    std::vector<std::string> items;
+    for (std::size_t begin = 0; begin <= text.size(); begin += items.back().size() + 1)
+        items.push_back(text.substr(begin, text.find(',', begin) - begin));
+    return items;
+}
+
 }  // namespace
 
 const char* name_of(Effect effect) {
@@ -125,22 +133,15 @@ std::string to_string(EffectSet effects) {
 EffectSet parse_effects(const std::string& text) {
     EffectSet effects;
     if (text == "nothing") return effects;
-    for (std::size_t begin = 0; begin <= text.size();) {
-        const std::size_t end = std::min(text.find(',', begin), text.size());
-        const std::size_t first = std::min(text.find_first_not_of(' ', begin), end);
-        effects.add(effect_named(text.substr(first, end - first)));
-        begin = end + 1;
-    }
+    for (const std::string& item : items_of(text))
+        effects.add(effect_named(item.substr(std::min(item.find_first_not_of(' '), item.size()))));
     return effects;
 }
 
 EffectOverrides parse_effect_overrides(const std::string& text) {
     EffectOverrides overrides;
-    for (std::size_t begin = 0; begin <= text.size();) {
-        const std::size_t end = std::min(text.find(',', begin), text.size());
-        const std::string item = text.substr(begin, end - begin);
-        begin = end + 1;
-        if (item.empty() || (item[0] != '+' && item[0] != '-'))
+    for (const std::string& item : items_of(text)) {
+        if (!item.starts_with('+') && !item.starts_with('-'))
             throw Error(ErrorKind::usage, "effect '" + item + "' begins with neither + nor -",
                         "write +NAME or -NAME, separated by commas: +metal,-sky");
         (item[0] == '+' ? overrides.add : overrides.remove).add(effect_named(item.substr(1)));

@@ -18,29 +18,28 @@ enum class Stage : unsigned {
     aovs = 8       // render/write_aovs.cl
 };
 
-/// The macros of a stage, all of them, 0 where the effect is not in the set.
+/// All macros of a stage; 0 if the effect is not in the set.
 [[nodiscard]] Defines defines_of(EffectSet effects, Stage stage);
-/// Of a material of that kind, whatever else it calls for.
+/// The effect of a material's kind, without its other effects.
 [[nodiscard]] Effect effect_of(MaterialKind kind);
-/// Whether the effect is code in that stage's kernels.
+/// Whether that stage's kernels contain code for the effect.
 [[nodiscard]] bool concerns(Effect effect, Stage stage);
 
-/// Effects that shadow rays are traced for.
+/// Effects that need shadow rays.
 inline constexpr EffectSet sampled_lights = {
 #define CLARAY_ROW(name, NAME, text, far, cone) Effect::name##_lights,
     CLARAY_LIGHT_KINDS(CLARAY_ROW)
 #undef CLARAY_ROW
         Effect::emissive_triangles,
     Effect::environment};
-/// Effects by which a path gathers radiance where it ends.
+/// Effects that give radiance to the end of a path.
 inline constexpr EffectSet emitters = {
 #define CLARAY_ROW(name, NAME, text, far, cone) Effect::name##_lights,
     CLARAY_SEEN_LIGHTS(CLARAY_ROW)
 #undef CLARAY_ROW
         Effect::emissive_triangles,
     Effect::sky, Effect::environment, Effect::light_maps, Effect::unlit};
-/// Effects that change how noisy an image is but not what it converges to. No scene can be stripped of them: to take
-/// one away leaves its code out of the kernels.
+/// Effects that change the noise of an image but not its limit. Removing one changes kernels only, not the scene.
 inline constexpr EffectSet aids = {Effect::many_lights, Effect::hot_spots};
 
 }  // namespace claray

@@ -1,4 +1,4 @@
-// What a scene calls for, and scenes that are stripped of it.
+// Which effects a scene uses, and scenes without some of them.
 #include <algorithm>
 #include <map>
 
@@ -30,12 +30,12 @@ Effect effect_of(LightKind kind) {
     return Effect::point_lights;
 }
 
-/// "the material 'gold'", or by its number where it has no name.
+/// "the material 'gold'", or the number of a thing without a name.
 std::string described(const char* kind, const std::string& name, std::size_t index) {
     return std::string("the ") + kind + " " + (name.empty() ? std::to_string(index) : "'" + name + "'");
 }
 
-/// Calls `call(effect, kind of thing, its name, its index)` for everything that calls for an effect.
+/// Calls `call(effect, kind of object, its name, its index)` for everything that needs an effect.
 template <class Call>
 class Visitor {
 public:
@@ -97,7 +97,7 @@ private:
         call(Effect::specular, has_specular_layer(m));
         call(Effect::iridescence, has_film(m));
         call(Effect::anisotropy, is_anisotropic(m));
-        call(Effect::textures, is_anisotropic(m));  // coordinates of textures say along what
+        call(Effect::textures, is_anisotropic(m));  // its direction follows texture coordinates
         call(Effect::sheen, has_sheen(m));
         call(Effect::absorption, absorbs_inside(m));
         call(Effect::culling, m.cull_back);

@@ -1,4 +1,4 @@
-// The simplest scene that calls for a set of effects.
+// The simplest scene that needs a set of effects.
 #include <algorithm>
 
 #include "claray/effects.hpp"
@@ -27,18 +27,14 @@ Texture grey_texture(Filter filter) {
     return texture;
 }
 
-TextureUse use_of_texture() {
-    TextureUse use;
-    use.texture = 0;
-    return use;
-}
+const TextureUse grey = {.texture = 0};
 
 void add_layers(Material& m, EffectSet effects) {
     if (effects.has(Effect::specular)) m.specular_weight = 0.5f;
     if (effects.has(Effect::sheen)) m.sheen = glm::vec3(0.5f);
     if (effects.has(Effect::anisotropy)) m.anisotropy = 0.5f;
     if (effects.has(Effect::iridescence)) m.iridescence = 0.5f;
-    if (effects.has(Effect::layered_coat)) m.clearcoat = 0.5f, m.normal_map = use_of_texture();
+    if (effects.has(Effect::layered_coat)) m.clearcoat = 0.5f, m.normal_map = grey;
 }
 
 std::vector<Material> materials_for(EffectSet effects) {
@@ -57,7 +53,7 @@ std::vector<Material> materials_for(EffectSet effects) {
     add({Effect::thin_walls}, MaterialKind::glass);
     if (effects.has(Effect::thin_walls)) materials.back().thin_walled = true;
     for (const MaterialKindRow& row : material_kinds) {
-        // Lambert is there already; other effects, too, call for glass and for what is principled.
+        // Lambert exists already; glass and principled are also needed by other effects and are added above and below.
         const auto others = {MaterialKind::lambert, MaterialKind::glass, MaterialKind::principled};
         if (std::find(others.begin(), others.end(), row.kind) == others.end()) add({effect_of(row.kind)}, row.kind);
     }
@@ -68,39 +64,36 @@ std::vector<Material> materials_for(EffectSet effects) {
     add(layers, MaterialKind::principled);
     if (!(effects & layers).empty()) add_layers(materials.back(), effects);
     add({Effect::principled, Effect::transmission, Effect::clearcoat}, MaterialKind::principled);
-    Material& last = materials.back();  // the principled one where there is one
+    Material& last = materials.back();  // the principled one if there is one
     if (transmits) last.transmission = 0.5f;
     if (effects.has(Effect::clearcoat)) last.clearcoat = 0.5f;
     if (effects.has(Effect::absorption)) last.attenuation = glm::vec3(0.5f), last.attenuation_distance = 1.f;
     if (effects.has(Effect::culling)) last.cull_back = true;
     if (effects.has(Effect::cut_outs)) last.alpha_mode = AlphaMode::blend, last.opacity = 0.5f;
     if (effects.has(Effect::emissive_triangles)) last.emission = glm::vec3(1.f);
-    if (effects.has(Effect::textures) || effects.has(Effect::mip_maps)) last.albedo_map = use_of_texture();
-    if (effects.has(Effect::normal_maps)) last.normal_map = use_of_texture();
-    if (effects.has(Effect::height_maps)) last.height_map = use_of_texture();
-    if (effects.has(Effect::light_maps)) last.light_map = use_of_texture();
+    if (effects.has(Effect::textures) || effects.has(Effect::mip_maps)) last.albedo_map = grey;
+    if (effects.has(Effect::normal_maps)) last.normal_map = grey;
+    if (effects.has(Effect::height_maps)) last.height_map = grey;
+    if (effects.has(Effect::light_maps)) last.light_map = grey;
     if (effects.has(Effect::emission_maps)) {  // on a lamp of its own: those with holes are not sampled
         materials.emplace_back();
-        materials.back().emission = glm::vec3(1.f), materials.back().emission_map = use_of_texture();
+        materials.back().emission = glm::vec3(1.f), materials.back().emission_map = grey;
     }
     return materials;
 }
 
 void add_light(Scene& scene, LightKind kind) {
-    Light light;
-    light.kind = kind;
-    light.position = {0.f, 2.f, 0.f};
-    scene.lights.push_back(light);
+    scene.lights.push_back({.name = {}, .kind = kind, .position = {0.f, 2.f, 0.f}});
 }
 
-/// As many triangles of the last material, or else as many near lights, as make a tree worth while.
+/// Adds triangles of the last material, or else near lights, until a light tree is used.
 void multiply_lights(Scene& scene, bool emissive) {
     Mesh& mesh = scene.meshes.back();
-    while (emissive && mesh.triangles.size() < lights_for_a_tree) {
-        mesh.triangles.push_back(mesh.triangles[0]);
-        mesh.materials.push_back(mesh.materials[0]);
+    if (emissive) {
+        mesh.triangles.resize(lights_for_a_tree, mesh.triangles[0]);
+        mesh.materials.resize(lights_for_a_tree, mesh.materials[0]);
+        return;
     }
-    if (emissive) return;
     Light light;
     for (const Light& other : scene.lights)
         if (!traits_of(other.kind)->far) light = other;
@@ -145,12 +138,11 @@ Scene scene_calling_for(EffectSet effects) {
     scene.camera = camera;
     if (!(effects & EffectSet{Effect::instances, Effect::instance_motion}).empty())
         for (std::uint32_t i = 0; i < scene.meshes.size(); ++i) {
-            MeshInstance instance;
-            instance.mesh = i;
-            scene.instances.push_back(instance);
-            instance.transform[3].x = 3.f;  // twice, or it would be baked into the world
-            if (effects.has(Effect::instance_motion)) instance.transform_end = glm::mat4(1.f);
-            scene.instances.push_back(instance);
+            // Twice, or it would be baked into the world.
+            scene.instances.push_back({.mesh = i});
+            MeshInstance& second = scene.instances.emplace_back(MeshInstance{.mesh = i});
+            second.transform[3].x = 3.f;
+            if (effects.has(Effect::instance_motion)) second.transform_end = glm::mat4(1.f);
         }
     return scene;
 }

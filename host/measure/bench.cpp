@@ -4,7 +4,6 @@
 #include <limits>
 #include <sstream>
 
-#include "host/measure/device_rays.hpp"
 #include "host/measure/names.hpp"
 #include "host/measure/rays.hpp"
 
@@ -50,7 +49,7 @@ SceneResult run_bench(const Device& device, const std::string& scene, const Benc
         bvhs.push_back(Bvh::build(device, meshes, {.builder = preset, .layout = options.layout}));
     check_same_hits(scene, kinds, bvhs);
 
-    // Refitting a tree over positions that did not change leaves it as it was.
+    // Positions do not change, so that refitting does not change the tree.
     std::vector<std::function<void()>> tasks;
     for (Bvh& bvh : bvhs) {
         tasks.emplace_back([&bvh] { bvh.rebuild(); });
@@ -80,7 +79,7 @@ double build_and_trace(const PresetResult& preset, std::size_t kind, double rays
     return preset.build.span() + (of.rays > 0 ? rays * of.timing.milliseconds() / double(of.rays) : 0);
 }
 
-// Times are straight lines over the number of rays: from one winner on, the next is the line that crosses it first.
+// Times are linear in the number of rays: the next winner is the line that first crosses the current one.
 std::vector<Winner> quickest_presets(const SceneResult& scene, std::size_t kind) {
     const auto build = [&](std::size_t i) { return build_and_trace(scene.presets[i], kind, 0); };
     const auto slope = [&](std::size_t i) { return build_and_trace(scene.presets[i], kind, 1) - build(i); };
@@ -88,7 +87,7 @@ std::vector<Winner> quickest_presets(const SceneResult& scene, std::size_t kind)
     if (scene.presets.empty()) return winners;
     std::size_t now = 0;
     for (std::size_t i = 1; i < scene.presets.size(); ++i)
-        if (build(i) < build(now) || (build(i) == build(now) && slope(i) < slope(now))) now = i;
+        if (std::pair(build(i), slope(i)) < std::pair(build(now), slope(now))) now = i;
     winners.push_back({scene.presets[now].preset, 0});
     for (;;) {
         double nearest = std::numeric_limits<double>::infinity();
@@ -103,8 +102,6 @@ std::vector<Winner> quickest_presets(const SceneResult& scene, std::size_t kind)
         winners.push_back({scene.presets[now].preset, nearest});
     }
 }
-
-std::vector<double> ray_counts() { return {1e4, 1e5, 1e6, 1e7, 1e8, 1e9}; }
 
 std::string bench_csv_header() {
     return "device,driver,scene,triangles,preset,layout,what,count,milliseconds,spread,millions_per_second,sah_cost,"
@@ -128,7 +125,7 @@ std::string bench_csv(const DeviceInfo& device, const SceneResult& scene) {
         for (const PresetResult::Kind& kind : preset.kinds)
             row(kind.name, double(kind.rays), kind.timing.milliseconds(), kind.timing.spread());
         for (std::size_t kind = 0; kind < preset.kinds.size(); ++kind)
-            for (const double rays : ray_counts())
+            for (const double rays : ray_counts)
                 row("build span + " + preset.kinds[kind].name, rays, build_and_trace(preset, kind, rays), 0);
     }
     return text.str();

@@ -1,4 +1,4 @@
-// What `claray bench` measures: builds and rays, scenes x presets x kinds of rays, on one device.
+// `claray bench` on one device: times of builds and rays, for scenes x presets x kinds of rays.
 #pragma once
 
 #include "claray/bvh.hpp"
@@ -14,7 +14,7 @@ struct BenchOptions {
     int repeat = 9;                      ///< rounds that count
 };
 
-/// One way to build, and what tracing with its tree gives.
+/// One way to build, and the times to trace with its tree.
 struct PresetResult {
     std::string preset, layout;
     Timing build, refit;
@@ -37,7 +37,7 @@ struct SceneResult {
 };
 
 /// Builds a scene by all presets, then times builds, refits and rays of all of them in interleaved rounds. Throws
-/// ErrorKind::device where two presets disagree about a hit: what is wrong is not measured.
+/// ErrorKind::device if two presets disagree about a hit.
 [[nodiscard]] SceneResult run_bench(const Device& device, const std::string& scene, const BenchOptions& options);
 
 /// Milliseconds to build and then trace `rays` rays, from the two medians.
@@ -51,8 +51,8 @@ struct Winner {
 /// The quickest presets in the order of the number of rays, from 0 on.
 [[nodiscard]] std::vector<Winner> quickest_presets(const SceneResult& scene, std::size_t kind);
 
-/// The numbers of rays in tables of build and trace together: 1e4, 1e5 .. 1e9.
-[[nodiscard]] std::vector<double> ray_counts();
+/// The numbers of rays in tables of build and trace together.
+inline constexpr double ray_counts[] = {1e4, 1e5, 1e6, 1e7, 1e8, 1e9};
 
 /// One line a measurement, see docs/formats.md; with or without the line that names the columns.
 [[nodiscard]] std::string bench_csv_header();

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "claray/renderer.hpp"
-#include "host/measure/device_rays.hpp"
 #include "host/measure/rays.hpp"
 
 namespace claray::measure {

@@ -9,8 +9,8 @@
 namespace claray::measure {
 namespace {
 
-/// Of a render: on CPUs beginnings weigh as they do in a short one; on GPUs the largest pass, half of it, fills the
-/// queues, as in a long one.
+/// Samples per render. CPUs: few, as in a short render. GPUs: enough that the largest pass, which has half of them,
+/// fills the queues, as in a long render.
 unsigned spp_on(const Device& device, const RenderConfig& config) {
     if (device.info().type == DeviceType::cpu) return 4;
     const std::uint64_t pixels = std::max<std::uint64_t>(1, std::uint64_t(config.width) * config.height);
@@ -19,8 +19,7 @@ unsigned spp_on(const Device& device, const RenderConfig& config) {
 
 constexpr int rounds_before = 2;  // in which a render finds its batches' size and its kernels
 
-/// Device time of a sample of every pixel, in the mean of a render from nothing; what the renderer measures of the
-/// image is not part of it.
+/// Mean device time per sample of every pixel, without the kernels that measure the image.
 double milliseconds_of_frame(const Device& device, Renderer& renderer) {
     device.finish();
     device.profiler().reset();
@@ -49,32 +48,27 @@ public:
         own_times_.push_back(times.first);
         own_bytes_ = own.statistics().device_bytes;
         own_effects_ = own.statistics().effects;
-        Variant variant;
-        variant.bytes = other.statistics().device_bytes;
-        variant.milliseconds = times.second;
         ratio = times.ratio, noise = times.noise;
-        add_compilation(other.statistics().effects | overrides.add, concerned, variant);
+        Variant variant = compiled(other.statistics().effects | overrides.add, concerned);
+        variant.milliseconds = times.second, variant.bytes = other.statistics().device_bytes;
         return variant;
     }
 
     [[nodiscard]] Variant own() {
-        Variant variant;
-        variant.milliseconds = median(own_times_);
-        variant.bytes = own_bytes_;
-        add_compilation(own_effects_, full_effects(), variant);
+        Variant variant = compiled(own_effects_, full_effects());
+        variant.milliseconds = median(own_times_), variant.bytes = own_bytes_;
         return variant;
     }
-    /// Compile time of the scene's own kernels of which these effects are a part.
+    /// Compile time of those of the scene's own kernels that contain these effects.
     [[nodiscard]] double own_compilation(EffectSet concerned) {
-        Variant variant;
-        add_compilation(own_effects_, concerned, variant);
-        return variant.compile_milliseconds;
+        return compiled(own_effects_, concerned).compile_milliseconds;
     }
 
 private:
-    /// Of the kernels of which one of the effects is a part.
-    void add_compilation(EffectSet effects, EffectSet concerned, Variant& variant) {
-        if (!options_.compile_times) return;
+    /// Compiles the kernels that contain one of the concerned effects.
+    Variant compiled(EffectSet effects, EffectSet concerned) {
+        Variant variant;
+        if (!options_.compile_times) return variant;
         const std::pair<Stage, const char*> files[] = {{Stage::generate, "render/generate_rays.cl"},
                                                        {Stage::trace, "trace/closest_hit.cl"},
                                                        {Stage::trace, "trace/any_hit.cl"},
@@ -90,6 +84,7 @@ private:
             if (std::string(file) == "trace/closest_hit.cl" && wide() && has_cutouts(effects))
                 variant.compile_milliseconds += build("trace/cutouts.cl", {{"CLARAY_WIDE", "1"}}).milliseconds;
         }
+        return variant;
     }
 
     [[nodiscard]] bool wide() const { return device_.tuning("trace/closest_hit", "WIDE") != 0; }
@@ -122,7 +117,7 @@ private:
 
 }  // namespace
 
-/// Fewer agree by luck alone in more than one of sixteen comparisons.
+/// Fewer ratios agree by chance in more than one of sixteen comparisons.
 constexpr std::size_t least_to_agree = 5;
 
 bool is_noise(const std::vector<double>& ratios) {
@@ -190,7 +185,7 @@ Explanation explain(const Device& device, const Scene& scene, const RenderConfig
         row.other = explainer.compare_with_own(overrides, {effect}, row.ratio, row.noise);
         row.own_compile_milliseconds = explainer.own_compilation({effect});
     }
-    // Pairs' ratios say more than times apart: the machine may have been busy during one of them.
+    // Ratios of pairs are more reliable than separate times, since the machine may have been busy during one of them.
     explanation.own = explainer.own();
     explanation.full.milliseconds = explanation.own.milliseconds * explanation.full_ratio;
     for (ExplainedEffect& row : rows)

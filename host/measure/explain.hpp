@@ -1,4 +1,4 @@
-// What each effect of a scene costs: with and without it, by turns.
+// The cost of each effect of a scene: renders with and without it, in alternating runs.
 #pragma once
 
 #include <functional>
@@ -41,21 +41,21 @@ struct ExplainOptions {
     int rounds = 7;                    ///< pairs of short renders that are compared for each
     bool compile_times = true;         ///< compile all kernels once more for their time
 };
-/// The rows of an explanation before anything is measured: what the scene calls for, and where.
+/// The rows of an explanation before measuring: which effects the scene uses, and where.
 [[nodiscard]] std::vector<ExplainedEffect> effects_to_explain(const Scene& scene, const RenderConfig& config,
                                                               EffectSet only);
 [[nodiscard]] Explanation explain(const Device& device, const Scene& scene, const RenderConfig& config,
                                   const ExplainOptions& options,
                                   const std::function<void(const std::string&)>& progress = {});
 
-/// The times of two renderers of the same size over the same samples, by turns: milliseconds of a sample of every
-/// pixel, and the median over the rounds of the second's time over the first's.
+/// The times of two renderers of the same size with the same samples, in alternating runs: milliseconds per sample of
+/// every pixel, and the median of the rounds' ratios of the second to the first.
 struct PairedTimes {
     double first = 0, second = 0, ratio = 1;
     bool noise = false;
 };
-/// Whether there are fewer than five ratios, or more than an eighth are on the other side of 1 than the others. Of 7
-/// rounds of two equally fast renderers one comparison in 64 passes for a difference.
+/// True for fewer than five ratios, or if more than an eighth are on the other side of 1 than the rest. With 7 rounds
+/// of two equally fast renderers, one comparison in 64 appears to be a difference.
 [[nodiscard]] bool is_noise(const std::vector<double>& ratios);
 [[nodiscard]] PairedTimes compare(const Device& device, Renderer& first, Renderer& second, int rounds);
 

@@ -23,7 +23,7 @@ double run_task(const Device& device, const std::function<void()>& task) {
     return 1e3 * double(std::clock() - begin) / CLOCKS_PER_SEC;
 }
 
-/// Adds what the profiler saw since its last reset.
+/// Adds the commands since the profiler's last reset.
 void add_round(Profiler& profiler, Timing& timing, std::map<std::string, std::vector<double>>& commands) {
     double sum = 0;
     std::uint64_t begin = std::numeric_limits<std::uint64_t>::max(), end = 0;

@@ -1,4 +1,4 @@
-// The one way in which claray is timed: rounds of all variants by turns, medians of OpenCL event times.
+// All measurements of claray: rounds in which all variants alternate, medians of OpenCL event times.
 #pragma once
 
 #include <functional>
@@ -15,7 +15,7 @@ namespace claray::measure {
 /// Half the distance between the quartiles, relative to the median.
 [[nodiscard]] double relative_spread(const std::vector<double>& values);
 
-/// What one task took, in milliseconds of the device's clock.
+/// Times of one task, in milliseconds of the device's clock.
 struct Timing {
     std::map<std::string, double> commands;  ///< median by name of kernel or transfer
     std::map<std::string, double> least;     ///< the same, of its quickest round
@@ -24,13 +24,13 @@ struct Timing {
     std::vector<double> spans;               ///< from the start of a round's first command to the end of its last
 
     [[nodiscard]] double milliseconds() const { return median(rounds); }
-    /// With the pauses between commands, in which the host decides what comes next.
+    /// Includes the pauses between commands.
     [[nodiscard]] double span() const { return median(spans); }
     [[nodiscard]] double spread() const { return relative_spread(rounds); }
 };
 
-/// Runs every task once a round, after a round that does not count: whatever disturbs the machine for a while then
-/// disturbs all tasks alike. Timings are in the order of the tasks.
+/// Runs every task once per round, so that disturbances of the machine affect all tasks alike. The first round does not
+/// count. Timings are in the order of the tasks.
 [[nodiscard]] std::vector<Timing> measure_rounds(const Device& device, int rounds,
                                                  const std::vector<std::function<void()>>& tasks);
 

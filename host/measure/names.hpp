@@ -1,4 +1,4 @@
-// What the command lines call the choices of a build.
+// Names of builders and layouts on command lines.
 #pragma once
 
 #include <string>

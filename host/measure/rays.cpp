@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/measure/pcg.hpp"
 #include "host/scene/placement.hpp"
 
 namespace claray::measure {
@@ -69,12 +68,8 @@ std::vector<View> three_views(const std::string& name, const Scene& scene) {
     const glm::vec3 extent = bounds.extent();
     const float unit = std::max({extent.x, extent.y, extent.z}) / 1000;
     const auto view = [&](glm::vec3 eye, glm::vec3 target, float fov, glm::vec3 light) {
-        View made;
-        made.camera.position = bounds.center() + unit * eye;
-        made.camera.target = bounds.center() + unit * target;
-        made.camera.vertical_fov = fov;
-        made.light = bounds.center() + unit * light;
-        return made;
+        const auto at = [&](glm::vec3 place) { return bounds.center() + unit * place; };
+        return View{{.position = at(eye), .target = at(target), .vertical_fov = fov}, at(light)};
     };
     if (name.find("sponza") != name.npos)
         return {view({-330, -110, 10}, {200, -60, -60}, 75, {60, 150, 0}),
@@ -96,6 +91,12 @@ std::vector<View> three_views(const std::string& name, const Scene& scene) {
         views.push_back(made);
     }
     return views;
+}
+
+std::vector<Ray> shuffled(std::vector<Ray> rays, const std::vector<Ray>& more, Pcg& random) {
+    rays.insert(rays.end(), more.begin(), more.end());
+    for (std::size_t i = rays.size(); i > 1; --i) std::swap(rays[i - 1], rays[random.next() % i]);
+    return rays;
 }
 
 RaySets make_rays(const Device& device, const Scene& scene, const std::vector<View>& views, unsigned width,

@@ -1,24 +1,16 @@
-// Scenes and rays from files.
+// Scenes and rays from files, and rays on the device.
 #include <algorithm>
 #include <cstring>
 
 #include "claray/io.hpp"
 #include "host/base/file.hpp"
-#include "host/measure/pcg.hpp"
 #include "host/measure/rays.hpp"
 
 namespace claray::measure {
 
-std::vector<std::uint32_t> read_words(const std::filesystem::path& path) {
-    const std::string bytes = read_file(path, "check the path");
-    std::vector<std::uint32_t> words(bytes.size() / 4 + 1);
-    std::memcpy(words.data(), bytes.data(), bytes.size());
-    return words;
-}
-
 namespace {
 
-/// Where `count` things of `size` words each end that begin at word `begin`. Throws where that is beyond the file.
+/// The end of `count` items of `size` words each that begin at word `begin`. Throws if it is beyond the file.
 std::size_t end_of(const std::filesystem::path& path, const std::vector<std::uint32_t>& words, std::size_t begin,
                    std::size_t count, std::size_t size) {
     const std::size_t end = begin + count * size;
@@ -29,6 +21,13 @@ std::size_t end_of(const std::filesystem::path& path, const std::vector<std::uin
 constexpr std::size_t header = 4, ray_words = sizeof(Ray) / 4;
 
 }  // namespace
+
+std::vector<std::uint32_t> read_words(const std::filesystem::path& path) {
+    const std::string bytes = read_file(path, "check the path");
+    std::vector<std::uint32_t> words(bytes.size() / 4 + 1);
+    std::memcpy(words.data(), bytes.data(), bytes.size());
+    return words;
+}
 
 void check_scene_is_there(const std::string& name) {
     for (const char* const extension : {".obj", ".gltf", ".glb", ".scn"})
@@ -71,6 +70,40 @@ RaySets read_rays(const std::filesystem::path& path) {
     Pcg random;
     sets.mixed = shuffled(sets.primary, sets.bounce, random);
     return sets;
+}
+
+DeviceRays::DeviceRays(const Device& device, std::string kind, bool any, const std::vector<Ray>& of)
+    : name(std::move(kind)),
+      any_hit(any),
+      rays(device, of),
+      hits(device, any ? 0 : of.size()),
+      occluded(device, any ? of.size() : 0) {}
+
+void DeviceRays::trace(const Bvh& bvh) {
+    any_hit ? claray::any_hit(bvh, rays, occluded) : closest_hit(bvh, rays, hits);
+}
+
+std::string DeviceRays::results() const {
+    const auto bytes = [](const auto& values) {
+        return std::string(reinterpret_cast<const char*>(values.data()), values.size() * sizeof values[0]);
+    };
+    return any_hit ? bytes(occluded.read()) : bytes(hits.read());
+}
+
+std::vector<DeviceRays> upload_rays(const Device& device, const std::string& name, const std::vector<Mesh>& meshes,
+                                    unsigned width, unsigned height) {
+    Scene scene;
+    scene.meshes = meshes;
+    const std::filesystem::path recorded = std::filesystem::path(name).replace_extension(".ray");
+    const RaySets sets = name.ends_with(".scn") && std::filesystem::exists(recorded)
+                             ? read_rays(recorded)
+                             : make_rays(device, scene, three_views(name, scene), width, height);
+    std::vector<DeviceRays> all;
+    all.emplace_back(device, "primary", false, sets.primary);
+    all.emplace_back(device, "shadow", true, sets.shadow);
+    all.emplace_back(device, "bounce", false, sets.bounce);
+    all.emplace_back(device, "random", false, sets.mixed);
+    return all;
 }
 
 }  // namespace claray::measure

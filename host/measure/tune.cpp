@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <memory>
 #include <sstream>
 
@@ -10,21 +11,20 @@
 #include "host/base/format.hpp"
 #include "host/compute/kernel_sources.hpp"
 #include "host/compute/tuning.hpp"
-#include "host/measure/device_rays.hpp"
 #include "host/measure/measure.hpp"
 #include "host/measure/rays.hpp"
 
 namespace claray::measure {
 namespace {
 
-/// A scene as it is measured. Rays are made once, whatever is tuned: hits don't depend on it.
+/// A scene to measure. Its rays are made once, since hits do not depend on tuning.
 struct Subject {
     std::string name;
     std::vector<Mesh> meshes;
     std::vector<DeviceRays> rays;
 };
 
-/// What is run to measure one value, and what must come out of it.
+/// The tasks that measure one value, and their expected results.
 struct Work {
     std::vector<std::function<void()>> tasks;
     std::string results;
@@ -50,7 +50,7 @@ void add_rays(const Device& device, Subject& subject, bool closest, bool any, Wo
     }
 }
 
-/// Building the renderer is part of the task, which is why this is only as good as the render is long.
+/// The task includes the creation of the renderer.
 void add_render(const Device& device, const Subject& subject, const TuneOptions& options, Work& work) {
     if (subject.name.ends_with(".scn")) return;  // no materials
     Warnings warnings;
@@ -75,8 +75,7 @@ Work prepare(const Device& device, const TuneOptions& options, const TuningCandi
     return work;
 }
 
-/// For every round the product of the tasks' times, as milliseconds: the geometric mean times the number of tasks, so
-/// that a long task weighs no more than a short one.
+/// Per round the geometric mean of the tasks' times, times their number: long tasks weigh no more than short ones.
 std::vector<double> combine(const std::vector<Timing>& timings, std::size_t begin, std::size_t count) {
     if (count == 0) return {};
     std::vector<double> combined(timings[begin].spans.size(), 0);
@@ -88,7 +87,7 @@ std::vector<double> combine(const std::vector<Timing>& timings, std::size_t begi
     return combined;
 }
 
-/// Times several values by turns; nothing for a value that failed.
+/// Times several values in alternating runs.
 std::vector<std::vector<double>> race(const Device& device, const TuningCandidates& of, int repeat,
                                       const std::vector<std::pair<unsigned, const Work*>>& values) {
     std::vector<std::function<void()>> tasks;
@@ -108,14 +107,7 @@ std::vector<std::vector<double>> race(const Device& device, const TuningCandidat
     return times;
 }
 
-/// A task fails where it is first run: when it is prepared, or for renders and rebuilds here.
-void try_once(const Work& work) {
-    for (const auto& task : work.tasks) task();
-}
-
-std::string one_line(std::string text) { return text.substr(0, text.find('\n')); }
-
-/// Tries the values of one parameter and leaves the best in force.
+/// Tries the values of one parameter and sets the best.
 std::vector<Trial> tune_parameter(const Device& device, const TuneOptions& options, const TuningCandidates& of,
                                   std::vector<Subject>& subjects) {
     const unsigned in_force = device.tuning(of.kernel, of.parameter);
@@ -134,12 +126,12 @@ std::vector<Trial> tune_parameter(const Device& device, const TuneOptions& optio
         try {
             device.set_tuning(of.kernel, of.parameter, value);
             works.push_back(std::make_unique<Work>(prepare(device, options, of, subjects)));
-            try_once(*works.back());
+            for (const auto& task : works.back()->tasks) task();
             device.finish();
             if (works.back()->results != works[0]->results) trial.failure = "gives different results";
         } catch (const Error& error) {
-            if (trial.in_force) throw;  // then nothing works here
-            trial.failure = one_line(error.what());
+            if (trial.in_force) throw;  // the current value must work
+            trial.failure = std::string(error.what(), std::strcspn(error.what(), "\n"));
         }
         if (trial.failure.empty()) {
             runners.emplace_back(value, works.back().get());
@@ -158,7 +150,7 @@ std::vector<Trial> tune_parameter(const Device& device, const TuneOptions& optio
         trial.ratio = paired.ratio, trial.noise = paired.noise;
         if (paired.faster() && paired.ratio < best_ratio) best = i, best_ratio = paired.ratio;
     }
-    if (best != 0) {  // the best of many is flattered by chance: once more, alone
+    if (best != 0) {  // the best of many may be so by chance: measure it again, alone
         const auto again = race(device, of, options.repeat, {runners[0], runners[best]});
         const PairedRatio paired = paired_ratio(again[1], again[0]);
         Trial& trial = trials[trial_of[best]];
@@ -170,7 +162,7 @@ std::vector<Trial> tune_parameter(const Device& device, const TuneOptions& optio
     return trials;
 }
 
-/// The device's name as a pattern of the tuning table, which knows no blanks.
+/// The device's name as a pattern of the tuning table, in which blanks separate words.
 std::string pattern_of(const DeviceInfo& info) {
     std::string pattern = info.name;
     for (char& c : pattern)

@@ -1,4 +1,4 @@
-// What `claray tune` does: tries the values of kernels/tuning_candidates.txt and finds those that are faster here.
+// `claray tune`: tries the values of kernels/tuning_candidates.txt and finds the faster ones.
 #pragma once
 
 #include <functional>
@@ -15,7 +15,7 @@ struct TuningCandidates {
     std::vector<std::string> work;  ///< "fast", "balanced", "rays", "closest", "any", "render"
     std::vector<unsigned> values;
 };
-/// The rows that match a device, one a parameter. Throws ErrorKind::user naming the line of a malformed row.
+/// The rows that match a device, one per parameter. Throws ErrorKind::user with the line of a malformed row.
 [[nodiscard]] std::vector<TuningCandidates> parse_candidates(const std::string& text, const std::string& name,
                                                              const DeviceInfo& info);
 /// Those of kernels/tuning_candidates.txt.
@@ -48,10 +48,9 @@ struct TuneOptions {
     std::string only;                    ///< tunes only parameters whose "kernel PARAMETER" holds this text
 };
 
-/// Tries every value of every parameter in interleaved rounds. A value is kept where it saves at least 2 % of the time
-/// and twice the noise, twice over: once against all others, and once more against the value in force alone. Values
-/// with which anything differs but the time are refused. `device` has the best values afterwards. `on_trials` is
-/// told of each parameter.
+/// Tries every value of every parameter in interleaved rounds. A value is kept if it saves at least 2 % of the time and
+/// twice the noise in two measurements: against all other values, and against the value in force alone. Values that
+/// change results are refused. Sets the best values on `device`. Calls `on_trials` for each parameter.
 [[nodiscard]] std::vector<TunedRow> tune(const Device& device, const TuneOptions& options,
                                          const std::vector<TuningCandidates>& candidates,
                                          const std::function<void(const std::vector<Trial>&)>& on_trials);
@@ -60,13 +59,12 @@ struct TuneOptions {
 /// values: 1.2533 sigma / sqrt(n), with sigma from the median absolute deviation.
 struct PairedRatio {
     double ratio = 1, noise = 0;
-    /// Less time beyond the noise, and enough less to bother.
+    /// Saves at least 2 %, and twice the noise.
     [[nodiscard]] bool faster() const { return ratio < 0.98 && ratio + 2 * noise < 1; }
 };
 [[nodiscard]] PairedRatio paired_ratio(const std::vector<double>& times, const std::vector<double>& base);
 
-/// A tuning table's text with these rows for the device: they replace rows of the same pattern, kernel and parameter;
-/// all else stays.
+/// A tuning table's text in which these rows replace those of the same device pattern, kernel and parameter.
 [[nodiscard]] std::string with_rows(const std::string& table, const DeviceInfo& info,
                                     const std::vector<TunedRow>& rows);
 

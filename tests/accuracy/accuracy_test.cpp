@@ -12,7 +12,6 @@
 #include "host/accuracy/studies/bias.hpp"
 #include "host/accuracy/studies/image_sweep.hpp"
 #include "host/accuracy/study.hpp"
-#include "host/accuracy/summary.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/process.hpp"

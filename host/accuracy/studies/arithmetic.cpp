@@ -1,4 +1,4 @@
-// Studies of arithmetic: fast math, and in how many bits samples are added up.
+// Studies of arithmetic: fast math, and the precision of sums of samples.
 #include <algorithm>
 #include <cmath>
 
@@ -21,23 +21,12 @@ const Macros fast_everything = {{"render/shade_surface", fast, 1},
                                 {"trace/closest_hit", fast, 1},
                                 {"trace/any_hit", fast, 1}};
 
-glm::vec3 as_half(const glm::vec3& c) {
-    const auto rounded = [](float x) { return glm::unpackHalf1x16(glm::packHalf1x16(x)); };
-    return {rounded(c.x), rounded(c.y), rounded(c.z)};
-}
-
-/// Errors at the most samples, and how the method compares in time.
+/// Errors and times at the largest number of samples.
 void judge_arithmetic(Study& study, const std::vector<ImageMethod>& methods) {
-    const auto last_of = [&](const std::string& method) {
-        const StudyPoint* last = nullptr;
-        for (const StudyPoint& p : study.points)
-            if (p.method == method) last = &p;
-        return last;
-    };
-    const StudyPoint* strict = last_of(methods.front().name);
-    for (std::size_t i = 1; i < methods.size(); ++i) {
-        const StudyPoint* p = last_of(methods[i].name);
-        if (!p->failure.empty() || !(strict->seconds.median > 0)) continue;
+    const StudyPoint* strict = last_of(study, methods.front().name);
+    for (std::size_t i = 1; strict && i < methods.size(); ++i) {
+        const StudyPoint* p = last_of(study, methods[i].name);
+        if (!p || p->setting != strict->setting || !(strict->seconds.median > 0)) continue;
         study.findings.push_back(
             p->method + printed(" changes the image by %.2g of its mean at %s, ", p->error.median, p->setting.c_str()) +
             told_time_against(p->seconds, strict->seconds));
@@ -48,8 +37,8 @@ void judge_arithmetic(Study& study, const std::vector<ImageMethod>& methods) {
 
 constexpr std::uint32_t sum_pixels = 4, samples_a_batch = 1u << 14;
 
-/// Heavy-tailed radiance, as paths bring it: exp(2 x) with x nearly normal, in so small a unit that 2^20 of them don't
-/// overflow half precision.
+/// Heavy-tailed radiance, as of paths: exp(2 x) with x nearly normal, scaled so that sums of 2^20 do not overflow half
+/// precision.
 std::vector<float> radiance_of_batch() {
     std::vector<float> radiance(3 * std::size_t(sum_pixels) * samples_a_batch);
     std::uint64_t state = 1;
@@ -83,9 +72,7 @@ StudyPoint sum_point(const Device& device, const SumMethod& method, std::uint32_
                                         sums_of_samples.accumulate({0, sum_pixels, at, samples_a_batch}, radiance);
                                     image = sums_of_samples.resolve();
                                 }});
-    std::vector<double> seconds;
-    for (const double ms : timings[0].rounds) seconds.push_back(1e3 * ms / (double(samples) * sum_pixels));
-    point.seconds = spread_of(seconds);
+    point.seconds = spread_of(timings[0].rounds, 1e3 / (double(samples) * sum_pixels));
     std::vector<double> errors;
     for (std::size_t p = 0; p < means.size(); ++p) errors.push_back(std::fabs(double(image[p].x) / means[p] - 1));
     if (!std::all_of(errors.begin(), errors.end(), [](double e) { return std::isfinite(e); }))
@@ -101,15 +88,10 @@ Study study_arithmetic(const Device& device, const Scene& scene, const StudyOpti
     Study study;
     study.name = "arithmetic", study.title = "Arithmetic: differences of images with the same samples";
     study.error = "RMS difference / mean";
-    // By the stages, each with arithmetic of its own; one kernel for whole paths would be faster where nothing changes.
+    // One kernel per stage for all: strict images alone could use the kernel for whole paths, which is faster.
     const MacroScope stages(device, {{"render/trace_paths", "MOST_EFFECTS", 0}});
     std::vector<glm::vec3> strict;  // of the configuration that is at hand
-    const auto with = [&](const Macros& macros) {
-        return [&device, &scene, macros](const RenderConfig& config) {
-            const MacroScope scope(device, macros);
-            return render_image(device, scene, config);
-        };
-    };
+    const auto with = [&](const Macros& macros) { return render_with(device, scene, macros); };
     const auto render_strict = [&](const RenderConfig& config) {
         Rendered done = render_image(device, scene, config);
         strict = done.image;
@@ -117,7 +99,7 @@ Study study_arithmetic(const Device& device, const Scene& scene, const StudyOpti
     };
     const auto render_half = [&](const RenderConfig& config) {
         Rendered done = render_image(device, scene, config);
-        for (glm::vec3& c : done.image) c = as_half(c);
+        for (glm::vec3& c : done.image) c = glm::unpackHalf(glm::packHalf(c));
         return done;
     };
     const std::vector<ImageMethod> methods = {{"strict", render_strict},
@@ -163,10 +145,7 @@ Study study_sums(const Device& device, const Scene&, const StudyOptions& options
         }
     mark_front(study.points);
     for (const SumMethod& method : methods) {
-        const StudyPoint* last = nullptr;
-        for (const StudyPoint& p : study.points)
-            if (p.method == method.name && p.failure.empty()) last = &p;
-        if (last)
+        if (const StudyPoint* last = last_of(study, method.name))
             study.findings.push_back(printed("%s: after %s samples the error of the mean is %.2g", method.name,
                                              last->setting.c_str(), last->error.median));
     }

@@ -1,4 +1,4 @@
-// Study of bias: what settings leave out for ever.
+// Study of bias: errors of settings that more samples do not reduce.
 #include "host/accuracy/studies/bias.hpp"
 
 #include <algorithm>
@@ -42,8 +42,8 @@ SquaredBias squared_bias(const std::vector<std::vector<glm::vec3>>& images, cons
 
 constexpr double quartile = 0.6745;  // of a normal distribution, in standard deviations
 
-/// Standard errors that chance stays below 97.7 times of 100: two where they are known well, more where few renders
-/// tell of them (Student's t by Cornish and Fisher's expansion: Abramowitz and Stegun 1964, 26.7.5).
+/// The number of standard errors that chance exceeds in 2.3 of 100 cases: 2 for many renders, more for few (Student's t
+/// by Cornish and Fisher's expansion: Abramowitz and Stegun 1964, 26.7.5).
 double doubtful(std::size_t renders) {
     constexpr double z = 2;
     const double freedom = double(renders) - 1;
@@ -51,8 +51,8 @@ double doubtful(std::size_t renders) {
            (5 * std::pow(z, 5) + 16 * z * z * z + 3 * z) / (96 * freedom * freedom);
 }
 
-/// Ambient occlusion (Landis 2002): from the first rough surface on, lamps are sampled, and all other light is one
-/// radiance, which surfaces within reach hide and reflect once themselves.
+/// Ambient occlusion (Landis 2002): at the first rough surface, lamps are sampled and all other light has one constant
+/// radiance. Surfaces within reach block it and reflect it once.
 std::vector<MacroScope::Macro> ambient_occlusion(float reach, glm::vec3 radiance) {
     constexpr const char* kernel = "render/shade_surface";
     const auto bits = [](float value) { return std::bit_cast<std::uint32_t>(value); };
@@ -63,8 +63,8 @@ std::vector<MacroScope::Macro> ambient_occlusion(float reach, glm::vec3 radiance
             {kernel, "AMBIENT_B_BITS", bits(radiance.b)}};
 }
 
-/// The radiance by which such an image has the mean of the true one: of the same seeds, so that what both show alike
-/// has no noise between them.
+/// Finds the radiance with which such an image has the mean of the true one. All images have the same seeds, so that
+/// noise of parts that do not differ cancels.
 class AmbientRadiance {
 public:
     AmbientRadiance(const Device& device, const Scene& scene, const RenderConfig& config)
@@ -82,9 +82,8 @@ public:
 
 private:
     [[nodiscard]] glm::dvec3 mean_with(const std::vector<MacroScope::Macro>& macros) const {
-        const MacroScope scope(device_, macros);
         glm::dvec3 sum(0);
-        const std::vector<glm::vec3> image = render_image(device_, scene_, config_).image;
+        const std::vector<glm::vec3> image = render_with(device_, scene_, macros)(config_).image;
         for (const glm::vec3& pixel : image) sum += glm::dvec3(pixel);
         return sum / double(image.size());
     }
@@ -97,8 +96,7 @@ private:
 
 }  // namespace
 
-Renders render_independently(const std::function<Rendered(const RenderConfig&)>& method, RenderConfig config,
-                             unsigned runs) {
+Renders render_independently(const RenderMethod& method, RenderConfig config, unsigned runs) {
     Renders renders;
     for (unsigned i = 0; i < 2 * std::max(runs, 2u); ++i) {
         ++config.seed;
@@ -158,9 +156,7 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
     const auto add = [&](const char* method, const std::string& setting, double value, const RenderConfig& how,
                          const std::vector<MacroScope::Macro>& macros) {
         if (!goes_on) return;
-        const MacroScope scope(device, macros);
-        const Renders renders = render_independently(
-            [&](const RenderConfig& c) { return render_image(device, scene, c); }, how, options.runs);
+        const Renders renders = render_independently(render_with(device, scene, macros), how, options.runs);
         const StudyPoint point = bias_point(method, setting, value, renders, reference);
         if (point.failure.empty())
             study.findings.push_back(std::string(method) + ", " + setting +

@@ -1,4 +1,4 @@
-// What is wrong with an image however many samples are taken.
+// The error of an image that more samples do not reduce.
 #pragma once
 
 #include "host/accuracy/studies/image_sweep.hpp"
@@ -10,16 +10,15 @@ struct Renders {
     std::vector<std::vector<glm::vec3>> images;
     std::vector<double> seconds;
 };
-/// 2 max(runs, 2) of them, with seeds from `config.seed` + 1 on, by the method.
-[[nodiscard]] Renders render_independently(const std::function<Rendered(const RenderConfig&)>& method,
-                                           RenderConfig config, unsigned runs);
+/// Renders 2 max(runs, 2) images with seeds from `config.seed` + 1 on.
+[[nodiscard]] Renders render_independently(const RenderMethod& method, RenderConfig config, unsigned runs);
 
-/// A point whose error is the renders' bias against the reference; it fails where that can't be told from noise.
+/// A point whose error is the renders' bias against the reference; it fails if the bias is not above the noise.
 [[nodiscard]] StudyPoint bias_point(const std::string& method, const std::string& setting, double value,
                                     const Renders& renders, const ReferenceImage& reference);
 
 /// The same of each pixel, over the reference's mean: the root of the mean of (a - r)(b - r) over all pairs and
-/// channels, 0 where noise makes that negative.
+/// channels, 0 if noise makes that negative.
 [[nodiscard]] std::vector<float> bias_map(const Renders& renders, const ReferenceImage& reference);
 
 }  // namespace claray

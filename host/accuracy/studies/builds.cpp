@@ -11,10 +11,10 @@
 namespace claray {
 namespace {
 
-/// Quartiles of fewer are apart by luck too often to conclude from.
+/// With fewer rounds, quartiles are too often apart by chance.
 constexpr unsigned least_rounds = 5;
 
-/// A tree that is made again and again, and rays that it is asked for.
+/// A tree that is built repeatedly, and the rays to trace.
 struct Candidate {
     std::string method, setting;
     double value = 0;
@@ -23,7 +23,7 @@ struct Candidate {
     const Buffer<Ray>* rays = nullptr;
 };
 
-/// Every vertex on a smooth wave, as long as the scene is large, of an amplitude that is a share of it.
+/// Moves vertices by a smooth wave of the scene's length. The amplitude is the fraction `share` of that length.
 std::vector<Mesh> moved(std::vector<Mesh> meshes, const Bounds& bounds, float share) {
     const glm::vec3 extent = bounds.extent();
     const float size = std::max({extent.x, extent.y, extent.z, 1e-30f});
@@ -47,10 +47,8 @@ StudyPoint point_of_build(const Candidate& candidate, const measure::Timing& mad
     StudyPoint point;
     point.method = candidate.method, point.setting = candidate.setting, point.value = candidate.value;
     point.runs = unsigned(made.spans.size());
-    std::vector<double> trace, make;
-    for (const double ms : traced.spans) trace.push_back(1e3 * ms / double(candidate.rays->size()));
-    for (const double ms : made.spans) make.push_back(1e-3 * ms);
-    point.error = spread_of(trace), point.seconds = spread_of(make);
+    point.error = spread_of(traced.spans, 1e3 / double(candidate.rays->size()));
+    point.seconds = spread_of(made.spans, 1e-3);
     if (!(point.error.median > 0)) {
         point.failure = "was not run";
         return point;
@@ -65,25 +63,21 @@ StudyPoint point_of_build(const Candidate& candidate, const measure::Timing& mad
 
 bool has_moved(const StudyPoint& p) { return p.method == "refit" || p.method == "rebuild"; }
 
-/// Trees are compared on the same triangles only.
-void mark_fronts(Study& study) {
-    std::vector<StudyPoint> all;
-    for (const StudyPoint& first : study.points) {
-        const auto is_like = [&](const StudyPoint& p) {
-            return has_moved(first) ? has_moved(p) && p.setting == first.setting : !has_moved(p);
-        };
-        if (std::any_of(all.begin(), all.end(), is_like)) continue;
-        std::vector<StudyPoint> same;
-        std::copy_if(study.points.begin(), study.points.end(), std::back_inserter(same), is_like);
+/// Compares trees of the same triangles only: their points are neighbours.
+void mark_fronts(std::vector<StudyPoint>& points) {
+    for (auto begin = points.begin(); begin != points.end();) {
+        const auto end = std::find_if(begin, points.end(), [&](const StudyPoint& p) {
+            return has_moved(p) != has_moved(*begin) || (has_moved(p) && p.setting != begin->setting);
+        });
+        std::vector<StudyPoint> same(begin, end);
         mark_front(same);
-        all.insert(all.end(), same.begin(), same.end());
+        begin = std::copy(same.begin(), same.end(), begin);
     }
-    study.points = all;
 }
 
 std::string name_of(const StudyPoint& p) { return p.method + ", " + p.setting; }
 
-/// Which tree is done first with so many rays, building included: the lower envelope of lines.
+/// The fastest tree by number of rays, with the build: the lower envelope of lines.
 void find_crossings(Study& study) {
     const StudyPoint* best = nullptr;
     for (const StudyPoint& p : study.points)
@@ -105,7 +99,7 @@ void find_crossings(Study& study) {
     study.findings.push_back(text);
 }
 
-/// Time of so many rays with the build.
+/// Times of three numbers of rays, with the build.
 void tabulate(Study& study) {
     for (const double millions : {0.01, 1.0, 100.0}) {
         std::string text = printed("%g million rays, including the build:", millions);
@@ -135,7 +129,7 @@ void judge_refits(Study& study) {
     }
 }
 
-/// Building and tracing by turns: two timings per candidate.
+/// Builds and traces in alternating runs: two timings per candidate.
 std::vector<measure::Timing> time_candidates(const Device& device, std::vector<Candidate>& candidates, unsigned rounds,
                                              const AccuracyProgress& progress) {
     std::vector<std::function<void()>> tasks;
@@ -202,7 +196,7 @@ Study study_builds(const Device& device, const Scene& scene, const StudyOptions&
         time_candidates(device, candidates, std::max(options.runs, least_rounds), progress);
     for (std::size_t i = 0; i < candidates.size(); ++i)
         study.points.push_back(point_of_build(candidates[i], timings[2 * i], timings[2 * i + 1]));
-    mark_fronts(study);
+    mark_fronts(study.points);
     find_crossings(study);
     tabulate(study);
     judge_refits(study);

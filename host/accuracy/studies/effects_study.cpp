@@ -1,4 +1,4 @@
-// Study of effects: what the image loses without each, where, and what that saves.
+// Study of effects: error and time saved without each effect.
 #include <algorithm>
 #include <cmath>
 
@@ -8,7 +8,7 @@
 namespace claray {
 namespace {
 
-/// Root mean square over renders and channels of what is wrong with a pixel, over the reference's mean.
+/// RMS error of each pixel over renders and channels, divided by the reference's mean.
 std::vector<float> noise_map(const Renders& renders, const ReferenceImage& reference) {
     const double mean = mean_of(reference.pixels);
     std::vector<float> map(reference.pixels.size());
@@ -23,11 +23,12 @@ std::vector<float> noise_map(const Renders& renders, const ReferenceImage& refer
     return map;
 }
 
-/// `lambert` is what materials become that lose their kind: there is nothing simpler.
+/// Materials without their kind become `lambert`, which therefore cannot be left out.
 std::vector<Effect> effects_to_leave_out(const Scene& scene) {
+    const EffectSet called_for = effects_of(scene);
     std::vector<Effect> effects;
     for (const Effect effect : all_effects())
-        if (effects_of(scene).has(effect) && effect != Effect::lambert) effects.push_back(effect);
+        if (called_for.has(effect) && effect != Effect::lambert) effects.push_back(effect);
     return effects;
 }
 
@@ -42,7 +43,7 @@ Study study_effects(const Device& device, const Scene& scene, const StudyOptions
     const AccuracyProgress rest = scaled(progress, reference_share, 1);
     RenderConfig config = options.config;
     config.spp = options.most_spp;
-    const auto method = [&](const RenderConfig& c) { return render_image(device, scene, c); };
+    const RenderMethod method = render_with(device, scene);
     (void)method({.width = config.width, .height = config.height, .spp = 1});  // compiles the kernels
     const Renders whole = render_independently(method, config, options.runs);
     const double seconds = spread_of(whole.seconds).median;

@@ -1,4 +1,4 @@
-// Study of filters: textures looked up in three ways, and images of fewer pixels.
+// Study of filters: three texture filters, and images of fewer pixels.
 #include <algorithm>
 
 #include "host/accuracy/pixels.hpp"
@@ -21,9 +21,6 @@ Study study_filtering(const Device& device, const Scene& scene, const StudyOptio
     study.error = "RMSE / mean";
     const Scene point = filtered(scene, Filter::nearest), bilinear = filtered(scene, Filter::bilinear),
                 trilinear = filtered(scene, Filter::trilinear);
-    const auto with = [&device](const Scene& how) {
-        return [&device, &how](const RenderConfig& config) { return render_image(device, how, config); };
-    };
     const auto smaller = [&](unsigned divisor) {
         return [&device, &bilinear, divisor](RenderConfig config) {
             const unsigned width = config.width, height = config.height;
@@ -33,18 +30,16 @@ Study study_filtering(const Device& device, const Scene& scene, const StudyOptio
             return done;
         };
     };
-    std::vector<ImageMethod> methods = {{"bilinear", with(bilinear)}};
+    std::vector<ImageMethod> methods = {{"bilinear", render_with(device, bilinear)}};
     if (scene.textures.empty())
         methods[0].name = "all pixels", study.findings.emplace_back("the scene has no texture to filter");
     else
-        methods.insert(methods.end(), {{"nearest", with(point)}, {"trilinear", with(trilinear)}});
+        methods.insert(methods.end(),
+                       {{"nearest", render_with(device, point)}, {"trilinear", render_with(device, trilinear)}});
     methods.insert(methods.end(), {{"a quarter of the pixels", smaller(2)}, {"a 16th of the pixels", smaller(4)}});
     sweep_to_reference(study, device, bilinear, options, methods, progress);
     for (const ImageMethod& method : methods) {
-        const StudyPoint* last = nullptr;
-        for (const StudyPoint& p : study.points)
-            if (p.method == method.name && p.failure.empty()) last = &p;
-        if (last)
+        if (const StudyPoint* last = last_of(study, method.name))
             study.findings.push_back(method.name + printed(": error %.3g at %s, after %.3g s", last->error.median,
                                                            last->setting.c_str(), last->seconds.median));
     }

@@ -1,9 +1,10 @@
-// Frames at a rate: how many samples a pixel fit into one.
+// Frames at a fixed rate: how many samples per pixel fit into one.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 
-#include "host/accuracy/plan_text.hpp"
+#include "host/accuracy/forecast.hpp"
+#include "host/accuracy/study.hpp"
 
 namespace claray {
 namespace {
@@ -21,7 +22,7 @@ public:
     Frames(const Device& device, const Scene& scene, const RenderConfig& config)
         : max_depth(config.max_depth), renderer_(device, scene, config), seed_(config.seed) {}
 
-    /// Other kernels have another speed. Returns false where `measuring` does.
+    /// Renders until the scene's own kernels are used, which have another speed. Returns false if `measuring` does.
     bool wait_for_kernels(const MeasuringProgress& measuring) {
         if (measuring && !measuring("kernels")) return false;
         do (void)next();
@@ -70,8 +71,8 @@ double percentile(std::vector<double> values, double share_below) {
                 printed("the closest possible is about --fps %.3g; %s", share / seconds, size.c_str()));
 }
 
-/// Where the deepest paths take too long, the deepest that do not, by halving, or those that meet one surface. Returns
-/// the time of a frame.
+/// If the deepest paths take too long, finds the deepest that fit by bisection, or those of one surface. Returns a
+/// frame's time.
 double pick_depth(Frames& frames, double budget) {
     double seconds = frames.slowest();
     if (seconds <= share * budget || frames.max_depth == 1) return seconds;
@@ -98,7 +99,7 @@ void pick(Frames& frames, const RenderConfig& config, double budget, std::vector
     if (seconds > budget) refuse_rate(config, budget, seconds);
     const double one = seconds;
     const unsigned most = std::min(config.spp, most_spp);
-    for (int tries = 0; tries < 6; ++tries) {  // what a sample costs depends on how many there are
+    for (int tries = 0; tries < 6; ++tries) {  // the cost of a sample depends on their number
         const double wanted = std::floor(frames.spp * share * budget / seconds);
         const auto spp = unsigned(std::clamp(wanted, 1.0, double(most)));
         if (spp == frames.spp) break;

@@ -8,22 +8,22 @@
 namespace claray {
 namespace {
 
-/// Of one method, a row a setting.
-struct Curve {
-    std::vector<std::vector<ImageError>> errors;
-    std::vector<std::vector<double>> seconds;
+/// Of one method and setting.
+struct Runs {
+    std::vector<ImageError> errors;
+    std::vector<double> seconds;
 };
 
-StudyPoint point_of(const std::string& method, const Curve& curve, std::size_t setting, unsigned spp) {
+StudyPoint point_of(const std::string& method, const Runs& runs, unsigned spp) {
     StudyPoint point;
     point.method = method, point.setting = std::to_string(spp) + " spp", point.value = spp;
     std::vector<double> rmse, relmse, perceptual;
-    for (const ImageError& e : curve.errors[setting]) {
+    for (const ImageError& e : runs.errors) {
         rmse.push_back(e.rmse), relmse.push_back(e.relmse), perceptual.push_back(e.perceptual);
         if (!std::isfinite(e.rmse)) point.failure = "not finite";
     }
     point.runs = unsigned(rmse.size());
-    point.seconds = spread_of(curve.seconds[setting]);
+    point.seconds = spread_of(runs.seconds);
     if (rmse.empty()) point.failure = "was not run";
     if (!point.failure.empty()) return point;
     point.error = spread_of(rmse);
@@ -33,7 +33,7 @@ StudyPoint point_of(const std::string& method, const Curve& curve, std::size_t s
 
 constexpr double least_cut_off_to_tell = 5e-4;
 
-/// The reference ends its paths where the images do, and can't tell.
+/// Images and reference end their paths at the same depth, so that their difference does not show the missing light.
 void tell_cut_off(Study& study, const Device& device, const Scene& scene, RenderConfig config) {
     config.spp = 1;
     const double share = Renderer(device, scene, config).cut_off();
@@ -58,6 +58,13 @@ Rendered render_image(const Device& device, const Scene& scene, RenderConfig con
     return {renderer.image(), reached.seconds};
 }
 
+RenderMethod render_with(const Device& device, const Scene& scene, std::vector<MacroScope::Macro> macros) {
+    return [&scene, device, macros = std::move(macros)](const RenderConfig& config) {
+        const MacroScope scope(device, macros);
+        return render_image(device, scene, config);
+    };
+}
+
 ReferenceImage reference_for(Study& study, const Device& device, const Scene& scene, const StudyOptions& options,
                              const AccuracyProgress& progress) {
     ReferenceImage reference = reference_image(device, scene, options.config,
@@ -73,8 +80,7 @@ void sweep_samples(Study& study, const StudyOptions& options, const std::vector<
                    const ImageJudge& judge, const AccuracyProgress& progress) {
     std::vector<unsigned> spp;
     for (unsigned s = 1; s <= options.most_spp; s *= 2) spp.push_back(s);
-    std::vector<Curve> curves(methods.size(), {std::vector<std::vector<ImageError>>(spp.size()),
-                                               std::vector<std::vector<double>>(spp.size())});
+    std::vector<std::vector<Runs>> runs(methods.size(), std::vector<Runs>(spp.size()));
     double samples = 0;
     const double all = double(options.runs) * double(methods.size()) * (2 * spp.back() - 1);
     bool goes_on = true;
@@ -89,15 +95,15 @@ void sweep_samples(Study& study, const StudyOptions& options, const std::vector<
                 RenderConfig config = options.config;
                 config.spp = spp[i], config.seed = options.config.seed + round;
                 const Rendered done = methods[m].render(config);
-                curves[m].errors[i].push_back(judge(done.image, config));
-                curves[m].seconds[i].push_back(done.seconds);
+                runs[m][i].errors.push_back(judge(done.image, config));
+                runs[m][i].seconds.push_back(done.seconds);
                 samples += spp[i];
                 goes_on = !progress || progress(samples / all, methods[m].name + ", run " + std::to_string(round + 1) +
                                                                    " of " + std::to_string(options.runs));
             }
     for (std::size_t m = 0; m < methods.size(); ++m)
         for (std::size_t i = 0; i < spp.size(); ++i)
-            study.points.push_back(point_of(methods[m].name, curves[m], i, spp[i]));
+            study.points.push_back(point_of(methods[m].name, runs[m][i], spp[i]));
     mark_front(study.points);
 }
 

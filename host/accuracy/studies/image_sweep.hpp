@@ -1,4 +1,4 @@
-// Images by several methods and numbers of samples, by turns: what studies of images have in common.
+// What studies of images have in common: images by several methods and numbers of samples, in alternating runs.
 #pragma once
 
 #include <map>
@@ -9,36 +9,12 @@ namespace claray {
 
 struct Rendered {
     std::vector<glm::vec3> image;
-    double seconds = 0;  ///< of the samples alone
+    double seconds = 0;  ///< of sampling only
 };
 /// With all samples of `config.spp`.
 [[nodiscard]] Rendered render_image(const Device& device, const Scene& scene, RenderConfig config);
 
-/// A curve of a plot: how an image is made from a configuration.
-struct ImageMethod {
-    std::string name;
-    std::function<Rendered(const RenderConfig&)> render;
-};
-
-/// How wrong an image is that was made with a configuration.
-using ImageJudge = std::function<ImageError(const std::vector<glm::vec3>&, const RenderConfig&)>;
-
-/// 1, 2, 4 ... samples a pixel by each method, `runs` times with seeds of their own; adds the points to the study.
-void sweep_samples(Study& study, const StudyOptions& options, const std::vector<ImageMethod>& methods,
-                   const ImageJudge& judge, const AccuracyProgress& progress);
-
-/// A reference with 64 times the samples of the largest setting, whose error becomes the study's floor.
-[[nodiscard]] ReferenceImage reference_for(Study& study, const Device& device, const Scene& scene,
-                                           const StudyOptions& options, const AccuracyProgress& progress);
-
-/// Both: the errors against such a reference.
-ReferenceImage sweep_to_reference(Study& study, const Device& device, const Scene& scene, const StudyOptions& options,
-                                  const std::vector<ImageMethod>& methods, const AccuracyProgress& progress);
-
-/// The part of such a study that its reference takes, of what progress shows.
-constexpr double reference_share = 0.5;
-
-/// Kernels are compiled with other values of macros until the end of the scope.
+/// Compiles kernels with other values of macros until the end of the scope.
 class MacroScope {
 public:
     struct Macro {
@@ -55,5 +31,34 @@ private:
     Device device_;
     std::map<std::string, unsigned> before_;  // Device::State::tuning
 };
+
+using RenderMethod = std::function<Rendered(const RenderConfig&)>;
+/// Renders the scene by kernels with these values of macros. The scene must outlive the method.
+[[nodiscard]] RenderMethod render_with(const Device& device, const Scene& scene,
+                                       std::vector<MacroScope::Macro> macros = {});
+
+/// A curve of a plot: how an image is made from a configuration.
+struct ImageMethod {
+    std::string name;
+    RenderMethod render;
+};
+
+/// The error of an image that was made with a configuration.
+using ImageJudge = std::function<ImageError(const std::vector<glm::vec3>&, const RenderConfig&)>;
+
+/// 1, 2, 4 ... samples per pixel by each method, `runs` times with different seeds; adds the points to the study.
+void sweep_samples(Study& study, const StudyOptions& options, const std::vector<ImageMethod>& methods,
+                   const ImageJudge& judge, const AccuracyProgress& progress);
+
+/// Renders a reference with 64 times the samples of the largest setting. Its error becomes the study's floor.
+[[nodiscard]] ReferenceImage reference_for(Study& study, const Device& device, const Scene& scene,
+                                           const StudyOptions& options, const AccuracyProgress& progress);
+
+/// Both: measures the errors against such a reference.
+ReferenceImage sweep_to_reference(Study& study, const Device& device, const Scene& scene, const StudyOptions& options,
+                                  const std::vector<ImageMethod>& methods, const AccuracyProgress& progress);
+
+/// The part of such a study's progress that its reference takes.
+constexpr double reference_share = 0.5;
 
 }  // namespace claray

@@ -1,7 +1,8 @@
-// Studies of hits: tests of triangles and boxes, their mistakes and their speed.
+// Studies of rays: errors and speed of tests of triangles and boxes, and of boxes in fewer bits.
 #include <algorithm>
 #include <cmath>
 
+#include "claray/shared/quantized_node.h"
 #include "host/accuracy/studies/ray_variants.hpp"
 #include "host/accuracy/study.hpp"
 #include "host/measure/rays.hpp"
@@ -30,7 +31,7 @@ double ulps(float t, double exact) {
     return std::fabs(double(t) - exact) / ulp;
 }
 
-/// What rays hit as computed in float64, and exactly where that is asked for.
+/// The correct hits in float64; doubtful cases are judged by exact arithmetic.
 class Truth {
 public:
     explicit Truth(const RaySet& set) : set_(set), oracle_(set.meshes), nearest_(oracle_.closest_hits(set.rays)) {}
@@ -53,7 +54,7 @@ public:
     }
 
 private:
-    /// Whatever distance the hit claims: that has a figure of its own.
+    /// Ignores the distance that the hit claims: distances have their own figure.
     [[nodiscard]] verify::Fault fault_of(const Ray& ray, Hit hit) const {
         if (hit.primitive == CLARAY_MISS && set_.inside) return verify::Fault::missed;
         if (hit.primitive != CLARAY_MISS && hit.primitive < oracle_.triangles()) {
@@ -97,7 +98,7 @@ StudyPoint point_of_rays(const RayVariant& variant, const TracedVariant& traced,
         return point;
     }
     const std::size_t rays = traced.hits.size();
-    std::vector<double> wrong, ulp, seconds;
+    std::vector<double> wrong, ulp;
     Faults all;
     for (std::size_t part = 0; part < parts; ++part) {
         const Faults f = truth.judge(traced.hits, rays * part / parts, rays * (part + 1) / parts);
@@ -105,9 +106,8 @@ StudyPoint point_of_rays(const RayVariant& variant, const TracedVariant& traced,
         all.rays += f.rays, all.missed += f.missed, all.invented += f.invented, all.agreeing += f.agreeing;
         all.worst_ulp = std::max(all.worst_ulp, f.worst_ulp);
     }
-    for (const double s : traced.seconds) seconds.push_back(s * 1e6 / double(rays));
     point.error = distances ? spread_of(ulp) : spread_of(wrong);
-    point.value = point.error.median, point.seconds = spread_of(seconds);
+    point.value = point.error.median, point.seconds = spread_of(traced.seconds, 1e6 / double(rays));
     point.facts = {{"missed /10^6", all.per_million(all.missed)},
                    {"false /10^6", all.per_million(all.invented)},
                    {"worst t error, ulp", all.worst_ulp},
@@ -178,6 +178,13 @@ RaySet hard_rays(std::size_t count) {
     return set;
 }
 
+std::size_t different(const std::vector<Hit>& a, const std::vector<Hit>& b) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        count += a[i].primitive != b[i].primitive || a[i].t != b[i].t || a[i].u != b[i].u || a[i].v != b[i].v;
+    return count;
+}
+
 }  // namespace
 
 Study study_hard_rays(const Device& device, const Scene&, const StudyOptions& options,
@@ -195,6 +202,43 @@ Study study_scene_rays(const Device& device, const Scene& scene, const StudyOpti
     set.rays = rays_of_scene(device, scene, set.meshes, rays_to_judge(options.rays, set.meshes));
     Study study = study_rays(device, set, options, progress);
     study.name = "scene-rays", study.title = "Triangle and box tests with rays of the scene";
+    return study;
+}
+
+Study study_nodes(const Device& device, const Scene& scene, const StudyOptions& options,
+                  const AccuracyProgress& progress) {
+    Study study;
+    study.name = "nodes", study.title = "Boxes with fewer bits";
+    study.error = "additional boxes tested, compared with full floats, per ray", study.cost = "seconds per 10^6 rays";
+    const std::vector<Mesh> meshes = measure::world_meshes(scene);
+    const std::vector<Ray> rays = rays_of_scene(device, scene, meshes, options.rays);
+    std::vector<RayVariant> variants;
+    for (const unsigned bits : {32u, 16u, 8u})
+        variants.push_back(
+            {.method = "binary tree", .setting = std::to_string(bits) + " bits a plane", .node_bits = bits});
+    const auto traced = trace_variants(device, meshes, rays, variants, std::max(options.runs, 1u), progress);
+    for (std::size_t i = 0; i < variants.size(); ++i) {
+        StudyPoint point;
+        point.method = variants[i].method, point.setting = variants[i].setting, point.value = variants[i].node_bits;
+        point.runs = unsigned(traced[i].seconds.size());
+        if (traced[i].hits.empty()) {
+            point.failure = "was not run";
+        } else if (const std::size_t wrong = different(traced[i].hits, traced[0].hits); wrong != 0) {
+            point.failure = std::to_string(wrong) + " hits differ";
+        }
+        const double more = traced[i].boxes - traced[0].boxes;
+        const unsigned bits = variants[i].node_bits;
+        const std::size_t bytes = bits == 32 ? sizeof(BvhNode) : 4 * CLARAY_QUANTIZED_WORDS(bits);
+        point.error = {more, more, more}, point.seconds = spread_of(traced[i].seconds, 1e6 / double(rays.size()));
+        point.facts = {
+            {"bytes a node", double(bytes)}, {"boxes a ray", traced[i].boxes}, {"Mrays/s", 1 / point.seconds.median}};
+        study.points.push_back(point);
+        if (point.failure.empty() && i > 0 && traced[0].boxes > 0)
+            study.findings.push_back(printed("%s: the same hits, %.3g times the boxes, ", point.setting.c_str(),
+                                             traced[i].boxes / traced[0].boxes) +
+                                     told_time_against(point.seconds, study.points[0].seconds));
+    }
+    mark_front(study.points);
     return study;
 }
 

@@ -11,7 +11,7 @@
 namespace claray {
 namespace {
 
-/// A variant with its memory, ready to be run.
+/// A variant with its buffers.
 class Tracer {
 public:
     Tracer(const RayVariant& variant, const Bvh& binary, const Bvh& shipped, const Buffer<Ray>& rays)
@@ -43,7 +43,7 @@ private:
             .run({nodes, 64}, binary_.nodes(), nodes, quantized_);
     }
 
-    /// Groups and items as the shipped query has them.
+    /// Groups and items are those of the shipped query.
     [[nodiscard]] Kernel load(unsigned count_visits) const {
         Defines defines = variant_.defines;
         const Device& device = binary_.device();

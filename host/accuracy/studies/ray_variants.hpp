@@ -1,4 +1,4 @@
-// Rays traced in several ways on the same tree, timed by turns.
+// Rays traced in several ways on the same tree, timed in alternating runs.
 #pragma once
 
 #include "claray/accuracy.hpp"
@@ -6,7 +6,7 @@
 
 namespace claray {
 
-/// One way: what kernels/accuracy/trace_variant.cl is compiled with, or the query that ships.
+/// One way: the macros of kernels/accuracy/trace_variant.cl, or the shipped query.
 struct RayVariant {
     std::string method, setting;
     Defines defines = {};
@@ -27,10 +27,10 @@ struct TracedVariant {
                                                         const std::vector<RayVariant>& variants, unsigned rounds,
                                                         const AccuracyProgress& progress);
 
-/// So many, or as many as a test of all against all triangles can do in about a second.
+/// At most so many that testing them all against all triangles takes about a second.
 [[nodiscard]] std::size_t rays_to_judge(std::size_t wanted, std::span<const Mesh> meshes);
 
-/// Half of them from the scene's camera through pixels' centres, the rest bounced off what those hit.
+/// Half of them start at the scene's camera, the others bounce off their hits.
 [[nodiscard]] std::vector<Ray> rays_of_scene(const Device& device, const Scene& scene, std::span<const Mesh> meshes,
                                              std::size_t count);
 

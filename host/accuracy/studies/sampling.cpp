@@ -1,4 +1,5 @@
-// Studies of samples: how fast noise falls, by sampler and by what is sampled.
+// Studies of samples: how fast noise falls, by sampler and by technique.
+#include <algorithm>
 #include <cmath>
 
 #include "host/accuracy/studies/bias.hpp"
@@ -7,8 +8,8 @@
 namespace claray {
 namespace {
 
-/// How fast the error falls with the samples. Where it stops falling, new renders tell whether that is bias, or rare
-/// bright samples that few images have met.
+/// How fast the error falls with the samples. If it stops falling, new renders show whether the reason is bias, or rare
+/// bright samples that are in few of the images.
 void judge_sampling(Study& study, const ImageMethod& with, const StudyOptions& options,
                     const ReferenceImage& reference) {
     const std::string& method = with.name;
@@ -36,17 +37,13 @@ void judge_sampling(Study& study, const ImageMethod& with, const StudyOptions& o
                        bias.failure.c_str())));
 }
 
-/// error^2 * seconds: what an error costs, whatever it is.
-double cost_of(double error, double seconds) { return error * error * seconds; }
-
-/// Of its most samples.
+/// error^2 * seconds of the most samples: the cost of an error, which does not depend on the number of samples.
 Spread cost_of(const Study& study, const std::string& method) {
-    Spread last;
-    for (const StudyPoint& p : study.points)
-        if (p.method == method && p.failure.empty())
-            last = {cost_of(p.error.low, p.seconds.low), cost_of(p.error.median, p.seconds.median),
-                    cost_of(p.error.high, p.seconds.high)};
-    return last;
+    const StudyPoint* p = last_of(study, method);
+    if (!p) return {};
+    const auto cost = [](double error, double seconds) { return error * error * seconds; };
+    return {cost(p->error.low, p->seconds.low), cost(p->error.median, p->seconds.median),
+            cost(p->error.high, p->seconds.high)};
 }
 
 void compare_efficiency(Study& study, const std::vector<ImageMethod>& methods) {
@@ -90,12 +87,8 @@ Study study_techniques(const Device& device, const Scene& scene, const StudyOpti
     Study study;
     study.name = "techniques", study.title = "Light sampling, BSDF sampling, Russian roulette";
     study.error = "RMSE / mean";
-    constexpr const char* shade = "render/shade_surface";
     const auto with = [&](const char* macro, unsigned value) {
-        return [&device, &scene, macro, value](const RenderConfig& config) {
-            const MacroScope scope(device, {{shade, macro, value}});
-            return render_image(device, scene, config);
-        };
+        return render_with(device, scene, {{"render/shade_surface", macro, value}});
     };
     std::vector<ImageMethod> methods = {{"claray", with("TECHNIQUES", 3)},
                                         {"lights alone", with("TECHNIQUES", 1)},
@@ -108,6 +101,30 @@ Study study_techniques(const Device& device, const Scene& scene, const StudyOpti
                            }});
     sweep(study, device, scene, options, methods, progress);
     return study;
+}
+
+// The same images against a second, larger reference.
+ErrorCheck check_errors(const Device& device, const Scene& scene, const StudyOptions& options,
+                        const AccuracyProgress& progress) {
+    constexpr unsigned larger = 16;
+    const double share = 1.0 / (1 + larger);
+    ErrorCheck check;
+    check.reported = study_sampling(device, scene, options, scaled(progress, 0, share));
+    StudyOptions again = options;
+    again.reference_factor = larger * options.reference_factor;
+    again.reference_seed = options.reference_seed ^ 0x40000000u;
+    check.independent = study_sampling(device, scene, again, scaled(progress, share, 1));
+    std::vector<double> samples, errors;
+    for (std::size_t i = 0; i < check.reported.points.size(); ++i) {
+        const StudyPoint &a = check.reported.points[i], &b = check.independent.points[i];
+        if (!a.failure.empty() || !b.failure.empty()) continue;
+        const double off = std::fabs(a.error.median / b.error.median - 1);
+        check.points += 1, check.within += off <= 0.1;
+        check.worst = std::max(check.worst, off);
+        if (a.method == "independent") samples.push_back(a.value), errors.push_back(a.error.median);
+    }
+    check.slope = log_log_slope(samples, errors);
+    return check;
 }
 
 }  // namespace claray

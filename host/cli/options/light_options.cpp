@@ -1,7 +1,6 @@
 #include "host/cli/options/light_options.hpp"
 
-#include <charconv>
-#include <cmath>
+#include <algorithm>
 #include <numbers>
 
 #include "claray/error.hpp"
@@ -17,53 +16,42 @@ constexpr float degree = std::numbers::pi_v<float> / 180.f;
     throw Error(ErrorKind::usage, what, remedy);
 }
 
-std::optional<float> number(std::string_view text) {
-    float value = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-    if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return {};
-    return value;
-}
-
-std::vector<std::string> split(const std::string& text) {
-    std::vector<std::string> words;
-    for (std::size_t begin = 0; begin <= text.size();) {
-        const std::size_t end = std::min(text.find(',', begin), text.size());
-        words.push_back(text.substr(begin, end - begin));
-        begin = end + 1;
-    }
-    return words;
-}
-
 /// A name with the numbers that follow it.
 struct Value {
     std::string name;
     std::vector<float> numbers;
 };
 
-std::vector<Value> values_of(const std::string& option, const std::vector<std::string>& words) {
+std::vector<Value> values_of(const std::vector<std::string>& words) {
     std::vector<Value> values;
     for (std::size_t i = 1; i < words.size(); ++i) {
         const std::size_t equals = words[i].find('=');
         if (equals != std::string::npos) values.push_back({words[i].substr(0, equals), {}});
-        const auto value = number(equals == std::string::npos ? words[i] : words[i].substr(equals + 1));
-        if (values.empty() || !value)
-            refuse(option + ": '" + words[i] + "' is not a number", "write KIND,NAME=NUMBERS,NAME=NUMBERS ...");
-        values.back().numbers.push_back(*value);
+        const auto numbers = parse_numbers(equals == std::string::npos ? words[i] : words[i].substr(equals + 1));
+        if (values.empty() || numbers.empty())
+            refuse("--light: '" + words[i] + "' is not a number", "write KIND,NAME=NUMBERS,NAME=NUMBERS ...");
+        values.back().numbers.push_back(numbers[0]);
     }
     return values;
 }
 
-glm::vec3 three(const std::string& option, const Value& value, bool one_will_do) {
-    if (one_will_do && value.numbers.size() == 1) return glm::vec3(value.numbers[0]);
-    if (value.numbers.size() != 3)
-        refuse(option + ": " + value.name + " has " + std::to_string(value.numbers.size()) + " numbers",
-               one_will_do ? "give one or three" : "give three");
+void expect_count(const Value& value, bool good, const char* remedy) {
+    if (!good) refuse("--light: " + value.name + " has " + std::to_string(value.numbers.size()) + " numbers", remedy);
+}
+
+glm::vec3 three(const Value& value) {
+    expect_count(value, value.numbers.size() == 3, "give three");
     return {value.numbers[0], value.numbers[1], value.numbers[2]};
 }
 
-float one(const std::string& option, const Value& value) {
-    if (value.numbers.size() != 1)
-        refuse(option + ": " + value.name + " has " + std::to_string(value.numbers.size()) + " numbers", "give one");
+glm::vec3 one_or_three(const Value& value) {
+    if (value.numbers.size() == 1) return glm::vec3(value.numbers[0]);
+    expect_count(value, value.numbers.size() == 3, "give one or three");
+    return three(value);
+}
+
+float one(const Value& value) {
+    expect_count(value, value.numbers.size() == 1, "give one");
     return value.numbers[0];
 }
 
@@ -80,46 +68,46 @@ LightKind kind_named(const std::string& name) {
     refuse("--light: unknown kind '" + name + "'", "the kinds are " + kinds());
 }
 
-}  // namespace
-
+/// "spot,position=0,2,0,direction=0,-1,0,intensity=50,inner=20,outer=30": a kind, then names and values; angles in
+/// degrees, one number for three equal ones.
 Light parse_light(const std::string& text) {
-    const std::string option = "--light";
     const std::vector<std::string> words = split(text);
     Light light;
     light.kind = kind_named(words[0]);
-    for (const Value& value : values_of(option, words)) {
+    for (const Value& value : values_of(words)) {
         if (value.name == "position")
-            light.position = three(option, value, false);
+            light.position = three(value);
         else if (value.name == "direction")
-            light.direction = three(option, value, false);
+            light.direction = three(value);
         else if (value.name == "intensity")
-            light.intensity = three(option, value, true);
+            light.intensity = one_or_three(value);
         else if (value.name == "attenuation")
-            light.attenuation = three(option, value, false);
+            light.attenuation = three(value);
         else if (value.name == "range")
-            light.range = one(option, value);
+            light.range = one(value);
         else if (value.name == "inner")
-            light.inner_angle = degree * one(option, value);
+            light.inner_angle = degree * one(value);
         else if (value.name == "outer")
-            light.outer_angle = degree * one(option, value);
+            light.outer_angle = degree * one(value);
         else
-            refuse(option + ": unknown value '" + value.name + "'",
+            refuse("--light: unknown value '" + value.name + "'",
                    "use position, direction, intensity, range, attenuation, inner or outer");
     }
     return light;
 }
 
+/// "R,G,B", or "R,G,B,R,G,B" from the horizon to the zenith; one number is grey.
 Sky parse_sky(const std::string& text) {
-    const std::vector<std::string> words = split(text);
-    std::vector<float> numbers;
-    for (const std::string& word : words)
-        if (const auto value = number(word); value && *value >= 0.f) numbers.push_back(*value);
-    if (numbers.size() != words.size() || (numbers.size() != 1 && numbers.size() != 3 && numbers.size() != 6))
+    std::vector<float> numbers = parse_numbers(text);
+    const bool negative = std::any_of(numbers.begin(), numbers.end(), [](float x) { return x < 0; });
+    if (negative || (numbers.size() != 1 && numbers.size() != 3 && numbers.size() != 6))
         refuse("--sky: '" + text + "' is not a radiance", "write R,G,B, or R,G,B,R,G,B from the horizon to the zenith");
     if (numbers.size() == 1) numbers.assign(3, numbers[0]);
     if (numbers.size() == 3) numbers.insert(numbers.end(), {numbers[0], numbers[1], numbers[2]});
     return {{numbers[0], numbers[1], numbers[2]}, {numbers[3], numbers[4], numbers[5]}};
 }
+
+}  // namespace
 
 void add_light_options(CLI::App& command, LightOptions& o) {
     command
@@ -140,8 +128,7 @@ void add_light_options(CLI::App& command, LightOptions& o) {
     command.add_option(
         "--environment", o.environment,
         "An image round the scene, in place of the sky: latitude and longitude, or a folder with px nx py ny pz nz");
-    command.add_option("--environment-strength", o.strength, "Its radiance times this [1]")
-        ->check(number_above("0 or more", 0, true));
+    command.add_option("--environment-strength", o.strength, "Its radiance times this [1]")->check(number_from_0());
     command.add_option("--environment-rotation", o.rotation, "Turns it by degrees, counter-clockwise from above [0]")
         ->check(finite_number());
 }

@@ -18,14 +18,11 @@ std::string lower_case(std::string text) {
     return text;
 }
 
-/// All of `text`, or nothing.
-std::optional<double> parse_finite(const std::string& text) {
-    const char *begin = text.data(), *const end = begin + text.size();
-    if (text.starts_with('+')) ++begin;
-    double value = NAN;
-    const auto [stop, error] = std::from_chars(begin, end, value);
-    if (error != std::errc() || stop != end || !std::isfinite(value)) return {};
-    return value;
+/// The finite number that is all of `text`, or nothing.
+std::optional<double> parse_finite(std::string_view text) {
+    if (text.starts_with('+')) text.remove_prefix(1);
+    const auto value = parse_number<double>(text);
+    return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
 /// "a, b or c"
@@ -40,36 +37,53 @@ std::string no_such(const std::string& name, const std::vector<std::string>& nam
     return "unknown name " + in_quotes(name) + "; choose " + listed(names);
 }
 
-bool fits_float(double value) { return std::abs(value) <= double(std::numeric_limits<float>::max()); }
-
-}  // namespace
-
-CLI::Validator finite_number() {
-    const auto check = [](const std::string& text) {
+template <class Good>
+CLI::Validator number_that_is(Good good, const char* mistake) {
+    const auto check = [=](const std::string& text) {
         const auto value = parse_finite(text);
-        return value && fits_float(*value) ? std::string() : in_quotes(text) + " is not a number; write it as in -1.5";
+        const bool fits_float = value && std::abs(*value) <= double(std::numeric_limits<float>::max());
+        return fits_float && good(*value) ? std::string() : in_quotes(text) + mistake;
     };
     return CLI::Validator(check, "");
 }
 
-CLI::Validator number_above(const std::string& range, double least, bool included) {
-    const auto check = [range, least, included](const std::string& text) {
-        const auto value = parse_finite(text);
-        const bool ok = value && fits_float(*value) && (*value > least || (included && *value == least));
-        return ok ? std::string() : in_quotes(text) + " is not a number of " + range;
-    };
-    return CLI::Validator(check, "");
+}  // namespace
+
+std::vector<std::string> split(const std::string& text) {
+    std::vector<std::string> words;
+    for (std::size_t begin = 0; begin <= text.size(); begin += words.back().size() + 1)
+        words.push_back(text.substr(begin, text.find(',', begin) - begin));
+    return words;
+}
+
+std::vector<float> parse_numbers(const std::string& text) {
+    std::vector<float> numbers;
+    for (const std::string& word : split(text)) {
+        const auto number = parse_number<float>(word);
+        if (!number || !std::isfinite(*number)) return {};
+        numbers.push_back(*number);
+    }
+    return numbers;
+}
+
+CLI::Validator finite_number() {
+    return number_that_is([](double) { return true; }, " is not a number; write it as in -1.5");
+}
+
+CLI::Validator positive_number() {
+    return number_that_is([](double x) { return x > 0; }, " is not a number of more than 0");
+}
+
+CLI::Validator number_from_0() {
+    return number_that_is([](double x) { return x >= 0; }, " is not a number of 0 or more");
 }
 
 CLI::Validator whole_number(std::uint64_t least, std::uint64_t most) {
     const std::string range = std::to_string(least) + ".." + std::to_string(most);
     const auto check = [=](std::string& text) {
-        std::uint64_t value = 0;
-        const char* const end = text.data() + text.size();
-        const auto [stop, error] = std::from_chars(text.data(), end, value);
-        if (error != std::errc() || stop != end || value < least || value > most)
-            return in_quotes(text) + " is not a whole number in " + range;
-        text = std::to_string(value);  // "010" would be read as octal
+        const auto value = parse_number<std::uint64_t>(text);
+        if (!value || *value < least || *value > most) return in_quotes(text) + " is not a whole number in " + range;
+        text = std::to_string(*value);  // "010" would be read as octal
         return std::string();
     };
     return CLI::Validator(check, "");
@@ -80,7 +94,7 @@ CLI::Validator duration() {
         static constexpr std::pair<const char*, double> units[] = {{"", 1},   {"us", 1e-6}, {"ms", 1e-3}, {"s", 1},
                                                                    {"m", 60}, {"min", 60},  {"h", 3600}};
         const std::size_t begin = std::min(text.find_first_not_of("+-.0123456789eE"), text.size());
-        const auto value = parse_finite(text.substr(0, begin));
+        const auto value = parse_finite(std::string_view(text).substr(0, begin));
         const std::string unit = lower_case(text.substr(std::min(text.find_first_not_of(' ', begin), text.size())));
         for (const auto& [name, unit_seconds] : units) {
             const double seconds = value ? *value * unit_seconds : 0;

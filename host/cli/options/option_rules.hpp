@@ -1,4 +1,4 @@
-// What options ask of their values and of each other, in words of our own: what is given is obeyed or refused.
+// Checks of the values of options, and of options that contradict each other.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -14,7 +14,7 @@
 
 namespace claray::cli {
 
-/// All of `text`, or nothing.
+/// The number that is all of `text`, or nothing.
 template <class T>
 [[nodiscard]] std::optional<T> parse_number(std::string_view text) {
     T value{};
@@ -23,17 +23,22 @@ template <class T>
     return value;
 }
 
-/// Refuses what is no finite number.
+/// Splits at commas.
+[[nodiscard]] std::vector<std::string> split(const std::string& text);
+/// The numbers between commas. Empty if one is not a finite number.
+[[nodiscard]] std::vector<float> parse_numbers(const std::string& text);
+
+/// Accept finite numbers only.
 [[nodiscard]] CLI::Validator finite_number();
-/// Refuses what is no finite number above `least`, or not that where it is `included`; `range` says it in words.
-[[nodiscard]] CLI::Validator number_above(const std::string& range, double least, bool included);
-/// Refuses what is no decimal whole number in least..most.
+[[nodiscard]] CLI::Validator positive_number();
+[[nodiscard]] CLI::Validator number_from_0();
+/// Accepts decimal whole numbers in least..most.
 [[nodiscard]] CLI::Validator whole_number(std::uint64_t least,
                                           std::uint64_t most = std::numeric_limits<std::uint32_t>::max());
 /// Turns "500ms", "2s", "1.5min", "1m" and "2h", or a number of seconds, into seconds; more than 0.
 [[nodiscard]] CLI::Validator duration();
 
-/// Turns the name of a choice, in whatever case, into its number.
+/// Turns the name of a choice into its number; upper and lower case are the same.
 [[nodiscard]] CLI::Validator choice_of(std::vector<std::pair<std::string, int>> choices);
 template <class Choice>
 [[nodiscard]] CLI::Validator choice_of(const std::vector<std::pair<std::string, Choice>>& choices) {
@@ -41,12 +46,12 @@ template <class Choice>
     for (const auto& [name, choice] : choices) numbers.emplace_back(name, int(choice));
     return choice_of(std::move(numbers));
 }
-/// Refuses what is not one of these names.
+/// Accepts these names only.
 [[nodiscard]] CLI::Validator name_among(std::vector<std::string> names);
 
-/// Throws ErrorKind::usage where `option` is given, and `other`, without which it does nothing, is not.
+/// Throws ErrorKind::usage if `option` is given without `other`, without which it has no effect.
 void refuse_without(const CLI::App& command, const char* option, const char* other);
-/// Throws ErrorKind::usage where `option` and one of `others` are given.
+/// Throws ErrorKind::usage if `option` and one of `others` are given.
 void refuse_both(const CLI::App& command, const char* option, std::initializer_list<const char*> others,
                  const char* why);
 

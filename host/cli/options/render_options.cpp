@@ -1,6 +1,9 @@
 #include "host/cli/options/render_options.hpp"
 
+#include <tuple>
+
 #include "claray/renderer.hpp"
+#include "host/base/format.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/output/outputs.hpp"
 
@@ -9,8 +12,7 @@ namespace {
 
 constexpr unsigned largest_side = 16384;
 
-}  // namespace
-
+/// "640x480" -> {640, 480}
 std::pair<unsigned, unsigned> parse_size(const std::string& text) {
     const std::size_t x = text.find('x');
     if (x != std::string::npos) {
@@ -21,6 +23,41 @@ std::pair<unsigned, unsigned> parse_size(const std::string& text) {
     }
     throw Error(ErrorKind::usage, "--size: '" + text + "' is not an image size",
                 "write WIDTHxHEIGHT, each from 1 to " + std::to_string(largest_side));
+}
+
+}  // namespace
+
+void add_size_option(CLI::App& command, unsigned& width, unsigned& height, const char* description) {
+    command.add_option_function<std::string>(
+        "--size", [&](const std::string& text) { std::tie(width, height) = parse_size(text); }, description);
+}
+
+FrameRange parse_frames(const std::string& text) {
+    constexpr unsigned most = 1'000'000;
+    const std::size_t dots = text.find("..");
+    if (dots != std::string::npos) {
+        const auto first = parse_number<unsigned>(std::string_view(text).substr(0, dots));
+        const auto last = parse_number<unsigned>(std::string_view(text).substr(dots + 2));
+        if (first && last && *first <= *last && *last < most) return {*first, *last};
+    }
+    throw Error(ErrorKind::usage, "--frames: '" + text + "' is not a range of frames",
+                "write FIRST..LAST, as in 0..47; a single number is for --fps");
+}
+
+std::filesystem::path numbered(const std::filesystem::path& output, unsigned frame) {
+    std::string name = output.filename().string();
+    const std::size_t percent = name.find('%');
+    if (percent == std::string::npos)
+        return output.parent_path() /
+               (output.stem().string() + "." + printed("%04u", frame) + output.extension().string());
+    const std::size_t end = name.find_first_not_of("0123456789", percent + 1);
+    const std::string digits = name.substr(percent + 1, end - percent - 1);
+    const bool plain = digits.empty() || (digits.size() == 2 && digits[0] == '0' && digits[1] != '0');
+    if (end == std::string::npos || name[end] != 'd' || !plain || name.find('%', end) != std::string::npos)
+        throw Error(ErrorKind::usage, "--output: '" + name + "' has an invalid placeholder for the frame number",
+                    "write %d or %04d once");
+    return output.parent_path() /
+           name.replace(percent, end + 1 - percent, printed("%0*u", digits.empty() ? 1 : digits[1] - '0', frame));
 }
 
 void use_light_maps(Scene& scene, const std::vector<std::string>& light_maps) {
@@ -62,10 +99,7 @@ std::vector<NamedFile> inputs_of(const RenderOptions& options) {
 }
 
 void check_outputs(const RenderOptions& options) {
-    const auto check_image = [](const std::filesystem::path& path) {
-        if (!path.empty()) check_writable(path);  // its extension, too
-    };
-    check_image(options.output);
+    if (!options.output.empty()) check_writable(options.output);  // its extension, too
     check_outputs(outputs_of(options), inputs_of(options));
 }
 

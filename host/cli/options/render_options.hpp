@@ -8,10 +8,14 @@
 
 #include "claray/io.hpp"
 #include "claray/renderer.hpp"
-#include "host/cli/options/frames.hpp"
 #include "host/cli/options/view_options.hpp"
 
 namespace claray::cli {
+
+/// The frames of an animation, one image each.
+struct FrameRange {
+    unsigned first = 0, last = 0;
+};
 
 struct RenderOptions {
     std::string scene;
@@ -31,21 +35,28 @@ struct RenderOptions {
     std::string frames_text;                            // as the command line has it: a number, or a range
     std::optional<FrameRange> animation;                // a picture each
     double frame_rate = 24;                             // of the animation
-    bool picks_settings = false, picks_builder = true;  // by target; the builder where none is asked for
+    bool picks_settings = false, picks_builder = true;  // by target; the builder only without --builder
 };
 
 inline constexpr const char* aov_names[] = {"depth", "normal", "albedo", "primitive", "heat"};
 
-/// "640x480" -> {640, 480}. Throws ErrorKind::usage unless both are 1 .. 16384.
-[[nodiscard]] std::pair<unsigned, unsigned> parse_size(const std::string& text);
+/// --size WIDTHxHEIGHT, each 1 .. 16384.
+void add_size_option(CLI::App& command, unsigned& width, unsigned& height, const char* description);
 
-/// Lets meshes show the light maps that the command line names. Throws ErrorKind::usage for what is not MESH=FILE.
+/// "0..47" -> {0, 47}. Throws ErrorKind::usage for other text and for more than a million frames.
+[[nodiscard]] FrameRange parse_frames(const std::string& text);
+
+/// The file of a frame: the number replaces %d or %04d in the name, or precedes the extension, as in out.0007.png.
+/// Throws ErrorKind::usage for any other % in the name.
+[[nodiscard]] std::filesystem::path numbered(const std::filesystem::path& output, unsigned frame);
+
+/// Puts light maps on meshes. Throws ErrorKind::usage for text that is not MESH=FILE.
 void use_light_maps(Scene& scene, const std::vector<std::string>& light_maps);
 
 /// out.png, depth -> {out.depth.png, out.depth.pfm}
 [[nodiscard]] std::pair<std::filesystem::path, std::filesystem::path> aov_paths(const std::filesystem::path& output,
                                                                                 const std::string& name);
-/// Throws what writing any of the output files would throw, before time is spent on rendering.
+/// Called before rendering: throws the errors that writing the output files would throw.
 void check_outputs(const RenderOptions& options);
 
 }  // namespace claray::cli

@@ -7,13 +7,14 @@
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/output/progress.hpp"
 #include "host/cli/output/render_outputs.hpp"
+#include "host/cli/output/table.hpp"
 
 namespace claray::cli {
 namespace {
 
 constexpr unsigned most_spp = 1u << 24;
 
-/// For an error of 0, which can't be reached: what comes closest is told as for any other.
+/// In place of an error of 0, which cannot be reached: the message then names the closest possible error.
 constexpr const char* least_error = "1e-30";
 
 CLI::Validator least_error_for_none() {
@@ -23,31 +24,6 @@ CLI::Validator least_error_for_none() {
             },
             ""};
 }
-
-}  // namespace
-
-void add_target_options(CLI::App& command, RenderOptions& o) {
-    command
-        .add_option("--error", o.config.error, "Render until the RMSE over the mean is at most this: for example 0.01")
-        ->check(number_above("more than 0", 0, false))
-        ->transform(least_error_for_none());
-    command.add_option("--time", o.config.seconds, "Render as many samples as fit into this time: 500ms, 2s, 1m")
-        ->transform(duration())
-        ->type_name("TIME");
-    command
-        .add_option("--fps", o.fps,
-                    "Render frames at this rate with as many samples as fit, and print whether the rate was met")
-        ->check(number_above("more than 0", 0, false));
-    command
-        .add_option("--frames", o.frames_text,
-                    "FIRST..LAST: write an image per frame of an animation, as OUTPUT.0000.png or by %04d in OUTPUT; "
-                    "with --fps: number of frames [300]")
-        ->type_name("RANGE");
-    command.add_option("--frame-rate", o.frame_rate, "Frames per second of the animation, with --frames [24]")
-        ->check(number_above("more than 0", 0, false));
-}
-
-namespace {
 
 void check_frames(const CLI::App& command, RenderOptions& o) {
     refuse_without(command, "--frame-rate", "--frames");
@@ -69,6 +45,27 @@ void check_frames(const CLI::App& command, RenderOptions& o) {
 
 }  // namespace
 
+void add_target_options(CLI::App& command, RenderOptions& o) {
+    command
+        .add_option("--error", o.config.error, "Render until the RMSE over the mean is at most this: for example 0.01")
+        ->check(positive_number())
+        ->transform(least_error_for_none());
+    command.add_option("--time", o.config.seconds, "Render as many samples as fit into this time: 500ms, 2s, 1m")
+        ->transform(duration())
+        ->type_name("TIME");
+    command
+        .add_option("--fps", o.fps,
+                    "Render frames at this rate with as many samples as fit, and print whether the rate was met")
+        ->check(positive_number());
+    command
+        .add_option("--frames", o.frames_text,
+                    "FIRST..LAST: write an image per frame of an animation, as OUTPUT.0000.png or by %04d in OUTPUT; "
+                    "with --fps: number of frames [300]")
+        ->type_name("RANGE");
+    command.add_option("--frame-rate", o.frame_rate, "Frames per second of the animation, with --frames [24]")
+        ->check(positive_number());
+}
+
 void check_targets(const CLI::App& command, RenderOptions& o) {
     if (command.count("--fps") == 0 && command.count("--output") == 0) throw CLI::RequiredError("--output");
     check_frames(command, o);
@@ -83,8 +80,8 @@ void check_targets(const CLI::App& command, RenderOptions& o) {
     o.picks_builder = command.count("--builder") == 0;
 }
 
-void print_picks(const TargetPlan& plan) {
-    for (const std::string& pick : plan.picks) std::printf("%s\n", pick.c_str());
+void print_picks(const std::vector<std::string>& picks) {
+    for (const std::string& pick : picks) std::printf("%s\n", pick.c_str());
 }
 
 MeasuringProgress measuring_progress(bool quiet) {
@@ -115,10 +112,9 @@ void run_frames(const Device& device, const Scene& scene, const RenderOptions& o
             {"max_depth", report.max_depth},
             {"milliseconds", {{"promised", budget}, {"median", p50}, {"percentile_99", p99}}},
             {"picks", report.picks}};
-        std::printf("%s\n", json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+        print_json(json);
     } else {
-        if (!options.quiet)
-            for (const std::string& pick : report.picks) std::printf("%s\n", pick.c_str());
+        if (!options.quiet) print_picks(report.picks);
         std::printf(
             "%s: %zu of %u frames of %ux%u, %u samples per pixel: median %.2f ms, 99th percentile %.2f ms (target: "
             "%.2f)\n",

@@ -1,25 +1,37 @@
 #include "host/cli/options/view_options.hpp"
 
-#include <cmath>
-
 #include "claray/error.hpp"
-#include "host/cli/load.hpp"
 #include "host/cli/options/option_rules.hpp"
 
 namespace claray::cli {
+namespace {
+
+/// "1,-2,3.5" -> vector
 glm::vec3 parse_vector(const std::string& option, const std::string& text) {
-    glm::vec3 vector{0.f};
-    std::string_view rest = text;
-    for (int i = 0; i < 3; ++i) {
-        const std::size_t comma = i < 2 ? rest.find(',') : rest.size();
-        const auto number = comma == std::string_view::npos ? std::nullopt : parse_number<float>(rest.substr(0, comma));
-        if (!number || !std::isfinite(*number))
-            throw Error(ErrorKind::usage, option + ": '" + text + "' is not a vector", "write three numbers: X,Y,Z");
-        vector[i] = *number;
-        rest.remove_prefix(std::min(comma + 1, rest.size()));
-    }
-    return vector;
+    const std::vector<float> numbers = parse_numbers(text);
+    if (numbers.size() != 3)
+        throw Error(ErrorKind::usage, option + ": '" + text + "' is not a vector", "write three numbers: X,Y,Z");
+    return {numbers[0], numbers[1], numbers[2]};
 }
+
+/// The scene's own camera or the automatic one, with the changes of the command line.
+Camera choose_camera(Camera camera, const ViewOptions& options) {
+    // A camera at another place does not keep the motion of the scene's camera.
+    if (options.camera) camera.position = *options.camera, camera.position_end.reset();
+    if (options.look_at) camera.target = *options.look_at, camera.target_end.reset();
+    if (options.camera_end) camera.position_end = options.camera_end;
+    if (options.look_at_end) camera.target_end = options.look_at_end;
+    if (options.aperture) camera.aperture_radius = *options.aperture;
+    if (options.focus_distance) camera.focus_distance = *options.focus_distance;
+    if (options.focus_distance && camera.aperture_radius == 0.f)
+        throw Error(ErrorKind::usage, "--focus-distance has no effect without a lens", "add --aperture");
+    if (options.up) camera.up = *options.up;
+    if (options.fov) camera.vertical_fov = *options.fov, camera.orthographic_height = 0.f;
+    if (options.ortho) camera.orthographic_height = *options.ortho;
+    return camera;
+}
+
+}  // namespace
 
 void add_view_options(CLI::App& command, ViewOptions& o) {
     const auto add_vector = [&](const char* name, std::optional<glm::vec3>& vector, const char* description) {
@@ -36,34 +48,18 @@ void add_view_options(CLI::App& command, ViewOptions& o) {
     command.add_option("--fov", o.fov, "Vertical field of view in degrees [scene's camera, else 40]")
         ->check(finite_number());
     command.add_option("--ortho", o.ortho, "Use parallel rays; height of the image, in units of the scene")
-        ->check(number_above("more than 0", 0, false))
+        ->check(positive_number())
         ->type_name("HEIGHT");
     command.add_option("--aperture", o.aperture, "Radius of the lens, in units of the scene, for depth of field [0]")
-        ->check(number_above("0 or more", 0, true));
+        ->check(number_from_0());
     command
         .add_option("--focus-distance", o.focus_distance,
                     "Distance of the sharp plane along the view [that of --look-at]")
-        ->check(number_above("more than 0", 0, false));
+        ->check(positive_number());
     add_vector("--camera-end", o.camera_end, "Position at shutter close, X,Y,Z, for motion blur");
     add_vector("--look-at-end", o.look_at_end, "Point in the middle at shutter close, X,Y,Z");
     add_light_options(command, o.lights);
     add_surface_options(command, o.surfaces);
-}
-
-Camera choose_camera(Camera camera, const ViewOptions& options) {
-    // A camera that is put elsewhere keeps no motion of the scene's.
-    if (options.camera) camera.position = *options.camera, camera.position_end.reset();
-    if (options.look_at) camera.target = *options.look_at, camera.target_end.reset();
-    if (options.camera_end) camera.position_end = options.camera_end;
-    if (options.look_at_end) camera.target_end = options.look_at_end;
-    if (options.aperture) camera.aperture_radius = *options.aperture;
-    if (options.focus_distance) camera.focus_distance = *options.focus_distance;
-    if (options.focus_distance && camera.aperture_radius == 0.f)
-        throw Error(ErrorKind::usage, "--focus-distance has no effect without a lens", "add --aperture");
-    if (options.up) camera.up = *options.up;
-    if (options.fov) camera.vertical_fov = *options.fov, camera.orthographic_height = 0.f;
-    if (options.ortho) camera.orthographic_height = *options.ortho;
-    return camera;
 }
 
 Scene load_view(const std::string& name, const ViewOptions& options, unsigned width, unsigned height,

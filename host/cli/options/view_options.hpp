@@ -1,4 +1,4 @@
-// What is seen and in which light: options of all commands that make images of a scene.
+// Camera and light: options of all commands that make images of a scene.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -6,8 +6,7 @@
 #include <string>
 
 #include "claray/io.hpp"
-#include "host/cli/options/light_options.hpp"
-#include "host/cli/options/surface_options.hpp"
+#include "host/cli/load.hpp"
 
 namespace claray::cli {
 
@@ -22,22 +21,16 @@ struct ViewOptions {
     LoadOptions load;
 };
 
-/// "1,-2,3.5" -> vector. Throws ErrorKind::usage, naming the option, unless it is three finite numbers.
-[[nodiscard]] glm::vec3 parse_vector(const std::string& option, const std::string& text);
-
 void add_view_options(CLI::App& command, ViewOptions& options);
 
-/// `from`, the scene's own camera or the automatic one, with what the command line changes.
-[[nodiscard]] Camera choose_camera(Camera from, const ViewOptions& options);
-
-/// What the first frame of an animation chooses for all: the automatic camera, and light where the file is dark.
+/// The first frame of an animation sets the automatic camera, and the light of a dark file, for all frames.
 struct FirstFrame {
     std::optional<Camera> camera;
     std::optional<LightOptions> light;
 };
 
 /// Loads a scene with the lights and the camera of the command line. Prints warnings, and throws as `load` does.
-/// `first`: of an animation; the first frame fills it in, the others follow it.
+/// `first` belongs to an animation: its first frame sets it, the others use it.
 [[nodiscard]] Scene load_view(const std::string& name, const ViewOptions& options, unsigned width, unsigned height,
                               FirstFrame* first = nullptr);
 

@@ -1,4 +1,4 @@
-// Whether a picture shows anything.
+// Warnings about black and white images.
 #pragma once
 
 #include <optional>
@@ -9,8 +9,8 @@
 
 namespace claray::cli {
 
-/// What to tell the user of pixels that are nearly all black or white at an exposure, and what to do; nothing where
-/// they are neither. Without an exposure, as for files that hold the radiance, only pixels that are all black count.
+/// A warning, with a remedy, if nearly all pixels are black or white at this exposure. Without an exposure, as for
+/// files that store the radiance, only if all are black.
 [[nodiscard]] std::optional<std::string> brightness_warning(std::span<const glm::vec3> pixels,
                                                             std::optional<float> exposure);
 

@@ -13,8 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Creates a file of a name that nobody can know before, readable by its owner only (mkstemps: O_EXCL, 0600). Empty
-/// where it can't be written.
+/// Creates a file with an unpredictable name, readable by its owner only (mkstemps: O_EXCL, 0600). Returns an empty
+/// path on failure.
 fs::path written_log(const std::string& text) {
     const fs::path folder = log_folder();
     if (folder.empty()) return {};

@@ -1,4 +1,4 @@
-// What the program says on standard error: one line each.
+// Messages on standard error, one line each.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@ namespace claray::cli {
 
 void print_warning(const std::string& text);
 
-/// Prints the first line of `text`. A report of a device or a compiler that follows goes to a new file, which the line
-/// names. Returns the exit code.
+/// Prints the first line of `text`. If more lines follow, as from a compiler, all go to a new file that the line names.
+/// Returns the exit code.
 int print_error(ErrorKind kind, const std::string& text);
 
 }  // namespace claray::cli

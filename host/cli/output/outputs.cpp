@@ -11,7 +11,7 @@ namespace {
                 "use different files");
 }
 
-/// Where it goes to a file. Who names /dev/stdout wants to write there, too.
+/// True if the standard output goes to this file. The path /dev/stdout itself is allowed.
 bool is_standard_output(const std::filesystem::path& path) {
     const std::filesystem::path output = "/dev/stdout";
     return are_one_file(path, output) && write_target(path) != write_target(output);

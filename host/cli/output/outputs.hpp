@@ -1,5 +1,4 @@
-// The files that a command writes: checked before time is spent, and written one after the other whatever becomes of
-// one.
+// The files that a command writes: all are checked first; an error in one does not stop the others from being written.
 #pragma once
 
 #include <exception>
@@ -11,17 +10,17 @@
 
 namespace claray::cli {
 
-/// A file, and what names it on the command line. Without a path it is not asked for.
+/// A file and its option on the command line. An empty path: the option is not given.
 struct NamedFile {
     std::string option;
     std::filesystem::path path;
 };
 
-/// Throws ErrorKind::usage where two outputs, or an output and an input, are one file by whatever spelling and links,
-/// and what writing any of the outputs would throw.
+/// Throws ErrorKind::usage if two outputs, or an output and an input, are the same file, also by another spelling or by
+/// links. Throws the errors that writing the outputs would throw.
 void check_outputs(const std::vector<NamedFile>& outputs, const std::vector<NamedFile>& inputs = {});
 
-/// Writes what can be written, and then throws the first error.
+/// Attempts all writes, then throws the first error.
 class Writes {
 public:
     template <class Write>

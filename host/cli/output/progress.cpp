@@ -33,7 +33,7 @@ void handle(int signal_number, void (*handler)(int)) {
     sigaction(signal_number, &action, nullptr);
 }
 
-/// All that ask the program to end. What `nohup` has set to be ignored stays so.
+/// All signals that ask the program to end. SIGHUP stays ignored under `nohup`.
 void handle_all(void (*handler)(int)) {
     for (const int signal_number : {SIGINT, SIGTERM, SIGHUP, SIGQUIT}) {
         struct sigaction now = {};

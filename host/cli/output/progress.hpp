@@ -1,4 +1,4 @@
-// How far a render has come, and the signal that stops it.
+// The progress of a render, and the signals that stop it.
 #pragma once
 
 #include <cstdio>
@@ -7,8 +7,8 @@
 
 namespace claray::cli {
 
-/// Share of the work done, 0..1: of the samples, of the time, or of the way down to the noise level (noise falls with
-/// the square root of the samples), whichever ends the render first.
+/// Fraction of the work done, 0..1: of the samples, the time or the noise limit, whichever ends the render first. Noise
+/// falls with the square root of the samples.
 [[nodiscard]] double fraction_done(const RenderProgress& progress, const RenderConfig& config);
 
 enum class ProgressStyle {
@@ -16,7 +16,7 @@ enum class ProgressStyle {
     lines,  ///< a line now and then
     bar     ///< one line, drawn again and again
 };
-/// A bar on a terminal that can erase a line ($TERM), lines elsewhere, nothing for the quiet.
+/// A bar on a terminal that can erase a line ($TERM), else lines; nothing if quiet.
 [[nodiscard]] ProgressStyle progress_style(bool quiet);
 
 /// Shows how much is done, the time left, and the noise.
@@ -29,7 +29,7 @@ public:
     ProgressDisplay& operator=(const ProgressDisplay&) = delete;
 
     void show(const RenderProgress& progress);
-    /// Shows where the render ended, for certain.
+    /// Always shows the last state.
     void finish(const RenderProgress& progress);
 
 private:
@@ -42,11 +42,11 @@ private:
     double next_line_ = 0;  // seconds
 };
 
-/// Before there is anything to save SIGINT, SIGTERM, SIGHUP and SIGQUIT end the program as usual, even while a driver
-/// compiles, but not without a word. SIGHUP stays ignored where it is.
+/// Until there is an image to save, SIGINT, SIGTERM, SIGHUP and SIGQUIT print a message and end the program as usual,
+/// even while a driver compiles. SIGHUP stays ignored if it was.
 void tell_of_signals_until_guarded();
 
-/// From its construction on these signals only set a flag; a second one of a kind ends the program as usual.
+/// While it exists, these signals set a flag; a second signal of the same kind ends the program as usual.
 class InterruptGuard {
 public:
     InterruptGuard();

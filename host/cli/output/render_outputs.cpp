@@ -8,6 +8,7 @@
 #include "host/cli/options/render_targets.hpp"
 #include "host/cli/output/brightness.hpp"
 #include "host/cli/output/messages.hpp"
+#include "host/cli/output/table.hpp"
 
 namespace claray::cli {
 namespace {
@@ -17,7 +18,7 @@ std::vector<float> as_floats(const std::vector<T>& values) {
     return {values.begin(), values.end()};
 }
 
-/// Directions as the colours of normal maps: the stored byte is 127.5 (n + 1), whatever the sRGB curve would do.
+/// Directions as the colours of normal maps: inverts the sRGB curve, so that the stored byte is 127.5 (n + 1).
 std::vector<glm::vec3> direction_colors(const std::vector<glm::vec3>& directions) {
     const auto channel = [](float n) {
         return linear_from_srgb(std::uint8_t(std::lround(127.5f * (glm::clamp(n, -1.f, 1.f) + 1.f))));
@@ -60,7 +61,6 @@ nlohmann::ordered_json as_json(const RayCount& count) {
     return {{"rays", count.rays}, {"milliseconds", count.milliseconds}, {"mrays_per_second", count.mrays_per_second()}};
 }
 
-/// Names, in the order of all_effects.
 nlohmann::ordered_json as_json(EffectSet effects) {
     nlohmann::ordered_json names = nlohmann::ordered_json::array();
     for (const Effect effect : all_effects())
@@ -140,7 +140,7 @@ void write_aovs(const Renderer& renderer, const RenderOptions& options, Writes& 
 void print_as_text(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,
                    const TargetPlan* plan) {
     const RenderProgress& p = outcome.progress;
-    if (plan && tells_plan(options)) print_picks(*plan);
+    if (plan && tells_plan(options)) print_picks(plan->picks);
     print_overrides(options.config.effects);
     if (options.stats) print_statistics(device, renderer.statistics(), p.seconds);
     std::printf("%s: %ux%u, %u spp in %.2f s", options.output.c_str(), options.config.width, options.config.height,
@@ -209,7 +209,7 @@ void print_as_json(const Device& device, const Renderer& renderer, const RenderO
                             {"picks", plan->picks},
                             {"kept", !outcome.interrupted && is_kept(*plan, outcome.progress)},
                             {"reached", account_of(*plan, outcome.progress)}};
-    std::printf("%s\n", report.dump(2, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    print_json(report);
 }
 
 }  // namespace claray::cli

@@ -1,4 +1,4 @@
-// What `claray render` leaves behind: auxiliary images and statistics.
+// Outputs of `claray render`: the image, auxiliary images and statistics.
 #pragma once
 
 #include "claray/device.hpp"
@@ -8,7 +8,7 @@
 
 namespace claray::cli {
 
-/// Writes the image, and warns where it shows nothing.
+/// Writes the image, and warns if it is black or white.
 void write_picture(const std::vector<glm::vec3>& pixels, const RenderOptions& options);
 /// Writes every auxiliary image that was asked for, in false colours (.png) and raw (.pfm).
 void write_aovs(const Renderer& renderer, const RenderOptions& options, Writes& writes);
@@ -19,7 +19,7 @@ struct Outcome {
     bool interrupted = false;
 };
 
-/// `plan`: null where nothing was picked.
+/// `plan`: null if nothing was picked.
 void print_as_text(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,
                    const TargetPlan* plan);
 void print_as_json(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 #include "host/base/format.hpp"
 
@@ -23,6 +24,12 @@ void print_table(const std::vector<Row>& rows, std::size_t first_right) {
         std::printf("%s\n", line.c_str());
     }
 }
+
+std::string json_text(const nlohmann::ordered_json& json) {
+    return json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + '\n';
+}
+
+void print_json(const nlohmann::ordered_json& json) { std::fputs(json_text(json).c_str(), stdout); }
 
 std::string fixed(double value, int digits) { return printed("%.*f", digits, value); }
 std::string number(double value) { return printed("%.4g", value); }
