@@ -1,4 +1,4 @@
-// What all queries over arrays of rays do with their options.
+// Handling of the options that all queries over arrays of rays share.
 #pragma once
 
 #include "claray/query.hpp"

@@ -7,7 +7,7 @@
 
 namespace claray::scenes {
 
-/// Without triangles, with room for as many as are to come.
+/// Returns a mesh without triangles, with memory reserved for so many vertices and triangles.
 [[nodiscard]] Mesh named_mesh(const char* name, std::size_t vertices = 0, std::size_t triangles = 0);
 
 /// Adds one triangle, with its own three vertices, of material `material`.

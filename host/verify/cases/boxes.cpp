@@ -1,4 +1,4 @@
-// Rays against boxes: none that is met may be missed, and rays along the axes must neither err nor crawl.
+// Rays against boxes: no box that a ray meets may be missed; rays along the axes must be correct and fast.
 #include <algorithm>
 #include <cmath>
 
@@ -93,7 +93,7 @@ void boxes(Run& run) {
         }
     }
     for (int k = 0; k < 4; ++k) run.check(std::string("boxes missed, ") + names[k], missed[k], "boxes");
-    // Rays that all meet, or that no test lets pass, would tell nothing.
+    // The case would prove nothing if all rays met their boxes, or if every test always reported a hit.
     if (met < total / 5) run.check("rays that meet their box", total, 1, 0, "");
     for (int k = 0; k < 4; ++k)
         if (total - met - falsely_met[k] < total / 50)

@@ -1,4 +1,4 @@
-// What all else stands on: that the device computes as IEEE 754 says, orders floats by their integers, and sorts
+// The basis of all other cases: the device computes as IEEE 754 says, orders floats by their integers, and sorts
 // stably.
 #include <algorithm>
 #include <bit>
@@ -165,7 +165,7 @@ void float_atomics(Run& run) {
     run.check("floats that integers do not restore", round_trip, "values");
 }
 
-/// Equal keys keep their order: on that stands that equal Morton codes give one tree.
+/// Equal keys must keep their order, so that equal Morton codes always give the same tree.
 void sort_order(Run& run) {
     Tally wrong;
     for (const std::size_t count : {std::size_t(1), std::size_t(1000), run.count<std::size_t>(100'003, 4'000'003)})

@@ -1,4 +1,4 @@
-// Rays through shared edges and vertices: none may leak, none may be claimed twice.
+// Rays through shared edges and vertices: exactly one triangle must claim each ray.
 #include <algorithm>
 #include <cmath>
 

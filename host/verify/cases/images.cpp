@@ -1,5 +1,5 @@
-// What shows in images: rays that meet the surface they leave, lost samples, sums, curves, poles, lights that are too
-// close.
+// Errors that show in images: rays that meet the surface they leave, lost samples, sums, curves, poles, lights that are
+// too close.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -168,7 +168,7 @@ void nan_pixels(Run& run) {
         run.check("samples that are NaN, infinite or above 1e30, " + name, samples, dropped, 0, "samples");
         run.check("pixels that are NaN, infinite or negative, " + name, finite, "pixels");
     }
-    // And what is thrown in must come out as a count, not as an image.
+    // Bad samples must be counted and must not reach the image.
     Film film(run.device(), 2);
     const float nan = NAN, inf = INFINITY;
     film.accumulate({0, 2, 0, 4},
