@@ -1,4 +1,4 @@
-// Files as a whole: read one, write one so that there is never half of it.
+// Reads whole files, and writes files so that a partly written one is never visible.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace claray {
 
-/// Kept in files: it reads otherwise on a machine of the other byte order.
+/// Stored in files. On a machine of the other byte order it reads as another value.
 constexpr std::uint32_t byte_order = 0x01020304;
 
 /// The bytes of a file. Throws ErrorKind::user where it can't be read; `remedy` completes that message.

@@ -1,4 +1,4 @@
-// Checksums: XXH3 of 128 bits, in its canonical (big endian) form. They tell damage, not malice.
+// Checksums: XXH3 of 128 bits, in its canonical (big endian) form. They detect damage, not manipulation.
 #pragma once
 
 #include <array>

@@ -1,4 +1,4 @@
-// Work of the host that falls into independent pieces, by all its processors.
+// Runs independent pieces of host work on all processors.
 #pragma once
 
 #include <atomic>

@@ -1,4 +1,4 @@
-// What may be said to a user: one line, fit for a terminal.
+// Messages to the user: one line, safe to print on a terminal.
 #pragma once
 
 #include <string>

@@ -12,8 +12,7 @@
 
 namespace claray {
 
-/// Made for the materials that need them and for no other: empty where none does. Parameters of added BSDFs lie behind
-/// them.
+/// Only the tables that the materials need; empty if none needs any. The parameters of added BSDFs follow the tables.
 class EnergyTables {
 public:
     explicit EnergyTables(std::span<const Material> materials);

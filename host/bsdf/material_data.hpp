@@ -1,4 +1,4 @@
-// Materials as the kernels read them, and what each of them needs.
+// Materials in the form that kernels read, and the features that each material needs.
 #pragma once
 
 #include "host/bsdf/energy_tables.hpp"
@@ -16,7 +16,7 @@ inline constexpr TextureUse Material::*material_maps[] = {
     &Material::anisotropy_map,       &Material::iridescence_map, &Material::film_thickness_map,
     &Material::normal_map,           &Material::height_map,      &Material::light_map};
 
-// What of a material needs code and tables of its own. Textures only multiply, so that what is 0 stays 0.
+// Features of a material that need code and tables of their own. Textures only multiply, so a factor of 0 stays 0.
 
 [[nodiscard]] bool has_diffuse_dielectric(const Material& material);
 [[nodiscard]] bool has_metal(const Material& material);
@@ -27,7 +27,7 @@ inline constexpr TextureUse Material::*material_maps[] = {
 [[nodiscard]] bool has_clearcoat(const Material& material);
 [[nodiscard]] bool has_coated_metal(const Material& material);
 [[nodiscard]] bool has_coated_dielectric(const Material& material);
-/// A coat that is told from what is under it: by normals of its own, or because the latter has more layers.
+/// A coat that is evaluated separately: it has normals of its own, or the material below has further layers.
 [[nodiscard]] bool has_layered_coat(const Material& material);
 /// The dielectric reflects otherwise than its index of refraction says.
 [[nodiscard]] bool has_specular_layer(const Material& material);

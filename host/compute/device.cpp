@@ -79,6 +79,12 @@ std::vector<cl::Device> all_devices() {
     return devices;
 }
 
+std::vector<DeviceInfo> described(const std::vector<cl::Device>& devices) {
+    std::vector<DeviceInfo> infos;
+    for (const cl::Device& device : devices) infos.push_back(describe(device, infos.size()));
+    return infos;
+}
+
 std::string listing(const std::vector<DeviceInfo>& infos) {
     std::string text;
     for (const DeviceInfo& info : infos) {
@@ -140,19 +146,14 @@ const char* to_string(DeviceType type) noexcept {
     }
 }
 
-std::vector<DeviceInfo> list_devices() try {
-    std::vector<DeviceInfo> infos;
-    for (const cl::Device& device : all_devices()) infos.push_back(describe(device, infos.size()));
-    return infos;
-} catch (const cl::Error& error) {
+std::vector<DeviceInfo> list_devices() try { return described(all_devices()); } catch (const cl::Error& error) {
     throw Error(ErrorKind::device, std::string("cannot list the OpenCL devices: ") + error.what() + " gave " +
                                        std::to_string(error.err()));
 }
 
 Device Device::open(const std::string& selector) try {
     const std::vector<cl::Device> devices = all_devices();
-    std::vector<DeviceInfo> infos;
-    for (const cl::Device& device : devices) infos.push_back(describe(device, infos.size()));
+    const std::vector<DeviceInfo> infos = described(devices);
     const std::size_t index = select(infos, selector_or_environment(selector));
 
     auto state = std::make_shared<State>();

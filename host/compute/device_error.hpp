@@ -1,4 +1,4 @@
-// Errors that OpenCL gives, as claray::Error with all that a report of the failure needs.
+// Turns errors of OpenCL into claray::Error, with everything that a failure report needs.
 #pragma once
 
 #include "claray/device.hpp"

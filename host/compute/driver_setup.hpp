@@ -1,4 +1,4 @@
-// What drivers need of the process, before the first of them is loaded.
+// Prepares the process for drivers, before the first of them is loaded.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ namespace claray {
 /// $POCL_CACHE_DIR can't be written to.
 void set_up_drivers();
 
-/// What to do where there is no device.
+/// The remedy to name when there is no device.
 [[nodiscard]] std::string no_device_remedy();
 
 }  // namespace claray

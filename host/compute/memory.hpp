@@ -1,4 +1,4 @@
-// What is in use on a device, and what something would need, before it is begun.
+// Device memory in use, and the memory that an object would need before it is made.
 #pragma once
 
 #include <cstdint>

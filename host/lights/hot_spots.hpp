@@ -1,4 +1,4 @@
-// Point lights so close to surfaces that their light there is worth looking for: lights/light_hot_spot.clh.
+// Point lights so close to surfaces that paths should sample the bright spots: lights/light_hot_spot.clh.
 #pragma once
 
 #include <vector>

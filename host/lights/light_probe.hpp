@@ -1,4 +1,4 @@
-// How much light there is where a camera looks, before any kernel is compiled.
+// Estimates how much light there is where a camera looks, before any kernel is compiled.
 #pragma once
 
 #include "claray/scene.hpp"

@@ -1,4 +1,4 @@
-// A tree over lights, by which one of them can be picked by how much it matters at a point.
+// A tree over lights, for sampling a light by its importance at a point.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace claray {
 
-/// What the tree needs to know of one light.
+/// The input of the tree for one light.
 struct LightBounds {
     Bounds box;
     glm::vec3 axis{0, 0, 1};  // of the cone that holds the directions in which it shines most

@@ -7,7 +7,7 @@
 
 namespace claray {
 
-/// Host data of a scene's lights. What the scene has no use for is empty.
+/// Host data of a scene's lights. Arrays that the scene does not need are empty.
 struct Lights {
     std::vector<TriangleLight> triangles;
     std::vector<PunctualLight> punctual;  // near ones before far ones

@@ -1,4 +1,4 @@
-// Random numbers handed out to lights.
+// Assigns ranges of 32-bit random numbers to lights.
 #pragma once
 
 #include <algorithm>

@@ -1,11 +1,11 @@
-// What a render that looks at its error now and then knows of it.
+// What a render has learned about its error from the estimates so far.
 #pragma once
 
 #include <cstdint>
 
 namespace claray {
 
-/// Where a render may stop hangs on it, so that checkpoints keep it.
+/// Decides where a render stops; therefore checkpoints store it.
 struct ErrorLooks {
     double square = 0;   // of the image's error, as the looks so far tell it
     double degrees = 0;  // of freedom that this has

@@ -12,7 +12,7 @@ namespace claray {
 
 class Film {
 public:
-    /// With the samples of odd index summed once more the error can be told.
+    /// `tells_error`: samples of odd index are also summed separately, and the error is estimated from them.
     Film(const Device& device, std::uint32_t pixels, bool tells_error = false);
 
     struct Kernels {
@@ -20,7 +20,7 @@ public:
         Kernel accumulate, resolve, measure;
     };
 
-    /// Goes on with kernels that are loaded anew.
+    /// Loads the kernels again.
     void reload_kernels();
 
     /// Adds the radiance (3 floats a path) of a batch; enqueued.
@@ -38,7 +38,7 @@ public:
     [[nodiscard]] Sums sums() const;
     void set_sums(const Sums& sums);
 
-    /// Enqueues what noise() and error() tell from, where it is not known: they wait for it.
+    /// Enqueues the measurement that noise() and error() read, unless it is known. They wait for it.
     void look() const;
 
     struct Noise {
@@ -49,7 +49,7 @@ public:
     [[nodiscard]] Noise noise() const;
 
     struct Error {
-        double estimate = 0;  ///< root mean square of all channels over the mean; 0: nothing is known
+        double estimate = 0;  ///< root mean square of all channels over the mean; 0: unknown
         double bound = 0;     ///< which the error exceeds in hardly one image of a hundred
     };
     /// Where it can be told: by a look after so many samples a pixel, and by those before; see docs/accuracy.md.

@@ -1,4 +1,4 @@
-// What the device was told to do and may not have done yet.
+// Batches that are enqueued on the device and may not have finished yet.
 #pragma once
 
 #include <chrono>
@@ -11,7 +11,7 @@
 
 namespace claray {
 
-/// In the queue, behind what was enqueued so far.
+/// A marker in the queue, after all commands enqueued so far.
 class Mark {
 public:
     explicit Mark(const Device& device);

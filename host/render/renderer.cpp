@@ -67,15 +67,8 @@ CameraData camera_of(const Scene& scene, const RenderConfig& config) {
 }
 
 FrameData frame_data(const Scene& scene, const SceneBuffers& buffers, const RenderConfig& config) {
-    FrameData frame{};
+    FrameData frame = frame_without_camera(scene, buffers, config);
     frame.camera = camera_of(scene, config);
-    const glm::vec3 h = scene.sky.horizon, z = scene.sky.zenith;
-    if (scene.environment.images.empty()) frame.sky = {h.x, h.y, h.z, z.x, z.y, z.z};
-    frame.width = config.width;
-    frame.height = config.height;
-    frame.seed = config.seed;
-    frame.max_depth = config.max_depth;
-    frame.lights = buffers.lights;
     return frame;
 }
 
@@ -131,9 +124,9 @@ KernelPlan plan_for(const Device& device, const Scene& scene, EffectSet effects,
 
 Structure first_structure(const Device& device, const Scene& scene, std::size_t baked, const KernelPlan& plan,
                           const Bvh::Config& config) {
-    if (plan.start == KernelStart::quick && plan.first.layout == Layout::binary && host_builds(device, scene))
-        return Structure::by_host(device, scene, baked, config);
-    return {device, scene, baked, with_layout(config, plan.first.layout)};
+    const bool by_host =
+        plan.start == KernelStart::quick && plan.first.layout == Layout::binary && host_builds(device, scene);
+    return {device, scene, baked, with_layout(config, plan.first.layout), by_host};
 }
 
 }  // namespace

@@ -5,29 +5,23 @@
 
 #include "host/bsdf/material_data.hpp"
 #include "host/lights/lights.hpp"
+#include "host/textures/texture_use.hpp"
 
 namespace claray {
 namespace {
 
 /// Those that some triangle has.
-std::vector<Material> used_materials(const Scene& scene, const std::vector<std::uint32_t>& of_triangles) {
-    std::vector<bool> used(scene.materials.size());
-    for (const std::uint32_t material : of_triangles) used[material] = true;
+std::vector<Material> materials_in_use(const Scene& scene) {
+    const std::vector<bool> used = used_materials(scene);
     std::vector<Material> found;
     for (std::size_t i = 0; i < used.size(); ++i)
         if (used[i]) found.push_back(scene.materials[i]);
     return found;
 }
 
-std::vector<float> all_normals(const Scene& scene) {
-    std::vector<float> normals;
+std::vector<glm::vec3> all_normals(const Scene& scene) {
     const bool any = std::any_of(scene.meshes.begin(), scene.meshes.end(), [](auto& m) { return !m.normals.empty(); });
-    if (!any) return normals;
-    for (const Mesh& mesh : scene.meshes) {
-        for (const glm::vec3& n : mesh.normals) normals.insert(normals.end(), {n.x, n.y, n.z});
-        if (mesh.normals.empty()) normals.resize(normals.size() + 3 * mesh.positions.size(), 0.f);
-    }
-    return normals;
+    return any ? of_all_meshes(scene, &Mesh::normals) : std::vector<glm::vec3>();
 }
 
 std::vector<std::uint32_t> all_triangle_materials(const Scene& scene) {
@@ -65,7 +59,7 @@ private:
 SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Structure& with, EffectSet added)
     : structure(with), effects(effects_of(scene)) {
     const std::vector<std::uint32_t> of_triangles = all_triangle_materials(scene);
-    const EnergyTables energy(used_materials(scene, of_triangles));
+    const EnergyTables energy(materials_in_use(scene));
     std::vector<MaterialData> materials;
     for (const Material& material : scene.materials) materials.push_back(material_data(material, energy));
 

@@ -1,4 +1,4 @@
-// Which pixels and samples are traced together, and in which order.
+// Decides which pixels and samples are traced together, and in which order.
 #pragma once
 
 #include <cstdint>

@@ -62,31 +62,17 @@ InstancedBvh::Config config_of_top(const Bvh::Config& config) {
 
 }  // namespace
 
-Structure::Structure(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config) {
-    if (!scene.instances.empty()) {
-        build_instances(device, scene, baked, config, false);
+Structure::Structure(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config,
+                     bool by_host) {
+    const auto build = [&](std::span<const Mesh> meshes) {
+        return by_host ? Bvh::build_by_host(device, meshes, config) : Bvh::build(device, meshes, config);
+    };
+    if (scene.instances.empty()) {
+        bvh_ = build(scene.meshes);
+        triangles_ = bvh_.triangles();
         return;
     }
-    bvh_ = Bvh::build(device, scene.meshes, config);
-    triangles_ = bvh_.triangles();
-}
-
-Structure Structure::by_host(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config) {
-    Structure structure;
-    if (!scene.instances.empty()) {
-        structure.build_instances(device, scene, baked, config, true);
-        return structure;
-    }
-    structure.bvh_ = Bvh::build_by_host(device, scene.meshes, config);
-    structure.triangles_ = structure.bvh_.triangles();
-    return structure;
-}
-
-void Structure::build_instances(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config,
-                                bool by_host) {
-    const BottomLevels levels = build_bottoms(scene, baked, [&](std::span<const Mesh> meshes) {
-        return by_host ? Bvh::build_by_host(device, meshes, config) : Bvh::build(device, meshes, config);
-    });
+    const BottomLevels levels = build_bottoms(scene, baked, build);
     bottoms_ = levels.statistics;
     const std::vector<std::uint32_t> lights = first_light_numbers(scene);
     std::vector<Instance> begins, ends;
@@ -169,10 +155,7 @@ SceneQuery::SceneQuery(const Structure& structure, QueryKernel::Kind kind, const
                        const std::string& name, const std::string& file)
     : instanced_(structure.instanced().has_value()) {
     if (instanced_)
-        of_instances_ =
-            InstanceQuery(*structure.instanced(),
-                          kind == QueryKernel::Kind::closest ? InstanceQuery::Kind::closest : InstanceQuery::Kind::any,
-                          options, name);
+        of_instances_ = InstanceQuery(*structure.instanced(), kind, options, name);
     else
         of_triangles_ = QueryKernel(structure.bvh(), kind, options, name, file);
 }

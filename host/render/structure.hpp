@@ -1,4 +1,4 @@
-// What a scene's rays are traced through: one tree over all triangles or, where it has instances, one of trees.
+// The acceleration structure of a scene: one tree over all triangles, or a tree of trees if the scene has instances.
 #pragma once
 
 #include <optional>
@@ -14,14 +14,12 @@ namespace claray {
 class Structure {
 public:
     Structure() = default;
-    /// `baked` as in PlacedScene. Throws ErrorKind::user where an instance can't be placed.
-    Structure(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config);
+    /// `baked` as in PlacedScene; `by_host`: see Bvh::build_by_host and InstancedBvh::build_by_host. Throws
+    /// ErrorKind::user where an instance cannot be placed.
+    Structure(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config,
+              bool by_host = false);
 
-    /// See Bvh::build_by_host and InstancedBvh::build_by_host.
-    [[nodiscard]] static Structure by_host(const Device& device, const Scene& scene, std::size_t baked,
-                                           const Bvh::Config& config);
-
-    /// The same built anew in another way, by the device: one tree, or a tree of trees that the host built.
+    /// Builds it again on the device with another configuration: one tree, or a tree of trees that the host built.
     [[nodiscard]] Structure rebuilt(const Bvh::Config& config) const;
 
     [[nodiscard]] const Device& device() const;
@@ -45,9 +43,6 @@ public:
     void bind(Kernel& kernel, unsigned& index) const;
 
 private:
-    void build_instances(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config,
-                         bool by_host);
-
     Bvh bvh_;
     std::optional<InstancedBvh> instanced_;
     std::vector<Bvh> by_host_;  // its bottom levels, if the host built them

@@ -19,6 +19,18 @@ inline constexpr const char* trace_shadow_name = "trace_shadow_rays";
 /// And of the kernel of whole paths.
 inline constexpr const char* trace_paths_name = "trace_paths";
 
+/// `config`: RenderConfig or LightMapConfig.
+template <class Config>
+FrameData frame_without_camera(const Scene& scene, const SceneBuffers& buffers, const Config& config) {
+    FrameData frame{};
+    const glm::vec3 h = scene.sky.horizon, z = scene.sky.zenith;
+    if (scene.environment.images.empty()) frame.sky = {h.x, h.y, h.z, z.x, z.y, z.z};
+    frame.width = config.width, frame.height = config.height;
+    frame.seed = config.seed, frame.max_depth = config.max_depth;
+    frame.lights = buffers.lights;
+    return frame;
+}
+
 /// The stages' kernels for a set of effects, which may be larger than the scene's: what it does not call for changes no
 /// bit of the image.
 struct WavefrontKernels {

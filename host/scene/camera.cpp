@@ -104,36 +104,12 @@ CameraData camera_data(const Camera& camera, float aspect) {
     const glm::vec3 m(move), v(view), w(view_move), a(glm::normalize(glm::dvec3(camera.up)));
     const glm::vec3& p = camera.position;
     const bool follows_target = camera.focus_distance == 0.f;
+    const float lens = camera.aperture_radius;
     const float focus = !follows_target ? camera.focus_distance : moves(camera) ? 0.f : float(distance);
-    return {p.x,
-            p.y,
-            p.z,
-            f.x,
-            f.y,
-            f.z,
-            r.x,
-            r.y,
-            r.z,
-            u.x,
-            u.y,
-            u.z,
-            camera.aperture_radius,
-            focus,
-            m.x,
-            m.y,
-            m.z,
-            v.x,
-            v.y,
-            v.z,
-            w.x,
-            w.y,
-            w.z,
-            a.x,
-            a.y,
-            a.z,
-            float(half_height * aspect),
-            float(half_height),
-            orthographic ? 1u : 0u};
+    const auto width = float(half_height * aspect), height = float(half_height);
+    const std::uint32_t parallel = orthographic ? 1 : 0;
+    return {p.x, p.y, p.z, f.x, f.y, f.z, r.x, r.y, r.z, u.x, u.y, u.z,   lens,   focus,   m.x,
+            m.y, m.z, v.x, v.y, v.z, w.x, w.y, w.z, a.x, a.y, a.z, width, height, parallel};
 }
 
 }  // namespace claray

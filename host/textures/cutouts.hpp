@@ -11,7 +11,7 @@ namespace claray {
 
 /// Empty where every triangle is solid, or where all have only a front, which queries know by themselves.
 struct Cutouts {
-    /// `slot_of` tells the index in the store of a texture of the scene, which is uploaded for that.
+    /// `slot_of` returns the index in the store of a texture of the scene, and marks the texture for upload.
     Cutouts(const Scene& scene, const std::vector<bool>& used,
             const std::function<std::uint32_t(std::uint32_t)>& slot_of);
 

@@ -16,27 +16,20 @@ unsigned wrapped(float at, unsigned size, Wrap wrap) {
     return unsigned(std::clamp(whole * size, 0.0, size - 1.0));
 }
 
-float value_at(const Texture& t, std::size_t texel, unsigned channel) {
-    const std::size_t at = texel * t.channels + channel;
-    if (t.format == TexelFormat::float32) return t.floats[at];
-    const bool is_alpha = t.channels % 2 == 0 && channel + 1 == t.channels;
-    return t.format == TexelFormat::srgb8 && !is_alpha ? decode_srgb(t.bytes[at]) : float(t.bytes[at]) / 255.f;
-}
-
 std::size_t texel_at(const Texture& t, const glm::vec2& uv) {
     return std::size_t(wrapped(uv.y, t.height, t.wrap_v)) * t.width + wrapped(uv.x, t.width, t.wrap_u);
 }
 
 glm::vec3 color_of(const Texture& t, std::size_t texel) {
-    if (t.channels < 3) return glm::vec3(value_at(t, texel, 0));
-    return {value_at(t, texel, 0), value_at(t, texel, 1), value_at(t, texel, 2)};
+    if (t.channels < 3) return glm::vec3(linear_value(t, texel, 0));
+    return {linear_value(t, texel, 0), linear_value(t, texel, 1), linear_value(t, texel, 2)};
 }
 
 }  // namespace
 
 glm::vec4 nearest_texel(const Texture& t, const glm::vec2& uv) {
     const std::size_t texel = texel_at(t, uv);
-    return {color_of(t, texel), t.channels % 2 == 0 ? value_at(t, texel, t.channels - 1) : 1.f};
+    return {color_of(t, texel), t.channels % 2 == 0 ? linear_value(t, texel, t.channels - 1) : 1.f};
 }
 
 glm::vec3 mean_texel(const Texture& t, const glm::vec2& a, const glm::vec2& b, const glm::vec2& c,

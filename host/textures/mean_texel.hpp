@@ -1,4 +1,4 @@
-// What a texture is at a point, and on average over a triangle.
+// The value of a texture at a point, and its mean over a triangle.
 #pragma once
 
 #include "claray/texture.hpp"

@@ -31,13 +31,6 @@ bool is_color(const Texture& texture, unsigned channel) {
     return texture.format == TexelFormat::srgb8 && (texture.channels % 2 == 1 || channel + 1 < texture.channels);
 }
 
-float value_of(const Texture& texture, std::size_t texel, unsigned channel) {
-    const std::size_t at = texel * texture.channels + channel;
-    if (texture.format == TexelFormat::float32) return texture.floats[at];
-    const std::uint8_t byte = texture.bytes[at];
-    return is_color(texture, channel) ? decode_srgb(byte) : float(byte) / 255.f;
-}
-
 /// The up to three texels of a row of `size` that texel i of a row half as long covers, and their shares.
 struct Taps {
     unsigned first, count;
@@ -74,13 +67,16 @@ Level halved(unsigned width, unsigned height, unsigned channels, const Value& va
 
 std::uint8_t byte_of(float value) { return std::uint8_t(std::lround(std::clamp(value, 0.f, 1.f) * 255.f)); }
 
+/// The bytes of the values, with zeros up to a whole word.
+template <class T>
+std::vector<std::uint32_t> words_of(const std::vector<T>& values) {
+    std::vector<std::uint32_t> words((values.size() * sizeof(T) + 3) / 4);
+    std::memcpy(words.data(), values.data(), values.size() * sizeof(T));
+    return words;
+}
+
 std::vector<std::uint32_t> packed(const Texture& texture, const Level& level) {
-    std::vector<std::uint32_t> words;
-    if (texture.format == TexelFormat::float32) {
-        words.reserve(level.values.size());
-        for (const float value : level.values) words.push_back(std::bit_cast<std::uint32_t>(value));
-        return words;
-    }
+    if (texture.format == TexelFormat::float32) return words_of(level.values);
     const unsigned channels = level.channels, stride = channels == 3 ? 4 : channels;
     const std::size_t texels = level.values.size() / channels;
     std::vector<std::uint8_t> bytes((texels * stride + 3) / 4 * 4, 255);
@@ -89,25 +85,15 @@ std::vector<std::uint32_t> packed(const Texture& texture, const Level& level) {
             const float value = level.values[i * channels + c];
             bytes[i * stride + c] = is_color(texture, c) ? encode_srgb(value) : byte_of(value);
         }
-    words.resize(bytes.size() / 4);
-    std::memcpy(words.data(), bytes.data(), bytes.size());
-    return words;
+    return words_of(bytes);
 }
 
 /// The image itself, untouched.
 std::vector<std::uint32_t> packed_image(const Texture& texture) {
+    if (texture.format == TexelFormat::float32) return words_of(texture.floats);
+    if (texture.channels != 3) return words_of(texture.bytes);
     const std::size_t texels = std::size_t(texture.width) * texture.height;
     std::vector<std::uint32_t> words;
-    if (texture.format == TexelFormat::float32) {
-        words.resize(texture.floats.size());
-        std::memcpy(words.data(), texture.floats.data(), texture.floats.size() * sizeof(float));
-        return words;
-    }
-    if (texture.channels != 3) {
-        words.resize((texture.bytes.size() + 3) / 4);
-        std::memcpy(words.data(), texture.bytes.data(), texture.bytes.size());
-        return words;
-    }
     words.reserve(texels);
     for (std::size_t i = 0; i < texels; ++i)
         words.push_back(texture.bytes[3 * i] | std::uint32_t(texture.bytes[3 * i + 1]) << 8 |
@@ -118,6 +104,13 @@ std::vector<std::uint32_t> packed_image(const Texture& texture) {
 }  // namespace
 
 float decode_srgb(std::uint8_t value) { return srgb_table()[value]; }
+
+float linear_value(const Texture& texture, std::size_t texel, unsigned channel) {
+    const std::size_t at = texel * texture.channels + channel;
+    if (texture.format == TexelFormat::float32) return texture.floats[at];
+    const std::uint8_t byte = texture.bytes[at];
+    return is_color(texture, channel) ? decode_srgb(byte) : float(byte) / 255.f;
+}
 
 std::uint8_t encode_srgb(float linear) {
     const double c = std::clamp(double(linear), 0.0, 1.0);
@@ -134,7 +127,7 @@ std::vector<std::vector<std::uint32_t>> packed_levels(const Texture& texture, un
         const unsigned width = level.width;
         if (result.size() == 1) {  // from the bytes: as floats the image might be four times as large
             level = halved(width, level.height, level.channels, [&](unsigned x, unsigned y, unsigned c) {
-                return value_of(texture, std::size_t(y) * width + x, c);
+                return linear_value(texture, std::size_t(y) * width + x, c);
             });
         } else {
             const Level above = std::move(level);

@@ -13,6 +13,9 @@ namespace claray {
 /// The byte whose value is nearest on the curve; `linear` is clamped to 0..1.
 [[nodiscard]] std::uint8_t encode_srgb(float linear);
 
+/// A channel of a texel; only the colours of srgb8 are on a curve, alpha is not.
+[[nodiscard]] float linear_value(const Texture& texture, std::size_t texel, unsigned channel);
+
 /// Levels of a full mip map.
 [[nodiscard]] unsigned mip_levels(unsigned width, unsigned height);
 

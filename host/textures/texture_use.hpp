@@ -17,4 +17,16 @@ namespace claray {
 /// For every material, whether a triangle has it.
 [[nodiscard]] std::vector<bool> used_materials(const Scene& scene);
 
+/// One array of all meshes' vertices; `none` where a mesh has none.
+template <class Vector>
+std::vector<Vector> of_all_meshes(const Scene& scene, std::vector<Vector> Mesh::*member, Vector none = Vector(0.f)) {
+    std::vector<Vector> all;
+    for (const Mesh& mesh : scene.meshes) {
+        const std::vector<Vector>& values = mesh.*member;
+        all.insert(all.end(), values.begin(), values.end());
+        if (values.empty()) all.resize(all.size() + mesh.positions.size(), none);
+    }
+    return all;
+}
+
 }  // namespace claray

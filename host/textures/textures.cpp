@@ -192,18 +192,6 @@ private:
     std::map<std::uint32_t, std::uint32_t> slots_;
 };
 
-/// One array of all meshes' vertices; `none` where a mesh has none.
-template <class Vector>
-std::vector<Vector> of_all_meshes(const Scene& scene, std::vector<Vector> Mesh::*member, Vector none = Vector(0.f)) {
-    std::vector<Vector> all;
-    for (const Mesh& mesh : scene.meshes) {
-        const std::vector<Vector>& values = mesh.*member;
-        all.insert(all.end(), values.begin(), values.end());
-        if (values.empty()) all.resize(all.size() + mesh.positions.size(), none);
-    }
-    return all;
-}
-
 std::vector<glm::vec3> all_colors(const Scene& scene) {
     const std::vector<glm::vec4> all = of_all_meshes(scene, &Mesh::colors, glm::vec4(1.f));
     return {all.begin(), all.end()};

@@ -23,7 +23,6 @@ public:
     /// Keeps a reference to the scene, which must be valid (see `validate`).
     explicit HostRays(const Scene& scene);
 
-    [[nodiscard]] const Scene& scene() const { return scene_; }
     /// The nearest hit closer than `distance`.
     [[nodiscard]] std::optional<HostHit> closest(const glm::dvec3& origin, const glm::dvec3& direction,
                                                  double distance) const;

@@ -4,12 +4,13 @@
 #include <algorithm>
 
 #include "claray/instances.hpp"
+#include "host/trace/query_options.hpp"
 
 namespace claray {
 
 class InstanceQuery {
 public:
-    enum class Kind { closest, any };
+    using Kind = QueryKind;
 
     InstanceQuery() = default;
     /// The profiler shows its times under `name`, or under the kernel's where that is empty.

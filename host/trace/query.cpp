@@ -1,7 +1,6 @@
 #include "claray/query.hpp"
 
 #include "host/trace/query_kernel.hpp"
-#include "host/trace/query_options.hpp"
 
 namespace claray {
 
@@ -18,17 +17,11 @@ void any_hit(const Bvh& bvh, const Buffer<Ray>& rays, Buffer<std::uint8_t>& occl
 }
 
 std::vector<Hit> closest_hit(const Bvh& bvh, std::span<const Ray> rays, const QueryOptions& options) {
-    const Buffer<Ray> device_rays(bvh.device(), rays);
-    Buffer<Hit> hits(bvh.device(), rays.size());
-    closest_hit(bvh, device_rays, hits, options);
-    return hits.read();
+    return answers<Hit, Bvh>(bvh, rays, options, closest_hit);
 }
 
 std::vector<std::uint8_t> any_hit(const Bvh& bvh, std::span<const Ray> rays, const QueryOptions& options) {
-    const Buffer<Ray> device_rays(bvh.device(), rays);
-    Buffer<std::uint8_t> occluded(bvh.device(), rays.size());
-    any_hit(bvh, device_rays, occluded, options);
-    return occluded.read();
+    return answers<std::uint8_t, Bvh>(bvh, rays, options, any_hit);
 }
 
 }  // namespace claray

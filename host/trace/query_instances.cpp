@@ -1,5 +1,4 @@
 #include "host/trace/instance_query.hpp"
-#include "host/trace/query_options.hpp"
 
 namespace claray {
 
@@ -31,17 +30,11 @@ void any_hit(const InstancedBvh& bvh, const Buffer<Ray>& rays, Buffer<std::uint8
 }
 
 std::vector<InstanceHit> closest_hit(const InstancedBvh& bvh, std::span<const Ray> rays, const QueryOptions& options) {
-    const Buffer<Ray> device_rays(bvh.device(), rays);
-    Buffer<InstanceHit> hits(bvh.device(), rays.size());
-    closest_hit(bvh, device_rays, hits, options);
-    return hits.read();
+    return answers<InstanceHit, InstancedBvh>(bvh, rays, options, closest_hit);
 }
 
 std::vector<std::uint8_t> any_hit(const InstancedBvh& bvh, std::span<const Ray> rays, const QueryOptions& options) {
-    const Buffer<Ray> device_rays(bvh.device(), rays);
-    Buffer<std::uint8_t> occluded(bvh.device(), rays.size());
-    any_hit(bvh, device_rays, occluded, options);
-    return occluded.read();
+    return answers<std::uint8_t, InstancedBvh>(bvh, rays, options, any_hit);
 }
 
 }  // namespace claray

@@ -4,7 +4,6 @@
 
 #include "host/compute/device_state.hpp"
 #include "host/compute/tuning.hpp"
-#include "host/trace/query_options.hpp"
 
 namespace claray {
 

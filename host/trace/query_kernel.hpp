@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "claray/query.hpp"
+#include "host/trace/query_options.hpp"
 #include "host/trace/ray_order.hpp"
 
 namespace claray {
@@ -26,7 +26,7 @@ struct SolidBvh {
 
 class QueryKernel {
 public:
-    enum class Kind { closest, any };
+    using Kind = QueryKind;
 
     QueryKernel() = default;
     /// The profiler shows its times under `name`, or under the kernel's where that is empty. `file`: kernels that

@@ -1,5 +1,5 @@
 // Exact answers about float32 input, by sums of float64 without rounding (Shewchuk 1997, "Adaptive precision
-// floating-point arithmetic and fast robust geometric predicates"). Slow, and asked only where float64 is in doubt.
+// floating-point arithmetic and fast robust geometric predicates"). Slow; used only where float64 is in doubt.
 #pragma once
 
 #include <glm/glm.hpp>

@@ -26,6 +26,12 @@ struct Rows {
     const double* e2[3];
 };
 
+Rows rows_of(const std::vector<double>* v0, const std::vector<double>* e1, const std::vector<double>* e2) {
+    return {{v0[0].data(), v0[1].data(), v0[2].data()},
+            {e1[0].data(), e1[1].data(), e1[2].data()},
+            {e2[0].data(), e2[1].data(), e2[2].data()}};
+}
+
 /// For each triangle of a block: how far inside its nearest edge the ray passes, in units of the determinant; negative
 /// where it misses. Straight arithmetic alone, which compilers turn into vector instructions.
 CLARAY_WIDEST void block_insides(const Rows& m, std::size_t at, const double* o, const double* d,
@@ -95,17 +101,12 @@ OracleHit Oracle::closest_hit(const Ray& ray) const {
 
 double Oracle::distance(const Ray& ray, std::size_t i) const {
     const double o[3] = {ray.ox, ray.oy, ray.oz}, d[3] = {ray.dx, ray.dy, ray.dz};
-    return distance_to({{v0_[0].data(), v0_[1].data(), v0_[2].data()},
-                        {e1_[0].data(), e1_[1].data(), e1_[2].data()},
-                        {e2_[0].data(), e2_[1].data(), e2_[2].data()}},
-                       i, o, d);
+    return distance_to(rows_of(v0_, e1_, e2_), i, o, d);
 }
 
 void Oracle::test_block(const Ray& ray, std::size_t at, OracleHit& hit) const {
     const double o[3] = {ray.ox, ray.oy, ray.oz}, d[3] = {ray.dx, ray.dy, ray.dz};
-    const Rows rows = {{v0_[0].data(), v0_[1].data(), v0_[2].data()},
-                       {e1_[0].data(), e1_[1].data(), e1_[2].data()},
-                       {e2_[0].data(), e2_[1].data(), e2_[2].data()}};
+    const Rows rows = rows_of(v0_, e1_, e2_);
     double insides[block];
     block_insides(rows, at, o, d, insides);
     for (std::size_t k = 0; k < block; ++k) {
@@ -141,9 +142,7 @@ const char* to_string(Fault fault) {
 
 Fault Oracle::judge(const Ray& ray, const Hit& hit) const {
     const double o[3] = {ray.ox, ray.oy, ray.oz}, d[3] = {ray.dx, ray.dy, ray.dz};
-    const Rows rows = {{v0_[0].data(), v0_[1].data(), v0_[2].data()},
-                       {e1_[0].data(), e1_[1].data(), e1_[2].data()},
-                       {e2_[0].data(), e2_[1].data(), e2_[2].data()}};
+    const Rows rows = rows_of(v0_, e1_, e2_);
     const auto place = [&](std::size_t i) {
         return place_of(ray, corners_[3 * i], corners_[3 * i + 1], corners_[3 * i + 2]);
     };

@@ -34,9 +34,9 @@ public:
     /// From the ray's origin to the plane of triangle i; infinite where the plane holds the ray.
     [[nodiscard]] double distance(const Ray& ray, std::size_t i) const;
 
-    /// Holds a hit against exact arithmetic. A ray through the inside of a triangle must hit it or something nearer; of
-    /// one through a border exactly either answer is right; what is hit must be met, at its exact distance to 1 ulp,
-    /// with nothing before it. Triangles must be of float32 vertices.
+    /// Compares a hit with exact arithmetic. A ray through the inside of a triangle must hit it or something nearer.
+    /// For a ray exactly through a border both answers are right. The ray must meet the triangle that is reported, at
+    /// its exact distance to 1 ulp, and nothing before it. Triangles must have float32 vertices.
     [[nodiscard]] Fault judge(const Ray& ray, const Hit& hit) const;
     struct Verdict {
         std::size_t rays = 0, hits = 0, wrong = 0, first_wrong = 0;

@@ -1,4 +1,4 @@
-// One case at work: what it may use, and where it writes down what it finds.
+// What a verification case may use, and where it records its results.
 #pragma once
 
 #include <functional>
@@ -34,14 +34,15 @@ private:
     unsigned before_;
 };
 
-/// More of one device, each with a context of its own, since drivers compile one program after the other for each. What
-/// is compiled for one is there for who takes it next. While they exist a renderer's programs are compiled in turn:
-/// threads that compile for one context wait for each other, and hold up those of others.
+/// Further handles of one device. Each has a context of its own, because drivers compile the programs of one context
+/// one after the other. A handle keeps its compiled programs for the next user. While handles exist, a renderer
+/// compiles its programs in turn: threads that compile for one context wait for each other and delay those of other
+/// contexts.
 class Devices {
 public:
     explicit Devices(const Device& first)
         : selector_(std::to_string(first.info().index)), in_turn_(first, programs, at_once, 0) {}
-    /// Nothing where the driver gives no more.
+    /// Empty if the driver opens no further context.
     [[nodiscard]] std::optional<Device> take();
     void give_back(const Device& device);
 
@@ -53,10 +54,22 @@ private:
     std::vector<Device> idle_;
 };
 
-/// Calls piece(device, i) for every i below `count`: by so many threads, each with a device of its own, or here, where
-/// one suffices. What a piece throws is thrown once all are done, the first of them.
+/// Calls piece(device, i) for every i below `count`, on up to `threads` threads with a device each. The calling thread
+/// is one of them. If pieces throw, the first exception is rethrown after all threads have ended.
 void side_by_side(const Device& device, Devices& more, unsigned threads, std::size_t count,
                   const std::function<void(const Device&, std::size_t)>& piece);
+
+/// Counts wrong results and keeps the number of the first one.
+struct Tally {
+    std::uint64_t tried = 0, wrong = 0, first = 0;
+    /// Returns true for the first wrong result.
+    bool add(bool right) {
+        const bool is_first = !right && wrong++ == 0;
+        if (is_first) first = tried;
+        ++tried;
+        return is_first;
+    }
+};
 
 class Run {
 public:
@@ -67,21 +80,25 @@ public:
     [[nodiscard]] std::uint64_t seed() const { return options_.seed; }
     [[nodiscard]] bool full() const { return options_.effort == Effort::full; }
     [[nodiscard]] bool times() const { return options_.times; }
-    /// See verify::side_by_side: what takes kernels of its own many times, which drivers compile one after the other.
+    /// See verify::side_by_side. For pieces that compile kernels of their own.
     void side_by_side(std::size_t count, const std::function<void(const Device&, std::size_t)>& piece) const;
     template <class T>
     [[nodiscard]] T count(T quick, T full_count) const {
         return full() ? full_count : quick;
     }
 
-    /// Writes down a figure; it holds where worst <= bar.
+    /// Records a figure; the check holds if worst <= bar.
     void check(const std::string& what, std::uint64_t tried, double worst, double bar, const std::string& unit);
-    /// The same for how many times as long as `other` a task takes by the device's clock: medians of rounds by turns,
-    /// so many that what disturbs a few of them doesn't matter.
+    /// Holds if no result of the tally is wrong.
+    void check(const std::string& what, const Tally& tally, const std::string& unit) {
+        check(what, tally.tried, double(tally.wrong), 0, unit);
+    }
+    /// Records the device time of `task` over that of `other`. They run alternately, and the medians of many rounds are
+    /// compared, so that a few disturbed rounds do not matter.
     void check_time(const std::string& what, std::uint64_t tried, const std::function<void()>& task,
                     const std::function<void()>& other, double bar);
     void fact(const std::string& name, const std::string& value);
-    /// The first wrong thing of a kind.
+    /// Records the first failure of a kind.
     void failure(const std::string& what);
     void picture(VerifyPicture picture);
 
@@ -92,16 +109,11 @@ private:
     VerifyResult& result_;
 };
 
-/// Wrong ones among many, with the first of them.
-struct Tally {
-    std::uint64_t tried = 0, wrong = 0, first = 0;
-    void add(bool right) {
-        if (!right && wrong++ == 0) first = tried;
-        ++tried;
-    }
-};
+[[nodiscard]] inline Bvh build(const Run& run, const Mesh& mesh, const Bvh::Config& config = {}) {
+    return Bvh::build(run.device(), std::span(&mesh, 1), config);
+}
 
-/// In hexadecimal floating point, so that it can be typed in again exactly.
+/// In hexadecimal floating point, which is exact.
 [[nodiscard]] std::string text_of(const Ray& ray);
 
 /// The triangles around a ray, seen along it; the ray is the dot in the middle, `wrong` is filled.

@@ -36,10 +36,10 @@ Ray make_ray(glm::vec3 origin, glm::vec3 direction, float tmin = 0.f, float tmax
 /// Rays from a sphere of `radius` towards random points of the cube of half side `half`.
 std::vector<Ray> random_rays(std::size_t count, float radius, float half, std::uint64_t seed);
 
-/// Where scenes are moved to whose coordinates shall be huge: they are sixteenths there.
+/// The place to which scenes are moved to test huge coordinates. Floats there are multiples of 1/16.
 inline const glm::vec3 far_away(1e6f, -1e6f, 1e6f);
 
-/// The same there, `scale` times as large.
+/// Scales by `scale` and moves to `far_away`.
 void move_away(Mesh& mesh, float scale = 1024.f);
 void move_away(Mesh& mesh, std::vector<Ray>& rays, float scale = 1024.f);
 

@@ -38,16 +38,6 @@ const std::vector<glm::vec2>& coordinates(const Scene& scene, std::size_t mesh, 
     return uvs;
 }
 
-FrameData frame_of(const Scene& scene, const SceneBuffers& buffers, const LightMapConfig& config) {
-    FrameData frame{};
-    const glm::vec3 h = scene.sky.horizon, z = scene.sky.zenith;
-    if (scene.environment.images.empty()) frame.sky = {h.x, h.y, h.z, z.x, z.y, z.z};
-    frame.width = config.width, frame.height = config.height;
-    frame.seed = config.seed, frame.max_depth = config.max_depth;
-    frame.lights = buffers.lights;
-    return frame;
-}
-
 /// Texels that nothing was known of take the mean of their neighbours that are known, from the mesh outwards.
 void continue_outwards(std::vector<glm::vec3>& texels, std::vector<bool>& known, unsigned width, unsigned height) {
     for (int pass = 0; pass < 4; ++pass) {
@@ -74,7 +64,7 @@ std::vector<glm::vec3> radiance_of(const Device& device, const Scene& scene, con
     const Structure structure(device, scene, 0, config.bvh);
     const SceneBuffers buffers(device, scene, structure);
     WavefrontKernels kernels(buffers, config.sampler, buffers.effects | EffectSet{Effect::lambert}, true);
-    Wavefront wavefront(device, buffers, frame_of(scene, buffers, config), std::move(kernels),
+    Wavefront wavefront(device, buffers, frame_without_camera(scene, buffers, config), std::move(kernels),
                         std::uint64_t(count) * config.spp);
     const Buffer<Hit> points(device, texels.points);
     Film film(device, count);

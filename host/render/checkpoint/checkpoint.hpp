@@ -1,4 +1,4 @@
-// A render as a file, from which it can go on. docs/formats.md describes the bytes.
+// Saves a render to a file and continues from it. docs/formats.md describes the bytes.
 #pragma once
 
 #include <filesystem>

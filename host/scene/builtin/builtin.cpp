@@ -42,29 +42,23 @@ std::size_t parse_count(const CountedScene& scene, std::string_view text) {
     return count;
 }
 
+std::optional<Scene> made_scene(const std::string& name) {
+    for (const FixedScene& scene : fixed_scenes)
+        if (name == scene.name) return scene.make();
+    const std::size_t colon = name.find(':');
+    const std::string rest = colon == std::string::npos ? "" : name.substr(colon + 1);
+    if (name.starts_with("effect:")) return scenes::effect_alone(rest);
+    for (const CountedScene& scene : counted_scenes)
+        if (name.substr(0, colon) == scene.name) return scene.make(parse_count(scene, rest));
+    return {};
+}
+
 }  // namespace
 
 std::optional<Scene> builtin_scene(const std::string& name) {
-    for (const FixedScene& scene : fixed_scenes) {
-        if (name != scene.name) continue;
-        Scene made = scene.make();
-        made.name = name;
-        return made;
-    }
-    const std::size_t colon = name.find(':');
-    if (name.starts_with("effect:")) {
-        Scene made = scenes::effect_alone(name.substr(colon + 1));
-        made.name = name;
-        return made;
-    }
-    for (const CountedScene& scene : counted_scenes) {
-        if (std::string_view(name).substr(0, colon) != scene.name) continue;
-        const std::string_view text = colon == std::string::npos ? "" : std::string_view(name).substr(colon + 1);
-        Scene made = scene.make(parse_count(scene, text));
-        made.name = name;
-        return made;
-    }
-    return {};
+    std::optional<Scene> scene = made_scene(name);
+    if (scene) scene->name = name;
+    return scene;
 }
 
 std::span<const char* const> builtin_scene_names() { return names; }

@@ -15,16 +15,14 @@ using Rectangle = std::array<glm::vec3, 4>;
 glm::vec3 millimetres(float x, float y, float z) { return 1e-3f * glm::vec3(x, y, z); }
 
 void add_wall(Scene& scene, const char* name, const Rectangle& r, std::uint32_t material) {
-    Mesh mesh;
-    mesh.name = name;
+    Mesh mesh = named_mesh(name);
     add_quad(mesh, r[0], r[1], r[2], r[3], material);
     scene.meshes.push_back(std::move(mesh));
 }
 
 // The ceiling is a frame round the lamp that shares the lamp's corners, so no two surfaces lie in one another.
 void add_ceiling(Scene& scene, const Rectangle& ceiling, const Rectangle& opening) {
-    Mesh mesh;
-    mesh.name = "ceiling";
+    Mesh mesh = named_mesh("ceiling");
     for (std::size_t i = 0; i < 4; ++i) {
         const std::size_t next = (i + 1) % 4;
         add_quad(mesh, ceiling[i], ceiling[next], opening[next], opening[i], white);
@@ -34,8 +32,7 @@ void add_ceiling(Scene& scene, const Rectangle& ceiling, const Rectangle& openin
 
 // A block without its bottom; `top` is counter-clockwise seen from above.
 void add_block(Scene& scene, const char* name, const Rectangle& top) {
-    Mesh mesh;
-    mesh.name = name;
+    Mesh mesh = named_mesh(name);
     add_quad(mesh, top[0], top[1], top[2], top[3], white);
     for (std::size_t i = 0; i < 4; ++i) {
         const glm::vec3 a = top[i], b = top[(i + 1) % 4];

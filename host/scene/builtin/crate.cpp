@@ -52,8 +52,7 @@ void add_side(Mesh& mesh, const glm::vec3& center, const glm::mat3& side, float 
 }
 
 Mesh make_crate(const Placement& placement, std::uint64_t seed) {
-    Mesh mesh;
-    mesh.name = "crate";
+    Mesh mesh = named_mesh("crate");
     Random random(seed);
     const glm::mat3 a = placement.axes();
     const glm::mat3 sides[] = {{a[0], a[1], a[2]},  {-a[2], a[1], a[0]}, {-a[0], a[1], -a[2]},
@@ -70,8 +69,7 @@ Scene crate() {
                        lambert("oak", {0.44f, 0.27f, 0.13f}),     lambert("larch", {0.48f, 0.26f, 0.12f}),
                        lambert("chestnut", {0.36f, 0.21f, 0.1f}), lambert("spruce", {0.58f, 0.4f, 0.22f}),
                        lambert("batten", {0.3f, 0.165f, 0.075f}), lamp("sun", {240.f, 215.f, 175.f})};
-    Mesh ground;
-    ground.name = "ground";
+    Mesh ground = named_mesh("ground");
     add_rectangle(ground, {0.f, 0.f, 0.f}, {0.f, 0.f, 120.f}, {120.f, 0.f, 0.f}, earth);
     // A crate reaches 1.05 times its half size, for battens stand out; a small gap keeps surfaces apart.
     const auto standing = [](float x, float z, float floor, float half, float turn) {

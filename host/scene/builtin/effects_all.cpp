@@ -8,13 +8,19 @@
 namespace claray::scenes {
 namespace {
 
-/// A material of its own for a ball on the floor, which rests at x, z.
-Material& add_ball(Scene& scene, const Material& material, float x, float z, float radius = 0.36f) {
-    const auto index = std::uint32_t(scene.materials.size());
+/// Adds a mesh with a material of its own.
+Material& add_part(Scene& scene, const Material& material, Mesh mesh) {
+    mesh.materials.assign(mesh.triangles.size(), std::uint32_t(scene.materials.size()));
+    scene.meshes.push_back(std::move(mesh));
     scene.materials.push_back(material);
-    scene.meshes.push_back(textured_ball({x, radius, z}, radius, 4, index));
-    scene.meshes.back().name = material.name;
     return scene.materials.back();
+}
+
+/// A ball on the floor, which rests at x, z.
+Material& add_ball(Scene& scene, const Material& material, float x, float z, float radius = 0.36f) {
+    Mesh ball = textured_ball({x, radius, z}, radius, 4, 0);
+    ball.name = material.name;
+    return add_part(scene, material, std::move(ball));
 }
 
 Material principled(const char* name, const glm::vec3& color, float roughness) {
@@ -45,9 +51,7 @@ void add_balls(Scene& scene) {
     film.iridescence = film.clearcoat = 1.f, film.iridescence_ior = 2.f, film.film_thickness.y = 380.f;
     Material& shown = add_ball(scene, lambert("unlit", {0.1f, 0.45f, 0.6f}), 1.75f, 0.95f, 0.15f);
     shown.kind = MaterialKind::unlit;
-    scene.meshes.push_back(open_bowl({1.5f, 0.4f, -0.8f}, 0.4f, std::uint32_t(scene.materials.size())));
-    scene.materials.push_back(lambert("bowl", {0.3f, 0.55f, 0.3f}));
-    scene.materials.back().cull_back = true;
+    add_part(scene, lambert("bowl", {0.3f, 0.55f, 0.3f}), open_bowl({1.5f, 0.4f, -0.8f}, 0.4f, 0)).cull_back = true;
 }
 
 /// A small ball of every kind that no other ball is of, in a row at the front.
@@ -64,30 +68,24 @@ void add_other_kinds(Scene& scene) {
 }
 
 void add_rectangles(Scene& scene) {
-    scene.meshes.push_back(textured_rectangle({0.f, 1.1f, -2.2f}, {2.6f, 0.f, 0.f}, {0.f, 1.1f, 0.f},
-                                              std::uint32_t(scene.materials.size())));
-    scene.materials.push_back(lambert("rough wall", {0.6f, 0.55f, 0.5f}));
-    scene.materials.back().height_map = add_texture(scene, noise_as_height());
-    scene.materials.back().height_scale = 0.4f;
-    scene.meshes.push_back(textured_rectangle({2.2f, 0.9f, -0.4f}, {0.35f, 0.f, -0.6f}, {0.f, 0.5f, 0.f},
-                                              std::uint32_t(scene.materials.size())));
-    scene.materials.push_back(lambert("baked", glm::vec3(0.6f)));
-    scene.materials.back().light_map = add_texture(scene, pool_of_light());
-    scene.meshes.push_back(textured_rectangle({-2.1f, 0.6f, 0.1f}, {0.4f, 0.f, 0.45f}, {0.f, 0.6f, 0.f},
-                                              std::uint32_t(scene.materials.size())));
-    scene.materials.push_back(lambert("ring", {0.6f, 0.45f, 0.1f}));
-    scene.materials.back().opacity_map = add_texture(scene, disc_opacity());
-    scene.materials.back().alpha_mode = AlphaMode::mask;
+    Material& wall = add_part(scene, lambert("rough wall", {0.6f, 0.55f, 0.5f}),
+                              textured_rectangle({0.f, 1.1f, -2.2f}, {2.6f, 0.f, 0.f}, {0.f, 1.1f, 0.f}, 0));
+    wall.height_map = add_texture(scene, noise_as_height());
+    wall.height_scale = 0.4f;
+    add_part(scene, lambert("baked", glm::vec3(0.6f)),
+             textured_rectangle({2.2f, 0.9f, -0.4f}, {0.35f, 0.f, -0.6f}, {0.f, 0.5f, 0.f}, 0))
+        .light_map = add_texture(scene, pool_of_light());
+    Material& ring = add_part(scene, lambert("ring", {0.6f, 0.45f, 0.1f}),
+                              textured_rectangle({-2.1f, 0.6f, 0.1f}, {0.4f, 0.f, 0.45f}, {0.f, 0.6f, 0.f}, 0));
+    ring.opacity_map = add_texture(scene, disc_opacity());
+    ring.alpha_mode = AlphaMode::mask;
 }
 
 void add_lights(Scene& scene) {
-    scene.meshes.push_back(
-        make_lamp({-2.4f, 2.8f, 1.f}, {0.f, 0.3f, 0.f}, 0.3f, std::uint32_t(scene.materials.size())));
-    scene.materials.push_back(lamp("lamp", {14.f, 12.f, 9.f}));
-    scene.meshes.push_back(textured_rectangle({-0.9f, 1.5f, -2.1f}, {0.3f, 0.f, 0.f}, {0.f, 0.2f, 0.f},
-                                              std::uint32_t(scene.materials.size())));
-    scene.materials.push_back(lamp("screen", {2.f, 3.f, 5.f}));
-    scene.materials.back().emission_map = add_texture(scene, checks());
+    add_part(scene, lamp("lamp", {14.f, 12.f, 9.f}), make_lamp({-2.4f, 2.8f, 1.f}, {0.f, 0.3f, 0.f}, 0.3f, 0));
+    add_part(scene, lamp("screen", {2.f, 3.f, 5.f}),
+             textured_rectangle({-0.9f, 1.5f, -2.1f}, {0.3f, 0.f, 0.f}, {0.f, 0.2f, 0.f}, 0))
+        .emission_map = add_texture(scene, checks());
     Light light = point_light({2.4f, 1.9f, 1.4f}, {3.f, 2.f, 1.4f});
     scene.lights.push_back(light);
     for (int i = 0; i < 20; ++i) {  // a chain of small lights along the wall, each of which shines not far

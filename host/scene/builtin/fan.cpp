@@ -37,11 +37,7 @@ Scene fan(std::size_t count) {
                        lambert("green", {0.2f, 0.45f, 0.2f}), lambert("grey", {0.35f, 0.35f, 0.37f})};
     const std::size_t fans = (count + most_a_fan - 1) / most_a_fan;
     const auto columns = std::size_t(std::ceil(std::sqrt(double(fans)))), rows = (fans + columns - 1) / columns;
-    Mesh mesh;
-    mesh.name = "fan";
-    mesh.positions.reserve(count + fans);
-    mesh.triangles.reserve(count);
-    mesh.materials.reserve(count);
+    Mesh mesh = named_mesh("fan", count + fans, count);
     Random random(31);
     for (std::size_t i = 0; i < fans; ++i) {
         const std::size_t column = i % columns, row = i / columns;

@@ -86,12 +86,8 @@ Scene hair(std::size_t count) {
     scene.materials = {lambert("dark", {0.1f, 0.045f, 0.02f}), lambert("chestnut", {0.22f, 0.09f, 0.035f}),
                        lambert("copper", {0.42f, 0.17f, 0.06f}), lambert("gold", {0.55f, 0.33f, 0.13f})};
     static_assert(shades == 4);
-    Mesh mesh;
-    mesh.name = "hair";
     const std::size_t strands = (count + triangles_a_strand - 1) / triangles_a_strand;
-    mesh.positions.reserve(count + 2 * strands);
-    mesh.triangles.reserve(count);
-    mesh.materials.reserve(count);
+    Mesh mesh = named_mesh("hair", count + 2 * strands, count);
     // The more strands, the thinner, so that they cover the head as densely whatever N.
     const auto half_width = float(std::min(0.01, 0.1 / std::sqrt(double(strands))));
     Random random(37);

@@ -48,8 +48,7 @@ void add_fir(Mesh& mesh, const glm::vec3& base, float size, std::uint32_t needle
 
 // Firs stand on dry, not too steep ground, in woods rather than evenly.
 Mesh make_firs(unsigned tries) {
-    Mesh mesh;
-    mesh.name = "firs";
+    Mesh mesh = named_mesh("firs");
     Random random(11);
     for (unsigned i = 0; i < tries; ++i) {
         const float x = random.uniform(-0.97f, 0.97f) * hills_half_size,
@@ -72,8 +71,7 @@ Scene hills() {
                        lambert("sand", {0.5f, 0.42f, 0.28f}),       mirror("water", {0.5f, 0.6f, 0.66f}),
                        lambert("trunk", {0.16f, 0.1f, 0.06f}),      lambert("fir", {0.03f, 0.1f, 0.035f}),
                        lambert("young fir", {0.06f, 0.15f, 0.03f}), lamp("sun", {420.f, 350.f, 250.f})};
-    Mesh lake;
-    lake.name = "lake";
+    Mesh lake = named_mesh("lake");
     add_rectangle(lake, {0.f, water_level, 0.f}, {0.f, 0.f, hills_half_size}, {hills_half_size, 0.f, 0.f}, water);
     scene.meshes = {make_meadows(), std::move(lake), make_firs(5000),
                     make_lamp({-70.f, 75.f, 45.f}, {0.f, 0.f, 0.f}, 5.5f, sun)};

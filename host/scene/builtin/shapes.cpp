@@ -59,6 +59,15 @@ Material make_material(const char* name, MaterialKind kind, const glm::vec3& alb
 
 }  // namespace
 
+Mesh named_mesh(const char* name, std::size_t vertices, std::size_t triangles) {
+    Mesh mesh;
+    mesh.name = name;
+    mesh.positions.reserve(vertices);
+    mesh.triangles.reserve(triangles);
+    mesh.materials.reserve(triangles);
+    return mesh;
+}
+
 void add_triangle(Mesh& mesh, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, std::uint32_t material) {
     const std::uint32_t first = add_vertices(mesh, {a, b, c});
     add_face(mesh, {first, first + 1, first + 2}, material);
@@ -139,8 +148,7 @@ Mesh make_sphere(const glm::vec3& center, float radius, unsigned levels, std::ui
 }
 
 Mesh make_height_field(unsigned columns, float half, const std::function<double(double, double)>& height) {
-    Mesh mesh;
-    mesh.name = "ground";
+    Mesh mesh = named_mesh("ground");
     if (columns == 0) return mesh;
     const std::size_t side = std::size_t(columns) + 1;
     const double step = 2.0 * half / columns;
@@ -174,8 +182,7 @@ Mesh make_height_field(unsigned columns, float half, const std::function<double(
 }
 
 Mesh make_lamp(const glm::vec3& position, const glm::vec3& target, float half, std::uint32_t material) {
-    Mesh mesh;
-    mesh.name = "lamp";
+    Mesh mesh = named_mesh("lamp");
     const glm::vec3 forward = glm::normalize(target - position);
     const glm::vec3 u = glm::normalize(glm::cross(glm::vec3(0.31f, 0.2f, 0.93f), forward));
     add_rectangle(mesh, position, half * u, half * glm::cross(forward, u), material);

@@ -7,6 +7,9 @@
 
 namespace claray::scenes {
 
+/// Returns a mesh without triangles, with memory reserved for so many vertices and triangles.
+[[nodiscard]] Mesh named_mesh(const char* name, std::size_t vertices = 0, std::size_t triangles = 0);
+
 /// Adds one triangle, with its own three vertices, of material `material`.
 void add_triangle(Mesh& mesh, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, std::uint32_t material);
 /// Adds the quadrilateral a b c d as two triangles that share their vertices.

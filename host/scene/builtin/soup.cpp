@@ -13,11 +13,7 @@ Scene soup(std::size_t count) {
     scene.materials = {lambert("red", {0.72f, 0.13f, 0.1f}),  lambert("orange", {0.8f, 0.42f, 0.08f}),
                        lambert("yellow", {0.8f, 0.7f, 0.2f}), lambert("teal", {0.08f, 0.45f, 0.42f}),
                        lambert("blue", {0.1f, 0.22f, 0.6f}),  lambert("white", {0.8f, 0.8f, 0.78f})};
-    Mesh mesh;
-    mesh.name = "soup";
-    mesh.positions.reserve(3 * count);
-    mesh.triangles.reserve(count);
-    mesh.materials.reserve(count);
+    Mesh mesh = named_mesh("soup", 3 * count, count);
     Random random(114);
     // About as large as their mean distance: the eye reaches a few layers deep, whatever N.
     const auto size = float(std::min(0.45, 0.9 / std::cbrt(double(count))));

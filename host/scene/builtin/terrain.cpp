@@ -57,11 +57,7 @@ void add_leaf(Mesh& mesh, const glm::vec3& bush, float radius, std::uint32_t mat
 }
 
 Mesh make_bushes(std::size_t leaves) {
-    Mesh mesh;
-    mesh.name = "bushes";
-    mesh.positions.reserve(3 * leaves);
-    mesh.triangles.reserve(leaves);
-    mesh.materials.reserve(leaves);
+    Mesh mesh = named_mesh("bushes", 3 * leaves, leaves);
     Random random(24);
     // The more bushes, the smaller, so that they never cover the ground.
     const double bushes = std::ceil(double(leaves) / double(leaves_a_bush));

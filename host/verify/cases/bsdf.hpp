@@ -1,5 +1,5 @@
-// Materials on the device, one at a time, and what a BSDF must keep to: energy, reciprocity, and the density that it
-// claims.
+// Materials on the device, one at a time, to test what every BSDF must satisfy: energy, reciprocity and its stated
+// density.
 #pragma once
 
 #include <cmath>

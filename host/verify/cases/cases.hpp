@@ -23,7 +23,7 @@ void boxes(Run& run);
 void axis_rays(Run& run);
 
 // triangles.cpp
-/// Traces by both layouts and holds every hit against exact arithmetic.
+/// Traces with both layouts and compares every hit with exact arithmetic.
 void judge(Run& run, const Mesh& mesh, const std::vector<Ray>& rays, const std::string& what,
            std::size_t least_hits = 100);
 void slivers(Run& run);

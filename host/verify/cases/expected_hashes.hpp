@@ -5,7 +5,7 @@
 
 namespace claray::verify {
 
-/// Empty where none is committed. A builder that makes other trees changes those of its trees; `claray verify --case
+/// Empty if none is committed. Update the hashes of a builder that makes other trees; `claray verify --case
 /// tree-hashes` prints them.
 [[nodiscard]] std::string expected_hash(const std::string& name);
 

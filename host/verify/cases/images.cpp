@@ -1,5 +1,5 @@
-// What shows in images: rays that meet the surface they leave, lost samples, sums, curves, poles, lights that are too
-// close.
+// Errors that show in images: rays that meet the surface they leave, lost samples, sums, curves, poles, lights that are
+// too close.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -103,7 +103,7 @@ void self_intersection(Run& run) {
     Tally same;
     for (const At& at : places) {
         const Mesh mesh = triangles_at(at, triangles, run.seed() + 41);
-        const Bvh bvh = Bvh::build(run.device(), std::span(&mesh, 1));
+        const Bvh bvh = build(run, mesh);
         const Buffer<Ray> rays(run.device(), count);
         const Buffer<float> clearance(run.device(), count);
         Buffer<Hit> hits(run.device(), count);
@@ -130,14 +130,14 @@ void self_intersection(Run& run) {
         if (self.wrong)
             run.failure(std::string(at.name) +
                         ", meets the triangle that it leaves: " + text_of(all[self.first % count]));
-        run.check(std::string("rays that meet their triangle, ") + at.name, self.tried, double(self.wrong), 0, "rays");
+        run.check(std::string("rays that meet their triangle, ") + at.name, self, "rays");
         auto relative = clearance.read();
         std::nth_element(relative.begin(), relative.begin() + count / 2, relative.end());
         if (!(relative[count / 2] > 0)) run.check(std::string("how far off they begin, ") + at.name, count, 1, 0, "");
         run.check(std::string("how far off they begin, median, ") + at.name, count, relative[count / 2], 1e-3,
                   "of an edge");
     }
-    if (shades_sixteen) run.check("that sixteen at once begin elsewhere", same.tried, double(same.wrong), 0, "rays");
+    if (shades_sixteen) run.check("that sixteen at once begin elsewhere", same, "rays");
 }
 
 void nan_pixels(Run& run) {
@@ -166,10 +166,9 @@ void nan_pixels(Run& run) {
         const auto dropped = double(rendered[i].dropped);
         if (finite.wrong || dropped > 0) run.failure(name + " has samples that are NaN, infinite or negative");
         run.check("samples that are NaN, infinite or above 1e30, " + name, samples, dropped, 0, "samples");
-        run.check("pixels that are NaN, infinite or negative, " + name, finite.tried, double(finite.wrong), 0,
-                  "pixels");
+        run.check("pixels that are NaN, infinite or negative, " + name, finite, "pixels");
     }
-    // And what is thrown in must come out as a count, not as an image.
+    // Bad samples must be counted and must not reach the image.
     Film film(run.device(), 2);
     const float nan = NAN, inf = INFINITY;
     film.accumulate({0, 2, 0, 4},
@@ -216,7 +215,7 @@ void srgb(Run& run) {
         same.add(encode_srgb(linear) == i);
         worst = std::max(worst, std::abs(linear - exact));
     }
-    run.check("bytes that are not restored", same.tried, double(same.wrong), 0, "bytes");
+    run.check("bytes that are not restored", same, "bytes");
     run.check("absolute error of the curve", 256, worst, 1e-7, "");
     // On the device: a texture of all bytes, seen as a picture.
     Scene scene;
@@ -307,7 +306,7 @@ void environment_poles(Run& run) {
         const double expected = shares[i] / integral * samples;
         if (expected >= 20) chi2 += (seen[i] - expected) * (seen[i] - expected) / expected, ++degrees;
     }
-    run.check("invalid directions", samples, double(sound.wrong), 0, "samples");
+    run.check("invalid directions", sound, "samples");
     const double chance = chance_of_chi_squared(chi2, degrees - 1);
     run.check("1 - chance of the directions, chi-squared", samples, 1 - chance, 0.99, "");
     if (chance < 0.01)
@@ -409,7 +408,7 @@ void light_distance_zero(Run& run) {
         for (const glm::vec3& p : render(run, scene, {.width = 4, .height = 4, .spp = 16, .max_depth = 1}))
             finite.add(std::isfinite(p.x + p.y + p.z) && p.x >= 0);
     }
-    run.check("images that are not finite", finite.tried, double(finite.wrong), 0, "pixels");
+    run.check("images that are not finite", finite, "pixels");
 }
 
 /// A coarse sphere with smooth normals, lit from the side: black facets near the terminator are the artifact.
