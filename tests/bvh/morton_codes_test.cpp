@@ -1,3 +1,4 @@
+// Morton codes: claray/shared/morton.h, bvh/morton_codes.cl.
 #include "claray/shared/morton.h"
 
 #include <gtest/gtest.h>

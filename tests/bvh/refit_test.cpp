@@ -1,3 +1,4 @@
+// Refit: bvh/refit.cl.
 #include <gtest/gtest.h>
 
 #include <cmath>

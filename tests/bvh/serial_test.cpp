@@ -1,5 +1,5 @@
-// The serial schedule of the builders, bvh/serial/lbvh_serial.cl and bvh/serial/hploc_serial.cl, against the climbing
-// one: the same trees, whatever the number of ranges.
+// The serial schedule of the builders (bvh/centroids.cl, bvh/serial/lbvh_serial.cl, bvh/serial/hploc_serial.cl) gives
+// the same trees as the climbing one, for any number of ranges.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,4 +1,5 @@
-// The kernel that follows whole paths makes the stages' image, bit for bit, and only where that was asked for.
+// The kernel of whole paths, render/trace_paths.cl, makes the same image as the stages, bit for bit, and only if
+// requested.
 #include <gtest/gtest.h>
 
 #include <array>

@@ -1,3 +1,4 @@
+// Sorting on GPUs, sort/radix_sort.cl, and on CPUs, sort/bucket_sort.cl.
 #include "host/sort/radix_sort.hpp"
 
 #include <gtest/gtest.h>

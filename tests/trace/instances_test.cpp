@@ -1,4 +1,4 @@
-// Queries of instances: trace/traverse_instances.clh.
+// Queries of instances: trace/instances.cl, trace/traverse_instances.clh.
 #include "claray/instances.hpp"
 
 #include <gtest/gtest.h>

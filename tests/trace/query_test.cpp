@@ -1,3 +1,4 @@
+// Queries: trace/closest_hit.cl, trace/any_hit.cl and trace/brute_force.cl.
 #include "claray/query.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The light of shadow rays, which these add to their paths themselves or leave to render/add_light.cl.
+// The light of shadow rays: added by render/trace_shadow_rays.cl itself, or afterwards by render/add_light.cl.
 #include <gtest/gtest.h>
 
 #include "claray/io.hpp"

@@ -1,4 +1,5 @@
-// Light maps: irradiance against closed forms, and images with a light map against images without.
+// Light maps (render/generate_texels.cl): irradiance against closed forms, and images with a light map against images
+// without.
 #include "claray/renderer.hpp"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// Cut-outs and back faces in traversal: against a float64 brute force with the same opacity, and as seen in images.
+// Cut-outs and back faces in traversal (trace/cutout.clh, trace/cutouts.cl): against a float64 brute force with the
+// same opacity, and as seen in images.
 #include <gtest/gtest.h>
 
 #include <algorithm>
