@@ -1,8 +1,8 @@
-// The first hit of every ray by one plain loop over the binary tree, in which the tests of triangles and boxes, the bits of the
-// nodes and the arithmetic can be exchanged: what differs between two variants is what their times and errors tell of.
+// Closest hits by one plain loop over the binary tree. Triangle test, box test, node precision and arithmetic can be exchanged, so
+// that times and errors of two variants differ only by the part that was exchanged.
 #include "compute/portable.clh"
 #ifndef CONTRACT
-#define CONTRACT 0  // 1: the compiler may fuse multiplications and additions, as OpenCL C does unless told otherwise
+#define CONTRACT 0  // 1: the compiler may fuse multiplications and additions, the default of OpenCL C
 #endif
 #if CONTRACT
 #pragma OPENCL FP_CONTRACT ON

@@ -1,12 +1,12 @@
-// Bounds of the centroids of all valid triangles, and the Morton grid over them. A centroid here is the centre of the
-// triangle's box, doubled, which saves a rounding.
+// Bounds of the centroids of all valid triangles, and the Morton grid over them. A centroid is here the doubled centre of the
+// triangle's box; doubling avoids a rounding.
 #include "bvh/triangles.clh"
 
 #ifndef GROUP_SIZE
 #define GROUP_SIZE 256
 #endif
 #ifndef WHOLE_BOXES
-#define WHOLE_BOXES 0  // 1: the bounds of the triangles' whole boxes instead (sbvh.cl)
+#define WHOLE_BOXES 0  // 1: bounds of the triangles' boxes instead of centroids (sbvh.cl)
 #endif
 
 /// First kernel of every build.
@@ -69,8 +69,8 @@ void compute_bounds(global const float* positions, global const uint* indices, u
     if (get_local_id(0) == 0 && group_valid != 0) atomic_add(&header->valid, group_valid);
 }
 
-/// The largest scale of 9 significant bits for which extent * scale <= cells. Products and comparisons alone, which every
-/// device rounds alike: a division could differ in its last bit and give another tree.
+/// The largest scale of 9 significant bits with extent * scale <= cells. Uses only products and comparisons, which all devices
+/// round alike: a division could differ in its last bit and give another tree.
 static inline float grid_scale(float extent, float cells) {
     if (!(extent > 0.0f)) return 0.0f;
     float scale = 1.0f;
@@ -84,8 +84,9 @@ static inline float grid_scale(float extent, float cells) {
     return scale;
 }
 
-/// Lays a grid of cubic cells over the centroids, 2^axis_bits along the longest axis. Its origin goes to the header, its scale to `keys`. With as
-/// many cells along each axis, flat scenes would be split as often across as along (terrain: SAH cost 59.4 instead of 53.6).
+/// Lays a grid of cubic cells over the centroids, 2^axis_bits along the longest axis. Its origin goes to the header, its scale to
+/// `keys`. Cells are cubes, because with equally many cells along each axis flat scenes would be split as often across as along
+/// (terrain: SAH cost 59.4 instead of 53.6).
 kernel void finish_bounds(global BvhHeader* header, global uint* keys, uint count, uint axis_bits) {
     if (get_global_id(0) != 0) return;
     header->inner_nodes = max(header->valid, 1u) - 1;

@@ -1,5 +1,5 @@
-// Bounds and Morton codes for CPUs, as bounds.cl and morton_codes.cl give them: centroids are computed once, one triangle
-// at a time, and encoded in vectors. finish_bounds of bounds.cl lays the grid in between.
+// Bounds and Morton codes for CPUs, with the results of bounds.cl and morton_codes.cl. Centroids are computed once, one triangle at
+// a time, and encoded by vectors. finish_bounds of bounds.cl lays the grid in between.
 #include "bvh/morton_codes.clh"
 #include "bvh/serial/serial.clh"
 
@@ -9,8 +9,8 @@ static inline bool vertices_valid(float4 v0, float4 v1, float4 v2) {
     return movemask4(small) == 15 && movemask4(v0 == v1) != 15 && movemask4(v1 == v2) != 15 && movemask4(v2 == v0) != 15;
 }
 
-/// One item a range of triangles. `centroids` receives all x, then all y, then all z; x is NaN where a triangle is not
-/// valid. Bounds and valid triangles are added to `keys` and the header as compute_bounds does.
+/// One item per range of triangles. `centroids` receives all x, then all y, then all z; x is NaN for triangles that are not
+/// valid. Adds bounds and valid triangles to `keys` and the header as compute_bounds.
 kernel void compute_centroids(global const float* positions, global const uint* indices, uint count,
                               global BvhHeader* header, volatile global uint* keys, uint ranges,
                               global float* centroids) {
@@ -38,7 +38,7 @@ kernel void compute_centroids(global const float* positions, global const uint* 
     atomic_add(&header->valid, valid);
 }
 
-/// One item a range of triangles. The loop has no branches, so that compilers turn it into vectors.
+/// One item per range of triangles. The loop has no branches, so that compilers can vectorise it.
 kernel void encode_centroids(global const float* restrict centroids, uint count, global const BvhHeader* header,
                              global const uint* restrict keys, uint ranges, global Code* restrict codes) {
     const uint range = get_global_id(0);

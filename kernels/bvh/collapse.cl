@@ -1,14 +1,14 @@
-// The wide tree from the binary one, level by level from the root: a wide node starts from a binary node's children and
-// opens the one with the largest area until it is full (Wald et al. 2008, "Getting Rid of Packets").
+// Builds the wide tree from the binary tree, level by level from the root. A wide node begins with a binary node's children and
+// replaces the child of the largest area by its children until the node is full (Wald et al. 2008, "Getting Rid of Packets").
 #include "bvh/columns.clh"
 #include "bvh/triangles.clh"
 
-/// Leaves below a child; a subtree of at most CLARAY_BLOCK becomes one block of triangles.
+/// Number of leaves below a child; a subtree of at most CLARAY_BLOCK leaves becomes one block of triangles.
 static inline uint leaves_below(global const BvhNode* nodes, uint child) {
     return is_leaf(child) ? 1 : nodes[child].height_count & CLARAY_COUNT_LIMIT;
 }
 
-/// Subtrees of at most so many leaves come into the cache as a whole.
+/// Subtrees of at most this many leaves are prefetched as a whole.
 #ifndef FETCHED_LEAVES
 #define FETCHED_LEAVES 64u
 #endif
@@ -18,7 +18,7 @@ static inline uint end_leaf(global const BvhNode* nodes, uint child, uint side) 
     return child & CLARAY_SLOT;
 }
 
-/// Stores row i of four leaves, 3 coordinates and a word each, as four rows of a block.
+/// Stores row i of four leaves (3 coordinates and a word each) as four rows of a block.
 #define STORE_ROWS(row, to_x, to_y, to_z, to_w)                                                              \
     store_streaming4((float4)(a[row].x, b[row].x, c[row].x, d[row].x), (global float4*)(to_x));              \
     store_streaming4((float4)(a[row].y, b[row].y, c[row].y, d[row].y), (global float4*)(to_y));              \
@@ -35,8 +35,7 @@ static inline void fill_block(global const LeafTriangle* leaves, const uint* slo
     STORE_ROWS(2, block->v2x, block->v2y, block->v2z, block->mask);
 }
 
-/// The leaves below `child`, at most CLARAY_BLOCK, from left to right. Lanes that are left over repeat the last leaf and are
-/// not looked at.
+/// The leaves below `child` (at most CLARAY_BLOCK) from left to right. Unused lanes repeat the last leaf and are ignored.
 static inline void list_leaves(global const BvhNode* nodes, uint child, uint* slots) {
     uint stack[CLARAY_BLOCK], depth = 0, count = 0;
     stack[depth++] = child;
@@ -52,7 +51,7 @@ static inline void list_leaves(global const BvhNode* nodes, uint child, uint* sl
     for (uint lane = count; lane < CLARAY_BLOCK; ++lane) slots[lane] = slots[count - 1];
 }
 
-/// `first`, its first leaf, is only known where nodes are numbered by their splits.
+/// `first`, the first leaf, is only known if nodes are numbered by their splits.
 typedef struct Subtree {
     uint child, first, count;
 } Subtree;
@@ -62,10 +61,10 @@ static inline void prefetch_children(global const BvhNode* nodes, uint index) {
     prefetch_line(&nodes[nodes[index].child1 & CLARAY_SLOT]);
 }
 
-// ---- what an item makes --------------------------------------------------------------------------------------------
+// ---- output of an item ---------------------------------------------------------------------------------------------
 
-/// Blocks are filled later, when what they need has come into the cache: so many blocks later their leaves are listed, and
-/// as many again later they are filled.
+/// Blocks are filled with a delay, after their data was prefetched: this many blocks later their leaves are listed, and after as
+/// many again they are filled.
 #define DELAY 16u
 
 typedef struct Output {
@@ -74,11 +73,11 @@ typedef struct Output {
     global WideNode* wide;
     global TriangleBlock* blocks;
     volatile global BvhHeader* header;
-    uint node, node_end, block, block_end;  // numbers taken, so many at once that items seldom meet at the counters
+    uint node, node_end, block, block_end;  // reserved numbers; many at once, so that items rarely contend for the counters
     uint nodes_at_once, blocks_at_once;
     bool by_split;
-    uint fills;                                 // asked for so far
-    uint fill_slots[2 * DELAY][CLARAY_BLOCK];  // at first the child alone
+    uint fills;                                 // number of fills requested so far
+    uint fill_slots[2 * DELAY][CLARAY_BLOCK];  // at first only the child
     uint fill_block[2 * DELAY];
 } Output;
 
@@ -126,7 +125,7 @@ static inline void finish_fill(Output* out, uint fill) {
     fill_block(out->leaves, out->fill_slots[at], &out->blocks[out->fill_block[at]]);
 }
 
-/// Makes a block of the leaves below a subtree; returns the reference to it.
+/// Allocates a block for the leaves below a subtree; returns a reference to it.
 static inline uint add_block(Output* out, Subtree subtree) {
     const uint fill = out->fills++, at = fill % (2 * DELAY), block = take_block(out);
     if (fill >= DELAY) list_fill(out, fill - DELAY);
@@ -143,7 +142,7 @@ static inline uint add_block(Output* out, Subtree subtree) {
     return CLARAY_LEAF | ((subtree.count - 1) << CLARAY_LEAF_COUNT_SHIFT) | block;
 }
 
-/// Fills what is left to be filled, and marks the numbers that are left over as nodes without children.
+/// Fills the remaining blocks, and makes unused numbers nodes without children.
 static inline void finish_output(Output* out) {
     const uint fills = out->fills;
     for (uint fill = fills > DELAY ? fills - DELAY : 0; fill < fills; ++fill) list_fill(out, fill);
@@ -157,13 +156,13 @@ static inline void finish_output(Output* out) {
 
 typedef struct Slots {
     float boxes[CLARAY_WIDTH][8];  // lo and the child's bits, hi
-    ulong rank[CLARAY_WIDTH];      // the largest area first, then the lowest slot; 0: not to be opened
+    ulong rank[CLARAY_WIDTH];      // by largest area, then by lowest slot; 0: not to be opened
     Subtree subtrees[CLARAY_WIDTH];
     uint count;
 } Slots;
 
-/// Asks for the nodes of a small subtree, or for the first of a larger one. Node i of the linear tree splits behind leaf i,
-/// so that nodes have the numbers of the leaves; clustering on CPUs numbers nodes as they are made, the root last.
+/// Prefetches the nodes of a small subtree, or the first nodes of a larger one. Node i of the linear tree splits after leaf i, so
+/// that nodes have the numbers of leaves. Clustering on CPUs numbers nodes in the order of creation, the root last.
 static inline void fetch_subtree(const Output* out, Subtree subtree) {
     if (subtree.count < 2) return;
     const uint wanted = subtree.count <= FETCHED_LEAVES ? subtree.count - 1 : 1;
@@ -203,7 +202,7 @@ static inline void open_slot(const Output* out, Slots* slots, uint at, Subtree s
     set_slot(slots, slots->count++, b, (float4)(xy1.xz, z.z, 0.0f), (float4)(xy1.yw, z.w, 0.0f));
 }
 
-/// The slots of the wide node that stands for `root`; those beyond the count hold a box that no ray meets.
+/// The slots of the wide node for `root`; unused slots hold a box that no ray hits.
 static inline void open_children(const Output* out, Subtree root, Slots* slots) {
     for (uint i = 0; i < CLARAY_WIDTH; ++i) {
         vstore4((float4)((float3)(INFINITY), as_float(CLARAY_NO_CHILD)), 0, slots->boxes[i]);
@@ -216,7 +215,7 @@ static inline void open_children(const Output* out, Subtree root, Slots* slots) 
         set_slot(slots, 0, root, (float4)(box.lo, 0.0f), (float4)(box.hi, 0.0f));
         return;
     }
-    open_slot(out, slots, 0, root);  // even where all would fit one block
+    open_slot(out, slots, 0, root);  // even if all leaves fit in one block
     while (slots->count < CLARAY_WIDTH) {
         ulong best = 0;
         for (uint i = 0; i < CLARAY_WIDTH; ++i) best = max(best, slots->rank[i]);
@@ -231,7 +230,7 @@ typedef struct Wide {
     Subtree root;
 } Wide;
 
-/// Fills a wide node. Lists the wide nodes below it; returns their number.
+/// Fills a wide node. Lists the wide nodes below it and returns their number.
 static inline uint collapse_node(Output* out, Wide wide, Wide* below) {
     Slots slots;
     open_children(out, wide.root, &slots);
@@ -260,7 +259,7 @@ static inline uint collapse_node(Output* out, Wide wide, Wide* below) {
 
 // ---- kernels -------------------------------------------------------------------------------------------------------
 
-/// The wide node that `source[0]` prepares.
+/// Builds the wide node whose binary node is in `source[0]`.
 static inline Wide prepared_node(const Output* out, uint index) {
     const uint child = out->wide[index].source[0];
     const uint first = end_leaf(out->nodes, child, 0), count = end_leaf(out->nodes, child, 1) - first + 1;
@@ -268,7 +267,7 @@ static inline Wide prepared_node(const Output* out, uint index) {
     return wide;
 }
 
-/// The first wide node stands for the binary root.
+/// Starts the wide tree: its first node stands for the binary root.
 kernel void begin_collapse(global BvhHeader* header, global WideNode* wide) {
     if (get_global_id(0) != 0) return;
     header->wide_nodes = header->valid != 0;
@@ -276,7 +275,7 @@ kernel void begin_collapse(global BvhHeader* header, global WideNode* wide) {
     wide[0].source[0] = header->root;
 }
 
-/// One level: wide nodes begin .. end - 1, one item each. `source[0]` names the binary node that a wide node is for.
+/// One level: wide nodes begin .. end - 1, one item each. `source[0]` is the binary node of a wide node.
 kernel void collapse_level(global const BvhNode* nodes, global const LeafTriangle* leaves, global WideNode* wide,
                            global TriangleBlock* blocks, volatile global BvhHeader* header, uint begin, uint end) {
     const uint index = begin + get_global_id(0);
@@ -288,9 +287,9 @@ kernel void collapse_level(global const BvhNode* nodes, global const LeafTriangl
     finish_output(&out);
 }
 
-/// All that is below wide nodes begin .. end - 1, one item a subtree, depth first: a small subtree's nodes lie close
-/// together and stay in the cache, and so will the wide nodes when they are traversed. The last come first: they may still
-/// be in the cache. `at_once`: wide nodes whose numbers are taken at once; `by_split`: see fetch_subtree.
+/// Everything below wide nodes begin .. end - 1, one item per subtree, depth first: the nodes of a small subtree are close
+/// together and stay in the cache, now and when the wide nodes are traversed. The last subtrees come first, because they may
+/// still be in the cache. `at_once`: number of wide nodes reserved at once; `by_split`: see fetch_subtree.
 kernel void collapse_subtrees(global const BvhNode* nodes, global const LeafTriangle* leaves, global WideNode* wide,
                               global TriangleBlock* blocks, volatile global BvhHeader* header, uint begin, uint end,
                               uint at_once, uint by_split) {
@@ -307,7 +306,7 @@ kernel void collapse_subtrees(global const BvhNode* nodes, global const LeafTria
     finish_output(&out);
 }
 
-/// Copies boxes and triangles of a refitted binary tree into the wide tree; one item a wide node.
+/// Copies boxes and triangles of a refitted binary tree into the wide tree; one item per wide node.
 kernel void refit_wide(global const BvhNode* nodes, global const LeafTriangle* leaves, global WideNode* wide,
                        global TriangleBlock* blocks, global const BvhHeader* header) {
     const uint index = get_global_id(0);

@@ -1,21 +1,21 @@
 // Hierarchical parallel locally-ordered clustering (Benthin et al. 2024, "H-PLOC"): subtrees climb the radix tree of the
-// Morton codes as in lbvh.cl, but hand up clusters instead of one node. Where two meet, the nearest clusters along the
-// curve are merged until at most MAX_CLUSTERS are left, so that what ends up together is near in space, not in code.
-// GPUs let a warp work on one meeting place; the portable schedule lets a single work-item. Both merge the same pairs.
+// Morton codes as in lbvh.cl, but pass up clusters instead of one node. When two subtrees meet, the nearest clusters along the
+// curve are merged until at most MAX_CLUSTERS are left; so clusters are merged by distance, not by code.
+// On GPUs a warp handles a meeting; in the portable schedule a single work-item does. Both merge the same pairs.
 #include "bvh/hploc.clh"
 
 #ifndef GROUP_SIZE
 #define GROUP_SIZE 128
 #endif
 
-// A cluster keeps the number of one of its leaves, the first in the list where it arose; each number is given up at most
-// once, when its cluster is the second of a merge, and then numbers the new node. So no counter is needed, node 0 is
-// there if any is, and the numbering is the same everywhere.
+// A cluster keeps the number of its first leaf in the list where it was formed. A number is released at most once, when its cluster
+// is the second of a merge, and then becomes the number of the new node. Therefore no counter is needed, node 0 exists if any node
+// does, and the numbering is the same on all devices.
 typedef struct Cluster {
     uint child;
     Box box;
     uint height_count;  // of the subtree, as in BvhNode
-    uint number;        // until a node has a parent, its word for that keeps the number
+    uint number;        // a node's word for its parent holds the number until the parent is known
 } Cluster;
 
 static inline Cluster load_cluster(global const BvhNode* nodes, global const LeafTriangle* leaves, uint child) {
@@ -33,9 +33,9 @@ static inline uint pair_key(Box a, Box b, uint i_xor_j) {
     return PAIR_KEY(as_uint, extent.x, extent.y, extent.z, i_xor_j);
 }
 
-/// Height saturates: a tree higher than the stack of a traversal is not used (see host/bvh).
+/// The height saturates: a tree higher than a traversal's stack is not used (see host/bvh).
 static inline Cluster merge_clusters(global BvhNode* nodes, Cluster a, Cluster b) {
-    const uint index = b.number - 1;  // leaf 0 stays in the first cluster, so that its number is never given up
+    const uint index = b.number - 1;  // leaf 0 stays in the first cluster, so that its number is never released
     Cluster merged;
     merged.child = index;
     merged.box = box_union(a.box, b.box);
@@ -71,7 +71,7 @@ static inline uint gather_clusters(global const BvhNode* nodes, global const Lea
     return count;
 }
 
-/// Merges all pairs of mutual nearest neighbours; returns how many clusters are left, in the same order.
+/// Merges all pairs of mutual nearest neighbours; returns the number of remaining clusters, whose order is kept.
 static inline uint merge_mutual(global BvhNode* nodes, Cluster* list, uint count) {
     uint keys[2 * MAX_CLUSTERS];
     for (uint i = 0; i < count; ++i) keys[i] = NO_PAIR;
@@ -91,7 +91,7 @@ static inline uint merge_mutual(global BvhNode* nodes, Cluster* list, uint count
     return left;
 }
 
-/// The meeting of leaves first .. split and split + 1 .. last, by one work-item.
+/// Joins leaves first .. split and split + 1 .. last, by one work-item.
 static inline void meet(global BvhNode* nodes, global const LeafTriangle* leaves, global uint* clusters, uint first,
                         uint split, uint last, uint valid, global BvhHeader* header) {
     Cluster list[2 * MAX_CLUSTERS];
@@ -129,12 +129,12 @@ static inline Cluster shuffle_cluster(Cluster c, uint lane) {
     return shuffled;
 }
 
-/// Where two subtrees meet: leaves first .. split and split + 1 .. last.
+/// A meeting of two subtrees: leaves first .. split and split + 1 .. last.
 typedef struct Meeting {
     uint first, split, last;
 } Meeting;
 
-/// Half a warp looks at the slots of each side's clusters.
+/// Half a warp reads the slots of the clusters of each side.
 static inline uint slot_of_lane(Meeting m) {
     const uint lane = (uint)get_local_id(0) % WARP;
     return lane < MAX_CLUSTERS ? m.first + lane : m.split + 1 + lane - MAX_CLUSTERS;
@@ -143,8 +143,8 @@ static inline bool slot_in_meeting(Meeting m, uint slot) {
     return slot <= ((uint)get_local_id(0) % WARP < MAX_CLUSTERS ? m.split : m.last);
 }
 
-/// From the child that each item found in its slot (CLARAY_NO_CHILD: none) to how many there are on both sides; the item whose
-/// cluster this one takes is `source`.
+/// Counts the clusters of both sides from the child that each item found in its slot (CLARAY_NO_CHILD: none). `source` is the item
+/// whose cluster this item takes over.
 static inline uint close_ranks(uint child, uint* source) {
     const uint lane = (uint)get_local_id(0) % WARP;
     const uint missing = warp_ballot(child == CLARAY_NO_CHILD);
@@ -155,8 +155,8 @@ static inline uint close_ranks(uint child, uint* source) {
     return of_left + of_right;
 }
 
-/// The key of each item's cluster and the nearest to it, of those of items 0 .. count - 1. Every pair is measured once, by its
-/// lower item; items beyond have no pair, which is also what a lane below zero, counted from the top, shuffles down.
+/// The key of each item's cluster and its nearest one among items 0 .. count - 1. Each pair is measured once, by its lower item.
+/// Items beyond have no pair; lanes below zero wrap around to such items in the shuffle.
 static inline uint nearest_in_warp(Box mine, uint count) {
     const uint lane = (uint)get_local_id(0) % WARP;
     uint best = NO_PAIR;
@@ -170,7 +170,7 @@ static inline uint nearest_in_warp(Box mine, uint count) {
     return best;
 }
 
-/// As merge_mutual, a cluster an item; returns which items have one now.
+/// As merge_mutual with one cluster per item; returns the mask of items that still have one.
 static inline uint merge_by_warp(global BvhNode* nodes, Cluster* mine, uint count) {
     const uint lane = (uint)get_local_id(0) % WARP, key = nearest_in_warp(mine->box, count);
     const uint nearest = lane ^ (key & PAIR_INDEX);
@@ -180,13 +180,13 @@ static inline uint merge_by_warp(global BvhNode* nodes, Cluster* mine, uint coun
     return warp_ballot(lane < count && (!mutual || merges));
 }
 
-/// Merges until no more clusters are left than a meeting hands up, or the root. Returns which items hold them, in order; `scratch`
-/// is a word of local memory an item of the warp.
+/// Merges until the number of clusters that a meeting passes up is reached, or only the root is left. Returns the mask of items
+/// that hold them, in order. `scratch` has one word of local memory per item of the warp.
 static inline uint merge_to_limit(global BvhNode* nodes, Cluster* mine, uint count, bool is_root, local uint* scratch) {
     const uint lane = (uint)get_local_id(0) % WARP, limit = is_root ? 1 : MAX_CLUSTERS;
     uint holders = (uint)(((ulong)1 << count) - 1);
     while (count > limit) {
-        if (holders >> (count - 1) != 1) {  // others lie between them
+        if (holders >> (count - 1) != 1) {  // others are between them
             if (holders >> lane & 1) scratch[popcount(holders & ((1u << lane) - 1))] = lane;
             warp_barrier();
             const uint source = lane < count ? scratch[lane] : lane;
@@ -199,7 +199,7 @@ static inline uint merge_to_limit(global BvhNode* nodes, Cluster* mine, uint cou
     return holders;
 }
 
-/// As meet, by a whole warp.
+/// meet, by a whole warp.
 static inline void meet_by_warp(global BvhNode* nodes, global const LeafTriangle* leaves, global uint* clusters,
                                 Meeting m, uint valid, global BvhHeader* header, local uint* scratch) {
     const uint lane = (uint)get_local_id(0) % WARP, slot = slot_of_lane(m);
@@ -219,16 +219,16 @@ static inline void meet_by_warp(global BvhNode* nodes, global const LeafTriangle
         count = popcount(holders);
         if (lane == count && count < MAX_CLUSTERS) clusters[m.first + count] = CLARAY_NO_CHILD;
     }
-    warp_barrier();  // what the warp wrote comes before the owner's next arrival
+    warp_barrier();  // the warp's stores precede the owner's next arrival
 }
 
 // ---- one work-group ------------------------------------------------------------------------------------------------
-// Subtrees within a group's own leaves meet in local memory, where neither fences nor loads of nodes are needed.
+// Subtrees of a group's own leaves meet in local memory, which needs neither fences nor loads of nodes.
 
 typedef struct GroupClusters {
     float lox[GROUP_SIZE], loy[GROUP_SIZE], loz[GROUP_SIZE], hix[GROUP_SIZE], hiy[GROUP_SIZE], hiz[GROUP_SIZE];
     uint child[GROUP_SIZE], height_count[GROUP_SIZE], number[GROUP_SIZE];
-    uint level[GROUP_SIZE + 1];  // of the borders before each leaf and behind the last
+    uint level[GROUP_SIZE + 1];  // of the borders before each leaf and after the last
 } GroupClusters;
 
 static inline void store_in_group(local GroupClusters* group, uint i, Cluster c) {
@@ -245,7 +245,7 @@ static inline Cluster load_from_group(local const GroupClusters* group, uint i) 
     return c;
 }
 
-/// As meet_by_warp; `begin` is the group's first leaf.
+/// meet_by_warp in local memory; `begin` is the group's first leaf.
 static inline void meet_in_group(global BvhNode* nodes, local GroupClusters* group, uint begin, Meeting m, uint valid,
                                  global BvhHeader* header, local uint* scratch) {
     const uint lane = (uint)get_local_id(0) % WARP, slot = slot_of_lane(m);
@@ -255,7 +255,7 @@ static inline void meet_in_group(global BvhNode* nodes, local GroupClusters* gro
     const uint gathered = warp_shuffle(slot, source) - begin;
     Cluster mine;
     if (lane < count) mine = load_from_group(group, gathered);
-    warp_barrier();  // all have read before any writes
+    warp_barrier();  // all loads precede any store
     const bool is_root = m.last - m.first + 1 == valid;
     const uint holders = merge_to_limit(nodes, &mine, count, is_root, scratch);
     const bool holds = holders >> lane & 1;
@@ -269,8 +269,8 @@ static inline void meet_in_group(global BvhNode* nodes, local GroupClusters* gro
     warp_barrier();
 }
 
-/// Climbs from every leaf of the group as far as both siblings are in it, leaves begin .. end - 1. True for an item that has to
-/// go on outside; `first` and `last` are its subtree then.
+/// Climbs from each leaf of the group (leaves begin .. end - 1) while both siblings are in the group. Returns true for an item that
+/// must continue outside; `first` and `last` are then its subtree.
 static inline bool climb_in_group(global BvhNode* nodes, local GroupClusters* group, volatile local uint* arrivals,
                                   uint begin, uint end, uint valid, global BvhHeader* header, local uint* scratch,
                                   uint* first, uint* last) {
@@ -307,7 +307,7 @@ static inline bool climb_in_group(global BvhNode* nodes, local GroupClusters* gr
         if (warp_ballot(climbing) == 0) break;
     }
     barrier(CLK_LOCAL_MEM_FENCE);
-    // Whose sibling has come meanwhile is done; where none has, it comes from another group.
+    // An item is done if its sibling arrived meanwhile; otherwise the sibling comes from another group.
     return outside || (waits && arrivals[split - begin] == arrival);
 }
 
@@ -315,8 +315,8 @@ static inline bool climb_in_group(global BvhNode* nodes, local GroupClusters* gr
 
 // ---- kernels -------------------------------------------------------------------------------------------------------
 
-/// `codes` sorted, `order[i]` the triangle of leaf i; `arrivals` holds NO_ARRIVAL for every leaf but the last. Every item climbs
-/// from its leaf as long as it is the second to arrive.
+/// `codes` are sorted; `order[i]` is the triangle of leaf i; `arrivals` holds NO_ARRIVAL for all leaves but the last. Each item
+/// climbs from its leaf as long as it arrives second.
 kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
 void build_hploc(global const float* positions, global const uint* indices, global const uint* geometries,
                  global const uint* masks, global const Code* codes, global const uint* order, global BvhNode* nodes,
@@ -369,7 +369,7 @@ void build_hploc(global const float* positions, global const uint* indices, glob
             }
         }
 #if CLARAY_USE_PTX
-        // The warp goes from one meeting place of its items to the next.
+        // The warp handles the meetings of its items one after the other.
         for (uint waiting = warp_ballot(meets); waiting != 0; waiting &= waiting - 1) {
             const uint owner = lowest_bit(waiting);
             const Meeting m = {warp_shuffle(first, owner), warp_shuffle(split, owner), warp_shuffle(last, owner)};

@@ -1,13 +1,13 @@
-// The builder takes triangles; an instance enters it as one that spans its box, so that codes, sort, hierarchy, refit and
-// validation are those of every other structure.
+// Prepares instances for the builder: each becomes a triangle that spans its box, so that codes, sort, hierarchy, refit and
+// validation are shared with other structures.
 #include "bvh/instances/placement.clh"
 
 #ifndef GROUP_SIZE
 #define GROUP_SIZE 64
 #endif
 
-/// `widening`, zero before, becomes the largest of all instances; of positive floats the bits have the same order. `ends` and
-/// `moving` are absent where nothing moves.
+/// `widening`, zero before, becomes the maximum of all instances; the bits of positive floats have the floats' order. `ends` and
+/// `moving` are absent if nothing moves.
 kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
 void place_instances(global const Instance* instances, global const Instance* ends, uint count, global const BvhHeader* bottoms,
                      uint bottom_count, global PlacedInstance* placed, global MovingInstance* moving, global float* corners,
@@ -25,7 +25,7 @@ void place_instances(global const Instance* instances, global const Instance* en
     if (get_local_id(0) == 0) atomic_max(widening, group_widening);
 }
 
-/// Corner i of the boxes is vertex i.
+/// Makes corner i of the boxes vertex i.
 kernel void number_corners(global uint* indices, uint count) {
     const uint i = get_global_id(0);
     if (i < count) indices[i] = i;

@@ -1,11 +1,11 @@
-// Copies a finished binary tree into the order in which it is traversed: depth first, so that a node's first child follows it,
-// and leaves from left to right. On the way subtrees become leaves where that is cheaper by the surface area
-// heuristic, and parts of one triangle that ended up side by side become one again. The same tree gets the same numbers on
-// every device. The leaves copied are references, of which only the primitive is used.
+// Copies a finished binary tree into the order of traversal: nodes depth first, so that the first child follows its node, and
+// leaves from left to right. Subtrees become leaves if that is cheaper by the surface area heuristic, and neighbouring parts of
+// one triangle are merged. The numbering is the same on all devices. The copied leaves are references, of which only the
+// primitive is used.
 #include "bvh/sbvh/references.clh"
 
 #ifndef MAX_LEAF
-#define MAX_LEAF 1u  // triangles a leaf, up to 4
+#define MAX_LEAF 1u  // triangles per leaf, up to 4
 #endif
 #ifndef TREELET
 #define TREELET 32u  // leaves of a subtree that one item copies
@@ -13,10 +13,10 @@
 #define LEAF_LIMIT 4u
 #define MANY 0xffu
 
-/// What is below a node, leaves already formed.
+/// The subtree below a node, after leaves were formed.
 typedef struct Subtree {
     uint nodes, slots;  // inner nodes (0: the node becomes a leaf), and triangles in its leaves
-    float cost;         // area times 1 a pair of boxes and 1 a triangle
+    float cost;         // area times 1 per pair of boxes and 1 per triangle
     uint height;
     uint unique;            // different triangles, or MANY
     uint held[LEAF_LIMIT];  // the leaves that hold them
@@ -29,7 +29,7 @@ static inline uint slots_below(global const Subtree* subtrees, uint child) {
     return is_leaf(child) ? CLARAY_LEAF_COUNT(child) : subtrees[child].slots;
 }
 
-// ---- from the leaves up ---------------------------------------------------------------------------------------------
+// ---- upwards --------------------------------------------------------------------------------------------------------
 
 static inline void hold(global const LeafTriangle* leaves, Subtree* tree, uint slot) {
     if (tree->unique == MANY) return;
@@ -74,7 +74,7 @@ static inline Subtree measure(global const BvhNode* node, global const LeafTrian
     return tree;
 }
 
-/// One item a node, upwards as in refit.cl. `arrivals` is zero before.
+/// One item per node, upwards as in refit.cl. `arrivals` is zero before.
 kernel void measure_subtrees(global const BvhNode* nodes, global const LeafTriangle* leaves, global Subtree* subtrees,
                              volatile global uint* arrivals, global const BvhHeader* header) {
     const uint start = get_global_id(0);
@@ -88,9 +88,9 @@ kernel void measure_subtrees(global const BvhNode* nodes, global const LeafTrian
     }
 }
 
-// ---- and down again -------------------------------------------------------------------------------------------------
+// ---- downwards ------------------------------------------------------------------------------------------------------
 
-/// Where a node or leaf goes.
+/// The new place of a node or leaf.
 typedef struct Place {
     uint child, at, slot, parent;
 } Place;
@@ -164,8 +164,8 @@ static inline void copy_node(global const BvhNode* nodes, global const Subtree* 
     copy->height_count = (min(tree->height, 255u) << 24) | min(tree->slots, CLARAY_COUNT_LIMIT);
 }
 
-/// A node with many leaves below is copied by an item of its own, with children that are leaves; a subtree of at most TREELET
-/// triangles by one item as a whole.
+/// One item copies a node with many leaves below, together with its children that are leaves, or a whole subtree of at most TREELET
+/// triangles.
 kernel void copy_tree(global const BvhNode* nodes, global const LeafTriangle* leaves, global const Subtree* subtrees,
                       global const BvhHeader* header, global const float* positions, global const uint* indices,
                       global const uint* geometries, global const uint* masks, global BvhNode* new_nodes,
@@ -176,7 +176,7 @@ kernel void copy_tree(global const BvhNode* nodes, global const LeafTriangle* le
     if (index >= header->inner_nodes) return;
     const uint parent = nodes[index].parent;
     const bool alone = subtrees[index].slots > TREELET;
-    if (!alone && parent != CLARAY_NO_CHILD && subtrees[parent].slots <= TREELET) return;  // its parent's business
+    if (!alone && parent != CLARAY_NO_CHILD && subtrees[parent].slots <= TREELET) return;  // the parent's item copies it
     Place stack[CLARAY_MAX_HEIGHT + 1], place = place_of(nodes, subtrees, index);
     uint depth = 0;
     while (true) {
@@ -193,7 +193,7 @@ kernel void copy_tree(global const BvhNode* nodes, global const LeafTriangle* le
     }
 }
 
-/// The header for the copy.
+/// Updates the header for the copy.
 kernel void finish_copy(global const BvhNode* nodes, global const Subtree* subtrees, global BvhHeader* header) {
     const uint root = header->root;
     if (get_global_id(0) != 0 || header->inner_nodes == 0) return;

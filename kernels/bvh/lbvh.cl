@@ -1,20 +1,20 @@
 // Agglomerative linear BVH in one bottom-up pass (Apetrei 2014, "Fast and Simple Agglomerative LBVH Construction"):
-// every leaf climbs; at a node the first child to arrive stops and the second goes on with the union of both.
-// Node i splits the leaves between i and i + 1, so the tree has one numbering, whatever the order of arrival.
+// every leaf climbs; at a node the first child to arrive stops and the second continues with the union of both.
+// Node i splits the leaves between i and i + 1, so that the numbering does not depend on the order of arrival.
 //
-// A work-group joins what it can of its own leaves in local memory, so that most nodes are written once and whole, and
-// only the few subtrees at the group's borders meet others through global memory and its fences.
+// A work-group joins its own leaves in local memory as far as possible. So most nodes are written once and whole, and only the few
+// subtrees at the group's borders need global memory and fences.
 #include "bvh/radix_tree.clh"
 
 #ifndef GROUP_SIZE
 #define GROUP_SIZE 256
 #endif
 
-/// A subtree on its way up: leaves first .. last, and where it goes next.
+/// A climbing subtree: leaves first .. last, and its parent.
 typedef struct Climber {
     Box box;
     uint first, last, child, height;
-    uint parent;  // the split that it has on one side; CLARAY_NO_CHILD at the root
+    uint parent;  // the split on its left or right; CLARAY_NO_CHILD at the root
     bool is_left;  // child of its parent
 } Climber;
 
@@ -31,7 +31,7 @@ static inline uint height_count(const Climber* c) {
     return (c->height << 24) | min(c->last - c->first + 1, CLARAY_COUNT_LIMIT);
 }
 
-/// What a waiting subtree leaves for its sibling, by work-item.
+/// The data that waiting subtrees leave for their siblings, by work-item.
 typedef struct Records {
     float lox[GROUP_SIZE], loy[GROUP_SIZE], loz[GROUP_SIZE], hix[GROUP_SIZE], hiy[GROUP_SIZE], hiz[GROUP_SIZE];
     uint end[GROUP_SIZE], child[GROUP_SIZE], height[GROUP_SIZE];
@@ -44,7 +44,7 @@ static inline void store_record(local Records* records, uint item, const Climber
     records->child[item] = c->child, records->height[item] = c->height;
 }
 
-/// Joins the subtree with the sibling that `item` has left: writes their node, and goes on as it.
+/// Joins the subtree with the sibling left by `item`: writes their node and continues as that node.
 static inline void join_record(Climber* c, local const Records* records, uint item, global const Code* codes,
                                global BvhNode* nodes, uint valid) {
     const Box mine = c->box;
@@ -69,7 +69,7 @@ static inline void join_record(Climber* c, local const Records* records, uint it
     else store_node(&nodes[index], other, mine, other_child, child, c->parent, height_count(c));
 }
 
-/// Climbs as long as both children of the parent are in the group, leaves begin .. end - 1. True if it waits in the group.
+/// Climbs while both children of the parent are in the group (leaves begin .. end - 1). Returns true if it waits in the group.
 static inline bool climb_in_group(Climber* c, local Records* records, volatile local uint* arrivals, uint begin, uint end,
                                   global const Code* codes, global BvhNode* nodes, uint valid) {
     const uint item = get_local_id(0);
@@ -93,12 +93,12 @@ static inline void climb(Climber* c, volatile global uint* arrivals, global cons
         store_child_box(node, side, c->box);
         if (side == 0) node->child0 = c->child;
         else node->child1 = c->child;
-        ((global uchar*)&node->height_count)[side] = (uchar)c->height;  // a byte each, until both are there
+        ((global uchar*)&node->height_count)[side] = (uchar)c->height;  // one byte each until both children have arrived
 
-        device_fence();  // releases what was written to the node ...
+        device_fence();  // releases the stores to the node ...
         const uint other_end = atomic_xchg(&arrivals[c->parent], c->is_left ? c->first : c->last);
         if (other_end == NO_ARRIVAL) return;
-        device_fence();  // ... and acquires what the sibling wrote
+        device_fence();  // ... and acquires the sibling's stores
 
         if (c->is_left) c->last = other_end;
         else c->first = other_end;
@@ -121,7 +121,7 @@ static inline void climb(Climber* c, volatile global uint* arrivals, global cons
     }
 }
 
-/// `codes` sorted, `order[i]` the triangle of leaf i; `arrivals` holds NO_ARRIVAL for every node.
+/// `codes` are sorted; `order[i]` is the triangle of leaf i; `arrivals` holds NO_ARRIVAL for all nodes.
 kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
 void build_lbvh(global const float* positions, global const uint* indices, global const uint* geometries,
                 global const uint* masks, global const Code* codes, global const uint* order, global BvhNode* nodes,
@@ -146,7 +146,7 @@ void build_lbvh(global const float* positions, global const uint* indices, globa
     }
     barrier(CLK_LOCAL_MEM_FENCE);
 
-    // Whose sibling has come meanwhile is done; where none has, it comes from another group.
+    // An item is done if its sibling arrived meanwhile; otherwise the sibling comes from another group.
     if (leaf >= valid || (waits && group_arrivals[c.parent - begin] != item)) return;
     climb(&c, arrivals, codes, nodes, valid);
     if (c.parent == CLARAY_NO_CHILD) finish_tree(header, c.child, c.box, c.height);

@@ -1,8 +1,8 @@
-// A Morton code for every triangle's centroid, on the grid that bounds.cl laid.
+// Computes the Morton code of each triangle's centroid on the grid of bounds.cl.
 #include "bvh/morton_codes.clh"
 #include "bvh/triangles.clh"
 
-/// Culled triangles get a code above all others, so that sorting puts them behind the tree's leaves.
+/// Culled triangles get a code above all others, so that they are sorted after the leaves of the tree.
 kernel void compute_morton_codes(global const float* positions, global const uint* indices, uint count,
                                  global const BvhHeader* header, global const uint* keys, global Code* codes) {
     const uint i = get_global_id(0);

@@ -1,7 +1,7 @@
-// New boxes for an old tree: the climb of lbvh.cl along stored parents.
+// Recomputes the boxes of a tree by the climb of lbvh.cl along stored parents.
 #include "bvh/triangles.clh"
 
-/// A box that no ray meets and no union feels: of a leaf whose triangle is no longer valid.
+/// The box of a leaf whose triangle is no longer valid: no ray hits it, and it does not change a union.
 static inline Box refit_leaf(global const float* positions, global const uint* indices, global LeafTriangle* leaf) {
     const Triangle t = load_triangle(positions, indices, leaf->primitive);
     leaf->v0x = t.v0.x, leaf->v0y = t.v0.y, leaf->v0z = t.v0.z;
@@ -19,7 +19,7 @@ static inline Box refit_leaves(global const float* positions, global const uint*
     return box;
 }
 
-/// One item a node. It does what its leaf children need; a node with a leaf goes on upwards, or waits for its other
+/// One item per node. It computes the boxes of the node's leaves. A node with a leaf continues upwards, or waits for its other
 /// child, as in lbvh.cl. `arrivals` is zero before.
 kernel void refit_nodes(global const float* positions, global const uint* indices, global BvhNode* nodes,
                         global LeafTriangle* leaves, volatile global uint* arrivals, global BvhHeader* header) {

@@ -1,7 +1,7 @@
-// The best tree: from the root down, every node is split where the surface area heuristic is least, between triangles or
-// through them by a plane that gives a triangle on both sides a reference for each part (Stich, Friedrich and Dietrich 2009,
-// "Spatial Splits in Bounding Volume Hierarchies"). All nodes of a level are split at once, a work-group each; the
-// order of a node's references never matters but where it is kept, so the tree is the same on every device.
+// The best tree, built from the root down: each node is split at the least cost by the surface area heuristic, between triangles or
+// by a plane through them; then a triangle on both sides has a reference for each part (Stich, Friedrich and Dietrich 2009,
+// "Spatial Splits in Bounding Volume Hierarchies"). All nodes of a level are split at once, one work-group each. The tree is the
+// same on all devices, because references keep their order wherever the order matters.
 #include "bvh/sbvh/sbvh.clh"
 #include "compute/group_sum.clh"
 
@@ -11,10 +11,9 @@
 #include "bvh/sbvh/bins.clh"
 #include "bvh/sbvh/clip_triangle.clh"
 
-/// Children that share less than this part of the root's area are not worth a split through triangles (Stich et al. use the
-/// same).
+/// If the children overlap by less than this fraction of the root's area, splits through triangles are not tried (as Stich et al.).
 #define LEAST_OVERLAP 1e-5f
-/// Triangles that a group of count_references and place_references looks after.
+/// Triangles per group of count_references and place_references.
 #define TILE 2048u
 
 // ---- references of all triangles, in their order ------------------------------------------------------------------------
@@ -33,7 +32,7 @@ void count_references(global const float* positions, global const uint* indices,
     if (get_local_id(0) == 0) tile_sums[get_group_id(0)] = sum;
 }
 
-/// One group: tile_sums become prefix sums.
+/// One group: turns tile_sums into prefix sums.
 kernel __attribute__((reqd_work_group_size(GROUP, 1, 1)))
 void scan_tiles(global uint* tile_sums, uint tiles) {
     local uint scratch[GROUP];
@@ -70,7 +69,7 @@ void place_references(global const float* positions, global const uint* indices,
     }
 }
 
-/// The root's task, if there is anything to split.
+/// Writes the root's task, if there is anything to split.
 kernel void begin_splitting(global const BvhHeader* header, uint capacity, global const float4* references,
                             global LeafTriangle* leaves, global BvhNode* nodes, global SplitTask* large,
                             global SplitTask* medium, global SplitTask* small, global uint* counters) {
@@ -101,14 +100,14 @@ kernel void begin_splitting(global const BvhHeader* header, uint capacity, globa
 
 #define BY_CENTROID 0u  // at the border of a bin of doubled centroids
 #define BY_PLANE 1u     // through triangles
-#define BY_PLACE 2u     // half of them each, as they lie
+#define BY_PLACE 2u     // half of the references each, in their order
 
 typedef struct Split {
     uint kind, axis, bin;
     float cost;
 } Split;
 
-/// Keeps the best axis's candidate, the lowest axis of equals.
+/// Keeps the candidate of the best axis; of equal ones that of the lowest axis.
 static inline void choose_axis(Split* split, uint kind, local const Candidate* candidates) {
     for (uint axis = 0; axis < 3; ++axis)
         if (candidates[axis].cost < split->cost) {
@@ -117,7 +116,7 @@ static inline void choose_axis(Split* split, uint kind, local const Candidate* c
         }
 }
 
-/// Adds a reference to the bins of planes that it spans, part by part.
+/// Adds a reference, part by part, to the bins of planes that it spans.
 static inline void bin_parts(Bins bins, const Slabs* slabs, Reference reference, global const float* positions,
                              global const uint* indices) {
     for (uint axis = 0; axis < 3; ++axis) {
@@ -141,7 +140,7 @@ static inline void bin_parts(Bins bins, const Slabs* slabs, Reference reference,
     }
 }
 
-/// The parts of a reference on both sides; an empty box where there is none.
+/// The parts of a reference on both sides; a box is empty if there is none.
 static inline void divide(Split split, const Slabs* centroids, const Slabs* planes, Reference reference, bool first_half,
                           global const float* positions, global const uint* indices, Box* left, Box* right) {
     *left = *right = empty_box();
@@ -163,7 +162,7 @@ static inline void divide(Split split, const Slabs* centroids, const Slabs* plan
     if (is_right) *right = reference.box;
 }
 
-/// One side of a split node: what its reference in the node must be, and the work that is left.
+/// One side of a split node: returns its child reference, and appends the remaining work to a queue.
 static inline uint place_child(Box box, SplitTask task, uint count, uint node, global const float4* references,
                                global LeafTriangle* leaves, global SplitTask* queues[3], volatile global uint* counters,
                                uint level) {
@@ -180,7 +179,7 @@ static inline uint place_child(Box box, SplitTask task, uint count, uint node, g
     return node;
 }
 
-/// What the items of a group share while they split a node.
+/// Local memory of a group that splits a node.
 typedef struct Scratch {
     uint bin_boxes[3 * BINS * BOX_WORDS], bin_begin[3 * BINS], bin_end[3 * BINS];
     uint bounds[2][BOX_WORDS], sides[2][BOX_WORDS], sums[GROUP];
@@ -276,7 +275,7 @@ static inline void split_between(SplitTask task, global const float4* from, cons
     barrier(CLK_LOCAL_MEM_FENCE);
 }
 
-/// Takes the best split through triangles where that is better.
+/// Takes the best split through triangles if it is better.
 static inline void split_through(SplitTask task, global const float4* from, const Grid* grid, global const float* positions,
                                  global const uint* indices, local Scratch* scratch) {
     const uint item = get_local_id(0);
@@ -332,7 +331,7 @@ static inline uint2 part_references(SplitTask task, Split split, const Grid* gri
     return counts;
 }
 
-/// A group a task. The references go from one buffer to the other.
+/// One group per task. The references go from one buffer to the other.
 kernel __attribute__((reqd_work_group_size(GROUP, 1, 1)))
 void split_nodes(global const SplitTask* tasks, global SplitTask* large, global SplitTask* medium, global SplitTask* small,
                  global const float4* from, global float4* to, global const float* positions, global const uint* indices,
@@ -346,14 +345,14 @@ void split_nodes(global const SplitTask* tasks, global SplitTask* large, global 
 
     Split split = scratch.chosen;
     uint2 counts = (uint2)(0);
-    // A loop, since PoCL 3.1 crashes where two calls with barriers are compiled.
+    // A loop, because PoCL 3.1 crashes on two calls with barriers.
     for (uint attempt = 0; attempt < 2 && (counts.x == 0 || counts.y == 0); ++attempt) {
         if (attempt == 1) split.kind = BY_PLACE;  // roundings left one side empty
         counts = part_references(task, split, &grid, from, to, positions, indices, &scratch);
     }
     if (get_local_id(0) != 0) return;
 
-    // What is free is shared out in proportion.
+    // Free places are divided in proportion to the counts.
     const uint used = counts.x + counts.y, free_places = task.capacity - used;
     const uint left_free = (uint)((ulong)free_places * counts.x / used);
     SplitTask left = {task.begin, counts.x + left_free, task.begin, 0, 0, task.depth + 1};
@@ -375,7 +374,7 @@ void split_nodes(global const SplitTask* tasks, global SplitTask* large, global 
     if (!is_leaf(child1)) nodes[child1].parent = task.node;
 }
 
-/// The header of the tree of references.
+/// Writes the header of the tree of references.
 kernel void finish_splitting(global const LeafTriangle* leaves, global BvhHeader* header, global const uint* counters) {
     if (get_global_id(0) != 0) return;
     if (counters[LEAVES] == 1) store_header_box(header, box_of(leaf_triangle(&leaves[0])));

@@ -1,8 +1,8 @@
-// The lower end of the best tree: a group finishes all that is below a node of at most SMALL references. Every split behind
-// every reference is tried, by the surface area heuristic, but none through triangles.
+// The lower levels of the best tree: a group builds the whole subtree of a node with at most SMALL references. It tries the splits
+// after each reference by the surface area heuristic, but none through triangles.
 #include "bvh/sbvh/sbvh.clh"
 
-/// References of a small node, as they are sorted into subtrees: rows of SMALL coordinates, lo.x lo.y lo.z hi.x hi.y hi.z.
+/// References of a small node while they are sorted into subtrees: rows of SMALL coordinates, lo.x lo.y lo.z hi.x hi.y hi.z.
 typedef local const float* SmallBoxes;
 
 static inline Box small_box(SmallBoxes rows, uint i) {
@@ -21,13 +21,13 @@ static inline Box box_of_range(SmallBoxes rows, uint begin, uint end) {
     return box;
 }
 
-/// A split behind the centroid of one reference, on one axis.
+/// A split after the centroid of one reference on one axis.
 typedef struct SmallSplit {
     float cost, centroid;
     uint axis;
 } SmallSplit;
 
-/// The best of the splits behind reference i of a range, on all axes: references whose doubled centroid is not larger go left.
+/// The best split after reference i of a range over all axes: references whose doubled centroid is not larger go left.
 static inline SmallSplit split_behind(SmallBoxes rows, uint begin, uint end, uint i) {
     SmallSplit best = {INFINITY, 0.0f, 3};
     for (uint axis = 0; axis < 3; ++axis) {
@@ -61,7 +61,7 @@ typedef struct SmallTask {
     uint begin, end, node, depth;
 } SmallTask;
 
-/// A group of SMALL items a task: all splits of a subtree, each the best of all.
+/// One group of SMALL items per task: all splits of a subtree, each the best one.
 kernel __attribute__((reqd_work_group_size(SMALL, 1, 1)))
 void finish_subtrees(global const SplitTask* tasks, global const float4* even, global const float4* odd,
                      global BvhNode* nodes, global LeafTriangle* leaves, volatile global uint* counters) {

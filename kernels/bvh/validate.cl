@@ -1,5 +1,5 @@
-// Checks a finished binary tree: every triangle in a leaf, or in parts that cover it, boxes contain, links point back; and
-// measures its SAH cost.
+// Checks a finished binary tree (each triangle is in a leaf, or in parts that cover it; boxes contain their subtrees; links point
+// back) and measures its SAH cost.
 #include "bvh/triangles.clh"
 
 static inline bool contains(Box outer, Box inner) {
@@ -13,11 +13,11 @@ static inline bool child_in_range(global const BvhNode* nodes, uint child, globa
 
 static inline bool overlap(Box a, Box b) { return all(a.lo <= b.hi) && all(b.lo <= a.hi); }
 
-/// What `seen` counts of a triangle: leaves whose boxes contain all of it, and leaves with a part of it.
+/// Counts of a triangle in `seen`: leaves whose boxes contain all of it, and leaves with a part of it.
 #define SEEN_WHOLE 0x10000u
 #define SEEN_PART 1u
 
-/// A leaf's box must overlap its triangle's, or, where the triangle was split, a part of it.
+/// A leaf's box must overlap its triangle's box, or a part of it if the triangle was split.
 static inline void see_leaf(global const LeafTriangle* leaf, Box box, uint triangles, volatile global uint* seen,
                             volatile global uint* failures) {
     if (leaf->primitive >= triangles) {
@@ -30,7 +30,7 @@ static inline void see_leaf(global const LeafTriangle* leaf, Box box, uint trian
     else atomic_inc(&failures[0]);
 }
 
-/// One item a node. `seen` counts the leaves of every triangle; `failures` holds {boxes not containing, links broken}.
+/// One item per node. `seen` counts the leaves of each triangle; `failures` holds {boxes not containing, links broken}.
 /// All are zero before.
 kernel void validate_nodes(global const BvhNode* nodes, global const LeafTriangle* leaves,
                            global const BvhHeader* header, uint triangles, volatile global uint* seen,
@@ -59,7 +59,7 @@ kernel void validate_nodes(global const BvhNode* nodes, global const LeafTriangl
     if (nodes[index].parent == CLARAY_NO_CHILD && header->root != index) atomic_inc(&failures[1]);
 }
 
-/// Whether a leaf of the triangle can be reached from the root through boxes that hold the point, to within `slack`.
+/// Returns whether a leaf of the triangle is reached from the root through boxes that contain the point to within `slack`.
 static inline bool reaches(global const BvhNode* nodes, global const LeafTriangle* leaves, global const BvhHeader* header,
                            uint primitive, float3 point, float3 slack) {
     uint stack[2 * CLARAY_MAX_HEIGHT], depth = 0;
@@ -80,7 +80,7 @@ static inline bool reaches(global const BvhNode* nodes, global const LeafTriangl
     return false;
 }
 
-/// Points of the triangle along each side and across it, a grid of barycentric sixths.
+/// Tests points of the triangle: a grid of barycentric sixths.
 static inline bool covered(global const BvhNode* nodes, global const LeafTriangle* leaves, global const BvhHeader* header,
                            uint primitive, Triangle t) {
     const float3 rounding = 4.8e-7f * fmax(fmax(fabs(t.v0), fabs(t.v1)), fabs(t.v2));  // of the points' own coordinates
@@ -95,7 +95,7 @@ static inline bool covered(global const BvhNode* nodes, global const LeafTriangl
     return true;
 }
 
-/// One item a triangle: a valid one must be in the tree once, or in parts that cover it, another never. Counts into
+/// One item per triangle: a valid one must be in the tree once, or in parts that cover it; others never. Counts into
 /// {missing, repeated, not covered}.
 kernel void validate_leaves(global const float* positions, global const uint* indices, uint triangles,
                             global const BvhNode* nodes, global const LeafTriangle* leaves,
@@ -106,14 +106,14 @@ kernel void validate_leaves(global const float* positions, global const uint* in
     const uint whole = seen[i] / SEEN_WHOLE, parts = seen[i] % SEEN_WHOLE;
     const bool expected = triangle_valid(triangle);
     if (expected && seen[i] == 0) atomic_inc(&failures[0]);
-    const bool split = header->valid + header->culled > triangles;  // then a box may hold more than its part
+    const bool split = header->valid + header->culled > triangles;  // then a box may contain more than its part
     if (expected ? !split && whole + parts > 1 : seen[i] != 0) atomic_inc(&failures[1]);
     if (expected && whole == 0 && parts != 0 && !covered(nodes, leaves, header, i, triangle))
         atomic_inc(&failures[2]);
 }
 
-/// Sums half the areas of nodes and of leaves, strided by item, into sums[2 * item] and sums[2 * item + 1]: adding them up
-/// in order on the host gives the same cost every time.
+/// Sums half the areas of nodes and of leaves, strided by item, into sums[2 * item] and sums[2 * item + 1]. The host adds them in
+/// order, so that the cost is the same in every run.
 kernel void sum_areas(global const BvhNode* nodes, global const BvhHeader* header, global float* sums) {
     const uint item = get_global_id(0), inner = header->inner_nodes;
     float of_nodes = 0.0f, of_leaves = 0.0f;

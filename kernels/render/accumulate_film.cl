@@ -1,17 +1,17 @@
-// Last stage of a batch: the paths' radiance is added to their pixels, sample by sample, so that neither the size of the
-// batches nor the order in which paths end changes the sums.
+// Last stage of a batch: adds the radiance of paths to their pixels in the order of the samples. Therefore the sums depend neither
+// on the size of batches nor on the order in which paths end.
 #include "claray/shared/path.h"
 #include "compute/textbook.clh"
 #include "math/vector.clh"
 
 #define LARGEST_SAMPLE 1e30f  // 2^24 of these still fit in float32
 #ifndef CLAMP_BITS
-#define CLAMP_BITS 0u  // for studies: the bits of a float; brighter samples are darkened to it
+#define CLAMP_BITS 0u  // for studies: the bits of a float to which brighter samples are clamped
 #endif
 
-/// Adds to a sum in two parts: what rounding loses (Knuth's two-sum) goes to `error`, which is then folded back so far as
-/// the sum can hold it (Dekker 1971, fast two-sum). Without the second step the errors would be summed naively, and once
-/// samples are below half an ulp of the sum those are all there is. Needs strict arithmetic.
+/// Adds to a sum in two parts. The rounding error (Knuth's two-sum) goes to `error`; then as much of it as the sum can hold is
+/// added back (Dekker 1971, fast two-sum). Without the second step the errors would be summed naively, and samples below half an
+/// ulp of the sum would only reach the errors. Needs strict arithmetic.
 static inline void add_exactly(float* sum, float* error, float value) {
 #if CLARAY_TEXTBOOK_SUMS == 1
     *sum += value;
@@ -21,7 +21,7 @@ static inline void add_exactly(float* sum, float* error, float value) {
     vstore_half(*sum + value, 0, (half*)&bits);
     *sum = vload_half(0, (const half*)&bits);
     return;
-#elif CLARAY_TEXTBOOK_SUMS == 3  // in 48 bits of it, which is what two floats hold
+#elif CLARAY_TEXTBOOK_SUMS == 3  // in 48 bits, as many as two floats hold
     const real exact = (real)*sum + *error + value;
     *sum = (float)exact;
     *error = (float)(exact - *sum);
@@ -33,12 +33,12 @@ static inline void add_exactly(float* sum, float* error, float value) {
     *error = lost - (*sum - total);
 }
 
-/// False for NaN, too.
+/// Returns false for NaN, too.
 static inline bool can_be_summed(float3 c) {
     return fabs(c.x) <= LARGEST_SAMPLE && fabs(c.y) <= LARGEST_SAMPLE && fabs(c.z) <= LARGEST_SAMPLE;  // mutant: film-nan
 }
 
-/// As bright as it may be.
+/// The sample, clamped for studies.
 static inline float3 clamped(float3 c) {
 #if CLAMP_BITS
     c *= fmin(1.0f, as_float(CLAMP_BITS) / largest(fabs(c)));
@@ -74,8 +74,8 @@ kernel void accumulate_film(Batch batch, global const float* radiance, global Fi
     film[batch.first_pixel + i] = pixel;
 }
 
-/// The samples of odd index alone, for the error of all channels; accumulate_film counts them. In one kernel with the other
-/// both take PoCL 1.5 times as long.
+/// Sums only the samples of odd index, for the error of all channels; accumulate_film counts them. One kernel for both sums takes
+/// 1.5 times as long on PoCL.
 kernel void accumulate_odd(Batch batch, global const float* radiance, global ColorSum* odd) {
     const uint i = get_global_id(0);
     if (i >= batch.pixels) return;

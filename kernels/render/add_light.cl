@@ -1,5 +1,5 @@
-// The stage after the shadow rays, where the query does not add the light itself (see trace_shadow_rays.cl): light that nothing was in
-// the way of reaches its path.
+// The stage after the shadow rays, if their query does not add the light itself (see trace_shadow_rays.cl): adds the light of
+// shadow rays that hit nothing to their paths.
 #include "render/queue.clh"
 
 kernel void add_light(global const uint* length, uint capacity, global const uchar* occluded,

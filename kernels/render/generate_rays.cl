@@ -1,9 +1,9 @@
-// First stage: a camera ray for every path of a batch.
+// First stage: generates a camera ray for each path of a batch.
 #include "claray/shared/types.h"
 #include "render/first_ray.clh"
 #include "render/queue.clh"
 
-/// `centers`: rays through the pixels' centres, see first_ray. Clears the paths' radiance. `times` is written under
+/// `centers`: rays go through pixel centres, see first_ray. Clears the radiance of the paths. `times` is written under
 /// INSTANCE_MOTION only.
 kernel void generate_rays(Batch batch, FrameData frame, uint centers, global Ray* rays, global float* radiance, global float* times) {
     const uint path = get_global_id(0);

@@ -1,10 +1,10 @@
-// First stage of baking: in place of camera rays, paths that have arrived at points of surfaces.
+// First stage of baking: paths begin at points of surfaces instead of at the camera.
 #include "claray/shared/types.h"
 #include "render/samples.clh"
 #include "shade/surface.clh"
 
-/// Point p of a batch is a hit whose u, v and primitive are given; it is met along the normal, from the front. Clears the
-/// paths' radiance.
+/// Point p of a batch is a hit with given u, v and primitive, seen from the front along the normal. Clears the radiance of the
+/// paths.
 kernel void generate_texels(Batch batch, global const Hit* points, global const float* positions,
                             global const uint* indices, global Ray* rays, global Hit* hits, global float* radiance) {
     const uint path = get_global_id(0);

@@ -1,12 +1,12 @@
-// How noisy an image is, and how far it is off: its samples of even and of odd index are two renders that are independent of
-// each other. For means A and B of a and b samples, the expectation of (A - B)^2 a b / (a + b)^2 is the variance of the mean of all.
+// Estimates the noise and the error of an image: its samples of even and of odd index are two independent renders. For means A
+// and B of a and b samples, the expectation of (A - B)^2 a b / (a + b)^2 is the variance of the mean of all samples.
 #include "claray/shared/path.h"
 #include "math/vector.clh"
 
 static inline float3 summed_by(ColorSum s) { return (float3)(s.r, s.g, s.b); }
 static inline float3 lost_by(ColorSum s) { return (float3)(s.lost_r, s.lost_g, s.lost_b); }
 
-/// What the numbers of samples of even and of odd index are to a difference of means.
+/// The factor a b / (a + b)^2 of the numbers of samples of even and of odd index.
 typedef struct Halves { float of_even, of_odd, of_all, of_square; } Halves;
 
 static inline Halves halves_of(FilmPixel p) {
@@ -15,7 +15,7 @@ static inline Halves halves_of(FilmPixel p) {
     return h;
 }
 
-/// Of luminance, which is all that one film knows of the two halves.
+/// For luminance, the only value of which a film has the sums of both halves.
 static inline void add_noise(NoiseSums* total, FilmPixel p, Halves h, float scale) {
     const float sum = luminance(summed_by(p.all)) + luminance(lost_by(p.all)), odd_sum = p.odd_sum + p.odd_error;
     const float difference = ((sum - odd_sum) * h.of_even - odd_sum * h.of_odd) * scale;  // mutant: noise-unit
@@ -24,7 +24,7 @@ static inline void add_noise(NoiseSums* total, FilmPixel p, Halves h, float scal
     ++total->pixels;
 }
 
-/// Of all channels.
+/// For all channels.
 static inline void add_error(ErrorSums* total, ColorSum all, ColorSum odd, Halves h, float scale) {
     const float3 even_sum = (summed_by(all) - summed_by(odd)) + (lost_by(all) - lost_by(odd));  // mutant: error-odd-half
     const float3 difference = (even_sum * h.of_even - (summed_by(odd) + lost_by(odd)) * h.of_odd) * scale;
@@ -48,16 +48,15 @@ static inline void add_sums(local FilmSums* to, local const FilmSums* from) {
 }
 #endif
 
-/// Work-item w sums pixels w, w + items, ..., and each work-group its items where they share local memory; `sums` has room for
-/// what is left. The error is told where `odd` has the colours of the samples of odd index. `scale` keeps fourth powers
-/// within float32.
+/// Work-item w sums pixels w, w + items, ...; each work-group sums its items in local memory and writes one element of `sums`. The
+/// error is computed if `odd` holds the colours of the samples of odd index. `scale` keeps fourth powers within float32.
 kernel void measure_film(global const FilmPixel* film, global const ColorSum* odd, uint has_odd, uint pixels, float scale, uint items,
                          global FilmSums* sums) {
     const uint item = get_global_id(0);
     FilmSums total = {{0.0f, 0.0f, 0u, 0u}, {0.0f, 0.0f, 0.0f, 0u}};
     for (uint i = item; item < items && i < pixels; i += items) {
         const FilmPixel p = film[i];
-        const ColorSum its_odd = odd[has_odd ? i : 0u];  // both asked for before either is looked at
+        const ColorSum its_odd = odd[has_odd ? i : 0u];  // both loads are issued before either is used
         total.noise.dropped += p.dropped;
         if (p.odd_count == 0u || p.odd_count == p.count) continue;
         const Halves halves = halves_of(p);
@@ -69,7 +68,7 @@ kernel void measure_film(global const FilmPixel* film, global const ColorSum* od
     const uint own = get_local_id(0);
     group[own] = total;
     for (uint left = GROUP_SIZE; left > 1;) {
-        const uint upper = left / 2;  // items whose sums go to the lower ones
+        const uint upper = left / 2;  // number of items whose sums are added to lower items
         left -= upper;
         barrier(CLK_LOCAL_MEM_FENCE);
         if (own < upper) add_sums(&group[own], &group[own + left]);

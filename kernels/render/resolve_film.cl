@@ -1,7 +1,7 @@
-// From sums to an image.
+// Computes the image from the sums.
 #include "claray/shared/path.h"
 
-/// Mean radiance; black where a pixel has no sample.
+/// Mean radiance; black for a pixel without samples.
 kernel void resolve_film(global const FilmPixel* film, uint pixels, global float* image) {
     const uint i = get_global_id(0);
     if (i >= pixels) return;

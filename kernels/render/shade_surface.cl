@@ -1,4 +1,4 @@
-// The stage between two traces: see shade_hit.clh for what is done with one hit.
+// The stage between two traces: shades hits (shade_hit.clh).
 #include "render/queue.clh"
 #include "render/shade_hit.clh"
 
@@ -6,13 +6,13 @@
 #define GROUP_SIZE 64
 #endif
 #ifndef PATHS_PER_ITEM
-#define PATHS_PER_ITEM 64  // consecutive rays that an item shades, on CPUs; on GPUs 1
+#define PATHS_PER_ITEM 64  // consecutive rays that an item shades on CPUs; 1 on GPUs
 #endif
 #ifndef SIXTEEN
-#define SIXTEEN 1  // 1: sixteen rays at once where that can be
+#define SIXTEEN 1  // 1: sixteen rays at once if the scene allows it
 #endif
 
-/// Where shade_sixteen.clh does the work.
+/// 1: shade_sixteen.clh shades the hits.
 #define SHADE_SIXTEEN                                                                                                      \
     (SIXTEEN && CLARAY_CPU && MATERIALS == 1u << CLARAY_LAMBERT && !NORMALS && !TEXTURES && !MIPMAPS && !INSTANCES && !BAKE && \
      !VERTEX_COLORS && !ENVIRONMENT && LIGHT_KINDS_USED == POINT_LIGHTS && !LIGHT_FALLOFF && !ABSORPTION &&                 \
@@ -21,10 +21,9 @@
 #include "render/shade_sixteen.clh"
 #endif
 
-/// Shades the rays of `queue`, which have met `depth` surfaces before this one. Fills the next queue and, under LIGHTS, the queue of
-/// shadow rays; both lengths begin at 0. The queues that the bounce before has worked off, of rays and of shadow rays, are
-/// counted in `totals` and emptied, so that they can be filled after this one. `radiance` is followed by the shading normals of
-/// the paths where there is a tree of lights.
+/// Shades the rays of `queue`, which met `depth` surfaces before this one. Fills the next queue and, under LIGHTS, the queue of
+/// shadow rays; the lengths of both are 0 before. Adds the lengths of the previous bounce's queues to `totals` and sets them to 0,
+/// so that these queues can be filled next. With a light tree, the paths' shading normals follow `radiance` in the same buffer.
 kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
 void shade_surface(Step step, SCENE_PARAMETERS, global QueueLength* lengths, global ulong* totals,
                    global RayQueue* queue, global const SceneHit* hits, global RayQueue* next_queue,

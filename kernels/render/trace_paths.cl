@@ -1,9 +1,8 @@
-// The path tracer in one kernel: a work-item follows its path from the camera to the end, and keeps in registers what the
-// stages of the wavefront hand on through memory. That pays where paths do much the same, which is where a scene calls for
-// few effects and paths soon leave it (Laine, Karras and Aila 2013, "Megakernels considered harmful", for why not
-// everywhere).
+// The path tracer in one kernel: a work-item follows its path from the camera to the end. It keeps in registers the values that
+// the wavefront's stages pass through memory. This is faster if paths do similar work: in scenes with few effects that paths
+// leave soon (Laine, Karras and Aila 2013, "Megakernels considered harmful", explain why not in others).
 
-// Scenes with instances are left to the stages.
+// Scenes with instances are rendered by the stages.
 #undef INSTANCES
 #undef INSTANCE_MOTION
 #define INSTANCES 0
@@ -16,8 +15,8 @@
 #include "trace/closest_hit.clh"
 #include "trace/query.clh"
 
-/// Traces all paths of a batch, of `step.depth` rays at most, and writes their radiance; the order of additions is the stages'.
-/// Counts the rays in the queues' lengths, all 0 before. `radiance`: see shade_surface.
+/// Traces all paths of a batch, with at most `step.depth` rays each, and writes their radiance, added in the order of the stages.
+/// Counts the rays in the lengths of the queues, which are 0 before. `radiance`: see shade_surface.
 kernel QUERY_GROUP
 void trace_paths(Step step, CLARAY_BVH_PARAMETERS, SCENE_PARAMETERS, global float* radiance, global QueueLength* lengths) {
     const Batch batch = step.batch;

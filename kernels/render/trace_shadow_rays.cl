@@ -1,5 +1,5 @@
-// The stage of shadow rays, where these add their light themselves: the query any_hit, whose answers are not written down. Light that
-// nothing was in the way of reaches its path at once.
+// The stage of shadow rays that add their light themselves: the query any_hit, which adds the light of a ray that hits nothing to
+// its path instead of writing an answer.
 #include "render/queue.clh"
 
 #define ANSWERS_PARAMETERS global const LightSample *light, global float *radiance

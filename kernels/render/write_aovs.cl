@@ -1,10 +1,10 @@
-// Facts of the surfaces that the camera rays meet first.
+// AOVs: data of the first surfaces that camera rays meet.
 #include "claray/shared/path.h"
 #include "claray/shared/types.h"
 #include "shade/maps.clh"
 #include "shade/scene.clh"
 
-/// Of the first `step.capacity` rays.
+/// For the first `step.capacity` rays.
 kernel void write_aovs(Step step, SCENE_PARAMETERS, global const Ray* rays, global const SceneHit* hits,
                        global const Visits* visits, global float* depth, global float* normal, global float* albedo,
                        global uint* primitive, global uint* visited) {
@@ -42,7 +42,7 @@ kernel void write_aovs(Step step, SCENE_PARAMETERS, global const Ray* rays, glob
             apply_maps(textures, triangle_materials[hit.primitive], indices, hit, outgoing, 0.0f, &surface, &material);
 #endif
         shading = surface.shading;
-        // Denoisers expect values from 0 to 1 that tell surfaces apart, lamps among them.
+        // Denoisers expect values from 0 to 1 that differ between surfaces, including lamps.
         color = (float3)(material.albedo_r, material.albedo_g, material.albedo_b);
         color = fmin(color + (float3)(material.emission_r, material.emission_g, material.emission_b), 1.0f);
     }

@@ -1,10 +1,10 @@
-// Stable sort of keys with 32-bit values for CPUs: one pass moves the keys into buckets by their highest bits, few runs of
-// keys one after the other, and then every bucket is sorted where it lies in the cache. There a key and its place in the
-// bucket share one word, which makes all words differ: no value is moved along, and no pass need be stable for its own sake.
+// Stable sort of keys with 32-bit values for CPUs. One pass moves the keys into buckets by their highest bits, in few runs of
+// consecutive keys; then each bucket is sorted in the cache. There a key and its position in the bucket share one word. All words
+// differ, so that values need not be moved and the passes need not be stable.
 #include "compute/portable.clh"
 
 #ifndef KEY_BITS
-#define KEY_BITS 64  // of the key's type: 32 or 64
+#define KEY_BITS 64  // of the key type: 32 or 64
 #endif
 #ifndef BUCKET_BITS
 #define BUCKET_BITS 13
@@ -26,7 +26,7 @@ static inline uint bucket_of(Key key, uint bits) {
 
 static inline uint run_begin(uint run, uint runs, uint count) { return (uint)((ulong)count * run / runs); }
 
-/// Counts one run of keys an item: counts[bucket * runs + run].
+/// Each item counts one run of keys: counts[bucket * runs + run].
 kernel void count_buckets(global const Key* keys, uint count, uint bits, uint runs, global uint* counts) {
     const uint run = get_global_id(0);
     if (run >= runs) return;
@@ -48,7 +48,7 @@ kernel void scan_buckets(uint runs, global uint* counts) {
     }
 }
 
-/// Moves the keys of one run an item into their buckets, and beside them where they came from.
+/// Each item moves the keys of one run into their buckets, with their original positions.
 kernel void fill_buckets(global const Key* keys, global Key* keys_out, global uint* values_out, uint count, uint bits,
                          uint runs, global const uint* counts) {
     const uint run = get_global_id(0);
@@ -66,12 +66,12 @@ kernel void fill_buckets(global const Key* keys, global Key* keys_out, global ui
 
 // ---- in the cache --------------------------------------------------------------------------------------------------
 
-#define SLOT_BITS (BUCKET_BITS < 12u ? BUCKET_BITS : 12u)  // keys of a bucket agree in BUCKET_BITS, which makes room
-#define SMALL (1u << SLOT_BITS)                            // the most keys whose places fit beside their bits
+#define SLOT_BITS (BUCKET_BITS < 12u ? BUCKET_BITS : 12u)  // the keys of a bucket agree in BUCKET_BITS, which frees these bits
+#define SMALL (1u << SLOT_BITS)                            // the largest bucket whose positions fit beside the keys' bits
 
 static inline uint highest_bit(ulong word) { return 63u - (uint)clz(word); }
 
-/// Bits in which the words differ.
+/// The bits in which the words differ.
 static inline ulong varying_bits(const ulong* words, uint count) {
     ulong varying = 0;
     for (uint i = 1; i < count; ++i) varying |= words[i] ^ words[0];
@@ -95,7 +95,7 @@ static inline void sort_words_by_digit(const ulong* words, ulong* sorted, uint c
     for (uint i = 0; i < count; ++i) sorted[offsets[(uint)(words[i] >> shift) & mask]++] = words[i];
 }
 
-/// By 2 * digit_bits bits from `shift` on. Digits that would end beyond the word take bits again that were passed over.
+/// Sorts by 2 * digit_bits bits from `shift` on. A digit that would end beyond the word is moved down over bits sorted before.
 static inline void sort_words_by_two_digits(ulong* words, ulong* other, uint count, uint shift, uint digit_bits) {
     const uint most = 64 - digit_bits;
     sort_words_by_digit(words, other, count, min(shift, most), digit_bits);
@@ -111,7 +111,7 @@ static inline void insertion_sort(ulong* words, uint count) {
     }
 }
 
-/// Whether so many words in a row agree from `shift` on that inserting would take long.
+/// Returns whether so many consecutive words agree from `shift` on that insertion sort would be slow.
 static inline bool has_long_run(const ulong* words, uint count, uint shift) {
     const uint most = 16;
     for (uint i = most; i < count; ++i)
@@ -119,7 +119,7 @@ static inline bool has_long_run(const ulong* words, uint count, uint shift) {
     return false;
 }
 
-/// Two passes over the highest bits that vary put nearly all in order; where they don't, all bits are passed over.
+/// Two passes over the highest bits that vary order nearly all words; otherwise all bits are sorted.
 static inline void sort_words(ulong* words, ulong* other, uint count) {
     const uint few = 24;
     if (count > few) {
@@ -139,7 +139,7 @@ static inline void sort_words(ulong* words, ulong* other, uint count) {
     insertion_sort(words, count);
 }
 
-/// Sorts keys begin .. end - 1, at most SMALL, by their `bits` lowest, at most 64 - BUCKET_BITS.
+/// Sorts keys begin .. end - 1 (at most SMALL) by their `bits` lowest bits (at most 64 - BUCKET_BITS).
 static inline void sort_small(global const Key* keys, global const uint* values, global Key* keys_out,
                               global uint* values_out, uint begin, uint end, uint bits, ulong* words, ulong* other) {
     const uint count = end - begin;
@@ -153,8 +153,8 @@ static inline void sort_small(global const Key* keys, global const uint* values,
     }
 }
 
-/// Sorts keys begin .. end - 1, which agree but in their `bits` lowest, into smaller buckets, by the highest eight bits in
-/// which they differ; bounds[i] .. bounds[i + 1] will be where bucket i lies. Returns false where all are equal.
+/// Sorts keys begin .. end - 1, which differ only in their `bits` lowest bits, into smaller buckets by the highest eight bits in
+/// which they differ. Bucket i is then at bounds[i] .. bounds[i + 1]. Returns false if all keys are equal.
 static inline bool split_bucket(global Key* keys, global uint* values, global Key* keys_out, global uint* values_out,
                                 uint begin, uint end, uint bits, uint* bounds) {
     const Key mask = (Key)((1ul << bits) - 1);
@@ -182,17 +182,17 @@ static inline bool split_bucket(global Key* keys, global uint* values, global Ke
     return true;
 }
 
-/// Sorts the buckets that begin in one share of all keys an item. A bucket that is too large for the cache is split first.
+/// Each item sorts the buckets that begin in its share of the keys. A bucket too large for the cache is split first.
 kernel void sort_buckets(global Key* keys, global uint* values, global Key* keys_out, global uint* values_out,
                          uint count, uint bits, uint runs, global const uint* counts) {
     ulong words[SMALL], other[SMALL];
     uint bounds[257];
-    uint2 large[256 * (KEY_BITS / 8 + 1)];  // eight bits or all that are left go with every split
+    uint2 large[256 * (KEY_BITS / 8 + 1)];  // each split uses eight bits, or all that are left
     const uint share = get_global_id(0), shares = get_global_size(0);
     const uint share_begin = run_begin(share, shares, count), share_end = run_begin(share + 1, shares, count);
     const uint low_bits = bits > BUCKET_BITS ? bits - BUCKET_BITS : 0;
     uint bucket = 0;
-    for (uint above = BUCKETS; bucket < above;) {  // the first that begins in the share
+    for (uint above = BUCKETS; bucket < above;) {  // the first bucket that begins in the share
         const uint middle = (bucket + above) / 2;
         if (counts[middle * runs] < share_begin) bucket = middle + 1;
         else above = middle;

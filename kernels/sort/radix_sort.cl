@@ -1,15 +1,15 @@
 // Stable least-significant-digit radix sort of keys with 32-bit values for GPUs: Onesweep (Adinets and Merrill 2022).
-// Histograms of all digits in one read, then a single kernel a digit that ranks its tile and learns its offset by decoupled
-// look-back (Merrill and Garland 2016). Tiles are numbered by tickets, so that a tile only ever waits for tiles that already
-// run: no forward-progress guarantee is needed. CPUs sort by bucket_sort.cl, to the same order: a stable sort has only one.
+// One read makes the histograms of all digits. Then one kernel per digit ranks a tile and finds its offset by decoupled look-back
+// (Merrill and Garland 2016). Tiles are numbered by tickets, so that a tile waits only for tiles that already run; no guarantee of
+// forward progress is needed. CPUs use bucket_sort.cl, with the same result, because a stable sort has only one.
 #include "compute/group_sum.clh"
 #include "compute/portable.clh"
 
 #ifndef KEY_BITS
-#define KEY_BITS 64  // of the key's type: 32 or 64
+#define KEY_BITS 64  // of the key type: 32 or 64
 #endif
 #ifndef ITEMS
-#define ITEMS 13  // keys a work-item
+#define ITEMS 13  // keys per work-item
 #endif
 
 #if KEY_BITS == 64
@@ -43,7 +43,7 @@ void count_all_digits(global const Key* keys, uint count, global uint* histogram
         if (counters[i] != 0) atomic_add(&histogram[i], counters[i]);
 }
 
-/// Turns each digit position's histogram into the offsets where its digits begin: one group a pass.
+/// Turns the histogram of each pass into the offsets of its digits: one group per pass.
 kernel __attribute__((reqd_work_group_size(DIGITS, 1, 1)))
 void scan_histogram(global uint* histogram) {
     local uint scratch[DIGITS];
@@ -57,13 +57,13 @@ void scan_histogram(global uint* histogram) {
 #define STATE_INCLUSIVE 0x80000000u  // the count of this tile and all before it
 #define STATE_COUNT 0x3fffffffu
 
-/// What is known of the tile `back` tiles before `tile`: zero if nothing yet.
+/// The state of the tile `back` tiles before `tile`: zero if it is not known yet.
 static inline uint state_before(volatile global uint* states, uint tile, uint back, uint digit) {
     return back <= tile ? load_coherent(&states[(tile - back) * DIGITS + digit]) : 0;
 }
 
-/// Keys of `digit` in all tiles before `tile`. Four states are fetched at once, since each fetch takes as long as memory does. They
-/// count up to the first that is not known yet or that includes all before it.
+/// Number of keys of `digit` in all tiles before `tile`. Four states are loaded at once to hide the latency of memory. They are
+/// added up to the first that is unknown or that includes all tiles before it.
 static inline uint look_back(volatile global uint* states, uint tile, uint digit) {
     uint sum = 0;
     while (tile > 0) {
@@ -81,8 +81,8 @@ static inline uint look_back(volatile global uint* states, uint tile, uint digit
     return sum;
 }
 
-/// Of each key, how many of its digit come before it: `next` tells of those before this warp's keys, and afterwards of those before
-/// the next warp's. `masks` is zero before and after; an item leaves its bit there for others of its digit.
+/// For each key, the number of earlier keys of its digit. `next` holds the counts before this warp's keys, and afterwards those
+/// before the next warp's. `masks` is zero before and after; each item sets its bit there for others with its digit.
 static inline void rank_keys(const Key* keys, uint shift, local uint* next, local uint* masks, uint* ranks) {
     const uint lane = (uint)get_local_id(0) % WARP;
     for (uint i = 0; i < ITEMS; ++i) {
@@ -97,8 +97,8 @@ static inline void rank_keys(const Key* keys, uint shift, local uint* next, loca
     }
 }
 
-/// Sorts by the digit at `shift`. Behind `histogram` follow, zero before the first pass, a ticket for each pass, then the
-/// look-back words, tiles x DIGITS for each pass. Without `values_in` the values are the keys' positions.
+/// Sorts by the digit at `shift`. After `histogram` follow one ticket per pass, then the look-back words, tiles x DIGITS per pass,
+/// all zero before the first pass. Without `values_in` the values are the keys' positions.
 kernel __attribute__((reqd_work_group_size(DIGITS, 1, 1)))
 void sort_digit(global const Key* keys_in, global const uint* values_in, global Key* keys_out, global uint* values_out,
                 uint count, uint shift, uint pass, volatile global uint* histogram, uint tiles) {
@@ -117,7 +117,7 @@ void sort_digit(global const Key* keys_in, global const uint* values_in, global 
     barrier(CLK_LOCAL_MEM_FENCE);
     const uint tile = shared_tile, first = tile * TILE, in_tile = min((uint)TILE, count - first);
 
-    // A warp's keys are consecutive, so that rank order is input order. Padding sorts behind everything.
+    // A warp's keys are consecutive, so that ranks follow the input order. Padding is sorted to the end.
     Key keys[ITEMS];
     uint values[ITEMS], ranks[ITEMS];
     const uint base = warp * (WARP * ITEMS) + lane;
@@ -130,7 +130,7 @@ void sort_digit(global const Key* keys_in, global const uint* values_in, global 
         values[i] = values_in && at < in_tile ? values_in[first + at] : first + at;
     }
 
-    // The tile's counts are told before anything else is done, since other tiles wait for them. Item i owns digit i here.
+    // The tile's counts are published first, because other tiles wait for them. Item i handles digit i here.
     for (uint i = 0; i < ITEMS; ++i) atomic_inc(&warp_counts[warp][digit_of(keys[i], shift)]);
     barrier(CLK_LOCAL_MEM_FENCE);
     uint total = 0, all;

@@ -1,7 +1,7 @@
-// Whether each ray of an array hits anything.
+// Any-hit query of an array of rays.
 #include "trace/queue/ray_queue.clh"
 
-/// As the kernel closest_hit; see answers.clh for what becomes of the answers.
+/// As the kernel closest_hit; answers.clh stores the answers.
 kernel QUERY_GROUP
 void any_hit(CLARAY_BVH_PARAMETERS, global const Ray* rays, ANSWERS_PARAMETERS, uint capacity,
              global const uint* count, global const uint* masks, global Visits* visits, volatile global uint* queue,

@@ -1,4 +1,4 @@
-// Every ray against every triangle, without the tree: the same hits, to show what the tree saves and to check it.
+// Tests every ray against every triangle, without the tree: the same hits, to check the tree and to measure its gain.
 #include "trace/traverse_binary.clh"
 #include "trace/query.clh"
 

@@ -1,9 +1,9 @@
-// The first hit of every ray of an array.
+// Closest-hit query of an array of rays.
 #include "trace/queue/ray_queue.clh"
 
-/// Traces the first min(capacity, *count) rays, or all where `count` is absent. `masks` and `visits` are read and written
-/// where the macros CLARAY_RAY_MASKS and CLARAY_COUNT_VISITS say so; `queue`: see ray_queue.clh; `batch`: rays an item, and
-/// `sorted`: their order or null, see batch.clh.
+/// Traces the first min(capacity, *count) rays, or all if `count` is absent. `masks` is read under CLARAY_RAY_MASKS, `visits`
+/// written under CLARAY_COUNT_VISITS. `queue`: see ray_queue.clh. `batch` is the number of rays per item and `sorted` their order
+/// or null: see batch.clh.
 kernel QUERY_GROUP
 void closest_hit(CLARAY_BVH_PARAMETERS, global const Ray* rays, global Hit* hits, uint capacity,
                  global const uint* count, global const uint* masks, global Visits* visits, volatile global uint* queue,

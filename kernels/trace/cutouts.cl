@@ -1,12 +1,12 @@
-// The second pass of queries over a structure with cut-outs, after one that took all triangles for solid: what hit a solid
-// triangle first, or none at all, is right; the others are traced again, one by one.
+// The second pass of queries over a structure with cut-outs. The first pass treats all triangles as solid; its result is right for
+// rays that hit a solid triangle or nothing. The other rays are traced again, one by one.
 #ifndef CLARAY_CUTOUTS
 #define CLARAY_CUTOUTS 1
 #endif
 #include "trace/closest_hit.clh"
 #include "trace/query.clh"
 
-/// `hits` holds the first pass'; its rays are the first min(capacity, *count).
+/// `hits` holds the results of the first pass, for the first min(capacity, *count) rays.
 kernel QUERY_GROUP
 void retrace_closest(CLARAY_BVH_PARAMETERS, global const Ray* rays, global Hit* hits, uint capacity,
                      global const uint* count, global const uint* masks) {
@@ -19,7 +19,7 @@ void retrace_closest(CLARAY_BVH_PARAMETERS, global const Ray* rays, global Hit* 
     }
 }
 
-/// The same for rays that ask whether they hit anything: who hit something may have hit only what is cut out.
+/// The same for any hit: a ray that hit something may have hit only cut-out parts.
 kernel QUERY_GROUP
 void retrace_any(CLARAY_BVH_PARAMETERS, global const Ray* rays, global uchar* occluded, uint capacity,
                  global const uint* count, global const uint* masks) {

@@ -3,10 +3,10 @@
 #include "trace/query.clh"
 
 #ifndef EVERY_INSTANCE
-#define EVERY_INSTANCE 0  // 1: without the top level, to show what it saves and to check it
+#define EVERY_INSTANCE 0  // 1: without the top level, to check it and to measure its gain
 #endif
 
-/// The time of ray i; `times` may be absent: all rays are of time 0.
+/// The time of ray i; 0 if `times` is absent.
 static inline float time_of_ray(global const float* times, uint i) {
     return CLARAY_INSTANCE_MOTION && times ? times[i] : 0.0f;
 }

@@ -1,4 +1,4 @@
-// The operations that decide hits and trees, one by one, compiled as geometry is: the host holds the results against its own.
+// The operations that decide hits and trees, compiled like geometry kernels: the host compares the results with its own.
 #include "trace/numerics.clh"
 
 #define OPERATIONS 6
@@ -13,7 +13,7 @@ kernel void arithmetic32(uint count, global const uint* triples, global uint* ou
 }
 
 #if CLARAY_FP64
-/// The same of float64, made of the words' values, and the quotient and the Kahan determinant a a - b c of numerics.clh.
+/// The same in float64 for the words' values, and the quotient and the Kahan determinant a a - b c of numerics.clh.
 kernel void arithmetic64(uint count, global const double* triples, global double* out) {
     const uint i = get_global_id(0);
     if (i >= count) return;
@@ -25,7 +25,7 @@ kernel void arithmetic64(uint count, global const double* triples, global double
 kernel void arithmetic64(uint count, global const uint* triples, global uint* out) {}
 #endif
 
-/// What is only near, and by how much error bounds may rely on it.
+/// Approximate operations, on whose accuracy error bounds rely.
 kernel void approximations(uint count, global const float* x, global float* out) {
     const uint i = get_global_id(0);
     if (i >= count) return;

@@ -1,4 +1,4 @@
-// How much light materials scatter.
+// The albedo of materials.
 #include "verify/bsdf.clh"
 
 /// Directional albedos at the cosines, by Sobol samples of the sampler.

@@ -1,8 +1,8 @@
-// Whether materials scatter one way as they do back.
+// The reciprocity of materials.
 #include "verify/bsdf.clh"
 
-/// Largest relative difference between the BSDF one way and back: n_o^2 f(o, i) = n_i^2 f(i, o). Every other pair is
-/// one that the sampler chooses.
+/// Largest relative difference between the BSDF in both directions: n_o^2 f(o, i) = n_i^2 f(i, o). The sampler chooses every
+/// other pair.
 kernel void reciprocity(MATERIAL, uint count, uint pairs, global float* worst, global uint* compared) {
     const uint item = get_global_id(0);
     if (item >= count) return;

@@ -1,7 +1,7 @@
-// What materials sample, and what they say of directions.
+// Samples of materials, and their evaluation of directions.
 #include "verify/bsdf.clh"
 
-/// A sample, and what eval_bsdf says of it.
+/// A sample, and eval_bsdf of its direction.
 typedef struct Sampled { float x, y, z, weight, pdf, eval_value, eval_pdf; uint valid; } Sampled;
 
 kernel void sample(MATERIAL, float ox, float oy, float oz, uint count, global Sampled* out) {

@@ -1,10 +1,9 @@
-// How many triangles claim each ray: the exact step of kernels/trace/triangle.clh on all that the ray comes near, by a
-// traversal of its own with generous boxes and a generous test of the triangles, since of large fans each ray meets thousands of
-// boxes.
+// Counts the triangles that each ray hits, by the exact step of kernels/trace/triangle.clh on all triangles near the ray. Its own
+// traversal uses generous tests of boxes and triangles; they reject most of the thousands of triangles in large fans.
 #include "claray/shared/bvh_node.h"
 #include "trace/triangle.clh"
 
-/// Whether the ray may meet the box, by a test with room for all its roundings.
+/// Returns whether the ray may meet the box, by a test that allows for all its rounding errors.
 static inline bool comes_near(float3 lo, float3 hi, float3 origin, float3 reciprocal) {
     const float3 room = (fabs(lo) + fabs(hi) + fabs(origin)) * 1e-6f;
     const float3 a = (lo - room - origin) * reciprocal, b = (hi + room - origin) * reciprocal;
@@ -13,8 +12,8 @@ static inline bool comes_near(float3 lo, float3 hi, float3 origin, float3 recipr
     return in <= out + 1e-5f * (fabs(in) + fabs(out)) && out >= 0.0f;
 }
 
-/// Whether the ray may meet the triangle: it passes its edges on one side, as far as float32 can tell. Three roundings of the
-/// differences and seven of each product are below 2e-6 of the lengths.
+/// Returns whether the ray may meet the triangle: in float32 it passes all edges on one side. Three roundings of the differences
+/// and seven of each product are below 2e-6 of the lengths.
 static inline bool passes_near(float3 origin, float3 direction, float along, float3 v0, float3 v1, float3 v2) {
     const float3 a = v0 - origin, b = v1 - origin, c = v2 - origin;
     const float la = length(a), lb = length(b), lc = length(c), room = 1e-5f * along;

@@ -1,4 +1,4 @@
-// Rays aimed at edges and vertices, as exactly as float32 allows. Only + - *, so that every device makes the same.
+// Rays aimed at edges and vertices as exactly as float32 allows. Uses + - * only, so that all devices generate the same rays.
 #include "claray/shared/rng.h"
 #include "claray/shared/types.h"
 #include "compute/portable.clh"
@@ -6,8 +6,8 @@
 /// A number in [-1, 1).
 static inline float both_ways(uint random) { return (float)(random >> 8) * 0x1p-23f - 1.0f; }
 
-/// Ray i comes from the cube of half side `radius` around the centre and goes to a random vertex, or with `along_edges` to a
-/// random point of a random edge.
+/// Ray i starts in the cube of half side `radius` around the centre and aims at a random vertex, or with `along_edges` at a random
+/// point of a random edge.
 kernel void edge_rays(uint count, uint first, uint seed, uint along_edges, float cx, float cy, float cz, float radius,
                       uint triangles, global const float* positions, global const uint* indices, global Ray* rays) {
     const uint i = get_global_id(0);

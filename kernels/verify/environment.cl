@@ -1,8 +1,8 @@
-// Directions that an environment image is sampled with, and the density that is claimed for directions.
+// Sampled directions of an environment image, and the claimed density of directions.
 #include "claray/shared/rng.h"
 #include "lights/environment.clh"
 
-/// Four numbers a sample: the direction, and its density.
+/// Four numbers per sample: the direction and its density.
 kernel void sample_environment(EnvironmentData image, global const float* texels, global const float* cdf, uint count, uint seed,
                                global float* samples) {
     const uint i = get_global_id(0);

@@ -1,4 +1,4 @@
-// Minima and maxima of floats by atomics on order-preserving integers, as the builder's bounds are made.
+// Minima and maxima of floats by atomics on order-preserving integers, as for the builder's bounds.
 #include "compute/portable.clh"
 
 /// `keys`: 0xffffffff and 0 before.

@@ -1,12 +1,12 @@
-// Boxes near and far from the origin, of all shapes, and a ray to a point of each, on a face, an edge or a corner, or some way
-// past it: what the box tests of the traversals say. All that they get are arrays, as in a tree.
+// Boxes of all shapes, near and far from the origin, and a ray to a point on a face, an edge or a corner of each, or past it. Tests
+// the box tests of the traversals, which read nodes from arrays as in a tree.
 #include "claray/shared/rng.h"
 #include "trace/packets/slabs.clh"
 
 static inline float uniform(uint random) { return (float)(random >> 8) * 0x1p-24f; }
 static inline float both_ways(uint random) { return (float)(random >> 8) * 0x1p-23f - 1.0f; }
 
-/// Bit 0: the binary traversal's test meets the box; bit 1: the same with known signs; bits 2 and 3: the wide traversal's, in
+/// Bit 0: the binary traversal's test reports a hit; bit 1: the same with known signs; bits 2 and 3: the wide traversal's test in
 /// the first and the last slot.
 kernel void graze_boxes(uint count, uint first, uint seed, global BvhHeader* headers, global WideNode* nodes, global Ray* rays,
                         global float* boxes, global uint* found) {

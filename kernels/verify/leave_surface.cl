@@ -5,7 +5,7 @@
 #include "math/vector_sixteen.clh"
 #include "verify/leaving_rays.clh"
 
-/// `clearance` is where rays begin, relative to the triangle's first edge. Item i belongs to triangle (first + i) / rays_each.
+/// `clearance` is the rays' offset relative to the triangle's first edge. Item i belongs to triangle (first + i) / rays_each.
 kernel void leave_surface_at_random(uint count, uint first, uint rays_each, uint seed, global const float* positions,
                                     global const uint* indices, global Ray* rays, global float* clearance) {
     const uint i = get_global_id(0);
@@ -17,8 +17,8 @@ kernel void leave_surface_at_random(uint count, uint first, uint rays_each, uint
     clearance[i] = s.clearance / length(load3(positions, indices[3 * hit.primitive + 1]) - s.base);
 }
 
-/// The same points by the arithmetic for sixteen rays at once, as shaded on CPUs; item i has rays 16 i .. 16 i + 15. Those that leave
-/// on the viewer's side differ from `rays` nowhere: `differ` counts them for each item.
+/// The same points by the 16-lane arithmetic of CPUs; item i handles rays 16 i .. 16 i + 15. `differ` counts, per item, the rays on
+/// the viewer's side that differ from `rays`; it must be 0.
 kernel void leave_surface_by_sixteen(uint count, uint rays_each, uint seed, global const float* positions, global const uint* indices,
                                      global const Ray* rays, global uint* differ) {
     const uint item = get_global_id(0);

@@ -14,7 +14,7 @@ kernel void density(uint count, global const float* angles, global const float* 
     if (i < count) out[i] = ggx_d((float3)(sin(angles[i]), 0.0f, cos(angles[i])), alphas[i]);
 }
 
-/// Share of light that GGX scatters once, Fresnel's term being 1: eval_ggx over the density of the sampler.
+/// Albedo of GGX's single scattering with a Fresnel term of 1: eval_ggx over the density of the sampler.
 kernel void single_scattering(uint count, uint samples, global const float* cosines, global const float* alphas, global float* out) {
     const uint i = get_global_id(0);
     if (i >= count) return;

@@ -1,4 +1,4 @@
-// Vertex normals that disagree with their triangle, up to lying in its plane: what shading is given in their place.
+// Vertex normals that disagree with their triangle, up to those in its plane: the normals that shading uses instead.
 #include "claray/shared/rng.h"
 #include "math/normals.clh"
 #include "math/vector.clh"

@@ -1,6 +1,6 @@
-// The tree of hploc.cl by the serial schedule for CPUs. The clusters of all subtrees that wait on the stack form one list
-// from left to right, so that a meeting works on the list's end, and nothing is read back from memory. Nodes are numbered
-// from the range's first leaf on, as they are made.
+// The tree of hploc.cl by the serial schedule for CPUs. The clusters of all waiting subtrees on the stack form one list from left
+// to right, so that a meeting works at the end of the list and nothing is read back from memory. Nodes are numbered in the order of
+// creation, from the range's first leaf on.
 #include "bvh/columns.clh"
 #include "bvh/hploc.clh"
 #include "bvh/serial/serial.clh"
@@ -21,7 +21,7 @@ typedef struct Stack {
     uint depth, outward;  // as in lbvh_serial.cl
     uint length;          // of the list
     uint node, node_end;  // the next one to be made, and where free numbers end
-    // Where there are more free numbers, for joining: those that the ranges did not use.
+    // The next free numbers, for joining: those that the ranges did not use.
     uint range, ranges, valid;
     global const uint2* piece_counts;
 } Stack;
@@ -77,7 +77,7 @@ static inline void load_clusters(Search* search, const Cluster* list, uint i) {
     vstore8(columns.loz, 0, search->loz + i), vstore8(columns.hiz, 0, search->hiz + i);
 }
 
-/// Boxes behind the last cluster, so huge that the area round them and any other is infinite.
+/// Appends boxes after the last cluster that are so large that their union with any other has an infinite area.
 static inline void store_sentinels(Search* search, uint count) {
     const float8 low = (float8)(-1e30f), high = (float8)(1e30f);
     for (uint i = count; i < count + 2 * LANES; i += LANES) {
@@ -103,7 +103,7 @@ static inline void measure_pairs(Search* search, uint i) {
     }
 }
 
-/// The least keys of clusters i .. i + 7.
+/// The minimum keys of clusters i .. i + 7.
 static inline void choose_nearest(Search* search, uint i) {
     uint8 least = (uint8)(NO_PAIR);
     for (uint step = 1; step <= SEARCH_RADIUS; ++step) {
@@ -113,7 +113,7 @@ static inline void choose_nearest(Search* search, uint i) {
     vstore8(least, 0, search->least + i);
 }
 
-/// Bit i: cluster i and the nearest to it are each other's nearest.
+/// Bit i: cluster i and its nearest cluster are mutual nearest neighbours.
 static inline uint find_mutual(Search* search, const Cluster* list, uint count) {
     for (uint i = 0; i < count; i += LANES) load_clusters(search, list, i);
     store_sentinels(search, count);
@@ -127,7 +127,7 @@ static inline uint find_mutual(Search* search, const Cluster* list, uint count) 
     return mutual;
 }
 
-/// Merges mutual nearest neighbours until at most `limit` clusters of the list's end, from `begin` on, are left.
+/// Merges mutual nearest neighbours from `begin` to the end of the list until at most `limit` clusters are left.
 static inline void merge_down(global BvhNode* nodes, Stack* stack, Search* search, uint begin, uint limit) {
     Cluster* list = stack->list + begin;
     uint count = stack->length - begin;
@@ -144,8 +144,8 @@ static inline void merge_down(global BvhNode* nodes, Stack* stack, Search* searc
     stack->length = begin + count;
 }
 
-/// The subtree on the list's end, `added`, ends with leaf `last`, whose border on the right has level `right`: meets what is
-/// left of it as far as that goes.
+/// Joins the subtree at the end of the list, `added`, with its left neighbours as far as possible. It ends with leaf `last`, whose
+/// right border has level `right`.
 static inline void add_subtree(global BvhNode* nodes, Stack* stack, Search* search, Waiting added, uint last, uint right,
                                uint valid) {
     while (added.left <= right && stack->depth > stack->outward) {
@@ -164,8 +164,8 @@ static inline void begin_stack(Stack* stack, Search* search, uint node, uint nod
     for (uint row = 0; row < SEARCH_RADIUS; ++row) vstore8((uint8)(NO_PAIR), 0, search->key[row]);
 }
 
-/// One item a range. `pieces` receives the subtrees that are left, as (clusters, last leaf), MAX_WAITING a range, and
-/// `clusters` those of each from its first leaf on; `piece_counts` receives (pieces, nodes made).
+/// One item per range. `pieces` receives the remaining subtrees as (clusters, last leaf), MAX_WAITING per range; `clusters`
+/// receives the clusters of each from its first leaf on; `piece_counts` receives (pieces, nodes created).
 kernel void build_hploc_ranges(global const float* positions, global const uint* indices,
                                global const uint* geometries, global const uint* masks, global const Code* codes,
                                global const uint* order, global BvhNode* nodes, global LeafTriangle* leaves,
@@ -211,7 +211,7 @@ static inline Cluster load_cluster(global const BvhNode* nodes, global const Lea
     return cluster;
 }
 
-/// Joins what the ranges left; by a single item. Nodes get the numbers that the ranges had no use for.
+/// One item joins the remaining subtrees of all ranges. Nodes get numbers that the ranges did not use.
 kernel void join_hploc_ranges(global const Code* codes, global BvhNode* nodes, global const LeafTriangle* leaves,
                               global const uint* clusters, global BvhHeader* header, uint ranges,
                               global const uint2* pieces, global const uint2* piece_counts) {

@@ -32,7 +32,7 @@ typedef struct Stack {
     uint depth, outward;  // the lowest `outward` entries wait for something left of the range
 } Stack;
 
-/// `subtree` ends with leaf `last`, whose border on the right has level `right`: joins it to the left as far as it goes.
+/// Joins `subtree` with its left neighbours as far as possible. It ends with leaf `last`, whose right border has level `right`.
 static inline void add_subtree(global BvhNode* nodes, Stack* stack, Subtree subtree, uint last, uint right) {
     while (subtree.left <= right && stack->depth > stack->outward)
         subtree = join(nodes, stack->waiting[--stack->depth], subtree, last);
@@ -40,8 +40,8 @@ static inline void add_subtree(global BvhNode* nodes, Stack* stack, Subtree subt
     if (subtree.left <= right) stack->outward = stack->depth;
 }
 
-/// One item a range. `pieces` receives the subtrees that are left, as (child, last leaf), MAX_WAITING a range and then
-/// the number of each range's.
+/// One item per range. `pieces` receives the remaining subtrees as (child, last leaf), MAX_WAITING per range, and then the number
+/// per range.
 kernel void build_lbvh_ranges(global const float* positions, global const uint* indices, global const uint* geometries,
                               global const uint* masks, global const Code* codes, global const uint* order,
                               global BvhNode* nodes, global LeafTriangle* leaves, global const BvhHeader* header,
@@ -73,7 +73,7 @@ kernel void build_lbvh_ranges(global const float* positions, global const uint* 
     piece_counts[range] = stack.depth;
 }
 
-/// Joins what the ranges left; by a single item.
+/// One item joins the remaining subtrees of all ranges.
 kernel void join_lbvh_ranges(global const Code* codes, global BvhNode* nodes, global const LeafTriangle* leaves,
                              global BvhHeader* header, uint ranges, global const uint2* pieces,
                              global const uint* piece_counts) {

@@ -1,14 +1,14 @@
-// Keys by which rays in any order are sorted, so that neighbours start and run alike: where they start, in cells of the scene's box
-// along Morton's curve, then where they run, in cells of the octahedral map.
+// Sort keys for rays in any order, so that neighbouring rays have similar origins and directions: the origin's cell of the scene's
+// box along Morton's curve, then the direction's cell of the octahedral map.
 #include "trace/packets/columns.clh"
 
 #define RAYS_PER_ITEM 1024
-#define START_BITS 5      // an axis
+#define START_BITS 5      // per axis
 #define DIRECTION_BITS 8
 #define SAMPLES 256
-#define NEAR 0.02f        // starts that are alike, relative to the scene
+#define NEAR 0.02f        // distance of similar origins, relative to the scene
 
-/// Bits of a number of up to 8, every other one, and of one of up to 5, every third one.
+/// Spreads a number of up to 8 bits to every other bit, and one of up to 5 bits to every third bit.
 static inline uint16 every_second(uint16 x) {
     x = (x | (x << 4)) & 0x0f0fu;
     x = (x | (x << 2)) & 0x3333u;
@@ -42,8 +42,8 @@ kernel void ray_keys(global const BvhHeader* header, global const Ray* rays, uin
     }
 }
 
-/// Sets queue[2] to 1 where half of the rays and more have nothing in common with the next one: another direction, and a start
-/// elsewhere. (Rays that leave a surface in all directions have neighbours near them, and are as fast unsorted.) One item.
+/// Sets queue[2] to 1 if at least half of the rays differ from the next ray in both direction and origin. (Rays that leave a
+/// surface in all directions start near their neighbours and are as fast unsorted.) One item.
 kernel void sample_order(global const BvhHeader* header, global const Ray* rays, uint count, global uint* queue) {
     const float near = NEAR * max(max(header->hix - header->lox, header->hiy - header->loy), header->hiz - header->loz);
     uint unlike = 0;

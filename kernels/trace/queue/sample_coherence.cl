@@ -1,9 +1,9 @@
-// Do the rays of an array point the same way as their neighbours? Decides between the schedules of ray_queue.clh.
+// Determines whether neighbouring rays of an array have similar directions, to choose a schedule of ray_queue.clh.
 #include "trace/ray.clh"
 #include "trace/query.clh"
 
-/// One group, one sample an item, since all else waits for it. Compares rays of one warp, 16 apart, all over the array; queue[2]
-/// becomes 1 where three quarters of them point the same way to within some 25 degrees.
+/// One group with one sample per item, because everything else waits for it. Compares rays of one warp, 16 apart, throughout the
+/// array. queue[2] becomes 1 if three quarters of the pairs agree in direction to within about 25 degrees.
 kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
 void sample_coherence(global const Ray* rays, uint capacity, global const uint* count, global uint* queue) {
     local uint alike;
