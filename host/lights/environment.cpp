@@ -47,7 +47,7 @@ Pixels::Pixels(const Texture& texture) : width(texture.width), height(texture.he
         }
 }
 
-/// Between texels' centres, the border's texels going on outwards.
+/// Bilinear between texel centres; the border's texels extend outwards.
 glm::vec3 Pixels::bilinear(double u, double v) const {
     const double x = std::clamp(u * width - 0.5, 0.0, width - 1.0), y = std::clamp(v * height - 0.5, 0.0, height - 1.0);
     const unsigned x0 = unsigned(x), y0 = unsigned(y), x1 = std::min(x0 + 1, width - 1),
@@ -71,7 +71,7 @@ glm::vec3 cube_radiance(const std::vector<Pixels>& faces, const glm::dvec3& d) {
     return faces[d.z > 0 ? 4 : 5].bilinear(0.5 + 0.5 * s / a.z, 0.5 - 0.5 * d.y / a.z);
 }
 
-/// Four samples each way a texel.
+/// Four samples per texel along each axis.
 Pixels unfold(const std::vector<Pixels>& faces) {
     Texture texture;
     texture.width = 4 * faces[0].width, texture.height = 2 * faces[0].width;
@@ -104,7 +104,7 @@ Pixels pixels_of(const Environment& environment) {
     return unfold(faces);
 }
 
-/// Turns sums up to each element into the cumulative distribution; returns the total. Nothing at all becomes uniform.
+/// Turns running sums into the cumulative distribution; returns the total. If all are 0 the distribution is uniform.
 double normalize_cdf(const std::vector<double>& weights, float* cdf) {
     double total = 0, sum = 0;
     for (const double weight : weights) total += weight;
@@ -125,7 +125,7 @@ EnvironmentImage environment_image(const Environment& environment) {
     for (const glm::vec3& value : pixels.values)
         for (int c = 0; c < 3; ++c) image.texels.push_back(value[c] * environment.strength);
 
-    // The weight at the border above row y of cells, column x: of the row of texels there, or of a pole.
+    // The weight at the border above row y of cells in column x: that of the row of texels there, or of a pole.
     const auto weight = [&](unsigned x, unsigned y) {
         if (y == 0 || y > image.height) return 0.0;
         return luminance(pixels.at(x % image.width, y - 1)) * environment.strength *

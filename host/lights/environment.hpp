@@ -1,4 +1,4 @@
-// The image round a scene as one of latitudes and longitudes, and the distribution by which its directions are sampled.
+// The latitude-longitude image around a scene, and the distribution for sampling its directions.
 #pragma once
 
 #include <vector>
@@ -7,17 +7,17 @@
 
 namespace claray {
 
-/// As lights/environment.clh reads them.
+/// In the layout of lights/environment.clh.
 struct EnvironmentImage {
     unsigned width = 0, height = 0;
     std::vector<float> texels;  // linear RGB, times the strength, row by row from +y down
-    std::vector<float> cdf;     // of height + 1 rows of cells, then of the columns of each row
+    std::vector<float> cdf;     // height + 1 rows of cells, then the columns of each row
     float density = 0;          // EnvironmentData::density
     double integral = 0;        // of the luminance over all directions
 };
 
-/// A cube map becomes an image of latitudes and longitudes with the same resolution at the horizon. Throws
-/// ErrorKind::user where there are neither 1 nor 6 images, or a texel is negative or not finite.
+/// Converts a cube map to a latitude-longitude image with the same resolution at the horizon. Throws ErrorKind::user if
+/// there are neither 1 nor 6 images, or if a texel is negative or not finite.
 [[nodiscard]] EnvironmentImage environment_image(const Environment& environment);
 
 }  // namespace claray

@@ -12,10 +12,10 @@ namespace {
 
 using std::numbers::pi;
 constexpr double gain = 0.5;    // see share_of
-constexpr double near = 0.1;    // of the distance: the spots of many lights at this height may still be worth it
-constexpr double most = 0.125;  // of the scattered rays go to hot spots
+constexpr double near = 0.1;    // height over distance at which the spots of many lights may still pay
+constexpr double most = 0.125;  // largest fraction of scattered rays that are aimed at hot spots
 
-/// A light, and the nearest that was found so far, closer than `distance2`.
+/// A light, and the nearest surface found so far, closer than `distance2`.
 struct Candidate {
     std::size_t light = 0;
     glm::dvec3 position{0.0}, way{0.0};
@@ -24,12 +24,12 @@ struct Candidate {
     bool found = false;
 };
 
-/// The probability of going to a hot spot that makes the least noise. Let lights whose spots are one have the share S
-/// of all, height h, and be seen from the distance d. By chance a path finds their light c with the variance c^2 d^2 /
-/// 8 h^2 (the ratio of the integrals of the squared and of the plain irradiance of a plane), by going there with
-/// probability a it has c^2 / a, and in both ways together about c^2 / (8 h^2 / d^2 + a). Every share of the rays that
-/// goes there makes the noise of all else, V, as much larger: a V + S^2 C / (8 h^2 / d^2 + a) is least where a = S
-/// sqrt(C / V) - 8 h^2 / d^2. The root is `gain`, and a light gets its part of that.
+/// The probability of aiming at a hot spot with the least noise. Let lights that share one spot have the fraction S of
+/// all intensity and the height h, seen from the distance d. BSDF sampling finds their light c with the variance c^2
+/// d^2 / 8 h^2 (the ratio of the integrals of squared and plain irradiance over a plane). Aiming with probability a has
+/// the variance c^2 / a, and both combined about c^2 / (8 h^2 / d^2 + a). Aimed rays increase the noise V of all other
+/// light by the factor a. a V + S^2 C / (8 h^2 / d^2 + a) is least for a = S sqrt(C / V) - 8 h^2 / d^2. The root is
+/// `gain`, of which each light gets its part.
 double share_of(double share, double of_all, double height2, double distance) {
     return share * (gain - 8 * height2 / (distance * distance * of_all));
 }
@@ -40,7 +40,7 @@ glm::dvec3 nearest_of_edge(const glm::dvec3& p, const glm::dvec3& a, const glm::
     return a + (length2 > 0 ? std::clamp(glm::dot(p - a, edge) / length2, 0.0, 1.0) : 0.0) * edge;
 }
 
-/// Of a triangle: the foot of the perpendicular if it is inside, else a point of an edge.
+/// The nearest point of a triangle: the foot of the perpendicular if it is inside, else a point of an edge.
 glm::dvec3 nearest_of_triangle(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
     const glm::dvec3 normal = glm::cross(b - a, c - a);
     const auto left_of = [&](const glm::dvec3& from, const glm::dvec3& to) {
@@ -55,7 +55,7 @@ glm::dvec3 nearest_of_triangle(const glm::dvec3& p, const glm::dvec3& a, const g
     return nearest;
 }
 
-/// Looks for the nearest surface of each light, no further than matters.
+/// Searches for the nearest surface of each light, within the relevant distance.
 class Search {
 public:
     Search(std::vector<Candidate>& candidates, const Scene& scene) : candidates_(candidates), scene_(scene) {
@@ -80,7 +80,7 @@ public:
     }
 
 private:
-    /// Whether some light may be close to what is in the box.
+    /// Returns whether some light may be close to the contents of the box.
     [[nodiscard]] bool is_near(const Bounds& box, const glm::dmat4& transform) const {
         if (box.empty()) return false;
         const glm::dvec3 center(transform * glm::dvec4(box.center(), 1.0)), half(0.5f * box.extent());
@@ -119,8 +119,8 @@ private:
     Bounds box_;  // of the lights
 };
 
-/// Of all lights but lamps and images of environments, roughly. What comes from far away counts by the flux through the
-/// cross section of the scene.
+/// The approximate power of all lights except lamps and environment maps. Distant lights count by their flux through
+/// the scene's cross section.
 double total_intensity(const Scene& scene, double radius) {
     double total = 0.25 * pi * radius * radius * luminance(0.5f * (scene.sky.horizon + scene.sky.zenith));
     for (const Light& light : scene.lights)
@@ -128,7 +128,7 @@ double total_intensity(const Scene& scene, double radius) {
     return total;
 }
 
-/// The points that count.
+/// The point lights that are considered.
 std::vector<Candidate> candidates_of(const Scene& scene, double distance) {
     const double total = total_intensity(scene, 2 * distance);
     std::vector<Candidate> candidates;
@@ -144,8 +144,8 @@ std::vector<Candidate> candidates_of(const Scene& scene, double distance) {
     return candidates;
 }
 
-/// Of the lights, sorted as Search has left them, whose spots overlap with that of `c`: so far away as two heights. No
-/// more are counted than make its own worth while.
+/// The shares of the lights (sorted as by Search) whose spots overlap with that of `c`: at most two heights away. Stops
+/// counting when the spot of `c` pays.
 double share_around(const std::vector<Candidate>& sorted, const Candidate& c, double distance) {
     const double enough = 4 * 8 * c.distance2 / (distance * distance * gain), reach = 2 * std::sqrt(c.distance2);
     auto at = std::lower_bound(sorted.begin(), sorted.end(), c.position.x - reach,
@@ -164,14 +164,15 @@ std::vector<HotSpotPlace> find_hot_spots(const Scene& scene) {
     std::vector<HotSpotPlace> places;
     const Bounds bounds = bounds_of(scene);
     if (bounds.empty()) return places;
-    const double distance = 0.25 * glm::length(glm::dvec3(bounds.extent()));  // from which spots are seen, about
+    const double distance =
+        0.25 * glm::length(glm::dvec3(bounds.extent()));  // typical distance from which spots are seen
     std::vector<Candidate> candidates = candidates_of(scene, distance);
     if (candidates.empty()) return places;
     Search(candidates, scene).run();
     double sum = 0;
     for (const Candidate& c : candidates) {
         const glm::vec3 way(c.way);
-        if (!c.found || !(glm::dot(way, way) > 1e-30f)) continue;  // in the surface
+        if (!c.found || !(glm::dot(way, way) > 1e-30f)) continue;  // the light is in the surface
         const double share = share_of(c.share, share_around(candidates, c, distance), c.distance2, distance);
         if (!(share > 0)) continue;
         places.push_back({c.light, way, share});

@@ -19,17 +19,17 @@ namespace {
 using std::numbers::pi;
 constexpr double endless = std::numeric_limits<double>::infinity();
 constexpr unsigned side = 32;            // of the grid of camera rays
-constexpr unsigned bounces = 4;          // rays from each point that is seen
-constexpr std::size_t most_lights = 16;  // that are looked at from each point; of more, so many are drawn
-constexpr unsigned most_layers = 32;     // of what a ray passes through
+constexpr unsigned bounces = 4;          // rays from each visible point
+constexpr std::size_t most_lights = 16;  // lights evaluated per point; of more lights this many are drawn at random
+constexpr unsigned most_layers = 32;     // transparent surfaces along a ray
 
-/// What stops a ray. Paths find lamps behind glass, but shadow rays to lights without extent end there.
+/// Which surfaces stop a ray. Paths find lamps behind glass, but glass stops shadow rays to lights without extent.
 enum class Through { openings, glass };
 
-/// What a point looks like, as far as light is concerned.
+/// A point for which light is estimated.
 struct Sight {
-    glm::dvec3 point, normal;  // towards the viewer
-    bool glows = false;        // visibly
+    glm::dvec3 point, normal;  // normal on the viewer's side
+    bool glows = false;        // emits visible light
 };
 
 class Probe {
@@ -44,7 +44,7 @@ public:
 
     [[nodiscard]] std::optional<Sight> look(const glm::dvec3& origin, const glm::dvec3& direction) const;
     [[nodiscard]] std::size_t lights() const { return lights_.size(); }
-    /// Luminance of grey there: by the lights, and by surfaces that they light.
+    /// Luminance of a grey surface there, lit by the lights and by surfaces that they light.
     [[nodiscard]] double lit_grey(const Sight& sight, scenes::Random& random, unsigned& open) const;
 
 private:
@@ -67,7 +67,7 @@ private:
     HostRays rays_;
     Lights lights_;
     std::vector<std::uint32_t> last_numbers_;  // of all lights, see TriangleLight::cumulative
-    double nudge_ = 1e-6;                      // by which rays begin off surfaces and end before lights
+    double nudge_ = 1e-6;                      // offset of rays from surfaces and from lights
 };
 
 glm::vec2 Probe::coordinates(const TextureUse& use, const HostHit& hit) const {
@@ -110,7 +110,7 @@ bool Probe::passes(const HostHit& hit, const glm::dvec3& direction, Through thro
     return opacity_of(hit) < 0.5;
 }
 
-/// The first thing that a ray does not pass through.
+/// The first surface that stops the ray.
 std::optional<HostHit> Probe::stop_of(const glm::dvec3& origin, const glm::dvec3& direction, double distance,
                                       Through through) const {
     const double step = nudge_ / glm::length(direction);
@@ -125,7 +125,7 @@ std::optional<HostHit> Probe::stop_of(const glm::dvec3& origin, const glm::dvec3
     return {};
 }
 
-/// What the camera sees along a ray; of glass before nothing the glass itself.
+/// The surface that the camera sees along a ray; glass before an empty background counts as a surface.
 std::optional<Sight> Probe::look(const glm::dvec3& origin, const glm::dvec3& direction) const {
     std::optional<HostHit> hit = stop_of(origin, direction, endless, Through::openings);
     if (!hit) return {};
@@ -134,7 +134,7 @@ std::optional<Sight> Probe::look(const glm::dvec3& origin, const glm::dvec3& dir
     return Sight{origin + hit->distance * direction + nudge_ * normal, normal, glows_at(*hit)};
 }
 
-/// Of the sides that it shines to, towards a point on it that is drawn at random.
+/// Light from a random point of an emissive triangle, on the sides on which it emits.
 double Probe::from_lamp(const TriangleLight& light, const Sight& sight, scenes::Random& random) const {
     const glm::dvec3 e1(light.e1x, light.e1y, light.e1z), e2(light.e2x, light.e2y, light.e2z);
     double u = random.uniform(), v = random.uniform();
@@ -150,7 +150,7 @@ double Probe::from_lamp(const TriangleLight& light, const Sight& sight, scenes::
     return luminance(emission) * std::abs(light.area) * cosine * there / distance2;
 }
 
-/// As kernels/lights/kinds.clh computes it.
+/// As in kernels/lights/kinds.clh.
 double Probe::from_punctual(const PunctualLight& light, const Sight& sight) const {
     const double intensity = luminance({light.intensity_r, light.intensity_g, light.intensity_b});
     const glm::dvec3 axis(light.direction_x, light.direction_y, light.direction_z);
@@ -179,7 +179,7 @@ double Probe::from_light(std::size_t light, const Sight& sight, scenes::Random& 
                          : from_punctual(lights_.punctual[light - lamps], sight);
 }
 
-/// Luminance of the irradiance; by many lights an estimate.
+/// Luminance of the irradiance; an estimate if there are many lights.
 double Probe::irradiance(const Sight& sight, scenes::Random& random) const {
     const std::size_t count = last_numbers_.size();
     double sum = 0;
@@ -197,7 +197,7 @@ double Probe::irradiance(const Sight& sight, scenes::Random& random) const {
     return sum / double(most_lights);
 }
 
-/// Spread by the cosine.
+/// A direction distributed by the cosine.
 glm::dvec3 scattered(const glm::dvec3& normal, scenes::Random& random) {
     const glm::dvec3 in_ball(random.in_ball());
     return glm::normalize(normal + 0.999 * in_ball / std::max(glm::length(in_ball), 1e-9));
@@ -213,7 +213,7 @@ double Probe::lit_grey(const Sight& sight, scenes::Random& random, unsigned& ope
     return grey / pi * arriving;
 }
 
-/// What one row of camera rays finds.
+/// The counts of one row of camera rays.
 struct ProbedRow {
     unsigned seen = 0, lit = 0, visible = 0, open = 0;
 };

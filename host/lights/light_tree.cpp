@@ -20,7 +20,7 @@ struct LightRange {
     [[nodiscard]] std::size_t size() const { return end - begin; }
 };
 
-/// What a split is judged by.
+/// The values by which a split is judged.
 struct Summary {
     Bounds box;
     glm::vec3 axes{0.f};  // sum of intensity times axis
@@ -36,8 +36,8 @@ struct Summary {
         if (!other.box.empty()) box.grow(other.box.lo), box.grow(other.box.hi);
         axes += other.axes, intensity += other.intensity;
     }
-    /// Intensity times the square of the diagonal (an area that lines have, too), from once for directions that agree
-    /// to twice for such that do not.
+    /// Intensity times the squared diagonal (which is positive for lines, too), times 1 if all directions agree, up to
+    /// 2 if they do not.
     [[nodiscard]] float cost() const {
         if (box.empty() || !(intensity > 0)) return 0;
         const glm::vec3 e = box.extent();
@@ -45,7 +45,7 @@ struct Summary {
     }
 };
 
-/// The cone round two cones.
+/// A cone around two cones.
 void join_cones(LightBounds& a, const LightBounds& b) {
     if (a.spread >= half_turn || b.spread >= half_turn || a.two_sided != b.two_sided) {
         a.spread = half_turn, a.reach = half_turn, a.two_sided = false;
@@ -60,7 +60,7 @@ void join_cones(LightBounds& a, const LightBounds& b) {
         a.axis = other, a.spread = b.spread;
         return;
     }
-    const float spread = 0.5f * (a.spread + b.spread + between) + 1e-4f;  // acos is that rough near 0
+    const float spread = 0.5f * (a.spread + b.spread + between) + 1e-4f;  // acos has this error near 0
     const glm::vec3 tangent = other - glm::dot(a.axis, other) * a.axis;
     if (spread >= half_turn || glm::length(tangent) < 1e-4f) {
         a.spread = spread >= half_turn ? half_turn : spread + 1e-3f;
@@ -104,7 +104,8 @@ float LightTreeBuilder::cost(LightRange range) const {
     return summary.cost();
 }
 
-/// Where to cut the range in two, sorted so: the cheapest of 11 planes across each axis of the centres' box.
+/// Sorts the range and returns where to cut it in two: at the cheapest of 11 planes along each axis of the centres'
+/// box.
 std::size_t LightTreeBuilder::split(LightRange range) {
     Bounds centers;
     for (std::size_t i = range.begin; i < range.end; ++i) centers.grow(light(i).box.center());
@@ -124,7 +125,7 @@ std::size_t LightTreeBuilder::split(LightRange range) {
         Summary sum;
         for (int b = bins - 1; b > 0; --b) sum.add(summaries[b]), above[b] = sum.cost();
         sum = {};
-        const float thin = std::max({extent.x, extent.y, extent.z}) / extent[axis];  // cut long sides first
+        const float thin = std::max({extent.x, extent.y, extent.z}) / extent[axis];  // prefer to cut long sides
         for (int b = 0; b + 1 < bins; ++b) {
             sum.add(summaries[b]);
             const float total = thin * (sum.cost() + above[b + 1]);
@@ -140,7 +141,7 @@ std::size_t LightTreeBuilder::split(LightRange range) {
     return cut == range.begin || cut == range.end ? half : cut;
 }
 
-/// The costliest part is cut in two until there are four. Where the trail might become too long, four equal parts.
+/// Cuts the costliest part in two until there are four. If the trail might become too long, cuts into four equal parts.
 std::vector<LightRange> LightTreeBuilder::children_of(LightRange range, unsigned level) {
     const std::uint64_t most = std::uint64_t(1) << 2 * (CLARAY_LIGHT_TREE_HEIGHT - 1 - level);  // below a child
     std::vector<LightRange> parts = {range};
@@ -179,7 +180,7 @@ LightBounds LightTreeBuilder::bounds_of(LightRange range, float& radius2) const 
     return all;
 }
 
-/// Whether intensity is all that tells these lights apart from far away: they shine everywhere, or in about one
+/// Returns whether these lights differ from far away only in intensity: they emit in all directions, or in about one
 /// direction.
 bool LightTreeBuilder::alike(LightRange range, const LightBounds& bounds) const {
     if (bounds.spread < 0.3f) return true;
@@ -217,14 +218,14 @@ std::uint32_t LightTreeBuilder::build(LightRange range, unsigned level, std::uin
     return index;
 }
 
-/// The leaves with their numbers, and which of these every child has: consecutive ones, as its lights are.
+/// Assigns numbers to the leaves, and to each child the consecutive numbers of its lights.
 void LightTreeBuilder::share_numbers() {
     const std::size_t count = order_.size();
     double total = 0;
     for (const LightBounds& light : lights_) total += light.intensity;
     NumberShares shares(total, count);
     tree_.leaves.resize(count), tree_.places.resize(count);
-    std::uint64_t cell = 0;  // the next one that has no start
+    std::uint64_t cell = 0;  // the next cell without a start
     for (std::size_t i = 0; i < count; ++i) {
         const NumberShares::Share share = shares.next(light(i).intensity);
         tree_.leaves[i].light = order_[i], tree_.leaves[i].first = share.first, tree_.leaves[i].last = share.last;

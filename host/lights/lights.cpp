@@ -20,7 +20,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// As the acceleration structure sees it: others are left out there and can't be hit.
+/// As in the acceleration structure, which leaves out other triangles, so that they cannot be hit.
 bool can_be_hit(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
     const auto sound = [](const glm::vec3& v) {
         return std::abs(v.x) <= 1e18f && std::abs(v.y) <= 1e18f && std::abs(v.z) <= 1e18f;  // false for NaN
@@ -39,7 +39,7 @@ TriangleLight triangle_light(const glm::vec3& a, const glm::vec3& b, const glm::
     return light;
 }
 
-/// What a triangle emits on average: of its image only the part that lies on it counts.
+/// Average emission of a triangle; of its map only the part on the triangle.
 glm::vec3 mean_emission(const Scene& scene, const Material& material, const Mesh& mesh, const glm::uvec3& triangle,
                         unsigned most_points) {
     if (!has_emission_map(material)) return material.emission;
@@ -51,17 +51,17 @@ glm::vec3 mean_emission(const Scene& scene, const Material& material, const Mesh
     return material.emission * mean_texel(scene.textures[use.texture], corners[0], corners[1], corners[2], most_points);
 }
 
-/// Of mesh number `index` that is placed in the world by `transform`; its first triangle has the number `first`.
+/// Collects the lights of mesh `index`, placed by `transform`; its first triangle has the number `first`.
 void collect_triangles(const Scene& scene, std::uint32_t index, const glm::dmat4& transform, std::uint32_t first,
                        unsigned most_points, Lights& collected) {
     std::vector<TriangleLight>& lights = collected.triangles;
     const Mesh& mesh = scene.meshes[index];
-    std::uint32_t in_memory = 0;  // where its triangles begin there
+    std::uint32_t in_memory = 0;  // index there of its first triangle
     for (std::uint32_t i = 0; i < index; ++i) in_memory += std::uint32_t(scene.meshes[i].triangles.size());
     const auto place = [&](std::uint32_t vertex) {
         return glm::vec3(transform * glm::dvec4(mesh.positions[vertex], 1.0));
     };
-    const bool flips = glm::determinant(glm::dmat3(transform)) < 0;  // fronts stay those of the object
+    const bool flips = glm::determinant(glm::dmat3(transform)) < 0;  // front sides stay those of the object
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const Material& material = scene.materials[mesh.materials.empty() ? 0 : mesh.materials[i]];
         const bool mirrored = flips && material.cull_back;
@@ -83,10 +83,10 @@ void collect_triangles(const Scene& scene, std::uint32_t index, const glm::dmat4
     }
 }
 
-/// Grows the bounds on how far off its lights a ray to an instance may end (docs/numerics.md): 8 roundings of |A|
-/// |A^-1| times the way that it has in the object.
+/// Grows the bounds on the distance between a light of an instance and the end of a ray to it (docs/numerics.md): 8
+/// roundings of |A| |A^-1| times the ray's length in the object.
 void grow_instance_errors(const Mesh& mesh, const glm::dmat4& transform, LightsData& data) {
-    if (transform == glm::dmat4(1.0)) return;  // nothing is rounded there
+    if (transform == glm::dmat4(1.0)) return;  // the identity rounds nothing
     const glm::dmat3 linear(transform), inverse = glm::inverse(linear);
     double error = 0, reach = 0;
     for (int row = 0; row < 3; ++row) {
@@ -99,7 +99,7 @@ void grow_instance_errors(const Mesh& mesh, const glm::dmat4& transform, LightsD
     if (std::isfinite(reach)) data.instance_reach = std::max(data.instance_reach, float(reach));
 }
 
-/// What moves is not among them: its light is found by chance alone.
+/// Moving lights are not included: only BSDF sampling finds their light.
 void collect_triangles(const Scene& scene, unsigned most_points, Lights& lights) {
     std::uint32_t first = 0;
     if (scene.instances.empty()) {
@@ -131,9 +131,8 @@ PunctualLight punctual_light(const Light& light) {
     data.kind = std::uint32_t(light.kind);
     const glm::vec3 direction = glm::normalize(light.direction);
     data.direction_x = direction.x, data.direction_y = direction.y, data.direction_z = direction.z;
-    // As KHR_lights_punctual computes them, but for its least difference of cosines, 0.001, which would widen narrow
-    // edges.
-    constexpr double least_difference = 0x1p-22;  // what float32 can tell
+    // As in KHR_lights_punctual, except for its minimum difference of cosines, 0.001, which would widen narrow edges.
+    constexpr double least_difference = 0x1p-22;  // the resolution of float32
     const double outer = std::cos(double(light.outer_angle));
     const double inner = shines_far(light) ? 1 : std::cos(double(light.inner_angle));
     const double scale = 1 / std::max(least_difference, inner - outer);
@@ -144,7 +143,7 @@ PunctualLight punctual_light(const Light& light) {
     return data;
 }
 
-/// Of the light that was collected last.
+/// For the light collected last.
 void add_hot_spot(const HotSpotPlace& place, Lights& lights) {
     const double before = lights.hot_spots.empty() ? 0 : lights.hot_spots.back().last + 1.0;
     const double numbers = std::round(place.probability * 4294967296.0);
@@ -173,12 +172,12 @@ void collect_punctual(const Scene& scene, Lights& lights) {
         lights.data.not_to_hot_spots = float(1 - (lights.hot_spots.back().last + 1.0) / 4294967296.0);
 }
 
-/// What a light sends where it shines most, per steradian.
+/// A light's largest intensity per steradian.
 double intensity_of(const TriangleLight& l) {
     return std::abs(l.area) * luminance({l.emission_r, l.emission_g, l.emission_b});
 }
 
-/// `radius` of the scene: attenuation that is not physical counts at half of it, where much of the scene may be.
+/// `radius` of the scene: attenuation other than the inverse square is evaluated at half of it, as a typical distance.
 double intensity_of(const PunctualLight& l, double radius) {
     const double intensity = luminance({l.intensity_r, l.intensity_g, l.intensity_b});
     if (l.attenuation_0 == 0.f && l.attenuation_1 == 0.f) return intensity / l.attenuation_2;
@@ -215,8 +214,8 @@ LightBounds bounds_of(const PunctualLight& l) {
     return bounds;
 }
 
-/// The tree over near lights. It weighs intensities, which it multiplies by cosines: the power of a
-/// spot says little about the few directions that it shines in.
+/// Builds the tree over near lights. It uses intensities and cosines instead of power: the power of a spot says little
+/// about the few directions in which it emits.
 void plant_tree(Lights& lights, double radius) {
     std::vector<LightBounds> bounds;
     for (const TriangleLight& light : lights.triangles)
@@ -232,7 +231,7 @@ void plant_tree(Lights& lights, double radius) {
     lights.data.tree_probability = float((lights.data.tree_last + 1.0) / 4294967296.0);
 }
 
-/// Near lights (the first ones) and far ones get at least a quarter each.
+/// Near lights (the first ones) and far ones get at least a quarter of the probability each.
 void balance(std::vector<double>& powers, std::size_t near) {
     double of_near = 0, of_far = 0;
     for (std::size_t i = 0; i < powers.size(); ++i) (i < near ? of_near : of_far) += powers[i];
@@ -242,7 +241,7 @@ void balance(std::vector<double>& powers, std::size_t near) {
     for (std::size_t i = near; i < powers.size(); ++i) powers[i] *= factor;
 }
 
-/// Fills in how lights are picked. `environment`: the power of the environment, 0 where there is none.
+/// Computes the probabilities of lights. `environment`: the power of the environment, 0 if there is none.
 void distribute(Lights& lights, double environment, double radius, std::size_t for_a_tree) {
     std::vector<double> powers;
     for (const TriangleLight& light : lights.triangles) powers.push_back(power_of(light));
@@ -313,7 +312,7 @@ Lights collect_lights(const Scene& scene, std::size_t for_a_tree, unsigned most_
     const double radius = bounds.empty() ? 1 : std::max(0.5 * glm::length(glm::dvec3(bounds.extent())), 1e-18);
     EnvironmentImage image;
     if (!scene.environment.images.empty()) image = environment_image(scene.environment);
-    if (image.integral > 0) {  // a black one is nothing to be seen or sampled
+    if (image.integral > 0) {  // a black environment is neither seen nor sampled
         const double turn = scene.environment.rotation / (2 * pi);
         lights.data.environment = {image.width, image.height, float(turn - std::floor(turn)), image.density, 0.f};
         lights.environment_texels = std::move(image.texels);
@@ -330,7 +329,7 @@ std::vector<std::uint32_t> first_light_numbers(const Scene& scene) {
     std::vector<std::uint32_t> first;
     std::uint64_t numbers = 0;
     for (const MeshInstance& instance : scene.instances) {
-        // What is baked into the world counts in any case: there, triangles of all its meshes are numbered through.
+        // Meshes baked into the world are always included: their triangles are numbered consecutively.
         const bool counts = shining[instance.mesh] || instance.transform == glm::mat4(1.f);
         first.push_back(counts ? std::uint32_t(numbers) : 0u);
         if (counts) numbers += scene.meshes[instance.mesh].triangles.size();

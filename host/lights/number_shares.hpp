@@ -8,7 +8,7 @@
 
 namespace claray {
 
-/// Hands out 2^32 numbers in proportion to power, at least one to every light, so that none is lost to rounding.
+/// Assigns 2^32 numbers in proportion to power, at least one to each light, so that rounding loses none.
 class NumberShares {
 public:
     struct Share {

@@ -7,10 +7,10 @@
 namespace claray {
 namespace {
 
-/// Where fewer pixels than these have all the error they are mostly those that met a firefly.
+/// If fewer pixels than these have all the error, they are mostly pixels with a firefly.
 constexpr double least_degrees = 6;
-/// Where so many share it, what a look tells is good to a tenth, and the error falls with the samples to the power of
-/// 0.6: between the root, as of independent samples, and the number, as of smooth images by Sobol's.
+/// If this many pixels share it, the estimate of a look is within a tenth, and the error falls with the samples to the
+/// power of 0.6: between 0.5 for independent samples and 1 for smooth images with Sobol points.
 constexpr double many_degrees = 200, samples_to_error = 1 / 0.6;
 
 /// The quantile of Fisher's F distribution with as many degrees of freedom above as below that a normal variable has at
@@ -22,10 +22,10 @@ double quantile_of_f(double degrees, double deviations) {
 
 }  // namespace
 
-/// Estimates after n / 2 and after n samples have a correlation of 1/2: half of the samples are the same. The square
-/// falls with the samples at least, so that what was known before is no less than it was; and weights of 2/3, 2/9, 2/27
-/// ... make the variance 0.7 of that of one look, as 1.4 times the degrees do. What a firefly makes falls with the
-/// square of the samples: there it is no more than half as much again as it is now.
+/// Estimates after n / 2 and after n samples have a correlation of 1/2, because half of the samples are the same. The
+/// squared error falls at least with the samples, so that scaled earlier estimates are not too small. Weights of 2/3,
+/// 2/9, 2/27 ... make the variance 0.7 of that of one look, like 1.4 times the degrees. The squared error of a firefly
+/// falls with the square of the samples; then the sum is at most 1.5 times the present value.
 void ErrorLooks::add(double estimated_square, double its_degrees, std::uint32_t samples) {
     if (samples == spp) return;
     const double before = count == 0 ? 0 : 1. / 3;
@@ -36,18 +36,18 @@ void ErrorLooks::add(double estimated_square, double its_degrees, std::uint32_t 
     last = estimated_square, spp = samples, ++count;
 }
 
-/// A firefly is in the image as it is in the estimate, so that a larger factor would buy nothing.
+/// A firefly is in the image and in the estimate alike, so that a larger factor would gain nothing.
 double ErrorLooks::bound() const {
     constexpr double deviations = 2, gain_of_looks = 1.4;
     const double all = count > 1 ? gain_of_looks * degrees : degrees;
     return std::sqrt(std::max(last, square * quantile_of_f(std::max(all, least_degrees), deviations)));
 }
 
-/// With as many samples more as are missing where many pixels share the error; else, as if it fell with their number,
-/// which it does where a firefly has most of it. But with an eighth more at least, since every look is a chance to stop
-/// by luck, and with twice as many at most, since what few samples tell is rough. Powers of two that are near are worth
-/// the way: Sobol's points are even there, and what falls short of one is often not enough. This does not depend on how
-/// many samples a device takes at once.
+/// The next look is after the samples that are needed if many pixels share the error; else as if the error fell with
+/// their number, which holds if a firefly has most of it. At least an eighth more, because each look is a chance to
+/// stop by luck; at most twice as many, because estimates from few samples are rough. A power of two nearby is
+/// preferred: Sobol points are even there, and slightly fewer samples are often not enough. This does not depend on how
+/// many samples a device traces at once.
 std::uint32_t ErrorLooks::next(double error) const {
     constexpr std::uint32_t first = 4;
     if (count == 0) return first;

@@ -1,4 +1,4 @@
-// What a render has learned about its error from the estimates so far.
+// The knowledge of a render about its error, from all estimates so far.
 #pragma once
 
 #include <cstdint>
@@ -7,16 +7,16 @@ namespace claray {
 
 /// Decides where a render stops; therefore checkpoints store it.
 struct ErrorLooks {
-    double square = 0;   // of the image's error, as the looks so far tell it
-    double degrees = 0;  // of freedom that this has
-    double last = 0;     // the square as the last look alone tells it
+    double square = 0;   // squared error of the image by all looks so far
+    double degrees = 0;  // degrees of freedom of that
+    double last = 0;     // squared error by the last look only
     std::uint32_t spp = 0, count = 0;
 
-    /// After more samples a pixel; a look that was taken already changes nothing.
+    /// Adds a look after more samples per pixel; a repeated look changes nothing.
     void add(double estimated_square, double its_degrees, std::uint32_t samples);
-    /// What the error exceeds in hardly one image of a hundred.
+    /// A bound that the error exceeds in about one image of a hundred.
     [[nodiscard]] double bound() const;
-    /// After how many samples a pixel a render to an error looks again; those of the last look where they suffice.
+    /// The samples per pixel after which to look again; those of the last look if they suffice.
     [[nodiscard]] std::uint32_t next(double error) const;
 };
 

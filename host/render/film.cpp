@@ -6,7 +6,7 @@
 namespace claray {
 namespace {
 
-/// That sum up pixels: as many as keep the device busy.
+/// Work-items that sum pixels: enough to keep the device busy.
 std::uint32_t items_for(const Device& device, std::uint32_t pixels) {
     return std::clamp(device.tuning("render/measure_film", "ITEMS"), 1u, pixels);
 }
@@ -32,7 +32,7 @@ Film::Film(const Device& device, std::uint32_t pixels, bool tells_error)
     load_odd();
 }
 
-/// Alone, since PoCL compiles every kernel that is created, and a first picture seldom needs it.
+/// A separate kernel, because PoCL compiles every kernel that is created and a first picture seldom needs this one.
 void Film::load_odd() {
     if (tells_error_) accumulate_odd_ = load_kernel(device_, "render/accumulate_film.cl", "accumulate_odd");
 }
@@ -87,7 +87,7 @@ void Film::measure() const {
                          items_, sums_);
 }
 
-/// By the kernel that was enqueued last.
+/// Sums the results of the kernel enqueued last.
 Film::Totals Film::measured() const {
     Totals total;
     for (const FilmSums& sums : sums_.read()) {
@@ -99,8 +99,8 @@ Film::Totals Film::measured() const {
     return total;
 }
 
-/// Measured once, however often they are asked for. Where radiance is so large or small that its fourth power leaves
-/// float32 they are measured in a unit of their own, which the next look begins with.
+/// Measured once per state of the film. If the fourth power of radiance leaves the range of float32, it is measured
+/// again in another unit, with which the next look begins.
 const Film::Totals& Film::totals() const {
     if (totals_) return *totals_;
     look();
@@ -124,16 +124,17 @@ Film::Noise Film::noise() const {
     return noise;
 }
 
-/// With v the variance of a pixel as its two halves tell it, of true value s^2: v is s^2 times chi^2 of one degree of
-/// freedom, and so is the squared error of the pixel, independent of it. Sums of these over the pixels are about chi^2
-/// of (sum s^2)^2 / sum s^4 degrees (Welch and Satterthwaite), as many as there are pixels that share the error: so the
-/// image's squared error over its estimate is distributed as F. Expectations: v^2 has 3 s^4, and for n equal pixels
-/// (sum v)^2 / sum v^2 has about (n + 2) / 3. (Channels count as one, which makes the degrees fewer than they are.)
+/// Let v be the variance of a pixel estimated from its two halves, with the true value s^2. v is s^2 times a chi^2
+/// variable of one degree of freedom, and so is, independently, the pixel's squared error. Sums of these over the
+/// pixels are about chi^2 of (sum s^2)^2 / sum s^4 degrees (Welch and Satterthwaite), the number of pixels that share
+/// the error. Therefore the image's squared error over its estimate follows an F distribution. Expectations: v^2 has 3
+/// s^4, and for n equal pixels (sum v)^2 / sum v^2 has about (n + 2) / 3. (Channels count as one, which understates the
+/// degrees.)
 Film::Error Film::error(ErrorLooks& looks, std::uint32_t spp) const {
     const Totals& total = totals();
     if (!(total.value > 0)) return {};
     const double mean = total.value / (3 * total.pixels);
-    constexpr double least = 0x1p-24;  // which is what an image of float32 is off by in any case
+    constexpr double least = 0x1p-24;  // the rounding error of any float32 image
     const double estimate = std::max(least, std::sqrt(total.variance / (3 * total.pixels)) / mean);
     const double degrees = total.squares > 0 ? 3 * total.variance * total.variance / total.squares - 2 : 0;
     looks.add(estimate * estimate, degrees, spp);

@@ -23,17 +23,17 @@ public:
     /// Loads the kernels again.
     void reload_kernels();
 
-    /// Adds the radiance (3 floats a path) of a batch; enqueued.
+    /// Adds the radiance (3 floats per path) of a batch; asynchronous.
     void accumulate(const Batch& batch, const Buffer<float>& radiance);
-    /// Forgets all samples; enqueued.
+    /// Discards all samples; asynchronous.
     void clear();
-    /// Mean radiance of every pixel. Blocks.
+    /// Mean radiance of each pixel. Blocks.
     [[nodiscard]] std::vector<glm::vec3> resolve() const;
 
-    /// The sums themselves, and back. Block.
+    /// Reads and writes the sums. Both block.
     struct Sums {
         std::vector<FilmPixel> pixels;
-        std::vector<ColorSum> odd;  ///< of samples of odd index, where the error can be told
+        std::vector<ColorSum> odd;  ///< of samples of odd index, if the error is estimated
     };
     [[nodiscard]] Sums sums() const;
     void set_sums(const Sums& sums);
@@ -50,10 +50,10 @@ public:
 
     struct Error {
         double estimate = 0;  ///< root mean square of all channels over the mean; 0: unknown
-        double bound = 0;     ///< which the error exceeds in hardly one image of a hundred
+        double bound = 0;     ///< the error exceeds it in about one image of a hundred
     };
-    /// Where it can be told: by a look after so many samples a pixel, and by those before; see docs/accuracy.md.
-    /// Blocks.
+    /// Estimates the error, if the film does, from this look and earlier ones after the given samples per pixel; see
+    /// docs/accuracy.md. Blocks.
     [[nodiscard]] Error error(ErrorLooks& looks, std::uint32_t spp) const;
     [[nodiscard]] std::uint64_t bytes() const { return pixels_.bytes() + odd_.bytes() + sums_.bytes(); }
 
@@ -78,10 +78,10 @@ private:
     Buffer<ColorSum> odd_;
     Buffer<FilmSums> sums_;
     mutable Kernels kernels_;
-    Kernel accumulate_odd_;                 // where the error can be told
-    mutable std::optional<Totals> totals_;  // of the samples there are, where somebody asked
-    mutable bool looks_ = false;            // they are under way
-    mutable float scale_ = 1;               // a power of two, by which radiance is multiplied to be measured
+    Kernel accumulate_odd_;                 // if the error is estimated
+    mutable std::optional<Totals> totals_;  // of the current samples, once requested
+    mutable bool looks_ = false;            // a measurement is enqueued
+    mutable float scale_ = 1;               // a power of two by which radiance is multiplied for measuring
 };
 
 }  // namespace claray

@@ -15,7 +15,7 @@ namespace claray {
 class Mark {
 public:
     explicit Mark(const Device& device);
-    /// Until all of that is done.
+    /// Waits until these commands are done.
     void wait() const;
 
 private:
@@ -23,17 +23,17 @@ private:
     cl::Event event_;
 };
 
-/// Batches under way: keeps the host from running far ahead of the device, so that a stop takes effect soon, and sets
-/// the pace.
+/// The enqueued batches. Keeps the host from running far ahead of the device, so that a stop takes effect soon, and
+/// reports times to the Pace.
 class InFlight {
 public:
     InFlight(const Device& device, Pace& pace) : device_(device), pace_(pace) {}
 
-    /// Paths whose batches are not yet known to be done.
+    /// Number of paths in batches that may not be done.
     [[nodiscard]] std::uint64_t paths() const;
-    /// Waits for the batch before the last, and for the last one.
+    /// Waits for all batches.
     void drain();
-    /// To be called after each batch; waits for the one before the last.
+    /// Must be called after each batch; waits for the batch before the last.
     void submitted(std::uint32_t paths);
 
 private:
@@ -47,7 +47,7 @@ private:
     Device device_;
     Pace& pace_;
     std::deque<Submitted> batches_;
-    std::optional<std::chrono::steady_clock::time_point> before_;  // when the batch before was seen to end
+    std::optional<std::chrono::steady_clock::time_point> before_;  // when the previous batch ended
 };
 
 }  // namespace claray

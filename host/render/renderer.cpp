@@ -28,10 +28,10 @@ constexpr unsigned largest_side = 1u << 14;
 constexpr unsigned least_spp_for_noise = 16;
 constexpr unsigned spp_that_see_light = 2048;
 constexpr double seconds_between_reports = 0.2;
-constexpr double seconds_between_asking = 1;  // for a compiler, while another render's runs
+constexpr double seconds_between_asking = 1;  // for a compiler while that of another render runs
 constexpr std::size_t most_triangles_by_host = 1u << 20;
-constexpr std::ptrdiff_t most_effects_to_optimize = 16;  // in quick kernels: PoCL takes two seconds for these
-constexpr std::uint32_t quick_first_paths = 2048;        // of the batch that the first pixel waits for
+constexpr std::ptrdiff_t most_effects_to_optimize = 16;  // in quick kernels: PoCL takes two seconds to optimize these
+constexpr std::uint32_t quick_first_paths = 2048;        // in the batch that produces the first pixel
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
@@ -80,10 +80,10 @@ double kernel_milliseconds(const Device& device) {
     return total;
 }
 
-/// A last batch may be as short as this: half a percent of the time, but longer than launching takes.
+/// The shortest last batch: half a percent of the time, but longer than a launch.
 double least_milliseconds(double seconds) { return std::max(1.0, 5 * seconds); }
 
-/// Programs that are compiled in its lifetime are not stored on disk, nor kept in memory where they are slow.
+/// In its lifetime compiled programs are not stored on disk; slow ones are not kept in memory either.
 class QuickStart {
 public:
     explicit QuickStart(const Device& device) : device_(device) { device_.state().store_programs = false; }
@@ -108,14 +108,14 @@ std::ptrdiff_t number_of(EffectSet effects) {
     return std::count_if(all.begin(), all.end(), [&](Effect effect) { return effects.has(effect); });
 }
 
-/// Whether the host can build what is to be traced first, and would not take longer than compiling the builder.
+/// Returns whether the host can build the first tree in less time than compiling the builder takes.
 bool host_builds(const Device& device, const Scene& scene) {
     std::size_t triangles = scene.instances.size();
     for (const Mesh& mesh : scene.meshes) triangles += mesh.triangles.size();
     return triangles <= most_triangles_by_host && (scene.instances.empty() || device.info().fp64);
 }
 
-/// A tree of trees gives way to another one only where the host built it.
+/// A tree of trees is replaced only if the host built it.
 KernelPlan plan_for(const Device& device, const Scene& scene, EffectSet effects, const RenderConfig& config) {
     KernelPlan plan = plan_kernels(device, effects, config);
     if (scene.instances.empty() || host_builds(device, scene)) return plan;
@@ -132,7 +132,7 @@ Structure first_structure(const Device& device, const Scene& scene, std::size_t 
 }  // namespace
 
 struct Renderer::State {
-    /// `baked`, `of`: see PlacedScene. `exactly`: kernels for these effects, whatever the scene calls for.
+    /// `baked`, `of`: see PlacedScene. `exactly`: kernels for exactly these effects.
     State(const Device& on, const Scene& scene, const RenderConfig& with, std::size_t baked = 0,
           TriangleNumbers of = {}, std::optional<EffectSet> exactly = {})
         : device(on),
@@ -179,19 +179,19 @@ struct Renderer::State {
     [[nodiscard]] RayCount rays(const char* name, std::uint64_t count) const;
 
     Device device;
-    TriangleNumbers numbers;  // in the user's scene, where that has instances
+    TriangleNumbers numbers;  // in the user's scene, if it has instances
     RenderConfig config;
     unsigned most_spp = config.spp;
     Clock::time_point set_up;
     KernelPlan plan;
-    std::unique_ptr<QuickStart> quick_start;  // until the first pixel is there
+    std::unique_ptr<QuickStart> quick_start;  // until the first pixel is done
     double set_up_processor = processor_seconds();
     double first_pixel_seconds = 0, first_pixel_processor_seconds = 0;
     std::uint32_t culled = 0;
     unsigned own_kernels_from = 0;
     bool own_kernels = false, chose_path_kernel = false;
-    std::optional<bool> path_kernel_is_cached;  // once it was asked
-    double milliseconds_before;                 // on the device, by whatever ran there earlier
+    std::optional<bool> path_kernel_is_cached;  // once determined
+    double milliseconds_before;                 // of the device, used before this render
     Structure structure;
     double build_milliseconds;
     SceneBuffers buffers;
@@ -199,20 +199,20 @@ struct Renderer::State {
     Film film;
     Schedule schedule;
     Pace pace;
-    RenderIdentity identity;  // where checkpoints are written
+    RenderIdentity identity;  // for checkpoints
     std::string checkpoint_error;
     std::optional<Clock::time_point> begin;
     Clock::time_point first_begin;                   // of all frames
-    double patience = path_kernel_patience(device);  // seconds of rendering after which it may be compiled
+    double patience = path_kernel_patience(device);  // seconds of rendering before it may be compiled
     ErrorLooks looks;                                // at the error
-    Film::Error last_error;                          // when it was last asked for
+    Film::Error last_error;                          // the last estimate
     std::optional<double> light_cut_off;             // once it was asked for
-    unsigned last_error_spp = 0;                     // and how many samples there were
-    bool compiler_asked = false;                     // else one of another render runs
+    unsigned last_error_spp = 0;                     // samples per pixel at that time
+    bool compiler_asked = false;                     // false: that of another render runs
     Clock::time_point last_asked;                    // for a compiler
-    bool error_is_new = false;                       // not reported
+    bool error_is_new = false;                       // not reported yet
     double measuring_seconds = 0;                    // for noise and error
-    std::map<std::string, double> before;            // the profiler's times when this render was set up
+    std::map<std::string, double> before;            // the profiler's times at the start of this render
 };
 
 WavefrontKernels Renderer::State::load_kernels(EffectSet effects) const {
@@ -233,8 +233,8 @@ std::uint32_t Renderer::State::first_paths() const {
     return plan.start == KernelStart::quick ? std::min(tuned, quick_first_paths) : tuned;
 }
 
-/// What measuring takes is not what the batches take that are under way. It is enqueued behind them all the same, so
-/// that the device doesn't wait for the host.
+/// Measures the time without that of batches that are still running. The work is enqueued after them anyway, so that
+/// the device does not wait for the host.
 template <class Measure>
 auto Renderer::State::timed(const Measure& measure) {
     const Mark batches(device);
@@ -261,7 +261,7 @@ RenderProgress Renderer::State::measure() {
     return progress;
 }
 
-/// Noise counts between passes only, so that where it stops does not depend on the time.
+/// Noise is tested only between passes, so that the stopping point does not depend on time.
 bool Renderer::State::target_met() {
     if (schedule.finished()) return true;
     const unsigned spp = schedule.complete_passes_spp();
@@ -273,7 +273,7 @@ bool Renderer::State::target_met() {
     return noise > 0 && noise <= config.noise;
 }
 
-/// Between passes; the next one ends no later than a look is due.
+/// Called between passes; the next pass ends no later than the next look.
 bool Renderer::State::error_met() {
     const unsigned spp = schedule.complete_passes_spp();
     const double noise = error_left_to_noise();
@@ -301,13 +301,13 @@ void Renderer::State::look_at_error(unsigned spp) {
                 "add light, or use --spp instead of --error");
 }
 
-/// Depends on neither the samples nor the seed.
+/// Does not depend on the samples or the seed.
 double Renderer::State::cut_off() {
     if (!light_cut_off) light_cut_off = timed([&] { return wavefront.cut_off(); });
     return *light_cut_off;
 }
 
-/// Light that is cut off is missing from every pixel: no noise is to be left where that alone is the error asked for.
+/// Cut-off light is missing from every pixel: if it alone reaches the error target, no noise is allowed.
 double Renderer::State::error_left_to_noise() {
     if (spp() == 0) return config.error;
     const double share = cut_off();
@@ -320,7 +320,7 @@ double Renderer::State::error_left_to_noise() {
     throw Error(claray::ErrorKind::user, text, "use a larger --max-depth, or leave it out");
 }
 
-/// Waits for it. Everything that follows has time.
+/// Waits for the first pixel. Later work is not urgent.
 void Renderer::State::first_pixel() {
     device.finish();
     first_pixel_seconds = seconds_since(set_up);
@@ -334,7 +334,7 @@ void Renderer::State::first_pixel() {
         compiler_asked = start_compiler(config.compiler, device, plan.last, config), last_asked = Clock::now();
 }
 
-/// Between two batches, so that no path sees two kinds of kernels; the image would be the same even then.
+/// Between two batches, so that no path uses two kinds of kernels, although the image would be the same.
 void Renderer::State::take_over_when_compiled() {
     if (!are_cached(device, plan.last, config)) {
         if (compiler_asked || seconds_since(last_asked) < seconds_between_asking) return;
@@ -353,9 +353,9 @@ bool Renderer::State::may_follow_paths() const {
     return wavefront.batches_are_small(largest_pass) && claray::may_follow_paths(buffers, plan.last.effects);
 }
 
-/// Once, when every pixel was sampled by the scene's own kernels: whether one kernel follows paths from then on. To
-/// load it takes as long as many a short render, and to compile it even longer: so not before as much time was spent
-/// rendering, which at worst doubles that.
+/// Decides once, when every pixel was sampled by the scene's own kernels, whether one kernel traces whole paths from
+/// then on. Loading it takes as long as a short render, and compiling it longer; so it waits until rendering took as
+/// long, which at worst doubles the time.
 void Renderer::State::choose_path_kernel() {
     const double seconds = seconds_since(first_begin);
     if (seconds < patience / 16) return;
@@ -379,7 +379,7 @@ void Renderer::State::adopt(const Structure& other) {
     film.reload_kernels();
 }
 
-/// Drivers compile or load kernels when they are first run, which is no part of the time that samples have.
+/// Drivers compile or load kernels when they first run, which does not count as time for samples.
 void Renderer::State::warm_up() {
     const Batch few{0, std::min(pixels(), 64u), 0, 1};
     Film scratch(device, few.pixels);
@@ -389,15 +389,15 @@ void Renderer::State::warm_up() {
     wavefront.reset_totals();
 }
 
-/// Towards a time limit as many as half of what is left suffices for, since machines slow down without warning. Every
-/// pixel gets a sample in any case.
+/// Near a time limit, as many paths as fit in half of the remaining time, because machines slow down without warning.
+/// Every pixel gets a sample in any case.
 std::uint32_t Renderer::State::paths_of_next_batch(InFlight& in_flight) const {
     if (!(config.seconds > 0) || schedule.complete_passes_spp() == 0) return pace.paths();
     const auto left = [&] {
         return 1e3 * (config.seconds - seconds_since(*begin)) - pace.milliseconds_of(in_flight.paths());
     };
     const double least = least_milliseconds(config.seconds);
-    if (left() < least) in_flight.drain();  // what is said to take until then may be quicker
+    if (left() < least) in_flight.drain();  // the estimate may be too long
     return pace.paths_within(std::max(left() / 2, least));
 }
 
@@ -407,7 +407,7 @@ void Renderer::State::trace(const Batch& batch, InFlight& in_flight) {
     in_flight.submitted(batch.pixels * batch.samples);
 }
 
-/// A full disk must not end a render of hours: it is tried again, and the last failure is told.
+/// A full disk must not end a render of hours: writing is tried again, and the last failure is reported.
 void Renderer::State::save_checkpoint() {
     const Checkpoint checkpoint{schedule.position(), looks, film.sums()};
     try {
@@ -429,7 +429,7 @@ Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig&
         return std::make_shared<State>(device, placed.scene, config, placed.baked, std::move(placed.numbers));
     };
     RenderIdentity identity;
-    std::optional<Checkpoint> from;  // read before time is spent on the structure
+    std::optional<Checkpoint> from;  // read before the structure is built
     const bool resumes = !config.resume.empty(), saves = !config.checkpoint.empty();
     if (resumes || saves) identity = identity_of(checked(scene), checked(config));
     if (resumes) from = read_checkpoint(config.resume, identity, config.spp);
@@ -449,7 +449,7 @@ RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>
     if (state.first_begin == Clock::time_point()) state.first_begin = *state.begin;
     const bool saves = !state.config.checkpoint.empty();
     InFlight in_flight(state.device, state.pace);
-    Clock::time_point last_report;  // long ago: the first batch is reported at once
+    Clock::time_point last_report;  // the epoch, so that the first batch is reported at once
     Clock::time_point last_checkpoint = Clock::now();
     while (!state.target_met()) {
         state.trace(state.schedule.next(state.paths_of_next_batch(in_flight)), in_flight);
@@ -531,8 +531,8 @@ const std::string& Renderer::checkpoint_error() const { return state_->checkpoin
 
 void compile_kernels(const Device& device, EffectSet effects, const RenderConfig& with) {
     RenderConfig config = with;
-    // PoCL compiles a kernel once for grids of 2^16 items and more and once for smaller ones: the first bounce of these
-    // paths is the one, the others are the other.
+    // PoCL compiles a kernel once for grids of at least 2^16 items and once for smaller ones: the first bounce of these
+    // paths is of the first kind, the others are of the second.
     config.width = config.height = 256, config.spp = 1, config.max_depth = 3;
     config.compiler.clear();
     const KernelChoice choice = plan_kernels(device, effects, config).last;

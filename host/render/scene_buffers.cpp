@@ -10,7 +10,7 @@
 namespace claray {
 namespace {
 
-/// Those that some triangle has.
+/// The materials that some triangle uses.
 std::vector<Material> materials_in_use(const Scene& scene) {
     const std::vector<bool> used = used_materials(scene);
     std::vector<Material> found;
@@ -33,10 +33,10 @@ std::vector<std::uint32_t> all_triangle_materials(const Scene& scene) {
     return materials;
 }
 
-/// Collects tables behind one another, each beginning where any vector may.
+/// Collects tables one after the other, each aligned for vectors.
 class TableWriter {
 public:
-    /// Returns where it begins.
+    /// Returns its offset.
     template <class T>
     std::uint32_t add(const std::vector<T>& table) {
         static_assert(sizeof(T) % sizeof(std::uint32_t) == 0);

@@ -9,14 +9,14 @@
 namespace claray {
 
 struct SceneBuffers {
-    /// Uploads what the scene calls for. `added`: effects that kernels are to have in any case.
+    /// Uploads the data that the scene needs. `added`: effects that kernels support in addition.
     SceneBuffers(const Device& device, const Scene& scene, const Structure& structure, EffectSet added = {});
 
-    Structure structure;           // whose positions and indices are shared
-    Buffer<std::uint32_t> tables;  // all in one, since kernels take few arguments
-    SceneTables where{};           // in `tables`
+    Structure structure;           // shares its positions and indices
+    Buffer<std::uint32_t> tables;  // all in one buffer, so that kernels have few arguments
+    SceneTables where{};           // offsets in `tables`
     Textures textures;
-    LightsData lights{};  // lights.count: of those that shadow rays are sent to
+    LightsData lights{};  // lights.count: number of lights for shadow rays
     EffectSet effects;    // of the scene
 
     /// Binds SCENE_PARAMETERS of shade/scene.clh.

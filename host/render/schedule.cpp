@@ -4,14 +4,14 @@
 
 namespace claray {
 namespace {
-constexpr std::uint32_t largest_pass = 16;  // samples a pixel, unless the whole image with more fits into one batch
+constexpr std::uint32_t largest_pass = 16;  // samples per pixel, unless the whole image with more fits into one batch
 constexpr double batch_milliseconds = 100;
 }  // namespace
 
 Schedule::Schedule(std::uint32_t pixels, std::uint32_t spp, std::uint32_t paths_in_flight)
     : pixels_(pixels), spp_(spp), paths_(paths_in_flight) {}
 
-/// Depends on nothing that differs from run to run: between passes is where a render may stop.
+/// Does not depend on anything that differs between runs, because a render may stop between passes.
 std::uint32_t Schedule::pass_samples() const {
     if (!between_passes()) return at_.pass;
     const std::uint32_t limit = std::min(std::max(largest_pass, paths_ / pixels_), paths_);
@@ -47,8 +47,8 @@ std::uint32_t Pace::paths_within(double milliseconds) const {
     return std::uint32_t(std::clamp(milliseconds / milliseconds_a_path_, 1.0, double(paths_)));
 }
 
-/// What took longer than it should is cut at once. Only full batches say that more would do: small ones are mostly
-/// overhead.
+/// A batch that took too long reduces the size at once. Only full batches can raise it: the time of small ones is
+/// mostly overhead.
 void Pace::took(std::uint32_t paths, double milliseconds) {
     milliseconds_a_path_ = milliseconds / double(paths);
     const double share = batch_milliseconds / std::max(milliseconds, 1e-3);

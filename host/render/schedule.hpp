@@ -7,28 +7,28 @@
 
 namespace claray {
 
-/// Goes over the image in passes of 1, 1, 2, 4, 8 ... samples a pixel, each cut into batches of whole pixels. Early
-/// passes show the image soon; later ones give neighbouring paths the same pixel. However they are cut, every pixel
-/// gets its samples in the same order, so that its sums are the same bit for bit.
+/// Covers the image in passes of 1, 1, 2, 4, 8 ... samples per pixel, each divided into batches of whole pixels. Early
+/// passes show the image soon; in later ones neighbouring paths have the same pixel. Each pixel gets its samples in the
+/// same order for any division, so that its sums are the same bit for bit.
 class Schedule {
 public:
     Schedule(std::uint32_t pixels, std::uint32_t spp, std::uint32_t paths_in_flight);
 
     [[nodiscard]] bool finished() const { return at_.done == spp_; }
-    /// The next batch, of at most so many paths. Not to be called when finished.
+    /// The next batch of at most this many paths. Must not be called when finished.
     [[nodiscard]] Batch next(std::uint32_t most_paths = ~std::uint32_t(0));
-    /// Samples that every pixel has.
+    /// Number of samples that every pixel has.
     [[nodiscard]] std::uint32_t complete_passes_spp() const { return at_.done; }
-    /// Samples of all pixels, those of an incomplete pass included.
+    /// Number of samples of all pixels, including those of an incomplete pass.
     [[nodiscard]] std::uint64_t samples() const;
     [[nodiscard]] bool between_passes() const { return at_.pixel == 0 && at_.sample == 0; }
-    /// Lets the next pass have no more samples a pixel than these; between passes.
+    /// Limits the samples per pixel of the next pass; to be called between passes.
     void limit_pass(std::uint32_t samples) { most_samples_ = samples; }
 
     struct Position {
-        std::uint32_t done = 0;    // samples a pixel before this pass
-        std::uint32_t pass = 0;    // samples a pixel of this pass, once it has begun
-        std::uint32_t pixel = 0;   // where this pass goes on
+        std::uint32_t done = 0;    // samples per pixel before this pass
+        std::uint32_t pass = 0;    // samples per pixel of this pass, once it has begun
+        std::uint32_t pixel = 0;   // where this pass continues
         std::uint32_t sample = 0;  // of that pixel in this pass
     };
     [[nodiscard]] const Position& position() const { return at_; }
@@ -42,19 +42,18 @@ private:
     Position at_;
 };
 
-/// How many paths a batch may have for the device to be done with it in about a tenth of a second: no command of it
-/// lasts longer, however slow device and scene are (drivers reset devices that seem to hang), and a stop takes effect
-/// soon.
+/// The number of paths in a batch that takes the device about a tenth of a second. Then no command takes longer,
+/// however slow the device or the scene is (drivers reset devices that seem to hang), and a stop takes effect soon.
 class Pace {
 public:
     Pace(std::uint32_t first, std::uint32_t most) : paths_(first < most ? first : most), most_(most) {}
 
     [[nodiscard]] std::uint32_t paths() const { return paths_; }
-    /// The same, of a batch that shall be done within this time, as far as is known how long paths take.
+    /// The same for a batch that must be done within this time, if the time of paths is known.
     [[nodiscard]] std::uint32_t paths_within(double milliseconds) const;
-    /// How long so many paths take; 0 while it is not known.
+    /// The time for this many paths; 0 while it is unknown.
     [[nodiscard]] double milliseconds_of(std::uint64_t paths) const { return double(paths) * milliseconds_a_path_; }
-    /// So long a batch of so many paths has taken.
+    /// Reports the time that a batch of this many paths took.
     void took(std::uint32_t paths, double milliseconds);
 
 private:

@@ -7,7 +7,7 @@
 namespace claray {
 namespace {
 
-/// As Bvh::build would, had it one tree to build over all of them.
+/// As Bvh::build for one tree over all of them.
 TriangleBuffers upload_all(const Device& device, const Scene& scene) {
     std::vector<float> positions;
     std::vector<std::uint32_t> indices;
@@ -24,8 +24,8 @@ TriangleBuffers upload_all(const Device& device, const Scene& scene) {
 
 struct BottomLevels {
     std::vector<Bvh> bvhs;
-    std::vector<std::uint32_t> of_meshes;        // which of them holds a mesh
-    std::vector<std::uint32_t> first_triangles;  // of each, among those of the scene
+    std::vector<std::uint32_t> of_meshes;        // for each mesh its bottom level
+    std::vector<std::uint32_t> first_triangles;  // of each, counted through the scene
     std::vector<bool> empty;
     BvhStatistics statistics;  // triangles of all, and the largest height
 };
@@ -38,7 +38,7 @@ void add_to(BvhStatistics& all, const Bvh& bvh, const BvhHeader& header) {
     all.height = std::max(all.height, header.height);
 }
 
-/// One over all that is baked, and one for every other mesh.
+/// One over all baked meshes, and one for each other mesh.
 template <class Build>
 BottomLevels build_bottoms(const Scene& scene, std::size_t baked, const Build& build) {
     BottomLevels levels;
@@ -78,7 +78,7 @@ Structure::Structure(const Device& device, const Scene& scene, std::size_t baked
     std::vector<Instance> begins, ends;
     bool any_moves = false;
     std::size_t empty = 0;
-    // All that is baked is the first instance, whose first triangle and light are those of the first mesh.
+    // All baked meshes are the first instance, whose first triangle and light are those of the first mesh.
     for (std::size_t i = 0; i < scene.instances.size(); i += i == 0 && baked > 0 ? baked : 1) {
         const MeshInstance& instance = scene.instances[i];
         const std::uint32_t bottom = levels.of_meshes[instance.mesh];

@@ -15,11 +15,11 @@ class Structure {
 public:
     Structure() = default;
     /// `baked` as in PlacedScene; `by_host`: see Bvh::build_by_host and InstancedBvh::build_by_host. Throws
-    /// ErrorKind::user where an instance cannot be placed.
+    /// ErrorKind::user if an instance cannot be placed.
     Structure(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config,
               bool by_host = false);
 
-    /// Builds it again on the device with another configuration: one tree, or a tree of trees that the host built.
+    /// Rebuilds on the device with another configuration: one tree, or a tree of trees built by the host.
     [[nodiscard]] Structure rebuilt(const Bvh::Config& config) const;
 
     [[nodiscard]] const Device& device() const;
@@ -32,10 +32,10 @@ public:
         instanced_ ? instanced_->set_cutouts(store) : bvh_.set_cutouts(store);
     }
     [[nodiscard]] bool moves() const { return instanced_ && instanced_->ends().allocated(); }
-    /// Of one tree; of a tree of trees: triangles and bytes of all, the height that a ray descends at most, and the
-    /// top level's cost. Blocks.
+    /// For one tree; for a tree of trees: triangles and bytes of all levels, the largest height that a ray descends,
+    /// and the top level's cost. Blocks.
     [[nodiscard]] BvhStatistics statistics() const;
-    /// Triangles left out.
+    /// Number of culled triangles.
     [[nodiscard]] std::uint32_t culled() const { return instanced_ ? bottoms_.culled : bvh_.header().culled; }
     /// Macros of kernels that read hits.
     [[nodiscard]] Defines defines() const;
@@ -64,7 +64,7 @@ struct SceneHits {
     [[nodiscard]] std::uint64_t bytes() const { return of_triangles.bytes() + of_instances.bytes(); }
 };
 
-/// What shadow rays bring, and the paths' radiance that it is added to: ANSWERS_PARAMETERS of
+/// The light of shadow rays, and the radiance of paths to which it is added: ANSWERS_PARAMETERS of
 /// render/trace_shadow_rays.cl.
 struct ShadowLight {
     const Buffer<LightSample>& light;
@@ -80,7 +80,7 @@ public:
     SceneQuery(const Structure& structure, QueryKernel::Kind kind, const QueryOptions& options, const std::string& name,
                const std::string& file = {});
 
-    /// `times` of the rays, where something moves.
+    /// `times` of the rays, if something moves.
     void closest(const Buffer<Ray>& rays, SceneHits& hits, std::uint32_t capacity, const Buffer<std::uint32_t>& count,
                  const Buffer<float>& times) {
         instanced_ ? of_instances_.run(rays, hits.of_instances, capacity, count, times)

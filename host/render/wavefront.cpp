@@ -41,7 +41,7 @@ std::uint64_t most_whole_paths(const Device& device) {
     return std::uint64_t(device.info().compute_units) * device.tuning(path_kernel_stem, "MOST_PATHS_PER_UNIT");
 }
 
-/// Macros of shading that the tuning table has, for tests and studies.
+/// Macros of shading set by the tuning table, for tests and studies.
 Defines macros_of_shading(const Device& device) {
     Defines macros = with_tuning(device, "render/shade_surface", {});
     std::erase_if(macros, [](const auto& m) { return m.first == "GROUP_SIZE" || m.first == "PATHS_PER_ITEM"; });
@@ -59,7 +59,7 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, E
     coherent.cull_back_faces = incoherent.cull_back_faces = shadow.cull_back_faces = scene.textures.culls_back_faces;
     Defines shading = defines(Stage::shade);
     if (baking) shading.emplace_back("BAKE", "1");
-    // On CPUs the binary tree is for a quick start, when what compiles longer isn't worth it.
+    // On CPUs the binary tree is used for a quick start, when long compilation does not pay.
     const Structure& structure = scene.structure;
     if (!structure.instanced() && structure.bvh().layout() == Layout::binary) shading.emplace_back("SIXTEEN", "0");
     generate = baking ? load_kernel(device, "render/generate_texels.cl", "generate_texels")
@@ -120,7 +120,8 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
     reset_totals();
 }
 
-/// Short renders never need room for all the paths that a device takes at once. Nothing is kept in it between batches.
+/// Short renders do not need room for all paths that a device can trace at once. The buffers hold nothing between
+/// batches.
 void Wavefront::make_room(std::uint32_t paths) {
     if (paths <= rays_[0].size()) return;
     const std::uint32_t wanted =
@@ -128,7 +129,7 @@ void Wavefront::make_room(std::uint32_t paths) {
     const std::size_t room = (wanted + CLARAY_QUEUE_ROOM - 1) / CLARAY_QUEUE_ROOM * std::size_t(CLARAY_QUEUE_ROOM);
     const bool moves = scene_.structure.moves();
     constexpr std::size_t word = sizeof(std::uint32_t);
-    // Kernels for more effects than the scene's write cones, too.
+    // Kernels for more effects than the scene's also write cones.
     const std::size_t words = moves ? CLARAY_QUEUE_WORDS : CLARAY_QUEUE_TIMES;
     for (int i = 0; i < 2; ++i) {
         queues_[i] = Buffer<RayQueue>(device_, words * room);
@@ -193,7 +194,7 @@ void Wavefront::trace_from(const Buffer<Hit>& points, const Batch& batch) {
     trace_stages(batch, true);
 }
 
-/// A path that was scattered for the last time may still end in a light or in the sky.
+/// After its last scattering a path may still meet a light or the sky.
 std::uint32_t Wavefront::waves() const {
     const bool one_more = !(scene_.effects & emitters).empty() && frame_.max_depth != ~std::uint32_t(0);
     return frame_.max_depth + (one_more ? 1 : 0);
@@ -208,7 +209,7 @@ void Wavefront::trace_paths(const Batch& batch) {
 }
 
 void Wavefront::trace_stages(const Batch& batch, bool arrived) {
-    std::uint32_t limit = batch.pixels * batch.samples;  // of rays in the queue, as far as the host knows
+    std::uint32_t limit = batch.pixels * batch.samples;  // upper limit of the rays in the queue
     camera_rays_ += limit;
     const std::uint32_t all = waves();
     for (std::uint32_t depth = 0; depth < all && limit != 0; ++depth) {
@@ -239,7 +240,7 @@ void Wavefront::look_for_light(std::uint32_t depth, std::uint32_t limit) {
         trace_shadows(limit, shadow_lengths_[depth % CLARAY_SHADOW_QUEUES]);
 }
 
-/// Of the rays that go on after a surface; those to hot spots are there in addition to others.
+/// Number of next rays after a surface; rays to hot spots replace others.
 double Wavefront::carried_on(std::uint32_t depth, std::uint32_t rays) const {
     double sum = 0;
     std::vector<PathState> states(rays);
@@ -266,7 +267,7 @@ void Wavefront::follow(const Batch& batch, std::uint32_t limit_of_depth, Carried
     std::uint32_t limit = paths;
     for (std::uint32_t depth = 0; depth < waves() && limit != 0; ++depth) {
         scatter(batch, depth, limit, false);
-        if (depth == limit_of_depth) within = light_of(paths);  // with what the last surface emits
+        if (depth == limit_of_depth) within = light_of(paths);  // including the emission of the last surface
         look_for_light(depth, limit);
         limit = lengths_[(depth + 1) % CLARAY_RAY_QUEUES].read()[0];
         if (depth + 1 == limit_of_depth) sums.dropped += carried_on(depth, limit);
@@ -277,13 +278,13 @@ void Wavefront::follow(const Batch& batch, std::uint32_t limit_of_depth, Carried
     sums.within += within.value_or(all), sums.beyond += all - within.value_or(all);
 }
 
-/// Paths of a small image are followed to twice the depth. What they find beyond the limit is missing, and so is what
-/// they would find with the throughput that is left then, which is taken to bring as much as what the limit drops:
-/// missing = beyond + missing * left / dropped. That is exact where light falls by the same factor at every bounce.
+/// Traces paths of a small image to twice the depth. The light found beyond the limit is missing, and so is the light
+/// of the remaining throughput, which is assumed to carry as much light per throughput as at the limit: missing =
+/// beyond + missing * left / dropped. This is exact if light falls by the same factor at each bounce.
 double Wavefront::cut_off() const {
     constexpr std::uint32_t most_side = 128, paths = most_side * most_side;
-    constexpr double slowest_fall = 0.99;  // more light than 100 times what was found is never guessed
-    constexpr double least_share = 1e-5;   // that so few paths can tell
+    constexpr double slowest_fall = 0.99;  // the estimate is at most 100 times the light found
+    constexpr double least_share = 1e-5;   // smallest share that so few paths can resolve
     FrameData frame = frame_;              // the same view in fewer pixels
     frame.width = std::min(frame.width, most_side), frame.height = std::min(frame.height, most_side);
     frame.seed = ~frame_.seed;

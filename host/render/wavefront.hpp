@@ -1,6 +1,6 @@
 // The path tracer as a sequence of stages over queues of rays (Laine, Karras and Aila 2013, "Megakernels considered
-// harmful"): generate_rays, then for every bounce trace, shade_surface, trace shadow rays, add_light (unless those
-// did); after the last one empty_queues.
+// harmful"): generate_rays; then for each bounce trace, shade_surface, trace shadow rays, and add_light unless shadow
+// rays add their light; after the last bounce empty_queues.
 #pragma once
 
 #include <optional>
@@ -31,8 +31,8 @@ FrameData frame_without_camera(const Scene& scene, const SceneBuffers& buffers, 
     return frame;
 }
 
-/// The stages' kernels for a set of effects, which may be larger than the scene's: what it does not call for changes no
-/// bit of the image.
+/// The stages' kernels for a set of effects, which may be larger than the scene's: effects that the scene does not have
+/// change no bit of the image.
 struct WavefrontKernels {
     WavefrontKernels() = default;
     /// `baking`: for Wavefront::trace_from.
@@ -40,15 +40,15 @@ struct WavefrontKernels {
 
     EffectSet effects;
     Kernel generate, shade, empty_queues;
-    Kernel add_light;         // where shadow rays don't add their light themselves
-    bool adds_light = false;  // where they do
+    Kernel add_light;         // unless shadow rays add their light
+    bool adds_light = false;  // shadow rays add their light
     SceneQuery trace_camera, trace_bounce, trace_shadow;
 };
 
-/// Whether the kernel that does the work of all stages (render/trace_paths.cl) may pay: the device is one of those
-/// where it can, and the effects are few.
+/// Returns whether the kernel of whole paths (render/trace_paths.cl) may pay: the device is suitable and the effects
+/// are few.
 [[nodiscard]] bool may_follow_paths(const SceneBuffers& scene, EffectSet effects);
-/// Seconds that compiling it takes, about.
+/// Approximate time to compile it, in seconds.
 [[nodiscard]] double path_kernel_patience(const Device& device);
 /// See `Wavefront::follow_paths`.
 [[nodiscard]] Kernel load_path_kernel(const SceneBuffers& scene, Sampler sampler, EffectSet effects);
@@ -59,48 +59,47 @@ public:
               std::uint64_t most_paths);
 
     [[nodiscard]] std::uint32_t capacity() const { return capacity_; }
-    /// Goes on with other kernels, and with the tree that they traverse. The next batch is the first to see them.
+    /// Switches to other kernels and the tree that they traverse, from the next batch on.
     void take_over(const Structure& structure, WavefrontKernels kernels);
-    /// Whether a batch of so many paths, or of as many as there is room for, has too few to keep the device busy to the
-    /// end of every stage.
+    /// Returns whether a batch of this many paths, or of the capacity, is too small to keep the device busy to the end
+    /// of each stage.
     [[nodiscard]] bool batches_are_small(std::uint64_t paths) const;
-    /// Whether paths, as far as they were traced, were so short that work-items which follow one each to its end would
-    /// seldom wait for each other. Blocks.
+    /// Returns whether the paths traced so far were so short that work-items that each trace a whole path would seldom
+    /// wait for each other. Blocks.
     [[nodiscard]] bool paths_are_short() const;
-    /// From the next batch on one kernel traces whole paths, in small batches, until `take_over`. The radiance is the
+    /// Makes one kernel trace whole paths in small batches, from the next batch until `take_over`. The radiance is the
     /// same bit for bit.
     void follow_paths(Kernel kernel) { path_kernel_ = std::move(kernel); }
-    /// Of all batches from now on.
+    /// For all later batches.
     void set_seed(std::uint32_t seed) { frame_.seed = seed; }
     void set_max_depth(std::uint32_t depth) { frame_.max_depth = depth; }
-    /// Traces the paths of a batch of at most `capacity()`; enqueued. Their radiance is in `radiance()`.
+    /// Traces the paths of a batch of at most `capacity()`; asynchronous. Their radiance is in `radiance()`.
     void trace(const Batch& batch);
-    /// The same for paths that have arrived at points of surfaces, one a pixel of the batch: these are white
-    /// Lambertians that emit nothing, whatever their material.
+    /// The same for paths that begin at points of surfaces, one per pixel of the batch. The points are treated as white
+    /// Lambertians without emission, whatever their material.
     void trace_from(const Buffer<Hit>& points, const Batch& batch);
     [[nodiscard]] const Buffer<float>& radiance() const { return radiance_; }
-    /// The share of light that is missing since paths end at the depth limit, estimated from paths of their own.
-    /// Blocks.
+    /// The share of light that is missing because paths end at the depth limit, estimated by separate paths. Blocks.
     [[nodiscard]] double cut_off() const;
-    /// First hits of rays through the pixels' centres, and what they cost; enqueued.
+    /// First hits of rays through pixel centres, and their cost; asynchronous.
     void trace_centers(const Batch& batch, Buffer<Visits>& visits);
     [[nodiscard]] const Buffer<Ray>& rays() const { return rays_[0]; }
-    /// `limit`: of rays in the queue.
+    /// `limit`: an upper limit of the rays in the queue.
     [[nodiscard]] Step step_of(const Batch& batch, std::uint32_t depth, std::uint32_t limit) const;
     [[nodiscard]] const SceneHits& hits() const { return hits_; }
 
     struct Totals {
         std::uint64_t camera = 0, bounce = 0, shadow = 0;
-        std::uint64_t in_paths = 0;  // of all these, those that the kernel of whole paths traced
+        std::uint64_t in_paths = 0;  // of these, the rays traced by the kernel of whole paths
     };
     /// Rays traced so far. Blocks.
     [[nodiscard]] Totals totals() const;
-    /// Counts anew; enqueued.
+    /// Resets the counters; asynchronous.
     void reset_totals();
     [[nodiscard]] std::uint64_t bytes() const;
 
 private:
-    /// For so many paths, at most `capacity()`.
+    /// For this many paths, at most `capacity()`.
     void make_room(std::uint32_t paths);
     void generate(const Batch& batch, bool centers);
     void trace_paths(const Batch& batch);
@@ -110,10 +109,10 @@ private:
     void scatter(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived);
     void look_for_light(std::uint32_t depth, std::uint32_t limit);
     void trace_shadows(std::uint32_t limit, const Buffer<std::uint32_t>& length);
-    /// Counts in `totals` what shade_surface has not.
+    /// Adds to `totals` the rays that shade_surface has not counted.
     void empty_queues(const Buffer<std::uint64_t>& totals);
 
-    /// Of paths that go on beyond a limit of depth.
+    /// Results of paths that continue beyond a limit of depth.
     struct Carried {
         double dropped = 0, left = 0;   // throughput at that limit, and at the end
         double within = 0, beyond = 0;  // light that is found before the limit, and after it
@@ -130,11 +129,11 @@ private:
     std::uint32_t capacity_;
     std::uint64_t camera_rays_ = 0, camera_rays_in_paths_ = 0;
 
-    // Queues, and the arrays in them that others than shade_surface read.
+    // Queues, and their arrays that other stages than shade_surface read.
     Buffer<RayQueue> queues_[2];
     Buffer<Ray> rays_[2];
     Buffer<PathState> states_[2];
-    Buffer<float> times_[2];  // of the rays; not allocated where nothing but the camera moves
+    Buffer<float> times_[2];  // of the rays; not allocated if only the camera can move
     Buffer<ShadowQueue> shadow_queue_;
     Buffer<Ray> shadow_rays_;
     Buffer<LightSample> shadow_light_;
@@ -144,8 +143,8 @@ private:
     Buffer<std::uint32_t> shadow_lengths_[CLARAY_SHADOW_QUEUES];  // by depth
     SceneHits hits_;
     Buffer<std::uint8_t> occluded_;
-    Buffer<float> radiance_;  // of each path; behind that, where there is a tree of lights, the normals at its surface
-    Buffer<std::uint64_t> totals_, totals_in_paths_;  // see empty_queues.cl; the paths' without the camera's
+    Buffer<float> radiance_;  // of each path; with a light tree followed by the normals at the paths' surfaces
+    Buffer<std::uint64_t> totals_, totals_in_paths_;  // see empty_queues.cl; that of whole paths is without camera rays
     WavefrontKernels kernels_;
     std::optional<Kernel> path_kernel_;
 };

@@ -9,11 +9,11 @@ constexpr const char* radix_file = "sort/radix_sort.cl";
 constexpr const char* stage = "sort/radix_sort";
 constexpr const char* bucket_file = "sort/bucket_sort.cl";
 constexpr const char* bucket_stage = "sort/bucket_sort";
-constexpr unsigned digits = 256, digit_bits = 8, group_size = digits;  // one work-item a digit
+constexpr unsigned digits = 256, digit_bits = 8, group_size = digits;  // one work-item per digit
 constexpr std::size_t onesweep_limit = std::size_t(1) << 30;           // a look-back word counts in 30 bits
 
-/// The most keys a work-item that the group's local memory holds: the tile, the counters of each warp, and two rows of
-/// scratch.
+/// The largest number of keys per work-item for which the tile, the counters of each warp and two rows of scratch fit
+/// in the group's local memory.
 unsigned items_that_fit(const Device& device, std::size_t key_bytes, unsigned wanted) {
     const std::size_t fixed = 4 * digits * (group_size / 32 + 3);
     const std::size_t memory = device.info().local_memory;

@@ -6,7 +6,7 @@
 
 namespace claray {
 
-/// Holds the kernels and scratch memory to sort up to `capacity` keys again and again.
+/// Holds the kernels and scratch memory for repeated sorts of up to `capacity` keys.
 /// Key is std::uint32_t or std::uint64_t.
 template <class Key>
 class RadixSort {
@@ -15,13 +15,13 @@ public:
         bool onesweep = true;                 ///< the GPU's schedule; otherwise the CPU's, buckets
         unsigned key_bits = 8 * sizeof(Key);  ///< only the lowest bits of the keys are compared
     };
-    /// The schedule that the tuning table gives for the device.
+    /// The tuning table's schedule for the device.
     [[nodiscard]] static Config config_for(const Device& device);
 
     RadixSort(const Device& device, std::size_t capacity, const Config& config);
 
-    /// Sorts the first `count` keys and reports in `values` where each came from: values[i] is the former position of
-    /// keys[i]. Both buffers hold at least `count` elements; the content of `values` does not matter. Enqueued only.
+    /// Sorts the first `count` keys; values[i] receives the former position of keys[i]. Both buffers must hold at least
+    /// `count` elements; the initial content of `values` is ignored. Asynchronous.
     void sort(Buffer<Key>& keys, Buffer<std::uint32_t>& values, std::size_t count);
 
 private:

@@ -15,16 +15,16 @@ struct HostRay {
     }
 };
 
-/// The slab test; `end` is where the ray ends.
+/// The slab test; `end` is the ray's end.
 bool meets(const HostRay& ray, const glm::dvec3& lo, const glm::dvec3& hi, double end) {
     const glm::dvec3 a = (lo - ray.origin) * ray.inverse, b = (hi - ray.origin) * ray.inverse;
     glm::dvec3 in = glm::min(a, b), out = glm::max(a, b);
-    for (int k = 0; k < 3; ++k)  // a ray that goes along both planes, and may lie in one of them
+    for (int k = 0; k < 3; ++k)  // a ray parallel to both planes, which may lie in one of them
         if (ray.direction[k] == 0 && ray.origin[k] >= lo[k] && ray.origin[k] <= hi[k]) in[k] = 0, out[k] = end;
     return std::max({in.x, in.y, in.z, 0.0}) <= std::min({out.x, out.y, out.z, end});
 }
 
-/// Moeller and Trumbore 1997. True where the triangle is met before `hit.distance`, which becomes its distance.
+/// Moeller and Trumbore 1997. Returns true and updates `hit` if the triangle is hit before `hit.distance`.
 bool meets(const HostRay& ray, const LeafTriangle& t, HostHit& hit) {
     const glm::dvec3 v0(t.v0x, t.v0y, t.v0z);
     const glm::dvec3 e1 = glm::dvec3(t.v1x, t.v1y, t.v1z) - v0, e2 = glm::dvec3(t.v2x, t.v2y, t.v2z) - v0;
@@ -71,7 +71,7 @@ HostRays::HostRays(const Scene& scene) : scene_(scene) {
     top_ = build_host_tree({&boxes, 1});
 }
 
-/// A box enters the tree as a triangle that spans it.
+/// Represents a box by a triangle that spans it.
 void HostRays::place(const MeshInstance& instance, Mesh& boxes) {
     const BvhHeader& header = bottoms_[instance.mesh].header;
     if (header.valid == 0) return;
@@ -81,7 +81,7 @@ void HostRays::place(const MeshInstance& instance, Mesh& boxes) {
         box.grow(
             glm::vec3(transform * glm::dvec4(corner & 1 ? header.hix : header.lox, corner & 2 ? header.hiy : header.loy,
                                              corner & 4 ? header.hiz : header.loz, 1.0)));
-    const glm::vec3 pad = 1e-6f * (glm::abs(box.lo) + glm::abs(box.hi) + box.extent());  // for what is rounded
+    const glm::vec3 pad = 1e-6f * (glm::abs(box.lo) + glm::abs(box.hi) + box.extent());  // for rounding
     const auto first = std::uint32_t(boxes.positions.size());
     boxes.positions.insert(boxes.positions.end(), {box.lo - pad, box.hi + pad, box.center()});
     boxes.triangles.emplace_back(first, first + 1, first + 2);

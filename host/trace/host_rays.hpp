@@ -1,5 +1,5 @@
-// Rays that the host traces through a scene, for questions that come before any kernel is compiled. Slower than any
-// device, and not watertight: good for shares of many rays, not for images.
+// Rays traced by the host before any kernel is compiled. Slower than any device and not watertight: suitable for
+// statistics of many rays, not for images.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 
 namespace claray {
 
-/// The nearest triangle on a ray, as the shutter opens.
+/// The nearest triangle on a ray, at shutter open.
 struct HostHit {
     double distance = 0;                   ///< in lengths of the ray's direction
     std::uint32_t mesh = 0, triangle = 0;  ///< of the scene's meshes, of that mesh's triangles
@@ -35,8 +35,8 @@ private:
     void place(const MeshInstance& instance, Mesh& boxes);
 
     const Scene& scene_;
-    std::vector<std::uint32_t> first_triangles_;  // of each mesh, where one tree holds all
-    std::vector<HostTree> bottoms_;               // one over all meshes, or one a mesh where there are instances
+    std::vector<std::uint32_t> first_triangles_;  // of each mesh, if one tree holds all
+    std::vector<HostTree> bottoms_;               // one over all meshes, or one per mesh if there are instances
     std::vector<Placed> placed_;
     HostTree top_;  // over the boxes of `placed_`
 };

@@ -13,10 +13,10 @@ public:
     using Kind = QueryKind;
 
     InstanceQuery() = default;
-    /// The profiler shows its times under `name`, or under the kernel's where that is empty.
+    /// The profiler shows its times under `name`, or under the kernel's name if `name` is empty.
     InstanceQuery(const InstancedBvh& bvh, Kind kind, const QueryOptions& options = {}, const std::string& name = {});
 
-    /// Traces the first min(*count, capacity) rays, or `capacity` where `count` is absent; enqueued. `results` holds
+    /// Traces the first min(*count, capacity) rays, or `capacity` if `count` is absent; asynchronous. `results` holds
     /// InstanceHits or, for any hit, bytes. `times`, of the rays, may be absent.
     template <class Result>
     void run(const Buffer<Ray>& rays, Buffer<Result>& results, std::uint32_t capacity,

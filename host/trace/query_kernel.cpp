@@ -39,8 +39,8 @@ QueryKernel::QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options,
     group_ = device.tuning(stem, "GROUP_SIZE");
     if (bvh.layout() == Layout::wide && !options.visits.allocated()) most_in_batch_ = device.tuning(stem, "BATCH");
     if (most_in_batch_ != 0) {
-        // A batch lies on the stack of the thread that traces it: more than 1 MB of it would be daring, or of two at
-        // once.
+        // A batch is on the stack of the thread that traces it: larger batches, or two at once, could overflow the
+        // stack.
         most_in_batch_ = std::min(most_in_batch_, 8192u), group_ = 1;
         if (bvh.has_cutouts()) {
             std::erase_if(common, [](const auto& define) { return define.first == "CLARAY_CUTOUTS"; });
@@ -71,7 +71,7 @@ QueryKernel::QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options,
         sample_group_ = 256;
         sample_ = load_kernel(device, "trace/queue/sample_coherence.cl", "sample_coherence",
                               {{"GROUP_SIZE", std::to_string(sample_group_)}});
-        sample_ = Kernel(device, sample_.handle(), kernels_[0].name());  // part of the query's time
+        sample_ = Kernel(device, sample_.handle(), kernels_[0].name());  // counted as part of the query
     }
 }
 

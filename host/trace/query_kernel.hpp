@@ -8,17 +8,17 @@
 
 namespace claray {
 
-/// The three words of kernels/trace/queue/ray_queue.clh, the same for all queries of a device: its commands run one
-/// after another.
+/// The three words of kernels/trace/queue/ray_queue.clh. All queries of a device share them, because its commands run
+/// one after another.
 [[nodiscard]] const cl::Buffer& ray_queue(const Device& device);
 
-/// Binds CLARAY_CUTOUTS_PARAMETERS alone.
+/// Binds only CLARAY_CUTOUTS_PARAMETERS.
 struct CutoutsOf {
     const Bvh& bvh;
     void bind(Kernel& kernel, unsigned& index) const { bvh.bind_cutouts(kernel, index); }
 };
 
-/// Binds CLARAY_BVH_PARAMETERS of kernels that take all triangles for solid.
+/// Binds CLARAY_BVH_PARAMETERS of kernels that treat all triangles as solid.
 struct SolidBvh {
     const Bvh& bvh;
     void bind(Kernel& kernel, unsigned& index) const { bvh.bind_solid(kernel, index); }
@@ -29,13 +29,13 @@ public:
     using Kind = QueryKind;
 
     QueryKernel() = default;
-    /// The profiler shows its times under `name`, or under the kernel's where that is empty. `file`: kernels that
-    /// include the query's and say what becomes of its answers (trace/answers.clh); for the binary layout.
+    /// The profiler shows its times under `name`, or under the kernel's name if `name` is empty. `file`: kernels that
+    /// include the query's and define the handling of answers (trace/answers.clh); binary layout only.
     QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options = {}, const std::string& name = {},
                 const std::string& file = {});
 
-    /// Traces the first min(*count, capacity) rays, or `capacity` where `count` is absent; enqueued. `results` holds
-    /// Hits or, for any hit, bytes or what binds the parameters for answers of the file.
+    /// Traces the first min(*count, capacity) rays, or `capacity` if `count` is absent; asynchronous. `results` holds
+    /// Hits or, for any hit, bytes or an object that binds the file's parameters for answers.
     template <class Results>
     void run(const Buffer<Ray>& rays, Results& results, std::uint32_t capacity,
              const Buffer<std::uint32_t>& count = {}) {
@@ -64,20 +64,20 @@ public:
     }
 
 private:
-    /// Batches know no cut-outs: rays that met one are traced again, one by one.
+    /// Batches do not support cut-outs: rays that met one are traced again, one by one.
     [[nodiscard]] bool retraces() const { return most_in_batch_ != 0 && bvh_.has_cutouts(); }
 
-    /// Rays of a batch: as many as tuned, but few enough to keep all compute units equally busy. 0: no batches.
+    /// Rays per batch: as tuned, but few enough to keep all compute units busy. 0: no batches.
     [[nodiscard]] std::uint32_t batch_size(std::uint32_t capacity) const;
 
-    /// The order in which rays are traced, or no buffer. Waits for a sample of the rays where it has to know whether
-    /// they are in any order.
+    /// The order in which rays are traced, or no buffer. Waits for a sample of the rays if it must determine whether
+    /// they are unordered.
     [[nodiscard]] Buffer<std::uint32_t> order_of(const Buffer<Ray>& rays, std::uint32_t capacity,
                                                  const Buffer<std::uint32_t>& count);
 
     Bvh bvh_;
     QueryOptions options_;
-    std::vector<Kernel> kernels_;  // two schedules, of which the device chooses one, or one
+    std::vector<Kernel> kernels_;  // one, or two schedules of which the device chooses one
     Kernel sample_, retrace_;
     std::shared_ptr<RayOrder> ray_order_;
     std::size_t rays_per_item_ = 1, group_ = 64, most_items_ = std::size_t(-1), sample_group_ = 64;

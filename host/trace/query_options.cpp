@@ -10,8 +10,7 @@ Defines query_defines(Defines defines, const QueryOptions& options) {
 }
 
 void check_sizes(std::size_t rays, std::size_t results, const QueryOptions& options) {
-    if (rays >
-        4'000'000'000)  // the ticket of kernels/trace/queue/ray_queue.clh goes beyond the last ray, and must not wrap
+    if (rays > 4'000'000'000)  // the ticket of kernels/trace/queue/ray_queue.clh exceeds the last ray and must not wrap
         throw Error(ErrorKind::usage, std::to_string(rays) + " rays are too many for one query",
                     "trace at most 4e9 rays at a time");
     const bool short_masks = options.ray_masks.allocated() && options.ray_masks.size() < rays;

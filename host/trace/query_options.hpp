@@ -7,13 +7,13 @@ namespace claray {
 
 enum class QueryKind { closest, any };
 
-/// The macros of a structure, and those that the options call for.
+/// The macros of a structure and of the options.
 [[nodiscard]] Defines query_defines(Defines defines, const QueryOptions& options);
 
-/// Throws ErrorKind::usage where there are too many rays, or too few elements for what belongs to each.
+/// Throws ErrorKind::usage if there are too many rays, or if a buffer of the options has fewer elements than rays.
 void check_sizes(std::size_t rays, std::size_t results, const QueryOptions& options);
 
-/// The answers of a query to rays of the host.
+/// The results of a query for rays of the host.
 template <class Answer, class Tree>
 std::vector<Answer> answers(const Tree& tree, std::span<const Ray> rays, const QueryOptions& options,
                             void (*query)(const Tree&, const Buffer<Ray>&, Buffer<Answer>&, const QueryOptions&,

@@ -4,7 +4,7 @@ namespace claray {
 namespace {
 
 constexpr unsigned key_bits = 31;
-constexpr std::size_t rays_per_item = 1024;  // both as kernels/trace/queue/ray_order.cl has them
+constexpr std::size_t rays_per_item = 1024;  // both as in kernels/trace/queue/ray_order.cl
 
 RadixSort<std::uint32_t>::Config sort_config(const Device& device) {
     auto config = RadixSort<std::uint32_t>::config_for(device);

@@ -1,5 +1,5 @@
-// An order in which rays that run in all directions are faster to trace on CPUs: those that start and run alike
-// together.
+// An order in which rays of all directions are faster to trace on CPUs: rays with similar origins and directions are
+// neighbours.
 #pragma once
 
 #include "claray/bvh.hpp"
@@ -9,10 +9,10 @@ namespace claray {
 
 class RayOrder {
 public:
-    /// For up to `capacity` rays; takes 16 bytes for each.
+    /// For up to `capacity` rays; needs 16 bytes per ray.
     RayOrder(const Device& device, std::uint32_t capacity);
 
-    /// The numbers of rays 0 .. count - 1 in that order; enqueued.
+    /// The indices of rays 0 .. count - 1 in that order; asynchronous.
     const Buffer<std::uint32_t>& sort(const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t count);
     [[nodiscard]] std::uint32_t capacity() const { return std::uint32_t(keys_.size()); }
 

@@ -38,7 +38,7 @@ const std::vector<glm::vec2>& coordinates(const Scene& scene, std::size_t mesh, 
     return uvs;
 }
 
-/// Texels that nothing was known of take the mean of their neighbours that are known, from the mesh outwards.
+/// Fills unknown texels with the mean of their known neighbours, from the mesh outwards.
 void continue_outwards(std::vector<glm::vec3>& texels, std::vector<bool>& known, unsigned width, unsigned height) {
     for (int pass = 0; pass < 4; ++pass) {
         std::vector<bool> now = known;
@@ -57,7 +57,7 @@ void continue_outwards(std::vector<glm::vec3>& texels, std::vector<bool>& known,
     }
 }
 
-/// Radiance of white Lambertian points, one a texel.
+/// Radiance of white Lambertian points, one per texel.
 std::vector<glm::vec3> radiance_of(const Device& device, const Scene& scene, const TexelPoints& texels,
                                    const LightMapConfig& config, const std::function<bool(double)>& progress) {
     const auto count = std::uint32_t(texels.points.size());

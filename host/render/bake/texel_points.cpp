@@ -9,7 +9,7 @@
 namespace claray {
 namespace {
 
-constexpr double reach = 1.0;    // texels by which a centre may miss the mesh
+constexpr double reach = 1.0;    // largest distance, in texels, from a centre to the mesh
 constexpr double inside = 1e-3;  // barycentric weights above this are not on an edge
 
 /// A triangle in texels.

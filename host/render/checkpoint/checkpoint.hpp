@@ -12,33 +12,33 @@
 
 namespace claray {
 
-/// Whether samples of odd index are summed once more.
+/// Returns whether samples of odd index are also summed separately.
 [[nodiscard]] inline bool tells_error(const RenderConfig& config) { return config.error > 0; }
 
-/// What the samples of a render depend on, but for the device. Of two renders of the same identity one may go on where
-/// the other stopped, with another number of samples, too.
+/// Everything except the device on which the samples of a render depend. A render can continue another one of the same
+/// identity, also with another number of samples.
 struct RenderIdentity {
     std::uint32_t width = 0, height = 0;
     bool tells_error = false;
     Digest scene{};
-    Digest settings{};  // seed, depth, sampler, effects that are left out
+    Digest settings{};  // seed, depth, sampler, removed effects
     Digest kernels{};   // their sources
 };
 
 [[nodiscard]] RenderIdentity identity_of(const Scene& scene, const RenderConfig& config);
 
-/// How far a render has come.
+/// The progress of a render.
 struct Checkpoint {
     Schedule::Position position;
     ErrorLooks looks;
     Film::Sums sums;
 };
 
-/// As NewFile: there is always a whole checkpoint under this name, the former one or this.
+/// Writes through NewFile: under this name there is always a complete checkpoint, the previous one or this one.
 void write_checkpoint(const std::filesystem::path& path, const RenderIdentity& identity, const Checkpoint& checkpoint);
 
-/// Throws ErrorKind::user, naming the file and what differs, for a file that is damaged, or of a render of another
-/// identity, or with more than `spp` samples a pixel.
+/// Throws ErrorKind::user, naming the file and the difference, if the file is damaged, belongs to a render of another
+/// identity, or has more than `spp` samples per pixel.
 [[nodiscard]] Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdentity& identity,
                                          std::uint32_t spp);
 

@@ -1,5 +1,5 @@
-// A digest of all that a scene holds, but for names. The structs are taken apart by structured bindings: a member that
-// is added to one of them does not compile here until it is named, and so can't be forgotten.
+// A digest of a scene without its names. Structured bindings name all members of the structs: this file does not
+// compile after a member is added until it is named here.
 #include <glm/glm.hpp>
 
 #include "host/bsdf/custom_bsdfs.hpp"

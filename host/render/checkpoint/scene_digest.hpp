@@ -6,7 +6,7 @@
 
 namespace claray {
 
-/// Of all values bit for bit; names don't count.
+/// A digest of all values, bit for bit, without names.
 [[nodiscard]] Digest digest_of(const Scene& scene);
 
 }  // namespace claray

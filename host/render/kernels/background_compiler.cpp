@@ -19,8 +19,8 @@ extern char** environ;
 namespace claray {
 namespace {
 
-/// The lock of the only compiler. It is of the open file, which the compiler inherits: it ends with that process,
-/// however this one and that one end.
+/// The lock that allows one compiler at a time. It belongs to the open file, which the compiler inherits, so that it is
+/// released when that process ends, whatever ends it.
 class CompilerLock {
 public:
     CompilerLock() {
@@ -35,7 +35,7 @@ public:
     CompilerLock(const CompilerLock&) = delete;
     CompilerLock& operator=(const CompilerLock&) = delete;
 
-    [[nodiscard]] int file() const { return file_; }  ///< -1 where there is no such file
+    [[nodiscard]] int file() const { return file_; }  ///< -1 if the file cannot be opened
     [[nodiscard]] bool is_busy() const { return is_busy_; }
 
 private:
@@ -54,13 +54,13 @@ std::vector<std::string> command_line(const std::string& program, const Device& 
             "--builder",     traits_of(config.bvh.builder).name};
 }
 
-/// On Linux a priority is a thread's, and a process gets that of the thread that starts it (setpriority(2)).
+/// On Linux threads have priorities, and a process inherits that of the thread that starts it (setpriority(2)).
 void lower_priority_of_this_thread() {
     constexpr int lower = 10, lowest = 19;
     ::setpriority(PRIO_PROCESS, 0, std::min(::getpriority(PRIO_PROCESS, 0) + lower, lowest));
 }
 
-/// Returns its number, or 0 where it can't be started.
+/// Returns its process number, or 0 if it cannot be started.
 pid_t start_in_background(std::vector<std::string> arguments, int lock) {
     std::vector<char*> pointers;
     for (std::string& argument : arguments) pointers.push_back(argument.data());
@@ -87,7 +87,7 @@ bool start_compiler(const std::string& program, const Device& device, const Kern
     if (lock.is_busy()) return false;
     if (lock.file() < 0) return true;
     const pid_t id = start_in_background(command_line(program, device, choice, config), lock.file());
-    if (id != 0) std::thread([id] { ::waitpid(id, nullptr, 0); }).detach();  // lest it stays as a zombie
+    if (id != 0) std::thread([id] { ::waitpid(id, nullptr, 0); }).detach();  // so that no zombie remains
     return true;
 }
 

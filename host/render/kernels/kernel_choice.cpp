@@ -21,8 +21,8 @@ EffectSet effects_of_stage(EffectSet effects, Stage stage) {
     return of_stage;
 }
 
-/// Of all that the kernels depend on; `part`: "all" of them, "trace" for the queries' and the tree's, or "paths" for
-/// the one that follows whole paths.
+/// A digest of everything that the kernels depend on. `part`: "all" kernels, "trace" for queries and tree, or "paths"
+/// for the kernel of whole paths.
 std::string key_of(const Device& device, const KernelChoice& choice, const RenderConfig& config,
                    const std::string& part) {
     const DeviceInfo& info = device.info();
@@ -78,7 +78,7 @@ KernelPlan plan_kernels(const Device& device, EffectSet effects, const RenderCon
     const KernelChoice generic = {full_effects(), own.layout};
     const KernelChoice quick = {own.effects, config.bvh.layout == Layout::automatic ? Layout::binary : own.layout};
     const bool can_trace = load_cached_program(key_of(device, own, config, "trace")).has_value();
-    const bool instances = effects.has(Effect::instances);  // the generic kernels do without
+    const bool instances = effects.has(Effect::instances);  // the generic kernels do not support instances
     if (!instances && generic != own && are_cached(device, generic, config))
         plan.start = KernelStart::generic, plan.first = generic;
     else if (quick != own && !can_trace)

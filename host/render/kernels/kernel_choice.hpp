@@ -1,9 +1,9 @@
-// With which kernels a render begins, and with which it goes on once they are compiled. Where the kernels of the
-// scene's own effects are in the cache, a render begins with them. Where they are not, but the generic ones are, which
-// know every effect, it begins with those. On a machine where claray never ran it begins with the quick ones: the
-// scene's effects over the binary tree, whose traversal compiles in a fraction of the time; where only shading is to be
-// compiled, that is done first. Meanwhile another process compiles, for a driver may hold a lock that stops all kernels
-// while it compiles (PoCL does). All of them make the same image bit for bit, so that nobody sees the change.
+// Chooses the kernels with which a render begins, and those with which it continues once they are compiled. If the
+// kernels of the scene's own effects are in the cache, a render begins with them; else with the generic kernels, which
+// support every effect, if those are in the cache. On a machine where claray never ran it begins with quick kernels:
+// the scene's effects over the binary tree, whose traversal compiles in a fraction of the time. If only shading must be
+// compiled, that is done first. Meanwhile another process compiles, because a driver may hold a lock that stops all
+// kernels while it compiles (PoCL does). All kernels make the same image bit for bit.
 #pragma once
 
 #include <functional>
@@ -25,16 +25,16 @@ struct KernelPlan {
 
 [[nodiscard]] KernelPlan plan_kernels(const Device& device, EffectSet effects, const RenderConfig& config);
 
-/// Unless they are cached. Another process that is to compile the same waits for this one.
+/// Compiles kernels unless they are cached. Another process that compiles the same kernels waits for this one.
 void compile_once(const Device& device, const KernelChoice& choice, const RenderConfig& config,
                   const std::function<void()>& compile);
 
-/// Whether all of a render's kernels were compiled on this machine by this claray and kept in the cache.
+/// Returns whether all kernels of a render are in the cache, compiled on this machine by this claray.
 [[nodiscard]] bool are_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config);
-/// Says it of the kernels that trace, too, which other scenes share.
+/// Records this, also for the tracing kernels, which other scenes share.
 void remember_as_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config);
 
-/// The same of the kernel that follows whole paths, which only some renders get to.
+/// The same for the kernel of whole paths, which only some renders use.
 [[nodiscard]] bool is_path_kernel_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config);
 void remember_path_kernel_as_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config);
 
