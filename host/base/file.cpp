@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
     throw Error(ErrorKind::user, action + " '" + path.string() + "': " + std::strerror(error), remedy);
 }
 
-/// The number N where a path means this process's descriptor N, as /dev/stdout and /dev/fd/N do; else -1.
+/// Returns N if a path means this process's descriptor N, as /dev/stdout and /dev/fd/N do; else -1.
 int descriptor_of(const fs::path& path) {
     std::error_code error;
     const fs::path descriptors = fs::canonical("/proc/self/fd", error);
@@ -39,7 +39,7 @@ int descriptor_of(const fs::path& path) {
     return fault == std::errc() && end == name.data() + name.size() ? number : -1;
 }
 
-/// Whether what was opened for this descriptor can be written to.
+/// Returns whether this descriptor is open for writing.
 bool is_writable(int descriptor) {
     const int flags = ::fcntl(descriptor, F_GETFL);
     return flags >= 0 && (flags & O_ACCMODE) != O_RDONLY;
@@ -52,7 +52,7 @@ bool is_special(const fs::path& path) {
     return fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
 }
 
-/// The name of a new file is safe on disk only after its folder is. Not every file system can sync a folder.
+/// A new file's name is on disk only after its folder is synced. Not every file system can sync a folder.
 void sync_folder_of(const fs::path& path) {
     const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
     const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -96,7 +96,7 @@ std::string read_file(const fs::path& path, const std::string& remedy) {
 fs::path write_target(const fs::path& path) {
     fs::path target = path;
     std::error_code error;
-    constexpr int most_links = 40;  // as the kernel has it
+    constexpr int most_links = 40;  // the kernel's limit
     for (int links = 0; descriptor_of(target) < 0 && fs::is_symlink(target, error); ++links) {
         if (links == most_links) fail("cannot write", path, ELOOP);
         const fs::path next = fs::read_symlink(target, error);
@@ -110,7 +110,7 @@ NewFile::NewFile(const fs::path& path) : path_(path) {
     refuse_folder(path);
     target_ = write_target(path);
     if (const int descriptor = descriptor_of(target_); descriptor >= 0) {
-        std::fflush(nullptr);  // what was printed comes first
+        std::fflush(nullptr);  // flushes earlier output first
         file_ = ::fcntl(descriptor, F_DUPFD_CLOEXEC, 0);
     } else if (is_special(target_)) {
         file_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC);
@@ -125,7 +125,7 @@ NewFile::~NewFile() {
     if (!temporary_.empty()) ::unlink(temporary_.c_str());
 }
 
-// A name may be taken by what a crashed process of the same number left behind.
+// A crashed process with the same number may have left a file of this name.
 void NewFile::create() {
     static std::atomic<unsigned> serial{0};
     for (int attempt = 0; attempt < 100; ++attempt) {
@@ -177,7 +177,7 @@ void check_file_writable(const fs::path& path) {
     const fs::path target = write_target(path);
     if (const int descriptor = descriptor_of(target); descriptor >= 0) {
         if (!is_writable(descriptor)) fail("cannot write", path, EBADF);
-    } else if (is_special(target)) {  // to open a pipe, and to close it, tells its reader that all is written
+    } else if (is_special(target)) {  // opening and closing a pipe signals its reader that all is written
         if (::access(target.c_str(), W_OK) != 0) fail("cannot write", path, errno);
     } else {
         const NewFile file(path);
@@ -187,7 +187,7 @@ void check_file_writable(const fs::path& path) {
 bool are_one_file(const fs::path& a, const fs::path& b) {
     const fs::path first = write_target(a), second = write_target(b);
     std::error_code error;
-    if (fs::is_character_file(first, error)) return false;  // /dev/null takes everything
+    if (fs::is_character_file(first, error)) return false;  // /dev/null accepts everything
     const auto in_place = [](const fs::path& path) { return is_special(path) || descriptor_of(path) >= 0; };
     if (in_place(first) || in_place(second)) return fs::equivalent(first, second, error) && !error;
     const auto folder = [](const fs::path& path) {

@@ -7,19 +7,18 @@
 
 namespace claray {
 
-/// Stored in files. On a machine of the other byte order it reads as another value.
+/// Stored in files; machines of the other byte order read another value.
 constexpr std::uint32_t byte_order = 0x01020304;
 
-/// The bytes of a file. Throws ErrorKind::user where it can't be read; `remedy` completes that message.
+/// Returns the bytes of a file. Throws ErrorKind::user if it cannot be read; `remedy` completes the message.
 [[nodiscard]] std::string read_file(const std::filesystem::path& path, const std::string& remedy);
 
-/// Throws what that would, as far as can be told without reading.
+/// Throws the errors of read_file that are detectable without reading.
 void check_file_readable(const std::filesystem::path& path, const std::string& remedy);
 
-/// A file that appears under its name, complete and safe on disk, when `commit` is called, and otherwise never: it is
-/// written beside its place and renamed. Links are followed, also those that point to nothing yet; devices, pipes and
-/// what this process has open already (/dev/stdout) are written in place. All functions throw ErrorKind::user naming
-/// the path.
+/// A file that appears under its name, complete and synced to disk, only when `commit` is called: it is written to a
+/// temporary file in the same folder, which is renamed. Links are followed, including dangling ones; devices, pipes and
+/// open files of this process (/dev/stdout) are written in place. All functions throw ErrorKind::user naming the path.
 class NewFile {
 public:
     explicit NewFile(const std::filesystem::path& path);
@@ -33,24 +32,24 @@ public:
 private:
     void create();
 
-    std::filesystem::path path_, target_, temporary_;  // no temporary file where the target is written in place
+    std::filesystem::path path_, target_, temporary_;  // no temporary file if the target is written in place
     int file_ = -1;
 };
 
-/// A whole file as a NewFile; public in claray/io.hpp.
+/// Writes a whole file as a NewFile; public in claray/io.hpp.
 void write_file(const std::filesystem::path& path, const std::string& bytes);
 
-/// Makes a folder and those above it where they are not there yet. Throws ErrorKind::user naming the path.
+/// Creates a folder and its parents if they do not exist. Throws ErrorKind::user naming the path.
 void make_folder(const std::filesystem::path& path);
 
-/// Where the bytes of a file of this name will be: links are followed, also those that point to nothing yet.
+/// The path to which a file of this name is written: links are followed, including dangling ones.
 [[nodiscard]] std::filesystem::path write_target(const std::filesystem::path& path);
 
-/// True where what is written to the one name would replace what is written to the other, by whatever links and
-/// spelling. Hard links are two files, since each name is replaced by a new file. False for devices such as /dev/null.
+/// Returns true if writing to one path would replace the other's file, through any links and spelling. Hard links are
+/// two files, because each name is replaced by a new file. False for devices such as /dev/null.
 [[nodiscard]] bool are_one_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
-/// Throws what writing to this path would, as far as can be told without writing.
+/// Throws the errors of writing to this path that are detectable without writing.
 void check_file_writable(const std::filesystem::path& path);
 
 }  // namespace claray

@@ -11,15 +11,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The specification: a path that is not absolute is as good as none.
+/// By the specification paths that are not absolute are ignored.
 fs::path xdg_folder(const char* variable, const char* below_home) {
     if (const char* folder = std::getenv(variable); folder != nullptr && *folder == '/') return folder;
     if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0') return fs::path(home) / below_home;
     return {};
 }
 
-/// `claray-UID` in the system's temporary folder, which others can write to, too: so only where it is a folder, no
-/// link, of this user's, and closed to all others. Else empty.
+/// `claray-UID` in the system's temporary folder. Because others can write there, it must be a folder (not a link) that
+/// belongs to this user and is closed to others; else empty.
 fs::path temporary_folder() {
     std::error_code error;
     const fs::path folder = fs::temp_directory_path(error) / ("claray-" + std::to_string(::geteuid()));

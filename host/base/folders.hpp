@@ -1,22 +1,22 @@
-// Folders of the user's in which files are kept, as the XDG Base Directory Specification (0.8) has them.
+// The user's folders for files, by the XDG Base Directory Specification (0.8).
 #pragma once
 
 #include <filesystem>
 
 namespace claray {
 
-/// $CLARAY_CACHE_DIR, $XDG_CACHE_HOME/claray or ~/.cache/claray; empty where none is set. It may not be there yet.
+/// $CLARAY_CACHE_DIR, $XDG_CACHE_HOME/claray or ~/.cache/claray; empty if none is set. It may not exist yet.
 [[nodiscard]] std::filesystem::path cache_folder();
 
-/// Where logs go: $XDG_STATE_HOME/claray, ~/.local/state/claray, else the cache folder, else a folder of the user's in
-/// the system's temporary one. It is made where need be; empty where none can be written to.
+/// The folder for logs: $XDG_STATE_HOME/claray, ~/.local/state/claray, else the cache folder, else the user's folder in
+/// the system's temporary folder. Created if necessary; empty if none is writable.
 [[nodiscard]] std::filesystem::path log_folder();
 
-/// A folder for PoCL's files, to which this process can write: `pocl` in the cache folder, else in a folder of the
-/// user's in the system's temporary one. Empty where there is none.
+/// A writable folder for PoCL's files: `pocl` in the cache folder, else in the user's folder in the system's temporary
+/// folder. Empty if there is none.
 [[nodiscard]] std::filesystem::path pocl_folder();
 
-/// Makes the folder, for its owner only, where it is not there yet. False where it can't be made or written to.
+/// Creates the folder, for its owner only, if it does not exist. Returns false if it cannot be created or written to.
 [[nodiscard]] bool make_writable(const std::filesystem::path& folder);
 
 }  // namespace claray

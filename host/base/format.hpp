@@ -6,7 +6,7 @@
 
 namespace claray {
 
-/// std::snprintf into a string, of 319 characters at most.
+/// std::snprintf into a string of at most 319 characters.
 template <class... Values>
 [[nodiscard]] std::string printed(const char* format, Values... values) {
     char text[320];

@@ -13,7 +13,7 @@ using Digest = std::array<unsigned char, 16>;
 /// The same as 32 hexadecimal digits.
 [[nodiscard]] std::string hash128(const std::string& data);
 
-/// The digest of data that comes in parts.
+/// Computes the digest of data in parts.
 class Hasher {
 public:
     Hasher();

@@ -8,7 +8,7 @@
 
 namespace claray {
 
-/// Calls piece(0) to piece(count - 1), in any order and several at once; returns once all are done. None may throw.
+/// Calls piece(0) to piece(count - 1) in any order, several at once; returns when all are done. They must not throw.
 template <class Piece>
 void in_parallel(std::size_t count, const Piece& piece) {
     std::atomic<std::size_t> next{0};

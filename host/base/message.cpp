@@ -9,8 +9,8 @@ namespace {
 
 bool is_continuation(char c) { return (std::uint8_t(c) & 0xc0) == 0x80; }
 
-/// Bytes of the character of UTF-8 at the beginning of a text (RFC 3629); 0 where there is none. No overlong forms, no
-/// surrogates, nothing above U+10FFFF.
+/// Length of the UTF-8 character at the beginning of a text (RFC 3629); 0 if it is invalid. Overlong forms, surrogates
+/// and values above U+10FFFF are invalid.
 std::size_t character_bytes(std::string_view text) {
     const auto first = std::uint8_t(text[0]);
     if (first < 0x80) return 1;
@@ -32,13 +32,13 @@ std::uint32_t code_point(std::string_view character) {
     return code;
 }
 
-/// Controls of ASCII and of Latin-1, line and paragraph breaks, marks of direction.
+/// ASCII and Latin-1 control characters, line and paragraph breaks, direction marks.
 bool is_control(std::uint32_t code) {
     return code < 0x20 || (code >= 0x7f && code < 0xa0) || code == 0x200e || code == 0x200f ||
            (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
 }
 
-/// `kept`: controls of ASCII that stay.
+/// `kept`: ASCII control characters to keep.
 std::string printable(std::string_view text, std::string_view kept) {
     std::string result;
     while (!text.empty()) {
@@ -58,7 +58,7 @@ std::string printable(std::string_view text, std::string_view kept) {
 
 std::string one_line(std::string_view text, std::size_t most) {
     constexpr std::string_view gap = "...";
-    // What is not shown need not be looked at: a file may hold a line of a gigabyte.
+    // Text that is cut is not examined: a file may contain a line of a gigabyte.
     const bool is_huge = text.size() > 8 * most;
     const std::string head = printable(is_huge ? text.substr(0, 4 * most) : text, "");
     const std::string tail = is_huge ? printable(text.substr(text.size() - 4 * most), "") : head;

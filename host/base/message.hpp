@@ -6,15 +6,15 @@
 
 namespace claray {
 
-/// With what the program puts before it, a message has at most 300 bytes.
+/// Limit of a message so that it has at most 300 bytes with the program's prefix.
 inline constexpr std::size_t longest_message = 280;
 
-/// `text` with '?' for each control character and each byte that is no UTF-8. Where it is longer than `most` bytes,
-/// "..." takes the place of its middle: the beginning tells what failed and where, the end what to do. Also replaced
-/// are the line breaks of Unicode and the marks that change the direction of text.
+/// Replaces each control character, invalid UTF-8 byte, Unicode line break and direction mark of `text` by '?'. If it
+/// is longer than `most` bytes, "..." replaces its middle: the beginning says what failed and where, the end what to
+/// do.
 [[nodiscard]] std::string one_line(std::string_view text, std::size_t most = longest_message);
 
-/// The same of a report of many lines: line breaks and tabs stay, and nothing is cut.
+/// The same for a report of several lines: line breaks and tabs are kept, and nothing is cut.
 [[nodiscard]] std::string many_lines(std::string_view text);
 
 }  // namespace claray

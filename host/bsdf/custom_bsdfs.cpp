@@ -20,7 +20,7 @@ bool is_identifier(const std::string& name) {
            std::all_of(name.begin(), name.end(), fits);
 }
 
-/// Whether claray has a BSDF of that name, or names a function like one of its own.
+/// Returns whether claray has a BSDF of that name, or a function that the BSDF would also define.
 bool is_taken(const std::string& name) {
 #define CLARAY_ROW(own, NAME, text, transmits, lobes, rough) #own,
     for (const char* own : {CLARAY_BSDFS(CLARAY_ROW) "bsdf", "kind", "layers", "nothing", "below_coat"})
@@ -29,7 +29,7 @@ bool is_taken(const std::string& name) {
     return std::any_of(added().begin(), added().end(), [&](const CustomBsdf& bsdf) { return bsdf.name == name; });
 }
 
-/// A function that calls the one of the material's BSDF.
+/// The text of a function that calls that of the material's BSDF.
 std::string choice(const std::string& head, const std::string& function, const std::string& arguments,
                    const std::string& otherwise) {
     std::string text = "static inline " + head + " {\n";

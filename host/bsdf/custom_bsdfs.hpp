@@ -1,4 +1,4 @@
-// The BSDFs that add_bsdf has added: claray/scene.hpp.
+// The BSDFs added by add_bsdf: claray/scene.hpp.
 #pragma once
 
 #include <span>

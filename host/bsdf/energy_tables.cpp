@@ -19,8 +19,8 @@ struct Vector {
     double x, y, z;
 };
 
-/// A place in a row, from 0 to 1, to a cosine: the inverses of cosine_place and loss_place in
-/// kernels/bsdf/ggx.clh. The first place's is not quite 0, where nothing is visible.
+/// Converts a position in a row, 0 to 1, to a cosine: the inverses of cosine_place and loss_place in
+/// kernels/bsdf/ggx.clh. The first cosine is slightly above 0, because nothing is visible at 0.
 double root_cosine(double place, double) { return std::max(place * place * place, 1e-5); }
 double loss_cosine(double place, double alpha) {
     const double s = std::cos(place * pi / 2) * std::cos(place * pi / 2);
@@ -28,7 +28,7 @@ double loss_cosine(double place, double alpha) {
 }
 double place_of(int node) { return double(node) / (size - 1); }
 double cosine_at(int node) { return root_cosine(place_of(node), 0); }
-/// GGX's alpha at a node of roughness; a mirror's is not quite 0.
+/// GGX's alpha at a node of roughness; that of a mirror is slightly above 0.
 double alpha_at(int node, int nodes = size) {
     const double roughness = double(node) / (nodes - 1);
     return std::max(roughness * roughness, 1e-6);
@@ -50,7 +50,7 @@ double lambda(double cosine, double alpha) {
     return 0.5 * (std::sqrt(1 + alpha * alpha * tangent2) - 1);
 }
 
-/// An angle around the normal, and where its points are between those of the angles beside it.
+/// An angle around the normal, and the offset of its points between those of neighbouring angles.
 struct Turn {
     double cosine, sine, shift;
 };
@@ -65,9 +65,8 @@ std::array<Turn, turns> make_turns() {
     return t;
 }
 
-/// Calls visit(normal, outgoing, weight) for microfacet normals that are seen equally often: those of
-/// sample_visible_normal in kernels/bsdf/ggx.clh, at Hammersley's points. Narrow lobes vary along the rings
-/// least. Symmetry spares half of them.
+/// Calls visit(normal, outgoing, weight) for visible microfacet normals: those of sample_visible_normal in
+/// kernels/bsdf/ggx.clh at Hammersley points. Narrow lobes vary least along the rings. Symmetry halves the work.
 template <class Visit>
 void for_visible_normals(double cosine, double alpha, Visit visit) {
     constexpr int points = 1024;
@@ -88,8 +87,8 @@ void for_visible_normals(double cosine, double alpha, Visit visit) {
         }
 }
 
-/// Of light that GGX with Fresnel's term `reflectance(cosine)` reflects once, to the direction incoming_z: calls
-/// visit(incoming_z, share).
+/// Calls visit(incoming_z, share) for light that GGX with Fresnel's term `reflectance(cosine)` reflects once into
+/// directions with that incoming_z.
 template <class Reflectance, class Visit>
 void for_reflections(double cosine, double alpha, Reflectance reflectance, Visit visit) {
     const double masked = 1 + lambda(cosine, alpha);
@@ -121,8 +120,8 @@ double transmitted_once(double cosine, double alpha, double eta) {
 using TableRow = std::array<double, size>;
 using CosineOf = double (*)(double place, double alpha);
 
-/// Weights of a row's values in its average over the hemisphere, 2 integral of value * cosine, for what is linear
-/// between the nodes.
+/// Weights of a row's values in the average over the hemisphere, 2 integral of value * cosine, for values that are
+/// linear between the nodes.
 TableRow average_weights(CosineOf cosine_of, double alpha) {
     constexpr int steps = 32;
     TableRow weights{};
@@ -171,8 +170,8 @@ double sheen_lambda(double cosine, double alpha) {
     return std::exp(cosine < 0.5 ? fitted(cosine) : 2 * fitted(0.5) - fitted(1 - cosine));
 }
 
-/// What white sheen reflects, as eval_sheen in kernels/bsdf/layers/sheen.clh without its bound; the midpoint rule by
-/// the cube root of the incoming cosine and the angle between both directions.
+/// The albedo of white sheen: eval_sheen in kernels/bsdf/layers/sheen.clh without its bound, integrated by the midpoint
+/// rule over the cube root of the incoming cosine and the angle between both directions.
 double sheen_albedo(double cosine, double alpha) {
     constexpr int rings = 64, turns = 32;
     const double sine = std::sqrt(std::max(0.0, 1 - cosine * cosine)), masked = 1 + sheen_lambda(cosine, alpha);
@@ -198,7 +197,7 @@ void fill_sheen(float* table) {
 
 // ---- anisotropy
 
-/// What a conductor with alpha along x and along y reflects once of light from `o`.
+/// Albedo of single scattering of a conductor with an alpha along x and one along y, for light from `o`.
 double stretched_reflection(Vector o, double along, double across) {
     constexpr int rings = 32, turns = 64;
     static const auto angles = make_turns<turns>();
@@ -242,7 +241,7 @@ void fill_stretched_rows(float* rows, float* average, double along, double acros
     }
 }
 
-/// Kernels look up alphas along the tangent that are not below those across it: cells on the diagonal and above.
+/// Kernels look up only alphas along the tangent that are at least those across it: cells on and above the diagonal.
 void fill_stretched(float* table) {
     constexpr int steps = CLARAY_STRETCH_SIZE;
     in_parallel(steps * steps, [&](std::size_t cell) {
@@ -253,7 +252,7 @@ void fill_stretched(float* table) {
     });
 }
 
-/// A table that no material changes, made once.
+/// A table that does not depend on materials, computed once.
 template <int length, class Fill>
 void fill_once(float* table, Fill fill) {
     static const std::vector<float> made = [&] {
@@ -288,7 +287,7 @@ void fill_transparent(float* block, double ior) {
     block[CLARAY_TRANSMITTANCE] = float(transmittance);
 }
 
-/// How the kernels' metal that absorbs nothing reflects: row i has the shares of light from cosine_at(i) that arrive
+/// Reflection of the kernels' metal without absorption: row i holds the shares of light from cosine_at(i) that arrive
 /// around the nodes, so that its product with values at the nodes is their average over the lobe.
 std::array<TableRow, size> metal_matrix(double alpha) {
     std::array<TableRow, size> matrix{};

@@ -1,5 +1,5 @@
-// How much light rough surfaces scatter once, by direction and roughness: what kernels/bsdf/ggx.clh needs to give
-// back the rest.
+// Albedos of single scattering of rough surfaces by direction and roughness, with which kernels/bsdf/ggx.clh adds the
+// light of multiple scattering.
 #pragma once
 
 #include <cstdint>
@@ -17,11 +17,11 @@ class EnergyTables {
 public:
     explicit EnergyTables(std::span<const Material> materials);
 
-    /// As in claray/shared/energy.h.
+    /// In the layout of claray/shared/energy.h.
     [[nodiscard]] const std::vector<float>& data() const { return data_; }
-    /// Where the block of an index of refraction begins; 0 where there is none.
+    /// Offset of the block of an index of refraction; 0 if there is none.
     [[nodiscard]] std::uint32_t block_of(float ior) const;
-    /// Where the parameters of a material with an added BSDF begin.
+    /// Offset of the parameters of a material with an added BSDF.
     [[nodiscard]] std::uint32_t parameters_of(const Material& material) const;
 
 private:

@@ -9,7 +9,7 @@ namespace {
 bool is_principled(const Material& m) { return m.kind == MaterialKind::principled; }
 bool transmits(const Material& m) { return m.kind == MaterialKind::glass || (is_principled(m) && m.transmission > 0); }
 
-/// Beer's coefficient: what is black after the distance still lets 1e-30 through, so that 0 * infinity does not occur.
+/// Beer's coefficient. Black at the distance is treated as 1e-30, so that 0 * infinity does not occur.
 glm::vec3 absorption_of(const Material& m) {
     if (!absorbs_inside(m)) return glm::vec3(0.f);
     return -glm::log(glm::clamp(m.attenuation, glm::vec3(1e-30f), glm::vec3(1.f))) / m.attenuation_distance;
@@ -61,8 +61,8 @@ bool absorbs_inside(const Material& m) {
 
 MaterialData material_data(const Material& m, const EnergyTables& tables) {
     glm::vec3 albedo = m.albedo, specular = is_principled(m) ? m.specular_tint : m.specular;
-    const bool textured = m.albedo_map.used() || m.specular_map.used();  // then shade/maps.clh does it
-    if (m.kind == MaterialKind::blinn_phong && !textured) {  // both may reflect all light, together no more than that
+    const bool textured = m.albedo_map.used() || m.specular_map.used();  // then shade/maps.clh scales them
+    if (m.kind == MaterialKind::blinn_phong && !textured) {  // scaled so that both together reflect at most all light
         const glm::vec3 excess = glm::max(albedo + specular, glm::vec3(1.f));
         albedo /= excess, specular /= excess;
     }
@@ -117,10 +117,10 @@ bool has_emission_map(const Material& material) {
 }
 
 float sampled_emission(const Material& material) {
-    if (material.alpha_mode != AlphaMode::opaque) return 0.f;  // lamps with holes are found by chance alone
+    if (material.alpha_mode != AlphaMode::opaque) return 0.f;  // lamps with holes are only found by BSDF sampling
     if (has_emission_map(material)) return -1.f;
     const glm::vec3 c = material.emission;
-    return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;  // as math/vector.clh does it
+    return 0.2126f * c.x + 0.7152f * c.y + 0.0722f * c.z;  // as in math/vector.clh
 }
 
 }  // namespace claray

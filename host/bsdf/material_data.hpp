@@ -7,7 +7,7 @@ namespace claray {
 
 [[nodiscard]] MaterialData material_data(const Material& material, const EnergyTables& tables);
 
-/// The maps of a material but for its opacity's.
+/// The maps of a material except its opacity map.
 inline constexpr TextureUse Material::*material_maps[] = {
     &Material::albedo_map,           &Material::emission_map,    &Material::metallic_roughness_map,
     &Material::transmission_map,     &Material::clearcoat_map,   &Material::clearcoat_roughness_map,
@@ -20,7 +20,7 @@ inline constexpr TextureUse Material::*material_maps[] = {
 
 [[nodiscard]] bool has_diffuse_dielectric(const Material& material);
 [[nodiscard]] bool has_metal(const Material& material);
-/// Of solids.
+/// For solid materials.
 [[nodiscard]] bool has_glass(const Material& material);
 [[nodiscard]] bool has_thin_walls(const Material& material);
 [[nodiscard]] bool has_rough_glass(const Material& material);
@@ -29,17 +29,17 @@ inline constexpr TextureUse Material::*material_maps[] = {
 [[nodiscard]] bool has_coated_dielectric(const Material& material);
 /// A coat that is evaluated separately: it has normals of its own, or the material below has further layers.
 [[nodiscard]] bool has_layered_coat(const Material& material);
-/// The dielectric reflects otherwise than its index of refraction says.
+/// The dielectric has KHR_materials_specular.
 [[nodiscard]] bool has_specular_layer(const Material& material);
 [[nodiscard]] bool has_film(const Material& material);
 [[nodiscard]] bool has_sheen(const Material& material);
 [[nodiscard]] bool is_anisotropic(const Material& material);
 [[nodiscard]] bool absorbs_inside(const Material& material);
 
-/// Whether a map of this material is emission that varies over its triangles.
+/// Returns whether this material has emission that varies over its triangles.
 [[nodiscard]] bool has_emission_map(const Material& material);
-/// The luminance by which emissive triangles of a material are sampled: MaterialData::sampled_emission, negative where
-/// an image is on them.
+/// The luminance by which emissive triangles of a material are sampled: MaterialData::sampled_emission; negative with
+/// an emission map.
 [[nodiscard]] float sampled_emission(const Material& material);
 
 }  // namespace claray

@@ -21,7 +21,7 @@ void check_indices(const Mesh& mesh, std::size_t geometry) {
     }
 }
 
-/// One run of vertices and triangles over all meshes, with what tells the meshes apart only where it is needed.
+/// Joins the vertices and triangles of all meshes; geometries and masks are only added if they are needed.
 TriangleBuffers upload(const Device& device, std::span<const Mesh> meshes) {
     std::vector<float> positions;
     std::vector<std::uint32_t> indices, geometries, masks;
@@ -132,8 +132,8 @@ BvhValidation Bvh::validate() const {
 }
 
 std::string Bvh::hash() const {
-    // Depth first, since clustering numbers its nodes as they happen to come; where a child is depends on the node
-    // alone.
+    // Depth first, because the numbering by clustering depends on the schedule; the place of a child depends on its
+    // node only.
     const std::vector<BvhNode> tree = state_->nodes.read();
     std::string bytes;
     std::vector<std::uint32_t> stack;

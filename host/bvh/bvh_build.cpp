@@ -15,12 +15,12 @@ Layout resolve(Layout layout, const Device& device) {
     return device.tuning("trace/closest_hit", "WIDE") != 0 ? Layout::wide : Layout::binary;
 }
 
-/// As many subtrees at least, fewer than eight times as many, are collapsed by an item each.
+/// The collapse uses one item per subtree, with at least this many subtrees and fewer than eight times as many.
 std::uint32_t subtrees_for(const Device& device) {
     return device.info().compute_units * device.tuning("bvh/collapse", "SUBTREES_PER_UNIT");
 }
 
-/// Wide nodes whose numbers an item takes at once: few enough that what is left over costs little memory.
+/// The number of wide nodes that an item reserves at once: small enough that unused ones cost little memory.
 std::uint32_t numbers_at_once(std::uint32_t count, const Device& device) {
     return std::clamp(count / (64u * CLARAY_WIDTH * std::max(subtrees_for(device), 1u)), 1u, 32u);
 }
@@ -112,7 +112,7 @@ void Bvh::State::allocate() {
     arrivals = Buffer<std::uint32_t>(device, capacity);
     if (layout == Layout::wide) {
         // A node with a wide child has 8 slots, one without has at least 5 triangles: at most count / 4 nodes in all.
-        // Every subtree may leave all but one of the numbers that it took at once unused.
+        // Each subtree may leave all but one of the numbers that it reserved unused.
         const std::size_t spare =
             std::size_t(CLARAY_WIDTH) * subtrees_for(device) * (numbers_at_once(capacity, device) - 1);
         wide_nodes = Buffer<WideNode>(device, capacity / 4 + 1 + spare);
@@ -120,7 +120,7 @@ void Bvh::State::allocate() {
     }
 }
 
-/// What the builders that begin with Morton codes need.
+/// Allocates the buffers of builders that begin with Morton codes.
 void Bvh::State::allocate_for_sorting() {
     order = Buffer<std::uint32_t>(device, count);
     const unsigned per_unit = device.tuning("bvh/serial", "RANGES_PER_UNIT");
@@ -140,7 +140,7 @@ void Bvh::State::allocate_for_sorting() {
 void Bvh::State::compute_bounds() {
     const std::uint32_t axis_bits = config.morton_bits / 3;
     reset_.run({1, 1}, header, bound_keys);
-    if (ranges != 0) {  // the leaves' memory is free until the tree is built
+    if (ranges != 0) {  // the leaves' memory is unused until the tree is built
         centroids_.run({ranges, 1}, arg("positions", triangles.positions), arg("indices", triangles.indices), count,
                        header, arg("keys", bound_keys), ranges, arg("centroids", leaves.memory()));
     } else {
@@ -165,7 +165,7 @@ void Bvh::State::build_tree(Buffer<Code>& codes, RadixSort<Code>& sort) {
         return;
     }
     build_hploc(codes);
-    // Clustering has no bound on the height; a tree that is too high for the stack of a traversal is not used.
+    // Clustering does not bound the height; a tree too high for a traversal's stack is replaced.
     if (read_header().height > CLARAY_MAX_HEIGHT) build_lbvh(codes);
 }
 

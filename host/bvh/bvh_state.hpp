@@ -1,4 +1,4 @@
-// What the copies of a Bvh share. Internal to host/bvh.
+// The state shared by copies of a Bvh. Internal to host/bvh.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,8 @@
 namespace claray {
 
 struct Bvh::State {
-    /// `by_host`: the tree will be filled in. What building takes is loaded and allocated once it is asked for.
+    /// `by_host`: the host will fill in the tree. Kernels and buffers for building are then loaded and allocated on
+    /// demand.
     State(const Device& on, const TriangleBuffers& of, const Config& with, bool by_host = false);
 
     void build();
@@ -20,14 +21,14 @@ struct Bvh::State {
     void collapse(bool by_split);
     [[nodiscard]] BvhHeader read_header() const;
     [[nodiscard]] double sah_cost() const;
-    /// Triangles a leaf of the binary tree may hold: the wide tree forms leaves of its own.
+    /// Largest number of triangles per leaf of the binary tree; 1 for the wide tree, which forms its own leaves.
     [[nodiscard]] std::uint32_t leaf_limit() const { return layout == Layout::binary ? config.max_leaf_triangles : 1; }
 
     Device device;
     TriangleBuffers triangles;
     Config config;
     Layout layout;
-    std::uint32_t count;         // triangles of the input, culled ones included
+    std::uint32_t count;         // triangles of the input, including culled ones
     bool small_kernels = false;  // see CLARAY_SMALL in kernels/trace/closest_hit.clh
 
     double built_cost = 0;  // the cost before the first refit; 0: none since the last build
@@ -48,7 +49,7 @@ struct Bvh::State {
     std::unique_ptr<RadixSort<std::uint32_t>> sort32;
     std::unique_ptr<RadixSort<std::uint64_t>> sort64;
 
-    // Of builders that split from the root down: the tree before it is copied into its final order.
+    // For builders that split from the root down: the tree before it is copied into its final order.
     Buffer<BvhNode> other_nodes;
     Buffer<LeafTriangle> other_leaves;
     Sbvh sbvh;

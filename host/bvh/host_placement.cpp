@@ -8,8 +8,8 @@
 namespace claray {
 namespace {
 
-// What the kernels' text, which follows, gets from kernels/compute/portable.clh and kernels/bvh/triangles.clh on a
-// device. One text: rays in objects must have the same bits, whoever placed the instances.
+// Definitions that the kernel source below gets from kernels/compute/portable.clh and kernels/bvh/triangles.clh on a
+// device. Host and device share the source, so that rays in objects have the same bits.
 using std::fabs, std::fma, std::fmax, std::fmin;
 using real = double;
 constexpr float UNIT_ROUNDOFF = std::numeric_limits<float>::epsilon() / 2;

@@ -1,4 +1,4 @@
-// Instances placed by the host, for a top level that the host builds: see host_tree.hpp.
+// Places instances on the host, for a top level built by the host: see host_tree.hpp.
 #pragma once
 
 #include <span>
@@ -12,12 +12,12 @@ namespace claray {
 
 struct HostPlacement {
     std::vector<PlacedInstance> placed;
-    Mesh boxes;                          // a triangle each that spans the box of an instance
-    std::vector<MovingInstance> moving;  ///< empty where nothing can move
+    Mesh boxes;                          // one triangle per instance that spans its box
+    std::vector<MovingInstance> moving;  ///< empty if nothing can move
     float widening = 0;
 };
 
-/// The kernel place_instances of kernels/bvh/instances.cl. Without `ends` nothing moves.
+/// As the kernel place_instances of kernels/bvh/instances.cl. Without `ends` nothing moves.
 [[nodiscard]] HostPlacement place_by_host(std::span<const Instance> instances, std::span<const Instance> ends,
                                           std::span<const BvhHeader> bottoms);
 

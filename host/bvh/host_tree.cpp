@@ -17,7 +17,7 @@ struct Box {
     void grow(glm::vec3 point) { lo = glm::min(lo, point), hi = glm::max(hi, point); }
 };
 
-/// The rules of kernels/bvh/triangles.clh: finite, not huge, no two vertices the same.
+/// The rules of kernels/bvh/triangles.clh: finite, not huge, no two equal vertices.
 bool is_valid(const std::array<glm::vec3, 3>& corners) {
     for (const glm::vec3& v : corners)
         for (int axis = 0; axis < 3; ++axis)
@@ -73,7 +73,7 @@ private:
                                             v[2].y, v[2].z, mesh.mask}});
     }
 
-    /// Sorts so that the first half lies below the second.
+    /// Partitions so that the first half is below the second.
     void split(std::uint32_t begin, std::uint32_t middle, std::uint32_t end) {
         Box box;
         for (std::uint32_t i = begin; i < end; ++i) box.grow(references_[i].centroid);

@@ -1,5 +1,5 @@
-// A binary tree that the host builds: worse and slower than the device's, but there is nothing to compile for it. A
-// first picture is traced through it.
+// A binary tree built by the host: worse and slower to build than the device's, but without kernels to compile. Used
+// for the first picture.
 #pragma once
 
 #include "claray/bvh.hpp"
@@ -12,7 +12,8 @@ struct HostTree {
     BvhHeader header{};
 };
 
-/// Median splits along the longest axis of the centroids' box: as low as a tree can be, whatever the triangles are.
+/// Builds by median splits along the longest axis of the centroids' box, which gives the lowest possible tree for any
+/// triangles.
 [[nodiscard]] HostTree build_host_tree(std::span<const Mesh> meshes);
 
 }  // namespace claray

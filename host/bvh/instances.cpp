@@ -14,7 +14,7 @@ void without_cutouts(Defines& defines) {
 
 constexpr std::size_t instances_group = 64;  // GROUP_SIZE of bvh/instances.cl
 
-/// The parts of one bottom level that rays visit.
+/// Sizes of the parts of a bottom level that rays visit.
 struct BottomSize {
     std::size_t nodes = 0, leaves = 0;
 };
@@ -78,7 +78,7 @@ Bvh::Config InstancedBvh::State::top_config() const {
     return {.builder = config.builder,
             .morton_bits = config.morton_bits,
             .layout = Layout::binary,
-            .max_leaf_triangles = 1};  // each in a leaf of its own
+            .max_leaf_triangles = 1};  // one per leaf
 }
 
 void InstancedBvh::State::build_by_host(std::span<const Instance> begins, std::span<const Instance> motion_ends) {
@@ -91,7 +91,7 @@ void InstancedBvh::State::build_by_host(std::span<const Instance> begins, std::s
     widen_top();
 }
 
-/// The builder clears the header.
+/// Writes the widening to the top level's header, which the builder has cleared.
 void InstancedBvh::State::widen_top() {
     detail::copy(device, widening.memory(), top->header_buffer().memory(), sizeof(float),
                  offsetof(BvhHeader, widening));
@@ -101,7 +101,7 @@ void InstancedBvh::State::take_bottoms(std::span<const Bvh> bottoms) {
     check_bottoms(bottoms);
     layout = bottoms[0].layout();
     defines = bottoms[0].defines();
-    if (bottoms.size() > 1) without_cutouts(defines);  // copies have none of their own
+    if (bottoms.size() > 1) without_cutouts(defines);  // copies have no own cut-outs
     if (ends.allocated()) defines.emplace_back("CLARAY_INSTANCE_MOTION", "1");
     nodes = {}, leaves = {}, wide_nodes = {}, wide_blocks = {};
     if (bottoms.size() > 1) {

@@ -1,4 +1,4 @@
-// What the copies of an InstancedBvh share. Internal to host/bvh.
+// The state shared by copies of an InstancedBvh. Internal to host/bvh.
 #pragma once
 
 #include <optional>
@@ -19,12 +19,12 @@ struct InstancedBvh::State {
     void bind_bottoms(Kernel& kernel, unsigned& index) const;
 
     Device device;
-    Buffer<Instance> instances, ends;  // ends: not allocated where nothing can move
+    Buffer<Instance> instances, ends;  // ends: not allocated if nothing can move
     Config config;
     Layout layout = Layout::automatic;  // of the bottom levels
     Defines defines;
 
-    // The bottom levels: one that is shared, or copies of several behind each other.
+    // The bottom levels: one shared Bvh, or copies of several in common buffers.
     std::optional<Bvh> shared;
     Buffer<BvhHeader> headers;
     Buffer<BvhNode> nodes;
@@ -35,7 +35,7 @@ struct InstancedBvh::State {
     std::uint64_t bottom_bytes = 0;
 
     Buffer<PlacedInstance> placed;
-    Buffer<MovingInstance> moving;  // not allocated where nothing can move
+    Buffer<MovingInstance> moving;  // not allocated if nothing can move
     Buffer<float> widening;         // the top level's, until its header holds it
     TriangleBuffers boxes;          // a triangle that spans the box of each instance
     std::optional<Bvh> top;

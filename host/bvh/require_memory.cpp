@@ -8,7 +8,7 @@
 namespace claray {
 namespace {
 
-/// What the constructor of the state would allocate: it runs, but makes no buffer.
+/// The memory that the constructor of the state would allocate: it runs without creating buffers.
 BvhMemory plan_state(const Device& device, const TriangleBuffers& triangles, const Bvh::Config& config) {
     const MemoryPlan plan(device);
     const Bvh::State state(device, triangles, config);
@@ -25,7 +25,7 @@ bool fits(const Device& device, const BvhMemory& memory) {
     return memory.bytes <= bytes_available(device) && gives_buffer(device, memory.largest_buffer);
 }
 
-/// `plan` tells what a configuration takes.
+/// `plan` returns the memory of a configuration.
 template <class Plan>
 void require(const Device& device, std::uint64_t triangles, const Bvh::Config& config, const Plan& plan) {
     const BvhMemory needed = plan(config);

@@ -1,4 +1,4 @@
-// Is there memory enough for a build? Asked before it begins.
+// Checks, before a build begins, that the device has enough memory.
 #pragma once
 
 #include "claray/bvh.hpp"
@@ -11,9 +11,9 @@ struct TriangleCounts {
 };
 [[nodiscard]] TriangleBuffers allocate_triangles(const Device& device, const TriangleCounts& counts);
 
-/// Throws ErrorKind::device with the bytes needed and available, and a choice that fits where there is one, unless the
-/// device has memory for all buffers of the build together, and gives the largest of them. The first two count the
-/// triangles' own buffers too.
+/// Throws ErrorKind::device if the device lacks memory for all buffers of the build together, or refuses the largest
+/// one. The message states the bytes needed and available, both including the triangles, and a configuration that fits,
+/// if there is one.
 void require_memory(const Device& device, const TriangleCounts& counts, const Bvh::Config& config);
 void require_memory(const Device& device, std::span<const Mesh> meshes, const Bvh::Config& config);
 void require_memory(const Device& device, const TriangleBuffers& triangles, const Bvh::Config& config);

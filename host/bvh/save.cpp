@@ -1,4 +1,4 @@
-// A built structure as a file, and back. docs/formats.md describes the bytes.
+// Saves a built structure to a file and loads it. docs/formats.md describes the bytes.
 #include <algorithm>
 #include <array>
 #include <cerrno>
@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::array<char, 8> tree_magic = {'C', 'L', 'R', 'B', 'V', 'H', '\r', '\n'};
 constexpr std::uint32_t tree_version = 2;
-/// What the arrays are made of: a file of other structs is not ours to read.
+/// Sizes of the structs in the arrays: a file with other sizes cannot be read.
 constexpr std::uint32_t struct_sizes = sizeof(BvhNode) << 16 | sizeof(LeafTriangle) << 8 | sizeof(BvhHeader);
 constexpr std::size_t chunk_bytes = std::size_t(16) << 20;
 
@@ -40,7 +40,7 @@ static_assert(sizeof(TreeHeader) == 168);
 
 Digest digest_of_tree_header(const TreeHeader& header) { return digest_of(&header, offsetof(TreeHeader, digest)); }
 
-/// Writes a buffer in pieces, so that host memory need not hold it.
+/// Writes a buffer in pieces, so that it need not fit in host memory.
 template <class T>
 void write_buffer(NewFile& file, Hasher& hasher, const Buffer<T>& buffer) {
     std::vector<T> chunk;
@@ -52,7 +52,7 @@ void write_buffer(NewFile& file, Hasher& hasher, const Buffer<T>& buffer) {
     }
 }
 
-/// A saved structure while it is read. Every error names the file and what to do.
+/// A saved structure that is being read. Each error names the file and the remedy.
 class SavedFile {
 public:
     explicit SavedFile(const std::filesystem::path& path) : path_(path), file_(path, std::ios::binary | std::ios::ate) {
@@ -66,7 +66,7 @@ public:
 
     [[nodiscard]] const TreeHeader& header() const { return header_; }
 
-    /// The first `count` elements of a buffer that holds as many; each piece is shown to `look` on its way.
+    /// Reads the first `count` elements of a buffer; calls `look` with each piece.
     template <class T, class Look>
     void fill(Buffer<T>& buffer, std::uint64_t count, const Look& look) {
         std::vector<T> chunk;
@@ -124,7 +124,7 @@ private:
         if (!holds_its_arrays()) refuse_damaged("the sizes of its arrays do not match the file size");
     }
 
-    /// So that the room for a tree is known to be that of the file before any is asked for.
+    /// Checks the sizes of arrays against the file's size before any memory is allocated.
     [[nodiscard]] bool holds_its_arrays() const {
         std::uint64_t left = bytes_ - sizeof header_;
         const auto take = [&](std::uint64_t count, std::size_t size) {
@@ -217,7 +217,7 @@ TriangleCounts counts_of(const SavedFile& file) {
     return {h.positions, h.indices, h.geometries, h.masks};
 }
 
-/// Reads the arrays, in the order in which they were written, and checks all that is used as an index.
+/// Reads the arrays in the order in which they were written, and checks all indices.
 void read_arrays(SavedFile& file, Bvh::State& s) {
     const TreeHeader& h = file.header();
     SavedTree tree(h.nodes, h.leaves, h.geometries);

@@ -38,13 +38,13 @@ void SavedTree::add_masks(std::span<const std::uint32_t> masks) {
     masks_.insert(masks_.end(), masks.begin(), masks.end());
 }
 
-/// What has been seen of the tree so far.
+/// The part of the tree that was checked so far.
 struct SavedTree::Walk {
     std::uint32_t most_in_leaf;
-    std::vector<bool> slots;                                       // that a leaf holds
-    std::size_t used = 0, links = 0;                               // nodes that are not free, and references to nodes
-    std::size_t held = 0;                                          // slots that leaves hold
-    std::uint32_t index = CLARAY_NO_CHILD, height = 0, count = 0;  // the node at hand, and what is below it
+    std::vector<bool> slots;                                       // slots that a leaf holds
+    std::size_t used = 0, links = 0;                               // nodes in use, and references to nodes
+    std::size_t held = 0;                                          // number of slots that leaves hold
+    std::uint32_t index = CLARAY_NO_CHILD, height = 0, count = 0;  // the current node, and the subtree below it
 };
 
 std::string SavedTree::fault(const BvhHeader& header, const Counts& counts) const {
@@ -77,8 +77,8 @@ std::string SavedTree::fault_of_triangles(const Counts& counts) const {
     return geometry < masks_.size() ? "" : numbered("missing mask of geometry", geometry);
 }
 
-/// A node's parent is one, so that no node can be the child of two; and a child is lower than its parent, so that no
-/// path comes back.
+/// A node has one parent, so that no node is the child of two; and a child is lower than its parent, so that there are
+/// no cycles.
 std::string SavedTree::fault_of_child(const BvhHeader& header, std::uint32_t child, Walk& walk) const {
     if (!is_leaf(child)) {
         if (child >= header.inner_nodes || nodes_[child].free()) return numbered("missing node", child);
@@ -112,8 +112,7 @@ std::string SavedTree::fault_of_node(const BvhHeader& header, std::uint32_t inde
     return {};
 }
 
-/// Every node that is not free has one parent, or is the root; the references lead to that many nodes: so all are
-/// reached.
+/// Each node in use has one parent or is the root, and there are as many references as such nodes: so all are reached.
 std::string SavedTree::fault_of_nodes(const BvhHeader& header, const Counts& counts) const {
     Walk walk{.most_in_leaf = counts.most_in_leaf, .slots = std::vector<bool>(header.valid)};
     if (header.valid == 0) return header.inner_nodes == 0 ? "" : "nodes without triangles";

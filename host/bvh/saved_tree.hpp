@@ -1,4 +1,4 @@
-// Whether a saved tree can be traversed, refitted and rebuilt: a file whose checksums are right may still be forged.
+// Checks that a saved tree can be traversed, refitted and rebuilt: a file with right checksums may still be forged.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +11,11 @@
 
 namespace claray {
 
-/// What the arrays of a saved tree say beside coordinates: all that is used as an index, a count or a depth. It is
-/// gathered while the arrays go to the device, piece by piece.
+/// The indices, counts and depths in the arrays of a saved tree. They are collected piece by piece while the arrays are
+/// uploaded.
 class SavedTree {
 public:
-    /// Takes the room for so many.
+    /// Allocates memory for this many.
     SavedTree(std::size_t nodes, std::size_t leaves, std::size_t geometries);
 
     void add(std::span<const BvhNode> nodes);
@@ -30,10 +30,9 @@ public:
         std::uint32_t most_in_leaf = 1;
         bool splits = false;  ///< a triangle may be in several leaves
     };
-    /// The first fault in words, or nothing: then every reference leads to a node or leaf that no other one leads to,
-    /// all of them are reached from the root, no path is longer than a traversal's stack, and every index exists.
-    /// Boxes and coordinates may be anything: wrong ones give wrong hits, and nothing else. Takes time in proportion
-    /// to the tree.
+    /// Returns the first fault in words, or nothing: then no two references lead to the same node or leaf, all of them
+    /// are reached from the root, no path is longer than a traversal's stack, and every index exists. Boxes and
+    /// coordinates are not checked: wrong ones only give wrong hits. The time is linear in the size of the tree.
     [[nodiscard]] std::string fault(const BvhHeader& header, const Counts& counts) const;
 
 private:

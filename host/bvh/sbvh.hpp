@@ -5,23 +5,23 @@
 
 namespace claray {
 
-/// Splits nodes from the root down, and triangles where that pays; with the scratch memory to do so again and again.
+/// Splits nodes from the root down, and triangles if that pays. Keeps its scratch memory for repeated builds.
 class Sbvh {
 public:
     Sbvh() = default;
     /// Room for `count` triangles and `budget` times as many further references.
     Sbvh(const Device& device, std::uint32_t count, double budget);
 
-    /// References, the most there can be.
+    /// Largest number of references.
     [[nodiscard]] std::uint32_t capacity() const { return count_ + budget_; }
-    /// After bounds.cl has measured the whole boxes of all triangles: makes a tree whose leaves are references, in no
-    /// particular order; `header` becomes its header. Waits for the device.
+    /// Builds a tree whose leaves are references, in no particular order; `header` becomes its header. bounds.cl must
+    /// have computed the bounds of all triangles before. Waits for the device.
     void build(const TriangleBuffers& triangles, const Buffer<std::uint32_t>& bound_keys, const Buffer<BvhNode>& nodes,
                const Buffer<LeafTriangle>& leaves, const Buffer<BvhHeader>& header);
 
 private:
     struct Queue {
-        Buffer<std::uint32_t> tasks[2];  // of this level and of the next, by turns
+        Buffer<std::uint32_t> tasks[2];  // of this level and of the next, alternating
         Kernel split;
         std::uint32_t group = 0;
     };

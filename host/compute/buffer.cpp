@@ -23,7 +23,7 @@ std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes) {
     const auto in_use = device.state().in_use;
     try {
         fail_if_asked(device.state().failing_allocation, CL_MEM_OBJECT_ALLOCATION_FAILURE);
-        // Larger than CL_DEVICE_MAX_MEM_ALLOC_SIZE is for the driver to decide.
+        // The driver decides about sizes above CL_DEVICE_MAX_MEM_ALLOC_SIZE.
         auto made = std::make_unique<cl::Buffer>(device.context(), CL_MEM_READ_WRITE, bytes);
         *in_use += bytes;
         return {made.release(), [in_use, bytes](const cl::Buffer* buffer) {
@@ -38,7 +38,7 @@ std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes) {
 }
 
 std::shared_ptr<cl::Buffer> part(const cl::Buffer& whole, std::size_t offset, std::size_t bytes) try {
-    if (whole() == nullptr) return {};  // a plan of memory
+    if (whole() == nullptr) return {};  // during a MemoryPlan
     cl_buffer_region region{offset, bytes};
     return std::make_shared<cl::Buffer>(
         cl::Buffer(whole).createSubBuffer(CL_MEM_READ_WRITE, CL_BUFFER_CREATE_TYPE_REGION, &region));

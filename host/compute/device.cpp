@@ -31,7 +31,7 @@ DeviceType type_of(cl_device_type type) {
     return DeviceType::other;
 }
 
-/// CLARAY_NO_FP64 shows on any device what one without double precision gives.
+/// CLARAY_NO_FP64 simulates a device without double precision.
 bool without_fp64() {
     const char* environment = std::getenv("CLARAY_NO_FP64");
     return environment != nullptr && *environment != '\0' && std::string(environment) != "0";

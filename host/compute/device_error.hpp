@@ -1,12 +1,12 @@
-// Turns errors of OpenCL into claray::Error, with everything that a failure report needs.
+// Converts OpenCL errors to claray::Error, with all data that a failure report needs.
 #pragma once
 
 #include "claray/device.hpp"
 
 namespace claray {
 
-/// Lines that say on what something failed: device, driver, the digest of the kernels' sources, and `options` of the
-/// compiler where they are known.
+/// Lines that describe the device, the driver, the digest of the kernel sources and, if known, the compiler's
+/// `options`.
 [[nodiscard]] std::string failure_report(const Device& device, const std::string& options = {});
 
 /// "cannot DOING on the device: clFunction gave -5", and the report in further lines.

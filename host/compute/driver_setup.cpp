@@ -20,14 +20,14 @@ const char* value_of(const char* variable) {
 }
 
 /// PoCL's default (lib/CL/pocl_cache.c, 3.1 to 6.0): in $XDG_CACHE_HOME or ~/.cache. Without these it takes /tmp/pocl,
-/// where anyone could put programs for others to run: as good as none.
+/// where other users could place programs: unusable.
 fs::path default_pocl_folder() {
     fs::path folder = value_of("XDG_CACHE_HOME");
     if (folder.empty() && *value_of("HOME") != '\0') folder = fs::path(value_of("HOME")) / ".cache";
     return folder.empty() ? folder : folder / "pocl" / "kcache";
 }
 
-/// False where there is no folder that PoCL could write to.
+/// Returns false if there is no folder to which PoCL could write.
 bool give_pocl_a_folder() {
     const fs::path chosen = value_of("POCL_CACHE_DIR");
     if (!chosen.empty()) {
@@ -35,7 +35,7 @@ bool give_pocl_a_folder() {
         throw Error(ErrorKind::user, "POCL_CACHE_DIR is '" + chosen.string() + "', which is not writable",
                     "set it to a writable folder");
     }
-    ::unsetenv("POCL_CACHE_DIR");  // PoCL 3.1 aborts where it is set and empty
+    ::unsetenv("POCL_CACHE_DIR");  // PoCL 3.1 aborts if it is set and empty
     if (make_writable(default_pocl_folder())) return true;
     const fs::path own = pocl_folder();
     return !own.empty() && ::setenv("POCL_CACHE_DIR", own.c_str(), 1) == 0;

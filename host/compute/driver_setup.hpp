@@ -5,13 +5,13 @@
 
 namespace claray {
 
-/// Once in a process, before the first call of OpenCL. PoCL finds no device, or crashes, where it can't write to its
-/// cache: where the user names no folder for it and its own default can't be written to, it gets claray's. Worker
-/// threads get a stack of 8 MiB, whatever `ulimit -s` says: kernels run on it. Throws ErrorKind::user where
-/// $POCL_CACHE_DIR can't be written to.
+/// Must be called once per process, before the first call of OpenCL. PoCL finds no device, or crashes, if it cannot
+/// write to its cache: if the user sets no folder and PoCL's default is not writable, it gets claray's folder. Worker
+/// threads get a stack of 8 MiB, whatever `ulimit -s` says, because kernels run on it. Throws ErrorKind::user if
+/// $POCL_CACHE_DIR is not writable.
 void set_up_drivers();
 
-/// The remedy to name when there is no device.
+/// The remedy to state if there is no device.
 [[nodiscard]] std::string no_device_remedy();
 
 }  // namespace claray

@@ -25,14 +25,14 @@ bool mentions(const std::string& text, const std::string& name) {
     return false;
 }
 
-/// Empty where none is given. Of a macro that is given twice the compiler takes the last.
+/// Empty if there is none. If a macro is given twice the compiler uses the last value.
 std::string value_of(const KernelRequest& request, const std::string& macro) {
     for (auto define = request.defines.rbegin(); define != request.defines.rend(); ++define)
         if (define->first == macro) return define->second;
     return {};
 }
 
-/// What a macro is where none is given; empty where none of the headers has a default for it.
+/// The default of a macro; empty if none of the headers has one.
 std::string default_of(const std::vector<const KernelSource*>& headers, const std::string& macro) {
     const std::string directive = "#ifndef " + macro + "\n#define " + macro + ' ';
     for (const KernelSource* header : headers) {
@@ -44,7 +44,7 @@ std::string default_of(const std::vector<const KernelSource*>& headers, const st
     return {};
 }
 
-/// What both files include.
+/// The headers that both files include.
 std::vector<const KernelSource*> shared_headers(const KernelRequest& a, const KernelRequest& b) {
     std::vector<const KernelSource*> of_a = included_sources(kernel_source(a.file).text);
     const std::vector<const KernelSource*> of_b = included_sources(kernel_source(b.file).text);

@@ -1,6 +1,6 @@
-// Programs compiled before their kernels are loaded: several files as one program, or side by side. A driver takes a
-// tenth of a second for a program, however small it is (PoCL 3.1: 75 ms of 80 for an empty kernel), or seconds
-// (NVIDIA's); a first picture needs seven.
+// Compiles programs before their kernels are loaded: several files as one program, or in parallel. A driver needs a
+// tenth of a second even for a small program (PoCL 3.1: 75 ms for an empty kernel), or seconds (NVIDIA's); a first
+// picture needs seven programs.
 #pragma once
 
 #include <functional>
@@ -10,7 +10,7 @@
 
 namespace claray {
 
-/// A file as load_kernel was asked for it, with the macros of the tuning table.
+/// A file requested from load_kernel, with the macros of the tuning table.
 struct KernelRequest {
     std::string file;
     Defines defines;
@@ -22,20 +22,22 @@ struct JointSource {
     std::vector<KernelRequest> members;
 };
 
-/// As many of the requests as can share a program: where two give a macro different values, none of the headers that
-/// they share may mention it. The others, and a second request for a file, are left out.
+/// Joins as many requests as can share a program: if two give a macro different values, no header that they share may
+/// mention it. The others, and second requests for a file, are left out.
 [[nodiscard]] JointSource join(const std::vector<KernelRequest>& requests);
 
-/// Compiles what `load` will ask load_kernel for, so far as it can be joined; `load_kernel` then finds it compiled.
-/// `load` is called and gets kernels that can't run. Where the joint program doesn't compile, nothing happens. What is
-/// not `optimized` takes little more than half as long to compile, and several times as long to run.
+/// Compiles as one program the files that `load` requests from load_kernel, as far as they can be joined; `load_kernel`
+/// then finds them compiled. `load` is called and gets kernels that cannot run. If the joint program does not compile,
+/// nothing happens. Without `optimized` a program compiles in little more than half the time and runs several times
+/// slower.
 void compile_jointly(const Device& device, const std::function<void()>& load, bool optimized = true);
 
-/// Compiles what `load` will ask load_kernel for, or loads it from the cache, by threads: where the tuning table says
-/// that this suits the device. `load` is called as above. What doesn't compile is left to load_kernel, which says why.
+/// Compiles the files that `load` requests from load_kernel, or loads them from the cache, in parallel threads, if the
+/// tuning table says that this suits the device. `load` is called as above. load_kernel reports files that do not
+/// compile.
 void compile_side_by_side(const Device& device, const std::function<void()>& load);
 
-/// load_kernel finds no program any more that was not optimized. Kernels that were loaded stay as they are.
+/// Makes load_kernel forget programs that were not optimized. Loaded kernels are unaffected.
 void forget_slow_programs(const Device& device);
 
 }  // namespace claray

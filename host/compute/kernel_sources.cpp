@@ -73,7 +73,7 @@ const KernelSource& kernel_source(const std::string& path) {
 
 namespace {
 
-/// In the order in which they are first named; names that are no file of claray's are left to the compiler.
+/// In the order of their first occurrence; names that are not files of claray are left to the compiler.
 void add_included(const std::string& text, std::vector<const KernelSource*>& found) {
     const std::string directive = "#include \"";
     for (std::size_t at = 0; (at = text.find(directive, at)) != std::string::npos;) {

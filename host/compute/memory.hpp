@@ -1,4 +1,4 @@
-// Device memory in use, and the memory that an object would need before it is made.
+// Device memory in use, and the memory that an object would need before it is created.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace claray {
 
-/// From its construction to its end buffers on the device are not made: their bytes are added up. What is constructed
-/// meanwhile must only allocate, not compute; it can't be used afterwards. Plans may not be nested.
+/// During its lifetime buffers of the device are not created; their sizes are added up instead. Objects constructed
+/// meanwhile must only allocate, not compute, and cannot be used afterwards. Plans must not be nested.
 class MemoryPlan {
 public:
     explicit MemoryPlan(const Device& device);
@@ -28,17 +28,17 @@ private:
 
 /// Bytes of all buffers that claray holds on the device.
 [[nodiscard]] std::uint64_t bytes_in_use(const Device& device);
-/// Bytes that claray can still take: what the device has less what is in use. What other programs hold is not known.
+/// Bytes that claray can still allocate: the device's memory less that in use. The use by other programs is unknown.
 [[nodiscard]] std::uint64_t bytes_available(const Device& device);
 
-/// Whether the device gives a buffer of this size, though it may be larger than the largest it promises: NVIDIA's and
-/// AMD's drivers, for instance, promise a quarter of the memory and often give more.
+/// Returns whether the device can allocate a buffer of this size, even if it exceeds CL_DEVICE_MAX_MEM_ALLOC_SIZE:
+/// NVIDIA's and AMD's drivers, for instance, report a quarter of the memory and often allow more.
 [[nodiscard]] bool gives_buffer(const Device& device, std::uint64_t bytes);
 
-/// For tests: the nth allocation, or the nth run of a kernel, from now on fails as if the driver refused; 0: none does.
+/// For tests: the nth allocation or kernel run from now on fails as if the driver refused; 0: none fails.
 void fail_allocation(const Device& device, unsigned nth);
 void fail_command(const Device& device, unsigned nth);
-/// Counts down to 1, where it throws this error of OpenCL; at 0 it does nothing.
+/// Counts down and throws this OpenCL error at 1; does nothing at 0.
 void fail_if_asked(unsigned& countdown, int error);
 
 /// "12.3 MB", "4.56 GB"

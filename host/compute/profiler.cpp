@@ -4,7 +4,7 @@
 
 namespace claray {
 namespace {
-// Bounds the memory of events that nobody asked about; reading them early costs nothing once they are done.
+// Bounds the memory of unread events; reading finished events early costs nothing.
 constexpr std::size_t pending_limit = 4096;
 }  // namespace
 

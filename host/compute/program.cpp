@@ -18,7 +18,7 @@
 namespace claray {
 namespace {
 
-/// Of all threads.
+/// Statistics of all threads.
 class Statistics {
 public:
     template <class Change>
@@ -38,18 +38,18 @@ private:
 
 Statistics statistics;
 
-/// What `claray verify --compare` shows the price of: geometry that is compiled like shading.
+/// For `claray verify --compare`, which measures its gain: geometry compiled with fast math.
 const std::pair<std::string, std::string> fast_math = {"CLARAY_FAST_MATH", "1"};
 
 bool is_nvidia(const Device& device) { return device.info().vendor.find("NVIDIA") != std::string::npos; }
 
 bool is_pocl(const Device& device) { return device.info().platform == "Portable Computing Language"; }
-/// For Kernel::check_arguments; others than PoCL are not asked.
+/// For Kernel::check_arguments; only PoCL is asked.
 constexpr const char* tell_parameters = "-cl-kernel-arg-info";
 
 std::string build_options(const Device& device, const Defines& defines, Math math) {
     if (std::find(defines.begin(), defines.end(), fast_math) != defines.end()) math = Math::fast;
-    std::string options = "-cl-std=CL1.2 -w";  // PoCL counts warnings on standard error
+    std::string options = "-cl-std=CL1.2 -w";  // PoCL prints the number of warnings
     if (is_pocl(device)) options += std::string(" ") + tell_parameters;
     if (math == Math::fast)
         options += " -cl-fast-relaxed-math";
@@ -67,7 +67,7 @@ std::string build_options(const Device& device, const Defines& defines, Math mat
     return options;
 }
 
-/// All that a binary depends on: of the texts their digest.
+/// Everything on which a binary depends; of the sources their digest.
 std::string cache_identity(const Device& device, const KernelSource& main, const std::string& options) {
     const DeviceInfo& info = device.info();
     std::string texts = main.text + '\n';
@@ -89,8 +89,8 @@ void replace_all(std::string& text, const std::string& from, const std::string& 
         text.replace(at, from.size(), to);
 }
 
-/// Compilers are handed claray's files under names that no folder has: NVIDIA's (driver 580) looks into the current
-/// folder and into its folder include first, and would take a file of the same name there.
+/// Passes claray's files to the compiler under names that no folder has: NVIDIA's (driver 580) searches the current
+/// folder and its folder `include` first, and would use a file of the same name there.
 const std::string apart = "claray-sources/";
 
 std::string with_names_apart(std::string text) {
@@ -100,7 +100,8 @@ std::string with_names_apart(std::string text) {
     return text;
 }
 
-/// Makes the compiler name the file instead of a temporary one. NVIDIA's ignores it, and would count one line too many.
+/// Makes the compiler's messages name the file instead of a temporary one. NVIDIA's ignores the directive and would
+/// count one line too many.
 std::string name_line(const Device& device, const KernelSource& main) {
     return is_nvidia(device) ? std::string() : "#line 1 \"" + main.path + "\"\n";
 }
@@ -120,9 +121,9 @@ std::string with_file_names(std::string log, const KernelSource& main) {
         failure_report(device, main.path + ' ' + options) + "log:\n" + with_file_names(log, main));
 }
 
-/// Compiles with what it includes as named headers, so that #include works on every driver and messages keep their
-/// file and line. Not with all there are: PoCL writes each to a file (70 take it 30 ms). CLHPP's Program::compile takes
-/// no headers (as of 3.0), hence the C call.
+/// Compiles with the included files as named headers, so that #include works on every driver and messages keep file and
+/// line. Only the files needed: PoCL writes each to a file (30 ms for 70). CLHPP's Program::compile takes no headers
+/// (as of 3.0), hence the C call.
 cl::Program compile_from_source(const Device& device, const KernelSource& main, const std::string& options,
                                 std::string* log = nullptr) {
     const cl::Context& context = device.context();
@@ -154,7 +155,7 @@ cl::Program compile_from_source(const Device& device, const KernelSource& main, 
     return linked_program;
 }
 
-/// Nothing where the driver refuses a binary that it made itself (an update that kept its version string, say).
+/// Nothing if the driver refuses its own binary (for example after an update that kept the version string).
 std::optional<cl::Program> build_from_binary(const Device& device, const std::vector<unsigned char>& binary) try {
     cl::Program program(device.context(), {device.state().device}, {binary});
     program.build({device.state().device}, "");
@@ -163,7 +164,7 @@ std::optional<cl::Program> build_from_binary(const Device& device, const std::ve
     return {};
 }
 
-/// Programs that are compiled side by side come here at once.
+/// Several threads may call this at once, for programs that are compiled in parallel.
 void remember_parameters(const Device& device, const cl::Program& program, const std::string& parameters) {
     static std::mutex mutex;
     const std::lock_guard<std::mutex> lock(mutex);
@@ -173,7 +174,8 @@ void remember_parameters(const Device& device, const cl::Program& program, const
 std::optional<cl::Program> load_from_cache(const Device& device, const std::string& identity) {
     const auto cached = load_cached_program(identity);
     if (!cached) return {};
-    const auto end = std::find(cached->begin(), cached->end(), '\0');  // of the parameters, before the binary
+    const auto end =
+        std::find(cached->begin(), cached->end(), '\0');  // end of the parameters, which precede the binary
     if (end == cached->end()) return {};
     auto program = build_from_binary(device, {end + 1, cached->end()});
     if (program) remember_parameters(device, *program, {cached->begin(), end});
@@ -181,12 +183,12 @@ std::optional<cl::Program> load_from_cache(const Device& device, const std::stri
     return program;
 }
 
-/// Of PoCL one process compiles at a time: version 3.1 lists its own cache folder while it hands out a binary, and
-/// crashes on temporary folders that other processes have removed by then.
+/// With PoCL one process compiles at a time: version 3.1 lists its cache folder while it returns a binary, and crashes
+/// on temporary folders that other processes have removed meanwhile.
 bool compiles_alone(const Device& device) { return is_pocl(device); }
 
-/// Names and types of the parameters of a program's kernels, a line each. Binaries do not tell them, so that they are
-/// kept with them. Empty where the driver does not tell.
+/// Names and types of the parameters of a program's kernels, one line each. They are stored with binaries, which do not
+/// contain them. Empty if the driver does not report them.
 std::string parameters_of(const cl::Program& program) try {
     std::vector<cl::Kernel> kernels;
     cl::Program(program).createKernels(&kernels);
@@ -210,14 +212,15 @@ std::vector<unsigned char> with_parameters(const std::string& parameters, const 
 cl::Program compile(const Device& device, const KernelSource& main, const std::string& options) {
     const std::string identity = cache_identity(device, main, options);
     const bool alone = compiles_alone(device);
-    if (alone)  // what is there need not wait for others that compile
+    if (alone)  // a cached program need not wait for processes that compile
         if (const auto program = load_from_cache(device, identity)) return *program;
-    // Who loads the same waits, too: NVIDIA's driver assembles what it loads, and has it ready for who loads it next.
+    // Loading the same program waits, too: NVIDIA's driver assembles a loaded program and keeps it for the next
+    // process.
     const CacheLock lock("programs", alone ? std::string() : hash128(identity));
     if (const auto program = load_from_cache(device, identity)) return *program;
     cl::Program program = compile_from_source(device, main, options);
     statistics.change([](CompileStatistics& s) { ++s.compiled; });
-    // What is not to be kept tries whether the cache can be written, too: another process will have to.
+    // Also tests whether the cache is writable if nothing is stored, because another process will store.
     const auto binaries = device.state().store_programs ? program.getInfo<CL_PROGRAM_BINARIES>()
                                                         : std::vector<std::vector<unsigned char>>(1);
     const std::string parameters = parameters_of(program);
@@ -228,7 +231,7 @@ cl::Program compile(const Device& device, const KernelSource& main, const std::s
     return program;
 }
 
-/// Of Device::State::programs.
+/// The key in Device::State::programs.
 std::string key_in_memory(const KernelSource& main, const std::string& options, bool user_source) {
     return main.path + '\n' + options + '\n' + std::to_string(kernel_sources_replaced()) + '\n' +
            (user_source ? main.text : "");
@@ -260,7 +263,7 @@ Kernel kernel_of(const Device& device, const KernelSource& main, const std::stri
     throw_device_error(device, "load the kernel " + function + " of " + main.path, error);
 }
 
-/// A kernel's file and options, or nothing where that is not known any more.
+/// A kernel's file and options, or nothing if they are no longer known.
 std::string compiled_with(const Device& device, const cl::Kernel& kernel) try {
     const auto program = kernel.getInfo<CL_KERNEL_PROGRAM>();
     for (const auto& [key, known] : device.state().programs) {
@@ -294,7 +297,7 @@ void Kernel::check_arguments(const std::string& lines) {
 }
 
 namespace {
-/// Whether a parameter points to this type or, as float4*, to vectors of it.
+/// Returns whether a parameter points to this type or, like float4*, to vectors of it.
 bool points_to(std::string_view parameter, std::string_view type) {
     return parameter.starts_with(type) && parameter.find_first_of("0123456789*", type.size()) == type.size();
 }
@@ -343,7 +346,7 @@ void Kernel::enqueue(Range range, unsigned arguments) try {
                                               range.local ? cl::NDRange(range.local) : cl::NullRange, nullptr, event);
     });
 } catch (const cl::Error& error) {
-    // Drivers may put off an allocation until the buffer is first used, and other programs may hold memory too.
+    // Drivers may delay an allocation until the buffer is first used, and other programs may use memory, too.
     if (error.err() == CL_MEM_OBJECT_ALLOCATION_FAILURE)
         throw Error(ErrorKind::device,
                     "out of device memory: " + device_->info().name + " cannot allocate the buffers of the kernel " +
@@ -355,7 +358,7 @@ void Kernel::enqueue(Range range, unsigned arguments) try {
 
 BuildReport report_build(const Device& device, const std::string& file, const Defines& defines) try {
     KernelSource source = kernel_source(file);
-    // Drivers have caches of their own: a declaration makes the source a new one.
+    // A new declaration makes the source unknown to the driver's own cache.
     const auto now = std::chrono::system_clock::now().time_since_epoch().count();
     source.text += "\nvoid claray_never_seen_" + std::to_string(now) + "(void);\n";
     std::string options = build_options(device, with_tuning(device, stem_of(file), defines), Math::strict), log;
@@ -363,7 +366,7 @@ BuildReport report_build(const Device& device, const std::string& file, const De
     BuildReport report;
     const auto begin = std::chrono::steady_clock::now();
     const cl::Program program = compile_from_source(device, source, options, &log);
-    (void)program.getInfo<CL_PROGRAM_BINARIES>();  // PoCL makes machine code no sooner than it is asked for
+    (void)program.getInfo<CL_PROGRAM_BINARIES>();  // PoCL generates machine code only on request
     report.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     read_build_log(log, report);
     return report;
@@ -396,7 +399,7 @@ Kernel load_kernel(const Device& device, const std::string& file, const std::str
 
 namespace {
 
-/// What `load` asks for.
+/// The requests of `load`.
 std::vector<KernelRequest> requests_of(const Device& device, const std::function<void()>& load) {
     struct Noted {
         const Device& device;
@@ -424,7 +427,7 @@ void compile_jointly(const Device& device, const std::function<void()>& load, bo
             if (is_new && !optimized) device.state().slow_programs.push_back(key);
         }
     } catch (const Error&) {
-        return;  // each is then compiled for itself, and says what is wrong
+        return;  // each file is then compiled separately, with its own error
     }
 }
 
@@ -447,7 +450,7 @@ void compile_side_by_side(const Device& device, const std::function<void()>& loa
     in_parallel(wanted.size(), [&](std::size_t i) {
         try {
             wanted[i].program = compile(device, kernel_source(wanted[i].file), wanted[i].options);
-        } catch (const std::exception&) {  // load_kernel will say why
+        } catch (const std::exception&) {  // load_kernel will report the reason
         }
     });
     add_milliseconds_since(begin);

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 /// The beginning of a file; the identity and the binary follow. docs/formats.md describes the bytes.
 struct ProgramHeader {
     std::array<unsigned char, 8> magic;
-    Digest sum;  // of all that follows it
+    Digest sum;  // of all following bytes
     std::uint32_t identity_bytes;
     std::uint32_t binary_bytes;
 };
@@ -41,7 +41,7 @@ Digest sum_of(const ProgramHeader& header, const std::string& identity, const st
 
 fs::path file_of(const fs::path& folder, const std::string& identity) { return folder / (hash128(identity) + ".bin"); }
 
-/// A descriptor that is closed at the end of the scope; negative where there is none.
+/// A descriptor that is closed at the end of the scope; negative if there is none.
 class Descriptor {
 public:
     explicit Descriptor(int file) : file_(file) {}
@@ -65,14 +65,14 @@ private:
     int file_;
 };
 
-/// Machine code is loaded only from a file that none but this user, or root, can have written. What the folder allows
-/// does not matter then: others can at most put files of their own there, or give this user's files other names.
+/// Machine code is loaded only from a file that only this user or root can have written. The folder's permissions do
+/// not matter then: others can at most add their own files or rename this user's files.
 bool is_own(const struct stat& status) {
     return S_ISREG(status.st_mode) && (status.st_uid == ::geteuid() || status.st_uid == 0) &&
            (status.st_mode & (S_IWGRP | S_IWOTH)) == 0;
 }
 
-/// The binary of an open file, or nothing. No more memory is asked for than the file has bytes.
+/// The binary of an open file, or nothing. Allocates at most as much memory as the file has bytes.
 std::optional<std::vector<unsigned char>> read_binary(const Descriptor& file, const std::string& identity) {
     struct stat status = {};
     ProgramHeader header;
@@ -88,7 +88,8 @@ std::optional<std::vector<unsigned char>> read_binary(const Descriptor& file, co
     return sum_of(header, stored, binary) == header.sum ? std::optional(std::move(binary)) : std::nullopt;
 }
 
-/// Writes a new file that only this user may write; a name that is taken is none of a running process. Returns errno.
+/// Writes a new file that only this user may write; replaces a file of that name, which no running process uses.
+/// Returns errno.
 int write_new(const fs::path& path, const ProgramHeader& header, const std::string& identity,
               const std::vector<unsigned char>& binary) {
     ::unlink(path.c_str());
@@ -110,9 +111,9 @@ int write_new(const fs::path& path, const ProgramHeader& header, const std::stri
 
 }  // namespace
 
-/// The file has no bytes: each key is a place in it, told by 60 bits (two keys that share them wait for each other,
-/// which does no harm), and a lock of 0 bytes is of all from there on. Such locks are of the open file, not of the
-/// process, so that threads wait for each other, too.
+/// The file is empty: each key is an offset of 60 bits in it (two keys with the same bits wait for each other, which
+/// does no harm), and a lock of length 0 covers all offsets from there on. Such locks belong to the open file, not to
+/// the process, so that threads wait for each other, too.
 CacheLock::CacheLock(const std::string& file, const std::string& key) {
     const fs::path folder = cache_folder();
     if (folder.empty()) return;
@@ -128,13 +129,13 @@ CacheLock::CacheLock(const std::string& file, const std::string& key) {
 }
 
 CacheLock::~CacheLock() {
-    if (file_ >= 0) ::close(file_);  // which unlocks
+    if (file_ >= 0) ::close(file_);  // this unlocks
 }
 
 std::optional<std::vector<unsigned char>> load_cached_program(const std::string& identity) try {
     const fs::path folder = cache_folder();
     if (folder.empty()) return {};
-    // Without O_NONBLOCK a pipe of that name would be waited for.
+    // Without O_NONBLOCK the call would block on a pipe of that name.
     const Descriptor file(::open(file_of(folder, identity).c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));
     if (file.get() < 0) return {};
     return read_binary(file, identity);

@@ -39,7 +39,7 @@ std::string TuningRange::text() const {
 
 namespace {
 
-constexpr std::size_t most_warnings = 10;  // of a table
+constexpr std::size_t most_warnings = 10;  // per table
 
 struct TuningRow {
     int line = 0;
@@ -67,7 +67,7 @@ std::optional<TuningRange> range_in(std::string text) {
     return range;
 }
 
-/// Calls `use` for every row for the device. Only claray's own table has ranges.
+/// Calls `use` for each row that matches the device. Only claray's own table has ranges.
 void for_each_row(const std::string& text, const std::string& name, const DeviceInfo& info, bool with_ranges,
                   const std::function<void(const TuningRow&)>& use) {
     std::istringstream lines(text);

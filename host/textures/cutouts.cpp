@@ -8,7 +8,7 @@
 namespace claray {
 namespace {
 
-/// Whether a texture can make the opacity less than 1: by its alpha, or by red.
+/// Returns whether a texture can make the opacity less than 1: by its alpha, or by red.
 bool has_holes(const Texture& t, bool by_alpha) {
     if (by_alpha && t.channels % 2 == 1) return false;
     const std::size_t first = by_alpha ? t.channels - 1 : 0;
@@ -23,7 +23,7 @@ bool has_holes(const Scene& scene, const TextureUse& use, bool by_alpha) {
     return use.used() && has_holes(checked_texture(scene, use.texture), by_alpha);
 }
 
-/// Of each material whether a triangle of it is less than opaque at a corner.
+/// For each material, whether one of its triangles has an opacity below 1 at a corner.
 std::vector<bool> find_vertex_alphas(const Scene& scene) {
     std::vector<bool> found(scene.materials.size());
     for (const Mesh& mesh : scene.meshes) {

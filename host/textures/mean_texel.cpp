@@ -8,7 +8,7 @@
 namespace claray {
 namespace {
 
-/// The texel at a coordinate, 1 being the whole side.
+/// The texel at a coordinate; 1 is the whole side.
 unsigned wrapped(float at, unsigned size, Wrap wrap) {
     double whole = std::isfinite(at) ? at : 0.f;
     if (wrap == Wrap::repeat) whole -= std::floor(whole);

@@ -5,11 +5,11 @@
 
 namespace claray {
 
-/// The texel at a point as linear RGBA: grey in all three where there is no colour, alpha 1 where there is none.
+/// The texel at a point as linear RGBA: grey images have three equal channels; without alpha it is 1.
 [[nodiscard]] glm::vec4 nearest_texel(const Texture& texture, const glm::vec2& uv);
 
-/// Mean colour between three corners in texture coordinates, of points spread evenly: about two for every texel, 256
-/// at least and `most_points` at most. Of the texels as they are, without filtering.
+/// Mean colour between three corners in texture coordinates, over evenly spread points: about two per texel, at least
+/// 256 and at most `most_points`. Texels are not filtered.
 [[nodiscard]] glm::vec3 mean_texel(const Texture& texture, const glm::vec2& a, const glm::vec2& b, const glm::vec2& c,
                                    unsigned most_points = 1024);
 

@@ -31,7 +31,7 @@ bool is_color(const Texture& texture, unsigned channel) {
     return texture.format == TexelFormat::srgb8 && (texture.channels % 2 == 1 || channel + 1 < texture.channels);
 }
 
-/// The up to three texels of a row of `size` that texel i of a row half as long covers, and their shares.
+/// The texels (up to three) of a row of `size` that texel i of a row of half the length covers, and their weights.
 struct Taps {
     unsigned first, count;
     double weight[3];
@@ -125,7 +125,7 @@ std::vector<std::vector<std::uint32_t>> packed_levels(const Texture& texture, un
     Level level{texture.width, texture.height, texture.channels, {}};
     while (result.size() < levels) {
         const unsigned width = level.width;
-        if (result.size() == 1) {  // from the bytes: as floats the image might be four times as large
+        if (result.size() == 1) {  // converted from bytes directly: as floats the image would be four times as large
             level = halved(width, level.height, level.channels, [&](unsigned x, unsigned y, unsigned c) {
                 return linear_value(texture, std::size_t(y) * width + x, c);
             });

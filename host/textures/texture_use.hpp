@@ -6,7 +6,7 @@
 
 namespace claray {
 
-/// The texture of that index, of a scene that `validate` accepts. Throws ErrorKind::user where it is larger than the
+/// The texture with that index, in a scene that `validate` accepts. Throws ErrorKind::user if it is larger than the
 /// kernels' mip maps.
 [[nodiscard]] const Texture& checked_texture(const Scene& scene, std::uint32_t index);
 
@@ -17,7 +17,7 @@ namespace claray {
 /// For every material, whether a triangle has it.
 [[nodiscard]] std::vector<bool> used_materials(const Scene& scene);
 
-/// One array of all meshes' vertices; `none` where a mesh has none.
+/// One array for the vertices of all meshes; `none` for meshes without data.
 template <class Vector>
 std::vector<Vector> of_all_meshes(const Scene& scene, std::vector<Vector> Mesh::*member, Vector none = Vector(0.f)) {
     std::vector<Vector> all;

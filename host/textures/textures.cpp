@@ -13,7 +13,7 @@
 namespace claray {
 namespace {
 
-/// The maps that count for a material of this kind, at their CLARAY_..._MAP.
+/// The maps that a material of this kind uses, at their CLARAY_..._MAP.
 std::array<TextureUse, CLARAY_MAPS> maps_of(const Material& m) {
     std::array<TextureUse, CLARAY_MAPS> maps;
     maps[CLARAY_ALBEDO_MAP] = m.albedo_map;
@@ -53,7 +53,7 @@ bool needs_tangents(std::uint32_t map) {
     return map == CLARAY_NORMAL_MAP || map == CLARAY_COAT_NORMAL_MAP || map == CLARAY_ANISOTROPY_MAP;
 }
 
-/// Grows word by word; the sections begin at multiples of 16 bytes.
+/// A growing store; its sections begin at multiples of 16 bytes.
 class StoreWriter {
 public:
     StoreWriter() : words_(sizeof(TextureStore) / 4) {}
@@ -80,7 +80,7 @@ private:
     std::vector<std::uint32_t> words_;
 };
 
-/// Collects what the used materials need.
+/// Collects the textures of used materials.
 class Collector {
 public:
     Collector(const Scene& scene, const std::vector<bool>& used)
@@ -100,7 +100,7 @@ public:
     [[nodiscard]] bool empty() const { return textures_.empty(); }
     [[nodiscard]] bool has_maps() const { return !uses_.empty(); }
 
-    /// The texture's index in the store; it is uploaded.
+    /// Returns the texture's index in the store and marks it for upload.
     std::uint32_t slot_of(std::uint32_t texture) {
         const Texture& t = checked_texture(scene_, texture);
         const auto [at, fresh] = slots_.try_emplace(texture, std::uint32_t(textures_.size()));
@@ -132,7 +132,7 @@ private:
         uses_.push_back(data_of(use, slot));
     }
 
-    /// The slot of an image for an anisotropic material without one: its coordinates matter still.
+    /// The slot of an image for an anisotropic material without one, because it needs texture coordinates.
     std::uint32_t slot_of_no_direction() {
         const auto [at, fresh] = slots_.try_emplace(no_texture, std::uint32_t(textures_.size()));
         if (fresh) textures_.push_back(no_texture);
@@ -151,7 +151,7 @@ private:
         add_use(maps, CLARAY_ANISOTROPY_MAP, use, slot_of_no_direction());
     }
 
-    /// Along the tangent, by all of the material's anisotropy.
+    /// A texel with the direction of the tangent and strength 1.
     static Texture no_direction() {
         Texture texture;
         texture.width = texture.height = 1, texture.channels = 3;
@@ -209,7 +209,7 @@ void add_cutouts(const Cutouts& cutouts, std::size_t triangles, StoreWriter& wri
     std::vector<std::uint32_t> of_triangles = cutouts.of_triangles;
     for (std::uint32_t& at : of_triangles)
         if (at != CLARAY_NO_MAP) at += records;
-    of_triangles.resize(triangles, CLARAY_NO_MAP);  // none, where all are solid
+    of_triangles.resize(triangles, CLARAY_NO_MAP);  // none if all are solid
     sections.cutouts = writer.add(of_triangles);
 }
 
