@@ -1,4 +1,4 @@
-// The files that a scene names, and the images among them that its used materials call for.
+// The files that a scene references, and the images that its used materials need.
 #pragma once
 
 #include <map>
@@ -16,8 +16,9 @@ namespace claray {
                                                   const std::filesystem::path& folder, std::string name,
                                                   const std::filesystem::path& named_in = {});
 
-/// Many files name others by where they were on the machine that wrote them: "C:\maps\wood.png", "/home/me/wood.png".
-/// The path of the file of the same name in `folder`; empty where `name` is none of these or there is no such file.
+/// Many files reference others by absolute paths of the machine that wrote them: "C:\maps\wood.png",
+/// "/home/me/wood.png". Returns the path of the file of the same name in `folder`; empty if `name` is no such path or
+/// there is no such file.
 [[nodiscard]] std::filesystem::path namesake_of(const std::filesystem::path& folder, const std::string& name);
 
 /// A URI's %xx as the characters they stand for (RFC 3986, section 2.1).

@@ -8,8 +8,8 @@ namespace claray {
 /// A mesh whose triangles are points (a, a, a) and segments (a, b, b): strokes that have no width yet.
 using Strokes = Mesh;
 
-/// How wide they are unless the user says otherwise: a 400th of the diagonal of the scene's `bounds`, less where there
-/// are so many that they would hide each other.
+/// The default radius: a 400th of the diagonal of the scene's `bounds`, less if there are so many strokes that they
+/// would hide each other.
 [[nodiscard]] float stroke_radius(const Bounds& bounds, std::size_t strokes);
 
 /// A sphere for each vertex that a stroke has and a tube for each segment, with the vertices' coordinates and colours

@@ -1,4 +1,4 @@
-// Which sides of surfaces are there, and which of them is the front.
+// Sets which sides of surfaces are visible, and which side is the front.
 #include <utility>
 
 #include "claray/io.hpp"
@@ -6,7 +6,7 @@
 namespace claray {
 namespace {
 
-/// Light leaves a solid that it entered by a back.
+/// Light leaves a solid through back sides.
 bool is_solid_glass(const Material& m) {
     const bool lets_through = transmits(m.kind) || (m.kind == MaterialKind::principled && m.transmission > 0.f);
     return lets_through && !m.thin_walled;

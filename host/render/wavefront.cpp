@@ -240,7 +240,7 @@ void Wavefront::look_for_light(std::uint32_t depth, std::uint32_t limit) {
         trace_shadows(limit, shadow_lengths_[depth % CLARAY_SHADOW_QUEUES]);
 }
 
-/// Number of next rays after a surface; rays to hot spots replace others.
+/// Sum of the throughput of next rays, without rays aimed at hot spots.
 double Wavefront::carried_on(std::uint32_t depth, std::uint32_t rays) const {
     double sum = 0;
     std::vector<PathState> states(rays);

@@ -25,7 +25,7 @@ Camera automatic_camera(const Bounds& bounds, float vertical_fov, float aspect) 
     const double half_vertical = 0.5 * glm::radians(double(vertical_fov));
     const double half_horizontal = std::atan(std::tan(half_vertical) * aspect);
     double distance = radius / std::sin(std::min(half_vertical, half_horizontal));
-    // A point far from the origin must not swallow the step back from it.
+    // Far from the origin the step back must not be lost in rounding.
     if (!(radius > 0.0)) distance = std::max(1.0, 1e-6 * glm::length(center));
 
     Camera camera;
@@ -37,7 +37,7 @@ Camera automatic_camera(const Bounds& bounds, float vertical_fov, float aspect) 
 
 namespace {
 
-/// Where between 0 and 1 the vector a + t b is shortest.
+/// The t between 0 and 1 for which the vector a + t b is shortest.
 double nearest_to_zero(const glm::dvec3& a, const glm::dvec3& b) {
     const double length2 = glm::dot(b, b);
     return length2 > 0 ? std::clamp(-glm::dot(a, b) / length2, 0.0, 1.0) : 0.0;

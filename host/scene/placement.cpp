@@ -10,7 +10,7 @@ namespace {
 constexpr double unit_roundoff = 0x1p-24;
 constexpr double largest_bend = 1e-3;
 
-/// Whether rounding its corners to float32 bends a triangle noticeably.
+/// Returns whether rounding its corners to float32 bends a triangle noticeably.
 bool is_bent(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
     const glm::dvec3 size = glm::max(glm::abs(a), glm::max(glm::abs(b), glm::abs(c)));
     const double edge = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
@@ -36,7 +36,7 @@ std::vector<std::uint32_t> first_triangles_of(const Scene& scene) {
     return first;
 }
 
-/// A copy of all but meshes and instances.
+/// A copy without meshes and instances.
 Scene without_meshes(const Scene& scene) {
     Scene copy;
     copy.name = scene.name;
@@ -74,7 +74,7 @@ Mesh transformed(const Mesh& mesh, const glm::mat4& transform) {
         return length > 0 ? glm::vec3(v / length) : glm::vec3(v);
     };
     for (glm::vec3& p : baked.positions) p = glm::vec3(m * glm::dvec4(p, 1.0));
-    // All by one factor, so that between vertices they are what the object's own normals become.
+    // Scaled by one common factor, so that interpolated normals equal the transformed normals of the object.
     const double shrink = std::cbrt(std::abs(glm::determinant(linear)));
     for (glm::vec3& n : baked.normals) n = glm::vec3(shrink * (normals * glm::dvec3(n)));
     for (glm::vec4& t : baked.tangents) t = glm::vec4(unit(linear * glm::dvec3(t.x, t.y, t.z)), mirrors ? -t.w : t.w);

@@ -1,4 +1,4 @@
-// Instances made ready for rendering: those that need not be instances become part of the world.
+// Prepares instances for rendering: those that need not be instances become part of the world.
 #pragma once
 
 #include "claray/scene.hpp"
@@ -6,13 +6,13 @@
 
 namespace claray {
 
-/// Which triangles of a scene those of another are, that has its meshes in another order.
+/// Maps triangles of one scene to those of another scene with the same meshes in another order.
 class TriangleNumbers {
 public:
-    /// The next mesh, of so many triangles, whose first one has the number `first` there.
+    /// Adds the next mesh, with this many triangles; its first triangle has the number `first` in the other scene.
     void add(std::uint32_t first, std::size_t triangles);
     [[nodiscard]] bool empty() const { return there_.empty(); }
-    /// CLARAY_MISS stays.
+    /// CLARAY_MISS is kept.
     [[nodiscard]] std::uint32_t number_there(std::uint32_t triangle) const;
 
 private:
@@ -20,24 +20,25 @@ private:
     std::uint32_t next_ = 0;
 };
 
-/// A scene of the same look, whose instances are those that have to be.
+/// An equivalent scene with only the necessary instances.
 struct PlacedScene {
-    /// Its first `baked` meshes lie in the world, each once, by an instance that does nothing; then come those that the
-    /// other instances share. Without any of these there are no instances at all.
+    /// Its first `baked` meshes are in the world, each with an identity instance; then follow the meshes of the other
+    /// instances. If there are no such meshes, there are no instances at all.
     Scene scene;
     std::size_t baked = 0;
     TriangleNumbers numbers;  ///< in the given scene
 };
 
-/// Bakes an instance's transform into its mesh where the mesh has no other, nothing moves, and float32 carries it: no
-/// triangle is to be bent by the rounding of its corners by more than a thousandth, unless it is in its own mesh. One
-/// tree over all of the world is cheaper to traverse than one of trees. Instances of empty meshes are left out.
+/// Bakes an instance's transform into its mesh if the mesh has no other instance, nothing moves, and float32 is
+/// accurate enough: rounding must not bend a triangle by more than a thousandth, unless it is bent in its own mesh
+/// already. One tree over the world is cheaper to traverse than a tree of trees. Instances of empty meshes are left
+/// out.
 [[nodiscard]] PlacedScene place_instances(const Scene& scene);
 
-/// The mesh in the world. A mirrored one's triangles turn the other way round, so that their fronts stay fronts.
+/// The mesh in world space. A mirrored mesh gets the opposite winding, so that front sides stay front sides.
 [[nodiscard]] Mesh transformed(const Mesh& mesh, const glm::mat4& transform);
 
-/// Whether it is somewhere else when the shutter closes.
+/// Returns whether it moves until the shutter closes.
 [[nodiscard]] inline bool moves(const MeshInstance& instance) {
     return instance.transform_end.value_or(instance.transform) != instance.transform;
 }

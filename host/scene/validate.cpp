@@ -1,4 +1,4 @@
-// What a scene must fulfil before it is rendered.
+// Checks that a scene can be rendered.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -29,7 +29,7 @@ bool sound(const glm::vec3& v) { return sound(v.x) && sound(v.y) && sound(v.z); 
 bool share(float value) { return value >= 0.f && value <= 1.f; }
 bool share(const glm::vec3& v) { return share(v.x) && share(v.y) && share(v.z); }
 
-/// Says of one thing what is wrong with it.
+/// Reports an error of one object.
 class Check {
 public:
     explicit Check(std::string name) : name_(std::move(name)) {}
@@ -56,7 +56,7 @@ void check_length(const Check& check, const char* array, std::size_t length, std
                "give one per element, or none");
 }
 
-/// Positions may be anything, but what is looked up by a coordinate must be somewhere.
+/// Positions may have any values, but coordinates that look something up must be finite.
 template <class Vectors>
 void check_vectors(const Check& check, const char* array, const Vectors& vectors) {
     for (std::size_t i = 0; i < vectors.size(); ++i)
@@ -211,7 +211,7 @@ void check_light(const Light& light, const Check& check) {
     const float length = glm::length(light.direction);
     check.that(std::isfinite(length) && length > 0.f, "its direction is none", "give a finite direction other than 0");
     if (!kind->cone) return;
-    constexpr float right_angle = 1.57079637f;  // rounded up, so that a right angle itself passes
+    constexpr float right_angle = 1.57079637f;  // rounded up, so that a right angle is accepted
     check.that(
         light.inner_angle >= 0.f && light.inner_angle <= light.outer_angle && light.outer_angle <= right_angle &&
             light.outer_angle > 0.f,
@@ -246,7 +246,7 @@ void check_camera(const Camera& camera) {
     check.finite(!camera.target_end || finite(*camera.target_end), "target when the shutter closes");
 }
 
-/// The determinant of what is scaled so that its largest entry is 1 tells a flat transform from a small one.
+/// The determinant after scaling the largest entry to 1 distinguishes a flat transform from a small one.
 void check_transform(const glm::mat4& transform, const Check& check, const char* when) {
     float largest = 0.f;
     bool all_finite = true;

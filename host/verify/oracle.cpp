@@ -32,8 +32,8 @@ Rows rows_of(const std::vector<double>* v0, const std::vector<double>* e1, const
             {e2[0].data(), e2[1].data(), e2[2].data()}};
 }
 
-/// For each triangle of a block: how far inside its nearest edge the ray passes, in units of the determinant; negative
-/// where it misses. Straight arithmetic alone, which compilers turn into vector instructions.
+/// For each triangle of a block, the ray's distance inside the nearest edge in units of the determinant; negative for a
+/// miss. Uses arithmetic without branches, which compilers vectorise.
 CLARAY_WIDEST void block_insides(const Rows& m, std::size_t at, const double* o, const double* d,
                                  double* __restrict insides) {
     for (std::size_t k = 0; k < block; ++k) {
@@ -156,7 +156,7 @@ Fault Oracle::judge(const Ray& ray, const Hit& hit) const {
         t_hit = distance_to(rows, hit.primitive, o, d);
         if (!(std::fabs(double(hit.t) - t_hit) <= ulp(t_hit))) return Fault::bad_distance;
     }
-    // What float64 leaves in doubt, and all that it takes for inside, is asked exactly.
+    // Doubtful cases and all hits of float64 are decided exactly.
     const double size = std::max({std::fabs(d[0]), std::fabs(d[1]), std::fabs(d[2])});
     double insides[block];
     for (std::size_t at = 0; at < v0_[0].size(); at += block) {

@@ -16,7 +16,7 @@ struct OracleHit {
     std::uint32_t primitive = CLARAY_MISS;
 };
 
-/// What is wrong with a hit.
+/// The error of a hit.
 enum class Fault { none, missed, invented, not_nearest, bad_distance };
 [[nodiscard]] const char* to_string(Fault fault);
 
@@ -35,8 +35,8 @@ public:
     [[nodiscard]] double distance(const Ray& ray, std::size_t i) const;
 
     /// Compares a hit with exact arithmetic. A ray through the inside of a triangle must hit it or something nearer.
-    /// For a ray exactly through a border both answers are right. The ray must meet the triangle that is reported, at
-    /// its exact distance to 1 ulp, and nothing before it. Triangles must have float32 vertices.
+    /// For a ray exactly through a border both answers are right. The reported triangle must be hit at its exact
+    /// distance to within 1 ulp, and nothing before it. Triangles must have float32 vertices.
     [[nodiscard]] Fault judge(const Ray& ray, const Hit& hit) const;
     struct Verdict {
         std::size_t rays = 0, hits = 0, wrong = 0, first_wrong = 0;
@@ -59,9 +59,9 @@ private:
 struct HitComparison {
     std::size_t rays = 0, hits = 0;
     std::size_t ties = 0;         ///< another primitive at a distance within 1 ulp of the nearest: allowed
-    std::size_t wrong = 0;        ///< missed, invented, or another primitive or distance
+    std::size_t wrong = 0;        ///< missed, false, or with another primitive or distance
     double worst_t_ulp = 0;       ///< largest error of t over the agreeing hits, in units in the last place
-    std::size_t first_wrong = 0;  ///< index of a ray, where any is wrong
+    std::size_t first_wrong = 0;  ///< index of a ray, if any is wrong
 };
 
 [[nodiscard]] HitComparison compare(std::span<const Hit> hits, std::span<const OracleHit> expected);

@@ -118,7 +118,7 @@ VerifyResult run_case(const Device& device, verify::Devices& more, const std::st
     return result;
 }
 
-/// The less, the longer a case compiles: nan-pixels renders with all effects at once.
+/// A smaller number for cases that compile longer: nan-pixels renders with all effects at once.
 int rank_of(const std::string& name) {
     const std::string family = entry_of(name).about.family;
     return name == "nan-pixels" ? 0 : family == "images" || family == "materials" ? 1 : 2;
@@ -139,16 +139,16 @@ public:
         });
     }
     ~Crew() {
-        ends_ = true;  // what was not begun is not wanted any more
+        ends_ = true;  // cases that have not begun are cancelled
         wait();
     }
     Crew(const Crew&) = delete;
     Crew& operator=(const Crew&) = delete;
 
     [[nodiscard]] bool has(const std::string& name) const { return found_.contains(name); }
-    /// Waits for it.
+    /// Waits for the case.
     [[nodiscard]] const VerifyResult& result_of(const std::string& name) const { return found_.at(name).get(); }
-    /// Until no case is under way.
+    /// Waits until no case is running.
     void wait() {
         if (work_.joinable()) work_.join();
     }
@@ -170,8 +170,8 @@ private:
     std::thread work_;
 };
 
-/// A CPU that runs kernels has a thread for each processor already. GPUs wait for compilers, which more than five
-/// threads of one process make no faster (docs/notebook.md).
+/// A CPU driver already has a thread per processor. GPUs wait for compilers, which more than five threads of one
+/// process do not speed up (docs/notebook.md).
 unsigned threads_for(const Device& device, const VerifyOptions& options) {
     if (options.threads != 0) return options.threads;
     if (device.info().type != DeviceType::gpu) return 1;

@@ -1,12 +1,12 @@
-// What stb_image trusts in a Radiance image.
+// Checks data in a Radiance image that stb_image does not check.
 #pragma once
 
 #include <string_view>
 
 namespace claray {
 
-/// False where the runs of an image of this size don't fill its rows, or go on behind the end of the file: stb_image
-/// (2022) reads zeros there, takes them for runs of no length, and never ends.
+/// Returns false if the runs of an image of this size do not fill its rows, or continue beyond the end of the file:
+/// stb_image (2022) then reads zeros as runs of length 0 and does not terminate.
 [[nodiscard]] bool hdr_runs_fit(std::string_view bytes, unsigned width, unsigned height);
 
 }  // namespace claray

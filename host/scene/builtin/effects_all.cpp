@@ -1,4 +1,4 @@
-// One scene that calls for every effect at once, but for the sky, in whose place it has an environment.
+// One scene that uses every effect at once, except the sky, which an environment replaces.
 #include <algorithm>
 
 #include "host/scene/builtin/builtin.hpp"
@@ -54,7 +54,7 @@ void add_balls(Scene& scene) {
     add_part(scene, lambert("bowl", {0.3f, 0.55f, 0.3f}), open_bowl({1.5f, 0.4f, -0.8f}, 0.4f, 0)).cull_back = true;
 }
 
-/// A small ball of every kind that no other ball is of, in a row at the front.
+/// A row of small balls at the front, one for each kind without another ball.
 void add_other_kinds(Scene& scene) {
     float x = -1.9f;
     for (const MaterialKindRow& row : material_kinds) {
@@ -88,7 +88,7 @@ void add_lights(Scene& scene) {
         .emission_map = add_texture(scene, checks());
     Light light = point_light({2.4f, 1.9f, 1.4f}, {3.f, 2.f, 1.4f});
     scene.lights.push_back(light);
-    for (int i = 0; i < 20; ++i) {  // a chain of small lights along the wall, each of which shines not far
+    for (int i = 0; i < 20; ++i) {  // a chain of small lights along the wall, each with a short range
         Light small = point_light({0.25f * float(i) - 2.4f, 0.08f, -1.9f}, {0.02f, 0.012f, 0.006f});
         small.range = 2.f;
         scene.lights.push_back(small);
@@ -100,7 +100,7 @@ void add_lights(Scene& scene) {
     light.kind = LightKind::directional, light.direction = {-0.4f, -1.f, -0.7f};
     light.intensity = {0.5f, 0.45f, 0.4f};
     scene.lights.push_back(light);
-    for (const LightTraits& traits : light_kinds) {  // a faint one of each, wide enough to be found
+    for (const LightTraits& traits : light_kinds) {  // a faint light of each kind, wide enough to be hit
         if (!traits.seen) continue;
         light.kind = traits.kind, light.intensity = glm::vec3(0.05f), light.inner_angle = 0.f, light.outer_angle = 0.3f;
         scene.lights.push_back(light);
@@ -109,7 +109,7 @@ void add_lights(Scene& scene) {
     scene.environment.strength = 0.5f;
 }
 
-/// Every mesh where it is; the last ball of `add_balls` that does not matter to others moves.
+/// An instance for each mesh; the last ball of `add_balls` without a role for others moves.
 void add_instances(Scene& scene) {
     for (std::uint32_t i = 0; i < scene.meshes.size(); ++i) {
         MeshInstance instance;

@@ -1,5 +1,4 @@
-// One scene for every effect that calls for it, for Lambert, for one kind of light, and for what the effect itself
-// needs.
+// One scene per effect. It uses the effect, Lambert, one kind of light, and what the effect itself needs.
 #include <algorithm>
 #include <array>
 #include <string_view>
@@ -94,7 +93,7 @@ struct Alone {
 constexpr std::array alone = {
     Alone{"smooth-normals",
           [](Scene& s) {
-              // So coarse that its outline shows how round it is not.
+              // So coarse that its outline is visibly not round.
               s.meshes[ball_material] = textured_ball({-0.35f, 0.8f, 0.f}, 0.8f, 2, ball_material);
           }},
     Alone{"lambert", [](Scene&) {}},
@@ -182,11 +181,11 @@ constexpr std::array alone = {
 #define CLARAY_ROW(name, NAME, text, far, cone) Alone{text "-lights", make_light<LightKind::name>},
     CLARAY_LIGHT_KINDS(CLARAY_ROW)
 #undef CLARAY_ROW
-    Alone{"light-falloff",
-          [](Scene& s) {
-              Light& light = replace_sky_by(s, LightKind::point);
-              light.attenuation = {1.f, 0.2f, 0.f}, light.intensity = glm::vec3(6.f), light.range = 4.5f;
-          }},
+        Alone{"light-falloff",
+              [](Scene& s) {
+                  Light& light = replace_sky_by(s, LightKind::point);
+                  light.attenuation = {1.f, 0.2f, 0.f}, light.intensity = glm::vec3(6.f), light.range = 4.5f;
+              }},
     Alone{"many-lights", make_many_lights},
     Alone{"hot-spots",
           [](Scene& s) {
@@ -264,7 +263,7 @@ Scene effect_alone(const std::string& name) {
         one.change(scene);
         return scene;
     }
-    for (const MaterialKindRow& row : material_kinds) {  // whose scene is not designed: the ball is of that kind
+    for (const MaterialKindRow& row : material_kinds) {  // kinds without a designed scene: the ball is of that kind
         if (has_own_scene(row) || !is(row.name)) continue;
         set_kind(scene, row.kind, {0.7f, 0.25f, 0.12f}, 0.35f);
         return scene;

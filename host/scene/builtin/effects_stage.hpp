@@ -1,4 +1,4 @@
-// What the scenes about effects are put together from: a floor, a ball and a block, and computed images.
+// Parts of the scenes about effects: a floor, a ball and a block, and computed images.
 #pragma once
 
 #include <functional>
@@ -7,7 +7,7 @@
 
 namespace claray::scenes {
 
-/// Which material is where on the stage.
+/// The materials of the stage's parts.
 enum StageMaterial : std::uint32_t { floor_material, ball_material, block_material, stage_materials };
 
 /// A floor of 6 x 6, a ball of radius 0.8 and a block, all diffuse, facetted and with texture coordinates; a camera; no

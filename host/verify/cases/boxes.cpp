@@ -31,7 +31,7 @@ bool surely_meets(const Ray& ray, const Box& box) {
     return in <= out - std::fabs(out) * 1e-18L;
 }
 
-/// A lattice of triangles, whose boxes' faces many rays along the axes begin on.
+/// A lattice of triangles; many rays along the axes begin on faces of their boxes.
 Mesh lattice_soup(std::size_t count, std::uint64_t seed) {
     Mesh mesh = soup(count, 0.3f, seed);
     for (glm::vec3& p : mesh.positions) p = glm::round(p * 8.f) / 8.f;

@@ -75,7 +75,7 @@ Material mixture(float roughness) {
     return m;
 }
 
-/// Its red reflectance at normal incidence is the largest, and more than the index of refraction says.
+/// Its red reflectance at normal incidence is the largest and exceeds that of the index of refraction.
 Material tinted_plastic(float roughness) {
     Material m = plastic(roughness);
     m.specular_tint = {8.f, 4.f, 0.5f};
@@ -122,7 +122,7 @@ Material cloth(float roughness) {
     m.sheen = glm::vec3(0.7f), m.sheen_roughness = roughness;
     return m;
 }
-/// A coat that is told from a cloth, and from a brushed metal, below it.
+/// A separate coat over a cloth, and over a brushed metal.
 Material coated_cloth(float roughness) {
     Material m = cloth(0.5f);
     m.clearcoat = 1.f, m.clearcoat_roughness = roughness;
@@ -201,7 +201,7 @@ public:
         for (int i = 0; i <= 24; ++i) edges_.push_back(pi * std::sinh(i * stretch / 24) / std::sinh(stretch));
         if (std::abs(axis_.z) == 1) split_at(pi / 2);
     }
-    /// An edge where the density jumps: the midpoint rule does badly in a cell that straddles it.
+    /// An edge at which the density jumps: the midpoint rule is inaccurate in a cell that contains it.
     void split_at(double angle) { edges_.insert(std::upper_bound(edges_.begin(), edges_.end(), angle), angle); }
     [[nodiscard]] std::size_t size() const override { return (edges_.size() - 1) * turns; }
     [[nodiscard]] std::size_t cell(const glm::dvec3& d) const override {
@@ -284,8 +284,8 @@ std::vector<double> expected_shares(const TestedMaterial& material, const glm::v
 
 using Grids = std::vector<std::unique_ptr<Grid>>;
 
-/// The chance that a sampler with the density it claims would be off by more. Samples that are not valid or come from a
-/// delta function are in no cell.
+/// The probability that a sampler with the claimed density deviates by more. Invalid samples and those of delta
+/// functions are in no cell.
 Agreement agreement(const TestedMaterial& material, const glm::vec3& outgoing, const Grids& grids,
                     std::uint32_t count) {
     std::vector<std::vector<double>> observed;
@@ -332,7 +332,7 @@ Grids round_grids(const Material& m, bool inside, const glm::vec3& o) {
     const glm::dvec3 through(-o.x / eta, -o.y / eta, -std::sqrt(std::max(below, 0.0)));
     auto grid = std::make_unique<RingGrid>(refracted ? through : glm::dvec3(0, 0, -1),
                                            refracted ? width * (m.thin_walled ? 1 : std::abs(eta - 1) / 2) : 1);
-    // Light is refracted so by facets that stand upright: behind them there are none, and GGX ends at a jump.
+    // Upright facets refract light there; no facets are beyond them, so that GGX ends with a jump.
     if (!refracted && o.z < eta) grid->split_at(std::acos(o.z / eta));
     grids.push_back(std::move(grid));
     return grids;

@@ -61,18 +61,19 @@ private:
     return m;
 }
 
-/// What is tried at a roughness, from outside and where it matters from inside.
+/// The test of a material at a roughness, from outside and, if relevant, from inside.
 struct Kind {
     const char* name;
     Material (*make)(float roughness);
     bool inside = false;
     bool complete = true;  ///< a white one reflects or transmits all light
-    bool mixed = false;    ///< its parts are chosen at random, and tried by themselves
+    bool mixed = false;    ///< its parts are chosen at random and tested separately
 };
 [[nodiscard]] const std::vector<Kind>& bsdf_kinds();
 [[nodiscard]] TestedMaterial tested(const Device& device, const Kind& kind, float roughness);
 
-/// The chance that a sampler with the density it claims would be off by more, by chi-squared over a grid of directions.
+/// The probability that a sampler with the claimed density deviates by more: a chi-squared test over a grid of
+/// directions.
 struct Agreement {
     double chance = 1;
     double excess = 0;  ///< of the density's integral over the share of samples that have one

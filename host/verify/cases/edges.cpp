@@ -10,7 +10,7 @@
 namespace claray::verify {
 namespace {
 
-/// How many triangles claim each ray; for structures of the fast builder, whose leaves hold every triangle once.
+/// Counts the triangles that claim each ray; for structures of the fast builder, whose leaves hold every triangle once.
 std::vector<std::uint32_t> claims_of(const Bvh& bvh, const Buffer<Ray>& rays) {
     const auto count = std::uint32_t(rays.size());
     const Buffer<std::uint32_t> claims(bvh.device(), count);
@@ -71,7 +71,7 @@ void aim_at(Run& run, bool along_edges) {
     }
 }
 
-/// A fan of triangles round a point, with radii that vary, on a saddle so flat that it nowhere hides itself.
+/// A fan of triangles around a point, with varying radii, on a saddle so flat that it does not hide itself.
 Mesh random_fan(std::uint32_t triangles, Random& random) {
     Mesh mesh;
     const glm::vec3 middle = random.in_cube(0.01f);
@@ -86,8 +86,8 @@ Mesh random_fan(std::uint32_t triangles, Random& random) {
     return mesh;
 }
 
-/// Rays from above through the middle of the fan, half of them at its spokes, and some of those at its centre, where
-/// all triangles are decided exactly: the fewer the larger the fan is.
+/// Rays from above through the middle of the fan, half of them at its spokes. Some of those aim at its centre, where
+/// all triangles are decided exactly: fewer for larger fans.
 std::vector<Ray> fan_rays(const Mesh& mesh, std::size_t count, Random& random) {
     std::vector<Ray> rays;
     const auto spokes = std::uint32_t(mesh.positions.size() - 1), every = std::max(16u, spokes / 64 * 2);

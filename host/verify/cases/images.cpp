@@ -46,7 +46,7 @@ Mesh square(float half, float y, std::uint32_t material) {
     return mesh;
 }
 
-/// As good as one ray.
+/// A camera whose pixels are nearly one ray.
 Camera narrow_camera(const glm::vec3& position, const glm::vec3& target) {
     Camera camera;
     camera.position = position, camera.target = target, camera.vertical_fov = 0.01f;
@@ -58,7 +58,7 @@ Camera narrow_camera(const glm::vec3& position, const glm::vec3& target) {
 struct At {
     const char* name;
     double offset, scale;
-    bool flat;  ///< triangles in planes y = const, where rounding has no say in y
+    bool flat;  ///< triangles in planes y = const, where y is not rounded
 };
 
 Mesh triangles_at(const At& at, std::size_t count, std::uint64_t seed) {
@@ -70,8 +70,8 @@ Mesh triangles_at(const At& at, std::size_t count, std::uint64_t seed) {
     return mesh;
 }
 
-/// Rays that leave a triangle against it alone, which must not meet it, and the other way, which must: most of them do,
-/// and where none did there would be no triangle to leave.
+/// Rays that leave a triangle, tested against it alone: they must not hit it. Reversed rays must: most of them do, and
+/// if none did, the test would prove nothing.
 void leave_alone(const Device& device, const Mesh& mesh, std::uint32_t triangle, std::span<const Ray> rays, Tally& self,
                  Tally& back) {
     Mesh alone = mesh;
@@ -87,7 +87,8 @@ void leave_alone(const Device& device, const Mesh& mesh, std::uint32_t triangle,
 
 }  // namespace
 
-/// Rays that leave a surface must not meet it again, at any scale and distance from the origin, nor begin far off.
+/// Rays that leave a surface must not hit it again, at any scale and distance from the origin, and must begin close to
+/// it.
 void self_intersection(Run& run) {
     const At places[] = {{"at the origin", 0, 1, false},
                          {"at 1e3", 1e3, 1, false},
@@ -121,7 +122,7 @@ void self_intersection(Run& run) {
         std::uint32_t i = 0;
         for (const Hit& hit : hits.read()) self.add(hit.primitive != i++ / each);
         for (std::uint32_t t = 0; t < triangles;
-             t += run.count(100u, 20u)) {  // some alone, so that no other hides them
+             t += run.count(100u, 20u)) {  // some alone, so that no other triangle hides them
             const std::span<const Ray> own(&all[std::size_t(t) * each], each);
             leave_alone(run.device(), mesh, t, own, self, back);
         }
@@ -180,7 +181,7 @@ void nan_pixels(Run& run) {
               double(image[0] != glm::vec3(2, 3, 4)) + double(image[1] != glm::vec3(0)), 0, "pixels");
 }
 
-/// Lognormal samples, the largest of which are thousands of times their mean: sums in one float lose the rest.
+/// Lognormal samples, the largest of which are thousands of times their mean: sums in one float lose small samples.
 void accumulation(Run& run) {
     const std::uint32_t pixels = 2, per_batch = 1u << 16, batches = run.count(8u, 256u);
     Film film(run.device(), pixels);
@@ -349,7 +350,7 @@ void height_fields(Run& run) {
     run.check("order of convergence off 2", 2, std::abs(order - 2), 0.1, "");
 }
 
-/// A leaf's alpha mask seen from ever farther away: the share of the card that is covered stays.
+/// A leaf's alpha mask seen from growing distances: the covered share of the card must stay the same.
 void alpha_coverage(Run& run) {
     Scene scene;
     Texture leaf;
@@ -381,8 +382,8 @@ void alpha_coverage(Run& run) {
     run.check("drift of the coverage", 3, worst, 0.02, "");
 }
 
-/// A lamp of radiance L nearly on the floor lights it by at most albedo * L, and a point light by what the formula
-/// says.
+/// A lamp of radiance L nearly on the floor gives it at most the radiance albedo * L; a point light gives that of the
+/// formula.
 void light_distance_zero(Run& run) {
     double most = 0;
     Tally finite;

@@ -14,7 +14,7 @@ std::string named(const Kind& kind, float roughness) {
     return printed("%s of roughness %g", kind.name, double(roughness));
 }
 
-/// Every second kind, and not the mixtures, where there is no time for all.
+/// Every second kind without mixtures, if there is no time for all.
 std::vector<Kind> kinds_of(const Run& run) {
     std::vector<Kind> kinds;
     for (std::size_t i = 0; i < bsdf_kinds().size(); ++i)
@@ -62,7 +62,7 @@ void ggx_density(Run& run) {
     }
 }
 
-/// What GGX scatters once, without Fresnel: at normal incidence and alpha 1 it is 1 - ln 2.
+/// Albedo of GGX's single scattering without Fresnel: at normal incidence and alpha 1 it is 1 - ln 2.
 void ggx_energy(Run& run) {
     const double reference = single_scattering_albedo(1, 1);
     run.check("reference against 1 - ln 2", 1, std::abs(reference - (1 - std::log(2.0))), 1e-3, "");
@@ -193,8 +193,7 @@ void bsdf_sampling(Run& run) {
     run.check("density's integral against the share of samples", std::uint64_t(tests) * samples, excess, 5e-3, "");
 }
 
-/// Whatever the vertex normals say, the shading normal sees the viewer, and a mirror of it reflects away from the
-/// surface.
+/// For any vertex normals the shading normal faces the viewer, and a mirror with it reflects away from the surface.
 void shading_normals(Run& run) {
     const auto count = run.count(100'000u, 10'000'000u);
     const Buffer<float> cosines(run.device(), 3 * std::size_t(count));

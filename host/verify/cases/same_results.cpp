@@ -69,7 +69,7 @@ void tree_hashes(Run& run) {
     run.check("trees of further builds that differ", again, "trees");
 }
 
-/// The same hits by either layout, in any order of the rays, in one query or in many, by packets and alone.
+/// The same hits in both layouts, for any order of the rays, in one query or many, by packets and one by one.
 void hit_hashes(Run& run) {
     Tally committed, same;
     for (const auto& [name, mesh] : hashed_meshes()) {
@@ -117,8 +117,7 @@ void hit_hashes(Run& run) {
     run.check("sets of hits that differ", same, "sets");
 }
 
-/// Images are promised bit for bit on one device, whatever the sizes of batches; across devices shading may round
-/// otherwise.
+/// Images are the same bit for bit on one device for any batch sizes; on other devices shading may round differently.
 void image_hashes(Run& run) {
     Tally same;
     for (const char* const name : {"cornell", "spheres", "crate"}) {

@@ -22,8 +22,7 @@ QueryOptions without_tree() {
     return options;
 }
 
-/// Hits that differ from those of the same test over every triangle, which `slow` keeps for other trees of the same
-/// mesh.
+/// Counts hits that differ from those of brute force, which `slow` keeps for other trees of the same mesh.
 Tally against_brute_force(Run& run, const Bvh& bvh, const std::vector<Ray>& rays, const std::string& what,
                           std::vector<Hit>& slow) {
     const auto fast = closest_hit(bvh, rays);
@@ -102,7 +101,7 @@ JunkMesh with_junk(const Mesh& clean) {
     return result;
 }
 
-/// What is left is hit as if the junk were not there.
+/// The other triangles must be hit as if the junk did not exist.
 void junk(Run& run, const Mesh& clean, const std::vector<Ray>& rays, const Bvh::Config& config,
           const std::string& what) {
     const JunkMesh dirty = with_junk(clean);
@@ -146,7 +145,7 @@ void junk(Run& run) {
 
 namespace {
 
-/// Triangles that codes can't tell apart, or only along a line or in a plane.
+/// Triangles with equal codes, or with codes that differ only along a line or in a plane.
 struct EqualMeshes {
     Mesh equal, line, plane;
 };
@@ -202,7 +201,7 @@ void equal_codes(Run& run) {
 
 namespace {
 
-/// Every second ray is sent at the cluster, which is the mesh's first `cluster` triangles.
+/// Aims every second ray at the cluster, which is the mesh's first `cluster` triangles.
 void stadium(Run& run, const Mesh& mesh, std::size_t cluster, std::vector<Ray> rays, const std::string& at) {
     double costs[2][3];
     for (std::size_t i = 0; i < rays.size(); i += 2) {
@@ -238,7 +237,7 @@ Mesh stadium_mesh(std::size_t count, std::size_t cluster, std::uint64_t seed) {
 
 }  // namespace
 
-/// Nine tenths of the triangles in a cluster of 1e-4 of the scene: codes of 30 bits can't tell them apart.
+/// Nine tenths of the triangles are in a cluster of 1e-4 of the scene: codes of 30 bits cannot distinguish them.
 void stadium(Run& run) {
     const auto count = run.count<std::size_t>(20'000, 500'000), cluster = count * 9 / 10;
     stadium(run, stadium_mesh(count, cluster, run.seed() + 7), cluster,
@@ -252,8 +251,8 @@ void stadium(Run& run) {
 
 namespace {
 
-/// Triangles at distances 2^-k, whose codes share ever longer prefixes, on top of equal ones: as deep as codes allow.
-/// `size` times as large with its corner at `corner_at`, where floats may be no closer than `least`.
+/// Triangles at distances 2^-k, whose codes share longer and longer prefixes, and equal ones: as deep as codes allow.
+/// Scaled by `size` with its corner at `corner_at`, where floats may be as coarse as `least`.
 Mesh deep_mesh(float size = 1.f, glm::vec3 corner_at = glm::vec3(0.f), float least = 0.f) {
     Mesh mesh;
     const auto add = [&](glm::vec3 at, float edge) {
@@ -269,7 +268,7 @@ Mesh deep_mesh(float size = 1.f, glm::vec3 corner_at = glm::vec3(0.f), float lea
     return mesh;
 }
 
-/// At its triangles, but for the equal ones.
+/// Rays at its triangles, except the equal ones.
 std::vector<Ray> rays_into(const Mesh& mesh, std::size_t count, std::uint64_t seed, float scene_size = 1.f,
                            glm::vec3 corner_at = glm::vec3(0.f)) {
     Random random(seed);
@@ -317,7 +316,7 @@ void stack_depth(Run& run) {
     stack_depth(run, far, rays, " at 1e6");
 }
 
-/// The bottom-up build is a lock-free algorithm: without a fence at device scope it fails now and then, on large trees.
+/// The bottom-up build is a lock-free algorithm: without a fence at device scope it sometimes fails, on large trees.
 void rebuilds(Run& run) {
     const Mesh mesh = soup(run.count<std::size_t>(20'011, 200'003), 0.02f, run.seed() + 5);
     const int total = run.count(60, 10'000);

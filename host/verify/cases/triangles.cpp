@@ -134,7 +134,7 @@ void far_origins(Run& run) {
 
 namespace {
 
-/// Sheets so close together that float32 distances confuse their order: each ray must hit the one that is first.
+/// Sheets so close together that float32 distances confuse their order: each ray must hit the first one.
 void close_surfaces(Run& run, float at, const std::string& where) {
     Mesh mesh;
     const float step = std::nextafter(at, INFINITY) - at, size = at;  // of a sheet, a quarter
@@ -173,7 +173,7 @@ void close_surfaces(Run& run) {
     close_surfaces(run, 1e6f, " at 1e6");
 }
 
-/// Copies of triangles, in any order behind the originals, are never reported.
+/// Copies of triangles, in any order after the originals, are never reported.
 void duplicates(Run& run) {
     Mesh base = soup(200, 0.3f, run.seed() + 27);
     auto rays = random_rays(run.count<std::size_t>(2000, 10'000), 3.f, 1.f, run.seed() + 28);
@@ -199,7 +199,7 @@ void duplicates(Run& run) {
 
 namespace {
 
-/// Rays end at tmax, which belongs to them, begin at tmin, which does not, and those that are none hit nothing.
+/// Rays include tmax and exclude tmin; invalid rays hit nothing.
 void ray_ends(Run& run, const Mesh& mesh, const std::vector<Ray>& rays, const std::string& at) {
     for (const auto& [layout, name] : layouts) {
         const Bvh bvh = build(run, mesh, {.layout = layout});
