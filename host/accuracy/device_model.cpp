@@ -35,7 +35,7 @@ constexpr Figure figures[] = {
             {"INDEPENDENT_COST_PERMILLE", 1e3, [](DeviceModel& m) -> double& { return m.independent_cost; }},
 };
 
-/// Of a model or a const one. `fast` for a builder that the planner does not choose.
+/// The builder's part of a model, const or not; that of `fast` for a builder that the planner does not choose.
 template <class Model>
 auto& preset_of(Model& model, Builder builder) {
     switch (builder) {

@@ -10,7 +10,7 @@
 
 namespace claray::measure {
 
-/// 0 where there are no values.
+/// The median; 0 if there are no values.
 [[nodiscard]] double median(std::vector<double> values);
 /// Half the distance between the quartiles, relative to the median.
 [[nodiscard]] double relative_spread(const std::vector<double>& values);

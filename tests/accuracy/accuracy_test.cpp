@@ -201,7 +201,7 @@ TEST(Study, OfBiasSeesWhatPathsThatEndEarlyLeaveOutAndAmbientLightMakesUpFor) {
     EXPECT_FALSE(point_named(study, "path depth", "depth 128 (default)").failure.empty());
     EXPECT_GT(study.points[0].error.median, 1.5 * study.points[1].error.median);
     EXPECT_GT(study.points[0].error.median, 0.2);
-    EXPECT_FALSE(study.points[7].failure.empty());  // after 16 surfaces nothing is left that could be told
+    EXPECT_FALSE(study.points[7].failure.empty());  // after 16 surfaces the remaining light is too small to measure
     const auto ambient = [&](const char* reach) {
         return point_named(study, "ambient occlusion", std::string("within ") + reach + " of the scene");
     };
@@ -244,7 +244,7 @@ TEST(Study, OfEffectsMapsWhatIsLostWithoutThem) {
             << maps[i].name;
     }
     EXPECT_GT(point_named(study, "left out", "sky").error.median, 0.5);
-    // Without the sky the pixels at the top, which see nothing else, are wrong by what the sky is.
+    // Without the sky the pixels at the top, which see nothing else, are wrong by the sky's radiance.
     const auto sky = std::find_if(maps.begin(), maps.end(), [](const ErrorMap& m) { return m.name == "without-sky"; });
     const auto glass =
         std::find_if(maps.begin(), maps.end(), [](const ErrorMap& m) { return m.name == "without-glass"; });
@@ -343,13 +343,14 @@ TEST(Study, OfBuildsFindsBetterTreesAndWorseRefits) {
         EXPECT_NEAR(fact_of(p, "Mrays/s"), 1 / p.error.median, 1e-6 / p.error.median);
     }
     // The tree named first is built first, and none is traced faster than the last by more than the noise.
-    const auto trees_end = study.points.begin() + 6;
+    const auto trees_end = study.points.begin() + 2 * std::size(builders);  // of two lengths of codes each
     const auto quickest = std::min_element(study.points.begin(), trees_end,
                                            [](auto& a, auto& b) { return a.seconds.median < b.seconds.median; });
     const std::string& crossings = study.findings.front();
     EXPECT_EQ(crossings.find("including the build, " + quickest->method + ", " + quickest->setting), 0u) << crossings;
     const auto last = std::find_if(study.points.begin(), trees_end, [&](const StudyPoint& p) {
-        return crossings.ends_with(p.method + ", " + p.setting) || crossings.ends_with(p.setting + " is fastest");
+        const std::string name = p.method + ", " + p.setting;
+        return crossings.ends_with(name) || crossings.ends_with(name + " is fastest");
     });
     ASSERT_NE(last, trees_end) << crossings;
     if (crossings.ends_with(" first")) return;
@@ -386,7 +387,8 @@ TEST(Study, OfTechniquesSeesWhatSamplingLightsIsWorth) {
     EXPECT_EQ(plain(), before) << "the scope of other macros has ended";
 }
 
-/// BSDFs alone find a lamp so small hardly ever: renders that all missed it can't tell that from bias, and say so.
+/// BSDF sampling alone hardly ever finds such a small lamp: renders that all missed it cannot distinguish this from
+/// bias, and report it.
 std::string findings_with_lamp(float size) {
     Scene scene = small_scene();
     for (Mesh& mesh : scene.meshes)
@@ -416,7 +418,7 @@ TEST(Study, OfTechniquesDoesNotTakeUnfoundLightForBiasAlone) {
     EXPECT_EQ(findings.find("what is left is bias"), std::string::npos) << findings;
 }
 
-/// Of renders that have noise alone few pass for biased, however few they are.
+/// Few unbiased renders are judged as biased, for any number of renders.
 TEST(Study, OfBiasIsSeldomTakenInByNoise) {
     ReferenceImage reference;
     reference.pixels.assign(4, glm::vec3(1.f));

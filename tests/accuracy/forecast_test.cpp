@@ -50,7 +50,7 @@ TEST(Forecast, BelievesFasterConvergenceOnceSamplesAreFourTimesAsMany) {
         EXPECT_NEAR(watched.foresee(sobol.at(spp), 0.001, 0)->spp / sobol.needed(0.001), 1, 1e-6);
 }
 
-/// Luck is not: neither what falls faster than Sobol's on edges nor what does not fall.
+/// Luck is not: neither errors that fall faster than Sobol's at edges nor errors that do not fall.
 TEST(Forecast, BelievesNoOtherConvergence) {
     for (const double power : {3.0, 0.2}) {
         const LawfulRender render{.power = power};

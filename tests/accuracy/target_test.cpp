@@ -1,4 +1,4 @@
-// host/accuracy: the planner and its model of the device. No test depends on what is fast.
+// host/accuracy: the planner and its model of the device. No test depends on speed.
 #include "claray/target.hpp"
 
 #include <gtest/gtest.h>
@@ -133,7 +133,7 @@ TEST(RenderToTarget, BuildsTheTreeThatPaysOnTheWay) {
     EXPECT_NE(account_of(plan, reached).find("error of 0.02, in "), std::string::npos);
 }
 
-/// A model is that of its own scene.
+/// A model belongs to its scene.
 TEST(RenderToTarget, GoesBackToATreeThatIsBetterInThisScene) {
     const Scene scene = *builtin_scene("terrain:2000");
     const Device modelled = device_with(simple_model());

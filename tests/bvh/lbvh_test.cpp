@@ -139,7 +139,7 @@ TEST(Bvh, LeavesFollowTheMortonCurve) {
     EXPECT_EQ(next, 2000u);
 }
 
-/// Cells are cubes: what is a hundred times as wide as high is split along, not across, for twelve levels and more.
+/// Cells are cubes: a scene a hundred times as wide as high is split along its width for at least twelve levels.
 TEST(Bvh, SplitsFlatScenesAlong) {
     Mesh mesh = soup(20'000, 1e-4f, 3);
     for (glm::vec3& position : mesh.positions) position.x *= 100.f, position.y *= 100.f;

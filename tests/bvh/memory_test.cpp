@@ -1,4 +1,4 @@
-// Memory: a build says what it takes before it takes it, and is refused before any work where there is too little.
+// Memory: a build's need is known before it allocates, and it is refused before any work if memory is too small.
 #include "host/compute/memory.hpp"
 
 #include "claray/query.hpp"
@@ -14,7 +14,7 @@ namespace {
 
 class Memory : public testing::Test {
 protected:
-    /// Lets the device have as much memory beyond what is in use.
+    /// Gives the device this much memory beyond that in use.
     void leave(std::uint64_t bytes) { device_.state().info.memory = bytes_in_use(device_) + bytes; }
     [[nodiscard]] std::uint64_t needed(const Bvh::Config& config) const {
         return Bvh::memory_needed(device_, mesh_.positions.size(), mesh_.triangles.size(), config).bytes;
@@ -23,7 +23,7 @@ protected:
         return Bvh::build(device_, std::span(&mesh_, 1), config);
     }
     Mesh mesh_ = soup(3000, 0.1f, 4);
-    Device device_ = Device::open(std::to_string(device().info().index));  // with a size of its own
+    Device device_ = Device::open(std::to_string(device().info().index));  // with its own memory size
 };
 
 std::vector<Bvh::Config> all_configs() {
@@ -108,7 +108,7 @@ TEST_F(Memory, LoadingIsRefusedToo) {
 }
 
 TEST_F(Memory, LargestBufferIsForTheDriverToDecide) {
-    // Promises less than it gives: what it gives is used.
+    // A device that reports less memory per buffer than it allocates: the larger size is used.
     device_.state().info.max_allocation = 1000;
     EXPECT_TRUE(gives_buffer(device_, 100'000));
     EXPECT_NO_THROW((void)build({}));

@@ -1,4 +1,4 @@
-// Saving and loading: what comes back is what was saved, and nothing else is accepted.
+// Saving and loading: the loaded structure equals the saved one, and damaged files are refused.
 #include <cmath>
 #include <cstring>
 #include <fstream>

@@ -124,7 +124,7 @@ TEST(SbvhSmall, HalvesWhatIsDeep) {
     EXPECT_EQ(finished(shells, 48).height(0), 5u);
 }
 
-/// Boxes of one centroid that nothing tells apart are halved, too.
+/// Boxes with one common centroid are halved, too.
 TEST(SbvhSmall, HalvesWhatNoPlaneParts) {
     EXPECT_EQ(finished(std::vector<Box>(32, Box{glm::vec3(-1.f), glm::vec3(1.f)}), 0).height(0), 5u);
 }

@@ -209,7 +209,7 @@ TEST(High, PartsCoverTheirTriangle) {
     EXPECT_GT(checked, 30'000u);
 }
 
-/// Rays to where parts of triangles touch: on planes of the grid, and through edges and vertices.
+/// Rays to points where parts of triangles touch: on planes of the grid, and through edges and vertices.
 std::vector<Ray> rays_at_seams(const Mesh& mesh, const Bvh& bvh, std::size_t count, std::uint64_t seed) {
     Random random(seed);
     const std::vector<std::vector<Bounds>> boxes = leaf_boxes(bvh);
@@ -225,7 +225,7 @@ std::vector<Ray> rays_at_seams(const Mesh& mesh, const Bvh& bvh, std::size_t cou
     for (std::size_t i = 0; i < count; ++i) {
         const glm::vec3 target = targets[i * 7919 % targets.size()], origin = random.in_cube(3.f);
         rays.push_back(make_ray(origin, target - origin));
-        if (i % 3 == 0) {  // along an axis, in a plane of the grid where the target lies in one
+        if (i % 3 == 0) {  // along an axis, in a plane of the grid if the target is on one
             glm::vec3 direction(0.f), from = target;
             direction[int(i) % 9 / 3] = 1.f, from[int(i) % 9 / 3] = -5.f;
             rays.push_back(make_ray(from, direction));

@@ -1,4 +1,4 @@
-// The validation finds what is broken: bvh/validate.cl.
+// The validation finds errors: bvh/validate.cl.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -70,7 +70,7 @@ TEST_F(Machine, AFolderOfOthersIsNotTrusted) {
     EXPECT_TRUE(fs::is_empty(path("elsewhere")));
 }
 
-/// Compilers go as deep as an expression is nested.
+/// Compilers recurse as deeply as expressions are nested.
 TEST_F(Machine, WithASmallStack) {
     fs::copy(fs::path(CLARAY_SOURCE_DIR) / "kernels", folder_ / "kernels", fs::copy_options::recursive);
     fs::copy(fs::path(CLARAY_SOURCE_DIR) / "include", folder_ / "include", fs::copy_options::recursive);

@@ -25,7 +25,7 @@ protected:
     }
 };
 
-/// The bowl of the scene has no backs: what is in it is seen through its wall.
+/// The bowl of the scene has no back sides: its content is seen through its wall.
 TEST_F(Render, SidesOfSurfacesCanBeChosen) {
     const auto primitives = [&](const std::vector<std::string>& options) {
         std::vector<std::string> all = {"--aov", "primitive"};

@@ -163,7 +163,7 @@ TEST_F(Cache, ProcessesAtOnceShareTheFolder) {
     ASSERT_EQ(files().size(), 1u);  // one program, no temporary file left
 }
 
-/// Whether another thread gets a lock while this one holds what it holds; it gets it in any case once `end` is called.
+/// Whether another thread gets a lock while this thread holds its locks; it gets it anyway once `end` is called.
 class Other {
 public:
     explicit Other(const std::string& key)

@@ -1,4 +1,4 @@
-// Several kernel files in one program: which can share one, and that they do what they do alone.
+// Several kernel files in one program: which of them can share one, and that their results are the same.
 #include "host/compute/joint_program.hpp"
 
 #include <gtest/gtest.h>

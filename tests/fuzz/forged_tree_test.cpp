@@ -116,7 +116,7 @@ TEST_P(ForgedTrees, EveryKindOfFaultIsNamed) {
     std::vector<Mesh> meshes = {soup(20, 0.3f, 1), soup(20, 0.3f, 2)};
     meshes[1].mask = 2;
     const FileBytes good = saved(meshes, {.layout = GetParam(), .max_leaf_triangles = 1});
-    std::uint32_t node = 0;  // whose first child is a node, too
+    std::uint32_t node = 0;  // a node whose first child is a node, too
     while (Words(good).node(node, child) & CLARAY_LEAF) ++node;
     const std::uint32_t below = Words(good).node(node, child), top = Words(good).header(root);
     const auto expect = [&](const char* words, const auto& change) {

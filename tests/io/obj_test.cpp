@@ -258,7 +258,7 @@ TEST_F(Obj, WordsBehindTheLastNumberAreNoMatter) {
     EXPECT_EQ(mesh.uvs, (std::vector<glm::vec2>{{0.f, 0.f}, {.5f, .5f}, {1.f, 1.f}}));
 }
 
-// The C library as judge of what is a number, and of which.
+// The C library decides what is a number, and its value.
 TEST_F(Obj, NumbersAreThoseOfTheCLibrary) {
     std::mt19937 random(1);
     std::string text;

@@ -1,4 +1,4 @@
-// The arithmetic of the benchmark, and that it measures what it says.
+// The arithmetic of the benchmark, and that it measures the stated quantities.
 #include "host/measure/bench.hpp"
 
 #include <gtest/gtest.h>

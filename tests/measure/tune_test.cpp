@@ -1,4 +1,4 @@
-// Tuning: what is tried, what is kept, what is written. No test depends on what is fast.
+// Tuning: tried values, kept values, written files. No test depends on speed.
 #include "host/measure/tune.hpp"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ DeviceInfo named(const std::string& name, DeviceType type) {
     return info;
 }
 
-/// Apart from the tests' own device, whose tuning it leaves alone.
+/// Separate from the tests' device, whose tuning does not change.
 Device fresh_device() { return Device::open(std::to_string(test::device().info().index)); }
 
 TEST(Candidates, LastRowThatMatchesCounts) {
@@ -82,7 +82,7 @@ TEST(PairedRatio, MedianAndNoise) {
     EXPECT_EQ(same.ratio, 1);
     EXPECT_EQ(same.noise, 0);
     EXPECT_FALSE(same.faster());
-    // A machine that becomes slower and slower disturbs both alike.
+    // A machine that slows down disturbs both alike.
     EXPECT_TRUE(paired_ratio({0.9, 1.8, 3.6, 7.2, 14.4}, {1, 2, 4, 8, 16}).faster());
     EXPECT_FALSE(paired_ratio({0.99, 1.98, 3.96}, {1, 2, 4}).faster()) << "not worth it";
     EXPECT_FALSE(paired_ratio({0.6, 1.3, 0.9, 1.2, 0.7}, {1, 1, 1, 1, 1}).faster()) << "noise";

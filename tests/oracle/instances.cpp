@@ -41,7 +41,7 @@ double relative_error(const glm::dmat3& a) {
 }
 
 struct Crossing {
-    double t = 0;         // where the ray meets the triangle's plane
+    double t = 0;         // distance to the triangle's plane
     double cosine = 0;    // of the angle to the normal, in size
     double distance = 0;  // in the plane, to the nearest edge; negative outside
 };
@@ -120,7 +120,7 @@ bool InstanceOracle::agrees(const Ray& ray, const InstanceHit& hit, const Oracle
         if (triangle == expected.primitive) return true;
     }
     marginal = true;
-    // Another triangle, or none: right where the oracle's is as near, or its edge is.
+    // Another triangle, or none: correct if the oracle's is as near, or if its edge is.
     if (expects && found && std::fabs(hit.t - expected.t) <= 2 * t_error) return true;
     if (expects && (!found || expected.t < hit.t)) return near_edge(ray, expected.primitive);
     return near_edge(ray, first_[hit.instance] + hit.primitive);

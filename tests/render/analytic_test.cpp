@@ -87,7 +87,7 @@ INSTANTIATE_TEST_SUITE_P(Roughness, LampFurnace, testing::Values(0.f, 0.2f, 0.5f
 // ---- a diffuse sphere lit from its centre (the scene of pbrt's integrator tests)
 // ------------------------------------------
 
-/// Albedo 1/2 and intensity pi give 1/2 directly, and half of what is left with every further bounce.
+/// Albedo 1/2 and intensity pi give 1/2 directly, and each further bounce adds half of the previous light.
 TEST(ClosedSphere, EveryBounceAddsHalfOfTheLast) {
     Scene scene;
     scene.materials = {lambert(0.5f)};
@@ -148,7 +148,7 @@ TEST(DirectLight, SquareLampEqualsItsFormFactor) {
         }
 }
 
-/// A mirror shows the lamp, the sky and what they light; light sampling has no part in it.
+/// A mirror shows the lamp, the sky and lit surfaces, without light sampling.
 TEST(DirectLight, MirrorShowsTheLamp) {
     Scene scene;
     scene.materials = {material(MaterialKind::mirror, 0.9f), emitter(3.f)};
@@ -200,7 +200,7 @@ TEST(AmbientOcclusion, AWallHidesItsSegmentOfTheHemisphereAndReflects) {
     }
 }
 
-/// What is smooth shows what it always did; lamps are sampled as they always were.
+/// Smooth surfaces look as before, and lamps are sampled as before.
 TEST(AmbientOcclusion, LeavesDirectLightAndMirrorsAsTheyAre) {
     for (const MaterialKind kind : {MaterialKind::lambert, MaterialKind::mirror}) {
         Scene scene;

@@ -42,8 +42,8 @@ Camera small_camera() {
     return camera;
 }
 
-/// A point at distance z becomes a disc of radius aperture * |1/focus - 1/z| at distance 1, evenly bright; a disc that
-/// shines becomes its convolution with that. Its energy is that of the sharp image.
+/// The image of a point at distance z is an evenly bright disc of radius aperture * |1/focus - 1/z| at distance 1; that
+/// of an emissive disc is its convolution with this disc, with the energy of the sharp image.
 TEST(ThinLens, CircleOfConfusionHasItsRadiusAndEnergy) {
     constexpr double aperture = 0.5, source = 0.05, radiance = 7;
     struct Place {
@@ -79,8 +79,8 @@ TEST(ThinLens, CircleOfConfusionHasItsRadiusAndEnergy) {
     }
 }
 
-/// Where on the lens a ray begins says nothing about where it goes through its pixel: a circle of confusion of one
-/// pixel's radius is spread over pixels as if both were drawn by themselves.
+/// The point on the lens and the point in the pixel are independent: a circle of confusion of one pixel's radius is
+/// spread over pixels accordingly.
 TEST(ThinLens, IsSampledBesideThePixel) {
     constexpr double source = 0.01, pixel = 0.4 / 64, z = 2, focus = 4;
     Scene scene;
@@ -98,7 +98,7 @@ TEST(ThinLens, IsSampledBesideThePixel) {
     EXPECT_NEAR(std::sqrt(2 * (moment / energy - pixel * pixel / 6)) / std::hypot(pixel, source), 1, 0.02);
 }
 
-/// Auxiliary images are those of a pinhole.
+/// AOVs are those of a pinhole camera.
 TEST(ThinLens, IsNotInAuxiliaryImages) {
     Scene scene;
     scene.materials = {emitter(1.f)};
@@ -110,7 +110,7 @@ TEST(ThinLens, IsNotInAuxiliaryImages) {
     EXPECT_EQ(depth(), sharp);
 }
 
-/// What lies in the plane of focus is as sharp as through a pinhole: all rays of one film position meet there.
+/// Objects in the plane of focus are as sharp as through a pinhole: all rays of one film position meet there.
 TEST(ThinLens, PlaneInFocusIsThePinholes) {
     Scene scene;
     scene.materials = {emitter(1.f)};
@@ -120,7 +120,7 @@ TEST(ThinLens, PlaneInFocusIsThePinholes) {
                 scene.meshes.push_back(rectangle(float(i - 4) * 0.15f, float(j - 4) * 0.15f, float(i - 3) * 0.15f,
                                                  float(j - 3) * 0.15f, -3.f));
     scene.camera = small_camera();
-    scene.camera->target = {0, 0, -3};  // which is where it focuses unless told otherwise
+    scene.camera->target = {0, 0, -3};  // the default focus
     const RenderConfig config{.width = 48, .height = 48, .spp = 64, .max_depth = 1};
     const std::vector<glm::vec3> sharp = render_image(scene, config);
     for (const float focus : {0.f, 3.f, 2.f}) {
@@ -130,11 +130,11 @@ TEST(ThinLens, PlaneInFocusIsThePinholes) {
         std::size_t samples_differ = 0;
         for (std::size_t i = 0; i < image.size(); ++i)
             samples_differ += std::size_t(std::lround(64 * std::abs(image[i].x - sharp[i].x)));
-        // Of 147,456 samples only those that the last bit carries over an edge may differ.
+        // Of 147,456 samples only those may differ that rounding moves over an edge.
         if (focus != 2.f) {
             EXPECT_LE(samples_differ, 8u) << focus;
         } else {
-            EXPECT_GE(samples_differ, 10'000u);  // out of focus: as a check of the check
+            EXPECT_GE(samples_differ, 10'000u);  // out of focus: checks that the comparison can fail
         }
     }
 }
@@ -224,7 +224,7 @@ TEST(CameraMotion, AnEdgeBecomesALinearRamp) {
     }
 }
 
-/// Its rays go along the view from the plane through its position, wherever that looks and however it moves.
+/// Its rays are parallel to the view and start on the plane through its position, for any view and motion.
 TEST(Orthographic, MovesLikeAnyOther) {
     Scene scene;
     scene.materials = {emitter(1.f)};
@@ -244,7 +244,7 @@ TEST(Orthographic, MovesLikeAnyOther) {
     }
 }
 
-/// At any time the camera is the one that stands and looks where straight lines lead.
+/// At any time the camera equals one at rest at the interpolated position and target.
 TEST(CameraMotion, IsTheStillCameraOfEveryTime) {
     Camera camera{{1, 2, 3}, {0, 0.5f, -4}, {0.1f, 1, 0}, 35.f};
     camera.position_end = glm::vec3(2, 1.5f, 2);

@@ -48,7 +48,7 @@ TEST_F(CheckpointFiles, ResumedIsUninterruptedBitForBit) {
         EXPECT_TRUE(same_bits(finish(resumed()), whole)) << paths << " paths at first";
     }
     {
-        const ScopedTuning tuning("render/wavefront", "PATHS", 777);  // goes on with other batches
+        const ScopedTuning tuning("render/wavefront", "PATHS", 777);  // continues with other batches
         render_a_part(config_, 1);
     }
     EXPECT_TRUE(same_bits(finish(resumed()), whole));

@@ -1,4 +1,4 @@
-// Paths of any length: what chance and a limit of depth make of the light that they bring.
+// Paths of any length: the light lost by Russian roulette and by a depth limit.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -65,7 +65,7 @@ TEST(Effects, CausesAreTheSet) {
 
 TEST(Effects, StrippedScenesDoNotCallForThem) {
     for (const auto& [effect, scene] : scenes_by_effect()) {
-        if (effect == Effect::lambert) continue;  // is what other materials turn into
+        if (effect == Effect::lambert) continue;  // other materials turn into it
         if (aids.has(effect)) continue;
         const EffectSet left = effects_of(without_effects(scene, {effect}));
         EXPECT_FALSE(left.has(effect)) << name_of(effect);
@@ -133,7 +133,7 @@ TEST(Effects, HaveBuiltInScenes) {
     EXPECT_TRUE(throws_error(ErrorKind::usage, "mirror", [] { (void)builtin_scene("effect:stars"); }));
 }
 
-/// Thin walls call for nothing of what solids need, whatever else the material says.
+/// Thin walls need none of the effects of solids, for any other parameters of the material.
 TEST(Effects, ThinWallsAreNoSolids) {
     for (const MaterialKind kind : {MaterialKind::glass, MaterialKind::principled}) {
         Scene scene = plain_scene();
@@ -160,7 +160,7 @@ TEST(Effects, OwnKernelsMakeTheSameImage) {
     }
 }
 
-/// Without lights, normals or a sky; every effect by itself would find nothing to work on.
+/// Without lights, normals or a sky, so that every effect has nothing to do.
 TEST(Effects, FindNothingInTheDark) {
     EXPECT_EQ(mean(render_image(plain_scene(), {.width = 16, .height = 16, .spp = 2})), glm::dvec3(0.0));
 }

@@ -89,7 +89,7 @@ TEST_F(Failures, OfInstances) {
 }
 
 TEST_F(Failures, OfQueries) {
-    std::vector<Ray> rays(70'000);  // so many are sorted on CPUs
+    std::vector<Ray> rays(70'000);  // enough to be sorted on CPUs
     for (std::size_t i = 0; i < rays.size(); ++i)
         rays[i] = {float(i % 97) / 97,      float(i % 89) / 89,        -1, 0,
                    float(i % 7) / 7 - 0.5f, float(i % 11) / 11 - 0.5f, 1,  9};

@@ -99,7 +99,7 @@ TEST(Film, NoiseIsUnknownAfterOneSample) {
     EXPECT_EQ(film.noise().relative, 0.0);
 }
 
-/// Images whose truth is known, and a sample of one of their pixels.
+/// Images with known expectation, and a sample of one of their pixels.
 struct SyntheticImage {
     const char* name;
     float brightness;
@@ -121,7 +121,7 @@ constexpr SyntheticImage synthetic_images[] = {
     {"as bright as suns", 1e12f, [](Random& r, std::uint32_t) { return glm::vec3(2e12f * r.uniform()); }},
 };
 
-/// In two batches, the second of which begins with an odd one.
+/// In two batches; the second begins with an odd sample.
 void add_samples(Film& film, const SyntheticImage& image, Random& random) {
     for (const auto& [first, samples] : {std::pair(0u, 7u), std::pair(7u, synthetic_samples - 7u)}) {
         std::vector<float> radiance;
@@ -145,7 +145,7 @@ Film::Error look_at(const Film& film) {
     return film.error(first, synthetic_samples);
 }
 
-/// As GPUs do it.
+/// With a GPU's schedule.
 TEST(Film, WorkGroupsSumUpWhatWorkItemsDo) {
     const std::uint32_t pixels = 777, samples = 6;
     const Buffer<float> radiance(device(), random_radiance(pixels, samples, 5));
@@ -198,7 +198,7 @@ TEST(Film, ErrorIsTheDistanceFromTheTruth) {
     }
 }
 
-/// Whose part of the error falls with the samples, not with their root.
+/// A part of the error that falls with the samples, not with their root.
 TEST(ErrorLooks, OfAFireflyBoundItByLessThanThreeTimes) {
     ErrorLooks looks;
     for (std::uint32_t spp = 4; spp <= 4096; spp *= 2) {

@@ -1,4 +1,4 @@
-// Scenes with instances: placed, traced, shaded and lit as if every object lay in the world by itself.
+// Scenes with instances: placed, traced, shaded and lit as if every object were a mesh in the world.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ namespace {
 
 glm::mat4 at(const glm::vec3& position) { return glm::translate(glm::mat4(1.f), position); }
 
-/// All instances as meshes of their own in the world, computed here in float64.
+/// The scene with each instance as a separate mesh in world space, computed in float64.
 Scene flattened(const Scene& scene) {
     Scene flat = scene;
     flat.meshes.clear(), flat.instances.clear();
@@ -64,7 +64,7 @@ Scene spheres_and_floor() {
 
 Aovs aovs_of(const Scene& scene, const RenderConfig& config) { return Renderer(device(), scene, config).aovs(); }
 
-/// Depths and normals agree but where pixels see an edge.
+/// Depths and normals agree, except in pixels with an edge.
 void expect_same_aovs(const Aovs& a, const Aovs& b) {
     std::size_t differ = 0;
     for (std::size_t i = 0; i < a.depth.size(); ++i) {
@@ -137,7 +137,7 @@ TEST(RenderedInstances, AreInvisibleInAFurnace) {
     }
 }
 
-/// Lamps that are instances are sampled as lights, each where it is and as large as it is.
+/// Lamps that are instances are sampled as lights with their place and size in the world.
 TEST(RenderedInstances, LampsShineAsIfFlat) {
     Scene scene;
     scene.materials = {lambert(0.6f), emitter(4.f), emitter(9.f)};
@@ -154,7 +154,8 @@ TEST(RenderedInstances, LampsShineAsIfFlat) {
     EXPECT_GT(mean(render_image(scene, {.width = 16, .height = 16, .spp = 4, .max_depth = 1})).x, 0.1);
 }
 
-/// Shadow rays end before their lamp, though rays on their way into an object far from its origin are rounded a lot.
+/// Shadow rays end before their lamp, although rays are rounded much when they are transformed into an object far from
+/// its origin.
 TEST(RenderedInstances, LampsFarFromTheirOriginsShineAsIfFlat) {
     Scene scene;
     scene.materials = {lambert(0.6f), emitter(4.f)};
@@ -236,7 +237,7 @@ TEST(MovingInstances, ShadowsMoveAlong) {
     EXPECT_NEAR(mean(render_image(scene, config)).x, 0.75, 0.005);
 }
 
-/// As the shutter opens.
+/// At shutter open.
 TEST(MovingInstances, AovsAreOfTimeZero) {
     Scene scene;
     scene.materials = {lambert(0.5f)};
@@ -375,7 +376,7 @@ TEST(PlaceInstances, RefusesHalfATurn) {
     EXPECT_TRUE(throws_error(ErrorKind::user, "half a turn", [&] { (void)Renderer(device(), scene, {.spp = 1}); }));
 }
 
-/// Auxiliary images number triangles as the scene does, whatever was baked.
+/// AOVs number triangles as the scene does, whatever was baked.
 TEST(PlaceInstances, AovsNumberTheScenesTriangles) {
     Scene scene;
     scene.materials = {lambert(0.5f)};

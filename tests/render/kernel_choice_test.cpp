@@ -1,4 +1,4 @@
-// A render that begins with other kernels than the scene's own and changes over while it runs gives the same image.
+// A render that begins with other kernels than the scene's own and switches while it runs gives the same image.
 #include "host/render/kernels/kernel_choice.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ namespace {
 
 class KernelChoices : public testing::Test {
 protected:
-    /// The configuration whose compiler does nothing, successfully.
+    /// The configuration with a compiler that does nothing and succeeds.
     [[nodiscard]] static RenderConfig config() {
         RenderConfig config{.width = 40, .height = 30, .spp = 200};
         config.compiler = "/bin/true";
@@ -34,7 +34,7 @@ protected:
     void SetUp() override { device().set_tuning("render/wavefront", "PATHS", 1200); }  // many batches
     void TearDown() override { device().set_tuning("render/wavefront", "PATHS", paths_); }
 
-    /// Renders with kernels that give way soon after the first batch.
+    /// Renders with kernels that are replaced soon after the first batch.
     void expect_same_image(const Scene& scene, KernelStart start) {
         Renderer renderer(device(), scene, config());
         remember_as_cached(device(), own(scene), config());
@@ -95,7 +95,7 @@ TEST_F(KernelChoices, WhatIsTracedByCachedKernelsNeedsNoQuickOnes) {
     const EffectSet effects = effects_of(*builtin_scene("cornell"));
     const KernelPlan plan = plan_kernels(device(), effects, config());
     EffectSet others = effects;
-    others.add(Effect::mirror);  // shaded otherwise, traced alike
+    others.add(Effect::mirror);  // other shading, same tracing
     ASSERT_FALSE(effects.has(Effect::mirror));
     remember_as_cached(device(), {others, plan.last.layout}, config());
     EXPECT_EQ(plan_kernels(device(), effects, config()).start, KernelStart::own);
@@ -140,7 +140,7 @@ TEST_F(KernelChoices, QuickKernelsOfManyEffectsAreNotOptimized) {
     RenderConfig many = config(), few = config();
     few.compiler.clear();
     many.effects.add = full_effects();
-    Renderer renderer(device(), scene, many);  // has nothing to give way to
+    Renderer renderer(device(), scene, many);  // has no kernels to switch to
     renderer.render();
     EXPECT_EQ(renderer.statistics().start, KernelStart::quick);
     EXPECT_FALSE(renderer.statistics().own_kernels);
@@ -150,7 +150,7 @@ TEST_F(KernelChoices, QuickKernelsOfManyEffectsAreNotOptimized) {
     EXPECT_EQ(std::memcmp(slow.data(), image.data(), image.size() * sizeof image[0]), 0);
 }
 
-/// A compiler that tells its priority, and works until it is released.
+/// A compiler that reports its priority and runs until it is released.
 class BackgroundCompiler : public KernelChoices {
 protected:
     BackgroundCompiler() {

@@ -53,7 +53,7 @@ TEST(Renderer, EverySampleIsInTheImageOnce) {
     scene.materials = {lambert(0.f)};
     scene.meshes = {square(1.f, 0.f)};
     scene.sky = {glm::vec3(0.25f), glm::vec3(0.25f)};
-    scene.camera = Camera{{0, 3, 0}, {0, 9, 0}, {0, 0, 1}, 40.f};  // sees the sky alone
+    scene.camera = Camera{{0, 3, 0}, {0, 9, 0}, {0, 0, 1}, 40.f};  // sees only the sky
     for (const unsigned spp : {1u, 2u, 3u, 37u, 100u})
         for (const glm::vec3& pixel : render_image(scene, {.width = 13, .height = 7, .spp = spp}))
             ASSERT_EQ(pixel, glm::vec3(0.25f)) << spp;

@@ -46,7 +46,7 @@ TEST(Rng, ScrambledSobolIsStratifiedInAllElementaryIntervals) {
         for (const unsigned bits : {1u, 4u, 7u, 10u}) expect_stratified(bits, hash_word(seed));
 }
 
-/// Each replicate of a pixel's samples is stratified by itself.
+/// Each replicate of a pixel's samples is stratified separately.
 TEST(Rng, SamplesOfAPixelAreTwoStratifiedSequences) {
     for (const unsigned odd : {0u, 1u}) {
         std::set<std::uint32_t> cells;

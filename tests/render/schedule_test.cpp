@@ -31,7 +31,7 @@ TEST(Schedule, EveryPixelGetsItsSamplesInOrder) {
                     }
                     samples += batch.pixels * batch.samples;
                     ASSERT_EQ(schedule.samples(), samples);
-                    Schedule other(pixels, spp + 3, 77);  // another device goes on
+                    Schedule other(pixels, spp + 3, 77);  // another device continues
                     other.go_to(schedule.position());
                     ASSERT_EQ(other.samples(), samples);
                 }
@@ -40,7 +40,7 @@ TEST(Schedule, EveryPixelGetsItsSamplesInOrder) {
             }
 }
 
-/// A noise limit stops between passes: where those are must not depend on how fast the device is.
+/// A noise limit stops between passes; their borders must not depend on the device's speed.
 TEST(Schedule, PassesDoNotDependOnThePace) {
     const auto passes = [](std::uint32_t most) {
         Schedule schedule(100, 100, 1000);

@@ -12,7 +12,7 @@
 namespace claray::test {
 namespace {
 
-/// A device whose renders follow whole paths in scenes of at most so many effects, and so many surfaces a path.
+/// A device that traces whole paths in scenes with at most this many effects and surfaces per path.
 Device following(unsigned most_effects, unsigned most_bounces_permille, unsigned patience = 0) {
     const Device fresh = Device::open(std::to_string(device().info().index));
     fresh.set_tuning("render/trace_paths", "MOST_EFFECTS", most_effects);
@@ -96,7 +96,7 @@ TEST(WholePaths, AreForFewEffectsAndShortPaths) {
     EXPECT_FALSE(follows(2, 1000));
 }
 
-/// A device for which batches are small up to `least` paths and some more, but not up to twice as many.
+/// A device for which batches slightly above `least` paths are small, but batches of twice as many are not.
 Device with_small_batches_of(std::uint64_t least) {
     const Device fresh = following(99, 100'000);
     const unsigned units = fresh.info().compute_units;
@@ -120,7 +120,7 @@ TEST(WholePaths, LeaveLargerBatchesToTheStages) {
     (void)some.render();
     EXPECT_EQ(some.statistics().in_paths.rays, 0u);
     some.restart(1, 2);
-    (void)some.render();  // passes of a sample each
+    (void)some.render();  // passes of one sample each
     ASSERT_GT(some.statistics().in_paths.rays, 0u);
     const RenderStatistics before = some.statistics();
     some.restart(0, 4), none.restart(0, 4);

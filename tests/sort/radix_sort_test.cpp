@@ -30,7 +30,7 @@ std::vector<Key> make_keys(Keys kind, std::size_t count) {
             case Keys::low_bits: keys[i] = Key(random() % 50'000); break;
             // Most lie close together, with the ends of the range far away: the teapot in the stadium.
             case Keys::clustered: keys[i] = i % 10 == 0 ? Key(random()) : Key(0xabcd0000) | Key(random() % 4096); break;
-            // Several clusters of many equal keys that differ in their lowest bits alone.
+            // Several clusters of many equal keys that differ only in their lowest bits.
             case Keys::repeated: keys[i] = (Key(random() % 7) << (8 * sizeof(Key) - 14)) | Key(random() % 3); break;
         }
     return keys;
@@ -72,7 +72,7 @@ TEST_P(RadixSortTest, ManyTiles) {
     expect_stable_sort(make_keys<std::uint32_t>(Keys::few, 300'007), GetParam());
 }
 
-/// Buckets beyond what is sorted in the cache at once, by digits at all places.
+/// Buckets too large to be sorted in the cache at once, with digits at all positions.
 TEST_P(RadixSortTest, LargeBuckets) {
     for (const Keys kind : all_kinds) {
         expect_stable_sort(make_keys<std::uint64_t>(kind, 50'021), GetParam());

@@ -9,7 +9,7 @@
 
 namespace claray::test {
 
-/// Passes where `function` throws claray::Error of this kind whose message holds `words`.
+/// Passes if `function` throws claray::Error of this kind with a message that contains `words`.
 template <class Function>
 testing::AssertionResult throws_error(ErrorKind kind, const std::string& words, Function&& function) {
     try {

@@ -1,4 +1,4 @@
-// PNG files put together by hand, for what must be read and what must be refused.
+// PNG files composed by hand, for tests of valid and invalid files.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace claray::test {
 
 /// A zlib stream (RFC 1950) of blocks that are stored, not compressed.
 [[nodiscard]] std::string stored_zlib(std::string_view raw);
-/// A zlib stream of so many zeros, 158 to 1.
+/// A zlib stream of this many zeros, compressed 158 to 1.
 [[nodiscard]] std::string zeros_zlib(std::uint64_t count, std::uint8_t value = 0);
 
 /// Puts the checksums of all chunks right that are there.

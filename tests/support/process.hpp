@@ -19,10 +19,10 @@ struct ProcessResult {
 
 using Variables = std::map<std::string, std::string>;
 
-/// A running program, its output going to files in a folder of its own.
+/// A running program with its output in files of its own folder.
 class Process {
 public:
-    /// `environment` is added to the test's own. Throws std::runtime_error where the program can't be started.
+    /// `environment` is added to the test's own. Throws std::runtime_error if the program cannot be started.
     explicit Process(const std::vector<std::string>& command, const Variables& environment = {});
     ~Process();
     Process(const Process&) = delete;
@@ -31,7 +31,7 @@ public:
     /// What it has written to standard error so far.
     [[nodiscard]] std::string errors_so_far() const;
     void send(int signal_number) const;
-    /// Whether it handles a signal by now, as /proc tells.
+    /// Returns whether it handles a signal now, by /proc.
     [[nodiscard]] bool handles(int signal_number) const;
     /// Blocks until it ends.
     [[nodiscard]] ProcessResult wait();

@@ -6,7 +6,8 @@
 
 namespace claray::test {
 
-/// What chi-squared of so many degrees of freedom exceeds with a probability of 1 % (Wilson and Hilferty 1931).
+/// The value that chi-squared of this many degrees of freedom exceeds with a probability of 1 % (Wilson and Hilferty
+/// 1931).
 inline double chi_squared_limit(double degrees) {
     const double spread = 2 / (9 * degrees), z = 2.3263478740;
     return degrees * std::pow(1 - spread + z * std::sqrt(spread), 3);

@@ -1,4 +1,5 @@
-// Batches of rays on CPUs: packets of coherent rays and streams of others find, bit for bit, what each ray finds alone.
+// Batches of rays on CPUs: packets of coherent rays and streams of others find the same hits as single rays, bit for
+// bit.
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -48,7 +48,7 @@ struct Outcomes {
     std::size_t wrong = 0, doubtful = 0, hits = 0;
 };
 
-/// Holds what a filter says against the truth, which is itself sure of all but rays within 1e-10 of an edge.
+/// Compares a filter with the truth, which is certain except for rays within 1e-10 of an edge.
 Outcomes judge(const std::vector<glm::vec4>& outcomes, const std::vector<Ray>& rays,
                const std::vector<LeafTriangle>& leaves) {
     enum { rejected, replaced, doubtful };

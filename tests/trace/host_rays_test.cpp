@@ -1,4 +1,4 @@
-// Rays that the host traces, and what they tell of a scene's light.
+// Rays traced by the host, and the estimates of a scene's light by them.
 #include "host/trace/host_rays.hpp"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ std::uint32_t primitive_of(const Scene& scene, const HostHit& hit, std::uint32_t
     return primitive;
 }
 
-/// Every ray against every triangle, in another way.
+/// Every ray against every triangle, by another test.
 void expect_as_oracle(const Scene& scene, std::span<const glm::dvec3> corners) {
     const HostRays rays(scene);
     const verify::Oracle oracle(corners);
@@ -108,7 +108,8 @@ TEST(HostRays, AlongAxesMeetBoxes) {
     scene.meshes[0].triangles = {{0, 1, 2}, {0, 2, 3}};
     const HostRays rays(scene);
     for (const double x : {0.0, 0.5, 1.0})
-        for (const double y : {0.0, 0.25, 1.0}) EXPECT_TRUE(rays.closest({x, y, 5}, {0, 0, -1}, endless)) << x << ", " << y;
+        for (const double y : {0.0, 0.25, 1.0})
+            EXPECT_TRUE(rays.closest({x, y, 5}, {0, 0, -1}, endless)) << x << ", " << y;
     for (const float way : {1 / 3.f, 1 / 6.f, 1 / 14.f, 1 / 20.f}) {
         Scene moved = scene;
         moved.instances = {{0, glm::translate(glm::mat4(1.f), {way, 0.f, 0.f}), {}},
@@ -191,7 +192,7 @@ TEST(LightProbe, SpotsSunsAndLampsCountWithTheirShadows) {
     EXPECT_EQ(square.probe().lit, 0);
 }
 
-/// The share of the emission's image that is not black is what is visible.
+/// The visible share is the share of the emission map that is not black.
 TEST(LightProbe, EmissionIsLookedUpInItsImage) {
     TracedSquare square;
     Texture texture;

@@ -19,7 +19,7 @@ Bvh cube_of_triangles() {
     return Bvh::build(device(), std::span(&mesh, 1));
 }
 
-/// A coordinate's cell of `cells`, or -1 where it is too close to a border for float32 to tell.
+/// A coordinate's cell of `cells`, or -1 if it is too close to a border for float32.
 int cell_of(double at, int cells) {
     const double scaled = at * cells;
     if (std::abs(scaled - std::round(scaled)) < 1e-3) return -1;

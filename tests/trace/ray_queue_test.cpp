@@ -12,7 +12,7 @@
 namespace claray::test {
 namespace {
 
-/// Rays from a point: side by side, or each in a direction of its own.
+/// Rays from a point: side by side, or each in another direction.
 std::vector<Ray> rays_from_centre(std::size_t count, bool side_by_side) {
     std::vector<Ray> rays(count);
     for (std::size_t i = 0; i < count; ++i) {

@@ -1,4 +1,4 @@
-// What `claray verify` leaves to be tested: closed meshes from outside, hits on lattices bit for bit, borders.
+// Geometry that `claray verify` does not test: closed meshes from outside, hits on lattices bit for bit, borders.
 #include <gtest/gtest.h>
 
 #include <cmath>

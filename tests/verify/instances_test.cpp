@@ -86,7 +86,7 @@ TEST_P(HardInstances, TheTopLevelLosesNothingAlongSilhouettes) {
     }
 }
 
-/// Transforms that float32 hardly carries: the boxes grow by what such rays may be off.
+/// Transforms at the limit of float32: the boxes grow by the error of such rays.
 TEST_P(HardInstances, TheTopLevelLosesNothingOfFlattenedObjects) {
     const std::vector<Mesh> meshes = {cube(), grid(4)};
     std::vector<Instance> instances;

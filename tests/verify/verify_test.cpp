@@ -47,7 +47,7 @@ std::string test_name(const testing::TestParamInfo<VerifyCase>& info) {
 }
 INSTANTIATE_TEST_SUITE_P(Cases, Verify, testing::ValuesIn(verify_cases()), test_name);
 
-/// What docs/numerics.md promises where hits are decided in float32.
+/// The guarantees of docs/numerics.md if hits are decided in float32.
 TEST(VerifyCases, NothingLeaksWithoutDoublePrecision) {
     const std::string index = std::to_string(device().info().index);  // opened before it could lose its own
     const ScopedEnvironment without("CLARAY_NO_FP64", "1");

@@ -78,7 +78,7 @@ Texture without_alpha(Texture t) {
     return t;
 }
 
-/// Where the grey image `from`, stretched over a grid of `width` x `height`, is at (x, y); 1 without an image.
+/// The value at (x, y) of the grey image `from`, stretched over a grid of `width` x `height`; 1 without an image.
 float stretched(const Texture& from, unsigned x, unsigned y, unsigned width, unsigned height) {
     if (from.width == 0) return 1.f;
     const std::size_t column = std::size_t(x) * from.width / width, row = std::size_t(y) * from.height / height;

@@ -88,7 +88,7 @@ Scene hair(std::size_t count) {
     static_assert(shades == 4);
     const std::size_t strands = (count + triangles_a_strand - 1) / triangles_a_strand;
     Mesh mesh = named_mesh("hair", count + 2 * strands, count);
-    // The more strands, the thinner, so that they cover the head as densely whatever N.
+    // More strands are thinner, so that they cover the head equally densely for any N.
     const auto half_width = float(std::min(0.01, 0.1 / std::sqrt(double(strands))));
     Random random(37);
     for (std::size_t done = 0; done < count; done += triangles_a_strand)

@@ -252,6 +252,22 @@ Texture uneven_sky() {
 }  // namespace
 
 /// A bright spot at the pole, where rows of the image shrink to a point, and another beside the seam.
+namespace {
+
+/// Chi-squared of the counts `seen` in cells with these expected numbers; `cells` receives the number of cells that are
+/// used.
+double chi_squared(const std::vector<double>& expected, const std::vector<double>& seen, double* cells) {
+    double sum = 0;
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+        if (expected[i] < 20) continue;
+        sum += (seen[i] - expected[i]) * (seen[i] - expected[i]) / expected[i];
+        ++*cells;
+    }
+    return sum;
+}
+
+}  // namespace
+
 void environment_poles(Run& run) {
     Environment environment;
     environment.images = {uneven_sky()};
@@ -302,11 +318,9 @@ void environment_poles(Run& run) {
         ++seen[std::size_t(row) * columns +
                std::size_t(std::min(columns - 1, int((turn < 0 ? turn + 1 : turn) * columns)))];
     }
-    double chi2 = 0, degrees = 0;
-    for (std::size_t i = 0; i < shares.size(); ++i) {
-        const double expected = shares[i] / integral * samples;
-        if (expected >= 20) chi2 += (seen[i] - expected) * (seen[i] - expected) / expected, ++degrees;
-    }
+    for (double& share : shares) share *= samples / integral;
+    double degrees = 0;
+    const double chi2 = chi_squared(shares, seen, &degrees);
     run.check("invalid directions", sound, "samples");
     const double chance = chance_of_chi_squared(chi2, degrees - 1);
     run.check("1 - chance of the directions, chi-squared", samples, 1 - chance, 0.99, "");

@@ -1,4 +1,5 @@
-// Shading normals that are not the triangle's: diffuse light knows them as they are, highlights bent to the viewer.
+// Shading normals that differ from the triangle's: diffuse light uses them unchanged, highlights bent towards the
+// viewer.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -50,7 +51,7 @@ Scene leaning() {
                        lambert(1.f),
                        blinn_phong(0.4f, 0.5f),
                        material(MaterialKind::principled, 0.8f, 0.5f)};
-    scene.materials[matt_plastic].specular_weight = 0.f;  // a diffuse lobe alone, beside one that is resolved
+    scene.materials[matt_plastic].specular_weight = 0.f;  // only a diffuse lobe, beside one that is resolved
     const glm::vec3 normal(float(std::sin(tilt)), float(std::cos(tilt)), 0.f);
     const glm::vec3 texel = 0.5f + 0.5f * glm::vec3(normal.x, 0.f, normal.y);
     scene.textures = {float_texture({1, 1}, [&](double, double) { return texel; })};
@@ -103,7 +104,7 @@ double integrate(const std::function<double(const glm::dvec3&)>& f, const Sky& s
 
 const glm::dvec3 normal(std::sin(tilt), std::cos(tilt), 0);
 
-/// albedo / pi times what falls on the leaning surface, from wherever it is seen.
+/// albedo / pi times the irradiance of the leaning surface, from every view.
 TEST(BentNormals, DiffuseLightIsTheSameFromEverywhere) {
     Scene scene = leaning();
     for (const double light : {35.0, 60.0, 120.0}) {  // above the plane, from the viewer's side on
@@ -120,7 +121,7 @@ TEST(BentNormals, DiffuseLightIsTheSameFromEverywhere) {
 
 const RenderConfig under_sky{.width = 8, .height = 8, .spp = 1024, .max_depth = 1};
 
-/// A sky is found by the directions that the material samples.
+/// A sky is found by BSDF sampling.
 TEST(BentNormals, DiffuseLightAndHighlightUnderASky) {
     Scene scene = leaning();
     scene.sky = {glm::vec3(0.2f), glm::vec3(3.f)};
@@ -138,8 +139,8 @@ TEST(BentNormals, DiffuseLightAndHighlightUnderASky) {
     }
 }
 
-/// Under a white sky a white surface sends back no more than comes. Nowhere is it black: a leaning Lambertian sees
-/// (1 + cos) / 2 of the sky.
+/// Under a white sky a white surface reflects no more light than arrives, and is nowhere black: a leaning Lambertian
+/// sees (1 + cos) / 2 of the sky.
 TEST(BentNormals, GainNoLightAndLeaveNoFringe) {
     Scene scene = leaning();
     scene.sky = {glm::vec3(1.f), glm::vec3(1.f)};
@@ -185,8 +186,7 @@ TEST(BentNormals, NoBrightSliverAtTheTerminator) {
     }
 }
 
-/// Lights and directions are sampled with densities that know both normals: each technique alone brings as much as
-/// both.
+/// Lights and directions are sampled with densities of both normals: each technique alone gives the same light as both.
 TEST(BentNormals, BothTechniquesAgree) {
     Scene scene = leaning();
     scene.environment.images = {float_texture({64, 32}, [](double u, double v) {

@@ -1,4 +1,4 @@
-// The layers of a principled material, against closed forms and float64 integrals that share nothing with the kernels.
+// The layers of a principled material, against closed forms and float64 integrals independent of the kernels.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +19,7 @@ using verify::TestedMaterial;
 
 // ---- one direction ------------------------------------------------------------------------------------------------
 
-/// A principled material that has no base: an interface alone.
+/// A principled material without a base: only an interface.
 Material interface_alone(float roughness, float ior = 1.5f) {
     Material m = material(MaterialKind::principled, 0.f, roughness);
     m.ior = ior;
@@ -75,7 +75,7 @@ TEST(SpecularLayer, ScalesBothEndsOfFresnelsCurve) {
 TEST(SpecularLayer, OfOneIsNone) {
     Material m = material(MaterialKind::principled, 0.5f, 0.5f);
     const Material plain = m;
-    m.specular_map.texture = 0;  // calls for the layer, and multiplies by 1 here
+    m.specular_map.texture = 0;  // enables the layer, and multiplies by 1 here
     for_directions([](const glm::vec3&, const glm::vec3&, const double* v) { EXPECT_NEAR(v[0], v[1], 2e-3 * v[1]); }, m,
                    plain);
 }
@@ -106,7 +106,7 @@ TEST(AnisotropicLayer, IsStretchedGgx) {
 
 /// Estevez and Kulla 2017.
 TEST(SheenLayer, IsCharlies) {
-    for (const float roughness : {0.5f, 1.f}) {  // at which the published lobe reflects no more than all light
+    for (const float roughness : {0.5f, 1.f}) {  // for these the published lobe reflects at most all light
         Material m = interface_alone(1.f);
         m.specular_weight = 0.f, m.sheen = {0.8f, 1.f, 0.1f}, m.sheen_roughness = roughness;
         const double alpha = double(roughness) * roughness, t = std::pow(1 - alpha, 2);
@@ -132,7 +132,7 @@ TEST(SheenLayer, IsCharlies) {
 
 const Material plain_base = interface_alone(0.5f);
 
-/// A cosine of 1 comes out larger by rounding, where the masking function's curve has no value.
+/// A cosine of 1 is rounded to more than 1, where the masking function is undefined.
 TEST(SheenLayer, IsFiniteAlongTheNormal) {
     Material m = interface_alone(0.5f);
     m.sheen = glm::vec3(1.f), m.sheen_roughness = 0.5f;
@@ -165,7 +165,7 @@ TEST(FilmLayer, OfNoThicknessOrNoShareIsNone) {
         thin, absent, plain, film_of(1.3f, 1e-3f), plain_base);
 }
 
-/// Light of many waves does not interfere: both borders reflect by themselves, to and fro.
+/// Light of many wavelengths does not interfere: both borders reflect independently, back and forth.
 TEST(FilmLayer, OfMuchThicknessIsAPane) {
     for (const float film_ior : {1.3f, 2.f})
         for_directions(
@@ -193,7 +193,8 @@ glm::dvec3 matching(double wave) {
             lobe(1.217, 437.0, 1 / 11.8, 1 / 36.0) + lobe(0.681, 459.0, 1 / 26.0, 1 / 13.8)};
 }
 
-/// Airy's formula, wave by wave, to a channel of linear Rec. 709; of grey light, and of Schlick's curve within.
+/// Airy's formula per wavelength, integrated to a channel of linear Rec. 709, for grey light and Schlick's curve
+/// inside.
 double airy(double base_ior, double film_ior, double thickness, int channel = 0, double cosine = 1) {
     constexpr double rows[3][3] = {
         {3.2404542, -1.5371385, -0.4985314}, {-0.9692660, 1.8760108, 0.0415560}, {0.0556434, -0.2040259, 1.0572252}};
@@ -279,7 +280,7 @@ glm::vec3 turned(const glm::vec3& v, float angle) {
     return {std::cos(angle) * v.x + std::sin(angle) * v.y, std::cos(angle) * v.y - std::sin(angle) * v.x, v.z};
 }
 
-/// Of every colour, on a base that reflects so much that the second harmonic counts.
+/// Films of every colour on a base that reflects so much that the second harmonic matters.
 TEST(FilmLayer, InterferesOnMetalInAllColours) {
     Material metal = material(MaterialKind::principled, 0.8f, 0.3f);
     metal.metallic = 1.f;
@@ -296,7 +297,7 @@ TEST(FilmLayer, InterferesOnMetalInAllColours) {
     }
 }
 
-/// Highlights are stretched along the tangent, which rotation and texture turn counter-clockwise.
+/// Highlights are stretched along the tangent; rotation and texture turn it counter-clockwise.
 TEST(AnisotropicLayer, FollowsTangentRotationAndTexture) {
     Material m = interface_alone(0.5f);
     m.anisotropy = 0.8f;
@@ -321,7 +322,7 @@ TEST(AnisotropicLayer, FollowsTangentRotationAndTexture) {
     }
 }
 
-/// Under a sky that is linear in the height a smooth coat shows where it mirrors to.
+/// Under a sky that is linear in height a smooth coat shows the direction that it reflects.
 TEST(LayeredCoat, LiesOnNormalsOfItsOwn) {
     Scene scene;
     scene.textures = {float_texture({1, 1}, [](double, double) { return glm::vec3(0.8f, 0.5f, 0.9f); })};
@@ -345,7 +346,7 @@ TEST(LayeredCoat, LiesOnNormalsOfItsOwn) {
     EXPECT_NEAR(mean(render_image(scene, many)).x / expected(glm::normalize(glm::dvec3(0.3, 0.8, 0))), 1, 0.02);
 }
 
-/// It shows its base colour in whatever light, to the camera and in mirrors, and lights nothing.
+/// It shows its base colour in any light, to the camera and in mirrors, and lights nothing.
 TEST(Unlit, ShowsItsColorAndLightsNothing) {
     Scene scene = lit_square(material(MaterialKind::unlit, 0.25f), {0, 1, 0}, glm::normalize(glm::vec3(1, 1, 0)));
     EXPECT_EQ(mean(render_image(scene, layer_config)).x, 0.25);
@@ -363,7 +364,7 @@ TEST(Unlit, ShowsItsColorAndLightsNothing) {
     EXPECT_EQ(mean(render_image(scene, layer_config)).x, 0.125) << "textured";
 }
 
-/// Each channel is what a grey layer of its value would show.
+/// Each channel equals that of a grey layer of its value.
 TEST(Layers, HaveThreeColours) {
     Material tinted = interface_alone(0.5f), sheen = interface_alone(1.f);
     tinted.specular_tint = {4.f, 2.f, 1.5f};
@@ -379,7 +380,7 @@ TEST(Layers, HaveThreeColours) {
     }
 }
 
-/// Each reads the channels that glTF says.
+/// Each map reads the channels that glTF specifies.
 TEST(LayerMaps, OfOneValueAreFactors) {
     Texture texture = float_texture({1, 1}, [](double, double) { return 0.0; });
     texture.channels = 4, texture.floats = {0.25f, 0.5f, 0.75f, 0.625f};
@@ -422,7 +423,7 @@ TEST(LayerMaps, OfOneValueAreFactors) {
     }
 }
 
-/// Diffuse and highlight are scaled down where both together reflect more than all light, texel by texel.
+/// Diffuse and highlight are scaled down, texel by texel, if both together reflect more than all light.
 TEST(LayerMaps, BlinnPhongKeepsEnergyPerTexel) {
     Material m = material(MaterialKind::blinn_phong, 1.f);
     m.specular = glm::vec3(0.5f), m.shininess = 20.f;

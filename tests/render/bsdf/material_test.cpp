@@ -106,7 +106,7 @@ Scene plane(const Material& material, double angle) {
     return scene;
 }
 
-/// Within 3 standard errors, the roundings and tables of float32 aside, and 0.5 %.
+/// Within 3 standard errors and 0.5 %, plus the errors of float32 and of tables.
 void expect_radiance(const Scene& scene, const RenderConfig& with, double expected, const std::string& what) {
     const std::vector<glm::vec3> image = render_image(scene, with);
     const double average = mean(image).x;
@@ -150,7 +150,7 @@ TEST(MaterialScene, RoughMetalWithAllItsReflections) {
     }
 }
 
-/// What an interface of this roughness and index of refraction lets through.
+/// Transmittance of an interface of this roughness and index of refraction.
 Curve let_through(double alpha, double ior) {
     const auto reflectance = [ior](double c) { return verify::fresnel_reference(c, ior); };
     return Curve([&](double z) { return 1 - scattered_once(z, alpha, reflectance, ior).reflected; });
@@ -171,7 +171,7 @@ TEST(MaterialScene, Plastic) {
     }
 }
 
-/// A rough coat over a smooth interface over a diffuse base: both reflect, and what neither does enters the base.
+/// A rough coat over a smooth interface over a diffuse base: both reflect, and the remaining light enters the base.
 TEST(MaterialScene, CoatedPlastic) {
     const double alpha = 0.4 * 0.4, albedo = 0.5;
     const Curve passed = let_through(alpha, 1.5);
@@ -190,7 +190,7 @@ TEST(MaterialScene, CoatedPlastic) {
     }
 }
 
-/// Mirrors, coated by half: the coat reflects, and the metal what is left.
+/// Mirrors with half a coat: the coat reflects, and the metal reflects the remaining light.
 TEST(MaterialScene, SmoothCoatOverSmoothMetal) {
     for (const double angle : {0.2, 1.2}) {
         Material m = material(MaterialKind::principled, 0.6f, 0.f);
@@ -246,7 +246,7 @@ TEST(MaterialScene, RoughGlassLitFromBothSides) {
             // Local x is the world's z, and z its y.
             scene.lights = {point_light({0.f, float(2 * i.z), float(2 * i.x)}, glm::vec3(5.f))};
             const double radiance = mean(render_image(scene, {.width = 4, .height = 4, .spp = 4, .max_depth = 1})).x;
-            // Beside 0.5 %, the tables' error: lost light is known to 0.1 % of all light.
+            // In addition to 0.5 % the error of tables: lost light is known to 0.1 % of all light.
             EXPECT_NEAR(radiance / (std::abs(i.z) * 5 / 4), f, 0.005 * f + 0.001 / pi)
                 << (inside ? "inside, " : "outside, ") << "towards " << towards;
         }
@@ -298,7 +298,8 @@ TEST(MaterialScene, ThinWallsDoNotBendLight) {
             }
 }
 
-/// Emissive triangles behind rough glass, or a rough wall, are found in both ways; their weights add up to 1.
+/// Emissive triangles behind rough glass, or a rough wall, are found by both kinds of sampling; the weights add up
+/// to 1.
 TEST(MaterialScene, LampsAllAroundRoughGlassEqualASky) {
     for (const bool thin : {false, true}) {
         Material glass = material(MaterialKind::glass, 1.f, 0.5f);

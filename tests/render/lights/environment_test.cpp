@@ -1,4 +1,4 @@
-// Images round the scene: host/lights/environment.cpp, lights/environment.clh.
+// Environment maps: host/lights/environment.cpp, lights/environment.clh.
 #include "host/lights/environment.hpp"
 
 #include <gtest/gtest.h>
@@ -100,7 +100,7 @@ TEST(Environment, IsSeenWhereItsDefinitionSays) {
     }
 }
 
-/// Counter-clockwise as seen from above: what was towards -z is then towards -x.
+/// Counter-clockwise as seen from above: -z is turned to -x.
 TEST(Environment, Turns) {
     Environment environment;
     environment.images = {panorama(256, 128, gradient)};
@@ -143,7 +143,7 @@ TEST(Environment, BadTexelsAreRefused) {
     EXPECT_TRUE(throws_error(ErrorKind::user, "", [&] { (void)environment_image(environment); }));
 }
 
-/// A surface that absorbs nothing is invisible before it, found by both techniques.
+/// A surface that absorbs nothing is invisible before it, with both techniques.
 TEST(Environment, WhiteFurnace) {
     Scene scene;
     scene.materials = {material(MaterialKind::lambert, 1.f)};

@@ -157,7 +157,8 @@ TEST(SunLight, HasAPenumbra) {
     }
 }
 
-/// Where the light shines most, a surface that faces it gets its intensity, of near ones over the squared distance.
+/// In the direction of its largest intensity, a surface facing the light gets that intensity, for near lights divided
+/// by the squared distance.
 TEST(LightKinds, ShineByTheirIntensity) {
     for (const LightTraits& kind : light_kinds) {
         Scene scene = floor_scene();
@@ -316,7 +317,7 @@ TEST_P(Techniques, AgreeOnAnEnvironment) {
     expect_agreement(scene, true);
 }
 
-/// Lamps with an image: of a place on one, the light tells what is there, not what there is on average.
+/// Lamps with an emission map: a point of a lamp emits the map's value there, not the average.
 class TechniquesWithImages : public Techniques {
 protected:
     /// A lamp of a side of 2 * half, seen from below, with an image that is black in places.
@@ -353,8 +354,7 @@ TEST_P(TechniquesWithImages, AgreeOnManyInInstances) {
     expect_agreement(scene);
 }
 
-/// So near that it matters where on them the image is bright: corners that a mirrored instance exchanges are told
-/// apart.
+/// So near that the place of bright texels matters: the corners that a mirrored instance exchanges are distinguished.
 TEST_P(TechniquesWithImages, AgreeOnMirroredLampsNearby) {
     Scene scene = with_lamps(0.6f);
     scene.instances = {MeshInstance{}};

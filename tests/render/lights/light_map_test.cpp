@@ -18,7 +18,7 @@ namespace {
 
 using std::numbers::pi;
 
-/// A square of side 2 at y = 0, whose second coordinates are its place.
+/// A square of side 2 at y = 0 with second texture coordinates.
 Scene baked_floor() {
     Scene scene;
     scene.materials = {lambert(0.6f)};
@@ -45,7 +45,7 @@ TEST(LightMap, HoldsTheIrradianceOfALamp) {
         }
 }
 
-/// Whatever the material: irradiance is that of the light alone.
+/// Irradiance does not depend on the material.
 TEST(LightMap, OfAWhiteSkyIsPi) {
     for (const MaterialKind kind : {MaterialKind::lambert, MaterialKind::mirror, MaterialKind::principled}) {
         Scene scene = baked_floor();
@@ -97,7 +97,7 @@ TEST(LightMap, ImageIsTheSameAsWithout) {
     EXPECT_NEAR(mean(b).y / mean(a).y, 1, 0.005);
 }
 
-/// Paths end at a light map, and nothing is asked of the lights there.
+/// Paths end at a light map, and no light is sampled there.
 TEST(LightMap, EndsPathsAndShadowRays) {
     Scene scene = baked_floor();
     scene.lights = {point_light({0, 1, 0}, glm::vec3(1.f))};

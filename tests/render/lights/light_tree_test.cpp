@@ -144,7 +144,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, LightTrees,
                                          Case{"Mixed", 300, 60, 200}, Case{"Spots", 0, 40, 0}),
                          [](const auto& c) { return c.param.name; });
 
-/// The 2^32 numbers go to the leaves in turn, and from any of them a look at one leaf leads to the light that has it.
+/// The 2^32 numbers are assigned to the leaves in order, and for each number one leaf suffices to find its light.
 TEST(LightTree, SharesItsNumbersByIntensity) {
     const std::uint32_t sizes[] = {2, 3, 17, 1000};
     for (const std::uint32_t size : sizes) {
@@ -275,7 +275,7 @@ TEST(LightTree, MissesNoLight) {
     }
 }
 
-/// Lamps that show their dark side are hardly ever picked.
+/// Lamps whose dark side faces the point are hardly ever picked.
 TEST(LightTree, KnowsWhichSideShines) {
     Scene scene;
     scene.materials = {emitter(1.f)};
@@ -301,7 +301,7 @@ TEST(LightTree, KnowsWhichSideShines) {
     EXPECT_LT(dark, 0.05);
 }
 
-/// The same light, whichever way it is picked.
+/// The same light for every way of picking.
 TEST(LightTree, ChangesNoImageButItsNoise) {
     for (const Scene& with : {many(200, 0, 0), many(0, 30, 40), many(50, 20, 20)}) {
         Scene scene = with;

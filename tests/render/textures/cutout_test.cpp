@@ -86,7 +86,7 @@ std::uint32_t bits(float value) {
     return word;
 }
 
-/// Opacity less the threshold that it must reach: the surface is there where that is positive.
+/// Opacity minus its threshold: the surface exists where this is positive.
 double margin(const Scene& scene, const Ray& ray, const Mesh& mesh, std::size_t i, std::uint32_t primitive, double u,
               double v, bool back) {
     const Material& m = scene.materials[mesh.materials[i]];
@@ -196,7 +196,7 @@ TEST_P(Cutouts, HitsDependOnNoTree) {
     EXPECT_FALSE(same(closest_hit(split, rays), hits));
 }
 
-/// Each mesh as an instance that stays where it is: the same hits as of one structure.
+/// Each mesh as an identity instance: the same hits as in one structure.
 TEST_P(Cutouts, InstancesKnowTheirTriangles) {
     const Scene scene = mixed_soup(300);
     CutoutScene whole(scene, GetParam());
@@ -225,7 +225,7 @@ INSTANTIATE_TEST_SUITE_P(Layouts, Cutouts, testing::Values(Layout::binary, Layou
 // ---- in images
 // -------------------------------------------------------------------------------------------------------
 
-/// Black in front of a white sky, so that the image tells what is there.
+/// Black before a white sky, so that the image shows coverage.
 Scene leaf_card(const Texture& texture) {
     Scene scene;
     scene.textures = {texture};
@@ -313,7 +313,7 @@ TEST(BackFaces, AreNotThereWhereAllAreCulled) {
     EXPECT_EQ(mean(render_image(scene, disc_config)).x, 0);
     scene.camera->position.y = -10.f;
     EXPECT_EQ(mean(render_image(scene, disc_config)).x, 1);
-    EXPECT_FALSE(Textures(device(), scene).store.allocated());  // queries know it by themselves
+    EXPECT_FALSE(Textures(device(), scene).store.allocated());  // queries cull back faces without a store
 }
 
 TEST(BackFaces, AreNotThereWhereSomeAreCulled) {
@@ -323,7 +323,7 @@ TEST(BackFaces, AreNotThereWhereSomeAreCulled) {
     scene.meshes.push_back(square(0.5f, -1.f, 1));
     scene.camera->position.y = -10.f;
     const double covered = 1 - mean(render_image(scene, disc_config)).x;
-    EXPECT_NEAR(covered, 0.25 * std::pow(10 / 9.0, 2), 0.002);  // the smaller square alone, at distance 9
+    EXPECT_NEAR(covered, 0.25 * std::pow(10 / 9.0, 2), 0.002);  // only the smaller square, at distance 9
     EXPECT_TRUE(Textures(device(), scene).has_cutouts);
 }
 

@@ -44,7 +44,7 @@ TEST(AlbedoMap, PlaneUnderASkyShowsTheImage) {
         EXPECT_NEAR(seen_at(scene, u, v).x, smooth(u, v), 1e-3) << u << ' ' << v;
 }
 
-/// The image's mean is what the whole plane reflects, of a lamp's light by its inverse square and cosine.
+/// The image's mean is the light of a lamp reflected by the whole plane, by inverse square and cosine.
 TEST(AlbedoMap, LambertPlaneUnderALampEqualsTheClosedForm) {
     Scene scene = plane_under_sky(float_texture({32, 32}, [](double u, double v) { return smooth(u, v); }));
     scene.materials[0].albedo = {1.f, 0.5f, 0.25f};
@@ -100,7 +100,7 @@ TEST(EmissionMap, LightsTheSceneAsItsMean) {
     EXPECT_NEAR(mean(render_image(scene, config)).x / plain, 0.5, 0.005);
 }
 
-/// Texels become triangles of their own: the same light, and the lights know of it what each triangle emits on average.
+/// Texels become separate triangles: the same light, with each triangle's average emission as a light.
 TEST(EmissionMap, IsSampledAsLampsOfItsTexels) {
     Scene scene;
     Texture image = float_texture({4, 1}, [](double u, double) { return u < 0.5 ? 0.0 : u < 0.75 ? 1.0 : 3.0; });
@@ -220,7 +220,7 @@ TEST(TextureCoordinateSets, EachMapHasItsOwn) {
 // ---- footprints
 // ------------------------------------------------------------------------------------------------------
 
-/// A checkerboard that runs to the horizon: where squares are far below a pixel, one sample a pixel sees grey.
+/// A checkerboard to the horizon: where squares are far smaller than a pixel, one sample per pixel gives grey.
 TEST(Footprint, CheckerboardFadesToGrey) {
     Texture checker = random_texture({2, 2}, 1, TexelFormat::linear8, 1);
     for (unsigned i = 0; i < 4; ++i) checker.bytes[i] = i == 1 || i == 2 ? 255 : 0;
@@ -240,7 +240,7 @@ TEST(Footprint, CheckerboardFadesToGrey) {
     const auto [mean, variance] = far_rows(Filter::trilinear);
     EXPECT_NEAR(mean, 0.5, 0.01);
     EXPECT_LT(variance, 1e-4);
-    EXPECT_GT(far_rows(Filter::nearest).second, 0.1);  // what there was to do
+    EXPECT_GT(far_rows(Filter::nearest).second, 0.1);  // the error without filtering
 }
 
 Scene striped_square() {
@@ -274,7 +274,7 @@ TEST(Footprint, OfParallelRaysIsThatOfAPixel) {
     }
 }
 
-/// Near by, the finest level is seen: mip maps change nothing where a texel is larger than a pixel.
+/// Nearby the finest level is used: mip maps change nothing if a texel is larger than a pixel.
 TEST(Footprint, NearbyTexelsStaySharp) {
     Texture t = random_texture({8, 8}, 3, TexelFormat::float32, 9);
     t.filter = Filter::bilinear;
@@ -283,7 +283,7 @@ TEST(Footprint, NearbyTexelsStaySharp) {
     EXPECT_EQ(seen_at(plane_under_sky(t), 0.47, 0.31), sharp);
 }
 
-/// A mirror passes the camera's cone on, so that what it shows is filtered as at the sum of both distances.
+/// A mirror keeps the camera's cone, so that its image is filtered as at the sum of both distances.
 TEST(Footprint, GoesOnBeyondAMirror) {
     Scene scene;
     scene.textures = {float_texture({256, 256}, [](double u, double v) { return (int(u * 256) + int(v * 256)) % 2; })};
@@ -305,7 +305,7 @@ TEST(Footprint, IsWideAfterScattering) {
     scene.materials = {emitter(1.f), lambert(1.f)};
     scene.materials[0].emission_map.texture = 0;
     scene.meshes = {mapped_square(), square(0.01f, -0.5f, 1)};
-    for (glm::vec3& p : scene.meshes[0].positions) p *= 400.f;  // so that no ray goes past it
+    for (glm::vec3& p : scene.meshes[0].positions) p *= 400.f;  // so that no ray misses it
     for (glm::vec2& uv : scene.meshes[0].uvs) uv *= 1600.f;     // texels are a quarter as wide as the cones
     scene.camera = narrow_camera({0.01f, -0.1f, 0}, {0, -0.5f, 0});
     device().set_tuning("render/shade_surface", "TECHNIQUES", 2);  // a light's sample would be a point, without a cone
@@ -389,7 +389,7 @@ TEST(NormalMap, TurnsTowardsTheImagesAxes) {
     expect_near(normal_at(scaled, 0.4, 0.4), glm::normalize(glm::dvec3(0.3, 0.8, 0)), 1e-6);
 }
 
-/// Where the image is mirrored, so is what it says.
+/// A mirrored image gives mirrored normals.
 TEST(NormalMap, FollowsMirroredCoordinates) {
     Scene scene = with_normal_map({0.8f, 0.5f, 0.9f});
     for (glm::vec2& uv : scene.meshes[0].uvs) uv.x = 1.f - uv.x;
@@ -419,7 +419,7 @@ TEST(NormalMap, SeenFromBehindIsTheSameSurface) {
     expect_near(glm::dvec3(normal), {-0.6, -0.8, 0}, 1e-6);
 }
 
-/// The image's top stays where it is when the object is mirrored.
+/// The image's top does not move when the object is mirrored.
 TEST(NormalMap, GivenTangentsOfMirroredInstances) {
     Scene scene = with_normal_map({0.5f, 0.8f, 0.9f});
     scene.meshes[0].tangents.assign(4, {1.f, 0.f, 0.f, 1.f});
@@ -427,7 +427,7 @@ TEST(NormalMap, GivenTangentsOfMirroredInstances) {
     EXPECT_LT(plain.z, -0.1);
     glm::mat4 mirrored(1.f), away(1.f);
     mirrored[0][0] = -1.f, away[3] = {0.f, 0.f, 50.f, 1.f};
-    scene.instances = {{0, mirrored}, {0, away}};  // two, so that neither becomes part of the world
+    scene.instances = {{0, mirrored}, {0, away}};  // two instances, so that neither is baked
     expect_near(normal_at(scene, 0.5, 0.5), plain, 1e-5);
 }
 

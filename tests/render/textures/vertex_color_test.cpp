@@ -84,7 +84,7 @@ TEST(VertexColors, AreInTheAlbedoImage) {
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(double(albedo[k]), painted(-0.5, 0.1)[k], 1e-4);
 }
 
-/// A light map holds what arrives; the colours of other surfaces reflect it, those of the mesh itself do not count.
+/// A light map holds irradiance: colours of other surfaces affect it, those of the mesh itself do not.
 TEST(VertexColors, OfTheBakedMeshDoNotCount) {
     Scene scene;
     scene.materials = {lambert_material()};
@@ -120,7 +120,7 @@ TEST(VertexColors, TheirAlphaIsAnOpacity) {
     EXPECT_NEAR(covered(ramp(AlphaMode::opaque)), 1, 1e-6);
 }
 
-/// Asked of the device's memory: three floats a vertex, and nothing where all is white.
+/// In device memory: three floats per vertex, and nothing if all is white.
 TEST(VertexColors, TakeMemoryOnlyWhereTheyAre) {
     Scene scene = painted_triangle();
     EXPECT_TRUE(Textures(device(), scene).store.allocated());

@@ -21,7 +21,7 @@ inline constexpr const char* meshopt_extension = "EXT_meshopt_compression";
 /// in data URIs are called bytes. Nothing where the file needs no change.
 [[nodiscard]] std::optional<std::string> adapted_to_tinygltf(std::string_view bytes, bool binary);
 
-/// Decodes what is compressed and can be decoded: accessors and views then refer to plain buffers. Throws where the
+/// Decodes all compressed data that can be decoded: accessors and views then refer to plain buffers. Throws if the
 /// data is damaged or does not fit its description.
 void decompress(GltfFile& file);
 
