@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "host/base/format.hpp"
+#include "host/compute/device_error.hpp"
 #include "host/compute/device_state.hpp"
 
 namespace claray {
@@ -17,6 +18,22 @@ MemoryPlan::~MemoryPlan() { device_.state().plan = nullptr; }
 void MemoryPlan::add(std::uint64_t bytes) {
     bytes_ = bytes > UINT64_MAX - bytes_ ? UINT64_MAX : bytes_ + bytes;
     largest_ = std::max(largest_, bytes);
+}
+
+/// The memory of a buffer that the driver allocates on the host stays mapped: the documented way to page-locked memory
+/// (NVIDIA, "OpenCL Best Practices Guide", 3.1.1).
+HostMemory::HostMemory(const Device& device, std::size_t bytes) try {
+    if (device.state().plan != nullptr) return;
+    const cl::Buffer buffer(device.context(), CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, bytes);
+    void* const mapped = device.queue().enqueueMapBuffer(buffer, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0, bytes);
+    data_ = {static_cast<std::uint8_t*>(mapped), [device, buffer](std::uint8_t* data) {
+                 try {
+                     device.queue().enqueueUnmapMemObject(buffer, data);
+                 } catch (const cl::Error&) {  // the device is lost, and the memory with it
+                 }
+             }};
+} catch (const cl::Error& error) {
+    throw_device_error(device, "allocate host memory", error);
 }
 
 std::uint64_t bytes_in_use(const Device& device) { return *device.state().in_use; }

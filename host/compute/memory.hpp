@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "claray/device.hpp"
+#include "claray/buffer.hpp"
 
 namespace claray {
 
@@ -24,6 +24,23 @@ public:
 private:
     Device device_;
     std::uint64_t bytes_ = 0, largest_ = 0;
+};
+
+/// Host memory to which the device copies fast. GPUs copy to page-locked memory several times as fast as to other
+/// memory.
+class HostMemory {
+public:
+    HostMemory(const Device& device, std::size_t bytes);
+
+    /// Copies the elements of a buffer of at most this size, and returns them; valid until the next call. Blocks.
+    template <class T>
+    [[nodiscard]] std::span<const std::uint8_t> read(const Buffer<T>& from) const {
+        detail::read(from.device(), from.memory(), 0, data_.get(), from.bytes());
+        return {data_.get(), from.bytes()};
+    }
+
+private:
+    std::shared_ptr<std::uint8_t> data_;
 };
 
 /// Bytes of all buffers that claray holds on the device.

@@ -241,8 +241,21 @@ void balance(std::vector<double>& powers, std::size_t near) {
     for (std::size_t i = near; i < powers.size(); ++i) powers[i] *= factor;
 }
 
-/// Computes the probabilities of lights. `environment`: the power of the environment, 0 if there is none.
-void distribute(Lights& lights, double environment, double radius, std::size_t for_a_tree) {
+/// A black environment is neither seen nor sampled.
+void collect_environment(const Scene& scene, Lights& lights) {
+    if (scene.environment.images.empty()) return;
+    EnvironmentImage image = environment_image(scene.environment);
+    if (!(image.integral > 0)) return;
+    const double turn = scene.environment.rotation / (2 * pi);
+    lights.data.environment = {image.width, image.height, float(turn - std::floor(turn)), image.density, 0.f};
+    lights.environment_texels = std::move(image.texels);
+    lights.environment_cdf = std::move(image.cdf);
+    lights.environment_power = image.integral * pi * lights.radius * lights.radius;
+}
+
+/// Computes the probabilities of lights.
+void distribute(Lights& lights) {
+    const double environment = lights.environment_power, radius = lights.radius;
     std::vector<double> powers;
     for (const TriangleLight& light : lights.triangles) powers.push_back(power_of(light));
     for (const PunctualLight& light : lights.punctual) powers.push_back(power_of(light, radius));
@@ -272,7 +285,7 @@ void distribute(Lights& lights, double environment, double radius, std::size_t f
     data.near = std::uint32_t(near);
     data.count = std::uint32_t(powers.size());
     if (!lights.triangles.empty()) data.density = float(2 * pi / total);
-    if (near >= std::max<std::size_t>(for_a_tree, 2)) plant_tree(lights, radius);
+    if (near >= std::max<std::size_t>(lights.for_a_tree, 2)) plant_tree(lights, radius);
 }
 
 bool has_lamp(const Scene& scene, const Mesh& mesh) {
@@ -304,23 +317,31 @@ std::size_t near_lights(const Scene& scene) {
 
 Lights collect_lights(const Scene& scene, std::size_t for_a_tree, unsigned most_points) {
     Lights lights;
-    collect_triangles(scene, most_points, lights);
+    lights.for_a_tree = for_a_tree, lights.most_points = most_points;
+    const Bounds bounds = bounds_of(scene);
+    if (!bounds.empty()) lights.radius = std::max(0.5 * glm::length(glm::dvec3(bounds.extent())), 1e-18);
+    collect_environment(scene, lights);
+    replace_triangle_lights(scene, lights);
+    return lights;
+}
+
+void replace_triangle_lights(const Scene& scene, Lights& lights) {
+    lights.triangles.clear(), lights.lamps.clear();
+    lights.data.instance_error = lights.data.instance_reach = 0;
+    collect_triangles(scene, lights.most_points, lights);
     if (std::all_of(lights.lamps.begin(), lights.lamps.end(), [](auto lamp) { return lamp == CLARAY_NO_MAP; }))
         lights.lamps.clear();
+    replace_punctual_lights(scene, lights);
+}
+
+void replace_punctual_lights(const Scene& scene, Lights& lights) {
+    lights.punctual.clear(), lights.hot_spots.clear();
+    lights.tree.clear(), lights.leaves.clear(), lights.trails.clear();
+    LightsData& data = lights.data;
+    data.triangles = data.near = data.count = data.tree_last = 0;
+    data.density = data.tree_probability = data.environment.probability = 0;
     collect_punctual(scene, lights);
-    const Bounds bounds = bounds_of(scene);
-    const double radius = bounds.empty() ? 1 : std::max(0.5 * glm::length(glm::dvec3(bounds.extent())), 1e-18);
-    EnvironmentImage image;
-    if (!scene.environment.images.empty()) image = environment_image(scene.environment);
-    if (image.integral > 0) {  // a black environment is neither seen nor sampled
-        const double turn = scene.environment.rotation / (2 * pi);
-        lights.data.environment = {image.width, image.height, float(turn - std::floor(turn)), image.density, 0.f};
-        lights.environment_texels = std::move(image.texels);
-        lights.environment_cdf = std::move(image.cdf);
-    }
-    const double environment = image.integral * pi * radius * radius;
-    distribute(lights, environment, radius, for_a_tree);
-    return lights;
+    distribute(lights);
 }
 
 std::vector<std::uint32_t> first_light_numbers(const Scene& scene) {

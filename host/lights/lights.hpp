@@ -19,6 +19,11 @@ struct Lights {
     std::vector<float> environment_texels, environment_cdf;
     LightsData data{};
 
+    double radius = 1;             // of the scene
+    double environment_power = 0;  // 0: no environment
+    std::size_t for_a_tree = 0;    // as passed to collect_lights
+    unsigned most_points = 0;
+
     /// Number of lights for shadow rays, including the environment.
     [[nodiscard]] std::size_t size() const { return data.count; }
 };
@@ -34,6 +39,11 @@ inline constexpr std::size_t lights_for_a_tree = 16;
 /// mean_texel.
 [[nodiscard]] Lights collect_lights(const Scene& scene, std::size_t for_a_tree = lights_for_a_tree,
                                     unsigned most_points = 1024);
+
+/// Replaces the lights that are not emissive triangles, and all probabilities. The radius of the scene is kept.
+void replace_punctual_lights(const Scene& scene, Lights& lights);
+/// The same with the emissive triangles.
+void replace_triangle_lights(const Scene& scene, Lights& lights);
 
 /// Returns whether a light has a range, or an attenuation other than the inverse square.
 [[nodiscard]] bool has_falloff(const Light& light);

@@ -67,13 +67,16 @@ void Film::set_sums(const Sums& sums) {
     forget_look();
 }
 
-std::vector<glm::vec3> Film::resolve() const {
-    const Buffer<float> image(device_, 3 * std::size_t(count_));
-    kernels_.resolve.run({count_, 64}, pixels_, count_, image);
-    const std::vector<float> values = image.read();
-    std::vector<glm::vec3> result(count_);
-    for (std::size_t i = 0; i < count_; ++i) result[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
-    return result;
+const Buffer<float>& Film::resolve() const {
+    image_.reserve(device_, 3 * std::size_t(count_));
+    kernels_.resolve.run({count_, 64}, pixels_, count_, image_);
+    return image_;
+}
+
+std::vector<glm::vec3> Film::image() const {
+    std::vector<glm::vec3> pixels(count_);
+    resolve().read(std::span(&pixels[0].x, 3 * std::size_t(count_)));
+    return pixels;
 }
 
 void Film::look() const {

@@ -27,8 +27,10 @@ public:
     void accumulate(const Batch& batch, const Buffer<float>& radiance);
     /// Discards all samples; asynchronous.
     void clear();
-    /// Mean radiance of each pixel. Blocks.
-    [[nodiscard]] std::vector<glm::vec3> resolve() const;
+    /// Mean radiance of each pixel, 3 floats each, in memory that the next call overwrites; asynchronous.
+    [[nodiscard]] const Buffer<float>& resolve() const;
+    /// The same on the host. Blocks.
+    [[nodiscard]] std::vector<glm::vec3> image() const;
 
     /// Reads and writes the sums. Both block.
     struct Sums {
@@ -77,6 +79,7 @@ private:
     Buffer<FilmPixel> pixels_;
     Buffer<ColorSum> odd_;
     Buffer<FilmSums> sums_;
+    mutable Buffer<float> image_;  // once it was asked for
     mutable Kernels kernels_;
     Kernel accumulate_odd_;                 // if the error is estimated
     mutable std::optional<Totals> totals_;  // of the current samples, once requested

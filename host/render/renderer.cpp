@@ -9,15 +9,8 @@
 #include <optional>
 
 #include "host/base/file.hpp"
-#include "host/compute/device_state.hpp"
-#include "host/compute/joint_program.hpp"
-#include "host/render/checkpoint/checkpoint.hpp"
-#include "host/render/film.hpp"
-#include "host/render/in_flight.hpp"
 #include "host/render/kernels/background_compiler.hpp"
-#include "host/render/kernels/kernel_choice.hpp"
-#include "host/render/schedule.hpp"
-#include "host/render/wavefront.hpp"
+#include "host/render/renderer_state.hpp"
 
 namespace claray {
 namespace {
@@ -61,11 +54,6 @@ const Scene& checked(const Scene& scene) {
     return scene;
 }
 
-CameraData camera_of(const Scene& scene, const RenderConfig& config) {
-    const float aspect = float(config.width) / float(config.height);
-    return camera_data(scene.camera ? *scene.camera : automatic_camera(bounds_of(scene), 40.f, aspect), aspect);
-}
-
 FrameData frame_data(const Scene& scene, const SceneBuffers& buffers, const RenderConfig& config) {
     FrameData frame = frame_without_camera(scene, buffers, config);
     frame.camera = camera_of(scene, config);
@@ -82,26 +70,6 @@ double kernel_milliseconds(const Device& device) {
 
 /// The shortest last batch: half a percent of the time, but longer than a launch.
 double least_milliseconds(double seconds) { return std::max(1.0, 5 * seconds); }
-
-/// In its lifetime compiled programs are not stored on disk; slow ones are not kept in memory either.
-class QuickStart {
-public:
-    explicit QuickStart(const Device& device) : device_(device) { device_.state().store_programs = false; }
-    ~QuickStart() {
-        device_.state().store_programs = true;
-        forget_slow_programs(device_);
-    }
-    QuickStart(const QuickStart&) = delete;
-    QuickStart& operator=(const QuickStart&) = delete;
-
-private:
-    Device device_;
-};
-
-Bvh::Config with_layout(Bvh::Config config, Layout layout) {
-    config.layout = layout;
-    return config;
-}
 
 std::ptrdiff_t number_of(EffectSet effects) {
     const std::span<const Effect> all = all_effects();
@@ -131,89 +99,36 @@ Structure first_structure(const Device& device, const Scene& scene, std::size_t 
 
 }  // namespace
 
-struct Renderer::State {
-    /// `baked`, `of`: see PlacedScene. `exactly`: kernels for exactly these effects.
-    State(const Device& on, const Scene& scene, const RenderConfig& with, std::size_t baked = 0,
-          TriangleNumbers of = {}, std::optional<EffectSet> exactly = {})
-        : device(on),
-          numbers(std::move(of)),
-          config(checked(with)),
-          set_up(Clock::now()),
-          plan(plan_for(on, scene, exactly ? *exactly : effects_of(checked(scene)), with)),
-          quick_start(plan.start == KernelStart::quick ? std::make_unique<QuickStart>(on) : nullptr),
-          milliseconds_before(kernel_milliseconds(on)),
-          structure(first_structure(on, scene, baked, plan, with.bvh)),
-          build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
-          buffers(on, scene, structure, config.effects.add),
-          wavefront(on, buffers, frame_data(scene, buffers, with), load_kernels(plan.first.effects),
-                    std::uint64_t(pixels()) * with.spp),
-          film(on, pixels(), tells_error(with)),
-          schedule(new_schedule()),
-          pace(first_paths(), wavefront.capacity()) {
-        for (const char* name : {trace_camera_name, trace_bounce_name, trace_shadow_name, trace_paths_name})
-            before[name] = device.profiler().milliseconds(name);
-    }
+CameraData camera_of(const Scene& scene, const RenderConfig& config) {
+    const float aspect = float(config.width) / float(config.height);
+    return camera_data(scene.camera ? *scene.camera : automatic_camera(bounds_of(scene), 40.f, aspect), aspect);
+}
 
-    [[nodiscard]] WavefrontKernels load_kernels(EffectSet effects) const;
-    [[nodiscard]] std::uint32_t first_paths() const;
-    void first_pixel();
-    void take_over_when_compiled();
-    [[nodiscard]] bool may_follow_paths() const;
-    void choose_path_kernel();
-    void adopt(const Structure& other);
-    void save_checkpoint();
-    [[nodiscard]] std::uint32_t pixels() const { return config.width * config.height; }
-    [[nodiscard]] Schedule new_schedule() const { return {pixels(), config.spp, wavefront.capacity()}; }
-    [[nodiscard]] unsigned spp() const { return unsigned(schedule.samples() / pixels()); }
-    [[nodiscard]] RenderProgress measure();
-    template <class Measure>
-    auto timed(const Measure& measure);
-    [[nodiscard]] bool target_met();
-    [[nodiscard]] bool error_met();
-    void look_at_error(unsigned spp);
-    [[nodiscard]] double cut_off();
-    [[nodiscard]] double error_left_to_noise();
-    void warm_up();
-    [[nodiscard]] std::uint32_t paths_of_next_batch(InFlight& in_flight) const;
-    void trace(const Batch& batch, InFlight& in_flight);
-    [[nodiscard]] RayCount rays(const char* name, std::uint64_t count) const;
+Bvh::Config with_layout(Bvh::Config config, Layout layout) {
+    config.layout = layout;
+    return config;
+}
 
-    Device device;
-    TriangleNumbers numbers;  // in the user's scene, if it has instances
-    RenderConfig config;
-    unsigned most_spp = config.spp;
-    Clock::time_point set_up;
-    KernelPlan plan;
-    std::unique_ptr<QuickStart> quick_start;  // until the first pixel is done
-    double set_up_processor = processor_seconds();
-    double first_pixel_seconds = 0, first_pixel_processor_seconds = 0;
-    std::uint32_t culled = 0;
-    unsigned own_kernels_from = 0;
-    bool own_kernels = false, chose_path_kernel = false;
-    std::optional<bool> path_kernel_is_cached;  // once determined
-    double milliseconds_before;                 // of the device, used before this render
-    Structure structure;
-    double build_milliseconds;
-    SceneBuffers buffers;
-    Wavefront wavefront;
-    Film film;
-    Schedule schedule;
-    Pace pace;
-    RenderIdentity identity;  // for checkpoints
-    std::string checkpoint_error;
-    std::optional<Clock::time_point> begin;
-    Clock::time_point first_begin;                   // of all frames
-    double patience = path_kernel_patience(device);  // seconds of rendering before it may be compiled
-    ErrorLooks looks;                                // at the error
-    Film::Error last_error;                          // the last estimate
-    std::optional<double> light_cut_off;             // once it was asked for
-    unsigned last_error_spp = 0;                     // samples per pixel at that time
-    bool compiler_asked = false;                     // false: that of another render runs
-    Clock::time_point last_asked;                    // for a compiler
-    bool error_is_new = false;                       // not reported yet
-    double measuring_seconds = 0;                    // for noise and error
-    std::map<std::string, double> before;            // the profiler's times at the start of this render
-};
+Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig& with, std::size_t baked,
+                       std::optional<EffectSet> exactly)
+    : device(on),
+      config(checked(with)),
+      set_up(Clock::now()),
+      plan(plan_for(on, scene, exactly ? *exactly : effects_of(checked(scene)), with)),
+      quick_start(plan.start == KernelStart::quick ? std::make_unique<QuickStart>(on) : nullptr),
+      set_up_processor(processor_seconds()),
+      milliseconds_before(kernel_milliseconds(on)),
+      structure(first_structure(on, scene, baked, plan, with.bvh)),
+      build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
+      buffers(on, scene, structure, config.effects.add),
+      wavefront(on, buffers, frame_data(scene, buffers, with), load_kernels(plan.first.effects),
+                std::uint64_t(pixels()) * with.spp),
+      film(on, pixels(), tells_error(with)),
+      schedule(new_schedule()),
+      pace(first_paths(), wavefront.capacity()) {
+    for (const char* name : {trace_camera_name, trace_bounce_name, trace_shadow_name, trace_paths_name})
+        before[name] = device.profiler().milliseconds(name);
+}
 
 WavefrontKernels Renderer::State::load_kernels(EffectSet effects) const {
     const auto load = [&] { return WavefrontKernels(buffers, config.sampler, effects); };
@@ -344,7 +259,7 @@ void Renderer::State::take_over_when_compiled() {
     own_kernels = true;
     own_kernels_from = spp();
     const bool rebuilds = plan.last.layout != plan.first.layout;
-    adopt(rebuilds ? structure.rebuilt(with_layout(config.bvh, plan.last.layout)) : structure);
+    adopt(rebuilds ? structure.rebuilt(with_layout(config.bvh, plan.last.layout)) : structure, plan.last.effects);
 }
 
 /// The largest pass, half of the samples, takes most of the time.
@@ -370,13 +285,27 @@ void Renderer::State::choose_path_kernel() {
     chose_path_kernel = true;
 }
 
-void Renderer::State::adopt(const Structure& other) {
+void Renderer::State::adopt(const Structure& other, EffectSet effects) {
     structure = other;
     structure.set_cutouts(buffers.textures.cutouts());
     buffers.structure = structure;
-    wavefront.take_over(structure, load_kernels(plan.last.effects));
+    wavefront.take_over(structure, load_kernels(effects));
     chose_path_kernel = false;
+    aovs.reset();
     film.reload_kernels();
+}
+
+AovStage& Renderer::State::aov_stage() {
+    if (!aovs)
+        aovs.emplace(buffers, wavefront.kernel_effects(), std::min<std::uint32_t>(wavefront.capacity(), pixels()));
+    return *aovs;
+}
+
+void Renderer::State::discard_samples() {
+    schedule = new_schedule();
+    film.clear();
+    looks = {}, last_error = {}, last_error_spp = 0;
+    begin.reset();
 }
 
 /// Drivers compile or load kernels when they first run, which does not count as time for samples.
@@ -424,9 +353,15 @@ RayCount Renderer::State::rays(const char* name, std::uint64_t count) const {
 
 Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig& config) {
     const auto state_of = [&](const Scene& wanted) {
-        if (wanted.instances.empty()) return std::make_shared<State>(device, wanted, config);
+        if (wanted.instances.empty()) {
+            auto state = std::make_shared<State>(device, wanted, config);
+            state->shape = SceneShape(wanted, wanted, {}, {});
+            return state;
+        }
         PlacedScene placed = place_instances(checked(wanted));
-        return std::make_shared<State>(device, placed.scene, config, placed.baked, std::move(placed.numbers));
+        auto state = std::make_shared<State>(device, placed.scene, config, placed.baked);
+        state->shape = SceneShape(wanted, placed.scene, std::move(placed.places), std::move(placed.numbers));
+        return state;
     };
     RenderIdentity identity;
     std::optional<Checkpoint> from;  // read before the structure is built
@@ -481,21 +416,24 @@ void Renderer::restart(std::uint32_t seed, unsigned spp, unsigned max_depth) {
     if (wanted != state.config.spp) state.config.spp = wanted, state.chose_path_kernel = false;
     if (max_depth != 0) state.wavefront.set_max_depth(std::min(max_depth, state.config.max_depth));
     if (max_depth != 0) state.light_cut_off.reset();
-    state.schedule = state.new_schedule();
-    state.film.clear();
-    state.looks = {}, state.last_error = {}, state.last_error_spp = 0;
-    state.begin.reset();
+    state.discard_samples();
 }
 
 bool Renderer::rebuild(const Bvh::Config& config) {
     State& state = *state_;
     if (state.structure.instanced() || !state.own_kernels) return false;
     state.config.bvh = config;
-    state.adopt(state.structure.rebuilt(with_layout(config, state.plan.last.layout)));
+    state.adopt(state.structure.rebuilt(with_layout(config, state.plan.last.layout)), state.plan.last.effects);
     return true;
 }
 
-std::vector<glm::vec3> Renderer::image() const { return state_->film.resolve(); }
+std::vector<glm::vec3> Renderer::image() const { return state_->film.image(); }
+
+std::span<const std::uint8_t> Renderer::picture(const PictureConfig& config) const {
+    State& state = *state_;
+    if (!state.tone_mapper) state.tone_mapper.emplace(state.device, state.pixels());
+    return state.tone_mapper->map(state.film.resolve(), config);
+}
 
 double Renderer::cut_off() const { return state_->cut_off(); }
 
@@ -537,11 +475,11 @@ void compile_kernels(const Device& device, EffectSet effects, const RenderConfig
     config.compiler.clear();
     const KernelChoice choice = plan_kernels(device, effects, config).last;
     compile_once(device, choice, config, [&] {
-        Renderer::State state(device, scene_calling_for(effects), config, 0, {}, effects);
+        Renderer::State state(device, scene_calling_for(effects), config, 0, effects);
         const Batch batch = state.schedule.next();
         state.wavefront.trace(batch);
         state.film.accumulate(batch, state.wavefront.radiance());
-        (void)state.film.resolve();
+        (void)state.film.image();
         (void)state.structure.statistics();
         remember_as_cached(device, choice, config);
     });
@@ -549,33 +487,24 @@ void compile_kernels(const Device& device, EffectSet effects, const RenderConfig
 
 Aovs Renderer::aovs() const {
     State& state = *state_;
-    const Device& device = state.device;
-    const std::size_t pixels = state.pixels(), capacity = std::min<std::size_t>(state.wavefront.capacity(), pixels);
-    Buffer<Visits> visits(device, capacity);
-    Buffer<float> depth(device, capacity), normal(device, 3 * capacity), albedo(device, 3 * capacity);
-    Buffer<std::uint32_t> primitive(device, capacity), visited(device, capacity);
-    Defines defines = defines_of(state.buffers.effects, Stage::aovs);
-    for (const auto& define : state.structure.defines()) defines.push_back(define);
-    Kernel write = load_kernel(device, "render/write_aovs.cl", "write_aovs", defines);
+    const std::size_t pixels = state.pixels();
+    AovStage& stage = state.aov_stage();
     Aovs aovs{std::vector<float>(pixels), std::vector<glm::vec3>(pixels), std::vector<glm::vec3>(pixels),
               std::vector<std::uint32_t>(pixels), std::vector<std::uint32_t>(pixels)};
     const auto floats = [](std::vector<glm::vec3>& v, std::size_t at, std::size_t n) {
         return std::span<float>(&v[at].x, 3 * n);
     };
-    for (std::size_t first = 0; first < pixels; first += capacity) {
-        const std::size_t n = std::min(capacity, pixels - first);
-        state.wavefront.trace_centers({std::uint32_t(first), std::uint32_t(n), 0, 1}, visits);
-        write.run({n, 64}, state.wavefront.step_of({}, 0, std::uint32_t(n)), state.buffers, state.wavefront.rays(),
-                  state.wavefront.hits(), visits, arg("depth", depth), arg("normal", normal), arg("albedo", albedo),
-                  arg("primitive", primitive), arg("visited", visited));
-        depth.read({&aovs.depth[first], n});
-        primitive.read({&aovs.primitive[first], n});
-        visited.read({&aovs.visits[first], n});
-        normal.read(floats(aovs.normal, first, n));
-        albedo.read(floats(aovs.albedo, first, n));
+    for (std::size_t first = 0; first < pixels; first += stage.capacity()) {
+        const std::size_t n = std::min<std::size_t>(stage.capacity(), pixels - first);
+        stage.run(state.wavefront, state.buffers, std::uint32_t(first), std::uint32_t(n));
+        stage.depth.read({&aovs.depth[first], n});
+        stage.primitive.read({&aovs.primitive[first], n});
+        stage.visits.read({&aovs.visits[first], n});
+        stage.normal.read(floats(aovs.normal, first, n));
+        stage.albedo.read(floats(aovs.albedo, first, n));
     }
-    if (!state.numbers.empty())
-        for (std::uint32_t& triangle : aovs.primitive) triangle = state.numbers.number_there(triangle);
+    if (!state.shape.numbers.empty())
+        for (std::uint32_t& triangle : aovs.primitive) triangle = state.shape.numbers.number_there(triangle);
     return aovs;
 }
 

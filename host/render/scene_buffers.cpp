@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 #include "host/bsdf/material_data.hpp"
-#include "host/lights/lights.hpp"
 #include "host/textures/texture_use.hpp"
 
 namespace claray {
@@ -33,56 +33,126 @@ std::vector<std::uint32_t> all_triangle_materials(const Scene& scene) {
     return materials;
 }
 
+}  // namespace
+
 /// Collects tables one after the other, each aligned for vectors.
-class TableWriter {
+class SceneBuffers::TableWriter {
 public:
-    /// Returns its offset.
     template <class T>
-    std::uint32_t add(const std::vector<T>& table) {
+    void add(const std::vector<T>& table, std::uint32_t& where) {
         static_assert(sizeof(T) % sizeof(std::uint32_t) == 0);
-        if (table.empty()) return CLARAY_NO_TABLE;
-        const std::size_t begin = (words_.size() + alignment - 1) / alignment * alignment;
+        where = CLARAY_NO_TABLE;
+        if (table.empty()) return;
+        const std::size_t begin = rounded_up(words_.size());
         if (begin >= CLARAY_NO_TABLE) throw Error(ErrorKind::user, "the scene's tables are larger than 16 GB");
         words_.resize(begin + table.size() * sizeof(T) / sizeof(std::uint32_t));
         std::memcpy(&words_[begin], table.data(), table.size() * sizeof(T));
-        return std::uint32_t(begin);
+        tables_.emplace_back(&where, std::uint32_t(begin));
     }
     [[nodiscard]] const std::vector<std::uint32_t>& words() const { return words_; }
+    /// Makes the offsets of the tables those of a section that begins here.
+    void place(std::uint32_t begin) const {
+        for (const auto& [where, offset] : tables_) *where = begin + offset;
+    }
+    static std::size_t rounded_up(std::size_t words) { return (words + alignment - 1) / alignment * alignment; }
 
 private:
     static constexpr std::size_t alignment = 32;
     std::vector<std::uint32_t> words_;
+    std::vector<std::pair<std::uint32_t*, std::uint32_t>> tables_;
 };
 
-}  // namespace
+SceneBuffers::TableWriter SceneBuffers::tables_of_meshes(const Scene& scene) {
+    TableWriter writer;
+    writer.add(all_normals(scene), where.normals);
+    writer.add(all_triangle_materials(scene), where.triangle_materials);
+    writer.add(std::exchange(on_host_->environment_texels, {}), where.environment_texels);
+    writer.add(std::exchange(on_host_->environment_cdf, {}), where.environment_cdf);
+    return writer;
+}
 
-SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Structure& with, EffectSet added)
-    : structure(with), effects(effects_of(scene)) {
-    const std::vector<std::uint32_t> of_triangles = all_triangle_materials(scene);
+SceneBuffers::TableWriter SceneBuffers::tables_of_materials(const Scene& scene) {
     const EnergyTables energy(materials_in_use(scene));
     std::vector<MaterialData> materials;
     for (const Material& material : scene.materials) materials.push_back(material_data(material, energy));
+    TableWriter writer;
+    writer.add(materials, where.materials);
+    writer.add(energy.data(), where.energy);
+    return writer;
+}
 
+SceneBuffers::TableWriter SceneBuffers::tables_of_lights() {
+    lights = on_host_->data;
+    TableWriter writer;
+    writer.add(on_host_->triangles, where.triangle_lights);
+    writer.add(on_host_->punctual, where.punctual_lights);
+    writer.add(on_host_->tree, where.light_tree);
+    writer.add(on_host_->leaves, where.light_leaves);
+    writer.add(on_host_->trails, where.light_trails);
+    writer.add(on_host_->hot_spots, where.hot_spots);
+    writer.add(on_host_->lamps, where.lamps);
+    return writer;
+}
+
+SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Structure& with, EffectSet added)
+    : structure(with), effects(effects_of(scene)), on_host_(std::make_shared<Lights>(collect_lights(scene))) {
     textures = Textures(device, scene, !(added & EffectSet{Effect::cut_outs, Effect::culling}).empty());
     structure.set_cutouts(textures.cutouts());
+    const TableWriter meshes = tables_of_meshes(scene), materials = tables_of_materials(scene),
+                      found = tables_of_lights();
+    std::uint32_t end = place(meshes, 0).end();
+    end = (of_materials_ = place(materials, end)).end();
+    end = (of_lights_ = place(found, end)).end();
+    tables = Buffer<std::uint32_t>(device, end);
+    tables.write(meshes.words());
+    tables.write(materials.words(), of_materials_.begin);
+    tables.write(found.words(), of_lights_.begin);
+}
 
-    const Lights found = collect_lights(scene);
-    lights = found.data;
-    TableWriter writer;
-    where = {.normals = writer.add(all_normals(scene)),
-             .triangle_materials = writer.add(of_triangles),
-             .materials = writer.add(materials),
-             .energy = writer.add(energy.data()),
-             .triangle_lights = writer.add(found.triangles),
-             .punctual_lights = writer.add(found.punctual),
-             .light_tree = writer.add(found.tree),
-             .light_leaves = writer.add(found.leaves),
-             .light_trails = writer.add(found.trails),
-             .hot_spots = writer.add(found.hot_spots),
-             .lamps = writer.add(found.lamps),
-             .environment_texels = writer.add(found.environment_texels),
-             .environment_cdf = writer.add(found.environment_cdf)};
-    tables = Buffer<std::uint32_t>(device, writer.words());
+SceneBuffers::Section SceneBuffers::place(const TableWriter& written, std::uint64_t begin, unsigned spare) {
+    const std::uint64_t room = TableWriter::rounded_up(written.words().size()) * (1 + spare);
+    if (begin + room >= CLARAY_NO_TABLE) throw Error(ErrorKind::user, "the scene's tables are larger than 16 GB");
+    written.place(std::uint32_t(begin));
+    return {std::uint32_t(begin), std::uint32_t(room)};
+}
+
+/// A section that outgrows its room moves to the end, with twice the room that it needs, so that a scene with ever more
+/// lights seldom moves it.
+void SceneBuffers::replace(const TableWriter& written, Section& section) {
+    if (written.words().size() > section.room) {
+        section = place(written, tables.size(), 1);
+        const Buffer<std::uint32_t> larger(tables.device(), section.end());
+        detail::copy(tables.device(), tables.memory(), larger.memory(), tables.bytes());
+        tables = larger;
+    } else {
+        written.place(section.begin);
+    }
+    tables.write(written.words(), section.begin);
+}
+
+void SceneBuffers::replace_lights(const Scene& scene) {
+    replace_punctual_lights(scene, *on_host_);
+    replace(tables_of_lights(), of_lights_);
+}
+
+void SceneBuffers::replace_materials(const Scene& scene) {
+    replace(tables_of_materials(scene), of_materials_);
+    replace_triangle_lights(scene, *on_host_);
+    replace(tables_of_lights(), of_lights_);
+}
+
+void SceneBuffers::move_normals(std::size_t first, std::span<const glm::vec3> normals) {
+    if (where.normals == CLARAY_NO_TABLE || normals.empty()) return;
+    std::vector<std::uint32_t> words(3 * normals.size());
+    std::memcpy(words.data(), normals.data(), normals.size_bytes());
+    tables.write(words, where.normals + 3 * first);
+}
+
+EffectSet SceneBuffers::effects_of_tables() const {
+    EffectSet found;
+    if (where.light_tree != CLARAY_NO_TABLE) found.add(Effect::many_lights);
+    if (where.hot_spots != CLARAY_NO_TABLE) found.add(Effect::hot_spots);
+    return found;
 }
 
 void SceneBuffers::bind(Kernel& kernel, unsigned& index) const {

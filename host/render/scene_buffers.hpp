@@ -3,6 +3,7 @@
 
 #include "claray/shared/path.h"
 #include "host/effects/effects.hpp"
+#include "host/lights/lights.hpp"
 #include "host/render/structure.hpp"
 #include "host/textures/textures.hpp"
 
@@ -12,16 +13,43 @@ struct SceneBuffers {
     /// Uploads the data that the scene needs. `added`: effects that kernels support in addition.
     SceneBuffers(const Device& device, const Scene& scene, const Structure& structure, EffectSet added = {});
 
-    Structure structure;           // shares its positions and indices
+    Structure structure;  // shares its positions and indices
+    /// Replaces the lights of all kinds in the list of claray/shared/lights.h. Nothing else is uploaded.
+    void replace_lights(const Scene& scene);
+    /// Replaces the values of materials and what follows from them: their tables and the emissive triangles. The maps
+    /// of materials stay.
+    void replace_materials(const Scene& scene);
+    /// Replaces the normals of the vertices from `first` on.
+    void move_normals(std::size_t first, std::span<const glm::vec3> normals);
+
     Buffer<std::uint32_t> tables;  // all in one buffer, so that kernels have few arguments
     SceneTables where{};           // offsets in `tables`
     Textures textures;
     LightsData lights{};  // lights.count: number of lights for shadow rays
     EffectSet effects;    // of the scene
 
+    /// The effects that depend on more than one part of the scene.
+    [[nodiscard]] EffectSet effects_of_tables() const;
     /// Binds SCENE_PARAMETERS of shade/scene.clh.
     void bind(Kernel& kernel, unsigned& index) const;
     [[nodiscard]] std::uint64_t bytes() const;
+
+private:
+    /// Tables that are replaced together: words of `tables`.
+    struct Section {
+        std::uint32_t begin = 0, room = 0;
+        [[nodiscard]] std::uint32_t end() const { return begin + room; }
+    };
+    class TableWriter;
+    [[nodiscard]] TableWriter tables_of_meshes(const Scene& scene);
+    [[nodiscard]] TableWriter tables_of_materials(const Scene& scene);
+    [[nodiscard]] TableWriter tables_of_lights();
+    /// `spare`: room that is left free, as a multiple of what is needed.
+    [[nodiscard]] static Section place(const TableWriter& written, std::uint64_t begin, unsigned spare = 0);
+    void replace(const TableWriter& written, Section& section);
+
+    std::shared_ptr<Lights> on_host_;  // what follows from other lights than those replaced is not computed again
+    Section of_materials_, of_lights_;
 };
 
 }  // namespace claray

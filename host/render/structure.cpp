@@ -63,7 +63,8 @@ InstancedBvh::Config config_of_top(const Bvh::Config& config) {
 }  // namespace
 
 Structure::Structure(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config,
-                     bool by_host) {
+                     bool by_host)
+    : baked_(baked) {
     const auto build = [&](std::span<const Mesh> meshes) {
         return by_host ? Bvh::build_by_host(device, meshes, config) : Bvh::build(device, meshes, config);
     };
@@ -95,19 +96,63 @@ Structure::Structure(const Device& device, const Scene& scene, std::size_t baked
     else
         instanced_ = any_moves ? InstancedBvh::build(levels.bvhs, begins, ends, top)
                                : InstancedBvh::build(levels.bvhs, begins, top);
-    const std::uint32_t culled = instanced_->top().header().culled;
-    if (culled > empty)
-        throw Error(ErrorKind::user,
-                    std::to_string(culled - empty) + " of " + std::to_string(begins.size()) +
-                        " instances cannot be placed: their transforms are not invertible at some time of their motion",
-                    "use scales other than 0, and rotations of less than half a turn");
+    empty_instances_ = empty;
+    check_placed();
     triangles_ = levels.bvhs.size() == 1 ? levels.bvhs[0].triangles() : upload_all(device, scene);
     if (by_host) by_host_ = levels.bvhs;
+}
+
+void Structure::check_placed() const {
+    const std::uint32_t culled = instanced_->top().header().culled;
+    if (culled <= empty_instances_) return;
+    throw Error(ErrorKind::user,
+                std::to_string(culled - empty_instances_) + " of " + std::to_string(instanced_->instance_count()) +
+                    " instances cannot be placed: their transforms are not invertible at some time of their motion",
+                "use scales other than 0, and rotations of less than half a turn");
+}
+
+void Structure::move_vertices(std::size_t first, std::span<const glm::vec3> positions) {
+    if (positions.empty()) return;
+    triangles_.positions.write({&positions[0].x, 3 * positions.size()}, 3 * first);
+}
+
+void Structure::follow_vertices() {
+    bvh_.refit();
+    if (bvh_.should_rebuild()) bvh_.rebuild();
+}
+
+void Structure::move_instances(std::span<const std::pair<std::uint32_t, MeshInstance>> moved) {
+    Buffer<Instance> begins = instanced_->instances(), ends = instanced_->ends();
+    const std::vector<Instance> before = begins.read(), ends_before = moves() ? ends.read() : before;
+    std::vector<Instance> now = before, ends_now = ends_before;
+    const auto set = [](Instance& instance, const glm::mat4& transform) {
+        const std::uint32_t tag = instance.tag;
+        instance = make_instance(transform, instance.bottom, instance.mask, instance.id);
+        instance.tag = tag;
+    };
+    for (const auto& [number, instance] : moved) {
+        const std::size_t i = number - baked_ + (baked_ > 0 ? 1 : 0);
+        set(now[i], instance.transform);
+        set(ends_now[i], instance.transform_end.value_or(instance.transform));
+    }
+    const auto place = [&](const std::vector<Instance>& at, const std::vector<Instance>& ends_at) {
+        begins.write(at);
+        if (moves()) ends.write(ends_at);
+        instanced_->rebuild();
+    };
+    place(now, ends_now);
+    try {
+        check_placed();
+    } catch (const Error&) {
+        place(before, ends_before);
+        throw;
+    }
 }
 
 Structure Structure::rebuilt(const Bvh::Config& config) const {
     Structure other;
     other.triangles_ = triangles_;
+    other.baked_ = baked_, other.empty_instances_ = empty_instances_;
     if (!instanced_) {
         other.bvh_ = Bvh::build(device(), triangles_, config);
         return other;

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <optional>
+#include <span>
+#include <utility>
 
 #include "claray/instances.hpp"
 #include "claray/shared/path.h"
@@ -18,6 +20,14 @@ public:
     /// ErrorKind::user if an instance cannot be placed.
     Structure(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config,
               bool by_host = false);
+
+    /// For one tree: replaces the positions of the vertices from `first` on. Call `follow_vertices` afterwards.
+    void move_vertices(std::size_t first, std::span<const glm::vec3> positions);
+    /// Refits the tree, or rebuilds it if that pays. Blocks.
+    void follow_vertices();
+    /// For a tree of trees: replaces the transforms of instances, by their index in the scene of the constructor, and
+    /// rebuilds the top level. Throws ErrorKind::user as the constructor does; the structure is then unchanged.
+    void move_instances(std::span<const std::pair<std::uint32_t, MeshInstance>> moved);
 
     /// Rebuilds on the device with another configuration: one tree, or a tree of trees built by the host.
     [[nodiscard]] Structure rebuilt(const Bvh::Config& config) const;
@@ -43,10 +53,14 @@ public:
     void bind(Kernel& kernel, unsigned& index) const;
 
 private:
+    void check_placed() const;
+
     Bvh bvh_;
     std::optional<InstancedBvh> instanced_;
     std::vector<Bvh> by_host_;  // its bottom levels, if the host built them
     TriangleBuffers triangles_;
+    std::size_t baked_ = 0;  // see PlacedScene
+    std::size_t empty_instances_ = 0;
     BvhStatistics bottoms_;  // of all bottom levels: triangles and the largest height
 };
 

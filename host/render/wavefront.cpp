@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <tuple>
 
 #include "host/compute/tuning.hpp"
 
@@ -68,12 +69,19 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, E
     trace_bounce = SceneQuery(scene.structure, QueryKernel::Kind::closest, incoherent, trace_bounce_name);
     shade = load_kernel(device, "render/shade_surface.cl", "shade_surface", shading);
     empty_queues = load_kernel(device, "render/empty_queues.cl", "empty_queues");
-    if (scene.lights.count == 0) return;
+    traces_shadows = scene.lights.count != 0;
+    if (!traces_shadows) return;
     adds_light = !structure.instanced() && structure.bvh().layout() == Layout::binary &&
                  device.tuning("render/add_light", "WITH_SHADOW_RAYS") != 0;
     trace_shadow = SceneQuery(structure, QueryKernel::Kind::any, shadow, trace_shadow_name,
                               adds_light ? "render/trace_shadow_rays.cl" : "");
     if (!adds_light) add_light = load_kernel(device, "render/add_light.cl", "add_light");
+}
+
+SkyData sky_data(const Scene& scene) {
+    if (!scene.environment.images.empty()) return {};
+    const glm::vec3 h = scene.sky.horizon, z = scene.sky.zenith;
+    return {h.x, h.y, h.z, z.x, z.y, z.z};
 }
 
 bool may_follow_paths(const SceneBuffers& scene, EffectSet effects) {
@@ -155,6 +163,17 @@ void Wavefront::take_over(const Structure& structure, WavefrontKernels kernels) 
     scene_.structure = structure;
     kernels_ = std::move(kernels);
     path_kernel_.reset();
+}
+
+/// Which buffers there are depends on lights, a light tree, instances and motion.
+void Wavefront::replace_scene(const SceneBuffers& scene) {
+    const auto needs = [](const SceneBuffers& of) {
+        return std::tuple(of.lights.count != 0, of.where.light_tree != CLARAY_NO_TABLE,
+                          of.structure.instanced().has_value(), of.structure.moves());
+    };
+    if (needs(scene) != needs(scene_)) rays_[0] = rays_[1] = {};
+    scene_ = scene;
+    frame_.lights = scene.lights, frame_.tables = scene.where;
 }
 
 bool Wavefront::batches_are_small(std::uint64_t paths) const {
@@ -314,14 +333,10 @@ void Wavefront::trace_shadows(std::uint32_t limit, const Buffer<std::uint32_t>& 
     kernels_.add_light.run({limit, 64}, length, limit, occluded_, shadow_light_, radiance_);
 }
 
-void Wavefront::trace_centers(const Batch& batch, Buffer<Visits>& visits) {
+void Wavefront::trace_centers(const Batch& batch, SceneQuery& trace) {
     make_room(batch.pixels * batch.samples);
     generate(batch, true);
-    QueryOptions options;
-    options.visits = visits;
-    options.cull_back_faces = scene_.textures.culls_back_faces;
-    SceneQuery(scene_.structure, QueryKernel::Kind::closest, options, {})
-        .closest(rays_[0], hits_, batch.pixels * batch.samples, lengths_[0], times_[0]);
+    trace.closest(rays_[0], hits_, batch.pixels * batch.samples, lengths_[0], times_[0]);
     lengths_[0].fill(0);
 }
 

@@ -19,12 +19,14 @@ inline constexpr const char* trace_shadow_name = "trace_shadow_rays";
 /// And of the kernel of whole paths.
 inline constexpr const char* trace_paths_name = "trace_paths";
 
+/// Black if an environment replaces the sky.
+[[nodiscard]] SkyData sky_data(const Scene& scene);
+
 /// `config`: RenderConfig or LightMapConfig.
 template <class Config>
 FrameData frame_without_camera(const Scene& scene, const SceneBuffers& buffers, const Config& config) {
     FrameData frame{};
-    const glm::vec3 h = scene.sky.horizon, z = scene.sky.zenith;
-    if (scene.environment.images.empty()) frame.sky = {h.x, h.y, h.z, z.x, z.y, z.z};
+    frame.sky = sky_data(scene);
     frame.width = config.width, frame.height = config.height;
     frame.seed = config.seed, frame.max_depth = config.max_depth;
     frame.lights = buffers.lights;
@@ -42,6 +44,7 @@ struct WavefrontKernels {
     Kernel generate, shade, empty_queues;
     Kernel add_light;         // unless shadow rays add their light
     bool adds_light = false;  // shadow rays add their light
+    bool traces_shadows = false;
     SceneQuery trace_camera, trace_bounce, trace_shadow;
 };
 
@@ -70,6 +73,15 @@ public:
     /// Makes one kernel trace whole paths in small batches, from the next batch until `take_over`. The radiance is the
     /// same bit for bit.
     void follow_paths(Kernel kernel) { path_kernel_ = std::move(kernel); }
+    /// Switches to other buffers of the scene, from the next batch on.
+    void replace_scene(const SceneBuffers& scene);
+    void set_sky(const SkyData& sky) { frame_.sky = sky; }
+    void set_camera(const CameraData& camera) { frame_.camera = camera; }
+    [[nodiscard]] EffectSet kernel_effects() const { return kernels_.effects; }
+    /// Returns whether the kernels support these effects and, if the scene is `lit`, shadow rays.
+    [[nodiscard]] bool supports(EffectSet effects, bool lit) const {
+        return kernels_.effects.contains(effects) && (!lit || kernels_.traces_shadows);
+    }
     /// For all later batches.
     void set_seed(std::uint32_t seed) { frame_.seed = seed; }
     void set_max_depth(std::uint32_t depth) { frame_.max_depth = depth; }
@@ -81,8 +93,8 @@ public:
     [[nodiscard]] const Buffer<float>& radiance() const { return radiance_; }
     /// The share of light that is missing because paths end at the depth limit, estimated by separate paths. Blocks.
     [[nodiscard]] double cut_off() const;
-    /// First hits of rays through pixel centres, and their cost; asynchronous.
-    void trace_centers(const Batch& batch, Buffer<Visits>& visits);
+    /// First hits of rays through pixel centres; asynchronous.
+    void trace_centers(const Batch& batch, SceneQuery& trace);
     [[nodiscard]] const Buffer<Ray>& rays() const { return rays_[0]; }
     /// `limit`: an upper limit of the rays in the queue.
     [[nodiscard]] Step step_of(const Batch& batch, std::uint32_t depth, std::uint32_t limit) const;

@@ -17,15 +17,6 @@ bool is_bent(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
     return unit_roundoff * std::max({size.x, size.y, size.z}) > largest_bend * edge;
 }
 
-bool survives_baking(const Mesh& mesh, const glm::mat4& transform) {
-    const glm::dmat4 m(transform);
-    const auto world = [&](const glm::dvec3& p) { return glm::dvec3(m * glm::dvec4(p, 1.0)); };
-    return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const glm::uvec3& t) {
-        const glm::dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
-        return !is_bent(world(a), world(b), world(c)) || is_bent(a, b, c);
-    });
-}
-
 std::vector<std::uint32_t> first_triangles_of(const Scene& scene) {
     std::vector<std::uint32_t> first;
     std::size_t triangles = 0;
@@ -50,6 +41,15 @@ Scene without_meshes(const Scene& scene) {
 }
 
 }  // namespace
+
+bool survives_baking(const Mesh& mesh, const glm::mat4& transform) {
+    const glm::dmat4 m(transform);
+    const auto world = [&](const glm::dvec3& p) { return glm::dvec3(m * glm::dvec4(p, 1.0)); };
+    return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const glm::uvec3& t) {
+        const glm::dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
+        return !is_bent(world(a), world(b), world(c)) || is_bent(a, b, c);
+    });
+}
 
 void TriangleNumbers::add(std::uint32_t first, std::size_t triangles) {
     here_.push_back(next_);
@@ -93,16 +93,21 @@ PlacedScene place_instances(const Scene& scene) {
     std::vector<MeshInstance> others;
     for (const MeshInstance& instance : scene.instances) {
         const Mesh& mesh = scene.meshes[instance.mesh];
+        InstancePlace& place = placed.places.emplace_back();
         if (mesh.triangles.empty()) continue;
         if (uses[instance.mesh] > 1 || moves(instance) || !survives_baking(mesh, instance.transform)) {
+            place.index = std::uint32_t(others.size());
             others.push_back(instance);
             continue;
         }
+        place = {true, std::uint32_t(placed.scene.meshes.size())};
         placed.scene.meshes.push_back(transformed(mesh, instance.transform));
         placed.numbers.add(first[instance.mesh], mesh.triangles.size());
     }
     placed.baked = placed.scene.meshes.size();
     if (others.empty()) return placed;
+    for (InstancePlace& place : placed.places)
+        if (!place.baked && place.index != CLARAY_MISS) place.index += std::uint32_t(placed.baked);
 
     for (std::uint32_t i = 0; i < placed.baked; ++i) placed.scene.instances.push_back({i});
     std::vector<std::uint32_t> index(scene.meshes.size(), CLARAY_MISS);

@@ -20,13 +20,20 @@ private:
     std::uint32_t next_ = 0;
 };
 
+/// Where an instance of the given scene is in the placed scene.
+struct InstancePlace {
+    bool baked = false;
+    std::uint32_t index = CLARAY_MISS;  ///< of a mesh if it is baked, else of an instance; CLARAY_MISS: left out
+};
+
 /// An equivalent scene with only the necessary instances.
 struct PlacedScene {
     /// Its first `baked` meshes are in the world, each with an identity instance; then follow the meshes of the other
     /// instances. If there are no such meshes, there are no instances at all.
     Scene scene;
     std::size_t baked = 0;
-    TriangleNumbers numbers;  ///< in the given scene
+    TriangleNumbers numbers;            ///< in the given scene
+    std::vector<InstancePlace> places;  ///< of the given scene's instances
 };
 
 /// Bakes an instance's transform into its mesh if the mesh has no other instance, nothing moves, and float32 is
@@ -35,6 +42,8 @@ struct PlacedScene {
 /// out.
 [[nodiscard]] PlacedScene place_instances(const Scene& scene);
 
+/// Returns whether float32 is accurate enough for this transform to be baked.
+[[nodiscard]] bool survives_baking(const Mesh& mesh, const glm::mat4& transform);
 /// The mesh in world space. A mirrored mesh gets the opposite winding, so that front sides stay front sides.
 [[nodiscard]] Mesh transformed(const Mesh& mesh, const glm::mat4& transform);
 

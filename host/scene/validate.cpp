@@ -8,6 +8,7 @@
 #include "claray/error.hpp"
 #include "claray/scene.hpp"
 #include "host/base/format.hpp"
+#include "host/scene/validate.hpp"
 
 namespace claray {
 namespace {
@@ -270,31 +271,56 @@ void check_instance(const MeshInstance& instance, const Check& check, std::size_
     if (instance.transform_end) check_transform(*instance.transform_end, check, " when the shutter closes");
 }
 
+template <class Things, class Call>
+void check_each(const Things& things, const char* kind, const Call& check) {
+    for (std::size_t i = 0; i < things.size(); ++i) check(things[i], i, kind);
+}
+
 }  // namespace
 
-void validate(const Scene& scene) {
-    const auto each = [](const auto& things, const char* kind, const auto& check) {
-        for (std::size_t i = 0; i < things.size(); ++i) check(things[i], i, kind);
-    };
-    each(scene.textures, "texture", [&](const Texture& texture, std::size_t i, const char* kind) {
-        check_texture(texture, Check(name_of(kind, texture.name, i)), false);
-    });
-    each(scene.materials, "material", [&](const Material& material, std::size_t i, const char* kind) {
+void validate_materials(const Scene& scene) {
+    check_each(scene.materials, "material", [&](const Material& material, std::size_t i, const char* kind) {
         check_material(material, Check(name_of(kind, material.name, i)), scene.textures.size());
     });
-    each(scene.meshes, "mesh", [&](const Mesh& mesh, std::size_t i, const char* kind) {
+}
+
+void validate_meshes(const Scene& scene) {
+    check_each(scene.meshes, "mesh", [&](const Mesh& mesh, std::size_t i, const char* kind) {
         check_mesh(mesh, Check(name_of(kind, mesh.name, i)), scene.materials.size());
     });
-    each(scene.instances, "instance", [&](const MeshInstance& instance, std::size_t i, const char* kind) {
+}
+
+void validate_instances(const Scene& scene) {
+    check_each(scene.instances, "instance", [&](const MeshInstance& instance, std::size_t i, const char* kind) {
         check_instance(instance, Check(name_of(kind, {}, i)), scene.meshes.size());
     });
-    each(scene.lights, "light", [&](const Light& light, std::size_t i, const char* kind) {
+}
+
+void validate_lights(const Scene& scene) {
+    check_each(scene.lights, "light", [&](const Light& light, std::size_t i, const char* kind) {
         check_light(light, Check(name_of(kind, light.name, i)));
     });
-    const Check sky("sky");
-    sky.sound(sound(scene.sky.horizon) && sound(scene.sky.zenith), "radiance");
-    check_environment(scene.environment);
+}
+
+void validate_sky(const Scene& scene) {
+    Check("sky").sound(sound(scene.sky.horizon) && sound(scene.sky.zenith), "radiance");
+}
+
+void validate_camera(const Scene& scene) {
     if (scene.camera) check_camera(*scene.camera);
+}
+
+void validate(const Scene& scene) {
+    check_each(scene.textures, "texture", [&](const Texture& texture, std::size_t i, const char* kind) {
+        check_texture(texture, Check(name_of(kind, texture.name, i)), false);
+    });
+    validate_materials(scene);
+    validate_meshes(scene);
+    validate_instances(scene);
+    validate_lights(scene);
+    validate_sky(scene);
+    check_environment(scene.environment);
+    validate_camera(scene);
 }
 
 }  // namespace claray

@@ -8,6 +8,7 @@
 #include "claray/error.hpp"
 #include "claray/instances.hpp"
 #include "claray/mesh.hpp"
+#include "claray/picture.hpp"
 #include "claray/profiler.hpp"
 #include "claray/program.hpp"
 #include "claray/query.hpp"

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "claray/picture.hpp"
 #include "claray/profiler.hpp"
 #include "claray/scene.hpp"
 #include "claray/warnings.hpp"
@@ -75,16 +76,6 @@ struct Image {
     unsigned width = 0, height = 0;
     std::vector<glm::vec3> pixels;
 };
-
-enum class ToneMap {
-    none,  ///< clamp to 0..1
-    aces   ///< filmic curve (Narkowicz 2015 fit to ACES)
-};
-
-/// Converts a linear value, clamped to 0..1, to an 8-bit value by the exact piecewise sRGB curve (IEC 61966-2-1).
-[[nodiscard]] std::uint8_t srgb_from_linear(float linear);
-/// The inverse of srgb_from_linear: returns a linear value in 0..1.
-[[nodiscard]] float linear_from_srgb(std::uint8_t value);
 
 /// Writes an image by extension: .png (tone mapped, sRGB, 8 bits), .hdr (Radiance RGBE) or .pfm (float32). The latter
 /// two are linear and ignore exposure (in stops) and tone map. The data is written to a temporary file, synced and

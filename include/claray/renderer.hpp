@@ -7,6 +7,7 @@
 
 #include "claray/bvh.hpp"
 #include "claray/effects.hpp"
+#include "claray/picture.hpp"
 
 namespace claray {
 
@@ -104,6 +105,16 @@ struct Aovs {
     std::vector<std::uint32_t> visits;     ///< number of boxes and triangles tested: the heat map
 };
 
+/// What has changed in a scene.
+struct SceneChanges {
+    bool camera = false;
+    bool lights = false;     ///< Scene::lights, in any number
+    bool materials = false;  ///< members of materials, except their textures
+    bool sky = false;
+    bool instances = false;  ///< transforms
+    bool vertices = false;   ///< positions and normals of meshes
+};
+
 /// Renders one scene on one device. The same configuration gives the same image bit for bit in every run.
 class Renderer {
 public:
@@ -123,12 +134,22 @@ public:
     /// unless they are 0; they must not be larger. Compiled kernels, the tree and the measured speed of the device are
     /// kept. Throws ErrorKind::usage for a render that writes checkpoints.
     void restart(std::uint32_t seed, unsigned spp = 0, unsigned max_depth = 0);
+    /// Discards all samples and continues with a scene that differs from the earlier one in `changes`: nothing else is
+    /// read, checked or uploaded. The image is that of a new renderer of the scene, but lights are picked by the first
+    /// scene's radius, which changes the noise if there are near and far lights. Kernels are compiled only if the scene
+    /// has effects that those in use do not support: see EffectOverrides::add. Throws ErrorKind::user for values that
+    /// `validate` refuses, and ErrorKind::usage if meshes, instances or materials differ in number or size, or for a
+    /// render that writes checkpoints; the renderer is then unchanged.
+    void update(const Scene& scene, const SceneChanges& changes);
     /// Rebuilds the tree with another configuration; the image does not change. Does nothing and returns false if the
     /// scene has instances, or before the scene's own kernels are in use (see RenderStatistics).
     bool rebuild(const Bvh::Config& config);
 
     /// Returns the mean linear radiance so far, row by row from the top left. Blocks.
     [[nodiscard]] std::vector<glm::vec3> image() const;
+    /// Returns the image with exposure, tone map and the sRGB curve: red, green, blue and 255 per pixel, the same bytes
+    /// as write_image stores. The memory belongs to the renderer and holds the picture until the next call. Blocks.
+    [[nodiscard]] std::span<const std::uint8_t> picture(const PictureConfig& config = {}) const;
     /// Returns the share of light that is missing because paths end after `RenderConfig::max_depth` surfaces, 0 to 1.
     /// An estimate: the light beyond that depth is extrapolated. The first call traces some thousand paths.
     [[nodiscard]] double cut_off() const;

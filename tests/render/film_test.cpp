@@ -37,7 +37,7 @@ TEST(Film, SixteenMillionHeavyTailedSamplesSumAsInFloat64) {
         }
         film.accumulate({0, pixels, b * per_batch, per_batch}, Buffer<float>(device(), radiance));
     }
-    const std::vector<glm::vec3> image = film.resolve();
+    const std::vector<glm::vec3> image = film.image();
     for (std::uint32_t p = 0; p < pixels; ++p)
         EXPECT_NEAR(image[p].y / (exact[p] / (double(per_batch) * batches)), 1.0, 1e-6);
 }
@@ -59,7 +59,7 @@ TEST(Film, BatchesOfAnySizeGiveTheSameBits) {
             const auto begin = radiance.begin() + 3 * (p * samples + s);
             parts.accumulate({p, 1, s, 8}, Buffer<float>(device(), std::vector<float>(begin, begin + 24)));
         }
-    const std::vector<glm::vec3> a = whole.resolve(), b = parts.resolve();
+    const std::vector<glm::vec3> a = whole.image(), b = parts.image();
     EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]), 0);
 }
 
@@ -180,7 +180,7 @@ TEST(Film, ErrorIsTheDistanceFromTheTruth) {
         for (int t = 0; t < trials; ++t) {
             film.clear();
             add_samples(film, image, random);
-            const double truth = error_of(film.resolve(), image.brightness);
+            const double truth = error_of(film.image(), image.brightness);
             const Film::Error error = look_at(film);
             held += truth <= error.bound;
             estimated += error.estimate * error.estimate, actual += truth * truth;
@@ -293,7 +293,7 @@ TEST(Film, ErrorCountsSamplesThatWereDropped) {
     Film film(device(), 1, true);
     const float nan = std::numeric_limits<float>::quiet_NaN();
     film.accumulate({0, 1, 0, 6}, Buffer<float>(device(), {4, 4, 4, 8, 8, 8, 4, 4, 4, nan, 1, 1, 4, 4, 4, nan, 1, 1}));
-    EXPECT_EQ(film.resolve()[0], glm::vec3(5));
+    EXPECT_EQ(film.image()[0], glm::vec3(5));
     EXPECT_NEAR(look_at(film).estimate, std::sqrt(16. * 3 / 16) / 5, 1e-6);
     EXPECT_EQ(film.noise().dropped, 2u);
     film.clear();

@@ -1,4 +1,4 @@
-// Colour curves: sRGB, tone mapping, false colours.
+// False colours.
 #include "host/io/image/color.hpp"
 
 #include <algorithm>
@@ -7,14 +7,10 @@
 
 #include "claray/io.hpp"
 #include "claray/shared/types.h"
+#include "host/base/color.hpp"
 
 namespace claray {
 namespace {
-
-/// IEC 61966-2-1, from an encoded value in 0..1.
-double decode_srgb(double encoded) {
-    return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
-}
 
 /// Turbo (Anton Mikhailov, "Turbo, An Improved Rainbow Colormap for Visualization", Google AI Blog 2019), by the degree
 /// 5 polynomial fit that Ruofei Du published with it. `x` in 0..1; the result is encoded for display.
@@ -39,22 +35,6 @@ glm::dvec3 hue_color(double hue, double saturation) {
 glm::vec3 linear_from_display(const glm::dvec3& encoded) {
     const glm::dvec3 c = glm::clamp(encoded, 0.0, 1.0);
     return {float(decode_srgb(c.x)), float(decode_srgb(c.y)), float(decode_srgb(c.z))};
-}
-
-std::uint8_t srgb_from_linear(float linear) {
-    if (!(linear > 0.f)) return 0;  // NaN too
-    if (linear >= 1.f) return 255;
-    const double x = linear;
-    const double encoded = x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1.0 / 2.4) - 0.055;
-    return std::uint8_t(std::lround(255.0 * encoded));
-}
-
-float linear_from_srgb(std::uint8_t value) { return float(decode_srgb(value / 255.0)); }
-
-float aces(float x) {
-    if (!(x > 0.f)) return 0.f;
-    x = std::min(x, 1e6f);  // the quotient below would be inf / inf beyond 1e19
-    return std::min((x * (2.51f * x + 0.03f)) / (x * (2.43f * x + 0.59f) + 0.14f), 1.f);
 }
 
 Image false_color(unsigned width, unsigned height, const std::vector<float>& values) {

@@ -8,7 +8,6 @@
 #include "claray/error.hpp"
 #include "claray/io.hpp"
 #include "host/base/file.hpp"
-#include "host/io/image/color.hpp"
 #include "host/io/image/stb_image_write.hpp"
 
 namespace claray {
@@ -55,7 +54,7 @@ std::string png_bytes(const Image& image, float exposure, ToneMap tone_map) {
     for (const glm::vec3& pixel : image.pixels)
         for (int k = 0; k < 3; ++k) {
             const float value = gain * pixel[k];
-            bytes.push_back(srgb_from_linear(tone_map == ToneMap::aces ? aces(value) : value));
+            bytes.push_back(srgb_from_linear(tone_mapped(value, tone_map)));
         }
     return encode_png(image.width, image.height, 3, bytes);
 }

@@ -82,7 +82,7 @@ std::vector<glm::vec3> radiance_of(const Device& device, const Scene& scene, con
         if (progress && !progress(double(schedule.samples()) / all))
             throw Error(ErrorKind::user, "interrupted: no light map was written");
     }
-    return film.resolve();
+    return film.image();
 }
 
 }  // namespace

@@ -175,7 +175,7 @@ void nan_pixels(Run& run) {
     film.accumulate({0, 2, 0, 4},
                     Buffer<float>(run.device(), std::vector<float>{1, 2, 3,    nan,   1, 1, 1,   inf, 1,   3,   4, 5,
                                                                    1, 1, -inf, 1e38f, 1, 1, nan, nan, nan, inf, 1, 1}));
-    const auto image = film.resolve();
+    const auto image = film.image();
     run.check("bad samples that were not dropped", 6, std::abs(6 - double(film.noise().dropped)), 0, "samples");
     run.check("pixels that bad samples changed", 2,
               double(image[0] != glm::vec3(2, 3, 4)) + double(image[1] != glm::vec3(0)), 0, "pixels");
@@ -201,7 +201,7 @@ void accumulation(Run& run) {
     }
     const std::uint64_t samples = std::uint64_t(per_batch) * batches;
     double worst = 0;
-    const auto image = film.resolve();
+    const auto image = film.image();
     for (std::uint32_t p = 0; p < pixels; ++p)
         worst = std::max(worst, std::abs(image[p].y / (exact[p] / double(samples)) - 1));
     run.check("relative error of the mean", samples, worst, 1e-5, "");

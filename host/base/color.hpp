@@ -1,0 +1,9 @@
+// The sRGB curve.
+#pragma once
+
+namespace claray {
+
+/// IEC 61966-2-1, from an encoded value in 0..1.
+[[nodiscard]] double decode_srgb(double encoded);
+
+}  // namespace claray

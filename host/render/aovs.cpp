@@ -1,0 +1,38 @@
+#include "host/render/aovs.hpp"
+
+namespace claray {
+namespace {
+
+QueryOptions options_of(const SceneBuffers& scene, const Buffer<Visits>& counts) {
+    QueryOptions options;
+    options.visits = counts;
+    options.cull_back_faces = scene.textures.culls_back_faces;
+    return options;
+}
+
+Defines defines_for(const SceneBuffers& scene, EffectSet effects) {
+    Defines defines = defines_of(effects, Stage::aovs);
+    for (const auto& define : scene.structure.defines()) defines.push_back(define);
+    return defines;
+}
+
+}  // namespace
+
+AovStage::AovStage(const SceneBuffers& scene, EffectSet effects, std::uint32_t pixels)
+    : depth(scene.structure.device(), pixels),
+      normal(depth.device(), 3 * std::size_t(pixels)),
+      albedo(depth.device(), 3 * std::size_t(pixels)),
+      primitive(depth.device(), pixels),
+      visits(depth.device(), pixels),
+      counts_(depth.device(), pixels),
+      trace_(scene.structure, QueryKernel::Kind::closest, options_of(scene, counts_), {}),
+      write_(load_kernel(depth.device(), "render/write_aovs.cl", "write_aovs", defines_for(scene, effects))) {}
+
+void AovStage::run(Wavefront& wavefront, const SceneBuffers& scene, std::uint32_t first, std::uint32_t count) {
+    wavefront.trace_centers({first, count, 0, 1}, trace_);
+    write_.run({count, 64}, wavefront.step_of({}, 0, count), scene, wavefront.rays(), wavefront.hits(), counts_,
+               arg("depth", depth), arg("normal", normal), arg("albedo", albedo), arg("primitive", primitive),
+               arg("visited", visits));
+}
+
+}  // namespace claray

@@ -1,0 +1,138 @@
+// What a Renderer consists of.
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include "claray/renderer.hpp"
+#include "host/compute/device_state.hpp"
+#include "host/compute/joint_program.hpp"
+#include "host/render/aovs.hpp"
+#include "host/render/checkpoint/checkpoint.hpp"
+#include "host/render/film.hpp"
+#include "host/render/in_flight.hpp"
+#include "host/render/kernels/kernel_choice.hpp"
+#include "host/render/schedule.hpp"
+#include "host/render/tone_map.hpp"
+#include "host/render/wavefront.hpp"
+
+namespace claray {
+
+/// In its lifetime compiled programs are not stored on disk; slow ones are not kept in memory either.
+class QuickStart {
+public:
+    explicit QuickStart(const Device& device) : device_(device) { device_.state().store_programs = false; }
+    ~QuickStart() {
+        device_.state().store_programs = true;
+        forget_slow_programs(device_);
+    }
+    QuickStart(const QuickStart&) = delete;
+    QuickStart& operator=(const QuickStart&) = delete;
+
+private:
+    Device device_;
+};
+
+/// The user's scene, as far as it can change.
+struct SceneShape {
+    SceneShape() = default;
+    /// `placed`, `places`, `numbers`: see PlacedScene.
+    SceneShape(const Scene& scene, const Scene& placed, std::vector<InstancePlace> places, TriangleNumbers numbers);
+
+    struct MeshSize {
+        std::size_t vertices = 0, triangles = 0, normals = 0;
+    };
+    std::vector<MeshSize> meshes;
+    std::size_t materials = 0;
+    std::vector<MeshInstance> instances;
+    std::vector<InstancePlace> places;        // of the instances in the placed scene
+    TriangleNumbers numbers;                  // of the placed scene's triangles in the user's
+    std::vector<std::size_t> first_vertices;  // of the meshes of the placed scene
+};
+
+[[nodiscard]] CameraData camera_of(const Scene& scene, const RenderConfig& config);
+[[nodiscard]] Bvh::Config with_layout(Bvh::Config config, Layout layout);
+
+struct Renderer::State {
+    using Clock = std::chrono::steady_clock;
+
+    /// `baked`: see PlacedScene. `exactly`: kernels for exactly these effects.
+    State(const Device& on, const Scene& scene, const RenderConfig& with, std::size_t baked = 0,
+          std::optional<EffectSet> exactly = {});
+
+    [[nodiscard]] WavefrontKernels load_kernels(EffectSet effects) const;
+    [[nodiscard]] std::uint32_t first_paths() const;
+    void first_pixel();
+    void take_over_when_compiled();
+    [[nodiscard]] bool may_follow_paths() const;
+    void choose_path_kernel();
+    void adopt(const Structure& other, EffectSet effects);
+    void save_checkpoint();
+    [[nodiscard]] AovStage& aov_stage();
+    void discard_samples();
+
+    // update.cpp
+    void update(const Scene& scene, const SceneChanges& changes);
+    void move(const Scene& scene, const SceneChanges& changes);
+    [[nodiscard]] bool move_vertices(const Scene& scene, bool all);
+    [[nodiscard]] bool move_instances(const Scene& scene);
+    void rebuild_scene(const Scene& scene);
+    void support(EffectSet effects);
+    [[nodiscard]] std::uint32_t pixels() const { return config.width * config.height; }
+    [[nodiscard]] Schedule new_schedule() const { return {pixels(), config.spp, wavefront.capacity()}; }
+    [[nodiscard]] unsigned spp() const { return unsigned(schedule.samples() / pixels()); }
+    [[nodiscard]] RenderProgress measure();
+    template <class Measure>
+    auto timed(const Measure& measure);
+    [[nodiscard]] bool target_met();
+    [[nodiscard]] bool error_met();
+    void look_at_error(unsigned spp);
+    [[nodiscard]] double cut_off();
+    [[nodiscard]] double error_left_to_noise();
+    void warm_up();
+    [[nodiscard]] std::uint32_t paths_of_next_batch(InFlight& in_flight) const;
+    void trace(const Batch& batch, InFlight& in_flight);
+    [[nodiscard]] RayCount rays(const char* name, std::uint64_t count) const;
+
+    Device device;
+    SceneShape shape;  // of the user's scene
+    RenderConfig config;
+    unsigned most_spp = config.spp;
+    Clock::time_point set_up;
+    KernelPlan plan;
+    std::unique_ptr<QuickStart> quick_start;  // until the first pixel is done
+    double set_up_processor;
+    double first_pixel_seconds = 0, first_pixel_processor_seconds = 0;
+    std::uint32_t culled = 0;
+    unsigned own_kernels_from = 0;
+    bool own_kernels = false, chose_path_kernel = false;
+    std::optional<bool> path_kernel_is_cached;  // once determined
+    double milliseconds_before;                 // of the device, used before this render
+    Structure structure;
+    double build_milliseconds;
+    SceneBuffers buffers;
+    Wavefront wavefront;
+    Film film;
+    std::optional<ToneMapper> tone_mapper;  // once a picture was asked for
+    std::optional<AovStage> aovs;           // once they were asked for
+    Schedule schedule;
+    Pace pace;
+    RenderIdentity identity;  // for checkpoints
+    std::string checkpoint_error;
+    std::optional<Clock::time_point> begin;
+    Clock::time_point first_begin;                   // of all frames
+    double patience = path_kernel_patience(device);  // seconds of rendering before it may be compiled
+    ErrorLooks looks;                                // at the error
+    Film::Error last_error;                          // the last estimate
+    std::optional<double> light_cut_off;             // once it was asked for
+    unsigned last_error_spp = 0;                     // samples per pixel at that time
+    bool compiler_asked = false;                     // false: that of another render runs
+    Clock::time_point last_asked;                    // for a compiler
+    bool error_is_new = false;                       // not reported yet
+    double measuring_seconds = 0;                    // for noise and error
+    std::map<std::string, double> before;            // the profiler's times at the start of this render
+};
+
+}  // namespace claray

@@ -1,0 +1,180 @@
+// Renderer::update: a renderer follows the changes of its scene.
+#include <algorithm>
+
+#include "claray/mesh.hpp"
+#include "host/render/renderer_state.hpp"
+#include "host/scene/validate.hpp"
+
+namespace claray {
+namespace {
+
+constexpr EffectSet of_cameras = {Effect::depth_of_field, Effect::camera_motion, Effect::orthographic};
+constexpr EffectSet of_lights = {
+#define CLARAY_ROW(name, NAME, text, far, cone) Effect::name##_lights,
+    CLARAY_LIGHT_KINDS(CLARAY_ROW)
+#undef CLARAY_ROW
+        Effect::light_falloff,
+    Effect::many_lights, Effect::hot_spots};
+
+void check_equal(std::size_t now, std::size_t before, const std::string& what) {
+    if (now == before) return;
+    throw Error(ErrorKind::usage,
+                "the scene has " + std::to_string(now) + " " + what + " instead of " + std::to_string(before),
+                "make a new Renderer for another scene");
+}
+
+void check_meshes(const Scene& scene, const SceneShape& shape) {
+    check_equal(scene.meshes.size(), shape.meshes.size(), "meshes");
+    for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
+        const Mesh& mesh = scene.meshes[i];
+        const SceneShape::MeshSize before = shape.meshes[i];
+        const std::string of = " in mesh " + std::to_string(i);
+        check_equal(mesh.positions.size(), before.vertices, "vertices" + of);
+        check_equal(mesh.triangles.size(), before.triangles, "triangles" + of);
+        check_equal(mesh.normals.size(), before.normals, "normals" + of);
+    }
+}
+
+void check_changes(const Scene& scene, const SceneChanges& changes, const SceneShape& shape) {
+    if (changes.vertices) check_meshes(scene, shape);
+    if (changes.instances) check_equal(scene.instances.size(), shape.instances.size(), "instances");
+    if (changes.materials) check_equal(scene.materials.size(), shape.materials, "materials");
+    if (changes.camera) validate_camera(scene);
+    if (changes.lights) validate_lights(scene);
+    if (changes.materials) validate_materials(scene);
+    if (changes.sky) validate_sky(scene);
+    if (changes.instances) validate_instances(scene);
+    if (changes.vertices) validate_meshes(scene);
+}
+
+/// Replaces the effects of the changed parts that follow from these parts alone.
+EffectSet with_parts(EffectSet effects, const Scene& scene, const SceneChanges& changes) {
+    Scene parts;
+    if (changes.camera) parts.camera = scene.camera, effects = effects - of_cameras;
+    if (changes.lights) parts.lights = scene.lights, effects = effects - of_lights;
+    if (changes.sky) parts.sky = scene.sky, effects.remove(Effect::sky);
+    return effects | (effects_of(parts) - aids);
+}
+
+bool same(const MeshInstance& a, const MeshInstance& b) {
+    return a.mesh == b.mesh && a.transform == b.transform && a.transform_end == b.transform_end;
+}
+
+bool is_mirror(const glm::mat4& transform) { return glm::determinant(glm::dmat3(transform)) < 0; }
+
+}  // namespace
+
+SceneShape::SceneShape(const Scene& scene, const Scene& placed, std::vector<InstancePlace> of, TriangleNumbers ofs)
+    : materials(scene.materials.size()), instances(scene.instances), places(std::move(of)), numbers(std::move(ofs)) {
+    for (const Mesh& mesh : scene.meshes)
+        meshes.push_back({mesh.positions.size(), mesh.triangles.size(), mesh.normals.size()});
+    std::size_t vertices = 0;
+    for (const Mesh& mesh : placed.meshes) {
+        first_vertices.push_back(vertices);
+        vertices += mesh.positions.size();
+    }
+}
+
+/// Keeps the kernels in use if they support the effects. Others are compiled in the background if that is possible.
+void Renderer::State::support(EffectSet effects) {
+    if (wavefront.supports(effects, buffers.lights.count != 0)) return;
+    plan = plan_kernels(device, effects, config);
+    own_kernels = plan.first == plan.last;
+    compiler_asked = false;
+    const Layout layout = plan.first.layout;
+    const bool same_tree = structure.instanced() || structure.bvh().layout() == layout;
+    adopt(same_tree ? structure : structure.rebuilt(with_layout(config.bvh, layout)), plan.first.effects);
+}
+
+/// Places the scene, its buffers and trees anew.
+void Renderer::State::rebuild_scene(const Scene& scene) {
+    PlacedScene placed = place_instances(scene);
+    structure = Structure(device, placed.scene, placed.baked, with_layout(config.bvh, plan.last.layout));
+    buffers = SceneBuffers(device, placed.scene, structure, config.effects.add);
+    shape = SceneShape(scene, placed.scene, std::move(placed.places), std::move(placed.numbers));
+    wavefront.replace_scene(buffers);
+    plan = plan_kernels(device, buffers.effects, config);
+    own_kernels = true;
+    adopt(structure, plan.last.effects);
+}
+
+/// For one tree. Returns false if more than vertices must change.
+bool Renderer::State::move_vertices(const Scene& scene, bool all) {
+    std::vector<std::pair<Mesh, std::size_t>> moved;  // and their first vertices
+    const auto add = [&](const Mesh& mesh, const glm::mat4& transform, std::uint32_t index) {
+        moved.emplace_back(transformed(mesh, transform), shape.first_vertices[index]);
+        return mesh.tangents.empty() && survives_baking(mesh, transform);
+    };
+    if (scene.instances.empty())
+        for (std::uint32_t i = 0; i < scene.meshes.size(); ++i)
+            if (!add(scene.meshes[i], glm::mat4(1.f), i)) return false;
+    for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+        const MeshInstance &now = scene.instances[i], &before = shape.instances[i];
+        const InstancePlace place = shape.places[i];
+        if (place.index == CLARAY_MISS || (!all && same(now, before))) continue;
+        if (moves(now) || now.mesh != before.mesh || is_mirror(now.transform) != is_mirror(before.transform))
+            return false;
+        if (!add(scene.meshes[now.mesh], now.transform, place.index)) return false;
+    }
+    for (const auto& [mesh, first] : moved) {
+        structure.move_vertices(first, mesh.positions);
+        buffers.move_normals(first, mesh.normals);
+    }
+    structure.follow_vertices();
+    return true;
+}
+
+/// For a tree of trees. Returns false if more than the transforms of its own instances must change.
+bool Renderer::State::move_instances(const Scene& scene) {
+    std::vector<std::pair<std::uint32_t, MeshInstance>> moved;
+    for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+        const MeshInstance &now = scene.instances[i], &before = shape.instances[i];
+        const InstancePlace place = shape.places[i];
+        if (same(now, before) || place.index == CLARAY_MISS) continue;
+        if (place.baked || now.mesh != before.mesh || (moves(now) && !structure.moves())) return false;
+        moved.emplace_back(place.index, now);
+    }
+    if (!moved.empty()) structure.move_instances(moved);
+    return true;
+}
+
+void Renderer::State::move(const Scene& scene, const SceneChanges& changes) {
+    const bool shines = buffers.lights.triangles > 0;
+    const bool moved = structure.instanced() ? !changes.vertices && !shines && move_instances(scene)
+                                             : move_vertices(scene, changes.vertices);
+    if (!moved) return rebuild_scene(scene);
+    if (changes.instances) shape.instances = scene.instances;
+    if (!shines && buffers.lights.count > 0) buffers.replace_lights(scene);  // hot spots follow surfaces
+    if (shines) buffers.replace_materials(scene.instances.empty() ? scene : place_instances(scene).scene);
+}
+
+void Renderer::State::update(const Scene& scene, const SceneChanges& changes) {
+    if (changes.camera && scene.camera) wavefront.set_camera(camera_of(scene, config));
+    if (changes.sky) wavefront.set_sky(sky_data(scene));
+    if (changes.instances || changes.vertices) move(scene, changes);
+    EffectSet effects = with_parts(buffers.effects, scene, changes);
+    if (changes.materials) {
+        const Scene placed = scene.instances.empty() ? Scene() : place_instances(scene).scene;
+        const Scene& world = scene.instances.empty() ? scene : placed;
+        buffers.replace_materials(world);
+        effects = effects_of(world);
+    }
+    if (changes.lights && !changes.materials) buffers.replace_lights(scene);
+    buffers.effects = effects | buffers.effects_of_tables();
+    wavefront.replace_scene(buffers);
+    support(buffers.effects);
+}
+
+void Renderer::update(const Scene& scene, const SceneChanges& changes) {
+    State& state = *state_;
+    if (!state.config.checkpoint.empty())
+        throw Error(ErrorKind::usage, "a scene cannot change while checkpoints are written",
+                    "leave out the checkpoint");
+    check_changes(scene, changes, state.shape);
+    const EffectSet removed = state.config.effects.remove;
+    removed.empty() ? state.update(scene, changes) : state.update(without_effects(scene, removed), changes);
+    state.light_cut_off.reset();
+    state.discard_samples();
+}
+
+}  // namespace claray

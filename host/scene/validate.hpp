@@ -1,0 +1,15 @@
+// The parts of `validate`. All throw as it does.
+#pragma once
+
+#include "claray/scene.hpp"
+
+namespace claray {
+
+void validate_materials(const Scene& scene);
+void validate_meshes(const Scene& scene);
+void validate_instances(const Scene& scene);
+void validate_lights(const Scene& scene);
+void validate_sky(const Scene& scene);
+void validate_camera(const Scene& scene);
+
+}  // namespace claray
