@@ -256,6 +256,10 @@ void Renderer::State::take_over_when_compiled() {
         compiler_asked = start_compiler(config.compiler, device, plan.last, config), last_asked = Clock::now();
         return;
     }
+    take_over();
+}
+
+void Renderer::State::take_over() {
     own_kernels = true;
     own_kernels_from = spp();
     const bool rebuilds = plan.last.layout != plan.first.layout;
@@ -271,7 +275,7 @@ bool Renderer::State::may_follow_paths() const {
 /// Decides once, when every pixel was sampled by the scene's own kernels, whether one kernel traces whole paths from
 /// then on. Loading it takes as long as a short render, and compiling it longer; so it waits until rendering took as
 /// long, which at worst doubles the time.
-void Renderer::State::choose_path_kernel() {
+void Renderer::State::choose_path_kernel(double patience) {
     const double seconds = seconds_since(first_begin);
     if (seconds < patience / 16) return;
     if (may_follow_paths()) {
@@ -293,6 +297,12 @@ void Renderer::State::adopt(const Structure& other, EffectSet effects) {
     chose_path_kernel = false;
     aovs.reset();
     film.reload_kernels();
+}
+
+void Renderer::State::sample_all_pixels() {
+    InFlight in_flight(device, pace);
+    while (spp() == 0) trace(schedule.next(pace.paths()), in_flight);
+    device.finish();
 }
 
 AovStage& Renderer::State::aov_stage() {
@@ -347,6 +357,10 @@ void Renderer::State::save_checkpoint() {
     }
 }
 
+void Renderer::State::refuse_with_checkpoints(const char* what) const {
+    if (!config.checkpoint.empty()) throw Error(claray::ErrorKind::usage, what, "leave out the checkpoint");
+}
+
 RayCount Renderer::State::rays(const char* name, std::uint64_t count) const {
     return {count, std::max(0.0, device.profiler().milliseconds(name) - before.at(name))};
 }
@@ -390,7 +404,7 @@ RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>
         state.trace(state.schedule.next(state.paths_of_next_batch(in_flight)), in_flight);
         if (state.first_pixel_seconds == 0) state.first_pixel();
         if (!state.own_kernels) state.take_over_when_compiled();
-        if (state.own_kernels && !state.chose_path_kernel && state.spp() > 0) state.choose_path_kernel();
+        if (state.own_kernels && !state.chose_path_kernel && state.spp() > 0) state.choose_path_kernel(state.patience);
         if (saves && seconds_since(last_checkpoint) >= state.config.checkpoint_seconds) {
             state.save_checkpoint();
             last_checkpoint = Clock::now();
@@ -407,15 +421,29 @@ RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>
 
 void Renderer::restart(std::uint32_t seed, unsigned spp, unsigned max_depth) {
     State& state = *state_;
-    if (!state.config.checkpoint.empty())
-        throw Error(ErrorKind::usage, "a render that writes checkpoints cannot be restarted",
-                    "leave out the checkpoint");
+    state.refuse_with_checkpoints("a render that writes checkpoints cannot be restarted");
     state.config.seed = seed;
     state.wavefront.set_seed(seed);
     const unsigned wanted = spp == 0 ? state.config.spp : std::min(spp, state.most_spp);
     if (wanted != state.config.spp) state.config.spp = wanted, state.chose_path_kernel = false;
     if (max_depth != 0) state.wavefront.set_max_depth(std::min(max_depth, state.config.max_depth));
     if (max_depth != 0) state.light_cut_off.reset();
+    state.discard_samples();
+}
+
+void Renderer::settle() {
+    State& state = *state_;
+    state.refuse_with_checkpoints("a render that writes checkpoints cannot discard samples");
+    state.discard_samples();
+    state.sample_all_pixels();
+    if (state.first_pixel_seconds == 0) state.first_pixel();
+    if (!state.own_kernels) state.take_over();
+    if (!state.chose_path_kernel) state.choose_path_kernel(0);
+    for (int i = 0; i < 2; ++i) {  // drivers compile kernels again for the size of their groups
+        state.discard_samples();
+        state.sample_all_pixels();
+        (void)state.film.noise();
+    }
     state.discard_samples();
 }
 

@@ -66,8 +66,12 @@ struct Renderer::State {
     [[nodiscard]] std::uint32_t first_paths() const;
     void first_pixel();
     void take_over_when_compiled();
+    void take_over();
+    void refuse_with_checkpoints(const char* what) const;
     [[nodiscard]] bool may_follow_paths() const;
-    void choose_path_kernel();
+    /// `patience`: seconds of rendering before the kernel of whole paths may be compiled.
+    void choose_path_kernel(double patience);
+    void sample_all_pixels();
     void adopt(const Structure& other, EffectSet effects);
     void save_checkpoint();
     [[nodiscard]] AovStage& aov_stage();

@@ -167,9 +167,7 @@ void Renderer::State::update(const Scene& scene, const SceneChanges& changes) {
 
 void Renderer::update(const Scene& scene, const SceneChanges& changes) {
     State& state = *state_;
-    if (!state.config.checkpoint.empty())
-        throw Error(ErrorKind::usage, "a scene cannot change while checkpoints are written",
-                    "leave out the checkpoint");
+    state.refuse_with_checkpoints("a scene cannot change while checkpoints are written");
     check_changes(scene, changes, state.shape);
     const EffectSet removed = state.config.effects.remove;
     removed.empty() ? state.update(scene, changes) : state.update(without_effects(scene, removed), changes);

@@ -35,6 +35,21 @@ Camera automatic_camera(const Bounds& bounds, float vertical_fov, float aspect) 
     return camera;
 }
 
+/// By Rodrigues' formula.
+Camera orbited(const Camera& camera, float degrees) {
+    const glm::dvec3 axis = glm::normalize(glm::dvec3(camera.up));
+    const double angle = glm::radians(double(degrees)), c = std::cos(angle), s = std::sin(angle);
+    const auto turned = [&](const glm::vec3& point, const glm::vec3& center) {
+        const glm::dvec3 v = glm::dvec3(point) - glm::dvec3(center);
+        return glm::vec3(glm::dvec3(center) + c * v + s * glm::cross(axis, v) + (1 - c) * glm::dot(axis, v) * axis);
+    };
+    Camera result = camera;
+    result.position = turned(camera.position, camera.target);
+    if (camera.position_end) result.position_end = turned(*camera.position_end, camera.target);
+    if (camera.target_end) result.target_end = turned(*camera.target_end, camera.target);
+    return result;
+}
+
 namespace {
 
 /// The t between 0 and 1 for which the vector a + t b is shortest.

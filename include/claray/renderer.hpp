@@ -141,6 +141,10 @@ public:
     /// `validate` refuses, and ErrorKind::usage if meshes, instances or materials differ in number or size, or for a
     /// render that writes checkpoints; the renderer is then unchanged.
     void update(const Scene& scene, const SceneChanges& changes);
+    /// Loads the fastest kernels for the scene now, compiling them if necessary, and runs each once, so that no later
+    /// render waits for a kernel unless `update` brings other effects. Otherwise they are loaded while rendering, when
+    /// that pays. Discards all samples. Throws ErrorKind::usage for a render that writes checkpoints.
+    void settle();
     /// Rebuilds the tree with another configuration; the image does not change. Does nothing and returns false if the
     /// scene has instances, or before the scene's own kernels are in use (see RenderStatistics).
     bool rebuild(const Bvh::Config& config);

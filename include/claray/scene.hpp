@@ -243,6 +243,10 @@ struct Scene {
 /// bounding sphere just fits into the image. If the bounds have no extent, the distance is 1.
 [[nodiscard]] Camera automatic_camera(const Bounds& bounds, float vertical_fov = 40.f, float aspect = 1.f);
 
+/// Returns the camera turned by `degrees` round the axis through its target along `up`, counter-clockwise seen from
+/// above. Its motion turns with it.
+[[nodiscard]] Camera orbited(const Camera& camera, float degrees);
+
 /// Returns the camera in the form that kernels read. `aspect` = width / height. Throws ErrorKind::usage if at some time
 /// the position equals the target or `up` is parallel to the view, if the angle is outside (0, 180), if the
 /// orthographic height is negative or not finite, or if the lens is invalid.

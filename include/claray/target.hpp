@@ -87,11 +87,18 @@ struct FramesReport {
     std::vector<glm::vec3> image;       ///< the last frame
 };
 
-/// Chooses the samples per pixel so that a frame takes at most 1 / fps, and renders `frames` frames. `config.spp` and
+struct FramesConfig {
+    double fps = 60;        ///< > 0
+    unsigned frames = 300;  ///< > 0
+    double orbit = 0;       ///< degrees by which the camera turns round its target over all frames
+    bool picks_builder = true;
+};
+
+/// Chooses the samples per pixel so that a frame takes at most 1 / fps, and renders the frames. `config.spp` and
 /// `config.max_depth` are upper limits. `progress` is called after every frame; return false to stop. Throws
 /// ErrorKind::user, naming the closest rate, if the rate cannot be reached.
 [[nodiscard]] FramesReport render_frames(const Device& device, const Scene& scene, const RenderConfig& config,
-                                         double fps, unsigned frames, bool picks_builder = true,
+                                         const FramesConfig& frames,
                                          const std::function<bool(unsigned done)>& progress = {},
                                          const MeasuringProgress& measuring = {});
 

@@ -198,10 +198,11 @@ TEST(RenderFrames, PicksWhatFitsAndSaysSo) {
     const Scene scene = *builtin_scene("hills");
     RenderConfig config{.width = 12, .height = 12, .spp = 5};
     unsigned calls = 0;
-    const FramesReport report = render_frames(device(), scene, config, 0.5, 4, true, [&](unsigned done) {
-        EXPECT_EQ(done, ++calls);
-        return done < 3;
-    });
+    const FramesReport report =
+        render_frames(device(), scene, config, {.fps = 0.5, .frames = 4, .orbit = 30}, [&](unsigned done) {
+            EXPECT_EQ(done, ++calls);
+            return done < 3;
+        });
     EXPECT_EQ(report.seconds.size(), 3u) << "stopped";
     EXPECT_EQ(report.spp, 5u) << "two seconds are enough for the most";
     EXPECT_EQ(report.max_depth, default_max_depth);
@@ -211,9 +212,9 @@ TEST(RenderFrames, PicksWhatFitsAndSaysSo) {
     for (const glm::vec3& p : report.image) sum += p.y;
     EXPECT_GT(sum, 0);
     EXPECT_TRUE(throws_error(ErrorKind::user, "the closest possible is about --fps ",
-                             [&] { (void)render_frames(device(), scene, config, 1e6, 1); }));
+                             [&] { (void)render_frames(device(), scene, config, {.fps = 1e6, .frames = 1}); }));
     EXPECT_TRUE(throws_error(ErrorKind::usage, "must be greater than 0",
-                             [&] { (void)render_frames(device(), scene, config, NAN, 1); }));
+                             [&] { (void)render_frames(device(), scene, config, {.fps = NAN, .frames = 1}); }));
 }
 
 }  // namespace

@@ -22,11 +22,10 @@ public:
     Frames(const Device& device, const Scene& scene, const RenderConfig& config)
         : max_depth(config.max_depth), renderer_(device, scene, config), seed_(config.seed) {}
 
-    /// Renders until the scene's own kernels are used, which have another speed. Returns false if `measuring` does.
+    /// Returns false if `measuring` does.
     bool wait_for_kernels(const MeasuringProgress& measuring) {
         if (measuring && !measuring("kernels")) return false;
-        do (void)next();
-        while (!renderer_.statistics().own_kernels);
+        renderer_.settle();
         return true;
     }
 
@@ -34,9 +33,17 @@ public:
         const Clock::time_point begin = Clock::now();
         renderer_.restart(seed_++, spp, max_depth);
         (void)renderer_.render();
-        image = renderer_.image();
+        (void)renderer_.picture();
         return std::chrono::duration<double>(Clock::now() - begin).count();
     }
+    /// A frame as seen by this camera.
+    double next(const Camera& camera) {
+        const Clock::time_point begin = Clock::now();
+        scene_.camera = camera;
+        renderer_.update(scene_, {.camera = true});
+        return std::chrono::duration<double>(Clock::now() - begin).count() + next();
+    }
+    [[nodiscard]] std::vector<glm::vec3> image() const { return renderer_.image(); }
     /// The slowest of a few, after one that may compile.
     double slowest() {
         (void)next();
@@ -46,10 +53,10 @@ public:
     }
 
     unsigned spp = 1, max_depth;
-    std::vector<glm::vec3> image;
 
 private:
     Renderer renderer_;
+    Scene scene_;  // without objects, to carry the camera
     std::uint32_t seed_;
 };
 
@@ -117,16 +124,18 @@ void pick(Frames& frames, const RenderConfig& config, double budget, std::vector
 
 }  // namespace
 
-FramesReport render_frames(const Device& device, const Scene& scene, const RenderConfig& config, double fps,
-                           unsigned frames, bool picks_builder, const std::function<bool(unsigned)>& progress,
+FramesReport render_frames(const Device& device, const Scene& scene, const RenderConfig& config,
+                           const FramesConfig& wanted, const std::function<bool(unsigned)>& progress,
                            const MeasuringProgress& measuring) {
-    if (!(fps > 0 && std::isfinite(fps)) || frames == 0)
+    if (!(wanted.fps > 0 && std::isfinite(wanted.fps)) || wanted.frames == 0)
         throw Error(ErrorKind::usage, "the frame rate and the number of frames must be greater than 0",
                     "use for example 60");
-    const double budget = 1 / fps;
-    TargetPlan plan = plan_render(device, scene, config, picks_builder, measuring);
+    if (!std::isfinite(wanted.orbit))
+        throw Error(ErrorKind::usage, "the orbit must be finite", "give degrees, for example 90");
+    const double budget = 1 / wanted.fps;
+    TargetPlan plan = plan_render(device, scene, config, wanted.picks_builder, measuring);
     plan.picks.clear();
-    pick_for_time(plan, device, frames * budget);
+    pick_for_time(plan, device, wanted.frames * budget);
     plan.config.spp = std::min(config.spp, most_spp);
     plan.config.error = plan.config.noise = plan.config.seconds = 0;
     FramesReport report;
@@ -135,8 +144,11 @@ FramesReport render_frames(const Device& device, const Scene& scene, const Rende
         throw Error(ErrorKind::user, "interrupted before the first frame");
     pick(all, plan.config, budget, plan.picks);
     unsigned last_late = 0;
-    for (unsigned i = 1; i <= frames; ++i) {
-        report.seconds.push_back(all.next());
+    const float aspect = float(config.width) / float(config.height);
+    const Camera camera = scene.camera ? *scene.camera : automatic_camera(bounds_of(scene), 40.f, aspect);
+    for (unsigned i = 1; i <= wanted.frames; ++i) {
+        const auto degrees = float(wanted.orbit * i / wanted.frames);
+        report.seconds.push_back(wanted.orbit != 0 ? all.next(orbited(camera, degrees)) : all.next());
         if (progress && !progress(i)) break;
         if (report.seconds.back() <= budget) continue;
         if (last_late > 0 && i - last_late < watched && all.spp > 1) all.spp -= std::max(1u, all.spp / 8);
@@ -145,7 +157,7 @@ FramesReport render_frames(const Device& device, const Scene& scene, const Rende
     report.picks = plan.picks;
     report.spp = all.spp, report.max_depth = all.max_depth;
     report.median = percentile(report.seconds, 0.5), report.percentile = percentile(report.seconds, 0.99);
-    report.image = std::move(all.image);
+    report.image = all.image();
     return report;
 }
 

@@ -32,6 +32,7 @@ struct RenderOptions {
     bool wait_for_kernels = false;
     double fps = 0;                                     // 0: one image
     unsigned frames = 300;                              // at that rate
+    double orbit = 0;                                   // degrees over these frames
     std::string frames_text;                            // as the command line has it: a number, or a range
     std::optional<FrameRange> animation;                // a picture each
     double frame_rate = 24;                             // of the animation

@@ -27,6 +27,7 @@ CLI::Validator least_error_for_none() {
 
 void check_frames(const CLI::App& command, RenderOptions& o) {
     refuse_without(command, "--frame-rate", "--frames");
+    refuse_without(command, "--orbit", "--fps");
     refuse_both(command, "--fps", {"--frame-rate"},
                 "--fps is for rendering in real time, --frame-rate for an animation");
     if (command.count("--frames") == 0) return;
@@ -62,6 +63,8 @@ void add_target_options(CLI::App& command, RenderOptions& o) {
                     "FIRST..LAST: write an image per frame of an animation, as OUTPUT.0000.png or by %04d in OUTPUT; "
                     "with --fps: number of frames [300]")
         ->type_name("RANGE");
+    command.add_option("--orbit", o.orbit, "Degrees by which the camera turns round its target, with --fps [0]")
+        ->check(finite_number());
     command.add_option("--frame-rate", o.frame_rate, "Frames per second of the animation, with --frames [24]")
         ->check(positive_number());
 }
@@ -94,7 +97,8 @@ MeasuringProgress measuring_progress(bool quiet) {
 void run_frames(const Device& device, const Scene& scene, const RenderOptions& options) {
     std::optional<InterruptGuard> guard;
     const FramesReport report = render_frames(
-        device, scene, options.config, options.fps, options.frames, options.picks_builder,
+        device, scene, options.config,
+        {.fps = options.fps, .frames = options.frames, .orbit = options.orbit, .picks_builder = options.picks_builder},
         [&](unsigned) {
             if (!guard) guard.emplace();
             return !InterruptGuard::interrupted();
