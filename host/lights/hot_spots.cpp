@@ -55,12 +55,10 @@ glm::dvec3 nearest_of_triangle(const glm::dvec3& p, const glm::dvec3& a, const g
     return nearest;
 }
 
-/// Searches for the nearest surface of each light, within the relevant distance.
+/// Searches for the nearest surface of each light (sorted by x), within the relevant distance.
 class Search {
 public:
     Search(std::vector<Candidate>& candidates, const Scene& scene) : candidates_(candidates), scene_(scene) {
-        std::sort(candidates.begin(), candidates.end(),
-                  [](const Candidate& a, const Candidate& b) { return a.position.x < b.position.x; });
         for (const Candidate& c : candidates) {
             reach_ = std::max(reach_, std::sqrt(c.distance2));
             box_.grow(glm::vec3(c.position));
@@ -93,12 +91,10 @@ private:
         return true;
     }
     void visit(const Mesh& mesh, const glm::dmat4& transform) {
-        for (const glm::uvec3& t : mesh.triangles) {
-            const auto corner = [&](std::uint32_t i) {
-                return glm::dvec3(transform * glm::dvec4(mesh.positions[i], 1.0));
-            };
-            visit(corner(t.x), corner(t.y), corner(t.z));
-        }
+        std::vector<glm::dvec3> corners(mesh.positions.begin(), mesh.positions.end());
+        if (transform != glm::dmat4(1.0))
+            for (glm::dvec3& corner : corners) corner = glm::dvec3(transform * glm::dvec4(corner, 1.0));
+        for (const glm::uvec3& t : mesh.triangles) visit(corners[t.x], corners[t.y], corners[t.z]);
     }
     void visit(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
         const glm::dvec3 lo = glm::min(glm::min(a, b), c), hi = glm::max(glm::max(a, b), c);
@@ -144,10 +140,10 @@ std::vector<Candidate> candidates_of(const Scene& scene, double distance) {
     return candidates;
 }
 
-/// The shares of the lights (sorted as by Search) whose spots overlap with that of `c`: at most two heights away. Stops
-/// counting when the spot of `c` pays.
-double share_around(const std::vector<Candidate>& sorted, const Candidate& c, double distance) {
-    const double enough = 4 * 8 * c.distance2 / (distance * distance * gain), reach = 2 * std::sqrt(c.distance2);
+/// The shares of the lights (sorted by x) whose spots overlap with that of `c`: at most two heights away. Stops
+/// counting at `enough`.
+double share_around(const std::vector<Candidate>& sorted, const Candidate& c, double enough) {
+    const double reach = 2 * std::sqrt(c.distance2);
     auto at = std::lower_bound(sorted.begin(), sorted.end(), c.position.x - reach,
                                [](const Candidate& other, double x) { return other.position.x < x; });
     double sum = 0;
@@ -156,6 +152,14 @@ double share_around(const std::vector<Candidate>& sorted, const Candidate& c, do
         if (glm::dot(off, off) <= reach * reach) sum += at->share;
     }
     return std::max(sum, c.share);
+}
+
+/// Lowers the distance within which a light's surface matters: the spot of a light pays up to a height that follows
+/// from the shares around it, of which there are fewer within a lower height.
+void lower_distances(std::vector<Candidate>& sorted, double distance) {
+    for (int pass = 0; pass < 3; ++pass)
+        for (Candidate& c : sorted)
+            c.distance2 = std::min(c.distance2, share_around(sorted, c, 1) * gain / 8 * distance * distance);
 }
 
 }  // namespace
@@ -168,12 +172,17 @@ std::vector<HotSpotPlace> find_hot_spots(const Scene& scene) {
         0.25 * glm::length(glm::dvec3(bounds.extent()));  // typical distance from which spots are seen
     std::vector<Candidate> candidates = candidates_of(scene, distance);
     if (candidates.empty()) return places;
+    std::sort(candidates.begin(), candidates.end(),
+              [](const Candidate& a, const Candidate& b) { return a.position.x < b.position.x; });
+    lower_distances(candidates, distance);
     Search(candidates, scene).run();
     double sum = 0;
     for (const Candidate& c : candidates) {
         const glm::vec3 way(c.way);
         if (!c.found || !(glm::dot(way, way) > 1e-30f)) continue;  // the light is in the surface
-        const double share = share_of(c.share, share_around(candidates, c, distance), c.distance2, distance);
+        const double pays =
+            4 * 8 * c.distance2 / (distance * distance * gain);  // far from where the spot ceases to pay
+        const double share = share_of(c.share, share_around(candidates, c, pays), c.distance2, distance);
         if (!(share > 0)) continue;
         places.push_back({c.light, way, share});
         sum += share;
