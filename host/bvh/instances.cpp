@@ -125,7 +125,7 @@ void InstancedBvh::State::copy_bottoms(std::span<const Bvh> bottoms) {
         all = {all.nodes + size.nodes, all.leaves + size.leaves};
     }
     if (std::max(all.nodes, all.leaves) > 0xffffffffu)
-        throw Error(ErrorKind::user, "the bottom levels have more than 2^32 nodes or leaves in total");
+        throw Error(ErrorKind::user, "the bottom levels have 2^32 or more nodes or leaves in total");
     headers = Buffer<BvhHeader>(device, host_headers);
     const bool wide = layout == Layout::wide;
     if (wide) {

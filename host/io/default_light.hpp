@@ -13,7 +13,7 @@ struct LoadedScene {
     bool is_file = false;  ///< built-in scenes need no default light
 };
 
-/// As `load_scene`, `load_obj` and `load_gltf`, and lights dark scenes.
+/// As `load_scene`, `load_obj` and `load_gltf`, but these add no light to dark scenes: call `light_if_dark` afterwards.
 [[nodiscard]] LoadedScene load_without_light(const std::string& name_or_path, Warnings& warnings,
                                              const LoadOptions& options);
 [[nodiscard]] Scene load_obj_without_light(const std::filesystem::path& path, Warnings& warnings);

@@ -125,7 +125,8 @@ EnvironmentImage environment_image(const Environment& environment) {
     for (const glm::vec3& value : pixels.values)
         for (int c = 0; c < 3; ++c) image.texels.push_back(value[c] * environment.strength);
 
-    // The weight at the border above row y of cells in column x: that of the row of texels there, or of a pole.
+    // The cells lie between the centres of texels. The weight at the border above row y of cells, in column x, is that
+    // of the texels whose centres are on this border; 0 at the poles.
     const auto weight = [&](unsigned x, unsigned y) {
         if (y == 0 || y > image.height) return 0.0;
         return luminance(pixels.at(x % image.width, y - 1)) * environment.strength *

@@ -40,7 +40,7 @@ struct SceneResult {
 /// ErrorKind::device if two presets disagree about a hit.
 [[nodiscard]] SceneResult run_bench(const Device& device, const std::string& scene, const BenchOptions& options);
 
-/// Milliseconds to build and then trace `rays` rays, from the two medians.
+/// Milliseconds to build and then trace `rays` rays, from the median times of building and of tracing.
 [[nodiscard]] double build_and_trace(const PresetResult& preset, std::size_t kind, double rays);
 
 /// From how many rays on the next preset is the quickest to build and trace together.

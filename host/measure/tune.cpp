@@ -17,7 +17,7 @@
 namespace claray::measure {
 namespace {
 
-/// A scene to measure. Its rays are made once, since hits do not depend on tuning.
+/// A scene to measure. Its rays are made once: some start at hits, which do not depend on tuning.
 struct Subject {
     std::string name;
     std::vector<Mesh> meshes;

@@ -18,7 +18,7 @@ static inline uint end_leaf(global const BvhNode* nodes, uint child, uint side) 
     return child & CLARAY_SLOT;
 }
 
-/// Stores row i of four leaves (3 coordinates and a word each) as four rows of a block.
+/// Transposes vertex number `row` of four leaves (3 coordinates and a word each) into four rows of a block.
 #define STORE_ROWS(row, to_x, to_y, to_z, to_w)                                                              \
     store_streaming4((float4)(a[row].x, b[row].x, c[row].x, d[row].x), (global float4*)(to_x));              \
     store_streaming4((float4)(a[row].y, b[row].y, c[row].y, d[row].y), (global float4*)(to_y));              \

@@ -21,7 +21,7 @@ DeviceModel simple_model() {
     return model;
 }
 
-/// Rows of a model as a device has them after `claray tune`.
+/// Returns a device whose tuning table holds this model, as after `claray tune`.
 Device device_with(const DeviceModel& model) {
     const Device fresh = Device::open(std::to_string(device().info().index));
     for (const ModelRow& row : rows_of(model)) fresh.set_tuning(row.kernel, row.parameter, row.value);

@@ -48,7 +48,7 @@ struct Outcomes {
     std::size_t wrong = 0, doubtful = 0, hits = 0;
 };
 
-/// Compares a filter with the truth, which is certain except for rays within 1e-10 of an edge.
+/// Compares the fast hit test with the truth, which is certain unless a barycentric weight is within 1e-10 of 0.
 Outcomes judge(const std::vector<glm::vec4>& outcomes, const std::vector<Ray>& rays,
                const std::vector<LeafTriangle>& leaves) {
     enum { rejected, replaced, doubtful };

@@ -34,7 +34,8 @@ Elements elements_of(const GltfFile& file, int view, std::size_t offset, std::si
     if (count == 0) return {};
     if (offset > bytes.size() || size > bytes.size() - offset || (count - 1) > (bytes.size() - offset - size) / stride)
         file.fail(what + " exceeds its buffer view: " + to_string(count) + " elements of " + to_string(size) +
-                  " bytes do not fit into " + to_string(bytes.size()));
+                  " bytes, " + to_string(stride) + " bytes apart from byte " + to_string(offset) +
+                  " on, do not fit into " + to_string(bytes.size()) + " bytes");
     return {bytes.data() + offset, count, stride, type, false};
 }
 
@@ -64,7 +65,8 @@ Elements dense_elements(const GltfFile& file, const tinygltf::Accessor& accessor
     }
     constexpr std::size_t most_zeros = std::size_t(1)
                                        << 24;  // no bytes stand for them, so that a typo may ask for any number
-    if (accessor.count > most_zeros) file.fail(what + " has " + to_string(accessor.count) + " elements but no data");
+    if (accessor.count > most_zeros)
+        file.fail(what + " has " + to_string(accessor.count) + " elements without data; at most 2^24 may be without");
     if (size_of_component(accessor.componentType) == 0)
         file.fail(what + " has components of the unknown type " + to_string(accessor.componentType));
     return {nullptr, accessor.count, 0, accessor.componentType, accessor.normalized};

@@ -40,7 +40,8 @@ glm::vec3 position_of(const PlacedNode& node) { return glm::vec3(node.world[3]);
 glm::vec3 axis_of(const PlacedNode& node, int axis, const GltfFile& file) {
     const glm::dvec3 direction(node.world[axis]);
     const double length = glm::length(direction);
-    if (!(length > 0.0) || !std::isfinite(length)) file.fail(node.name + ": its transform removes its direction");
+    if (!(length > 0.0) || !std::isfinite(length))
+        file.fail(node.name + ": its transform scales its direction to 0 or infinity; use scales other than 0");
     return glm::vec3(direction / length);
 }
 

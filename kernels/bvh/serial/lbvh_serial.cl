@@ -40,8 +40,8 @@ static inline void add_subtree(global BvhNode* nodes, Stack* stack, Subtree subt
     if (subtree.left <= right) stack->outward = stack->depth;
 }
 
-/// One item per range. `pieces` receives the remaining subtrees as (child, last leaf), MAX_WAITING per range, and then the number
-/// per range.
+/// One item per range. `pieces` receives the subtrees that this range alone cannot join, as (child, last leaf), in MAX_WAITING
+/// slots per range; `piece_counts` receives their number.
 kernel void build_lbvh_ranges(global const float* positions, global const uint* indices, global const uint* geometries,
                               global const uint* masks, global const Code* codes, global const uint* order,
                               global BvhNode* nodes, global LeafTriangle* leaves, global const BvhHeader* header,

@@ -218,7 +218,6 @@ TEST(TextureCoordinateSets, EachMapHasItsOwn) {
 }
 
 // ---- footprints
-// ------------------------------------------------------------------------------------------------------
 
 /// A checkerboard to the horizon: where squares are far smaller than a pixel, one sample per pixel gives grey.
 TEST(Footprint, CheckerboardFadesToGrey) {
@@ -349,7 +348,6 @@ TEST(Footprint, AfterScatteringTakesNoLightAway) {
 }
 
 // ---- normals
-// ---------------------------------------------------------------------------------------------------------
 
 glm::dvec3 normal_at(Scene scene, double u, double v) {
     const glm::vec3 at(float(2 * u - 1), 0, float(2 * v - 1));
