@@ -13,6 +13,8 @@ namespace {
 constexpr float half_turn = std::numbers::pi_v<float>;
 constexpr int width = CLARAY_LIGHT_TREE_WIDTH;
 constexpr int bins = 12;
+constexpr float least_radius = 1e-18f;  // of lights at one place, so that its sign tells that they differ
+constexpr float edge_margin = 4e-6f;  // of cosines and ranges, so that rounding removes no light that contributes
 
 /// Consecutive elements of the array of light numbers that is being sorted.
 struct LightRange {
@@ -25,23 +27,27 @@ struct Summary {
     Bounds box;
     glm::vec3 axes{0.f};  // sum of intensity times axis
     float intensity = 0;
+    bool ranged = true;  // no light is unlimited
 
     void add(const LightBounds& light, const glm::vec3& reference) {
         box.grow(light.box.lo), box.grow(light.box.hi);
         const bool turn = light.two_sided && glm::dot(light.axis, reference) < 0.f;
         if (light.spread < half_turn) axes += turn ? -light.intensity * light.axis : light.intensity * light.axis;
         intensity += light.intensity;
+        ranged = ranged && light.range > 0;
     }
     void add(const Summary& other) {
         if (!other.box.empty()) box.grow(other.box.lo), box.grow(other.box.hi);
         axes += other.axes, intensity += other.intensity;
+        ranged = ranged && other.ranged;
     }
     /// Intensity times the squared diagonal (which is positive for lines, too), times 1 if all directions agree, up to
-    /// 2 if they do not.
+    /// 2 if they do not. With ranges the cubed diagonal: the larger the volume, the fewer of its lights reach a point.
     [[nodiscard]] float cost() const {
         if (box.empty() || !(intensity > 0)) return 0;
         const glm::vec3 e = box.extent();
-        return intensity * glm::dot(e, e) * (2.f - std::min(glm::length(axes) / intensity, 1.f));
+        const float size2 = glm::dot(e, e), size = ranged ? size2 * std::sqrt(size2) : size2;
+        return intensity * size * (2.f - std::min(glm::length(axes) / intensity, 1.f));
     }
 };
 
@@ -169,6 +175,10 @@ LightBounds LightTreeBuilder::bounds_of(LightRange range, float& radius2) const 
     for (std::size_t i = range.begin + 1; i < range.end; ++i) {
         all.box.grow(light(i).box.lo), all.box.grow(light(i).box.hi);
         all.intensity += light(i).intensity;
+        const bool unlimited = all.range == 0.f || light(i).range == 0.f,
+                   cones = all.cone_scale > 0 && light(i).cone_scale > 0;
+        all.range = unlimited ? 0.f : std::max(all.range, light(i).range);
+        all.cone_scale = cones ? std::max(all.cone_scale, light(i).cone_scale) : 0.f;
         join_cones(all, light(i));
     }
     radius2 = 0;
@@ -181,8 +191,10 @@ LightBounds LightTreeBuilder::bounds_of(LightRange range, float& radius2) const 
 }
 
 /// Returns whether these lights differ from far away only in intensity: they emit in all directions, or in about one
-/// direction.
+/// direction, without an edge.
 bool LightTreeBuilder::alike(LightRange range, const LightBounds& bounds) const {
+    for (std::size_t i = range.begin; i < range.end; ++i)
+        if (light(i).range > 0 || light(i).cone_scale > 0) return false;
     if (bounds.spread < 0.3f) return true;
     for (std::size_t i = range.begin; i < range.end; ++i)
         if (light(i).spread < half_turn || light(i).reach < half_turn) return false;
@@ -198,13 +210,15 @@ std::uint32_t LightTreeBuilder::build(LightRange range, unsigned level, std::uin
     for (std::size_t i = 0; i < parts.size(); ++i) {
         float radius2 = 0;
         const LightBounds bounds = bounds_of(parts[i], radius2);
-        node.radius[i] = alike(parts[i], bounds) ? std::sqrt(radius2) : -std::sqrt(radius2);
+        node.radius[i] = alike(parts[i], bounds) ? std::sqrt(radius2) : -std::max(std::sqrt(radius2), least_radius);
         const glm::vec3 center = bounds.box.center();
         node.x[i] = center.x, node.y[i] = center.y, node.z[i] = center.z;
         node.axis_x[i] = bounds.axis.x, node.axis_y[i] = bounds.axis.y, node.axis_z[i] = bounds.axis.z;
         node.cos_spread[i] = bounds.spread >= half_turn ? -1.f : std::cos(bounds.spread);
         node.sin_spread[i] = bounds.spread >= half_turn ? 0.f : std::sin(bounds.spread);
         node.cos_reach[i] = bounds.two_sided ? CLARAY_TWO_SIDED_CONE : std::cos(std::min(bounds.reach, half_turn));
+        if (bounds.cone_scale > 0) node.cos_reach[i] -= edge_margin, node.cone_scale[i] = bounds.cone_scale;
+        if (bounds.range > 0) node.near_range[i] = 1 / (bounds.range * (1 + edge_margin));
         node.intensity[i] = bounds.intensity;
         const std::uint32_t below = trail | std::uint32_t(i) << 2 * level;
         if (parts[i].size() == 1) {

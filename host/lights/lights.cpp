@@ -210,6 +210,8 @@ LightBounds bounds_of(const PunctualLight& l) {
     bounds.axis = {l.direction_x, l.direction_y, l.direction_z};
     const bool cone = traits_of(l).cone;
     bounds.spread = cone ? 0.f : float(pi);
+    if (cone) bounds.cone_scale = l.cone_scale;
+    if (l.inverse_range > 0) bounds.range = 1 / l.inverse_range;
     bounds.reach = cone ? float(std::acos(std::clamp(-double(l.cone_offset) / l.cone_scale, -1.0, 1.0))) : float(pi);
     return bounds;
 }

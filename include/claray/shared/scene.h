@@ -86,20 +86,22 @@ CLARAY_LAYOUT(PunctualLight, 72)
 #define CLARAY_TWO_SIDED_CONE 2.0f
 
 /// The data of a light tree's node about its children: a sphere that contains the lights of a child, a cone that
-/// contains their main directions of emission, and their intensity in these directions. Missing children have intensity
-/// 0. Each child owns a part of the 2^32 random numbers, in proportion to its intensity: `span` numbers, from `first`
-/// on.
+/// contains their main directions of emission, their longest range, and their intensity in these directions. Missing
+/// children have intensity 0. Each child owns a part of the 2^32 random numbers, in proportion to its intensity: `span`
+/// numbers, from `first` on.
 typedef struct LightNode {
     float x[4], y[4], z[4];
     float radius[4];  // negative: the lights differ in more than intensity even from far away
     float axis_x[4], axis_y[4], axis_z[4];
     float cos_spread[4], sin_spread[4];  // of the angle between the cone's axis and its border
     float cos_reach[4];                  // emission angle beyond that border; two-sided if CLARAY_TWO_SIDED_CONE
+    float cone_scale[4];                 // of the steepest cone, as in PunctualLight; 0: not only cones
+    float near_range[4];                 // 1 / the longest range; 0: unlimited
     float intensity[4];
     uint child[4];  // index of a node, or CLARAY_LIGHT_LEAF
     uint first[4], span[4];
 } LightNode;
-CLARAY_LAYOUT(LightNode, 224)
+CLARAY_LAYOUT(LightNode, 256)
 
 /// A light in the order of the tree's leaves, and its part of the 2^32 numbers. Leaf i of n also holds the start of the
 /// search for numbers from i 2^32 / n on (Chen and Asau 1974, "On generating random variates from an empirical

@@ -42,6 +42,11 @@ Scene many(std::uint32_t triangles, std::uint32_t spots, std::uint32_t points) {
     return scene;
 }
 
+Scene with_ranges(Scene scene, float range) {
+    for (std::size_t i = 0; i < scene.lights.size(); ++i) scene.lights[i].range = range * (i % 3 == 0 ? 1.f : 0.6f);
+    return scene;
+}
+
 const char* kernels = R"(
     #include "lights/light.clh"
     kernel void pick(global const LightNode* tree, global const LightLeaf* leaves, uint lights, float x, float y, float z, float nx, float ny, float nz,
@@ -91,11 +96,13 @@ std::vector<std::uint32_t> trails_of(const std::vector<LightNode>& tree, std::si
 struct Case {
     const char* name;
     std::uint32_t triangles, spots, points;
+    float range = 0;
 };
 class LightTrees : public testing::TestWithParam<Case> {};
 
 TEST_P(LightTrees, LightsArePickedByTheProbabilityThatTheTrailGives) {
-    const Lights lights = collect_lights(many(GetParam().triangles, GetParam().spots, GetParam().points));
+    const Case& of = GetParam();
+    const Lights lights = collect_lights(with_ranges(many(of.triangles, of.spots, of.points), of.range));
     const std::size_t size = lights.data.near;
     ASSERT_FALSE(lights.tree.empty());
     const std::vector<std::uint32_t> trails = trails_of(lights.tree, size);
@@ -123,25 +130,30 @@ TEST_P(LightTrees, LightsArePickedByTheProbabilityThatTheTrailGives) {
         all.run({size}, tree, leaves, from.x, from.y, from.z, normal.x, normal.y, normal.z, trail_buffer,
                 std::uint32_t(size), probability);
         const std::vector<float> expected_shares = probability.read(), shares = picked_probability.read();
-        std::vector<double> observed(size), expected(size);
+        std::vector<double> observed(size + 1), expected(size + 1);  // the last is no light
         double total = 0;
         for (std::size_t i = 0; i < size; ++i)
             expected[i] = double(count) * expected_shares[i], total += expected_shares[i];
-        EXPECT_NEAR(total, 1, 1e-5);
+        if (of.spots == 0 && of.range == 0) {
+            EXPECT_NEAR(total, 1, 1e-5);
+        }
+        EXPECT_LT(total, 1 + 1e-5);
+        expected[size] = total < 1 - 1e-5 ? count * (1 - total) : 0;
         const std::vector<std::uint32_t> chosen = picked.read();
         for (std::size_t i = 0; i < count; ++i) {
-            ASSERT_EQ(shares[i], expected_shares[chosen[i]]);
-            ASSERT_GT(shares[i], 0.f);
-            ++observed[chosen[i]];
+            const bool none = shares[i] == 0.f;
+            ASSERT_TRUE(none ? expected[size] > 0 : shares[i] == expected_shares[chosen[i]]);
+            ++observed[none ? size : chosen[i]];
         }
         const ChiSquared chi2 = chi_squared(observed, expected);
-        EXPECT_TRUE(chi2.plausible()) << chi2.value << " for " << chi2.degrees << " degrees of freedom";
+        EXPECT_TRUE(chi2.degrees == 0 || chi2.plausible()) << chi2.value << " for " << chi2.degrees << " degrees of freedom";
     }
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, LightTrees,
                          testing::Values(Case{"Points", 0, 0, 17}, Case{"Triangles", 900, 0, 0},
-                                         Case{"Mixed", 300, 60, 200}, Case{"Spots", 0, 40, 0}),
+                                         Case{"Mixed", 300, 60, 200}, Case{"Spots", 0, 40, 0},
+                                         Case{"Ranges", 0, 0, 70, 3.f}, Case{"All", 20, 60, 200, 1.5f}),
                          [](const auto& c) { return c.param.name; });
 
 /// The 2^32 numbers are assigned to the leaves in order, and for each number one leaf suffices to find its light.
@@ -192,7 +204,8 @@ TEST(LightTree, SharesItsNumbersByIntensity) {
 }
 
 /// A child's sphere holds the boxes of its lights, its cone their cones; and whether they look alike from far away is
-/// told by the radius' sign. (Where a bound is too narrow no light is lost, but there is noise: LEAST_COSINE.)
+/// told by the radius' sign. (Where a bound of light without an edge is too narrow, no light is lost, but there is
+/// noise: LEAST_COSINE.)
 TEST(LightTree, BoundsHoldTheirLights) {
     for (const int two_sided : {0, 1, 2}) {  // 2: some are
         std::mt19937 random(7);
@@ -234,9 +247,8 @@ TEST(LightTree, BoundsHoldTheirLights) {
     }
 }
 
-/// No light that reaches a point may have probability 0 there.
-TEST(LightTree, MissesNoLight) {
-    const Scene scene = many(200, 80, 50);
+/// No light that reaches a point may have probability 0 there, and points and spots that do not reach it have it.
+void expect_picks_where_light_is(const Scene& scene) {
     const Lights lights = collect_lights(scene);
     const std::size_t size = lights.data.near;
     const std::vector<std::uint32_t> trails = trails_of(lights.tree, size);
@@ -254,7 +266,7 @@ TEST(LightTree, MissesNoLight) {
                 std::uint32_t(size), probability);
         const std::vector<float> shares = probability.read();
         for (std::size_t l = 0; l < size; ++l) {
-            bool reaches = false;
+            bool reaches = false, ends_before = false;
             if (l < lights.triangles.size()) {
                 const TriangleLight& t = lights.triangles[l];
                 const glm::vec3 v0(t.v0x, t.v0y, t.v0z), e1(t.e1x, t.e1y, t.e1z), e2(t.e2x, t.e2y, t.e2z);
@@ -265,14 +277,28 @@ TEST(LightTree, MissesNoLight) {
                 const glm::vec3 towards = glm::vec3(p.x, p.y, p.z) - from;
                 const glm::vec3 axis(p.direction_x, p.direction_y, p.direction_z);
                 const float cosine = glm::dot(-glm::normalize(towards), axis);
-                reaches = glm::dot(towards, normal) > 0.f &&
-                          (p.kind == CLARAY_POINT_LIGHT || cosine * p.cone_scale + p.cone_offset > 0.f);
+                const float inside =
+                    p.kind == CLARAY_POINT_LIGHT ? 1.f : cosine * p.cone_scale + p.cone_offset;  // the cone
+                const float share = glm::length(towards) * p.inverse_range;                      // of the range
+                reaches = glm::dot(towards, normal) > 0.f && inside > 0.f && share < 1.f;
+                ends_before = inside < -1e-3f * p.cone_scale || share > 1.001f;
             }
             if (reaches) {
                 ASSERT_GT(shares[l], 0.f) << "light " << l;
             }
+            if (ends_before) {
+                ASSERT_EQ(shares[l], 0.f) << "light " << l;
+            }
         }
     }
+}
+
+TEST(LightTree, PicksWhereLightIs) {
+    expect_picks_where_light_is(many(200, 80, 50));
+    expect_picks_where_light_is(with_ranges(many(50, 80, 150), 1.f));
+    Scene sharp = with_ranges(many(0, 200, 0), 2.5f);
+    for (Light& light : sharp.lights) light.inner_angle = light.outer_angle = 0.3f;
+    expect_picks_where_light_is(sharp);
 }
 
 /// Lamps whose dark side faces the point are hardly ever picked.
@@ -303,7 +329,15 @@ TEST(LightTree, KnowsWhichSideShines) {
 
 /// The same light for every way of picking.
 TEST(LightTree, ChangesNoImageButItsNoise) {
-    for (const Scene& with : {many(200, 0, 0), many(0, 30, 40), many(50, 20, 20)}) {
+    struct Arrangement {
+        Scene scene;
+        double share;  // at most, of the noise of picking by power
+    };
+    for (const auto& [with, share] : {Arrangement{many(200, 0, 0), 0.8},
+                                      {many(0, 30, 40), 0.8},
+                                      {many(50, 20, 20), 0.8},
+                                      {with_ranges(many(0, 0, 100), 0.8f), 0.25},
+                                      {with_ranges(many(0, 100, 0), 1.5f), 0.25}}) {
         Scene scene = with;
         // Down to the floor, from below all lights: no choice among lights changes the noise of those in view.
         scene.camera = Camera{{0, 0.4f, 1.3f}, {0, 0, 0.9f}, {0, 1, 0}, 40.f};
@@ -316,13 +350,13 @@ TEST(LightTree, ChangesNoImageButItsNoise) {
             means[by_power] = mean(renderer.image()).x;
         }
         EXPECT_NEAR(means[0] / means[1], 1, 3 * std::hypot(errors[0], errors[1]) + 1e-4);
-        EXPECT_LT(errors[0], 0.8 * errors[1]);
+        EXPECT_LT(errors[0], share * errors[1]);
     }
 }
 
 /// Sixteen rays at once (lights/light_tree_sixteen.clh), where there are no spots, pick the same lights.
 TEST(LightTree, PicksTheSameBitsSixteenAtOnce) {
-    for (const Scene& with : {many(16, 0, 0), many(200, 0, 0), many(0, 0, 70)})
+    for (const Scene& with : {many(16, 0, 0), many(200, 0, 0), many(0, 0, 70), with_ranges(many(0, 0, 70), 1.f)})
         for (const unsigned width : {1u, 13u}) {
             Scene scene = with;
             scene.camera = Camera{{0, 0.4f, 1.3f}, {0, 0.2f, 0}, {0, 1, 0}, 60.f};
