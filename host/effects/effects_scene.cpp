@@ -90,14 +90,14 @@ void add_light(Scene& scene, LightKind kind) {
 void multiply_lights(Scene& scene, bool emissive) {
     Mesh& mesh = scene.meshes.back();
     if (emissive) {
-        mesh.triangles.resize(lights_for_a_tree, mesh.triangles[0]);
-        mesh.materials.resize(lights_for_a_tree, mesh.materials[0]);
+        mesh.triangles.resize(LightSelection{}.for_a_tree, mesh.triangles[0]);
+        mesh.materials.resize(LightSelection{}.for_a_tree, mesh.materials[0]);
         return;
     }
     Light light;
     for (const Light& other : scene.lights)
         if (!traits_of(other.kind)->far) light = other;
-    scene.lights.insert(scene.lights.end(), lights_for_a_tree, light);
+    scene.lights.insert(scene.lights.end(), LightSelection{}.for_a_tree, light);
 }
 
 }  // namespace

@@ -35,7 +35,9 @@ struct Sight {
 class Probe {
 public:
     explicit Probe(const Scene& scene)
-        : scene_(scene), rays_(scene), lights_(collect_lights(scene, std::numeric_limits<std::size_t>::max(), 32)) {
+        : scene_(scene),
+          rays_(scene),
+          lights_(collect_lights(scene, {std::numeric_limits<std::size_t>::max(), 0, 32})) {
         const Bounds bounds = bounds_of(scene);
         if (!bounds.empty()) nudge_ = 1e-6 * glm::length(glm::dvec3(bounds.extent()));
         for (const TriangleLight& light : lights_.triangles) last_numbers_.push_back(light.cumulative);

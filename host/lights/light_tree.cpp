@@ -14,7 +14,7 @@ constexpr float half_turn = std::numbers::pi_v<float>;
 constexpr int width = CLARAY_LIGHT_TREE_WIDTH;
 constexpr int bins = 12;
 constexpr float least_radius = 1e-18f;  // of lights at one place, so that its sign tells that they differ
-constexpr float edge_margin = 4e-6f;  // of cosines and ranges, so that rounding removes no light that contributes
+constexpr float edge_margin = 4e-6f;    // of cosines and ranges, so that rounding removes no light that contributes
 
 /// Consecutive elements of the array of light numbers that is being sorted.
 struct LightRange {

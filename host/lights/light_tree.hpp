@@ -14,8 +14,8 @@ struct LightBounds {
     float spread = 0;         // radians from the axis to the cone's border; pi: all directions
     float reach = 0;          // radians from there to where its light ends; unused for two-sided lights
     bool two_sided = false;   // emits by the cosine on both sides
-    float cone_scale = 0;  // as in PunctualLight; 0: no cone with an edge
-    float range = 0;       // 0: unlimited
+    float cone_scale = 0;     // as in PunctualLight; 0: no cone with an edge
+    float range = 0;          // 0: unlimited
     float intensity = 0;
 };
 

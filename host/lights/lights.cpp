@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "host/bsdf/material_data.hpp"
 #include "host/lights/environment.hpp"
 #include "host/lights/hot_spots.hpp"
+#include "host/lights/light_grid.hpp"
 #include "host/lights/light_tree.hpp"
 #include "host/lights/luminance.hpp"
 #include "host/lights/number_shares.hpp"
@@ -155,17 +157,45 @@ void add_hot_spot(const HotSpotPlace& place, Lights& lights) {
                                 std::uint32_t(lights.triangles.size() + lights.punctual.size() - 1), 0, 0});
 }
 
-/// Near lights, then far ones; black ones are left out.
+/// Makes the grid of the lights with a range. Returns the longest range in it; 0 if there is no grid.
+float plant_grid(const Scene& scene, Lights& lights) {
+    std::vector<PunctualLight> ranged;
+    for (const Light& light : scene.lights)
+        if (!shines_far(light) && light.range > 0 && luminance(light.intensity) > 0)
+            ranged.push_back(punctual_light(light));
+    std::vector<float> ranges;
+    for (const PunctualLight& light : ranged) ranges.push_back(1 / light.inverse_range);
+    std::sort(ranges.begin(), ranges.end());
+    while (!ranged.empty() && lights.selection.most_per_cell > 0) {
+        lights.grid = build_light_grid(ranged);
+        if (mean_list_length(lights.grid, ranged) <= lights.selection.most_per_cell) return ranges.back();
+        ranges.resize(ranges.size() / 2);
+        const float longest = ranges.empty() ? 0 : ranges.back();
+        std::erase_if(ranged, [&](const PunctualLight& light) { return 1 / light.inverse_range > longest; });
+    }
+    lights.grid.clear();
+    return 0;
+}
+
+/// Near lights, far ones, and those of the grid; black ones are left out.
 void collect_punctual(const Scene& scene, Lights& lights) {
     const std::vector<HotSpotPlace> places = find_hot_spots(scene);
     auto place = places.begin();
-    for (const bool far : {false, true})
+    const float longest = plant_grid(scene, lights);
+    enum Group { near, far, of_grid };
+    const auto group_of = [&](const PunctualLight& light) {
+        if (traits_of(light).far) return far;
+        return light.inverse_range > 0 && 1 / light.inverse_range <= longest ? of_grid : near;
+    };
+    for (const Group group : {near, far, of_grid}) {
+        if (group == of_grid) lights.data.first_ranged = std::uint32_t(lights.punctual.size());
         for (std::size_t i = 0; i < scene.lights.size(); ++i) {
-            const Light& light = scene.lights[i];
-            if (shines_far(light) != far || !(luminance(light.intensity) > 0)) continue;
-            lights.punctual.push_back(punctual_light(light));
+            const PunctualLight light = punctual_light(scene.lights[i]);
+            if (group_of(light) != group || !(luminance(scene.lights[i].intensity) > 0)) continue;
+            lights.punctual.push_back(light);
             if (place != places.end() && place->light == i) add_hot_spot(*place++, lights);
         }
+    }
     lights.data.hot_spots = std::uint32_t(lights.hot_spots.size());
     lights.data.not_to_hot_spots = 1.f;
     if (!lights.hot_spots.empty())
@@ -222,15 +252,15 @@ void plant_tree(Lights& lights, double radius) {
     std::vector<LightBounds> bounds;
     for (const TriangleLight& light : lights.triangles)
         bounds.push_back(bounds_of(light)), bounds.back().intensity = float(intensity_of(light));
-    for (const PunctualLight& light : lights.punctual)
-        if (!traits_of(light).far)
-            bounds.push_back(bounds_of(light)), bounds.back().intensity = float(intensity_of(light, radius));
+    for (const PunctualLight& light : std::span(lights.punctual).first(lights.data.near - lights.triangles.size()))
+        bounds.push_back(bounds_of(light)), bounds.back().intensity = float(intensity_of(light, radius));
     LightTree tree = build_light_tree(bounds);
     lights.tree = std::move(tree.nodes), lights.leaves = std::move(tree.leaves);
     for (std::size_t i = 0; i < lights.triangles.size(); ++i)
         lights.trails.push_back({lights.triangles[i].primitive, tree.trails[i], tree.places[i]});
     for (HotSpot& spot : lights.hot_spots) spot.trail = tree.trails[spot.light], spot.leaf = tree.places[spot.light];
-    lights.data.tree_probability = float((lights.data.tree_last + 1.0) / 4294967296.0);
+    const double begin = lights.grid.empty() ? 0 : lights.data.grid_last + 1.0;
+    lights.data.tree_probability = float((lights.data.tree_last + 1.0 - begin) / 4294967296.0);
 }
 
 /// Near lights (the first ones) and far ones get at least a quarter of the probability each.
@@ -255,28 +285,43 @@ void collect_environment(const Scene& scene, Lights& lights) {
     lights.environment_power = image.integral * pi * lights.radius * lights.radius;
 }
 
+/// Which of both groups matters depends on the place: each gets at least a quarter.
+double power_of_grid(const Lights& lights, double others) {
+    double power = 0;
+    for (const PunctualLight& light : std::span(lights.punctual).last(lights.ranged()))
+        power += power_of(light, lights.radius);
+    return others > 0 && power > 0 ? std::clamp(power, others / 3, 3 * others) : power;
+}
+
 /// Computes the probabilities of lights.
 void distribute(Lights& lights) {
     const double environment = lights.environment_power, radius = lights.radius;
     std::vector<double> powers;
     for (const TriangleLight& light : lights.triangles) powers.push_back(power_of(light));
-    for (const PunctualLight& light : lights.punctual) powers.push_back(power_of(light, radius));
-    const auto far = std::size_t(std::count_if(lights.punctual.begin(), lights.punctual.end(),
-                                               [](const auto& light) { return traits_of(light).far; }));
+    const auto others = std::span(lights.punctual).first(lights.punctual.size() - lights.ranged());
+    for (const PunctualLight& light : others) powers.push_back(power_of(light, radius));
+    const auto far = std::size_t(
+        std::count_if(others.begin(), others.end(), [](const auto& light) { return traits_of(light).far; }));
     const std::size_t near = powers.size() - far;
     if (environment > 0) powers.push_back(environment);
-    if (powers.empty()) return;
     balance(powers, near);
 
     double total = 0;
     for (const double power : powers) total += power;
-    NumberShares shares(total, powers.size());
+    const double of_grid = power_of_grid(lights, total);
+    total += of_grid;
+    if (!(total > 0)) return;
+    NumberShares shares(total, powers.size() + (lights.grid.empty() ? 0 : 1));
     LightsData& data = lights.data;
+    if (!lights.grid.empty()) {
+        const NumberShares::Share share = shares.next(of_grid);
+        data.grid_last = share.last, data.grid_probability = share.probability;
+    }
     for (std::size_t i = 0; i < powers.size(); ++i) {
         const NumberShares::Share share = shares.next(powers[i]);
         if (i < lights.triangles.size())
             lights.triangles[i].cumulative = share.last, lights.triangles[i].probability = share.probability;
-        else if (i - lights.triangles.size() < lights.punctual.size())
+        else if (i - lights.triangles.size() < others.size())
             lights.punctual[i - lights.triangles.size()].cumulative = share.last,
                                 lights.punctual[i - lights.triangles.size()].probability = share.probability;
         else
@@ -287,7 +332,7 @@ void distribute(Lights& lights) {
     data.near = std::uint32_t(near);
     data.count = std::uint32_t(powers.size());
     if (!lights.triangles.empty()) data.density = float(2 * pi / total);
-    if (near >= std::max<std::size_t>(lights.for_a_tree, 2)) plant_tree(lights, radius);
+    if (near >= std::max<std::size_t>(lights.selection.for_a_tree, 2)) plant_tree(lights, radius);
 }
 
 bool has_lamp(const Scene& scene, const Mesh& mesh) {
@@ -317,9 +362,9 @@ std::size_t near_lights(const Scene& scene) {
     return count;
 }
 
-Lights collect_lights(const Scene& scene, std::size_t for_a_tree, unsigned most_points) {
+Lights collect_lights(const Scene& scene, const LightSelection& selection) {
     Lights lights;
-    lights.for_a_tree = for_a_tree, lights.most_points = most_points;
+    lights.selection = selection;
     const Bounds bounds = bounds_of(scene);
     if (!bounds.empty()) lights.radius = std::max(0.5 * glm::length(glm::dvec3(bounds.extent())), 1e-18);
     collect_environment(scene, lights);
@@ -330,7 +375,7 @@ Lights collect_lights(const Scene& scene, std::size_t for_a_tree, unsigned most_
 void replace_triangle_lights(const Scene& scene, Lights& lights) {
     lights.triangles.clear(), lights.lamps.clear();
     lights.data.instance_error = lights.data.instance_reach = 0;
-    collect_triangles(scene, lights.most_points, lights);
+    collect_triangles(scene, lights.selection.most_points, lights);
     if (std::all_of(lights.lamps.begin(), lights.lamps.end(), [](auto lamp) { return lamp == CLARAY_NO_MAP; }))
         lights.lamps.clear();
     replace_punctual_lights(scene, lights);
@@ -338,10 +383,10 @@ void replace_triangle_lights(const Scene& scene, Lights& lights) {
 
 void replace_punctual_lights(const Scene& scene, Lights& lights) {
     lights.punctual.clear(), lights.hot_spots.clear();
-    lights.tree.clear(), lights.leaves.clear(), lights.trails.clear();
+    lights.tree.clear(), lights.leaves.clear(), lights.trails.clear(), lights.grid.clear();
     LightsData& data = lights.data;
-    data.triangles = data.near = data.count = data.tree_last = 0;
-    data.density = data.tree_probability = data.environment.probability = 0;
+    data.triangles = data.near = data.count = data.tree_last = data.grid_last = data.first_ranged = 0;
+    data.density = data.tree_probability = data.grid_probability = data.environment.probability = 0;
     collect_punctual(scene, lights);
     distribute(lights);
 }

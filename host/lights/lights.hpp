@@ -7,38 +7,47 @@
 
 namespace claray {
 
+/// How lights are picked.
+struct LightSelection {
+    std::size_t for_a_tree = 16;  ///< near lights from which on a tree picks among them
+    /// Lights with a range are picked by their contributions, from the lists of a grid, if the lists are at most so
+    /// long (see mean_list_length). The lights of the longest ranges stay outside the grid until this holds. 0: no
+    /// grid.
+    double most_per_cell = 128;
+    unsigned most_points = 1024;  ///< see mean_texel
+};
+
 /// Host data of a scene's lights. Arrays that the scene does not need are empty.
 struct Lights {
     std::vector<TriangleLight> triangles;
-    std::vector<PunctualLight> punctual;  // near ones before far ones
+    std::vector<PunctualLight> punctual;  // near ones, far ones, those of the grid
     std::vector<LightNode> tree;          // empty: lights are picked by power alone
     std::vector<LightLeaf> leaves;        // of the tree
     std::vector<LightTrail> trails;       // of triangles; only with a tree
-    std::vector<HotSpot> hot_spots;       // of points close to surfaces
-    std::vector<std::uint32_t> lamps;     // of triangles; only with emission maps: see lights/light_triangle.clh
+    std::vector<std::uint32_t> grid;   // over the last lights of `punctual`, which have a range; see build_light_grid
+    std::vector<HotSpot> hot_spots;    // of points close to surfaces
+    std::vector<std::uint32_t> lamps;  // of triangles; only with emission maps: see lights/light_triangle.clh
     std::vector<float> environment_texels, environment_cdf;
     LightsData data{};
 
     double radius = 1;             // of the scene
     double environment_power = 0;  // 0: no environment
-    std::size_t for_a_tree = 0;    // as passed to collect_lights
-    unsigned most_points = 0;
+    LightSelection selection;      // as passed to collect_lights
 
+    [[nodiscard]] std::size_t ranged() const { return grid.empty() ? 0 : punctual.size() - data.first_ranged; }
     /// Number of lights for shadow rays, including the environment.
-    [[nodiscard]] std::size_t size() const { return data.count; }
+    [[nodiscard]] std::size_t size() const { return data.count + ranged(); }
 };
 
-/// From this number of near lights on, a tree picks among them.
-inline constexpr std::size_t lights_for_a_tree = 16;
+/// Returns whether there are lights for shadow rays.
+[[nodiscard]] inline bool has_lights(const LightsData& data) { return data.count != 0 || data.grid_probability > 0; }
 
 /// Emissive triangles that can be hit, lights without extent, and the environment, each picked in proportion to its
 /// radiant power: 2 pi times area times the luminance of its radiance (both sides emit), the luminance of its intensity
 /// times the solid angle that it shines into, or, for lights from far away, of its irradiance times the scene's cross
 /// section. If there are near and far lights, each group gets at least a quarter, because it depends on the place which
-/// of them matter. Throws ErrorKind::user if a texel of the environment is negative or not finite. `most_points`: see
-/// mean_texel.
-[[nodiscard]] Lights collect_lights(const Scene& scene, std::size_t for_a_tree = lights_for_a_tree,
-                                    unsigned most_points = 1024);
+/// of them matter. Throws ErrorKind::user if a texel of the environment is negative or not finite.
+[[nodiscard]] Lights collect_lights(const Scene& scene, const LightSelection& selection = {});
 
 /// Replaces the lights that are not emissive triangles, and all probabilities. The radius of the scene is kept.
 void replace_punctual_lights(const Scene& scene, Lights& lights);

@@ -25,7 +25,7 @@ struct SceneBuffers {
     Buffer<std::uint32_t> tables;  // all in one buffer, so that kernels have few arguments
     SceneTables where{};           // offsets in `tables`
     Textures textures;
-    LightsData lights{};  // lights.count: number of lights for shadow rays
+    LightsData lights{};  // see has_lights
     EffectSet effects;    // of the scene
 
     /// The effects that depend on more than one part of the scene.

@@ -77,7 +77,7 @@ SceneShape::SceneShape(const Scene& scene, const Scene& placed, std::vector<Inst
 
 /// Keeps the kernels in use if they support the effects. Others are compiled in the background if that is possible.
 void Renderer::State::support(EffectSet effects) {
-    if (wavefront.supports(effects, buffers.lights.count != 0)) return;
+    if (wavefront.supports(effects, has_lights(buffers.lights))) return;
     plan = plan_kernels(device, effects, config);
     own_kernels = plan.first == plan.last;
     compiler_asked = false;
@@ -144,7 +144,7 @@ void Renderer::State::move(const Scene& scene, const SceneChanges& changes) {
                                              : move_vertices(scene, changes.vertices);
     if (!moved) return rebuild_scene(scene);
     if (changes.instances) shape.instances = scene.instances;
-    if (!shines && buffers.lights.count > 0) buffers.replace_lights(scene);  // hot spots follow surfaces
+    if (!shines && has_lights(buffers.lights)) buffers.replace_lights(scene);  // hot spots follow surfaces
     if (shines) buffers.replace_materials(scene.instances.empty() ? scene : place_instances(scene).scene);
 }
 

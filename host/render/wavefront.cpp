@@ -69,7 +69,7 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, E
     trace_bounce = SceneQuery(scene.structure, QueryKernel::Kind::closest, incoherent, trace_bounce_name);
     shade = load_kernel(device, "render/shade_surface.cl", "shade_surface", shading);
     empty_queues = load_kernel(device, "render/empty_queues.cl", "empty_queues");
-    traces_shadows = scene.lights.count != 0;
+    traces_shadows = has_lights(scene.lights);
     if (!traces_shadows) return;
     adds_light = !structure.instanced() && structure.bvh().layout() == Layout::binary &&
                  device.tuning("render/add_light", "WITH_SHADOW_RAYS") != 0;
@@ -147,7 +147,7 @@ void Wavefront::make_room(std::uint32_t paths) {
     }
     hits_ = SceneHits(scene_.structure, room);
     radiance_ = Buffer<float>(device_, (scene_.where.light_tree == CLARAY_NO_TABLE ? 3 : 6) * room);
-    if (scene_.lights.count == 0) return;
+    if (!has_lights(scene_.lights)) return;
     shadow_queue_ = Buffer<ShadowQueue>(device_, (moves ? CLARAY_SHADOW_WORDS : CLARAY_SHADOW_TIMES) * room);
     shadow_rays_ = Buffer<Ray>(shadow_queue_, 0, room);
     shadow_light_ = Buffer<LightSample>(shadow_queue_, CLARAY_SHADOW_LIGHT * word * room, room);
@@ -168,7 +168,7 @@ void Wavefront::take_over(const Structure& structure, WavefrontKernels kernels) 
 /// Which buffers there are depends on lights, a light tree, instances and motion.
 void Wavefront::replace_scene(const SceneBuffers& scene) {
     const auto needs = [](const SceneBuffers& of) {
-        return std::tuple(of.lights.count != 0, of.where.light_tree != CLARAY_NO_TABLE,
+        return std::tuple(has_lights(of.lights), of.where.light_tree != CLARAY_NO_TABLE,
                           of.structure.instanced().has_value(), of.structure.moves());
     };
     if (needs(scene) != needs(scene_)) rays_[0] = rays_[1] = {};
@@ -255,7 +255,7 @@ void Wavefront::scatter(const Batch& batch, std::uint32_t depth, std::uint32_t l
 }
 
 void Wavefront::look_for_light(std::uint32_t depth, std::uint32_t limit) {
-    if (scene_.lights.count != 0 && depth < frame_.max_depth)
+    if (has_lights(scene_.lights) && depth < frame_.max_depth)
         trace_shadows(limit, shadow_lengths_[depth % CLARAY_SHADOW_QUEUES]);
 }
 

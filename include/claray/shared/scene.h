@@ -47,7 +47,8 @@ CLARAY_LAYOUT(MaterialData, 156 CLARAY_BSDF_PARAMETERS(CLARAY_MEMBER_SIZE))
 
 // Lights are numbered: emissive triangles, near lights, far lights (lights.h), the environment. A random 32-bit
 // number selects the first light whose `cumulative` is not below it; if there is none, the environment. If a light tree
-// exists, numbers up to LightsData::tree_last select the tree instead.
+// exists, numbers up to LightsData::tree_last select the tree instead; if a grid exists, those up to grid_last select
+// the grid.
 
 /// An emissive triangle.
 typedef struct TriangleLight {
@@ -113,6 +114,16 @@ typedef struct LightLeaf {
 } LightLeaf;
 CLARAY_LAYOUT(LightLeaf, 16)
 
+/// A grid of cubic cells over the lights with a range. In its table the starts of the cells' lists follow, one more
+/// than there are cells, and then the lists: indices from LightsData::first_ranged on.
+typedef struct LightGrid {
+    float x, y, z;  // its corner
+    float cells_per_length;
+    uint width, height, depth;  // cells; x varies first, then y
+    uint lights;
+} LightGrid;
+CLARAY_LAYOUT(LightGrid, 32)
+
 /// Position of a triangle light in the tree. Stored in the order of the triangle lights.
 typedef struct LightTrail {
     uint primitive;
@@ -148,13 +159,16 @@ typedef struct LightsData {
     float density;   // of sampling a point on a triangle: probability per area and per luminance of its radiance
     uint tree_last;
     float tree_probability;  // 0: no tree
+    uint grid_last;          // lights up to this random number are picked from the grid
+    float grid_probability;  // 0: no grid
+    uint first_ranged;       // of the grid's lights, in the array of PunctualLight; they are not among `count`
     float instance_error;    // error of rays to lights that are instances, per distance from the object's origin
     float instance_reach;    // largest distance of the lights from that origin. Both are read only under INSTANCES
     uint hot_spots;          // 0: none
     float not_to_hot_spots;  // share of scattered rays that are not aimed at a hot spot
     EnvironmentData environment;
 } LightsData;
-CLARAY_LAYOUT(LightsData, 60)
+CLARAY_LAYOUT(LightsData, 72)
 
 /// A pinhole camera or a thin lens, at shutter open. `right` and `up` span half the image plane at distance 1 along
 /// `forward`. For an orthographic camera they span half the image plane through the position, where its rays start. The

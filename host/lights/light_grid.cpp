@@ -1,0 +1,124 @@
+#include "host/lights/light_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "claray/mesh.hpp"
+
+namespace claray {
+namespace {
+
+constexpr float cell_of_range = 0.4f;  // length of a cell, of the lights' median range
+constexpr float most_cells = 1 << 18;
+constexpr float margin = 1e-4f;  // of a cell's length and of a range, against rounding
+
+struct Sphere {
+    glm::vec3 center;
+    float radius;
+};
+
+Sphere reach_of(const PunctualLight& light) {
+    return {{light.x, light.y, light.z}, (1 + margin) / light.inverse_range};
+}
+
+/// Whether the sphere reaches the box.
+bool touches(const Sphere& sphere, const Bounds& box) {
+    const glm::vec3 off = glm::max(glm::max(box.lo - sphere.center, sphere.center - box.hi), glm::vec3(0.f));
+    return glm::dot(off, off) <= sphere.radius * sphere.radius;
+}
+
+/// Whether the light's cone may reach the sphere: beside its border, in the plane through both axes.
+bool shines_into(const PunctualLight& light, const Sphere& sphere) {
+    if (!(light.cone_scale > 0)) return true;
+    const float cosine = -light.cone_offset / light.cone_scale, sine = std::sqrt(std::max(0.f, 1 - cosine * cosine));
+    const glm::vec3 towards = sphere.center - glm::vec3(light.x, light.y, light.z);
+    const float along = glm::dot(towards, glm::vec3(light.direction_x, light.direction_y, light.direction_z));
+    const float beside = std::sqrt(std::max(0.f, glm::dot(towards, towards) - along * along));
+    return beside * cosine - along * sine <= sphere.radius && along >= -sphere.radius;
+}
+
+LightGrid grid_over(std::span<const PunctualLight> lights) {
+    Bounds bounds;
+    std::vector<float> ranges;
+    for (const PunctualLight& light : lights) {
+        const Sphere reach = reach_of(light);
+        bounds.grow(reach.center - reach.radius), bounds.grow(reach.center + reach.radius);
+        ranges.push_back(reach.radius);
+    }
+    const auto median = ranges.begin() + std::ptrdiff_t(ranges.size() / 2);
+    std::nth_element(ranges.begin(), median, ranges.end());
+    const glm::vec3 extent = bounds.extent();
+    const float volume = std::max(extent.x * extent.y * extent.z, 1e-37f);
+    const float cell = std::max(cell_of_range * *median, std::cbrt(volume / most_cells));
+    const auto cells = [&](float length) { return std::uint32_t(std::clamp(length / cell, 1.f, 1023.f)) + 1; };
+    return {bounds.lo.x,     bounds.lo.y,     bounds.lo.z,     1 / cell,
+            cells(extent.x), cells(extent.y), cells(extent.z), std::uint32_t(lights.size())};
+}
+
+glm::vec3 corner_of(const LightGrid& grid) { return {grid.x, grid.y, grid.z}; }
+
+/// The nearest cell.
+glm::uvec3 cell_at(const LightGrid& grid, const glm::vec3& point) {
+    const glm::uvec3 last = glm::uvec3(grid.width, grid.height, grid.depth) - 1u;
+    return glm::uvec3(glm::clamp((point - corner_of(grid)) * grid.cells_per_length, glm::vec3(0.f), glm::vec3(last)));
+}
+
+std::size_t cell_number(const LightGrid& grid, const glm::uvec3& cell) {
+    return (std::size_t(cell.z) * grid.height + cell.y) * grid.width + cell.x;
+}
+
+/// Calls `visit(cell)` for every cell that the light may reach.
+template <class Visit>
+void visit_cells(const LightGrid& grid, const PunctualLight& light, const Visit& visit) {
+    const Sphere reach = reach_of(light);
+    const float length = 1 / grid.cells_per_length;
+    const float wide = length * margin;
+    const glm::uvec3 lo = cell_at(grid, reach.center - reach.radius - wide);
+    const glm::uvec3 hi = cell_at(grid, reach.center + reach.radius + wide);
+    for (std::uint32_t z = lo.z; z <= hi.z; ++z)
+        for (std::uint32_t y = lo.y; y <= hi.y; ++y)
+            for (std::uint32_t x = lo.x; x <= hi.x; ++x) {
+                const glm::vec3 at = corner_of(grid) + glm::vec3(x, y, z) * length;
+                const Bounds box{at - wide, at + length + wide};
+                if (touches(reach, box) && shines_into(light, {box.center(), 0.5f * glm::length(box.extent())}))
+                    visit(cell_number(grid, {x, y, z}));
+            }
+}
+
+constexpr std::size_t header_words = sizeof(LightGrid) / sizeof(std::uint32_t);
+
+std::size_t cells_of(const LightGrid& grid) { return std::size_t(grid.width) * grid.height * grid.depth; }
+
+}  // namespace
+
+std::vector<std::uint32_t> build_light_grid(std::span<const PunctualLight> lights) {
+    const LightGrid grid = grid_over(lights);
+    const std::size_t cells = cells_of(grid);
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> entries;  // cell and light
+    for (std::uint32_t i = 0; i < lights.size(); ++i)
+        visit_cells(grid, lights[i], [&](std::size_t cell) { entries.emplace_back(std::uint32_t(cell), i); });
+    std::vector<std::uint32_t> words(header_words + cells + 1 + entries.size());
+    std::memcpy(words.data(), &grid, sizeof grid);
+    std::uint32_t* const starts = &words[header_words];
+    for (const auto& [cell, light] : entries) ++starts[cell + 1];
+    for (std::size_t cell = 0; cell < cells; ++cell) starts[cell + 1] += starts[cell];
+    std::uint32_t* const lists = starts + cells + 1;
+    std::vector<std::uint32_t> next(starts, starts + cells);
+    for (const auto& [cell, light] : entries) lists[next[cell]++] = light;
+    return words;
+}
+
+double mean_list_length(const std::vector<std::uint32_t>& words, std::span<const PunctualLight> lights) {
+    LightGrid grid;
+    std::memcpy(&grid, words.data(), sizeof grid);
+    const std::uint32_t* const starts = &words[header_words];
+    double sum = 0;
+    for (const PunctualLight& light : lights) {
+        const std::size_t cell = cell_number(grid, cell_at(grid, {light.x, light.y, light.z}));
+        sum += starts[cell + 1] - starts[cell];
+    }
+    return sum / double(lights.size());
+}
+
+}  // namespace claray

@@ -1,0 +1,208 @@
+// Lights with a range are picked from the lists of a grid: host/lights/light_grid.cpp, lights/light_grid.clh.
+#include "host/lights/light_grid.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "claray/program.hpp"
+#include "host/lights/lights.hpp"
+#include "tests/render/scenes.hpp"
+#include "tests/support/device.hpp"
+#include "tests/support/statistics.hpp"
+
+namespace claray::test {
+namespace {
+
+using std::numbers::pi;
+
+/// Points and spots over a floor, with ranges from 0.3 to 1.5 times `range`.
+Scene lit_floor(unsigned lights, float range) {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<float> unit(-1.f, 1.f);
+    Scene scene;
+    scene.materials = {lambert(0.8f)};
+    scene.meshes = {square(6.f, 0.f)};
+    for (unsigned i = 0; i < lights; ++i) {
+        Light light = point_light({5 * unit(random), 1 + 0.8f * unit(random), 5 * unit(random)},
+                                  glm::vec3(1.2f + unit(random), 1.f, 1.f - 0.5f * unit(random)));
+        if (i % 2 == 1) {
+            light.kind = LightKind::spot;
+            light.direction = {unit(random), -1.f, unit(random)};
+            light.inner_angle = 0.2f + 0.1f * unit(random), light.outer_angle = i % 4 == 1 ? light.inner_angle : 0.6f;
+        }
+        light.range = range * (0.9f + 0.6f * unit(random));
+        scene.lights.push_back(light);
+    }
+    return scene;
+}
+
+const char* grid_kernels = R"(
+    #include "lights/light.clh"
+    /// The irradiance of all lights, and that of the lights of the point's list.
+    kernel void sums(global const uint* grid, global const PunctualLight* lights, uint count, global const float* places,
+                     uint points, global float* of_all, global float* of_list, global uint* lengths) {
+        const uint i = get_global_id(0);
+        if (i >= points) return;
+        const float3 from = vload3(2 * i, places), normal = vload3(2 * i + 1, places);
+        float all = 0.0f, listed = 0.0f;
+        for (uint k = 0; k < count; ++k) all += irradiance_of(lights + k, from, normal);
+        const LightList list = list_at(grid, from);
+        for (uint k = 0; k < list.count; ++k) listed += irradiance_of(lights + list.lights[k], from, normal);
+        of_all[i] = all, of_list[i] = listed, lengths[i] = list.count;
+    }
+    kernel void pick(global const uint* grid, global const PunctualLight* lights, float x, float y, float z,
+                     global const float* random, uint count, global uint* light, global float* probability) {
+        const uint i = get_global_id(0);
+        if (i >= count) return;
+        float share;
+        light[i] = pick_from_grid(grid, lights, (float3)(x, y, z), (float3)(0.0f, 1.0f, 0.0f), random[i], &share);
+        probability[i] = share;
+    })";
+
+/// Also of points on the borders of cells and outside the grid.
+std::vector<float> places_and_normals(const LightGrid& grid, unsigned count) {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<float> unit(-1.f, 1.f);
+    std::vector<float> values;
+    for (unsigned i = 0; i < count; ++i) {
+        glm::vec3 at(6 * unit(random), 1 + 2 * unit(random), 6 * unit(random));
+        if (i % 3 == 0) at.x = grid.x + float(i % (grid.width + 1)) / grid.cells_per_length;
+        if (i % 5 == 0) at.y = grid.y + float(i % (grid.height + 1)) / grid.cells_per_length;
+        const glm::vec3 normal =
+            i % 7 == 0 ? glm::vec3(0.f) : glm::normalize(glm::vec3(unit(random), unit(random), unit(random)));
+        values.insert(values.end(), {at.x, at.y, at.z, normal.x, normal.y, normal.z});
+    }
+    return values;
+}
+
+TEST(LightGrid, ListsGiveTheSumOverAllLightsBitForBit) {
+    for (const float range : {0.2f, 1.f, 3.f}) {
+        const Lights lights = collect_lights(lit_floor(300, range), {.most_per_cell = 1e6});
+        ASSERT_EQ(lights.ranged(), 300u);
+        EXPECT_EQ(lights.data.count, 0u);
+        const Buffer<std::uint32_t> grid(device(), lights.grid);
+        const Buffer<PunctualLight> all(device(), lights.punctual);
+        LightGrid header;
+        std::memcpy(&header, lights.grid.data(), sizeof header);
+        const std::uint32_t points = 20'000;
+        const Buffer<float> places(device(), places_and_normals(header, points)), of_all(device(), points),
+            of_list(device(), points);
+        const Buffer<std::uint32_t> lengths(device(), points);
+        compile_kernel(device(), grid_kernels, "sums")
+            .run({points}, grid, all, 300u, arg("places", places), points, arg("of_all", of_all),
+                 arg("of_list", of_list), arg("lengths", lengths));
+        EXPECT_EQ(of_all.read(), of_list.read());
+        double lit = 0, listed = 0;
+        for (const float sum : of_all.read()) lit += sum > 0;
+        for (const std::uint32_t length : lengths.read()) listed += length;
+        EXPECT_GT(lit, 0.003 * points);
+        EXPECT_LT(listed / points, range > 2 ? 150 : 40) << "as if each list had most lights";
+    }
+}
+
+TEST(LightGrid, PicksByIrradiance) {
+    const Lights lights = collect_lights(lit_floor(200, 2.f));
+    ASSERT_EQ(lights.ranged(), 200u);
+    const std::uint32_t count = 1u << 18;
+    std::mt19937 generator(2);
+    std::uniform_real_distribution<float> unit(0.f, 1.f);
+    std::vector<float> random(count);
+    for (float& value : random) value = unit(generator);
+    random[0] = 0, random[1] = 0.99999994f;
+    const Buffer<std::uint32_t> grid(device(), lights.grid), picked(device(), count);
+    const Buffer<PunctualLight> all(device(), lights.punctual);
+    const Buffer<float> input(device(), random), probability(device(), count);
+    Kernel pick = compile_kernel(device(), grid_kernels, "pick");
+    for (const glm::vec3 from : {glm::vec3(0, 0, 0), glm::vec3(2, 0.5f, -1), glm::vec3(-4, 0.01f, 4)}) {
+        pick.run({count}, grid, all, from.x, from.y, from.z, arg("random", input), count, arg("light", picked),
+                 arg("probability", probability));
+        std::vector<double> observed(200), expected(200);
+        const std::vector<std::uint32_t> chosen = picked.read();
+        const std::vector<float> shares = probability.read();
+        for (std::uint32_t i = 0; i < count; ++i) {
+            ASSERT_GT(shares[i], 0.f);
+            ++observed[chosen[i]], expected[chosen[i]] = double(count) * shares[i];
+        }
+        double total = 0;
+        for (const double value : expected) total += value / count;
+        EXPECT_NEAR(total, 1, 2e-3) << "all lights that matter are picked by 262,144 numbers";
+        const ChiSquared chi2 = chi_squared(observed, expected);
+        EXPECT_TRUE(chi2.plausible()) << chi2.value << " for " << chi2.degrees << " degrees of freedom";
+    }
+}
+
+/// Without shadows, the light of a diffuse surface has no noise, and it is the sum in closed form.
+TEST(LightGrid, LightsADiffuseFloorWithoutNoise) {
+    Scene scene = lit_floor(400, 1.5f);
+    const glm::dvec3 at(0.7, 0, -0.4);
+    scene.camera = narrow_camera(glm::vec3(at) + glm::vec3(0.f, 3.f, 0.f), glm::vec3(at));
+    scene.camera->up = {0, 0, 1};
+    glm::dvec3 expected(0.0);
+    for (const Light& light : scene.lights) {
+        const glm::dvec3 towards = glm::dvec3(light.position) - at;
+        const double d = glm::length(towards), share = d / light.range;
+        if (share >= 1) continue;
+        double inside = 1;
+        if (light.kind == LightKind::spot) {
+            const double cosine = glm::dot(glm::normalize(glm::dvec3(light.direction)), -towards / d);
+            const double outer = std::cos(double(light.outer_angle)), inner = std::cos(double(light.inner_angle));
+            inside = std::clamp((cosine - outer) / std::max(inner - outer, 1e-12), 0.0, 1.0);
+        }
+        const double window = 1 - std::pow(share, 4);
+        expected += glm::dvec3(light.intensity) * (0.8 / pi * towards.y / (d * d * d) * window * inside * inside);
+    }
+    ASSERT_GT(expected.y, 0);
+    // All paths go to the grid: no other light is there. Colours differ, so that one sample does not suffice.
+    Renderer renderer(device(), scene, {.width = 4, .height = 4, .spp = 256, .max_depth = 1});
+    EXPECT_LT(renderer.render().noise, 1e-4) << "of luminance, by which lights are picked";
+    const glm::dvec3 found = mean(renderer.image());
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(found[k] / expected[k], 1, 0.02);
+    const auto luminance = [](const glm::dvec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; };
+    EXPECT_NEAR(luminance(found) / luminance(expected), 1, 1e-4);
+}
+
+/// Beside lights of all other kinds: each group has its numbers.
+TEST(LightGrid, SharesWithOtherLights) {
+    Scene scene = lit_floor(60, 1.5f);
+    for (int i = 0; i < 20; ++i) scene.lights.push_back(point_light({0.4f * float(i) - 4, 2, 1}, glm::vec3(0.3f)));
+    Light sun;
+    sun.kind = LightKind::directional, sun.intensity = glm::vec3(0.2f);
+    scene.lights.push_back(sun);
+    scene.camera = Camera{{0, 6, 6}, {0, 0, 0}, {0, 1, 0}, 40.f};
+    const RenderConfig config{.width = 16, .height = 16, .spp = 256, .max_depth = 1};
+    glm::dvec3 sum(0.0);
+    double variance = 0;
+    const auto add = [&](const auto& keep) {
+        Scene part = scene;
+        std::erase_if(part.lights, [&](const Light& light) { return !keep(light); });
+        Renderer renderer(device(), part, config);
+        const double noise = renderer.render().noise / 16;
+        sum += mean(renderer.image());
+        variance += std::pow(noise * mean(renderer.image()).y, 2);
+    };
+    add([](const Light& light) { return light.range > 0; });
+    add([](const Light& light) { return light.range == 0 && light.kind == LightKind::point; });
+    add([](const Light& light) { return light.kind == LightKind::directional; });
+    Renderer renderer(device(), scene, config);
+    const double noise = renderer.render().noise / 16, all = mean(renderer.image()).y;
+    EXPECT_NEAR(all, sum.y, 3 * std::sqrt(variance + noise * noise * all * all) + 1e-4 * all);
+}
+
+/// Lists stay short: the lights of the longest ranges are left to the tree.
+TEST(LightGrid, LeavesWideRangesToTheTree) {
+    Scene scene = lit_floor(100, 0.5f);
+    const Scene wide = lit_floor(100, 100.f);
+    scene.lights.insert(scene.lights.end(), wide.lights.begin(), wide.lights.end());
+    const Lights lights = collect_lights(scene, {.most_per_cell = 30});
+    EXPECT_GE(lights.ranged(), 50u);
+    EXPECT_LE(lights.ranged(), 100u);
+    EXPECT_EQ(lights.data.near, 200 - lights.ranged());
+    EXPECT_LE(mean_list_length(lights.grid, std::span(lights.punctual).last(lights.ranged())), 30);
+    EXPECT_FALSE(lights.tree.empty());
+}
+
+}  // namespace
+}  // namespace claray::test
