@@ -87,7 +87,7 @@ Task render(const Device& device, const std::string& name, unsigned side, Layout
     return [renderer] {
         renderer->restart(0);
         (void)renderer->render();
-        (void)renderer->image();
+        (void)renderer->picture();
         (void)renderer->aovs();
     };
 }

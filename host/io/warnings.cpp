@@ -1,4 +1,4 @@
-#include "claray/warnings.hpp"
+#include "claray/io.hpp"
 
 #include <algorithm>
 

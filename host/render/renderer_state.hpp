@@ -11,11 +11,11 @@
 #include "host/compute/joint_program.hpp"
 #include "host/render/aovs.hpp"
 #include "host/render/checkpoint/checkpoint.hpp"
-#include "host/render/film.hpp"
+#include "host/render/film/film.hpp"
+#include "host/render/film/tone_map.hpp"
 #include "host/render/in_flight.hpp"
 #include "host/render/kernels/kernel_choice.hpp"
 #include "host/render/schedule.hpp"
-#include "host/render/tone_map.hpp"
 #include "host/render/wavefront.hpp"
 
 namespace claray {

@@ -7,7 +7,7 @@
 #include <algorithm>
 
 #include "claray/error.hpp"
-#include "claray/warnings.hpp"
+#include "claray/io.hpp"
 #include "tests/support/process.hpp"
 
 namespace claray::test {

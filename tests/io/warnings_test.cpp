@@ -1,5 +1,5 @@
 // What loaders say: how much, and how.
-#include "claray/warnings.hpp"
+#include "claray/io.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The film: render/accumulate_film.cl, render/measure_film.cl and render/resolve_film.cl.
-#include "host/render/film.hpp"
+#include "host/render/film/film.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Pictures of 8 bits made on the device (render/tone_map.cl), against the host's exact curves.
-#include "host/render/tone_map.hpp"
+#include "host/render/film/tone_map.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 
 #include "host/accuracy/studies/image_sweep.hpp"
 #include "host/measure/measure.hpp"
-#include "host/render/film.hpp"
+#include "host/render/film/film.hpp"
 
 namespace claray {
 namespace {

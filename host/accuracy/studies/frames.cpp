@@ -99,21 +99,31 @@ double pick_depth(Frames& frames, double budget) {
     return seconds;
 }
 
+/// Samples are cheaper together: doubles their number until they do not fit, and then searches between. `seconds`: the
+/// time of one, and then of those picked.
+void pick_samples(Frames& frames, unsigned most, double budget, double& seconds) {
+    unsigned fits = 1, too_many = 0;
+    while (seconds < 0.8 * budget) {
+        const auto by_time = unsigned(std::min(fits * budget / seconds, double(most)));
+        const unsigned next = too_many == 0 ? std::min(std::max(2 * fits, by_time), most) : (fits + too_many) / 2;
+        if (next == fits) break;
+        frames.spp = next;
+        const double time = frames.slowest();
+        if (time <= budget)
+            fits = next, seconds = time;
+        else
+            too_many = next;
+    }
+    frames.spp = fits;
+}
+
 /// The most samples, and then the deepest paths, that fit.
 void pick(Frames& frames, const RenderConfig& config, double budget, std::vector<std::string>& picks) {
     frames.spp = 1;
     double seconds = pick_depth(frames, budget);
     if (seconds > budget) refuse_rate(config, budget, seconds);
     const double one = seconds;
-    const unsigned most = std::min(config.spp, most_spp);
-    for (int tries = 0; tries < 6; ++tries) {  // the cost of a sample depends on their number
-        const double wanted = std::floor(frames.spp * share * budget / seconds);
-        const auto spp = unsigned(std::clamp(wanted, 1.0, double(most)));
-        if (spp == frames.spp) break;
-        frames.spp = spp;
-        seconds = frames.slowest();
-        if (seconds <= budget && seconds >= 0.7 * budget) break;
-    }
+    pick_samples(frames, std::min(config.spp, most_spp), share * budget, seconds);
     picks.push_back(printed("samples: %u per pixel; one sample takes %s, a frame takes %s of %s", frames.spp,
                             told_time(one).c_str(), told_time(seconds).c_str(), told_time(budget).c_str()));
     if (frames.max_depth < config.max_depth)

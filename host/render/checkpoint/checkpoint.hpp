@@ -6,8 +6,8 @@
 
 #include "claray/renderer.hpp"
 #include "host/base/hash.hpp"
-#include "host/render/error_looks.hpp"
-#include "host/render/film.hpp"
+#include "host/render/film/error_looks.hpp"
+#include "host/render/film/film.hpp"
 #include "host/render/schedule.hpp"
 
 namespace claray {

@@ -9,7 +9,7 @@
 #include "claray/renderer.hpp"
 #include "host/base/format.hpp"
 #include "host/lights/environment.hpp"
-#include "host/render/film.hpp"
+#include "host/render/film/film.hpp"
 #include "host/textures/mip_map.hpp"
 #include "host/verify/cases/bsdf.hpp"
 #include "host/verify/cases/cases.hpp"

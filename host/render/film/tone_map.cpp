@@ -1,4 +1,4 @@
-#include "host/render/tone_map.hpp"
+#include "host/render/film/tone_map.hpp"
 
 #include <bit>
 #include <cmath>

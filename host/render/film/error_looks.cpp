@@ -1,4 +1,4 @@
-#include "host/render/error_looks.hpp"
+#include "host/render/film/error_looks.hpp"
 
 #include <algorithm>
 #include <bit>

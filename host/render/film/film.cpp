@@ -1,4 +1,4 @@
-#include "host/render/film.hpp"
+#include "host/render/film/film.hpp"
 
 #include <algorithm>
 #include <cmath>

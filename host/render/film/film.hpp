@@ -6,7 +6,7 @@
 
 #include "claray/program.hpp"
 #include "claray/shared/path.h"
-#include "host/render/error_looks.hpp"
+#include "host/render/film/error_looks.hpp"
 
 namespace claray {
 
