@@ -131,11 +131,11 @@ std::vector<Candidate> candidates_of(const Scene& scene, double distance) {
     for (std::size_t i = 0; i < scene.lights.size(); ++i) {
         const Light& light = scene.lights[i];
         const bool inverse_square = light.attenuation.x == 0.f && light.attenuation.y == 0.f;
-        if (light.kind != LightKind::point || !(luminance(light.intensity) > 0) || !inverse_square || light.range > 0)
-            continue;
+        if (light.kind != LightKind::point || !(luminance(light.intensity) > 0) || !inverse_square) continue;
         Candidate candidate{i, light.position};
         candidate.share = luminance(light.intensity) / total;
         candidate.distance2 = std::max(candidate.share * gain / 8, near * near) * distance * distance;
+        if (light.range > 0) candidate.distance2 = std::min(candidate.distance2, double(light.range) * light.range);
         candidates.push_back(candidate);
     }
     return candidates;

@@ -14,7 +14,7 @@ struct HotSpotPlace {
 };
 
 /// In the order of the lights; empty if no light is close enough to a surface. Lights without inverse-square
-/// attenuation are ignored, because their irradiance is bounded, and those with a range, which light little.
+/// attenuation are ignored, because their irradiance is bounded.
 [[nodiscard]] std::vector<HotSpotPlace> find_hot_spots(const Scene& scene);
 
 }  // namespace claray

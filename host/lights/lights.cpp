@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <span>
 
@@ -179,8 +180,8 @@ float plant_grid(const Scene& scene, Lights& lights) {
 
 /// Near lights, far ones, and those of the grid; black ones are left out.
 void collect_punctual(const Scene& scene, Lights& lights) {
-    const std::vector<HotSpotPlace> places = find_hot_spots(scene);
-    auto place = places.begin();
+    std::map<std::size_t, HotSpotPlace> places;
+    for (const HotSpotPlace& place : find_hot_spots(scene)) places[place.light] = place;
     const float longest = plant_grid(scene, lights);
     enum Group { near, far, of_grid };
     const auto group_of = [&](const PunctualLight& light) {
@@ -193,7 +194,7 @@ void collect_punctual(const Scene& scene, Lights& lights) {
             const PunctualLight light = punctual_light(scene.lights[i]);
             if (group_of(light) != group || !(luminance(scene.lights[i].intensity) > 0)) continue;
             lights.punctual.push_back(light);
-            if (place != places.end() && place->light == i) add_hot_spot(*place++, lights);
+            if (const auto place = places.find(i); place != places.end()) add_hot_spot(place->second, lights);
         }
     }
     lights.data.hot_spots = std::uint32_t(lights.hot_spots.size());
@@ -258,7 +259,8 @@ void plant_tree(Lights& lights, double radius) {
     lights.tree = std::move(tree.nodes), lights.leaves = std::move(tree.leaves);
     for (std::size_t i = 0; i < lights.triangles.size(); ++i)
         lights.trails.push_back({lights.triangles[i].primitive, tree.trails[i], tree.places[i]});
-    for (HotSpot& spot : lights.hot_spots) spot.trail = tree.trails[spot.light], spot.leaf = tree.places[spot.light];
+    for (HotSpot& spot : lights.hot_spots)
+        if (spot.light < lights.data.near) spot.trail = tree.trails[spot.light], spot.leaf = tree.places[spot.light];
     const double begin = lights.grid.empty() ? 0 : lights.data.grid_last + 1.0;
     lights.data.tree_probability = float((lights.data.tree_last + 1.0 - begin) / 4294967296.0);
 }

@@ -41,13 +41,15 @@ glm::dvec3 centroid(const Mesh& mesh, std::size_t triangle) {
 /// In a sphere light that was reflected once is the same everywhere: the flux over the area, wherever the light is.
 TEST(HotSpots, SphereIsLitEvenlyByAPointAtItsWall) {
     for (const double height : {0.1, 0.0003})
-        for (const int lights : {1, 20}) {
+        for (const int lights : {1, 20, -20}) {  // negative: with a range so long that it takes nothing away
             Scene scene;
             scene.materials = {lambert(0.5f)};
             scene.meshes = {sphere(5)};
             const glm::dvec3 wall = centroid(scene.meshes[0], 7), at = (1 - height / glm::length(wall)) * wall;
-            for (int i = 0; i < lights; ++i)
-                scene.lights.push_back(point_light(glm::vec3(at), glm::vec3(float(pi / lights))));
+            for (int i = 0; i < std::abs(lights); ++i) {
+                scene.lights.push_back(point_light(glm::vec3(at), glm::vec3(float(pi / std::abs(lights)))));
+                if (lights < 0) scene.lights.back().range = 30.f;
+            }
             scene.camera = Camera{{0, 0, 0}, glm::vec3(-at), {0.3f, 1, 0.2f}, 2.f};
             double area = 0;
             for (const glm::uvec3& t : scene.meshes[0].triangles) {
@@ -196,7 +198,9 @@ TEST(HotSpots, AreWhereInverseSquaresHaveNoBound) {
     EXPECT_EQ(spots(light), 0u) << "black";
     light.intensity = glm::vec3(1.f), light.kind = LightKind::spot;
     EXPECT_EQ(spots(light), 0u);
-    light.kind = LightKind::point;
+    light.kind = LightKind::point, light.range = 0.009f;
+    EXPECT_EQ(spots(light), 0u) << "out of range";
+    light.range = 0.011f;
     EXPECT_EQ(spots(light), 1u);
     scene.sky.zenith = glm::vec3(1e3f);
     EXPECT_EQ(spots(light), 0u) << "faint beside the sky";

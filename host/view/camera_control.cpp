@@ -1,0 +1,112 @@
+#include "host/view/camera_control.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "claray/error.hpp"
+#include "host/base/format.hpp"
+
+namespace claray::view {
+namespace {
+
+constexpr double closest_to_pole = 0.0174532925199433;  // radians
+
+struct View {
+    glm::dvec3 forward, right, up;
+    double distance;
+};
+
+View view_of(const Camera& camera) {
+    const glm::dvec3 way = glm::dvec3(camera.target) - glm::dvec3(camera.position);
+    const glm::dvec3 forward = glm::normalize(way);
+    const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(camera.up)));
+    return {forward, right, glm::cross(right, forward), glm::length(way)};
+}
+
+/// Rotates by Rodrigues' formula.
+glm::dvec3 rotated(const glm::dvec3& v, const glm::dvec3& axis, double angle) {
+    const double c = std::cos(angle), s = std::sin(angle);
+    return c * v + s * glm::cross(axis, v) + (1 - c) * glm::dot(axis, v) * axis;
+}
+
+/// Turns a direction by two angles, but not across the poles.
+glm::dvec3 turned(const glm::dvec3& direction, const glm::dvec3& up, double right_degrees, double up_degrees) {
+    const glm::dvec3 pole = glm::normalize(up);
+    const double now = std::acos(std::clamp(glm::dot(direction, pole), -1.0, 1.0));
+    const double then = std::clamp(now - glm::radians(up_degrees), closest_to_pole, 3.14159265358979 - closest_to_pole);
+    const glm::dvec3 side = glm::normalize(glm::cross(direction, pole));
+    return rotated(rotated(direction, side, now - then), pole, -glm::radians(right_degrees));
+}
+
+Camera shifted(Camera camera, const glm::dvec3& by) {
+    camera.position = glm::vec3(glm::dvec3(camera.position) + by);
+    camera.target = glm::vec3(glm::dvec3(camera.target) + by);
+    return camera;
+}
+
+}  // namespace
+
+Camera orbit(const Camera& camera, float right_degrees, float up_degrees) {
+    const View view = view_of(camera);
+    Camera result = camera;
+    const glm::dvec3 back = turned(-view.forward, camera.up, -right_degrees, up_degrees);
+    result.position = glm::vec3(glm::dvec3(camera.target) + view.distance * back);
+    return result;
+}
+
+Camera turn(const Camera& camera, float right_degrees, float up_degrees) {
+    const View view = view_of(camera);
+    Camera result = camera;
+    const glm::dvec3 forward = turned(view.forward, camera.up, right_degrees, up_degrees);
+    result.target = glm::vec3(glm::dvec3(camera.position) + view.distance * forward);
+    return result;
+}
+
+Camera pan(const Camera& camera, float right, float up) {
+    const View view = view_of(camera);
+    const double height = camera.orthographic_height > 0
+                              ? camera.orthographic_height
+                              : 2 * view.distance * std::tan(0.5 * glm::radians(double(camera.vertical_fov)));
+    return shifted(camera, height * (double(right) * view.right + double(up) * view.up));
+}
+
+Camera fly(const Camera& camera, float forward, float right, float up) {
+    const View view = view_of(camera);
+    return shifted(camera, double(forward) * view.forward + double(right) * view.right + double(up) * view.up);
+}
+
+Camera zoom(const Camera& camera, float factor) {
+    if (!(factor > 0)) throw Error(ErrorKind::user, "zoom: the factor must be greater than 0", "use for example 1.1");
+    Camera result = camera;
+    if (camera.orthographic_height > 0) {
+        result.orthographic_height /= factor;
+        return result;
+    }
+    const View view = view_of(camera);
+    result.position = glm::vec3(glm::dvec3(camera.target) - view.distance / factor * view.forward);
+    return result;
+}
+
+glm::vec3 direction_through(const CameraData& camera, unsigned x, unsigned y, unsigned width, unsigned height) {
+    const glm::vec3 forward(camera.forward_x, camera.forward_y, camera.forward_z);
+    if (camera.orthographic != 0) return glm::normalize(forward);
+    const float across = 2.f * (float(x) + 0.5f) / float(width) - 1.f,
+                above = 1.f - 2.f * (float(y) + 0.5f) / float(height);
+    return glm::normalize(forward + across * glm::vec3(camera.right_x, camera.right_y, camera.right_z) +
+                          above * glm::vec3(camera.up_x, camera.up_y, camera.up_z));
+}
+
+std::string options_of(const Camera& camera) {
+    const auto triple = [](const char* name, const glm::vec3& v) {
+        return printed("%s %.9g,%.9g,%.9g ", name, double(v.x), double(v.y), double(v.z));
+    };
+    std::string options = triple("--camera", camera.position) + triple("--look-at", camera.target);
+    if (camera.up != glm::vec3(0, 1, 0)) options += triple("--up", camera.up);
+    options += camera.orthographic_height > 0 ? printed("--ortho %.9g", double(camera.orthographic_height))
+                                              : printed("--fov %.9g", double(camera.vertical_fov));
+    if (camera.aperture_radius > 0) options += printed(" --aperture %.9g", double(camera.aperture_radius));
+    if (camera.focus_distance > 0) options += printed(" --focus-distance %.9g", double(camera.focus_distance));
+    return options;
+}
+
+}  // namespace claray::view

@@ -1,0 +1,88 @@
+// A live view of a scene: commands change what is seen, and every frame shows it. The front ends (web page, terminal,
+// script) only translate.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "claray/io.hpp"
+#include "claray/renderer.hpp"
+#include "host/view/view_command.hpp"
+
+namespace claray::view {
+
+struct ViewConfig {
+    RenderConfig render;          ///< `spp`: samples at which a still view stops
+    double frame_seconds = 0.03;  ///< of sampling per frame, at least one sample per pixel
+    PictureConfig picture;
+    std::function<Scene(double)> at_time = {};  ///< loads the scene at a time of its animation; empty: it has none
+};
+
+/// What a front end shows.
+struct Frame {
+    unsigned width = 0, height = 0;
+    std::span<const std::uint8_t> pixels;  ///< red, green, blue, 255 per pixel; valid until the next frame
+    unsigned spp = 0;
+    bool complete = false;  ///< the image has all samples, or the view is paused: the next frame would be the same
+};
+
+class View {
+public:
+    /// Throws as Renderer does.
+    View(const Device& device, Scene scene, const ViewConfig& config);
+
+    /// Changes the view. Returns a line for the user, often empty. Throws ErrorKind::user for values out of range; the
+    /// view is then unchanged.
+    std::string run(const ViewCommand& command);
+    /// Renders for the time of a frame.
+    [[nodiscard]] const Frame& next_frame();
+    /// Renders until the image is complete.
+    [[nodiscard]] const Frame& complete_frame();
+
+    [[nodiscard]] const Camera& camera() const { return *scene_.camera; }
+    [[nodiscard]] bool ended() const { return ended_; }
+
+private:
+    using Handler = std::string (View::*)(const ViewCommand&);
+    struct Selection {
+        std::uint32_t mesh = 0, material = 0, triangle = 0;
+        std::optional<std::uint32_t> instance;
+    };
+
+    void set_camera(const Camera& camera);
+    void change(const Scene& scene, const SceneChanges& changes);
+    [[nodiscard]] std::size_t pixel_of(const ViewCommand& command) const;
+    [[nodiscard]] std::span<const std::uint8_t> shown();
+    [[nodiscard]] float size() const;
+    [[nodiscard]] Selection selection_of(std::uint32_t triangle) const;
+    void render(double seconds);
+
+    std::string move_camera(const ViewCommand& command);
+    std::string focus(const ViewCommand& command);
+    std::string set_lens(const ViewCommand& command);
+    std::string set_picture(const ViewCommand& command);
+    std::string show(const ViewCommand& command);
+    std::string pick(const ViewCommand& command);
+    std::string set_material(const ViewCommand& command);
+    std::string move_light(const ViewCommand& command);
+    std::string move_object(const ViewCommand& command);
+    std::string set_time(const ViewCommand& command);
+    std::string resize(const ViewCommand& command);
+    std::string control(const ViewCommand& command);
+    std::string save(const ViewCommand& command);
+
+    Device device_;
+    Scene scene_;
+    ViewConfig config_;
+    Camera home_;
+    std::unique_ptr<Renderer> renderer_;
+    std::string shows_ = "image";
+    std::optional<Selection> selected_;
+    std::vector<std::uint8_t> false_colors_;  // of a view other than the image
+    Frame frame_;
+    unsigned spp_ = 0;
+    bool paused_ = false, ended_ = false;
+};
+
+}  // namespace claray::view

@@ -1,0 +1,76 @@
+#include "host/view/view_command.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+
+#include "claray/error.hpp"
+
+namespace claray::view {
+namespace {
+
+constexpr CommandRow rows[] = {
+    {"orbit", nullptr, 2, "RIGHT UP", "turn round the target, in degrees"},
+    {"turn", nullptr, 2, "RIGHT UP", "look elsewhere from the same place, in degrees"},
+    {"pan", nullptr, 2, "RIGHT UP", "shift the camera, in heights of the image at the target"},
+    {"fly", nullptr, 3, "FORWARD RIGHT UP", "move the camera, in hundredths of the scene's size"},
+    {"zoom", nullptr, 1, "FACTOR", "divide the distance from the target by a factor"},
+    {"home", nullptr, 0, "", "return to the first camera"},
+    {"focus", nullptr, 2, "X Y", "make the surface at a pixel the target and the sharp plane"},
+    {"aperture", nullptr, 1, "RADIUS", "radius of the lens, in units of the scene; 0: all is sharp"},
+    {"exposure", nullptr, 1, "STOPS", "brighten by so many stops"},
+    {"tone", "NAME", 0, "none|aces", "tone map"},
+    {"show", "NAME", 0, "image|depth|normal|albedo|primitive|heat", "what is seen"},
+    {"pick", nullptr, 2, "X Y", "select the object at a pixel"},
+    {"material", "NAME", 3, "albedo|emission R G B, roughness|metallic|ior|transmission V 0 0",
+     "change the material of the selected object"},
+    {"light", nullptr, 4, "NUMBER X Y Z", "move a light by a distance"},
+    {"move", nullptr, 3, "X Y Z", "move the selected object, if the scene has instances"},
+    {"time", nullptr, 1, "SECONDS", "show an animated file at a time"},
+    {"resize", nullptr, 2, "WIDTH HEIGHT", "change the size of the image, in pixels"},
+    {"pause", nullptr, 0, "", "stop sampling, or continue"},
+    {"frames", nullptr, 1, "COUNT", "render so many frames"},
+    {"finish", nullptr, 0, "", "sample until the image has all samples"},
+    {"save", "FILE", 0, "FILE", "write what is seen as a PNG"},
+    {"camera", nullptr, 0, "", "print the camera as options of the command line"},
+    {"quit", nullptr, 0, "", "end the view"},
+};
+
+[[noreturn]] void refuse(const std::string& line, const std::string& why, const std::string& remedy) {
+    throw Error(ErrorKind::user, "'" + line + "': " + why, remedy);
+}
+
+std::string usage_of(const CommandRow& row) {
+    return std::string(row.name) + (*row.arguments ? " " : "") + row.arguments;
+}
+
+float parse_number(const std::string& word, const std::string& line, const CommandRow& row) {
+    float value = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(value))
+        refuse(line, "'" + word + "' is not a finite number", "write " + usage_of(row));
+    return value;
+}
+
+}  // namespace
+
+std::span<const CommandRow> view_commands() { return rows; }
+
+ViewCommand parse_command(const std::string& line) {
+    std::istringstream words(line);
+    ViewCommand command;
+    words >> command.name;
+    const auto row =
+        std::find_if(std::begin(rows), std::end(rows), [&](const CommandRow& r) { return command.name == r.name; });
+    if (row == std::end(rows)) refuse(line, "unknown command", "claray view --help lists the commands");
+    if (row->word != nullptr && !(words >> command.word))
+        refuse(line, "an argument is missing", "write " + usage_of(*row));
+    for (std::string word; words >> word;) command.numbers.push_back(parse_number(word, line, *row));
+    if (command.numbers.size() != row->numbers)
+        refuse(line, std::to_string(command.numbers.size()) + " numbers instead of " + std::to_string(row->numbers),
+               "write " + usage_of(*row));
+    return command;
+}
+
+}  // namespace claray::view
