@@ -88,6 +88,8 @@ TEST(HotSpots, ChangeNoImageButItsNoise) {
     scenes.back().lights.assign(20, stage.lights[0]);
     for (Light& light : scenes.back().lights) light.intensity *= 0.05f, light.position.y = 0.06f;
     scenes.back().lights[3].kind = LightKind::spot;
+    scenes.push_back(scenes.back());  // the same from the lists of a grid
+    for (Light& light : scenes.back().lights) light.range = 5.f;
     for (std::size_t i = 0; i < scenes.size(); ++i) {
         RenderConfig config{.width = 24, .height = 16, .spp = 1024, .max_depth = 4};
         config.effects.add = full_effects();  // kernels that compile once
