@@ -11,12 +11,12 @@ namespace {
 
 constexpr double closest_to_pole = 0.0174532925199433;  // radians
 
-struct View {
+struct Axes {
     glm::dvec3 forward, right, up;
     double distance;
 };
 
-View view_of(const Camera& camera) {
+Axes axes_of(const Camera& camera) {
     const glm::dvec3 way = glm::dvec3(camera.target) - glm::dvec3(camera.position);
     const glm::dvec3 forward = glm::normalize(way);
     const glm::dvec3 right = glm::normalize(glm::cross(forward, glm::dvec3(camera.up)));
@@ -47,32 +47,32 @@ Camera shifted(Camera camera, const glm::dvec3& by) {
 }  // namespace
 
 Camera orbit(const Camera& camera, float right_degrees, float up_degrees) {
-    const View view = view_of(camera);
+    const Axes axes = axes_of(camera);
     Camera result = camera;
-    const glm::dvec3 back = turned(-view.forward, camera.up, -right_degrees, up_degrees);
-    result.position = glm::vec3(glm::dvec3(camera.target) + view.distance * back);
+    const glm::dvec3 back = turned(-axes.forward, camera.up, -right_degrees, up_degrees);
+    result.position = glm::vec3(glm::dvec3(camera.target) + axes.distance * back);
     return result;
 }
 
 Camera turn(const Camera& camera, float right_degrees, float up_degrees) {
-    const View view = view_of(camera);
+    const Axes axes = axes_of(camera);
     Camera result = camera;
-    const glm::dvec3 forward = turned(view.forward, camera.up, right_degrees, up_degrees);
-    result.target = glm::vec3(glm::dvec3(camera.position) + view.distance * forward);
+    const glm::dvec3 forward = turned(axes.forward, camera.up, right_degrees, up_degrees);
+    result.target = glm::vec3(glm::dvec3(camera.position) + axes.distance * forward);
     return result;
 }
 
 Camera pan(const Camera& camera, float right, float up) {
-    const View view = view_of(camera);
+    const Axes axes = axes_of(camera);
     const double height = camera.orthographic_height > 0
                               ? camera.orthographic_height
-                              : 2 * view.distance * std::tan(0.5 * glm::radians(double(camera.vertical_fov)));
-    return shifted(camera, height * (double(right) * view.right + double(up) * view.up));
+                              : 2 * axes.distance * std::tan(0.5 * glm::radians(double(camera.vertical_fov)));
+    return shifted(camera, height * (double(right) * axes.right + double(up) * axes.up));
 }
 
 Camera fly(const Camera& camera, float forward, float right, float up) {
-    const View view = view_of(camera);
-    return shifted(camera, double(forward) * view.forward + double(right) * view.right + double(up) * view.up);
+    const Axes axes = axes_of(camera);
+    return shifted(camera, double(forward) * axes.forward + double(right) * axes.right + double(up) * axes.up);
 }
 
 Camera zoom(const Camera& camera, float factor) {
@@ -82,8 +82,8 @@ Camera zoom(const Camera& camera, float factor) {
         result.orthographic_height /= factor;
         return result;
     }
-    const View view = view_of(camera);
-    result.position = glm::vec3(glm::dvec3(camera.target) - view.distance / factor * view.forward);
+    const Axes axes = axes_of(camera);
+    result.position = glm::vec3(glm::dvec3(camera.target) - axes.distance / factor * axes.forward);
     return result;
 }
 

@@ -26,6 +26,12 @@ std::string encode_png(unsigned width, unsigned height, unsigned channels, const
     return stbi_write_png_to_func(append, &bytes, w, h, n, texels.data(), n * w) ? bytes : std::string();
 }
 
+std::string encode_jpeg(unsigned width, unsigned height, std::span<const std::uint8_t> pixels, int quality) {
+    std::string bytes;
+    return stbi_write_jpg_to_func(append, &bytes, int(width), int(height), 4, pixels.data(), quality) ? bytes
+                                                                                                      : std::string();
+}
+
 std::string encode_hdr(unsigned width, unsigned height, const std::vector<float>& rgb) {
     std::string bytes;
     return stbi_write_hdr_to_func(append, &bytes, int(width), int(height), 3, rgb.data()) ? bytes : std::string();

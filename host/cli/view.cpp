@@ -1,0 +1,123 @@
+// claray view: looks at a scene while it changes.
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+
+#include "host/base/format.hpp"
+#include "host/cli/commands.hpp"
+#include "host/cli/options/option_rules.hpp"
+#include "host/cli/options/render_options.hpp"
+#include "host/cli/options/view_options.hpp"
+#include "host/cli/output/progress.hpp"
+#include "host/view/script.hpp"
+#include "host/view/terminal.hpp"
+#include "host/view/web.hpp"
+
+namespace claray::cli {
+namespace {
+
+struct LiveOptions {
+    std::string scene, device, host = "127.0.0.1";
+    ViewOptions view;
+    view::ViewConfig config;
+    std::filesystem::path script, output;
+    int port = 8080;
+    bool terminal = false, quiet = false;
+};
+
+bool is_animated(const std::string& scene) {
+    const std::string extension = std::filesystem::path(scene).extension().string();
+    return extension == ".gltf" || extension == ".glb";
+}
+
+/// Median and 99th percentile of times, in milliseconds.
+std::string times_of(std::vector<double> seconds) {
+    if (seconds.empty()) return "none";
+    std::sort(seconds.begin(), seconds.end());
+    const auto at = [&](double share) { return 1e3 * seconds[std::size_t(share * double(seconds.size() - 1))]; };
+    return printed("median %.2f ms, 99th percentile %.2f ms", at(0.5), at(0.99));
+}
+
+void replay(view::View& view, const LiveOptions& options) {
+    if (!options.output.empty()) std::filesystem::create_directories(options.output);
+    const auto tell = [](const std::string& line) { std::printf("%s\n", line.c_str()); };
+    const view::ScriptReport report = view::run_script(view, options.script, options.output, tell);
+    if (options.quiet) return;
+    std::printf("%u frames: %s\nanswers to commands: %s\n", report.frames, times_of(report.seconds).c_str(),
+                times_of(report.answer_seconds).c_str());
+}
+
+void look(const LiveOptions& options) {
+    const Device device = open_device(options.device);
+    view::ViewConfig config = options.config;
+    Scene scene = load_view(options.scene, options.view, config.render.width, config.render.height);
+    if (is_animated(options.scene))
+        config.at_time = [options](double time) {
+            ViewOptions then = options.view;
+            then.load.time = time;
+            return load_view(options.scene, then, options.config.render.width, options.config.render.height);
+        };
+    view::View view(device, std::move(scene), config);
+    const InterruptGuard guard;
+    const auto goes_on = [] { return !InterruptGuard::interrupted(); };
+    if (!options.script.empty()) return replay(view, options);
+    if (options.terminal) return view::run_in_terminal(view, goes_on);
+    view::serve(view,
+                {.host = options.host, .port = options.port, .goes_on = goes_on, .ready = [](const std::string& url) {
+                     std::printf("view: %s (Ctrl-C ends)\n", url.c_str());
+                     std::fflush(stdout);
+                 }});
+}
+
+std::string list_of_commands() {
+    std::string text = "Commands of scripts and of the web page:\n";
+    for (const view::CommandRow& row : view::view_commands())
+        text += printed("  %s %s: %s\n", row.name, row.arguments, row.help);
+    return text;
+}
+
+}  // namespace
+
+void add_view_command(CLI::App& app, Action& action) {
+    CLI::App* command =
+        app.add_subcommand("view", "Look at a scene live: as a web page, in the terminal, or by a script");
+    command->footer(list_of_commands() +
+                    "Examples:\n"
+                    "  claray view cornell\n"
+                    "  claray view walk.glb --terminal\n"
+                    "  claray view sponza.obj --script tour.txt -o frames");
+    command->option_defaults()->take_last();
+    auto options = std::make_shared<LiveOptions>();
+    RenderConfig& render = options->config.render;
+    render.width = 640, render.height = 360, render.spp = 256;
+    command
+        ->add_option("scene", options->scene,
+                     "A scene file (.obj, .gltf, .glb), or a built-in scene (see claray scenes)")
+        ->required();
+    add_size_option(*command, render.width, render.height, "WIDTHxHEIGHT in pixels [640x360]");
+    command->add_option("--port", options->port, "Port of the web page; 0: any that is free [8080]")
+        ->transform(whole_number(0, 65535));
+    command->add_option("--host", options->host,
+                        "Address of the web page [127.0.0.1]; 0.0.0.0 serves it to all computers that reach this one");
+    command->add_flag("--terminal", options->terminal, "Show the view in the terminal");
+    command->add_option("--script", options->script, "Replay the commands of FILE, one per line, and end");
+    command->add_option("-o,--output", options->output, "Folder for the frames of --script");
+    add_view_options(*command, options->view);
+    command->add_option("--spp", render.spp, "Samples per pixel at which a still view stops [256]")
+        ->transform(whole_number(1, 1 << 24));
+    command->add_option("--max-depth", render.max_depth, "Surfaces per path, at most [128]")
+        ->transform(whole_number(1, 1024));
+    command->add_option("--exposure", options->config.picture.exposure, "Brighten by this many stops [0]")
+        ->check(finite_number());
+    command->add_option("--device", options->device, "cpu, gpu, an index or part of a name (see claray devices)");
+    add_bvh_options(*command, render.bvh);
+    command->add_flag("-q,--quiet", options->quiet, "Print no times");
+    command->callback([&action, command, options] {
+        refuse_without(*command, "--output", "--script");
+        refuse_both(*command, "--script", {"--terminal", "--port", "--host"}, "a script needs no display");
+        refuse_both(*command, "--terminal", {"--port", "--host"}, "there is one display");
+        action = [options] { look(*options); };
+    });
+}
+
+}  // namespace claray::cli

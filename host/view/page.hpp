@@ -1,0 +1,75 @@
+// The web page of the view.
+#pragma once
+
+namespace claray::view {
+
+inline constexpr const char* page = R"page(<!doctype html>
+<html lang="en">
+<meta charset="utf-8">
+<title>claray view</title>
+<style>
+  body { margin: 0; background: #181a1b; color: #ddd; font: 14px sans-serif; }
+  header { display: flex; flex-wrap: wrap; gap: 8px; padding: 8px; align-items: center; }
+  img { display: block; max-width: 100%; cursor: grab; image-rendering: pixelated; user-select: none; }
+  pre { margin: 8px; white-space: pre-wrap; }
+  button, select, input { font: inherit; }
+</style>
+<header>
+  <select id="show" title="what is seen">
+    <option>image<option>depth<option>normal<option>albedo<option>primitive<option>heat
+  </select>
+  <button data-command="exposure -0.5">darker</button>
+  <button data-command="exposure 0.5">brighter</button>
+  <button data-command="home">home</button>
+  <button data-command="pause">pause</button>
+  <button data-command="camera">camera as options</button>
+  <input id="line" size="32" placeholder="command, for example: orbit 30 0" aria-label="command">
+  <span>drag: orbit, shift-drag: pan, wheel: zoom, W A S D Q E: fly, click: select, double click: focus</span>
+</header>
+<img id="view" src="stream" alt="the rendered scene" draggable="false">
+<pre id="status"></pre>
+<script>
+  const view = document.getElementById("view"), status = document.getElementById("status");
+  const send = async line => {
+    const answer = await fetch("command", { method: "POST", body: line });
+    if (!answer.ok) status.textContent = await answer.text();
+  };
+  const pixel = e => {
+    const box = view.getBoundingClientRect();
+    return Math.floor((e.clientX - box.left) * view.naturalWidth / box.width) + " " +
+           Math.floor((e.clientY - box.top) * view.naturalHeight / box.height);
+  };
+  let drag = null;
+  view.addEventListener("mousedown", e => { drag = { x: e.clientX, y: e.clientY, far: 0 }; e.preventDefault(); });
+  window.addEventListener("mousemove", e => {
+    if (!drag) return;
+    const x = e.clientX - drag.x, y = e.clientY - drag.y;
+    if (Math.abs(x) + Math.abs(y) < 2) return;
+    drag = { x: e.clientX, y: e.clientY, far: drag.far + Math.abs(x) + Math.abs(y) };
+    const box = view.getBoundingClientRect();
+    send(e.shiftKey ? `pan ${-x / box.height} ${y / box.height}` : `orbit ${-x * 0.4} ${y * 0.4}`);
+  });
+  window.addEventListener("mouseup", e => {
+    if (drag && drag.far < 4 && e.target === view) send("pick " + pixel(e));
+    drag = null;
+  });
+  view.addEventListener("dblclick", e => send("focus " + pixel(e)));
+  view.addEventListener("wheel", e => { e.preventDefault(); send("zoom " + (e.deltaY < 0 ? 1.1 : 1 / 1.1)); }, { passive: false });
+  const keys = { w: "fly 1 0 0", s: "fly -1 0 0", a: "fly 0 -1 0", d: "fly 0 1 0", q: "fly 0 0 -1", e: "fly 0 0 1", " ": "pause" };
+  window.addEventListener("keydown", e => {
+    if (e.target.tagName !== "INPUT" && keys[e.key]) { e.preventDefault(); send(keys[e.key]); }
+  });
+  document.querySelectorAll("button").forEach(b => b.addEventListener("click", () => send(b.dataset.command)));
+  document.getElementById("show").addEventListener("change", e => send("show " + e.target.value));
+  document.getElementById("line").addEventListener("keydown", e => {
+    if (e.key === "Enter" && e.target.value.trim()) { send(e.target.value); e.target.select(); }
+  });
+  setInterval(async () => {
+    try { status.textContent = await (await fetch("status")).text(); }
+    catch { status.textContent = "the view has ended or the connection is lost"; }
+  }, 500);
+</script>
+</html>
+)page";
+
+}  // namespace claray::view
