@@ -129,6 +129,9 @@ public:
 
     /// Returns the mean linear radiance so far, row by row from the top left. Blocks.
     [[nodiscard]] std::vector<glm::vec3> image() const;
+    /// Returns the mean linear radiance so far, without most of its noise; the samples are kept. See docs/denoise.md.
+    /// Blocks.
+    [[nodiscard]] std::vector<glm::vec3> denoised() const;
     /// Returns the share of light that is missing because paths end after `RenderConfig::max_depth` surfaces, 0 to 1.
     /// An estimate: the light beyond that depth is extrapolated. The first call traces some thousand paths.
     [[nodiscard]] double cut_off() const;

@@ -1,0 +1,34 @@
+// Guides of the denoiser: traces the camera rays of a film again and keeps what they meet first.
+#pragma once
+
+#include "claray/renderer.hpp"
+#include "claray/shared/denoise.h"
+#include "host/render/scene_buffers.hpp"
+
+namespace claray {
+
+class Guides {
+public:
+    Guides(const Device& device, const SceneBuffers& scene, Sampler sampler);
+
+    /// One guide per pixel of the frame. `samples`: camera rays per pixel; borders of lamps get more. Blocks.
+    [[nodiscard]] const Buffer<Guide>& trace(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t spp);
+
+private:
+    /// `count` pixels: all, or those of the list.
+    void trace_pixels(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t count, std::uint32_t samples,
+                      bool listed);
+
+    Device device_;
+    SceneBuffers scene_;
+    std::uint32_t capacity_;
+    Kernel rays_kernel_, write_, list_edges_;
+    SceneQuery query_;
+    Buffer<Ray> rays_;
+    Buffer<float> times_;
+    SceneHits hits_;
+    Buffer<std::uint32_t> list_, length_, rays_count_;
+    Buffer<Guide> guides_;
+};
+
+}  // namespace claray
