@@ -34,7 +34,7 @@ const Buffer<float>& Denoiser::denoise(const Buffer<FilmPixel>& film, const Buff
         filter_.run(range, step, arg("light", *from), arg("surfaces", surfaces_), slopes_, arg("result", to));
         from = &to;
     }
-    modulate_.run(range, step, std::uint32_t(!single), arg("noisy", noisy_), arg("filtered", *from), guides, image_);
+    modulate_.run(range, step, std::uint32_t(!single), arg("noisy", raw_), arg("filtered", *from), guides, image_);
     return image_;
 }
 

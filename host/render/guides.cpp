@@ -38,22 +38,26 @@ Guides::Guides(const Device& device, const SceneBuffers& scene, Sampler sampler)
     const Defines defines = defines_for(scene, sampler);
     rays_kernel_ = load_kernel(device, file, "guide_rays", defines);
     write_ = load_kernel(device, file, "write_guides", defines);
-    list_edges_ = load_kernel(device, file, "list_glow_edges", defines);
+    list_edges_ = load_kernel(device, file, "list_edges", defines);
 }
 
 const Buffer<Guide>& Guides::trace(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t spp) {
     const std::uint32_t pixels = frame.width * frame.height;
     guides_.reserve(device_, pixels), list_.reserve(device_, pixels);
     trace_pixels(frame, film, pixels, std::clamp(spp, least_samples, most_samples), false);
-    length_.fill(0);
-    list_edges_.run({pixels, 64}, frame.width, frame.height, guides_, arg("list", list_), arg("edges", length_));
-    const std::uint32_t edges = length_.read()[0];
+    const std::uint32_t edges = find_edges(frame);
     if (edges == 0) return guides_;
-    const std::uint64_t affordable = edge_rays_per_pixel * pixels / edges;
-    const auto samples = std::uint32_t(std::min<std::uint64_t>(
-        {affordable, most_at_edges, std::max(std::uint64_t(least_at_edges), std::uint64_t(edge_factor) * spp)}));
+    const std::uint64_t affordable = std::uint64_t(pixels) * (edge_rays_per_pixel + spp / 2) / edges;
+    const auto samples = std::uint32_t(
+        std::min<std::uint64_t>(std::clamp(edge_factor * spp, least_at_edges, most_at_edges), affordable));
     if (samples > spp) trace_pixels(frame, film, edges, samples, true);
     return guides_;
+}
+
+std::uint32_t Guides::find_edges(const FrameData& frame) {
+    length_.fill(0);
+    list_edges_.run({std::size_t(frame.width) * frame.height, 64}, frame.width, frame.height, guides_, arg("list", list_), arg("edges", length_));
+    return length_.read()[0];
 }
 
 void Guides::trace_pixels(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t count,

@@ -15,6 +15,8 @@ public:
     [[nodiscard]] const Buffer<Guide>& trace(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t spp);
 
 private:
+    /// Lists the pixels that get more rays, and returns their number. Blocks.
+    [[nodiscard]] std::uint32_t find_edges(const FrameData& frame);
     /// `count` pixels: all, or those of the list.
     void trace_pixels(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t count, std::uint32_t samples,
                       bool listed);

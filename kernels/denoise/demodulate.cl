@@ -20,8 +20,9 @@ kernel void demodulate(FilterStep step, global const FilmPixel* film, global con
     const Guide g = guides[i];
     const float3 sums = (float3)(p.all.r, p.all.g, p.all.b) + (float3)(p.all.lost_r, p.all.lost_g, p.all.lost_b);
     const float3 mean = p.count ? sums / (float)p.count : (float3)(0.0f);
-    const float3 albedo = sampled_albedo_of(g);
+    const float3 albedo = (float3)(g.sampled_albedo_r, g.sampled_albedo_g, g.sampled_albedo_b);
     const float3 reflected = mean - (float3)(g.sampled_glow_r, g.sampled_glow_g, g.sampled_glow_b);
-    light[i] = (float4)(reflected / albedo, variance_of(p) / (luminance(albedo) * luminance(albedo)));
+    const float scale = fmax(luminance(albedo), 1e-6f);
+    light[i] = (float4)(per_albedo(reflected, albedo), variance_of(p) / (scale * scale));
     surfaces[i] = (float4)(g.normal_x, g.normal_y, g.normal_z, g.nearness);
 }

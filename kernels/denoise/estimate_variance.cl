@@ -32,6 +32,7 @@ kernel void estimate_variance(FilterStep step, uint single, global const float4*
             total += weight, first += weight * value, second += weight * value * value, variance += weight * there.w;
         }
     const float mean = first / total;
-    const float spread = fmax(second / total - mean * mean, 0.0f);
-    result[i] = (float4)(light[i].xyz, single ? spread : variance / total);
+    const float4 here = light[i];
+    const float own = luminance(here.xyz) - mean, spread = fmax(second / total - mean * mean, 0.0f);
+    result[i] = (float4)(here.xyz, single ? fmax(spread, own * own) : fmax(variance / total, here.w));
 }

@@ -27,5 +27,6 @@ kernel void modulate(FilterStep step, uint blends, global const float4* noisy, g
     }
     const Guide g = guides[i];
     const float3 light = mix(noisy[i].xyz, filtered[i].xyz, share);
-    vstore3(light * albedo_of_guide(g) + (float3)(g.glow_r, g.glow_g, g.glow_b), i, image);
+    const float3 albedo = (float3)(g.albedo_r, g.albedo_g, g.albedo_b);
+    vstore3(light * albedo + (float3)(g.glow_r, g.glow_g, g.glow_b), i, image);
 }

@@ -22,7 +22,9 @@ kernel void guide_rays(Batch batch, FrameData frame, uint listed, global const u
 #endif
 }
 
-/// The first surface of a ray.
+#define LEAST_ALBEDO 0.02f  // darker surfaces count as this, so that light that their coats reflect is finite per albedo
+
+/// The first surface of a ray. Beyond all surfaces the albedo is 0, so that light per albedo is that of the covered part of a pixel.
 typedef struct FirstSurface {
     float3 albedo, glow, normal;
     float nearness;
@@ -38,7 +40,7 @@ static inline void add_surface(FirstSurface* sum, FirstSurface one) {
 /// As shade_hit at depth 0, without reflected light.
 static inline FirstSurface first_surface(const FrameData* frame, SCENE_PARAMETERS, const Lights* lights, Ray ray, SceneHit found,
                                          float time) {
-    FirstSurface first = {(float3)(1.0f), (float3)(0.0f), (float3)(0.0f), 0.0f};
+    FirstSurface first = {(float3)(0.0f), (float3)(0.0f), (float3)(0.0f), 0.0f};
     const float3 direction = (float3)(ray.dx, ray.dy, ray.dz), outgoing = -direction;
     const PathState state = first_state(0u);
 #if INSTANCES
@@ -59,7 +61,7 @@ static inline FirstSurface first_surface(const FrameData* frame, SCENE_PARAMETER
         maps = apply_maps(textures, TABLE(uint, triangle_materials)[hit.primitive], indices, hit, outgoing,
                           cone.width + cone.spread * hit.t, &at.surface, &at.material);
 #endif
-    first.albedo = albedo_of(&at.material);
+    first.albedo = fmax(albedo_of(&at.material), LEAST_ALBEDO);
     first.normal = at.surface.shading;
     first.nearness = 1.0f / fmax(hit.t, 1e-30f);
 #if USES(CLARAY_UNLIT)
@@ -109,7 +111,7 @@ kernel void write_guides(Batch batch, FrameData frame, uint listed, global const
 
 /// Lists the pixels whose glow differs from a neighbour's: borders of lamps and of the sky, where the film's noise is that of
 /// coverage. The order of the list does not matter. `edges`, their number, is 0 before.
-kernel void list_glow_edges(uint width, uint height, global const Guide* guides, global uint* list, global uint* edges) {
+kernel void list_edges(uint width, uint height, global const Guide* guides, global uint* list, global uint* edges) {
     const uint i = get_global_id(0);
     if (i >= width * height) return;
     const int x = (int)(i % width), y = (int)(i / width);
