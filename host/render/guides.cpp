@@ -33,10 +33,11 @@ Guides::Guides(const Device& device, const SceneBuffers& scene, Sampler sampler)
       scene_(scene),
       capacity_(std::max(most_at_edges, device.tuning("render/wavefront", "PATHS"))),
       query_(scene.structure, QueryKernel::Kind::closest, camera_rays(scene), "trace_guide_rays"),
-      length_(device, 1),
-      rays_count_(device, 1) {
+      length_(device, 1) {
     const Defines defines = defines_for(scene, sampler);
-    rays_kernel_ = load_kernel(device, file, "guide_rays", defines);
+    for (auto& count : counts_) count = Buffer<std::uint32_t>(device, 1);
+    start_ = load_kernel(device, file, "guide_rays", defines);
+    see_ = load_kernel(device, file, "see_surfaces", defines);
     write_ = load_kernel(device, file, "write_guides", defines);
     list_edges_ = load_kernel(device, file, "list_edges", defines);
 }
@@ -60,23 +61,37 @@ std::uint32_t Guides::find_edges(const FrameData& frame) {
     return length_.read()[0];
 }
 
+void Guides::make_room(std::size_t rays) {
+    if (sights_.allocated() && sights_.size() >= rays) return;
+    for (int i = 0; i < 2; ++i) rays_[i] = Buffer<Ray>(device_, rays), numbers_[i] = Buffer<std::uint32_t>(device_, rays);
+    hits_ = SceneHits(scene_.structure, rays);
+    sights_ = Buffer<Sight>(device_, rays);
+    if (scene_.structure.moves()) times_ = Buffer<float>(device_, rays);
+}
+
 void Guides::trace_pixels(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t count,
                           std::uint32_t samples, bool listed) {
     const std::uint32_t at_once = std::min(count, std::max(1u, capacity_ / samples));
-    const std::size_t most = std::size_t(at_once) * samples;
-    if (rays_.size() < most || !rays_.allocated()) {
-        rays_ = Buffer<Ray>(device_, most);
-        hits_ = SceneHits(scene_.structure, most);
-        if (scene_.structure.moves()) times_ = Buffer<float>(device_, most);
-    }
+    make_room(std::size_t(at_once) * samples);
     for (std::uint32_t first = 0; first < count; first += at_once) {
         const Batch batch{first, std::min(at_once, count - first), 0, samples};
-        const std::uint32_t rays = batch.pixels * samples;
-        rays_kernel_.run({rays, 64}, batch, frame, std::uint32_t(listed), list_, rays_, times_);
-        rays_count_.fill(rays);
-        query_.closest(rays_, hits_, rays, rays_count_, times_);
-        write_.run({batch.pixels, 64}, batch, frame, std::uint32_t(listed), arg("list", list_), film, scene_, rays_,
-                   hits_, arg("times", times_), guides_);
+        see(frame, batch, std::uint32_t(listed));
+        write_.run({batch.pixels, 64}, batch, std::uint32_t(listed), list_, film, sights_, guides_);
+    }
+}
+
+void Guides::see(const FrameData& frame, const Batch& batch, std::uint32_t listed) {
+    std::uint32_t count = batch.pixels * batch.samples;
+    start_.run({count, 64}, batch, frame, listed, list_, rays_[0], times_);
+    counts_[0].fill(count);
+    for (std::uint32_t depth = 0; count != 0; ++depth) {
+        const int in = depth % 2, out = 1 - in;
+        query_.closest(rays_[in], hits_, count, counts_[in], times_);
+        counts_[out].fill(0);
+        see_.run({count, 64}, batch, frame, listed, arg("list", list_), depth, count, scene_, arg("rays", rays_[in]),
+                 hits_, arg("times", times_), arg("number", numbers_[in]), sights_, arg("next_rays", rays_[out]),
+                 arg("next_number", numbers_[out]), arg("going_on", counts_[out]));
+        count = counts_[out].read()[0];
     }
 }
 

@@ -21,15 +21,22 @@ private:
     void trace_pixels(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t count, std::uint32_t samples,
                       bool listed);
 
+    void make_room(std::size_t rays);
+    /// Follows the camera rays of a batch to the first rough surface.
+    void see(const FrameData& frame, const Batch& batch, std::uint32_t listed);
+
     Device device_;
     SceneBuffers scene_;
     std::uint32_t capacity_;
-    Kernel rays_kernel_, write_, list_edges_;
+    Kernel start_, see_, write_, list_edges_;
     SceneQuery query_;
-    Buffer<Ray> rays_;
-    Buffer<float> times_;
+    Buffer<Ray> rays_[2];               // by depth
+    Buffer<std::uint32_t> numbers_[2];  // of the rays, from depth 1 on
+    Buffer<std::uint32_t> counts_[2];   // of the rays
+    Buffer<float> times_;               // of the camera rays
     SceneHits hits_;
-    Buffer<std::uint32_t> list_, length_, rays_count_;
+    Buffer<Sight> sights_;
+    Buffer<std::uint32_t> list_, length_;
     Buffer<Guide> guides_;
 };
 

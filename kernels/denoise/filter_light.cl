@@ -4,7 +4,7 @@
 #include "denoise/light.clh"
 
 #ifndef LIGHT_TOLERANCE
-#define LIGHT_TOLERANCE 4.0f  // of the squared difference of two pixels, in variances of both
+#define LIGHT_TOLERANCE 6.0f  // of the squared difference of two pixels, in variances of both
 #endif
 
 constant float spline[3] = {0.375f, 0.25f, 0.0625f};  // cubic B-spline

@@ -1,111 +1,152 @@
-// Guides of the denoiser: what the camera rays of a pixel meet first. The rays are those of the film's samples, so that the mean
-// of what they meet has the same noise as the film; further rays of the same sequence give a mean with less.
+// Guides of the denoiser: what the camera rays of a pixel see, directly or through mirrors and smooth glass. The rays are those of
+// the film's samples, so that the mean of what they see has the same noise as the film; further rays of the same sequence give a
+// mean with less.
 #include "claray/shared/denoise.h"
 #include "render/first_ray.clh"
 #include "render/queue.clh"
 #include "render/shade_hit.clh"
+
+#define LEAST_ALBEDO 0.02f  // darker surfaces count as this, so that light that their coats reflect is finite per albedo
+#ifndef MOST_MIRRORS
+#define MOST_MIRRORS 6u  // a glass ball seen in another one
+#endif
 
 /// The pixel of element i of a batch: consecutive pixels, or consecutive elements of a list.
 static inline uint guided_pixel(Batch batch, uint i, uint listed, global const uint* list) {
     return listed ? list[batch.first_pixel + i] : batch.first_pixel + i;
 }
 
+/// The sample of a camera ray, as a batch of its own.
+static inline Batch sample_of(Batch batch, uint ray, uint listed, global const uint* list) {
+    const Batch one = {guided_pixel(batch, ray / batch.samples, listed, list), 1u, ray % batch.samples, 1u};
+    return one;
+}
+
 /// Camera rays: `batch.samples` of each pixel, from the first sample on.
 kernel void guide_rays(Batch batch, FrameData frame, uint listed, global const uint* list, global Ray* rays, global float* times) {
     const uint i = get_global_id(0);
     if (i >= batch.pixels * batch.samples) return;
-    const Batch one = {guided_pixel(batch, i / batch.samples, listed, list), 1u, i % batch.samples, 1u};
     float time = 0.0f;
-    store_ray(&rays[i], first_ray(one, frame, 0u, false, &time));
+    store_ray(&rays[i], first_ray(sample_of(batch, i, listed, list), frame, 0u, false, &time));
 #if INSTANCE_MOTION
     times[i] = time;
 #endif
 }
 
-#define LEAST_ALBEDO 0.02f  // darker surfaces count as this, so that light that their coats reflect is finite per albedo
+static inline float3 albedo_there(const ShadingPoint* at) { return fmax(albedo_of(&at->material), LEAST_ALBEDO); }
 
-/// The first surface of a ray. Beyond all surfaces the albedo is 0, so that light per albedo is that of the covered part of a pixel.
-typedef struct FirstSurface {
-    float3 albedo, glow, normal;
-    float nearness;
-} FirstSurface;
-
-static inline void add_surface(FirstSurface* sum, FirstSurface one) {
-    sum->albedo += one.albedo;
-    sum->glow += one.glow;
-    sum->normal += one.normal;
-    sum->nearness += one.nearness;
+/// The next ray, if the surface is a mirror or smooth glass; the path of the film's sample takes the same.
+static inline NextRay pass_mirror(Batch one, const FrameData* frame, SCENE_PARAMETERS, uint depth, Ray ray, PathState state,
+                                  ShadingPoint* at) {
+    NextRay next;
+    next.wanted = false;
+    const SurfaceSamples samples = samples_at(samples_of(one, 0u, frame->seed), depth);
+    float lobe;
+    prepare_shading(frame, SCENE, &samples, -(float3)(ray.dx, ray.dy, ray.dz), at, &lobe);
+    if (!is_delta(&at->material)) return next;
+    return scatter(false, 0, &samples, depth, state, at, unit_float(words_at(&samples, AT_CHOICE).y), lobe);
 }
 
-/// As shade_hit at depth 0, without reflected light.
-static inline FirstSurface first_surface(const FrameData* frame, SCENE_PARAMETERS, const Lights* lights, Ray ray, SceneHit found,
-                                         float time) {
-    FirstSurface first = {(float3)(0.0f), (float3)(0.0f), (float3)(0.0f), 0.0f};
+/// As shade_hit, without the light that rough surfaces reflect. Adds to `sight`; `next` is wanted if the ray goes on.
+static inline void see(Batch one, const FrameData* frame, SCENE_PARAMETERS, uint depth, Ray ray, SceneHit found, float time,
+                       Sight* sight, NextRay* next) {
+    const Lights lights = lights_of(frame, SCENE);
     const float3 direction = (float3)(ray.dx, ray.dy, ray.dz), outgoing = -direction;
-    const PathState state = first_state(0u);
+    PathState state = {sight->throughput_r, sight->throughput_g, sight->throughput_b, 0.0f, 0u};
+    next->wanted = false;
 #if INSTANCES
     const Hit hit = hit_in_scene(found, instances);
 #else
     const Hit hit = found;
 #endif
+    float3 glow, albedo = (float3)(0.0f);
     if (hit.primitive == CLARAY_MISS) {
-        first.glow = radiance_beyond(lights, frame->sky, direction, state);
-        return first;
-    }
-    ShadingPoint at;
-    find_surface(frame, SCENE, found, hit, 0u, time, outgoing, &at);
+        glow = radiance_beyond(&lights, frame->sky, direction, state);
+    } else {
+        ShadingPoint at;
+        find_surface(frame, SCENE, found, hit, depth, time, outgoing, &at);
 #if TEXTURES
-    MapValues maps = {false, (float3)(0.0f)};
-    const RayCone cone = camera_cone(frame);
-    if (textures)
-        maps = apply_maps(textures, TABLE(uint, triangle_materials)[hit.primitive], indices, hit, outgoing,
-                          cone.width + cone.spread * hit.t, &at.surface, &at.material);
+        MapValues maps = {false, (float3)(0.0f)};
+        const RayCone cone = camera_cone(frame);
+        if (textures)
+            maps = apply_maps(textures, TABLE(uint, triangle_materials)[hit.primitive], indices, hit, outgoing,
+                              cone.width + cone.spread * hit.t, &at.surface, &at.material);
 #endif
-    first.albedo = fmax(albedo_of(&at.material), LEAST_ALBEDO);
-    first.normal = at.surface.shading;
-    first.nearness = 1.0f / fmax(hit.t, 1e-30f);
+#if ABSORPTION
+        if (at.surface.inside) state = attenuated(state, transmittance_of(&at.material, hit.t));
+#endif
+        if (depth == 0u) {
+            sight->normal_x = at.surface.shading.x, sight->normal_y = at.surface.shading.y, sight->normal_z = at.surface.shading.z;
+            sight->nearness = 1.0f / fmax(hit.t, 1e-30f);
+        }
+        albedo = throughput_of(state) * albedo_there(&at);
+        bool ends = depth + 1u >= min(MOST_MIRRORS, frame->max_depth);
+        glow = emitted_radiance(&lights, SCENE, found, hit, 0u, ray, state, &at, 0);
 #if USES(CLARAY_UNLIT)
-    if (at.material.kind == CLARAY_UNLIT) {
-        first.glow = first.albedo;
-        return first;
-    }
+        if (at.material.kind == CLARAY_UNLIT) glow = throughput_of(state) * albedo_of(&at.material), ends = true;
 #endif
-    first.glow = emitted_radiance(lights, SCENE, found, hit, 0u, ray, state, &at, 0);
 #if TEXTURES && LIGHT_MAPS
-    if (maps.has_light && !at.surface.inside) first.glow += first.albedo * maps.light * INV_PI;
+        if (maps.has_light && !at.surface.inside) glow += albedo * maps.light * INV_PI, ends = true;
 #endif
-    return first;
+        if (!ends) *next = pass_mirror(one, frame, SCENE, depth, ray, state, &at);
+    }
+    sight->glow_r += glow.x, sight->glow_g += glow.y, sight->glow_b += glow.z;
+    sight->albedo_r = albedo.x, sight->albedo_g = albedo.y, sight->albedo_b = albedo.z;
+    sight->throughput_r = next->state.throughput_r, sight->throughput_g = next->state.throughput_g;
+    sight->throughput_b = next->state.throughput_b;
+}
+
+/// `number`: index of each ray among the camera rays, from depth 1 on. Rays that go on are appended to the `next` ones, whose
+/// number is *going_on, 0 before.
+kernel void see_surfaces(Batch batch, FrameData frame, uint listed, global const uint* list, uint depth, uint count,
+                         SCENE_PARAMETERS, global const Ray* rays, global const SceneHit* hits, global float* times,
+                         global const uint* number, global Sight* sights, global Ray* next_rays, global uint* next_number,
+                         global uint* going_on) {
+    const uint i = get_global_id(0);
+    if (i >= count) return;
+    const uint ray = depth == 0u ? i : number[i];
+    Sight sight = {1.0f, 1.0f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
+    if (depth != 0u) sight = sights[ray];
+    float time = 0.0f;
+#if INSTANCE_MOTION
+    time = times[ray];
+#endif
+    NextRay next;
+    see(sample_of(batch, ray, listed, list), &frame, SCENE, depth, queued_ray(&rays[i]), hits[i], time, &sight, &next);
+    sights[ray] = sight;
+    if (!next.wanted) return;
+    const uint slot = atomic_inc(going_on);
+    store_ray(&next_rays[slot], next.ray);
+    next_number[slot] = ray;
 }
 
 /// One pixel per item. If the film has more samples than `batch.samples`, both means are over all rays of the batch.
-kernel void write_guides(Batch batch, FrameData frame, uint listed, global const uint* list, global const FilmPixel* film,
-                         SCENE_PARAMETERS, global const Ray* rays, global const SceneHit* hits, global const float* times,
+kernel void write_guides(Batch batch, uint listed, global const uint* list, global const FilmPixel* film, global const Sight* sights,
                          global Guide* guides) {
     const uint i = get_global_id(0);
     if (i >= batch.pixels) return;
     const uint pixel = guided_pixel(batch, i, listed, list);
     const uint in_film = film[pixel].count + film[pixel].dropped;
     const uint sampled = in_film == 0u || in_film > batch.samples ? batch.samples : in_film;
-    const Lights lights = lights_of(&frame, SCENE);
-    FirstSurface sum = {(float3)(0.0f), (float3)(0.0f), (float3)(0.0f), 0.0f};
+    float3 albedo = (float3)(0.0f), glow = (float3)(0.0f), normal = (float3)(0.0f);
+    float nearness = 0.0f;
     Guide guide;
     for (uint s = 0; s < batch.samples; ++s) {
-        const uint ray = i * batch.samples + s;
-        float time = 0.0f;
-#if INSTANCE_MOTION
-        time = times[ray];
-#endif
-        add_surface(&sum, first_surface(&frame, SCENE, &lights, queued_ray(&rays[ray]), hits[ray], time));
+        const Sight sight = sights[i * batch.samples + s];
+        albedo += (float3)(sight.albedo_r, sight.albedo_g, sight.albedo_b);
+        glow += (float3)(sight.glow_r, sight.glow_g, sight.glow_b);
+        normal += (float3)(sight.normal_x, sight.normal_y, sight.normal_z);
+        nearness += sight.nearness;
         if (s + 1 != sampled) continue;
-        const float3 albedo = sum.albedo / (float)sampled, glow = sum.glow / (float)sampled;
-        guide.sampled_albedo_r = albedo.x, guide.sampled_albedo_g = albedo.y, guide.sampled_albedo_b = albedo.z;
-        guide.sampled_glow_r = glow.x, guide.sampled_glow_g = glow.y, guide.sampled_glow_b = glow.z;
+        const float share = 1.0f / (float)sampled;
+        guide.sampled_albedo_r = share * albedo.x, guide.sampled_albedo_g = share * albedo.y, guide.sampled_albedo_b = share * albedo.z;
+        guide.sampled_glow_r = share * glow.x, guide.sampled_glow_g = share * glow.y, guide.sampled_glow_b = share * glow.z;
     }
     const float share = 1.0f / (float)batch.samples;
-    guide.albedo_r = share * sum.albedo.x, guide.albedo_g = share * sum.albedo.y, guide.albedo_b = share * sum.albedo.z;
-    guide.glow_r = share * sum.glow.x, guide.glow_g = share * sum.glow.y, guide.glow_b = share * sum.glow.z;
-    guide.normal_x = share * sum.normal.x, guide.normal_y = share * sum.normal.y, guide.normal_z = share * sum.normal.z;
-    guide.nearness = share * sum.nearness;
+    guide.albedo_r = share * albedo.x, guide.albedo_g = share * albedo.y, guide.albedo_b = share * albedo.z;
+    guide.glow_r = share * glow.x, guide.glow_g = share * glow.y, guide.glow_b = share * glow.z;
+    guide.normal_x = share * normal.x, guide.normal_y = share * normal.y, guide.normal_z = share * normal.z;
+    guide.nearness = share * nearness;
     guides[pixel] = guide;
 }
 

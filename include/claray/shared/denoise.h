@@ -6,7 +6,8 @@
 
 CLARAY_SHARED_BEGIN
 
-/// The first surfaces of a pixel. `glow` is the radiance that reaches the camera directly: of lamps, and of the sky.
+/// What a pixel sees. `glow` is the radiance that reaches the camera from lamps and the sky without being scattered by a rough
+/// surface; `albedo` is that of the first rough surface.
 /// Means over the camera rays of the film's samples, and means over these and further rays, which have less noise.
 typedef struct Guide {
     float sampled_albedo_r, sampled_albedo_g, sampled_albedo_b;
@@ -17,6 +18,16 @@ typedef struct Guide {
     float nearness;                      // 1 / distance from the camera; 0 beyond all surfaces
 } Guide;
 CLARAY_LAYOUT(Guide, 64)
+
+/// What one camera ray sees: through mirrors and smooth glass, which scatter it in one direction.
+typedef struct Sight {
+    float throughput_r, throughput_g, throughput_b;  // of the mirrors and glass so far
+    float albedo_r, albedo_g, albedo_b;              // of the first other surface, times the throughput
+    float glow_r, glow_g, glow_b;
+    float normal_x, normal_y, normal_z;  // of the first surface, as its nearness
+    float nearness;
+} Sight;
+CLARAY_LAYOUT(Sight, 52)
 
 /// Scalar parameters of a filter pass.
 typedef struct FilterStep {
