@@ -22,7 +22,7 @@ kernel void demodulate(FilterStep step, global const FilmPixel* film, global con
     const float3 mean = p.count ? sums / (float)p.count : (float3)(0.0f);
     const float3 albedo = (float3)(g.sampled_albedo_r, g.sampled_albedo_g, g.sampled_albedo_b);
     const float3 reflected = mean - (float3)(g.sampled_glow_r, g.sampled_glow_g, g.sampled_glow_b);
-    const float scale = fmax(luminance(albedo), 1e-6f);
-    light[i] = (float4)(per_albedo(reflected, albedo), variance_of(p) / (scale * scale));
+    const float scale = luminance(albedo);
+    light[i] = albedo.x > 0.0f ? (float4)(reflected / albedo, variance_of(p) / (scale * scale)) : NO_LIGHT;
     surfaces[i] = (float4)(g.normal_x, g.normal_y, g.normal_z, g.nearness);
 }

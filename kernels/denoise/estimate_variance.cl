@@ -22,17 +22,22 @@ kernel void estimate_variance(FilterStep step, uint single, global const float4*
         slope_of(surfaces[neighbour(step, x - 1, y)].w, surface.w, surfaces[neighbour(step, x + 1, y)].w),
         slope_of(surfaces[neighbour(step, x, y - 1)].w, surface.w, surfaces[neighbour(step, x, y + 1)].w));
     slopes[i] = slope;
+    const float4 here = light[i];
+    if (!has_light(here)) {
+        result[i] = here;
+        return;
+    }
     float total = 0.0f, first = 0.0f, second = 0.0f, variance = 0.0f;
     for (int dy = -VARIANCE_RADIUS; dy <= VARIANCE_RADIUS; ++dy)
         for (int dx = -VARIANCE_RADIUS; dx <= VARIANCE_RADIUS; ++dx) {
             const uint at = neighbour(step, x + dx, y + dy);
             const float4 there = light[at];
+            if (!has_light(there)) continue;
             const float weight = fading(surface_distance(surface, slope, surfaces[at], (float)dx, (float)dy));
             const float value = luminance(there.xyz);
             total += weight, first += weight * value, second += weight * value * value, variance += weight * there.w;
         }
     const float mean = first / total;
-    const float4 here = light[i];
     const float own = luminance(here.xyz) - mean, spread = fmax(second / total - mean * mean, 0.0f);
     result[i] = (float4)(here.xyz, single ? fmax(spread, own * own) : fmax(variance / total, here.w));
 }

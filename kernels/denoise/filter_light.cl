@@ -15,6 +15,10 @@ kernel void filter_light(FilterStep step, global const float4* light, global con
     if (i >= step.width * step.height) return;
     const int x = (int)(i % step.width), y = (int)(i / step.width), spacing = (int)step.spacing;
     const float4 here = light[i], surface = surfaces[i];
+    if (!has_light(here)) {
+        result[i] = here;
+        return;
+    }
     const float2 slope = slopes[i];
     const float own = luminance(here.xyz);
     float total = 0.0f;
@@ -26,7 +30,7 @@ kernel void filter_light(FilterStep step, global const float4* light, global con
             const float difference = luminance(there.xyz) - own;
             const float far = surface_distance(surface, slope, surfaces[at], (float)(dx * spacing), (float)(dy * spacing)) +
                               difference * difference / (LIGHT_TOLERANCE * (here.w + there.w) + 1e-30f);
-            const float weight = spline[abs(dx)] * spline[abs(dy)] * fading(far);
+            const float weight = has_light(there) ? spline[abs(dx)] * spline[abs(dy)] * fading(far) : 0.0f;
             total += weight;
             sum += (float4)(weight * there.xyz, weight * weight * there.w);
         }

@@ -20,6 +20,7 @@ kernel void modulate(FilterStep step, uint blends, global const float4* noisy, g
             for (int dx = -BLEND_RADIUS; dx <= BLEND_RADIUS; ++dx) {
                 const uint at = neighbour(step, x + dx, y + dy);
                 const float4 before = noisy[at];
+                if (!has_light(before)) continue;
                 const float difference = luminance(before.xyz) - luminance(filtered[at].xyz);
                 noise += before.w, change += difference * difference;
             }
