@@ -18,20 +18,21 @@ Denoiser::Denoiser(const Device& device, std::uint32_t width, std::uint32_t heig
     for (Buffer<Float4>* buffer : {&raw_, &noisy_, &filtered_[0], &filtered_[1], &surfaces_})
         *buffer = Buffer<Float4>(device, pixels);
     slopes_ = Buffer<Float2>(device, pixels);
+    weights_ = Buffer<float>(device, pixels);
     image_ = Buffer<float>(device, 3 * pixels);
 }
 
 const Buffer<float>& Denoiser::denoise(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides, bool single) {
     const Range range{std::size_t(width_) * height_, 64};
     FilterStep step{width_, height_, 1, 0};
-    demodulate_.run(range, step, film, guides, arg("light", raw_), arg("surfaces", surfaces_));
-    estimate_.run(range, step, std::uint32_t(single), arg("light", raw_), arg("surfaces", surfaces_), slopes_,
+    demodulate_.run(range, step, film, guides, arg("light", raw_), arg("surfaces", surfaces_), arg("weights", weights_));
+    estimate_.run(range, step, std::uint32_t(single), arg("light", raw_), arg("surfaces", surfaces_), arg("weights", weights_), slopes_,
                   arg("result", noisy_));
     const Buffer<Float4>* from = &noisy_;
     for (std::uint32_t pass = 0; pass < passes; ++pass) {
         const Buffer<Float4>& to = filtered_[pass % 2];
         step.spacing = 1u << pass;
-        filter_.run(range, step, arg("light", *from), arg("surfaces", surfaces_), slopes_, arg("result", to));
+        filter_.run(range, step, arg("light", *from), arg("surfaces", surfaces_), arg("weights", weights_), slopes_, arg("result", to));
         from = &to;
     }
     modulate_.run(range, step, std::uint32_t(!single), arg("noisy", raw_), arg("filtered", *from), guides, image_);

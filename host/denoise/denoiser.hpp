@@ -29,7 +29,7 @@ private:
     Kernel demodulate_, estimate_, filter_, modulate_;
     Buffer<Float4> raw_, noisy_, filtered_[2], surfaces_;
     Buffer<Float2> slopes_;
-    Buffer<float> image_;
+    Buffer<float> weights_, image_;
 };
 
 }  // namespace claray

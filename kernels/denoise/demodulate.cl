@@ -13,7 +13,7 @@ static inline float variance_of(FilmPixel p) {
 
 /// `light`: radiance per albedo, and the variance of its luminance, from two samples on.
 kernel void demodulate(FilterStep step, global const FilmPixel* film, global const Guide* guides, global float4* light,
-                       global float4* surfaces) {
+                       global float4* surfaces, global float* weights) {
     const uint i = get_global_id(0);
     if (i >= step.width * step.height) return;
     const FilmPixel p = film[i];
@@ -24,5 +24,6 @@ kernel void demodulate(FilterStep step, global const FilmPixel* film, global con
     const float3 reflected = mean - (float3)(g.sampled_glow_r, g.sampled_glow_g, g.sampled_glow_b);
     const float scale = luminance(albedo);
     light[i] = albedo.x > 0.0f ? (float4)(reflected / albedo, variance_of(p) / (scale * scale)) : NO_LIGHT;
+    weights[i] = scale;
     surfaces[i] = (float4)(g.normal_x, g.normal_y, g.normal_z, g.nearness);
 }

@@ -12,7 +12,7 @@ static inline float slope_of(float before, float here, float after) {
     return fabs(left) < fabs(right) ? left : right;
 }
 
-kernel void estimate_variance(FilterStep step, uint single, global const float4* light, global const float4* surfaces,
+kernel void estimate_variance(FilterStep step, uint single, global const float4* light, global const float4* surfaces, global const float* weights,
                               global float2* slopes, global float4* result) {
     const uint i = get_global_id(0);
     if (i >= step.width * step.height) return;
@@ -33,7 +33,7 @@ kernel void estimate_variance(FilterStep step, uint single, global const float4*
             const uint at = neighbour(step, x + dx, y + dy);
             const float4 there = light[at];
             if (!has_light(there)) continue;
-            const float weight = fading(surface_distance(surface, slope, surfaces[at], (float)dx, (float)dy));
+            const float weight = weights[at] * fading(surface_distance(surface, slope, surfaces[at], (float)dx, (float)dy));
             const float value = luminance(there.xyz);
             total += weight, first += weight * value, second += weight * value * value, variance += weight * there.w;
         }

@@ -9,7 +9,7 @@
 
 constant float spline[3] = {0.375f, 0.25f, 0.0625f};  // cubic B-spline
 
-kernel void filter_light(FilterStep step, global const float4* light, global const float4* surfaces, global const float2* slopes,
+kernel void filter_light(FilterStep step, global const float4* light, global const float4* surfaces, global const float* weights, global const float2* slopes,
                          global float4* result) {
     const uint i = get_global_id(0);
     if (i >= step.width * step.height) return;
@@ -30,7 +30,7 @@ kernel void filter_light(FilterStep step, global const float4* light, global con
             const float difference = luminance(there.xyz) - own;
             const float far = surface_distance(surface, slope, surfaces[at], (float)(dx * spacing), (float)(dy * spacing)) +
                               difference * difference / (LIGHT_TOLERANCE * (here.w + there.w) + 1e-30f);
-            const float weight = has_light(there) ? spline[abs(dx)] * spline[abs(dy)] * fading(far) : 0.0f;
+            const float weight = has_light(there) ? weights[at] * spline[abs(dx)] * spline[abs(dy)] * fading(far) : 0.0f;
             total += weight;
             sum += (float4)(weight * there.xyz, weight * weight * there.w);
         }
