@@ -11,7 +11,7 @@
 #include "host/base/file.hpp"
 #include "host/compute/device_state.hpp"
 #include "host/compute/joint_program.hpp"
-#include "host/denoise/denoiser.hpp"
+#include "host/denoise/denoised_image.hpp"
 #include "host/render/checkpoint/checkpoint.hpp"
 #include "host/render/film.hpp"
 #include "host/render/guides.hpp"
@@ -499,16 +499,13 @@ bool Renderer::rebuild(const Bvh::Config& config) {
 
 std::vector<glm::vec3> Renderer::image() const { return state_->film.resolve(); }
 
-std::vector<glm::vec3> Renderer::denoised() const {
+std::vector<glm::vec3> Renderer::denoised(DenoiserKind kind) const {
     const State& state = *state_;
-    Guides guides(state.device, state.buffers, state.config.sampler);
-    Denoiser denoiser(state.device, state.config.width, state.config.height);
     const Buffer<FilmPixel>& film = state.film.pixels();
-    const std::vector<float> values =
-        denoiser.denoise(film, guides.trace(state.wavefront.frame(), film, state.spp()), state.spp() < 2).read();
-    std::vector<glm::vec3> image(state.pixels());
-    for (std::size_t i = 0; i < image.size(); ++i) image[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
-    return image;
+    Guides guides(state.device, state.buffers, state.config.sampler);
+    return denoised_image({state.config.width, state.config.height, film,
+                           guides.trace(state.wavefront.frame(), film, state.spp()), state.spp()},
+                          kind);
 }
 
 double Renderer::cut_off() const { return state_->cut_off(); }

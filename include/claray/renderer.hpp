@@ -16,6 +16,15 @@ enum class Sampler : std::uint32_t {
     independent  ///< plain Monte Carlo, for comparison
 };
 
+/// What removes noise from an image.
+enum class DenoiserKind {
+    automatic,  ///< Open Image Denoise if it is installed, else claray's own
+    claray,     ///< kernels of claray: fast, and less strong as noise vanishes
+    oidn        ///< Intel's Open Image Denoise, a neural network on the CPU, loaded at run time
+};
+/// Returns the denoiser that `automatic` stands for here; other kinds unchanged.
+[[nodiscard]] DenoiserKind picked_denoiser(DenoiserKind kind);
+
 inline constexpr unsigned default_max_depth = 128;
 
 struct RenderConfig {
@@ -129,9 +138,9 @@ public:
 
     /// Returns the mean linear radiance so far, row by row from the top left. Blocks.
     [[nodiscard]] std::vector<glm::vec3> image() const;
-    /// Returns the mean linear radiance so far, without most of its noise; the samples are kept. See docs/denoise.md.
-    /// Blocks.
-    [[nodiscard]] std::vector<glm::vec3> denoised() const;
+    /// Returns the mean linear radiance so far without most of its noise, see docs/denoise.md. The samples are kept.
+    /// Blocks. Throws ErrorKind::user for a denoiser that is not installed.
+    [[nodiscard]] std::vector<glm::vec3> denoised(DenoiserKind kind = DenoiserKind::automatic) const;
     /// Returns the share of light that is missing because paths end after `RenderConfig::max_depth` surfaces, 0 to 1.
     /// An estimate: the light beyond that depth is extrapolated. The first call traces some thousand paths.
     [[nodiscard]] double cut_off() const;
