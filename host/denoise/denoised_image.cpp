@@ -44,6 +44,8 @@ DenoiserKind picked_denoiser(DenoiserKind kind) {
     return Oidn::load() ? DenoiserKind::oidn : DenoiserKind::claray;
 }
 
+void require_oidn() { (void)Oidn::load_or_throw(); }
+
 std::vector<glm::vec3> denoised_image(const NoisyFilm& film, DenoiserKind kind) {
     return picked_denoiser(kind) == DenoiserKind::oidn ? by_oidn(film) : by_claray(film);
 }

@@ -1,5 +1,7 @@
 #include "host/denoise/denoiser.hpp"
 
+#include <utility>
+
 namespace claray {
 namespace {
 
@@ -23,20 +25,54 @@ Denoiser::Denoiser(const Device& device, std::uint32_t width, std::uint32_t heig
 }
 
 const Buffer<float>& Denoiser::denoise(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides, bool single) {
-    const Range range{std::size_t(width_) * height_, 64};
-    FilterStep step{width_, height_, 1, 0};
-    demodulate_.run(range, step, film, guides, arg("light", raw_), arg("surfaces", surfaces_), arg("weights", weights_));
-    estimate_.run(range, step, std::uint32_t(single), arg("light", raw_), arg("surfaces", surfaces_), arg("weights", weights_), slopes_,
-                  arg("result", noisy_));
-    const Buffer<Float4>* from = &noisy_;
+    prepare(film, guides, single);
+    return filter(noisy_, raw_, guides, !single);
+}
+
+void Denoiser::prepare(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides, bool single) {
+    demodulate_.run(range(), step(), film, guides, arg("light", raw_), arg("surfaces", surfaces_),
+                    arg("weights", weights_));
+    estimate_.run(range(), step(), std::uint32_t(single), arg("light", raw_), arg("surfaces", surfaces_),
+                  arg("weights", weights_), slopes_, arg("result", noisy_));
+}
+
+const Buffer<float>& Denoiser::filter(const Buffer<Float4>& light, const Buffer<Float4>& noisy,
+                                      const Buffer<Guide>& guides, bool blends) {
+    const Buffer<Float4>* from = &light;
     for (std::uint32_t pass = 0; pass < passes; ++pass) {
         const Buffer<Float4>& to = filtered_[pass % 2];
-        step.spacing = 1u << pass;
-        filter_.run(range, step, arg("light", *from), arg("surfaces", surfaces_), arg("weights", weights_), slopes_, arg("result", to));
+        filter_.run(range(), step(1u << pass), arg("light", *from), arg("surfaces", surfaces_),
+                    arg("weights", weights_), slopes_, arg("result", to));
         from = &to;
     }
-    modulate_.run(range, step, std::uint32_t(!single), arg("noisy", raw_), arg("filtered", *from), guides, image_);
+    modulate_.run(range(), step(), std::uint32_t(blends), arg("noisy", noisy), arg("filtered", *from), guides, image_);
     return image_;
+}
+
+FrameDenoiser::FrameDenoiser(const Device& device, std::uint32_t width, std::uint32_t height)
+    : Denoiser(device, width, height),
+      reproject_(load_kernel(device, "denoise/reproject.cl", "reproject")),
+      blend_(load_kernel(device, "denoise/reproject.cl", "blend_history")) {
+    const std::size_t pixels = std::size_t(width) * height;
+    for (Buffer<Float4>* buffer : {&old_light_, &old_surfaces_, &history_, &blended_})
+        *buffer = Buffer<Float4>(device, pixels);
+    for (Buffer<float>* buffer : {&old_ages_, &ages_, &history_ages_}) *buffer = Buffer<float>(device, pixels);
+}
+
+const Buffer<float>& FrameDenoiser::denoise(const CameraData& camera, const Buffer<FilmPixel>& film,
+                                            const Buffer<Guide>& guides, bool single) {
+    prepare(film, guides, single);
+    if (frames_ == 0) old_ages_.fill(0);
+    const CameraPair cameras{camera, frames_ == 0 ? camera : camera_};
+    reproject_.run(range(), step(), cameras, arg("surfaces", surfaces_), arg("light", noisy_),
+                   arg("old_surfaces", old_surfaces_), arg("old_light", old_light_), arg("old_ages", old_ages_),
+                   arg("result", history_), arg("ages", history_ages_));
+    blend_.run(range(), step(), arg("surfaces", surfaces_), slopes_, arg("fresh", noisy_), arg("old", history_),
+               arg("old_ages", history_ages_), arg("result", blended_), arg("ages", ages_));
+    const Buffer<float>& image = filter(blended_, blended_, guides, true);
+    std::swap(old_light_, blended_), std::swap(old_ages_, ages_), std::swap(old_surfaces_, surfaces_);
+    camera_ = camera, ++frames_;
+    return image;
 }
 
 }  // namespace claray

@@ -52,9 +52,9 @@ struct Oidn::Functions {
         return find(library, "oidnNewDevice", new_device) && find(library, "oidnCommitDevice", commit_device) &&
                find(library, "oidnReleaseDevice", release_device) &&
                find(library, "oidnGetDeviceError", device_error) && find(library, "oidnNewFilter", new_filter) &&
-               find(library, "oidnSetSharedFilterImage", set_image) &&
-               find(library, "oidnSetFilterBool", set_bool) && find(library, "oidnCommitFilter", commit_filter) &&
-               find(library, "oidnExecuteFilter", execute_filter) && find(library, "oidnReleaseFilter", release_filter);
+               find(library, "oidnSetSharedFilterImage", set_image) && find(library, "oidnSetFilterBool", set_bool) &&
+               find(library, "oidnCommitFilter", commit_filter) && find(library, "oidnExecuteFilter", execute_filter) &&
+               find(library, "oidnReleaseFilter", release_filter);
     }
     void check(Handle device) const {
         const char* message = nullptr;

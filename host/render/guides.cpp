@@ -57,13 +57,15 @@ const Buffer<Guide>& Guides::trace(const FrameData& frame, const Buffer<FilmPixe
 
 std::uint32_t Guides::find_edges(const FrameData& frame) {
     length_.fill(0);
-    list_edges_.run({std::size_t(frame.width) * frame.height, 64}, frame.width, frame.height, guides_, arg("list", list_), arg("edges", length_));
+    list_edges_.run({std::size_t(frame.width) * frame.height, 64}, frame.width, frame.height, guides_,
+                    arg("list", list_), arg("edges", length_));
     return length_.read()[0];
 }
 
 void Guides::make_room(std::size_t rays) {
     if (sights_.allocated() && sights_.size() >= rays) return;
-    for (int i = 0; i < 2; ++i) rays_[i] = Buffer<Ray>(device_, rays), numbers_[i] = Buffer<std::uint32_t>(device_, rays);
+    for (int i = 0; i < 2; ++i)
+        rays_[i] = Buffer<Ray>(device_, rays), numbers_[i] = Buffer<std::uint32_t>(device_, rays);
     hits_ = SceneHits(scene_.structure, rays);
     sights_ = Buffer<Sight>(device_, rays);
     if (scene_.structure.moves()) times_ = Buffer<float>(device_, rays);

@@ -24,6 +24,8 @@ enum class DenoiserKind {
 };
 /// Returns the denoiser that `automatic` stands for here; other kinds unchanged.
 [[nodiscard]] DenoiserKind picked_denoiser(DenoiserKind kind);
+/// Throws ErrorKind::user if Open Image Denoise is not installed.
+void require_oidn();
 
 inline constexpr unsigned default_max_depth = 128;
 

@@ -2,13 +2,13 @@
 #ifndef CLARAY_SHARED_DENOISE_H
 #define CLARAY_SHARED_DENOISE_H
 
-#include "claray/shared/portable.h"
+#include "claray/shared/scene.h"
 
 CLARAY_SHARED_BEGIN
 
-/// What a pixel sees. `glow` is the radiance that reaches the camera from lamps and the sky without being scattered by a rough
-/// surface; `albedo` is that of the first rough surface.
-/// Means over the camera rays of the film's samples, and means over these and further rays, which have less noise.
+/// What a pixel sees. `glow` is the radiance that reaches the camera from lamps and the sky without being scattered by
+/// a rough surface; `albedo` is that of the first rough surface. Means over the camera rays of the film's samples, and
+/// means over these and further rays, which have less noise.
 typedef struct Guide {
     float sampled_albedo_r, sampled_albedo_g, sampled_albedo_b;
     float sampled_glow_r, sampled_glow_g, sampled_glow_b;
@@ -33,9 +33,14 @@ CLARAY_LAYOUT(Sight, 52)
 typedef struct FilterStep {
     uint width, height;
     uint spacing;  // of the samples, in pixels
-    uint last;     // 1: the last pass
 } FilterStep;
-CLARAY_LAYOUT(FilterStep, 16)
+CLARAY_LAYOUT(FilterStep, 12)
+
+/// The camera of a frame and that of the frame before.
+typedef struct CameraPair {
+    CameraData now, before;
+} CameraPair;
+CLARAY_LAYOUT(CameraPair, 232)
 
 CLARAY_SHARED_END
 
