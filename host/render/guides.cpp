@@ -35,7 +35,6 @@ Guides::Guides(const Device& device, const SceneBuffers& scene, Sampler sampler)
       query_(scene.structure, QueryKernel::Kind::closest, camera_rays(scene), "trace_guide_rays"),
       length_(device, 1) {
     const Defines defines = defines_for(scene, sampler);
-    for (auto& count : counts_) count = Buffer<std::uint32_t>(device, 1);
     start_ = load_kernel(device, file, "guide_rays", defines);
     see_ = load_kernel(device, file, "see_surfaces", defines);
     write_ = load_kernel(device, file, "write_guides", defines);
@@ -64,11 +63,12 @@ std::uint32_t Guides::find_edges(const FrameData& frame) {
 
 void Guides::make_room(std::size_t rays) {
     if (sights_.allocated() && sights_.size() >= rays) return;
-    for (int i = 0; i < 2; ++i)
-        rays_[i] = Buffer<Ray>(device_, rays), numbers_[i] = Buffer<std::uint32_t>(device_, rays);
+    for (int i = 0; i < 2; ++i) {
+        rays_[i] = Buffer<Ray>(device_, rays), numbers_[i] = Buffer<std::uint32_t>(device_, 1 + rays);
+        if (scene_.structure.moves()) times_[i] = Buffer<float>(device_, rays);
+    }
     hits_ = SceneHits(scene_.structure, rays);
     sights_ = Buffer<Sight>(device_, rays);
-    if (scene_.structure.moves()) times_ = Buffer<float>(device_, rays);
 }
 
 void Guides::trace_pixels(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t count,
@@ -76,24 +76,26 @@ void Guides::trace_pixels(const FrameData& frame, const Buffer<FilmPixel>& film,
     const std::uint32_t at_once = std::min(count, std::max(1u, capacity_ / samples));
     make_room(std::size_t(at_once) * samples);
     for (std::uint32_t first = 0; first < count; first += at_once) {
-        const Batch batch{first, std::min(at_once, count - first), 0, samples};
-        see(frame, batch, std::uint32_t(listed));
-        write_.run({batch.pixels, 64}, batch, std::uint32_t(listed), list_, film, sights_, guides_);
+        const std::uint32_t pixels = std::min(at_once, count - first);
+        const GuideStep guide{{{first, pixels, 0, samples}, frame, 0, pixels * samples, 0}, std::uint32_t(listed)};
+        see(guide);
+        write_.run({pixels, 64}, guide, list_, film, sights_, guides_);
     }
 }
 
-void Guides::see(const FrameData& frame, const Batch& batch, std::uint32_t listed) {
-    std::uint32_t count = batch.pixels * batch.samples;
-    start_.run({count, 64}, batch, frame, listed, list_, rays_[0], times_);
-    counts_[0].fill(count);
-    for (std::uint32_t depth = 0; count != 0; ++depth) {
-        const int in = depth % 2, out = 1 - in;
-        query_.closest(rays_[in], hits_, count, counts_[in], times_);
-        counts_[out].fill(0);
-        see_.run({count, 64}, batch, frame, listed, arg("list", list_), depth, count, scene_, arg("rays", rays_[in]),
-                 hits_, arg("times", times_), arg("number", numbers_[in]), sights_, arg("next_rays", rays_[out]),
-                 arg("next_number", numbers_[out]), arg("going_on", counts_[out]));
-        count = counts_[out].read()[0];
+void Guides::see(GuideStep guide) {
+    std::uint32_t& count = guide.step.capacity;
+    start_.run({count, 64}, guide, list_, rays_[0], times_[0]);
+    numbers_[0].write(std::span<const std::uint32_t>(&count, 1));
+    for (; count != 0; ++guide.step.depth) {
+        const int in = guide.step.depth % 2, out = 1 - in;
+        query_.closest(rays_[in], hits_, count, numbers_[in], times_[in]);
+        constexpr std::uint32_t none = 0;
+        numbers_[out].write(std::span<const std::uint32_t>(&none, 1));
+        see_.run({count, 64}, guide, arg("list", list_), scene_, arg("rays", rays_[in]), hits_,
+                 arg("numbers", numbers_[in]), sights_, arg("next_rays", rays_[out]), times_[out],
+                 arg("next_numbers", numbers_[out]));
+        numbers_[out].read(std::span<std::uint32_t>(&count, 1));
     }
 }
 

@@ -22,18 +22,17 @@ private:
                       bool listed);
 
     void make_room(std::size_t rays);
-    /// Follows the camera rays of a batch to the first rough surface.
-    void see(const FrameData& frame, const Batch& batch, std::uint32_t listed);
+    /// Follows the camera rays of a batch to the first rough surface. Blocks.
+    void see(GuideStep guide);
 
     Device device_;
     SceneBuffers scene_;
     std::uint32_t capacity_;
     Kernel start_, see_, write_, list_edges_;
     SceneQuery query_;
-    Buffer<Ray> rays_[2];               // by depth
-    Buffer<std::uint32_t> numbers_[2];  // of the rays, from depth 1 on
-    Buffer<std::uint32_t> counts_[2];   // of the rays
-    Buffer<float> times_;               // of the camera rays
+    Buffer<Ray> rays_[2];  // by depth
+    Buffer<float> times_[2];
+    Buffer<std::uint32_t> numbers_[2];  // how many rays there are, and the camera ray of each from depth 1 on
     SceneHits hits_;
     Buffer<Sight> sights_;
     Buffer<std::uint32_t> list_, length_;

@@ -12,22 +12,24 @@
 #endif
 
 /// The pixel of element i of a batch: consecutive pixels, or consecutive elements of a list.
-static inline uint guided_pixel(Batch batch, uint i, uint listed, global const uint* list) {
-    return listed ? list[batch.first_pixel + i] : batch.first_pixel + i;
+static inline uint guided_pixel(const GuideStep* guide, uint i, global const uint* list) {
+    const uint element = guide->step.batch.first_pixel + i;
+    return guide->listed ? list[element] : element;
 }
 
 /// The sample of a camera ray, as a batch of its own.
-static inline Batch sample_of(Batch batch, uint ray, uint listed, global const uint* list) {
-    const Batch one = {guided_pixel(batch, ray / batch.samples, listed, list), 1u, ray % batch.samples, 1u};
+static inline Batch sample_of(const GuideStep* guide, uint ray, global const uint* list) {
+    const uint samples = guide->step.batch.samples;
+    const Batch one = {guided_pixel(guide, ray / samples, list), 1u, ray % samples, 1u};
     return one;
 }
 
-/// Camera rays: `batch.samples` of each pixel, from the first sample on.
-kernel void guide_rays(Batch batch, FrameData frame, uint listed, global const uint* list, global Ray* rays, global float* times) {
+/// Camera rays: `samples` of each pixel, from the first sample on.
+kernel void guide_rays(GuideStep guide, global const uint* list, global Ray* rays, global float* times) {
     const uint i = get_global_id(0);
-    if (i >= batch.pixels * batch.samples) return;
+    if (i >= guide.step.capacity) return;
     float time = 0.0f;
-    store_ray(&rays[i], first_ray(sample_of(batch, i, listed, list), frame, 0u, false, &time));
+    store_ray(&rays[i], first_ray(sample_of(&guide, i, list), guide.step.frame, 0u, false, &time));
 #if INSTANCE_MOTION
     times[i] = time;
 #endif
@@ -96,36 +98,39 @@ static inline void see(Batch one, const FrameData* frame, SCENE_PARAMETERS, uint
     sight->throughput_b = next->state.throughput_b;
 }
 
-/// `number`: index of each ray among the camera rays, from depth 1 on. Rays that go on are appended to the `next` ones, whose
-/// number is *going_on, 0 before.
-kernel void see_surfaces(Batch batch, FrameData frame, uint listed, global const uint* list, uint depth, uint count,
-                         SCENE_PARAMETERS, global const Ray* rays, global const SceneHit* hits, global float* times,
-                         global const uint* number, global Sight* sights, global Ray* next_rays, global uint* next_number,
-                         global uint* going_on) {
-    const uint i = get_global_id(0);
-    if (i >= count) return;
-    const uint ray = depth == 0u ? i : number[i];
+/// `numbers`: the number of rays, and from depth 1 on the index of each among the camera rays. Rays that go on are appended to the
+/// `next` ones, whose number is 0 before.
+kernel void see_surfaces(GuideStep guide, global const uint* list, SCENE_PARAMETERS, global const Ray* rays,
+                         global const SceneHit* hits, global const uint* numbers, global Sight* sights, global Ray* next_rays, global float* next_times, global uint* next_numbers) {
+    const uint i = get_global_id(0), depth = guide.step.depth;
+    if (i >= guide.step.capacity) return;
+    const uint ray = depth == 0u ? i : numbers[1 + i];
     Sight sight = {1.0f, 1.0f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
     if (depth != 0u) sight = sights[ray];
+    const Batch one = sample_of(&guide, ray, list);
     float time = 0.0f;
 #if INSTANCE_MOTION
-    time = times[ray];
+    time = time_of(samples_of(one, 0u, guide.step.frame.seed));
 #endif
     NextRay next;
-    see(sample_of(batch, ray, listed, list), &frame, SCENE, depth, queued_ray(&rays[i]), hits[i], time, &sight, &next);
+    see(one, &guide.step.frame, SCENE, depth, queued_ray(&rays[i]), hits[i], time, &sight, &next);
     sights[ray] = sight;
     if (!next.wanted) return;
-    const uint slot = atomic_inc(going_on);
+    const uint slot = atomic_inc(next_numbers);
     store_ray(&next_rays[slot], next.ray);
-    next_number[slot] = ray;
+    next_numbers[1 + slot] = ray;
+#if INSTANCE_MOTION
+    next_times[slot] = time;
+#endif
 }
 
-/// One pixel per item. If the film has more samples than `batch.samples`, both means are over all rays of the batch.
-kernel void write_guides(Batch batch, uint listed, global const uint* list, global const FilmPixel* film, global const Sight* sights,
+/// One pixel per item. If the film has more samples than were traced here, both means are over all that were.
+kernel void write_guides(GuideStep step, global const uint* list, global const FilmPixel* film, global const Sight* sights,
                          global Guide* guides) {
     const uint i = get_global_id(0);
+    const Batch batch = step.step.batch;
     if (i >= batch.pixels) return;
-    const uint pixel = guided_pixel(batch, i, listed, list);
+    const uint pixel = guided_pixel(&step, i, list);
     const uint in_film = film[pixel].count + film[pixel].dropped;
     const uint sampled = in_film == 0u || in_film > batch.samples ? batch.samples : in_film;
     float3 albedo = (float3)(0.0f), glow = (float3)(0.0f), normal = (float3)(0.0f);

@@ -6,6 +6,7 @@
 
 #include "claray/program.hpp"
 #include "claray/shared/bvh_node.h"
+#include "claray/shared/denoise.h"
 #include "claray/shared/instance.h"
 #include "claray/shared/path.h"
 #include "claray/shared/scene.h"
@@ -69,6 +70,13 @@ const Field fields[] = {
     FIELD(InstanceHit, v),
     FIELD(InstanceHit, geometry),
     FIELD(InstanceHit, instance),
+    FIELD(Guide, glow_b),
+    FIELD(Guide, nearness),
+    FIELD(Sight, normal_x),
+    FIELD(Sight, nearness),
+    FIELD(GuideStep, listed),
+    FIELD(FilterStep, spacing),
+    FIELD(CameraPair, before),
     FIELD(MaterialData, albedo_r),
     FIELD(MaterialData, kind),
     FIELD(MaterialData, roughness),

@@ -73,11 +73,10 @@ Scene lamp_and_mirror() {
     lamp.albedo = glm::vec3(0), lamp.emission = {7, 5, 3};
     mirror.kind = MaterialKind::mirror, mirror.albedo = {0.5f, 0.6f, 0.7f};
     scene.materials = {lamp, mirror};
-    Mesh above{
-        .positions = {{-0.7f, 0.1f, 0}, {0.6f, 0.1f, 0}, {-0.1f, 1.2f, 0}}, .triangles = {{0, 1, 2}}, .materials = {0}};
-    Mesh below{.positions = {{-2, -0.5f, 3}, {2, -0.5f, 3}, {2, -0.5f, -3}, {-2, -0.5f, -3}},
-               .triangles = {{0, 1, 2}, {0, 2, 3}},
-               .materials = {1, 1}};
+    Mesh above, below;
+    above.positions = {{-0.7f, 0.1f, 0}, {0.6f, 0.1f, 0}, {-0.1f, 1.2f, 0}}, above.triangles = {{0, 1, 2}};
+    below.positions = {{-2, -0.5f, 3}, {2, -0.5f, 3}, {2, -0.5f, -3}, {-2, -0.5f, -3}};
+    below.triangles = {{0, 1, 2}, {0, 2, 3}}, below.materials = {1, 1};
     scene.meshes = {above, below};
     Camera camera;
     camera.position = {0, 0, 3};

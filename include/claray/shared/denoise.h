@@ -2,7 +2,7 @@
 #ifndef CLARAY_SHARED_DENOISE_H
 #define CLARAY_SHARED_DENOISE_H
 
-#include "claray/shared/scene.h"
+#include "claray/shared/path.h"
 
 CLARAY_SHARED_BEGIN
 
@@ -28,6 +28,14 @@ typedef struct Sight {
     float nearness;
 } Sight;
 CLARAY_LAYOUT(Sight, 52)
+
+/// Scalar parameters of the stages that trace guides. `step.batch` counts pixels of a list if `listed` is 1;
+/// `step.depth` is the number of mirrors that the rays have met, and `step.capacity` the number of rays.
+typedef struct GuideStep {
+    Step step;
+    uint listed;
+} GuideStep;
+CLARAY_LAYOUT(GuideStep, 300)
 
 /// Scalar parameters of a filter pass.
 typedef struct FilterStep {
