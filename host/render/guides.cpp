@@ -93,7 +93,7 @@ void Guides::see(GuideStep guide) {
         constexpr std::uint32_t none = 0;
         numbers_[out].write(std::span<const std::uint32_t>(&none, 1));
         see_.run({count, 64}, guide, arg("list", list_), scene_, arg("rays", rays_[in]), hits_,
-                 arg("numbers", numbers_[in]), sights_, arg("next_rays", rays_[out]), times_[out],
+                 arg("numbers", numbers_[in]), sights_, arg("next_rays", rays_[out]), arg("next_times", times_[out]),
                  arg("next_numbers", numbers_[out]));
         numbers_[out].read(std::span<std::uint32_t>(&count, 1));
     }
