@@ -6,7 +6,7 @@ namespace claray {
 namespace {
 
 constexpr std::uint32_t least_samples = 4, most_samples = 4;  // of every pixel
-constexpr std::uint32_t edge_factor = 4, least_at_edges = 16, most_at_edges = 1024;
+constexpr std::uint32_t edge_factor = 16, least_at_edges = 256, most_at_edges = 4096;
 constexpr std::uint64_t edge_rays_per_pixel = 2;  // of the image, at most
 constexpr const char* file = "render/write_guides.cl";
 
@@ -47,7 +47,7 @@ const Buffer<Guide>& Guides::trace(const FrameData& frame, const Buffer<FilmPixe
     trace_pixels(frame, film, pixels, std::clamp(spp, least_samples, most_samples), false);
     const std::uint32_t edges = find_edges(frame);
     if (edges == 0) return guides_;
-    const std::uint64_t affordable = std::uint64_t(pixels) * (edge_rays_per_pixel + spp / 4) / edges;
+    const std::uint64_t affordable = std::uint64_t(pixels) * (edge_rays_per_pixel + spp / 8) / edges;
     const auto samples = std::uint32_t(
         std::min<std::uint64_t>(std::clamp(edge_factor * spp, least_at_edges, most_at_edges), affordable));
     if (samples > spp) trace_pixels(frame, film, edges, samples, true);
