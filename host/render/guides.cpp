@@ -5,9 +5,12 @@
 namespace claray {
 namespace {
 
-constexpr std::uint32_t least_samples = 4, most_samples = 4;  // of every pixel
+constexpr std::uint32_t samples_of_all = 4;  // camera rays of every pixel
+// At borders of lamps, where a pixel's noise is that of coverage: so many times the film's samples, within these
+// limits.
 constexpr std::uint32_t edge_factor = 16, least_at_edges = 256, most_at_edges = 4096;
-constexpr std::uint64_t edge_rays_per_pixel = 2;  // of the image, at most
+/// The most rays at borders, per pixel of the image.
+std::uint64_t edge_rays_per_pixel(std::uint32_t spp) { return 2 + spp / 8; }
 constexpr const char* file = "render/write_guides.cl";
 
 Defines defines_for(const SceneBuffers& scene, Sampler sampler) {
@@ -44,10 +47,10 @@ Guides::Guides(const Device& device, const SceneBuffers& scene, Sampler sampler)
 const Buffer<Guide>& Guides::trace(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t spp) {
     const std::uint32_t pixels = frame.width * frame.height;
     guides_.reserve(device_, pixels), list_.reserve(device_, pixels);
-    trace_pixels(frame, film, pixels, std::clamp(spp, least_samples, most_samples), false);
+    trace_pixels(frame, film, pixels, samples_of_all, false);
     const std::uint32_t edges = find_edges(frame);
     if (edges == 0) return guides_;
-    const std::uint64_t affordable = std::uint64_t(pixels) * (edge_rays_per_pixel + spp / 8) / edges;
+    const std::uint64_t affordable = std::uint64_t(pixels) * edge_rays_per_pixel(spp) / edges;
     const auto samples = std::uint32_t(
         std::min<std::uint64_t>(std::clamp(edge_factor * spp, least_at_edges, most_at_edges), affordable));
     if (samples > spp) trace_pixels(frame, film, edges, samples, true);

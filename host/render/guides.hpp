@@ -11,7 +11,7 @@ class Guides {
 public:
     Guides(const Device& device, const SceneBuffers& scene, Sampler sampler);
 
-    /// One guide per pixel of the frame. `samples`: camera rays per pixel; borders of lamps get more. Blocks.
+    /// One guide per pixel of the frame, for a film of `spp` samples per pixel. Blocks.
     [[nodiscard]] const Buffer<Guide>& trace(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t spp);
 
 private:

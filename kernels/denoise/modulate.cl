@@ -7,7 +7,8 @@
 
 /// Of all mixtures of a pixel and its filtered value, the one with the least squared error takes the share E[noise^2] /
 /// E[(pixel - filtered)^2] of the latter (James and Stein 1961, "Estimation with quadratic loss"; expectations over the
-/// neighbours). Where noise vanishes, so does the filter. `noisy` holds the smoothed variance. `blends`: 0: all of the latter.
+/// neighbours). Where noise vanishes, so does the filter. `noisy` holds the pixels and their variances. `blends`: 0: all of the
+/// latter.
 kernel void modulate(FilterStep step, uint blends, global const float4* noisy, global const float4* filtered,
                      global const Guide* guides, global float* image) {
     const uint i = get_global_id(0);

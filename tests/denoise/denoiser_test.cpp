@@ -155,6 +155,21 @@ TEST(Denoiser, AWaveletPassIsThatOfFloat64) {
     }
 }
 
+/// The mixture with the least expected error, for noise and changes that are the same everywhere.
+TEST(Denoiser, MixesByNoiseOverChange) {
+    Kernel modulate = load_kernel(device(), "denoise/modulate.cl", "modulate");
+    const std::size_t pixels = width * height;
+    const Buffer<Guide> guides(device(), std::vector<Guide>(pixels, flat_guide(0.5f, 3, 0.2f)));
+    const Buffer<Float4> filtered(device(), std::vector<Float4>(pixels, {2, 2, 2, 0}));
+    const Buffer<float> image(device(), 3 * pixels);
+    for (const float variance : {0.f, 0.25f, 0.5f, 1.f, 4.f}) {
+        const Buffer<Float4> noisy(device(), std::vector<Float4>(pixels, {1, 1, 1, variance}));
+        modulate.run({pixels, 64}, FilterStep{width, height, 1}, 1u, arg("noisy", noisy), arg("filtered", filtered),
+                     guides, image);
+        for (const float value : image.read()) ASSERT_NEAR(value, 0.5 * (1 + std::min(variance, 1.f)) + 3, 1e-5);
+    }
+}
+
 /// Two surfaces whose depths or normals differ lend each other no light.
 TEST(Denoiser, SurfacesAreApart) {
     for (const bool by_normal : {true, false}) {

@@ -59,6 +59,38 @@ Frame frame_of(const Stage& stage, std::uint64_t seed) {
     return frame;
 }
 
+/// Old light that rises by 1 per pixel to the right is found where a float64 camera sees the point, except before
+/// another surface: in the left third of the old frame.
+TEST(Reproject, FindsThePointOfTheSameSurface) {
+    const Frame now = frame_of({.camera_x = 0.3f}, 1), before = frame_of({}, 2);
+    const std::size_t pixels = columns * rows;
+    std::vector<Float4> surfaces(pixels), old_surfaces(pixels), old_light(pixels);
+    for (std::size_t i = 0; i < pixels; ++i) {
+        surfaces[i] = {0, 0, 1, now.guides[i].nearness}, old_surfaces[i] = {0, 0, 1, before.guides[i].nearness};
+        if (i % columns < columns / 3) old_surfaces[i].w *= 1.5f;
+        old_light[i] = {float(i % columns), 0, 0, 0.1f};
+    }
+    const Buffer<Float4> result(device(), pixels);
+    const Buffer<float> ages(device(), pixels);
+    Kernel reproject = load_kernel(device(), "denoise/reproject.cl", "reproject");
+    reproject.run({pixels, 64}, FilterStep{columns, rows, 1}, CameraPair{now.camera, before.camera},
+                  arg("surfaces", Buffer<Float4>(device(), surfaces)),
+                  arg("light", Buffer<Float4>(device(), old_light)),
+                  arg("old_surfaces", Buffer<Float4>(device(), old_surfaces)),
+                  arg("old_light", Buffer<Float4>(device(), old_light)),
+                  arg("old_ages", Buffer<float>(device(), std::vector<float>(pixels, 7))), arg("result", result),
+                  arg("ages", ages));
+    const std::vector<Float4> found = result.read();
+    const std::vector<float> found_ages = ages.read();
+    const double shift = 0.3 / double(wall_distance) / double(now.camera.right_x) * columns / 2;
+    for (std::size_t i = 0; i < pixels; ++i) {
+        const double x = double(i % columns) + shift, edge = columns / 3;
+        if (std::abs(x - edge) < 1.5 || x > columns - 2) continue;  // between two kinds of pixels
+        ASSERT_NEAR(found_ages[i], x < edge ? 0 : 7, 1e-4) << i;
+        ASSERT_NEAR(found[i].x, x < edge ? 0 : x, 1e-3) << i;
+    }
+}
+
 class Player {
 public:
     void show(const Frame& frame) {

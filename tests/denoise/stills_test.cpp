@@ -75,11 +75,11 @@ Scene lamp_and_mirror() {
     scene.materials = {lamp, mirror};
     Mesh above, below;
     above.positions = {{-0.7f, 0.1f, 0}, {0.6f, 0.1f, 0}, {-0.1f, 1.2f, 0}}, above.triangles = {{0, 1, 2}};
-    below.positions = {{-2, -0.5f, 3}, {2, -0.5f, 3}, {2, -0.5f, -3}, {-2, -0.5f, -3}};
+    below.positions = {{-2, 0, 2}, {2, 0, 2}, {2, 0, -3}, {-2, 0, -3}};
     below.triangles = {{0, 1, 2}, {0, 2, 3}}, below.materials = {1, 1};
     scene.meshes = {above, below};
     Camera camera;
-    camera.position = {0, 0, 3};
+    camera.position = {0, 0.4f, 3};
     scene.camera = camera;
     return scene;
 }
@@ -89,7 +89,7 @@ TEST(DenoisedStills, LampsSeenDirectlyOrInMirrorsOnlyGain) {
     Renderer renderer(device(), lamp_and_mirror(), {.width = side, .height = side, .spp = 1024, .seed = 3});
     (void)renderer.render();
     const Image reference = renderer.image();
-    for (const unsigned spp : {1u, 3u, 16u}) {
+    for (const unsigned spp : {1u, 3u}) {
         renderer.restart(8, spp);
         (void)renderer.render();
         const Image noisy = renderer.image(), denoised = renderer.denoised(DenoiserKind::claray);
