@@ -39,5 +39,7 @@ kernel void estimate_variance(FilterStep step, uint single, global const float4*
         }
     const float mean = first / total;
     const float own = luminance(here.xyz) - mean, spread = fmax(second / total - mean * mean, 0.0f);
-    result[i] = (float4)(here.xyz, single ? fmax(spread, own * own) : fmax(variance / total, here.w));
+    // Bright samples in both halves hide the noise of a pixel: what is far from the mean nearby counts as noisy, to a degree.
+    const float noise = fmax(fmax(variance / total, here.w), fmin(own * own, 4.0f * variance / total));
+    result[i] = (float4)(here.xyz, single ? fmax(spread, own * own) : noise);
 }

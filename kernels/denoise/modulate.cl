@@ -5,6 +5,8 @@
 #define BLEND_RADIUS 3
 #endif
 
+#define DOUBT 2.0f  // variances from two halves of a few samples are too small more often than too large
+
 /// Of all mixtures of a pixel and its filtered value, the one with the least squared error takes the share E[noise^2] /
 /// E[(pixel - filtered)^2] of the latter (James and Stein 1961, "Estimation with quadratic loss"; expectations over the
 /// neighbours). Where noise vanishes, so does the filter. `noisy` holds the pixels and their variances. `blends`: 0: all of the
@@ -25,7 +27,7 @@ kernel void modulate(FilterStep step, uint blends, global const float4* noisy, g
                 const float difference = luminance(before.xyz) - luminance(filtered[at].xyz);
                 noise += before.w, change += difference * difference;
             }
-        share = change > noise ? noise / change : 1.0f;
+        share = change > DOUBT * noise ? DOUBT * noise / change : 1.0f;
     }
     const Guide g = guides[i];
     const float3 light = mix(noisy[i].xyz, filtered[i].xyz, share);

@@ -388,7 +388,7 @@ TEST(Study, OfTechniquesSeesWhatSamplingLightsIsWorth) {
 }
 
 TEST(Study, OfDenoisingFindsLessError) {
-    StudyOptions options{.config = small_image(32), .most_spp = 4, .runs = 2};
+    StudyOptions options{.config = small_image(32), .most_spp = 16, .runs = 2};
     const Study study = study_denoising(device(), small_scene(), options);
     ASSERT_GE(study.points.size(), 2u * 3u);
     for (const char* setting : {"1 spp", "4 spp"})
