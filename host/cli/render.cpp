@@ -151,7 +151,7 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
     command
         .add_flag(
             "--denoise{auto}", o.denoiser,
-            "Remove noise from the image, in the time of one to four samples. --denoise=claray: claray's kernels;\n"
+            "Remove noise from the image, in the time of one to five samples. --denoise=claray: claray's kernels;\n"
             "=oidn: Open Image Denoise; =auto: the latter if it is installed. Blurs faint shadows and reflections\n"
             "in rough metal, but no textures (see docs/denoise.md)")
         ->transform(choice_of(denoisers));
