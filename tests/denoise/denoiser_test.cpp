@@ -155,7 +155,8 @@ TEST(Denoiser, AWaveletPassIsThatOfFloat64) {
     }
 }
 
-/// The mixture with the least expected error for twice the variance, for noise and changes that are the same everywhere.
+/// The mixture with the least expected error for twice the variance, for noise and changes that are the same
+/// everywhere.
 TEST(Denoiser, MixesByNoiseOverChange) {
     Kernel modulate = load_kernel(device(), "denoise/modulate.cl", "modulate");
     const std::size_t pixels = width * height;
