@@ -88,6 +88,7 @@ Task render(const Device& device, const std::string& name, unsigned side, Layout
         renderer->restart(0);
         (void)renderer->render();
         (void)renderer->picture();
+        (void)renderer->denoised(DenoiserKind::claray);
         (void)renderer->aovs();
     };
 }

@@ -31,17 +31,12 @@ struct NamedStudy {
     const char* name;
     RunStudy run;  ///< null for effects, which also make maps
 };
-constexpr NamedStudy all_studies[] = {{"hard-rays", study_hard_rays},
-                                      {"scene-rays", study_scene_rays},
-                                      {"builds", study_builds},
-                                      {"nodes", study_nodes},
-                                      {"sampling", study_sampling},
-                                      {"techniques", study_techniques},
-                                      {"bias", study_bias},
-                                      {"arithmetic", study_arithmetic},
-                                      {"sums", study_sums},
-                                      {"filtering", study_filtering},
-                                      {"effects", nullptr}};
+constexpr NamedStudy all_studies[] = {{"hard-rays", study_hard_rays},   {"scene-rays", study_scene_rays},
+                                      {"builds", study_builds},         {"nodes", study_nodes},
+                                      {"sampling", study_sampling},     {"techniques", study_techniques},
+                                      {"denoising", study_denoising},   {"bias", study_bias},
+                                      {"arithmetic", study_arithmetic}, {"sums", study_sums},
+                                      {"filtering", study_filtering},   {"effects", nullptr}};
 
 struct AccuracyOptions {
     std::string scene, device, only;
@@ -285,7 +280,8 @@ void add_accuracy_command(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand("accuracy", "Measure and plot accuracy against time");
     command->footer(
         "Studies: hard-rays and scene-rays (triangle and box tests), builds, nodes, sampling (samples per pixel, by\n"
-        "sampler), techniques (of sampling), bias, arithmetic, sums, filtering, effects (see docs/accuracy.md).\n"
+        "sampler), techniques (of sampling), denoising, bias, arithmetic, sums, filtering, effects (see\n"
+        "docs/accuracy.md).\n"
         "Examples:\n"
         "  claray accuracy cornell --quick\n"
         "  claray accuracy scene.gltf --device gpu --size 512x512 --spp 1024 --html accuracy.html --csv accuracy.csv");

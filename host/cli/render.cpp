@@ -79,13 +79,14 @@ bool render_picture(const Device& device, const Scene& scene, const RenderOption
     Renderer renderer(device, scene, config);
 
     const Outcome outcome = run_renderer(device, renderer, options, plan ? &*plan : nullptr);
-    writes.attempt([&] { write_picture(renderer.image(), options); });
+    const Denoised denoised = denoise(renderer, options);
+    writes.attempt([&] { write_picture(options.denoiser ? denoised.image : renderer.image(), options); });
     write_aovs(renderer, options, writes);
     if (!options.trace.empty())
         writes.attempt([&] { write_trace(options.trace, device.profiler().records(), device.info().name); });
     const TargetPlan* planned = plan ? &*plan : nullptr;
-    options.json ? print_as_json(device, renderer, options, outcome, planned)
-                 : print_as_text(device, renderer, options, outcome, planned);
+    options.json ? print_as_json(device, renderer, options, outcome, planned, denoised)
+                 : print_as_text(device, renderer, options, outcome, planned, denoised);
     writes.attempt([&] { refuse_lost_checkpoint(renderer); });
     if (!outcome.interrupted) writes.attempt([&] { refuse_missed_error(config, outcome.progress); });
     return !outcome.interrupted;
@@ -116,6 +117,7 @@ void check_all_outputs(const RenderOptions& options) {
 
 void render(const RenderOptions& options) {
     check_all_outputs(options);
+    if (options.denoiser) check_denoiser(*options.denoiser);
     tell_of_signals_until_guarded();
     const Device device = open_device(options.device);
     device.profiler().enable(options.stats || options.json || !options.trace.empty());
@@ -144,6 +146,15 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
     command.add_option("--tone-map", o.tone_map, "Tone map of a PNG: none (clamp) or aces (filmic) [aces]")
         ->transform(choice_of(tone_maps))
         ->type_name("NAME");
+    const std::vector<std::pair<std::string, DenoiserKind>> denoisers = {
+        {"auto", DenoiserKind::automatic}, {"claray", DenoiserKind::claray}, {"oidn", DenoiserKind::oidn}};
+    command
+        .add_flag(
+            "--denoise{auto}", o.denoiser,
+            "Remove noise from the image, in the time of one to five samples. --denoise=claray: claray's kernels;\n"
+            "=oidn: Open Image Denoise; =auto: the latter if it is installed. Blurs faint shadows and reflections\n"
+            "in rough metal, but no textures (see docs/denoise.md)")
+        ->transform(choice_of(denoisers));
     command
         .add_option("--aov", o.aovs,
                     "Also write OUTPUT.NAME.png and .pfm: depth normal albedo primitive heat.\n"
@@ -193,6 +204,7 @@ void check_render_options(const CLI::App& command) {
     refuse_without(command, "--checkpoint-every", "--checkpoint");
     refuse_without(command, "--exposure", "--output");
     refuse_without(command, "--tone-map", "--output");
+    refuse_both(command, "--denoise", {"--fps"}, "each frame is rendered alone in its time, without a denoiser");
     refuse_both(command, "--sky", {"--environment"}, "a scene has one background");
 }
 

@@ -9,6 +9,8 @@
 #include <optional>
 
 #include "host/base/file.hpp"
+#include "host/denoise/denoised_image.hpp"
+#include "host/render/guides.hpp"
 #include "host/render/kernels/background_compiler.hpp"
 #include "host/render/renderer_state.hpp"
 
@@ -461,6 +463,15 @@ std::span<const std::uint8_t> Renderer::picture(const PictureConfig& config) con
     State& state = *state_;
     if (!state.tone_mapper) state.tone_mapper.emplace(state.device, state.pixels());
     return state.tone_mapper->map(state.film.resolve(), config);
+}
+
+std::vector<glm::vec3> Renderer::denoised(DenoiserKind kind) const {
+    const State& state = *state_;
+    const Buffer<FilmPixel>& film = state.film.pixels();
+    Guides guides(state.device, state.buffers, state.config.sampler);
+    return denoised_image({state.config.width, state.config.height, film,
+                           guides.trace(state.wavefront.frame(), film, state.spp()), state.spp()},
+                          kind);
 }
 
 double Renderer::cut_off() const { return state_->cut_off(); }

@@ -96,6 +96,7 @@ public:
     /// First hits of rays through pixel centres; asynchronous.
     void trace_centers(const Batch& batch, SceneQuery& trace);
     [[nodiscard]] const Buffer<Ray>& rays() const { return rays_[0]; }
+    [[nodiscard]] const FrameData& frame() const { return frame_; }
     /// `limit`: an upper limit of the rays in the queue.
     [[nodiscard]] Step step_of(const Batch& batch, std::uint32_t depth, std::uint32_t limit) const;
     [[nodiscard]] const SceneHits& hits() const { return hits_; }

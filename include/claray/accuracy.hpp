@@ -111,6 +111,11 @@ struct ErrorCheck {
 [[nodiscard]] Study study_techniques(const Device& device, const Scene& scene, const StudyOptions& options,
                                      const AccuracyProgress& progress = {});
 
+/// Error against samples per pixel without a denoiser and with each that is installed. Seconds include denoising. The
+/// findings compare them at equal time and tell which part of the error is blur.
+[[nodiscard]] Study study_denoising(const Device& device, const Scene& scene, const StudyOptions& options,
+                                    const AccuracyProgress& progress = {});
+
 /// Bias, which does not decrease with more samples: paths that end at 1 to 16 surfaces (1: direct light only), samples
 /// clamped at multiples of the image's mean, and no light that reaches a diffuse surface via mirrors or smooth glass.
 /// The errors contain no noise: two independent renders are multiplied, E[(a - r)(b - r)] = bias^2.

@@ -17,6 +17,17 @@ enum class Sampler : std::uint32_t {
     independent  ///< plain Monte Carlo, for comparison
 };
 
+/// What removes noise from an image.
+enum class DenoiserKind {
+    automatic,  ///< Open Image Denoise if it is installed, else claray's own
+    claray,     ///< kernels of claray: fast, and less strong as noise vanishes
+    oidn        ///< Intel's Open Image Denoise, a neural network on the CPU, loaded at run time
+};
+/// Returns the denoiser that `automatic` stands for here; other kinds unchanged.
+[[nodiscard]] DenoiserKind picked_denoiser(DenoiserKind kind);
+/// Throws ErrorKind::user if Open Image Denoise is not installed.
+void require_oidn();
+
 inline constexpr unsigned default_max_depth = 128;
 
 struct RenderConfig {
@@ -154,6 +165,9 @@ public:
     /// Returns the image with exposure, tone map and the sRGB curve: red, green, blue and 255 per pixel, the same bytes
     /// as write_image stores. The memory belongs to the renderer and holds the picture until the next call. Blocks.
     [[nodiscard]] std::span<const std::uint8_t> picture(const PictureConfig& config = {}) const;
+    /// Returns the mean linear radiance so far without most of its noise, see docs/denoise.md. The samples are kept.
+    /// Blocks. Throws ErrorKind::user for a denoiser that is not installed.
+    [[nodiscard]] std::vector<glm::vec3> denoised(DenoiserKind kind = DenoiserKind::automatic) const;
     /// Returns the share of light that is missing because paths end after `RenderConfig::max_depth` surfaces, 0 to 1.
     /// An estimate: the light beyond that depth is extrapolated. The first call traces some thousand paths.
     [[nodiscard]] double cut_off() const;

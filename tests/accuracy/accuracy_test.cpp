@@ -387,6 +387,20 @@ TEST(Study, OfTechniquesSeesWhatSamplingLightsIsWorth) {
     EXPECT_EQ(plain(), before) << "the scope of other macros has ended";
 }
 
+TEST(Study, OfDenoisingFindsLessError) {
+    StudyOptions options{.config = small_image(32), .most_spp = 16, .runs = 2};
+    const Study study = study_denoising(device(), small_scene(), options);
+    ASSERT_GE(study.points.size(), 2u * 3u);
+    for (const char* setting : {"1 spp", "4 spp"})
+        EXPECT_LT(point_named(study, "claray", setting).error.median,
+                  point_named(study, "samples alone", setting).error.median);
+    std::string findings;
+    for (const std::string& finding : study.findings) findings += finding + '\n';
+    EXPECT_NE(findings.find("claray: the error of more samples in the same time, over its own, is "), std::string::npos)
+        << findings;
+    EXPECT_NE(findings.find("blur"), std::string::npos) << findings;
+}
+
 /// BSDF sampling alone hardly ever finds such a small lamp: renders that all missed it cannot distinguish this from
 /// bias, and report it.
 std::string findings_with_lamp(float size) {

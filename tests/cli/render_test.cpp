@@ -72,6 +72,16 @@ TEST_F(Render, SameSeedSameImageOtherSeedOtherImage) {
     EXPECT_NE(read_file(path("a.pfm")), read_file(path("c.pfm")));
 }
 
+TEST_F(Render, DenoisesByTheNamedDenoiser) {
+    const ProcessResult plain = render("cornell", "a.pfm"), denoised = render("cornell", "b.pfm", {"--denoise=claray"});
+    EXPECT_EQ(plain.output.find("denoised"), std::string::npos) << plain.output;
+    EXPECT_NE(denoised.output.find("denoised by claray in "), std::string::npos) << denoised.output;
+    EXPECT_NE(read_pfm(path("a.pfm"), 3), read_pfm(path("b.pfm"), 3));
+    EXPECT_TRUE(failed_with(render("cornell", "c.pfm", {"--denoise=blur"}), 2, "choose auto, claray or oidn"));
+    EXPECT_TRUE(failed_with(run_claray({"render", "cornell", "--denoise", "--fps", "10"}), 2,
+                            "--denoise and --fps contradict"));
+}
+
 TEST_F(Render, ExposureAndToneMapChangeThePicture) {
     ASSERT_EQ(render("cornell", "a.png").exit_code, 0);
     ASSERT_EQ(render("cornell", "b.png", {"--exposure", "-2"}).exit_code, 0);

@@ -6,6 +6,7 @@
 
 #include "claray/program.hpp"
 #include "claray/shared/bvh_node.h"
+#include "claray/shared/denoise.h"
 #include "claray/shared/instance.h"
 #include "claray/shared/path.h"
 #include "claray/shared/scene.h"
@@ -69,6 +70,13 @@ const Field fields[] = {
     FIELD(InstanceHit, v),
     FIELD(InstanceHit, geometry),
     FIELD(InstanceHit, instance),
+    FIELD(Guide, glow_b),
+    FIELD(Guide, nearness),
+    FIELD(Sight, normal_x),
+    FIELD(Sight, nearness),
+    FIELD(GuideStep, listed),
+    FIELD(FilterStep, spacing),
+    FIELD(CameraPair, before),
     FIELD(MaterialData, albedo_r),
     FIELD(MaterialData, kind),
     FIELD(MaterialData, roughness),
@@ -138,7 +146,7 @@ const Field fields[] = {
 /// A kernel that writes offset and size of every field's struct.
 std::string layout_kernel() {
     std::ostringstream source;
-    for (const char* header : {"types", "bvh_node", "instance", "scene", "path", "texture"})
+    for (const char* header : {"types", "bvh_node", "instance", "scene", "path", "texture", "denoise"})
         source << "#include \"claray/shared/" << header << ".h\"\n";
     source << "kernel void layout(global uint2* out) {\n";
     std::size_t i = 0;

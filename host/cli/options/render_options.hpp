@@ -25,6 +25,7 @@ struct RenderOptions {
     ViewOptions view;
     float exposure = 0;  // stops
     ToneMap tone_map = ToneMap::aces;
+    std::optional<DenoiserKind> denoiser;
     std::vector<std::string> aovs;
     std::vector<std::string> light_maps;  // "0=floor.pfm"
     std::filesystem::path trace;

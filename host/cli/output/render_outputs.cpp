@@ -1,5 +1,6 @@
 #include "host/cli/output/render_outputs.hpp"
 
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -131,6 +132,19 @@ void write_picture(const std::vector<glm::vec3>& pixels, const RenderOptions& op
         print_warning(*line);
 }
 
+void check_denoiser(DenoiserKind kind) {
+    if (kind == DenoiserKind::oidn) require_oidn();
+}
+
+Denoised denoise(const Renderer& renderer, const RenderOptions& options) {
+    if (!options.denoiser) return {};
+    const DenoiserKind kind = picked_denoiser(*options.denoiser);
+    const auto begin = std::chrono::steady_clock::now();
+    Denoised denoised{renderer.denoised(kind), kind == DenoiserKind::oidn ? "Open Image Denoise" : "claray"};
+    denoised.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return denoised;
+}
+
 void write_aovs(const Renderer& renderer, const RenderOptions& options, Writes& writes) {
     if (options.aovs.empty()) return;
     const Aovs aovs = renderer.aovs();
@@ -138,7 +152,7 @@ void write_aovs(const Renderer& renderer, const RenderOptions& options, Writes& 
 }
 
 void print_as_text(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,
-                   const TargetPlan* plan) {
+                   const TargetPlan* plan, const Denoised& denoised) {
     const RenderProgress& p = outcome.progress;
     if (plan && tells_plan(options)) print_picks(plan->picks);
     print_overrides(options.config.effects);
@@ -148,6 +162,7 @@ void print_as_text(const Device& device, const Renderer& renderer, const RenderO
     if (p.noise > 0) std::printf(", noise %.2f %%", 100 * p.noise);
     if (p.error > 0) std::printf(", error %.2f %%", 100 * p.error);
     std::printf("%s\n", outcome.interrupted ? ", interrupted" : "");
+    if (*denoised.by) std::printf("denoised by %s in %.2f s\n", denoised.by, denoised.seconds);
     tell_cut_off(renderer, options.config.max_depth);
     if (plan && tells_plan(options)) {
         const char* verdict = outcome.interrupted ? "stopped" : is_kept(*plan, p) ? "reached" : "missed";
@@ -158,7 +173,7 @@ void print_as_text(const Device& device, const Renderer& renderer, const RenderO
 }
 
 void print_as_json(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,
-                   const TargetPlan* plan) {
+                   const TargetPlan* plan, const Denoised& denoised) {
     const RenderStatistics s = renderer.statistics();
     const CompileStatistics compile = compile_statistics();
     nlohmann::ordered_json report = {
@@ -176,6 +191,7 @@ void print_as_json(const Device& device, const Renderer& renderer, const RenderO
         {"measuring_seconds", s.measuring_seconds},
         {"interrupted", outcome.interrupted},
         {"dropped_samples", s.dropped_samples},
+        {"denoised", {{"by", denoised.by}, {"seconds", denoised.seconds}}},
         {"kernels",
          {{"compiled", compile.compiled},
           {"from_cache", compile.from_cache},

@@ -13,6 +13,16 @@ void write_picture(const std::vector<glm::vec3>& pixels, const RenderOptions& op
 /// Writes every auxiliary image that was asked for, in false colours (.png) and raw (.pfm).
 void write_aovs(const Renderer& renderer, const RenderOptions& options, Writes& writes);
 
+/// A denoised image; empty if none was wanted.
+struct Denoised {
+    std::vector<glm::vec3> image;
+    const char* by = "";
+    double seconds = 0;
+};
+/// Throws ErrorKind::user if the denoiser is not installed.
+void check_denoiser(DenoiserKind kind);
+[[nodiscard]] Denoised denoise(const Renderer& renderer, const RenderOptions& options);
+
 /// How the render ended.
 struct Outcome {
     RenderProgress progress;
@@ -21,8 +31,8 @@ struct Outcome {
 
 /// `plan`: null if nothing was picked.
 void print_as_text(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,
-                   const TargetPlan* plan);
+                   const TargetPlan* plan, const Denoised& denoised);
 void print_as_json(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,
-                   const TargetPlan* plan);
+                   const TargetPlan* plan, const Denoised& denoised);
 
 }  // namespace claray::cli

@@ -39,6 +39,7 @@ public:
     };
     [[nodiscard]] Sums sums() const;
     void set_sums(const Sums& sums);
+    [[nodiscard]] const Buffer<FilmPixel>& pixels() const { return pixels_; }
 
     /// Enqueues the measurement that noise() and error() read, unless it is known. They wait for it.
     void look() const;

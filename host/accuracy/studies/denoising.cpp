@@ -1,0 +1,94 @@
+// Denoisers: their time, the error that is left, and how much of it is blur.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+
+#include "host/accuracy/studies/bias.hpp"
+#include "host/accuracy/studies/image_sweep.hpp"
+
+namespace claray {
+namespace {
+
+constexpr unsigned spp_of_blur = 16;
+
+/// The renderer is kept from render to render, since its first denoised image loads kernels. Seconds are those of
+/// sampling and of denoising.
+RenderMethod denoise_with(const Device& device, const Scene& scene, const StudyOptions& options, DenoiserKind kind) {
+    RenderConfig config = options.config;
+    config.spp = std::max(options.most_spp, spp_of_blur), config.seconds = config.noise = 0;
+    return [renderer = std::make_shared<Renderer>(device, scene, config), kind](const RenderConfig& wanted) {
+        using Clock = std::chrono::steady_clock;
+        renderer->restart(wanted.seed, wanted.spp);
+        const double sampling = renderer->render().seconds;
+        const Clock::time_point begin = Clock::now();
+        std::vector<glm::vec3> image = renderer->denoised(kind);
+        return Rendered{std::move(image), sampling + std::chrono::duration<double>(Clock::now() - begin).count()};
+    };
+}
+
+/// The error that the denoised images of different seeds have in common is blur; the rest is noise.
+void tell_blur(Study& study, const ImageMethod& method, const StudyOptions& options, const ReferenceImage& reference) {
+    RenderConfig config = options.config;
+    config.spp = std::min(options.most_spp, spp_of_blur);
+    const StudyPoint blur =
+        bias_point(method.name, "", 0, render_independently(method.render, config, options.runs), reference);
+    study.findings.push_back(
+        method.name +
+        (blur.failure.empty()
+             ? printed(": blurs by %.3g %% of the mean at %u samples per pixel", 100 * blur.error.median, config.spp)
+             : printed(": no blur above the noise at %u samples per pixel", config.spp)));
+}
+
+const StudyPoint* point_of(const Study& study, const std::string& method, double spp) {
+    for (const StudyPoint& p : study.points)
+        if (p.method == method && p.value == spp && p.failure.empty()) return &p;
+    return nullptr;
+}
+
+/// The error of plain samples after this time: log-linear between the two points around it.
+double error_of_plain(const Study& study, const std::string& plain, double seconds) {
+    const StudyPoint *before = nullptr, *after = nullptr;
+    for (const StudyPoint& p : study.points) {
+        if (p.method != plain || !p.failure.empty()) continue;
+        if (p.seconds.median <= seconds) before = &p;
+        if (p.seconds.median > seconds && !after) after = &p;
+    }
+    if (!before || !after) return 0;
+    const double part =
+        std::log(seconds / before->seconds.median) / std::log(after->seconds.median / before->seconds.median);
+    return before->error.median * std::pow(after->error.median / before->error.median, part);
+}
+
+void compare_at_equal_time(Study& study, const std::string& plain, const std::string& method) {
+    std::string gains;
+    for (unsigned spp = 1; spp <= 1u << 16; spp *= 4) {
+        const StudyPoint* p = point_of(study, method, spp);
+        const double error = p ? error_of_plain(study, plain, p->seconds.median) : 0;
+        if (error > 0) gains += printed("%s%.2f at %u", gains.empty() ? "" : ", ", error / p->error.median, spp);
+    }
+    if (!gains.empty())
+        study.findings.push_back(method + ": the error of more samples in the same time, over its own, is " + gains +
+                                 " samples per pixel");
+}
+
+}  // namespace
+
+Study study_denoising(const Device& device, const Scene& scene, const StudyOptions& options,
+                      const AccuracyProgress& progress) {
+    Study study;
+    study.name = "denoising", study.title = "Denoisers", study.error = "RMSE / mean";
+    const std::string plain = "samples alone";
+    std::vector<ImageMethod> methods = {{plain, render_with(device, scene)},
+                                        {"claray", denoise_with(device, scene, options, DenoiserKind::claray)}};
+    if (picked_denoiser(DenoiserKind::automatic) == DenoiserKind::oidn)
+        methods.push_back({"Open Image Denoise", denoise_with(device, scene, options, DenoiserKind::oidn)});
+    const ReferenceImage reference = sweep_to_reference(study, device, scene, options, methods, progress);
+    for (std::size_t m = 1; m < methods.size(); ++m) {
+        compare_at_equal_time(study, plain, methods[m].name);
+        tell_blur(study, methods[m], options, reference);
+    }
+    return study;
+}
+
+}  // namespace claray

@@ -1,0 +1,78 @@
+#include "host/denoise/denoiser.hpp"
+
+#include <utility>
+
+namespace claray {
+namespace {
+
+constexpr std::uint32_t passes = 5;  // which reach 62 pixels
+
+}  // namespace
+
+Denoiser::Denoiser(const Device& device, std::uint32_t width, std::uint32_t height)
+    : width_(width),
+      height_(height),
+      demodulate_(load_kernel(device, "denoise/demodulate.cl", "demodulate")),
+      estimate_(load_kernel(device, "denoise/estimate_variance.cl", "estimate_variance")),
+      filter_(load_kernel(device, "denoise/filter_light.cl", "filter_light")),
+      modulate_(load_kernel(device, "denoise/modulate.cl", "modulate")) {
+    const std::size_t pixels = std::size_t(width) * height;
+    for (Buffer<Float4>* buffer : {&raw_, &noisy_, &filtered_[0], &filtered_[1], &surfaces_})
+        *buffer = Buffer<Float4>(device, pixels);
+    slopes_ = Buffer<Float2>(device, pixels);
+    weights_ = Buffer<float>(device, pixels);
+    image_ = Buffer<float>(device, 3 * pixels);
+}
+
+const Buffer<float>& Denoiser::denoise(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides, bool single) {
+    prepare(film, guides, single);
+    return filter(noisy_, raw_, guides, !single);
+}
+
+void Denoiser::prepare(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides, bool single) {
+    demodulate_.run(range(), step(), film, guides, arg("light", raw_), arg("surfaces", surfaces_),
+                    arg("weights", weights_));
+    estimate_.run(range(), step(), std::uint32_t(single), arg("light", raw_), arg("surfaces", surfaces_),
+                  arg("weights", weights_), slopes_, arg("result", noisy_));
+}
+
+const Buffer<float>& Denoiser::filter(const Buffer<Float4>& light, const Buffer<Float4>& noisy,
+                                      const Buffer<Guide>& guides, bool blends) {
+    const Buffer<Float4>* from = &light;
+    for (std::uint32_t pass = 0; pass < passes; ++pass) {
+        const Buffer<Float4>& to = filtered_[pass % 2];
+        filter_.run(range(), step(1u << pass), arg("light", *from), arg("surfaces", surfaces_),
+                    arg("weights", weights_), slopes_, arg("result", to));
+        from = &to;
+    }
+    modulate_.run(range(), step(), std::uint32_t(blends), arg("noisy", noisy), arg("filtered", *from), guides, image_);
+    return image_;
+}
+
+FrameDenoiser::FrameDenoiser(const Device& device, std::uint32_t width, std::uint32_t height)
+    : Denoiser(device, width, height),
+      reproject_(load_kernel(device, "denoise/reproject.cl", "reproject")),
+      blend_(load_kernel(device, "denoise/reproject.cl", "blend_history")) {
+    const std::size_t pixels = std::size_t(width) * height;
+    for (Buffer<Float4>* buffer : {&old_light_, &old_surfaces_, &history_, &blended_})
+        *buffer = Buffer<Float4>(device, pixels);
+    for (Buffer<float>* buffer : {&old_ages_, &ages_, &history_ages_}) *buffer = Buffer<float>(device, pixels);
+}
+
+const Buffer<float>& FrameDenoiser::denoise(const CameraData& camera, const Buffer<FilmPixel>& film,
+                                            const Buffer<Guide>& guides, bool single) {
+    prepare(film, guides, single);
+    if (frames_ == 0) old_ages_.fill(0);
+    const CameraPair cameras{camera, frames_ == 0 ? camera : camera_};
+    reproject_.run(range(), step(), cameras, arg("surfaces", surfaces_), arg("light", noisy_),
+                   arg("old_surfaces", old_surfaces_), arg("old_light", old_light_), arg("old_ages", old_ages_),
+                   arg("result", history_), arg("ages", history_ages_));
+    blend_.run(range(), step(), arg("surfaces", surfaces_), slopes_, arg("fresh", noisy_), arg("old", history_),
+               arg("old_ages", history_ages_), arg("result", blended_), arg("ages", ages_));
+    const Buffer<float>& image = filter(blended_, blended_, guides, true);
+    std::swap(old_light_, blended_), std::swap(old_ages_, ages_), std::swap(old_surfaces_, surfaces_);
+    camera_ = camera, ++frames_;
+    return image;
+}
+
+}  // namespace claray

@@ -1,0 +1,63 @@
+// Removes noise from a film by filtering light on the device, guided by what the pixels' camera rays meet first.
+#pragma once
+
+#include "claray/program.hpp"
+#include "claray/shared/denoise.h"
+#include "claray/shared/path.h"
+
+namespace claray {
+
+/// Vectors of OpenCL.
+struct Float2 {
+    float x, y;
+};
+struct Float4 {
+    float x, y, z, w;
+};
+constexpr const char* device_type_name(const Float2*) { return "float2"; }
+constexpr const char* device_type_name(const Float4*) { return "float4"; }
+
+class Denoiser {
+public:
+    Denoiser(const Device& device, std::uint32_t width, std::uint32_t height);
+
+    /// Returns the linear radiance, 3 floats per pixel; valid until the next call. `single`: no pixel has two samples.
+    /// Asynchronous.
+    [[nodiscard]] const Buffer<float>& denoise(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides, bool single);
+
+protected:
+    /// Writes `raw_`, `noisy_`, `surfaces_`, `slopes_`.
+    void prepare(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides, bool single);
+    /// Filters `light`. `noisy` is mixed in where its variance is small, if `blends`.
+    [[nodiscard]] const Buffer<float>& filter(const Buffer<Float4>& light, const Buffer<Float4>& noisy,
+                                              const Buffer<Guide>& guides, bool blends);
+    [[nodiscard]] Range range() const { return {std::size_t(width_) * height_, 64}; }
+    [[nodiscard]] FilterStep step(std::uint32_t spacing = 1) const { return {width_, height_, spacing}; }
+
+    std::uint32_t width_, height_;
+    Kernel demodulate_, estimate_, filter_, modulate_;
+    Buffer<Float4> raw_, noisy_, filtered_[2], surfaces_;
+    Buffer<Float2> slopes_;
+    Buffer<float> weights_, image_;
+};
+
+/// For frames: also uses the light of the frames before, while the camera moves. Buffers are kept from frame to frame.
+class FrameDenoiser : private Denoiser {
+public:
+    FrameDenoiser(const Device& device, std::uint32_t width, std::uint32_t height);
+
+    /// As Denoiser::denoise; `camera` is that of this frame.
+    [[nodiscard]] const Buffer<float>& denoise(const CameraData& camera, const Buffer<FilmPixel>& film,
+                                               const Buffer<Guide>& guides, bool single);
+    /// Forgets the frames before, for example if materials or lights were replaced.
+    void forget() { frames_ = 0; }
+
+private:
+    Kernel reproject_, blend_;
+    CameraData camera_{};
+    std::uint64_t frames_ = 0;
+    Buffer<Float4> old_light_, old_surfaces_, history_, blended_;
+    Buffer<float> old_ages_, ages_, history_ages_;
+};
+
+}  // namespace claray

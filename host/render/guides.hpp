@@ -1,0 +1,42 @@
+// Guides of the denoiser: traces the camera rays of a film again and keeps what they meet first.
+#pragma once
+
+#include "claray/renderer.hpp"
+#include "claray/shared/denoise.h"
+#include "host/render/scene_buffers.hpp"
+
+namespace claray {
+
+class Guides {
+public:
+    Guides(const Device& device, const SceneBuffers& scene, Sampler sampler);
+
+    /// One guide per pixel of the frame, for a film of `spp` samples per pixel. Blocks.
+    [[nodiscard]] const Buffer<Guide>& trace(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t spp);
+
+private:
+    /// Lists the pixels that get more rays, and returns their number. Blocks.
+    [[nodiscard]] std::uint32_t find_edges(const FrameData& frame);
+    /// `count` pixels: all, or those of the list.
+    void trace_pixels(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t count, std::uint32_t samples,
+                      bool listed);
+
+    void make_room(std::size_t rays);
+    /// Follows the camera rays of a batch to the first rough surface. Blocks.
+    void see(GuideStep guide);
+
+    Device device_;
+    SceneBuffers scene_;
+    std::uint32_t capacity_;
+    Kernel start_, see_, write_, list_edges_;
+    SceneQuery query_;
+    Buffer<Ray> rays_[2];  // by depth
+    Buffer<float> times_[2];
+    Buffer<std::uint32_t> numbers_[2];  // how many rays there are, and the camera ray of each from depth 1 on
+    SceneHits hits_;
+    Buffer<Sight> sights_;
+    Buffer<std::uint32_t> list_, length_;
+    Buffer<Guide> guides_;
+};
+
+}  // namespace claray

@@ -1,0 +1,38 @@
+// An edge-avoiding a-trous wavelet pass (Dammertz et al. 2010, "Edge-Avoiding A-Trous Wavelet Transform for fast Global
+// Illumination Filtering"), guided by surfaces and by the variance of light (Schied et al. 2017, "Spatiotemporal
+// Variance-Guided Filtering", section 4.4).
+#include "denoise/light.clh"
+
+#ifndef LIGHT_TOLERANCE
+#define LIGHT_TOLERANCE 6.0f  // of the squared difference of two pixels, in variances of both
+#endif
+
+constant float spline[3] = {0.375f, 0.25f, 0.0625f};  // cubic B-spline
+
+kernel void filter_light(FilterStep step, global const float4* light, global const float4* surfaces, global const float* weights, global const float2* slopes,
+                         global float4* result) {
+    const uint i = get_global_id(0);
+    if (i >= step.width * step.height) return;
+    const int x = (int)(i % step.width), y = (int)(i / step.width), spacing = (int)step.spacing;
+    const float4 here = light[i], surface = surfaces[i];
+    if (!has_light(here)) {
+        result[i] = here;
+        return;
+    }
+    const float2 slope = slopes[i];
+    const float own = luminance(here.xyz);
+    float total = 0.0f;
+    float4 sum = (float4)(0.0f);
+    for (int dy = -2; dy <= 2; ++dy)
+        for (int dx = -2; dx <= 2; ++dx) {
+            const uint at = neighbour(step, x + dx * spacing, y + dy * spacing);
+            const float4 there = light[at];
+            const float difference = luminance(there.xyz) - own;
+            const float far = surface_distance(surface, slope, surfaces[at], (float)(dx * spacing), (float)(dy * spacing)) +
+                              difference * difference / (LIGHT_TOLERANCE * (here.w + there.w) + 1e-30f);
+            const float weight = has_light(there) ? weights[at] * spline[abs(dx)] * spline[abs(dy)] * fading(far) : 0.0f;
+            total += weight;
+            sum += (float4)(weight * there.xyz, weight * weight * there.w);
+        }
+    result[i] = (float4)(sum.xyz / total, sum.w / (total * total));
+}

@@ -1,0 +1,87 @@
+// Denoising of frames: finds the light that a pixel's surface had in the frame before (Schied et al. 2017, "Spatiotemporal
+// Variance-Guided Filtering", section 4.1), and blends it with the new frame's.
+#include "denoise/light.clh"
+#include "shade/camera.clh"
+
+#ifndef MOST_FRAMES
+#define MOST_FRAMES 32.0f  // of a history; longer ones gain little and follow changes of light more slowly
+#endif
+
+/// Where the camera sees a point: pixels, x to the right and y down. Returns false behind the camera. `distance`: as nearness.
+static inline bool seen_at(FilterStep step, const CameraData* c, float3 point, float2* pixel, float* distance) {
+    const float3 right = (float3)(c->right_x, c->right_y, c->right_z), up = (float3)(c->up_x, c->up_y, c->up_z);
+    const float3 to = point - (float3)(c->x, c->y, c->z);
+    const float ahead = dot(to, (float3)(c->forward_x, c->forward_y, c->forward_z));
+    if (!(ahead > 0.0f)) return false;
+    const float scale = c->orthographic ? 1.0f : 1.0f / ahead;
+    const float x = scale * dot(to, right) / dot(right, right), y = scale * dot(to, up) / dot(up, up);
+    *pixel = (float2)(0.5f * (x + 1.0f) * (float)step.width - 0.5f, 0.5f * (1.0f - y) * (float)step.height - 0.5f);
+    *distance = c->orthographic ? ahead : length(to);
+    return true;
+}
+
+/// The pixel's surface point.
+static inline float3 point_of(FilterStep step, const CameraData* c, uint x, uint y, float nearness) {
+    const float across = 2.0f * ((float)x + 0.5f) / (float)step.width - 1.0f, upwards = 1.0f - 2.0f * ((float)y + 0.5f) / (float)step.height;
+    const Ray ray = camera_ray(*c, across, upwards, (float2)(0.5f));
+    return (float3)(ray.ox, ray.oy, ray.oz) + (float3)(ray.dx, ray.dy, ray.dz) / nearness;
+}
+
+/// Whether two pixels show the same surface. Fast motion changes a normal's mean only at edges.
+static inline bool is_same_surface(float4 now, float distance, float4 before) {
+    return fabs(before.w * distance - 1.0f) < 0.05f && dot(now.xyz, before.xyz) > 0.8f * dot(now.xyz, now.xyz);
+}
+
+/// `result`: the old light and its variance, means over the four nearest pixels of the same surface; `ages`: for how many frames
+/// it was gathered, 0 if there is none.
+kernel void reproject(FilterStep step, CameraPair cameras, global const float4* surfaces, global const float4* light,
+                      global const float4* old_surfaces, global const float4* old_light, global const float* old_ages,
+                      global float4* result, global float* ages) {
+    const uint i = get_global_id(0);
+    if (i >= step.width * step.height) return;
+    const float4 surface = surfaces[i];
+    float4 sum = (float4)(0.0f);
+    float total = 0.0f, age = 0.0f, distance;
+    float2 at;
+    if (has_light(light[i]) && surface.w > 0.0f &&
+        seen_at(step, &cameras.before, point_of(step, &cameras.now, i % step.width, i / step.width, surface.w), &at, &distance)) {
+        const float2 corner = floor(at), part = at - corner;
+        for (int k = 0; k < 4; ++k) {
+            const int x = (int)corner.x + (k & 1), y = (int)corner.y + (k >> 1);
+            if (!(x >= 0 && y >= 0 && x < (int)step.width && y < (int)step.height)) continue;
+            const uint there = (uint)(y * (int)step.width + x);
+            if (!has_light(old_light[there]) || !is_same_surface(surface, distance, old_surfaces[there])) continue;
+            const float weight = (k & 1 ? part.x : 1.0f - part.x) * (k >> 1 ? part.y : 1.0f - part.y);
+            total += weight, sum += weight * old_light[there], age += weight * old_ages[there];
+        }
+    }
+    const bool found = total > 0.05f;
+    result[i] = found ? sum / total : (float4)(0.0f);
+    ages[i] = found ? age / total : 0.0f;
+}
+
+/// Of a history whose mean over the neighbours differs from the new frame's by more than noise explains, none is kept: the light
+/// has changed, as when a shadow moves.
+kernel void blend_history(FilterStep step, global const float4* surfaces, global const float2* slopes, global const float4* fresh,
+                          global const float4* old, global const float* old_ages, global float4* result, global float* ages) {
+    const uint i = get_global_id(0);
+    if (i >= step.width * step.height) return;
+    const float4 here = fresh[i];
+    result[i] = here;
+    ages[i] = has_light(here) ? 1.0f : 0.0f;
+    if (!has_light(here) || old_ages[i] == 0.0f) return;
+    const int x = (int)(i % step.width), y = (int)(i / step.width);
+    float difference = 0.0f, variance = 1e-30f;
+    for (int dy = -3; dy <= 3; ++dy)
+        for (int dx = -3; dx <= 3; ++dx) {
+            const uint at = neighbour(step, x + dx, y + dy);
+            if (!has_light(fresh[at]) || old_ages[at] == 0.0f) continue;
+            const float weight = fading(surface_distance(surfaces[i], slopes[i], surfaces[at], (float)dx, (float)dy));
+            difference += weight * (luminance(fresh[at].xyz) - luminance(old[at].xyz));
+            variance += weight * weight * (fresh[at].w + old[at].w);
+        }
+    const float deviations = fmax(difference * difference / variance - 4.0f, 0.0f);  // squared; four are common
+    const float age = fmin(old_ages[i], MOST_FRAMES - 1.0f) * fading(deviations), share = 1.0f / (age + 1.0f);
+    result[i] = (float4)(mix(old[i].xyz, here.xyz, share), (1.0f - share) * (1.0f - share) * old[i].w + share * share * here.w);
+    ages[i] = age + 1.0f;
+}

@@ -1,0 +1,194 @@
+// The passes of the denoiser against float64: denoise/demodulate.cl, denoise/estimate_variance.cl,
+// denoise/filter_light.cl and denoise/modulate.cl.
+#include "host/denoise/denoiser.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/glm.hpp>
+
+#include "tests/denoise/films.hpp"
+#include "tests/support/device.hpp"
+#include "tests/support/meshes.hpp"
+
+namespace claray::test {
+namespace {
+
+constexpr std::uint32_t width = 37, height = 23;  // no multiples of a work-group
+
+std::vector<float> denoised(const std::vector<FilmPixel>& film, const std::vector<Guide>& guides, bool single = false) {
+    Denoiser denoiser(device(), width, height);
+    return denoiser.denoise(Buffer<FilmPixel>(device(), film), Buffer<Guide>(device(), guides), single).read();
+}
+
+/// Light that differs by side of an edge which no guide shows, on a surface of checked albedo, before a lamp.
+struct Wall {
+    std::vector<Guide> guides;
+    std::vector<glm::dvec3> exact;
+    std::vector<double> light;
+};
+Wall wall() {
+    Wall wall;
+    for (std::uint32_t i = 0; i < width * height; ++i) {
+        const std::uint32_t x = i % width, y = i / width;
+        const double albedo = (x / 3 + y / 3) % 2 ? 0.8 : 0.1, light = x < 20 ? 1 : 3;
+        const double glow = y < 4 ? 50 : 0;
+        wall.guides.push_back(flat_guide(float(albedo), float(glow), 0.2f));
+        wall.light.push_back(light);
+        wall.exact.emplace_back(albedo * light + glow);
+    }
+    return wall;
+}
+
+std::vector<FilmPixel> sampled(const Wall& wall, unsigned spp, double noise, std::uint64_t seed) {
+    Random random(seed);
+    std::vector<FilmPixel> film;
+    for (std::size_t i = 0; i < wall.guides.size(); ++i) {
+        PixelSamples samples;
+        for (unsigned s = 0; s < spp; ++s) {
+            const double factor = 1 + noise * std::sqrt(3.) * (2 * double(random.uniform()) - 1);
+            samples.add(glm::dvec3(wall.guides[i].albedo_r * wall.light[i] * factor + wall.guides[i].glow_r));
+        }
+        film.push_back(samples.pixel());
+    }
+    return film;
+}
+
+double rms_difference(const std::vector<float>& image, const std::vector<glm::dvec3>& exact) {
+    double sum = 0;
+    for (std::size_t i = 0; i < exact.size(); ++i)
+        for (int c = 0; c < 3; ++c) sum += std::pow(double(image[3 * i + std::size_t(c)]) - exact[i][c], 2);
+    return std::sqrt(sum / (3 * double(exact.size())));
+}
+
+std::vector<float> means_of(const std::vector<FilmPixel>& film) {
+    std::vector<float> means;
+    for (const FilmPixel& p : film)
+        for (const float sum : {p.all.r, p.all.g, p.all.b}) means.push_back(sum / float(p.count));
+    return means;
+}
+
+TEST(Denoiser, KeepsTexturesLampsAndAnEdgeOfLight) {
+    const Wall scene = wall();
+    for (const unsigned spp : {4u, 16u}) {
+        const std::vector<FilmPixel> film = sampled(scene, spp, 0.8, 11 + spp);
+        const double before = rms_difference(means_of(film), scene.exact),
+                     after = rms_difference(denoised(film, scene.guides), scene.exact);
+        EXPECT_LT(after, before / 2) << spp << " samples: " << before << " -> " << after;
+    }
+}
+
+TEST(Denoiser, ChangesNothingWithoutNoise) {
+    const Wall scene = wall();
+    const std::vector<float> image = denoised(sampled(scene, 8, 0, 1), scene.guides);
+    EXPECT_LT(rms_difference(image, scene.exact), 1e-5);
+}
+
+TEST(Denoiser, LittleNoiseBringsLittleBlur) {
+    const Wall scene = wall();
+    for (const double noise : {0.1, 0.01, 0.001}) {
+        const std::vector<FilmPixel> film = sampled(scene, 8, noise, 5);
+        const double before = rms_difference(means_of(film), scene.exact),
+                     after = rms_difference(denoised(film, scene.guides), scene.exact);
+        EXPECT_LT(after, 1.02 * before) << noise;
+    }
+}
+
+/// A sample a hundred times as bright as its neighbours is spread; most of its energy is kept.
+TEST(Denoiser, FirefliesAreSpread) {
+    Wall scene = wall();
+    for (std::size_t i = 0; i < scene.guides.size(); ++i)
+        scene.guides[i] = flat_guide(0.5f, 0, 0.2f), scene.light[i] = 1, scene.exact[i] = glm::dvec3(0.5);
+    std::vector<FilmPixel> film = sampled(scene, 4, 0.3, 3);
+    PixelSamples bright;
+    for (const double value : {50., 0.5, 0.5, 0.5}) bright.add(glm::dvec3(value));
+    film[11 * width + 18] = bright.pixel();
+    const std::vector<float> before = means_of(film), after = denoised(film, scene.guides);
+    double sum_before = 0, sum_after = 0, largest = 0;
+    for (std::size_t i = 0; i < before.size(); ++i)
+        sum_before += before[i], sum_after += after[i], largest = std::max(largest, double(after[i]));
+    const double without = 3 * 0.5 * double(width * height);
+    EXPECT_GT(sum_after - without, 0.5 * (sum_before - without));
+    EXPECT_LT(sum_after - without, 1.1 * (sum_before - without));
+    EXPECT_LT(largest, 2) << "the firefly was " << before[3 * (11 * width + 18)];
+}
+
+/// One pass of the wavelet in float64, from the formulas of Dammertz et al.; on one surface, since surfaces have tests
+/// of their own.
+double filtered_here(const std::vector<double>& light, const std::vector<double>& variance, int x, int y, int spacing) {
+    const double spline[] = {0.375, 0.25, 0.0625}, tolerance = 6;
+    double total = 0, sum = 0;
+    const auto at = [&](int px, int py) {
+        return std::size_t(std::clamp(py, 0, int(height) - 1) * int(width) + std::clamp(px, 0, int(width) - 1));
+    };
+    for (int dy = -2; dy <= 2; ++dy)
+        for (int dx = -2; dx <= 2; ++dx) {
+            const std::size_t there = at(x + dx * spacing, y + dy * spacing), here = at(x, y);
+            const double difference = light[there] - light[here];
+            const double far = difference * difference / (tolerance * (variance[here] + variance[there]));
+            const double weight = spline[std::abs(dx)] * spline[std::abs(dy)] * std::pow(std::max(1 - far / 8, 0.), 8);
+            total += weight, sum += weight * light[there];
+        }
+    return sum / total;
+}
+
+TEST(Denoiser, AWaveletPassIsThatOfFloat64) {
+    Random random(17);
+    const std::size_t pixels = width * height;
+    std::vector<double> light(pixels), variance(pixels);
+    std::vector<Float4> packed(pixels);
+    for (std::size_t i = 0; i < pixels; ++i) {
+        light[i] = 1 + double(random.uniform()), variance[i] = 0.05 + 0.1 * double(random.uniform());
+        packed[i] = {float(light[i]), float(light[i]), float(light[i]), float(variance[i])};
+    }
+    Kernel filter = load_kernel(device(), "denoise/filter_light.cl", "filter_light");
+    const Buffer<Float4> result(device(), pixels);
+    for (const std::uint32_t spacing : {1u, 4u}) {
+        filter.run({pixels, 64}, FilterStep{width, height, spacing}, arg("light", Buffer<Float4>(device(), packed)),
+                   arg("surfaces", Buffer<Float4>(device(), std::vector<Float4>(pixels, {0, 0, 1, 0.2f}))),
+                   arg("weights", Buffer<float>(device(), std::vector<float>(pixels, 0.7f))),
+                   Buffer<Float2>(device(), std::vector<Float2>(pixels)), arg("result", result));
+        const std::vector<Float4> values = result.read();
+        for (std::size_t i = 0; i < pixels; ++i)
+            ASSERT_NEAR(values[i].x, filtered_here(light, variance, int(i % width), int(i / width), int(spacing)), 1e-5)
+                << i;
+    }
+}
+
+/// The mixture with the least expected error for twice the variance, for noise and changes that are the same
+/// everywhere.
+TEST(Denoiser, MixesByNoiseOverChange) {
+    Kernel modulate = load_kernel(device(), "denoise/modulate.cl", "modulate");
+    const std::size_t pixels = width * height;
+    const Buffer<Guide> guides(device(), std::vector<Guide>(pixels, flat_guide(0.5f, 3, 0.2f)));
+    const Buffer<Float4> filtered(device(), std::vector<Float4>(pixels, {2, 2, 2, 0}));
+    const Buffer<float> image(device(), 3 * pixels);
+    for (const float variance : {0.f, 0.25f, 0.5f, 1.f, 4.f}) {
+        const Buffer<Float4> noisy(device(), std::vector<Float4>(pixels, {1, 1, 1, variance}));
+        modulate.run({pixels, 64}, FilterStep{width, height, 1}, 1u, arg("noisy", noisy), arg("filtered", filtered),
+                     guides, image);
+        for (const float value : image.read()) ASSERT_NEAR(value, 0.5 * (1 + std::min(2 * variance, 1.f)) + 3, 1e-5);
+    }
+}
+
+/// Two surfaces whose depths or normals differ lend each other no light.
+TEST(Denoiser, SurfacesAreApart) {
+    for (const bool by_normal : {true, false}) {
+        Wall scene = wall();
+        for (std::size_t i = 0; i < scene.guides.size(); ++i) {
+            const bool left = i % width < 20;
+            scene.guides[i] = flat_guide(0.5f, 0, by_normal || left ? 0.2f : 0.1f);
+            if (by_normal && left) scene.guides[i].normal_x = 1, scene.guides[i].normal_z = 0;
+            scene.light[i] = left ? 1 : 1.5, scene.exact[i] = glm::dvec3(0.5 * scene.light[i]);
+        }
+        const std::vector<float> image = denoised(sampled(scene, 1, 0.9, 2), scene.guides, true);
+        double left = 0, right = 0;
+        for (std::size_t y = 0; y < height; ++y)
+            left += image[3 * (y * width + 19)] / double(height), right += image[3 * (y * width + 20)] / double(height);
+        EXPECT_NEAR(left, 0.5, 0.06) << by_normal;
+        EXPECT_NEAR(right, 0.75, 0.09) << by_normal;
+    }
+}
+
+}  // namespace
+}  // namespace claray::test

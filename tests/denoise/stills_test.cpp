@@ -1,0 +1,131 @@
+// Renderer::denoised, and the guides that it traces: render/write_guides.cl.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "claray/renderer.hpp"
+#include "claray/scene.hpp"
+#include "host/denoise/oidn.hpp"
+#include "tests/support/device.hpp"
+#include "tests/support/errors.hpp"
+
+namespace claray::test {
+namespace {
+
+using Image = std::vector<glm::vec3>;
+constexpr unsigned side = 48;
+
+double rms_between(const Image& a, const Image& b) {
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += double(glm::dot(a[i] - b[i], a[i] - b[i]));
+    return std::sqrt(sum / (3 * double(a.size())));
+}
+
+double mean_of(const Image& image) {
+    double sum = 0;
+    for (const glm::vec3& p : image) sum += double(p.x) + double(p.y) + double(p.z);
+    return sum / (3 * double(image.size()));
+}
+
+/// Of the Cornell box, whose renderer the tests share.
+struct Box {
+    Renderer renderer{device(), *builtin_scene("cornell"), {.width = side, .height = side, .spp = 1024}};
+    Image reference = [this] {
+        render(1024, 77);
+        return renderer.image();
+    }();
+    void render(unsigned spp, std::uint32_t seed) {
+        renderer.restart(seed, spp);
+        (void)renderer.render();
+    }
+};
+Box& box() {
+    static Box box;
+    return box;
+}
+
+TEST(DenoisedStills, HaveLessThanHalfTheErrorWithFewSamples) {
+    for (const unsigned spp : {1u, 4u, 16u}) {
+        box().render(spp, 5);
+        const double before = rms_between(box().renderer.image(), box().reference);
+        const Image image = box().renderer.denoised(DenoiserKind::claray);
+        EXPECT_LT(rms_between(image, box().reference), before / 2) << spp << " samples";
+        EXPECT_EQ(image, box().renderer.denoised(DenoiserKind::claray)) << "differs from run to run";
+    }
+}
+
+TEST(DenoisedStills, AreNotWorseWithManySamples) {
+    box().render(256, 6);
+    const double before = rms_between(box().renderer.image(), box().reference);
+    EXPECT_LT(rms_between(box().renderer.denoised(DenoiserKind::claray), box().reference), 1.02 * before);
+}
+
+TEST(DenoisedStills, KeepTheMean) {
+    box().render(4, 9);
+    EXPECT_NEAR(mean_of(box().renderer.denoised(DenoiserKind::claray)) / mean_of(box().reference), 1, 0.03);
+}
+
+/// A lamp in the upper half, and a mirror below it in the lower half that shows it: nothing is reflected by rough
+/// surfaces.
+Scene lamp_and_mirror() {
+    Scene scene;
+    Material lamp, mirror;
+    lamp.albedo = glm::vec3(0), lamp.emission = {7, 5, 3};
+    mirror.kind = MaterialKind::mirror, mirror.albedo = {0.5f, 0.6f, 0.7f};
+    scene.materials = {lamp, mirror};
+    Mesh above, below;
+    above.positions = {{-0.7f, 0.1f, 0}, {0.6f, 0.1f, 0}, {-0.1f, 1.2f, 0}}, above.triangles = {{0, 1, 2}};
+    below.positions = {{-2, 0, 2}, {2, 0, 2}, {2, 0, -3}, {-2, 0, -3}};
+    below.triangles = {{0, 1, 2}, {0, 2, 3}}, below.materials = {1, 1};
+    scene.meshes = {above, below};
+    Camera camera;
+    camera.position = {0, 0.4f, 3};
+    scene.camera = camera;
+    return scene;
+}
+
+Image half(const Image& image, bool lower) {
+    const auto middle = image.begin() + side * side / 2;
+    return lower ? Image(middle, image.end()) : Image(image.begin(), middle);
+}
+
+/// Its noise is that of coverage alone, which the guides know from the same samples.
+TEST(DenoisedStills, LampsSeenDirectlyOrInMirrorsOnlyGain) {
+    Renderer renderer(device(), lamp_and_mirror(), {.width = side, .height = side, .spp = 1024, .seed = 3});
+    (void)renderer.render();
+    const Image reference = renderer.image();
+    for (const unsigned spp : {1u, 3u}) {
+        renderer.restart(8, spp);
+        (void)renderer.render();
+        const Image noisy = renderer.image(), denoised = renderer.denoised(DenoiserKind::claray);
+        for (const bool mirrored : {false, true}) {
+            const double before = rms_between(half(noisy, mirrored), half(reference, mirrored));
+            const double after = rms_between(half(denoised, mirrored), half(reference, mirrored));
+            EXPECT_LT(after, before / 2) << spp << " samples, " << mirrored;
+        }
+        double largest = 0;  // of pixels without an edge
+        for (std::size_t i = 0; i < noisy.size(); ++i)
+            if (noisy[i] == glm::vec3(7, 5, 3) && reference[i] == noisy[i])
+                largest = std::max(largest, double(glm::length(denoised[i] - noisy[i])));
+        EXPECT_LT(largest, 1e-4);
+    }
+}
+
+TEST(DenoisedStills, AnAbsentLibraryIsNamed) {
+    const char* before = std::getenv("CLARAY_OIDN");
+    const std::string kept = before ? before : "";
+    setenv("CLARAY_OIDN", "/no/such/library.so", 1);
+    EXPECT_EQ(picked_denoiser(DenoiserKind::automatic), DenoiserKind::claray);
+    EXPECT_TRUE(throws_error(ErrorKind::user, "/no/such/library.so", [] { require_oidn(); }));
+    before ? setenv("CLARAY_OIDN", kept.c_str(), 1) : unsetenv("CLARAY_OIDN");
+}
+
+TEST(DenoisedStills, OpenImageDenoiseIsUsedIfInstalled) {
+    if (!Oidn::load()) GTEST_SKIP() << "Open Image Denoise is not installed";
+    box().render(4, 5);
+    const double before = rms_between(box().renderer.image(), box().reference);
+    EXPECT_LT(rms_between(box().renderer.denoised(DenoiserKind::oidn), box().reference), before / 2);
+}
+
+}  // namespace
+}  // namespace claray::test
