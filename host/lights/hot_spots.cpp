@@ -62,6 +62,7 @@ public:
         for (const Candidate& c : candidates) {
             reach_ = std::max(reach_, std::sqrt(c.distance2));
             box_.grow(glm::vec3(c.position));
+            x_.push_back(c.position.x);
         }
     }
     void run() {
@@ -91,15 +92,24 @@ private:
         return true;
     }
     void visit(const Mesh& mesh, const glm::dmat4& transform) {
+        if (transform == glm::dmat4(1.0)) return visit(mesh.triangles, mesh.positions);
         std::vector<glm::dvec3> corners(mesh.positions.begin(), mesh.positions.end());
-        if (transform != glm::dmat4(1.0))
-            for (glm::dvec3& corner : corners) corner = glm::dvec3(transform * glm::dvec4(corner, 1.0));
-        for (const glm::uvec3& t : mesh.triangles) visit(corners[t.x], corners[t.y], corners[t.z]);
+        for (glm::dvec3& corner : corners) corner = glm::dvec3(transform * glm::dvec4(corner, 1.0));
+        visit(mesh.triangles, corners);
     }
-    void visit(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+    /// Most triangles are near no light along x.
+    template <class Vector>
+    void visit(const std::vector<glm::uvec3>& triangles, const std::vector<Vector>& corners) {
+        for (const glm::uvec3& t : triangles) {
+            const Vector &a = corners[t.x], &b = corners[t.y], &c = corners[t.z];
+            const auto first = std::lower_bound(x_.begin(), x_.end(), double(std::min({a.x, b.x, c.x})) - reach_);
+            if (first != x_.end() && *first <= double(std::max({a.x, b.x, c.x})) + reach_)
+                visit(std::size_t(first - x_.begin()), glm::dvec3(a), glm::dvec3(b), glm::dvec3(c));
+        }
+    }
+    void visit(std::size_t first, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
         const glm::dvec3 lo = glm::min(glm::min(a, b), c), hi = glm::max(glm::max(a, b), c);
-        auto at = std::lower_bound(candidates_.begin(), candidates_.end(), lo.x - reach_,
-                                   [](const Candidate& candidate, double x) { return candidate.position.x < x; });
+        auto at = candidates_.begin() + std::ptrdiff_t(first);
         for (; at != candidates_.end() && at->position.x <= hi.x + reach_; ++at) {
             const glm::dvec3 off = glm::max(glm::max(lo - at->position, at->position - hi), glm::dvec3(0.0));
             if (!(glm::dot(off, off) < at->distance2)) continue;
@@ -111,6 +121,7 @@ private:
 
     std::vector<Candidate>& candidates_;
     const Scene& scene_;
+    std::vector<double> x_;  // of the lights, ascending
     double reach_ = 0;
     Bounds box_;  // of the lights
 };
