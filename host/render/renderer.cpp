@@ -275,18 +275,21 @@ bool Renderer::State::may_follow_paths() const {
 }
 
 /// Decides once, when every pixel was sampled by the scene's own kernels, whether one kernel traces whole paths from
-/// then on. Loading it takes as long as a short render, and compiling it longer; so it waits until rendering took as
-/// long, which at worst doubles the time.
+/// then on, or the last ones of each batch. Loading it takes as long as a short render, and compiling it longer; so it
+/// waits until rendering took as long, which at worst doubles the time.
 void Renderer::State::choose_path_kernel(double patience) {
     const double seconds = seconds_since(first_begin);
     if (seconds < patience / 16) return;
-    if (may_follow_paths()) {
+    const EffectSet effects = plan.last.effects;
+    const bool finishes = may_finish_paths(buffers, effects);
+    if (may_follow_paths() || finishes) {
         if (!path_kernel_is_cached) path_kernel_is_cached = is_path_kernel_cached(device, plan.last, config);
         if (!*path_kernel_is_cached && seconds < patience) return;
-        if (wavefront.paths_are_short()) {
-            wavefront.follow_paths(load_path_kernel(buffers, config.sampler, plan.last.effects));
-            remember_path_kernel_as_cached(device, plan.last, config);
-        }
+        if (may_follow_paths() && wavefront.paths_are_short())
+            wavefront.follow_paths(load_path_kernel(buffers, config.sampler, effects));
+        else if (finishes)
+            wavefront.finish_paths(load_finish_kernel(buffers, config.sampler, effects));
+        remember_path_kernel_as_cached(device, plan.last, config);
     }
     chose_path_kernel = true;
 }

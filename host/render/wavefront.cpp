@@ -42,6 +42,10 @@ std::uint64_t most_whole_paths(const Device& device) {
     return std::uint64_t(device.info().compute_units) * device.tuning(path_kernel_stem, "MOST_PATHS_PER_UNIT");
 }
 
+std::uint64_t most_last_paths(const Device& device) {
+    return std::uint64_t(device.info().compute_units) * device.tuning("render/finish_paths", "MOST_PATHS_PER_UNIT");
+}
+
 /// Macros of shading set by the tuning table, for tests and studies.
 Defines macros_of_shading(const Device& device) {
     Defines macros = with_tuning(device, "render/shade_surface", {});
@@ -97,14 +101,31 @@ double path_kernel_patience(const Device& device) {
     return device.tuning(path_kernel_stem, "PATIENCE_MILLISECONDS") * 1e-3;
 }
 
-Kernel load_path_kernel(const SceneBuffers& scene, Sampler sampler, EffectSet effects) {
+namespace {
+
+/// `file`: a kernel that follows paths.
+Kernel load_following(const SceneBuffers& scene, Sampler sampler, EffectSet effects, const char* name) {
     const Structure& structure = scene.structure;
     Defines defines = defines_for(scene, sampler, effects, Stage::shade);
     append(defines, defines_of(effects, Stage::generate));
     append(defines, structure.bvh().defines());
     append(defines, macros_of_shading(structure.device()));
     if (scene.textures.culls_back_faces) defines.emplace_back("CULL_BACK_FACES", "1");
-    return load_kernel(structure.device(), std::string(path_kernel_stem) + ".cl", trace_paths_name, defines);
+    return load_kernel(structure.device(), std::string("render/") + name + ".cl", name, defines);
+}
+
+}  // namespace
+
+Kernel load_path_kernel(const SceneBuffers& scene, Sampler sampler, EffectSet effects) {
+    return load_following(scene, sampler, effects, trace_paths_name);  // render/trace_paths.cl
+}
+
+bool may_finish_paths(const SceneBuffers& scene, EffectSet effects) {
+    return may_follow_paths(scene, effects) && most_last_paths(scene.structure.device()) > 0;
+}
+
+Kernel load_finish_kernel(const SceneBuffers& scene, Sampler sampler, EffectSet effects) {
+    return load_following(scene, sampler, effects, finish_paths_name);  // render/finish_paths.cl
 }
 
 Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const FrameData& frame, WavefrontKernels kernels,
@@ -116,6 +137,7 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
       shade_group_(device.tuning("render/shade_surface", "GROUP_SIZE")),
       paths_per_item_(paths_per_item(device)),
       most_whole_paths_(most_whole_paths(device)),
+      most_last_paths_(most_last_paths(device)),
       capacity_(choose_capacity(device, most_paths)),
       kernels_(std::move(kernels)) {
     frame_.tables = scene.where;
@@ -162,7 +184,7 @@ Step Wavefront::step_of(const Batch& batch, std::uint32_t depth, std::uint32_t l
 void Wavefront::take_over(const Structure& structure, WavefrontKernels kernels) {
     scene_.structure = structure;
     kernels_ = std::move(kernels);
-    path_kernel_.reset();
+    path_kernel_.reset(), finish_kernel_.reset();
 }
 
 /// Which buffers there are depends on lights, a light tree, instances and motion.
@@ -235,8 +257,18 @@ void Wavefront::trace_stages(const Batch& batch, bool arrived) {
         bounce(batch, depth, limit, arrived && depth == 0);
         if ((depth + 1) % bounces_per_look_ == 0 && depth + 1 < all)
             limit = lengths_[(depth + 1) % CLARAY_RAY_QUEUES].read()[0];
+        if (finish_kernel_ && limit != 0 && limit <= most_last_paths_ && depth + 1 < all) {
+            trace_last_paths(batch, depth + 1, limit);
+            break;
+        }
     }
     empty_queues(totals_);
+}
+
+void Wavefront::trace_last_paths(const Batch& batch, std::uint32_t depth, std::uint32_t limit) {
+    finish_kernel_->run({limit, device_.tuning(path_kernel_stem, "GROUP_SIZE")}, step_of(batch, depth, limit),
+                        scene_.structure.bvh(), scene_, arg("queue", queues_[depth % 2]), arg("radiance", radiance_),
+                        queue_lengths_, waves());
 }
 
 void Wavefront::bounce(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived) {

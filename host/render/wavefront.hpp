@@ -16,8 +16,9 @@ namespace claray {
 inline constexpr const char* trace_camera_name = "trace_camera_rays";
 inline constexpr const char* trace_bounce_name = "trace_bounce_rays";
 inline constexpr const char* trace_shadow_name = "trace_shadow_rays";
-/// And of the kernel of whole paths.
+/// And of the kernels that follow paths: whole ones, and the last of a batch.
 inline constexpr const char* trace_paths_name = "trace_paths";
+inline constexpr const char* finish_paths_name = "finish_paths";
 
 /// Black if an environment replaces the sky.
 [[nodiscard]] SkyData sky_data(const Scene& scene);
@@ -55,6 +56,10 @@ struct WavefrontKernels {
 [[nodiscard]] double path_kernel_patience(const Device& device);
 /// See `Wavefront::follow_paths`.
 [[nodiscard]] Kernel load_path_kernel(const SceneBuffers& scene, Sampler sampler, EffectSet effects);
+/// Returns whether the kernel that follows the last paths (render/finish_paths.cl) may pay.
+[[nodiscard]] bool may_finish_paths(const SceneBuffers& scene, EffectSet effects);
+/// See `Wavefront::finish_paths`.
+[[nodiscard]] Kernel load_finish_kernel(const SceneBuffers& scene, Sampler sampler, EffectSet effects);
 
 class Wavefront {
 public:
@@ -82,6 +87,9 @@ public:
     [[nodiscard]] bool supports(EffectSet effects, bool lit) const {
         return kernels_.effects.contains(effects) && (!lit || kernels_.traces_shadows);
     }
+    /// Makes one kernel follow the last paths of a batch to their ends, until `take_over`. The radiance is the same bit
+    /// for bit.
+    void finish_paths(Kernel kernel) { finish_kernel_ = std::move(kernel); }
     /// For all later batches.
     void set_seed(std::uint32_t seed) { frame_.seed = seed; }
     void set_max_depth(std::uint32_t depth) { frame_.max_depth = depth; }
@@ -117,6 +125,7 @@ private:
     void generate(const Batch& batch, bool centers);
     void trace_paths(const Batch& batch);
     void trace_stages(const Batch& batch, bool arrived);
+    void trace_last_paths(const Batch& batch, std::uint32_t depth, std::uint32_t limit);
     [[nodiscard]] std::uint32_t waves() const;
     void bounce(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived);
     void scatter(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived);
@@ -138,7 +147,7 @@ private:
     SceneBuffers scene_;
     FrameData frame_;
     unsigned bounces_per_look_, shade_group_, paths_per_item_;
-    std::uint64_t most_whole_paths_;
+    std::uint64_t most_whole_paths_, most_last_paths_;
     std::uint32_t capacity_;
     std::uint64_t camera_rays_ = 0, camera_rays_in_paths_ = 0;
 
@@ -159,7 +168,7 @@ private:
     Buffer<float> radiance_;  // of each path; with a light tree followed by the normals at the paths' surfaces
     Buffer<std::uint64_t> totals_, totals_in_paths_;  // see empty_queues.cl; that of whole paths is without camera rays
     WavefrontKernels kernels_;
-    std::optional<Kernel> path_kernel_;
+    std::optional<Kernel> path_kernel_, finish_kernel_;
 };
 
 }  // namespace claray

@@ -84,6 +84,32 @@ TEST(WholePaths, HeedMacrosOfShading) {
     EXPECT_NE(image_by(99, 1), image_by(99, 3));
 }
 
+/// The last paths of each batch, by render/finish_paths.cl.
+TEST(LastPaths, MakeTheSameImage) {
+    for (const char* name : {"cornell", "effect:glass", "effect:sky", "effect:mip-maps", "effect:cut-outs",
+                             "effect:many-lights", "effect:hot-spots"}) {
+        const Scene scene = scene_named(name);
+        Device finishing = following(99, 0);
+        finishing.set_tuning("render/finish_paths", "MOST_PATHS_PER_UNIT", 65536);
+        finishing.profiler().enable(true);
+        const Device staged = following(0, 0);
+        RenderConfig config = small_config();
+        config.max_depth = 9;
+        for (const unsigned bounces_per_look : {1u, 3u}) {
+            finishing.set_tuning("render/wavefront", "BOUNCES_PER_LOOK", bounces_per_look);
+            Renderer one(finishing, scene, config), many(staged, scene, config);
+            (void)one.render(), (void)many.render();
+            EXPECT_EQ(one.image(), many.image()) << name;
+            const RenderStatistics a = one.statistics(), b = many.statistics();
+            EXPECT_EQ(a.in_paths.rays, 0u) << name;
+            EXPECT_EQ(a.camera.rays, b.camera.rays) << name;
+            EXPECT_EQ(a.bounce.rays, b.bounce.rays) << name;
+            EXPECT_EQ(a.shadow.rays, b.shadow.rays) << name;
+        }
+        EXPECT_TRUE(finishing.profiler().summary().contains("finish_paths")) << name;
+    }
+}
+
 TEST(WholePaths, AreForFewEffectsAndShortPaths) {
     const Scene scene = scene_named("cornell");  // two effects, and nearly two surfaces a path after the first
     const auto follows = [&](unsigned effects, unsigned permille) {
