@@ -32,8 +32,8 @@ Device with_schedule(const std::string& selector, bool of_cpus) {
     }
     device.set_tuning("render/add_light", "WITH_SHADOW_RAYS", of_cpus ? 0 : 1);
     device.set_tuning("render/trace_paths", "MOST_EFFECTS", of_cpus ? 0 : 64);
-    device.set_tuning("render/trace_paths", "MOST_BOUNCES_PERMILLE", 100'000);
     device.set_tuning("render/trace_paths", "PATIENCE_MILLISECONDS", 0);
+    device.set_tuning("render/finish_paths", "MOST_PATHS_PER_UNIT", 4096);
     return device;
 }
 
@@ -79,12 +79,13 @@ std::vector<Task> queries(const Device& device, const std::vector<Mesh>& meshes,
             }};
 }
 
-/// A scene by stages or whole paths, with an estimate of its error and its AOVs.
-Task render(const Device& device, const std::string& name, unsigned side, Layout layout) {
+/// A scene by stages, by whole paths or with the last paths by one kernel; with an estimate of its error and its AOVs.
+Task render(const Device& device, const std::string& name, unsigned side, Layout layout, bool whole_paths) {
     RenderConfig config{.width = side, .height = side, .spp = 16, .error = 1e-6};
     config.bvh.layout = layout;
     auto renderer = std::make_shared<Renderer>(device, *builtin_scene(name), config);
-    return [renderer] {
+    return [device, renderer, whole_paths] {
+        device.set_tuning("render/trace_paths", "MOST_BOUNCES_PERMILLE", whole_paths ? 100'000 : 0);
         renderer->restart(0);
         (void)renderer->render();
         (void)renderer->picture();
@@ -106,7 +107,9 @@ std::vector<Task> tasks_of(const Device& device, const Options& options, Layout 
     std::vector<Task> tasks = builds(device, meshes, layout);
     const std::vector<Task> traces = queries(device, meshes, options.side, layout);
     tasks.insert(tasks.end(), traces.begin(), traces.end());
-    for (const char* scene : {"crate", "effect:cut-outs"}) tasks.push_back(render(device, scene, options.side, layout));
+    for (const bool whole_paths : {true, false})
+        for (const char* scene : {"crate", "effect:cut-outs"})
+            tasks.push_back(render(device, scene, options.side, layout, whole_paths));
     tasks.push_back(bake(device));
     return tasks;
 }
