@@ -87,13 +87,28 @@ Camera zoom(const Camera& camera, float factor) {
     return result;
 }
 
+namespace {
+
+/// From the middle of the image to the centre of a pixel, in the plane at distance 1 (orthographic: any).
+glm::vec3 across(const CameraData& camera, unsigned x, unsigned y, unsigned width, unsigned height) {
+    const float right = 2.f * (float(x) + 0.5f) / float(width) - 1.f,
+                up = 1.f - 2.f * (float(y) + 0.5f) / float(height);
+    return right * glm::vec3(camera.right_x, camera.right_y, camera.right_z) +
+           up * glm::vec3(camera.up_x, camera.up_y, camera.up_z);
+}
+
+}  // namespace
+
 glm::vec3 direction_through(const CameraData& camera, unsigned x, unsigned y, unsigned width, unsigned height) {
     const glm::vec3 forward(camera.forward_x, camera.forward_y, camera.forward_z);
-    if (camera.orthographic != 0) return glm::normalize(forward);
-    const float across = 2.f * (float(x) + 0.5f) / float(width) - 1.f,
-                above = 1.f - 2.f * (float(y) + 0.5f) / float(height);
-    return glm::normalize(forward + across * glm::vec3(camera.right_x, camera.right_y, camera.right_z) +
-                          above * glm::vec3(camera.up_x, camera.up_y, camera.up_z));
+    return glm::normalize(camera.orthographic != 0 ? forward : forward + across(camera, x, y, width, height));
+}
+
+glm::vec3 point_through(const CameraData& camera, unsigned x, unsigned y, unsigned width, unsigned height,
+                        float distance) {
+    glm::vec3 origin(camera.x, camera.y, camera.z);
+    if (camera.orthographic != 0) origin += across(camera, x, y, width, height);
+    return origin + distance * direction_through(camera, x, y, width, height);
 }
 
 std::string options_of(const Camera& camera) {
@@ -105,7 +120,8 @@ std::string options_of(const Camera& camera) {
     options += camera.orthographic_height > 0 ? printed("--ortho %.9g", double(camera.orthographic_height))
                                               : printed("--fov %.9g", double(camera.vertical_fov));
     if (camera.aperture_radius > 0) options += printed(" --aperture %.9g", double(camera.aperture_radius));
-    if (camera.focus_distance > 0) options += printed(" --focus-distance %.9g", double(camera.focus_distance));
+    if (camera.aperture_radius > 0 && camera.focus_distance > 0)
+        options += printed(" --focus-distance %.9g", double(camera.focus_distance));
     return options;
 }
 

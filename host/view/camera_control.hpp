@@ -22,6 +22,10 @@ namespace claray::view {
 [[nodiscard]] glm::vec3 direction_through(const CameraData& camera, unsigned x, unsigned y, unsigned width,
                                           unsigned height);
 
+/// Returns the point at this distance on that ray. Rays of an orthographic camera start in the plane of its position.
+[[nodiscard]] glm::vec3 point_through(const CameraData& camera, unsigned x, unsigned y, unsigned width, unsigned height,
+                                      float distance);
+
 /// Returns the camera as options of `claray render`, with as many digits as float32 needs.
 [[nodiscard]] std::string options_of(const Camera& camera);
 

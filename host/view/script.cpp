@@ -1,7 +1,7 @@
 #include "host/view/script.hpp"
 
 #include <chrono>
-#include <fstream>
+#include <sstream>
 
 #include "host/base/file.hpp"
 #include "host/base/format.hpp"
@@ -24,8 +24,7 @@ auto at_line(const std::filesystem::path& file, unsigned number, const Act& act)
 }
 
 std::vector<Line> read_script(const std::filesystem::path& file) {
-    std::ifstream input(file);
-    if (!input) throw Error(ErrorKind::user, "cannot read '" + file.string() + "'", "check the path");
+    std::istringstream input(read_file(file, "check the path"));
     std::vector<Line> lines;
     std::string text;
     for (unsigned number = 1; std::getline(input, text); ++number) {

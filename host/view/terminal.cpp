@@ -47,7 +47,7 @@ public:
     RawTerminal() {
         if (::isatty(STDIN_FILENO) == 0 || ::isatty(STDOUT_FILENO) == 0 || ::tcgetattr(STDIN_FILENO, &before_) != 0)
             throw Error(ErrorKind::user, "--terminal: standard input and output are not a terminal",
-                        "use --web or --script");
+                        "leave --terminal out, or use --script");
         termios raw = before_;
         raw.c_lflag &= ~tcflag_t(ICANON | ECHO);
         raw.c_cc[VMIN] = 0, raw.c_cc[VTIME] = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "host/base/format.hpp"
@@ -39,6 +40,23 @@ std::string effects_of_material(const Scene& scene, const Material& material) {
     return to_string(effects_of(one));
 }
 
+float distance_from_segment(const glm::vec3& p, const glm::vec3& a, const glm::vec3& b) {
+    const glm::vec3 along = b - a;
+    const float square = glm::dot(along, along);
+    const float t = square > 0 ? std::clamp(glm::dot(p - a, along) / square, 0.f, 1.f) : 0.f;
+    return glm::length(p - a - t * along);
+}
+
+float distance_from_triangle(const glm::vec3& p, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+    const glm::vec3 normal = glm::cross(b - a, c - a);
+    const auto inside = [&](const glm::vec3& from, const glm::vec3& to) {
+        return glm::dot(glm::cross(to - from, p - from), normal) >= 0;
+    };
+    if (inside(a, b) && inside(b, c) && inside(c, a) && glm::length(normal) > 0)
+        return std::abs(glm::dot(p - a, glm::normalize(normal)));
+    return std::min({distance_from_segment(p, a, b), distance_from_segment(p, b, c), distance_from_segment(p, c, a)});
+}
+
 /// Colours of a picture by the exact sRGB curve.
 std::vector<std::uint8_t> encoded(const Image& image) {
     std::vector<std::uint8_t> bytes;
@@ -71,9 +89,16 @@ float View::size() const {
     return bounds.empty() ? 1.f : std::max(glm::length(bounds.extent()), 1e-6f);
 }
 
-void View::change(const Scene& scene, const SceneChanges& changes) {
-    renderer_->update(scene, changes);
-    if (&scene != &scene_) scene_ = scene;
+template <class Part, class Edit>
+void View::change(std::vector<Part> Scene::*part, const SceneChanges& changes, const Edit& edit) {
+    std::vector<Part> before = scene_.*part;
+    try {
+        edit(scene_.*part);
+        renderer_->update(scene_, changes);
+    } catch (...) {
+        scene_.*part = std::move(before);
+        throw;
+    }
     spp_ = 0;
 }
 
@@ -87,7 +112,6 @@ void View::set_camera(const Camera& camera) {
 }
 
 void View::render(double seconds) {
-    if (paused_) return;
     const Clock::time_point begin = Clock::now();
     const auto goes_on = [&](const RenderProgress& progress) {
         return progress.spp == 0 || std::chrono::duration<double>(Clock::now() - begin).count() < seconds;
@@ -95,15 +119,16 @@ void View::render(double seconds) {
     spp_ = renderer_->render(goes_on).spp;
 }
 
+/// A view that is paused takes the first samples all the same: an image without any shows nothing.
 std::span<const std::uint8_t> View::shown() {
+    if (spp_ == 0) render(0);
     if (shows_ == "image") return renderer_->picture(config_.picture);
     false_colors_ = encoded(image_of(renderer_->aovs(), shows_, config_.render.width, config_.render.height));
     return false_colors_;
 }
 
 const Frame& View::next_frame() {
-    const bool all = spp_ >= config_.render.spp;
-    if (!all) render(config_.frame_seconds);
+    if (!paused_ && spp_ < config_.render.spp) render(config_.frame_seconds);
     frame_ = {config_.render.width, config_.render.height, shown(), spp_, paused_ || spp_ >= config_.render.spp};
     return frame_;
 }
@@ -156,14 +181,10 @@ std::string View::focus(const ViewCommand& command) {
     const std::size_t pixel = pixel_of(command);
     const float depth = renderer_->aovs().depth[pixel];
     if (!std::isfinite(depth)) return "no surface there";
-    const unsigned width = config_.render.width;
     Camera camera = *scene_.camera;
-    const CameraData data = camera_data(camera, float(width) / float(config_.render.height));
-    const auto x = unsigned(pixel % width), y = unsigned(pixel / width);
-    const glm::vec3 way = depth * direction_through(data, x, y, width, config_.render.height);
-    const glm::vec3 forward(data.forward_x, data.forward_y, data.forward_z);
+    const glm::vec3 forward = glm::normalize(camera.target - camera.position);
     // The view keeps its direction: only the distance of the target becomes that of the surface.
-    camera.target = camera.position + glm::dot(way, glm::normalize(forward)) * glm::normalize(forward);
+    camera.target = camera.position + glm::dot(point_at(pixel, depth) - camera.position, forward) * forward;
     camera.focus_distance = 0.f;
     set_camera(camera);
     return printed("distance %.6g", double(depth));
@@ -196,8 +217,15 @@ std::string View::show(const ViewCommand& command) {
     refuse("show: unknown name '" + command.word + "'", "use image, depth, normal, albedo, primitive or heat");
 }
 
-/// Triangles are counted through the meshes of the scene, in order.
-View::Selection View::selection_of(std::uint32_t triangle) const {
+glm::vec3 View::point_at(std::size_t pixel, float depth) const {
+    const unsigned width = config_.render.width, height = config_.render.height;
+    const CameraData data = camera_data(*scene_.camera, float(width) / float(height));
+    return point_through(data, unsigned(pixel % width), unsigned(pixel / width), width, height, depth);
+}
+
+/// Triangles are counted through the meshes of the scene, in order. Of the instances of a mesh, the one whose triangle
+/// is nearest to the point is meant.
+View::Selection View::selection_of(std::uint32_t triangle, const glm::vec3& point) const {
     Selection found;
     std::size_t first = 0;
     while (triangle - first >= scene_.meshes[found.mesh].triangles.size())
@@ -205,8 +233,15 @@ View::Selection View::selection_of(std::uint32_t triangle) const {
     const Mesh& mesh = scene_.meshes[found.mesh];
     found.triangle = std::uint32_t(triangle - first);
     found.material = mesh.materials.empty() ? 0 : mesh.materials[found.triangle];
-    for (std::uint32_t i = 0; i < scene_.instances.size(); ++i)
-        if (scene_.instances[i].mesh == found.mesh && !found.instance) found.instance = i;
+    const glm::uvec3 corners(mesh.triangles[found.triangle]);
+    float nearest = std::numeric_limits<float>::infinity();
+    for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
+        if (scene_.instances[i].mesh != found.mesh) continue;
+        const glm::mat4& transform = scene_.instances[i].transform;
+        const auto corner = [&](unsigned k) { return glm::vec3(transform * glm::vec4(mesh.positions[corners[k]], 1)); };
+        const float distance = distance_from_triangle(point, corner(0), corner(1), corner(2));
+        if (!found.instance || distance < nearest) found.instance = i, nearest = distance;
+    }
     return found;
 }
 
@@ -217,7 +252,7 @@ std::string View::pick(const ViewCommand& command) {
         selected_.reset();
         return "no surface there";
     }
-    selected_ = selection_of(aovs.primitive[pixel]);
+    selected_ = selection_of(aovs.primitive[pixel], point_at(pixel, aovs.depth[pixel]));
     const Material& material = scene_.materials[selected_->material];
     return "mesh " + name_of(scene_.meshes[selected_->mesh].name, selected_->mesh) + ", triangle " +
            std::to_string(selected_->triangle) + ", material " + name_of(material.name, selected_->material) + " (" +
@@ -227,8 +262,6 @@ std::string View::pick(const ViewCommand& command) {
 
 std::string View::set_material(const ViewCommand& command) {
     if (!selected_) refuse("material: nothing is selected", "select an object with pick X Y");
-    Scene changed = scene_;
-    Material& material = changed.materials[selected_->material];
     const std::vector<float>& n = command.numbers;
     const std::map<std::string, glm::vec3 Material::*> colors = {{"albedo", &Material::albedo},
                                                                  {"emission", &Material::emission}};
@@ -236,14 +269,16 @@ std::string View::set_material(const ViewCommand& command) {
                                                              {"metallic", &Material::metallic},
                                                              {"ior", &Material::ior},
                                                              {"transmission", &Material::transmission}};
-    if (const auto color = colors.find(command.word); color != colors.end())
-        material.*color->second = {n[0], n[1], n[2]};
-    else if (const auto value = values.find(command.word); value != values.end())
-        material.*value->second = n[0];
-    else
-        refuse("material: unknown value '" + command.word + "'",
-               "use albedo, emission, roughness, metallic, ior or transmission");
-    change(changed, {.materials = true});
+    change(&Scene::materials, {.materials = true}, [&](std::vector<Material>& materials) {
+        Material& material = materials[selected_->material];
+        if (const auto color = colors.find(command.word); color != colors.end())
+            material.*color->second = {n[0], n[1], n[2]};
+        else if (const auto value = values.find(command.word); value != values.end())
+            material.*value->second = n[0];
+        else
+            refuse("material: unknown value '" + command.word + "'",
+                   "use albedo, emission, roughness, metallic, ior or transmission");
+    });
     return {};
 }
 
@@ -252,14 +287,8 @@ std::string View::move_light(const ViewCommand& command) {
     if (!(n[0] >= 0 && n[0] < float(scene_.lights.size())))
         refuse(printed("light: there is no light %g", double(n[0])),
                printed("the scene has %zu lights; count from 0", scene_.lights.size()));
-    const std::vector<Light> before = scene_.lights;
-    scene_.lights[std::size_t(n[0])].position += glm::vec3(n[1], n[2], n[3]);
-    try {
-        change(scene_, {.lights = true});
-    } catch (const Error&) {
-        scene_.lights = before;
-        throw;
-    }
+    change(&Scene::lights, {.lights = true},
+           [&](std::vector<Light>& lights) { lights[std::size_t(n[0])].position += glm::vec3(n[1], n[2], n[3]); });
     return {};
 }
 
@@ -268,19 +297,22 @@ std::string View::move_object(const ViewCommand& command) {
     if (!selected_->instance)
         refuse("move: the scene has no instances", "use a file whose objects are placed, as glTF does");
     const std::vector<float>& n = command.numbers;
-    Scene changed = scene_;
-    MeshInstance& instance = changed.instances[*selected_->instance];
-    instance.transform[3] += glm::vec4(n[0], n[1], n[2], 0.f);
-    if (instance.transform_end) (*instance.transform_end)[3] += glm::vec4(n[0], n[1], n[2], 0.f);
-    change(changed, {.instances = true});
+    const glm::vec4 way(n[0], n[1], n[2], 0.f);
+    change(&Scene::instances, {.instances = true}, [&](std::vector<MeshInstance>& instances) {
+        MeshInstance& instance = instances[*selected_->instance];
+        instance.transform[3] += way;
+        if (instance.transform_end) (*instance.transform_end)[3] += way;
+    });
     return {};
 }
 
 std::string View::set_time(const ViewCommand& command) {
     if (!config_.at_time) refuse("time: the scene is not animated", "use a glTF file with an animation");
     Scene then = config_.at_time(command.numbers[0]);
-    then.camera = scene_.camera;
-    change(then, {.camera = true, .lights = true, .instances = true, .vertices = true});
+    then.camera = scene_.camera, then.materials = scene_.materials;
+    renderer_->update(then, {.lights = true, .instances = true, .vertices = true});
+    scene_ = std::move(then);
+    spp_ = 0;
     return {};
 }
 

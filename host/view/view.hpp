@@ -51,11 +51,14 @@ private:
     };
 
     void set_camera(const Camera& camera);
-    void change(const Scene& scene, const SceneChanges& changes);
+    /// Changes one list of the scene by `edit`; after an error the list is as before.
+    template <class Part, class Edit>
+    void change(std::vector<Part> Scene::*part, const SceneChanges& changes, const Edit& edit);
     [[nodiscard]] std::size_t pixel_of(const ViewCommand& command) const;
     [[nodiscard]] std::span<const std::uint8_t> shown();
     [[nodiscard]] float size() const;
-    [[nodiscard]] Selection selection_of(std::uint32_t triangle) const;
+    [[nodiscard]] Selection selection_of(std::uint32_t triangle, const glm::vec3& point) const;
+    [[nodiscard]] glm::vec3 point_at(std::size_t pixel, float depth) const;
     void render(double seconds);
 
     std::string move_camera(const ViewCommand& command);

@@ -17,7 +17,8 @@ namespace claray::view {
 namespace {
 
 constexpr int jpeg_quality = 90;
-constexpr std::size_t most_waiting = 256;  // commands
+constexpr std::size_t most_waiting = 256;     // commands
+constexpr std::size_t most_connections = 64;  // each has a thread; a page that is open has two
 constexpr auto longest_wait = std::chrono::milliseconds(500);
 
 /// Frames and commands on their way between the loop that renders and the threads that answer requests.
@@ -135,6 +136,12 @@ void add_routes(httplib::Server& server, Exchange& exchange, const WebConfig& co
     });
 }
 
+/// The library's own options let two programs listen at one port (SO_REUSEPORT).
+void reuse_address(socket_t socket) {
+    const int yes = 1;
+    (void)::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+}
+
 /// Runs commands and renders; only this thread uses the view.
 void render_loop(View& view, Exchange& exchange, const WebConfig& config) {
     std::string told;
@@ -164,6 +171,8 @@ void render_loop(View& view, Exchange& exchange, const WebConfig& config) {
 
 void serve(View& view, const WebConfig& config) {
     httplib::Server server;
+    server.set_socket_options(reuse_address);
+    server.new_task_queue = [] { return new httplib::ThreadPool(most_connections); };
     Exchange exchange;
     server.set_keep_alive_max_count(1000);
     add_routes(server, exchange, config);
@@ -172,9 +181,12 @@ void serve(View& view, const WebConfig& config) {
     if (port < 0)
         throw Error(ErrorKind::user, "cannot listen at " + config.host + ":" + std::to_string(config.port),
                     "the port may be in use; choose another, or 0 for any");
-    std::thread answers([&] { server.listen_after_bind(); });
+    std::atomic<bool> answered = false;
+    std::thread answers([&] { server.listen_after_bind(), answered = true; });
     const auto stop = [&] {
         exchange.end();
+        // A server that does not run yet would not stop.
+        while (!server.is_running() && !answered) std::this_thread::sleep_for(std::chrono::milliseconds(1));
         server.stop();
         answers.join();
     };

@@ -1,0 +1,171 @@
+// The live view: commands, camera, pictures, scripts, the web page and the terminal.
+#include "host/view/view.hpp"
+
+#include <gtest/gtest.h>
+#include "claray/program.hpp"
+#include "host/view/camera_control.hpp"
+#include "host/view/script.hpp"
+#include "host/view/terminal.hpp"
+#include "tests/support/device.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/meshes.hpp"
+#include "tests/support/process.hpp"
+
+namespace claray::test {
+namespace {
+
+using namespace view;
+
+/// Two spheres of one mesh above a floor.
+Scene two_spheres() {
+    Scene scene;
+    scene.materials.resize(2);
+    scene.materials[1].name = "red", scene.materials[1].albedo = {0.8f, 0.1f, 0.1f};
+    Mesh floor, ball = sphere(2);
+    floor.positions = {{-9, -1, -9}, {-9, -1, 9}, {9, -1, 9}, {9, -1, -9}}, floor.triangles = {{0, 1, 2}, {0, 2, 3}};
+    ball.name = "ball", ball.materials.assign(ball.triangles.size(), 1);
+    scene.meshes = {floor, ball};
+    scene.instances = {{0}, {1}, {1}};
+    scene.instances[1].transform[3].x = -2, scene.instances[2].transform[3].x = 2;
+    scene.lights = {point_light({0, 4, 3}, glm::vec3(30))};
+    scene.camera = Camera{{0, 1, 8}, {0, 0, 0}, {0, 1, 0}, 45.f};
+    return scene;
+}
+
+const ViewConfig config{.render = {.width = 24, .height = 16, .spp = 4, .max_depth = 4}, .picture = {}};
+
+std::vector<std::uint8_t> pixels(View& view) {
+    const Frame& frame = view.complete_frame();
+    return {frame.pixels.begin(), frame.pixels.end()};
+}
+std::vector<std::uint8_t> rendered(const Scene& scene, const RenderConfig& render = config.render) {
+    Renderer renderer(device(), scene, render);
+    (void)renderer.render();
+    const auto picture = renderer.picture();
+    return {picture.begin(), picture.end()};
+}
+std::string run(View& view, const std::string& line) { return view.run(parse_command(line)); }
+
+TEST(ViewCommand, RowsParseAndAreRefused) {
+    for (const CommandRow& row : view_commands()) {
+        std::string line = row.name;
+        if (row.word) line += " word";
+        for (unsigned i = 0; i < row.numbers; ++i) line += " " + std::to_string(i + 1) + ".5";
+        const ViewCommand command = parse_command(line);
+        EXPECT_EQ(command.name, row.name);
+        EXPECT_EQ(command.word, row.word ? "word" : "");
+        ASSERT_EQ(command.numbers.size(), row.numbers);
+        for (unsigned i = 0; i < row.numbers; ++i) EXPECT_EQ(command.numbers[i], float(i) + 1.5f);
+        const std::string usage = std::string("write ") + row.name;
+        EXPECT_TRUE(throws_error(ErrorKind::user, usage, [&] { (void)parse_command(line + " 1"); }));
+        EXPECT_TRUE(throws_error(ErrorKind::user, usage, [&] { (void)parse_command(line + " nan"); }));
+        if (row.numbers > 0 || row.word) {
+            EXPECT_TRUE(throws_error(ErrorKind::user, usage, [&] { (void)parse_command(row.name); }));
+        }
+    }
+    EXPECT_TRUE(throws_error(ErrorKind::user, "unknown command", [] { (void)parse_command("jump 1"); }));
+}
+
+TEST(CameraControl, MovesKeepWhatTheySay) {
+    const Camera camera{{1, 2, 5}, {0, 1, 0}, {0, 1, 0}, 50.f};
+    const auto distance = [](const Camera& c) { return glm::length(c.position - c.target); };
+    const auto near = [](const glm::vec3& a, const glm::vec3& b) { return glm::length(a - b) < 1e-5f; };
+    const Camera round = orbit(camera, 70, 20);
+    EXPECT_NEAR(distance(round), distance(camera), 1e-5);
+    EXPECT_EQ(round.target, camera.target);
+    EXPECT_FALSE(near(round.position, camera.position));
+    EXPECT_TRUE(near(orbit(camera, 360, 0).position, camera.position));
+    const glm::vec3 above = glm::normalize(orbit(camera, 0, 500).position - camera.target);
+    EXPECT_NEAR(std::acos(above.y), glm::radians(1.f), 1e-4);
+    EXPECT_EQ(turn(camera, 30, 10).position, camera.position);
+    EXPECT_NEAR(distance(turn(camera, 30, 10)), distance(camera), 1e-5);
+    for (const Camera& c : {pan(camera, 0.2f, 0.1f), fly(camera, 1, 2, 3)})
+        EXPECT_TRUE(near(c.target - c.position, camera.target - camera.position));
+    EXPECT_NEAR(distance(zoom(camera, 2)), 0.5 * distance(camera), 1e-5);
+    EXPECT_TRUE(throws_error(ErrorKind::user, "factor", [&] { (void)zoom(camera, 0); }));
+}
+
+TEST(CameraControl, PointsLieOnTheFloor) {
+    Scene scene = two_spheres();
+    for (const float parallel : {0.f, 6.f}) {
+        scene.camera->orthographic_height = parallel;
+        const Aovs aovs = Renderer(device(), scene, config.render).aovs();
+        const CameraData data = camera_data(*scene.camera, 1.5f);
+        unsigned floor = 0;
+        for (unsigned i = 0; i < 24 * 16; ++i)
+            if (aovs.primitive[i] < 2) {
+                ++floor;
+                EXPECT_NEAR(point_through(data, i % 24, i / 24, 24, 16, aovs.depth[i]).y, -1.f, 1e-4);
+            }
+        EXPECT_GT(floor, 20u);
+    }
+}
+
+TEST(View, IsTheRenderersPicture) {
+    View view(device(), two_spheres(), config);
+    const auto first = pixels(view);
+    EXPECT_EQ(first, rendered(two_spheres()));
+    run(view, "pause"), run(view, "orbit 30 10");
+    const Frame& paused = view.next_frame();
+    EXPECT_TRUE(paused.complete);
+    EXPECT_GT(paused.spp, 0u);
+    run(view, "pause");
+    EXPECT_NE(pixels(view), first);
+    run(view, "home");
+    EXPECT_EQ(pixels(view), first);
+    for (const char* name : {"depth", "normal", "albedo", "primitive", "heat"}) {
+        run(view, std::string("show ") + name);
+        EXPECT_NE(pixels(view), first) << name;
+    }
+    run(view, "show image"), run(view, "resize 12 10");
+    RenderConfig smaller = config.render;
+    smaller.width = 12, smaller.height = 10;
+    EXPECT_EQ(pixels(view), rendered(two_spheres(), smaller));
+}
+
+TEST(View, EditsAreThoseOfAFreshRenderer) {
+    View view(device(), two_spheres(), config);
+    const auto first = pixels(view);
+    const std::string picked = run(view, "pick 16 8");
+    EXPECT_NE(picked.find("mesh 'ball'"), std::string::npos) << picked;
+    EXPECT_NE(picked.find("material 'red'"), std::string::npos) << picked;
+    for (const char* bad : {"material albedo -1 0 0", "material glow 1 0 0", "light 7 0 0 0", "aperture -1",
+                            "resize 0 4", "time 1", "tone x", "show x", "pick 99 0", "zoom -1"})
+        EXPECT_THROW(run(view, bad), Error) << bad;
+    EXPECT_EQ(pixels(view), first);
+    const unsigned compiled = compile_statistics().compiled;
+    run(view, "material albedo 0.1 0.9 0.2"), run(view, "move 0 1 0"), run(view, "light 0 1 0 0");
+    const auto edited = pixels(view);
+    EXPECT_EQ(compile_statistics().compiled, compiled);
+    Scene changed = two_spheres();
+    changed.materials[1].albedo = {0.1f, 0.9f, 0.2f};
+    changed.instances[2].transform[3].y += 1, changed.lights[0].position.x += 1;
+    EXPECT_EQ(edited, rendered(changed));
+}
+
+TEST(ViewScript, WritesFramesAndNamesTheLine) {
+    const TemporaryFolder folder;
+    View view(device(), two_spheres(), config);
+    const auto play = [&](const char* text) {
+        return run_script(view, folder.file("s.txt", text), folder.path(), [](const std::string&) {});
+    };
+    EXPECT_EQ(play("# tour\n\nframes 2\norbit 9 0\nfinish\nsave last.png\nquit\nfinish\n").frames, 3u);
+    for (const char* name : {"frame-00001.png", "frame-00003.png", "last.png"})
+        EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
+    EXPECT_FALSE(std::filesystem::exists(folder / "frame-00004.png"));
+    EXPECT_TRUE(throws_error(ErrorKind::user, "s.txt:2: ", [&] { play("save never.png\njump\n"); }));
+    EXPECT_TRUE(throws_error(ErrorKind::user, "s.txt:1: ", [&] { play("light 7 0 0 0\nsave never.png\n"); }));
+    EXPECT_FALSE(std::filesystem::exists(folder / "never.png"));
+}
+
+TEST(ViewTerminal, BlocksAndKeys) {
+    const std::vector<std::uint8_t> two = {1, 2, 3, 255, 4, 5, 6, 255};
+    EXPECT_NE(half_blocks({1, 2, two, 1, true}).find("38;2;1;2;3;48;2;4;5;6m\xe2\x96\x80"), std::string::npos);
+    for (const char* key : {"\x1b[A", "\x1b[B", "\x1b[C", "\x1b[D", "w", "a", "s", "d", "q", "e", "+",
+                            "-",      "1",      "2",      "3",      "4", "5", "6", "h", "p", "c", "x"})
+        EXPECT_NO_THROW((void)parse_command(command_of_key(key))) << key;
+    EXPECT_EQ(command_of_key("z"), "");
+}
+
+}  // namespace
+}  // namespace claray::test
