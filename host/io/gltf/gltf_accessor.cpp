@@ -66,7 +66,7 @@ Elements dense_elements(const GltfFile& file, const tinygltf::Accessor& accessor
     constexpr std::size_t most_zeros = std::size_t(1)
                                        << 24;  // no bytes stand for them, so that a typo may ask for any number
     if (accessor.count > most_zeros)
-        file.fail(what + " has " + to_string(accessor.count) + " elements without data; at most 2^24 may be without");
+        file.fail(what + " has " + to_string(accessor.count) + " elements but no data; at most 2^24 may have none");
     if (size_of_component(accessor.componentType) == 0)
         file.fail(what + " has components of the unknown type " + to_string(accessor.componentType));
     return {nullptr, accessor.count, 0, accessor.componentType, accessor.normalized};
