@@ -77,8 +77,7 @@ std::vector<Task> tasks_of(Renderer& renderer, Scene& scene) {
 void report(const Device& device, const Options& options, const std::string& name, measure::Csv& csv) {
     Warnings warnings;
     Scene scene = load_scene(name, warnings);
-    const float aspect = float(options.size.first) / float(options.size.second);
-    if (!scene.camera) scene.camera = automatic_camera(bounds_of(scene), 40.f, aspect);
+    scene.camera = camera_of(scene, float(options.size.first) / float(options.size.second));
     add_lights(scene, options.lights);
     Renderer renderer(device, scene, {.width = options.size.first, .height = options.size.second, .spp = 1});
     renderer.settle();

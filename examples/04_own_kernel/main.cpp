@@ -72,8 +72,7 @@ int main() try {
     const claray::Device device = claray::Device::open();
     const claray::Scene scene = claray::builtin_scene("crate").value();
     const claray::Bvh bvh = claray::Bvh::build(device, scene.meshes);
-    const claray::Camera camera =
-        scene.camera.value_or(claray::automatic_camera(claray::bounds_of(scene), 40.f, 16.f / 9.f));
+    const claray::Camera camera = claray::camera_of(scene, 16.f / 9.f);
 
     // Compiled for this structure's layout; `bvh` stands for all the parameters that CLARAY_BVH_PARAMETERS declares.
     claray::Buffer<float> image(device, width * height);

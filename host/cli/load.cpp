@@ -99,7 +99,7 @@ Scene load(const std::string& name, const LoadOptions& options, const LightOptio
         add_lights(scene, **default_light);
         return scene;
     }
-    const Camera camera = scene.camera.value_or(automatic_camera(bounds_of(scene)));
+    const Camera camera = camera_of(scene);
     const std::size_t lights_before = scene.lights.size();
     const auto line = light_if_dark(scene, camera, aspect);
     if (line) print_warnings({*line + "; choose other light with --light, --sky or --environment"});

@@ -8,9 +8,8 @@ namespace {
 
 std::vector<glm::vec3> by_claray(const NoisyFilm& film) {
     Denoiser denoiser(film.pixels.device(), film.width, film.height);
-    const std::vector<float> values = denoiser.denoise(film.pixels, film.guides, film.spp < 2).read();
-    std::vector<glm::vec3> image(values.size() / 3);
-    for (std::size_t i = 0; i < image.size(); ++i) image[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+    std::vector<glm::vec3> image(film.pixels.size());
+    denoiser.denoise(film.pixels, film.guides, film.spp < 2).read(std::span(&image[0].x, 3 * image.size()));
     return image;
 }
 

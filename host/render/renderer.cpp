@@ -58,7 +58,7 @@ const Scene& checked(const Scene& scene) {
 
 FrameData frame_data(const Scene& scene, const SceneBuffers& buffers, const RenderConfig& config) {
     FrameData frame = frame_without_camera(scene, buffers, config);
-    frame.camera = camera_of(scene, config);
+    frame.camera = camera_data_of(scene, config);
     return frame;
 }
 
@@ -101,9 +101,9 @@ Structure first_structure(const Device& device, const Scene& scene, std::size_t 
 
 }  // namespace
 
-CameraData camera_of(const Scene& scene, const RenderConfig& config) {
+CameraData camera_data_of(const Scene& scene, const RenderConfig& config) {
     const float aspect = float(config.width) / float(config.height);
-    return camera_data(scene.camera ? *scene.camera : automatic_camera(bounds_of(scene), 40.f, aspect), aspect);
+    return camera_data(camera_of(scene, aspect), aspect);
 }
 
 Bvh::Config with_layout(Bvh::Config config, Layout layout) {
@@ -274,24 +274,29 @@ bool Renderer::State::may_follow_paths() const {
     return wavefront.batches_are_small(largest_pass) && claray::may_follow_paths(buffers, plan.last.effects);
 }
 
+PathKernelChoice Renderer::State::choose_path_kernel() const {
+    PathKernelChoice choice;
+    if (may_follow_paths() && wavefront.paths_are_short())
+        choice.name = trace_paths_name;
+    else if (may_finish_paths(buffers, plan.last.effects))
+        choice.name = finish_paths_name;
+    choice.is_cached = choice.name.empty() || is_path_kernel_cached(device, plan.last, config, choice.name);
+    return choice;
+}
+
 /// Decides once, when every pixel was sampled by the scene's own kernels, whether one kernel traces whole paths from
 /// then on, or the last ones of each batch. Loading it takes as long as a short render, and compiling it longer; so it
 /// waits until rendering took as long, which at worst doubles the time.
-void Renderer::State::choose_path_kernel(double patience) {
+void Renderer::State::use_path_kernel(double patience) {
     const double seconds = seconds_since(first_begin);
-    if (seconds < patience / 16) return;
-    const EffectSet effects = plan.last.effects;
-    const bool finishes = may_finish_paths(buffers, effects);
-    if (may_follow_paths() || finishes) {
-        if (!path_kernel_is_cached) path_kernel_is_cached = is_path_kernel_cached(device, plan.last, config);
-        if (!*path_kernel_is_cached && seconds < patience) return;
-        if (may_follow_paths() && wavefront.paths_are_short())
-            wavefront.follow_paths(load_path_kernel(buffers, config.sampler, effects));
-        else if (finishes)
-            wavefront.finish_paths(load_finish_kernel(buffers, config.sampler, effects));
-        remember_path_kernel_as_cached(device, plan.last, config);
-    }
-    chose_path_kernel = true;
+    if ((path_kernel && path_kernel->is_loaded) || seconds < patience / 16) return;
+    if (!path_kernel) path_kernel = choose_path_kernel();
+    if (!path_kernel->is_cached && seconds < patience) return;
+    path_kernel->is_loaded = true;
+    if (path_kernel->name.empty()) return;
+    Kernel kernel = load_path_kernel(buffers, config.sampler, plan.last.effects, path_kernel->name);
+    path_kernel->name == trace_paths_name ? wavefront.follow_paths(kernel) : wavefront.finish_paths(kernel);
+    remember_path_kernel_as_cached(device, plan.last, config, path_kernel->name);
 }
 
 void Renderer::State::adopt(const Structure& other, EffectSet effects) {
@@ -299,7 +304,7 @@ void Renderer::State::adopt(const Structure& other, EffectSet effects) {
     structure.set_cutouts(buffers.textures.cutouts());
     buffers.structure = structure;
     wavefront.take_over(structure, load_kernels(effects));
-    chose_path_kernel = false;
+    path_kernel.reset();
     aovs.reset();
     film.reload_kernels();
 }
@@ -409,7 +414,7 @@ RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>
         state.trace(state.schedule.next(state.paths_of_next_batch(in_flight)), in_flight);
         if (state.first_pixel_seconds == 0) state.first_pixel();
         if (!state.own_kernels) state.take_over_when_compiled();
-        if (state.own_kernels && !state.chose_path_kernel && state.spp() > 0) state.choose_path_kernel(state.patience);
+        if (state.own_kernels && state.spp() > 0) state.use_path_kernel(state.patience);
         if (saves && seconds_since(last_checkpoint) >= state.config.checkpoint_seconds) {
             state.save_checkpoint();
             last_checkpoint = Clock::now();
@@ -430,7 +435,7 @@ void Renderer::restart(std::uint32_t seed, unsigned spp, unsigned max_depth) {
     state.config.seed = seed;
     state.wavefront.set_seed(seed);
     const unsigned wanted = spp == 0 ? state.config.spp : std::min(spp, state.most_spp);
-    if (wanted != state.config.spp) state.config.spp = wanted, state.chose_path_kernel = false;
+    if (wanted != state.config.spp) state.config.spp = wanted, state.path_kernel.reset();
     if (max_depth != 0) state.wavefront.set_max_depth(std::min(max_depth, state.config.max_depth));
     if (max_depth != 0) state.light_cut_off.reset();
     state.discard_samples();
@@ -443,7 +448,7 @@ void Renderer::settle() {
     state.sample_all_pixels();
     if (state.first_pixel_seconds == 0) state.first_pixel();
     if (!state.own_kernels) state.take_over();
-    if (!state.chose_path_kernel) state.choose_path_kernel(0);
+    state.use_path_kernel(0);
     for (int i = 0; i < 2; ++i) {  // drivers compile kernels again for the size of their groups
         state.discard_samples();
         state.sample_all_pixels();

@@ -52,8 +52,14 @@ struct SceneShape {
     std::vector<std::size_t> first_vertices;  // of the meshes of the placed scene
 };
 
-[[nodiscard]] CameraData camera_of(const Scene& scene, const RenderConfig& config);
+[[nodiscard]] CameraData camera_data_of(const Scene& scene, const RenderConfig& config);
 [[nodiscard]] Bvh::Config with_layout(Bvh::Config config, Layout layout);
+
+/// The kernel that follows whole paths, or the last ones of each batch.
+struct PathKernelChoice {
+    std::string name;  // empty: none
+    bool is_cached = false, is_loaded = false;
+};
 
 struct Renderer::State {
     using Clock = std::chrono::steady_clock;
@@ -69,8 +75,9 @@ struct Renderer::State {
     void take_over();
     void refuse_with_checkpoints(const char* what) const;
     [[nodiscard]] bool may_follow_paths() const;
-    /// `patience`: seconds of rendering before the kernel of whole paths may be compiled.
-    void choose_path_kernel(double patience);
+    [[nodiscard]] PathKernelChoice choose_path_kernel() const;
+    /// `patience`: seconds of rendering before the kernel that follows paths may be compiled.
+    void use_path_kernel(double patience);
     void sample_all_pixels();
     void adopt(const Structure& other, EffectSet effects);
     void save_checkpoint();
@@ -111,9 +118,9 @@ struct Renderer::State {
     double first_pixel_seconds = 0, first_pixel_processor_seconds = 0;
     std::uint32_t culled = 0;
     unsigned own_kernels_from = 0;
-    bool own_kernels = false, chose_path_kernel = false;
-    std::optional<bool> path_kernel_is_cached;  // once determined
-    double milliseconds_before;                 // of the device, used before this render
+    bool own_kernels = false;
+    std::optional<PathKernelChoice> path_kernel;  // once every pixel was sampled
+    double milliseconds_before;                   // of the device, used before this render
     Structure structure;
     double build_milliseconds;
     SceneBuffers buffers;

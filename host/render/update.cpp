@@ -60,6 +60,13 @@ bool same(const MeshInstance& a, const MeshInstance& b) {
     return a.mesh == b.mesh && a.transform == b.transform && a.transform_end == b.transform_end;
 }
 
+/// Calls `function` with the scene in which every instance is placed; without instances that is the scene itself.
+template <class Function>
+void with_placed(const Scene& scene, const Function& function) {
+    if (scene.instances.empty()) return function(scene);
+    function(place_instances(scene).scene);
+}
+
 bool is_mirror(const glm::mat4& transform) { return glm::determinant(glm::dmat3(transform)) < 0; }
 
 }  // namespace
@@ -145,21 +152,21 @@ void Renderer::State::move(const Scene& scene, const SceneChanges& changes) {
     if (!moved) return rebuild_scene(scene);
     if (changes.instances) shape.instances = scene.instances;
     if (!shines && has_lights(buffers.lights)) buffers.replace_lights(scene);  // hot spots follow surfaces
-    if (shines) buffers.replace_materials(scene.instances.empty() ? scene : place_instances(scene).scene);
+    if (shines) with_placed(scene, [&](const Scene& placed) { buffers.replace_materials(placed); });
 }
 
 void Renderer::State::update(const Scene& scene, const SceneChanges& changes) {
-    if (changes.camera && scene.camera) wavefront.set_camera(camera_of(scene, config));
+    if (changes.camera && scene.camera) wavefront.set_camera(camera_data_of(scene, config));
     if (changes.sky) wavefront.set_sky(sky_data(scene));
     if (changes.instances || changes.vertices) move(scene, changes);
     EffectSet effects = with_parts(buffers.effects, scene, changes);
     if (changes.materials) {
-        const Scene placed = scene.instances.empty() ? Scene() : place_instances(scene).scene;
-        const Scene& world = scene.instances.empty() ? scene : placed;
-        buffers.replace_materials(world);
-        effects = effects_of(world);
-    }
-    if (changes.lights && !changes.materials) buffers.replace_lights(scene);
+        with_placed(scene, [&](const Scene& placed) {
+            buffers.replace_materials(placed);
+            effects = effects_of(placed);
+        });
+    } else if (changes.lights)
+        buffers.replace_lights(scene);
     buffers.effects = effects | buffers.effects_of_tables();
     wavefront.replace_scene(buffers);
     support(buffers.effects);

@@ -101,31 +101,19 @@ double path_kernel_patience(const Device& device) {
     return device.tuning(path_kernel_stem, "PATIENCE_MILLISECONDS") * 1e-3;
 }
 
-namespace {
+bool may_finish_paths(const SceneBuffers& scene, EffectSet effects) {
+    return may_follow_paths(scene, effects) && most_last_paths(scene.structure.device()) > 0;
+}
 
-/// `file`: a kernel that follows paths.
-Kernel load_following(const SceneBuffers& scene, Sampler sampler, EffectSet effects, const char* name) {
+/// From render/trace_paths.cl or render/finish_paths.cl.
+Kernel load_path_kernel(const SceneBuffers& scene, Sampler sampler, EffectSet effects, const std::string& name) {
     const Structure& structure = scene.structure;
     Defines defines = defines_for(scene, sampler, effects, Stage::shade);
     append(defines, defines_of(effects, Stage::generate));
     append(defines, structure.bvh().defines());
     append(defines, macros_of_shading(structure.device()));
     if (scene.textures.culls_back_faces) defines.emplace_back("CULL_BACK_FACES", "1");
-    return load_kernel(structure.device(), std::string("render/") + name + ".cl", name, defines);
-}
-
-}  // namespace
-
-Kernel load_path_kernel(const SceneBuffers& scene, Sampler sampler, EffectSet effects) {
-    return load_following(scene, sampler, effects, trace_paths_name);  // render/trace_paths.cl
-}
-
-bool may_finish_paths(const SceneBuffers& scene, EffectSet effects) {
-    return may_follow_paths(scene, effects) && most_last_paths(scene.structure.device()) > 0;
-}
-
-Kernel load_finish_kernel(const SceneBuffers& scene, Sampler sampler, EffectSet effects) {
-    return load_following(scene, sampler, effects, finish_paths_name);  // render/finish_paths.cl
+    return load_kernel(structure.device(), "render/" + name + ".cl", name, defines);
 }
 
 Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const FrameData& frame, WavefrontKernels kernels,

@@ -54,12 +54,11 @@ struct WavefrontKernels {
 [[nodiscard]] bool may_follow_paths(const SceneBuffers& scene, EffectSet effects);
 /// Approximate time to compile it, in seconds.
 [[nodiscard]] double path_kernel_patience(const Device& device);
-/// See `Wavefront::follow_paths`.
-[[nodiscard]] Kernel load_path_kernel(const SceneBuffers& scene, Sampler sampler, EffectSet effects);
 /// Returns whether the kernel that follows the last paths (render/finish_paths.cl) may pay.
 [[nodiscard]] bool may_finish_paths(const SceneBuffers& scene, EffectSet effects);
-/// See `Wavefront::finish_paths`.
-[[nodiscard]] Kernel load_finish_kernel(const SceneBuffers& scene, Sampler sampler, EffectSet effects);
+/// Loads a kernel for `Wavefront::follow_paths` or `finish_paths`. `name`: `trace_paths_name` or `finish_paths_name`.
+[[nodiscard]] Kernel load_path_kernel(const SceneBuffers& scene, Sampler sampler, EffectSet effects,
+                                      const std::string& name);
 
 class Wavefront {
 public:

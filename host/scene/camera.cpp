@@ -35,6 +35,10 @@ Camera automatic_camera(const Bounds& bounds, float vertical_fov, float aspect) 
     return camera;
 }
 
+Camera camera_of(const Scene& scene, float aspect) {
+    return scene.camera ? *scene.camera : automatic_camera(bounds_of(scene), 40.f, aspect);
+}
+
 /// By Rodrigues' formula.
 Camera orbited(const Camera& camera, float degrees) {
     const glm::dvec3 axis = glm::normalize(glm::dvec3(camera.up));

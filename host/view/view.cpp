@@ -22,8 +22,7 @@ constexpr float most_pixels_a_side = 16384;
 }
 
 Scene with_camera(Scene scene, const RenderConfig& config) {
-    const float aspect = float(config.width) / float(config.height);
-    if (!scene.camera) scene.camera = automatic_camera(bounds_of(scene), 40.f, aspect);
+    scene.camera = camera_of(scene, float(config.width) / float(config.height));
     return scene;
 }
 

@@ -154,8 +154,7 @@ FramesReport render_frames(const Device& device, const Scene& scene, const Rende
         throw Error(ErrorKind::user, "interrupted before the first frame");
     pick(all, plan.config, budget, plan.picks);
     unsigned last_late = 0;
-    const float aspect = float(config.width) / float(config.height);
-    const Camera camera = scene.camera ? *scene.camera : automatic_camera(bounds_of(scene), 40.f, aspect);
+    const Camera camera = camera_of(scene, float(config.width) / float(config.height));
     for (unsigned i = 1; i <= wanted.frames; ++i) {
         const auto degrees = float(wanted.orbit * i / wanted.frames);
         report.seconds.push_back(wanted.orbit != 0 ? all.next(orbited(camera, degrees)) : all.next());

@@ -127,7 +127,7 @@ std::vector<Ray> rays_of_scene(const Device& device, const Scene& scene, std::sp
                                std::size_t count) {
     Scene world;
     world.meshes.assign(meshes.begin(), meshes.end());
-    const Camera camera = scene.camera ? *scene.camera : automatic_camera(bounds_of(scene));
+    const Camera camera = camera_of(scene);
     const auto side = unsigned(std::max(1.0, std::sqrt(double(count) / 2)));
     measure::RaySets sets = measure::make_rays(device, world, {{camera, camera.position}}, side, side);
     sets.primary.insert(sets.primary.end(), sets.bounce.begin(), sets.bounce.end());

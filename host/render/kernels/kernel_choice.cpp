@@ -21,8 +21,8 @@ EffectSet effects_of_stage(EffectSet effects, Stage stage) {
     return of_stage;
 }
 
-/// A digest of everything that the kernels depend on. `part`: "all" kernels, "trace" for queries and tree, or "paths"
-/// for the kernel of whole paths.
+/// A digest of everything that the kernels depend on. `part`: "all" kernels, "trace" for queries and tree, or the name
+/// of a kernel that follows paths.
 std::string key_of(const Device& device, const KernelChoice& choice, const RenderConfig& config,
                    const std::string& part) {
     const DeviceInfo& info = device.info();
@@ -56,12 +56,14 @@ void remember_as_cached(const Device& device, const KernelChoice& choice, const 
     for (const char* part : {"all", "trace"}) remember(device, choice, config, part);
 }
 
-bool is_path_kernel_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config) {
-    return load_cached_program(key_of(device, choice, config, "paths")).has_value();
+bool is_path_kernel_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config,
+                           const std::string& name) {
+    return load_cached_program(key_of(device, choice, config, name)).has_value();
 }
 
-void remember_path_kernel_as_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config) {
-    remember(device, choice, config, "paths");
+void remember_path_kernel_as_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config,
+                                    const std::string& name) {
+    remember(device, choice, config, name);
 }
 
 void compile_once(const Device& device, const KernelChoice& choice, const RenderConfig& config,

@@ -34,8 +34,10 @@ void compile_once(const Device& device, const KernelChoice& choice, const Render
 /// Records this, also for the tracing kernels, which other scenes share.
 void remember_as_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config);
 
-/// The same for the kernel of whole paths, which only some renders use.
-[[nodiscard]] bool is_path_kernel_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config);
-void remember_path_kernel_as_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config);
+/// The same for a kernel that follows paths, which only some renders use.
+[[nodiscard]] bool is_path_kernel_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config,
+                                         const std::string& name);
+void remember_path_kernel_as_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config,
+                                    const std::string& name);
 
 }  // namespace claray
