@@ -181,7 +181,8 @@ float plant_grid(const Scene& scene, Lights& lights) {
 /// Near lights, far ones, and those of the grid; black ones are left out.
 void collect_punctual(const Scene& scene, Lights& lights) {
     std::map<std::size_t, HotSpotPlace> places;
-    for (const HotSpotPlace& place : find_hot_spots(scene)) places[place.light] = place;
+    if (lights.selection.hot_spots)
+        for (const HotSpotPlace& place : find_hot_spots(scene)) places[place.light] = place;
     const float longest = plant_grid(scene, lights);
     enum Group { near, far, of_grid };
     const auto group_of = [&](const PunctualLight& light) {

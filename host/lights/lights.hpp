@@ -15,6 +15,7 @@ struct LightSelection {
     /// grid.
     double most_per_cell = 128;
     unsigned most_points = 1024;  ///< see mean_texel
+    bool hot_spots = true;
 };
 
 /// Host data of a scene's lights. Arrays that the scene does not need are empty.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -106,6 +107,11 @@ CameraData camera_data_of(const Scene& scene, const RenderConfig& config) {
     return camera_data(camera_of(scene, aspect), aspect);
 }
 
+LightSelection selection_of_lights(const RenderConfig& config) {
+    if (!config.approximate.tile_sum) return {};
+    return {.for_a_tree = std::numeric_limits<std::size_t>::max(), .most_per_cell = 0, .hot_spots = false};
+}
+
 Bvh::Config with_layout(Bvh::Config config, Layout layout) {
     config.layout = layout;
     return config;
@@ -122,7 +128,7 @@ Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig&
       milliseconds_before(kernel_milliseconds(on)),
       structure(first_structure(on, scene, baked, plan, with.bvh)),
       build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
-      buffers(on, scene, structure, config.effects.add),
+      buffers(on, scene, structure, config.effects.add, selection_of_lights(with)),
       wavefront(on, buffers, frame_data(scene, buffers, with), load_kernels(plan.first.effects),
                 std::uint64_t(pixels()) * with.spp),
       film(on, pixels(), tells_error(with)),
@@ -133,7 +139,8 @@ Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig&
 }
 
 WavefrontKernels Renderer::State::load_kernels(EffectSet effects) const {
-    const auto load = [&] { return WavefrontKernels(buffers, config.sampler, effects); };
+    const PathTask task = config.approximate.tile_sum ? PathTask::sum_tiles : PathTask::render;
+    const auto load = [&] { return WavefrontKernels(buffers, config.sampler, effects, task); };
     const auto load_all = [&] {
         (void)load();
         (void)Film::Kernels(device);
@@ -276,7 +283,9 @@ bool Renderer::State::may_follow_paths() const {
 
 PathKernelChoice Renderer::State::choose_path_kernel() const {
     PathKernelChoice choice;
-    if (may_follow_paths() && wavefront.paths_are_short())
+    if (config.approximate.tile_sum)
+        choice.name = "";
+    else if (may_follow_paths() && wavefront.paths_are_short())
         choice.name = trace_paths_name;
     else if (may_finish_paths(buffers, plan.last.effects))
         choice.name = finish_paths_name;

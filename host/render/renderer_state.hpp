@@ -53,6 +53,8 @@ struct SceneShape {
 };
 
 [[nodiscard]] CameraData camera_data_of(const Scene& scene, const RenderConfig& config);
+/// How the lights are picked; sums over tiles pick none.
+[[nodiscard]] LightSelection selection_of_lights(const RenderConfig& config);
 [[nodiscard]] Bvh::Config with_layout(Bvh::Config config, Layout layout);
 
 /// The kernel that follows whole paths, or the last ones of each batch.

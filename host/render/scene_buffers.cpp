@@ -95,8 +95,11 @@ SceneBuffers::TableWriter SceneBuffers::tables_of_lights() {
     return writer;
 }
 
-SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Structure& with, EffectSet added)
-    : structure(with), effects(effects_of(scene)), on_host_(std::make_shared<Lights>(collect_lights(scene))) {
+SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Structure& with, EffectSet added,
+                           const LightSelection& selection)
+    : structure(with),
+      effects(effects_of(scene)),
+      on_host_(std::make_shared<Lights>(collect_lights(scene, selection))) {
     textures = Textures(device, scene, !(added & EffectSet{Effect::cut_outs, Effect::culling}).empty());
     structure.set_cutouts(textures.cutouts());
     const TableWriter meshes = tables_of_meshes(scene), materials = tables_of_materials(scene),

@@ -11,7 +11,8 @@ namespace claray {
 
 struct SceneBuffers {
     /// Uploads the data that the scene needs. `added`: effects that kernels support in addition.
-    SceneBuffers(const Device& device, const Scene& scene, const Structure& structure, EffectSet added = {});
+    SceneBuffers(const Device& device, const Scene& scene, const Structure& structure, EffectSet added = {},
+                 const LightSelection& selection = {});
 
     Structure structure;  // shares its positions and indices
     /// Replaces the lights of all kinds in the list of claray/shared/lights.h. Nothing else is uploaded.

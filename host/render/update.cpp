@@ -97,7 +97,7 @@ void Renderer::State::support(EffectSet effects) {
 void Renderer::State::rebuild_scene(const Scene& scene) {
     PlacedScene placed = place_instances(scene);
     structure = Structure(device, placed.scene, placed.baked, with_layout(config.bvh, plan.last.layout));
-    buffers = SceneBuffers(device, placed.scene, structure, config.effects.add);
+    buffers = SceneBuffers(device, placed.scene, structure, config.effects.add, selection_of_lights(config));
     shape = SceneShape(scene, placed.scene, std::move(placed.places), std::move(placed.numbers));
     wavefront.replace_scene(buffers);
     plan = plan_kernels(device, buffers.effects, config);

@@ -55,7 +55,7 @@ Defines macros_of_shading(const Device& device) {
 
 }  // namespace
 
-WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, EffectSet with, bool baking)
+WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, EffectSet with, PathTask task)
     : effects(with) {
     const Device& device = scene.structure.device();
     const auto defines = [&](Stage stage) { return defines_for(scene, sampler, effects, stage); };
@@ -63,6 +63,7 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, E
     coherent.coherence = Coherence::coherent, incoherent.coherence = Coherence::incoherent;
     coherent.cull_back_faces = incoherent.cull_back_faces = shadow.cull_back_faces = scene.textures.culls_back_faces;
     Defines shading = defines(Stage::shade);
+    const bool baking = task == PathTask::bake;
     if (baking) shading.emplace_back("BAKE", "1");
     // On CPUs the binary tree is used for a quick start, when long compilation does not pay.
     const Structure& structure = scene.structure;
@@ -70,9 +71,14 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, E
     generate = baking ? load_kernel(device, "render/generate_texels.cl", "generate_texels")
                       : load_kernel(device, "render/generate_rays.cl", "generate_rays", defines(Stage::generate));
     trace_camera = SceneQuery(scene.structure, QueryKernel::Kind::closest, coherent, trace_camera_name);
+    empty_queues = load_kernel(device, "render/empty_queues.cl", "empty_queues");
+    if (task == PathTask::sum_tiles) {
+        append(shading, macros_of_shading(device));
+        tile_sum.emplace(scene, shading);
+        return;
+    }
     trace_bounce = SceneQuery(scene.structure, QueryKernel::Kind::closest, incoherent, trace_bounce_name);
     shade = load_kernel(device, "render/shade_surface.cl", "shade_surface", shading);
-    empty_queues = load_kernel(device, "render/empty_queues.cl", "empty_queues");
     traces_shadows = has_lights(scene.lights);
     if (!traces_shadows) return;
     adds_light = !structure.instanced() && structure.bvh().layout() == Layout::binary &&
@@ -210,7 +216,16 @@ void Wavefront::trace(const Batch& batch) {
         return;
     }
     generate(batch, false);
-    trace_stages(batch, false);
+    kernels_.tile_sum ? sum_tiles(batch) : trace_stages(batch, false);
+}
+
+/// Camera rays only.
+void Wavefront::sum_tiles(const Batch& batch) {
+    const std::uint32_t paths = batch.pixels * batch.samples;
+    camera_rays_ += paths;
+    kernels_.trace_camera.closest(rays_[0], hits_, paths, lengths_[0], times_[0]);
+    kernels_.tile_sum->run(step_of(batch, 0, paths), scene_, rays_[0], queues_[0], hits_, radiance_);
+    empty_queues(totals_);
 }
 
 void Wavefront::trace_from(const Buffer<Hit>& points, const Batch& batch) {
@@ -321,6 +336,7 @@ void Wavefront::follow(const Batch& batch, std::uint32_t limit_of_depth, Carried
 /// of the remaining throughput, which is assumed to carry as much light per throughput as at the limit: missing =
 /// beyond + missing * left / dropped. This is exact if light falls by the same factor at each bounce.
 double Wavefront::cut_off() const {
+    if (kernels_.tile_sum) return 0;  // which answers for the first surface only
     constexpr std::uint32_t most_side = 128, paths = most_side * most_side;
     constexpr double slowest_fall = 0.99;  // the estimate is at most 100 times the light found
     constexpr double least_share = 1e-5;   // smallest share that so few paths can resolve

@@ -8,6 +8,7 @@
 #include "claray/query.hpp"
 #include "claray/renderer.hpp"
 #include "claray/shared/path.h"
+#include "host/render/deferred/tile_sum.hpp"
 #include "host/render/scene_buffers.hpp"
 
 namespace claray {
@@ -34,12 +35,18 @@ FrameData frame_without_camera(const Scene& scene, const SceneBuffers& buffers, 
     return frame;
 }
 
+/// What paths are for.
+enum class PathTask {
+    render,
+    bake,      ///< for Wavefront::trace_from
+    sum_tiles  ///< Approximations::tile_sum
+};
+
 /// The stages' kernels for a set of effects, which may be larger than the scene's: effects that the scene does not have
 /// change no bit of the image.
 struct WavefrontKernels {
     WavefrontKernels() = default;
-    /// `baking`: for Wavefront::trace_from.
-    WavefrontKernels(const SceneBuffers& scene, Sampler sampler, EffectSet effects, bool baking = false);
+    WavefrontKernels(const SceneBuffers& scene, Sampler sampler, EffectSet effects, PathTask task = PathTask::render);
 
     EffectSet effects;
     Kernel generate, shade, empty_queues;
@@ -47,6 +54,7 @@ struct WavefrontKernels {
     bool adds_light = false;  // shadow rays add their light
     bool traces_shadows = false;
     SceneQuery trace_camera, trace_bounce, trace_shadow;
+    std::optional<TileSum> tile_sum;  // in place of shading, bounces and shadows
 };
 
 /// Returns whether the kernel of whole paths (render/trace_paths.cl) may pay: the device is suitable and the effects
@@ -84,7 +92,7 @@ public:
     [[nodiscard]] EffectSet kernel_effects() const { return kernels_.effects; }
     /// Returns whether the kernels support these effects and, if the scene is `lit`, shadow rays.
     [[nodiscard]] bool supports(EffectSet effects, bool lit) const {
-        return kernels_.effects.contains(effects) && (!lit || kernels_.traces_shadows);
+        return kernels_.effects.contains(effects) && (!lit || kernels_.traces_shadows || kernels_.tile_sum);
     }
     /// Makes one kernel follow the last paths of a batch to their ends, until `take_over`. The radiance is the same bit
     /// for bit.
@@ -123,6 +131,7 @@ private:
     void make_room(std::uint32_t paths);
     void generate(const Batch& batch, bool centers);
     void trace_paths(const Batch& batch);
+    void sum_tiles(const Batch& batch);
     void trace_stages(const Batch& batch, bool arrived);
     void trace_last_paths(const Batch& batch, std::uint32_t depth, std::uint32_t limit);
     [[nodiscard]] std::uint32_t waves() const;

@@ -30,6 +30,22 @@ void require_oidn();
 
 inline constexpr unsigned default_max_depth = 128;
 
+/// Cheaper answers to what light arrives at a surface. Each changes the image: `claray accuracy --only bias` shows by
+/// how much.
+struct Approximations {
+    /// Camera rays end at their first surface. There all lights without extent are summed up, without shadows, from
+    /// lists of those that reach the surfaces of 16x16 pixels. Nothing else lights surfaces: no lamp, no sky, no other
+    /// surface. As deferred shading does it, for very many lights that move.
+    bool tile_sum = false;
+
+    bool operator==(const Approximations&) const = default;
+    [[nodiscard]] bool any() const { return *this != Approximations{}; }
+};
+/// Returns the names of those that are used, separated by commas: "tile-sum"; "nothing" if none is.
+[[nodiscard]] std::string to_string(const Approximations& approximations);
+/// Parses such names. Throws ErrorKind::usage for an unknown one.
+[[nodiscard]] Approximations parse_approximations(const std::string& text);
+
 struct RenderConfig {
     unsigned width = 512, height = 512;  ///< pixels, 1 to 2^14 each
     unsigned spp = 64;                   ///< samples per pixel at which rendering stops, >= 1
@@ -45,6 +61,7 @@ struct RenderConfig {
     Sampler sampler = Sampler::sobol;
     Bvh::Config bvh = {.builder = Builder::balanced};  ///< the longer build pays off within a few samples
     EffectOverrides effects = {};                      ///< for experiments; effects are derived from the scene
+    Approximations approximate = {};                   ///< none: the image has no error but noise
     /// Path of the program `claray`, to compile kernels in the background while other kernels already render; empty:
     /// rendering starts after the scene's own kernels are compiled. The image is the same.
     std::string compiler = {};

@@ -32,6 +32,15 @@ void add_size_option(CLI::App& command, unsigned& width, unsigned& height, const
         "--size", [&](const std::string& text) { std::tie(width, height) = parse_size(text); }, description);
 }
 
+void add_approximate_option(CLI::App& command, Approximations& approximate) {
+    command
+        .add_option_function<std::string>(
+            "--approximate", [&](const std::string& text) { approximate = parse_approximations(text); },
+            "Cheaper answers, which change the image: tile-sum (all lights without extent at the\n"
+            "first surface, without shadows and nothing else, as deferred shading does it)")
+        ->type_name("NAME,...");
+}
+
 FrameRange parse_frames(const std::string& text) {
     constexpr unsigned most = 1'000'000;
     const std::size_t dots = text.find("..");

@@ -45,6 +45,9 @@ inline constexpr const char* aov_names[] = {"depth", "normal", "albedo", "primit
 /// --size WIDTHxHEIGHT, each 1 .. 16384.
 void add_size_option(CLI::App& command, unsigned& width, unsigned& height, const char* description);
 
+/// --approximate NAME,NAME...
+void add_approximate_option(CLI::App& command, Approximations& approximate);
+
 /// "0..47" -> {0, 47}. Throws ErrorKind::usage for other text and for more than a million frames.
 [[nodiscard]] FrameRange parse_frames(const std::string& text);
 

@@ -121,7 +121,8 @@ std::string size_of(std::uint32_t width, std::uint32_t height) {
 RenderIdentity identity_of(const Scene& scene, const RenderConfig& config) {
     RenderIdentity identity{config.width, config.height, tells_error(config), digest_of(scene), {}, {}};
     const std::string settings = std::to_string(config.seed) + ' ' + std::to_string(config.max_depth) + ' ' +
-                                 std::to_string(int(config.sampler)) + ' ' + to_string(config.effects.remove);
+                                 std::to_string(int(config.sampler)) + ' ' + to_string(config.effects.remove) + ' ' +
+                                 to_string(config.approximate);
     identity.settings = digest_of(settings.data(), settings.size());
     Hasher kernels;
     for (const KernelSource& source : kernel_sources()) {

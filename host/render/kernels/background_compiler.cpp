@@ -45,13 +45,15 @@ private:
 
 std::vector<std::string> command_line(const std::string& program, const Device& device, const KernelChoice& choice,
                                       const RenderConfig& config) {
-    return {program,         "compile",
-            "--quiet",       "--and-generic",
-            "--device",      std::to_string(device.info().index),
-            "--effects",     to_string(choice.effects),
-            "--layout",      choice.layout == Layout::wide ? "wide" : "binary",
-            "--morton-bits", std::to_string(config.bvh.morton_bits),
-            "--builder",     traits_of(config.bvh.builder).name};
+    std::vector<std::string> line = {program,         "compile",
+                                     "--quiet",       "--and-generic",
+                                     "--device",      std::to_string(device.info().index),
+                                     "--effects",     to_string(choice.effects),
+                                     "--layout",      choice.layout == Layout::wide ? "wide" : "binary",
+                                     "--morton-bits", std::to_string(config.bvh.morton_bits),
+                                     "--builder",     traits_of(config.bvh.builder).name};
+    if (config.approximate.any()) line.insert(line.end(), {"--approximate", to_string(config.approximate)});
+    return line;
 }
 
 /// On Linux threads have priorities, and a process inherits that of the thread that starts it (setpriority(2)).

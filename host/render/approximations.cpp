@@ -1,0 +1,37 @@
+// The names of approximations.
+#include <sstream>
+#include <utility>
+
+#include "claray/renderer.hpp"
+
+namespace claray {
+namespace {
+
+constexpr std::pair<const char*, bool Approximations::*> approximation_names[] = {{"tile-sum", &Approximations::tile_sum}};
+
+}  // namespace
+
+std::string to_string(const Approximations& approximations) {
+    std::string text;
+    for (const auto& [name, member] : approximation_names)
+        if (approximations.*member) text += (text.empty() ? "" : ",") + std::string(name);
+    return text.empty() ? "nothing" : text;
+}
+
+Approximations parse_approximations(const std::string& text) {
+    Approximations found;
+    if (text == "nothing") return found;
+    std::istringstream items(text + ',');
+    for (std::string item; std::getline(items, item, ',');) {
+        bool known = false;
+        for (const auto& [name, member] : approximation_names)
+            if (item == name) found.*member = known = true;
+        if (known) continue;
+        Approximations all;
+        for (const auto& [name, member] : approximation_names) all.*member = true;
+        throw Error(ErrorKind::usage, "there is no approximation '" + item + "'", "there are: " + to_string(all));
+    }
+    return found;
+}
+
+}  // namespace claray

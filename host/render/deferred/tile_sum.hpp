@@ -1,0 +1,31 @@
+// Approximations::tile_sum: direct light without shadows at the first surfaces, summed over the lists of tiles
+// (kernels/deferred). Lists are made anew for each batch, so that lights and cameras may move.
+#pragma once
+
+#include "claray/program.hpp"
+#include "claray/shared/tiles.h"
+#include "host/render/scene_buffers.hpp"
+
+namespace claray {
+
+class TileSum {
+public:
+    /// `shading`: defines of the stages that shade.
+    TileSum(const SceneBuffers& scene, const Defines& shading);
+
+    /// Replaces the radiance of a batch's paths. `hits`: those of the camera rays in `rays`, the first array of
+    /// `queue`. Asynchronous.
+    void run(const Step& step, const SceneBuffers& scene, const Buffer<Ray>& rays, const Buffer<RayQueue>& queue,
+             const SceneHits& hits, const Buffer<float>& radiance);
+
+private:
+    void make_room(const TileGrid& grid);
+
+    Device device_;
+    std::uint32_t most_per_tile_, most_per_block_;
+    Kernel bound_, list_, sum_;
+    Buffer<TileBox> boxes_;
+    Buffer<std::uint32_t> block_lists_, lists_;
+};
+
+}  // namespace claray

@@ -1,0 +1,90 @@
+// Direct light of all lights without extent, without shadows, at the first surfaces of camera rays: each pixel sums over the list of
+// its tile (list_lights.cl).
+#include "deferred/tiles.clh"
+#include "render/queue.clh"
+#include "render/shade_hit.clh"
+
+#ifndef GROUP_SIZE
+#define GROUP_SIZE 64
+#endif
+
+/// The light of one light that the surface reflects to the viewer.
+static inline float3 reflected_light(const ShadingPoint* at, float3 from, PunctualLight light) {
+    LightView view;
+#if PUNCTUAL_LIGHTS
+    if (!view_punctual_light(light, 1.0f, from, (float2)(0.0f), &view)) return (float3)(0.0f);
+#else
+    return (float3)(0.0f);
+#endif
+    bool viewers_side = dot(view.direction, at->surface.geometric) > 0.0f;
+#if NORMALS
+    // As in view_light_beside: rounded surfaces are lit as far as their normals allow.
+    viewers_side |= largest(fabs(at->surface.lift)) > 0.0f && dot(view.direction, at->surface.shading) > 0.0f;
+#endif
+    if (!viewers_side && !is_translucent(&at->material)) return (float3)(0.0f);
+    const float3 incoming = to_local(at->frame, view.direction);
+    if (is_above(&at->material, incoming) != viewers_side) return (float3)(0.0f);
+    float pdf;
+    return eval_bsdf(&at->material, &at->view, incoming, &pdf) * view.radiance;
+}
+
+/// The light that the surface reflects to the viewer, of all lights of a list.
+static inline float3 sum_of_list(const Lights* lights, TileLights list, float3 from, const ShadingPoint* at) {
+    float3 sum = (float3)(0.0f);
+    for (uint i = 0; i < list.count; ++i) sum += reflected_light(at, from, lights->punctual[light_in_list(list, i)]);
+    return sum;
+}
+
+/// Follows a path to its first surface. Returns false if no light is reflected there; else `at` is ready to reflect it.
+static inline bool arrive_first(const Step* step, const Lights* lights, SCENE_PARAMETERS, global const RayQueue* queue,
+                                global const SceneHit* hits, uint path, float3* radiance, ShadingPoint* at) {
+    const Ray ray = queued_ray((global const Ray*)queue + path);
+    float time = 0.0f;
+#if INSTANCE_MOTION
+    time = times_of_queue((global RayQueue*)queue, step->room)[path];
+#endif
+    PathState state = first_state(path);
+    if (!arrive(step, lights, 0, SCENE, ray, hits[path], time, camera_cone(&step->frame), 0, &state, radiance, at)) return false;
+    if (is_delta(&at->material)) return false;
+    const SurfaceSamples samples = samples_at(samples_of(step->batch, path, step->frame.seed), 0);
+    float lobe;
+    prepare_shading(&step->frame, SCENE, &samples, (float3)(-ray.dx, -ray.dy, -ray.dz), at, &lobe);
+    return true;
+}
+
+#if CLARAY_CPU
+#include "deferred/sum_sixteen.clh"
+
+/// One work-item per tile.
+kernel void sum_lights(Step step, SCENE_PARAMETERS, TileGrid tiles, global const uint* block_lists, global const uint* lists,
+                       global const RayQueue* queue, global const SceneHit* hits, global float* radiance) {
+    const uint tile = get_global_id(0);
+    if (tile >= tiles.columns * tiles.rows) return;
+    const Lights lights = lights_of(&step.frame, SCENE);
+    const TileLights list = lights_of_tile(&tiles, lists, block_lists, tile);
+    for (uint row = 0; row < CLARAY_TILE; ++row) {
+        const PathRange paths = paths_of_row(&step, &tiles, tile, row);
+        for (uint first = paths.first; first < paths.end; first += 16)
+            sum_sixteen(&step, &lights, SCENE, list, queue, hits, first, min(first + 16, paths.end), radiance);
+    }
+}
+#else
+/// One work-item per path, tile by tile.
+kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
+void sum_lights(Step step, SCENE_PARAMETERS, TileGrid tiles, global const uint* block_lists, global const uint* lists,
+                global const RayQueue* queue, global const SceneHit* hits, global float* radiance) {
+    const uint per_row = CLARAY_TILE * step.batch.samples, item = get_global_id(0);
+    const uint tile = item / (CLARAY_TILE * per_row);
+    if (tile >= tiles.columns * tiles.rows) return;
+    const PathRange paths = paths_of_row(&step, &tiles, tile, item / per_row % CLARAY_TILE);
+    const uint path = paths.first + item % per_row;
+    if (path >= paths.end) return;
+    const Lights lights = lights_of(&step.frame, SCENE);
+    float3 sum;
+    ShadingPoint at;
+    if (arrive_first(&step, &lights, SCENE, queue, hits, path, &sum, &at))
+        sum += sum_of_list(&lights, lights_of_tile(&tiles, lists, block_lists, tile),
+                           met_point(queued_ray((global const Ray*)queue + path), hits[path].t), &at);
+    vstore3(sum, path, radiance);
+}
+#endif
