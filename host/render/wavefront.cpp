@@ -204,8 +204,9 @@ bool Wavefront::paths_are_short() const {
 
 void Wavefront::generate(const Batch& batch, bool centers) {
     const std::uint32_t paths = batch.pixels * batch.samples;
+    const std::uint32_t items = device_.info().type == DeviceType::cpu ? (paths + 15) / 16 : paths;
     lengths_[0].fill(paths);
-    kernels_.generate.run({paths, 64}, batch, frame_, std::uint32_t(centers), rays_[0], arg("radiance", radiance_),
+    kernels_.generate.run({items, 64}, batch, frame_, std::uint32_t(centers), rays_[0], arg("radiance", radiance_),
                           arg("times", times_[0]));
 }
 

@@ -29,7 +29,7 @@ kernel void guide_rays(GuideStep guide, global const uint* list, global Ray* ray
     const uint i = get_global_id(0);
     if (i >= guide.step.capacity) return;
     float time = 0.0f;
-    store_ray(&rays[i], first_ray(sample_of(&guide, i, list), guide.step.frame, 0u, false, &time));
+    store_ray(&rays[i], first_ray(sample_of(&guide, i, list), &guide.step.frame, 0u, &time));
 #if INSTANCE_MOTION
     times[i] = time;
 #endif
