@@ -119,6 +119,7 @@ int main(int argc, char** argv) try {
     if (!options.camera.empty()) scene.camera->position = vector(options.camera);
     if (!options.target.empty()) scene.camera->target = vector(options.target);
     const float shorter = options.equal ? std::cbrt(1000.f / float(options.lights)) : 1.f;
+    scene.sky = {}, scene.environment = {};
     scene.lights = lights_within(bounds_of(scene), options.lights, options.range * shorter);
     std::vector<Frames> all;
     for (const Method& method : methods) all.emplace_back(Device::open(options.device), scene, options, method);
