@@ -33,13 +33,17 @@ double seconds_since(Clock::time_point begin) { return std::chrono::duration<dou
 
 double processor_seconds() { return double(std::clock()) / CLOCKS_PER_SEC; }
 
+void check_size(unsigned width, unsigned height) {
+    if (width == 0 || height == 0 || width > largest_side || height > largest_side)
+        throw Error(ErrorKind::usage, "invalid image size " + std::to_string(width) + "x" + std::to_string(height),
+                    "use 1 to 16384 pixels per side");
+}
+
 const RenderConfig& checked(const RenderConfig& config) {
     const auto refuse = [](const std::string& what, const char* remedy) {
         throw Error(ErrorKind::usage, what, remedy);
     };
-    if (config.width == 0 || config.height == 0 || config.width > largest_side || config.height > largest_side)
-        refuse("invalid image size " + std::to_string(config.width) + "x" + std::to_string(config.height),
-               "use 1 to 16384 pixels per side");
+    check_size(config.width, config.height);
     if (config.spp == 0) refuse("0 samples per pixel", "give at least 1");
     if (config.max_depth == 0) refuse("a maximum depth of 0", "give at least 1, which is direct light only");
     if (!(config.seconds >= 0 && std::isfinite(config.seconds)))
@@ -318,6 +322,12 @@ void Renderer::State::adopt(const Structure& other, EffectSet effects) {
     film.reload_kernels();
 }
 
+ImageSizes Renderer::State::sizes(unsigned width, unsigned height) const {
+    width = width == 0 ? config.width : width, height = height == 0 ? config.height : height;
+    check_size(width, height);
+    return {config.width, config.height, width, height};
+}
+
 void Renderer::State::sample_all_pixels() {
     InFlight in_flight(device, pace);
     while (spp() == 0) trace(schedule.next(pace.paths()), in_flight);
@@ -474,12 +484,16 @@ bool Renderer::rebuild(const Bvh::Config& config) {
     return true;
 }
 
-std::vector<glm::vec3> Renderer::image() const { return state_->film.image(); }
+std::vector<glm::vec3> Renderer::image(unsigned width, unsigned height) const {
+    return state_->film.image(state_->sizes(width, height));
+}
 
 std::span<const std::uint8_t> Renderer::picture(const PictureConfig& config) const {
     State& state = *state_;
-    if (!state.tone_mapper) state.tone_mapper.emplace(state.device, state.pixels());
-    return state.tone_mapper->map(state.film.resolve(), config);
+    const ImageSizes size = state.sizes(config.width, config.height);
+    const std::uint32_t pixels = size.image_width * size.image_height;
+    if (!state.tone_mapper || state.tone_mapper->pixels() != pixels) state.tone_mapper.emplace(state.device, pixels);
+    return state.tone_mapper->map(state.film.resolve(size), config);
 }
 
 std::vector<glm::vec3> Renderer::denoised(DenoiserKind kind) const {

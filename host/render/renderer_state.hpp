@@ -81,6 +81,8 @@ struct Renderer::State {
     /// `patience`: seconds of rendering before the kernel that follows paths may be compiled.
     void use_path_kernel(double patience);
     void sample_all_pixels();
+    /// 0 stands for the size of the film.
+    [[nodiscard]] ImageSizes sizes(unsigned width, unsigned height) const;
     void adopt(const Structure& other, EffectSet effects);
     void save_checkpoint();
     [[nodiscard]] AovStage& aov_stage();

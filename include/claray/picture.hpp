@@ -14,6 +14,7 @@ enum class ToneMap {
 struct PictureConfig {
     float exposure = 0.f;  ///< brightens by this many stops
     ToneMap tone_map = ToneMap::aces;
+    unsigned width = 0, height = 0;  ///< of the picture, interpolated bilinearly; 0: those of the image
 };
 
 /// Returns the tone-mapped value, which is at most 1 for ToneMap::aces. Negative values and NaN become 0 there.

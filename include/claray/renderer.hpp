@@ -178,7 +178,9 @@ public:
     bool rebuild(const Bvh::Config& config);
 
     /// Returns the mean linear radiance so far, row by row from the top left. Blocks.
-    [[nodiscard]] std::vector<glm::vec3> image() const;
+    [[nodiscard]] std::vector<glm::vec3> image() const { return image(0, 0); }
+    /// The same in another size, interpolated bilinearly on the device; 0: as rendered.
+    [[nodiscard]] std::vector<glm::vec3> image(unsigned width, unsigned height) const;
     /// Returns the image with exposure, tone map and the sRGB curve: red, green, blue and 255 per pixel, the same bytes
     /// as write_image stores. The memory belongs to the renderer and holds the picture until the next call. Blocks.
     [[nodiscard]] std::span<const std::uint8_t> picture(const PictureConfig& config = {}) const;

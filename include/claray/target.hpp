@@ -79,8 +79,12 @@ RenderProgress render_to_target(const Device& device, Renderer& renderer, Target
 /// The result of rendering frames at a rate. Each frame is a separate render; its time runs from the first sample until
 /// its image is in host memory.
 struct FramesReport {
-    unsigned spp = 0,
-             max_depth = 0;  ///< chosen values; `max_depth` is lowered only if one sample per pixel takes too long
+    unsigned spp = 0, max_depth = 0;  ///< chosen values, as are the following
+    unsigned width = 0, height = 0;   ///< of the images that are traced, and then enlarged to the wanted size
+    Approximations approximate;
+    /// If one sample of full depth for every pixel takes too long: RMSE of a frame over the mean of the image, measured
+    /// against many samples; else 0.
+    double error = 0;
     std::vector<std::string> picks;     ///< each choice and its reason, one line each
     std::vector<double> seconds;        ///< time of each frame
     double median = 0, percentile = 0;  ///< median and 99th percentile of `seconds`
@@ -95,8 +99,9 @@ struct FramesConfig {
 };
 
 /// Chooses the samples per pixel so that a frame takes at most 1 / fps, and renders the frames. `config.spp` and
-/// `config.max_depth` are upper limits. `progress` is called after every frame; return false to stop. Throws
-/// ErrorKind::user, naming the closest rate, if the rate cannot be reached.
+/// `config.max_depth` are upper limits. If one sample per pixel takes too long, measures shorter paths, smaller images
+/// and approximations, and chooses that of the least error. `progress` is called after every frame; return false to
+/// stop. Throws ErrorKind::user, naming the closest rate, if the rate cannot be reached.
 [[nodiscard]] FramesReport render_frames(const Device& device, const Scene& scene, const RenderConfig& config,
                                          const FramesConfig& frames,
                                          const std::function<bool(unsigned done)>& progress = {},

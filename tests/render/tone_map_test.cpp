@@ -9,6 +9,7 @@
 
 #include "tests/render/scenes.hpp"
 #include "tests/support/device.hpp"
+#include "tests/support/errors.hpp"
 #include "tests/support/meshes.hpp"
 
 namespace claray::test {
@@ -66,6 +67,41 @@ TEST(ToneMap, OfARendererIsThatOfItsImage) {
     for (std::size_t i = 0; i < image.size(); ++i)
         for (int k = 0; k < 3; ++k)
             EXPECT_EQ(picture[4 * i + k], srgb_from_linear(tone_mapped(std::exp2(0.5f) * image[i][k], ToneMap::aces)));
+}
+
+/// Bilinear interpolation between the centres of pixels; constant beyond the outer ones.
+glm::dvec3 interpolated(const std::vector<glm::vec3>& image, unsigned width, unsigned height, double x, double y) {
+    x = std::clamp(x - 0.5, 0.0, double(width - 1)), y = std::clamp(y - 0.5, 0.0, double(height - 1));
+    const double u = x - std::floor(x), v = y - std::floor(y);
+    const auto at = [&](double i, double j) {
+        const auto column = std::min(unsigned(i), width - 1), row = std::min(unsigned(j), height - 1);
+        return glm::dvec3(image[std::size_t(row) * width + column]);
+    };
+    return glm::mix(glm::mix(at(x, y), at(x + 1, y), u), glm::mix(at(x, y + 1), at(x + 1, y + 1), u), v);
+}
+
+/// render/resolve_film.cl
+TEST(ImageOfAnotherSize, IsInterpolated) {
+    constexpr unsigned width = 24, height = 16;
+    Renderer renderer(device(), *builtin_scene("cornell"), {.width = width, .height = height, .spp = 4});
+    (void)renderer.render();
+    const std::vector<glm::vec3> image = renderer.image();
+    for (const auto& [w, h] : {std::pair(61u, 37u), std::pair(24u, 17u), std::pair(7u, 5u), std::pair(1u, 1u)}) {
+        const std::vector<glm::vec3> other = renderer.image(w, h);
+        ASSERT_EQ(other.size(), std::size_t(w) * h);
+        for (unsigned i = 0; i < w * h; ++i) {
+            const glm::dvec3 expected =
+                interpolated(image, width, height, (i % w + 0.5) * width / w, (i / w + 0.5) * height / h);
+            for (int k = 0; k < 3; ++k) EXPECT_NEAR(other[i][k], expected[k], 2e-5 * std::max(expected[k], 1.0)) << i;
+        }
+        const auto picture = renderer.picture({.width = w, .height = h});
+        ASSERT_EQ(picture.size(), 4 * other.size());
+        for (std::size_t i = 0; i < other.size(); ++i)
+            EXPECT_EQ(picture[4 * i], srgb_from_linear(tone_mapped(other[i].x, ToneMap::aces)));
+    }
+    EXPECT_TRUE(
+        throws_error(ErrorKind::usage, "invalid image size 20000x16", [&] { (void)renderer.image(20'000, 0); }));
+    EXPECT_EQ(renderer.picture().size(), 4u * width * height) << "as before";
 }
 
 }  // namespace

@@ -14,47 +14,58 @@ using Clock = std::chrono::steady_clock;
 constexpr unsigned pilot_frames = 8;  // of which the slowest counts
 constexpr double share = 0.85;        // of a frame's time that is planned for
 constexpr unsigned most_spp = 1024;
-constexpr unsigned watched = 50;  // frames within which two late ones make the samples fewer
+constexpr double least_scale = 0.25;  // of the sides of images that are enlarged
+constexpr unsigned watched = 50;      // frames within which two late ones make the samples fewer
+
+/// A camera that turns round its target.
+struct CameraPath {
+    Camera first;
+    double degrees = 0;
+};
 
 /// Frames of one renderer, each with a seed of its own.
 class Frames {
 public:
-    Frames(const Device& device, const Scene& scene, const RenderConfig& config)
-        : max_depth(config.max_depth), renderer_(device, scene, config), seed_(config.seed) {}
-
-    /// Returns false if `measuring` does.
-    bool wait_for_kernels(const MeasuringProgress& measuring) {
-        if (measuring && !measuring("kernels")) return false;
+    /// Frames of `config`, enlarged to a picture of this size.
+    Frames(const Device& device, const Scene& scene, const RenderConfig& config, glm::uvec2 picture,
+           const CameraPath& path)
+        : max_depth(config.max_depth),
+          config_(config),
+          picture_{.width = picture.x, .height = picture.y},
+          path_(path),
+          renderer_(device, scene, config),
+          seed_(config.seed) {
         renderer_.settle();
-        return true;
     }
 
-    double next() {
+    /// Seconds for a frame, as seen from where the camera is after this share of its path.
+    double next(double way = 0) {
         const Clock::time_point begin = Clock::now();
+        if (path_.degrees != 0) {
+            scene_.camera = orbited(path_.first, float(path_.degrees * way));
+            renderer_.update(scene_, {.camera = true});
+        }
         renderer_.restart(seed_++, spp, max_depth);
         (void)renderer_.render();
-        (void)renderer_.picture();
+        (void)renderer_.picture(picture_);
         return std::chrono::duration<double>(Clock::now() - begin).count();
     }
-    /// A frame as seen by this camera.
-    double next(const Camera& camera) {
-        const Clock::time_point begin = Clock::now();
-        scene_.camera = camera;
-        renderer_.update(scene_, {.camera = true});
-        return std::chrono::duration<double>(Clock::now() - begin).count() + next();
-    }
-    [[nodiscard]] std::vector<glm::vec3> image() const { return renderer_.image(); }
-    /// The slowest of a few, after one that may compile.
+    [[nodiscard]] std::vector<glm::vec3> image() const { return renderer_.image(picture_.width, picture_.height); }
+    [[nodiscard]] const RenderConfig& config() const { return config_; }
+    /// The slowest of a few along the path, after one that may compile.
     double slowest() {
         (void)next();
         double most = 0;
-        for (unsigned i = 0; i < pilot_frames; ++i) most = std::max(most, next());
+        for (unsigned i = 0; i < pilot_frames; ++i) most = std::max(most, next(double(i) / (pilot_frames - 1)));
         return most;
     }
 
     unsigned spp = 1, max_depth;
 
 private:
+    RenderConfig config_;
+    PictureConfig picture_;
+    CameraPath path_;
     Renderer renderer_;
     Scene scene_;  // without objects, to carry the camera
     std::uint32_t seed_;
@@ -66,16 +77,11 @@ double percentile(std::vector<double> values, double share_below) {
     return values[std::size_t(rank)];
 }
 
-[[noreturn]] void refuse_rate(const RenderConfig& config, double budget, double seconds) {
-    const double scale = std::sqrt(share * budget / seconds);
-    const double width = std::floor(config.width * scale), height = std::floor(config.height * scale);
-    const std::string size = std::min(width, height) >= 1
-                                 ? printed("%.4g needs about --size %.0fx%.0f", 1 / budget, width, height)
-                                 : printed("%.4g is not possible at any size", 1 / budget);
+[[noreturn]] void refuse_rate(double budget, double seconds) {
     throw Error(ErrorKind::user,
-                printed("%.4g frames per second cannot be reached: one sample per pixel with one surface takes %s",
-                        1 / budget, told_time(seconds).c_str()),
-                printed("the closest possible is about --fps %.3g; %s", share / seconds, size.c_str()));
+                printed("%.4g frames per second cannot be reached: the fastest frame takes %s", 1 / budget,
+                        told_time(seconds).c_str()),
+                printed("the closest possible is about --fps %.3g; or use a smaller --size", share / seconds));
 }
 
 /// If the deepest paths take too long, finds the deepest that fit by bisection, or those of one surface. Returns a
@@ -117,19 +123,134 @@ void pick_samples(Frames& frames, unsigned most, double budget, double& seconds)
     frames.spp = fits;
 }
 
-/// The most samples, and then the deepest paths, that fit.
-void pick(Frames& frames, const RenderConfig& config, double budget, std::vector<std::string>& picks) {
-    frames.spp = 1;
-    double seconds = pick_depth(frames, budget);
-    if (seconds > budget) refuse_rate(config, budget, seconds);
-    const double one = seconds;
-    pick_samples(frames, std::min(config.spp, most_spp), share * budget, seconds);
-    picks.push_back(printed("samples: %u per pixel; one sample takes %s, a frame takes %s of %s", frames.spp,
-                            told_time(one).c_str(), told_time(seconds).c_str(), told_time(budget).c_str()));
-    if (frames.max_depth < config.max_depth)
+/// A way to make frames.
+struct Way {
+    std::string name;
+    std::shared_ptr<Frames> frames;
+    unsigned max_depth = 0, spp = 1;
+    double one = 0, seconds = 0;  // of a frame with one sample per pixel, and with those picked
+    double error = 0;             // of such a frame, where ways compete
+};
+
+/// Measures the ways to make frames of a scene.
+class Ways {
+public:
+    Ways(const Device& device, const Scene& scene, const RenderConfig& config, double budget, double degrees)
+        : device_(device),
+          scene_(scene),
+          config_(config),
+          budget_(budget),
+          size_(config.width, config.height),
+          path_{camera_of(scene, float(size_.x) / float(size_.y)), degrees} {}
+
+    /// All pixels and the deepest paths.
+    [[nodiscard]] Way complete() const { return way_of("complete", config_); }
+
+    /// The best of those that are cheaper than `complete`.
+    [[nodiscard]] Way cheaper(const Way& complete, const MeasuringProgress& measuring,
+                              std::vector<std::string>& picks) const {
+        const std::vector<glm::vec3> reference = reference_of(complete);
+        std::vector<Way> ways = {shorter_paths(complete), smaller_image(complete)};
+        const bool sums = !scene_.lights.empty() && !config_.approximate.any();
+        if (sums && (!measuring || measuring("sums over tiles"))) ways.push_back(tile_sum());
+        const Way* best = nullptr;
+        for (Way& way : ways) {
+            if (way.seconds > budget_) continue;
+            take_samples(way);
+            way.error = error_of(*way.frames, reference);
+            picks.push_back(printed("%s: a frame of %s differs from the converged image by %.3g %%", way.name.c_str(),
+                                    told_time(way.seconds).c_str(), 100 * way.error));
+            if (!best || way.error < best->error) best = &way;
+        }
+        if (best) return *best;
+        double fastest = complete.seconds;
+        for (const Way& way : ways) fastest = std::min(fastest, way.seconds);
+        refuse_rate(budget_, fastest);
+    }
+
+    void take_samples(Way& way) const {
+        use(way);
+        way.one = way.seconds;
+        pick_samples(*way.frames, std::min(config_.spp, most_spp), share * budget_, way.seconds);
+        way.spp = way.frames->spp;
+    }
+
+    /// Makes the frames those of this way, since ways may share a renderer.
+    static void use(const Way& way) { way.frames->max_depth = way.max_depth, way.frames->spp = way.spp; }
+
+private:
+    [[nodiscard]] Way way_of(std::string name, const RenderConfig& config) const {
+        Way way{std::move(name), std::make_shared<Frames>(device_, scene_, config, size_, path_), config.max_depth};
+        way.seconds = way.frames->slowest();
+        return way;
+    }
+
+    [[nodiscard]] Way shorter_paths(const Way& complete) const {
+        Way way = complete;
+        use(way);
+        way.seconds = pick_depth(*way.frames, budget_);
+        way.max_depth = way.frames->max_depth;
+        way.name = printed("paths of at most %u surfaces", way.max_depth);
+        return way;
+    }
+
+    /// The time of a frame falls nearly with its pixels.
+    [[nodiscard]] Way smaller_image(const Way& complete) const {
+        Way way = complete;
+        double scale = std::sqrt(share * budget_ / complete.seconds);
+        for (; scale >= least_scale; scale *= 0.9) {
+            RenderConfig config = config_;
+            config.width = std::max(1u, unsigned(scale * config.width));
+            config.height = std::max(1u, unsigned(scale * config.height));
+            way = way_of(printed("%ux%u pixels, enlarged", config.width, config.height), config);
+            if (way.seconds <= share * budget_) break;
+        }
+        return way;
+    }
+
+    [[nodiscard]] Way tile_sum() const {
+        RenderConfig config = config_;
+        config.approximate.tile_sum = true;
+        return way_of("lights without extent alone, without shadows (tile-sum)", config);
+    }
+
+    /// Of a second's samples.
+    [[nodiscard]] std::vector<glm::vec3> reference_of(const Way& complete) const {
+        use(complete);
+        complete.frames->spp = std::clamp(unsigned(1 / complete.seconds), 4u, config_.spp < 4 ? 4u : config_.spp);
+        (void)complete.frames->next();
+        return complete.frames->image();
+    }
+
+    [[nodiscard]] double error_of(Frames& frames, const std::vector<glm::vec3>& reference) const {
+        (void)frames.next();
+        return image_error(frames.image(), reference, size_.x).rmse;
+    }
+
+    const Device& device_;
+    const Scene& scene_;
+    RenderConfig config_;
+    double budget_;
+    glm::uvec2 size_;
+    CameraPath path_;
+};
+
+/// The most samples that fit, or a cheaper way.
+Way pick(const Ways& ways, double budget, const MeasuringProgress& measuring, std::vector<std::string>& picks) {
+    Way way = ways.complete();
+    const double complete = way.seconds;
+    if (way.seconds <= share * budget)
+        ways.take_samples(way);
+    else
+        way = ways.cheaper(way, measuring, picks);
+    Ways::use(way);
+    picks.push_back(printed("samples: %u per pixel; one sample takes %s, a frame takes %s of %s", way.spp,
+                            told_time(way.one).c_str(), told_time(way.seconds).c_str(), told_time(budget).c_str()));
+    if (way.error > 0)
         picks.push_back(
-            printed("paths: at most %u surfaces instead of %u, which removes light; use a smaller --size to avoid this",
-                    frames.max_depth, config.max_depth));
+            printed("chosen: %s, since one sample of all pixels takes %s; use a smaller --size to avoid this",
+                    way.name.c_str(), told_time(complete).c_str()));
+    return way;
 }
 
 }  // namespace
@@ -149,15 +270,13 @@ FramesReport render_frames(const Device& device, const Scene& scene, const Rende
     plan.config.spp = std::min(config.spp, most_spp);
     plan.config.error = plan.config.noise = plan.config.seconds = 0;
     FramesReport report;
-    Frames all(device, scene, plan.config);
-    if (!all.wait_for_kernels(measuring) || (measuring && !measuring("samples that fit into a frame")))
+    if (measuring && (!measuring("kernels") || !measuring("samples that fit into a frame")))
         throw Error(ErrorKind::user, "interrupted before the first frame");
-    pick(all, plan.config, budget, plan.picks);
+    const Way way = pick({device, scene, plan.config, budget, wanted.orbit}, budget, measuring, plan.picks);
+    Frames& all = *way.frames;
     unsigned last_late = 0;
-    const Camera camera = camera_of(scene, float(config.width) / float(config.height));
     for (unsigned i = 1; i <= wanted.frames; ++i) {
-        const auto degrees = float(wanted.orbit * i / wanted.frames);
-        report.seconds.push_back(wanted.orbit != 0 ? all.next(orbited(camera, degrees)) : all.next());
+        report.seconds.push_back(all.next(double(i) / wanted.frames));
         if (progress && !progress(i)) break;
         if (report.seconds.back() <= budget) continue;
         if (last_late > 0 && i - last_late < watched && all.spp > 1) all.spp -= std::max(1u, all.spp / 8);
@@ -165,6 +284,8 @@ FramesReport render_frames(const Device& device, const Scene& scene, const Rende
     }
     report.picks = plan.picks;
     report.spp = all.spp, report.max_depth = all.max_depth;
+    report.width = all.config().width, report.height = all.config().height;
+    report.approximate = all.config().approximate, report.error = way.error;
     report.median = percentile(report.seconds, 0.5), report.percentile = percentile(report.seconds, 0.99);
     report.image = all.image();
     return report;

@@ -117,6 +117,9 @@ void run_frames(const Device& device, const Scene& scene, const RenderOptions& o
             {"frames", report.seconds.size()},
             {"spp", report.spp},
             {"max_depth", report.max_depth},
+            {"size", {report.width, report.height}},
+            {"approximate", to_string(report.approximate)},
+            {"error", report.error},
             {"milliseconds", {{"promised", budget}, {"median", p50}, {"percentile_99", p99}, {"slowest", slowest}}},
             {"picks", report.picks}};
         print_json(json);

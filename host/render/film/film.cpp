@@ -67,15 +67,16 @@ void Film::set_sums(const Sums& sums) {
     forget_look();
 }
 
-const Buffer<float>& Film::resolve() const {
-    image_.reserve(device_, 3 * std::size_t(count_));
-    kernels_.resolve.run({count_, 64}, pixels_, count_, image_);
+const Buffer<float>& Film::resolve(const ImageSizes& size) const {
+    const std::uint32_t pixels = size.image_width * size.image_height;
+    image_.reserve(device_, 3 * std::size_t(pixels));
+    kernels_.resolve.run({pixels, 64}, pixels_, size, image_);
     return image_;
 }
 
-std::vector<glm::vec3> Film::image() const {
-    std::vector<glm::vec3> pixels(count_);
-    resolve().read(std::span(&pixels[0].x, 3 * std::size_t(count_)));
+std::vector<glm::vec3> Film::image(const ImageSizes& size) const {
+    std::vector<glm::vec3> pixels(std::size_t(size.image_width) * size.image_height);
+    resolve(size).read(std::span(&pixels[0].x, 3 * pixels.size()));
     return pixels;
 }
 

@@ -6,6 +6,7 @@
 
 #include "claray/program.hpp"
 #include "claray/shared/path.h"
+#include "claray/shared/picture.h"
 #include "host/render/film/error_looks.hpp"
 
 namespace claray {
@@ -27,10 +28,13 @@ public:
     void accumulate(const Batch& batch, const Buffer<float>& radiance);
     /// Discards all samples; asynchronous.
     void clear();
-    /// Mean radiance of each pixel, 3 floats each, in memory that the next call overwrites; asynchronous.
-    [[nodiscard]] const Buffer<float>& resolve() const;
+    /// Mean radiance of each pixel, 3 floats each, in memory that the next call overwrites; asynchronous. An image of
+    /// another size than the film's is interpolated.
+    [[nodiscard]] const Buffer<float>& resolve(const ImageSizes& size) const;
     /// The same on the host. Blocks.
-    [[nodiscard]] std::vector<glm::vec3> image() const;
+    [[nodiscard]] std::vector<glm::vec3> image(const ImageSizes& size) const;
+    /// In the film's own size.
+    [[nodiscard]] std::vector<glm::vec3> image() const { return image({count_, 1, count_, 1}); }
 
     /// Reads and writes the sums. Both block.
     struct Sums {

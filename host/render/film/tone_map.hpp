@@ -12,8 +12,10 @@ class ToneMapper {
 public:
     ToneMapper(const Device& device, std::uint32_t pixels);
 
-    /// Converts `image` (3 floats per pixel) to red, green, blue and 255 per pixel. Blocks. The result is overwritten
-    /// by the next call. It has the bytes that write_image stores.
+    [[nodiscard]] std::uint32_t pixels() const { return pixels_; }
+
+    /// Converts `image` (3 floats for each of `pixels()` pixels) to red, green, blue and 255 per pixel. Blocks. The
+    /// result is overwritten by the next call. It has the bytes that write_image stores.
     [[nodiscard]] std::span<const std::uint8_t> map(const Buffer<float>& image, const PictureConfig& config);
 
 private:

@@ -1,10 +1,16 @@
-// The table by which render/tone_map.cl encodes 8-bit sRGB.
+// Sizes of images (render/resolve_film.cl), and the table by which render/tone_map.cl encodes 8-bit sRGB.
 #ifndef CLARAY_SHARED_PICTURE_H
 #define CLARAY_SHARED_PICTURE_H
 
 #include "claray/shared/portable.h"
 
 CLARAY_SHARED_BEGIN
+
+/// Sizes in pixels: of a film, and of the image made of it.
+typedef struct ImageSizes {
+    uint width, height, image_width, image_height;
+} ImageSizes;
+CLARAY_LAYOUT(ImageSizes, 16)
 
 // A cell of the table is a float's exponent and the five leading bits of its mantissa, from 2^-13 to 1: values below 2^-13
 // are black.
