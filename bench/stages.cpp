@@ -94,6 +94,22 @@ Task render(const Device& device, const std::string& name, unsigned side, Layout
     };
 }
 
+/// Deferred shading: sums over tiles, and the G-buffer.
+Task deferred(const Device& device, unsigned side) {
+    Scene scene = *builtin_scene("spheres");
+    for (int i = 0; i < 100; ++i) {
+        scene.lights.push_back(
+            point_light({0.1f * float(i % 10) - 0.5f, 1.f, 0.1f * float(i / 10) - 0.5f}, glm::vec3(1)));
+        scene.lights.back().range = 1.f;
+    }
+    const RenderConfig config{.width = side, .height = side, .spp = 1, .approximate = {.tile_sum = true}};
+    return [renderer = std::make_shared<Renderer>(device, scene, config)] {
+        renderer->restart(0);
+        (void)renderer->render();
+        (void)renderer->gbuffer();
+    };
+}
+
 Task bake(const Device& device) {
     Scene scene = *builtin_scene("cornell");
     Mesh square{.positions = {{-1, 0, -1}, {1, 0, -1}, {1, 0, 1}, {-1, 0, 1}}, .triangles = {{0, 2, 1}, {0, 3, 2}}};
@@ -110,6 +126,7 @@ std::vector<Task> tasks_of(const Device& device, const Options& options, Layout 
     for (const bool whole_paths : {true, false})
         for (const char* scene : {"crate", "effect:cut-outs"})
             tasks.push_back(render(device, scene, options.side, layout, whole_paths));
+    tasks.push_back(deferred(device, options.side));
     tasks.push_back(bake(device));
     return tasks;
 }

@@ -157,7 +157,8 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
         ->transform(choice_of(denoisers));
     command
         .add_option("--aov", o.aovs,
-                    "Also write OUTPUT.NAME.png and .pfm: depth normal albedo primitive heat.\n"
+                    "Also write OUTPUT.NAME.png and .pfm: depth normal albedo primitive heat; gbuffer: packed as\n"
+                    "deferred renderers keep it, .raw and a picture of each part (see docs/formats.md).\n"
                     "albedo includes emitted light up to 1, as denoisers expect")
         ->take_all()
         ->delimiter(',')

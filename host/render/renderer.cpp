@@ -318,7 +318,7 @@ void Renderer::State::adopt(const Structure& other, EffectSet effects) {
     buffers.structure = structure;
     wavefront.take_over(structure, load_kernels(effects));
     path_kernel.reset();
-    aovs.reset();
+    aovs.reset(), gbuffer.reset();
     film.reload_kernels();
 }
 

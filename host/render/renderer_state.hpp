@@ -11,6 +11,7 @@
 #include "host/compute/joint_program.hpp"
 #include "host/render/aovs.hpp"
 #include "host/render/checkpoint/checkpoint.hpp"
+#include "host/render/deferred/gbuffer.hpp"
 #include "host/render/film/film.hpp"
 #include "host/render/film/tone_map.hpp"
 #include "host/render/in_flight.hpp"
@@ -132,6 +133,7 @@ struct Renderer::State {
     Film film;
     std::optional<ToneMapper> tone_mapper;  // once a picture was asked for
     std::optional<AovStage> aovs;           // once they were asked for
+    std::optional<GBufferStage> gbuffer;
     Schedule schedule;
     Pace pace;
     RenderIdentity identity;  // for checkpoints

@@ -29,6 +29,8 @@ struct SceneBuffers {
     LightsData lights{};  // see has_lights
     EffectSet effects;    // of the scene
 
+    /// Of the scene, as LightsData takes it.
+    [[nodiscard]] double radius() const { return on_host_->radius; }
     /// The effects that depend on more than one part of the scene.
     [[nodiscard]] EffectSet effects_of_tables() const;
     /// Binds SCENE_PARAMETERS of shade/scene.clh.

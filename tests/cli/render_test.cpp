@@ -120,6 +120,25 @@ TEST_F(Render, AuxiliaryImages) {
     EXPECT_NEAR(middle[0] * middle[0] + middle[1] * middle[1] + middle[2] * middle[2], 1.f, 1e-4f);
 }
 
+TEST_F(Render, GBuffer) {
+    const ProcessResult result = render("cornell", "a.png", {"--aov", "gbuffer"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    for (const char* name : {"albedo", "material", "normal", "depth", "position"})
+        EXPECT_TRUE(read_file(path(std::string("a.gbuffer-") + name + ".png")).starts_with("\x89PNG")) << name;
+    EXPECT_EQ(read_file(path("a.gbuffer.raw")).size(), 24u * 16 * 12);
+    EXPECT_EQ(file_count(), 7u);
+}
+
+TEST_F(Render, Approximations) {
+    const auto with = [&](const char* names) {
+        return render("spheres", "a.png", {"--approximate", names, "--light", "point,position=0,3,0,intensity=9"});
+    };
+    EXPECT_EQ(with("tile-sum").exit_code, 0);
+    const ProcessResult unknown = with("tile-sun");
+    EXPECT_EQ(unknown.exit_code, 2);
+    EXPECT_EQ(unknown.errors, "claray: error: there is no approximation 'tile-sun'; there are: tile-sum\n");
+}
+
 TEST_F(Render, StatisticsAndTrace) {
     const ProcessResult text = render("soup:1000", "a.png", {"--stats"});
     for (const char* words : {"build ", "camera rays", "shadow rays", "Mrays/s", "1000 triangles", "memory"})

@@ -86,7 +86,7 @@ void use_light_maps(Scene& scene, const std::vector<std::string>& light_maps) {
 std::pair<std::filesystem::path, std::filesystem::path> aov_paths(const std::filesystem::path& output,
                                                                   const std::string& name) {
     const std::string stem = (output.parent_path() / output.stem()).string() + "." + name;
-    return {stem + ".png", stem + ".pfm"};
+    return {stem + ".png", stem + (name == "gbuffer" ? ".raw" : ".pfm")};
 }
 
 std::vector<NamedFile> outputs_of(const RenderOptions& options) {
@@ -94,7 +94,11 @@ std::vector<NamedFile> outputs_of(const RenderOptions& options) {
         {"--output", options.output}, {"--checkpoint", options.config.checkpoint}, {"--trace", options.trace}};
     for (const std::string& name : options.aovs) {
         const auto [picture, raw] = aov_paths(options.output, name);
-        outputs.push_back({"--aov " + name, picture});
+        if (name == "gbuffer")
+            for (const char* view : gbuffer_views)
+                outputs.push_back({"--aov gbuffer", aov_paths(options.output, view).first});
+        else
+            outputs.push_back({"--aov " + name, picture});
         outputs.push_back({"--aov " + name, raw});
     }
     return outputs;

@@ -40,7 +40,10 @@ struct RenderOptions {
     bool picks_settings = false, picks_builder = true;  // by target; the builder only without --builder
 };
 
-inline constexpr const char* aov_names[] = {"depth", "normal", "albedo", "primitive", "heat"};
+inline constexpr const char* aov_names[] = {"depth", "normal", "albedo", "primitive", "heat", "gbuffer"};
+/// The views of a G-buffer, OUTPUT.NAME.png.
+inline constexpr const char* gbuffer_views[] = {"gbuffer-albedo", "gbuffer-material", "gbuffer-normal", "gbuffer-depth",
+                                                "gbuffer-position"};
 
 /// --size WIDTHxHEIGHT, each 1 .. 16384.
 void add_size_option(CLI::App& command, unsigned& width, unsigned& height, const char* description);

@@ -49,6 +49,41 @@ void write_aov(const std::string& name, const Aovs& aovs, const RenderOptions& o
     if (name == "heat") write_scalar(as_floats(aovs.visits), false_color(width, height, as_floats(aovs.visits)));
 }
 
+/// Positions as colours: their places in the box around all of them.
+std::vector<glm::vec3> position_colors(const GBuffer& buffer) {
+    Bounds bounds;
+    for (std::size_t i = 0; i < buffer.pixels.size(); ++i)
+        if (buffer.pixels[i].depth != 0.f) bounds.grow(position_of(buffer, i));
+    const glm::vec3 extent = glm::max(bounds.extent(), 1e-30f);
+    std::vector<glm::vec3> colors(buffer.pixels.size());
+    for (std::size_t i = 0; i < colors.size(); ++i)
+        if (buffer.pixels[i].depth != 0.f) colors[i] = (position_of(buffer, i) - bounds.lo) / extent;
+    return colors;
+}
+
+void write_gbuffer(const GBuffer& buffer, const RenderOptions& options) {
+    std::vector<glm::vec3> albedo, normals;
+    std::vector<std::uint32_t> materials;
+    std::vector<float> depth;
+    for (std::size_t i = 0; i < buffer.pixels.size(); ++i) {
+        const GBufferPixel& p = buffer.pixels[i];
+        const auto byte = [&](unsigned shift) { return std::uint8_t(p.albedo_material >> shift); };
+        albedo.emplace_back(linear_from_srgb(byte(0)), linear_from_srgb(byte(8)), linear_from_srgb(byte(16)));
+        materials.push_back(p.normal == CLARAY_NO_SURFACE ? CLARAY_MISS : byte(24));
+        normals.push_back(normal_of(buffer, i)), depth.push_back(p.depth);
+    }
+    const unsigned width = buffer.width, height = buffer.height;
+    const Image views[] = {{width, height, albedo},
+                           identifier_color(width, height, materials),
+                           {width, height, direction_colors(normals)},
+                           false_color(width, height, depth),
+                           {width, height, position_colors(buffer)}};
+    for (std::size_t i = 0; i < std::size(views); ++i)
+        write_image(aov_paths(options.output, gbuffer_views[i]).first, views[i], 0.f, ToneMap::none);
+    write_file(aov_paths(options.output, "gbuffer").second,
+               {reinterpret_cast<const char*>(buffer.pixels.data()), buffer.pixels.size() * sizeof(GBufferPixel)});
+}
+
 void print_rays(const char* name, const RayCount& count) {
     if (count.milliseconds == 0) {
         std::printf("%-13s %.3f M\n", name, double(count.rays) * 1e-6);
@@ -146,9 +181,15 @@ Denoised denoise(const Renderer& renderer, const RenderOptions& options) {
 }
 
 void write_aovs(const Renderer& renderer, const RenderOptions& options, Writes& writes) {
-    if (options.aovs.empty()) return;
-    const Aovs aovs = renderer.aovs();
-    for (const std::string& name : options.aovs) writes.attempt([&] { write_aov(name, aovs, options); });
+    std::optional<Aovs> aovs;
+    for (const std::string& name : options.aovs) {
+        if (name == "gbuffer") {
+            writes.attempt([&] { write_gbuffer(renderer.gbuffer(), options); });
+            continue;
+        }
+        if (!aovs) aovs = renderer.aovs();
+        writes.attempt([&] { write_aov(name, *aovs, options); });
+    }
 }
 
 void print_as_text(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,

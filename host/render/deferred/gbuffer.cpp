@@ -1,0 +1,81 @@
+#include "host/render/deferred/gbuffer.hpp"
+
+#include <algorithm>
+
+#include "host/render/renderer_state.hpp"
+
+namespace claray {
+namespace {
+
+constexpr float near_share = 1e-3f;  // of the far distance
+
+Defines defines_of_gbuffer(const SceneBuffers& scene, EffectSet effects) {
+    Defines defines = defines_of(effects, Stage::aovs);
+    for (const auto& define : scene.structure.defines()) defines.push_back(define);
+    return defines;
+}
+
+QueryOptions options_of_gbuffer(const SceneBuffers& scene) {
+    QueryOptions options;
+    options.cull_back_faces = scene.textures.culls_back_faces;
+    return options;
+}
+
+/// From the position in the image (-1 to 1 on both axes, y upwards), the depth and 1 to a position, up to its w.
+glm::dmat4 world_from_image(const CameraData& c, double near, double far) {
+    const glm::dvec4 right(c.right_x, c.right_y, c.right_z, 0), up(c.up_x, c.up_y, c.up_z, 0);
+    const glm::dvec4 forward(c.forward_x, c.forward_y, c.forward_z, 0), place(c.x, c.y, c.z, 1);
+    if (c.orthographic) return {right, up, -far * forward, place + far * forward};
+    return {near * right, near * up, place, near * forward};
+}
+
+}  // namespace
+
+GBufferStage::GBufferStage(const SceneBuffers& scene, EffectSet effects, std::uint32_t pixels)
+    : trace_(scene.structure, QueryKernel::Kind::closest, options_of_gbuffer(scene), {}),
+      write_(load_kernel(scene.structure.device(), "deferred/write_gbuffer.cl", "write_gbuffer",
+                         defines_of_gbuffer(scene, effects))),
+      pixels_(scene.structure.device(), pixels) {}
+
+GBuffer GBufferStage::run(Wavefront& wavefront, const SceneBuffers& scene, NormalPacking packing, float far) {
+    const FrameData& frame = wavefront.frame();
+    const float near = near_share * far;
+    GBuffer buffer;
+    buffer.width = frame.width, buffer.height = frame.height;
+    buffer.normals = packing;
+    buffer.world_from_image = world_from_image(frame.camera, near, far);
+    buffer.pixels.resize(std::size_t(frame.width) * frame.height);
+    for (std::size_t first = 0; first < buffer.pixels.size(); first += pixels_.size()) {
+        const auto count = std::uint32_t(std::min(pixels_.size(), buffer.pixels.size() - first));
+        wavefront.trace_centers({std::uint32_t(first), count, 0, 1}, trace_);
+        write_.run({count, 64}, wavefront.step_of({}, 0, count), scene, wavefront.rays(), wavefront.hits(), near, far,
+                   std::uint32_t(packing == NormalPacking::spherical), pixels_);
+        pixels_.read(std::span(buffer.pixels).subspan(first, count));
+    }
+    return buffer;
+}
+
+glm::vec3 normal_of(const GBuffer& buffer, std::size_t pixel) {
+    const std::uint32_t code = buffer.pixels[pixel].normal;
+    if (code == CLARAY_NO_SURFACE) return glm::vec3(0.f);
+    const UnitVector n =
+        buffer.normals == NormalPacking::spherical ? claray_unpack_spherical(code) : claray_unpack_octahedral(code);
+    return {n.x, n.y, n.z};
+}
+
+glm::vec3 position_of(const GBuffer& buffer, std::size_t pixel) {
+    const double x = 2 * (double(pixel % buffer.width) + 0.5) / buffer.width - 1;
+    const double y = 1 - 2 * (double(pixel / buffer.width) + 0.5) / buffer.height;
+    const glm::dvec4 place = buffer.world_from_image * glm::dvec4(x, y, buffer.pixels[pixel].depth, 1);
+    return glm::vec3(glm::dvec3(place) / place.w);
+}
+
+GBuffer Renderer::gbuffer(NormalPacking packing) const {
+    State& state = *state_;
+    if (!state.gbuffer)
+        state.gbuffer.emplace(state.buffers, state.wavefront.kernel_effects(),
+                              std::min<std::uint32_t>(state.wavefront.capacity(), state.pixels()));
+    return state.gbuffer->run(state.wavefront, state.buffers, packing, float(2 * state.buffers.radius()));
+}
+
+}  // namespace claray

@@ -1,0 +1,38 @@
+// The G-buffer: what deferred shading needs to know of the surface at a pixel, packed (claray/shared/gbuffer.h).
+#include "claray/shared/gbuffer.h"
+#include "claray/shared/path.h"
+#include "claray/shared/types.h"
+#include "shade/seen_surface.clh"
+
+/// A value from 0 to 1 on the sRGB curve (IEC 61966-2-1), as a byte.
+static inline uint srgb_byte(float linear) {
+    const float x = clamp(linear, 0.0f, 1.0f);
+    return (uint)(255.0f * (x <= 0.0031308f ? 12.92f * x : 1.055f * pow(x, 1.0f / 2.4f) - 0.055f) + 0.5f);
+}
+
+/// Reversed depth: floats are densest at 0, where a perspective view's far distances crowd.
+static inline float reversed_depth(const CameraData* camera, Ray ray, float t, float near, float far) {
+    const float along = t * (ray.dx * camera->forward_x + ray.dy * camera->forward_y + ray.dz * camera->forward_z);
+    return camera->orthographic ? 1.0f - along / far : near / along;
+}
+
+/// For the first `step.capacity` rays; `far` is the distance at which the depth of an orthographic view is 0.
+kernel void write_gbuffer(Step step, SCENE_PARAMETERS, global const Ray* rays, global const SceneHit* hits, float near, float far,
+                          uint spherical, global GBufferPixel* pixels) {
+    const FrameData* frame = &step.frame;
+    const uint i = get_global_id(0);
+    if (i >= step.capacity) return;
+    const Hit hit = seen_hit(hits[i] INSTANCE_BUFFERS);
+    GBufferPixel pixel = {0u, CLARAY_NO_SURFACE, 0.0f};
+    if (hit.primitive != CLARAY_MISS) {
+        Surface surface;
+        MaterialData material;
+        find_seen_surface(frame, SCENE, rays[i], hits[i], hit, &surface, &material);
+        const UnitVector normal = {surface.shading.x, surface.shading.y, surface.shading.z};
+        pixel.albedo_material = srgb_byte(material.albedo_r) | srgb_byte(material.albedo_g) << 8 | srgb_byte(material.albedo_b) << 16 |
+                                min(TABLE(uint, triangle_materials)[hit.primitive], 255u) << 24;
+        pixel.normal = spherical ? claray_pack_spherical(normal) : claray_pack_octahedral(normal);
+        pixel.depth = reversed_depth(&frame->camera, rays[i], hit.t, near, far);
+    }
+    pixels[i] = pixel;
+}
