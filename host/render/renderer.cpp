@@ -476,6 +476,19 @@ void Renderer::settle() {
     state.discard_samples();
 }
 
+void Renderer::resize(unsigned width, unsigned height) {
+    State& state = *state_;
+    check_size(width, height);
+    state.refuse_with_checkpoints("a render that writes checkpoints cannot change its size");
+    if (width == state.config.width && height == state.config.height) return state.discard_samples();
+    state.config.width = width, state.config.height = height;
+    state.wavefront.resize(width, height, std::uint64_t(state.pixels()) * state.most_spp);
+    state.film = Film(state.device, state.pixels(), tells_error(state.config));
+    state.pace = Pace(state.first_paths(), state.wavefront.capacity());
+    state.path_kernel.reset(), state.aovs.reset(), state.gbuffer.reset(), state.light_cut_off.reset();
+    state.discard_samples();
+}
+
 bool Renderer::rebuild(const Bvh::Config& config) {
     State& state = *state_;
     if (state.structure.instanced() || !state.own_kernels) return false;

@@ -195,6 +195,10 @@ public:
     /// render waits for a kernel unless `update` brings other effects. Otherwise they are loaded while rendering, when
     /// that pays. Discards all samples. Throws ErrorKind::usage for a render that writes checkpoints.
     void settle();
+    /// Discards all samples and makes the images this large. The view keeps its height and becomes wider or narrower.
+    /// Only what is stored per pixel is allocated anew. Throws ErrorKind::usage for a size out of range or with
+    /// checkpoints.
+    void resize(unsigned width, unsigned height);
     /// Rebuilds the tree with another configuration; the image does not change. Does nothing and returns false if the
     /// scene has instances, or before the scene's own kernels are in use (see RenderStatistics).
     bool rebuild(const Bvh::Config& config);

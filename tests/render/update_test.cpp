@@ -173,5 +173,31 @@ TEST(UpdateOfAScene, CanFollowAnAnimation) {
     EXPECT_TRUE(same_bits(renderer.image(), last.image()));
 }
 
+TEST(Resize, MakesTheImageOfARendererOfThatSize) {
+    const Scene scene = scene_of_all_kinds();
+    RenderConfig config = small;
+    Renderer renderer(device(), scene, config);
+    (void)renderer.render();
+    for (const auto& [width, height] :
+         {std::pair(48u, 40u), std::pair(12u, 10u), std::pair(31u, 7u), std::pair(24u, 20u)}) {
+        config.width = width, config.height = height;
+        renderer.resize(width, height);
+        renderer.settle();
+        (void)renderer.render();
+        Renderer other(device(), scene, config);
+        (void)other.render();
+        const std::vector<glm::vec3> image = renderer.image(), expected = other.image();
+        ASSERT_EQ(image.size(), expected.size());
+        if (width * 20 == height * 24)
+            EXPECT_TRUE(same_bits(image, expected)) << width;
+        else  // the view's width is rounded once more
+            EXPECT_NEAR(glm::length(mean(image) - mean(expected)), 0, 1e-3) << width;
+        EXPECT_EQ(renderer.picture().size(), 4u * width * height);
+        EXPECT_EQ(renderer.aovs().depth.size(), width * height);
+        EXPECT_EQ(renderer.denoised(DenoiserKind::claray).size(), width * height);
+    }
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "invalid image size", [&] { renderer.resize(0, 5); }));
+}
+
 }  // namespace
 }  // namespace claray::test

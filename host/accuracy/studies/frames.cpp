@@ -15,7 +15,7 @@ constexpr unsigned pilot_frames = 8;  // of which the slowest counts
 constexpr double share = 0.85;        // of a frame's time that is planned for
 constexpr unsigned most_spp = 1024;
 constexpr double least_scale = 0.25;  // of the sides of images that are enlarged
-constexpr unsigned watched = 50;      // frames within which two late ones make the samples fewer
+constexpr unsigned watched = 50;      // frames within which two late ones lighten the next
 
 /// A camera that turns round its target.
 struct CameraPath {
@@ -52,6 +52,20 @@ public:
     }
     [[nodiscard]] std::vector<glm::vec3> image() const { return renderer_.image(picture_.width, picture_.height); }
     [[nodiscard]] const RenderConfig& config() const { return config_; }
+    /// Traces images of this size.
+    void resize(glm::uvec2 size) {
+        if (size == glm::uvec2(config_.width, config_.height)) return;
+        config_.width = size.x, config_.height = size.y;
+        renderer_.resize(size.x, size.y);
+    }
+    /// Takes an eighth less of samples, or else of each side, but no less than this size.
+    void lighten(glm::dvec2 least) {
+        if (spp > 1)
+            spp -= std::max(1u, spp / 8);
+        else
+            resize(
+                glm::max(glm::uvec2(0.875 * glm::dvec2(config_.width, config_.height)), glm::uvec2(glm::ceil(least))));
+    }
     /// The slowest of a few along the path, after one that may compile.
     double slowest() {
         (void)next();
@@ -127,6 +141,7 @@ void pick_samples(Frames& frames, unsigned most, double budget, double& seconds)
 struct Way {
     std::string name;
     std::shared_ptr<Frames> frames;
+    glm::uvec2 size{0};
     unsigned max_depth = 0, spp = 1;
     double one = 0, seconds = 0;  // of a frame with one sample per pixel, and with those picked
     double error = 0;             // of such a frame, where ways compete
@@ -176,11 +191,15 @@ public:
     }
 
     /// Makes the frames those of this way, since ways may share a renderer.
-    static void use(const Way& way) { way.frames->max_depth = way.max_depth, way.frames->spp = way.spp; }
+    static void use(const Way& way) {
+        way.frames->resize(way.size);
+        way.frames->max_depth = way.max_depth, way.frames->spp = way.spp;
+    }
 
 private:
     [[nodiscard]] Way way_of(std::string name, const RenderConfig& config) const {
-        Way way{std::move(name), std::make_shared<Frames>(device_, scene_, config, size_, path_), config.max_depth};
+        Way way{std::move(name), std::make_shared<Frames>(device_, scene_, config, size_, path_), size_,
+                config.max_depth};
         way.seconds = way.frames->slowest();
         return way;
     }
@@ -197,14 +216,13 @@ private:
     /// The time of a frame falls nearly with its pixels.
     [[nodiscard]] Way smaller_image(const Way& complete) const {
         Way way = complete;
-        double scale = std::sqrt(share * budget_ / complete.seconds);
-        for (; scale >= least_scale; scale *= 0.9) {
-            RenderConfig config = config_;
-            config.width = std::max(1u, unsigned(scale * config.width));
-            config.height = std::max(1u, unsigned(scale * config.height));
-            way = way_of(printed("%ux%u pixels, enlarged", config.width, config.height), config);
+        for (double scale = std::sqrt(share * budget_ / complete.seconds); scale >= least_scale; scale *= 0.9) {
+            way.size = glm::max(glm::uvec2(scale * glm::dvec2(size_)), 1u);
+            use(way);
+            way.seconds = way.frames->slowest();
             if (way.seconds <= share * budget_) break;
         }
+        way.name = printed("%ux%u pixels, enlarged", way.size.x, way.size.y);
         return way;
     }
 
@@ -279,7 +297,8 @@ FramesReport render_frames(const Device& device, const Scene& scene, const Rende
         report.seconds.push_back(all.next(double(i) / wanted.frames));
         if (progress && !progress(i)) break;
         if (report.seconds.back() <= budget) continue;
-        if (last_late > 0 && i - last_late < watched && all.spp > 1) all.spp -= std::max(1u, all.spp / 8);
+        if (last_late > 0 && i - last_late < watched)
+            all.lighten(least_scale * glm::dvec2(config.width, config.height));
         last_late = i;
     }
     report.picks = plan.picks;
