@@ -140,7 +140,7 @@ std::vector<float> bias_map(const Renders& renders, const ReferenceImage& refere
 Study study_bias(const Device& device, const Scene& scene, const StudyOptions& options,
                  const AccuracyProgress& progress) {
     Study study;
-    study.name = "bias", study.title = "Bias: short paths, clamped samples, no caustics, ambient occlusion";
+    study.name = "bias", study.title = "Bias: short paths, clamped samples, no caustics, approximations, ambient occlusion";
     study.error = "bias, RMS / mean";
     constexpr unsigned reference_depth = 1024, depths[] = {1, 2, 3, 4, 6, 8, 12, 16, 32, default_max_depth};
     constexpr double clamps[] = {1000, 100, 30, 10, 3, 1};
@@ -151,7 +151,7 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
     RenderConfig config = deep.config;
     const AccuracyProgress rest = scaled(progress, reference_share, 1);
     config.spp = options.most_spp;
-    const double settings = double(std::size(depths) + std::size(clamps) + std::size(reaches) + 1);
+    const double settings = double(std::size(depths) + std::size(clamps) + std::size(reaches) + (scene.lights.empty() ? 1 : 2));
     bool goes_on = true;
     const auto add = [&](const char* method, const std::string& setting, double value, const RenderConfig& how,
                          const std::vector<MacroScope::Macro>& macros) {
@@ -175,6 +175,11 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
         add("samples clamped", printed("at %g x mean", clamp), clamp, config,
             {{"render/accumulate_film", "CLAMP_BITS", std::bit_cast<std::uint32_t>(float(clamp * mean))}});
     add("no caustics", "no caustics", 0, config, {{"render/shade_surface", "CAUSTICS", 0}});
+    if (!scene.lights.empty()) {
+        RenderConfig how = config;
+        how.approximate.tile_sum = true;
+        add("approximations", "tile-sum", 0, how, {});
+    }
     if (goes_on) {
         const float size = glm::length(bounds_of(scene).extent());
         const AmbientRadiance ambient(device, scene, config);
