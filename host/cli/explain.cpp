@@ -20,6 +20,7 @@
 namespace claray::cli {
 namespace {
 
+using measure::ExplainedApproximation;
 using measure::ExplainedEffect;
 using measure::Explanation;
 using measure::Variant;
@@ -114,6 +115,10 @@ void print_text(const Explanation& x, const ExplainOptions& o) {
     if (compile_times)
         std::printf(", %.0f ms less to compile", x.full.compile_milliseconds - x.own.compile_milliseconds);
     std::printf("\n");
+    for (const ExplainedApproximation& a : x.approximations)
+        std::printf("--approximate %s: %s the time of a frame; the image differs by %.3g %% (docs/effects.md)\n",
+                    to_string(a.approximate).c_str(), a.noise ? "about" : (fixed(a.ratio, 2) + " times").c_str(),
+                    100 * a.error);
     print_notes(x, compile_times);
 }
 
@@ -147,10 +152,20 @@ nlohmann::ordered_json as_json(const ExplainedEffect& e, const Variant& own) {
 void print_as_json(const Explanation& x, const ExplainOptions& o, const Device& device) {
     nlohmann::ordered_json effects = nlohmann::ordered_json::array();
     for (const ExplainedEffect& e : x.effects) effects.push_back(as_json(e, x.own));
-    const nlohmann::ordered_json report = {
-        {"scene", o.scene},          {"device", device.info().name},  {"width", o.config.width},
-        {"height", o.config.height}, {"effect_overrides", o.effects}, {"own", as_json(x.own)},
-        {"full", as_json(x.full)},   {"full_ratio", x.full_ratio},    {"effects", effects}};
+    nlohmann::ordered_json approximations = nlohmann::ordered_json::array();
+    for (const ExplainedApproximation& a : x.approximations)
+        approximations.push_back(
+            {{"name", to_string(a.approximate)}, {"ratio", a.ratio}, {"noise", a.noise}, {"error", a.error}});
+    const nlohmann::ordered_json report = {{"scene", o.scene},
+                                           {"device", device.info().name},
+                                           {"width", o.config.width},
+                                           {"height", o.config.height},
+                                           {"effect_overrides", o.effects},
+                                           {"own", as_json(x.own)},
+                                           {"full", as_json(x.full)},
+                                           {"full_ratio", x.full_ratio},
+                                           {"effects", effects},
+                                           {"approximations", approximations}};
     print_json(report);
 }
 

@@ -1,6 +1,7 @@
 #include "host/measure/explain.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "host/effects/effects.hpp"
@@ -54,6 +55,15 @@ public:
         return variant;
     }
 
+    /// Its time, and by how much it changes the image.
+    [[nodiscard]] ExplainedApproximation compare_with_truth(const Approximations& approximate) const {
+        RenderConfig config = config_;
+        config.approximate = approximate;
+        Renderer own(device_, scene_, config_), other(device_, scene_, config);
+        const PairedTimes times = compare(device_, own, other, options_.rounds);
+        return {approximate, times.ratio, times.noise, difference(image_of(config), image_of(config_))};
+    }
+
     [[nodiscard]] Variant own() {
         Variant variant = compiled(own_effects_, full_effects());
         variant.milliseconds = median(own_times_), variant.bytes = own_bytes_;
@@ -65,6 +75,24 @@ public:
     }
 
 private:
+    [[nodiscard]] std::vector<glm::vec3> image_of(RenderConfig config) const {
+        config.spp = std::max(config.spp, 64u);
+        Renderer renderer(device_, scene_, config);
+        (void)renderer.render();
+        return renderer.image();
+    }
+
+    /// Root mean square over the mean of `truth`.
+    static double difference(const std::vector<glm::vec3>& image, const std::vector<glm::vec3>& truth) {
+        double squares = 0, sum = 0;
+        for (std::size_t i = 0; i < image.size(); ++i) {
+            const glm::dvec3 off = glm::dvec3(image[i]) - glm::dvec3(truth[i]);
+            squares += glm::dot(off, off), sum += truth[i].x + truth[i].y + truth[i].z;
+        }
+        const double values = 3.0 * double(image.size());
+        return sum > 0 ? std::sqrt(squares / values) / (sum / values) : 0;
+    }
+
     /// Compiles the kernels that contain one of the concerned effects.
     Variant compiled(EffectSet effects, EffectSet concerned) {
         Variant variant;
@@ -165,7 +193,8 @@ Explanation explain(const Device& device, const Scene& scene, const RenderConfig
     std::size_t told = 0;
     const auto tell = [&](const std::string& what) {
         if (!progress) return;
-        progress(what + " (" + std::to_string(++told) + " of " + std::to_string(rows.size() + 1 - fixed) + ")");
+        progress(what + " (" + std::to_string(++told) + " of " +
+                 std::to_string(rows.size() + 1 - fixed + (scene.lights.empty() ? 0 : 1)) + ")");
     };
     const Scene stripped = config.effects.remove.empty() ? Scene() : without_effects(scene, config.effects.remove);
     const Scene& explained = config.effects.remove.empty() ? scene : stripped;
@@ -184,6 +213,10 @@ Explanation explain(const Device& device, const Scene& scene, const RenderConfig
             row.called_for ? EffectOverrides{{}, {effect}} : EffectOverrides{{effect}, {}};
         row.other = explainer.compare_with_own(overrides, {effect}, row.ratio, row.noise);
         row.own_compile_milliseconds = explainer.own_compilation({effect});
+    }
+    if (!explained.lights.empty()) {
+        tell("tile-sum");
+        explanation.approximations.push_back(explainer.compare_with_truth({.tile_sum = true}));
     }
     // Ratios of pairs are more reliable than separate times, since the machine may have been busy during one of them.
     explanation.own = explainer.own();

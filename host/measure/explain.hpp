@@ -28,12 +28,21 @@ struct ExplainedEffect {
     bool noise = false;  ///< the pairs don't agree about which is slower
 };
 
+/// An approximation that the scene has a use for: tile-sum, if it has lights without extent.
+struct ExplainedApproximation {
+    Approximations approximate;
+    double ratio = 1;    ///< time of a frame with it over that without it
+    bool noise = false;  ///< the pairs don't agree about which is slower
+    double error = 0;    ///< RMSE of its image over the mean of the true one, both of many samples per pixel
+};
+
 struct Explanation {
     Variant own;            ///< what the scene calls for and nothing else
     Variant full;           ///< everything compiled in
     double full_ratio = 1;  ///< as in ExplainedEffect
     bool full_noise = false;
     std::vector<ExplainedEffect> effects;
+    std::vector<ExplainedApproximation> approximations;
 };
 
 struct ExplainOptions {

@@ -65,7 +65,11 @@ TEST(Explain, CountsLightsOfTheCommandLine) {
         run_claray({"explain", "cornell", "--light", "spot,position=0.3,0.5,0.3", "--size", "8x8", "--rounds", "1",
                     "--only", "spot-lights", "--no-compile-times", "--json", "-q"});
     ASSERT_EQ(result.exit_code, 0) << result.errors;
-    EXPECT_EQ(nlohmann::json::parse(result.output)["effects"][0]["called_for"], true);
+    const nlohmann::json report = nlohmann::json::parse(result.output);
+    EXPECT_EQ(report["effects"][0]["called_for"], true);
+    ASSERT_EQ(report["approximations"].size(), 1u) << "the scene has a light without extent";
+    EXPECT_EQ(report["approximations"][0]["name"], "tile-sum");
+    EXPECT_GT(report["approximations"][0]["error"], 0.1) << "the lamp lights nothing";
 }
 
 TEST(Explain, RefusesWhatItDoesNotKnow) {
