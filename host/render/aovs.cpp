@@ -10,13 +10,13 @@ QueryOptions options_of(const SceneBuffers& scene, const Buffer<Visits>& counts)
     return options;
 }
 
-Defines defines_for(const SceneBuffers& scene, EffectSet effects) {
+}  // namespace
+
+Defines defines_of_aovs(const SceneBuffers& scene, EffectSet effects) {
     Defines defines = defines_of(effects, Stage::aovs);
     for (const auto& define : scene.structure.defines()) defines.push_back(define);
     return defines;
 }
-
-}  // namespace
 
 AovStage::AovStage(const SceneBuffers& scene, EffectSet effects, std::uint32_t pixels)
     : depth(scene.structure.device(), pixels),
@@ -26,7 +26,7 @@ AovStage::AovStage(const SceneBuffers& scene, EffectSet effects, std::uint32_t p
       visits(depth.device(), pixels),
       counts_(depth.device(), pixels),
       trace_(scene.structure, QueryKernel::Kind::closest, options_of(scene, counts_), {}),
-      write_(load_kernel(depth.device(), "render/write_aovs.cl", "write_aovs", defines_for(scene, effects))) {}
+      write_(load_kernel(depth.device(), "render/write_aovs.cl", "write_aovs", defines_of_aovs(scene, effects))) {}
 
 void AovStage::run(Wavefront& wavefront, const SceneBuffers& scene, std::uint32_t first, std::uint32_t count) {
     wavefront.trace_centers({first, count, 0, 1}, trace_);

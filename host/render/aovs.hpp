@@ -6,6 +6,9 @@
 
 namespace claray {
 
+/// Of kernels that describe the surfaces at pixel centres.
+[[nodiscard]] Defines defines_of_aovs(const SceneBuffers& scene, EffectSet effects);
+
 class AovStage {
 public:
     /// Loads the kernels for these effects, and buffers for `pixels` pixels at a time.

@@ -7,9 +7,16 @@
 namespace claray {
 namespace {
 
-constexpr std::pair<const char*, bool Approximations::*> approximation_names[] = {{"tile-sum", &Approximations::tile_sum}};
+constexpr std::pair<const char*, bool Approximations::*> approximation_names[] = {
+    {"tile-sum", &Approximations::tile_sum}};
 
 }  // namespace
+
+Approximations all_approximations() {
+    Approximations all;
+    for (const auto& [name, member] : approximation_names) all.*member = true;
+    return all;
+}
 
 std::string to_string(const Approximations& approximations) {
     std::string text;
@@ -27,9 +34,8 @@ Approximations parse_approximations(const std::string& text) {
         for (const auto& [name, member] : approximation_names)
             if (item == name) found.*member = known = true;
         if (known) continue;
-        Approximations all;
-        for (const auto& [name, member] : approximation_names) all.*member = true;
-        throw Error(ErrorKind::usage, "there is no approximation '" + item + "'", "there are: " + to_string(all));
+        throw Error(ErrorKind::usage, "there is no approximation '" + item + "'",
+                    "there are: " + to_string(all_approximations()));
     }
     return found;
 }

@@ -42,6 +42,8 @@ struct Approximations {
     bool operator==(const Approximations&) const = default;
     [[nodiscard]] bool any() const { return *this != Approximations{}; }
 };
+/// Returns all that there are.
+[[nodiscard]] Approximations all_approximations();
 /// Returns the names of those that are used, separated by commas: "tile-sum"; "nothing" if none is.
 [[nodiscard]] std::string to_string(const Approximations& approximations);
 /// Parses such names. Throws ErrorKind::usage for an unknown one.

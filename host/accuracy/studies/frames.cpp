@@ -92,10 +92,11 @@ double percentile(std::vector<double> values, double share_below) {
 }
 
 [[noreturn]] void refuse_rate(double budget, double seconds) {
-    throw Error(ErrorKind::user,
-                printed("%.4g frames per second cannot be reached: the fastest frame takes %s", 1 / budget,
-                        told_time(seconds).c_str()),
-                printed("the closest possible is about --fps %.3g; or use a smaller --size", share / seconds));
+    throw Error(
+        ErrorKind::user,
+        printed("%.4g frames per second cannot be reached: one sample per pixel takes %s even in the cheapest way",
+                1 / budget, told_time(seconds).c_str()),
+        printed("the closest possible is about --fps %.3g; or use a smaller --size", share / seconds));
 }
 
 /// If the deepest paths take too long, finds the deepest that fit by bisection, or those of one surface. Returns a

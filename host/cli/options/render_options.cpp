@@ -34,10 +34,18 @@ void add_size_option(CLI::App& command, unsigned& width, unsigned& height, const
 
 void add_approximate_option(CLI::App& command, Approximations& approximate) {
     command
-        .add_option_function<std::string>(
-            "--approximate", [&](const std::string& text) { approximate = parse_approximations(text); },
+        .add_option_function<std::vector<std::string>>(
+            "--approximate",
+            [&](const std::vector<std::string>& names) {
+                std::string text;
+                for (const std::string& name : names) text += (text.empty() ? "" : ",") + name;
+                approximate = parse_approximations(text);
+            },
             "Cheaper answers, which change the image: tile-sum (all lights without extent at the\n"
             "first surface, without shadows and nothing else, as deferred shading does it)")
+        ->take_all()
+        ->delimiter(',')
+        ->check(name_among(split(to_string(all_approximations()))))
         ->type_name("NAME,...");
 }
 

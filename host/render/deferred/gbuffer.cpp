@@ -9,12 +9,6 @@ namespace {
 
 constexpr float near_share = 1e-3f;  // of the far distance
 
-Defines defines_of_gbuffer(const SceneBuffers& scene, EffectSet effects) {
-    Defines defines = defines_of(effects, Stage::aovs);
-    for (const auto& define : scene.structure.defines()) defines.push_back(define);
-    return defines;
-}
-
 QueryOptions options_of_gbuffer(const SceneBuffers& scene) {
     QueryOptions options;
     options.cull_back_faces = scene.textures.culls_back_faces;
@@ -34,7 +28,7 @@ glm::dmat4 world_from_image(const CameraData& c, double near, double far) {
 GBufferStage::GBufferStage(const SceneBuffers& scene, EffectSet effects, std::uint32_t pixels)
     : trace_(scene.structure, QueryKernel::Kind::closest, options_of_gbuffer(scene), {}),
       write_(load_kernel(scene.structure.device(), "deferred/write_gbuffer.cl", "write_gbuffer",
-                         defines_of_gbuffer(scene, effects))),
+                         defines_of_aovs(scene, effects))),
       pixels_(scene.structure.device(), pixels) {}
 
 GBuffer GBufferStage::run(Wavefront& wavefront, const SceneBuffers& scene, NormalPacking packing, float far) {
