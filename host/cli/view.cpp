@@ -1,9 +1,9 @@
 // claray view: looks at a scene while it changes.
-#include <algorithm>
 #include <cstdio>
 #include <memory>
 
 #include "host/base/format.hpp"
+#include "host/base/percentile.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/options/render_options.hpp"
@@ -31,23 +31,24 @@ bool is_animated(const std::string& scene) {
 }
 
 /// Median and 99th percentile of times, in milliseconds.
-std::string times_of(std::vector<double> seconds) {
+std::string times_of(const std::vector<double>& seconds) {
     if (seconds.empty()) return "none";
-    std::sort(seconds.begin(), seconds.end());
-    const auto at = [&](double share) { return 1e3 * seconds[std::size_t(share * double(seconds.size() - 1))]; };
-    return printed("median %.2f ms, 99th percentile %.2f ms", at(0.5), at(0.99));
+    return printed("median %.2f ms, 99th percentile %.2f ms", 1e3 * percentile(seconds, 0.5),
+                   1e3 * percentile(seconds, 0.99));
 }
 
-void replay(view::View& view, const LiveOptions& options) {
+void replay(view::View& view, const view::Script& script, const LiveOptions& options) {
     if (!options.output.empty()) std::filesystem::create_directories(options.output);
     const auto tell = [](const std::string& line) { std::printf("%s\n", line.c_str()); };
-    const view::ScriptReport report = view::run_script(view, options.script, options.output, tell);
+    const view::ScriptReport report = view::run_script(view, script, options.output, tell);
     if (options.quiet) return;
     std::printf("%u frames: %s\nanswers to commands: %s\n", report.frames, times_of(report.seconds).c_str(),
                 times_of(report.answer_seconds).c_str());
 }
 
 void look(const LiveOptions& options) {
+    view::Script script;
+    if (!options.script.empty()) script = view::read_script(options.script);
     const Device device = open_device(options.device);
     view::ViewConfig config = options.config;
     Scene scene = load_view(options.scene, options.view, config.render.width, config.render.height);
@@ -60,7 +61,7 @@ void look(const LiveOptions& options) {
     view::View view(device, std::move(scene), config);
     const InterruptGuard guard;
     const auto goes_on = [] { return !InterruptGuard::interrupted(); };
-    if (!options.script.empty()) return replay(view, options);
+    if (!options.script.empty()) return replay(view, script, options);
     if (options.terminal) return view::run_in_terminal(view, goes_on);
     view::serve(view,
                 {.host = options.host, .port = options.port, .goes_on = goes_on, .ready = [](const std::string& url) {

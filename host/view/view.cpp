@@ -149,7 +149,13 @@ std::string View::run(const ViewCommand& command) {
         {"time", &View::set_time},         {"resize", &View::resize},     {"pause", &View::control},
         {"camera", &View::control},        {"quit", &View::control},      {"save", &View::save},
         {"frames", &View::control},        {"finish", &View::control}};
-    return (this->*handlers.at(command.name))(command);
+    try {
+        return (this->*handlers.at(command.name))(command);
+    } catch (const Error& error) {
+        // What would be a wrong call of the library is here a wrong value of the user's.
+        if (error.kind() != ErrorKind::usage) throw;
+        throw Error(ErrorKind::user, command.name + ": " + error.what());
+    }
 }
 
 std::string View::move_camera(const ViewCommand& command) {

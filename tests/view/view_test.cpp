@@ -83,6 +83,9 @@ TEST(CameraControl, MovesKeepWhatTheySay) {
         EXPECT_TRUE(near(c.target - c.position, camera.target - camera.position));
     EXPECT_NEAR(distance(zoom(camera, 2)), 0.5 * distance(camera), 1e-5);
     EXPECT_TRUE(throws_error(ErrorKind::user, "factor", [&] { (void)zoom(camera, 0); }));
+    Camera parallel = camera;
+    parallel.orthographic_height = 1e-30f;
+    EXPECT_TRUE(throws_error(ErrorKind::user, "height", [&] { (void)zoom(parallel, 1e30f); }));
 }
 
 TEST(CameraControl, PointsLieOnTheFloor) {
@@ -129,9 +132,10 @@ TEST(View, EditsAreThoseOfAFreshRenderer) {
     const std::string picked = run(view, "pick 16 8");
     EXPECT_NE(picked.find("mesh 'ball'"), std::string::npos) << picked;
     EXPECT_NE(picked.find("material 'red'"), std::string::npos) << picked;
-    for (const char* bad : {"material albedo -1 0 0", "material glow 1 0 0", "light 7 0 0 0", "aperture -1",
-                            "resize 0 4", "time 1", "tone x", "show x", "pick 99 0", "zoom -1"})
-        EXPECT_THROW(run(view, bad), Error) << bad;
+    for (const char* bad :
+         {"material albedo -1 0 0", "material glow 1 0 0", "light 7 0 0 0", "aperture -1", "resize 0 4", "time 1",
+          "tone x", "show x", "pick 99 0", "zoom -1", "zoom 1e-39", "fly 1e38 0 0"})
+        EXPECT_TRUE(throws_error(ErrorKind::user, "", [&] { run(view, bad); })) << bad;
     EXPECT_EQ(pixels(view), first);
     const unsigned compiled = compile_statistics().compiled;
     run(view, "material albedo 0.1 0.9 0.2"), run(view, "move 0 1 0"), run(view, "light 0 1 0 0");
@@ -147,7 +151,7 @@ TEST(ViewScript, WritesFramesAndNamesTheLine) {
     const TemporaryFolder folder;
     View view(device(), two_spheres(), config);
     const auto play = [&](const char* text) {
-        return run_script(view, folder.file("s.txt", text), folder.path(), [](const std::string&) {});
+        return run_script(view, read_script(folder.file("s.txt", text)), folder.path(), [](const std::string&) {});
     };
     EXPECT_EQ(play("# tour\n\nframes 2\norbit 9 0\nfinish\nsave last.png\nquit\nfinish\n").frames, 3u);
     for (const char* name : {"frame-00001.png", "frame-00003.png", "last.png"})
