@@ -321,6 +321,7 @@ void Renderer::State::discard_samples() {
     film.clear();
     looks = {}, last_error = {}, last_error_spp = 0;
     begin.reset();
+    if (frames) frames->start_film();
 }
 
 /// Drivers compile or load kernels when they first run, which does not count as time for samples.
@@ -476,6 +477,16 @@ std::vector<glm::vec3> Renderer::denoised(DenoiserKind kind) const {
                            guides.trace(state.wavefront.frame(), film, state.spp()), state.spp()},
                           kind);
 }
+
+std::span<const std::uint8_t> Renderer::denoised_picture(const PictureConfig& picture) {
+    State& state = *state_;
+    if (!state.frames) state.frames.emplace(state.device, state.buffers, state.config);
+    if (!state.tone_mapper) state.tone_mapper.emplace(state.device, state.pixels());
+    return state.tone_mapper->map(state.frames->next(state.wavefront.frame(), state.film.pixels(), state.spp()),
+                                  picture);
+}
+
+std::vector<float> Renderer::noise_map() const { return state_->film.noise_map(); }
 
 double Renderer::cut_off() const { return state_->cut_off(); }
 

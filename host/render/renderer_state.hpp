@@ -11,6 +11,7 @@
 #include "host/compute/joint_program.hpp"
 #include "host/render/aovs.hpp"
 #include "host/render/checkpoint/checkpoint.hpp"
+#include "host/render/denoised_frames.hpp"
 #include "host/render/film/film.hpp"
 #include "host/render/film/tone_map.hpp"
 #include "host/render/in_flight.hpp"
@@ -121,6 +122,7 @@ struct Renderer::State {
     Film film;
     std::optional<ToneMapper> tone_mapper;  // once a picture was asked for
     std::optional<AovStage> aovs;           // once they were asked for
+    std::optional<DenoisedFrames> frames;   // once a denoised picture was asked for
     Schedule schedule;
     Pace pace;
     RenderIdentity identity;  // for checkpoints

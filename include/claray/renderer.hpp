@@ -168,6 +168,13 @@ public:
     /// Returns the mean linear radiance so far without most of its noise, see docs/denoise.md. The samples are kept.
     /// Blocks. Throws ErrorKind::user for a denoiser that is not installed.
     [[nodiscard]] std::vector<glm::vec3> denoised(DenoiserKind kind = DenoiserKind::automatic) const;
+    /// Returns the same as a picture, for frames that are shown one after the other: if `update` changes the camera or
+    /// moves objects, light of the pictures before is used again where it fits (docs/denoise.md). By claray's own
+    /// denoiser, at the speed of a frame. The memory is that of `picture`. Blocks.
+    [[nodiscard]] std::span<const std::uint8_t> denoised_picture(const PictureConfig& config = {});
+    /// Returns the variance of each pixel's mean luminance over the square of the image's mean luminance: the mean over
+    /// pixels with two samples or more is RenderProgress::noise squared. 0 for other pixels. Blocks.
+    [[nodiscard]] std::vector<float> noise_map() const;
     /// Returns the share of light that is missing because paths end after `RenderConfig::max_depth` surfaces, 0 to 1.
     /// An estimate: the light beyond that depth is extrapolated. The first call traces some thousand paths.
     [[nodiscard]] double cut_off() const;
