@@ -22,7 +22,6 @@ using Clock = std::chrono::steady_clock;
 constexpr unsigned largest_side = 1u << 14;
 constexpr unsigned least_spp_for_noise = 16;
 constexpr unsigned spp_that_see_light = 2048;
-constexpr double seconds_between_reports = 0.2;
 constexpr double seconds_between_asking = 1;  // for a compiler while that of another render runs
 constexpr std::size_t most_triangles_by_host = 1u << 20;
 constexpr std::ptrdiff_t most_effects_to_optimize = 16;  // in quick kernels: PoCL takes two seconds to optimize these
@@ -46,6 +45,7 @@ const RenderConfig& checked(const RenderConfig& config) {
     if (!(config.noise >= 0)) refuse("the noise limit must not be negative or NaN", "start with 0.01");
     if (!(config.error >= 0 && std::isfinite(config.error)))
         refuse("the target error must be finite and not negative", "start with 0.01");
+    if (!(config.report_seconds >= 0)) refuse("the time between reports must not be negative", "start with 0.2");
     if (!(config.checkpoint_seconds > 0))
         refuse("the time between checkpoints must be greater than 0 seconds", "start with 30");
     return config;
@@ -415,7 +415,7 @@ RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>
             state.save_checkpoint();
             last_checkpoint = Clock::now();
         }
-        if (!progress || (!state.error_is_new && seconds_since(last_report) < seconds_between_reports)) continue;
+        if (!progress || (!state.error_is_new && seconds_since(last_report) < state.config.report_seconds)) continue;
         state.error_is_new = false;
         if (!progress(state.measure())) break;
         last_report = Clock::now();

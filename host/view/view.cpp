@@ -27,6 +27,11 @@ Scene with_camera(Scene scene, const RenderConfig& config) {
     return scene;
 }
 
+ViewConfig reporting_each_frame(ViewConfig config) {
+    config.render.report_seconds = config.frame_seconds;
+    return config;
+}
+
 std::string name_of(const std::string& name, std::size_t number) {
     return name.empty() ? std::to_string(number) : "'" + name + "'";
 }
@@ -70,9 +75,9 @@ Image image_of(const Aovs& aovs, const std::string& shows, unsigned width, unsig
 View::View(const Device& device, Scene scene, const ViewConfig& config)
     : device_(device),
       scene_(with_camera(std::move(scene), config.render)),
-      config_(config),
+      config_(reporting_each_frame(config)),
       home_(*scene_.camera),
-      renderer_(std::make_unique<Renderer>(device, scene_, config.render)),
+      renderer_(std::make_unique<Renderer>(device, scene_, config_.render)),
       time_(config.animation.time) {}
 
 float View::size() const {

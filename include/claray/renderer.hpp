@@ -42,6 +42,7 @@ struct RenderConfig {
     /// If > 0: stop when the image's error (RMSE over the mean, as ImageError::rmse) is at most this, by an estimate
     /// that holds in 95 of 100 renders. `spp` is then the upper limit, and the image is that of the samples taken.
     double error = 0;
+    double report_seconds = 0.2;  ///< about, from one call of the `progress` of Renderer::render to the next
     Sampler sampler = Sampler::sobol;
     Bvh::Config bvh = {.builder = Builder::balanced};  ///< the longer build pays off within a few samples
     EffectOverrides effects = {};                      ///< for experiments; effects are derived from the scene
@@ -135,7 +136,7 @@ public:
     Renderer(const Device& device, const Scene& scene, const RenderConfig& config);
 
     /// Adds samples until a target of the configuration is reached. Blocks. `progress` is called after the first batch
-    /// of samples, a few times per second, and after each error estimate. Return false from it to stop after the
+    /// of samples, every RenderConfig::report_seconds, and after each error estimate. Return false from it to stop after the
     /// current batch: the image is then valid, some pixels have more samples than others, and another call continues.
     /// Returns the progress reached. A checkpoint that cannot be written does not stop the render: see
     /// `checkpoint_error`.
