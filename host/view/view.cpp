@@ -107,8 +107,10 @@ void View::set_camera(const Camera& camera) {
     spp_ = 0;
 }
 
+/// Frames that are denoised together have samples of their own: equal ones would have the same noise.
 void View::render(double seconds) {
     const Clock::time_point begin = Clock::now();
+    if (spp_ == 0 && denoises_) renderer_->restart(++seed_);
     const auto goes_on = [&](const RenderProgress& progress) {
         return progress.spp == 0 || std::chrono::duration<double>(Clock::now() - begin).count() < seconds;
     };
@@ -233,7 +235,10 @@ std::string View::set_exposure(const ViewCommand& command) {
 std::string View::choose(const ViewCommand& command) {
     if (command.name == "tone") config_.picture.tone_map = command.word == "none" ? ToneMap::none : ToneMap::aces;
     if (command.name == "show") shows_ = command.word;
-    if (command.name == "denoise") denoises_ = command.word == "on";
+    if (command.name != "denoise" || denoises_ == (command.word == "on")) return {};
+    denoises_ = !denoises_;
+    renderer_->restart(seed_ = config_.render.seed);
+    spp_ = 0;
     return {};
 }
 

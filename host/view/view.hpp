@@ -94,6 +94,7 @@ private:
     std::vector<std::uint8_t> false_colors_;  // of a view other than the image
     Frame frame_;
     unsigned spp_ = 0;
+    std::uint32_t seed_ = 0;
     bool paused_ = false, playing_ = false, ended_ = false;
     double time_ = 0;                                // of the animation
     std::chrono::steady_clock::time_point time_at_;  // when it was that while the animation played

@@ -57,7 +57,7 @@ kernel void reproject(FilterStep step, CameraPair cameras, global const float4* 
 }
 
 /// Of a history whose mean over the neighbours differs from the new frame's by more than noise explains, none is kept: the light
-/// has changed, as when a shadow moves. A frame of more `samples` than its history needs none. `most`: samples for which a history
+/// has changed, as when a shadow moves. A frame of more than twice the `samples` of its history needs none. `most`: samples for which a history
 /// counts at most.
 kernel void blend_history(FilterStep step, float samples, float most, global const float4* surfaces, global const float2* slopes, global const float4* fresh,
                           global const float4* old, global const float* old_ages, global float4* result, global float* ages) {
@@ -66,7 +66,7 @@ kernel void blend_history(FilterStep step, float samples, float most, global con
     const float4 here = fresh[i];
     result[i] = here;
     ages[i] = has_light(here) ? samples : 0.0f;
-    if (!has_light(here) || old_ages[i] < samples) return;
+    if (!has_light(here) || 2.0f * old_ages[i] < samples) return;
     const int x = (int)(i % step.width), y = (int)(i / step.width);
     float difference = 0.0f, variance = 1e-30f;
     for (int dy = -3; dy <= 3; ++dy)

@@ -111,10 +111,10 @@ TEST(View, EditsAreThoseOfAFreshRenderer) {
     const auto first = pixels(view);
     const std::string picked = run(view, "pick 16 8");
     EXPECT_NE(picked.find("mesh 'ball'"), std::string::npos) << picked;
-    EXPECT_NE(picked.find("material 'red'"), std::string::npos) << picked;
+    EXPECT_NE(picked.find("material 'red' (lambert)"), std::string::npos) << picked;
     for (const char* bad :
          {"material albedo -1 0 0", "material glow 1 0 0", "light 7 0 0 0", "aperture -1", "resize 0 4", "time 1",
-          "tone x", "show x", "pick 99 0", "zoom -1", "zoom 1e-39", "fly 1e38 0 0"})
+          "tone x", "show x", "pick 99 0", "zoom -1", "zoom 1e-39", "fly 1e38 0 0", "play"})
         EXPECT_TRUE(throws_error(ErrorKind::user, "", [&] { run(view, bad); })) << bad;
     EXPECT_EQ(pixels(view), first);
     const unsigned compiled = compile_statistics().compiled;
@@ -125,6 +125,23 @@ TEST(View, EditsAreThoseOfAFreshRenderer) {
     changed.materials[1].albedo = {0.1f, 0.9f, 0.2f};
     changed.instances[2].transform[3].y += 1, changed.lights[0].position.x += 1;
     EXPECT_EQ(edited, rendered(changed));
+}
+
+TEST(View, PickTellsTheEffectsOfASurface) {
+    Scene scene = two_spheres();
+    scene.meshes[1].normals = scene.meshes[1].positions;
+    scene.materials[1].cull_back = true;
+    scene.instances[2].transform_end = scene.instances[2].transform;
+    scene.instances[2].transform_end->operator[](3).y += 0.1f;
+    const auto effects_of_instance = [&](std::uint32_t i) {
+        const std::uint32_t mesh = scene.instances[i].mesh, material = mesh;
+        return parse_effects(
+            effects_of_surface(scene, {.mesh = mesh, .material = material, .triangle = 1, .instance = i}));
+    };
+    const EffectSet ball = {Effect::lambert, Effect::smooth_normals, Effect::culling};
+    EXPECT_EQ(effects_of_instance(0), EffectSet({Effect::lambert}));
+    EXPECT_EQ(effects_of_instance(1), ball);
+    EXPECT_EQ(effects_of_instance(2), ball | EffectSet({Effect::instances, Effect::instance_motion}));
 }
 
 TEST(ViewScript, WritesFramesAndNamesTheLine) {
