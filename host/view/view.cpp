@@ -32,6 +32,12 @@ ViewConfig reporting_each_frame(ViewConfig config) {
     return config;
 }
 
+bool have_same_vertices(const Scene& a, const Scene& b) {
+    return std::equal(
+        a.meshes.begin(), a.meshes.end(), b.meshes.begin(), b.meshes.end(),
+        [](const Mesh& m, const Mesh& n) { return m.positions == n.positions && m.normals == n.normals; });
+}
+
 std::string name_of(const std::string& name, std::size_t number) {
     return name.empty() ? std::to_string(number) : "'" + name + "'";
 }
@@ -312,9 +318,10 @@ std::string View::move_object(const ViewCommand& command) {
 void View::show_time(double time) {
     Scene then = config_.animation.scene_at(time);
     then.camera = scene_.camera, then.materials = scene_.materials;
+    const bool deforms = !have_same_vertices(scene_, then);
     std::swap(then.textures, scene_.textures);
     try {
-        renderer_->update(then, {.lights = true, .instances = true, .vertices = true});
+        renderer_->update(then, {.lights = true, .instances = true, .vertices = deforms});
     } catch (...) {
         std::swap(then.textures, scene_.textures);
         throw;
