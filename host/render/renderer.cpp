@@ -334,16 +334,18 @@ void Renderer::State::warm_up() {
     wavefront.reset_totals();
 }
 
-/// Near a time limit, as many paths as fit in half of the remaining time, because machines slow down without warning.
-/// Every pixel gets a sample in any case.
+/// As many paths as fit in half of the time between two reports. Near a time limit, as fit in half of the remaining
+/// time, because machines slow down without warning. Every pixel gets a sample in any case.
 std::uint32_t Renderer::State::paths_of_next_batch(InFlight& in_flight) const {
-    if (!(config.seconds > 0) || schedule.complete_passes_spp() == 0) return pace.paths();
+    if (schedule.complete_passes_spp() == 0) return pace.paths();
+    const double to_report = std::max(1.0, 1e3 * config.report_seconds / 2);
+    if (!(config.seconds > 0)) return pace.paths_within(to_report);
     const auto left = [&] {
         return 1e3 * (config.seconds - seconds_since(*begin)) - pace.milliseconds_of(in_flight.paths());
     };
     const double least = least_milliseconds(config.seconds);
     if (left() < least) in_flight.drain();  // the estimate may be too long
-    return pace.paths_within(std::max(left() / 2, least));
+    return pace.paths_within(std::min(to_report, std::max(left() / 2, least)));
 }
 
 void Renderer::State::trace(const Batch& batch, InFlight& in_flight) {

@@ -15,7 +15,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr float most_pixels_a_side = 16384;
-constexpr int noise_radius = 2;  // of the square of pixels over which the error map takes the mean
+constexpr double least_share = 0.25;  // of a frame's time that is spent on sampling
+constexpr int noise_radius = 2;       // of the square of pixels over which the error map takes the mean
 
 [[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
     throw Error(ErrorKind::user, what, remedy);
@@ -27,8 +28,8 @@ Scene with_camera(Scene scene, const RenderConfig& config) {
     return scene;
 }
 
-ViewConfig reporting_each_frame(ViewConfig config) {
-    config.render.report_seconds = config.frame_seconds;
+ViewConfig reporting_in_frames(ViewConfig config) {
+    config.render.report_seconds = least_share * config.frame_seconds;
     return config;
 }
 
@@ -81,7 +82,7 @@ Image image_of(const Aovs& aovs, const std::string& shows, unsigned width, unsig
 View::View(const Device& device, Scene scene, const ViewConfig& config)
     : device_(device),
       scene_(with_camera(std::move(scene), config.render)),
-      config_(reporting_each_frame(config)),
+      config_(reporting_in_frames(config)),
       home_(*scene_.camera),
       renderer_(std::make_unique<Renderer>(device, scene_, config_.render)),
       time_(config.animation.time) {}
@@ -123,6 +124,13 @@ void View::render(double seconds) {
     spp_ = renderer_->render(goes_on).spp;
 }
 
+/// The time that the picture of the last frame and its display took is not available for sampling.
+void View::sample_frame() {
+    const double others = std::chrono::duration<double>(Clock::now() - sampled_at_).count();
+    render(std::max(config_.frame_seconds - others, least_share * config_.frame_seconds));
+    sampled_at_ = Clock::now();
+}
+
 /// A view that is paused takes the first samples all the same: an image without any shows nothing.
 std::span<const std::uint8_t> View::shown() {
     if (spp_ == 0) render(0);
@@ -142,7 +150,7 @@ const Frame& View::shown_frame() {
 
 const Frame& View::next_frame() {
     if (playing_) pass_time();
-    if (!paused_ && spp_ < config_.render.spp) render(config_.frame_seconds);
+    if (!paused_ && spp_ < config_.render.spp) sample_frame();
     return shown_frame();
 }
 

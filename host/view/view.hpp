@@ -25,7 +25,7 @@ struct Animation {
 
 struct ViewConfig {
     RenderConfig render;          ///< `spp`: samples at which a still view stops
-    double frame_seconds = 0.03;  ///< of sampling per frame, at least one sample per pixel
+    double frame_seconds = 0.04;  ///< from one frame to the next; more if a sample per pixel takes longer
     PictureConfig picture;
     Animation animation = {};
 };
@@ -65,6 +65,7 @@ private:
     [[nodiscard]] float size() const;
     [[nodiscard]] glm::vec3 point_at(std::size_t pixel, float depth) const;
     void render(double seconds);
+    void sample_frame();
     void show_time(double time);
     void pass_time();
     [[nodiscard]] const Frame& shown_frame();
@@ -95,6 +96,7 @@ private:
     Frame frame_;
     unsigned spp_ = 0;
     std::uint32_t seed_ = 0;
+    std::chrono::steady_clock::time_point sampled_at_;  // the end of the last sampling
     bool paused_ = false, playing_ = false, ended_ = false;
     double time_ = 0;                                // of the animation
     std::chrono::steady_clock::time_point time_at_;  // when it was that while the animation played
