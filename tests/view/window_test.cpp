@@ -134,7 +134,10 @@ TEST_F(ViewWindow, ShowsThePictureAndFollowsItsSize) {
                           EXPECT_EQ(Hands::pixels(), rendered(two_spheres(), other));
                           Hands::change_size(0, 7);
                       },
-                      [&] { EXPECT_TRUE(size_is(20, 10)); }});
+                      [&] {
+                          EXPECT_TRUE(size_is(20, 10));
+                          EXPECT_EQ(Hands::title(), "claray view: 4 spp ");  // and no error
+                      }});
 }
 
 TEST_F(ViewWindow, KeysAndTheMouseAreCommands) {
