@@ -1,11 +1,13 @@
 #include "host/denoise/denoiser.hpp"
 
+#include <algorithm>
 #include <utility>
 
 namespace claray {
 namespace {
 
-constexpr std::uint32_t passes = 5;  // which reach 62 pixels
+constexpr std::uint32_t passes = 5;        // which reach 62 pixels
+constexpr std::uint32_t most_frames = 32;  // of a history; longer ones gain little and follow light more slowly
 
 }  // namespace
 
@@ -59,20 +61,27 @@ FrameDenoiser::FrameDenoiser(const Device& device, std::uint32_t width, std::uin
     for (Buffer<float>* buffer : {&old_ages_, &ages_, &history_ages_}) *buffer = Buffer<float>(device, pixels);
 }
 
+void FrameDenoiser::keep_frame() {
+    std::swap(old_light_, blended_), std::swap(old_ages_, ages_), std::swap(old_surfaces_, surfaces_);
+    old_camera_ = camera_, old_spp_ = spp_;
+}
+
 const Buffer<float>& FrameDenoiser::denoise(const CameraData& camera, const Buffer<FilmPixel>& film,
-                                            const Buffer<Guide>& guides, bool single) {
-    prepare(film, guides, single);
-    if (frames_ == 0) old_ages_.fill(0);
-    const CameraPair cameras{camera, frames_ == 0 ? camera : camera_};
+                                            const Buffer<Guide>& guides, std::uint32_t spp, bool continues) {
+    if (!continues || films_ == 0) {
+        films_ > 0 ? keep_frame() : old_ages_.fill(0);
+        films_ = std::min<std::uint32_t>(films_ + 1, 2);
+    }
+    camera_ = camera, spp_ = spp;
+    prepare(film, guides, spp < 2);
+    const CameraPair cameras{camera, films_ < 2 ? camera : old_camera_};
     reproject_.run(range(), step(), cameras, arg("surfaces", surfaces_), arg("light", noisy_),
                    arg("old_surfaces", old_surfaces_), arg("old_light", old_light_), arg("old_ages", old_ages_),
                    arg("result", history_), arg("ages", history_ages_));
-    blend_.run(range(), step(), arg("surfaces", surfaces_), slopes_, arg("fresh", noisy_), arg("old", history_),
-               arg("old_ages", history_ages_), arg("result", blended_), arg("ages", ages_));
-    const Buffer<float>& image = filter(blended_, blended_, guides, true);
-    std::swap(old_light_, blended_), std::swap(old_ages_, ages_), std::swap(old_surfaces_, surfaces_);
-    camera_ = camera, ++frames_;
-    return image;
+    const auto most = float(most_frames - 1) * float(old_spp_);
+    blend_.run(range(), step(), float(spp), most, arg("surfaces", surfaces_), slopes_, arg("fresh", noisy_),
+               arg("old", history_), arg("old_ages", history_ages_), arg("result", blended_), arg("ages", ages_));
+    return filter(blended_, blended_, guides, true);
 }
 
 }  // namespace claray

@@ -46,16 +46,21 @@ class FrameDenoiser : private Denoiser {
 public:
     FrameDenoiser(const Device& device, std::uint32_t width, std::uint32_t height);
 
-    /// As Denoiser::denoise; `camera` is that of this frame.
+    /// As Denoiser::denoise; `camera` and `spp` are those of this frame. `continues`: the film is that of the last
+    /// call with more samples, so that this frame replaces that one.
     [[nodiscard]] const Buffer<float>& denoise(const CameraData& camera, const Buffer<FilmPixel>& film,
-                                               const Buffer<Guide>& guides, bool single);
+                                               const Buffer<Guide>& guides, std::uint32_t spp, bool continues = false);
     /// Forgets the frames before, for example if materials or lights were replaced.
-    void forget() { frames_ = 0; }
+    void forget() { films_ = 0; }
 
 private:
+    /// Makes the last frame the one before.
+    void keep_frame();
+
     Kernel reproject_, blend_;
-    CameraData camera_{};
-    std::uint64_t frames_ = 0;
+    CameraData camera_{}, old_camera_{};
+    std::uint32_t spp_ = 0, old_spp_ = 0;
+    std::uint32_t films_ = 0;  // up to two: this one, and one before
     Buffer<Float4> old_light_, old_surfaces_, history_, blended_;
     Buffer<float> old_ages_, ages_, history_ages_;
 };

@@ -19,6 +19,8 @@ struct LoadedScene {
 [[nodiscard]] Scene load_obj_without_light(const std::filesystem::path& path, Warnings& warnings);
 [[nodiscard]] Scene load_gltf_without_light(const std::filesystem::path& path, Warnings& warnings,
                                             const LoadOptions& options);
+[[nodiscard]] std::optional<double> gltf_animation_seconds(const std::filesystem::path& path,
+                                                           const LoadOptions& options);
 
 /// Lights a scene in which `camera` would see hardly anything by the scene's own lights: by a pale sky or, if no sky
 /// light reaches the view, by a lamp at the camera. Returns a line for the user; empty if the scene is unchanged.

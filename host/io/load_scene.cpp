@@ -22,7 +22,21 @@ void refuse_choice(const std::string& name, const LoadOptions& options) {
     refuse(options.stroke_radius.has_value(), "points or lines with a radius");
 }
 
+std::string extension_of(const std::filesystem::path& path) {
+    std::string extension = path.extension().string();
+    std::transform(extension.begin(), extension.end(), extension.begin(),
+                   [](unsigned char c) { return std::tolower(c); });
+    return extension;
+}
+
+bool is_gltf(const std::string& extension) { return extension == ".gltf" || extension == ".glb"; }
+
 }  // namespace
+
+std::optional<double> animation_seconds(const std::string& name_or_path, const LoadOptions& options) {
+    if (builtin_scene(name_or_path) || !is_gltf(extension_of(name_or_path))) return {};
+    return gltf_animation_seconds(name_or_path, options);
+}
 
 LoadedScene load_without_light(const std::string& name_or_path, Warnings& warnings, const LoadOptions& options) {
     if (std::optional<Scene> scene = builtin_scene(name_or_path)) {
@@ -30,14 +44,12 @@ LoadedScene load_without_light(const std::string& name_or_path, Warnings& warnin
         return {*std::move(scene), false};
     }
     const std::filesystem::path path(name_or_path);
-    std::string extension = path.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return std::tolower(c); });
+    const std::string extension = extension_of(path);
     if (extension == ".obj") {
         refuse_choice(name_or_path, options);
         return {load_obj_without_light(path, warnings), true};
     }
-    if (extension == ".gltf" || extension == ".glb") return {load_gltf_without_light(path, warnings, options), true};
+    if (is_gltf(extension)) return {load_gltf_without_light(path, warnings, options), true};
 
     std::error_code unreadable;
     if (std::filesystem::is_regular_file(path, unreadable))

@@ -23,7 +23,6 @@ using Clock = std::chrono::steady_clock;
 constexpr unsigned largest_side = 1u << 14;
 constexpr unsigned least_spp_for_noise = 16;
 constexpr unsigned spp_that_see_light = 2048;
-constexpr double seconds_between_reports = 0.2;
 constexpr double seconds_between_asking = 1;  // for a compiler while that of another render runs
 constexpr std::size_t most_triangles_by_host = 1u << 20;
 constexpr std::ptrdiff_t most_effects_to_optimize = 16;  // in quick kernels: PoCL takes two seconds to optimize these
@@ -51,6 +50,7 @@ const RenderConfig& checked(const RenderConfig& config) {
     if (!(config.noise >= 0)) refuse("the noise limit must not be negative or NaN", "start with 0.01");
     if (!(config.error >= 0 && std::isfinite(config.error)))
         refuse("the target error must be finite and not negative", "start with 0.01");
+    if (!(config.report_seconds >= 0)) refuse("the time between reports must not be negative", "start with 0.2");
     if (!(config.checkpoint_seconds > 0))
         refuse("the time between checkpoints must be greater than 0 seconds", "start with 30");
     return config;
@@ -328,6 +328,11 @@ ImageSizes Renderer::State::sizes(unsigned width, unsigned height) const {
     return {config.width, config.height, width, height};
 }
 
+ToneMapper& Renderer::State::mapper_of(std::uint32_t image_pixels) {
+    if (!tone_mapper || tone_mapper->pixels() != image_pixels) tone_mapper.emplace(device, image_pixels);
+    return *tone_mapper;
+}
+
 void Renderer::State::sample_all_pixels() {
     InFlight in_flight(device, pace);
     while (spp() == 0) trace(schedule.next(pace.paths()), in_flight);
@@ -345,6 +350,7 @@ void Renderer::State::discard_samples() {
     film.clear();
     looks = {}, last_error = {}, last_error_spp = 0;
     begin.reset();
+    if (frames) frames->start_film();
 }
 
 /// Drivers compile or load kernels when they first run, which does not count as time for samples.
@@ -357,16 +363,18 @@ void Renderer::State::warm_up() {
     wavefront.reset_totals();
 }
 
-/// Near a time limit, as many paths as fit in half of the remaining time, because machines slow down without warning.
-/// Every pixel gets a sample in any case.
+/// As many paths as fit in half of the time between two reports. Near a time limit, as fit in half of the remaining
+/// time, because machines slow down without warning. Every pixel gets a sample in any case.
 std::uint32_t Renderer::State::paths_of_next_batch(InFlight& in_flight) const {
-    if (!(config.seconds > 0) || schedule.complete_passes_spp() == 0) return pace.paths();
+    if (schedule.complete_passes_spp() == 0) return pace.paths();
+    const double to_report = std::max(1.0, 1e3 * config.report_seconds / 2);
+    if (!(config.seconds > 0)) return pace.paths_within(to_report);
     const auto left = [&] {
         return 1e3 * (config.seconds - seconds_since(*begin)) - pace.milliseconds_of(in_flight.paths());
     };
     const double least = least_milliseconds(config.seconds);
     if (left() < least) in_flight.drain();  // the estimate may be too long
-    return pace.paths_within(std::max(left() / 2, least));
+    return pace.paths_within(std::min(to_report, std::max(left() / 2, least)));
 }
 
 void Renderer::State::trace(const Batch& batch, InFlight& in_flight) {
@@ -438,7 +446,7 @@ RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>
             state.save_checkpoint();
             last_checkpoint = Clock::now();
         }
-        if (!progress || (!state.error_is_new && seconds_since(last_report) < seconds_between_reports)) continue;
+        if (!progress || (!state.error_is_new && seconds_since(last_report) < state.config.report_seconds)) continue;
         state.error_is_new = false;
         if (!progress(state.measure())) break;
         last_report = Clock::now();
@@ -485,7 +493,8 @@ void Renderer::resize(unsigned width, unsigned height) {
     state.wavefront.resize(width, height, std::uint64_t(state.pixels()) * state.most_spp);
     state.film = Film(state.device, state.pixels(), tells_error(state.config));
     state.pace = Pace(state.first_paths(), state.wavefront.capacity());
-    state.path_kernel.reset(), state.aovs.reset(), state.gbuffer.reset(), state.light_cut_off.reset();
+    state.path_kernel.reset(), state.aovs.reset(), state.gbuffer.reset(), state.frames.reset();
+    state.light_cut_off.reset();
     state.discard_samples();
 }
 
@@ -504,9 +513,7 @@ std::vector<glm::vec3> Renderer::image(unsigned width, unsigned height) const {
 std::span<const std::uint8_t> Renderer::picture(const PictureConfig& config) const {
     State& state = *state_;
     const ImageSizes size = state.sizes(config.width, config.height);
-    const std::uint32_t pixels = size.image_width * size.image_height;
-    if (!state.tone_mapper || state.tone_mapper->pixels() != pixels) state.tone_mapper.emplace(state.device, pixels);
-    return state.tone_mapper->map(state.film.resolve(size), config);
+    return state.mapper_of(size.image_width * size.image_height).map(state.film.resolve(size), config);
 }
 
 std::vector<glm::vec3> Renderer::denoised(DenoiserKind kind) const {
@@ -517,6 +524,15 @@ std::vector<glm::vec3> Renderer::denoised(DenoiserKind kind) const {
                            guides.trace(state.wavefront.frame(), film, state.spp()), state.spp()},
                           kind);
 }
+
+std::span<const std::uint8_t> Renderer::denoised_picture(const PictureConfig& picture) {
+    State& state = *state_;
+    if (!state.frames) state.frames.emplace(state.device, state.buffers, state.config);
+    const Buffer<float>& image = state.frames->next(state.wavefront.frame(), state.film.pixels(), state.spp());
+    return state.mapper_of(state.pixels()).map(image, picture);
+}
+
+std::vector<float> Renderer::noise_map() const { return state_->film.noise_map(); }
 
 double Renderer::cut_off() const { return state_->cut_off(); }
 

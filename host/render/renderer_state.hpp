@@ -12,6 +12,7 @@
 #include "host/render/aovs.hpp"
 #include "host/render/checkpoint/checkpoint.hpp"
 #include "host/render/deferred/gbuffer.hpp"
+#include "host/render/denoised_frames.hpp"
 #include "host/render/film/film.hpp"
 #include "host/render/film/tone_map.hpp"
 #include "host/render/in_flight.hpp"
@@ -82,6 +83,7 @@ struct Renderer::State {
     /// `patience`: seconds of rendering before the kernel that follows paths may be compiled.
     void use_path_kernel(double patience);
     void sample_all_pixels();
+    [[nodiscard]] ToneMapper& mapper_of(std::uint32_t image_pixels);
     /// 0 stands for the size of the film.
     [[nodiscard]] ImageSizes sizes(unsigned width, unsigned height) const;
     void adopt(const Structure& other, EffectSet effects);
@@ -134,6 +136,7 @@ struct Renderer::State {
     std::optional<ToneMapper> tone_mapper;  // once a picture was asked for
     std::optional<AovStage> aovs;           // once they were asked for
     std::optional<GBufferStage> gbuffer;
+    std::optional<DenoisedFrames> frames;  // once a denoised picture was asked for
     Schedule schedule;
     Pace pace;
     RenderIdentity identity;  // for checkpoints

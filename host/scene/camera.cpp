@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "claray/error.hpp"
 #include "claray/scene.hpp"
@@ -39,13 +40,10 @@ Camera camera_of(const Scene& scene, float aspect) {
     return scene.camera ? *scene.camera : automatic_camera(bounds_of(scene), 40.f, aspect);
 }
 
-/// By Rodrigues' formula.
 Camera orbited(const Camera& camera, float degrees) {
-    const glm::dvec3 axis = glm::normalize(glm::dvec3(camera.up));
-    const double angle = glm::radians(double(degrees)), c = std::cos(angle), s = std::sin(angle);
+    const glm::dmat3 turn(glm::rotate(glm::dmat4(1.0), glm::radians(double(degrees)), glm::dvec3(camera.up)));
     const auto turned = [&](const glm::vec3& point, const glm::vec3& center) {
-        const glm::dvec3 v = glm::dvec3(point) - glm::dvec3(center);
-        return glm::vec3(glm::dvec3(center) + c * v + s * glm::cross(axis, v) + (1 - c) * glm::dot(axis, v) * axis);
+        return glm::vec3(glm::dvec3(center) + turn * (glm::dvec3(point) - glm::dvec3(center)));
     };
     Camera result = camera;
     result.position = turned(camera.position, camera.target);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "claray/error.hpp"
 #include "host/base/format.hpp"
@@ -23,10 +24,8 @@ Axes axes_of(const Camera& camera) {
     return {forward, right, glm::cross(right, forward), glm::length(way)};
 }
 
-/// Rotates by Rodrigues' formula.
 glm::dvec3 rotated(const glm::dvec3& v, const glm::dvec3& axis, double angle) {
-    const double c = std::cos(angle), s = std::sin(angle);
-    return c * v + s * glm::cross(axis, v) + (1 - c) * glm::dot(axis, v) * axis;
+    return glm::dmat3(glm::rotate(glm::dmat4(1.0), angle, axis)) * v;
 }
 
 /// Turns a direction by two angles, but not across the poles.
@@ -80,6 +79,8 @@ Camera zoom(const Camera& camera, float factor) {
     Camera result = camera;
     if (camera.orthographic_height > 0) {
         result.orthographic_height /= factor;
+        if (result.orthographic_height == 0)  // which would mean a perspective camera
+            throw Error(ErrorKind::user, "zoom: the height of the image becomes 0", "use a smaller factor");
         return result;
     }
     const Axes axes = axes_of(camera);

@@ -1,9 +1,9 @@
-// The web page of the view.
+// The web page of the view. web.cpp replaces what stands between @.
 #pragma once
 
 namespace claray::view {
 
-inline constexpr const char* page = R"page(<!doctype html>
+inline constexpr const char* page_template = R"page(<!doctype html>
 <html lang="en">
 <meta charset="utf-8">
 <title>claray view</title>
@@ -15,20 +15,21 @@ inline constexpr const char* page = R"page(<!doctype html>
   button, select, input { font: inherit; }
 </style>
 <header>
-  <select id="show" title="what is seen">
-    <option>image<option>depth<option>normal<option>albedo<option>primitive<option>heat
-  </select>
+  <select id="show" title="what is seen">@shows@</select>
+  <label><input id="denoise" type="checkbox">denoise</label>
   <button data-command="exposure -0.5">darker</button>
   <button data-command="exposure 0.5">brighter</button>
   <button data-command="home">home</button>
   <button data-command="pause">pause</button>
+  <button data-command="play">play</button>
   <button data-command="camera">camera as options</button>
   <input id="line" size="32" placeholder="command, for example: orbit 30 0" aria-label="command">
-  <span>drag: orbit, shift-drag: pan, wheel: zoom, W A S D Q E: fly, click: select, double click: focus</span>
+  <span>@help@</span>
 </header>
 <img id="view" src="stream" alt="the rendered scene" draggable="false">
 <pre id="status"></pre>
 <script>
+  const keys = {@keys@}, degreesPerPixel = @degrees@, zoomPerStep = @zoom@, farthestClick = @click@;
   const view = document.getElementById("view"), status = document.getElementById("status");
   const send = async line => {
     const answer = await fetch("command", { method: "POST", body: line });
@@ -47,20 +48,28 @@ inline constexpr const char* page = R"page(<!doctype html>
     if (Math.abs(x) + Math.abs(y) < 2) return;
     drag = { x: e.clientX, y: e.clientY, far: drag.far + Math.abs(x) + Math.abs(y) };
     const box = view.getBoundingClientRect();
-    send(e.shiftKey ? `pan ${-x / box.height} ${y / box.height}` : `orbit ${-x * 0.4} ${y * 0.4}`);
+    send(e.shiftKey ? `pan ${-x / box.height} ${y / box.height}` : `orbit ${-x * degreesPerPixel} ${y * degreesPerPixel}`);
   });
   window.addEventListener("mouseup", e => {
-    if (drag && drag.far < 4 && e.target === view) send("pick " + pixel(e));
+    if (drag && drag.far < farthestClick && e.target === view) send("pick " + pixel(e));
     drag = null;
   });
   view.addEventListener("dblclick", e => send("focus " + pixel(e)));
-  view.addEventListener("wheel", e => { e.preventDefault(); send("zoom " + (e.deltaY < 0 ? 1.1 : 1 / 1.1)); }, { passive: false });
-  const keys = { w: "fly 1 0 0", s: "fly -1 0 0", a: "fly 0 -1 0", d: "fly 0 1 0", q: "fly 0 0 -1", e: "fly 0 0 1", " ": "pause" };
+  view.addEventListener("wheel", e => { e.preventDefault(); send("zoom " + (e.deltaY < 0 ? zoomPerStep : 1 / zoomPerStep)); }, { passive: false });
   window.addEventListener("keydown", e => {
-    if (e.target.tagName !== "INPUT" && keys[e.key]) { e.preventDefault(); send(keys[e.key]); }
+    const command = keys[e.key.length === 1 ? e.key.toLowerCase() : e.key];
+    const elsewhere = ["INPUT", "SELECT"].includes(e.target.tagName) || e.ctrlKey || e.altKey || e.metaKey;
+    if (command && !elsewhere) { e.preventDefault(); send(command); }
   });
   document.querySelectorAll("button").forEach(b => b.addEventListener("click", () => send(b.dataset.command)));
-  document.getElementById("show").addEventListener("change", e => send("show " + e.target.value));
+  document.getElementById("show").addEventListener("change", e => {
+    send("show " + e.target.value);
+    e.target.blur();
+  });
+  document.getElementById("denoise").addEventListener("change", e => {
+    send("denoise " + (e.target.checked ? "on" : "off"));
+    e.target.blur();  // keys go to the view again
+  });
   document.getElementById("line").addEventListener("keydown", e => {
     if (e.key === "Enter" && e.target.value.trim()) { send(e.target.value); e.target.select(); }
   });

@@ -11,28 +11,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-struct Line {
-    unsigned number = 0;
-    ViewCommand command;
-};
-
 template <class Act>
 auto at_line(const std::filesystem::path& file, unsigned number, const Act& act) try {
     return act();
 } catch (const Error& error) {
     throw Error(error.kind(), file.string() + ":" + std::to_string(number) + ": " + error.what());
-}
-
-std::vector<Line> read_script(const std::filesystem::path& file) {
-    std::istringstream input(read_file(file, "check the path"));
-    std::vector<Line> lines;
-    std::string text;
-    for (unsigned number = 1; std::getline(input, text); ++number) {
-        const std::size_t begin = text.find_first_not_of(" \t\r");
-        if (begin == std::string::npos || text[begin] == '#') continue;
-        lines.push_back({number, at_line(file, number, [&] { return parse_command(text); })});
-    }
-    return lines;
 }
 
 /// Runs the lines and counts their frames.
@@ -75,11 +58,23 @@ private:
 
 }  // namespace
 
-ScriptReport run_script(View& view, const std::filesystem::path& file, const std::filesystem::path& folder,
+Script read_script(const std::filesystem::path& file) {
+    std::istringstream input(read_file(file, "check the path"));
+    Script script{file, {}};
+    std::string text;
+    for (unsigned number = 1; std::getline(input, text); ++number) {
+        const std::size_t begin = text.find_first_not_of(" \t\r");
+        if (begin == std::string::npos || text[begin] == '#') continue;
+        script.lines.push_back({number, at_line(file, number, [&] { return parse_command(text); })});
+    }
+    return script;
+}
+
+ScriptReport run_script(View& view, const Script& script, const std::filesystem::path& folder,
                         const std::function<void(const std::string&)>& tell) {
     Player player(view, folder);
-    for (const Line& line : read_script(file)) {
-        const std::string told = at_line(file, line.number, [&] { return player.play(line.command); });
+    for (const Script::Line& line : script.lines) {
+        const std::string told = at_line(script.file, line.number, [&] { return player.play(line.command); });
         if (!told.empty()) tell(told);
         if (view.ended()) break;
     }

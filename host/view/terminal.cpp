@@ -9,37 +9,10 @@
 #include <cstdio>
 
 #include "host/base/format.hpp"
+#include "host/view/input.hpp"
 
 namespace claray::view {
 namespace {
-
-struct Key {
-    const char* bytes;
-    const char* command;
-};
-constexpr Key keys[] = {{"\x1b[D", "orbit -5 0"},
-                        {"\x1b[C", "orbit 5 0"},
-                        {"\x1b[A", "orbit 0 5"},
-                        {"\x1b[B", "orbit 0 -5"},
-                        {"w", "fly 1 0 0"},
-                        {"s", "fly -1 0 0"},
-                        {"a", "fly 0 -1 0"},
-                        {"d", "fly 0 1 0"},
-                        {"q", "fly 0 0 -1"},
-                        {"e", "fly 0 0 1"},
-                        {"+", "exposure 0.5"},
-                        {"-", "exposure -0.5"},
-                        {"1", "show image"},
-                        {"2", "show depth"},
-                        {"3", "show normal"},
-                        {"4", "show albedo"},
-                        {"5", "show primitive"},
-                        {"6", "show heat"},
-                        {"h", "home"},
-                        {"p", "pause"},
-                        {"c", "camera"},
-                        {"x", "quit"}};
-constexpr const char* help = "arrows orbit, W A S D Q E fly, + - exposure, 1-6 show, H home, P pause, C camera, X quit";
 
 /// Keys arrive at once and unseen; the alternative screen hides what was there. Both end with this object.
 class RawTerminal {
@@ -90,14 +63,9 @@ std::string run_keys(View& view, std::string bytes) {
     std::string told;
     while (!bytes.empty()) {
         const std::size_t length = bytes.starts_with("\x1b[") ? std::min<std::size_t>(3, bytes.size()) : 1;
-        const std::string command = command_of_key(bytes.substr(0, length));
+        const std::string command = command_of_key(key_of_bytes(bytes.substr(0, length)));
         bytes.erase(0, length);
-        if (command.empty()) continue;
-        try {
-            told = view.run(parse_command(command));
-        } catch (const Error& error) {
-            told = error.what();
-        }
+        if (!command.empty()) told = answer(view, command);
     }
     return told;
 }
@@ -118,16 +86,18 @@ std::string half_blocks(const Frame& frame) {
     return text;
 }
 
-std::string command_of_key(const std::string& key) {
-    for (const Key& k : keys)
-        if (key == k.bytes) return k.command;
-    return {};
+std::string key_of_bytes(const std::string& bytes) {
+    if (bytes == "\x1b[A") return "ArrowUp";
+    if (bytes == "\x1b[B") return "ArrowDown";
+    if (bytes == "\x1b[C") return "ArrowRight";
+    if (bytes == "\x1b[D") return "ArrowLeft";
+    return bytes;
 }
 
 void run_in_terminal(View& view, const std::function<bool()>& goes_on) {
     const RawTerminal raw;
     Size size{0, 0};
-    std::string told = help;
+    std::string told = key_help;
     bool complete = false;
     while (!view.ended() && goes_on()) {
         if (const Size now = terminal_size(); now != size) {
@@ -136,7 +106,7 @@ void run_in_terminal(View& view, const std::function<bool()>& goes_on) {
         }
         if (const std::string pressed = read_keys(complete ? 50 : 0); !pressed.empty()) {
             const std::string line = run_keys(view, pressed);
-            told = line.empty() ? help : line;
+            told = line.empty() ? key_help : line;
             complete = false;
         }
         if (complete) continue;

@@ -11,8 +11,8 @@ namespace claray::view {
 /// the caller.
 [[nodiscard]] std::string half_blocks(const Frame& frame);
 
-/// Returns the command of a key, or of the bytes that a terminal sends for it; empty if it has none.
-[[nodiscard]] std::string command_of_key(const std::string& key);
+/// Returns the name of a key (see input.hpp) from the bytes that a terminal sends for it.
+[[nodiscard]] std::string key_of_bytes(const std::string& bytes);
 
 /// Shows the view in the terminal of standard input and output until it ends or `goes_on` returns false. The terminal
 /// is left as it was. Throws ErrorKind::user if these are no terminal.

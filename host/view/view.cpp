@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <map>
+#include <utility>
 
 #include "host/base/format.hpp"
-#include "host/effects/effects.hpp"
 #include "host/view/camera_control.hpp"
 
 namespace claray::view {
@@ -16,6 +15,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr float most_pixels_a_side = 16384;
+constexpr double least_share = 0.25;  // of a frame's time that is spent on sampling
+constexpr int noise_radius = 2;       // of the square of pixels over which the error map takes the mean
 
 [[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
     throw Error(ErrorKind::user, what, remedy);
@@ -26,34 +27,19 @@ Scene with_camera(Scene scene, const RenderConfig& config) {
     return scene;
 }
 
+ViewConfig reporting_in_frames(ViewConfig config) {
+    config.render.report_seconds = least_share * config.frame_seconds;
+    return config;
+}
+
+bool have_same_vertices(const Scene& a, const Scene& b) {
+    return std::equal(
+        a.meshes.begin(), a.meshes.end(), b.meshes.begin(), b.meshes.end(),
+        [](const Mesh& m, const Mesh& n) { return m.positions == n.positions && m.normals == n.normals; });
+}
+
 std::string name_of(const std::string& name, std::size_t number) {
     return name.empty() ? std::to_string(number) : "'" + name + "'";
-}
-
-std::string effects_of_material(const Scene& scene, const Material& material) {
-    Scene one;
-    one.materials = {material};
-    one.textures = scene.textures;
-    one.meshes.resize(1);
-    one.meshes[0].positions.resize(3), one.meshes[0].triangles = {{0, 1, 2}};
-    return to_string(effects_of(one));
-}
-
-float distance_from_segment(const glm::vec3& p, const glm::vec3& a, const glm::vec3& b) {
-    const glm::vec3 along = b - a;
-    const float square = glm::dot(along, along);
-    const float t = square > 0 ? std::clamp(glm::dot(p - a, along) / square, 0.f, 1.f) : 0.f;
-    return glm::length(p - a - t * along);
-}
-
-float distance_from_triangle(const glm::vec3& p, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
-    const glm::vec3 normal = glm::cross(b - a, c - a);
-    const auto inside = [&](const glm::vec3& from, const glm::vec3& to) {
-        return glm::dot(glm::cross(to - from, p - from), normal) >= 0;
-    };
-    if (inside(a, b) && inside(b, c) && inside(c, a) && glm::length(normal) > 0)
-        return std::abs(glm::dot(p - a, glm::normalize(normal)));
-    return std::min({distance_from_segment(p, a, b), distance_from_segment(p, b, c), distance_from_segment(p, c, a)});
 }
 
 /// Colours of a picture by the exact sRGB curve.
@@ -62,6 +48,22 @@ std::vector<std::uint8_t> encoded(const Image& image) {
     for (const glm::vec3& c : image.pixels)
         bytes.insert(bytes.end(), {srgb_from_linear(c.x), srgb_from_linear(c.y), srgb_from_linear(c.z), 255});
     return bytes;
+}
+
+/// The root of the mean over the pixels nearby: the variance that two halves of a pixel's samples tell is as noisy as
+/// its square.
+Image error_map(const std::vector<float>& variances, int width, int height) {
+    std::vector<float> errors;
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            double sum = 0;
+            int count = 0;
+            for (int v = std::max(y - noise_radius, 0); v <= std::min(y + noise_radius, height - 1); ++v)
+                for (int u = std::max(x - noise_radius, 0); u <= std::min(x + noise_radius, width - 1); ++u, ++count)
+                    sum += double(variances[std::size_t(v) * std::size_t(width) + std::size_t(u)]);
+            errors.push_back(float(std::sqrt(sum / count)));
+        }
+    return false_color(unsigned(width), unsigned(height), errors);
 }
 
 Image image_of(const Aovs& aovs, const std::string& shows, unsigned width, unsigned height) {
@@ -79,9 +81,10 @@ Image image_of(const Aovs& aovs, const std::string& shows, unsigned width, unsig
 View::View(const Device& device, Scene scene, const ViewConfig& config)
     : device_(device),
       scene_(with_camera(std::move(scene), config.render)),
-      config_(config),
+      config_(reporting_in_frames(config)),
       home_(*scene_.camera),
-      renderer_(std::make_unique<Renderer>(device, scene_, config.render)) {}
+      renderer_(std::make_unique<Renderer>(device, scene_, config_.render)),
+      time_(config.animation.time) {}
 
 float View::size() const {
     const Bounds bounds = bounds_of(scene_);
@@ -110,45 +113,85 @@ void View::set_camera(const Camera& camera) {
     spp_ = 0;
 }
 
+/// Frames that are denoised together have samples of their own: equal ones would have the same noise.
 void View::render(double seconds) {
     const Clock::time_point begin = Clock::now();
+    if (spp_ == 0 && denoises_) renderer_->restart(++seed_);
     const auto goes_on = [&](const RenderProgress& progress) {
         return progress.spp == 0 || std::chrono::duration<double>(Clock::now() - begin).count() < seconds;
     };
     spp_ = renderer_->render(goes_on).spp;
 }
 
+/// The time that the picture of the last frame and its display took is not available for sampling.
+void View::sample_frame() {
+    const double others = std::chrono::duration<double>(Clock::now() - sampled_at_).count();
+    render(std::max(config_.frame_seconds - others, least_share * config_.frame_seconds));
+    sampled_at_ = Clock::now();
+}
+
 /// A view that is paused takes the first samples all the same: an image without any shows nothing.
 std::span<const std::uint8_t> View::shown() {
     if (spp_ == 0) render(0);
-    if (shows_ == "image") return renderer_->picture(config_.picture);
-    false_colors_ = encoded(image_of(renderer_->aovs(), shows_, config_.render.width, config_.render.height));
+    const unsigned width = config_.render.width, height = config_.render.height;
+    if (shows_ == "image")
+        return denoises_ ? renderer_->denoised_picture(config_.picture) : renderer_->picture(config_.picture);
+    false_colors_ = encoded(shows_ == "error" ? error_map(renderer_->noise_map(), int(width), int(height))
+                                              : image_of(renderer_->aovs(), shows_, width, height));
     return false_colors_;
 }
 
-const Frame& View::next_frame() {
-    if (!paused_ && spp_ < config_.render.spp) render(config_.frame_seconds);
-    frame_ = {config_.render.width, config_.render.height, shown(), spp_, paused_ || spp_ >= config_.render.spp};
+const Frame& View::shown_frame() {
+    const bool complete = paused_ || (!playing_ && spp_ >= config_.render.spp);
+    frame_ = {config_.render.width, config_.render.height, shown(), spp_, complete};
     return frame_;
+}
+
+const Frame& View::next_frame() {
+    if (playing_) pass_time();
+    if (!paused_ && spp_ < config_.render.spp) sample_frame();
+    return shown_frame();
 }
 
 const Frame& View::complete_frame() {
     paused_ = false;
     while (spp_ < config_.render.spp) render(config_.frame_seconds);
-    return next_frame();
+    return shown_frame();
 }
 
 std::string View::run(const ViewCommand& command) {
-    static const std::map<std::string, Handler> handlers = {
-        {"orbit", &View::move_camera},     {"turn", &View::move_camera},  {"pan", &View::move_camera},
-        {"fly", &View::move_camera},       {"zoom", &View::move_camera},  {"home", &View::move_camera},
-        {"focus", &View::focus},           {"aperture", &View::set_lens}, {"exposure", &View::set_picture},
-        {"tone", &View::set_picture},      {"show", &View::show},         {"pick", &View::pick},
-        {"material", &View::set_material}, {"light", &View::move_light},  {"move", &View::move_object},
-        {"time", &View::set_time},         {"resize", &View::resize},     {"pause", &View::control},
-        {"camera", &View::control},        {"quit", &View::control},      {"save", &View::save},
-        {"frames", &View::control},        {"finish", &View::control}};
-    return (this->*handlers.at(command.name))(command);
+    static const std::map<std::string, Handler> handlers = {{"orbit", &View::move_camera},
+                                                            {"turn", &View::move_camera},
+                                                            {"pan", &View::move_camera},
+                                                            {"fly", &View::move_camera},
+                                                            {"zoom", &View::move_camera},
+                                                            {"home", &View::move_camera},
+                                                            {"focus", &View::focus},
+                                                            {"aperture", &View::set_lens},
+                                                            {"exposure", &View::set_exposure},
+                                                            {"tone", &View::choose},
+                                                            {"show", &View::choose},
+                                                            {"denoise", &View::choose},
+                                                            {"pick", &View::pick},
+                                                            {"material", &View::set_material},
+                                                            {"light", &View::move_light},
+                                                            {"move", &View::move_object},
+                                                            {"time", &View::set_time},
+                                                            {"play", &View::set_time},
+                                                            {"resize", &View::resize},
+                                                            {"pause", &View::control},
+                                                            {"camera", &View::control},
+                                                            {"quit", &View::control},
+                                                            {"save", &View::save},
+                                                            {"frames", &View::control},
+                                                            {"finish", &View::control}};
+    try {
+        return (this->*handlers.at(command.name))(command);
+    } catch (const Error& error) {
+        // What would be a wrong call of the library is here a wrong value of the user's.
+        if (error.kind() != ErrorKind::usage) throw;
+        throw Error(ErrorKind::user, command.name + ": " + error.what());
+    }
 }
 
 std::string View::move_camera(const ViewCommand& command) {
@@ -196,52 +239,26 @@ std::string View::set_lens(const ViewCommand& command) {
     return {};
 }
 
-std::string View::set_picture(const ViewCommand& command) {
-    if (command.name == "exposure") {
-        config_.picture.exposure = std::clamp(config_.picture.exposure + command.numbers[0], -64.f, 64.f);
-        return printed("exposure %g", double(config_.picture.exposure));
-    }
-    if (command.word != "none" && command.word != "aces")
-        refuse("tone: unknown tone map '" + command.word + "'", "use none or aces");
-    config_.picture.tone_map = command.word == "none" ? ToneMap::none : ToneMap::aces;
-    return {};
+std::string View::set_exposure(const ViewCommand& command) {
+    config_.picture.exposure = std::clamp(config_.picture.exposure + command.numbers[0], -64.f, 64.f);
+    return printed("exposure %g", double(config_.picture.exposure));
 }
 
-std::string View::show(const ViewCommand& command) {
-    for (const char* name : {"image", "depth", "normal", "albedo", "primitive", "heat"})
-        if (command.word == name) {
-            shows_ = name;
-            return {};
-        }
-    refuse("show: unknown name '" + command.word + "'", "use image, depth, normal, albedo, primitive or heat");
+/// The words were checked with the command.
+std::string View::choose(const ViewCommand& command) {
+    if (command.name == "tone") config_.picture.tone_map = command.word == "none" ? ToneMap::none : ToneMap::aces;
+    if (command.name == "show") shows_ = command.word;
+    if (command.name != "denoise" || denoises_ == (command.word == "on")) return {};
+    denoises_ = !denoises_;
+    renderer_->restart(seed_ = config_.render.seed);
+    spp_ = 0;
+    return {};
 }
 
 glm::vec3 View::point_at(std::size_t pixel, float depth) const {
     const unsigned width = config_.render.width, height = config_.render.height;
     const CameraData data = camera_data(*scene_.camera, float(width) / float(height));
     return point_through(data, unsigned(pixel % width), unsigned(pixel / width), width, height, depth);
-}
-
-/// Triangles are counted through the meshes of the scene, in order. Of the instances of a mesh, the one whose triangle
-/// is nearest to the point is meant.
-View::Selection View::selection_of(std::uint32_t triangle, const glm::vec3& point) const {
-    Selection found;
-    std::size_t first = 0;
-    while (triangle - first >= scene_.meshes[found.mesh].triangles.size())
-        first += scene_.meshes[found.mesh++].triangles.size();
-    const Mesh& mesh = scene_.meshes[found.mesh];
-    found.triangle = std::uint32_t(triangle - first);
-    found.material = mesh.materials.empty() ? 0 : mesh.materials[found.triangle];
-    const glm::uvec3 corners(mesh.triangles[found.triangle]);
-    float nearest = std::numeric_limits<float>::infinity();
-    for (std::uint32_t i = 0; i < scene_.instances.size(); ++i) {
-        if (scene_.instances[i].mesh != found.mesh) continue;
-        const glm::mat4& transform = scene_.instances[i].transform;
-        const auto corner = [&](unsigned k) { return glm::vec3(transform * glm::vec4(mesh.positions[corners[k]], 1)); };
-        const float distance = distance_from_triangle(point, corner(0), corner(1), corner(2));
-        if (!found.instance || distance < nearest) found.instance = i, nearest = distance;
-    }
-    return found;
 }
 
 std::string View::pick(const ViewCommand& command) {
@@ -251,11 +268,11 @@ std::string View::pick(const ViewCommand& command) {
         selected_.reset();
         return "no surface there";
     }
-    selected_ = selection_of(aovs.primitive[pixel], point_at(pixel, aovs.depth[pixel]));
+    selected_ = selection_of(scene_, aovs.primitive[pixel], point_at(pixel, aovs.depth[pixel]));
     const Material& material = scene_.materials[selected_->material];
     return "mesh " + name_of(scene_.meshes[selected_->mesh].name, selected_->mesh) + ", triangle " +
            std::to_string(selected_->triangle) + ", material " + name_of(material.name, selected_->material) + " (" +
-           effects_of_material(scene_, material) + "), distance " + printed("%.6g", double(aovs.depth[pixel])) + ", " +
+           effects_of_surface(scene_, *selected_) + "), distance " + printed("%.6g", double(aovs.depth[pixel])) + ", " +
            std::to_string(aovs.visits[pixel]) + " boxes and triangles tested";
 }
 
@@ -305,14 +322,39 @@ std::string View::move_object(const ViewCommand& command) {
     return {};
 }
 
-std::string View::set_time(const ViewCommand& command) {
-    if (!config_.at_time) refuse("time: the scene is not animated", "use a glTF file with an animation");
-    Scene then = config_.at_time(command.numbers[0]);
+void View::show_time(double time) {
+    Scene then = config_.animation.scene_at(time);
     then.camera = scene_.camera, then.materials = scene_.materials;
-    renderer_->update(then, {.lights = true, .instances = true, .vertices = true});
+    const bool deforms = !have_same_vertices(scene_, then);
+    std::swap(then.textures, scene_.textures);
+    try {
+        renderer_->update(then, {.lights = true, .instances = true, .vertices = deforms});
+    } catch (...) {
+        std::swap(then.textures, scene_.textures);
+        throw;
+    }
     scene_ = std::move(then);
-    spp_ = 0;
-    return {};
+    spp_ = 0, time_ = time;
+}
+
+void View::pass_time() {
+    const Clock::time_point before = std::exchange(time_at_, Clock::now());
+    if (paused_) return;
+    const Animation& animation = config_.animation;
+    const double passed = std::chrono::duration<double>(time_at_ - before).count();
+    const double time = time_ + (animation.step > 0 ? animation.step : passed);
+    show_time(animation.seconds > 0 ? std::fmod(time, animation.seconds) : time);
+}
+
+std::string View::set_time(const ViewCommand& command) {
+    if (!config_.animation.scene_at)
+        refuse(command.name + ": the scene is not animated", "use a glTF file with an animation");
+    if (command.name == "time") {
+        show_time(double(command.numbers[0]));
+        return {};
+    }
+    playing_ = !playing_, time_at_ = Clock::now();
+    return printed(playing_ ? "plays from %.3g s" : "stopped at %.3g s", time_);
 }
 
 /// The new renderer finds the kernels in memory.
@@ -350,5 +392,14 @@ std::string View::save(const ViewCommand& command) {
     write_texture(command.word, texture);
     return "wrote " + command.word;
 }
+
+std::string answer(View& view, const ViewCommand& command) try {
+    return view.run(command);
+} catch (const Error& error) {
+    if (error.kind() == ErrorKind::device) throw;
+    return error.what();
+}
+
+std::string answer(View& view, const std::string& line) { return answer(view, parse_command(line)); }
 
 }  // namespace claray::view

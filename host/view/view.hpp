@@ -2,21 +2,32 @@
 // script) only translate.
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <optional>
 #include <string>
 
 #include "claray/io.hpp"
 #include "claray/renderer.hpp"
+#include "host/view/picking.hpp"
 #include "host/view/view_command.hpp"
 
 namespace claray::view {
 
+/// Of the file that is shown.
+struct Animation {
+    /// Loads the scene at a time; its materials and textures are not used. Empty: it is not animated.
+    std::function<Scene(double)> scene_at = {};
+    double seconds = 0;  ///< after which it repeats; 0: it does not
+    double time = 0;     ///< of the first scene
+    double step = 0;     ///< seconds per frame while it plays; 0: those that pass
+};
+
 struct ViewConfig {
     RenderConfig render;          ///< `spp`: samples at which a still view stops
-    double frame_seconds = 0.03;  ///< of sampling per frame, at least one sample per pixel
+    double frame_seconds = 0.04;  ///< from one frame to the next; more if a sample per pixel takes longer
     PictureConfig picture;
-    std::function<Scene(double)> at_time = {};  ///< loads the scene at a time of its animation; empty: it has none
+    Animation animation = {};
 };
 
 /// What a front end shows.
@@ -24,7 +35,7 @@ struct Frame {
     unsigned width = 0, height = 0;
     std::span<const std::uint8_t> pixels;  ///< red, green, blue, 255 per pixel; valid until the next frame
     unsigned spp = 0;
-    bool complete = false;  ///< the image has all samples, or the view is paused: the next frame would be the same
+    bool complete = false;  ///< the next frame would be the same: it has all samples, or the view is paused
 };
 
 class View {
@@ -45,11 +56,6 @@ public:
 
 private:
     using Handler = std::string (View::*)(const ViewCommand&);
-    struct Selection {
-        std::uint32_t mesh = 0, material = 0, triangle = 0;
-        std::optional<std::uint32_t> instance;
-    };
-
     void set_camera(const Camera& camera);
     /// Changes one list of the scene by `edit`; after an error the list is as before.
     template <class Part, class Edit>
@@ -57,15 +63,18 @@ private:
     [[nodiscard]] std::size_t pixel_of(const ViewCommand& command) const;
     [[nodiscard]] std::span<const std::uint8_t> shown();
     [[nodiscard]] float size() const;
-    [[nodiscard]] Selection selection_of(std::uint32_t triangle, const glm::vec3& point) const;
     [[nodiscard]] glm::vec3 point_at(std::size_t pixel, float depth) const;
     void render(double seconds);
+    void sample_frame();
+    void show_time(double time);
+    void pass_time();
+    [[nodiscard]] const Frame& shown_frame();
 
     std::string move_camera(const ViewCommand& command);
     std::string focus(const ViewCommand& command);
     std::string set_lens(const ViewCommand& command);
-    std::string set_picture(const ViewCommand& command);
-    std::string show(const ViewCommand& command);
+    std::string set_exposure(const ViewCommand& command);
+    std::string choose(const ViewCommand& command);
     std::string pick(const ViewCommand& command);
     std::string set_material(const ViewCommand& command);
     std::string move_light(const ViewCommand& command);
@@ -81,11 +90,20 @@ private:
     Camera home_;
     std::unique_ptr<Renderer> renderer_;
     std::string shows_ = "image";
+    bool denoises_ = false;
     std::optional<Selection> selected_;
     std::vector<std::uint8_t> false_colors_;  // of a view other than the image
     Frame frame_;
     unsigned spp_ = 0;
-    bool paused_ = false, ended_ = false;
+    std::uint32_t seed_ = 0;
+    std::chrono::steady_clock::time_point sampled_at_;  // the end of the last sampling
+    bool paused_ = false, playing_ = false, ended_ = false;
+    double time_ = 0;                                // of the animation
+    std::chrono::steady_clock::time_point time_at_;  // when it was that while the animation played
 };
+
+/// Runs a command; returns the line for the user, or that of the error. Device errors are thrown.
+[[nodiscard]] std::string answer(View& view, const ViewCommand& command);
+[[nodiscard]] std::string answer(View& view, const std::string& line);
 
 }  // namespace claray::view

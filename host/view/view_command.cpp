@@ -10,7 +10,7 @@
 namespace claray::view {
 namespace {
 
-constexpr CommandRow rows[] = {
+constexpr CommandRow commands[] = {
     {"orbit", nullptr, 2, "RIGHT UP", "turn round the target, in degrees"},
     {"turn", nullptr, 2, "RIGHT UP", "look elsewhere from the same place, in degrees"},
     {"pan", nullptr, 2, "RIGHT UP", "shift the camera, in heights of the image at the target"},
@@ -21,13 +21,15 @@ constexpr CommandRow rows[] = {
     {"aperture", nullptr, 1, "RADIUS", "radius of the lens, in units of the scene; 0: all is sharp"},
     {"exposure", nullptr, 1, "STOPS", "brighten by so many stops"},
     {"tone", "NAME", 0, "none|aces", "tone map"},
-    {"show", "NAME", 0, "image|depth|normal|albedo|primitive|heat", "what is seen"},
-    {"pick", nullptr, 2, "X Y", "select the object at a pixel"},
+    {"show", "NAME", 0, "image|depth|normal|albedo|primitive|heat|error", "what is seen"},
+    {"denoise", "NAME", 0, "on|off", "show the image without most of its noise"},
+    {"pick", nullptr, 2, "X Y", "select the object at a pixel, and tell what it is"},
     {"material", "NAME", 3, "albedo|emission R G B, roughness|metallic|ior|transmission V 0 0",
      "change the material of the selected object"},
     {"light", nullptr, 4, "NUMBER X Y Z", "move a light by a distance"},
     {"move", nullptr, 3, "X Y Z", "move the selected object, if the scene has instances"},
     {"time", nullptr, 1, "SECONDS", "show an animated file at a time"},
+    {"play", nullptr, 0, "", "let the time of an animated file pass, or stop it"},
     {"resize", nullptr, 2, "WIDTH HEIGHT", "change the size of the image, in pixels"},
     {"pause", nullptr, 0, "", "stop sampling, or continue"},
     {"frames", nullptr, 1, "COUNT", "render so many frames"},
@@ -55,17 +57,29 @@ float parse_number(const std::string& word, const std::string& line, const Comma
 
 }  // namespace
 
-std::span<const CommandRow> view_commands() { return rows; }
+std::span<const CommandRow> view_commands() { return commands; }
+
+std::vector<std::string> choices_of(const CommandRow& row) {
+    const std::string arguments = row.arguments;
+    if (arguments.find('|') == std::string::npos || arguments.find(' ') != std::string::npos) return {};
+    std::vector<std::string> choices;
+    std::istringstream input(arguments);
+    for (std::string choice; std::getline(input, choice, '|');) choices.push_back(choice);
+    return choices;
+}
 
 ViewCommand parse_command(const std::string& line) {
     std::istringstream words(line);
     ViewCommand command;
     words >> command.name;
-    const auto row =
-        std::find_if(std::begin(rows), std::end(rows), [&](const CommandRow& r) { return command.name == r.name; });
-    if (row == std::end(rows)) refuse(line, "unknown command", "claray view --help lists the commands");
+    const auto row = std::find_if(std::begin(commands), std::end(commands),
+                                  [&](const CommandRow& r) { return command.name == r.name; });
+    if (row == std::end(commands)) refuse(line, "unknown command", "claray view --help lists the commands");
     if (row->word != nullptr && !(words >> command.word))
         refuse(line, "an argument is missing", "write " + usage_of(*row));
+    const std::vector<std::string> choices = choices_of(*row);
+    if (!choices.empty() && std::find(choices.begin(), choices.end(), command.word) == choices.end())
+        refuse(line, "unknown name '" + command.word + "'", "write " + usage_of(*row));
     for (std::string word; words >> word;) command.numbers.push_back(parse_number(word, line, *row));
     if (command.numbers.size() != row->numbers)
         refuse(line, std::to_string(command.numbers.size()) + " numbers instead of " + std::to_string(row->numbers),

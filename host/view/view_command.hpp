@@ -23,9 +23,11 @@ struct CommandRow {
     const char* help;
 };
 [[nodiscard]] std::span<const CommandRow> view_commands();
+/// Returns the words that a command takes if it takes one of a few, such as "none|aces"; else nothing.
+[[nodiscard]] std::vector<std::string> choices_of(const CommandRow& row);
 
-/// Throws ErrorKind::user, naming the command and what it takes, for an unknown command, a wrong number of arguments,
-/// or a number that is not finite.
+/// Throws ErrorKind::user, naming the command and what it takes, for an unknown command or word, a wrong number of
+/// arguments, or a number that is not finite.
 [[nodiscard]] ViewCommand parse_command(const std::string& line);
 
 }  // namespace claray::view

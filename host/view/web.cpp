@@ -11,6 +11,7 @@
 
 #include "host/base/format.hpp"
 #include "host/io/image/stb_image_write.hpp"
+#include "host/view/input.hpp"
 #include "host/view/page.hpp"
 
 namespace claray::view {
@@ -20,6 +21,23 @@ constexpr int jpeg_quality = 90;
 constexpr std::size_t most_waiting = 256;     // commands
 constexpr std::size_t most_connections = 64;  // each has a thread; a page that is open has two
 constexpr auto longest_wait = std::chrono::milliseconds(500);
+
+void replace(std::string& text, const std::string& name, const std::string& by) {
+    text.replace(text.find(name), name.size(), by);
+}
+
+std::string page() {
+    std::string text = page_template, shows, keys;
+    for (const CommandRow& row : view_commands())
+        if (row.name == std::string("show"))
+            for (const std::string& choice : choices_of(row)) shows += "<option>" + choice;
+    for (const KeyRow& row : key_rows()) keys += printed("\"%s\": \"%s\", ", row.key, row.command);
+    replace(text, "@shows@", shows), replace(text, "@keys@", keys);
+    replace(text, "@help@", std::string(mouse_help) + ", " + key_help);
+    replace(text, "@degrees@", printed("%g", degrees_per_pixel)), replace(text, "@zoom@", printed("%g", zoom_per_step));
+    replace(text, "@click@", printed("%d", farthest_click));
+    return text;
+}
 
 /// Frames and commands on their way between the loop that renders and the threads that answer requests.
 class Exchange {
@@ -125,8 +143,9 @@ void add_routes(httplib::Server& server, Exchange& exchange, const WebConfig& co
         response.set_content("the view is not served to other hosts; see claray view --host\n", "text/plain");
         return httplib::Server::HandlerResponse::Handled;
     });
-    server.Get("/",
-               [](const httplib::Request&, httplib::Response& response) { response.set_content(page, "text/html"); });
+    server.Get("/", [text = page()](const httplib::Request&, httplib::Response& response) {
+        response.set_content(text, "text/html");
+    });
     server.Get("/stream", [&](const httplib::Request&, httplib::Response& response) { stream(exchange, response); });
     server.Get("/status", [&](const httplib::Request&, httplib::Response& response) {
         response.set_content(exchange.status(), "text/plain");
@@ -148,12 +167,7 @@ void render_loop(View& view, Exchange& exchange, const WebConfig& config) {
     bool shown = false;
     while (!view.ended() && config.goes_on()) {
         for (const ViewCommand& command : exchange.take()) {
-            try {
-                const std::string line = view.run(command);
-                if (!line.empty()) told = line;
-            } catch (const Error& error) {
-                told = error.what();
-            }
+            if (const std::string line = answer(view, command); !line.empty()) told = line;
             shown = false;
         }
         if (shown) {

@@ -64,6 +64,7 @@ struct LoadOptions {
     std::string camera = {};                  ///< a camera, or a node that has one; default: the first in the scene
     std::string scene = {};                   ///< default: the file's default scene, else its first
     std::optional<float> stroke_radius = {};  ///< of points and lines; 0: leave them out; default: by the scene's size
+    bool images = true;                       ///< false: a white texel stands for each, if only a pose is needed
 };
 
 /// Loads a Wavefront OBJ with its MTL and the images of used materials. Polygons are triangulated, negative indices are
@@ -81,6 +82,11 @@ struct LoadOptions {
 /// ErrorKind::user, naming the file and the object, for invalid content, an unknown required extension, and an image or
 /// buffer that is missing, damaged, too large or outside the file's folder.
 [[nodiscard]] Scene load_gltf(const std::filesystem::path& path, Warnings& warnings, const LoadOptions& options = {});
+
+/// Returns how long the animation of a .gltf or .glb is that `options` choose, in seconds: the time of the last key, or
+/// 0 if the file does not state it. Returns nothing for other names and files without an animation. Throws as
+/// load_gltf.
+[[nodiscard]] std::optional<double> animation_seconds(const std::string& name_or_path, const LoadOptions& options = {});
 
 /// Loads a built-in scene by name, or else a file by its extension (.obj, .gltf, .glb). Throws ErrorKind::usage for
 /// options that the format does not support.

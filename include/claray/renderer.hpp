@@ -61,6 +61,7 @@ struct RenderConfig {
     /// If > 0: stop when the image's error (RMSE over the mean, as ImageError::rmse) is at most this, by an estimate
     /// that holds in 95 of 100 renders. `spp` is then the upper limit, and the image is that of the samples taken.
     double error = 0;
+    double report_seconds = 0.2;  ///< about, from one call of the `progress` of Renderer::render to the next
     Sampler sampler = Sampler::sobol;
     Bvh::Config bvh = {.builder = Builder::balanced};  ///< the longer build pays off within a few samples
     EffectOverrides effects = {};                      ///< for experiments; effects are derived from the scene
@@ -176,7 +177,7 @@ public:
     Renderer(const Device& device, const Scene& scene, const RenderConfig& config);
 
     /// Adds samples until a target of the configuration is reached. Blocks. `progress` is called after the first batch
-    /// of samples, a few times per second, and after each error estimate. Return false from it to stop after the
+    /// of samples, every RenderConfig::report_seconds, and after each error estimate. Return false from it to stop after the
     /// current batch: the image is then valid, some pixels have more samples than others, and another call continues.
     /// Returns the progress reached. A checkpoint that cannot be written does not stop the render: see
     /// `checkpoint_error`.
@@ -215,6 +216,13 @@ public:
     /// Returns the mean linear radiance so far without most of its noise, see docs/denoise.md. The samples are kept.
     /// Blocks. Throws ErrorKind::user for a denoiser that is not installed.
     [[nodiscard]] std::vector<glm::vec3> denoised(DenoiserKind kind = DenoiserKind::automatic) const;
+    /// Returns the same as a picture, for frames that are shown one after the other: if `update` changes the camera or
+    /// moves objects, light of the pictures before is used again where it fits (docs/denoise.md). By claray's own
+    /// denoiser, at the speed of a frame. The memory is that of `picture`. Blocks.
+    [[nodiscard]] std::span<const std::uint8_t> denoised_picture(const PictureConfig& config = {});
+    /// Returns the variance of each pixel's mean luminance over the square of the image's mean luminance: the mean over
+    /// pixels with two samples or more is RenderProgress::noise squared. 0 for other pixels. Blocks.
+    [[nodiscard]] std::vector<float> noise_map() const;
     /// Returns the share of light that is missing because paths end after `RenderConfig::max_depth` surfaces, 0 to 1.
     /// An estimate: the light beyond that depth is extrapolated. The first call traces some thousand paths.
     [[nodiscard]] double cut_off() const;

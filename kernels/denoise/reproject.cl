@@ -3,10 +3,6 @@
 #include "denoise/light.clh"
 #include "shade/camera.clh"
 
-#ifndef MOST_FRAMES
-#define MOST_FRAMES 32.0f  // of a history; longer ones gain little and follow changes of light more slowly
-#endif
-
 /// Where the camera sees a point: pixels, x to the right and y down. Returns false behind the camera. `distance`: as nearness.
 static inline bool seen_at(FilterStep step, const CameraData* c, float3 point, float2* pixel, float* distance) {
     const float3 right = (float3)(c->right_x, c->right_y, c->right_z), up = (float3)(c->up_x, c->up_y, c->up_z);
@@ -32,7 +28,7 @@ static inline bool is_same_surface(float4 now, float distance, float4 before) {
     return fabs(before.w * distance - 1.0f) < 0.05f && dot(now.xyz, before.xyz) > 0.8f * dot(now.xyz, now.xyz);
 }
 
-/// `result`: the old light and its variance, means over the four nearest pixels of the same surface; `ages`: for how many frames
+/// `result`: the old light and its variance, means over the four nearest pixels of the same surface; `ages`: from how many samples
 /// it was gathered, 0 if there is none.
 kernel void reproject(FilterStep step, CameraPair cameras, global const float4* surfaces, global const float4* light,
                       global const float4* old_surfaces, global const float4* old_light, global const float* old_ages,
@@ -61,15 +57,16 @@ kernel void reproject(FilterStep step, CameraPair cameras, global const float4* 
 }
 
 /// Of a history whose mean over the neighbours differs from the new frame's by more than noise explains, none is kept: the light
-/// has changed, as when a shadow moves.
-kernel void blend_history(FilterStep step, global const float4* surfaces, global const float2* slopes, global const float4* fresh,
+/// has changed, as when a shadow moves. A frame of more than twice the `samples` of its history needs none. `most`: samples for which a history
+/// counts at most.
+kernel void blend_history(FilterStep step, float samples, float most, global const float4* surfaces, global const float2* slopes, global const float4* fresh,
                           global const float4* old, global const float* old_ages, global float4* result, global float* ages) {
     const uint i = get_global_id(0);
     if (i >= step.width * step.height) return;
     const float4 here = fresh[i];
     result[i] = here;
-    ages[i] = has_light(here) ? 1.0f : 0.0f;
-    if (!has_light(here) || old_ages[i] == 0.0f) return;
+    ages[i] = has_light(here) ? samples : 0.0f;
+    if (!has_light(here) || 2.0f * old_ages[i] < samples) return;
     const int x = (int)(i % step.width), y = (int)(i / step.width);
     float difference = 0.0f, variance = 1e-30f;
     for (int dy = -3; dy <= 3; ++dy)
@@ -81,7 +78,7 @@ kernel void blend_history(FilterStep step, global const float4* surfaces, global
             variance += weight * weight * (fresh[at].w + old[at].w);
         }
     const float deviations = fmax(difference * difference / variance - 4.0f, 0.0f);  // squared; four are common
-    const float age = fmin(old_ages[i], MOST_FRAMES - 1.0f) * fading(deviations), share = 1.0f / (age + 1.0f);
+    const float age = fmin(old_ages[i], most) * fading(deviations), share = samples / (age + samples);
     result[i] = (float4)(mix(old[i].xyz, here.xyz, share), (1.0f - share) * (1.0f - share) * old[i].w + share * share * here.w);
-    ages[i] = age + 1.0f;
+    ages[i] = age + samples;
 }

@@ -15,12 +15,18 @@ static inline Halves halves_of(FilmPixel p) {
     return h;
 }
 
-/// For luminance, the only value of which a film has the sums of both halves.
+static inline float luminance_sum(FilmPixel p) { return luminance(summed_by(p.all)) + luminance(lost_by(p.all)); }
+
+/// For luminance, the only value of which a film has the sums of both halves: A - B.
+static inline float noise_difference(FilmPixel p, Halves h, float scale) {
+    const float sum = luminance_sum(p), odd_sum = p.odd_sum + p.odd_error;
+    return ((sum - odd_sum) * h.of_even - odd_sum * h.of_odd) * scale;  // mutant: noise-unit
+}
+
 static inline void add_noise(NoiseSums* total, FilmPixel p, Halves h, float scale) {
-    const float sum = luminance(summed_by(p.all)) + luminance(lost_by(p.all)), odd_sum = p.odd_sum + p.odd_error;
-    const float difference = ((sum - odd_sum) * h.of_even - odd_sum * h.of_odd) * scale;  // mutant: noise-unit
+    const float difference = noise_difference(p, h, scale);
     total->variance += difference * difference * h.of_square;
-    total->luminance += sum * h.of_all * scale;
+    total->luminance += luminance_sum(p) * h.of_all * scale;
     ++total->pixels;
 }
 
@@ -77,4 +83,15 @@ kernel void measure_film(global const FilmPixel* film, global const ColorSum* od
 #else
     if (item < items) sums[item] = total;
 #endif
+}
+
+/// Writes the variance of each pixel's mean luminance; 0 for pixels without samples of even and of odd index.
+kernel void map_noise(global const FilmPixel* film, uint pixels, float scale, global float* variances) {
+    const uint i = get_global_id(0);
+    if (i >= pixels) return;
+    const FilmPixel p = film[i];
+    const bool known = p.odd_count != 0u && p.odd_count != p.count;
+    const Halves halves = halves_of(p);
+    const float difference = noise_difference(p, halves, scale);
+    variances[i] = known ? difference * difference * halves.of_square : 0.0f;
 }

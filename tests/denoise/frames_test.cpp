@@ -96,7 +96,7 @@ public:
     void show(const Frame& frame) {
         image_ = denoiser_
                      .denoise(frame.camera, Buffer<FilmPixel>(device(), frame.film),
-                              Buffer<Guide>(device(), frame.guides), false)
+                              Buffer<Guide>(device(), frame.guides), 2)
                      .read();
     }
     /// Root mean square of the difference over pixels of the rectangle, and its mean.
@@ -150,8 +150,7 @@ TEST(FrameDenoiser, ForgetsOnRequest) {
     FrameDenoiser denoiser(device(), columns, rows);
     const Frame before = frame_of({.shadow = true}, 1), after = frame_of({}, 2);
     const auto show = [&](FrameDenoiser& with, const Frame& f) {
-        return with.denoise(f.camera, Buffer<FilmPixel>(device(), f.film), Buffer<Guide>(device(), f.guides), false)
-            .read();
+        return with.denoise(f.camera, Buffer<FilmPixel>(device(), f.film), Buffer<Guide>(device(), f.guides), 2).read();
     };
     (void)show(denoiser, before);
     denoiser.forget();

@@ -4,59 +4,39 @@
 #include <gtest/gtest.h>
 #include "claray/program.hpp"
 #include "host/view/camera_control.hpp"
+#include "host/view/input.hpp"
 #include "host/view/script.hpp"
 #include "host/view/terminal.hpp"
-#include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
-#include "tests/support/meshes.hpp"
 #include "tests/support/process.hpp"
+#include "tests/view/scenes.hpp"
 
 namespace claray::test {
 namespace {
 
 using namespace view;
 
-/// Two spheres of one mesh above a floor.
-Scene two_spheres() {
-    Scene scene;
-    scene.materials.resize(2);
-    scene.materials[1].name = "red", scene.materials[1].albedo = {0.8f, 0.1f, 0.1f};
-    Mesh floor, ball = sphere(2);
-    floor.positions = {{-9, -1, -9}, {-9, -1, 9}, {9, -1, 9}, {9, -1, -9}}, floor.triangles = {{0, 1, 2}, {0, 2, 3}};
-    ball.name = "ball", ball.materials.assign(ball.triangles.size(), 1);
-    scene.meshes = {floor, ball};
-    scene.instances = {{0}, {1}, {1}};
-    scene.instances[1].transform[3].x = -2, scene.instances[2].transform[3].x = 2;
-    scene.lights = {point_light({0, 4, 3}, glm::vec3(30))};
-    scene.camera = Camera{{0, 1, 8}, {0, 0, 0}, {0, 1, 0}, 45.f};
-    return scene;
-}
-
-const ViewConfig config{.render = {.width = 24, .height = 16, .spp = 4, .max_depth = 4}, .picture = {}};
-
 std::vector<std::uint8_t> pixels(View& view) {
     const Frame& frame = view.complete_frame();
     return {frame.pixels.begin(), frame.pixels.end()};
 }
-std::vector<std::uint8_t> rendered(const Scene& scene, const RenderConfig& render = config.render) {
-    Renderer renderer(device(), scene, render);
-    (void)renderer.render();
-    const auto picture = renderer.picture();
-    return {picture.begin(), picture.end()};
-}
-std::string run(View& view, const std::string& line) { return view.run(parse_command(line)); }
-
 TEST(ViewCommand, RowsParseAndAreRefused) {
     for (const CommandRow& row : view_commands()) {
         std::string line = row.name;
-        if (row.word) line += " word";
+        const std::vector<std::string> choices = choices_of(row);
+        const std::string word = !row.word ? "" : choices.empty() ? "word" : choices.back();
+        line += " " + word;
         for (unsigned i = 0; i < row.numbers; ++i) line += " " + std::to_string(i + 1) + ".5";
         const ViewCommand command = parse_command(line);
         EXPECT_EQ(command.name, row.name);
-        EXPECT_EQ(command.word, row.word ? "word" : "");
+        EXPECT_EQ(command.word, word);
         ASSERT_EQ(command.numbers.size(), row.numbers);
         for (unsigned i = 0; i < row.numbers; ++i) EXPECT_EQ(command.numbers[i], float(i) + 1.5f);
         const std::string usage = std::string("write ") + row.name;
+        if (!choices.empty()) {
+            EXPECT_TRUE(
+                throws_error(ErrorKind::user, usage, [&] { (void)parse_command(row.name + std::string(" x")); }));
+        }
         EXPECT_TRUE(throws_error(ErrorKind::user, usage, [&] { (void)parse_command(line + " 1"); }));
         EXPECT_TRUE(throws_error(ErrorKind::user, usage, [&] { (void)parse_command(line + " nan"); }));
         if (row.numbers > 0 || row.word) {
@@ -83,13 +63,16 @@ TEST(CameraControl, MovesKeepWhatTheySay) {
         EXPECT_TRUE(near(c.target - c.position, camera.target - camera.position));
     EXPECT_NEAR(distance(zoom(camera, 2)), 0.5 * distance(camera), 1e-5);
     EXPECT_TRUE(throws_error(ErrorKind::user, "factor", [&] { (void)zoom(camera, 0); }));
+    Camera parallel = camera;
+    parallel.orthographic_height = 1e-30f;
+    EXPECT_TRUE(throws_error(ErrorKind::user, "height", [&] { (void)zoom(parallel, 1e30f); }));
 }
 
 TEST(CameraControl, PointsLieOnTheFloor) {
     Scene scene = two_spheres();
     for (const float parallel : {0.f, 6.f}) {
         scene.camera->orthographic_height = parallel;
-        const Aovs aovs = Renderer(device(), scene, config.render).aovs();
+        const Aovs aovs = Renderer(device(), scene, small_view.render).aovs();
         const CameraData data = camera_data(*scene.camera, 1.5f);
         unsigned floor = 0;
         for (unsigned i = 0; i < 24 * 16; ++i)
@@ -102,7 +85,7 @@ TEST(CameraControl, PointsLieOnTheFloor) {
 }
 
 TEST(View, IsTheRenderersPicture) {
-    View view(device(), two_spheres(), config);
+    View view(device(), two_spheres(), small_view);
     const auto first = pixels(view);
     EXPECT_EQ(first, rendered(two_spheres()));
     run(view, "pause"), run(view, "orbit 30 10");
@@ -118,20 +101,21 @@ TEST(View, IsTheRenderersPicture) {
         EXPECT_NE(pixels(view), first) << name;
     }
     run(view, "show image"), run(view, "resize 12 10");
-    RenderConfig smaller = config.render;
+    RenderConfig smaller = small_view.render;
     smaller.width = 12, smaller.height = 10;
     EXPECT_EQ(pixels(view), rendered(two_spheres(), smaller));
 }
 
 TEST(View, EditsAreThoseOfAFreshRenderer) {
-    View view(device(), two_spheres(), config);
+    View view(device(), two_spheres(), small_view);
     const auto first = pixels(view);
     const std::string picked = run(view, "pick 16 8");
     EXPECT_NE(picked.find("mesh 'ball'"), std::string::npos) << picked;
-    EXPECT_NE(picked.find("material 'red'"), std::string::npos) << picked;
-    for (const char* bad : {"material albedo -1 0 0", "material glow 1 0 0", "light 7 0 0 0", "aperture -1",
-                            "resize 0 4", "time 1", "tone x", "show x", "pick 99 0", "zoom -1"})
-        EXPECT_THROW(run(view, bad), Error) << bad;
+    EXPECT_NE(picked.find("material 'red' (lambert)"), std::string::npos) << picked;
+    for (const char* bad :
+         {"material albedo -1 0 0", "material glow 1 0 0", "light 7 0 0 0", "aperture -1", "resize 0 4", "time 1",
+          "tone x", "show x", "pick 99 0", "zoom -1", "zoom 1e-39", "fly 1e38 0 0", "play"})
+        EXPECT_TRUE(throws_error(ErrorKind::user, "", [&] { run(view, bad); })) << bad;
     EXPECT_EQ(pixels(view), first);
     const unsigned compiled = compile_statistics().compiled;
     run(view, "material albedo 0.1 0.9 0.2"), run(view, "move 0 1 0"), run(view, "light 0 1 0 0");
@@ -143,11 +127,28 @@ TEST(View, EditsAreThoseOfAFreshRenderer) {
     EXPECT_EQ(edited, rendered(changed));
 }
 
+TEST(View, PickTellsTheEffectsOfASurface) {
+    Scene scene = two_spheres();
+    scene.meshes[1].normals = scene.meshes[1].positions;
+    scene.materials[1].cull_back = true;
+    scene.instances[2].transform_end = scene.instances[2].transform;
+    scene.instances[2].transform_end->operator[](3).y += 0.1f;
+    const auto effects_of_instance = [&](std::uint32_t i) {
+        const std::uint32_t mesh = scene.instances[i].mesh, material = mesh;
+        return parse_effects(
+            effects_of_surface(scene, {.mesh = mesh, .material = material, .triangle = 1, .instance = i}));
+    };
+    const EffectSet ball = {Effect::lambert, Effect::smooth_normals, Effect::culling};
+    EXPECT_EQ(effects_of_instance(0), EffectSet({Effect::lambert}));
+    EXPECT_EQ(effects_of_instance(1), ball);
+    EXPECT_EQ(effects_of_instance(2), ball | EffectSet({Effect::instances, Effect::instance_motion}));
+}
+
 TEST(ViewScript, WritesFramesAndNamesTheLine) {
     const TemporaryFolder folder;
-    View view(device(), two_spheres(), config);
+    View view(device(), two_spheres(), small_view);
     const auto play = [&](const char* text) {
-        return run_script(view, folder.file("s.txt", text), folder.path(), [](const std::string&) {});
+        return run_script(view, read_script(folder.file("s.txt", text)), folder.path(), [](const std::string&) {});
     };
     EXPECT_EQ(play("# tour\n\nframes 2\norbit 9 0\nfinish\nsave last.png\nquit\nfinish\n").frames, 3u);
     for (const char* name : {"frame-00001.png", "frame-00003.png", "last.png"})
@@ -161,10 +162,10 @@ TEST(ViewScript, WritesFramesAndNamesTheLine) {
 TEST(ViewTerminal, BlocksAndKeys) {
     const std::vector<std::uint8_t> two = {1, 2, 3, 255, 4, 5, 6, 255};
     EXPECT_NE(half_blocks({1, 2, two, 1, true}).find("38;2;1;2;3;48;2;4;5;6m\xe2\x96\x80"), std::string::npos);
-    for (const char* key : {"\x1b[A", "\x1b[B", "\x1b[C", "\x1b[D", "w", "a", "s", "d", "q", "e", "+",
-                            "-",      "1",      "2",      "3",      "4", "5", "6", "h", "p", "c", "x"})
-        EXPECT_NO_THROW((void)parse_command(command_of_key(key))) << key;
+    for (const KeyRow& row : key_rows()) EXPECT_NO_THROW((void)parse_command(command_of_key(row.key))) << row.key;
     EXPECT_EQ(command_of_key("z"), "");
+    EXPECT_EQ(command_of_key(key_of_bytes("\x1b[C")), "orbit 5 0");
+    EXPECT_EQ(command_of_key(key_of_bytes("w")), "fly 1 0 0");
 }
 
 }  // namespace

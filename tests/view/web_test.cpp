@@ -37,7 +37,11 @@ TEST(ViewWeb, ServesThisComputerOnly) {
     const int port = std::stoi(url.substr(url.rfind(':') + 1));
     httplib::Client client("127.0.0.1", port);
     const auto status_of = [](const httplib::Result& result) { return result ? result->status : 0; };
-    EXPECT_EQ(status_of(client.Get("/")), 200);
+    const auto start = client.Get("/");
+    EXPECT_EQ(status_of(start), 200);
+    for (const char* part : {"\"ArrowLeft\": \"orbit -5 0\"", "<option>error", "drag: orbit", "degreesPerPixel = 0.4"})
+        EXPECT_NE(start->body.find(part), std::string::npos) << part;
+    EXPECT_EQ(start->body.find('@'), std::string::npos);
     EXPECT_EQ(status_of(client.Get("/", {{"Host", "evil.example"}})), 403);
     EXPECT_EQ(status_of(client.Post("/command", {{"Origin", "http://evil.example"}}, "home", "text/plain")), 403);
     EXPECT_EQ(status_of(client.Post("/command", "jump", "text/plain")), 400);

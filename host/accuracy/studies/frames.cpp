@@ -5,6 +5,7 @@
 
 #include "host/accuracy/forecast.hpp"
 #include "host/accuracy/study.hpp"
+#include "host/base/percentile.hpp"
 
 namespace claray {
 namespace {
@@ -84,12 +85,6 @@ private:
     Scene scene_;  // without objects, to carry the camera
     std::uint32_t seed_;
 };
-
-double percentile(std::vector<double> values, double share_below) {
-    const auto rank = std::ptrdiff_t(std::ceil(share_below * double(values.size()))) - 1;
-    std::nth_element(values.begin(), values.begin() + rank, values.end());
-    return values[std::size_t(rank)];
-}
 
 [[noreturn]] void refuse_rate(double budget, double seconds) {
     throw Error(

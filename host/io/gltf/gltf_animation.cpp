@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
+#include <numeric>
 
 #include "claray/error.hpp"
 #include "host/base/format.hpp"
@@ -207,7 +208,29 @@ bool Animator::apply(std::size_t index, double time) {
     return true;
 }
 
+/// The indices of those that the options choose.
+std::vector<std::size_t> chosen_animations(const GltfFile& file, const LoadOptions& options) {
+    const std::vector<tinygltf::Animation>& animations = file.model.animations;
+    const std::vector<std::string> names = names_of(animations);
+    const bool is_name = std::find(names.begin(), names.end(), options.animation) != names.end();
+    if (options.animation == "all" && !is_name && !animations.empty()) {
+        std::vector<std::size_t> all(animations.size());
+        std::iota(all.begin(), all.end(), std::size_t(0));
+        return all;
+    }
+    if (options.animation.empty() && !animations.empty()) return {0};
+    return {choose(file, "animation", options.animation, names)};
+}
+
 }  // namespace
+
+std::optional<double> seconds_of_animation(const GltfFile& file, const LoadOptions& options) {
+    if (file.model.animations.empty()) return {};
+    double longest = 0;
+    for (const std::size_t i : chosen_animations(file, options))
+        longest = std::max(longest, length_of(file, file.model.animations[i]));
+    return longest;
+}
 
 std::size_t morph_targets(const GltfFile& file, const tinygltf::Node& node) {
     const std::vector<tinygltf::Mesh>& meshes = file.model.meshes;
@@ -217,7 +240,6 @@ std::size_t morph_targets(const GltfFile& file, const tinygltf::Node& node) {
 }
 
 void pose(GltfFile& file, const LoadOptions& options, Warnings& warnings) {
-    const std::vector<tinygltf::Animation>& animations = file.model.animations;
     if (!options.time) {
         if (!options.animation.empty())
             throw Error(ErrorKind::usage, "an animation is chosen without a time", "also choose a time");
@@ -225,15 +247,8 @@ void pose(GltfFile& file, const LoadOptions& options, Warnings& warnings) {
     }
     if (!std::isfinite(*options.time))
         throw Error(ErrorKind::usage, "the time is not finite", "give a time in seconds");
-    const std::vector<std::string> names = names_of(animations);
-    const bool is_name = std::find(names.begin(), names.end(), options.animation) != names.end();
-    const bool all = options.animation == "all" && !is_name && !animations.empty();
-    const std::size_t chosen = all || (options.animation.empty() && !animations.empty())
-                                   ? 0
-                                   : choose(file, "animation", options.animation, names);
     std::size_t left_out = 0;
-    for (std::size_t i = 0; i < animations.size(); ++i)
-        if (all || i == chosen) left_out += Animator(file, i).apply(*options.time);
+    for (const std::size_t i : chosen_animations(file, options)) left_out += Animator(file, i).apply(*options.time);
     if (left_out > 0)
         warnings.push_back(to_string(left_out) + " channels animate unsupported properties: they are left out");
 }

@@ -9,6 +9,9 @@ namespace claray {
 /// that is chosen. Without a time nothing changes, and a warning tells of the animations that there are.
 void pose(GltfFile& file, const LoadOptions& options, Warnings& warnings);
 
+/// As animation_seconds.
+[[nodiscard]] std::optional<double> seconds_of_animation(const GltfFile& file, const LoadOptions& options);
+
 /// Morph targets of the node's mesh.
 [[nodiscard]] std::size_t morph_targets(const GltfFile& file, const tinygltf::Node& node);
 

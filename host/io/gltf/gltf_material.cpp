@@ -317,7 +317,10 @@ Texture GltfMaterials::decode(int index, TexelFormat eight_bit, std::size_t room
     const std::string name = gltf_name("image", image.name, std::size_t(index));
     const std::string what = name + " of '" + file_.path.string() + "'";
     Texture texture;
-    if (image.bufferView >= 0) {
+    if (!images_) {
+        texture.width = texture.height = 1, texture.channels = 4, texture.format = eight_bit;
+        texture.bytes.assign(4, 255);
+    } else if (image.bufferView >= 0) {
         texture = decode_texture(file_.view(image.bufferView, name), what, eight_bit, room);
     } else if (!image.image.empty()) {
         const std::string_view bytes(reinterpret_cast<const char*>(image.image.data()), image.image.size());

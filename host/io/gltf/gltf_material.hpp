@@ -11,11 +11,13 @@ namespace claray {
 /// Makes the materials that are asked for, and loads the images that these use.
 class GltfMaterials {
 public:
-    GltfMaterials(const GltfFile& file, Scene& scene, Warnings& warnings)
+    /// `images`: as LoadOptions.
+    GltfMaterials(const GltfFile& file, Scene& scene, Warnings& warnings, bool images)
         : file_(file),
           scene_(scene),
           warnings_(warnings),
           textures_(scene),
+          images_(images),
           known_(file.model.materials.size() + 1, unknown) {}
 
     /// Index in the scene of a material of the file; -1 is the format's default. `user` names who wants it.
@@ -50,6 +52,7 @@ private:
     Scene& scene_;
     Warnings& warnings_;
     SceneTextures textures_;
+    bool images_;
     std::vector<std::uint32_t> known_;  ///< by index in the file; the last is the default's
 };
 

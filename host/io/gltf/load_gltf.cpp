@@ -84,7 +84,11 @@ struct ShapeUse {
 class Loader {
 public:
     Loader(const GltfFile& file, const LoadOptions& options, Scene& scene, Warnings& warnings)
-        : file_(file), options_(options), scene_(scene), warnings_(warnings), materials_(file, scene, warnings) {}
+        : file_(file),
+          options_(options),
+          scene_(scene),
+          warnings_(warnings),
+          materials_(file, scene, warnings, options.images) {}
 
     void load() {
         choose_variant();
@@ -360,6 +364,11 @@ Scene load_gltf_without_light(const std::filesystem::path& path, Warnings& warni
 } catch (const std::bad_alloc&) {
     throw Error(ErrorKind::user, "'" + path.string() + "': there is not enough memory to load it",
                 "use a smaller scene");
+}
+
+std::optional<double> gltf_animation_seconds(const std::filesystem::path& path, const LoadOptions& options) {
+    Warnings ignored;  // they are those of loading
+    return seconds_of_animation(read_gltf(path, ignored), options);
 }
 
 }  // namespace claray

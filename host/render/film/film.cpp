@@ -128,6 +128,16 @@ Film::Noise Film::noise() const {
     return noise;
 }
 
+std::vector<float> Film::noise_map() const {
+    const Totals& total = totals();
+    const double mean = total.luminance / total.noise_pixels;
+    if (!(mean > 0)) return std::vector<float>(count_);
+    const Buffer<float> variances(device_, count_);
+    load_kernel(device_, "render/measure_film.cl", "map_noise")
+        .run({count_, 64}, pixels_, count_, float(scale_ / mean), variances);
+    return variances.read();
+}
+
 /// Let v be the variance of a pixel estimated from its two halves, with the true value s^2. v is s^2 times a chi^2
 /// variable of one degree of freedom, and so is, independently, the pixel's squared error. Sums of these over the
 /// pixels are about chi^2 of (sum s^2)^2 / sum s^4 degrees (Welch and Satterthwaite), the number of pixels that share

@@ -55,6 +55,10 @@ public:
     /// Blocks.
     [[nodiscard]] Noise noise() const;
 
+    /// The variance of each pixel's mean luminance over the square of the image's mean: the root of the mean of all
+    /// pixels that have two samples is Noise::relative. 0 for other pixels. Blocks.
+    [[nodiscard]] std::vector<float> noise_map() const;
+
     struct Error {
         double estimate = 0;  ///< root mean square of all channels over the mean; 0: unknown
         double bound = 0;     ///< the error exceeds it in about one image of a hundred

@@ -49,6 +49,10 @@ TEST_F(GltfAnimation, LinearBetweenKeysAndStillOutside) {
     load();
     EXPECT_EQ(warned("it has 2 animations of up to 7 s: choose a time with --at SECONDS, and one of 0, 'grow' with"),
               1u);
+    const std::string file = folder.file("scene.gltf", builder.gltf()).string();
+    EXPECT_EQ(animation_seconds(file), 7.0);
+    EXPECT_EQ(animation_seconds(file, {.animation = "grow"}), 0.0);
+    EXPECT_EQ(animation_seconds("cornell"), std::nullopt);
 }
 
 TEST_F(GltfAnimation, StepsHoldTheirValue) {

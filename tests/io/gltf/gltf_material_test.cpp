@@ -140,6 +140,9 @@ TEST_F(GltfMaterial, OnlyWhatIsReferencedIsDecoded) {
     ASSERT_EQ(scene.textures.size(), 1u);
     EXPECT_EQ(scene.materials.at(0).albedo_map.texture, 0u);
     EXPECT_FALSE(scene.materials.at(0).emission_map.used());
+    builder.root["materials"] = {base_texture({{"index", 1}})};
+    const Scene pose = load_gltf(folder.file("scene.gltf", builder.gltf()), warnings, {.images = false});
+    EXPECT_EQ(pose.textures.at(pose.materials.at(0).albedo_map.texture).bytes, std::vector<std::uint8_t>(4, 255));
 }
 
 TEST_F(GltfMaterial, OneImageForAllWhoReadItAlike) {
