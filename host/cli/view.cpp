@@ -122,10 +122,16 @@ void add_view_command(CLI::App& app, Action& action) {
         ->transform(whole_number(1, 1024));
     command->add_option("--exposure", options->config.picture.exposure, "Brighten by this many stops [0]")
         ->check(finite_number());
+    command
+        ->add_option("--answer", options->config.answer_seconds,
+                     "A change that takes longer than this many seconds to show is shown as a smaller image first;\n"
+                     "0: never [0.05; 0 with --script]")
+        ->check(number_from_0());
     command->add_option("--device", options->device, "cpu, gpu, an index or part of a name (see claray devices)");
     add_bvh_options(*command, render.bvh);
     command->add_flag("-q,--quiet", options->quiet, "Print no times");
     command->callback([&action, command, options] {
+        if (command->count("--script") != 0 && command->count("--answer") == 0) options->config.answer_seconds = 0;
         refuse_without(*command, "--output", "--script");
         refuse_both(*command, "--script", {"--window", "--terminal", "--port", "--host"}, "a script needs no display");
         refuse_both(*command, "--window", {"--terminal", "--port", "--host"}, "there is one display");

@@ -15,8 +15,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr float most_pixels_a_side = 16384;
-constexpr double least_share = 0.25;  // of a frame's time that is spent on sampling
-constexpr int noise_radius = 2;       // of the square of pixels over which the error map takes the mean
+constexpr double preview_share = 0.5;   // of the time for an answer
+constexpr double least_preview = 0.25;  // of each side of the image
+constexpr double least_share = 0.25;    // of a frame's time that is spent on sampling
+constexpr int noise_radius = 2;         // of the square of pixels over which the error map takes the mean
 
 [[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
     throw Error(ErrorKind::user, what, remedy);
@@ -113,14 +115,44 @@ void View::set_camera(const Camera& camera) {
     spp_ = 0;
 }
 
+Renderer& View::complete_renderer() {
+    if (std::exchange(previewing_, false)) renderer_->resize(config_.render.width, config_.render.height), spp_ = 0;
+    return *renderer_;
+}
+
 /// Frames that are denoised together have samples of their own: equal ones would have the same noise.
 void View::render(double seconds) {
     const Clock::time_point begin = Clock::now();
-    if (spp_ == 0 && denoises_) renderer_->restart(++seed_);
+    const auto passed = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
+    Renderer& renderer = complete_renderer();
+    const bool is_first = spp_ == 0;
+    if (is_first && denoises_) renderer.restart(++seed_);
+    std::optional<double> first;
     const auto goes_on = [&](const RenderProgress& progress) {
-        return progress.spp == 0 || std::chrono::duration<double>(Clock::now() - begin).count() < seconds;
+        if (progress.spp > 0 && !first) first = passed();
+        return progress.spp == 0 || passed() < seconds;
     };
-    spp_ = renderer_->render(goes_on).spp;
+    spp_ = renderer.render(goes_on).spp;
+    if (is_first && first) first_seconds_ = *first;
+}
+
+bool View::wants_preview() const {
+    return !paused_ && !denoises_ && shows_ == "image" && config_.answer_seconds > 0 &&
+           first_seconds_ > preview_share * config_.answer_seconds;
+}
+
+/// One sample for each pixel of an image that is ready in half of the time. While changes follow one another it keeps
+/// its size, unless it takes too long.
+void View::preview() {
+    const Clock::time_point begin = Clock::now();
+    const double scale =
+        std::clamp(std::sqrt(preview_share * config_.answer_seconds / first_seconds_), least_preview, 1.0);
+    renderer_->resize(unsigned(std::ceil(scale * config_.render.width)),
+                      unsigned(std::ceil(scale * config_.render.height)));
+    previewing_ = true;
+    (void)renderer_->render([](const RenderProgress& progress) { return progress.spp == 0; });
+    spp_ = 1;
+    if (std::chrono::duration<double>(Clock::now() - begin).count() > config_.answer_seconds) first_seconds_ *= 1.25;
 }
 
 /// The time that the picture of the last frame and its display took is not available for sampling.
@@ -132,30 +164,35 @@ void View::sample_frame() {
 
 /// A view that is paused takes the first samples all the same: an image without any shows nothing.
 std::span<const std::uint8_t> View::shown() {
+    if (previewing_ && (shows_ != "image" || denoises_)) (void)complete_renderer();
     if (spp_ == 0) render(0);
+    PictureConfig picture = config_.picture;
+    if (previewing_) picture.width = config_.render.width, picture.height = config_.render.height;
     const unsigned width = config_.render.width, height = config_.render.height;
-    if (shows_ == "image")
-        return denoises_ ? renderer_->denoised_picture(config_.picture) : renderer_->picture(config_.picture);
+    if (shows_ == "image") return denoises_ ? renderer_->denoised_picture(picture) : renderer_->picture(picture);
     false_colors_ = encoded(shows_ == "error" ? error_map(renderer_->noise_map(), int(width), int(height))
                                               : image_of(renderer_->aovs(), shows_, width, height));
     return false_colors_;
 }
 
 const Frame& View::shown_frame() {
-    const bool complete = paused_ || (!playing_ && spp_ >= config_.render.spp);
+    const bool complete = paused_ || (!playing_ && !previewing_ && spp_ >= config_.render.spp);
     frame_ = {config_.render.width, config_.render.height, shown(), spp_, complete};
     return frame_;
 }
 
 const Frame& View::next_frame() {
     if (playing_) pass_time();
-    if (!paused_ && spp_ < config_.render.spp) sample_frame();
+    if (spp_ == 0 && wants_preview())
+        preview();
+    else if (!paused_ && (previewing_ || spp_ < config_.render.spp))
+        sample_frame();
     return shown_frame();
 }
 
 const Frame& View::complete_frame() {
     paused_ = false;
-    while (spp_ < config_.render.spp) render(config_.frame_seconds);
+    while (previewing_ || spp_ < config_.render.spp) render(config_.frame_seconds);
     return shown_frame();
 }
 
@@ -221,7 +258,7 @@ std::size_t View::pixel_of(const ViewCommand& command) const {
 
 std::string View::focus(const ViewCommand& command) {
     const std::size_t pixel = pixel_of(command);
-    const float depth = renderer_->aovs().depth[pixel];
+    const float depth = complete_renderer().aovs().depth[pixel];
     if (!std::isfinite(depth)) return "no surface there";
     Camera camera = *scene_.camera;
     const glm::vec3 forward = glm::normalize(camera.target - camera.position);
@@ -250,7 +287,7 @@ std::string View::choose(const ViewCommand& command) {
     if (command.name == "show") shows_ = command.word;
     if (command.name != "denoise" || denoises_ == (command.word == "on")) return {};
     denoises_ = !denoises_;
-    renderer_->restart(seed_ = config_.render.seed);
+    complete_renderer().restart(seed_ = config_.render.seed);
     spp_ = 0;
     return {};
 }
@@ -263,7 +300,7 @@ glm::vec3 View::point_at(std::size_t pixel, float depth) const {
 
 std::string View::pick(const ViewCommand& command) {
     const std::size_t pixel = pixel_of(command);
-    const Aovs aovs = renderer_->aovs();
+    const Aovs aovs = complete_renderer().aovs();
     if (aovs.primitive[pixel] == CLARAY_MISS) {
         selected_.reset();
         return "no surface there";
@@ -367,7 +404,7 @@ std::string View::resize(const ViewCommand& command) {
     config.width = unsigned(width), config.height = unsigned(height);
     renderer_ = std::make_unique<Renderer>(device_, scene_, config);
     config_.render = config;
-    spp_ = 0;
+    spp_ = 0, previewing_ = false;
     return {};
 }
 

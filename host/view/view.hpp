@@ -26,6 +26,8 @@ struct Animation {
 struct ViewConfig {
     RenderConfig render;          ///< `spp`: samples at which a still view stops
     double frame_seconds = 0.04;  ///< from one frame to the next; more if a sample per pixel takes longer
+    /// A change that takes longer than this to show is shown as a smaller image first, which is enlarged; 0: never.
+    double answer_seconds = 0.05;
     PictureConfig picture;
     Animation animation = {};
 };
@@ -65,6 +67,10 @@ private:
     [[nodiscard]] float size() const;
     [[nodiscard]] glm::vec3 point_at(std::size_t pixel, float depth) const;
     void render(double seconds);
+    [[nodiscard]] bool wants_preview() const;
+    void preview();
+    /// The renderer of the complete image, which has no samples after a preview.
+    [[nodiscard]] Renderer& complete_renderer();
     void sample_frame();
     void show_time(double time);
     void pass_time();
@@ -95,6 +101,8 @@ private:
     std::vector<std::uint8_t> false_colors_;  // of a view other than the image
     Frame frame_;
     unsigned spp_ = 0;
+    bool previewing_ = false;   // the renderer's image is smaller
+    double first_seconds_ = 0;  // for one sample of every pixel of the complete image
     std::uint32_t seed_ = 0;
     std::chrono::steady_clock::time_point sampled_at_;  // the end of the last sampling
     bool paused_ = false, playing_ = false, ended_ = false;

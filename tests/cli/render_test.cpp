@@ -136,7 +136,7 @@ TEST_F(Render, Approximations) {
     EXPECT_EQ(with("tile-sum").exit_code, 0);
     const ProcessResult unknown = with("tile-sun");
     EXPECT_EQ(unknown.exit_code, 2);
-    EXPECT_NE(unknown.errors.find("--approximate: 'tile-sun'"), std::string::npos) << unknown.errors;
+    EXPECT_NE(unknown.errors.find("--approximate: unknown name 'tile-sun'"), std::string::npos) << unknown.errors;
     EXPECT_NE(unknown.errors.find("tile-sum"), std::string::npos) << unknown.errors;
 }
 

@@ -170,5 +170,34 @@ TEST(ViewDenoise, AMovedObjectLeavesNoGhost) {
     EXPECT_LT(left, alone) << left << " against " << alone;  // of a view that never showed the object
 }
 
+/// A view in which every change takes too long.
+TEST(ViewPreview, ComesFirstAndLeavesNoTrace) {
+    view::ViewConfig config = small_view;
+    config.answer_seconds = 1e-9;
+    view::View view(device(), two_spheres(), config);
+    (void)view.next_frame();  // tells how long a frame takes
+    (void)run(view, "orbit 20 0");
+    const view::Frame& preview = view.next_frame();
+    EXPECT_EQ(preview.width, 24u);
+    EXPECT_EQ(preview.spp, 1u);
+    EXPECT_FALSE(preview.complete);
+    Scene turned = two_spheres();
+    turned.camera = view.camera();
+    Renderer quarter(device(), turned, {.width = 6, .height = 4, .spp = 1, .max_depth = 4});
+    (void)quarter.render();
+    const auto enlarged = quarter.picture({.width = 24, .height = 16});
+    EXPECT_TRUE(std::equal(enlarged.begin(), enlarged.end(), preview.pixels.begin(), preview.pixels.end()));
+    EXPECT_NE(run(view, "pick 12 8"), "") << "in pixels of the complete image";
+    const view::Frame& complete = view.complete_frame();
+    const std::vector<std::uint8_t> expected = rendered(turned);
+    EXPECT_TRUE(complete.complete);
+    EXPECT_TRUE(std::equal(expected.begin(), expected.end(), complete.pixels.begin(), complete.pixels.end()));
+    (void)run(view, "orbit 20 0"), (void)view.next_frame();
+    (void)run(view, "pause");
+    EXPECT_TRUE(view.next_frame().complete);
+    (void)run(view, "orbit 1 0");
+    EXPECT_EQ(view.next_frame().spp, 1u) << "a paused view shows the first samples of the complete image";
+}
+
 }  // namespace
 }  // namespace claray::test

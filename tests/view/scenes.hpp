@@ -26,8 +26,8 @@ inline Scene two_spheres() {
     return scene;
 }
 
-inline const view::ViewConfig small_view{.render = {.width = 24, .height = 16, .spp = 4, .max_depth = 4},
-                                         .picture = {}};
+inline const view::ViewConfig small_view{
+    .render = {.width = 24, .height = 16, .spp = 4, .max_depth = 4}, .answer_seconds = 0, .picture = {}};
 
 inline std::vector<std::uint8_t> rendered(const Scene& scene, const RenderConfig& render = small_view.render) {
     Renderer renderer(device(), scene, render);
