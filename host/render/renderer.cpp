@@ -61,9 +61,12 @@ const Scene& checked(const Scene& scene) {
     return scene;
 }
 
-FrameData frame_data(const Scene& scene, const SceneBuffers& buffers, const RenderConfig& config) {
+float aspect_of(const RenderConfig& config) { return float(config.width) / float(config.height); }
+
+FrameData frame_data(const Scene& scene, const Camera& camera, const SceneBuffers& buffers,
+                     const RenderConfig& config) {
     FrameData frame = frame_without_camera(scene, buffers, config);
-    frame.camera = camera_data_of(scene, config);
+    frame.camera = camera_data(camera, aspect_of(config));
     return frame;
 }
 
@@ -106,11 +109,6 @@ Structure first_structure(const Device& device, const Scene& scene, std::size_t 
 
 }  // namespace
 
-CameraData camera_data_of(const Scene& scene, const RenderConfig& config) {
-    const float aspect = float(config.width) / float(config.height);
-    return camera_data(camera_of(scene, aspect), aspect);
-}
-
 LightSelection selection_of_lights(const RenderConfig& config) {
     if (!config.approximate.tile_sum) return {};
     return {.for_a_tree = std::numeric_limits<std::size_t>::max(), .most_per_cell = 0, .hot_spots = false};
@@ -125,6 +123,7 @@ Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig&
                        std::optional<EffectSet> exactly)
     : device(on),
       config(checked(with)),
+      camera(camera_of(scene, aspect_of(with))),
       set_up(Clock::now()),
       plan(plan_for(on, scene, exactly ? *exactly : effects_of(checked(scene)), with)),
       quick_start(plan.start == KernelStart::quick ? std::make_unique<QuickStart>(on) : nullptr),
@@ -133,7 +132,7 @@ Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig&
       structure(first_structure(on, scene, baked, plan, with.bvh)),
       build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
       buffers(on, scene, structure, config.effects.add, selection_of_lights(with)),
-      wavefront(on, buffers, frame_data(scene, buffers, with), load_kernels(plan.first.effects),
+      wavefront(on, buffers, frame_data(scene, camera, buffers, with), load_kernels(plan.first.effects),
                 std::uint64_t(pixels()) * with.spp),
       film(on, pixels(), tells_error(with)),
       schedule(new_schedule()),
@@ -328,6 +327,11 @@ ImageSizes Renderer::State::sizes(unsigned width, unsigned height) const {
     return {config.width, config.height, width, height};
 }
 
+void Renderer::State::look_through(const Camera& view) {
+    wavefront.set_camera(camera_data(view, aspect_of(config)));
+    camera = view;
+}
+
 ToneMapper& Renderer::State::mapper_of(std::uint32_t image_pixels) {
     if (!tone_mapper || tone_mapper->pixels() != image_pixels) tone_mapper.emplace(device, image_pixels);
     return *tone_mapper;
@@ -491,6 +495,7 @@ void Renderer::resize(unsigned width, unsigned height) {
     if (width == state.config.width && height == state.config.height) return state.discard_samples();
     state.config.width = width, state.config.height = height;
     state.wavefront.resize(width, height, std::uint64_t(state.pixels()) * state.most_spp);
+    state.look_through(state.camera);
     state.film = Film(state.device, state.pixels(), tells_error(state.config));
     state.pace = Pace(state.first_paths(), state.wavefront.capacity());
     state.path_kernel.reset(), state.aovs.reset(), state.gbuffer.reset(), state.frames.reset();

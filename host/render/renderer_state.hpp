@@ -54,7 +54,6 @@ struct SceneShape {
     std::vector<std::size_t> first_vertices;  // of the meshes of the placed scene
 };
 
-[[nodiscard]] CameraData camera_data_of(const Scene& scene, const RenderConfig& config);
 /// How the lights are picked; sums over tiles pick none.
 [[nodiscard]] LightSelection selection_of_lights(const RenderConfig& config);
 [[nodiscard]] Bvh::Config with_layout(Bvh::Config config, Layout layout);
@@ -83,6 +82,7 @@ struct Renderer::State {
     /// `patience`: seconds of rendering before the kernel that follows paths may be compiled.
     void use_path_kernel(double patience);
     void sample_all_pixels();
+    void look_through(const Camera& view);
     [[nodiscard]] ToneMapper& mapper_of(std::uint32_t image_pixels);
     /// 0 stands for the size of the film.
     [[nodiscard]] ImageSizes sizes(unsigned width, unsigned height) const;
@@ -117,6 +117,7 @@ struct Renderer::State {
     Device device;
     SceneShape shape;  // of the user's scene
     RenderConfig config;
+    Camera camera;
     unsigned most_spp = config.spp;
     Clock::time_point set_up;
     KernelPlan plan;

@@ -176,10 +176,6 @@ Step Wavefront::step_of(const Batch& batch, std::uint32_t depth, std::uint32_t l
 }
 
 void Wavefront::resize(std::uint32_t width, std::uint32_t height, std::uint64_t most_paths) {
-    const float wider = float(double(width) * frame_.height / (double(height) * frame_.width));
-    for (float* across :
-         {&frame_.camera.right_x, &frame_.camera.right_y, &frame_.camera.right_z, &frame_.camera.half_width})
-        *across *= wider;
     frame_.width = width, frame_.height = height;
     capacity_ = choose_capacity(device_, most_paths);
 }

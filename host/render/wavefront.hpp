@@ -89,7 +89,7 @@ public:
     void replace_scene(const SceneBuffers& scene);
     void set_sky(const SkyData& sky) { frame_.sky = sky; }
     void set_camera(const CameraData& camera) { frame_.camera = camera; }
-    /// For images of another size: the camera's view keeps its height. `most_paths` of a render.
+    /// For images of another size, seen by the camera that is set next. `most_paths` of a render.
     void resize(std::uint32_t width, std::uint32_t height, std::uint64_t most_paths);
     [[nodiscard]] EffectSet kernel_effects() const { return kernels_.effects; }
     /// Returns whether the kernels support these effects and, if the scene is `lit`, shadow rays.

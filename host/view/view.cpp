@@ -81,8 +81,7 @@ Image image_of(const Aovs& aovs, const std::string& shows, unsigned width, unsig
 }  // namespace
 
 View::View(const Device& device, Scene scene, const ViewConfig& config)
-    : device_(device),
-      scene_(with_camera(std::move(scene), config.render)),
+    : scene_(with_camera(std::move(scene), config.render)),
       config_(reporting_in_frames(config)),
       home_(*scene_.camera),
       renderer_(std::make_unique<Renderer>(device, scene_, config_.render)),
@@ -394,16 +393,13 @@ std::string View::set_time(const ViewCommand& command) {
     return printed(playing_ ? "plays from %.3g s" : "stopped at %.3g s", time_);
 }
 
-/// The new renderer finds the kernels in memory.
 std::string View::resize(const ViewCommand& command) {
     const float width = std::floor(command.numbers[0]), height = std::floor(command.numbers[1]);
     if (!(width >= 1 && height >= 1 && width <= most_pixels_a_side && height <= most_pixels_a_side))
         refuse(printed("resize: the image cannot have %gx%g pixels", double(width), double(height)),
                "use 1 to 16384 per side");
-    RenderConfig config = config_.render;
-    config.width = unsigned(width), config.height = unsigned(height);
-    renderer_ = std::make_unique<Renderer>(device_, scene_, config);
-    config_.render = config;
+    renderer_->resize(unsigned(width), unsigned(height));
+    config_.render.width = unsigned(width), config_.render.height = unsigned(height);
     spp_ = 0, previewing_ = false;
     return {};
 }

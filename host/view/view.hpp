@@ -90,7 +90,6 @@ private:
     std::string control(const ViewCommand& command);
     std::string save(const ViewCommand& command);
 
-    Device device_;
     Scene scene_;
     ViewConfig config_;
     Camera home_;
