@@ -89,7 +89,7 @@ SceneBuffers::TableWriter SceneBuffers::tables_of_lights() {
     writer.add(on_host_->tree, where.light_tree);
     writer.add(on_host_->leaves, where.light_leaves);
     writer.add(on_host_->trails, where.light_trails);
-    writer.add(on_host_->grid, where.light_grid);
+    writer.add(on_host_->lists, where.light_lists);
     writer.add(on_host_->hot_spots, where.hot_spots);
     writer.add(on_host_->lamps, where.lamps);
     return writer;

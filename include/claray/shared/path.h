@@ -38,7 +38,7 @@ typedef struct SceneTables {
     uint triangle_materials;  // uint
     uint materials;           // MaterialData
     uint energy;              // float, see energy.h
-    uint triangle_lights, punctual_lights, light_tree, light_leaves, light_trails, light_grid, hot_spots, lamps;
+    uint triangle_lights, punctual_lights, light_tree, light_leaves, light_trails, light_lists, hot_spots, lamps;
     uint environment_texels, environment_cdf;  // float
 } SceneTables;
 CLARAY_LAYOUT(SceneTables, 56)
