@@ -50,6 +50,8 @@ void add_size_option(CLI::App& command, unsigned& width, unsigned& height, const
 
 /// --approximate NAME,NAME...
 void add_approximate_option(CLI::App& command, Approximations& approximate);
+/// --grid-side, --grid-coefficients, --grid-levels, --grid-gather
+void add_light_grid_options(CLI::App& command, LightGridConfig& grid);
 
 /// "0..47" -> {0, 47}. Throws ErrorKind::usage for other text and for more than a million frames.
 [[nodiscard]] FrameRange parse_frames(const std::string& text);

@@ -1,0 +1,27 @@
+// The light that a probe's rays found, as spherical harmonics: adds it to the mean over all its rays so far.
+#include "light_grid/light_grid.clh"
+
+/// One work-item per probe. A probe remembers at most `most_before` earlier rays: it follows lights that change.
+kernel void gather_probes(Step step, GridBox box, float most_before, global uint* tables, global const float* radiance) {
+    const uint probe = get_global_id(0), count = step.batch.samples;
+    if (probe >= step.batch.pixels) return;
+    global const uint* table = tables + step.frame.tables.light_grid;
+    global const LightGrid* grid = level_of_grid(table, box.level);
+    float3 sums[CLARAY_HARMONICS];
+    for (uint i = 0; i < CLARAY_HARMONICS; ++i) sums[i] = (float3)(0.0f);
+    for (uint path = probe * count; path < (probe + 1) * count; ++path) {
+        const float3 found = load3(radiance, path);
+        if (!(largest(found) < INFINITY)) continue;
+        const float3 direction = probe_direction(draw(samples_of(step.batch, path, step.frame.seed), DIMENSION_FILM));
+        float values[CLARAY_HARMONICS];
+        claray_harmonics(direction.x, direction.y, direction.z, values);
+        for (uint i = 0; i < CLARAY_HARMONICS; ++i) sums[i] += values[i] * found;
+    }
+    const uint place = place_in_grid(grid, item_of_box(&box, step.batch.first_pixel + probe));
+    global float4* coefficients = (global float4*)(tables + step.frame.tables.light_grid + grid->probes) + grid->coefficients * place;
+    const float before = fmin(coefficients[0].w, most_before), rays = before + (float)count;
+    for (uint i = 0; i < grid->coefficients; ++i) {
+        const float3 now = sums[i] * (4.0f * PI / (float)count * claray_harmonic_of_cosine(i));
+        coefficients[i] = (float4)((coefficients[i].xyz * before + now * (float)count) / rays, i == 0 ? rays : 0.0f);
+    }
+}
