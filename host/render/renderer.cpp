@@ -458,10 +458,10 @@ Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig&
 RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>& progress) {
     State& state = *state_;
     if (!state.begin && state.config.seconds > 0) state.warm_up();
+    state.follow_light();
     if (!state.begin) state.begin = Clock::now();
     if (state.first_begin == Clock::time_point()) state.first_begin = *state.begin;
     const bool saves = !state.config.checkpoint.empty();
-    state.follow_light();
     InFlight in_flight(state.device, state.pace);
     Clock::time_point last_report;  // the epoch, so that the first batch is reported at once
     Clock::time_point last_checkpoint = Clock::now();

@@ -81,7 +81,7 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, E
     if (baking) shading.emplace_back("BAKE", "1");
     if (task == PathTask::light_grid) {
         shading.emplace_back("LIGHT_GRID", "1");
-        light_grid.emplace(device, scene, defines(Stage::generate));
+        light_grid.emplace(device, defines(Stage::generate), shading);
     }
     // On CPUs the binary tree is used for a quick start, when long compilation does not pay.
     const Structure& structure = scene.structure;
@@ -277,8 +277,8 @@ void Wavefront::mark_cells(const GridBox& cells) {
         lengths_[0].fill(paths);
         kernels_.light_grid->aim_cells.run({paths, 64}, step_of(batch, 0, paths), cells, scene_.tables, queues_[0]);
         kernels_.trace_bounce.closest(rays_[0], hits_, paths, lengths_[0], times_[0]);
-        kernels_.light_grid->mark_cells.run({count * CLARAY_GRID_WORDS, 64}, step_of(batch, 0, paths), cells,
-                                            scene_.tables, hits_);
+        kernels_.light_grid->mark_cells.run({count * CLARAY_GRID_WORDS, 64}, step_of(batch, 0, paths), cells, scene_,
+                                            arg("grid_tables", scene_.tables), queues_[0], hits_);
         lengths_[0].fill(0);
     });
 }

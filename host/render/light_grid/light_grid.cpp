@@ -50,11 +50,11 @@ std::vector<GridBox> entering(std::uint32_t level, std::uint32_t side, const std
 
 }  // namespace
 
-LightGridKernels::LightGridKernels(const Device& device, const SceneBuffers& scene, const Defines& generate)
+LightGridKernels::LightGridKernels(const Device& device, const Defines& generate, const Defines& shade)
     : aim_probes(load_kernel(device, "light_grid/aim_probes.cl", "aim_probes", generate)),
       gather_probes(load_kernel(device, "light_grid/gather_probes.cl", "gather_probes", generate)),
       aim_cells(load_kernel(device, "light_grid/aim_cells.cl", "aim_cells", generate)),
-      mark_cells(load_kernel(device, "light_grid/mark_cells.cl", "mark_cells", scene.structure.defines())) {}
+      mark_cells(load_kernel(device, "light_grid/mark_cells.cl", "mark_cells", shade)) {}
 
 LightGridStage::LightGridStage(const LightGridConfig& config, const Bounds& scene) : config_(config), scene_(scene) {
     const std::vector<glm::vec3> steps = steps_of_levels(config, scene);

@@ -16,8 +16,8 @@ class Wavefront;
 
 /// The kernels that fill the grid.
 struct LightGridKernels {
-    /// `generate`: defines of the stages that generate rays.
-    LightGridKernels(const Device& device, const SceneBuffers& scene, const Defines& generate);
+    /// With the defines of the stages that generate rays, and of those that shade.
+    LightGridKernels(const Device& device, const Defines& generate, const Defines& shade);
 
     Kernel aim_probes, gather_probes;  // light
     Kernel aim_cells, mark_cells;      // what the parts of cells see
