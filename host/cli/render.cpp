@@ -158,7 +158,8 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
     command
         .add_option("--aov", o.aovs,
                     "Also write OUTPUT.NAME.png and .pfm: depth normal albedo primitive heat; gbuffer: packed as\n"
-                    "deferred renderers keep it, .raw and a picture of each part (see docs/formats.md).\n"
+                    "deferred renderers keep it, .raw and a picture of each part (see docs/formats.md); voxels:\n"
+                    "those of --grid-voxels, by the albedo of their surfaces.\n"
                     "albedo includes emitted light up to 1, as denoisers expect")
         ->take_all()
         ->delimiter(',')

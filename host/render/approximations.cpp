@@ -27,7 +27,8 @@ std::string to_string(const Approximations& approximations) {
 
 std::string to_string(const LightGridConfig& grid) {
     std::string text;
-    for (const unsigned value : {grid.side, grid.coefficients, grid.levels, grid.gather, grid.rays, grid.updates})
+    for (const unsigned value :
+         {unsigned(grid.voxels), grid.side, grid.coefficients, grid.levels, grid.gather, grid.rays, grid.updates})
         text += (text.empty() ? "" : " ") + std::to_string(value);
     return text;
 }

@@ -614,6 +614,22 @@ void compile_kernels(const Device& device, EffectSet effects, const RenderConfig
     });
 }
 
+std::vector<glm::vec3> Renderer::voxels() const {
+    State& state = *state_;
+    if (!state.light_grid || !state.config.light_grid.voxels)
+        throw Error(claray::ErrorKind::usage, "there are no voxels", "approximate by a light grid of voxels");
+    state.follow_light();
+    const std::uint32_t all = state.pixels(), most = std::min(state.wavefront.capacity(), all);
+    std::vector<glm::vec3> albedo(all);
+    Buffer<float> part(state.device, 3 * std::size_t(most));
+    for (std::uint32_t first = 0; first < all; first += most) {
+        const std::uint32_t count = std::min(most, all - first);
+        state.wavefront.show_voxels({first, count, 0, 1}, part);
+        part.read(std::span<float>(&albedo[first].x, 3 * std::size_t(count)));
+    }
+    return albedo;
+}
+
 Aovs Renderer::aovs() const {
     State& state = *state_;
     const std::size_t pixels = state.pixels();

@@ -301,6 +301,32 @@ void Wavefront::gather_probes(const GridBox& probes, const ProbeRays& rays) {
     frame_ = frame;
 }
 
+/// Only the light that arrives at the surfaces directly or from the grid.
+void Wavefront::gather_voxels(const GridBox& voxels, const ProbeRays& rays) {
+    const FrameData frame = frame_;
+    frame_.seed = probe_seed + rays.round, frame_.max_depth = default_max_depth;
+    for_each_batch(voxels, CLARAY_RAYS_PER_VOXEL, capacity_, [&](std::uint32_t first, std::uint32_t count) {
+        const Batch batch{first, count, 0, CLARAY_RAYS_PER_VOXEL};
+        const std::uint32_t paths = count * CLARAY_RAYS_PER_VOXEL;
+        make_room(paths);
+        lengths_[1].fill(paths);
+        kernels_.light_grid->aim_voxels.run({paths, 64}, step_of(batch, 1, paths), voxels, scene_.tables, queues_[1],
+                                            radiance_);
+        bounce(batch, 1, paths, false);
+        kernels_.light_grid->gather_voxels.run({count, 64}, step_of(batch, 1, paths), voxels, rays.most_before, scene_,
+                                               arg("grid_tables", scene_.tables), queues_[1], hits_,
+                                               arg("radiance", radiance_));
+        empty_queues(totals_);
+    });
+    frame_ = frame;
+}
+
+void Wavefront::show_voxels(const Batch& batch, const Buffer<float>& albedo) {
+    trace_centers(batch, kernels_.trace_camera);
+    kernels_.light_grid->show_voxels.run({batch.pixels, 64}, step_of(batch, 0, batch.pixels), scene_.tables, rays_[0],
+                                         hits_, albedo);
+}
+
 /// After its last scattering a path may still meet a light or the sky.
 std::uint32_t Wavefront::waves() const {
     const bool one_more = !(scene_.effects & emitters).empty() && frame_.max_depth != ~std::uint32_t(0);

@@ -116,6 +116,10 @@ public:
     void mark_cells(const GridBox& cells);
     /// Adds the light that one round of rays finds to the probes. Asynchronous.
     void gather_probes(const GridBox& probes, const ProbeRays& rays);
+    /// The same for voxels, with one ray for each of their sides.
+    void gather_voxels(const GridBox& voxels, const ProbeRays& rays);
+    /// The albedo of the voxel that each pixel of a batch shows, three floats each.
+    void show_voxels(const Batch& batch, const Buffer<float>& albedo);
     /// The share of light that is missing because paths end at the depth limit, estimated by separate paths. Blocks.
     [[nodiscard]] double cut_off() const;
     /// First hits of rays through pixel centres; asynchronous.

@@ -49,6 +49,10 @@ struct Approximations {
 /// harmonics: Greger et al. 1998, "The irradiance volume". A surface blends the eight probes around it that it sees.
 /// Where it sees none, the path goes on.
 struct LightGridConfig {
+    /// Voxels instead of probes: each holds what the surfaces within it reflect, as a virtual point light with 4
+    /// coefficients (Kaplanyan and Dachsbacher 2010). Surfaces receive light from the voxels next to them only, as fast
+    /// games do it, and the image is much darker than with probes.
+    bool voxels = false;
     unsigned side = 16;         ///< probes per axis, 2 to 64; the coarsest level spans the scene
     unsigned coefficients = 9;  ///< per colour: 4 (bands 0 and 1) or 9 (up to band 2)
     unsigned levels = 1;        ///< 1 to 4; each finer one has a quarter of the spacing and follows the camera
@@ -250,6 +254,9 @@ public:
     /// Returns per-pixel data of the first visible surface, row by row from the top left. Blocks.
     [[nodiscard]] Aovs aovs() const;
     /// Returns the G-buffer of the same surfaces. Blocks.
+    /// Albedo of the surface in the voxel that each pixel's centre shows, for LightGridConfig::voxels. Throws
+    /// ErrorKind::usage without it. Blocks.
+    [[nodiscard]] std::vector<glm::vec3> voxels() const;
     [[nodiscard]] GBuffer gbuffer(NormalPacking packing = NormalPacking::octahedral) const;
     /// Returns the statistics so far. May wait for a kernel to be compiled.
     [[nodiscard]] RenderStatistics statistics() const;

@@ -1,10 +1,5 @@
 // Rays from the parts of cells to the corners of these cells, to find out which probes each part sees.
 #include "light_grid/light_grid.clh"
-#include "render/queue.clh"
-
-#ifndef INSTANCE_MOTION
-#define INSTANCE_MOTION 0
-#endif
 
 /// One work-item per ray; cell c of the box is pixel c of the batch.
 kernel void aim_cells(Step step, GridBox box, global const uint* tables, global RayQueue* queue) {

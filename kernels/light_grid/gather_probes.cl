@@ -18,10 +18,7 @@ kernel void gather_probes(Step step, GridBox box, float most_before, global uint
         for (uint i = 0; i < CLARAY_HARMONICS; ++i) sums[i] += values[i] * found;
     }
     const uint place = place_in_grid(grid, item_of_box(&box, step.batch.first_pixel + probe));
-    global float4* coefficients = (global float4*)(tables + step.frame.tables.light_grid + grid->probes) + grid->coefficients * place;
-    const float before = fmin(coefficients[0].w, most_before), rays = before + (float)count;
-    for (uint i = 0; i < grid->coefficients; ++i) {
-        const float3 now = sums[i] * (4.0f * PI / (float)count * claray_harmonic_of_cosine(i));
-        coefficients[i] = (float4)((coefficients[i].xyz * before + now * (float)count) / rays, i == 0 ? rays : 0.0f);
-    }
+    for (uint i = 0; i < CLARAY_HARMONICS; ++i) sums[i] *= 4.0f * PI / (float)count * claray_harmonic_of_cosine(i);
+    global float4* probes = (global float4*)(tables + step.frame.tables.light_grid + grid->probes);
+    blend_probe(probes + grid->coefficients * place, sums, grid->coefficients, (float)count, most_before);
 }

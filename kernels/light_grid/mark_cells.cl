@@ -2,7 +2,6 @@
 // than fronts lies inside an object, or behind a surface: it is treated as if it saw no corner.
 #include "claray/shared/path.h"
 #include "light_grid/light_grid.clh"
-#include "render/queue.clh"
 #include "shade/seen_surface.clh"
 
 /// The byte of a part, from its eight rays.

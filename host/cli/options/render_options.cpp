@@ -51,6 +51,9 @@ void add_approximate_option(CLI::App& command, Approximations& approximate) {
 }
 
 void add_light_grid_options(CLI::App& command, LightGridConfig& grid) {
+    command.add_flag("--grid-voxels", grid.voxels,
+                     "Voxels instead of probes, which give light to the surfaces next to them only; games use\n"
+                     "--grid-side 32 --grid-levels 2");
     command.add_option("--grid-side", grid.side, "Probes of the light grid per axis [16]")
         ->transform(whole_number(2, 64));
     command.add_option("--grid-coefficients", grid.coefficients, "Per probe and colour: 4, or 9, which is sharper [9]")

@@ -54,19 +54,23 @@ LightGridKernels::LightGridKernels(const Device& device, const Defines& generate
     : aim_probes(load_kernel(device, "light_grid/aim_probes.cl", "aim_probes", generate)),
       gather_probes(load_kernel(device, "light_grid/gather_probes.cl", "gather_probes", generate)),
       aim_cells(load_kernel(device, "light_grid/aim_cells.cl", "aim_cells", generate)),
-      mark_cells(load_kernel(device, "light_grid/mark_cells.cl", "mark_cells", shade)) {}
+      mark_cells(load_kernel(device, "light_grid/mark_cells.cl", "mark_cells", shade)),
+      aim_voxels(load_kernel(device, "light_grid/aim_voxels.cl", "aim_voxels", generate)),
+      gather_voxels(load_kernel(device, "light_grid/gather_voxels.cl", "gather_voxels", shade)),
+      show_voxels(load_kernel(device, "light_grid/show_voxels.cl", "show_voxels", generate)) {}
 
 LightGridStage::LightGridStage(const LightGridConfig& config, const Bounds& scene) : config_(config), scene_(scene) {
-    const std::vector<glm::vec3> steps = steps_of_levels(config, scene);
+    if (config.voxels) config_.coefficients = 4;
+    const std::vector<glm::vec3> steps = steps_of_levels(config_, scene);
     std::uint32_t at = config.levels * CLARAY_GRID_HEADER;
     for (const glm::vec3& step : steps) {
         LightGrid level{};
         level.step_x = step.x, level.step_y = step.y, level.step_z = step.z;
-        level.side = config.side, level.coefficients = config.coefficients;
+        level.side = config_.side, level.coefficients = config_.coefficients, level.voxels = config_.voxels;
         level.levels = config.levels, level.gather = config.gather;
         level.reach = levels_.size() + 1 < config.levels ? float(config.side) / 2 - 2 : 0.f;
         level.seen = at, at += words_of_cells(config.side);
-        level.probes = at, at += words_of_probes(config);
+        level.probes = at, at += words_of_probes(config_);
         levels_.push_back({level, std::nullopt});
     }
 }
@@ -76,7 +80,7 @@ std::uint32_t LightGridStage::words() const {
 }
 
 void LightGridStage::scene_changed(bool surfaces) {
-    updates_ = std::min(updates_, updates_before);
+    updates_ = surfaces && config_.voxels ? 0 : std::min(updates_, updates_before);
     if (!surfaces) return;
     for (Level& level : levels_) level.first.reset();
 }
@@ -107,11 +111,12 @@ void LightGridStage::follow(const glm::vec3& viewer, Wavefront& wavefront, Scene
         move(level, viewer);
         scene.write_light_grid(i, level.data);
         if (!before) {
-            wavefront.mark_cells({i, 0, 0, 0, side - 1, side - 1, side - 1});
+            if (!config_.voxels) wavefront.mark_cells({i, 0, 0, 0, side - 1, side - 1, side - 1});
             continue;
         }
         const Cell now = *level.first, shift{now[0] - (*before)[0], now[1] - (*before)[1], now[2] - (*before)[2]};
-        for (const GridBox& cells : entering(i, side - 1, shift)) wavefront.mark_cells(cells);
+        if (!config_.voxels)
+            for (const GridBox& cells : entering(i, side - 1, shift)) wavefront.mark_cells(cells);
         for (const GridBox& probes : entering(i, side, shift))
             for (unsigned round = 0; round < config_.updates; ++round) gather(probes, round, wavefront);
     }
@@ -129,7 +134,9 @@ void LightGridStage::update(Wavefront& wavefront) {
 
 /// The first rounds lack the light of many bounces; their weight falls with the cube of the number of rounds.
 void LightGridStage::gather(const GridBox& probes, unsigned round, Wavefront& wavefront) {
-    wavefront.gather_probes(probes, {config_.rays, round_++, float(config_.rays * round) / memory});
+    const std::uint32_t rays = config_.voxels ? 1 : config_.rays;
+    const ProbeRays with{rays, round_++, float(rays * round) / memory};
+    config_.voxels ? wavefront.gather_voxels(probes, with) : wavefront.gather_probes(probes, with);
 }
 
 }  // namespace claray

@@ -21,6 +21,7 @@ struct LightGridKernels {
 
     Kernel aim_probes, gather_probes;  // light
     Kernel aim_cells, mark_cells;      // what the parts of cells see
+    Kernel aim_voxels, gather_voxels, show_voxels;
 };
 
 /// Fills the grid and keeps it up to date. The probes' light does not depend on the camera, the image's size or its

@@ -22,7 +22,9 @@ typedef struct LightGrid {
     uint gather;  // surfaces that a path meets before the grid answers
     uint seen;    // words before the cells' bits: for each of 64 parts of a cell, which of its corners the part sees
     uint probes;  // words before the probes: a float4 per coefficient; w of the first is the number of rays
-    uint pad[5];
+    uint voxels;  // 1: the probes are the voxels of surfaces, with 4 coefficients; `seen` is a float4 per voxel: the
+                  // surface's albedo, and 1 if there is a surface
+    uint pad[4];
 } LightGrid;
 #define CLARAY_GRID_HEADER 24u
 CLARAY_LAYOUT(LightGrid, 96)
@@ -30,6 +32,8 @@ CLARAY_LAYOUT(LightGrid, 96)
 #define CLARAY_GRID_PARTS 4u       // of a cell, per axis
 #define CLARAY_GRID_WORDS 16u      // of a cell's bits: a byte per part
 #define CLARAY_RAYS_PER_CELL 512u  // from 64 parts to 8 corners
+
+#define CLARAY_RAYS_PER_VOXEL 6u  // through its sides
 
 /// Probes or cells of a level: `first` and `count` along each axis, from the level's first probe.
 typedef struct GridBox {
