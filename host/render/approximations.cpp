@@ -25,6 +25,14 @@ std::string to_string(const Approximations& approximations) {
     return text.empty() ? "nothing" : text;
 }
 
+std::vector<Approximations> approximations_for(const Scene& scene) {
+    std::vector<Approximations> found;
+    if (!scene.lights.empty()) found.push_back({.tile_sum = true});
+    if (!(effects_of(scene) & EffectSet{Effect::lambert, Effect::oren_nayar}).empty())
+        found.push_back({.light_grid = true});
+    return found;
+}
+
 std::string to_string(const LightGridConfig& grid) {
     std::string text;
     for (const unsigned value :

@@ -58,12 +58,14 @@ struct LightGridConfig {
     unsigned levels = 1;        ///< 1 to 4; each finer one has a quarter of the spacing and follows the camera
     unsigned gather = 0;        ///< surfaces that a path meets before the grid answers; 1 is final gathering
     unsigned rays = 64;         ///< per probe and update, 8 to 4096
-    /// Updates after the light changed: all at once before the first image, later one for each call of
-    /// Renderer::render. Each follows the light by one more bounce.
+    /// Updates before the first image; each follows the light by one more bounce. After a change of the scene each call
+    /// of Renderer::render makes one, three times as many in all.
     unsigned updates = 16;
     bool operator==(const LightGridConfig&) const = default;
 };
 
+/// Returns those that answer something in this scene, one at a time.
+[[nodiscard]] std::vector<Approximations> approximations_for(const Scene& scene);
 /// Returns all that there are.
 [[nodiscard]] Approximations all_approximations();
 /// Returns the names of those that are used, separated by commas: "tile-sum"; "nothing" if none is.

@@ -6,9 +6,9 @@ kernel void aim_probes(Step step, GridBox box, global const uint* tables, global
     const uint path = get_global_id(0);
     if (path >= step.batch.pixels * step.batch.samples) return;
     global const LightGrid* grid = level_of_grid(tables + step.frame.tables.light_grid, box.level);
-    const PathSamples samples = samples_of(step.batch, path, step.frame.seed);
-    const float3 from = probe_position(grid, item_of_box(&box, pixel_of(step.batch, path)));
-    const float3 direction = probe_direction(draw(samples, DIMENSION_FILM));
+    const uint count = step.batch.samples, probe = path / count;
+    const float3 from = probe_position(grid, item_of_box(&box, step.batch.first_pixel + probe));
+    const float3 direction = probe_direction(probe_shift(&step, probe), path % count, count);
     const Ray ray = {from.x, from.y, from.z, 0.0f, direction.x, direction.y, direction.z, INFINITY};
-    start_at_probe(&step, path, ray, sqrt(4.0f / (float)step.batch.samples), queue, radiance);
+    start_at_probe(&step, path, ray, sqrt(4.0f / (float)count), queue, radiance);
 }

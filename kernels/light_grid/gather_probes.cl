@@ -9,10 +9,10 @@ kernel void gather_probes(Step step, GridBox box, float most_before, global uint
     global const LightGrid* grid = level_of_grid(table, box.level);
     float3 sums[CLARAY_HARMONICS];
     for (uint i = 0; i < CLARAY_HARMONICS; ++i) sums[i] = (float3)(0.0f);
-    for (uint path = probe * count; path < (probe + 1) * count; ++path) {
-        const float3 found = load3(radiance, path);
+    const float2 shift = probe_shift(&step, probe);
+    for (uint ray = 0; ray < count; ++ray) {
+        const float3 found = load3(radiance, probe * count + ray), direction = probe_direction(shift, ray, count);
         if (!(largest(found) < INFINITY)) continue;
-        const float3 direction = probe_direction(draw(samples_of(step.batch, path, step.frame.seed), DIMENSION_FILM));
         float values[CLARAY_HARMONICS];
         claray_harmonics(direction.x, direction.y, direction.z, values);
         for (uint i = 0; i < CLARAY_HARMONICS; ++i) sums[i] += values[i] * found;

@@ -10,7 +10,8 @@ namespace {
 
 constexpr float inset = 0.05f;          // of a step: the outermost probes lie so far within the bounds of the scene
 constexpr float finer = 4;              // steps of a level, in steps of the next finer one
-constexpr unsigned updates_before = 4;  // of a grid whose scene changed: bounces that a change needs to be seen
+constexpr unsigned updates_before = 4;  // that count of a grid whose scene changed
+constexpr unsigned updates_after = 3;   // the updates that it needs, as a multiple, until it has forgotten
 constexpr float memory = 3;             // rounds that count as much as the newest one, as a share of all rounds
 
 std::uint32_t cubed(std::uint32_t side) { return side * side * side; }
@@ -59,7 +60,8 @@ LightGridKernels::LightGridKernels(const Device& device, const Defines& generate
       gather_voxels(load_kernel(device, "light_grid/gather_voxels.cl", "gather_voxels", shade)),
       show_voxels(load_kernel(device, "light_grid/show_voxels.cl", "show_voxels", generate)) {}
 
-LightGridStage::LightGridStage(const LightGridConfig& config, const Bounds& scene) : config_(config), scene_(scene) {
+LightGridStage::LightGridStage(const LightGridConfig& config, const Bounds& scene)
+    : config_(config), scene_(scene), wanted_(config.updates) {
     if (config.voxels) config_.coefficients = 4;
     const std::vector<glm::vec3> steps = steps_of_levels(config_, scene);
     std::uint32_t at = config.levels * CLARAY_GRID_HEADER;
@@ -81,6 +83,7 @@ std::uint32_t LightGridStage::words() const {
 
 void LightGridStage::scene_changed(bool surfaces) {
     updates_ = surfaces && config_.voxels ? 0 : std::min(updates_, updates_before);
+    wanted_ = updates_after * config_.updates;
     if (!surfaces) return;
     for (Level& level : levels_) level.first.reset();
 }
@@ -121,8 +124,8 @@ void LightGridStage::follow(const glm::vec3& viewer, Wavefront& wavefront, Scene
             for (unsigned round = 0; round < config_.updates; ++round) gather(probes, round, wavefront);
     }
     do
-        if (updates_ < config_.updates) update(wavefront);
-    while (!filled_ && updates_ < config_.updates);
+        if (updates_ < wanted_) update(wavefront);
+    while (!filled_ && updates_ < wanted_);
     filled_ = true;
 }
 

@@ -51,6 +51,7 @@ private:
     Bounds scene_;
     std::vector<Level> levels_;  // from fine to coarse
     unsigned updates_ = 0;       // rounds of rays since the light changed
+    unsigned wanted_;
     bool filled_ = false;
     std::uint32_t round_ = 0;  // number of all rounds, for the samples of the rays
 };
