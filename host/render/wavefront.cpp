@@ -17,6 +17,7 @@ std::uint32_t paths_per_item(const Device& device) {
 }
 
 constexpr std::uint32_t probe_seed = 0x9e3779b9;
+constexpr std::uint32_t most_surfaces_of_probes = 5;  // of their rays' paths, which the grid nearly always ends at the first
 
 constexpr const char* path_kernel_stem = "render/trace_paths";
 
@@ -286,7 +287,7 @@ void Wavefront::mark_cells(const GridBox& cells) {
 /// The rays begin where a path would be that met one surface.
 void Wavefront::gather_probes(const GridBox& probes, const ProbeRays& rays) {
     const FrameData frame = frame_;
-    frame_.seed = probe_seed, frame_.max_depth = default_max_depth;
+    frame_.seed = probe_seed, frame_.max_depth = most_surfaces_of_probes;
     for_each_batch(probes, rays.per_probe, capacity_, [&](std::uint32_t first, std::uint32_t count) {
         const Batch batch{first, count, rays.round * rays.per_probe, rays.per_probe};
         const std::uint32_t paths = count * rays.per_probe;
@@ -304,7 +305,7 @@ void Wavefront::gather_probes(const GridBox& probes, const ProbeRays& rays) {
 /// Only the light that arrives at the surfaces directly or from the grid.
 void Wavefront::gather_voxels(const GridBox& voxels, const ProbeRays& rays) {
     const FrameData frame = frame_;
-    frame_.seed = probe_seed + rays.round, frame_.max_depth = default_max_depth;
+    frame_.seed = probe_seed + rays.round, frame_.max_depth = most_surfaces_of_probes;
     for_each_batch(voxels, CLARAY_RAYS_PER_VOXEL, capacity_, [&](std::uint32_t first, std::uint32_t count) {
         const Batch batch{first, count, 0, CLARAY_RAYS_PER_VOXEL};
         const std::uint32_t paths = count * CLARAY_RAYS_PER_VOXEL;

@@ -87,6 +87,18 @@ TEST(LightGrid, DoesNotLeakThroughAWall) {
     }
 }
 
+/// Black probes within a block must not darken what lies around its foot.
+TEST(LightGrid, LeavesOutProbesInsideObjects) {
+    Scene scene;
+    scene.materials = {lambert(0.7f)};
+    scene.meshes = {room({-2, -2, -2}, {2, 2, 2}), block({-1, -2, -1.1f}, {0.9f, -0.6f, 0.8f})};
+    scene.lights = {point_light({0, 1.5f, 0}, glm::vec3(1.f))};
+    scene.camera = Camera{{1.7f, -1, 1.7f}, {0.9f, -2, 0.8f}, {0, 1, 0}, 40.f};
+    const std::vector<glm::vec3> truth = render_by_own_kernels(scene, {.width = 48, .height = 48, .spp = 1024});
+    const std::vector<glm::vec3> image = render_by_own_kernels(scene, by_grid(48, 16));
+    for (std::size_t i = 0; i < image.size(); ++i) EXPECT_GT(image[i].x, 0.5 * truth[i].x) << i;
+}
+
 TEST(LightGrid, FollowsALampThatIsSwitchedOff) {
     Scene scene;
     scene.materials = {lambert(0.5f)};
@@ -143,6 +155,20 @@ TEST(LightGrid, VoxelsHoldTheSurfacesOfTheScene) {
     EXPECT_LT(off[off.size() * 8 / 10], 0.02) << "but where surfaces meet";
     const RenderConfig direct{.width = 48, .height = 48, .spp = 64, .max_depth = 1};
     EXPECT_GT(mean(renderer.image()).y, 1.01 * mean(render_by_own_kernels(scene, direct)).y) << "voxels are dark";
+}
+
+/// A board just above a floor that a spot lights; the spot does not shine on the board.
+TEST(LightGrid, VoxelsShineAlongTheirNormals) {
+    Scene scene;
+    scene.materials = {lambert(0.7f)};
+    scene.meshes = {square(2, 0), square(2, 0.3f), square(2, 2.1f)};
+    scene.lights = {point_light({0, 0.28f, 0}, glm::vec3(1.f))};
+    scene.lights[0].kind = LightKind::spot, scene.lights[0].direction = {0, -1, 0};
+    scene.lights[0].inner_angle = 0.8f, scene.lights[0].outer_angle = 1.2f;
+    scene.camera = Camera{{0, 0.05f, 0.4f}, {0, 0.3f, 0}, {0, 1, 0}, 20.f};
+    const auto brightness = [&](const RenderConfig& config) { return mean(render_by_own_kernels(scene, config)).x; };
+    const double truth = brightness({.width = 16, .height = 16, .spp = 256});
+    EXPECT_GT(brightness(by_grid(16, 16, {.voxels = true, .side = 8})), 0.03 * truth);
 }
 
 TEST(LightGrid, RefusesWhatItCannotDo) {
