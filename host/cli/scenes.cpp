@@ -16,12 +16,14 @@ constexpr const char* descriptions[] = {
     "spheres with every material on a chequered floor",
     "wooden crates under a small, bright sun",
     "hills with firs around a mirroring lake",
+    "hills of sines that shine, for shading models",
     "every effect at once",
     "one effect, by its name in claray explain: effect:mirror",
     "mountains and bushes, N triangles in total",
     "N random triangles, the hardest input for a tree",
     "N triangles in fans, each around one vertex",
     "strands of hair, N long thin triangles in total",
+    "a ball of N triangles with a highlight, for shading models",
 };
 
 void list_scenes(bool json) {

@@ -3,12 +3,17 @@
 #include <utility>
 
 #include "claray/renderer.hpp"
+#include "host/effects/effects.hpp"
 
 namespace claray {
 namespace {
 
 constexpr std::pair<const char*, bool Approximations::*> approximation_names[] = {
-    {"tile-sum", &Approximations::tile_sum}, {"light-grid", &Approximations::light_grid}};
+    {"tile-sum", &Approximations::tile_sum},
+    {"light-grid", &Approximations::light_grid},
+    {"flat", &Approximations::flat},
+    {"gouraud", &Approximations::gouraud},
+    {"no-shadows", &Approximations::no_shadows}};
 
 }  // namespace
 
@@ -30,6 +35,9 @@ std::vector<Approximations> approximations_for(const Scene& scene) {
     if (!scene.lights.empty()) found.push_back({.tile_sum = true});
     if (!(effects_of(scene) & EffectSet{Effect::lambert, Effect::oren_nayar}).empty())
         found.push_back({.light_grid = true});
+    found.push_back({.flat = true});
+    found.push_back({.gouraud = true});
+    if (!(effects_of(scene) & sampled_lights).empty()) found.push_back({.no_shadows = true});
     return found;
 }
 

@@ -55,6 +55,8 @@ const RenderConfig& checked(const RenderConfig& config) {
     const LightGridConfig& grid = config.light_grid;
     if (config.approximate.tile_sum && config.approximate.light_grid)
         refuse("the approximations tile-sum and light-grid exclude each other", "use one of them");
+    if (config.approximate.flat && config.approximate.gouraud)
+        refuse("the shading models flat and gouraud exclude each other", "use one of them");
     if (grid.side < 2 || grid.side > 64) refuse("the light grid has 2 to 64 probes per axis", "start with 16");
     if (grid.coefficients != 4 && grid.coefficients != CLARAY_HARMONICS)
         refuse("the light grid has 4 or 9 coefficients per colour", "use 9");
@@ -160,7 +162,7 @@ Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig&
 
 WavefrontKernels Renderer::State::load_kernels(EffectSet effects) const {
     const PathTask task = path_task_of(config.approximate);
-    const auto load = [&] { return WavefrontKernels(buffers, config.sampler, effects, task); };
+    const auto load = [&] { return WavefrontKernels(buffers, config.sampler, effects, task, config.approximate); };
     const auto load_all = [&] {
         (void)load();
         (void)Film::Kernels(device);
@@ -303,7 +305,8 @@ bool Renderer::State::may_follow_paths() const {
 
 PathKernelChoice Renderer::State::choose_path_kernel() const {
     PathKernelChoice choice;
-    if (config.approximate.tile_sum)
+    const Approximations& a = config.approximate;
+    if (a.tile_sum || a.flat || a.gouraud || a.no_shadows)
         choice.name = "";
     else if (may_follow_paths() && wavefront.paths_are_short())
         choice.name = trace_paths_name;

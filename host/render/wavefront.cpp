@@ -17,7 +17,8 @@ std::uint32_t paths_per_item(const Device& device) {
 }
 
 constexpr std::uint32_t probe_seed = 0x9e3779b9;
-constexpr std::uint32_t most_surfaces_of_probes = 5;  // of their rays' paths, which the grid nearly always ends at the first
+constexpr std::uint32_t most_surfaces_of_probes =
+    5;  // of their rays' paths, which the grid nearly always ends at the first
 
 constexpr const char* path_kernel_stem = "render/trace_paths";
 
@@ -56,6 +57,16 @@ Defines macros_of_shading(const Device& device) {
     return macros;
 }
 
+/// Macros of approximations other than PathTask. Without shadows, lamps are found by light sampling alone, since rays
+/// that bounce cannot pass through surfaces.
+Defines defines_of(const Approximations& approximate) {
+    Defines defines;
+    if (approximate.flat) defines.emplace_back("SHADING", "CLARAY_FLAT");
+    if (approximate.gouraud) defines.emplace_back("SHADING", "CLARAY_GOURAUD");
+    if (approximate.no_shadows) defines.emplace_back("TECHNIQUES", "1");
+    return defines;
+}
+
 std::uint64_t with_light_grid(std::uint64_t most_paths, const WavefrontKernels& kernels) {
     return kernels.light_grid ? std::max<std::uint64_t>(most_paths, light_grid_paths) : most_paths;
 }
@@ -70,8 +81,9 @@ void for_each_batch(const GridBox& box, std::uint32_t samples, std::uint32_t cap
 
 }  // namespace
 
-WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, EffectSet with, PathTask task)
-    : effects(with) {
+WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, EffectSet with, PathTask task,
+                                   const Approximations& approximate)
+    : effects(with), casts_shadows(!approximate.no_shadows) {
     const Device& device = scene.structure.device();
     const auto defines = [&](Stage stage) { return defines_for(scene, sampler, effects, stage); };
     QueryOptions coherent, incoherent, shadow;
@@ -84,6 +96,7 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, E
         shading.emplace_back("LIGHT_GRID", "1");
         light_grid.emplace(device, defines(Stage::generate), shading);
     }
+    append(shading, defines_of(approximate));
     // On CPUs the binary tree is used for a quick start, when long compilation does not pay.
     const Structure& structure = scene.structure;
     if (!structure.instanced() && structure.bvh().layout() == Layout::binary) shading.emplace_back("SIXTEEN", "0");
@@ -93,17 +106,18 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, E
     empty_queues = load_kernel(device, "render/empty_queues.cl", "empty_queues");
     if (task == PathTask::sum_tiles) {
         append(shading, macros_of_shading(device));
-        tile_sum.emplace(scene, shading);
+        tile_sum.emplace(scene, shading, approximate.flat || approximate.gouraud);
         return;
     }
     trace_bounce = SceneQuery(scene.structure, QueryKernel::Kind::closest, incoherent, trace_bounce_name);
     shade = load_kernel(device, "render/shade_surface.cl", "shade_surface", shading);
     traces_shadows = has_lights(scene.lights);
     if (!traces_shadows) return;
-    adds_light = !structure.instanced() && structure.bvh().layout() == Layout::binary &&
+    adds_light = casts_shadows && !structure.instanced() && structure.bvh().layout() == Layout::binary &&
                  device.tuning("render/add_light", "WITH_SHADOW_RAYS") != 0;
-    trace_shadow = SceneQuery(structure, QueryKernel::Kind::any, shadow, trace_shadow_name,
-                              adds_light ? "render/trace_shadow_rays.cl" : "");
+    if (casts_shadows)
+        trace_shadow = SceneQuery(structure, QueryKernel::Kind::any, shadow, trace_shadow_name,
+                                  adds_light ? "render/trace_shadow_rays.cl" : "");
     if (!adds_light) add_light = load_kernel(device, "render/add_light.cl", "add_light");
 }
 
@@ -193,7 +207,8 @@ void Wavefront::make_room(std::uint32_t paths) {
     shadow_queue_ = Buffer<ShadowQueue>(device_, (moves ? CLARAY_SHADOW_WORDS : CLARAY_SHADOW_TIMES) * room);
     shadow_rays_ = Buffer<Ray>(shadow_queue_, 0, room);
     shadow_light_ = Buffer<LightSample>(shadow_queue_, CLARAY_SHADOW_LIGHT * word * room, room);
-    occluded_ = Buffer<std::uint8_t>(device_, room);
+    occluded_ = kernels_.casts_shadows ? Buffer<std::uint8_t>(device_, room)
+                                       : Buffer<std::uint8_t>(device_, std::vector<std::uint8_t>(room));
     if (moves) shadow_times_ = Buffer<float>(shadow_queue_, CLARAY_SHADOW_TIMES * word * room, room);
 }
 
@@ -455,7 +470,7 @@ void Wavefront::trace_shadows(std::uint32_t limit, const Buffer<std::uint32_t>& 
         kernels_.trace_shadow.shadow(shadow_rays_, {shadow_light_, radiance_}, limit, length);
         return;
     }
-    kernels_.trace_shadow.any(shadow_rays_, occluded_, limit, length, shadow_times_);
+    if (kernels_.casts_shadows) kernels_.trace_shadow.any(shadow_rays_, occluded_, limit, length, shadow_times_);
     kernels_.add_light.run({limit, 64}, length, limit, occluded_, shadow_light_, radiance_);
 }
 

@@ -49,13 +49,15 @@ enum class PathTask {
 /// change no bit of the image.
 struct WavefrontKernels {
     WavefrontKernels() = default;
-    WavefrontKernels(const SceneBuffers& scene, Sampler sampler, EffectSet effects, PathTask task = PathTask::render);
+    WavefrontKernels(const SceneBuffers& scene, Sampler sampler, EffectSet effects, PathTask task = PathTask::render,
+                     const Approximations& approximate = {});
 
     EffectSet effects;
     Kernel generate, shade, empty_queues;
     Kernel add_light;         // unless shadow rays add their light
     bool adds_light = false;  // shadow rays add their light
     bool traces_shadows = false;
+    bool casts_shadows = true;  // false: Approximations::no_shadows
     SceneQuery trace_camera, trace_bounce, trace_shadow;
     std::optional<TileSum> tile_sum;  // in place of shading, bounces and shadows
     std::optional<LightGridKernels> light_grid;

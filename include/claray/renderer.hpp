@@ -41,6 +41,16 @@ struct Approximations {
     /// Where a path meets a diffuse surface, a grid of probes answers what light arrives from all other surfaces; the
     /// path ends. Lights still cast exact shadows. See LightGridConfig. Cannot be used together with tile_sum.
     bool light_grid = false;
+    /// Flat shading: where a camera ray meets a surface, the triangle's centroid is lit and seen in place of the hit,
+    /// with the triangle's normal. One colour per face. Mirrors, glass and the textures of all surfaces stay per pixel.
+    bool flat = false;
+    /// Gouraud shading: the triangle's vertices are lit and seen with their normals, highlights included, and their
+    /// colours are interpolated. Vertices without normals take the triangle's. Mirrors, glass and textures as for flat.
+    /// With tile_sum the three colours are computed; otherwise each path picks one by its share, and shadows, lamps and
+    /// bounces take part. Without flat and gouraud, normals are interpolated: Phong shading.
+    bool gouraud = false;
+    /// Lights shine through everything: no shadow rays. A sky without an image is found by bounces and stays hidden.
+    bool no_shadows = false;
 
     bool operator==(const Approximations&) const = default;
     [[nodiscard]] bool any() const { return *this != Approximations{}; }

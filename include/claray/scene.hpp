@@ -263,8 +263,8 @@ struct Scene {
 void validate(const Scene& scene);
 
 /// Returns a built-in scene: "cornell", "spheres", "crate", "hills", "effects" (all effects), "effect:NAME" (one
-/// effect, by its name in `claray explain`), "terrain:N", "soup:N", "fan:N", "hair:N" (N triangles). Returns no scene
-/// for an unknown name. Throws ErrorKind::usage for an invalid N.
+/// effect, by its name in `claray explain`), "terrain:N", "soup:N", "fan:N", "hair:N", "ball:N" (N triangles). Returns
+/// no scene for an unknown name. Throws ErrorKind::usage for an invalid N.
 [[nodiscard]] std::optional<Scene> builtin_scene(const std::string& name);
 [[nodiscard]] std::span<const char* const> builtin_scene_names();
 

@@ -52,8 +52,43 @@ static inline bool arrive_first(const Step* step, const Lights* lights, SCENE_PA
     return true;
 }
 
+#if SHADING
+/// The radiance of one path: the light of the points that stand for its hit. All lights are summed up, since these points may be
+/// outside the tile's box.
+static inline float3 sum_of_lit(const Step* step, const Lights* lights, SCENE_PARAMETERS, const TileGrid* tiles,
+                                global const RayQueue* queue, global const SceneHit* hits, uint path) {
+    const Ray ray = queued_ray((global const Ray*)queue + path);
+    const TileLights all = {0, tiles->lights};
+    const SceneHit found = hits[path];
+    float3 sum;
+    ShadingPoint there;
+    if (!arrive_first(step, lights, SCENE, queue, hits, path, &sum, &there)) return sum;
+    if (!is_lit_elsewhere(&there.material)) return sum + sum_of_list(lights, all, met_point(ray, found.t), &there);
+#if INSTANCES
+    const Hit hit = hit_in_scene(found, instances);
+#else
+    const Hit hit = found;
+#endif
+    float time = 0.0f;
+#if INSTANCE_MOTION
+    time = times_of_queue((global RayQueue*)queue, step->room)[path];
+#endif
+    const SurfaceSamples samples = samples_at(samples_of(step->batch, path, step->frame.seed), 0);
+    for (uint i = 0; i < LIT_POINTS; ++i) {
+        ShadingPoint at = there;
+        const float3 direction = move_to_lit(&step->frame, SCENE, found, hit, i, time, ray, &at);
+        float lobe;
+        prepare_shading(&step->frame, SCENE, &samples, -direction, &at, &lobe);
+        sum += share_of_lit(hit, i) * sum_of_list(lights, all, at.surface.base + at.surface.inner, &at);
+    }
+    return sum;
+}
+#endif
+
 #if CLARAY_CPU
+#if !SHADING
 #include "deferred/sum_sixteen.clh"
+#endif
 
 /// One work-item per tile.
 kernel void sum_lights(Step step, SCENE_PARAMETERS, TileGrid tiles, global const uint* block_lists, global const uint* lists,
@@ -64,8 +99,13 @@ kernel void sum_lights(Step step, SCENE_PARAMETERS, TileGrid tiles, global const
     const TileLights list = lights_of_tile(&tiles, lists, block_lists, tile);
     for (uint row = 0; row < CLARAY_TILE; ++row) {
         const PathRange paths = paths_of_row(&step, &tiles, tile, row);
+#if SHADING
+        for (uint path = paths.first; path < paths.end; ++path)
+            vstore3(sum_of_lit(&step, &lights, SCENE, &tiles, queue, hits, path), path, radiance);
+#else
         for (uint first = paths.first; first < paths.end; first += 16)
             sum_sixteen(&step, &lights, SCENE, list, queue, hits, first, min(first + 16, paths.end), radiance);
+#endif
     }
 }
 #else
@@ -80,11 +120,15 @@ void sum_lights(Step step, SCENE_PARAMETERS, TileGrid tiles, global const uint* 
     const uint path = paths.first + item % per_row;
     if (path >= paths.end) return;
     const Lights lights = lights_of(&step.frame, SCENE);
+#if SHADING
+    vstore3(sum_of_lit(&step, &lights, SCENE, &tiles, queue, hits, path), path, radiance);
+#else
     float3 sum;
     ShadingPoint at;
     if (arrive_first(&step, &lights, SCENE, queue, hits, path, &sum, &at))
         sum += sum_of_list(&lights, lights_of_tile(&tiles, lists, block_lists, tile),
                            met_point(queued_ray((global const Ray*)queue + path), hits[path].t), &at);
     vstore3(sum, path, radiance);
+#endif
 }
 #endif

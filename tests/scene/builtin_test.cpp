@@ -90,9 +90,10 @@ TEST_P(Builtin, CameraSeesIt) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Builtin,
-                         ::testing::Values("cornell", "spheres", "crate", "hills", "terrain:1", "terrain:2",
-                                           "terrain:20000", "soup:1", "soup:5000", "fan:3", "fan:7", "fan:65536",
-                                           "fan:200000", "hair:1", "hair:2", "hair:49", "hair:20000"),
+                         ::testing::Values("cornell", "spheres", "crate", "hills", "waves", "ball:8", "ball:33",
+                                           "ball:1000", "terrain:1", "terrain:2", "terrain:20000", "soup:1",
+                                           "soup:5000", "fan:3", "fan:7", "fan:65536", "fan:200000", "hair:1", "hair:2",
+                                           "hair:49", "hair:20000"),
                          [](const auto& test) {
                              std::string name = test.param;
                              std::replace(name.begin(), name.end(), ':', '_');
@@ -103,6 +104,8 @@ TEST(BuiltinScenes, CountIsExact) {
     for (const std::string family : {"terrain", "soup", "fan", "hair"})
         for (const std::size_t count : {3, 4, 5, 31, 32, 33, 999, 1000, 65536, 65537, 131073})
             EXPECT_EQ(triangle_count(make(family + ":" + std::to_string(count))), count) << family;
+    for (const std::size_t count : {8, 9, 10, 100, 3001})
+        EXPECT_EQ(triangle_count(make("ball:" + std::to_string(count))), count);
     for (const std::string name : {"terrain:1", "soup:1", "hair:1"}) EXPECT_EQ(triangle_count(make(name)), 1u);
     EXPECT_EQ(triangle_count(make("terrain:2")), 2u);
 }
@@ -124,7 +127,7 @@ TEST(BuiltinScenes, NamesAreListedAndKnown) {
         EXPECT_TRUE(builtin_scene(name)) << name;
         ++known;
     }
-    EXPECT_EQ(known, 10u);
+    EXPECT_EQ(known, 12u);
     for (const std::string name : {"", "teapot", "cornell:3", "Cornell", "soups:3", "a/fan:3", "mesh.obj"})
         EXPECT_FALSE(builtin_scene(name)) << name;
 }

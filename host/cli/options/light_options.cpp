@@ -122,6 +122,10 @@ void add_light_options(CLI::App& command, LightOptions& o) {
                 "attenuation)")
         ->take_all()
         ->type_name("TEXT");
+    command.add_flag(
+        "--artist-lights", o.artist_lights,
+        "Points, spots, directional lights and suns, also the scene's, are pi times as bright: a light of\n"
+        "intensity 1 makes a white surface at distance 1 as bright as 1, as many modelling programs do");
     command.add_option_function<std::string>(
         "--sky", [&o](const std::string& text) { o.sky = parse_sky(text); },
         "Radiance from where no surface is: R,G,B, or R,G,B,R,G,B from horizon to zenith");
@@ -138,6 +142,8 @@ bool add_lights(Scene& scene, const LightOptions& options) {
         refuse("--environment-strength and --environment-rotation change an environment",
                "name it by --environment FILE");
     scene.lights.insert(scene.lights.end(), options.lights.begin(), options.lights.end());
+    if (options.artist_lights)
+        for (Light& light : scene.lights) light.intensity *= std::numbers::pi_v<float>;
     if (options.sky) scene.sky = *options.sky, scene.environment = {};
     if (options.environment.empty()) return options.sky || !options.lights.empty();
     scene.environment = load_environment(options.environment);

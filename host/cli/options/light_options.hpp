@@ -13,6 +13,7 @@ namespace claray::cli {
 
 struct LightOptions {
     std::vector<Light> lights;
+    bool artist_lights = false;
     std::optional<Sky> sky;
     std::filesystem::path environment;
     std::optional<float> strength, rotation;  // rotation in degrees

@@ -43,11 +43,30 @@ void add_approximate_option(CLI::App& command, Approximations& approximate) {
             },
             "Cheaper answers, which change the image: tile-sum (all lights without extent at the\n"
             "first surface, without shadows and nothing else, as deferred shading does it); light-grid\n"
-            "(a grid of probes answers what light surfaces receive from each other)")
+            "(a grid of probes answers what light surfaces receive from each other); flat, gouraud: see\n"
+            "--shading; no-shadows: see --shadows")
         ->take_all()
         ->delimiter(',')
         ->check(name_among(split(to_string(all_approximations()))))
         ->type_name("NAME,...");
+}
+
+void add_shading_options(CLI::App& command, Approximations& approximate) {
+    const std::vector<std::pair<std::string, int>> models = {{"flat", 0}, {"gouraud", 1}, {"phong", 2}};
+    command
+        .add_option_function<int>(
+            "--shading", [&](int model) { approximate.flat = model == 0, approximate.gouraud = model == 1; },
+            "Of first surfaces: phong (normals are interpolated), gouraud (colours of vertices are\n"
+            "interpolated) or flat (one colour per triangle) [phong]")
+        ->transform(choice_of(models))
+        ->type_name("NAME");
+    const std::vector<std::pair<std::string, int>> switches = {{"on", 0}, {"off", 1}};
+    command
+        .add_option_function<int>(
+            "--shadows", [&](int off) { approximate.no_shadows = off == 1; },
+            "off: lights shine through everything [on]")
+        ->transform(choice_of(switches))
+        ->type_name("NAME");
 }
 
 void add_light_grid_options(CLI::App& command, LightGridConfig& grid) {

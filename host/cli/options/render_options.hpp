@@ -50,6 +50,8 @@ void add_size_option(CLI::App& command, unsigned& width, unsigned& height, const
 
 /// --approximate NAME,NAME...
 void add_approximate_option(CLI::App& command, Approximations& approximate);
+/// --shading and --shadows: short for values of --approximate. Call after add_approximate_option.
+void add_shading_options(CLI::App& command, Approximations& approximate);
 /// --grid-voxels, --grid-side, --grid-coefficients, --grid-levels, --grid-gather
 void add_light_grid_options(CLI::App& command, LightGridConfig& grid);
 

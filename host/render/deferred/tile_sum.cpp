@@ -32,10 +32,10 @@ std::uint32_t block_count(const TileGrid& grid) { return grid.block_columns * gr
 
 }  // namespace
 
-TileSum::TileSum(const SceneBuffers& scene, const Defines& shading)
+TileSum::TileSum(const SceneBuffers& scene, const Defines& shading, bool everywhere)
     : device_(scene.structure.device()),
-      most_per_tile_(device_.tuning("deferred/list_lights", "MOST_PER_TILE")),
-      most_per_block_(device_.tuning("deferred/list_lights", "MOST_PER_BLOCK")),
+      most_per_tile_(everywhere ? 0 : device_.tuning("deferred/list_lights", "MOST_PER_TILE")),
+      most_per_block_(everywhere ? 0 : device_.tuning("deferred/list_lights", "MOST_PER_BLOCK")),
       bound_(load_kernel(device_, "deferred/bound_tiles.cl", "bound_tiles", scene.structure.defines())),
       list_(load_kernel(device_, "deferred/list_lights.cl", "list_lights",
                         {{"GROUP_SIZE", device_.info().type == DeviceType::cpu ? "1" : std::to_string(tile_group)}})),

@@ -10,8 +10,9 @@ namespace claray {
 
 class TileSum {
 public:
-    /// `shading`: defines of the stages that shade.
-    TileSum(const SceneBuffers& scene, const Defines& shading);
+    /// `shading`: defines of the stages that shade. `everywhere`: points outside a tile are lit, too; all lights are
+    /// summed up for each.
+    TileSum(const SceneBuffers& scene, const Defines& shading, bool everywhere);
 
     /// Replaces the radiance of a batch's paths. `hits`: those of the camera rays in `rays`, the first array of
     /// `queue`. Asynchronous.

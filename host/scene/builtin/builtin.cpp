@@ -14,8 +14,8 @@ struct FixedScene {
     Scene (*make)();
 };
 constexpr std::array fixed_scenes = {FixedScene{"cornell", scenes::cornell}, FixedScene{"spheres", scenes::spheres},
-                                     FixedScene{"crate", scenes::crate}, FixedScene{"hills", scenes::hills},
-                                     FixedScene{"effects", scenes::effects}};
+                                     FixedScene{"crate", scenes::crate},     FixedScene{"hills", scenes::hills},
+                                     FixedScene{"effects", scenes::effects}, FixedScene{"waves", scenes::waves}};
 
 struct CountedScene {
     std::string_view name;
@@ -24,11 +24,11 @@ struct CountedScene {
 };
 constexpr std::array counted_scenes = {CountedScene{"terrain", 1, scenes::terrain},
                                        CountedScene{"soup", 1, scenes::soup}, CountedScene{"fan", 3, scenes::fan},
-                                       CountedScene{"hair", 1, scenes::hair}};
+                                       CountedScene{"hair", 1, scenes::hair}, CountedScene{"ball", 8, scenes::ball}};
 
 constexpr std::size_t most_triangles = 100'000'000;
-constexpr std::array names = {"cornell",     "spheres",   "crate",  "hills", "effects",
-                              "effect:NAME", "terrain:N", "soup:N", "fan:N", "hair:N"};
+constexpr std::array names = {"cornell",     "spheres",   "crate",  "hills", "waves",  "effects",
+                              "effect:NAME", "terrain:N", "soup:N", "fan:N", "hair:N", "ball:N"};
 
 std::size_t parse_count(const CountedScene& scene, std::string_view text) {
     std::size_t count = 0;

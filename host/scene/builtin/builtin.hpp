@@ -10,11 +10,13 @@ namespace claray::scenes {
 [[nodiscard]] Scene crate();
 [[nodiscard]] Scene hills();
 [[nodiscard]] Scene effects();
+[[nodiscard]] Scene waves();
 /// Throws ErrorKind::usage, naming those that exist, where there is no effect of this name.
 [[nodiscard]] Scene effect_alone(const std::string& name);
 [[nodiscard]] Scene terrain(std::size_t count);
 [[nodiscard]] Scene soup(std::size_t count);
 [[nodiscard]] Scene fan(std::size_t count);
 [[nodiscard]] Scene hair(std::size_t count);
+[[nodiscard]] Scene ball(std::size_t count);
 
 }  // namespace claray::scenes
