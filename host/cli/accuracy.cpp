@@ -31,12 +31,19 @@ struct NamedStudy {
     const char* name;
     RunStudy run;  ///< null for effects, which also make maps
 };
-constexpr NamedStudy all_studies[] = {{"hard-rays", study_hard_rays},   {"scene-rays", study_scene_rays},
-                                      {"builds", study_builds},         {"nodes", study_nodes},
-                                      {"sampling", study_sampling},     {"techniques", study_techniques},
-                                      {"denoising", study_denoising},   {"bias", study_bias},
-                                      {"arithmetic", study_arithmetic}, {"sums", study_sums},
-                                      {"filtering", study_filtering},   {"effects", nullptr}};
+constexpr NamedStudy all_studies[] = {{"hard-rays", study_hard_rays},
+                                      {"scene-rays", study_scene_rays},
+                                      {"builds", study_builds},
+                                      {"nodes", study_nodes},
+                                      {"sampling", study_sampling},
+                                      {"techniques", study_techniques},
+                                      {"denoising", study_denoising},
+                                      {"bias", study_bias},
+                                      {"arithmetic", study_arithmetic},
+                                      {"sums", study_sums},
+                                      {"filtering", study_filtering},
+                                      {"shading", study_shading},
+                                      {"effects", nullptr}};
 
 struct AccuracyOptions {
     std::string scene, device, only;

@@ -170,6 +170,11 @@ struct ErrorMap {
 [[nodiscard]] Study study_filtering(const Device& device, const Scene& scene, const StudyOptions& options,
                                     const AccuracyProgress& progress = {});
 
+/// Compares flat and Gouraud shading with Phong shading of the same samples and triangles, over the number of triangles
+/// of the built-in ball. The scene is not used.
+[[nodiscard]] Study study_shading(const Device& device, const Scene& scene, const StudyOptions& options,
+                                  const AccuracyProgress& progress = {});
+
 /// Sets `front` on all points for which no other point has both less error and less time.
 void mark_front(std::vector<StudyPoint>& points);
 

@@ -563,6 +563,15 @@ TEST(Study, OfFiltersSeesBiasThatSamplesDoNotMend) {
     EXPECT_NE(error("nearest", "64 spp"), error("bilinear", "64 spp"));
 }
 
+TEST(Study, OfShadingModelsConvergesWithTriangles) {
+    const Study study = study_shading(device(), {}, {.config = small_image(24), .most_spp = 1, .runs = 1});
+    for (const char* model : {"flat", "gouraud"})
+        EXPECT_LT(point_named(study, model, "10000 triangles").error.median,
+                  0.5 * point_named(study, model, "320 triangles").error.median);
+    const auto of = [&](const char* model) { return point_named(study, model, "1000 triangles").error.median; };
+    EXPECT_LT(of("gouraud"), of("flat"));
+}
+
 TEST(Study, ThatIsStoppedSaysSo) {
     StudyOptions options{.runs = 1, .rays = 2048};
     const Study study =
