@@ -23,7 +23,8 @@ Study study_shading(const Device& device, const Scene&, const StudyOptions& opti
             config.approximate = {.tile_sum = true};
             const Rendered phong = render_image(device, ball, config);
             config.approximate = model;
-            StudyPoint point{.method = name, .setting = setting, .value = double(count), .runs = options.runs};
+            StudyPoint point;
+            point.method = name, point.setting = setting, point.value = double(count), point.runs = options.runs;
             std::vector<double> seconds, ratios;
             for (unsigned run = 0; run < std::max(options.runs, 1u); ++run) {
                 const Rendered seen = render_image(device, ball, config);
