@@ -10,6 +10,9 @@
 namespace claray {
 namespace {
 
+/// Flat and Gouraud shading save no time.
+bool is_cheaper(const Approximations& approximate) { return !approximate.flat && !approximate.gouraud; }
+
 using Clock = std::chrono::steady_clock;
 
 constexpr unsigned pilot_frames = 8;  // of which the slowest counts
@@ -166,7 +169,8 @@ public:
         std::vector<Way> ways = {shorter_paths(complete), smaller_image(complete)};
         if (!config_.approximate.any())
             for (const Approximations& approximate : approximations_for(scene_))
-                if (!measuring || measuring(to_string(approximate))) ways.push_back(approximated(approximate));
+                if (is_cheaper(approximate) && (!measuring || measuring(to_string(approximate))))
+                    ways.push_back(approximated(approximate));
         const Way* best = nullptr;
         for (Way& way : ways) {
             if (way.seconds > budget_) continue;
