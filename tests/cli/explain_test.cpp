@@ -72,7 +72,6 @@ TEST(Explain, CountsLightsOfTheCommandLine) {
     EXPECT_GT(report["approximations"][0]["error"], 0.1) << "the lamp lights nothing";
     EXPECT_EQ(report["approximations"][1]["name"], "light-grid");
     EXPECT_EQ(report["approximations"][2]["name"], "flat");
-    EXPECT_LT(report["approximations"][2]["error"], report["approximations"][4]["error"]) << "the box has flat walls";
     EXPECT_EQ(report["approximations"][4]["name"], "no-shadows");
 }
 

@@ -38,6 +38,7 @@ public:
         while (mesh_.triangles.size() + 1 < count) split_longest();
         if (mesh_.triangles.size() < count) halve_last();
         mesh_.normals = mesh_.positions;
+        for (glm::vec3& normal : mesh_.normals) normal = glm::normalize(normal);
         mesh_.materials.assign(mesh_.triangles.size(), 0);
         return std::move(mesh_);
     }
