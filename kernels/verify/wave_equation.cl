@@ -7,5 +7,5 @@ kernel void step_wave(global const float* now, global float* before, uint side, 
     const uint i = get_global_id(0), x = i % side, y = i / side;
     if (x == 0 || y == 0 || x + 1 >= side || y + 1 >= side) return;
     const float laplacian = (now[i - 1] + now[i + 1]) + (now[i - side] + now[i + side]) - 4.0f * now[i];
-    before[i] = fma(courant_squared, laplacian, 2.0f * now[i] - before[i]);
+    before[i] = fma(courant_squared, laplacian, 2.0f * now[i] - before[i]);  // mutant: wave-step
 }

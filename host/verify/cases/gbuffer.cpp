@@ -81,14 +81,15 @@ double largest_angle(Run& run, const char* what, const std::vector<float>& from,
 }  // namespace
 
 /// The bounds are half a step of each number: on the octahedron at most sqrt(18) times as long an arc (in the middle of
-/// a face, towards a corner); on the sphere pi and pi / 2 times, at right angles. Added is 2 % for float32.
+/// a face, towards a corner); on the sphere pi and pi / 2 times, at right angles. Added are 2 % for float32, and 5 %
+/// where OpenCL allows 6 ulp to atan2 and 4 to sin and cos.
 void packed_normals(Run& run) {
     const double half_step = 1 / 65534.0, bounds[] = {std::sqrt(18.0) * half_step, pi * std::sqrt(1.25) * half_step};
     const auto directions = directions_to_pack(run.count<std::size_t>(200'000, 10'000'000), run.seed());
     const std::size_t count = directions.size() / 3;
     for (const bool spherical : {false, true}) {
         const std::string name = spherical ? "spherical" : "octahedral";
-        const double bound = 1.02 * glm::degrees(bounds[spherical]);
+        const double bound = (spherical ? 1.05 : 1.02) * glm::degrees(bounds[spherical]);
         const PackedDirections device = pack_on_device(run, directions, spherical),
                                host = pack_on_host(directions, spherical);
         run.check("largest error of " + name + " codes, device", count,
@@ -169,7 +170,7 @@ void depth_to_position(Run& run) {
     }
     run.fact("distances", printed("%.3g to %.3g", nearest, farthest));
     run.check("pixels without a position", size * size, 1 - double(tried) / double(size * size), 0.25, "of all");
-    run.check("largest error of positions, host", tried, worst_host, 3e-7, "of the distance");
+    run.check("largest error of positions, host", tried, worst_host, 5e-7, "of the distance");
     run.check("largest error of positions, device", tried, worst_device, 5e-7, "of the distance");
 }
 
