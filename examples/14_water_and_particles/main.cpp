@@ -1,6 +1,6 @@
-// Example 12: water and particles. Kernels of your own move a fountain's drops and the water that they fall into;
+// Example 14: water and particles. Kernels of your own move a fountain's drops and the water that they fall into;
 // claray takes the new vertices and renders each frame: splash_000.png, splash_001.png, ...
-//   example_12_water_and_particles [FRAMES [SIDE [DROPS [SAMPLES]]]]
+//   example_14_water_and_particles [FRAMES [SIDE [DROPS [SAMPLES]]]]
 // The water has SIDE x SIDE grid points, a frame SAMPLES per pixel.
 #include <algorithm>
 #include <chrono>
