@@ -177,9 +177,9 @@ public:
     Renderer(const Device& device, const Scene& scene, const RenderConfig& config);
 
     /// Adds samples until a target of the configuration is reached. Blocks. `progress` is called after the first batch
-    /// of samples, every RenderConfig::report_seconds, and after each error estimate. Return false from it to stop after the
-    /// current batch: the image is then valid, some pixels have more samples than others, and another call continues.
-    /// Returns the progress reached. A checkpoint that cannot be written does not stop the render: see
+    /// of samples, every RenderConfig::report_seconds, and after each error estimate. Return false from it to stop
+    /// after the current batch: the image is then valid, some pixels have more samples than others, and another call
+    /// continues. Returns the progress reached. A checkpoint that cannot be written does not stop the render: see
     /// `checkpoint_error`.
     RenderProgress render(const std::function<bool(const RenderProgress&)>& progress = {});
 
@@ -243,6 +243,14 @@ private:
 
 /// Compiles all kernels that renders of scenes with exactly these effects need, and stores them in the cache.
 void compile_kernels(const Device& device, EffectSet effects, const RenderConfig& config = {});
+
+/// Renders the light that arrives at a point: six square images of `config.height` pixels a side, as an Environment has
+/// them for the faces of a cube. The camera of the scene is ignored. Throws as Renderer does.
+[[nodiscard]] Environment render_probe(const Device& device, Scene scene, const glm::vec3& position,
+                                       RenderConfig config);
+/// Returns an environment as one image in latitude and longitude, linear float32, times its strength, without its
+/// rotation. That of a cube has the cube's resolution at the horizon.
+[[nodiscard]] Texture panorama_of(const Environment& environment);
 
 struct LightMapConfig {
     unsigned width = 128, height = 128;      ///< texels, 1 to 2^14 each
