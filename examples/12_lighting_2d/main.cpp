@@ -17,7 +17,7 @@ namespace {
 
 constexpr float pi = std::numbers::pi_v<float>;
 constexpr unsigned cell = 32, kinds = 4;  // texels per side of a sprite; sprites in the atlas, side by side
-constexpr float radius = 0.35f;           // of a light; the view is 4 high
+constexpr float radius = 0.3f;            // of a light; the view is 4 high
 
 float random_number() {
     static std::uint32_t word = 1;
@@ -36,7 +36,7 @@ float height_of(unsigned kind, float x, float y) {
                                          std::min(2 * (y + 1) - row, row + 1 - 2 * (y + 1)));
         return 2.f * std::min(from_edge * 8, 1.f);
     }
-    const float bumps = 0.12f * std::sin(9 * x + 2) * std::sin(8 * y + x);
+    const float bumps = 0.05f * std::sin(9 * x + 2) * std::sin(8 * y + x);
     if (kind == 1) return r < 0.9f + bumps ? size * (0.7f * std::sqrt(std::max(1 - r * r, 0.f)) + bumps) : -1;
     if (kind == 2) return r < 0.95f ? (r > 0.75f || std::abs(x) + std::abs(y) < 0.4f ? 3.f : 1.f) : -1;
     const float facets = std::abs(x) + std::abs(y);
@@ -75,70 +75,72 @@ Atlas make_atlas() {
 
 // ---- the scene -----------------------------------------------------------------------------------------------------
 
-// A square of side 1 that shows one sprite of the atlas.
-claray::Mesh sprite(unsigned kind) {
-    const float left = float(kind) / kinds, right = float(kind + 1) / kinds;
-    claray::Mesh mesh;
-    mesh.positions = {{-0.5f, -0.5f, 0}, {0.5f, -0.5f, 0}, {0.5f, 0.5f, 0}, {-0.5f, 0.5f, 0}};
-    mesh.uvs = {{left, 1}, {right, 1}, {right, 0}, {left, 0}};
-    mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
-    return mesh;
-}
-
-// Instances turn the normals of their sprites with them.
-claray::MeshInstance place(unsigned kind, const glm::vec3& position, float size, float angle) {
-    glm::mat4 transform(1.f);
-    transform[0] = size * glm::vec4(std::cos(angle), std::sin(angle), 0, 0);
-    transform[1] = size * glm::vec4(-std::sin(angle), std::cos(angle), 0, 0);
-    transform[3] = glm::vec4(position, 1);
-    return {kind, transform};
+// Adds a square that shows one sprite of the atlas. Its corners turn, and with them the frame of its normals.
+void add_sprite(claray::Mesh& mesh, unsigned kind, const glm::vec3& position, float size, float angle) {
+    const auto first = std::uint32_t(mesh.positions.size());
+    const glm::vec3 right = 0.5f * size * glm::vec3(std::cos(angle), std::sin(angle), 0), up(-right.y, right.x, 0);
+    for (const glm::vec2 corner : {glm::vec2(-1, -1), glm::vec2(1, -1), glm::vec2(1, 1), glm::vec2(-1, 1)}) {
+        mesh.positions.push_back(position + corner.x * right + corner.y * up);
+        mesh.uvs.emplace_back((float(kind) + 0.5f + 0.5f * corner.x) / kinds, 0.5f - 0.5f * corner.y);
+    }
+    mesh.triangles.emplace_back(first, first + 1, first + 2);
+    mesh.triangles.emplace_back(first, first + 2, first + 3);
+    mesh.materials.insert(mesh.materials.end(), 2, kind == 0 ? 0u : 1u);
 }
 
 claray::Scene make_scene(float aspect) {
     claray::Scene scene;
     Atlas atlas = make_atlas();
     scene.textures = {std::move(atlas.colors), std::move(atlas.normals)};
-    scene.materials.resize(1);
-    scene.materials[0].albedo = glm::vec3(1.f);
-    scene.materials[0].albedo_map.texture = 0, scene.materials[0].normal_map.texture = 1;
-    scene.materials[0].alpha_mode = claray::AlphaMode::mask;
-    for (unsigned kind = 0; kind < kinds; ++kind) scene.meshes.push_back(sprite(kind));
+    claray::Material solid;
+    solid.albedo = glm::vec3(1.f), solid.albedo_map.texture = 0, solid.normal_map.texture = 1;
+    scene.materials = {solid, solid};
+    scene.materials[1].alpha_mode = claray::AlphaMode::mask;
+    scene.meshes.resize(1);
     const float tile = 0.4f;
     for (float y = -2 + tile / 2; y < 2 + tile; y += tile)
         for (float x = -2 * aspect + tile / 2; x < 2 * aspect + tile; x += tile)
-            scene.instances.push_back(place(0, {x, y, 0}, tile, 0));
+            add_sprite(scene.meshes[0], 0, {x, y, 0}, tile, 0);
     for (unsigned i = 0; i < 120; ++i) {
         const glm::vec2 at = 4.f * glm::vec2(aspect * (random_number() - 0.5f), random_number() - 0.5f);
-        scene.instances.push_back(place(1 + i % 3, {at, 0.02f + 0.0005f * float(i)}, 0.25f + 0.2f * random_number(),
-                                        2 * pi * random_number()));
+        const float size = 0.25f + 0.2f * random_number(), angle = 2 * pi * random_number();
+        add_sprite(scene.meshes[0], 1 + i % 3, {at, 0.02f + 0.0005f * float(i)}, size, angle);
     }
     scene.camera = claray::Camera{.position = {0, 0, 5}, .orthographic_height = 4.f};
     return scene;
 }
 
 // Lights that circle over the sprites.
-std::vector<claray::Light> lights_at(unsigned count, float aspect, float seconds) {
-    std::vector<claray::Light> lights;
-    for (unsigned i = 0; i < count; ++i) {
-        const auto number = [&](unsigned k) { return float((i * 4 + k) * 2654435761u >> 8) * 0x1p-24f; };
-        const float angle = 2 * pi * number(2) + seconds;
-        const glm::vec3 home(4 * aspect * (number(0) - 0.5f), 4 * (number(1) - 0.5f), 0.12f);
-        const glm::vec3 color =
-            0.2f + 0.8f * glm::vec3(number(3), 1 - number(3), 0.5f + 0.5f * std::sin(9 * number(3)));
-        // An intensity of pi on a white sprite gives 1: engines leave out Lambert's 1 / pi.
-        lights.push_back(
-            claray::point_light(home + 0.2f * glm::vec3(std::cos(angle), std::sin(angle), 0), 0.3f * pi * color));
-        lights.back().range = radius, lights.back().linear_range = true, lights.back().attenuation = {1, 0, 0};
+class Fireflies {
+public:
+    Fireflies(unsigned count, float aspect) {
+        for (unsigned i = 0; i < count; ++i) {
+            homes_.emplace_back(4 * aspect * (random_number() - 0.5f), 4 * (random_number() - 0.5f), 0.12f);
+            colors_.emplace_back(random_number(), random_number(), random_number());
+        }
     }
-    return lights;
-}
 
-double frame_milliseconds(claray::Renderer& renderer, claray::Scene& scene, unsigned count, float aspect,
+    [[nodiscard]] std::vector<claray::Light> at(float seconds) const {
+        std::vector<claray::Light> lights;
+        for (std::size_t i = 0; i < homes_.size(); ++i) {
+            const glm::vec3 circle(std::cos(float(i) + seconds), std::sin(float(i) + seconds), 0.f);
+            // An intensity of pi on a white sprite gives 1: engines leave out Lambert's 1 / pi.
+            lights.push_back(claray::point_light(homes_[i] + 0.2f * circle, 0.8f * pi * colors_[i] * colors_[i]));
+            lights.back().range = radius, lights.back().linear_range = true, lights.back().attenuation = {1, 0, 0};
+        }
+        return lights;
+    }
+
+private:
+    std::vector<glm::vec3> homes_, colors_;
+};
+
+double frame_milliseconds(claray::Renderer& renderer, claray::Scene& scene, const Fireflies& fireflies,
                           unsigned frames) {
     renderer.settle();
     std::vector<double> times;
     for (unsigned i = 0; i < frames; ++i) {
-        scene.lights = lights_at(count, aspect, float(i) / 60);
+        scene.lights = fireflies.at(float(i) / 60);
         const auto begin = std::chrono::steady_clock::now();
         renderer.update(scene, {.lights = true});
         (void)renderer.render();
@@ -167,22 +169,26 @@ int main(int argc, char** argv) try {
     claray::Scene scene = make_scene(aspect);
     claray::write_texture(beside(picture, "_atlas"), scene.textures[0]);
     claray::write_texture(beside(picture, "_normals"), scene.textures[1]);
-    scene.lights = lights_at(count, aspect, 0);
+    const Fireflies fireflies(count, aspect);
+    scene.lights = fireflies.at(0);
 
     const claray::Device device = claray::Device::open();
     const claray::RenderConfig config{
         .width = width, .height = height, .spp = 1, .max_depth = 1, .approximate = {.tile_sum = true}};
     claray::Renderer tiled(device, scene, config);
-    const double milliseconds = frame_milliseconds(tiled, scene, count, aspect, frames);
+    const double milliseconds = frame_milliseconds(tiled, scene, fireflies, frames);
 
     const claray::Device without_lists = claray::Device::open();  // lists that hold no light stand for all lights
     without_lists.set_tuning("deferred/list_lights", "MOST_PER_TILE", 0);
     without_lists.set_tuning("deferred/list_lights", "MOST_PER_BLOCK", 0);
     claray::Renderer all(without_lists, scene, config);
     (void)all.render();
-    std::printf("%ux%u, %zu sprites, %u moving lights, %s\n", width, height, scene.instances.size(), count,
-                device.info().name.c_str());
+    std::printf("%ux%u, %zu sprites, %u moving lights, %s\n", width, height, scene.meshes[0].triangles.size() / 2,
+                count, device.info().name.c_str());
     std::printf("a frame (median of %u): %.2f ms\n", frames, milliseconds);
+    if (std::getenv("PROFILE"))
+        for (const auto& [name, summary] : device.profiler().summary())
+            std::printf("  %-24s %.3f\n", name.c_str(), summary.milliseconds / frames);
     std::printf("the sum over all lights, bit for bit: %s\n", all.image() == tiled.image() ? "yes" : "no");
 
     claray::RenderConfig smooth = config;  // for the pictures: 16 points of each pixel, and shadows

@@ -71,7 +71,8 @@ std::vector<Material> materials_for(EffectSet effects) {
     if (effects.has(Effect::culling)) last.cull_back = true;
     if (effects.has(Effect::cut_outs)) last.alpha_mode = AlphaMode::blend, last.opacity = 0.5f;
     if (effects.has(Effect::emissive_triangles)) last.emission = glm::vec3(1.f);
-    if (effects.has(Effect::textures) || effects.has(Effect::mip_maps)) last.albedo_map = grey;
+    if (!(effects & EffectSet{Effect::textures, Effect::mip_maps, Effect::nearest_levels}).empty())
+        last.albedo_map = grey;
     if (effects.has(Effect::normal_maps)) last.normal_map = grey;
     if (effects.has(Effect::height_maps)) last.height_map = grey;
     if (effects.has(Effect::light_maps)) last.light_map = grey;

@@ -92,7 +92,9 @@ std::optional<SpriteTexel> sprite_texel_at(const Scene& scene, const glm::dvec2&
             found.albedo[k] = value <= 0.04045 ? value / 12.92 : std::pow((value + 0.055) / 1.055, 2.4);
         }
         const glm::dvec3 n = 2.0 * glm::dvec3(c[0], c[1], c[2]) / 255.0 - 1.0;
-        found.normal = glm::normalize(glm::dmat3(transform) * glm::normalize(n));
+        const glm::dvec3 right = glm::normalize(glm::dvec3(transform[0])),
+                         up = glm::normalize(glm::dvec3(transform[1]));
+        found.normal = glm::normalize(n.x * right + n.y * up + n.z * glm::dvec3(0, 0, 1));
         return found;
     }
     return {};
