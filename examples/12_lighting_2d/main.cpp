@@ -186,9 +186,6 @@ int main(int argc, char** argv) try {
     std::printf("%ux%u, %zu sprites, %u moving lights, %s\n", width, height, scene.meshes[0].triangles.size() / 2,
                 count, device.info().name.c_str());
     std::printf("a frame (median of %u): %.2f ms\n", frames, milliseconds);
-    if (std::getenv("PROFILE"))
-        for (const auto& [name, summary] : device.profiler().summary())
-            std::printf("  %-24s %.3f\n", name.c_str(), summary.milliseconds / frames);
     std::printf("the sum over all lights, bit for bit: %s\n", all.image() == tiled.image() ? "yes" : "no");
 
     claray::RenderConfig smooth = config;  // for the pictures: 16 points of each pixel, and shadows
