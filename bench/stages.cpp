@@ -110,6 +110,22 @@ Task deferred(const Device& device, unsigned side) {
     };
 }
 
+/// A light grid of probes, and one of voxels, that are filled anew.
+std::vector<Task> light_grids(const Device& device) {
+    std::vector<Task> tasks;
+    for (const bool voxels : {false, true}) {
+        const RenderConfig config{
+            .width = 64, .height = 64, .spp = 1, .approximate = {.light_grid = true}, .light_grid = {.voxels = voxels}};
+        const Scene scene = *builtin_scene("cornell");
+        tasks.push_back([scene, voxels, renderer = std::make_shared<Renderer>(device, scene, config)] {
+            renderer->update(scene, {.vertices = true});
+            (void)renderer->render();
+            if (voxels) (void)renderer->voxels();
+        });
+    }
+    return tasks;
+}
+
 Task bake(const Device& device) {
     Scene scene = *builtin_scene("cornell");
     Mesh square{.positions = {{-1, 0, -1}, {1, 0, -1}, {1, 0, 1}, {-1, 0, 1}}, .triangles = {{0, 2, 1}, {0, 3, 2}}};
@@ -128,6 +144,7 @@ std::vector<Task> tasks_of(const Device& device, const Options& options, Layout 
             tasks.push_back(render(device, scene, options.side, layout, whole_paths));
     tasks.push_back(deferred(device, options.side));
     tasks.push_back(bake(device));
+    for (const Task& task : light_grids(device)) tasks.push_back(task);
     return tasks;
 }
 

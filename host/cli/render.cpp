@@ -158,7 +158,8 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
     command
         .add_option("--aov", o.aovs,
                     "Also write OUTPUT.NAME.png and .pfm: depth normal albedo primitive heat; gbuffer: packed as\n"
-                    "deferred renderers keep it, .raw and a picture of each part (see docs/formats.md).\n"
+                    "deferred renderers keep it, .raw and a picture of each part (see docs/formats.md); voxels:\n"
+                    "those of --grid-voxels, by the albedo of their surfaces.\n"
                     "albedo includes emitted light up to 1, as denoisers expect")
         ->take_all()
         ->delimiter(',')
@@ -169,6 +170,7 @@ void add_quality_options(CLI::App& command, RenderOptions& o) {
     command.add_option("--spp", o.config.spp, "Samples per pixel [64]; with --time the upper limit")
         ->transform(whole_number(1, 1 << 24));
     add_approximate_option(command, o.config.approximate);
+    add_light_grid_options(command, o.config.light_grid);
     command.add_option("--noise", o.config.noise, "Stop at this relative standard error, for example 0.01")
         ->check(positive_number());
     command.add_option("--max-depth", o.config.max_depth, "Surfaces per path, at most; 1 is direct light only [128]")

@@ -118,6 +118,8 @@ void add_view_command(CLI::App& app, Action& action) {
     add_view_options(*command, options->view);
     command->add_option("--spp", render.spp, "Samples per pixel at which a still view stops [256]")
         ->transform(whole_number(1, 1 << 24));
+    add_approximate_option(*command, render.approximate);
+    add_light_grid_options(*command, render.light_grid);
     command->add_option("--max-depth", render.max_depth, "Surfaces per path, at most [128]")
         ->transform(whole_number(1, 1024));
     command->add_option("--exposure", options->config.picture.exposure, "Brighten by this many stops [0]")

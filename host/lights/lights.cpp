@@ -9,7 +9,7 @@
 #include "host/bsdf/material_data.hpp"
 #include "host/lights/environment.hpp"
 #include "host/lights/hot_spots.hpp"
-#include "host/lights/light_grid.hpp"
+#include "host/lights/light_lists.hpp"
 #include "host/lights/light_tree.hpp"
 #include "host/lights/luminance.hpp"
 #include "host/lights/number_shares.hpp"
@@ -169,13 +169,13 @@ float plant_grid(const Scene& scene, Lights& lights) {
     for (const PunctualLight& light : ranged) ranges.push_back(range_of(light));
     std::sort(ranges.begin(), ranges.end());
     while (!ranged.empty() && lights.selection.most_per_cell > 0) {
-        lights.grid = build_light_grid(ranged);
-        if (mean_list_length(lights.grid, ranged) <= lights.selection.most_per_cell) return ranges.back();
+        lights.lists = build_light_lists(ranged);
+        if (mean_list_length(lights.lists, ranged) <= lights.selection.most_per_cell) return ranges.back();
         ranges.resize(ranges.size() / 2);
         const float longest = ranges.empty() ? 0 : ranges.back();
         std::erase_if(ranged, [&](const PunctualLight& light) { return range_of(light) > longest; });
     }
-    lights.grid.clear();
+    lights.lists.clear();
     return 0;
 }
 
@@ -263,7 +263,7 @@ void plant_tree(Lights& lights, double radius) {
         lights.trails.push_back({lights.triangles[i].primitive, tree.trails[i], tree.places[i]});
     for (HotSpot& spot : lights.hot_spots)
         if (spot.light < lights.data.near) spot.trail = tree.trails[spot.light], spot.leaf = tree.places[spot.light];
-    const double begin = lights.grid.empty() ? 0 : lights.data.grid_last + 1.0;
+    const double begin = lights.lists.empty() ? 0 : lights.data.grid_last + 1.0;
     lights.data.tree_probability = float((lights.data.tree_last + 1.0 - begin) / 4294967296.0);
 }
 
@@ -315,9 +315,9 @@ void distribute(Lights& lights) {
     const double of_grid = power_of_grid(lights, total);
     total += of_grid;
     if (!(total > 0)) return;
-    NumberShares shares(total, powers.size() + (lights.grid.empty() ? 0 : 1));
+    NumberShares shares(total, powers.size() + (lights.lists.empty() ? 0 : 1));
     LightsData& data = lights.data;
-    if (!lights.grid.empty()) {
+    if (!lights.lists.empty()) {
         const NumberShares::Share share = shares.next(of_grid);
         data.grid_last = share.last, data.grid_probability = share.probability;
     }
@@ -393,7 +393,7 @@ void replace_triangle_lights(const Scene& scene, Lights& lights) {
 
 void replace_punctual_lights(const Scene& scene, Lights& lights) {
     lights.punctual.clear(), lights.hot_spots.clear();
-    lights.tree.clear(), lights.leaves.clear(), lights.trails.clear(), lights.grid.clear();
+    lights.tree.clear(), lights.leaves.clear(), lights.trails.clear(), lights.lists.clear();
     LightsData& data = lights.data;
     data.triangles = data.near = data.count = data.tree_last = data.grid_last = data.first_ranged = 0;
     data.density = data.tree_probability = data.grid_probability = data.environment.probability = 0;

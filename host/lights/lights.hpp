@@ -25,7 +25,7 @@ struct Lights {
     std::vector<LightNode> tree;          // empty: lights are picked by power alone
     std::vector<LightLeaf> leaves;        // of the tree
     std::vector<LightTrail> trails;       // of triangles; only with a tree
-    std::vector<std::uint32_t> grid;   // over the last lights of `punctual`, which have a range; see build_light_grid
+    std::vector<std::uint32_t> lists;  // over the last lights of `punctual`, which have a range; see build_light_lists
     std::vector<HotSpot> hot_spots;    // of points close to surfaces
     std::vector<std::uint32_t> lamps;  // of triangles; only with emission maps: see lights/light_triangle.clh
     std::vector<float> environment_texels, environment_cdf;
@@ -35,7 +35,7 @@ struct Lights {
     double environment_power = 0;  // 0: no environment
     LightSelection selection;      // as passed to collect_lights
 
-    [[nodiscard]] std::size_t ranged() const { return grid.empty() ? 0 : punctual.size() - data.first_ranged; }
+    [[nodiscard]] std::size_t ranged() const { return lists.empty() ? 0 : punctual.size() - data.first_ranged; }
     /// Number of lights for shadow rays, including the environment.
     [[nodiscard]] std::size_t size() const { return data.count + ranged(); }
 };

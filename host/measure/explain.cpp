@@ -190,11 +190,12 @@ Explanation explain(const Device& device, const Scene& scene, const RenderConfig
                     const std::function<void(const std::string&)>& progress) {
     std::vector<ExplainedEffect> rows = effects_to_explain(scene, config, options.only);
     const auto fixed = std::count_if(rows.begin(), rows.end(), [](const ExplainedEffect& row) { return row.fixed; });
+    const std::vector<Approximations> approximations = approximations_for(scene);
     std::size_t told = 0;
     const auto tell = [&](const std::string& what) {
         if (!progress) return;
         progress(what + " (" + std::to_string(++told) + " of " +
-                 std::to_string(rows.size() + 1 - fixed + (scene.lights.empty() ? 0 : 1)) + ")");
+                 std::to_string(rows.size() + 1 - std::size_t(fixed) + approximations.size()) + ")");
     };
     const Scene stripped = config.effects.remove.empty() ? Scene() : without_effects(scene, config.effects.remove);
     const Scene& explained = config.effects.remove.empty() ? scene : stripped;
@@ -214,9 +215,9 @@ Explanation explain(const Device& device, const Scene& scene, const RenderConfig
         row.other = explainer.compare_with_own(overrides, {effect}, row.ratio, row.noise);
         row.own_compile_milliseconds = explainer.own_compilation({effect});
     }
-    if (!explained.lights.empty()) {
-        tell("tile-sum");
-        explanation.approximations.push_back(explainer.compare_with_truth({.tile_sum = true}));
+    for (const Approximations& approximate : approximations) {
+        tell(to_string(approximate));
+        explanation.approximations.push_back(explainer.compare_with_truth(approximate));
     }
     // Ratios of pairs are more reliable than separate times, since the machine may have been busy during one of them.
     explanation.own = explainer.own();

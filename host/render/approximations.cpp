@@ -8,7 +8,7 @@ namespace claray {
 namespace {
 
 constexpr std::pair<const char*, bool Approximations::*> approximation_names[] = {
-    {"tile-sum", &Approximations::tile_sum}};
+    {"tile-sum", &Approximations::tile_sum}, {"light-grid", &Approximations::light_grid}};
 
 }  // namespace
 
@@ -23,6 +23,22 @@ std::string to_string(const Approximations& approximations) {
     for (const auto& [name, member] : approximation_names)
         if (approximations.*member) text += (text.empty() ? "" : ",") + std::string(name);
     return text.empty() ? "nothing" : text;
+}
+
+std::vector<Approximations> approximations_for(const Scene& scene) {
+    std::vector<Approximations> found;
+    if (!scene.lights.empty()) found.push_back({.tile_sum = true});
+    if (!(effects_of(scene) & EffectSet{Effect::lambert, Effect::oren_nayar}).empty())
+        found.push_back({.light_grid = true});
+    return found;
+}
+
+std::string to_string(const LightGridConfig& grid) {
+    std::string text;
+    for (const unsigned value :
+         {unsigned(grid.voxels), grid.side, grid.coefficients, grid.levels, grid.gather, grid.rays, grid.updates})
+        text += (text.empty() ? "" : " ") + std::to_string(value);
+    return text;
 }
 
 Approximations parse_approximations(const std::string& text) {

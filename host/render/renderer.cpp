@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 
+#include "claray/shared/spherical_harmonics.h"
 #include "host/base/file.hpp"
 #include "host/denoise/denoised_image.hpp"
 #include "host/render/guides.hpp"
@@ -51,6 +52,15 @@ const RenderConfig& checked(const RenderConfig& config) {
     if (!(config.error >= 0 && std::isfinite(config.error)))
         refuse("the target error must be finite and not negative", "start with 0.01");
     if (!(config.report_seconds >= 0)) refuse("the time between reports must not be negative", "start with 0.2");
+    const LightGridConfig& grid = config.light_grid;
+    if (config.approximate.tile_sum && config.approximate.light_grid)
+        refuse("the approximations tile-sum and light-grid exclude each other", "use one of them");
+    if (grid.side < 2 || grid.side > 64) refuse("the light grid has 2 to 64 probes per axis", "start with 16");
+    if (grid.coefficients != 4 && grid.coefficients != CLARAY_HARMONICS)
+        refuse("the light grid has 4 or 9 coefficients per colour", "use 9");
+    if (grid.levels < 1 || grid.levels > 4) refuse("the light grid has 1 to 4 levels", "start with 1");
+    if (grid.rays < 8 || grid.rays > 4096) refuse("a probe of the light grid traces 8 to 4096 rays", "start with 64");
+    if (grid.updates < 1) refuse("the light grid needs at least one update", "start with 16");
     if (!(config.checkpoint_seconds > 0))
         refuse("the time between checkpoints must be greater than 0 seconds", "start with 30");
     return config;
@@ -110,8 +120,14 @@ Structure first_structure(const Device& device, const Scene& scene, std::size_t 
 }  // namespace
 
 LightSelection selection_of_lights(const RenderConfig& config) {
+    if (config.approximate.light_grid) return {.hot_spots = false};
     if (!config.approximate.tile_sum) return {};
     return {.for_a_tree = std::numeric_limits<std::size_t>::max(), .most_per_cell = 0, .hot_spots = false};
+}
+
+std::optional<LightGridStage> light_grid_of(const RenderConfig& config, const Scene& scene) {
+    if (!config.approximate.light_grid) return std::nullopt;
+    return LightGridStage(config.light_grid, bounds_of(scene));
 }
 
 Bvh::Config with_layout(Bvh::Config config, Layout layout) {
@@ -131,7 +147,8 @@ Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig&
       milliseconds_before(kernel_milliseconds(on)),
       structure(first_structure(on, scene, baked, plan, with.bvh)),
       build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
-      buffers(on, scene, structure, config.effects.add, selection_of_lights(with)),
+      light_grid(light_grid_of(with, scene)),
+      buffers(on, scene, structure, config.effects.add, selection_of_lights(with), words_of(light_grid)),
       wavefront(on, buffers, frame_data(scene, camera, buffers, with), load_kernels(plan.first.effects),
                 std::uint64_t(pixels()) * with.spp),
       film(on, pixels(), tells_error(with)),
@@ -142,7 +159,7 @@ Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig&
 }
 
 WavefrontKernels Renderer::State::load_kernels(EffectSet effects) const {
-    const PathTask task = config.approximate.tile_sum ? PathTask::sum_tiles : PathTask::render;
+    const PathTask task = path_task_of(config.approximate);
     const auto load = [&] { return WavefrontKernels(buffers, config.sampler, effects, task); };
     const auto load_all = [&] {
         (void)load();
@@ -306,7 +323,8 @@ void Renderer::State::use_path_kernel(double patience) {
     if (!path_kernel->is_cached && seconds < patience) return;
     path_kernel->is_loaded = true;
     if (path_kernel->name.empty()) return;
-    Kernel kernel = load_path_kernel(buffers, config.sampler, plan.last.effects, path_kernel->name);
+    Kernel kernel = load_path_kernel(buffers, config.sampler, plan.last.effects, path_kernel->name,
+                                     path_task_of(config.approximate));
     path_kernel->name == trace_paths_name ? wavefront.follow_paths(kernel) : wavefront.finish_paths(kernel);
     remember_path_kernel_as_cached(device, plan.last, config, path_kernel->name);
 }
@@ -337,7 +355,12 @@ ToneMapper& Renderer::State::mapper_of(std::uint32_t image_pixels) {
     return *tone_mapper;
 }
 
+void Renderer::State::follow_light() {
+    if (light_grid) light_grid->follow(camera.position, wavefront, buffers);
+}
+
 void Renderer::State::sample_all_pixels() {
+    follow_light();
     InFlight in_flight(device, pace);
     while (spp() == 0) trace(schedule.next(pace.paths()), in_flight);
     device.finish();
@@ -435,6 +458,7 @@ Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig&
 RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>& progress) {
     State& state = *state_;
     if (!state.begin && state.config.seconds > 0) state.warm_up();
+    state.follow_light();
     if (!state.begin) state.begin = Clock::now();
     if (state.first_begin == Clock::time_point()) state.first_begin = *state.begin;
     const bool saves = !state.config.checkpoint.empty();
@@ -580,6 +604,7 @@ void compile_kernels(const Device& device, EffectSet effects, const RenderConfig
     const KernelChoice choice = plan_kernels(device, effects, config).last;
     compile_once(device, choice, config, [&] {
         Renderer::State state(device, scene_calling_for(effects), config, 0, effects);
+        state.follow_light();
         const Batch batch = state.schedule.next();
         state.wavefront.trace(batch);
         state.film.accumulate(batch, state.wavefront.radiance());
@@ -587,6 +612,22 @@ void compile_kernels(const Device& device, EffectSet effects, const RenderConfig
         (void)state.structure.statistics();
         remember_as_cached(device, choice, config);
     });
+}
+
+std::vector<glm::vec3> Renderer::voxels() const {
+    State& state = *state_;
+    if (!state.light_grid || !state.config.light_grid.voxels)
+        throw Error(claray::ErrorKind::usage, "there are no voxels", "approximate by a light grid of voxels");
+    state.follow_light();
+    const std::uint32_t all = state.pixels(), most = std::min(state.wavefront.capacity(), all);
+    std::vector<glm::vec3> albedo(all);
+    Buffer<float> part(state.device, 3 * std::size_t(most));
+    for (std::uint32_t first = 0; first < all; first += most) {
+        const std::uint32_t count = std::min(most, all - first);
+        state.wavefront.show_voxels({first, count, 0, 1}, part);
+        part.read(std::span<float>(&albedo[first].x, 3 * std::size_t(count)));
+    }
+    return albedo;
 }
 
 Aovs Renderer::aovs() const {

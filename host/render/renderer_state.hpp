@@ -56,6 +56,10 @@ struct SceneShape {
 
 /// How the lights are picked; sums over tiles pick none.
 [[nodiscard]] LightSelection selection_of_lights(const RenderConfig& config);
+[[nodiscard]] std::optional<LightGridStage> light_grid_of(const RenderConfig& config, const Scene& scene);
+[[nodiscard]] inline std::uint32_t words_of(const std::optional<LightGridStage>& grid) {
+    return grid ? grid->words() : 0;
+}
 [[nodiscard]] Bvh::Config with_layout(Bvh::Config config, Layout layout);
 
 /// The kernel that follows whole paths, or the last ones of each batch.
@@ -81,6 +85,7 @@ struct Renderer::State {
     [[nodiscard]] PathKernelChoice choose_path_kernel() const;
     /// `patience`: seconds of rendering before the kernel that follows paths may be compiled.
     void use_path_kernel(double patience);
+    void follow_light();
     void sample_all_pixels();
     void look_through(const Camera& view);
     [[nodiscard]] ToneMapper& mapper_of(std::uint32_t image_pixels);
@@ -131,6 +136,7 @@ struct Renderer::State {
     double milliseconds_before;                   // of the device, used before this render
     Structure structure;
     double build_milliseconds;
+    std::optional<LightGridStage> light_grid;
     SceneBuffers buffers;
     Wavefront wavefront;
     Film film;

@@ -89,14 +89,14 @@ SceneBuffers::TableWriter SceneBuffers::tables_of_lights() {
     writer.add(on_host_->tree, where.light_tree);
     writer.add(on_host_->leaves, where.light_leaves);
     writer.add(on_host_->trails, where.light_trails);
-    writer.add(on_host_->grid, where.light_grid);
+    writer.add(on_host_->lists, where.light_lists);
     writer.add(on_host_->hot_spots, where.hot_spots);
     writer.add(on_host_->lamps, where.lamps);
     return writer;
 }
 
 SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Structure& with, EffectSet added,
-                           const LightSelection& selection)
+                           const LightSelection& selection, std::uint32_t light_grid)
     : structure(with),
       effects(effects_of(scene)),
       on_host_(std::make_shared<Lights>(collect_lights(scene, selection))) {
@@ -107,7 +107,9 @@ SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Struc
     std::uint32_t end = place(meshes, 0).end();
     end = (of_materials_ = place(materials, end)).end();
     end = (of_lights_ = place(found, end)).end();
-    tables = Buffer<std::uint32_t>(device, end);
+    where.light_grid = light_grid > 0 ? end : CLARAY_NO_TABLE;
+    tables = Buffer<std::uint32_t>(device, end + light_grid);
+    if (light_grid > 0) tables.write(std::vector<std::uint32_t>(light_grid), end);
     tables.write(meshes.words());
     tables.write(materials.words(), of_materials_.begin);
     tables.write(found.words(), of_lights_.begin);
@@ -143,6 +145,12 @@ void SceneBuffers::replace_materials(const Scene& scene) {
     replace(tables_of_materials(scene), of_materials_);
     replace_triangle_lights(scene, *on_host_);
     replace(tables_of_lights(), of_lights_);
+}
+
+void SceneBuffers::write_light_grid(std::uint32_t level, const LightGrid& data) {
+    std::vector<std::uint32_t> words(CLARAY_GRID_HEADER);
+    std::memcpy(words.data(), &data, sizeof data);
+    tables.write(words, where.light_grid + level * CLARAY_GRID_HEADER);
 }
 
 void SceneBuffers::move_normals(std::size_t first, std::span<const glm::vec3> normals) {

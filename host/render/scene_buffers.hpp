@@ -1,6 +1,7 @@
 // A scene's shading data in device memory.
 #pragma once
 
+#include "claray/shared/light_grid.h"
 #include "claray/shared/path.h"
 #include "host/effects/effects.hpp"
 #include "host/lights/lights.hpp"
@@ -11,8 +12,9 @@ namespace claray {
 
 struct SceneBuffers {
     /// Uploads the data that the scene needs. `added`: effects that kernels support in addition.
+    /// `light_grid`: words of the table of Approximations::light_grid, all 0.
     SceneBuffers(const Device& device, const Scene& scene, const Structure& structure, EffectSet added = {},
-                 const LightSelection& selection = {});
+                 const LightSelection& selection = {}, std::uint32_t light_grid = 0);
 
     Structure structure;  // shares its positions and indices
     /// Replaces the lights of all kinds in the list of claray/shared/lights.h. Nothing else is uploaded.
@@ -20,6 +22,8 @@ struct SceneBuffers {
     /// Replaces the values of materials and what follows from them: their tables and the emissive triangles. The maps
     /// of materials stay.
     void replace_materials(const Scene& scene);
+    /// Replaces what is known about a level of the light grid; its data stays.
+    void write_light_grid(std::uint32_t level, const LightGrid& data);
     /// Replaces the normals of the vertices from `first` on.
     void move_normals(std::size_t first, std::span<const glm::vec3> normals);
 

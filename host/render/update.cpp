@@ -97,7 +97,9 @@ void Renderer::State::support(EffectSet effects) {
 void Renderer::State::rebuild_scene(const Scene& scene) {
     PlacedScene placed = place_instances(scene);
     structure = Structure(device, placed.scene, placed.baked, with_layout(config.bvh, plan.last.layout));
-    buffers = SceneBuffers(device, placed.scene, structure, config.effects.add, selection_of_lights(config));
+    light_grid = light_grid_of(config, placed.scene);
+    buffers = SceneBuffers(device, placed.scene, structure, config.effects.add, selection_of_lights(config),
+                           words_of(light_grid));
     shape = SceneShape(scene, placed.scene, std::move(placed.places), std::move(placed.numbers));
     wavefront.replace_scene(buffers);
     plan = plan_kernels(device, buffers.effects, config);
@@ -169,6 +171,9 @@ void Renderer::State::update(const Scene& scene, const SceneChanges& changes) {
         buffers.replace_lights(scene);
     buffers.effects = effects | buffers.effects_of_tables();
     wavefront.replace_scene(buffers);
+    const bool surfaces = changes.instances || changes.vertices;
+    if (light_grid && (surfaces || changes.lights || changes.materials || changes.sky))
+        light_grid->scene_changed(surfaces);
     support(buffers.effects);
 }
 

@@ -16,6 +16,9 @@ std::uint32_t paths_per_item(const Device& device) {
     return std::max(1u, device.tuning("render/shade_surface", "PATHS_PER_ITEM"));
 }
 
+constexpr std::uint32_t probe_seed = 0x9e3779b9;
+constexpr std::uint32_t most_surfaces_of_probes = 5;  // of their rays' paths, which the grid nearly always ends at the first
+
 constexpr const char* path_kernel_stem = "render/trace_paths";
 
 constexpr std::uint64_t bytes_per_path = 2 * (sizeof(Ray) + sizeof(PathState) + sizeof(RayCone)) + sizeof(Ray) +
@@ -53,6 +56,18 @@ Defines macros_of_shading(const Device& device) {
     return macros;
 }
 
+std::uint64_t with_light_grid(std::uint64_t most_paths, const WavefrontKernels& kernels) {
+    return kernels.light_grid ? std::max<std::uint64_t>(most_paths, light_grid_paths) : most_paths;
+}
+
+/// Consecutive items of a box that a batch has room for, with `samples` paths each.
+template <class Visit>
+void for_each_batch(const GridBox& box, std::uint32_t samples, std::uint32_t capacity, const Visit& visit) {
+    const std::uint32_t all = box.width * box.height * box.depth;
+    const std::uint32_t most = std::max(1u, std::min(light_grid_paths, capacity) / samples);
+    for (std::uint32_t first = 0; first < all; first += most) visit(first, std::min(most, all - first));
+}
+
 }  // namespace
 
 WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, EffectSet with, PathTask task)
@@ -65,6 +80,10 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, E
     Defines shading = defines(Stage::shade);
     const bool baking = task == PathTask::bake;
     if (baking) shading.emplace_back("BAKE", "1");
+    if (task == PathTask::light_grid) {
+        shading.emplace_back("LIGHT_GRID", "1");
+        light_grid.emplace(device, defines(Stage::generate), shading);
+    }
     // On CPUs the binary tree is used for a quick start, when long compilation does not pay.
     const Structure& structure = scene.structure;
     if (!structure.instanced() && structure.bvh().layout() == Layout::binary) shading.emplace_back("SIXTEEN", "0");
@@ -86,6 +105,11 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, E
     trace_shadow = SceneQuery(structure, QueryKernel::Kind::any, shadow, trace_shadow_name,
                               adds_light ? "render/trace_shadow_rays.cl" : "");
     if (!adds_light) add_light = load_kernel(device, "render/add_light.cl", "add_light");
+}
+
+PathTask path_task_of(const Approximations& approximate) {
+    if (approximate.tile_sum) return PathTask::sum_tiles;
+    return approximate.light_grid ? PathTask::light_grid : PathTask::render;
 }
 
 SkyData sky_data(const Scene& scene) {
@@ -112,12 +136,14 @@ bool may_finish_paths(const SceneBuffers& scene, EffectSet effects) {
 }
 
 /// From render/trace_paths.cl or render/finish_paths.cl.
-Kernel load_path_kernel(const SceneBuffers& scene, Sampler sampler, EffectSet effects, const std::string& name) {
+Kernel load_path_kernel(const SceneBuffers& scene, Sampler sampler, EffectSet effects, const std::string& name,
+                        PathTask task) {
     const Structure& structure = scene.structure;
     Defines defines = defines_for(scene, sampler, effects, Stage::shade);
     append(defines, defines_of(effects, Stage::generate));
     append(defines, structure.bvh().defines());
     append(defines, macros_of_shading(structure.device()));
+    if (task == PathTask::light_grid) defines.emplace_back("LIGHT_GRID", "1");
     if (scene.textures.culls_back_faces) defines.emplace_back("CULL_BACK_FACES", "1");
     return load_kernel(structure.device(), "render/" + name + ".cl", name, defines);
 }
@@ -132,7 +158,7 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
       paths_per_item_(paths_per_item(device)),
       most_whole_paths_(most_whole_paths(device)),
       most_last_paths_(most_last_paths(device)),
-      capacity_(choose_capacity(device, most_paths)),
+      capacity_(choose_capacity(device, with_light_grid(most_paths, kernels))),
       kernels_(std::move(kernels)) {
     frame_.tables = scene.where;
     queue_lengths_ = Buffer<QueueLength>(device, std::vector<QueueLength>(CLARAY_RAY_QUEUES + CLARAY_SHADOW_QUEUES));
@@ -177,7 +203,7 @@ Step Wavefront::step_of(const Batch& batch, std::uint32_t depth, std::uint32_t l
 
 void Wavefront::resize(std::uint32_t width, std::uint32_t height, std::uint64_t most_paths) {
     frame_.width = width, frame_.height = height;
-    capacity_ = choose_capacity(device_, most_paths);
+    capacity_ = choose_capacity(device_, with_light_grid(most_paths, kernels_));
 }
 
 void Wavefront::take_over(const Structure& structure, WavefrontKernels kernels) {
@@ -244,6 +270,64 @@ void Wavefront::trace_from(const Buffer<Hit>& points, const Batch& batch) {
     trace_stages(batch, true);
 }
 
+void Wavefront::mark_cells(const GridBox& cells) {
+    for_each_batch(cells, CLARAY_RAYS_PER_CELL, capacity_, [&](std::uint32_t first, std::uint32_t count) {
+        const Batch batch{first, count, 0, CLARAY_RAYS_PER_CELL};
+        const std::uint32_t paths = count * CLARAY_RAYS_PER_CELL;
+        make_room(paths);
+        lengths_[0].fill(paths);
+        kernels_.light_grid->aim_cells.run({paths, 64}, step_of(batch, 0, paths), cells, scene_.tables, queues_[0]);
+        kernels_.trace_bounce.closest(rays_[0], hits_, paths, lengths_[0], times_[0]);
+        kernels_.light_grid->mark_cells.run({count * CLARAY_GRID_WORDS, 64}, step_of(batch, 0, paths), cells, scene_,
+                                            arg("grid_tables", scene_.tables), queues_[0], hits_);
+        lengths_[0].fill(0);
+    });
+}
+
+/// The rays begin where a path would be that met one surface.
+void Wavefront::gather_probes(const GridBox& probes, const ProbeRays& rays) {
+    const FrameData frame = frame_;
+    frame_.seed = probe_seed, frame_.max_depth = most_surfaces_of_probes;
+    for_each_batch(probes, rays.per_probe, capacity_, [&](std::uint32_t first, std::uint32_t count) {
+        const Batch batch{first, count, rays.round * rays.per_probe, rays.per_probe};
+        const std::uint32_t paths = count * rays.per_probe;
+        make_room(paths);
+        lengths_[1].fill(paths);
+        kernels_.light_grid->aim_probes.run({paths, 64}, step_of(batch, 1, paths), probes, scene_.tables, queues_[1],
+                                            radiance_);
+        trace_stages(batch, false, 1);
+        kernels_.light_grid->gather_probes.run({count, 64}, step_of(batch, 1, paths), probes, rays.most_before,
+                                               scene_.tables, radiance_);
+    });
+    frame_ = frame;
+}
+
+/// Only the light that arrives at the surfaces directly or from the grid.
+void Wavefront::gather_voxels(const GridBox& voxels, const ProbeRays& rays) {
+    const FrameData frame = frame_;
+    frame_.seed = probe_seed + rays.round, frame_.max_depth = most_surfaces_of_probes;
+    for_each_batch(voxels, CLARAY_RAYS_PER_VOXEL, capacity_, [&](std::uint32_t first, std::uint32_t count) {
+        const Batch batch{first, count, 0, CLARAY_RAYS_PER_VOXEL};
+        const std::uint32_t paths = count * CLARAY_RAYS_PER_VOXEL;
+        make_room(paths);
+        lengths_[1].fill(paths);
+        kernels_.light_grid->aim_voxels.run({paths, 64}, step_of(batch, 1, paths), voxels, scene_.tables, queues_[1],
+                                            radiance_);
+        bounce(batch, 1, paths, false);
+        kernels_.light_grid->gather_voxels.run({count, 64}, step_of(batch, 1, paths), voxels, rays.most_before, scene_,
+                                               arg("grid_tables", scene_.tables), queues_[1], hits_,
+                                               arg("radiance", radiance_));
+        empty_queues(totals_);
+    });
+    frame_ = frame;
+}
+
+void Wavefront::show_voxels(const Batch& batch, const Buffer<float>& albedo) {
+    trace_centers(batch, kernels_.trace_camera);
+    kernels_.light_grid->show_voxels.run({batch.pixels, 64}, step_of(batch, 0, batch.pixels), scene_.tables, rays_[0],
+                                         hits_, albedo);
+}
+
 /// After its last scattering a path may still meet a light or the sky.
 std::uint32_t Wavefront::waves() const {
     const bool one_more = !(scene_.effects & emitters).empty() && frame_.max_depth != ~std::uint32_t(0);
@@ -258,11 +342,11 @@ void Wavefront::trace_paths(const Batch& batch) {
     empty_queues(totals_in_paths_);
 }
 
-void Wavefront::trace_stages(const Batch& batch, bool arrived) {
+void Wavefront::trace_stages(const Batch& batch, bool arrived, std::uint32_t first_depth) {
     std::uint32_t limit = batch.pixels * batch.samples;  // upper limit of the rays in the queue
     camera_rays_ += limit;
     const std::uint32_t all = waves();
-    for (std::uint32_t depth = 0; depth < all && limit != 0; ++depth) {
+    for (std::uint32_t depth = first_depth; depth < all && limit != 0; ++depth) {
         bounce(batch, depth, limit, arrived && depth == 0);
         if ((depth + 1) % bounces_per_look_ == 0 && depth + 1 < all)
             limit = lengths_[(depth + 1) % CLARAY_RAY_QUEUES].read()[0];

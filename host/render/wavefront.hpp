@@ -9,6 +9,7 @@
 #include "claray/renderer.hpp"
 #include "claray/shared/path.h"
 #include "host/render/deferred/tile_sum.hpp"
+#include "host/render/light_grid/light_grid.hpp"
 #include "host/render/scene_buffers.hpp"
 
 namespace claray {
@@ -38,9 +39,11 @@ FrameData frame_without_camera(const Scene& scene, const SceneBuffers& buffers, 
 /// What paths are for.
 enum class PathTask {
     render,
-    bake,      ///< for Wavefront::trace_from
-    sum_tiles  ///< Approximations::tile_sum
+    bake,       ///< for Wavefront::trace_from
+    sum_tiles,  ///< Approximations::tile_sum
+    light_grid  ///< Approximations::light_grid
 };
+[[nodiscard]] PathTask path_task_of(const Approximations& approximate);
 
 /// The stages' kernels for a set of effects, which may be larger than the scene's: effects that the scene does not have
 /// change no bit of the image.
@@ -55,6 +58,7 @@ struct WavefrontKernels {
     bool traces_shadows = false;
     SceneQuery trace_camera, trace_bounce, trace_shadow;
     std::optional<TileSum> tile_sum;  // in place of shading, bounces and shadows
+    std::optional<LightGridKernels> light_grid;
 };
 
 /// Returns whether the kernel of whole paths (render/trace_paths.cl) may pay: the device is suitable and the effects
@@ -66,7 +70,7 @@ struct WavefrontKernels {
 [[nodiscard]] bool may_finish_paths(const SceneBuffers& scene, EffectSet effects);
 /// Loads a kernel for `Wavefront::follow_paths` or `finish_paths`. `name`: `trace_paths_name` or `finish_paths_name`.
 [[nodiscard]] Kernel load_path_kernel(const SceneBuffers& scene, Sampler sampler, EffectSet effects,
-                                      const std::string& name);
+                                      const std::string& name, PathTask task);
 
 class Wavefront {
 public:
@@ -108,6 +112,14 @@ public:
     /// Lambertians without emission, whatever their material.
     void trace_from(const Buffer<Hit>& points, const Batch& batch);
     [[nodiscard]] const Buffer<float>& radiance() const { return radiance_; }
+    /// For PathTask::light_grid: finds out which probes the parts of cells see. Asynchronous.
+    void mark_cells(const GridBox& cells);
+    /// Adds the light that one round of rays finds to the probes. Asynchronous.
+    void gather_probes(const GridBox& probes, const ProbeRays& rays);
+    /// The same for voxels, with one ray for each of their sides.
+    void gather_voxels(const GridBox& voxels, const ProbeRays& rays);
+    /// The albedo of the voxel that each pixel of a batch shows, three floats each.
+    void show_voxels(const Batch& batch, const Buffer<float>& albedo);
     /// The share of light that is missing because paths end at the depth limit, estimated by separate paths. Blocks.
     [[nodiscard]] double cut_off() const;
     /// First hits of rays through pixel centres; asynchronous.
@@ -134,7 +146,7 @@ private:
     void generate(const Batch& batch, bool centers);
     void trace_paths(const Batch& batch);
     void sum_tiles(const Batch& batch);
-    void trace_stages(const Batch& batch, bool arrived);
+    void trace_stages(const Batch& batch, bool arrived, std::uint32_t first_depth = 0);
     void trace_last_paths(const Batch& batch, std::uint32_t depth, std::uint32_t limit);
     [[nodiscard]] std::uint32_t waves() const;
     void bounce(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived);

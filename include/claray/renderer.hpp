@@ -38,14 +38,40 @@ struct Approximations {
     /// lists of those that reach the surfaces of 16x16 pixels. Nothing else lights surfaces: no lamp, no sky, no other
     /// surface. As deferred shading does it, for very many lights that move.
     bool tile_sum = false;
+    /// Where a path meets a diffuse surface, a grid of probes answers what light arrives from all other surfaces; the
+    /// path ends. Lights still cast exact shadows. See LightGridConfig. Cannot be used together with tile_sum.
+    bool light_grid = false;
 
     bool operator==(const Approximations&) const = default;
     [[nodiscard]] bool any() const { return *this != Approximations{}; }
 };
+/// The grid of Approximations::light_grid. Every probe holds the light that arrives at its place as spherical
+/// harmonics: Greger et al. 1998, "The irradiance volume". A surface blends the eight probes around it that it sees.
+/// Where it sees none, the path goes on.
+struct LightGridConfig {
+    /// Voxels instead of probes: each holds what the surfaces within it reflect, as a virtual point light with 4
+    /// coefficients (Kaplanyan and Dachsbacher 2010). Surfaces receive light from the voxels next to them only, as fast
+    /// games do it, and the image is much darker than with probes.
+    bool voxels = false;
+    unsigned side = 16;         ///< probes per axis, 2 to 64; the coarsest level spans the scene
+    unsigned coefficients = 9;  ///< per colour: 4 (bands 0 and 1) or 9 (up to band 2)
+    unsigned levels = 1;        ///< 1 to 4; each finer one has a quarter of the spacing and follows the camera
+    unsigned gather = 0;        ///< surfaces that a path meets before the grid answers; 1 is final gathering
+    unsigned rays = 64;         ///< per probe and update, 8 to 4096
+    /// Updates before the first image; each follows the light by one more bounce. After a change of the scene each call
+    /// of Renderer::render makes one, three times as many in all.
+    unsigned updates = 16;
+    bool operator==(const LightGridConfig&) const = default;
+};
+
+/// Returns those that answer something in this scene, one at a time.
+[[nodiscard]] std::vector<Approximations> approximations_for(const Scene& scene);
 /// Returns all that there are.
 [[nodiscard]] Approximations all_approximations();
 /// Returns the names of those that are used, separated by commas: "tile-sum"; "nothing" if none is.
 [[nodiscard]] std::string to_string(const Approximations& approximations);
+/// Returns the numbers, separated by spaces.
+[[nodiscard]] std::string to_string(const LightGridConfig& grid);
 /// Parses such names. Throws ErrorKind::usage for an unknown one.
 [[nodiscard]] Approximations parse_approximations(const std::string& text);
 
@@ -66,6 +92,7 @@ struct RenderConfig {
     Bvh::Config bvh = {.builder = Builder::balanced};  ///< the longer build pays off within a few samples
     EffectOverrides effects = {};                      ///< for experiments; effects are derived from the scene
     Approximations approximate = {};                   ///< none: the image has no error but noise
+    LightGridConfig light_grid = {};                   ///< for Approximations::light_grid
     /// Path of the program `claray`, to compile kernels in the background while other kernels already render; empty:
     /// rendering starts after the scene's own kernels are compiled. The image is the same.
     std::string compiler = {};
@@ -229,6 +256,9 @@ public:
     /// Returns per-pixel data of the first visible surface, row by row from the top left. Blocks.
     [[nodiscard]] Aovs aovs() const;
     /// Returns the G-buffer of the same surfaces. Blocks.
+    /// Albedo of the surface in the voxel that each pixel's centre shows, for LightGridConfig::voxels. Throws
+    /// ErrorKind::usage without it. Blocks.
+    [[nodiscard]] std::vector<glm::vec3> voxels() const;
     [[nodiscard]] GBuffer gbuffer(NormalPacking packing = NormalPacking::octahedral) const;
     /// Returns the statistics so far. May wait for a kernel to be compiled.
     [[nodiscard]] RenderStatistics statistics() const;

@@ -57,7 +57,7 @@ TEST(Explain, ListsWhatIsCalledForFirstAndNoTimesThatItDidNotMeasure) {
     EXPECT_LT(text.find("  lambert                  the material 'white' and 3 more\n"), text.find("ms with"));
     EXPECT_EQ(text.find("compiled in"), std::string::npos) << text;
     EXPECT_EQ(text.find("to compile"), std::string::npos) << text;
-    EXPECT_NE(result.errors.find("without emissive-triangles (3 of 3)"), std::string::npos) << result.errors;
+    EXPECT_NE(result.errors.find("without emissive-triangles (3 of 4)"), std::string::npos) << result.errors;
 }
 
 TEST(Explain, CountsLightsOfTheCommandLine) {
@@ -67,9 +67,10 @@ TEST(Explain, CountsLightsOfTheCommandLine) {
     ASSERT_EQ(result.exit_code, 0) << result.errors;
     const nlohmann::json report = nlohmann::json::parse(result.output);
     EXPECT_EQ(report["effects"][0]["called_for"], true);
-    ASSERT_EQ(report["approximations"].size(), 1u) << "the scene has a light without extent";
+    ASSERT_EQ(report["approximations"].size(), 2u) << "the scene has a light without extent, and diffuse surfaces";
     EXPECT_EQ(report["approximations"][0]["name"], "tile-sum");
     EXPECT_GT(report["approximations"][0]["error"], 0.1) << "the lamp lights nothing";
+    EXPECT_EQ(report["approximations"][1]["name"], "light-grid");
 }
 
 TEST(Explain, RefusesWhatItDoesNotKnow) {

@@ -137,10 +137,36 @@ std::vector<float> bias_map(const Renders& renders, const ReferenceImage& refere
     return map;
 }
 
+/// Every approximation of the scene, with the variants of the light grid.
+std::vector<RenderConfig> approximated_renders(const Scene& scene, const RenderConfig& config) {
+    std::vector<RenderConfig> all;
+    for (const Approximations& approximate : approximations_for(scene)) {
+        RenderConfig how = config;
+        how.approximate = approximate;
+        all.push_back(how);
+        if (!approximate.light_grid) continue;
+        for (const LightGridConfig& grid :
+             {LightGridConfig{.coefficients = 4}, LightGridConfig{.side = 32}, LightGridConfig{.gather = 1},
+              LightGridConfig{.voxels = true, .side = 32}}) {
+            how.light_grid = grid;
+            all.push_back(how);
+        }
+    }
+    return all;
+}
+
+std::string name_of(const RenderConfig& how) {
+    const LightGridConfig& grid = how.light_grid;
+    if (!how.approximate.light_grid) return to_string(how.approximate);
+    if (grid.voxels) return printed("light-grid, %u^3 voxels", grid.side);
+    return printed("light-grid, %u^3 x %u%s", grid.side, grid.coefficients, grid.gather > 0 ? ", gathered" : "");
+}
+
 Study study_bias(const Device& device, const Scene& scene, const StudyOptions& options,
                  const AccuracyProgress& progress) {
     Study study;
-    study.name = "bias", study.title = "Bias: short paths, clamped samples, no caustics, approximations, ambient occlusion";
+    study.name = "bias",
+    study.title = "Bias: short paths, clamped samples, no caustics, approximations, ambient occlusion";
     study.error = "bias, RMS / mean";
     constexpr unsigned reference_depth = 1024, depths[] = {1, 2, 3, 4, 6, 8, 12, 16, 32, default_max_depth};
     constexpr double clamps[] = {1000, 100, 30, 10, 3, 1};
@@ -151,7 +177,9 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
     RenderConfig config = deep.config;
     const AccuracyProgress rest = scaled(progress, reference_share, 1);
     config.spp = options.most_spp;
-    const double settings = double(std::size(depths) + std::size(clamps) + std::size(reaches) + (scene.lights.empty() ? 1 : 2));
+    const std::vector<RenderConfig> approximated = approximated_renders(scene, config);
+    const double settings =
+        double(std::size(depths) + std::size(clamps) + std::size(reaches) + 1 + approximated.size());
     bool goes_on = true;
     const auto add = [&](const char* method, const std::string& setting, double value, const RenderConfig& how,
                          const std::vector<MacroScope::Macro>& macros) {
@@ -175,11 +203,7 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
         add("samples clamped", printed("at %g x mean", clamp), clamp, config,
             {{"render/accumulate_film", "CLAMP_BITS", std::bit_cast<std::uint32_t>(float(clamp * mean))}});
     add("no caustics", "no caustics", 0, config, {{"render/shade_surface", "CAUSTICS", 0}});
-    if (!scene.lights.empty()) {
-        RenderConfig how = config;
-        how.approximate.tile_sum = true;
-        add("approximations", "tile-sum", 0, how, {});
-    }
+    for (const RenderConfig& how : approximated) add("approximations", name_of(how), 0, how, {});
     if (goes_on) {
         const float size = glm::length(bounds_of(scene).extent());
         const AmbientRadiance ambient(device, scene, config);

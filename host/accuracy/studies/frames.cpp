@@ -133,6 +133,8 @@ void pick_samples(Frames& frames, unsigned most, double budget, double& seconds)
     frames.spp = fits;
 }
 
+constexpr const char* complete_name = "complete";
+
 /// A way to make frames.
 struct Way {
     std::string name;
@@ -155,15 +157,16 @@ public:
           path_{camera_of(scene, float(size_.x) / float(size_.y)), degrees} {}
 
     /// All pixels and the deepest paths.
-    [[nodiscard]] Way complete() const { return way_of("complete", config_); }
+    [[nodiscard]] Way complete() const { return way_of(complete_name, config_); }
 
     /// The best of those that are cheaper than `complete`.
     [[nodiscard]] Way cheaper(const Way& complete, const MeasuringProgress& measuring,
                               std::vector<std::string>& picks) const {
         const std::vector<glm::vec3> reference = reference_of(complete);
         std::vector<Way> ways = {shorter_paths(complete), smaller_image(complete)};
-        const bool sums = !scene_.lights.empty() && !config_.approximate.any();
-        if (sums && (!measuring || measuring("sums over tiles"))) ways.push_back(tile_sum());
+        if (!config_.approximate.any())
+            for (const Approximations& approximate : approximations_for(scene_))
+                if (!measuring || measuring(to_string(approximate))) ways.push_back(approximated(approximate));
         const Way* best = nullptr;
         for (Way& way : ways) {
             if (way.seconds > budget_) continue;
@@ -210,22 +213,25 @@ private:
     }
 
     /// The time of a frame falls nearly with its pixels.
-    [[nodiscard]] Way smaller_image(const Way& complete) const {
-        Way way = complete;
-        for (double scale = std::sqrt(share * budget_ / complete.seconds); scale >= least_scale; scale *= 0.9) {
+    [[nodiscard]] Way smaller_image(const Way& whole) const {
+        Way way = whole;
+        for (double scale = std::sqrt(share * budget_ / whole.seconds); scale >= least_scale; scale *= 0.9) {
             way.size = glm::max(glm::uvec2(scale * glm::dvec2(size_)), 1u);
             use(way);
             way.seconds = way.frames->slowest();
             if (way.seconds <= share * budget_) break;
         }
-        way.name = printed("%ux%u pixels, enlarged", way.size.x, way.size.y);
+        const std::string pixels = printed("%ux%u pixels, enlarged", way.size.x, way.size.y);
+        way.name = way.name == complete_name ? pixels : way.name + ", " + pixels;
         return way;
     }
 
-    [[nodiscard]] Way tile_sum() const {
+    /// In fewer pixels if need be.
+    [[nodiscard]] Way approximated(const Approximations& approximate) const {
         RenderConfig config = config_;
-        config.approximate.tile_sum = true;
-        return way_of("lights without extent alone, without shadows (tile-sum)", config);
+        config.approximate = approximate;
+        const Way way = way_of(to_string(approximate), config);
+        return way.seconds <= share * budget_ ? way : smaller_image(way);
     }
 
     /// Of a second's samples.

@@ -42,11 +42,30 @@ void add_approximate_option(CLI::App& command, Approximations& approximate) {
                 approximate = parse_approximations(text);
             },
             "Cheaper answers, which change the image: tile-sum (all lights without extent at the\n"
-            "first surface, without shadows and nothing else, as deferred shading does it)")
+            "first surface, without shadows and nothing else, as deferred shading does it); light-grid\n"
+            "(a grid of probes answers what light surfaces receive from each other)")
         ->take_all()
         ->delimiter(',')
         ->check(name_among(split(to_string(all_approximations()))))
         ->type_name("NAME,...");
+}
+
+void add_light_grid_options(CLI::App& command, LightGridConfig& grid) {
+    command.add_flag("--grid-voxels", grid.voxels,
+                     "Voxels instead of probes, which give light to the surfaces next to them only; games use\n"
+                     "--grid-side 32 --grid-levels 2");
+    command.add_option("--grid-side", grid.side, "Probes of the light grid per axis [16]")
+        ->transform(whole_number(2, 64));
+    command.add_option("--grid-coefficients", grid.coefficients, "Per probe and colour: 4, or 9, which is sharper [9]")
+        ->transform(whole_number(4, 9));
+    command
+        .add_option("--grid-levels", grid.levels,
+                    "Grids inside each other; finer ones follow the camera, with a quarter of the spacing [1]")
+        ->transform(whole_number(1, 4));
+    command
+        .add_option("--grid-gather", grid.gather,
+                    "Surfaces that a path meets before the grid answers; 1: final gathering [0]")
+        ->transform(whole_number(0, 1024));
 }
 
 FrameRange parse_frames(const std::string& text) {

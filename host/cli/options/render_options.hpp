@@ -40,7 +40,7 @@ struct RenderOptions {
     bool picks_settings = false, picks_builder = true;  // by target; the builder only without --builder
 };
 
-inline constexpr const char* aov_names[] = {"depth", "normal", "albedo", "primitive", "heat", "gbuffer"};
+inline constexpr const char* aov_names[] = {"depth", "normal", "albedo", "primitive", "heat", "gbuffer", "voxels"};
 /// The views of a G-buffer, OUTPUT.NAME.png.
 inline constexpr const char* gbuffer_views[] = {"gbuffer-albedo", "gbuffer-material", "gbuffer-normal", "gbuffer-depth",
                                                 "gbuffer-position"};
@@ -50,6 +50,8 @@ void add_size_option(CLI::App& command, unsigned& width, unsigned& height, const
 
 /// --approximate NAME,NAME...
 void add_approximate_option(CLI::App& command, Approximations& approximate);
+/// --grid-voxels, --grid-side, --grid-coefficients, --grid-levels, --grid-gather
+void add_light_grid_options(CLI::App& command, LightGridConfig& grid);
 
 /// "0..47" -> {0, 47}. Throws ErrorKind::usage for other text and for more than a million frames.
 [[nodiscard]] FrameRange parse_frames(const std::string& text);

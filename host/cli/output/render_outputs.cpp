@@ -61,6 +61,13 @@ std::vector<glm::vec3> position_colors(const GBuffer& buffer) {
     return colors;
 }
 
+void write_voxels(const std::vector<glm::vec3>& albedo, const RenderOptions& options) {
+    const Image image{options.config.width, options.config.height, albedo};
+    const auto [picture, raw] = aov_paths(options.output, "voxels");
+    write_image(picture, image, 0.f, ToneMap::none);
+    write_image(raw, image);
+}
+
 void write_gbuffer(const GBuffer& buffer, const RenderOptions& options) {
     std::vector<glm::vec3> albedo, normals;
     std::vector<std::uint32_t> materials;
@@ -185,6 +192,10 @@ void write_aovs(const Renderer& renderer, const RenderOptions& options, Writes& 
     for (const std::string& name : options.aovs) {
         if (name == "gbuffer") {
             writes.attempt([&] { write_gbuffer(renderer.gbuffer(), options); });
+            continue;
+        }
+        if (name == "voxels") {
+            writes.attempt([&] { write_voxels(renderer.voxels(), options); });
             continue;
         }
         if (!aovs) aovs = renderer.aovs();

@@ -122,7 +122,8 @@ RenderIdentity identity_of(const Scene& scene, const RenderConfig& config) {
     RenderIdentity identity{config.width, config.height, tells_error(config), digest_of(scene), {}, {}};
     const std::string settings = std::to_string(config.seed) + ' ' + std::to_string(config.max_depth) + ' ' +
                                  std::to_string(int(config.sampler)) + ' ' + to_string(config.effects.remove) + ' ' +
-                                 to_string(config.approximate);
+                                 to_string(config.approximate) +
+                                 (config.approximate.light_grid ? ' ' + to_string(config.light_grid) : "");
     identity.settings = digest_of(settings.data(), settings.size());
     Hasher kernels;
     for (const KernelSource& source : kernel_sources()) {

@@ -316,7 +316,8 @@ void stack_depth(Run& run) {
     stack_depth(run, far, rays, " at 1e6");
 }
 
-/// The bottom-up build is a lock-free algorithm: without a fence at device scope it would sometimes fail, on large trees.
+/// The bottom-up build is a lock-free algorithm: without a fence at device scope it would sometimes fail, on large
+/// trees.
 void rebuilds(Run& run) {
     const Mesh mesh = soup(run.count<std::size_t>(20'011, 200'003), 0.02f, run.seed() + 5);
     const int total = run.count(60, 10'000);

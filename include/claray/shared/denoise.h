@@ -35,7 +35,7 @@ typedef struct GuideStep {
     Step step;
     uint listed;
 } GuideStep;
-CLARAY_LAYOUT(GuideStep, 316)
+CLARAY_LAYOUT(GuideStep, 320)
 
 /// Scalar parameters of a filter pass.
 typedef struct FilterStep {

@@ -38,10 +38,11 @@ typedef struct SceneTables {
     uint triangle_materials;  // uint
     uint materials;           // MaterialData
     uint energy;              // float, see energy.h
-    uint triangle_lights, punctual_lights, light_tree, light_leaves, light_trails, light_grid, hot_spots, lamps;
+    uint triangle_lights, punctual_lights, light_tree, light_leaves, light_trails, light_lists, hot_spots, lamps;
+    uint light_grid;                           // LightGrid
     uint environment_texels, environment_cdf;  // float
 } SceneTables;
-CLARAY_LAYOUT(SceneTables, 56)
+CLARAY_LAYOUT(SceneTables, 60)
 
 /// Data that all paths of a render share.
 typedef struct FrameData {
@@ -53,7 +54,7 @@ typedef struct FrameData {
     uint max_depth;  // largest number of surfaces that scatter a path
     SceneTables tables;
 } FrameData;
-CLARAY_LAYOUT(FrameData, 284)
+CLARAY_LAYOUT(FrameData, 288)
 
 /// Scalar parameters of a stage.
 typedef struct Step {
@@ -63,7 +64,7 @@ typedef struct Step {
     uint capacity;  // rays in the queue, as far as the host knows
     uint room;      // capacity of the queues in paths, a multiple of CLARAY_QUEUE_ROOM
 } Step;
-CLARAY_LAYOUT(Step, 312)
+CLARAY_LAYOUT(Step, 316)
 
 /// With this room, every array in a queue begins at a multiple of 1024 bytes, the alignment of sub-buffers.
 #define CLARAY_QUEUE_ROOM 256u

@@ -116,13 +116,13 @@ CLARAY_LAYOUT(LightLeaf, 16)
 
 /// A grid of cubic cells over the lights with a range. In its table the starts of the cells' lists follow, one more
 /// than there are cells, and then the lists: indices from LightsData::first_ranged on.
-typedef struct LightGrid {
+typedef struct LightLists {
     float x, y, z;  // its corner
     float cells_per_length;
     uint width, height, depth;  // cells; x varies first, then y
     uint lights;
-} LightGrid;
-CLARAY_LAYOUT(LightGrid, 32)
+} LightLists;
+CLARAY_LAYOUT(LightLists, 32)
 
 /// Position of a triangle light in the tree. Stored in the order of the triangle lights.
 typedef struct LightTrail {

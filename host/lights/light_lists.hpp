@@ -10,9 +10,9 @@
 
 namespace claray {
 
-/// Returns a LightGrid, the starts of the cells' lists and their end, and the lists: indices in `lights`, which all
+/// Returns a LightLists, the starts of the cells' lists and their end, and the lists: indices in `lights`, which all
 /// have a range. A list has every light that reaches a point of the cell.
-[[nodiscard]] std::vector<std::uint32_t> build_light_grid(std::span<const PunctualLight> lights);
+[[nodiscard]] std::vector<std::uint32_t> build_light_lists(std::span<const PunctualLight> lights);
 
 /// Returns the mean length of the lists at the places of the lights.
 [[nodiscard]] double mean_list_length(const std::vector<std::uint32_t>& grid, std::span<const PunctualLight> lights);

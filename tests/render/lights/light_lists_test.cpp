@@ -1,5 +1,5 @@
-// Lights with a range are picked from the lists of a grid: host/lights/light_grid.cpp, lights/light_grid.clh.
-#include "host/lights/light_grid.hpp"
+// Lights with a range are picked from the lists of a grid: host/lights/light_lists.cpp, lights/light_lists.clh.
+#include "host/lights/light_lists.hpp"
 
 #include <gtest/gtest.h>
 
@@ -59,12 +59,12 @@ const char* grid_kernels = R"(
         const uint i = get_global_id(0);
         if (i >= count) return;
         float share;
-        light[i] = pick_from_grid(grid, lights, (float3)(x, y, z), (float3)(0.0f, 1.0f, 0.0f), random[i], &share);
+        light[i] = pick_from_lists(grid, lights, (float3)(x, y, z), (float3)(0.0f, 1.0f, 0.0f), random[i], &share);
         probability[i] = share;
     })";
 
 /// Also of points on the borders of cells and outside the grid.
-std::vector<float> places_and_normals(const LightGrid& grid, unsigned count) {
+std::vector<float> places_and_normals(const LightLists& grid, unsigned count) {
     std::mt19937 random(5);
     std::uniform_real_distribution<float> unit(-1.f, 1.f);
     std::vector<float> values;
@@ -79,15 +79,15 @@ std::vector<float> places_and_normals(const LightGrid& grid, unsigned count) {
     return values;
 }
 
-TEST(LightGrid, ListsGiveTheSumOverAllLightsBitForBit) {
+TEST(LightLists, ListsGiveTheSumOverAllLightsBitForBit) {
     for (const float range : {0.2f, 1.f, 3.f}) {
         const Lights lights = collect_lights(lit_floor(300, range), {.most_per_cell = 1e6});
         ASSERT_EQ(lights.ranged(), 300u);
         EXPECT_EQ(lights.data.count, 0u);
-        const Buffer<std::uint32_t> grid(device(), lights.grid);
+        const Buffer<std::uint32_t> grid(device(), lights.lists);
         const Buffer<PunctualLight> all(device(), lights.punctual);
-        LightGrid header;
-        std::memcpy(&header, lights.grid.data(), sizeof header);
+        LightLists header;
+        std::memcpy(&header, lights.lists.data(), sizeof header);
         const std::uint32_t points = 20'000;
         const Buffer<float> places(device(), places_and_normals(header, points)), of_all(device(), points),
             of_list(device(), points);
@@ -104,7 +104,7 @@ TEST(LightGrid, ListsGiveTheSumOverAllLightsBitForBit) {
     }
 }
 
-TEST(LightGrid, PicksByIrradiance) {
+TEST(LightLists, PicksByIrradiance) {
     const Lights lights = collect_lights(lit_floor(200, 2.f));
     ASSERT_EQ(lights.ranged(), 200u);
     const std::uint32_t count = 1u << 18;
@@ -113,7 +113,7 @@ TEST(LightGrid, PicksByIrradiance) {
     std::vector<float> random(count);
     for (float& value : random) value = unit(generator);
     random[0] = 0, random[1] = 0.99999994f;
-    const Buffer<std::uint32_t> grid(device(), lights.grid), picked(device(), count);
+    const Buffer<std::uint32_t> grid(device(), lights.lists), picked(device(), count);
     const Buffer<PunctualLight> all(device(), lights.punctual);
     const Buffer<float> input(device(), random), probability(device(), count);
     Kernel pick = compile_kernel(device(), grid_kernels, "pick");
@@ -136,7 +136,7 @@ TEST(LightGrid, PicksByIrradiance) {
 }
 
 /// Without shadows, the light of a diffuse surface has no noise, and it is the sum in closed form.
-TEST(LightGrid, LightsADiffuseFloorWithoutNoise) {
+TEST(LightLists, LightsADiffuseFloorWithoutNoise) {
     Scene scene = lit_floor(400, 1.5f);
     const glm::dvec3 at(0.7, 0, -0.4);
     scene.camera = narrow_camera(glm::vec3(at) + glm::vec3(0.f, 3.f, 0.f), glm::vec3(at));
@@ -166,7 +166,7 @@ TEST(LightGrid, LightsADiffuseFloorWithoutNoise) {
 }
 
 /// Beside lights of all other kinds: each group has its numbers.
-TEST(LightGrid, SharesWithOtherLights) {
+TEST(LightLists, SharesWithOtherLights) {
     Scene scene = lit_floor(60, 1.5f);
     for (int i = 0; i < 20; ++i) scene.lights.push_back(point_light({0.4f * float(i) - 4, 2, 1}, glm::vec3(0.3f)));
     Light sun;
@@ -193,7 +193,7 @@ TEST(LightGrid, SharesWithOtherLights) {
 }
 
 /// Lists stay short: the lights of the longest ranges are left to the tree.
-TEST(LightGrid, LeavesWideRangesToTheTree) {
+TEST(LightLists, LeavesWideRangesToTheTree) {
     Scene scene = lit_floor(100, 0.5f);
     const Scene wide = lit_floor(100, 100.f);
     scene.lights.insert(scene.lights.end(), wide.lights.begin(), wide.lights.end());
@@ -201,7 +201,7 @@ TEST(LightGrid, LeavesWideRangesToTheTree) {
     EXPECT_GE(lights.ranged(), 50u);
     EXPECT_LE(lights.ranged(), 100u);
     EXPECT_EQ(lights.data.near, 200 - lights.ranged());
-    EXPECT_LE(mean_list_length(lights.grid, std::span(lights.punctual).last(lights.ranged())), 30);
+    EXPECT_LE(mean_list_length(lights.lists, std::span(lights.punctual).last(lights.ranged())), 30);
     EXPECT_FALSE(lights.tree.empty());
 }
 

@@ -1,4 +1,4 @@
-#include "host/lights/light_grid.hpp"
+#include "host/lights/light_lists.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -37,7 +37,7 @@ bool shines_into(const PunctualLight& light, const Sphere& sphere) {
     return beside * cosine - along * sine <= sphere.radius && along >= -sphere.radius;
 }
 
-LightGrid grid_over(std::span<const PunctualLight> lights) {
+LightLists grid_over(std::span<const PunctualLight> lights) {
     Bounds bounds;
     std::vector<float> ranges;
     for (const PunctualLight& light : lights) {
@@ -55,21 +55,21 @@ LightGrid grid_over(std::span<const PunctualLight> lights) {
             cells(extent.x), cells(extent.y), cells(extent.z), std::uint32_t(lights.size())};
 }
 
-glm::vec3 corner_of(const LightGrid& grid) { return {grid.x, grid.y, grid.z}; }
+glm::vec3 corner_of(const LightLists& grid) { return {grid.x, grid.y, grid.z}; }
 
 /// The nearest cell.
-glm::uvec3 cell_at(const LightGrid& grid, const glm::vec3& point) {
+glm::uvec3 cell_at(const LightLists& grid, const glm::vec3& point) {
     const glm::uvec3 last = glm::uvec3(grid.width, grid.height, grid.depth) - 1u;
     return glm::uvec3(glm::clamp((point - corner_of(grid)) * grid.cells_per_length, glm::vec3(0.f), glm::vec3(last)));
 }
 
-std::size_t cell_number(const LightGrid& grid, const glm::uvec3& cell) {
+std::size_t cell_number(const LightLists& grid, const glm::uvec3& cell) {
     return (std::size_t(cell.z) * grid.height + cell.y) * grid.width + cell.x;
 }
 
 /// Calls `visit(cell)` for every cell that the light may reach.
 template <class Visit>
-void visit_cells(const LightGrid& grid, const PunctualLight& light, const Visit& visit) {
+void visit_cells(const LightLists& grid, const PunctualLight& light, const Visit& visit) {
     const Sphere reach = reach_of(light);
     const float length = 1 / grid.cells_per_length;
     const float wide = length * margin;
@@ -85,14 +85,14 @@ void visit_cells(const LightGrid& grid, const PunctualLight& light, const Visit&
             }
 }
 
-constexpr std::size_t header_words = sizeof(LightGrid) / sizeof(std::uint32_t);
+constexpr std::size_t header_words = sizeof(LightLists) / sizeof(std::uint32_t);
 
-std::size_t cells_of(const LightGrid& grid) { return std::size_t(grid.width) * grid.height * grid.depth; }
+std::size_t cells_of(const LightLists& grid) { return std::size_t(grid.width) * grid.height * grid.depth; }
 
 }  // namespace
 
-std::vector<std::uint32_t> build_light_grid(std::span<const PunctualLight> lights) {
-    const LightGrid grid = grid_over(lights);
+std::vector<std::uint32_t> build_light_lists(std::span<const PunctualLight> lights) {
+    const LightLists grid = grid_over(lights);
     const std::size_t cells = cells_of(grid);
     std::vector<std::pair<std::uint32_t, std::uint32_t>> entries;  // cell and light
     for (std::uint32_t i = 0; i < lights.size(); ++i)
@@ -109,7 +109,7 @@ std::vector<std::uint32_t> build_light_grid(std::span<const PunctualLight> light
 }
 
 double mean_list_length(const std::vector<std::uint32_t>& words, std::span<const PunctualLight> lights) {
-    LightGrid grid;
+    LightLists grid;
     std::memcpy(&grid, words.data(), sizeof grid);
     const std::uint32_t* const starts = &words[header_words];
     double sum = 0;

@@ -1,0 +1,152 @@
+// A walk with a grid of light: probes answer what light surfaces receive from each other, and finer grids follow the
+// viewer.
+//     example_12_light_grid [SCENE [PICTURE [FRAMES [WIDTHxHEIGHT [probes|voxels [X Y Z  X Y Z]]]]]]
+// The two positions are the ends of the walk; without them it leads from the scene's camera towards its target. The
+// picture is a contact sheet of all frames. The table shows by how much the light of a point changes from one frame to
+// the next: grids that swim or pop would change it.
+#include <algorithm>
+#include <chrono>
+#include <claray/claray.hpp>
+#include <claray/io.hpp>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+namespace {
+
+struct Frame {
+    std::vector<glm::vec3> image;
+    claray::GBuffer surfaces;
+};
+
+float brightness(glm::vec3 color) { return (color.x + color.y + color.z) / 3; }
+
+// Whether the pixels around this one show the same plane.
+bool is_flat(const claray::GBuffer& surfaces, std::size_t pixel) {
+    const auto w = std::ptrdiff_t(surfaces.width);
+    const glm::vec3 normal = normal_of(surfaces, pixel), position = position_of(surfaces, pixel);
+    for (const std::ptrdiff_t off : {std::ptrdiff_t(-1), std::ptrdiff_t(1), -w, w, -w - 1, w + 1, 1 - w, w - 1}) {
+        const std::size_t beside = pixel + std::size_t(off);
+        const glm::vec3 to = position_of(surfaces, beside) - position;
+        const bool same = glm::dot(normal_of(surfaces, beside), normal) > 0.9999f &&
+                          std::abs(glm::dot(to, normal)) < 0.01f * glm::length(to);
+        if (!same) return false;
+    }
+    return true;
+}
+
+// The brightness at a place in pixels, between the centres of four.
+float brightness_at(const Frame& frame, double x, double y) {
+    const auto w = std::size_t(frame.surfaces.width);
+    const auto column = std::size_t(x), row = std::size_t(y);
+    const auto at = [&](std::size_t dx, std::size_t dy) {
+        return brightness(frame.image[(row + dy) * w + column + dx]);
+    };
+    const float right = float(x - double(column)), down = float(y - double(row));
+    return (at(0, 0) * (1 - right) + at(1, 0) * right) * (1 - down) +
+           (at(0, 1) * (1 - right) + at(1, 1) * right) * down;
+}
+
+// Relative changes of the light of points in planes that both frames show.
+std::vector<float> changes(const Frame& before, const Frame& now) {
+    const glm::dmat4 image_from_world = glm::inverse(now.surfaces.world_from_image);
+    const unsigned w = before.surfaces.width, h = before.surfaces.height;
+    std::vector<float> found;
+    for (unsigned y = 2; y + 2 < h; y += 2)
+        for (unsigned x = 2; x + 2 < w; x += 2) {
+            const std::size_t pixel = std::size_t(y) * w + x;
+            const glm::vec3 position = position_of(before.surfaces, pixel);
+            if (!(std::abs(position.x) < INFINITY) || !is_flat(before.surfaces, pixel)) continue;
+            const glm::dvec4 seen = image_from_world * glm::dvec4(position, 1);
+            const double column = (seen.x / seen.w + 1) / 2 * w - 0.5, row = (1 - seen.y / seen.w) / 2 * h - 0.5;
+            if (!(column > 2 && row > 2 && column < w - 3 && row < h - 3)) continue;
+            const std::size_t there = std::size_t(row + 0.5) * w + std::size_t(column + 0.5);
+            const bool hidden = glm::dot(normal_of(now.surfaces, there), normal_of(before.surfaces, pixel)) < 0.9999f ||
+                                !is_flat(now.surfaces, there) ||
+                                std::abs(glm::dot(position_of(now.surfaces, there) - position,
+                                                  normal_of(before.surfaces, pixel))) > 1e-3f * glm::length(position);
+            const float old = brightness(before.image[pixel]);
+            if (!hidden && old > 0) found.push_back(std::abs(brightness_at(now, column, row) / old - 1));
+        }
+    return found;
+}
+
+float percentile(std::vector<float> values, double share) {
+    if (values.empty()) return 0;
+    const auto at = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
+// Frames side by side, each a quarter as wide and as high.
+void write_sheet(const std::string& path, const std::vector<std::vector<glm::vec3>>& frames, unsigned w, unsigned h) {
+    const unsigned columns = 10, rows = (unsigned(frames.size()) + columns - 1) / columns, tw = w / 4, th = h / 4;
+    std::vector<glm::vec3> sheet(std::size_t(columns) * tw * rows * th);
+    for (unsigned i = 0; i < frames.size(); ++i)
+        for (unsigned y = 0; y < th * 4; ++y)
+            for (unsigned x = 0; x < tw * 4; ++x)
+                sheet[std::size_t(i / columns * th + y / 4) * columns * tw + i % columns * tw + x / 4] +=
+                    frames[i][std::size_t(y) * w + x] / 16.f;
+    claray::write_image(path, {columns * tw, rows * th, sheet});
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+    const auto argument = [&](int i, const char* otherwise) { return std::string(argc > i ? argv[i] : otherwise); };
+    claray::Warnings warnings;
+    claray::Scene scene = claray::load_scene(argument(1, "cornell"), warnings);
+    const unsigned count = unsigned(std::max(2, std::atoi(argument(3, "120").c_str())));
+    unsigned width = 320, height = 180;
+    if (argc > 4 && std::sscanf(argv[4], "%ux%u", &width, &height) != 2)
+        throw claray::Error(claray::ErrorKind::usage, "the size must be WIDTHxHEIGHT");
+    const bool voxels = argument(5, "probes") == "voxels";
+    scene.camera = claray::camera_of(scene, float(width) / float(height));
+    const glm::vec3 view = scene.camera->target - scene.camera->position;
+    glm::vec3 from = scene.camera->position, to = from + 0.5f * view, ahead = view;
+    const auto number = [&](int i) { return float(std::atof(argv[i])); };
+    if (argc > 11) {
+        from = {number(6), number(7), number(8)}, to = {number(9), number(10), number(11)};
+        ahead = to - from;
+    }
+
+    const claray::Device device = claray::Device::open();
+    const claray::LightGridConfig grid{.voxels = voxels, .side = voxels ? 32u : 16u, .levels = 2};
+    const auto place = [&](unsigned frame) {
+        scene.camera->position = glm::mix(from, to, float(frame) / float(count - 1));
+        scene.camera->target = scene.camera->position + ahead;
+    };
+    place(0);
+    claray::Renderer renderer(
+        device, scene,
+        {.width = width, .height = height, .spp = 16, .approximate = {.light_grid = true}, .light_grid = grid});
+    std::vector<std::vector<glm::vec3>> images;
+    std::vector<float> all_changes, worst;
+    double seconds = 0;
+    Frame before;
+    for (unsigned i = 0; i < count; ++i) {
+        place(i);
+        const auto begin = std::chrono::steady_clock::now();
+        renderer.update(scene, {.camera = true});
+        (void)renderer.render();
+        if (i > 0) seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+        Frame now{renderer.image(), renderer.gbuffer()};
+        images.push_back(now.image);
+        if (i > 0) {
+            const std::vector<float> of_frame = changes(before, now);
+            worst.push_back(percentile(of_frame, 0.99));
+            all_changes.insert(all_changes.end(), of_frame.begin(), of_frame.end());
+        }
+        before = std::move(now);
+    }
+    write_sheet(argument(2, "light_grid.png"), images, width, height);
+    std::printf("%u frames of 16 samples, %.1f ms each\n", count, 1e3 * seconds / (count - 1));
+    std::printf("change of a point from one frame to the next: median %.3f %%, 99 of 100 below %.2f %%\n",
+                100 * percentile(all_changes, 0.5), 100 * percentile(all_changes, 0.99));
+    std::printf("the frame of the largest changes: 99 of 100 below %.2f %%\n", 100 * percentile(worst, 1));
+} catch (const std::exception& error) {
+    std::fprintf(stderr, "example_12_light_grid: error: %s\n", error.what());
+    return 1;
+}
