@@ -46,11 +46,25 @@ std::string depth_needed(const std::vector<StudyPoint>& points) {
     return wrong + printed("; paths of %g surfaces are within 1 %%.", std::prev(last_wrong)->value);
 }
 
+/// The share of wrong pixels by format, at the ratio of planes that outdoor scenes have.
+std::string depth_buffers_needed(const std::vector<Study>& studies) {
+    constexpr double ratio = 1e4;
+    std::string shares;
+    for (const Study& s : studies)
+        for (const StudyPoint& p : s.points)
+            if (s.name == "depth" && p.value == ratio && p.failure.empty())
+                shares += (shares.empty() ? " " : ", ") + p.method + printed(" %.3g %%", p.error.median);
+    if (shares.empty()) return {};
+    return printed("Depth buffers: pixels that show a wrong surface in some order of drawing, at far/near %g:", ratio) +
+           shares + ".";
+}
+
 }  // namespace
 
 std::vector<std::string> summary_of(const std::vector<Study>& studies) {
     std::vector<std::string> summary = {samples_needed(points_of(studies, "sampling", "Sobol")),
-                                        depth_needed(points_of(studies, "bias", "path depth"))};
+                                        depth_needed(points_of(studies, "bias", "path depth")),
+                                        depth_buffers_needed(studies)};
     std::erase(summary, std::string());
     return summary;
 }

@@ -27,9 +27,12 @@ namespace claray::cli {
 namespace {
 
 using RunStudy = Study (*)(const Device&, const Scene&, const StudyOptions&, const AccuracyProgress&);
+using RunStudyWithMaps = Study (*)(const Device&, const Scene&, const StudyOptions&, const AccuracyProgress&,
+                                   std::vector<ErrorMap>*);
 struct NamedStudy {
     const char* name;
-    RunStudy run;  ///< null for effects, which also make maps
+    RunStudy run;  ///< null for studies that also make maps
+    RunStudyWithMaps run_with_maps = nullptr;
 };
 constexpr NamedStudy all_studies[] = {{"hard-rays", study_hard_rays},
                                       {"scene-rays", study_scene_rays},
@@ -42,8 +45,10 @@ constexpr NamedStudy all_studies[] = {{"hard-rays", study_hard_rays},
                                       {"arithmetic", study_arithmetic},
                                       {"sums", study_sums},
                                       {"filtering", study_filtering},
+                                      {"depth", nullptr, study_depth},
+                                      {"gamma", study_gamma},
                                       {"shading", study_shading},
-                                      {"effects", nullptr}};
+                                      {"effects", nullptr, study_effects}};
 
 struct AccuracyOptions {
     std::string scene, device, only;
@@ -229,7 +234,7 @@ void accuracy(AccuracyOptions o) {
     const std::vector<NamedStudy> chosen = chosen_studies(o.only);
     if (!o.maps.empty()) {
         if (std::none_of(chosen.begin(), chosen.end(), [](const NamedStudy& s) { return s.run == nullptr; }))
-            throw Error(ErrorKind::usage, "--maps needs the study effects", "add effects to --only");
+            throw Error(ErrorKind::usage, "--maps needs the study effects or depth", "add one to --only");
         make_folder(o.maps);
     }
     if (!o.svg.empty() && chosen.size() != 1)
@@ -248,9 +253,9 @@ void accuracy(AccuracyOptions o) {
     try {
         for (const NamedStudy& study : chosen) {
             const AccuracyProgress progress = show_progress(study.name, o.quiet);
-            studies.push_back(study.run
-                                  ? study.run(device, scene, o.study, progress)
-                                  : study_effects(device, scene, o.study, progress, o.maps.empty() ? nullptr : &maps));
+            studies.push_back(
+                study.run ? study.run(device, scene, o.study, progress)
+                          : study.run_with_maps(device, scene, o.study, progress, o.maps.empty() ? nullptr : &maps));
         }
     } catch (const Error& error) {
         refuse_incomplete(error, studies, chosen.size(), o, device);
@@ -287,8 +292,8 @@ void add_accuracy_command(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand("accuracy", "Measure and plot accuracy against time");
     command->footer(
         "Studies: hard-rays and scene-rays (triangle and box tests), builds, nodes, sampling (samples per pixel, by\n"
-        "sampler), techniques (of sampling), denoising, bias, arithmetic, sums, filtering, effects (see\n"
-        "docs/accuracy.md).\n"
+        "sampler), techniques (of sampling), denoising, bias, arithmetic, sums, filtering, depth (buffers), gamma\n"
+        "(lights added as sRGB values), effects (see docs/accuracy.md).\n"
         "Examples:\n"
         "  claray accuracy cornell --quick\n"
         "  claray accuracy scene.gltf --device gpu --size 512x512 --spp 1024 --html accuracy.html --csv accuracy.csv");
@@ -311,7 +316,8 @@ void add_accuracy_command(CLI::App& app, Action& action) {
     command->add_option("--html", o->html, "Write a report with plots");
     command->add_option("--svg", o->svg, "Write the plot of one study");
     command->add_option("--svgs", o->svgs, "Folder for the plots of all studies");
-    command->add_option("--maps", o->maps, "Folder for error maps without each effect (PFM and PNG)");
+    command->add_option("--maps", o->maps,
+                        "Folder for error maps (PFM and PNG): without each effect; of each depth buffer");
     command->add_flag("--check", o->check,
                       "Check the errors of the study sampling against a reference with 16 times the samples");
     command->add_flag("--json", o->json, "Print as JSON");

@@ -14,7 +14,7 @@ using Action = std::function<void()>;
 using AddCommand = void(CLI::App& app, Action& action);
 AddCommand add_devices_command, add_scenes_command, add_render_command, add_explain_command, add_compile_command,
     add_bake_command, add_build_command, add_bench_command, add_tune_command, add_verify_command, add_accuracy_command,
-    add_view_command;
+    add_view_command, add_probe_command, add_normal_map_command;
 
 /// --builder, --layout and --morton-bits, for the commands that build a tree.
 void add_bvh_options(CLI::App& command, Bvh::Config& config);

@@ -81,6 +81,25 @@ void add_surface_options(CLI::App& command, SurfaceOptions& o) {
                     "Order of the vertices of a front: ccw (counter-clockwise) or cw [ccw]")
         ->transform(choice_of({{"ccw", 0}, {"cw", 1}}))
         ->type_name("NAME");
+    command
+        .add_option("--alpha-test", o.alpha_test,
+                    "Where masks exist, by opacity and cut-off: greater-equal, greater, less, less-equal, equal or "
+                    "not-equal [greater-equal]")
+        ->transform(choice_of<AlphaTest>({{"greater-equal", AlphaTest::greater_equal},
+                                          {"greater", AlphaTest::greater},
+                                          {"less", AlphaTest::less},
+                                          {"less-equal", AlphaTest::less_equal},
+                                          {"equal", AlphaTest::equal},
+                                          {"not-equal", AlphaTest::not_equal}}))
+        ->type_name("NAME");
+    command
+        .add_option("--texture-filter", o.texture_filter,
+                    "Filter of all textures: nearest, bilinear, trilinear or nearest-level [as in the file]")
+        ->transform(choice_of<Filter>({{"nearest", Filter::nearest},
+                                       {"bilinear", Filter::bilinear},
+                                       {"trilinear", Filter::trilinear},
+                                       {"nearest-level", Filter::nearest_level}}))
+        ->type_name("NAME");
 }
 
 Scene load(const std::string& name, const LoadOptions& options, const LightOptions& lights,
@@ -90,6 +109,10 @@ Scene load(const std::string& name, const LoadOptions& options, const LightOptio
     auto [scene, is_file] = load_without_light(name, warnings, options);
     if (surfaces.clockwise_front) flip_fronts(scene);
     set_culling(scene, Culling(surfaces.culling));
+    for (Material& material : scene.materials)
+        if (surfaces.alpha_test) material.alpha_test = AlphaTest(*surfaces.alpha_test);
+    for (Texture& texture : scene.textures)
+        if (surfaces.texture_filter) texture.filter = Filter(*surfaces.texture_filter);
     print_warnings(warnings);
     refuse_unseen(name, scene);
     const bool chosen = add_lights(scene, lights);

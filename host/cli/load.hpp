@@ -12,10 +12,12 @@ namespace claray::cli {
 /// Prints each line to stderr once, even if several frames cause it.
 void print_warnings(const Warnings& warnings);
 
-/// --cull and --front: which sides of a file's surfaces exist, and which of them is the front.
+/// --cull and --front: which sides of a file's surfaces exist, and which of them is the front. --alpha-test and
+/// --texture-filter replace those of all materials and textures.
 struct SurfaceOptions {
     int culling = int(Culling::by_file);
     bool clockwise_front = false;
+    std::optional<int> alpha_test, texture_filter;
 };
 void add_surface_options(CLI::App& command, SurfaceOptions& options);
 

@@ -34,12 +34,6 @@ void list_cases() {
     std::vector<Row> rows = {{"case", "family", "what must hold"}};
     for (const VerifyCase& c : verify_cases()) rows.push_back({c.name, c.family, c.what});
     print_table(rows);
-    std::printf(
-        "\n"
-        "left out, since a feature is missing:\n");
-    rows.clear();
-    for (const VerifyCase& c : verify_cases_left_out()) rows.push_back({c.name, c.family, c.what});
-    print_table(rows);
 }
 
 void print_result(const VerifyResult& result) {
@@ -76,17 +70,15 @@ nlohmann::ordered_json as_json(const VerifyResult& result) {
 
 std::string json_of(const Device& device, const VerifyCommandOptions& options, const std::vector<VerifyResult>& results,
                     double seconds) {
-    nlohmann::ordered_json cases = nlohmann::ordered_json::array(), left_out = nlohmann::ordered_json::array();
+    nlohmann::ordered_json cases = nlohmann::ordered_json::array();
     for (const VerifyResult& result : results) cases.push_back(as_json(result));
-    for (const VerifyCase& c : verify_cases_left_out()) left_out.push_back({{"case", c.name}, {"waits_for", c.what}});
     const nlohmann::ordered_json report = {
         {"device", device.info().name},
         {"driver", device.info().driver},
         {"effort", options.full ? "full" : "quick"},
         {"seconds", seconds},
         {"holds", std::all_of(results.begin(), results.end(), [](const VerifyResult& r) { return r.holds(); })},
-        {"cases", cases},
-        {"left_out", left_out}};
+        {"cases", cases}};
     return json_text(report);
 }
 
@@ -303,7 +295,7 @@ void add_verify_command(CLI::App& app, Action& action) {
     command->add_flag("--quick", o->quick, "Half a minute if the kernels are cached, otherwise minutes (default)");
     command->add_flag("--full", o->full, "Run the full number of trials: minutes");
     command->add_option("--case", o->cases, "Run only this case; may be repeated")->allow_extra_args(false);
-    command->add_flag("--list", o->list, "Print the cases, and the missing features of those left out");
+    command->add_flag("--list", o->list, "Print the cases");
     command->add_flag("--compare", o->compare,
                       "Compare each remedy with the textbook's version: failures (of --case, if given) and times");
     command->add_option("--scene", o->scenes, "Scenes and files for comparing times [the built-in ones]")

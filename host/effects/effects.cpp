@@ -42,6 +42,7 @@ constexpr std::array rows = {
     CLARAY_LIGHT_KINDS(CLARAY_ROW)
 #undef CLARAY_ROW
         EffectRow{Effect::light_falloff, "light-falloff", "LIGHT_FALLOFF", 0, shade},
+    EffectRow{Effect::linear_ranges, "linear-ranges", "LINEAR_RANGES", 0, shade},
     EffectRow{Effect::many_lights, "many-lights", "LIGHT_TREE", 0, shade},
     EffectRow{Effect::hot_spots, "hot-spots", "HOT_SPOTS", 0, shade},
     EffectRow{Effect::sky, "sky", "SKY", 0, shade},
@@ -54,6 +55,7 @@ constexpr std::array rows = {
     EffectRow{Effect::vertex_colors, "vertex-colors", "VERTEX_COLORS", 0, shade | aovs},
     EffectRow{Effect::textures, "textures", "TEXTURES", 0, shade | aovs},
     EffectRow{Effect::mip_maps, "mip-maps", "MIPMAPS", 0, shade | aovs},
+    EffectRow{Effect::nearest_levels, "nearest-levels", "NEAREST_LEVELS", 0, shade | aovs},
     EffectRow{Effect::normal_maps, "normal-maps", "NORMAL_MAPS", 0, shade | aovs},
     EffectRow{Effect::height_maps, "height-maps", "HEIGHT_MAPS", 0, shade | aovs},
     EffectRow{Effect::emission_maps, "emission-maps", "EMISSION_MAPS", 0, shade},

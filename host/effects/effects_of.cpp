@@ -78,6 +78,7 @@ private:
     void visit(const Light& light, std::size_t index) {
         call_(effect_of(light.kind), "light", light.name, index);
         if (has_falloff(light)) call_(Effect::light_falloff, "light", light.name, index);
+        if (has_linear_range(light)) call_(Effect::linear_ranges, "light", light.name, index);
     }
 
     void visit(const Material& m, std::size_t index) {
@@ -118,7 +119,9 @@ private:
             if (!use->used()) continue;
             const Texture& image = texture(use->texture);
             call_(Effect::textures, "texture", image.name, use->texture);
-            if (image.filter == Filter::trilinear) call_(Effect::mip_maps, "texture", image.name, use->texture);
+            if (reads_levels(image.filter)) call_(Effect::mip_maps, "texture", image.name, use->texture);
+            if (image.filter == Filter::nearest_level)
+                call_(Effect::nearest_levels, "texture", image.name, use->texture);
         }
     }
 
@@ -212,11 +215,15 @@ Scene without_effects(Scene scene, EffectSet effects) {
         if (lost(Effect::vertex_colors)) mesh.colors.clear();
     }
     for (Material& material : scene.materials) strip(material, effects);
-    for (Texture& texture : scene.textures)
-        if (lost(Effect::mip_maps) && texture.filter == Filter::trilinear) texture.filter = Filter::bilinear;
+    for (Texture& texture : scene.textures) {
+        if (lost(Effect::nearest_levels) && texture.filter == Filter::nearest_level) texture.filter = Filter::trilinear;
+        if (lost(Effect::mip_maps) && reads_levels(texture.filter)) texture.filter = Filter::bilinear;
+    }
     std::erase_if(scene.lights, [&](const Light& light) { return lost(effect_of(light.kind)); });
-    for (Light& light : scene.lights)
+    for (Light& light : scene.lights) {
         if (lost(Effect::light_falloff)) light.range = 0.f, light.attenuation = {0.f, 0.f, 1.f};
+        if (lost(Effect::linear_ranges)) light.linear_range = false;
+    }
     if (lost(Effect::sky)) scene.sky = {};
     if (lost(Effect::environment)) scene.environment = {};
     if (scene.camera && lost(Effect::depth_of_field)) scene.camera->aperture_radius = 0.f;

@@ -71,7 +71,8 @@ std::vector<Material> materials_for(EffectSet effects) {
     if (effects.has(Effect::culling)) last.cull_back = true;
     if (effects.has(Effect::cut_outs)) last.alpha_mode = AlphaMode::blend, last.opacity = 0.5f;
     if (effects.has(Effect::emissive_triangles)) last.emission = glm::vec3(1.f);
-    if (effects.has(Effect::textures) || effects.has(Effect::mip_maps)) last.albedo_map = grey;
+    if (!(effects & EffectSet{Effect::textures, Effect::mip_maps, Effect::nearest_levels}).empty())
+        last.albedo_map = grey;
     if (effects.has(Effect::normal_maps)) last.normal_map = grey;
     if (effects.has(Effect::height_maps)) last.height_map = grey;
     if (effects.has(Effect::light_maps)) last.light_map = grey;
@@ -110,10 +111,13 @@ Scene scene_calling_for(EffectSet effects) {
         for (Mesh& mesh : scene.meshes) mesh.normals.assign(mesh.positions.size(), {0.f, 1.f, 0.f});
     if (effects.has(Effect::vertex_colors))
         for (Mesh& mesh : scene.meshes) mesh.colors.assign(mesh.positions.size(), glm::vec4(glm::vec3(0.5f), 1.f));
-    const EffectSet textured = {Effect::textures,   Effect::mip_maps, Effect::normal_maps,   Effect::height_maps,
-                                Effect::light_maps, Effect::cut_outs, Effect::emission_maps, Effect::layered_coat};
+    const EffectSet textured = {Effect::textures,    Effect::mip_maps,      Effect::nearest_levels,
+                                Effect::normal_maps, Effect::height_maps,   Effect::light_maps,
+                                Effect::cut_outs,    Effect::emission_maps, Effect::layered_coat};
     if (!(effects & textured).empty())
-        scene.textures = {grey_texture(effects.has(Effect::mip_maps) ? Filter::trilinear : Filter::bilinear)};
+        scene.textures = {grey_texture(effects.has(Effect::nearest_levels) ? Filter::nearest_level
+                                       : effects.has(Effect::mip_maps)     ? Filter::trilinear
+                                                                           : Filter::bilinear)};
 #define CLARAY_ROW(name, NAME, text, far, cone) \
     if (effects.has(Effect::name##_lights)) add_light(scene, LightKind::name);
     CLARAY_LIGHT_KINDS(CLARAY_ROW)
@@ -122,11 +126,11 @@ Scene scene_calling_for(EffectSet effects) {
         add_light(scene, LightKind::point);
         scene.lights.back().position.y = 0.01f;
     }
-    if (effects.has(Effect::light_falloff)) {
+    if (!(effects & EffectSet{Effect::light_falloff, Effect::linear_ranges}).empty()) {
         if (std::all_of(scene.lights.begin(), scene.lights.end(),
                         [](const Light& light) { return traits_of(light.kind)->far; }))
             add_light(scene, LightKind::point);
-        for (Light& light : scene.lights) light.range = 10.f;
+        for (Light& light : scene.lights) light.range = 10.f, light.linear_range = effects.has(Effect::linear_ranges);
     }
     if (effects.has(Effect::many_lights)) multiply_lights(scene, effects.has(Effect::emissive_triangles));
     if (effects.has(Effect::sky)) scene.sky = {glm::vec3(1.f), glm::vec3(1.f)};

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "claray/mesh.hpp"
+#include "host/lights/lights.hpp"
 
 namespace claray {
 namespace {
@@ -18,9 +19,7 @@ struct Sphere {
     float radius;
 };
 
-Sphere reach_of(const PunctualLight& light) {
-    return {{light.x, light.y, light.z}, (1 + margin) / light.inverse_range};
-}
+Sphere reach_of(const PunctualLight& light) { return {{light.x, light.y, light.z}, (1 + margin) * range_of(light)}; }
 
 /// Whether the sphere reaches the box.
 bool touches(const Sphere& sphere, const Bounds& box) {

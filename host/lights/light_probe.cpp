@@ -9,6 +9,7 @@
 #include "host/base/random.hpp"
 #include "host/lights/lights.hpp"
 #include "host/lights/luminance.hpp"
+#include "host/textures/cutouts.hpp"
 #include "host/textures/mean_texel.hpp"
 #include "host/textures/texture_use.hpp"
 #include "host/trace/host_rays.hpp"
@@ -100,7 +101,7 @@ double Probe::opacity_of(const HostHit& hit) const {
     };
     if (material.albedo_map.used()) opacity *= texel(material.albedo_map).w;
     if (material.opacity_map.used()) opacity *= texel(material.opacity_map).x;
-    return material.alpha_mode == AlphaMode::blend ? opacity : opacity >= material.alpha_cutoff ? 1 : 0;
+    return material.alpha_mode == AlphaMode::blend ? opacity : passes_alpha_test(material, opacity) ? 1 : 0;
 }
 
 bool Probe::passes(const HostHit& hit, const glm::dvec3& direction, Through through) const {
@@ -163,7 +164,8 @@ double Probe::from_punctual(const PunctualLight& light, const Sight& sight) cons
     double arriving = intensity;
     if (!kind.far) {
         const double near = distance2 * light.inverse_range * light.inverse_range;
-        arriving *= std::max(1 - near * near, 0.0) /
+        const double share = light.inverse_range < 0 ? 1 - std::sqrt(near) : 1 - near * near;
+        arriving *= std::max(share, 0.0) /
                     (light.attenuation_0 + light.attenuation_1 * distance + light.attenuation_2 * distance2);
     }
     if (!kind.far && kind.cone) {

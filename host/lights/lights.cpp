@@ -141,6 +141,7 @@ PunctualLight punctual_light(const Light& light) {
     const double scale = 1 / std::max(least_difference, inner - outer);
     if (traits_of(light.kind)->cone) data.cone_scale = float(scale), data.cone_offset = float(-outer * scale);
     data.inverse_range = light.range > 0.f ? 1.f / light.range : 0.f;
+    if (has_linear_range(light)) data.inverse_range = -data.inverse_range;
     data.attenuation_0 = light.attenuation.x, data.attenuation_1 = light.attenuation.y;
     data.attenuation_2 = light.attenuation.z;
     return data;
@@ -165,14 +166,14 @@ float plant_grid(const Scene& scene, Lights& lights) {
         if (!shines_far(light) && light.range > 0 && luminance(light.intensity) > 0)
             ranged.push_back(punctual_light(light));
     std::vector<float> ranges;
-    for (const PunctualLight& light : ranged) ranges.push_back(1 / light.inverse_range);
+    for (const PunctualLight& light : ranged) ranges.push_back(range_of(light));
     std::sort(ranges.begin(), ranges.end());
     while (!ranged.empty() && lights.selection.most_per_cell > 0) {
         lights.lists = build_light_lists(ranged);
         if (mean_list_length(lights.lists, ranged) <= lights.selection.most_per_cell) return ranges.back();
         ranges.resize(ranges.size() / 2);
         const float longest = ranges.empty() ? 0 : ranges.back();
-        std::erase_if(ranged, [&](const PunctualLight& light) { return 1 / light.inverse_range > longest; });
+        std::erase_if(ranged, [&](const PunctualLight& light) { return range_of(light) > longest; });
     }
     lights.lists.clear();
     return 0;
@@ -187,7 +188,7 @@ void collect_punctual(const Scene& scene, Lights& lights) {
     enum Group { near, far, of_grid };
     const auto group_of = [&](const PunctualLight& light) {
         if (traits_of(light).far) return far;
-        return light.inverse_range > 0 && 1 / light.inverse_range <= longest ? of_grid : near;
+        return range_of(light) > 0 && range_of(light) <= longest ? of_grid : near;
     };
     for (const Group group : {near, far, of_grid}) {
         if (group == of_grid) lights.data.first_ranged = std::uint32_t(lights.punctual.size());
@@ -243,7 +244,7 @@ LightBounds bounds_of(const PunctualLight& l) {
     const bool cone = traits_of(l).cone;
     bounds.spread = cone ? 0.f : float(pi);
     if (cone) bounds.cone_scale = l.cone_scale;
-    if (l.inverse_range > 0) bounds.range = 1 / l.inverse_range;
+    bounds.range = range_of(l);
     bounds.reach = cone ? float(std::acos(std::clamp(-double(l.cone_offset) / l.cone_scale, -1.0, 1.0))) : float(pi);
     return bounds;
 }
@@ -349,6 +350,12 @@ bool has_lamp(const Scene& scene, const Mesh& mesh) {
 bool has_falloff(const Light& light) {
     const bool physical = light.range == 0.f && light.attenuation == glm::vec3(0.f, 0.f, 1.f);
     return !shines_far(light) && !physical;
+}
+
+bool has_linear_range(const Light& light) { return light.linear_range && light.range > 0 && !shines_far(light); }
+
+float range_of(const PunctualLight& light) {
+    return light.inverse_range == 0.f ? 0.f : 1 / std::abs(light.inverse_range);
 }
 
 std::size_t near_lights(const Scene& scene) {

@@ -57,6 +57,10 @@ void replace_triangle_lights(const Scene& scene, Lights& lights);
 
 /// Returns whether a light has a range, or an attenuation other than the inverse square.
 [[nodiscard]] bool has_falloff(const Light& light);
+/// Returns whether its range ends linearly.
+[[nodiscard]] bool has_linear_range(const Light& light);
+/// The distance beyond which it does not shine; 0: none.
+[[nodiscard]] float range_of(const PunctualLight& light);
 /// An upper bound on the number of emissive triangles, points and spots; some triangles may be impossible to hit.
 [[nodiscard]] std::size_t near_lights(const Scene& scene);
 

@@ -14,7 +14,7 @@ constexpr EffectSet of_lights = {
     CLARAY_LIGHT_KINDS(CLARAY_ROW)
 #undef CLARAY_ROW
         Effect::light_falloff,
-    Effect::many_lights, Effect::hot_spots};
+    Effect::linear_ranges, Effect::many_lights, Effect::hot_spots};
 
 void check_equal(std::size_t now, std::size_t before, const std::string& what) {
     if (now == before) return;

@@ -308,8 +308,9 @@ void Wavefront::gather_probes(const GridBox& probes, const ProbeRays& rays) {
         const std::uint32_t paths = count * rays.per_probe;
         make_room(paths);
         lengths_[1].fill(paths);
-        kernels_.light_grid->aim_probes.run({paths, 64}, step_of(batch, 1, paths), probes, scene_.tables, queues_[1],
-                                            radiance_);
+        const std::uint32_t items = device_.info().type == DeviceType::cpu ? count : paths;
+        kernels_.light_grid->aim_probes.run({items, device_.info().type == DeviceType::cpu ? 4u : 64u},
+                                            step_of(batch, 1, paths), probes, scene_.tables, queues_[1], radiance_);
         trace_stages(batch, false, 1);
         kernels_.light_grid->gather_probes.run({count, 64}, step_of(batch, 1, paths), probes, rays.most_before,
                                                scene_.tables, radiance_);

@@ -164,6 +164,7 @@ void check_material(const Material& material, const Check& check, std::size_t te
     check.sound(sound(material.attenuation_distance), "attenuation distance");
     check.share(share(material.opacity), "opacity");
     check.sound(sound(material.alpha_cutoff), "alpha cutoff");
+    check.that(material.alpha_test <= AlphaTest::not_equal, "unknown alpha test", "use an AlphaTest");
     check.finite(std::isfinite(material.normal_scale), "normal scale");
     check.finite(std::isfinite(material.height_scale), "height scale");
 #define CLARAY_ROW(name, text, standard, kind) check.kind(kind(material.name), text);
@@ -176,8 +177,9 @@ void check_material(const Material& material, const Check& check, std::size_t te
 void check_texture(const Texture& texture, const Check& check, bool radiance) {
     const bool real = texture.format == TexelFormat::float32;
     check.that(texture.format <= TexelFormat::float32, "unknown texel format", "use a TexelFormat");
-    check.that(texture.wrap_u <= Wrap::clamp && texture.wrap_v <= Wrap::clamp && texture.filter <= Filter::trilinear,
-               "unknown wrap mode or filter", "use a Wrap and a Filter");
+    check.that(
+        texture.wrap_u <= Wrap::clamp && texture.wrap_v <= Wrap::clamp && texture.filter <= Filter::nearest_level,
+        "unknown wrap mode or filter", "use a Wrap and a Filter");
     check.that(texture.width > 0 && texture.height > 0, "it has no texels", "give a width and a height");
     check.that(texture.channels >= 1 && texture.channels <= 4, to_string(texture.channels) + " channels", "use 1 to 4");
     const std::size_t expected = std::size_t(texture.width) * texture.height * texture.channels;

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <limits>
 
 #include "host/textures/texture_use.hpp"
 
@@ -37,11 +39,31 @@ std::vector<bool> find_vertex_alphas(const Scene& scene) {
     return found;
 }
 
+/// From `least` to `most`, or all others.
+struct Opacities {
+    float least, most;
+    bool outside;
+};
+
+/// Those at which a masked material exists.
+Opacities masked_opacities(const Material& m) {
+    constexpr float infinite = std::numeric_limits<float>::infinity();
+    const float at = m.alpha_cutoff, above = std::nextafter(at, infinite);
+    switch (m.alpha_test) {
+        case AlphaTest::greater: return {above, infinite, false};
+        case AlphaTest::less: return {at, infinite, true};
+        case AlphaTest::less_equal: return {above, infinite, true};
+        case AlphaTest::equal: return {at, at, false};
+        case AlphaTest::not_equal: return {at, at, true};
+        case AlphaTest::greater_equal: break;
+    }
+    return {at, infinite, false};
+}
+
 bool is_cut_out(const Scene& scene, const Material& m, bool by_vertices) {
     if (m.alpha_mode == AlphaMode::opaque) return false;
-    const float enough = m.alpha_mode == AlphaMode::mask ? m.alpha_cutoff : 1.f;
-    return by_vertices || m.opacity < enough || has_holes(scene, m.albedo_map, true) ||
-           has_holes(scene, m.opacity_map, false);
+    const bool solid = m.alpha_mode == AlphaMode::mask ? passes_alpha_test(m, m.opacity) : m.opacity >= 1.f;
+    return by_vertices || !solid || has_holes(scene, m.albedo_map, true) || has_holes(scene, m.opacity_map, false);
 }
 
 void add_vertex_alphas(const Mesh& mesh, const glm::uvec3& triangle, std::vector<std::uint32_t>& to) {
@@ -60,6 +82,11 @@ void add_corners(const Mesh& mesh, const glm::uvec3& triangle, const TextureUse&
 }
 
 }  // namespace
+
+bool passes_alpha_test(const Material& material, float opacity) {
+    const Opacities those = masked_opacities(material);
+    return (opacity >= those.least && opacity <= those.most) != those.outside;
+}
 
 std::vector<bool> find_cut_outs(const Scene& scene, const std::vector<bool>& used) {
     std::vector<bool> found = find_vertex_alphas(scene);
@@ -93,7 +120,9 @@ Cutouts::Cutouts(const Scene& scene, const std::vector<bool>& used,
         data.mode = (cut && m.alpha_mode == AlphaMode::mask ? CLARAY_CUT_MASK : 0u) |
                     (cut && m.alpha_mode == AlphaMode::blend ? CLARAY_CUT_BLEND : 0u) |
                     (cut && vertex_alphas[i] ? CLARAY_CUT_VERTEX_ALPHA : 0u) | (m.cull_back ? CLARAY_CUT_BACK : 0u);
-        data.opacity = m.opacity, data.cutoff = m.alpha_cutoff;
+        const Opacities those = masked_opacities(m);
+        data.opacity = m.opacity, data.cutoff = those.least, data.most = those.most;
+        if (cut && m.alpha_mode == AlphaMode::mask && those.outside) data.mode |= CLARAY_CUT_OUTSIDE;
         data.albedo = cut && has_holes(scene, m.albedo_map, true) ? slot_of(m.albedo_map.texture) : CLARAY_NO_MAP;
         data.opacity_map =
             cut && has_holes(scene, m.opacity_map, false) ? slot_of(m.opacity_map.texture) : CLARAY_NO_MAP;

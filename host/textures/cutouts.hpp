@@ -22,6 +22,9 @@ struct Cutouts {
     [[nodiscard]] bool empty() const { return records.empty(); }
 };
 
+/// Returns whether a masked material exists where it has this opacity.
+[[nodiscard]] bool passes_alpha_test(const Material& material, float opacity);
+
 /// Returns whether every material in use is one-sided and nothing is cut out.
 [[nodiscard]] bool culls_everywhere(const Scene& scene, const std::vector<bool>& used);
 /// For each material in use, whether rays pass through some of its points.

@@ -160,9 +160,7 @@ private:
         return texture;
     }
 
-    static unsigned levels_of(const Texture& t) {
-        return t.filter == Filter::trilinear ? mip_levels(t.width, t.height) : 1;
-    }
+    static unsigned levels_of(const Texture& t) { return reads_levels(t.filter) ? mip_levels(t.width, t.height) : 1; }
 
     static TextureData write_texture(StoreWriter& store, const Texture& t, std::uint64_t& bytes) {
         TextureData data{};

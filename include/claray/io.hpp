@@ -111,6 +111,11 @@ void flip_fronts(Scene& scene);
 /// file, if the file is missing, damaged, truncated or too large.
 [[nodiscard]] Texture load_image(const std::filesystem::path& path, TexelFormat eight_bit = TexelFormat::srgb8);
 
+/// Returns the normals of a height field, as Material::normal_map reads them: 8 bits, +y up in the image. Slopes are
+/// central differences over one texel to each side, as Material::height_map has them; `strength` is the height of 1 in
+/// texels. The image's first channel and its wrap modes are used.
+[[nodiscard]] Texture normal_map_of(const Texture& heights, float strength = 1.f);
+
 /// Writes the texels without conversion: .png for textures of bytes, .pfm for float32 with 1 or 3 channels. Throws like
 /// write_image.
 void write_texture(const std::filesystem::path& path, const Texture& texture);

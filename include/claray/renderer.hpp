@@ -284,6 +284,14 @@ private:
 /// Compiles all kernels that renders of scenes with exactly these effects need, and stores them in the cache.
 void compile_kernels(const Device& device, EffectSet effects, const RenderConfig& config = {});
 
+/// Renders the light that arrives at a point: six square images of `config.height` pixels a side, as an Environment has
+/// them for the faces of a cube. The camera of the scene is ignored. Throws as Renderer does.
+[[nodiscard]] Environment render_probe(const Device& device, Scene scene, const glm::vec3& position,
+                                       RenderConfig config);
+/// Returns an environment as one image in latitude and longitude, linear float32, times its strength, without its
+/// rotation. That of a cube has the cube's resolution at the horizon.
+[[nodiscard]] Texture panorama_of(const Environment& environment);
+
 struct LightMapConfig {
     unsigned width = 128, height = 128;      ///< texels, 1 to 2^14 each
     unsigned spp = 256;                      ///< paths per texel

@@ -47,9 +47,12 @@ inline constexpr MaterialKindRow material_kinds[] = {
 /// How the opacity is used (glTF's alphaMode).
 enum class AlphaMode : std::uint32_t {
     opaque,  ///< ignored
-    mask,    ///< the surface exists where the opacity reaches `alpha_cutoff`
+    mask,    ///< the surface exists where the opacity reaches `alpha_cutoff` (or as `alpha_test` says)
     blend    ///< the surface exists with the opacity as probability
 };
+
+/// The masks that exist: those whose opacity is ... `alpha_cutoff`. glTF has only greater_equal.
+enum class AlphaTest : std::uint32_t { greater_equal, greater, less, less_equal, equal, not_equal };
 
 /// Surface properties. Colours are linear Rec. 709. A texture multiplies the corresponding value.
 struct Material {
@@ -87,6 +90,7 @@ struct Material {
     float opacity = 1.f;
     AlphaMode alpha_mode = AlphaMode::opaque;
     float alpha_cutoff = 0.5f;
+    AlphaTest alpha_test = AlphaTest::greater_equal;
     bool cull_back = false;  ///< rays pass through the back (glTF: doubleSided = false); ignored for solid glass
 
     TextureUse albedo_map;               ///< RGB; its alpha multiplies the opacity
@@ -179,6 +183,9 @@ struct Light {
     float range = 0.f;                    ///< beyond which it fades to nothing (KHR_lights_punctual); 0: none
     /// a0, a1, a2: intensity / (a0 + a1 d + a2 d^2) at distance d; the physical inverse square is 0, 0, 1.
     glm::vec3 attenuation{0.f, 0.f, 1.f};
+    /// The range ends as 1 - d / range, times the attenuation. With an attenuation of 1, 0, 0 this is the falloff of 2D
+    /// engines.
+    bool linear_range = false;
 };
 
 [[nodiscard]] inline Light point_light(const glm::vec3& position, const glm::vec3& intensity) {

@@ -12,10 +12,12 @@ namespace claray {
 enum class Wrap : std::uint32_t { repeat, mirror, clamp };
 
 enum class Filter : std::uint32_t {
-    nearest,   ///< the texel that contains the point
-    bilinear,  ///< interpolates four texels of the finest level
-    trilinear  ///< interpolates the two mip levels that match the ray's footprint
+    nearest,       ///< the texel that contains the point
+    bilinear,      ///< interpolates four texels of the finest level
+    trilinear,     ///< interpolates the two mip levels that match the ray's footprint
+    nearest_level  ///< bilinear in the mip level that matches it best (OpenGL's LINEAR_MIPMAP_NEAREST)
 };
+[[nodiscard]] constexpr bool reads_levels(Filter filter) { return filter >= Filter::trilinear; }
 
 /// Meaning of the stored numbers.
 enum class TexelFormat : std::uint32_t {

@@ -63,11 +63,8 @@ struct VerifyOptions {
     unsigned threads = 0;    ///< cases that run at once; 0: on a GPU the number of processors, but at most 5, else 1
 };
 
-/// Returns all cases that can be run.
+/// Returns all cases.
 [[nodiscard]] const std::vector<VerifyCase>& verify_cases();
-
-/// Returns cases of claray's catalogue that need a missing feature, with the name of that feature.
-[[nodiscard]] const std::vector<VerifyCase>& verify_cases_left_out();
 
 /// Throws ErrorKind::usage, listing the existing cases, if one of the names is unknown.
 void check_verify_cases(std::span<const std::string> names);

@@ -33,7 +33,7 @@ static inline bool may_reach(global const PunctualLight* light, float3 lo, float
     if (is_far_kind(light->kind)) return true;
     const float3 place = (float3)(light->x, light->y, light->z), size = fmax(fabs(lo), fabs(hi));
     const float3 wide = MARGIN * 1e-2f * fmax(size, fabs(place)), off = fmax(fmax(lo - wide - place, place - hi - wide), 0.0f);
-    const float range = (1.0f + MARGIN) / light->inverse_range;  // infinite without a range
+    const float range = (1.0f + MARGIN) / light->inverse_range;  // infinite without a range; its square is used
     if (dot(off, off) > range * range) return false;
     if (!is_cone_kind(light->kind)) return true;
     return cone_reaches(light, 0.5f * (lo + hi) - place, 0.5f * length(hi - lo + 2.0f * wide));

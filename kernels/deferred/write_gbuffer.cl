@@ -13,7 +13,7 @@ static inline uint srgb_byte(float linear) {
 /// Reversed depth: floats are densest at 0, where a perspective view's far distances crowd.
 static inline float reversed_depth(const CameraData* camera, Ray ray, float t, float near, float far) {
     const float along = t * (ray.dx * camera->forward_x + ray.dy * camera->forward_y + ray.dz * camera->forward_z);
-    return camera->orthographic ? 1.0f - along / far : near / along;
+    return camera->orthographic ? 1.0f - along / far : near / along;  // mutant: reversed-depth
 }
 
 /// For the first `step.capacity` rays; `far` is the distance at which the depth of an orthographic view is 0.

@@ -110,11 +110,11 @@ TEST(Effects, HaveBuiltInScenes) {
         EXPECT_TRUE(light.x > 0.01 && light.x < 10) << light.x;
     };
     // What an effect can't be had without, beside Lambert and one kind of light.
-    const EffectSet base = {Effect::lambert,        Effect::sky,        Effect::point_lights,
-                            Effect::glass,          Effect::principled, Effect::textures,
-                            Effect::mip_maps,       Effect::instances,  Effect::emissive_triangles,
-                            Effect::smooth_normals, Effect::metal,      Effect::clearcoat,
-                            Effect::environment};
+    const EffectSet base = {Effect::lambert,        Effect::sky,          Effect::point_lights,
+                            Effect::glass,          Effect::principled,   Effect::textures,
+                            Effect::mip_maps,       Effect::instances,    Effect::emissive_triangles,
+                            Effect::smooth_normals, Effect::metal,        Effect::clearcoat,
+                            Effect::environment,    Effect::light_falloff};
     for (const Effect effect : all_effects()) {
         SCOPED_TRACE(name_of(effect));
         const Scene scene = *builtin_scene(std::string("effect:") + name_of(effect));

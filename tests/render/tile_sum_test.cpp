@@ -27,7 +27,7 @@ std::vector<Light> many_lights(unsigned count) {
         Light light = point_light({5 * unit(random), 1.2f + unit(random), 5 * unit(random)}, glm::vec3(0.f));
         light.intensity = glm::vec3(1.5f + unit(random), 1.f, 1.1f + unit(random));
         light.direction = {0.6f * unit(random), -1.f, 0.6f * unit(random)};
-        light.range = 1.5f + unit(random);
+        light.range = 1.5f + unit(random), light.linear_range = i % 5 == 2;
         light.inner_angle = 0.2f, light.outer_angle = i % 4 == 1 ? 0.2f : 0.8f;
         if (i % 2 == 1) light.kind = LightKind::spot;
         if (i % 16 == 3) light.range = 0.f;
@@ -102,7 +102,8 @@ glm::dvec3 reflected_at(const glm::dvec3& point, const std::vector<Light>& light
             const double d = glm::length(towards);
             direction = towards / d;
             irradiance = 1 / (d * d);
-            if (light.range > 0) irradiance *= std::max(1 - std::pow(d / double(light.range), 4), 0.0);
+            const double share = light.range > 0 ? d / double(light.range) : 0;
+            irradiance *= std::max(1 - (light.linear_range ? share : std::pow(share, 4)), 0.0);
         }
         if (light.kind == LightKind::spot) {
             const double outer = std::cos(double(light.outer_angle)), inner = std::cos(double(light.inner_angle));

@@ -85,13 +85,15 @@ Light parse_light(const std::string& text) {
             light.attenuation = three(value);
         else if (value.name == "range")
             light.range = one(value);
+        else if (value.name == "linear-range")
+            light.range = one(value), light.linear_range = true;
         else if (value.name == "inner")
             light.inner_angle = degree * one(value);
         else if (value.name == "outer")
             light.outer_angle = degree * one(value);
         else
             refuse("--light: unknown value '" + value.name + "'",
-                   "use position, direction, intensity, range, attenuation, inner or outer");
+                   "use position, direction, intensity, range, linear-range, attenuation, inner or outer");
     }
     return light;
 }
@@ -119,7 +121,7 @@ void add_light_options(CLI::App& command, LightOptions& o) {
             "Add a light: its kind (" + kinds() +
                 "), then values as in\n"
                 "spot,position=0,2,0,direction=0,-1,0,intensity=50,inner=20,outer=30 (degrees; also range, "
-                "attenuation)")
+                "linear-range, attenuation)")
         ->take_all()
         ->type_name("TEXT");
     command.add_flag(

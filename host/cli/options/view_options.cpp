@@ -33,6 +33,11 @@ Camera choose_camera(Camera camera, const ViewOptions& options) {
 
 }  // namespace
 
+CLI::Option* add_vector_option(CLI::App& command, const char* name, glm::vec3& vector, const char* description) {
+    return command.add_option_function<std::string>(
+        name, [name, &vector](const std::string& text) { vector = parse_vector(name, text); }, description);
+}
+
 void add_view_options(CLI::App& command, ViewOptions& o) {
     const auto add_vector = [&](const char* name, std::optional<glm::vec3>& vector, const char* description) {
         command.add_option_function<std::string>(

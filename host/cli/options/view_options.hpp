@@ -21,6 +21,8 @@ struct ViewOptions {
     LoadOptions load;
 };
 
+/// An option of three numbers, X,Y,Z.
+CLI::Option* add_vector_option(CLI::App& command, const char* name, glm::vec3& vector, const char* description);
 void add_view_options(CLI::App& command, ViewOptions& options);
 
 /// The first frame of an animation sets the automatic camera, and the light of a dark file, for all frames.

@@ -68,8 +68,8 @@ private:
         const auto& [name, kind, albedo, emission, roughness, ior, metallic, transmission, thin_walled, clearcoat,
                      clearcoat_roughness, specular, specular_weight, specular_tint, sheen, sheen_roughness, anisotropy,
                      anisotropy_rotation, iridescence, iridescence_ior, film_thickness, attenuation,
-                     attenuation_distance, opacity, alpha_mode, alpha_cutoff, cull_back, albedo_map, emission_map,
-                     metallic_roughness_map, transmission_map, clearcoat_map, clearcoat_roughness_map,
+                     attenuation_distance, opacity, alpha_mode, alpha_cutoff, alpha_test, cull_back, albedo_map,
+                     emission_map, metallic_roughness_map, transmission_map, clearcoat_map, clearcoat_roughness_map,
                      clearcoat_normal_map, clearcoat_normal_scale, specular_map, specular_weight_map, shininess_map,
                      sheen_map, sheen_roughness_map, anisotropy_map, iridescence_map, film_thickness_map, opacity_map,
                      normal_map, normal_scale, height_map, height_scale, light_map, custom,
@@ -77,7 +77,7 @@ private:
         add(kind, albedo, emission, roughness, ior, metallic, transmission, thin_walled, clearcoat, clearcoat_roughness,
             specular, specular_weight, specular_tint, sheen, sheen_roughness, anisotropy, anisotropy_rotation,
             iridescence, iridescence_ior, film_thickness, attenuation, attenuation_distance, opacity, alpha_mode,
-            alpha_cutoff, cull_back, custom, parameters);
+            alpha_cutoff, alpha_test, cull_back, custom, parameters);
         if (kind == MaterialKind::custom && custom < custom_bsdfs().size()) put(custom_bsdfs()[custom].source);
         add(albedo_map, emission_map, metallic_roughness_map, transmission_map, clearcoat_map, clearcoat_roughness_map,
             clearcoat_normal_map, clearcoat_normal_scale, specular_map, specular_weight_map, shininess_map, sheen_map,
@@ -86,8 +86,9 @@ private:
 #undef CLARAY_ROW
     }
     void put(const Light& light) {
-        const auto& [name, kind, position, direction, intensity, inner_angle, outer_angle, range, attenuation] = light;
-        add(kind, position, direction, intensity, inner_angle, outer_angle, range, attenuation);
+        const auto& [name, kind, position, direction, intensity, inner_angle, outer_angle, range, attenuation,
+                     linear_range] = light;
+        add(kind, position, direction, intensity, inner_angle, outer_angle, range, attenuation, linear_range);
     }
     void put(const Sky& sky) {
         const auto& [horizon, zenith] = sky;

@@ -85,12 +85,12 @@ void add_lights(Scene& scene) {
     add_part(scene, lamp("lamp", {14.f, 12.f, 9.f}), make_lamp({-2.4f, 2.8f, 1.f}, {0.f, 0.3f, 0.f}, 0.3f, 0));
     add_part(scene, lamp("screen", {2.f, 3.f, 5.f}),
              textured_rectangle({-0.9f, 1.5f, -2.1f}, {0.3f, 0.f, 0.f}, {0.f, 0.2f, 0.f}, 0))
-        .emission_map = add_texture(scene, checks());
+        .emission_map = add_texture(scene, checks(), Filter::nearest_level);
     Light light = point_light({2.4f, 1.9f, 1.4f}, {3.f, 2.f, 1.4f});
     scene.lights.push_back(light);
     for (int i = 0; i < 20; ++i) {  // a chain of small lights along the wall, each with a short range
         Light small = point_light({0.25f * float(i) - 2.4f, 0.08f, -1.9f}, {0.02f, 0.012f, 0.006f});
-        small.range = 2.f;
+        small.range = 2.f, small.linear_range = i == 19;
         scene.lights.push_back(small);
     }
     scene.lights.push_back(point_light({1.9f, 0.03f, 1.7f}, {0.3f, 0.4f, 0.5f}));  // on the floor

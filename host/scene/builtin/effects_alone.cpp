@@ -186,6 +186,12 @@ constexpr std::array alone = {
                   Light& light = replace_sky_by(s, LightKind::point);
                   light.attenuation = {1.f, 0.2f, 0.f}, light.intensity = glm::vec3(6.f), light.range = 4.5f;
               }},
+    Alone{"linear-ranges",
+          [](Scene& s) {
+              Light& light = replace_sky_by(s, LightKind::point);
+              light.attenuation = {1.f, 0.f, 0.f}, light.intensity = glm::vec3(6.f), light.range = 4.5f;
+              light.linear_range = true;
+          }},
     Alone{"many-lights", make_many_lights},
     Alone{"hot-spots",
           [](Scene& s) {
@@ -204,6 +210,12 @@ constexpr std::array alone = {
           [](Scene& s) {
               TextureUse& use = s.materials[floor_material].albedo_map;
               use = add_texture(s, checks(), Filter::trilinear);
+              use.scale = glm::vec2(12.f);
+          }},
+    Alone{"nearest-levels",
+          [](Scene& s) {
+              TextureUse& use = s.materials[floor_material].albedo_map;
+              use = add_texture(s, checks(), Filter::nearest_level);
               use.scale = glm::vec2(12.f);
           }},
     Alone{"normal-maps", [](Scene& s) { ball(s).normal_map = add_texture(s, ripples_as_normals()); }},

@@ -67,6 +67,13 @@ void light_distance_zero(Run& run);
 void shadow_terminator(Run& run);
 void image_statistics(Run& run);
 
+// gbuffer.cpp
+void depth_to_position(Run& run);
+void packed_normals(Run& run);
+
+// waves.cpp
+void wave_equation(Run& run);
+
 // same_results.cpp
 void tree_hashes(Run& run);
 void hit_hashes(Run& run);

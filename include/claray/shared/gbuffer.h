@@ -59,7 +59,7 @@ CLARAY_SHARED_FUNCTION UnitVector claray_unpack_octahedral(uint code) {
     float u = 2.0f * claray_from_unorm16(code) - 1.0f, v = 2.0f * claray_from_unorm16(code >> 16) - 1.0f;
     const float z = 1.0f - fabs(u) - fabs(v), below = fmax(-z, 0.0f);
     u += u >= 0.0f ? -below : below;
-    v += v >= 0.0f ? -below : below;
+    v += v >= 0.0f ? -below : below;  // mutant: octahedral-fold
     const float scale = 1.0f / sqrt(u * u + v * v + z * z);
     const UnitVector n = {u * scale, v * scale, z * scale};
     return n;

@@ -74,7 +74,7 @@ typedef struct PunctualLight {
     uint kind;                      // claray/shared/lights.h
     float cone_scale, cone_offset;  // cones: clamp(cosine * scale + offset, 0, 1)^2; point: the scale is
                                     // HotSpot::probability, 0 if no surface is near
-    float inverse_range;            // 0: unlimited
+    float inverse_range;            // 0: unlimited; negative: the range ends linearly (LINEAR_RANGES)
     float attenuation_0, attenuation_1, attenuation_2;
 } PunctualLight;
 CLARAY_LAYOUT(PunctualLight, 72)

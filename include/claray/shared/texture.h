@@ -15,6 +15,7 @@ CLARAY_SHARED_BEGIN
 #define CLARAY_NEAREST 0u
 #define CLARAY_BILINEAR 1u
 #define CLARAY_TRILINEAR 2u
+#define CLARAY_NEAREST_LEVEL 3u
 
 #define CLARAY_SRGB8 0u
 #define CLARAY_LINEAR8 1u
@@ -95,16 +96,18 @@ CLARAY_LAYOUT(MaterialMaps, 96)
 #define CLARAY_CUT_BLEND 2u         // the surface exists with the opacity as probability
 #define CLARAY_CUT_BACK 4u          // the surface does not exist for rays from behind
 #define CLARAY_CUT_VERTEX_ALPHA 8u  // the opacity is multiplied by an alpha per corner
+#define CLARAY_CUT_OUTSIDE 16u      // a mask exists outside its interval of opacities
 
 /// Where rays pass through triangles. The record of such a triangle holds the index of its CutoutMaterial, then the
 /// alphas of the three corners if the mode has them, then the transformed coordinates of the three corners for each
 /// texture that is used.
 typedef struct CutoutMaterial {
-    uint mode;  // CLARAY_CUT_...
-    float opacity, cutoff;
-    uint albedo;       // texture whose alpha multiplies the opacity, or CLARAY_NO_MAP
-    uint opacity_map;  // texture whose red multiplies the opacity, or CLARAY_NO_MAP
-    uint spare[3];
+    uint mode;              // CLARAY_CUT_...
+    float opacity, cutoff;  // a mask exists where the opacity is from `cutoff` to `most`
+    uint albedo;            // texture whose alpha multiplies the opacity, or CLARAY_NO_MAP
+    uint opacity_map;       // texture whose red multiplies the opacity, or CLARAY_NO_MAP
+    float most;
+    uint spare[2];
 } CutoutMaterial;
 CLARAY_LAYOUT(CutoutMaterial, 32)
 

@@ -107,6 +107,20 @@ TEST(LightRange, FadesToNothing) {
     }
 }
 
+TEST(LightRange, EndsLinearly) {
+    for (const double distance : {0.5, 1.9, 2.5, 3.1})
+        for (const LightKind kind : {LightKind::point, LightKind::spot}) {
+            Scene scene = floor_scene();
+            scene.lights = {point_light({0, float(distance), 0}, glm::vec3(5.f))};
+            scene.lights[0].kind = kind, scene.lights[0].range = 3.f;
+            scene.lights[0].linear_range = true, scene.lights[0].attenuation = {1, 0, 0};
+            const double expected = 5 * std::max(1 - distance / 3, 0.0);
+            EXPECT_NEAR(irradiance(scene, {0, 0, 0}), expected, 2e-4 * expected) << distance;
+            scene.lights[0].attenuation = {0, 0, 1};
+            EXPECT_NEAR(irradiance(scene, {0, 0, 0}) * distance * distance, expected, 2e-4 * expected) << distance;
+        }
+}
+
 TEST(LightAttenuation, IsAPolynomialOfTheDistance) {
     for (const glm::vec3 a : {glm::vec3(1, 0, 0), glm::vec3(0, 2, 0), glm::vec3(0.5f, 0.25f, 2), glm::vec3(0, 0, 4)})
         for (const double distance : {0.25, 3.0}) {

@@ -34,6 +34,7 @@ Scene lit_floor(unsigned lights, float range) {
             light.inner_angle = 0.2f + 0.1f * unit(random), light.outer_angle = i % 4 == 1 ? light.inner_angle : 0.6f;
         }
         light.range = range * (0.9f + 0.6f * unit(random));
+        light.linear_range = i % 3 == 0;
         scene.lights.push_back(light);
     }
     return scene;
@@ -151,7 +152,7 @@ TEST(LightLists, LightsADiffuseFloorWithoutNoise) {
             const double outer = std::cos(double(light.outer_angle)), inner = std::cos(double(light.inner_angle));
             inside = std::clamp((cosine - outer) / std::max(inner - outer, 1e-12), 0.0, 1.0);
         }
-        const double window = 1 - std::pow(share, 4);
+        const double window = 1 - (light.linear_range ? share : std::pow(share, 4));
         expected += glm::dvec3(light.intensity) * (0.8 / pi * towards.y / (d * d * d) * window * inside * inside);
     }
     ASSERT_GT(expected.y, 0);

@@ -43,7 +43,8 @@ Scene many(std::uint32_t triangles, std::uint32_t spots, std::uint32_t points) {
 }
 
 Scene with_ranges(Scene scene, float range) {
-    for (std::size_t i = 0; i < scene.lights.size(); ++i) scene.lights[i].range = range * (i % 3 == 0 ? 1.f : 0.6f);
+    for (std::size_t i = 0; i < scene.lights.size(); ++i)
+        scene.lights[i].range = range * (i % 3 == 0 ? 1.f : 0.6f), scene.lights[i].linear_range = i % 5 == 1;
     return scene;
 }
 
@@ -281,7 +282,7 @@ void expect_picks_where_light_is(const Scene& scene) {
                 const float cosine = glm::dot(-glm::normalize(towards), axis);
                 const float inside =
                     p.kind == CLARAY_POINT_LIGHT ? 1.f : cosine * p.cone_scale + p.cone_offset;  // the cone
-                const float share = glm::length(towards) * p.inverse_range;                      // of the range
+                const float share = glm::length(towards) * std::abs(p.inverse_range);            // of the range
                 reaches = glm::dot(towards, normal) > 0.f && inside > 0.f && share < 1.f;
                 ends_before = inside < -1e-3f * p.cone_scale || share > 1.001f;
             }

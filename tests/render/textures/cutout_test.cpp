@@ -21,7 +21,8 @@ namespace claray::test {
 namespace {
 
 /// Triangles of seven materials: solid, masked by an image's alpha, masked by a red channel on the second set, blended
-/// by both, without a back, masked by the corners' own alpha, and blended by that and by an image's. The second of two
+/// by both, without a back, masked below
+/// the cut-off by the corners' own alpha, and blended by that and by an image's. The second of two
 /// meshes has no colours.
 Scene mixed_soup(std::size_t count) {
     Scene scene;
@@ -37,6 +38,7 @@ Scene mixed_soup(std::size_t count) {
     scene.materials[3].opacity_map.texture = 1, scene.materials[3].opacity = 0.9f;
     scene.materials[4].cull_back = true;
     scene.materials[5].alpha_mode = AlphaMode::mask, scene.materials[5].opacity = 0.8f;
+    scene.materials[5].alpha_test = AlphaTest::less;
     scene.materials[6].alpha_mode = AlphaMode::blend, scene.materials[6].albedo_map.texture = 0;
     Random random(3);
     for (int part = 0; part < 2; ++part) {  // two meshes, so that triangles are counted over both
@@ -104,7 +106,8 @@ double margin(const Scene& scene, const Ray& ray, const Mesh& mesh, std::size_t 
     if (m.opacity_map.used())
         opacity *= texel_of(scene.textures[m.opacity_map.texture],
                             coordinates(mesh, mesh.triangles[i], m.opacity_map, u, v), 0);
-    if (m.alpha_mode == AlphaMode::mask) return opacity - double(m.alpha_cutoff);
+    if (m.alpha_mode == AlphaMode::mask)
+        return (opacity - double(m.alpha_cutoff)) * (m.alpha_test == AlphaTest::less ? -1 : 1);
     const std::uint32_t word =
         hash_words(hash_words(bits(ray.ox), bits(ray.oy)),
                    hash_words(hash_words(bits(ray.oz), bits(ray.dx)), hash_words(bits(ray.dy), bits(ray.dz))));
@@ -269,6 +272,40 @@ TEST(AlphaMask, IsThereFromTheCutOffOn) {
     EXPECT_NEAR(mean(render_image(scene, disc_config)).x, 0.5, 0.01);
     scene.materials[0].opacity = std::nextafter(0.5f, 0.f);
     EXPECT_EQ(mean(render_image(scene, disc_config)).x, 1);
+}
+
+/// A card whose left half has an opacity of the cut-off or a float beside it, and whose right half has none.
+TEST(AlphaMask, IsComparedAsTheMaterialSays) {
+    Scene scene = leaf_card(random_texture({2, 1}, 4, TexelFormat::linear8, 1));
+    scene.textures[0].bytes = {0, 0, 0, 255, 0, 0, 0, 0};
+    scene.textures[0].filter = Filter::nearest;
+    scene.materials[0].alpha_mode = AlphaMode::mask, scene.materials[0].alpha_cutoff = 0.5f;
+    struct Row {
+        AlphaTest test;
+        double below, at, above, nothing;  // 1: the half is there
+    };
+    for (const Row& row : {Row{AlphaTest::greater_equal, 0, 1, 1, 0}, Row{AlphaTest::greater, 0, 0, 1, 0},
+                           Row{AlphaTest::less, 1, 0, 0, 1}, Row{AlphaTest::less_equal, 1, 1, 0, 1},
+                           Row{AlphaTest::equal, 0, 1, 0, 0}, Row{AlphaTest::not_equal, 1, 0, 1, 1}}) {
+        scene.materials[0].alpha_test = row.test;
+        const auto covered = [&](float opacity) {
+            scene.materials[0].opacity = opacity;
+            return 1 - mean(render_image(scene, {.width = 8, .height = 8, .spp = 1})).x;
+        };
+        EXPECT_EQ(covered(std::nextafter(0.5f, 0.f)), 0.5 * (row.below + row.nothing)) << int(row.test);
+        EXPECT_EQ(covered(0.5f), 0.5 * (row.at + row.nothing)) << int(row.test);
+        EXPECT_EQ(covered(std::nextafter(0.5f, 1.f)), 0.5 * (row.above + row.nothing)) << int(row.test);
+    }
+}
+
+/// Without a texture with holes, the opacity of the material alone decides.
+TEST(AlphaMask, OfSolidMaterialsIsDecidedOnce) {
+    Scene scene = leaf_card(random_texture({2, 1}, 3, TexelFormat::linear8, 1));
+    scene.materials[0].alpha_mode = AlphaMode::mask, scene.materials[0].alpha_test = AlphaTest::less;
+    EXPECT_EQ(mean(render_image(scene, {.width = 4, .height = 4, .spp = 1})).x, 1);
+    EXPECT_TRUE(effects_of(scene).has(Effect::cut_outs));
+    scene.materials[0].opacity = 0.25f;
+    EXPECT_FALSE(effects_of(scene).has(Effect::cut_outs));
 }
 
 /// What a card lets through of the light is its shadow's brightness.

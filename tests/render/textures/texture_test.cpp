@@ -151,6 +151,7 @@ std::vector<Texel> expected(const std::vector<Reference>& levels, const Texture&
         return allowed;
     }
     const double level = std::clamp(double(at.level), 0.0, double(levels.size() - 1));
+    if (t.filter == Filter::nearest_level) return {bilinear(levels[std::size_t(std::ceil(level + 0.5) - 1)], t, u, v)};
     const auto fine = std::size_t(level), coarse = std::min(fine + 1, levels.size() - 1);
     const Texel a = bilinear(levels[fine], t, u, v), b = bilinear(levels[coarse], t, u, v);
     Texel c{};
@@ -199,18 +200,18 @@ TEST_P(TextureLookup, AgreesWithTheReference) {
 
 std::string name_of(const testing::TestParamInfo<TextureLookup::ParamType>& p) {
     const char* const wraps[] = {"Repeat", "Mirror", "Clamp"};
-    const char* const filters[] = {"Nearest", "Bilinear", "Trilinear"};
+    const char* const filters[] = {"Nearest", "Bilinear", "Trilinear", "NearestLevel"};
     const char* const formats[] = {"Srgb8", "Linear8", "Float32"};
     return std::string(wraps[int(std::get<0>(p.param))]) + filters[int(std::get<1>(p.param))] +
            formats[int(std::get<2>(p.param))];
 }
 
-INSTANTIATE_TEST_SUITE_P(All, TextureLookup,
-                         testing::Combine(testing::Values(Wrap::repeat, Wrap::mirror, Wrap::clamp),
-                                          testing::Values(Filter::nearest, Filter::bilinear, Filter::trilinear),
-                                          testing::Values(TexelFormat::srgb8, TexelFormat::linear8,
-                                                          TexelFormat::float32)),
-                         name_of);
+INSTANTIATE_TEST_SUITE_P(
+    All, TextureLookup,
+    testing::Combine(testing::Values(Wrap::repeat, Wrap::mirror, Wrap::clamp),
+                     testing::Values(Filter::nearest, Filter::bilinear, Filter::trilinear, Filter::nearest_level),
+                     testing::Values(TexelFormat::srgb8, TexelFormat::linear8, TexelFormat::float32)),
+    name_of);
 
 TEST(TextureCoordinates, ThatAreNoNumbersGiveATexel) {
     const float inf = INFINITY, nan = NAN;
