@@ -83,6 +83,7 @@ Bvh Bvh::build_by_host(const Device& device, std::span<const Mesh> meshes, const
 
 void Bvh::rebuild() { state_->build(); }
 void Bvh::refit() { state_->refit(); }
+void Bvh::prepare_refit() { state_->load_refit(); }
 
 const TriangleBuffers& Bvh::triangles() const { return state_->triangles; }
 std::size_t Bvh::triangle_count() const { return state_->count; }

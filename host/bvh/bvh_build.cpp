@@ -235,11 +235,15 @@ void Bvh::State::collapse(bool by_split) {
                            std::uint32_t(by_split));
 }
 
+void Bvh::State::load_refit() {
+    if (refit_.handle()()) return;
+    refit_ = load_kernel(device, "bvh/refit.cl", "refit_nodes");
+    refit_wide_ = load_kernel(device, "bvh/collapse.cl", "refit_wide");
+    (void)load_kernel(device, "bvh/validate.cl", "sum_areas");  // of sah_cost
+}
+
 void Bvh::State::refit() {
-    if (!refit_.handle()()) {
-        refit_ = load_kernel(device, "bvh/refit.cl", "refit_nodes");
-        refit_wide_ = load_kernel(device, "bvh/collapse.cl", "refit_wide");
-    }
+    load_refit();
     if (built_cost == 0) built_cost = sah_cost();
     arrivals.fill(0);
     refit_.run({nodes.size(), build_group}, triangles.positions, arg("indices", triangles.indices), nodes, leaves,

@@ -16,6 +16,7 @@ struct Bvh::State {
     State(const Device& on, const TriangleBuffers& of, const Config& with, bool by_host = false);
 
     void build();
+    void load_refit();
     void refit();
     /// `by_split`: node i of the binary tree splits the leaves between i and i + 1, as the linear builder numbers them.
     void collapse(bool by_split);

@@ -309,6 +309,8 @@ void add_accuracy_command(CLI::App& app, Action& action) {
     command->add_option("--rays", o->study.rays, "Rays in studies that render no image [262144]")
         ->transform(whole_number(1024, 1 << 27));
     add_view_options(*command, o->view);
+    add_approximate_option(*command, o->study.approximations,
+                           "What the study bias measures: approximations, each alone, or nothing [all]");
     command->add_option("--max-depth", o->study.config.max_depth, "Surfaces per path, at most [128]")
         ->transform(whole_number(1, 1024));
     command->add_option("--references", o->study.references, "Folder in which references are kept and continued");

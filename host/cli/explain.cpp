@@ -217,6 +217,19 @@ void write_svg(const Explanation& x, const ExplainOptions& o, const Device& devi
     write_file(o.svg, bar_chart("Cost of the effects of " + o.scene, subtitle, bars));
 }
 
+/// Divides --only into effects and approximations.
+void restrict_to(const std::string& names, measure::ExplainOptions& measure) {
+    const std::vector<std::string> approximations = split(to_string(all_approximations()));
+    std::string of_effects, of_approximations;
+    for (const std::string& name : split(names)) {
+        std::string& of =
+            std::count(approximations.begin(), approximations.end(), name) > 0 ? of_approximations : of_effects;
+        of += (of.empty() ? "" : ",") + name;
+    }
+    measure.only = of_effects.empty() ? EffectSet() : parse_effects(of_effects);
+    measure.approximations = of_approximations.empty() ? Approximations() : parse_approximations(of_approximations);
+}
+
 void explain(const ExplainOptions& options) {
     check_outputs({{"--svg", options.svg}}, {{"the scene", options.scene}});
     RenderConfig config = options.config;
@@ -225,7 +238,7 @@ void explain(const ExplainOptions& options) {
         throw Error(ErrorKind::usage, "--effects: explain measures all effects that can be added",
                     "use -NAME to remove effects from the scene first");
     measure::ExplainOptions measure = options.measure;
-    if (!options.only.empty()) measure.only = parse_effects(options.only);
+    if (!options.only.empty()) restrict_to(options.only, measure);
     const Scene scene = load_view(options.scene, options.view, config.width, config.height);
     const Device device = open_device(options.device);
     if (!options.json) print_called_for(measure::effects_to_explain(scene, config, measure.only), options, device);
@@ -256,7 +269,7 @@ void add_explain_command(CLI::App& app, Action& action) {
     command->add_option("--rounds", o->measure.rounds, "Pairs of short renders to compare for each effect [7]")
         ->transform(whole_number(1, 1000));
     command->add_flag("!--no-compile-times", o->measure.compile_times, "Do not measure compile times");
-    command->add_option("--only", o->only, "Measure these effects only: NAME,NAME...");
+    command->add_option("--only", o->only, "Measure these effects and approximations only: NAME,NAME...");
     command->add_option("--effects", o->effects, "-NAME,-NAME... removes effects from the scene first");
     command->add_option("--svg", o->svg, "Write a bar chart");
     command->add_option("--device", o->device, "cpu, gpu, an index or part of a name (see claray devices)");

@@ -190,7 +190,7 @@ Explanation explain(const Device& device, const Scene& scene, const RenderConfig
                     const std::function<void(const std::string&)>& progress) {
     std::vector<ExplainedEffect> rows = effects_to_explain(scene, config, options.only);
     const auto fixed = std::count_if(rows.begin(), rows.end(), [](const ExplainedEffect& row) { return row.fixed; });
-    const std::vector<Approximations> approximations = approximations_for(scene);
+    const std::vector<Approximations> approximations = approximations_for(scene, options.approximations);
     std::size_t told = 0;
     const auto tell = [&](const std::string& what) {
         if (!progress) return;

@@ -46,9 +46,10 @@ struct Explanation {
 };
 
 struct ExplainOptions {
-    EffectSet only = known_effects();  ///< what to measure
-    int rounds = 7;                    ///< pairs of short renders that are compared for each
-    bool compile_times = true;         ///< compile all kernels once more for their time
+    EffectSet only = known_effects();                      ///< the effects to measure
+    Approximations approximations = all_approximations();  ///< to measure where the scene has a use for them
+    int rounds = 7;                                        ///< pairs of short renders that are compared for each
+    bool compile_times = true;                             ///< compile all kernels once more for their time
 };
 /// The rows of an explanation before measuring: which effects the scene uses, and where.
 [[nodiscard]] std::vector<ExplainedEffect> effects_to_explain(const Scene& scene, const RenderConfig& config,

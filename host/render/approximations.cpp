@@ -30,14 +30,17 @@ std::string to_string(const Approximations& approximations) {
     return text.empty() ? "nothing" : text;
 }
 
-std::vector<Approximations> approximations_for(const Scene& scene) {
+std::vector<Approximations> approximations_for(const Scene& scene, const Approximations& among) {
+    const EffectSet effects = effects_of(scene);
+    Approximations useful = {.flat = true, .gouraud = true};
+    useful.tile_sum = !scene.lights.empty();
+    useful.light_grid = !(effects & EffectSet{Effect::lambert, Effect::oren_nayar}).empty();
+    useful.no_shadows = !(effects & sampled_lights).empty();
     std::vector<Approximations> found;
-    if (!scene.lights.empty()) found.push_back({.tile_sum = true});
-    if (!(effects_of(scene) & EffectSet{Effect::lambert, Effect::oren_nayar}).empty())
-        found.push_back({.light_grid = true});
-    found.push_back({.flat = true});
-    found.push_back({.gouraud = true});
-    if (!(effects_of(scene) & sampled_lights).empty()) found.push_back({.no_shadows = true});
+    for (const auto& [name, member] : approximation_names) {
+        if (!(among.*member && useful.*member)) continue;
+        found.emplace_back().*member = true;
+    }
     return found;
 }
 

@@ -507,6 +507,7 @@ void Renderer::settle() {
     if (state.first_pixel_seconds == 0) state.first_pixel();
     if (!state.own_kernels) state.take_over();
     state.use_path_kernel(0);
+    state.structure.prepare_to_follow();
     for (int i = 0; i < 2; ++i) {  // drivers compile kernels again for the size of their groups
         state.discard_samples();
         state.sample_all_pixels();

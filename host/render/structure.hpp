@@ -25,6 +25,10 @@ public:
     void move_vertices(std::size_t first, std::span<const glm::vec3> positions);
     /// Refits the tree, or rebuilds it if that pays. Blocks.
     void follow_vertices();
+    /// Loads the kernels of `follow_vertices`.
+    void prepare_to_follow() {
+        if (!instanced_) bvh_.prepare_refit();
+    }
     /// For a tree of trees: replaces the transforms of instances, by their index in the scene of the constructor, and
     /// rebuilds the top level. Throws ErrorKind::user as the constructor does; the structure is then unchanged.
     void move_instances(std::span<const std::pair<std::uint32_t, MeshInstance>> moved);

@@ -83,11 +83,12 @@ struct Study {
 
 struct StudyOptions {
     RenderConfig config = {.width = 128, .height = 128};
-    unsigned most_spp = 256;                ///< largest number of samples per pixel; settings double up to it
-    unsigned runs = 5;                      ///< runs per setting, each with its own seed
-    std::size_t rays = 1u << 18;            ///< number of rays in studies that trace rays without rendering an image
-    std::filesystem::path references = {};  ///< see ReferenceOptions::folder
-    unsigned reference_factor = 64;         ///< samples of a reference per sample of the largest setting
+    unsigned most_spp = 256;      ///< largest number of samples per pixel; settings double up to it
+    unsigned runs = 5;            ///< runs per setting, each with its own seed
+    std::size_t rays = 1u << 18;  ///< number of rays in studies that trace rays without rendering an image
+    Approximations approximations = all_approximations();  ///< measured by study_bias, each alone
+    std::filesystem::path references = {};                 ///< see ReferenceOptions::folder
+    unsigned reference_factor = 64;                        ///< samples of a reference per sample of the largest setting
     std::uint32_t reference_seed = ReferenceOptions{}.seed;
 };
 

@@ -149,6 +149,9 @@ public:
     /// gets worse with more motion. Triangles culled at the last build stay out. Triangles that became NaN cannot be
     /// hit.
     void refit();
+    /// Loads the kernels of `refit` and `cost_growth`, compiling them if necessary, so that the first call does not
+    /// wait.
+    void prepare_refit();
     /// Returns the current SAH cost divided by the SAH cost at the last build: 1 if nothing moved. Computed on the
     /// device in about the time of a refit; blocks.
     [[nodiscard]] double cost_growth() const;

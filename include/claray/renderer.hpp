@@ -74,10 +74,11 @@ struct LightGridConfig {
     bool operator==(const LightGridConfig&) const = default;
 };
 
-/// Returns those that answer something in this scene, one at a time.
-[[nodiscard]] std::vector<Approximations> approximations_for(const Scene& scene);
 /// Returns all that there are.
 [[nodiscard]] Approximations all_approximations();
+/// Returns those among `among` that answer something in this scene, one at a time.
+[[nodiscard]] std::vector<Approximations> approximations_for(const Scene& scene,
+                                                             const Approximations& among = all_approximations());
 /// Returns the names of those that are used, separated by commas: "tile-sum"; "nothing" if none is.
 [[nodiscard]] std::string to_string(const Approximations& approximations);
 /// Returns the numbers, separated by spaces.
@@ -227,13 +228,15 @@ public:
     /// Discards all samples and continues with a scene that differs from the earlier one in `changes`: nothing else is
     /// read, checked or uploaded. The image is that of a new renderer of the scene, but lights are picked by the first
     /// scene's radius, which changes the noise if there are near and far lights. Kernels are compiled only if the scene
-    /// has effects that those in use do not support: see EffectOverrides::add. Throws ErrorKind::user for values that
+    /// has effects that those in use do not support (see EffectOverrides::add), or when surfaces move for the first
+    /// time without `settle`. Throws ErrorKind::user for values that
     /// `validate` refuses, and ErrorKind::usage if meshes, instances or materials differ in number or size, or for a
     /// render that writes checkpoints; the renderer is then unchanged.
     void update(const Scene& scene, const SceneChanges& changes);
     /// Loads the fastest kernels for the scene now, compiling them if necessary, and runs each once, so that no later
-    /// render waits for a kernel unless `update` brings other effects. Otherwise they are loaded while rendering, when
-    /// that pays. Discards all samples. Throws ErrorKind::usage for a render that writes checkpoints.
+    /// render waits for a kernel unless `update` brings other effects. Those that move surfaces are loaded, too.
+    /// Otherwise they are loaded while rendering, when that pays. Discards all samples. Throws ErrorKind::usage for a
+    /// render that writes checkpoints.
     void settle();
     /// Discards all samples and makes the images this large. The view keeps its height and becomes wider or narrower.
     /// Only what is stored per pixel is allocated anew. Throws ErrorKind::usage for a size out of range or with

@@ -195,7 +195,7 @@ TEST(Study, OfSamplesFallsAsMonteCarloDoes) {
 }
 
 TEST(Study, OfBiasSeesWhatPathsThatEndEarlyLeaveOutAndAmbientLightMakesUpFor) {
-    StudyOptions options{.config = {.width = 16, .height = 16}, .most_spp = 64, .runs = 3};
+    StudyOptions options{.config = {.width = 16, .height = 16}, .most_spp = 64, .runs = 3, .approximations = {}};
     const Study study = study_bias(device(), small_scene(), options);
     ASSERT_EQ(study.points.size(), 21u);
     EXPECT_FALSE(point_named(study, "path depth", "depth 128 (default)").failure.empty());
@@ -210,8 +210,22 @@ TEST(Study, OfBiasSeesWhatPathsThatEndEarlyLeaveOutAndAmbientLightMakesUpFor) {
     EXPECT_GT(ambient("0.5").error.median, ambient("0.125").error.median);
 }
 
+TEST(Study, OfBiasMeasuresTheApproximationsAskedFor) {
+    StudyOptions options{.config = {.width = 12, .height = 12}, .most_spp = 16, .runs = 2};
+    options.approximations = {.tile_sum = true, .no_shadows = true};
+    Scene scene = small_scene();
+    Light light;
+    light.position = {0, 0.5f, 0}, light.intensity = glm::vec3(0.3f);
+    scene.lights = {light};
+    const Study study = study_bias(device(), scene, options);
+    EXPECT_EQ(study.points.size(), 21u + 2);
+    const double dark = point_named(study, "approximations", "tile-sum").error.median;
+    EXPECT_GT(dark, point_named(study, "approximations", "no-shadows").error.median);
+    EXPECT_GT(dark, point_named(study, "path depth", "depth 1").error.median) << "which has shadows, too";
+}
+
 TEST(Study, OfBiasSeesClampedSamplesAndCaustics) {
-    StudyOptions options{.config = {.width = 20, .height = 20}, .most_spp = 32, .runs = 4};
+    StudyOptions options{.config = {.width = 20, .height = 20}, .most_spp = 32, .runs = 4, .approximations = {}};
     const Study study = study_bias(device(), *builtin_scene("spheres"), options);
     const StudyPoint &hard = point_named(study, "samples clamped", "at 1 x mean"),
                      &mild = point_named(study, "samples clamped", "at 10 x mean");

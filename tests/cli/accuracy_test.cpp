@@ -10,9 +10,9 @@ namespace {
 TEST(Accuracy, WritesPointsAsJsonTableAndReport) {
     const TemporaryFolder folder;
     const std::string csv = (folder / "a.csv").string(), html = (folder / "a.html").string();
-    const ProcessResult result =
-        run_claray({"accuracy", "cornell", "--size", "12x12", "--spp", "4", "--runs", "2", "--only",
-                    "sampling,bias,nodes", "--rays", "1024", "--csv", csv, "--html", html, "--json", "-q"});
+    const ProcessResult result = run_claray(
+        {"accuracy",      "cornell", "--size", "12x12", "--spp", "4", "--runs", "2",  "--only", "sampling,bias,nodes",
+         "--approximate", "nothing", "--rays", "1024",  "--csv", csv, "--html", html, "--json", "-q"});
     ASSERT_EQ(result.exit_code, 0) << result.errors;
     EXPECT_EQ(result.errors, "");
     const auto report = nlohmann::json::parse(result.output);

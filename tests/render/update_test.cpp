@@ -108,7 +108,10 @@ const Change changes[] = {
     {"Everything", with_instances, everything, change_all},
 };
 
-class Update : public testing::TestWithParam<Change> {};
+class Update : public testing::TestWithParam<Change> {
+protected:
+    static void SetUpTestSuite() { Bvh::build(device(), std::vector<Mesh>{square(1.f, 0.f)}).prepare_refit(); }
+};
 
 TEST_P(Update, IsARendererOfTheChangedScene) {
     const Change& change = GetParam();
@@ -157,6 +160,19 @@ TEST(UpdateOfAScene, ThatDoesNotFitIsRefusedAndChangesNothing) {
     refuses(ErrorKind::user, "cannot be inverted", [](Scene& s) { s.instances[2].transform[0][0] = 0; });
     (void)renderer.render();
     EXPECT_TRUE(same_bits(renderer.image(), before));
+}
+
+TEST(UpdateOfAScene, LoadsNothingAfterSettling) {
+    const Device alone = Device::open(std::to_string(device().info().index));  // which has loaded nothing yet
+    Scene scene = scene_of_all_kinds();
+    Renderer renderer(alone, scene, small);
+    renderer.settle();
+    const auto loaded = [] { return compile_statistics().compiled + compile_statistics().from_cache; };
+    const unsigned before = loaded();
+    change_all(scene);
+    renderer.update(scene, everything);
+    (void)renderer.render();
+    EXPECT_EQ(loaded(), before);
 }
 
 TEST(UpdateOfAScene, CanFollowAnAnimation) {

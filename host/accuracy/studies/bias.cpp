@@ -137,10 +137,11 @@ std::vector<float> bias_map(const Renders& renders, const ReferenceImage& refere
     return map;
 }
 
-/// Every approximation of the scene, with the variants of the light grid.
-std::vector<RenderConfig> approximated_renders(const Scene& scene, const RenderConfig& config) {
+/// Every approximation that the scene has a use for, with the variants of the light grid.
+std::vector<RenderConfig> approximated_renders(const Scene& scene, const RenderConfig& config,
+                                               const Approximations& among) {
     std::vector<RenderConfig> all;
-    for (const Approximations& approximate : approximations_for(scene)) {
+    for (const Approximations& approximate : approximations_for(scene, among)) {
         RenderConfig how = config;
         how.approximate = approximate;
         all.push_back(how);
@@ -177,7 +178,7 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
     RenderConfig config = deep.config;
     const AccuracyProgress rest = scaled(progress, reference_share, 1);
     config.spp = options.most_spp;
-    const std::vector<RenderConfig> approximated = approximated_renders(scene, config);
+    const std::vector<RenderConfig> approximated = approximated_renders(scene, config, options.approximations);
     const double settings =
         double(std::size(depths) + std::size(clamps) + std::size(reaches) + 1 + approximated.size());
     bool goes_on = true;

@@ -32,7 +32,7 @@ void add_size_option(CLI::App& command, unsigned& width, unsigned& height, const
         "--size", [&](const std::string& text) { std::tie(width, height) = parse_size(text); }, description);
 }
 
-void add_approximate_option(CLI::App& command, Approximations& approximate) {
+void add_approximate_option(CLI::App& command, Approximations& approximate, const char* description) {
     command
         .add_option_function<std::vector<std::string>>(
             "--approximate",
@@ -41,13 +41,10 @@ void add_approximate_option(CLI::App& command, Approximations& approximate) {
                 for (const std::string& name : names) text += (text.empty() ? "" : ",") + name;
                 approximate = parse_approximations(text);
             },
-            "Cheaper answers, which change the image: tile-sum (all lights without extent at the\n"
-            "first surface, without shadows and nothing else, as deferred shading does it); light-grid\n"
-            "(a grid of probes answers what light surfaces receive from each other); flat, gouraud: see\n"
-            "--shading; no-shadows: see --shadows")
+            description)
         ->take_all()
         ->delimiter(',')
-        ->check(name_among(split(to_string(all_approximations()))))
+        ->check(name_among(split("nothing," + to_string(all_approximations()))))
         ->type_name("NAME,...");
 }
 

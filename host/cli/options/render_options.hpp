@@ -48,8 +48,13 @@ inline constexpr const char* gbuffer_views[] = {"gbuffer-albedo", "gbuffer-mater
 /// --size WIDTHxHEIGHT, each 1 .. 16384.
 void add_size_option(CLI::App& command, unsigned& width, unsigned& height, const char* description);
 
-/// --approximate NAME,NAME...
-void add_approximate_option(CLI::App& command, Approximations& approximate);
+constexpr const char* cheaper_answers =
+    "Cheaper answers, which change the image: tile-sum (all lights without extent at the\n"
+    "first surface, without shadows and nothing else, as deferred shading does it); light-grid\n"
+    "(a grid of probes answers what light surfaces receive from each other); flat, gouraud: see\n"
+    "--shading; no-shadows: see --shadows";
+/// --approximate NAME,NAME... or nothing
+void add_approximate_option(CLI::App& command, Approximations& approximate, const char* description = cheaper_answers);
 /// --shading and --shadows: short for values of --approximate. Call after add_approximate_option.
 void add_shading_options(CLI::App& command, Approximations& approximate);
 /// --grid-voxels, --grid-side, --grid-coefficients, --grid-levels, --grid-gather

@@ -156,6 +156,25 @@ TEST(ShadingModels, LightsShineThroughEverything) {
         EXPECT_NEAR(seen[k], light.intensity[k] * 0.5 / (4 * std::numbers::pi), 1e-4 * light.intensity[k]);
 }
 
+TEST(Approximations, AreForScenesThatHaveAUseForThem) {
+    const auto names = [](const Scene& scene, const Approximations& among = all_approximations()) {
+        std::string all;
+        for (const Approximations& one : approximations_for(scene, among)) all += to_string(one) + ' ';
+        return all;
+    };
+    Scene scene;
+    scene.materials = {material(MaterialKind::mirror, 1.f, 0.f)};
+    scene.meshes = {square(1.f, 0.f)};
+    scene.sky = {};
+    EXPECT_EQ(names(scene), "flat gouraud ");
+    scene.materials = {lambert(0.5f)};
+    EXPECT_EQ(names(scene), "light-grid flat gouraud ");
+    scene.lights = {Light()};
+    EXPECT_EQ(names(scene), "tile-sum light-grid flat gouraud no-shadows ");
+    EXPECT_EQ(names(scene, {.tile_sum = true, .flat = true}), "tile-sum flat ");
+    EXPECT_EQ(names(scene, {}), "");
+}
+
 TEST(ShadingModels, ExcludeEachOther) {
     EXPECT_TRUE(throws_error(ErrorKind::usage, "flat and gouraud", [] {
         (void)render_by_own_kernels(shiny_triangle(), summed(3, {.flat = true, .gouraud = true}));
