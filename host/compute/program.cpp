@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <functional>
 #include <mutex>
 
@@ -183,9 +184,12 @@ std::optional<cl::Program> load_from_cache(const Device& device, const std::stri
     return program;
 }
 
-/// With PoCL one process compiles at a time: version 3.1 lists its cache folder while it returns a binary, and crashes
-/// on temporary folders that other processes have removed meanwhile.
-bool compiles_alone(const Device& device) { return is_pocl(device); }
+/// PoCL 3.1 lists its cache folder while it returns a binary, and crashes on temporary folders that other processes
+/// have removed meanwhile: of the processes that share a folder, one compiles at a time.
+std::string key_of_pocl_folder() {
+    const char* folder = std::getenv("POCL_CACHE_DIR");
+    return hash128(folder != nullptr ? folder : "");
+}
 
 /// Names and types of the parameters of a program's kernels, one line each. They are stored with binaries, which do not
 /// contain them. Empty if the driver does not report them.
@@ -211,13 +215,12 @@ std::vector<unsigned char> with_parameters(const std::string& parameters, const 
 
 cl::Program compile(const Device& device, const KernelSource& main, const std::string& options) {
     const std::string identity = cache_identity(device, main, options);
-    const bool alone = compiles_alone(device);
-    if (alone)  // a cached program need not wait for processes that compile
-        if (const auto program = load_from_cache(device, identity)) return *program;
     // Loading the same program waits, too: NVIDIA's driver assembles a loaded program and keeps it for the next
     // process.
-    const CacheLock lock("programs", alone ? std::string() : hash128(identity));
+    const CacheLock lock("programs", hash128(identity));
     if (const auto program = load_from_cache(device, identity)) return *program;
+    std::optional<CacheLock> alone;
+    if (is_pocl(device)) alone.emplace("pocl", key_of_pocl_folder());
     cl::Program program = compile_from_source(device, main, options);
     statistics.change([](CompileStatistics& s) { ++s.compiled; });
     // Also tests whether the cache is writable if nothing is stored, because another process will store.

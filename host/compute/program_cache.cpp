@@ -112,8 +112,7 @@ int write_new(const fs::path& path, const ProgramHeader& header, const std::stri
 }  // namespace
 
 /// The file is empty: each key is an offset of 60 bits in it (two keys with the same bits wait for each other, which
-/// does no harm), and a lock of length 0 covers all offsets from there on. Such locks belong to the open file, not to
-/// the process, so that threads wait for each other, too.
+/// does no harm). Such locks belong to the open file, not to the process, so that threads wait for each other, too.
 CacheLock::CacheLock(const std::string& file, const std::string& key) {
     const fs::path folder = cache_folder();
     if (folder.empty()) return;
@@ -123,7 +122,7 @@ CacheLock::CacheLock(const std::string& file, const std::string& key) {
     if (file_ < 0) return;
     struct flock range = {};
     range.l_type = F_WRLCK, range.l_whence = SEEK_SET;
-    if (!key.empty()) range.l_start = std::stoll(key.substr(0, 15), nullptr, 16), range.l_len = 1;
+    range.l_start = std::stoll(key.substr(0, 15), nullptr, 16), range.l_len = 1;
     while (::fcntl(file_, F_OFD_SETLKW, &range) != 0 && errno == EINTR) {
     }
 }

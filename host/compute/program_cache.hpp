@@ -13,9 +13,8 @@ namespace claray {
 /// one compiles it, and the others find its binary. Does not lock if the folder cannot be opened.
 class CacheLock {
 public:
-    /// Locks one key (hexadecimal as from hash128) among those of the lock file with this name in the cache; all of
-    /// them if no key is given.
-    explicit CacheLock(const std::string& file, const std::string& key = {});
+    /// Locks one key (hexadecimal as from hash128) among those of the lock file with this name in the cache.
+    CacheLock(const std::string& file, const std::string& key);
     ~CacheLock();
     CacheLock(const CacheLock&) = delete;
     CacheLock& operator=(const CacheLock&) = delete;
