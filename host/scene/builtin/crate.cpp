@@ -8,7 +8,7 @@
 namespace claray::scenes {
 namespace {
 
-enum : std::uint32_t { earth, first_board, board_browns = 5, batten = first_board + board_browns, sun };
+enum : std::uint32_t { earth, first_board, board_browns = 5, batten = first_board + board_browns, sun_lamp };
 
 // A crate's own coordinates: unit cube from -1 to 1, turned about y, scaled and moved.
 struct Placement {
@@ -78,7 +78,7 @@ Scene crate() {
     scene.meshes = {std::move(ground), make_crate(standing(0.f, 0.f, 0.f, 1.f, 0.45f), 1),
                     make_crate(standing(2.05f, -0.9f, 0.f, 0.72f, -0.3f), 2),
                     make_crate(standing(0.1f, -0.1f, 2.103f, 0.5f, 0.95f), 3),
-                    make_lamp({-9.f, 14.f, 10.f}, {0.f, 1.f, 0.f}, 1.1f, sun)};
+                    make_lamp({-9.f, 14.f, 10.f}, {0.f, 1.f, 0.f}, 1.1f, sun_lamp)};
     scene.sky = {{0.62f, 0.66f, 0.7f}, {0.2f, 0.36f, 0.68f}};
     scene.camera = Camera{{-2.2f, 2.9f, 6.6f}, {0.55f, 1.3f, 0.f}, {0.f, 1.f, 0.f}, 38.f};
     return scene;
