@@ -138,9 +138,10 @@ Walk walk_along(const claray::Device& device, const claray::Scene& scene, const 
 }
 
 void print_changes(const char* what, const Walk& walk) {
-    std::printf("%s: median %.3f %%, 99 of 100 below %.2f %%; in the frame of the largest changes below %.2f %%\n",
-                what, 100 * percentile(walk.changes, 0.5), 100 * percentile(walk.changes, 0.99),
-                100 * percentile(walk.worst, 1));
+    std::printf(
+        "%s: median %.3f %%, 99 of 100 below %.2f %% (%zu in all); in the frame of the largest changes below %.2f %%\n",
+        what, 100 * percentile(walk.changes, 0.5), 100 * percentile(walk.changes, 0.99), walk.changes.size(),
+        100 * percentile(walk.worst, 1));
 }
 
 }  // namespace
