@@ -2,8 +2,9 @@
 // viewer.
 //     example_12_light_grid [SCENE [PICTURE [FRAMES [WIDTHxHEIGHT [probes|voxels [X Y Z  X Y Z]]]]]]
 // The two positions are the ends of the walk; without them it leads from the scene's camera towards its target. The
-// picture is a contact sheet of all frames. The table shows by how much the light of a point changes from one frame to
-// the next: grids that swim or pop would change it.
+// picture is a contact sheet of all frames. The output shows by how much the light of a point changes from one frame to
+// the next: grids that swim or pop would change it. Parallel rays along the walk show the same points at the same
+// pixels in all frames, so that only the grids change there.
 #include <algorithm>
 #include <chrono>
 #include <claray/claray.hpp>
@@ -11,6 +12,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -73,6 +75,18 @@ std::vector<float> changes(const Frame& before, const Frame& now) {
     return found;
 }
 
+// Relative changes of pixels that show the same point in both frames.
+std::vector<float> changes_of_static_pixels(const Frame& before, const Frame& now, float scale) {
+    std::vector<float> found;
+    for (std::size_t pixel = 0; pixel < before.image.size(); ++pixel) {
+        const glm::vec3 old = position_of(before.surfaces, pixel), position = position_of(now.surfaces, pixel);
+        const float light = brightness(before.image[pixel]);
+        if (!(glm::length(position - old) < 1e-3f * scale) || !(light > 0)) continue;
+        found.push_back(std::abs(brightness(now.image[pixel]) / light - 1));
+    }
+    return found;
+}
+
 float percentile(std::vector<float> values, double share) {
     if (values.empty()) return 0;
     const auto at = values.begin() + std::ptrdiff_t(share * double(values.size() - 1));
@@ -90,6 +104,44 @@ void write_sheet(const std::string& path, const std::vector<std::vector<glm::vec
                 sheet[std::size_t(i / columns * th + y / 4) * columns * tw + i % columns * tw + x / 4] +=
                     frames[i][std::size_t(y) * w + x] / 16.f;
     claray::write_image(path, {columns * tw, rows * th, sheet});
+}
+
+struct Walk {
+    std::vector<std::vector<glm::vec3>> images;
+    std::vector<float> changes, worst;  // of all frames; of each frame that of 99 of 100 points
+    double milliseconds = 0;            // a frame
+};
+
+Walk walk_along(const claray::Device& device, const claray::Scene& scene, const claray::RenderConfig& config,
+                unsigned count, const std::function<void(unsigned)>& place,
+                const std::function<std::vector<float>(const Frame&, const Frame&)>& changes_between) {
+    claray::Renderer renderer(device, scene, config);
+    Walk walk;
+    Frame before;
+    for (unsigned i = 0; i < count; ++i) {
+        place(i);
+        const auto begin = std::chrono::steady_clock::now();
+        renderer.update(scene, {.camera = true});
+        (void)renderer.render();
+        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+        Frame now{renderer.image(), renderer.gbuffer()};
+        walk.images.push_back(now.image);
+        if (i > 0) {
+            walk.milliseconds += 1e3 * seconds.count() / (count - 1);
+            const std::vector<float> of_frame = changes_between(before, now);
+            walk.worst.push_back(percentile(of_frame, 0.99));
+            walk.changes.insert(walk.changes.end(), of_frame.begin(), of_frame.end());
+        }
+        before = std::move(now);
+    }
+    return walk;
+}
+
+void print_changes(const char* what, const Walk& walk) {
+    std::printf(
+        "%s: median %.3f %%, 99 of 100 below %.2f %% (%zu in all); in the frame of the largest changes below %.2f %%\n",
+        what, 100 * percentile(walk.changes, 0.5), 100 * percentile(walk.changes, 0.99), walk.changes.size(),
+        100 * percentile(walk.worst, 1));
 }
 
 }  // namespace
@@ -114,38 +166,26 @@ int main(int argc, char** argv) try {
 
     const claray::Device device = claray::Device::open();
     const claray::LightGridConfig grid{.voxels = voxels, .side = voxels ? 32u : 16u, .levels = 2};
+    const claray::RenderConfig config{
+        .width = width, .height = height, .spp = 16, .approximate = {.light_grid = true}, .light_grid = grid};
     const auto place = [&](unsigned frame) {
         scene.camera->position = glm::mix(from, to, float(frame) / float(count - 1));
         scene.camera->target = scene.camera->position + ahead;
     };
     place(0);
-    claray::Renderer renderer(
-        device, scene,
-        {.width = width, .height = height, .spp = 16, .approximate = {.light_grid = true}, .light_grid = grid});
-    std::vector<std::vector<glm::vec3>> images;
-    std::vector<float> all_changes, worst;
-    double seconds = 0;
-    Frame before;
-    for (unsigned i = 0; i < count; ++i) {
-        place(i);
-        const auto begin = std::chrono::steady_clock::now();
-        renderer.update(scene, {.camera = true});
-        (void)renderer.render();
-        if (i > 0) seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-        Frame now{renderer.image(), renderer.gbuffer()};
-        images.push_back(now.image);
-        if (i > 0) {
-            const std::vector<float> of_frame = changes(before, now);
-            worst.push_back(percentile(of_frame, 0.99));
-            all_changes.insert(all_changes.end(), of_frame.begin(), of_frame.end());
-        }
-        before = std::move(now);
-    }
-    write_sheet(argument(2, "light_grid.png"), images, width, height);
-    std::printf("%u frames of 16 samples, %.1f ms each\n", count, 1e3 * seconds / (count - 1));
-    std::printf("change of a point from one frame to the next: median %.3f %%, 99 of 100 below %.2f %%\n",
-                100 * percentile(all_changes, 0.5), 100 * percentile(all_changes, 0.99));
-    std::printf("the frame of the largest changes: 99 of 100 below %.2f %%\n", 100 * percentile(worst, 1));
+    const Walk walk = walk_along(device, scene, config, count, place, changes);
+    write_sheet(argument(2, "light_grid.png"), walk.images, width, height);
+    std::printf("%u frames of 16 samples, %.1f ms each\n", count, walk.milliseconds);
+    print_changes("change of a point from one frame to the next", walk);
+
+    ahead = to - from, scene.camera->orthographic_height = 0.5f * glm::length(ahead);
+    place(0);
+    const float length = glm::length(ahead);
+    const auto of_pixels = [length](const Frame& before, const Frame& now) {
+        return changes_of_static_pixels(before, now, length);
+    };
+    print_changes("change of a pixel that shows the same point",
+                  walk_along(device, scene, config, count, place, of_pixels));
 } catch (const std::exception& error) {
     std::fprintf(stderr, "example_12_light_grid: error: %s\n", error.what());
     return 1;

@@ -1,6 +1,7 @@
 // Functions that studies share: statistics of repeated runs, the front, slopes.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "host/accuracy/study.hpp"
 
@@ -54,6 +55,27 @@ bool overlap(const Spread& a, const Spread& b) { return a.low <= b.high && b.low
 std::string told_time_against(const Spread& seconds, const Spread& others) {
     if (overlap(seconds, others)) return "in about the same time (the quartiles overlap)";
     return printed("in %.2f of the time", seconds.median / others.median);
+}
+
+std::string told_crossings(const std::vector<StudyPoint>& points) {
+    const auto name_of = [](const StudyPoint& p) { return p.method + ", " + p.setting; };
+    const StudyPoint* best = nullptr;
+    for (const StudyPoint& p : points)
+        if (p.failure.empty() && (!best || p.seconds.median < best->seconds.median)) best = &p;
+    if (!best) return "no tree was built";
+    std::string text = "including the build, " + name_of(*best) + " is fastest";
+    for (;;) {
+        const StudyPoint* next = nullptr;
+        double at = std::numeric_limits<double>::infinity();
+        for (const StudyPoint& p : points) {
+            if (!p.failure.empty() || p.error.high >= best->error.low) continue;
+            const double crossing = (p.seconds.median - best->seconds.median) / (best->error.median - p.error.median);
+            if (crossing < at) at = crossing, next = &p;
+        }
+        if (!next) return text;
+        text += printed("; from %.3g million rays on, ", std::max(at, 0.0)) + name_of(*next);
+        best = next;
+    }
 }
 
 void mark_front(std::vector<StudyPoint>& points) {

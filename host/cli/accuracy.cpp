@@ -37,6 +37,7 @@ struct NamedStudy {
 constexpr NamedStudy all_studies[] = {{"hard-rays", study_hard_rays},
                                       {"scene-rays", study_scene_rays},
                                       {"builds", study_builds},
+                                      {"trees", study_trees},
                                       {"nodes", study_nodes},
                                       {"sampling", study_sampling},
                                       {"techniques", study_techniques},
@@ -291,9 +292,10 @@ void accuracy(AccuracyOptions o) {
 void add_accuracy_command(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand("accuracy", "Measure and plot accuracy against time");
     command->footer(
-        "Studies: hard-rays and scene-rays (triangle and box tests), builds, nodes, sampling (samples per pixel, by\n"
+        "Studies: hard-rays and scene-rays (triangle and box tests), builds, trees, nodes, sampling (samples per "
+        "pixel, by\n"
         "sampler), techniques (of sampling), denoising, bias, arithmetic, sums, filtering, depth (buffers), gamma\n"
-        "(lights added as sRGB values), effects (see docs/accuracy.md).\n"
+        "(lights added as sRGB values), shading, effects (see docs/accuracy.md).\n"
         "Examples:\n"
         "  claray accuracy cornell --quick\n"
         "  claray accuracy scene.gltf --device gpu --size 512x512 --spp 1024 --html accuracy.html --csv accuracy.csv");

@@ -150,6 +150,13 @@ struct ErrorMap {
 [[nodiscard]] Study study_builds(const Device& device, const Scene& scene, const StudyOptions& options,
                                  const AccuracyProgress& progress = {});
 
+/// Compares trees of different kinds: octree and k-d tree (built by one thread of the host), linear BVH by Karras'
+/// splits and by Apetrei's climb, clustering, binned SAH, spatial splits. Error and cost are those of study_builds. All
+/// are traced by the same plain loop with the same tests of triangles; a point fails if its hits differ from the
+/// others'.
+[[nodiscard]] Study study_trees(const Device& device, const Scene& scene, const StudyOptions& options,
+                                const AccuracyProgress& progress = {});
+
 /// Compares nodes with boxes of 32, 16 and 8 bits per plane, rounded outward: smaller nodes cause more unnecessary box
 /// tests. The error is the number of additional boxes tested, compared with full floats. A point fails if its hits
 /// differ.

@@ -138,6 +138,11 @@ static inline Hit trace_variant_ray(global const BvhHeader* header, global const
     uint stack[CLARAY_MAX_HEIGHT + 1];
     uint depth = 1, current = header->root;
     stack[0] = CLARAY_NO_CHILD;
+    float enter;
+    if (CLARAY_COUNT_VISITS) ++visits->nodes;
+    if (!enter_box(&box_ray, tmax, (float2)(header->lox, header->hix), (float2)(header->loy, header->hiy),
+                   (float2)(header->loz, header->hiz), &enter))
+        current = CLARAY_NO_CHILD;
     while (current != CLARAY_NO_CHILD) {
         if ((current & CLARAY_LEAF) != 0) {
             try_triangles(ray, leaves, current, &best, visits);

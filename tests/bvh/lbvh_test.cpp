@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "tests/bvh/support.hpp"
+#include "tests/support/device.hpp"
 #include "tests/support/meshes.hpp"
 #include "tests/support/not_finite.hpp"
 
@@ -156,6 +157,57 @@ TEST(Bvh, SplitsFlatScenesAlong) {
         ASSERT_GT(apart, -0.05f) << "level " << level;
         stack.insert(stack.end(), {{n.child0, level + 1}, {n.child1, level + 1}});
     }
+}
+
+/// The tree that build_lbvh makes of sorted codes, without joining leaves.
+std::vector<BvhNode> tree_over(const std::vector<std::uint32_t>& codes, BvhHeader* header) {
+    const auto count = std::uint32_t(codes.size());
+    const Mesh mesh = soup(count, 0.1f, 1);
+    const TriangleBuffers triangles = build(mesh).triangles();
+    std::vector<std::uint32_t> order(count);
+    for (std::uint32_t i = 0; i < count; ++i) order[i] = i;
+    *header = {};
+    header->valid = count, header->inner_nodes = count - 1;
+    const Buffer<BvhHeader> headers(device(), std::vector<BvhHeader>{*header});
+    const Buffer<BvhNode> nodes(device(), count);
+    const Buffer<LeafTriangle> leaves(device(), count);
+    Buffer<std::uint32_t> arrivals(device(), count);
+    arrivals.fill(0xffffffffu);
+    load_kernel(device(), "bvh/lbvh.cl", "build_lbvh", {{"CODE_BITS", "30"}})
+        .run({count, 256}, triangles.positions, arg("indices", triangles.indices),
+             arg("geometries", triangles.geometries), arg("masks", triangles.masks),
+             arg("codes", Buffer<std::uint32_t>(device(), codes)), arg("order", Buffer<std::uint32_t>(device(), order)),
+             nodes, leaves, arg("arrivals", arrivals), headers);
+    *header = headers.read()[0];
+    return nodes.read();
+}
+
+/// The example of four codes by which the radix tree is usually explained: the first bit that differs separates 1000
+/// from the rest, the next one 1111, the last one 1100 from 1101. Node i splits between codes i and i + 1.
+TEST(Bvh, SplitsFourCodesByTheirHighestDifferingBits) {
+    BvhHeader header;
+    const std::vector<BvhNode> nodes = tree_over({0b1000, 0b1100, 0b1101, 0b1111}, &header);
+    EXPECT_EQ(header.root, 0u);
+    EXPECT_EQ(header.height, 3u);
+    EXPECT_EQ(nodes[0].child0, CLARAY_LEAF | 0u);
+    EXPECT_EQ(nodes[0].child1, 2u);
+    EXPECT_EQ(nodes[2].child0, 1u);
+    EXPECT_EQ(nodes[2].child1, CLARAY_LEAF | 3u);
+    EXPECT_EQ(nodes[1].child0, CLARAY_LEAF | 1u);
+    EXPECT_EQ(nodes[1].child1, CLARAY_LEAF | 2u);
+    EXPECT_EQ(nodes[0].parent, CLARAY_NO_CHILD);
+    EXPECT_EQ(nodes[1].parent, 2u);
+    EXPECT_EQ(nodes[2].parent, 0u);
+}
+
+/// Equal codes are told apart by their indices 0 to 3, in binary 00, 01, 10, 11.
+TEST(Bvh, SplitsEqualCodesByTheirIndices) {
+    BvhHeader header;
+    const std::vector<BvhNode> nodes = tree_over({0b1010, 0b1010, 0b1010, 0b1010}, &header);
+    EXPECT_EQ(header.root, 1u);
+    EXPECT_EQ(header.height, 2u);
+    EXPECT_EQ(nodes[1].child0, 0u);
+    EXPECT_EQ(nodes[1].child1, 2u);
 }
 
 /// Node i splits between leaves i and i + 1, and no other place in its range has a higher differing bit.

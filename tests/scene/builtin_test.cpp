@@ -90,8 +90,8 @@ TEST_P(Builtin, CameraSeesIt) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, Builtin,
-                         ::testing::Values("cornell", "spheres", "crate", "hills", "waves", "ball:8", "ball:33",
-                                           "ball:1000", "terrain:1", "terrain:2", "terrain:20000", "soup:1",
+                         ::testing::Values("cornell", "spheres", "crate", "hills", "waves", "statues", "ball:8",
+                                           "ball:33", "ball:1000", "terrain:1", "terrain:2", "terrain:20000", "soup:1",
                                            "soup:5000", "fan:3", "fan:7", "fan:65536", "fan:200000", "hair:1", "hair:2",
                                            "hair:49", "hair:20000"),
                          [](const auto& test) {
@@ -108,6 +108,8 @@ TEST(BuiltinScenes, CountIsExact) {
         EXPECT_EQ(triangle_count(make("ball:" + std::to_string(count))), count);
     for (const std::string name : {"terrain:1", "soup:1", "hair:1"}) EXPECT_EQ(triangle_count(make(name)), 1u);
     EXPECT_EQ(triangle_count(make("terrain:2")), 2u);
+    const Scene statues = make("statues");
+    for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(statues.meshes[i].triangles.size(), 100'000u);
 }
 
 TEST(BuiltinScenes, SameTrianglesOnEverySystem) {
@@ -127,7 +129,7 @@ TEST(BuiltinScenes, NamesAreListedAndKnown) {
         EXPECT_TRUE(builtin_scene(name)) << name;
         ++known;
     }
-    EXPECT_EQ(known, 12u);
+    EXPECT_EQ(known, 13u);
     for (const std::string name : {"", "teapot", "cornell:3", "Cornell", "soups:3", "a/fan:3", "mesh.obj"})
         EXPECT_FALSE(builtin_scene(name)) << name;
 }

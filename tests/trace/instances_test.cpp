@@ -206,7 +206,7 @@ TEST_P(InstancesTest, CountsVisitsAndObeysTheCount) {
     const std::vector<Visits> visited = visits.read();
     for (std::size_t i = 0; i < 100; ++i) {
         EXPECT_TRUE(i < 37 ? same(found[i], all[i]) : found[i].instance == 0x12345678u) << i;
-        EXPECT_EQ(visited[i].nodes >= 2, i < 37) << i;
+        EXPECT_EQ(visited[i].nodes >= 1, i < 37) << i;
     }
     Buffer<std::uint8_t> occluded(device(), 100);
     occluded.write(std::vector<std::uint8_t>(100, 7));

@@ -208,10 +208,27 @@ TEST_P(QueryTest, MasksAndGeometriesTellMeshesApart) {
     EXPECT_GE(hits[3].primitive, meshes[0].triangles.size() + meshes[1].triangles.size());
 }
 
+Bounds scaled(const Bounds& bounds, float factor) {
+    return {bounds.center() + factor * (bounds.lo - bounds.center()),
+            bounds.center() + factor * (bounds.hi - bounds.center())};
+}
+
+/// Whether a ray meets a box, in float64.
+bool meets(const Bounds& box, const Ray& ray) {
+    double enter = ray.tmin, leave = ray.tmax;
+    const double origin[] = {ray.ox, ray.oy, ray.oz}, direction[] = {ray.dx, ray.dy, ray.dz};
+    for (int axis = 0; axis < 3; ++axis) {
+        const double a = (double(box.lo[axis]) - origin[axis]) / direction[axis],
+                     b = (double(box.hi[axis]) - origin[axis]) / direction[axis];
+        enter = std::max(enter, std::min(a, b)), leave = std::min(leave, std::max(a, b));
+    }
+    return enter <= leave;
+}
+
 TEST_P(QueryTest, CountsVisits) {
     const Mesh mesh = soup(2000, 0.05f, 16);
     const Bvh bvh = build(mesh);
-    const std::vector<Ray> host = random_rays(1000, 3.f, 1.f, 17);
+    const std::vector<Ray> host = random_rays(1000, 3.f, 2.f, 17);
     const Buffer<Ray> rays(device(), host);
     Buffer<Hit> hits(device(), host.size());
     Buffer<Visits> visits(device(), host.size());
@@ -221,12 +238,23 @@ TEST_P(QueryTest, CountsVisits) {
     const std::vector<Hit> expected = closest_hit(bvh, host);
     const std::vector<Visits> counts = visits.read();
     const std::vector<Hit> found = hits.read();
+    const Bounds bounds = bounds_of(mesh);
+    unsigned beside = 0, through = 0;
     for (std::size_t i = 0; i < host.size(); ++i) {
         ASSERT_TRUE(same(found[i], expected[i]));
         ASSERT_GE(counts[i].triangles, found[i].primitive != CLARAY_MISS ? 1u : 0u);
-        ASSERT_GE(counts[i].nodes, 2u);
         ASSERT_LE(counts[i].triangles, 2000u);
+        // The box of all triangles is tested first: beside it, that is the only one.
+        if (!meets(scaled(bounds, 1.001f), host[i])) {
+            ASSERT_EQ(counts[i].nodes, 1u);
+            ++beside;
+        } else if (meets(scaled(bounds, 0.999f), host[i])) {
+            ASSERT_GE(counts[i].nodes, 3u);
+            ++through;
+        }
     }
+    EXPECT_GT(beside, 100u);
+    EXPECT_GT(through, 100u);
 }
 
 TEST_P(QueryTest, RaysThatAreNoRaysHitNothing) {

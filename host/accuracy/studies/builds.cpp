@@ -1,7 +1,7 @@
 // Study of trees: time to build against time to trace, and refitting after motion.
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <iterator>
 
 #include "host/accuracy/studies/ray_variants.hpp"
 #include "host/accuracy/study.hpp"
@@ -73,30 +73,6 @@ void mark_fronts(std::vector<StudyPoint>& points) {
         mark_front(same);
         begin = std::copy(same.begin(), same.end(), begin);
     }
-}
-
-std::string name_of(const StudyPoint& p) { return p.method + ", " + p.setting; }
-
-/// The fastest tree by number of rays, with the build: the lower envelope of lines.
-void find_crossings(Study& study) {
-    const StudyPoint* best = nullptr;
-    for (const StudyPoint& p : study.points)
-        if (p.failure.empty() && !has_moved(p) && (!best || p.seconds.median < best->seconds.median)) best = &p;
-    if (!best) return;
-    std::string text = "including the build, " + name_of(*best) + " is fastest";
-    for (;;) {
-        const StudyPoint* next = nullptr;
-        double at = std::numeric_limits<double>::infinity();
-        for (const StudyPoint& p : study.points) {
-            if (!p.failure.empty() || has_moved(p) || p.error.high >= best->error.low) continue;
-            const double crossing = (p.seconds.median - best->seconds.median) / (best->error.median - p.error.median);
-            if (crossing < at) at = crossing, next = &p;
-        }
-        if (!next) break;
-        text += printed("; from %.3g million rays on ", std::max(at, 0.0)) + name_of(*next);
-        best = next;
-    }
-    study.findings.push_back(text);
 }
 
 /// Times of three numbers of rays, with the build.
@@ -197,7 +173,10 @@ Study study_builds(const Device& device, const Scene& scene, const StudyOptions&
     for (std::size_t i = 0; i < candidates.size(); ++i)
         study.points.push_back(point_of_build(candidates[i], timings[2 * i], timings[2 * i + 1]));
     mark_fronts(study.points);
-    find_crossings(study);
+    std::vector<StudyPoint> unmoved;
+    std::copy_if(study.points.begin(), study.points.end(), std::back_inserter(unmoved),
+                 [](const StudyPoint& p) { return !has_moved(p); });
+    study.findings.push_back(told_crossings(unmoved));
     tabulate(study);
     judge_refits(study);
     return study;

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "claray/shared/quantized_node.h"
+#include "claray/shared/study_nodes.h"
 #include "host/accuracy/studies/ray_variants.hpp"
 #include "host/accuracy/study.hpp"
 #include "host/measure/rays.hpp"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <memory>
 
-#include "claray/shared/quantized_node.h"
+#include "claray/shared/study_nodes.h"
 #include "host/measure/measure.hpp"
 #include "host/measure/rays.hpp"
 

@@ -15,7 +15,8 @@ struct FixedScene {
 };
 constexpr std::array fixed_scenes = {FixedScene{"cornell", scenes::cornell}, FixedScene{"spheres", scenes::spheres},
                                      FixedScene{"crate", scenes::crate},     FixedScene{"hills", scenes::hills},
-                                     FixedScene{"effects", scenes::effects}, FixedScene{"waves", scenes::waves}};
+                                     FixedScene{"effects", scenes::effects}, FixedScene{"waves", scenes::waves},
+                                     FixedScene{"statues", scenes::statues}};
 
 struct CountedScene {
     std::string_view name;
@@ -27,7 +28,7 @@ constexpr std::array counted_scenes = {CountedScene{"terrain", 1, scenes::terrai
                                        CountedScene{"hair", 1, scenes::hair}, CountedScene{"ball", 8, scenes::ball}};
 
 constexpr std::size_t most_triangles = 100'000'000;
-constexpr std::array names = {"cornell",     "spheres",   "crate",  "hills", "waves",  "effects",
+constexpr std::array names = {"cornell",     "spheres",   "crate",  "hills", "waves",  "statues", "effects",
                               "effect:NAME", "terrain:N", "soup:N", "fan:N", "hair:N", "ball:N"};
 
 std::size_t parse_count(const CountedScene& scene, std::string_view text) {

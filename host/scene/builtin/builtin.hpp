@@ -11,6 +11,7 @@ namespace claray::scenes {
 [[nodiscard]] Scene hills();
 [[nodiscard]] Scene effects();
 [[nodiscard]] Scene waves();
+[[nodiscard]] Scene statues();
 /// Throws ErrorKind::usage, naming those that exist, where there is no effect of this name.
 [[nodiscard]] Scene effect_alone(const std::string& name);
 [[nodiscard]] Scene terrain(std::size_t count);
