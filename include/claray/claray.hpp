@@ -12,5 +12,6 @@
 #include "claray/profiler.hpp"
 #include "claray/program.hpp"
 #include "claray/query.hpp"
+#include "claray/query/points.hpp"
 #include "claray/renderer.hpp"
 #include "claray/scene.hpp"
