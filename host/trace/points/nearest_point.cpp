@@ -1,6 +1,7 @@
 #include "claray/query/points.hpp"
 #include "host/trace/points/points.hpp"
 #include "host/trace/query_kernel.hpp"
+#include "host/trace/schedule.hpp"
 
 namespace claray {
 namespace {
@@ -24,18 +25,15 @@ void nearest_point(const Bvh& bvh, const Buffer<float>& points, Buffer<NearestPo
     const std::uint32_t count = points_in(points);
     check(bvh, count, nearest.size(), options);
     if (count == 0) return;
-    const Device& device = bvh.device();
-    const unsigned per_item = std::max(1u, device.tuning("trace/closest_hit", "RAYS_PER_ITEM")),
-                   group = device.tuning("trace/closest_hit", "GROUP_SIZE");
-    Defines defines = solid_defines(bvh);
-    defines.insert(defines.end(), {{"GROUP_SIZE", std::to_string(group)}, {"RAYS_PER_ITEM", std::to_string(per_item)}});
+    const Schedule schedule(bvh.device());
+    Defines defines = schedule.with(solid_defines(bvh));
     if (options.masks.allocated()) defines.emplace_back("CLARAY_RAY_MASKS", "1");
     if (options.visits.allocated()) defines.emplace_back("CLARAY_COUNT_VISITS", "1");
     if (options.brute_force) defines.emplace_back("BRUTE_FORCE", "1");
     const Buffer<std::uint32_t> order = options.sort ? point_order(bvh, points, count) : Buffer<std::uint32_t>{};
-    load_kernel(device, "trace/points/nearest_point.cl", "nearest_point", defines)
-        .run({(std::size_t(count) + per_item - 1) / per_item, group}, SolidBvh{bvh}, points, nearest, count,
-             options.reach, arg("order", order), arg("masks", options.masks), options.visits);
+    load_kernel(bvh.device(), "trace/points/nearest_point.cl", "nearest_point", defines)
+        .run(schedule.range(count), SolidBvh{bvh}, points, nearest, count, options.reach, arg("order", order),
+             arg("masks", options.masks), options.visits);
 }
 
 std::vector<NearestPoint> nearest_point(const Bvh& bvh, std::span<const glm::vec3> points,

@@ -1,4 +1,4 @@
-// Queries by points: the nearest point of a surface.
+// Queries by points: the nearest point of a surface, whether a point is inside, and its signed distance.
 #pragma once
 
 #include <limits>
@@ -30,5 +30,22 @@ void nearest_point(const Bvh& bvh, const Buffer<float>& points, Buffer<NearestPo
 /// As above, for points in host memory: uploads, searches, downloads. Blocks.
 [[nodiscard]] std::vector<NearestPoint> nearest_point(const Bvh& bvh, std::span<const glm::vec3> points,
                                                       const PointOptions& options = {});
+
+/// Writes 1 for every point inside of the closed mesh, else 0: whether the ray from the point along +z crosses the
+/// surface an odd number of times. `answers` must hold an element per point. Each crossing counts once, also at edges
+/// and vertices. In float64 the answer is exact (docs/numerics.md); a point on the surface may be either. If the meshes
+/// are not closed or overlap each other, the answer is still that parity. Asynchronous, except for structures with
+/// split triangles (Bvh::splits).
+void inside(const Bvh& bvh, const Buffer<float>& points, Buffer<std::uint8_t>& answers);
+
+/// Writes the distance of every point to the surface, as nearest_point, negative inside. Farther than the reach of
+/// `options`, it is that reach. Asynchronous as `inside`.
+void signed_distance(const Bvh& bvh, const Buffer<float>& points, Buffer<float>& distances,
+                     const PointOptions& options = {});
+
+/// As above, for points in host memory.
+[[nodiscard]] std::vector<std::uint8_t> inside(const Bvh& bvh, std::span<const glm::vec3> points);
+[[nodiscard]] std::vector<float> signed_distance(const Bvh& bvh, std::span<const glm::vec3> points,
+                                                 const PointOptions& options = {});
 
 }  // namespace claray

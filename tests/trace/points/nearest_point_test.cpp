@@ -10,11 +10,11 @@
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/not_finite.hpp"
 
 namespace claray::test {
 namespace {
 
-constexpr float infinity = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
 
 class NearestPointTest : public testing::TestWithParam<Layout> {
 protected:
