@@ -20,7 +20,7 @@ kernel void bound_primitives(global const float* data, uint count, global float*
     const float3 least = fmax(fabs(lo), 1e-18f) * 0x1p-22f, hi = fmax(box.hi, (float3)(lo.xy + least.xy, lo.z));
     vstore3(valid ? lo : (float3)(NAN), 3 * i, positions);
     vstore3(hi, 3 * i + 1, positions);
-    vstore3((float3)(lo.x, hi.y, lo.z), 3 * i + 2, positions);
+    vstore3(PRIMITIVE_CAPSULES ? box.start : (float3)(lo.x, hi.y, lo.z), 3 * i + 2, positions);
     vstore3((uint3)(3 * i, 3 * i + 1, 3 * i + 2), i, indices);
 }
 
