@@ -37,7 +37,7 @@ struct Primitives::State {
         const std::string text = "#include \"primitives/primitive.clh\"\n#line 1 \"" + kind.name + "\"\n" +
                                  kind.source +
                                  "\n#define CLARAY_PRIMITIVE_KIND 1\n#include \"primitives/primitives.cl\"\n";
-        return compile_kernel(device, text, function, defines, Math::strict, "primitives.cl");
+        return compile_kernel(device, text, function, defines, Math::strict, kind.name + ".cl");
     }
 
     void bound() {

@@ -68,7 +68,7 @@ double first_contact(const std::vector<ExactCurve>& curves, const Ray& ray, doub
         const glm::dvec3 mid = 0.5 * (lo + hi) - o;
         const double along = dot(mid, d) / dot(d, d);
         if (length(mid - along * d) > 0.5 * length(hi - lo) + r + more) continue;
-        constexpr int samples = 400;
+        constexpr int samples = 300;
         for (int i = 0; i <= samples; ++i) {
             const glm::dvec4 c = curve.at(double(i) / samples);
             const glm::dvec3 p = glm::dvec3(c) - o;
@@ -100,9 +100,9 @@ std::vector<ExactCurve> exact_curves(const Tufts& tufts, CurveBasis basis) {
 TEST_P(CurvesTest, HitsAreWithinTheToleranceOfTheExactCurve) {
     const Tufts tufts = random_strands(40, 3, basis(), 1);
     const std::vector<ExactCurve> curves = exact_curves(tufts, basis());
-    const std::vector<Ray> rays = random_rays(3001, 4.f, 1.f, 2);
+    const std::vector<Ray> rays = random_rays(1501, 4.f, 1.f, 2);
     const std::vector<Hit> hits = closest_hit(build(tufts), rays);
-    constexpr double tolerance = 0.02 / 32 + 0.02 / 100;  // and the steps of the samples
+    constexpr double tolerance = 0.02 / 32 + 0.02 / 50;  // and the steps of the samples
     std::size_t found = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const double unit = std::sqrt(rays[i].dx * rays[i].dx + rays[i].dy * rays[i].dy + rays[i].dz * rays[i].dz);
@@ -120,7 +120,7 @@ TEST_P(CurvesTest, HitsAreWithinTheToleranceOfTheExactCurve) {
             ASSERT_EQ(late, infinity) << i;
         }
     }
-    EXPECT_GT(found, 100u);
+    EXPECT_GT(found, 50u);
 }
 
 TEST_P(CurvesTest, HitsDoNotDependOnTheTree) {

@@ -30,7 +30,7 @@ Kernel load_filtered(const Device& device, const std::string& file, const std::s
                           "#include \"claray/shared/types.h\"\n#include \"compute/portable.clh\"\n#define HIT_FILTER "
                           "1\n#line 1 \"" +
                               filter.name + "\"\n" + filter.source + "\n#include \"" + file + "\"\n",
-                          function, defines, Math::strict, "filter.cl");
+                          function, defines, Math::strict, filter.name + ".cl");
 }
 
 HitFilter geometry_range(const Device& device, std::uint32_t first, std::uint32_t end) {

@@ -15,7 +15,6 @@
 namespace claray::test {
 namespace {
 
-
 class NearestPointTest : public testing::TestWithParam<Layout> {
 protected:
     static Bvh build(const Mesh& mesh, Builder builder = Builder::fast) {
