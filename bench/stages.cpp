@@ -79,6 +79,46 @@ std::vector<Task> queries(const Device& device, const std::vector<Mesh>& meshes,
             }};
 }
 
+/// All hits of rays, and queries by points, boxes and spheres, on a tree that splits triangles and one that does not.
+std::vector<Task> other_queries(const Device& device, const std::vector<Mesh>& meshes, unsigned side, Layout layout) {
+    const std::size_t count = std::size_t(side) * side;
+    const Buffer<Ray> rays(device, measure::random_rays(bounds_of(meshes[0]), count));
+    std::vector<float> numbers(12 * count);
+    measure::Pcg random;
+    for (float& number : numbers) number = random.uniform();
+    const Buffer<float> points(device, std::span(numbers).first(3 * count)),
+        spheres(device, std::span(numbers).first(400)), boxes(device, std::span(numbers).first(600)),
+        centers(device, std::span(numbers).first(4 * count));
+    const auto ask = [=](const Bvh& bvh) {
+        Buffer<NearestPoint> nearest(device, count);
+        Buffer<std::uint8_t> answers(device, count);
+        Buffer<float> distances(device, count);
+        Buffer<Hit> hits(device, 4 * count);
+        Buffer<std::uint32_t> counts(device, count);
+        inside(bvh, points, answers);
+        signed_distance(bvh, points, distances);
+        nearest_hits(bvh, rays, 4, hits, counts);
+        (void)all_hits(bvh, rays);
+        (void)box_overlaps(bvh, boxes);
+        (void)sphere_overlaps(bvh, spheres);
+        QueryOptions options;
+        options.filter = geometry_range(device, 0, 1);
+        closest_hit(bvh, rays, hits, options);
+        any_hit(bvh, rays, answers, options);
+    };
+    const Bvh whole = Bvh::build(device, meshes, {.layout = layout});
+    const Bvh split = Bvh::build(device, meshes, {.builder = Builder::high, .layout = layout});
+    Primitives balls = Primitives::build(device, sphere_kind(), centers, std::uint32_t(centers.size() / 4));
+    return {[=] { ask(whole); }, [=] { ask(split); },
+            [=]() mutable {
+                Buffer<Hit> hits(device, count);
+                Buffer<std::uint8_t> answers(device, count);
+                balls.rebuild();
+                closest_hit(balls, rays, hits);
+                any_hit(balls, rays, answers);
+            }};
+}
+
 /// A scene by stages, by whole paths or with the last paths by one kernel; with an estimate of its error and its AOVs.
 Task render(const Device& device, const std::string& name, unsigned side, Layout layout, bool whole_paths) {
     RenderConfig config{.width = side, .height = side, .spp = 16, .error = 1e-6};
@@ -139,6 +179,8 @@ std::vector<Task> tasks_of(const Device& device, const Options& options, Layout 
     std::vector<Task> tasks = builds(device, meshes, layout);
     const std::vector<Task> traces = queries(device, meshes, options.side, layout);
     tasks.insert(tasks.end(), traces.begin(), traces.end());
+    const std::vector<Task> others = other_queries(device, meshes, options.side, layout);
+    tasks.insert(tasks.end(), others.begin(), others.end());
     for (const bool whole_paths : {true, false})
         for (const char* scene : {"crate", "effect:cut-outs"})
             tasks.push_back(render(device, scene, options.side, layout, whole_paths));

@@ -77,6 +77,7 @@ Bvh Bvh::build_by_host(const Device& device, std::span<const Mesh> meshes, const
     bvh.state_->nodes.write(tree.nodes);
     bvh.state_->leaves.write(tree.leaves);
     bvh.state_->header.write(std::span(&tree.header, 1));
+    bvh.state_->splits_of_host = tree.header.valid + tree.header.culled > bvh.state_->count;
     if (bvh.layout() == Layout::wide) bvh.state_->collapse(false);
     return bvh;
 }
@@ -87,6 +88,9 @@ void Bvh::prepare_refit() { state_->load_refit(); }
 
 const TriangleBuffers& Bvh::triangles() const { return state_->triangles; }
 std::size_t Bvh::triangle_count() const { return state_->count; }
+bool Bvh::splits() const {
+    return state_->splits_of_host || (traits_of(state_->config.builder).splits && state_->config.split_budget > 0);
+}
 Layout Bvh::layout() const { return state_->layout; }
 const Device& Bvh::device() const { return state_->device; }
 BvhHeader Bvh::header() const { return state_->read_header(); }

@@ -212,6 +212,7 @@ void Bvh::State::build_hploc(const Buffer<Code>& codes) {
 void Bvh::State::build() {
     if (!prepared_) prepare_to_build();
     built_cost = 0;
+    splits_of_host = false;
     compute_bounds();
     if (!traits_of(config.builder).codes)
         build_from_root();

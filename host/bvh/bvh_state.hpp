@@ -29,8 +29,9 @@ struct Bvh::State {
     TriangleBuffers triangles;
     Config config;
     Layout layout;
-    std::uint32_t count;         // triangles of the input, including culled ones
-    bool small_kernels = false;  // see CLARAY_SMALL in kernels/trace/closest_hit.clh
+    std::uint32_t count;          // triangles of the input, including culled ones
+    bool splits_of_host = false;  // a tree from elsewhere has triangles in several leaves
+    bool small_kernels = false;   // see CLARAY_SMALL in kernels/trace/closest_hit.clh
 
     double built_cost = 0;  // the cost before the first refit; 0: none since the last build
 

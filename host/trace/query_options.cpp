@@ -9,6 +9,12 @@ Defines query_defines(Defines defines, const QueryOptions& options) {
     return defines;
 }
 
+Defines solid_defines(const Bvh& bvh) {
+    Defines defines = bvh.defines();
+    std::erase_if(defines, [](const auto& define) { return define.first == "CLARAY_CUTOUTS"; });
+    return defines;
+}
+
 void check_sizes(std::size_t rays, std::size_t results, const QueryOptions& options) {
     if (rays > 4'000'000'000)  // the ticket of kernels/trace/queue/ray_queue.clh exceeds the last ray and must not wrap
         throw Error(ErrorKind::usage, std::to_string(rays) + " rays are too many for one query",

@@ -10,6 +10,9 @@ enum class QueryKind { closest, any };
 /// The macros of a structure and of the options.
 [[nodiscard]] Defines query_defines(Defines defines, const QueryOptions& options);
 
+/// The macros of a structure whose triangles are all treated as solid.
+[[nodiscard]] Defines solid_defines(const Bvh& bvh);
+
 /// Throws ErrorKind::usage if there are too many rays, or if a buffer of the options has fewer elements than rays.
 void check_sizes(std::size_t rays, std::size_t results, const QueryOptions& options);
 

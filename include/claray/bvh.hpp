@@ -168,6 +168,8 @@ public:
     [[nodiscard]] const TriangleBuffers& triangles() const;
     [[nodiscard]] std::size_t triangle_count() const;
     [[nodiscard]] Layout layout() const;
+    /// Whether a triangle may be in several leaves.
+    [[nodiscard]] bool splits() const;
     [[nodiscard]] const Device& device() const;
 
     [[nodiscard]] BvhHeader header() const;

@@ -29,7 +29,17 @@ typedef struct Hit {
 } Hit;
 CLARAY_LAYOUT(Hit, 20)
 
-/// The cost of one ray: number of boxes and of triangles tested.
+/// The point of a surface that is nearest to another point.
+typedef struct NearestPoint {
+    float x, y, z;   // the nearest point; the query's own point on a miss
+    float distance;  // the query's largest distance on a miss
+    float u, v;      // barycentric weights of the second and the third vertex
+    uint primitive;  // index of the triangle in the input, over all geometries; CLARAY_MISS if there is none in reach
+    uint geometry;   // index of its mesh
+} NearestPoint;
+CLARAY_LAYOUT(NearestPoint, 32)
+
+/// The cost of one query: number of boxes and of triangles tested.
 typedef struct Visits {
     uint nodes;
     uint triangles;

@@ -1,0 +1,187 @@
+// Curves: primitives/curves.clh, a kind of primitives/primitives.cl.
+#include "claray/primitives/curves.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/support/device.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/meshes.hpp"
+#include "tests/support/not_finite.hpp"
+#include "tests/support/query.hpp"
+
+namespace claray::test {
+namespace {
+
+/// The exact curve in float64: a place and a radius at each parameter.
+struct ExactCurve {
+    glm::dvec4 p[4];  // Bezier control points
+
+    ExactCurve(const glm::vec4* c, CurveBasis basis) {
+        const glm::dvec4 a(c[0]), b(c[1]), d(c[2]), e(c[3]);
+        if (basis == CurveBasis::bezier)
+            p[0] = a, p[1] = b, p[2] = d, p[3] = e;
+        else
+            p[0] = (a + 4. * b + d) / 6., p[1] = (2. * b + d) / 3., p[2] = (b + 2. * d) / 3.,
+            p[3] = (b + 4. * d + e) / 6.;
+    }
+    [[nodiscard]] glm::dvec4 at(double s) const {
+        const double r = 1 - s;
+        return r * r * r * p[0] + 3 * r * r * s * p[1] + 3 * r * s * s * p[2] + s * s * s * p[3];
+    }
+};
+
+struct Tufts {
+    std::vector<glm::vec4> points;
+    std::vector<std::uint32_t> segments;
+};
+
+/// Strands of `length` segments with a radius that varies.
+Tufts random_strands(std::size_t count, std::uint32_t length, CurveBasis basis, std::uint64_t seed) {
+    Random random(seed);
+    Tufts tufts;
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t step = basis == CurveBasis::bezier ? 3 : 1;
+        glm::vec3 at = random.in_cube(1), along = 0.1f * random.in_cube(1);
+        for (std::uint32_t k = 0; k < length; ++k)
+            tufts.segments.push_back(std::uint32_t(tufts.points.size()) + step * k);
+        for (std::uint32_t k = 0; k < step * (length - 1) + 4; ++k) {
+            tufts.points.emplace_back(at, random.uniform(0.004f, 0.02f));
+            along += 0.05f * random.in_cube(1), at += along;
+        }
+    }
+    return tufts;
+}
+
+/// Along the ray, the first distance at which it is within the radius, grown by `more`, of any of the curves; infinite
+/// if there is none. Marches by the distance to the surface.
+double first_contact(const std::vector<ExactCurve>& curves, const Ray& ray, double more, CurveShape shape) {
+    const glm::dvec3 o(ray.ox, ray.oy, ray.oz), d(ray.dx, ray.dy, ray.dz);
+    double best = infinity;
+    for (const ExactCurve& curve : curves) {
+        glm::dvec3 lo(1e9), hi(-1e9);  // of the control points: most rays pass far off
+        double r = 0;
+        for (const glm::dvec4& p : curve.p)
+            lo = glm::min(lo, glm::dvec3(p)), hi = glm::max(hi, glm::dvec3(p)), r = std::max(r, p.w);
+        const glm::dvec3 mid = 0.5 * (lo + hi) - o;
+        const double along = dot(mid, d) / dot(d, d);
+        if (length(mid - along * d) > 0.5 * length(hi - lo) + r + more) continue;
+        constexpr int samples = 300;
+        for (int i = 0; i <= samples; ++i) {
+            const glm::dvec4 c = curve.at(double(i) / samples);
+            const glm::dvec3 p = glm::dvec3(c) - o;
+            const double t = dot(p, d) / dot(d, d), r2 = (c.w + more) * (c.w + more), off = dot(p - t * d, p - t * d);
+            if (off > r2) continue;
+            best = std::min(best, shape == CurveShape::round ? t - std::sqrt((r2 - off) / dot(d, d)) : t);
+        }
+    }
+    return best;
+}
+
+class CurvesTest : public testing::TestWithParam<std::tuple<CurveBasis, CurveShape, Layout>> {
+protected:
+    static CurveBasis basis() { return std::get<0>(GetParam()); }
+    static CurveShape shape() { return std::get<1>(GetParam()); }
+    static Primitives build(const Tufts& tufts, Builder builder = Builder::balanced) {
+        return build_curves(device(), tufts.points, tufts.segments, basis(), shape(),
+                            {.builder = builder, .layout = std::get<2>(GetParam())});
+    }
+};
+
+std::vector<ExactCurve> exact_curves(const Tufts& tufts, CurveBasis basis) {
+    std::vector<ExactCurve> curves;
+    for (const std::uint32_t first : tufts.segments) curves.emplace_back(&tufts.points[first], basis);
+    return curves;
+}
+
+/// A curve that is thinner by the tolerance is hit later or not, one that is thicker earlier.
+TEST_P(CurvesTest, HitsAreWithinTheToleranceOfTheExactCurve) {
+    const Tufts tufts = random_strands(40, 3, basis(), 1);
+    const std::vector<ExactCurve> curves = exact_curves(tufts, basis());
+    const std::vector<Ray> rays = random_rays(1501, 4.f, 1.f, 2);
+    const std::vector<Hit> hits = closest_hit(build(tufts), rays);
+    constexpr double tolerance = 0.02 / 32 + 0.02 / 50;  // and the steps of the samples
+    std::size_t found = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const double unit = std::sqrt(rays[i].dx * rays[i].dx + rays[i].dy * rays[i].dy + rays[i].dz * rays[i].dz);
+        const double early = first_contact(curves, rays[i], tolerance, shape());
+        const double late = first_contact(curves, rays[i], -tolerance, shape());
+        const bool hit = hits[i].primitive != CLARAY_MISS;
+        found += hit;
+        if (hit) {
+            // A flat curve's distance is that of its centre line.
+            const double slack = shape() == CurveShape::flat ? 0.05 / unit : 1e-6;
+            ASSERT_GE(hits[i].t, early - slack) << i;
+            ASSERT_LE(hits[i].t, late + slack) << i;
+            ASSERT_TRUE(hits[i].u >= 0 && hits[i].u <= 1 && std::fabs(hits[i].v) <= 1) << i;
+        } else {
+            ASSERT_EQ(late, infinity) << i;
+        }
+    }
+    EXPECT_GT(found, 50u);
+}
+
+TEST_P(CurvesTest, HitsDoNotDependOnTheTree) {
+    const Tufts tufts = random_strands(60, 5, basis(), 3);
+    const std::vector<Ray> rays = random_rays(3001, 4.f, 1.f, 4);
+    const Primitives here = build(tufts);
+    const std::vector<Hit> hits = closest_hit(here, rays), every = closest_hit(here, rays, brute_force),
+                           other = closest_hit(build(tufts, Builder::high), rays);
+    const std::vector<std::uint8_t> occluded = any_hit(here, rays);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        ASSERT_EQ(hits[i].primitive, every[i].primitive) << i;
+        ASSERT_EQ(hits[i].t, every[i].t) << i;
+        ASSERT_EQ(hits[i].u, every[i].u) << i;
+        ASSERT_EQ(hits[i].primitive, other[i].primitive) << i;
+        ASSERT_EQ(occluded[i] != 0, hits[i].primitive != CLARAY_MISS) << i;
+    }
+}
+
+/// Rays at the centre line, also exactly at the joints of segments and of their pieces, hit.
+TEST_P(CurvesTest, HaveWatertightJoints) {
+    const Tufts tufts = random_strands(40, 6, basis(), 5);
+    const std::vector<ExactCurve> curves = exact_curves(tufts, basis());
+    Random random(6);
+    std::vector<Ray> rays;
+    for (std::size_t i = 0; i < curves.size(); ++i)
+        for (const double s : {0., 1. / 8, 0.25, 0.3, 0.5, 5. / 8, 1.})
+            for (int k = 0; k < 4; ++k) {
+                const glm::vec3 target(glm::dvec3(curves[i].at(s))),
+                    origin = 10.f * random.in_cube(1) + glm::vec3(0, 0, 12);
+                rays.push_back(make_ray(origin, target - origin));
+            }
+    const std::vector<std::uint8_t> occluded = any_hit(build(tufts), rays);
+    EXPECT_EQ(std::count(occluded.begin(), occluded.end(), 0), 0);
+}
+
+TEST_P(CurvesTest, FewNoneAndInvalid) {
+    const Tufts none;
+    const std::vector<Ray> rays = {make_ray({0, 0, 4}, {0, 0, -1}), make_ray({0, 0, 4}, {0, 0, -3})};
+    EXPECT_EQ(closest_hit(build(none), rays)[0].primitive, CLARAY_MISS);
+    Tufts one;  // a straight line along x, and segments without radius or place
+    for (int i = 0; i < 4; ++i) one.points.emplace_back(i - 1.5f, 0, 0, 0.5f);
+    for (int i = 0; i < 4; ++i) one.points.emplace_back(i - 1.5f, 0, 1, -1.f);
+    for (int i = 0; i < 4; ++i) one.points.emplace_back(i - 1.5f, 0, nan, 1.f);
+    one.segments = {0, 4, 8};
+    const Primitives curves = build(one);
+    EXPECT_EQ(curves.bvh().statistics().triangles, 1u);
+    const std::vector<Hit> hits = closest_hit(curves, rays);
+    const float depth = shape() == CurveShape::round ? 3.5f : 4.f;
+    EXPECT_EQ(hits[0].primitive, 0u);
+    EXPECT_NEAR(hits[0].t, depth, 1e-6f);
+    EXPECT_NEAR(hits[0].u, 0.5f, 1e-6f);
+    EXPECT_NEAR(hits[1].t, depth / 3, 1e-6f);
+    one.segments = {9};
+    EXPECT_TRUE(throws_error(ErrorKind::user, "control point 9", [&] { (void)build(one); }));
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, CurvesTest,
+                         testing::Values(std::tuple(CurveBasis::bspline, CurveShape::round, Layout::wide),
+                                         std::tuple(CurveBasis::bezier, CurveShape::flat, Layout::wide),
+                                         std::tuple(CurveBasis::bezier, CurveShape::round, Layout::binary),
+                                         std::tuple(CurveBasis::bspline, CurveShape::flat, Layout::binary)));
+
+}  // namespace
+}  // namespace claray::test

@@ -1,0 +1,220 @@
+// Primitives given as text: primitives/primitives.cl.
+#include "claray/primitives/primitives.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "tests/support/device.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/meshes.hpp"
+#include "tests/support/not_finite.hpp"
+#include "tests/support/query.hpp"
+
+namespace claray::test {
+namespace {
+
+using V = glm::vec<3, long double>;
+
+/// Distances at which a ray crosses a primitive's surface, in 80-bit arithmetic.
+using Crossings = std::vector<long double> (*)(const float* data, const V& origin, const V& direction);
+
+/// The solutions of |p + t q|^2 = r^2.
+std::vector<long double> circle(const V& p, const V& q, long double r) {
+    const long double a = dot(q, q), b = dot(p, q), disc = b * b - a * (dot(p, p) - r * r);
+    if (!(disc >= 0) || a == 0) return {};
+    return {(-b - std::sqrt(disc)) / a, (-b + std::sqrt(disc)) / a};
+}
+
+std::vector<long double> cross_sphere(const float* s, const V& o, const V& d) {
+    return circle(o - V(s[0], s[1], s[2]), d, s[3]);
+}
+
+std::vector<long double> cross_disc(const float* s, const V& o, const V& d) {
+    const V n(s[4], s[5], s[6]), c(s[0], s[1], s[2]);
+    const long double t = dot(n, c - o) / dot(n, d), r = length(o + t * d - c);
+    return r <= s[3] && r >= s[7] ? std::vector<long double>{t} : std::vector<long double>{};
+}
+
+std::vector<long double> cross_cylinder(const float* s, const V& o, const V& d) {
+    const V a(s[0], s[1], s[2]), b(s[4], s[5], s[6]), axis = normalize(b - a), from = o - a;
+    const auto across = [&](const V& v) { return v - dot(v, axis) * axis; };
+    std::vector<long double> found;
+    for (const long double t : circle(across(from), across(d), s[3])) {
+        const long double along = dot(from + t * d, axis);
+        if (along >= 0 && along <= length(b - a)) found.push_back(t);
+    }
+    if (s[7] != 0)
+        for (const V& end : {a, b}) {
+            const long double t = dot(end - o, axis) / dot(d, axis);
+            if (length(o + t * d - end) <= s[3]) found.push_back(t);
+        }
+    return found;
+}
+
+struct KindCase {
+    const char* name;
+    PrimitiveKind kind;
+    Crossings crossings;
+};
+
+class PrimitivesTest : public testing::TestWithParam<std::tuple<int, Layout>> {
+protected:
+    static KindCase kind_case() {
+        const KindCase cases[] = {{"spheres", sphere_kind(), cross_sphere},
+                                  {"discs", disc_kind(), cross_disc},
+                                  {"cylinders", cylinder_kind(), cross_cylinder}};
+        return cases[std::get<0>(GetParam())];
+    }
+    static Primitives build(const PrimitiveKind& kind, const std::vector<float>& data,
+                            Builder builder = Builder::balanced) {
+        return Primitives::build(device(), kind, Buffer<float>(device(), data),
+                                 std::uint32_t(data.size() / std::max(1u, kind.floats)),
+                                 {.builder = builder, .layout = std::get<1>(GetParam())});
+    }
+};
+
+std::vector<float> random_data(const KindCase& of, std::size_t count, float size, std::uint64_t seed) {
+    Random random(seed);
+    std::vector<float> data;
+    for (std::size_t i = 0; i < count; ++i) {
+        const glm::vec3 a = random.in_cube(1), b = random.in_cube(1);
+        data.insert(data.end(), {a.x, a.y, a.z, size * random.uniform(0.2f, 1.f)});
+        if (of.kind.floats != 8) continue;
+        const glm::vec3 second = of.crossings == cross_disc ? b : a + size * 3.f * b;
+        const float last = of.crossings == cross_disc ? 0.1f * size * float(i % 2) : float(i % 2);
+        data.insert(data.end(), {second.x, second.y, second.z, last});
+    }
+    return data;
+}
+
+void expect_oracle_hits(const KindCase& of, const std::vector<float>& data, const std::vector<Ray>& rays,
+                        const std::vector<Hit>& hits) {
+    std::size_t found = 0, marginal = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const Ray& ray = rays[i];
+        const V o(ray.ox, ray.oy, ray.oz), d(ray.dx, ray.dy, ray.dz);
+        long double nearest = std::numeric_limits<long double>::infinity();
+        std::uint32_t primitive = CLARAY_MISS;
+        for (std::size_t p = 0; p < data.size() / of.kind.floats; ++p)
+            for (const long double t : of.crossings(&data[p * of.kind.floats], o, d))
+                if (float(t) > ray.tmin && float(t) <= ray.tmax && t < nearest)
+                    nearest = t, primitive = std::uint32_t(p);
+        if (hits[i].primitive == primitive &&
+            (primitive == CLARAY_MISS || std::fabs(hits[i].t - nearest) <= 1e-7L * nearest)) {
+            found += primitive != CLARAY_MISS;
+            continue;
+        }
+        ++marginal;  // at a border, where float64 may round to the other side
+    }
+    EXPECT_GT(found, rays.size() / 10);
+    EXPECT_LE(marginal, rays.size() / 5000);
+}
+
+TEST_P(PrimitivesTest, HitsEqualTheOracle) {
+    const KindCase of = kind_case();
+    const std::vector<float> data = random_data(of, 503, 0.15f, 1);
+    std::vector<Ray> rays = random_rays(5003, 3.f, 1.f, 2);
+    for (std::size_t i = 0; i < rays.size(); i += 3) rays[i].tmin = 2.5f, rays[i].tmax = 3.5f;  // some from inside
+    expect_oracle_hits(of, data, rays, closest_hit(build(of.kind, data), rays));
+}
+
+TEST_P(PrimitivesTest, HitsDoNotDependOnTheTree) {
+    const KindCase of = kind_case();
+    std::vector<float> data = random_data(of, 1003, 0.1f, 3);
+    data.insert(data.end(), data.begin(), data.begin() + 50 * of.kind.floats);  // equal distances
+    const std::vector<Ray> rays = random_rays(3001, 3.f, 1.f, 4);
+    const Primitives here = build(of.kind, data);
+    const std::vector<Hit> hits = closest_hit(here, rays), every = closest_hit(here, rays, brute_force),
+                           other = closest_hit(build(of.kind, data, Builder::high), rays);
+    const std::vector<std::uint8_t> occluded = any_hit(here, rays);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        ASSERT_EQ(hits[i].primitive, every[i].primitive) << i;
+        ASSERT_EQ(hits[i].t, every[i].t) << i;
+        ASSERT_EQ(hits[i].u, every[i].u) << i;
+        ASSERT_EQ(hits[i].primitive, other[i].primitive) << i;
+        ASSERT_EQ(occluded[i] != 0, hits[i].primitive != CLARAY_MISS) << i;
+    }
+    EXPECT_TRUE(here.bvh().validate().ok());
+}
+
+TEST_P(PrimitivesTest, FarAwayAndFewAndNone) {
+    const KindCase of = kind_case();
+    std::vector<float> data = random_data(of, 300, 1000.f, 5);
+    for (std::size_t i = 0; i < data.size(); i += of.kind.floats) {
+        for (int k = 0; k < 3; ++k) data[i + k] += 1e6f;
+        if (of.crossings == cross_cylinder)
+            for (int k = 4; k < 7; ++k) data[i + k] += 1e6f;
+    }
+    std::vector<Ray> rays = random_rays(2003, 5000.f, 500.f, 6);
+    for (Ray& ray : rays) ray.ox += 1e6f, ray.oy += 1e6f, ray.oz += 1e6f;
+    expect_oracle_hits(of, data, rays, closest_hit(build(of.kind, data), rays));
+    for (const std::size_t count : {0, 1, 2}) {
+        const std::vector<float> few(data.begin(), data.begin() + count * of.kind.floats);
+        const Primitives primitives = build(of.kind, few);
+        const std::vector<Hit> hits = closest_hit(primitives, rays), every = closest_hit(primitives, rays, brute_force);
+        for (std::size_t i = 0; i < rays.size(); ++i) ASSERT_EQ(hits[i].primitive, every[i].primitive) << i;
+    }
+    std::vector<float> invalid(data.begin(), data.begin() + 3 * of.kind.floats);
+    invalid[0] = nan, invalid[of.kind.floats + 3] = -1;  // a centre and a radius
+    EXPECT_EQ(build(of.kind, invalid).bvh().statistics().triangles, 1u);
+}
+
+/// The text of a user: cubes, whose bounds are all there is to them.
+TEST(OwnPrimitives, OfAUsersText) {
+    const PrimitiveKind cubes{"cubes", R"(
+static inline PrimitiveBox bounds_of(global const float* data, uint primitive) {
+    const float4 cube = vload4(primitive, data);
+    const PrimitiveBox box = {cube.xyz - cube.w, cube.xyz + cube.w};
+    return box;
+}
+static inline bool intersect(global const float* data, uint primitive, float3 origin, float3 direction, float tmin, Hit* hit) {
+    const float4 cube = vload4(primitive, data);
+    const float3 a = (cube.xyz - cube.w - origin) / direction, b = (cube.xyz + cube.w - origin) / direction;
+    const float3 near = fmin(a, b), far = fmax(a, b);
+    const float in = fmax(fmax(near.x, near.y), near.z), out = fmin(fmin(far.x, far.y), far.z);
+    return in <= out && take_hit(in, tmin, hit);
+})",
+                              4};
+    const std::vector<float> data = {0, 0, 0, 1, 5, 0, 0, 0.5f};
+    const Primitives primitives = Primitives::build(device(), cubes, data);
+    const std::vector<Ray> rays = {make_ray({0.1f, 0.2f, 4}, {0, 0, -1}), make_ray({-3, 0.1f, 0.2f}, {1, 0, 0}),
+                                   make_ray({5, 0.1f, 4}, {0, 0, -2}), make_ray({2, 2, 2}, {1, 1, 1})};
+    const std::vector<Hit> hits = closest_hit(primitives, rays);
+    EXPECT_EQ(hits[0].t, 3.f);
+    EXPECT_EQ(hits[1].t, 2.f);
+    EXPECT_EQ(hits[2].primitive, 1u);
+    EXPECT_EQ(hits[2].t, 1.75f);
+    EXPECT_EQ(hits[3].primitive, CLARAY_MISS);
+    EXPECT_EQ(any_hit(primitives, rays), (std::vector<std::uint8_t>{1, 1, 1, 0}));
+}
+
+TEST(OwnPrimitives, MoveWithTheirData) {
+    const Buffer<float> data(device(), std::vector<float>{0, 0, 0, 1});
+    Primitives primitives = Primitives::build(device(), sphere_kind(), data, 1);
+    const std::vector<Ray> ray = {make_ray({5, 0, 4}, {0, 0, -1})};
+    EXPECT_EQ(closest_hit(primitives, ray)[0].primitive, CLARAY_MISS);
+    Buffer<float>(data).write(std::vector<float>{5, 0, 0, 2});
+    primitives.refit();
+    EXPECT_EQ(closest_hit(primitives, ray)[0].t, 2.f);
+    Buffer<float>(data).write(std::vector<float>{5, 0, 0, 3});
+    primitives.rebuild();
+    EXPECT_EQ(closest_hit(primitives, ray)[0].t, 1.f);
+}
+
+TEST(OwnPrimitives, RefuseWhatCannotBe) {
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "whole number",
+                             [] { (void)Primitives::build(device(), sphere_kind(), std::vector<float>(5)); }));
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "need 8 floats",
+                             [] { (void)Primitives::build(device(), sphere_kind(), Buffer<float>(device(), 7), 2); }));
+    EXPECT_TRUE(throws_error(ErrorKind::device, "broken", [] {
+        (void)Primitives::build(device(), {"broken", "static inline nonsense", 1}, std::vector<float>(1));
+    }));
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, PrimitivesTest,
+                         testing::Combine(testing::Range(0, 3), testing::Values(Layout::binary, Layout::wide)));
+
+}  // namespace
+}  // namespace claray::test
