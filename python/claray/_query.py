@@ -1,0 +1,189 @@
+"""Queries: the closest hit of each ray, and whether a ray hits anything."""
+
+from __future__ import annotations
+
+from typing import Any, Iterable, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _native
+from ._arrays import HIT, NO_WORDS, RAY, as_array, distances, floats, output, pointer, words
+from ._bvh import Bvh
+from ._device import Device, Event, native_events
+from .errors import UsageError
+
+Coherence = Literal["automatic", "coherent", "incoherent"]
+_COHERENCE = {"automatic": 0, "coherent": 1, "incoherent": 2}
+_KINDS = ("closest", "any")
+
+
+class Query:
+    """A query that is made once, which loads its kernels, and run often.
+
+    bvh: the structure. kind: "closest" or "any".
+    cull_back_faces: hit only triangles whose vertices appear counter-clockwise.
+    coherence: whether neighbouring rays have similar directions, as camera rays do; affects speed only.
+    brute_force: test every triangle without the tree; the hits are the same.
+    queue: a device made by bvh.device.with_new_queue(), for queries at the same time; None: the structure's own.
+
+    Call it as closest_hit and any_hit, without the structure: query(origins, directions).
+    """
+
+    def __init__(self, bvh: Bvh, kind: Literal["closest", "any"] = "closest", *, cull_back_faces: bool = False,
+                 coherence: Coherence = "automatic", brute_force: bool = False, queue: Device | None = None) -> None:
+        if not isinstance(bvh, Bvh):
+            raise UsageError(f"bvh: is a {type(bvh).__name__}; use a claray.Bvh")
+        if kind not in _KINDS:
+            raise UsageError(f"kind: unknown name {kind!r}; use one of {', '.join(_KINDS)}")
+        if coherence not in _COHERENCE:
+            raise UsageError(f"coherence: unknown name {coherence!r}; use one of {', '.join(_COHERENCE)}")
+        self._dtype = HIT if kind == "closest" else np.dtype(bool)
+        native_queue = (queue or bvh.device)._native
+        self._native = _native.NativeQuery.make(bvh._native, native_queue, kind == "any", bool(cull_back_faces),
+                                                bool(brute_force), _COHERENCE[coherence])
+
+    def __call__(self, origins: ArrayLike, directions: ArrayLike | None = None, *, tmin: ArrayLike = 0.0,
+                 tmax: ArrayLike = np.inf, masks: ArrayLike | None = None, nan: Literal["raise", "miss"] = "raise",
+                 out: NDArray[Any] | None = None) -> NDArray[Any]:
+        """Traces rays of the host and waits for the results. See closest_hit."""
+        if nan not in ("raise", "miss"):
+            raise UsageError(f"nan: unknown name {nan!r}; use raise or miss")
+        if directions is None:
+            return self._trace_packed(origins, masks, nan, out)
+        starts, towards = _pair(origins, directions)
+        count = len(towards)
+        low, high = distances("tmin", tmin, count), distances("tmax", tmax, count)
+        if count and low.min() < 0:
+            raise UsageError("tmin: holds a negative number")
+        visible = words("masks", masks, count)
+        results = output("out", out, count, self._dtype)
+        if count == 0:
+            return results
+        bad = self._native.run_columns(starts, towards, low, high, visible, _bytes(results))
+        if bad >= 0 and nan == "raise":
+            name = "directions" if np.isfinite(starts[bad].astype(np.float32)).all() else "origins"
+            raise UsageError(f"{name}: row {bad} is not finite in float32; remove it, or pass nan='miss'")
+        return results
+
+    def _trace_packed(self, rays: ArrayLike, masks: ArrayLike | None, nan: str, out: NDArray[Any] | None) -> NDArray[Any]:
+        packed = _packed(rays)
+        count = len(packed)
+        visible = words("masks", masks, count)
+        results = output("out", out, count, self._dtype)
+        if count == 0:
+            return results
+        bad = self._native.run_packed(packed, visible, _bytes(results), nan == "raise")
+        if bad >= 0:
+            raise UsageError(f"rays: the origin or direction of row {bad} is not finite; remove it, or pass nan='miss'")
+        return results
+
+    def run(self, rays: Any, results: Any, count: int, wait_for: Iterable[Any] = ()) -> Event:
+        """Enqueues the query over buffers of the device, and returns the event of its end. Asynchronous.
+
+        rays: a pyopencl.Buffer (or its int_ptr) of `count` rays of dtype RAY, in the context of the device.
+        results: a buffer for `count` elements of dtype HIT, or of one byte each for kind "any".
+        wait_for: events of claray or pyopencl. Give `coherence` to the query, so that nothing else is waited for.
+        Raises UsageError, before anything is enqueued, for buffers that are too small or of another context.
+        """
+        events = native_events(wait_for)
+        if not isinstance(count, (int, np.integer)) or count < 0:
+            raise UsageError(f"count: is {count!r}; use a number of rays")
+        native = self._native.run_buffers(pointer("rays", rays), pointer("results", results), int(count), events)
+        return Event._of(native, (rays, results))
+
+
+def _bytes(results: NDArray[Any]) -> NDArray[np.uint8]:
+    return results.view(np.uint8).reshape(len(results), results.dtype.itemsize)
+
+
+def _pair(origins: ArrayLike, directions: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Origins and directions of shape (N, 3); one of them may be a single vector for all rays."""
+    starts, towards = as_array("origins", origins), as_array("directions", directions)
+    one_start, one_direction = starts.ndim == 1, towards.ndim == 1
+    starts = floats("origins", starts[None] if one_start else starts, 3)
+    towards = floats("directions", towards[None] if one_direction else towards, 3)
+    if one_start:
+        starts = np.broadcast_to(starts, towards.shape)
+    elif one_direction:
+        towards = np.broadcast_to(towards, starts.shape)
+    if len(starts) != len(towards):
+        raise UsageError(f"directions: has {len(towards)} rows, but origins has {len(starts)}")
+    return starts, towards
+
+
+def _packed(rays: ArrayLike) -> NDArray[np.float32]:
+    array = as_array("rays", rays)
+    if array.dtype == RAY and array.ndim == 1:
+        array = np.ascontiguousarray(array).view(np.float32).reshape(len(array), 8)
+    if array.dtype != np.float32 or array.ndim != 2 or array.shape[1] != 8:
+        raise UsageError(f"rays: has dtype {array.dtype} and shape {array.shape}; give origins and directions, or an array "
+                         "of dtype claray.RAY, or float32 of shape (N, 8)")
+    return np.ascontiguousarray(array)
+
+
+def rays(origins: ArrayLike, directions: ArrayLike, tmin: ArrayLike = 0.0, tmax: ArrayLike = np.inf) -> NDArray[Any]:
+    """An array of dtype RAY, which queries read without a copy: for rays that are traced several times.
+
+    origins, directions: (N, 3); one of them may be a single vector of shape (3,).
+    """
+    starts, towards = _pair(origins, directions)
+    packed = np.empty(len(towards), RAY)
+    with np.errstate(over="ignore"):
+        packed["origin"], packed["direction"] = starts, towards
+        packed["tmin"] = distances("tmin", tmin, len(towards))
+        packed["tmax"] = distances("tmax", tmax, len(towards))
+    return packed
+
+
+def _query_of(bvh: Bvh, kind: Literal["closest", "any"], cull_back_faces: bool, coherence: Coherence) -> Query:
+    if not isinstance(bvh, Bvh):
+        raise UsageError(f"bvh: is a {type(bvh).__name__}; use a claray.Bvh")
+    key = (kind, bool(cull_back_faces), coherence)
+    if key not in bvh._queries:
+        bvh._queries[key] = Query(bvh, kind, cull_back_faces=cull_back_faces, coherence=coherence)
+    return bvh._queries[key]
+
+
+def closest_hit(bvh: Bvh, origins: ArrayLike, directions: ArrayLike | None = None, *, tmin: ArrayLike = 0.0,
+                tmax: ArrayLike = np.inf, masks: ArrayLike | None = None, cull_back_faces: bool = False,
+                coherence: Coherence = "automatic", nan: Literal["raise", "miss"] = "raise",
+                out: NDArray[Any] | None = None) -> NDArray[Any]:
+    """Finds the closest hit of every ray.
+
+    origins: (N, 3) numbers, or (3,) for all rays; or rays in one array of dtype RAY, which is read in place. Any
+    strides; float64 is rounded to float32. directions: (N, 3) or (3,); they need not have unit length.
+    tmin, tmax: hits have tmin < t <= tmax, in units of the direction's length; one number, or (N,).
+    masks: (N,) a ray sees geometries whose mask shares a bit with its own.
+    cull_back_faces: hit only triangles whose vertices appear counter-clockwise.
+    coherence: whether neighbouring rays have similar directions; affects speed only.
+    nan: "raise": a ray that is not finite is an error; "miss": it hits nothing.
+    out: an array of N elements of dtype HIT to be filled, as of an earlier call.
+
+    Returns N hits of dtype HIT: hits['t'] (distance; tmax on a miss), 'u', 'v' (weights of the triangle's second and
+    third vertex), 'primitive' (index of the triangle; MISS on a miss) and 'geometry'. A ray through an edge or a vertex
+    hits exactly one of the triangles that share it.
+
+    Releases the GIL. Raises UsageError, naming the argument, for wrong shapes, types and values.
+    """
+    query = _query_of(bvh, "closest", cull_back_faces, coherence)
+    return query(origins, directions, tmin=tmin, tmax=tmax, masks=masks, nan=nan, out=out)
+
+
+def any_hit(bvh: Bvh, origins: ArrayLike, directions: ArrayLike | None = None, *, tmin: ArrayLike = 0.0,
+            tmax: ArrayLike = np.inf, masks: ArrayLike | None = None, cull_back_faces: bool = False,
+            coherence: Coherence = "automatic", nan: Literal["raise", "miss"] = "raise",
+            out: NDArray[np.bool_] | None = None) -> NDArray[np.bool_]:
+    """Returns for every ray whether it hits anything, as N bool. Arguments and errors are those of closest_hit."""
+    query = _query_of(bvh, "any", cull_back_faces, coherence)
+    return query(origins, directions, tmin=tmin, tmax=tmax, masks=masks, nan=nan, out=out)
+
+
+def unoccluded(bvh: Bvh, points: ArrayLike, targets: ArrayLike, *, offset: float = 1e-4) -> NDArray[np.bool_]:
+    """Returns for every pair whether the segment between them is free.
+
+    points, targets: (N, 3), or (3,) for all. offset: the share of the segment that is left out at both ends, so that the
+    surfaces on which the points lie do not count.
+    """
+    starts, ends = _pair(points, targets)
+    return ~any_hit(bvh, starts, ends.astype(np.float64) - starts, tmin=offset, tmax=1 - offset)
