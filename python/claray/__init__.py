@@ -11,7 +11,7 @@ from ._arrays import HIT, MISS, RAY
 from ._bvh import Bvh
 from ._device import Device, Event, default_device, devices
 from ._image import Image
-from ._query import Query, any_hit, closest_hit, rays, unoccluded
+from ._query import Query, Rays, any_hit, closest_hit, rays, unoccluded
 from ._render import Renderer, render
 from ._scene import Camera, Light, Material, Scene, builtin_scenes, load
 from ._verify import verify, verify_cases
@@ -19,6 +19,6 @@ from .errors import DeviceError, Error, InputError, UsageError
 
 __all__ = [
     "HIT", "MISS", "RAY", "Bvh", "Camera", "Device", "DeviceError", "Error", "Event", "Image", "InputError", "Light",
-    "Material", "Query", "Renderer", "Scene", "Study", "UsageError", "accuracy", "any_hit", "builtin_scenes", "closest_hit",
+    "Material", "Query", "Rays", "Renderer", "Scene", "Study", "UsageError", "accuracy", "any_hit", "builtin_scenes", "closest_hit",
     "default_device", "devices", "errors", "load", "rays", "render", "studies", "unoccluded", "verify", "verify_cases",
 ]

@@ -15,7 +15,6 @@ from .errors import UsageError
 
 Coherence = Literal["automatic", "coherent", "incoherent"]
 _COHERENCE = {"automatic": 0, "coherent": 1, "incoherent": 2}
-_KINDS = ("closest", "any")
 
 
 class Query:
@@ -34,10 +33,8 @@ class Query:
                  coherence: Coherence = "automatic", brute_force: bool = False, queue: Device | None = None) -> None:
         if not isinstance(bvh, Bvh):
             raise UsageError(f"bvh: is a {type(bvh).__name__}; use a claray.Bvh")
-        if kind not in _KINDS:
-            raise UsageError(f"kind: unknown name {kind!r}; use one of {', '.join(_KINDS)}")
-        if coherence not in _COHERENCE:
-            raise UsageError(f"coherence: unknown name {coherence!r}; use one of {', '.join(_COHERENCE)}")
+        _check_choice("kind", kind, ("closest", "any"))
+        _check_choice("coherence", coherence, tuple(_COHERENCE))
         self._dtype = HIT if kind == "closest" else np.dtype(bool)
         native_queue = (queue or bvh.device)._native
         self._native = _native.NativeQuery.make(bvh._native, native_queue, kind == "any", bool(cull_back_faces),
@@ -47,33 +44,28 @@ class Query:
                  tmax: ArrayLike = np.inf, masks: ArrayLike | None = None, nan: Literal["raise", "miss"] = "raise",
                  out: NDArray[Any] | None = None) -> NDArray[Any]:
         """Traces rays of the host and waits for the results. See closest_hit."""
-        if nan not in ("raise", "miss"):
-            raise UsageError(f"nan: unknown name {nan!r}; use raise or miss")
+        _check_choice("nan", nan, ("raise", "miss"))
         if directions is None:
             return self._trace_packed(origins, masks, nan, out)
         starts, towards = _pair(origins, directions)
         count = len(towards)
-        low, high = distances("tmin", tmin, count), distances("tmax", tmax, count)
-        if count and low.min() < 0:
-            raise UsageError("tmin: holds a negative number")
+        low, high = _ends(tmin, tmax, count)
         visible = words("masks", masks, count)
         results = output("out", out, count, self._dtype)
         if count == 0:
             return results
-        bad = self._native.run_columns(starts, towards, low, high, visible, _bytes(results))
-        if bad >= 0 and nan == "raise":
-            name = "directions" if np.isfinite(starts[bad].astype(np.float32)).all() else "origins"
-            raise UsageError(f"{name}: row {bad} is not finite in float32; remove it, or pass nan='miss'")
+        _refuse_bad(self._native.run_columns(starts, towards, low, high, visible, _bytes(results)), starts, nan)
         return results
 
     def _trace_packed(self, rays: ArrayLike, masks: ArrayLike | None, nan: str, out: NDArray[Any] | None) -> NDArray[Any]:
+        check = nan == "raise" and not getattr(rays, "_checked", False)
         packed = _packed(rays)
         count = len(packed)
         visible = words("masks", masks, count)
         results = output("out", out, count, self._dtype)
         if count == 0:
             return results
-        bad = self._native.run_packed(packed, visible, _bytes(results), nan == "raise")
+        bad = self._native.run_packed(packed, visible, _bytes(results), check)
         if bad >= 0:
             raise UsageError(f"rays: the origin or direction of row {bad} is not finite; remove it, or pass nan='miss'")
         return results
@@ -95,6 +87,26 @@ class Query:
 
 def _bytes(results: NDArray[Any]) -> NDArray[np.uint8]:
     return results.view(np.uint8).reshape(len(results), results.dtype.itemsize)
+
+
+def _check_choice(name: str, value: Any, choices: tuple[str, ...]) -> None:
+    if value not in choices:
+        raise UsageError(f"{name}: unknown name {value!r}; use one of {', '.join(choices)}")
+
+
+def _ends(tmin: ArrayLike, tmax: ArrayLike, count: int) -> tuple[NDArray[Any], NDArray[Any]]:
+    low, high = distances("tmin", tmin, count), distances("tmax", tmax, count)
+    if count and low.min() < 0:
+        raise UsageError("tmin: holds a negative number")
+    return low, high
+
+
+def _refuse_bad(row: int, starts: NDArray[Any], nan: str) -> None:
+    if row < 0 or nan != "raise":
+        return
+    with np.errstate(over="ignore"):
+        name = "directions" if np.isfinite(starts[row].astype(np.float32)).all() else "origins"
+    raise UsageError(f"{name}: row {row} is not finite in float32; remove it, or pass nan='miss'")
 
 
 def _pair(origins: ArrayLike, directions: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -122,18 +134,32 @@ def _packed(rays: ArrayLike) -> NDArray[np.float32]:
     return np.ascontiguousarray(array)
 
 
-def rays(origins: ArrayLike, directions: ArrayLike, tmin: ArrayLike = 0.0, tmax: ArrayLike = np.inf) -> NDArray[Any]:
-    """An array of dtype RAY, which queries read without a copy: for rays that are traced several times.
+class Rays(np.ndarray):
+    """Rays of dtype RAY that rays() has checked, which is why the array is read-only. A copy is an ordinary array."""
 
-    origins, directions: (N, 3); one of them may be a single vector of shape (3,).
+    _checked = False
+
+    def __array_finalize__(self, source: Any) -> None:
+        self._checked = isinstance(source, Rays) and source._checked and self.base is not None
+
+
+def rays(origins: ArrayLike, directions: ArrayLike, tmin: ArrayLike = 0.0, tmax: ArrayLike = np.inf, *,
+         nan: Literal["raise", "miss"] = "raise") -> Rays:
+    """A read-only array of dtype RAY, which queries read in place: for rays that are traced several times.
+
+    The arguments are those of closest_hit. They are checked here, once.
     """
+    _check_choice("nan", nan, ("raise", "miss"))
     starts, towards = _pair(origins, directions)
-    packed = np.empty(len(towards), RAY)
-    with np.errstate(over="ignore"):
-        packed["origin"], packed["direction"] = starts, towards
-        packed["tmin"] = distances("tmin", tmin, len(towards))
-        packed["tmax"] = distances("tmax", tmax, len(towards))
-    return packed
+    count = len(towards)
+    low, high = _ends(tmin, tmax, count)
+    packed = np.empty(count, RAY)
+    if count:
+        _refuse_bad(_native.pack_rays(starts, towards, low, high, packed.view(np.float32).reshape(count, 8)), starts, nan)
+    packed.flags.writeable = False
+    result = packed.view(Rays)
+    result._checked = True
+    return result
 
 
 def _query_of(bvh: Bvh, kind: Literal["closest", "any"], cull_back_faces: bool, coherence: Coherence) -> Query:

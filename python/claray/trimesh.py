@@ -49,7 +49,7 @@ class RayMeshIntersector:
         ray_origins, ray_directions: (n, 3). multiple_hits: all hits along a ray, or the first only. max_hits: per ray.
         Returns index_tri (m,), index_ray (m,) and, if return_locations, locations (m, 3).
         """
-        origins, directions = _rays(ray_origins, ray_directions)
+        origins, directions = _unit_rays(ray_origins, ray_directions)
         structure = self._structure
         if structure is None or len(origins) == 0:
             triangles, rays = np.zeros(0, np.int64), np.zeros(0, np.int64)
@@ -119,11 +119,12 @@ class _Structure:
         self.bvh = Bvh(self.in_frame(mesh.vertices), np.asarray(mesh.faces), device=device)
 
     def in_frame(self, points: NDArray[Any]) -> NDArray[np.float64]:
-        return (np.asarray(points, np.float64) - self.centre) * self.scale
+        moved = np.subtract(points, self.centre, dtype=np.float64)
+        return np.multiply(moved, self.scale, out=moved)
 
     def first(self, origins: NDArray[Any], directions: NDArray[Any]) -> NDArray[np.int64]:
-        primitives = closest_hit(self.bvh, self.in_frame(origins), directions)["primitive"]
-        return primitives.view(np.int32).astype(np.int64) if primitives.flags.c_contiguous else _signed(primitives)
+        hits = closest_hit(self.bvh, self.in_frame(origins), directions)
+        return hits["primitive"].view(np.int32).astype(np.int64)  # MISS is -1
 
     def any(self, origins: NDArray[Any], directions: NDArray[Any]) -> NDArray[np.bool_]:
         return any_hit(self.bvh, self.in_frame(origins), directions)
@@ -145,18 +146,17 @@ class _Structure:
         return np.concatenate(triangles), np.concatenate(rays)
 
 
-def _signed(primitives: NDArray[np.uint32]) -> NDArray[np.int64]:
-    result = primitives.astype(np.int64)
-    result[result == MISS] = -1
-    return result
-
-
 def _rays(ray_origins: ArrayLike, ray_directions: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Origins and directions of unit length, (n, 3) float64."""
-    origins = floats("ray_origins", ray_origins, 3).astype(np.float64)
-    directions = floats("ray_directions", ray_directions, 3).astype(np.float64)
+    """Origins and directions, (n, 3)."""
+    origins, directions = floats("ray_origins", ray_origins, 3), floats("ray_directions", ray_directions, 3)
     if origins.shape != directions.shape:
         raise UsageError(f"ray_directions: has {len(directions)} rows, but ray_origins has {len(origins)}")
+    return origins, directions
+
+
+def _unit_rays(ray_origins: ArrayLike, ray_directions: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Origins and directions of unit length, (n, 3) float64, so that distances of all rays have the mesh's unit."""
+    origins, directions = (array.astype(np.float64) for array in _rays(ray_origins, ray_directions))
     lengths = np.linalg.norm(directions, axis=1, keepdims=True)
     return origins, np.divide(directions, lengths, out=np.zeros_like(directions), where=lengths > 0)
 

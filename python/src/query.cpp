@@ -67,6 +67,8 @@ void run_piece(PyQuery& self, std::span<const Ray> rays, const Words& masks, con
         query.run(rays, results_of<std::uint8_t>(out, first, rays.size()));
 }
 
+std::int64_t signed_row(std::size_t bad) { return bad == all_finite ? std::int64_t(-1) : std::int64_t(bad); }
+
 /// Returns the first row that is not finite, or -1. All other rays are traced.
 std::int64_t run_columns(PyQuery& self, const AnyColumns& origins, const AnyColumns& directions, const AnyColumns& tmin,
                          const AnyColumns& tmax, const Words& masks, const Bytes& out) {
@@ -81,17 +83,24 @@ std::int64_t run_columns(PyQuery& self, const AnyColumns& origins, const AnyColu
             bad = std::min(bad, pack_rays(rays, columns, first));
             run_piece(self, rays, masks, out, first);
         }
-        return bad == all_finite ? std::int64_t(-1) : std::int64_t(bad);
+        return signed_row(bad);
     });
+}
+
+/// Returns the first row that is not finite, or -1.
+std::int64_t pack(const AnyColumns& origins, const AnyColumns& directions, const AnyColumns& tmin,
+                  const AnyColumns& tmax, const Output<float, nb::shape<-1, 8>>& out) {
+    const RayColumns columns{columns_of(origins), columns_of(directions), columns_of(tmin), columns_of(tmax)};
+    const nb::gil_scoped_release release;
+    return signed_row(pack_rays({reinterpret_cast<Ray*>(out.data()), out.shape(0)}, columns, 0));
 }
 
 std::int64_t run_packed(PyQuery& self, const PackedRays& rays, const Words& masks, const Bytes& out, bool check) {
     const std::span<const Ray> all = span_of<Ray>(rays, 8);
     return without_gil(self.device, [&] {
         const std::size_t bad = check ? first_not_finite(all) : all_finite;
-        if (bad != all_finite) return std::int64_t(bad);
-        run_piece(self, all, masks, out, 0);
-        return std::int64_t(-1);
+        if (bad == all_finite) run_piece(self, all, masks, out, 0);
+        return signed_row(bad);
     });
 }
 
@@ -114,6 +123,7 @@ cl::Event run_buffers(PyQuery& self, std::uintptr_t rays, std::uintptr_t results
 }  // namespace
 
 void bind_query(nb::module_& module) {
+    module.def("pack_rays", &pack);
     nb::class_<PyQuery>(module, "NativeQuery")
         .def_static("make", &make_query)
         .def("run_columns", &run_columns)
