@@ -17,7 +17,10 @@ enum class Coherence {
 
 struct QueryOptions {
     bool cull_back_faces = false;  ///< only triangles whose vertices appear counter-clockwise are hit
-    bool brute_force = false;      ///< tests every triangle, without the tree: same hits, for comparison
+    /// Rays that only touch a surface, at its border or at an edge seen from the side, hit it. A ray through an edge
+    /// may then hit either of its triangles; otherwise it hits exactly one, or none if it only touches.
+    bool closed = false;
+    bool brute_force = false;  ///< tests every triangle, without the tree: same hits, for comparison
     Coherence coherence = Coherence::automatic;
     Buffer<std::uint32_t> ray_masks;  ///< one per ray; empty: every ray sees every mesh
     Buffer<float> ray_times;          ///< one per ray, 0 to 1, for an InstancedBvh with motion; empty: time 0

@@ -22,6 +22,7 @@ class Query:
 
     bvh: the structure. kind: "closest" or "any".
     cull_back_faces: hit only triangles whose vertices appear counter-clockwise.
+    closed: rays that only touch a surface hit it; see closest_hit.
     coherence: whether neighbouring rays have similar directions, as camera rays do; affects speed only.
     brute_force: test every triangle without the tree; the hits are the same.
     queue: a device made by bvh.device.with_new_queue(), for queries at the same time; None: the structure's own.
@@ -30,7 +31,7 @@ class Query:
     """
 
     def __init__(self, bvh: Bvh, kind: Literal["closest", "any"] = "closest", *, cull_back_faces: bool = False,
-                 coherence: Coherence = "automatic", brute_force: bool = False, queue: Device | None = None) -> None:
+                 closed: bool = False, coherence: Coherence = "automatic", brute_force: bool = False, queue: Device | None = None) -> None:
         if not isinstance(bvh, Bvh):
             raise UsageError(f"bvh: is a {type(bvh).__name__}; use a claray.Bvh")
         _check_choice("kind", kind, ("closest", "any"))
@@ -38,7 +39,7 @@ class Query:
         self._dtype = HIT if kind == "closest" else np.dtype(bool)
         native_queue = (queue or bvh.device)._native
         self._native = _native.NativeQuery.make(bvh._native, native_queue, kind == "any", bool(cull_back_faces),
-                                                bool(brute_force), _COHERENCE[coherence])
+                                                bool(closed), bool(brute_force), _COHERENCE[coherence])
 
     def __call__(self, origins: ArrayLike, directions: ArrayLike | None = None, *, tmin: ArrayLike = 0.0,
                  tmax: ArrayLike = np.inf, masks: ArrayLike | None = None, nan: Literal["raise", "miss"] = "raise",
@@ -162,17 +163,17 @@ def rays(origins: ArrayLike, directions: ArrayLike, tmin: ArrayLike = 0.0, tmax:
     return result
 
 
-def _query_of(bvh: Bvh, kind: Literal["closest", "any"], cull_back_faces: bool, coherence: Coherence) -> Query:
+def _query_of(bvh: Bvh, kind: Literal["closest", "any"], cull_back_faces: bool, closed: bool, coherence: Coherence) -> Query:
     if not isinstance(bvh, Bvh):
         raise UsageError(f"bvh: is a {type(bvh).__name__}; use a claray.Bvh")
-    key = (kind, bool(cull_back_faces), coherence)
+    key = (kind, bool(cull_back_faces), bool(closed), coherence)
     if key not in bvh._queries:
-        bvh._queries[key] = Query(bvh, kind, cull_back_faces=cull_back_faces, coherence=coherence)
+        bvh._queries[key] = Query(bvh, kind, cull_back_faces=cull_back_faces, closed=closed, coherence=coherence)
     return bvh._queries[key]
 
 
 def closest_hit(bvh: Bvh, origins: ArrayLike, directions: ArrayLike | None = None, *, tmin: ArrayLike = 0.0,
-                tmax: ArrayLike = np.inf, masks: ArrayLike | None = None, cull_back_faces: bool = False,
+                tmax: ArrayLike = np.inf, masks: ArrayLike | None = None, cull_back_faces: bool = False, closed: bool = False,
                 coherence: Coherence = "automatic", nan: Literal["raise", "miss"] = "raise",
                 out: NDArray[Any] | None = None) -> NDArray[Any]:
     """Finds the closest hit of every ray.
@@ -182,26 +183,27 @@ def closest_hit(bvh: Bvh, origins: ArrayLike, directions: ArrayLike | None = Non
     tmin, tmax: hits have tmin < t <= tmax, in units of the direction's length; one number, or (N,).
     masks: (N,) a ray sees geometries whose mask shares a bit with its own.
     cull_back_faces: hit only triangles whose vertices appear counter-clockwise.
+    closed: rays that only touch a surface, at its border or at an edge seen from the side, hit it.
     coherence: whether neighbouring rays have similar directions; affects speed only.
     nan: "raise": a ray that is not finite is an error; "miss": it hits nothing.
     out: an array of N elements of dtype HIT to be filled, as of an earlier call.
 
     Returns N hits of dtype HIT: hits['t'] (distance; tmax on a miss), 'u', 'v' (weights of the triangle's second and
     third vertex), 'primitive' (index of the triangle; MISS on a miss) and 'geometry'. A ray through an edge or a vertex
-    hits exactly one of the triangles that share it.
+    hits exactly one of the triangles that share it (closed: any of them).
 
     Releases the GIL. Raises UsageError, naming the argument, for wrong shapes, types and values.
     """
-    query = _query_of(bvh, "closest", cull_back_faces, coherence)
+    query = _query_of(bvh, "closest", cull_back_faces, closed, coherence)
     return query(origins, directions, tmin=tmin, tmax=tmax, masks=masks, nan=nan, out=out)
 
 
 def any_hit(bvh: Bvh, origins: ArrayLike, directions: ArrayLike | None = None, *, tmin: ArrayLike = 0.0,
-            tmax: ArrayLike = np.inf, masks: ArrayLike | None = None, cull_back_faces: bool = False,
+            tmax: ArrayLike = np.inf, masks: ArrayLike | None = None, cull_back_faces: bool = False, closed: bool = False,
             coherence: Coherence = "automatic", nan: Literal["raise", "miss"] = "raise",
             out: NDArray[np.bool_] | None = None) -> NDArray[np.bool_]:
     """Returns for every ray whether it hits anything, as N bool. Arguments and errors are those of closest_hit."""
-    query = _query_of(bvh, "any", cull_back_faces, coherence)
+    query = _query_of(bvh, "any", cull_back_faces, closed, coherence)
     return query(origins, directions, tmin=tmin, tmax=tmax, masks=masks, nan=nan, out=out)
 
 

@@ -2,8 +2,8 @@
 
     mesh.ray = claray.trimesh.RayMeshIntersector(mesh)
 
-or install() for all meshes. Distances and decisions are exact in float32: a ray through an edge or a vertex hits one
-triangle, and contains_points counts every surface once.
+or install() for all meshes. As trimesh's engines do, a first hit may be one where the ray only touches the surface, and
+rays that begin on a surface hit it. All hits of a ray are exact: contains_points counts every surface once.
 """
 
 from __future__ import annotations
@@ -21,6 +21,10 @@ from ._bvh import Bvh
 from ._device import Device
 from ._query import any_hit, closest_hit
 from .errors import UsageError
+
+
+_BACK = 2.0**-22
+"""By how much rays begin before their origins, relative to the size of the frame: 4 to 8 roundings of float32."""
 
 
 class RayMeshIntersector:
@@ -122,21 +126,29 @@ class _Structure:
         moved = np.subtract(points, self.centre, dtype=np.float64)
         return np.multiply(moved, self.scale, out=moved)
 
+    def start(self, origins: NDArray[Any], directions: NDArray[Any]) -> NDArray[np.float64]:
+        """Origins in the frame, a little back along their rays: a surface on which a ray begins is hit."""
+        lengths = np.sqrt(np.einsum("ij,ij->i", directions, directions, dtype=np.float64))
+        back = np.divide(-_BACK, lengths, out=np.zeros_like(lengths), where=lengths > 0)
+        starts = self.in_frame(origins)
+        starts += back[:, None] * directions
+        return starts
+
     def first(self, origins: NDArray[Any], directions: NDArray[Any]) -> NDArray[np.int64]:
-        hits = closest_hit(self.bvh, self.in_frame(origins), directions)
+        hits = closest_hit(self.bvh, self.start(origins, directions), directions, closed=True)
         return hits["primitive"].view(np.int32).astype(np.int64)  # MISS is -1
 
     def any(self, origins: NDArray[Any], directions: NDArray[Any]) -> NDArray[np.bool_]:
-        return any_hit(self.bvh, self.in_frame(origins), directions)
+        return any_hit(self.bvh, self.start(origins, directions), directions, closed=True)
 
     def hits(self, origins: NDArray[Any], directions: NDArray[Any], most: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Triangles and rays of all hits, those nearer to the origin first: each round begins behind the last hit."""
-        starts = self.in_frame(origins)
+        starts = self.start(origins, directions)
         live = np.arange(len(starts))
         behind = np.zeros(len(starts), np.float32)
         triangles, rays = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
         for _ in range(most):
-            hits = closest_hit(self.bvh, starts[live], directions[live], tmin=behind)
+            hits = closest_hit(self.bvh, starts[live], directions[live], tmin=behind, closed=most == 1)
             hit = hits["primitive"] != MISS
             if not hit.any():
                 break

@@ -27,11 +27,12 @@ struct PyQuery {
     Query query;
 };
 
-PyQuery make_query(const PyBvh& bvh, const PyDevice& queue, bool any, bool cull_back_faces, bool brute_force,
-                   int coherence) {
+PyQuery make_query(const PyBvh& bvh, const PyDevice& queue, bool any, bool cull_back_faces, bool closed,
+                   bool brute_force, int coherence) {
     const QueryKind kind = any ? QueryKind::any : QueryKind::closest;
     QueryOptions options;
     options.cull_back_faces = cull_back_faces;
+    options.closed = closed;
     options.brute_force = brute_force;
     options.coherence = Coherence(coherence);
     return without_gil(queue, [&] {
