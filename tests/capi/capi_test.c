@@ -184,7 +184,7 @@ static void test_errors(claray_device* device) {
     EXPECT_ERROR(claray_bvh_build(device, &mesh, NULL, &bvh), CLARAY_ERROR_USAGE, "vertex 7 of 4");
     mesh = square_mesh(), mesh.vertices = NULL;
     EXPECT_ERROR(claray_bvh_build(device, &mesh, NULL, &bvh), CLARAY_ERROR_USAGE, "mesh.vertices is NULL");
-    EXPECT_ERROR(claray_scene_load("nowhere.ply", &scene), CLARAY_ERROR_USAGE, "nowhere.ply");
+    EXPECT_ERROR(claray_scene_load("nowhere.ply", &scene), CLARAY_ERROR_INPUT, "nowhere.ply");
     EXPECT_ERROR(claray_device_open("no such device", &device), CLARAY_ERROR_USAGE, "no such device");
     EXPECT(bvh == NULL && scene == NULL);
 
