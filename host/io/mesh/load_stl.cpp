@@ -29,7 +29,9 @@ public:
     explicit StlMesh(std::string name) { mesh_.name = std::move(name); }
 
     void add(const glm::vec3 (&corners)[3]) {
-        mesh_.triangles.emplace_back(vertex(corners[0]), vertex(corners[1]), vertex(corners[2]));
+        glm::uvec3 triangle;
+        for (int c = 0; c < 3; ++c) triangle[c] = vertex(corners[c]);  // in this order
+        mesh_.triangles.push_back(triangle);
     }
     [[nodiscard]] bool empty() const { return mesh_.triangles.empty(); }
     [[nodiscard]] Mesh take() { return std::move(mesh_); }

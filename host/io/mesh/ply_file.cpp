@@ -111,6 +111,7 @@ void PlyReader::read_header() {
         read_header_line(line);
     }
     if (!has_format) refuse("the header has no line 'format'", "export the mesh again");
+    ++line_;  // where the first row is
     for (const PlyElement& element : elements_) check_size(element);
 }
 

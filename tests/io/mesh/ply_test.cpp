@@ -125,7 +125,7 @@ TEST(Ply, DamagedFilesAreRefusedByTheirPlace) {
         {replaced(good, "vertex 4", "vertex four"), {"line 5", "four"}},
         {replaced(good, "short", "half"), {"line 8", "half"}},
         {replaced(good, "element vertex 4", "element vertex 4000000000"), {"cut off", "vertex"}},
-        {replaced(good, "1e0", "1,5"), {"line 22", "1,5"}},
+        {replaced(good, "1e0", "1,5"), {"line 24", "1,5"}},
         {replaced(good, "0 3 0 1 2", "0 3 0 1 4"), {"vertex index 4", "4 vertices"}},
         {replaced(good, "0 3 0 1 2", "0 3 0 1 -1"), {"vertex index -1"}},
         {good.substr(0, good.size() - 2), {"cut off"}},
