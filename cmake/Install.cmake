@@ -10,7 +10,9 @@ set_target_properties(claray_verify PROPERTIES VERSION ${PROJECT_VERSION} SOVERS
                                                EXPORT_NAME verify INSTALL_RPATH "$ORIGIN")
 set_target_properties(claray_accuracy PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
                                                  EXPORT_NAME accuracy INSTALL_RPATH "$ORIGIN")
-install(TARGETS claray claray_io claray_verify claray_accuracy EXPORT claray
+set_target_properties(claray_c PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+                                          EXPORT_NAME c INSTALL_RPATH "$ORIGIN")
+install(TARGETS claray claray_io claray_c claray_verify claray_accuracy EXPORT claray
         LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT claray FILE claray-targets.cmake NAMESPACE claray:: DESTINATION "${package_dir}")
 export(EXPORT claray FILE "${CMAKE_CURRENT_BINARY_DIR}/claray-targets.cmake" NAMESPACE claray::)  # claray_DIR=build works, too
@@ -18,6 +20,23 @@ configure_package_config_file(cmake/claray-config.cmake.in claray-config.cmake I
 write_basic_package_version_file(claray-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES "${CMAKE_CURRENT_BINARY_DIR}/claray-config.cmake" "${CMAKE_CURRENT_BINARY_DIR}/claray-config-version.cmake"
         DESTINATION "${package_dir}")
+
+# For C and for builds without CMake: pkg-config --cflags --libs claray. Static libraries name all that they need.
+set(pc_libs "-lclaray_c -lclaray_io -lclaray")
+if(NOT BUILD_SHARED_LIBS)
+    foreach(library OpenCL::OpenCL tinyobjloader::tinyobjloader PNG::PNG ${claray_decoders})
+        if(TARGET ${library})
+            string(APPEND pc_libs " $<TARGET_LINKER_FILE:${library}>")
+        else()
+            string(APPEND pc_libs " ${library}")
+        endif()
+    endforeach()
+    string(APPEND pc_libs " -lstdc++ -lm -lpthread -ldl")
+endif()
+configure_file(cmake/claray.pc.in "${CMAKE_CURRENT_BINARY_DIR}/claray.pc.in" @ONLY)
+file(GENERATE OUTPUT "${CMAKE_CURRENT_BINARY_DIR}/claray.pc" INPUT "${CMAKE_CURRENT_BINARY_DIR}/claray.pc.in")
+install(FILES "${CMAKE_CURRENT_BINARY_DIR}/claray.pc" DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+install(FILES include/claray.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 
 install(DIRECTORY include/claray DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(DIRECTORY kernels DESTINATION ${CMAKE_INSTALL_DATADIR}/claray)

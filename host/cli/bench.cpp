@@ -192,9 +192,10 @@ void add_bench_command(CLI::App& app, Action& action) {
     BenchOptions& o = *options;
     o.bench.scenes = {"soup:50000", "terrain:200000", "hair:50000"};
     for (const auto& [name, builder] : measure::builders) o.bench.presets.push_back(builder);
-    command->add_option("--scene,scenes", o.bench.scenes,
-                        "Scene files (.obj, .gltf, .glb), built-in scenes, or NAME.scn with NAME.ray [soup:50000 "
-                        "terrain:200000 hair:50000]");
+    command->add_option(
+        "--scene,scenes", o.bench.scenes,
+        "Scene files (.obj, .ply, .stl, .gltf, .glb), built-in scenes, or NAME.scn with NAME.ray [soup:50000 "
+        "terrain:200000 hair:50000]");
     command->add_option("--preset", o.bench.presets, "Builders to measure [all]")
         ->delimiter(',')
         ->allow_extra_args(false)

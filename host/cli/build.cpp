@@ -166,7 +166,9 @@ void add_build_command(CLI::App& app, Action& action) {
         "  claray build scene.obj --builder balanced -o scene.cbvh");
     auto options = std::make_shared<BuildOptions>();
     BuildOptions& o = *options;
-    command->add_option("scene", o.scene, "A scene file (.obj, .gltf, .glb), a built-in scene, or a saved tree (.cbvh)")
+    command
+        ->add_option("scene", o.scene,
+                     "A scene file (.obj, .ply, .stl, .gltf, .glb), a built-in scene, or a saved tree (.cbvh)")
         ->required();
     command->add_option("-o,--output", o.output, "Save the tree and its triangles: FILE.cbvh");
     add_bvh_options(*command, o.config);

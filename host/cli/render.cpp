@@ -13,6 +13,7 @@
 #include "host/cli/output/messages.hpp"
 #include "host/cli/output/progress.hpp"
 #include "host/cli/output/render_outputs.hpp"
+#include "host/io/y4m.hpp"
 
 namespace claray::cli {
 namespace {
@@ -61,14 +62,23 @@ void refuse_lost_checkpoint(const Renderer& renderer) {
 
 /// A warning, not an error: scripts use the same options for all kinds of images.
 void warn_of_picture_options(const RenderOptions& options) {
+    const bool film = is_film(options.output);
     const bool shaped = options.exposure != 0 || options.tone_map != RenderOptions{}.tone_map;
-    if (shaped && !options.output.empty() && options.output.extension() != ".png")
+    if (shaped && !film && !options.output.empty() && options.output.extension() != ".png")
         print_warning("--exposure and --tone-map apply to .png only: '" + options.output.string() +
                       "' stores the radiance unchanged");
 }
 
+/// To a file of its own, or as a frame of the film.
+void write_rendered(const Renderer& renderer, const std::vector<glm::vec3>& pixels, const RenderOptions& options,
+                    Y4mFilm* film) {
+    if (film != nullptr) return film->add(pixels, options.exposure, options.tone_map);
+    write_picture(pixels, options, &renderer);
+}
+
 /// Returns false if it was interrupted.
-bool render_picture(const Device& device, const Scene& scene, const RenderOptions& options, Writes& writes) {
+bool render_picture(const Device& device, const Scene& scene, const RenderOptions& options, Writes& writes,
+                    Y4mFilm* film = nullptr) {
     RenderConfig config = options.config;
     if (!options.wait_for_kernels) config.compiler = this_program();
     std::optional<TargetPlan> plan;
@@ -80,11 +90,18 @@ bool render_picture(const Device& device, const Scene& scene, const RenderOption
 
     const Outcome outcome = run_renderer(device, renderer, options, plan ? &*plan : nullptr);
     const Denoised denoised = denoise(renderer, options);
-    writes.attempt([&] { write_picture(options.denoiser ? denoised.image : renderer.image(), options); });
+    const auto write = [&] {
+        write_rendered(renderer, options.denoiser ? denoised.image : renderer.image(), options, film);
+    };
+    if (film != nullptr)
+        write();  // no later frame could follow one that is missing
+    else
+        writes.attempt(write);
     write_aovs(renderer, options, writes);
     if (!options.trace.empty())
         writes.attempt([&] { write_trace(options.trace, device.profiler().records(), device.info().name); });
     const TargetPlan* planned = plan ? &*plan : nullptr;
+    if (options.output == "-") return !outcome.interrupted;  // standard output has the film
     options.json ? print_as_json(device, renderer, options, outcome, planned, denoised)
                  : print_as_text(device, renderer, options, outcome, planned, denoised);
     writes.attempt([&] { refuse_lost_checkpoint(renderer); });
@@ -96,18 +113,22 @@ bool render_picture(const Device& device, const Scene& scene, const RenderOption
 void render_animation(const Device& device, const RenderOptions& options, Writes& writes) {
     FirstFrame first;
     bool goes_on = true;
+    std::optional<Y4mFilm> film;
+    if (is_film(options.output))
+        film.emplace(options.output, options.config.width, options.config.height, options.frame_rate);
     for (unsigned frame = options.animation->first; goes_on && frame <= options.animation->last; ++frame) {
         RenderOptions one = options;
-        one.output = numbered(options.output, frame);
+        if (!film) one.output = numbered(options.output, frame);
         one.view.load.time = frame / options.frame_rate;
         tell_of_signals_until_guarded();
-        goes_on = render_picture(device, load_for(one, &first), one, writes);
+        goes_on = render_picture(device, load_for(one, &first), one, writes, film ? &*film : nullptr);
         std::fflush(stdout);
     }
+    if (film) film->commit();
 }
 
 void check_all_outputs(const RenderOptions& options) {
-    if (!options.animation) return check_outputs(options);
+    if (!options.animation || is_film(options.output)) return check_outputs(options);
     for (const unsigned frame : {options.animation->first, options.animation->last}) {
         RenderOptions one = options;
         one.output = numbered(options.output, frame);
@@ -135,9 +156,13 @@ void render(const RenderOptions& options) {
 }
 
 void add_image_options(CLI::App& command, RenderOptions& o) {
-    command.add_option("scene", o.scene, "A scene file (.obj, .gltf, .glb), or a built-in scene (see claray scenes)")
+    command
+        .add_option("scene", o.scene,
+                    "A scene file (.obj, .ply, .stl, .gltf, .glb), or a built-in scene (see claray scenes)")
         ->required();
-    command.add_option("-o,--output", o.output, "Output image: .png, .hdr or .pfm; with --fps the last frame");
+    command.add_option(
+        "-o,--output", o.output,
+        "Output image: .png, .hdr, .pfm or .exr; with --fps the last frame; with --frames also .y4m or -");
     add_size_option(command, o.config.width, o.config.height, "WIDTHxHEIGHT in pixels [512x512]");
     command.add_option("--light-map", o.light_maps,
                        "MESH=FILE: light map of a mesh, from claray bake; may be repeated");
@@ -157,7 +182,8 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
         ->transform(choice_of(denoisers));
     command
         .add_option("--aov", o.aovs,
-                    "Also write OUTPUT.NAME.png and .pfm: depth normal albedo primitive heat; gbuffer: packed as\n"
+                    "Also write OUTPUT.NAME.png and .pfm, or layers of an .exr: depth normal albedo primitive heat; "
+                    "gbuffer: packed as\n"
                     "deferred renderers keep it, .raw and a picture of each part (see docs/formats.md); voxels:\n"
                     "those of --grid-voxels, by the albedo of their surfaces.\n"
                     "albedo includes emitted light up to 1, as denoisers expect")

@@ -104,7 +104,7 @@ void add_view_command(CLI::App& app, Action& action) {
     render.width = 640, render.height = 360, render.spp = 256;
     command
         ->add_option("scene", options->scene,
-                     "A scene file (.obj, .gltf, .glb), or a built-in scene (see claray scenes)")
+                     "A scene file (.obj, .ply, .stl, .gltf, .glb), or a built-in scene (see claray scenes)")
         ->required();
     add_size_option(*command, render.width, render.height, "WIDTHxHEIGHT in pixels [640x360]");
     command->add_option("--port", options->port, "Port of the web page; 0: any that is free [8080]")

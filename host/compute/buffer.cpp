@@ -47,6 +47,45 @@ std::shared_ptr<cl::Buffer> part(const cl::Buffer& whole, std::size_t offset, st
                                       std::to_string(error.err()) + ")");
 }
 
+std::shared_ptr<cl::Buffer> adopt(const Device& device, cl_mem memory, std::size_t bytes) {
+    if (memory == nullptr) throw Error(ErrorKind::usage, "cannot adopt a buffer that is null");
+    try {
+        auto adopted = std::make_shared<cl::Buffer>(memory, true);
+        if (adopted->getInfo<CL_MEM_CONTEXT>()() != device.context()())
+            throw Error(ErrorKind::usage, "cannot adopt the buffer: it belongs to another context",
+                        "create it in the context of the device, or adopt that context");
+        if (const auto size = adopted->getInfo<CL_MEM_SIZE>(); size < bytes)
+            throw Error(ErrorKind::usage, "cannot adopt the buffer: it has " + std::to_string(size) + " bytes, and " +
+                                              std::to_string(bytes) + " are needed");
+        return adopted;
+    } catch (const cl::Error& error) {
+        throw Error(ErrorKind::usage,
+                    std::string("cannot adopt the buffer: ") + error.what() + " gave " + std::to_string(error.err()));
+    }
+}
+
+std::shared_ptr<cl::Buffer> in_place(const Device& device, const void* host, std::size_t bytes) {
+    constexpr std::uintptr_t alignment = 16;  // kernels read rays as float4
+    if (device.info().type != DeviceType::cpu || reinterpret_cast<std::uintptr_t>(host) % alignment != 0) return {};
+    try {
+        return std::make_shared<cl::Buffer>(device.context(), CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes,
+                                            const_cast<void*>(host));
+    } catch (const cl::Error&) {  // CL_INVALID_BUFFER_SIZE: the driver takes no buffer of this size
+        return {};
+    }
+}
+
+void make_visible(const Device& device, const cl::Buffer& buffer, std::size_t bytes) try {
+    void* mapped = nullptr;
+    device.profiler().record("map_buffer", [&](cl::Event* event) {
+        mapped = device.queue().enqueueMapBuffer(buffer, CL_TRUE, CL_MAP_READ, 0, bytes, nullptr, event);
+    });
+    device.queue().enqueueUnmapMemObject(buffer, mapped);
+    device.queue().finish();  // the host may free the memory now
+} catch (const cl::Error& error) {
+    throw_device_error(device, "read a buffer", error);
+}
+
 void write(const Device& device, const cl::Buffer& buffer, std::size_t offset, const void* data,
            std::size_t bytes) try {
     device.profiler().record("write_buffer", [&](cl::Event* event) {

@@ -190,6 +190,41 @@ Device Device::adopt(cl_context context, cl_command_queue queue) try {
                                        std::to_string(error.err()));
 }
 
+Device Device::with_new_queue() const try {
+    auto state = std::make_shared<State>();
+    state->info = state_->info;
+    state->device = state_->device;
+    state->context = state_->context;
+    state->queue = cl::CommandQueue(state->context, state->device, CL_QUEUE_PROFILING_ENABLE);
+    state->owns_queue = true;
+    state->store_programs = state_->store_programs;
+    state->programs = state_->programs;
+    state->parameters = state_->parameters;
+    state->in_use = state_->in_use;
+    state->tuning = state_->tuning;
+    state->tuning_warnings = state_->tuning_warnings;
+    return Device(std::move(state));
+} catch (const cl::Error& error) {
+    throw_device_error(*this, "create another queue", error);
+}
+
+void Device::wait_for(std::span<const cl::Event> events) const try {
+    if (events.empty()) return;
+    const std::vector<cl::Event> list(events.begin(), events.end());
+    state_->queue.enqueueBarrierWithWaitList(&list);
+} catch (const cl::Error& error) {
+    throw_device_error(*this, "wait for events", error);
+}
+
+cl::Event Device::event() const try {
+    cl::Event event;
+    state_->queue.enqueueMarkerWithWaitList(nullptr, &event);
+    state_->queue.flush();
+    return event;
+} catch (const cl::Error& error) {
+    throw_device_error(*this, "enqueue a marker", error);
+}
+
 const DeviceInfo& Device::info() const noexcept { return state_->info; }
 const cl::Context& Device::context() const noexcept { return state_->context; }
 const cl::CommandQueue& Device::queue() const noexcept { return state_->queue; }

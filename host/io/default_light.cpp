@@ -73,6 +73,14 @@ Scene load_obj(const std::filesystem::path& path, Warnings& warnings) {
     return lit(load_obj_without_light(path, warnings), warnings);
 }
 
+Scene load_ply(const std::filesystem::path& path, Warnings& warnings) {
+    return lit(load_ply_without_light(path, warnings), warnings);
+}
+
+Scene load_stl(const std::filesystem::path& path, Warnings& warnings) {
+    return lit(load_stl_without_light(path, warnings), warnings);
+}
+
 Scene load_gltf(const std::filesystem::path& path, Warnings& warnings, const LoadOptions& options) {
     return lit(load_gltf_without_light(path, warnings, options), warnings);
 }

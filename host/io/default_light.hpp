@@ -17,6 +17,8 @@ struct LoadedScene {
 [[nodiscard]] LoadedScene load_without_light(const std::string& name_or_path, Warnings& warnings,
                                              const LoadOptions& options);
 [[nodiscard]] Scene load_obj_without_light(const std::filesystem::path& path, Warnings& warnings);
+[[nodiscard]] Scene load_ply_without_light(const std::filesystem::path& path, Warnings& warnings);
+[[nodiscard]] Scene load_stl_without_light(const std::filesystem::path& path, Warnings& warnings);
 [[nodiscard]] Scene load_gltf_without_light(const std::filesystem::path& path, Warnings& warnings,
                                             const LoadOptions& options);
 [[nodiscard]] std::optional<double> gltf_animation_seconds(const std::filesystem::path& path,

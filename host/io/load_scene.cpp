@@ -49,16 +49,21 @@ LoadedScene load_without_light(const std::string& name_or_path, Warnings& warnin
         refuse_choice(name_or_path, options);
         return {load_obj_without_light(path, warnings), true};
     }
+    if (extension == ".ply" || extension == ".stl") {
+        refuse_choice(name_or_path, options);
+        return {extension == ".ply" ? load_ply_without_light(path, warnings) : load_stl_without_light(path, warnings),
+                true};
+    }
     if (is_gltf(extension)) return {load_gltf_without_light(path, warnings, options), true};
 
     std::error_code unreadable;
     if (std::filesystem::is_regular_file(path, unreadable))
-        throw Error(ErrorKind::user, "'" + name_or_path + "' is not a .obj, .gltf or .glb file",
+        throw Error(ErrorKind::user, "'" + name_or_path + "' is not a .obj, .ply, .stl, .gltf or .glb file",
                     "convert it to one of these");
     std::string known;
     for (const char* name : builtin_scene_names()) known += std::string(known.empty() ? "" : ", ") + name;
     throw Error(ErrorKind::usage, "unknown scene '" + name_or_path + "'",
-                "give a .obj, .gltf or .glb file or one of " + known);
+                "give a .obj, .ply, .stl, .gltf or .glb file or one of " + known);
 }
 
 }  // namespace claray

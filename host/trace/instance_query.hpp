@@ -14,7 +14,11 @@ public:
 
     InstanceQuery() = default;
     /// The profiler shows its times under `name`, or under the kernel's name if `name` is empty.
-    InstanceQuery(const InstancedBvh& bvh, Kind kind, const QueryOptions& options = {}, const std::string& name = {});
+    InstanceQuery(const InstancedBvh& bvh, Kind kind, const QueryOptions& options = {}, const std::string& name = {})
+        : InstanceQuery(bvh.device(), bvh, kind, options, name) {}
+    /// The same on another queue of the structure's context.
+    InstanceQuery(const Device& queue, const InstancedBvh& bvh, Kind kind, const QueryOptions& options,
+                  const std::string& name = {});
 
     /// Traces the first min(*count, capacity) rays, or `capacity` if `count` is absent; asynchronous. `results` holds
     /// InstanceHits or, for any hit, bytes. `times`, of the rays, may be absent.

@@ -2,9 +2,9 @@
 
 namespace claray {
 
-InstanceQuery::InstanceQuery(const InstancedBvh& bvh, Kind kind, const QueryOptions& options, const std::string& name)
+InstanceQuery::InstanceQuery(const Device& device, const InstancedBvh& bvh, Kind kind, const QueryOptions& options,
+                             const std::string& name)
     : bvh_(bvh), kind_(kind), options_(options) {
-    const Device& device = bvh.device();
     if (kind == Kind::any) options_.visits = {};
     Defines defines = query_defines(bvh.defines(), options_);
     if (options.brute_force) defines.emplace_back("EVERY_INSTANCE", "1");

@@ -16,10 +16,9 @@ const cl::Buffer& ray_queue(const Device& device) {
     return *queue;
 }
 
-QueryKernel::QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options, const std::string& name,
-                         const std::string& file)
-    : bvh_(bvh), options_(options) {
-    const Device& device = bvh.device();
+QueryKernel::QueryKernel(const Device& device, const Bvh& bvh, Kind kind, const QueryOptions& options,
+                         const std::string& name, const std::string& file)
+    : device_(device), bvh_(bvh), options_(options) {
     const std::string query = kind == Kind::closest ? "closest_hit" : "any_hit";
     const std::string stem = options.brute_force ? "trace/brute_force" : "trace/" + query;
     const std::string function = options.brute_force ? "brute_force_" + query : query;
@@ -78,7 +77,7 @@ QueryKernel::QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options,
 Buffer<std::uint32_t> QueryKernel::order_of(const Buffer<Ray>& rays, std::uint32_t capacity,
                                             const Buffer<std::uint32_t>& count) {
     if (sort_from_ == 0 || capacity < sort_from_ || count.allocated()) return {};
-    const Device& device = bvh_.device();
+    const Device& device = *device_;
     if (options_.coherence == Coherence::coherent) return {};
     const cl::Buffer& queue = ray_queue(device);
     sample_.run({1, 1}, bvh_.header_buffer(), rays, arg("count", capacity), arg("queue", queue));
@@ -92,7 +91,7 @@ Buffer<std::uint32_t> QueryKernel::order_of(const Buffer<Ray>& rays, std::uint32
 std::uint32_t QueryKernel::batch_size(std::uint32_t capacity) const {
     constexpr std::uint32_t packet = 64;
     if (most_in_batch_ < packet) return most_in_batch_;
-    const std::uint32_t share = capacity / (8 * std::max(1u, bvh_.device().info().compute_units));
+    const std::uint32_t share = capacity / (8 * std::max(1u, device_->info().compute_units));
     return std::clamp(share / packet * packet, packet, most_in_batch_);
 }
 

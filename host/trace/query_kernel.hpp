@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
 
 #include "host/trace/query_options.hpp"
 #include "host/trace/ray_order.hpp"
@@ -32,7 +33,11 @@ public:
     /// The profiler shows its times under `name`, or under the kernel's name if `name` is empty. `file`: kernels that
     /// include the query's and define the handling of answers (trace/answers.clh); binary layout only.
     QueryKernel(const Bvh& bvh, Kind kind, const QueryOptions& options = {}, const std::string& name = {},
-                const std::string& file = {});
+                const std::string& file = {})
+        : QueryKernel(bvh.device(), bvh, kind, options, name, file) {}
+    /// The same on another queue of the structure's context.
+    QueryKernel(const Device& queue, const Bvh& bvh, Kind kind, const QueryOptions& options,
+                const std::string& name = {}, const std::string& file = {});
 
     /// Traces the first min(*count, capacity) rays, or `capacity` if `count` is absent; asynchronous. `results` holds
     /// Hits or, for any hit, bytes or an object that binds the file's parameters for answers.
@@ -47,7 +52,7 @@ public:
                             capacity, arg("count", count), arg("masks", options_.ray_masks));
             return;
         }
-        const cl::Buffer& queue = ray_queue(bvh_.device());
+        const cl::Buffer& queue = ray_queue(*device_);
         const Buffer<std::uint32_t> order = order_of(rays, capacity, count);
         if (kernels_.size() > 1)
             sample_.run({sample_group_, sample_group_}, rays, capacity, arg("count", count), arg("queue", queue));
@@ -75,6 +80,7 @@ private:
     [[nodiscard]] Buffer<std::uint32_t> order_of(const Buffer<Ray>& rays, std::uint32_t capacity,
                                                  const Buffer<std::uint32_t>& count);
 
+    std::optional<Device> device_;  // with the queue
     Bvh bvh_;
     QueryOptions options_;
     std::vector<Kernel> kernels_;  // one, or two schedules of which the device chooses one

@@ -4,6 +4,7 @@ namespace claray {
 
 Defines query_defines(Defines defines, const QueryOptions& options) {
     if (options.cull_back_faces) defines.emplace_back("CULL_BACK_FACES", "1");
+    if (options.closed) defines.emplace_back("CLARAY_CLOSED_TRIANGLES", "1");
     if (options.ray_masks.allocated()) defines.emplace_back("CLARAY_RAY_MASKS", "1");
     if (options.visits.allocated()) defines.emplace_back("CLARAY_COUNT_VISITS", "1");
     return defines;

@@ -5,8 +5,6 @@
 
 namespace claray {
 
-enum class QueryKind { closest, any };
-
 /// The macros of a structure and of the options.
 [[nodiscard]] Defines query_defines(Defines defines, const QueryOptions& options);
 
@@ -21,10 +19,12 @@ template <class Answer, class Tree>
 std::vector<Answer> answers(const Tree& tree, std::span<const Ray> rays, const QueryOptions& options,
                             void (*query)(const Tree&, const Buffer<Ray>&, Buffer<Answer>&, const QueryOptions&,
                                           const Buffer<std::uint32_t>&)) {
-    const Buffer<Ray> device_rays(tree.device(), rays);
-    Buffer<Answer> results(tree.device(), rays.size());
+    std::vector<Answer> answers(rays.size());
+    const auto device_rays = Buffer<Ray>::over(tree.device(), rays);
+    auto results = Buffer<Answer>::under(tree.device(), answers);
     query(tree, device_rays, results, options, {});
-    return results.read();
+    results.fetch(answers);
+    return answers;
 }
 
 }  // namespace claray

@@ -16,6 +16,12 @@ namespace detail {
 /// Creates a sub-buffer that shares the memory. Throws ErrorKind::usage if `offset` is not aligned as the device
 /// requires.
 [[nodiscard]] std::shared_ptr<cl::Buffer> part(const cl::Buffer& whole, std::size_t offset, std::size_t bytes);
+/// Retains a buffer of the host program. Throws ErrorKind::usage if it belongs to another context or holds fewer bytes.
+[[nodiscard]] std::shared_ptr<cl::Buffer> adopt(const Device& device, cl_mem memory, std::size_t bytes);
+/// Uses host memory in place on CPUs if it is aligned for float4; returns null elsewhere.
+[[nodiscard]] std::shared_ptr<cl::Buffer> in_place(const Device& device, const void* host, std::size_t bytes);
+/// Makes what kernels wrote to a buffer of `in_place` visible to the host. Blocks.
+void make_visible(const Device& device, const cl::Buffer& buffer, std::size_t bytes);
 /// Blocking transfers of `bytes` bytes between the host and the bytes of `buffer` from `offset` on.
 void write(const Device& device, const cl::Buffer& buffer, std::size_t offset, const void* data, std::size_t bytes);
 void read(const Device& device, const cl::Buffer& buffer, std::size_t offset, void* data, std::size_t bytes);
@@ -49,6 +55,34 @@ public:
         : device_(std::make_shared<Device>(whole.device())),
           memory_(detail::part(whole.memory(), first_byte, bytes_for(count))),
           size_(count) {}
+
+    /// A buffer of the host program, of the same context: its first `count` elements. It is retained. Throws
+    /// ErrorKind::usage if it belongs to another context or is too small.
+    [[nodiscard]] static Buffer adopt(const Device& device, cl_mem memory, std::size_t count) {
+        return Buffer(device, detail::adopt(device, memory, bytes_for(count)), count);
+    }
+    /// Elements in host memory, which must outlive the buffer and its commands. CPUs use that memory in place; other
+    /// devices get a copy of it. Blocks.
+    [[nodiscard]] static Buffer over(const Device& device, std::span<const T> host) {
+        auto memory = host.empty() ? nullptr : detail::in_place(device, host.data(), host.size_bytes());
+        return memory ? Buffer(device, std::move(memory), host.size()) : Buffer(device, host);
+    }
+    /// The same for results: nothing is copied to the device. Call `fetch` with the same memory to see what kernels
+    /// wrote.
+    [[nodiscard]] static Buffer under(const Device& device, std::span<T> host) {
+        auto memory = host.empty() ? nullptr : detail::in_place(device, host.data(), host.size_bytes());
+        if (!memory) return Buffer(device, host.size());
+        Buffer buffer(device, std::move(memory), host.size());
+        buffer.host_ = host.data();
+        return buffer;
+    }
+    /// Waits for the kernels, and copies the results unless they were written in place. Blocks.
+    void fetch(std::span<T> host) const {
+        if (host_ != nullptr && host_ == host.data() && host.size() == size_)
+            detail::make_visible(*device_, memory(), bytes());
+        else
+            read(host);
+    }
 
     [[nodiscard]] std::size_t size() const noexcept { return size_; }
     [[nodiscard]] std::size_t bytes() const noexcept { return size_ * sizeof(T); }
@@ -88,6 +122,8 @@ public:
     }
 
 private:
+    Buffer(const Device& device, std::shared_ptr<cl::Buffer> memory, std::size_t count)
+        : device_(std::make_shared<Device>(device)), memory_(std::move(memory)), size_(count) {}
     /// Returns the largest size on overflow; `allocate` refuses it.
     static std::size_t bytes_for(std::size_t count) {
         if (count > std::size_t(-1) / sizeof(T)) return std::size_t(-1);
@@ -101,6 +137,7 @@ private:
     std::shared_ptr<Device> device_;
     std::shared_ptr<cl::Buffer> memory_;  // counted as used device memory
     std::size_t size_ = 0;
+    const T* host_ = nullptr;  // of `under`, if it is used in place
 };
 
 }  // namespace claray

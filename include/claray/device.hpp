@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -55,6 +56,11 @@ public:
     /// queue was created with CL_QUEUE_PROFILING_ENABLE.
     [[nodiscard]] static Device adopt(cl_context context, cl_command_queue queue);
 
+    /// Returns the same device and context with a new in-order queue and profiler of its own. Buffers belong to the
+    /// context; a Query can run on any of its queues. Commands of two queues run in any order, unless events order
+    /// them.
+    [[nodiscard]] Device with_new_queue() const;
+
     [[nodiscard]] const DeviceInfo& info() const noexcept;
     [[nodiscard]] const cl::Context& context() const noexcept;
     [[nodiscard]] const cl::CommandQueue& queue() const noexcept;
@@ -66,6 +72,11 @@ public:
     /// Overrides a tuning value for this device. It takes effect for programs compiled later.
     void set_tuning(const std::string& kernel, const std::string& parameter, unsigned value) const;
 
+    /// Commands enqueued from now on wait for these events, which may be of any queue of the context. Asynchronous.
+    void wait_for(std::span<const cl::Event> events) const;
+    /// Returns an event that is complete when all commands enqueued so far are. Asynchronous: the commands are
+    /// submitted.
+    [[nodiscard]] cl::Event event() const;
     /// Blocks until all enqueued commands are finished, and passes the measured times to the profiler.
     void finish() const;
 

@@ -74,6 +74,15 @@ struct LoadOptions {
 /// damaged, too large or outside the OBJ's folder.
 [[nodiscard]] Scene load_obj(const std::filesystem::path& path, Warnings& warnings);
 
+/// Loads a PLY, text or binary: the elements vertex (positions, normals, texture coordinates, colours), face and
+/// tristrips as one grey mesh; polygons are triangulated. Throws ErrorKind::user, naming the file and the line or the
+/// row, for a missing or damaged file, an index out of range, and a file without faces.
+[[nodiscard]] Scene load_ply(const std::filesystem::path& path, Warnings& warnings);
+
+/// Loads an STL, text or binary, as a grey mesh for each solid. Vertices at the same position become one; normals are
+/// ignored, because triangles are flat. Throws as load_ply.
+[[nodiscard]] Scene load_stl(const std::filesystem::path& path, Warnings& warnings);
+
 /// Loads glTF 2.0, as text (.gltf) or binary (.glb): triangles, points and lines (as spheres and tubes), the node
 /// hierarchy at a time of an animation, skins and morph targets, a camera, punctual lights, metallic-roughness
 /// materials with the extensions in docs/formats.md, and the images of used materials. If no mesh is used by several
@@ -88,8 +97,8 @@ struct LoadOptions {
 /// load_gltf.
 [[nodiscard]] std::optional<double> animation_seconds(const std::string& name_or_path, const LoadOptions& options = {});
 
-/// Loads a built-in scene by name, or else a file by its extension (.obj, .gltf, .glb). Throws ErrorKind::usage for
-/// options that the format does not support.
+/// Loads a built-in scene by name, or else a file by its extension (.obj, .ply, .stl, .gltf, .glb). Throws
+/// ErrorKind::usage for options that the format does not support.
 [[nodiscard]] Scene load_scene(const std::string& name_or_path, Warnings& warnings, const LoadOptions& options = {});
 
 /// The sides of surfaces that rays hit.
@@ -105,10 +114,11 @@ void set_culling(Scene& scene, Culling culling);
 /// and relief.
 void flip_fronts(Scene& scene);
 
-/// Reads PNG, JPEG, WebP (8 bits, no animation), BMP, TGA, Radiance HDR or PFM; the content decides the format.
-/// `eight_bit` is the meaning of bytes: srgb8 or linear8. Images of 16 bits become linear float32; HDR and PFM are
-/// float32 without conversion. Limits: 16384 pixels per side and 1 GiB decoded. Throws ErrorKind::user, naming the
-/// file, if the file is missing, damaged, truncated or too large.
+/// Reads PNG, JPEG, WebP (8 bits, no animation), BMP, TGA, Radiance HDR, PFM or OpenEXR; the content decides the
+/// format. `eight_bit` is the meaning of bytes: srgb8 or linear8. Images of 16 bits become linear float32; HDR, PFM and
+/// EXR are float32 without conversion. Of an EXR with layers the colours without a prefix are read, else those of the
+/// first layer that has some. Limits: 16384 pixels per side and 1 GiB decoded. Throws ErrorKind::user, naming the file,
+/// if the file is missing, damaged, truncated or too large.
 [[nodiscard]] Texture load_image(const std::filesystem::path& path, TexelFormat eight_bit = TexelFormat::srgb8);
 
 /// Returns the normals of a height field, as Material::normal_map reads them: 8 bits, +y up in the image. Slopes are
@@ -130,10 +140,22 @@ struct Image {
     std::vector<glm::vec3> pixels;
 };
 
-/// Writes an image by extension: .png (tone mapped, sRGB, 8 bits), .hdr (Radiance RGBE) or .pfm (float32). The latter
-/// two are linear and ignore exposure (in stops) and tone map. The data is written to a temporary file, synced and
-/// renamed, so that no partial image remains. Throws ErrorKind::usage for another extension, ErrorKind::user if the
-/// file cannot be written.
+/// Channels of an EXR: float32 in `values`, or whole numbers in `numbers`, pixel by pixel from the top left.
+struct ImageLayer {
+    std::string name;                         ///< "depth"; empty: the image itself, whose channels have no prefix
+    std::string channels = "RGB";             ///< a letter each: "RGB", "XYZ", "Z"
+    std::vector<float> values = {};           ///< width * height * channels
+    std::vector<std::uint32_t> numbers = {};  ///< or these
+};
+/// Writes one EXR with all layers; the channels are called NAME.LETTER, as compositors show them. Throws as
+/// write_image, and ErrorKind::usage if claray was built without OpenEXR.
+void write_exr(const std::filesystem::path& path, unsigned width, unsigned height,
+               const std::vector<ImageLayer>& layers);
+
+/// Writes an image by extension: .png (tone mapped, sRGB, 8 bits), .hdr (Radiance RGBE), .pfm or .exr (float32). All
+/// but the first are linear and ignore exposure (in stops) and tone map. The data is written to a temporary file,
+/// synced and renamed, so that no partial image remains. Throws ErrorKind::usage for another extension, ErrorKind::user
+/// if the file cannot be written.
 void write_image(const std::filesystem::path& path, const Image& image, float exposure = 0.f,
                  ToneMap tone_map = ToneMap::aces);
 

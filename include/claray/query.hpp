@@ -18,7 +18,10 @@ enum class Coherence {
 
 struct QueryOptions {
     bool cull_back_faces = false;  ///< only triangles whose vertices appear counter-clockwise are hit
-    bool brute_force = false;      ///< tests every triangle, without the tree: same hits, for comparison
+    /// Rays that only touch a surface, at its border or at an edge seen from the side, hit it. A ray through an edge
+    /// may then hit either of its triangles; otherwise it hits exactly one, or none if it only touches.
+    bool closed = false;
+    bool brute_force = false;  ///< tests every triangle, without the tree: same hits, for comparison
     Coherence coherence = Coherence::automatic;
     Buffer<std::uint32_t> ray_masks;  ///< one per ray; empty: every ray sees every mesh
     Buffer<float> ray_times;          ///< one per ray, 0 to 1, for an InstancedBvh with motion; empty: time 0
@@ -41,5 +44,48 @@ void any_hit(const Bvh& bvh, const Buffer<Ray>& rays, Buffer<std::uint8_t>& occl
 [[nodiscard]] std::vector<Hit> closest_hit(const Bvh& bvh, std::span<const Ray> rays, const QueryOptions& options = {});
 [[nodiscard]] std::vector<std::uint8_t> any_hit(const Bvh& bvh, std::span<const Ray> rays,
                                                 const QueryOptions& options = {});
+
+class InstancedBvh;
+struct InstanceHit;
+
+enum class QueryKind { closest, any };
+
+/// A query that is made once, which loads its kernels, and run often: a run only enqueues commands. The options hold
+/// for all runs. A handle: copies share the query.
+class Query {
+public:
+    /// Queries run on the queue of the structure's device, or on `queue`, which Device::with_new_queue made of it. The
+    /// constructor then waits once for the structure; after a rebuild or refit pass an event to `run`. Throws
+    /// ErrorKind::usage if `queue` has another context.
+    Query(const Bvh& bvh, QueryKind kind, const QueryOptions& options = {});
+    Query(const Bvh& bvh, QueryKind kind, const QueryOptions& options, const Device& queue);
+    Query(const InstancedBvh& bvh, QueryKind kind, const QueryOptions& options = {});
+    Query(const InstancedBvh& bvh, QueryKind kind, const QueryOptions& options, const Device& queue);
+
+    /// Enqueues the query after all of `wait_for`, and returns the event of its end. Asynchronous as closest_hit: give
+    /// QueryOptions::coherence so that nothing is waited for. The buffers must be alive until the event is complete.
+    /// `count`: see closest_hit. Throws ErrorKind::usage, before anything is enqueued, for buffers that are too small
+    /// or of another context, and for results that are not those of the query's kind: Hit and InstanceHit for
+    /// QueryKind::closest, bytes for QueryKind::any.
+    cl::Event run(const Buffer<Ray>& rays, Buffer<Hit>& hits, std::span<const cl::Event> wait_for = {},
+                  const Buffer<std::uint32_t>& count = {});
+    cl::Event run(const Buffer<Ray>& rays, Buffer<InstanceHit>& hits, std::span<const cl::Event> wait_for = {},
+                  const Buffer<std::uint32_t>& count = {});
+    cl::Event run(const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded, std::span<const cl::Event> wait_for = {},
+                  const Buffer<std::uint32_t>& count = {});
+
+    /// As above, for rays and results in host memory, which CPUs use in place. Blocks. Throws ErrorKind::usage if the
+    /// arrays differ in size.
+    void run(std::span<const Ray> rays, std::span<Hit> hits);
+    void run(std::span<const Ray> rays, std::span<InstanceHit> hits);
+    void run(std::span<const Ray> rays, std::span<std::uint8_t> occluded);
+
+    [[nodiscard]] const Device& device() const;
+
+    struct State;
+
+private:
+    std::shared_ptr<State> state_;
+};
 
 }  // namespace claray

@@ -45,7 +45,7 @@ TEST_F(BadInput, FolderAsScene) {
 }
 TEST_F(BadInput, UnknownScene) {
     EXPECT_TRUE(failed_with(render("no-such-scene"), 2,
-                            "unknown scene 'no-such-scene'; give a .obj, .gltf or .glb file or one of cornell"));
+                            "unknown scene 'no-such-scene'; give a .obj, .ply, .stl, .gltf or .glb file or one of cornell"));
 }
 TEST_F(BadInput, BadTriangleCount) { EXPECT_TRUE(failed_with(render("soup:many"), 2, "soup:N")); }
 

@@ -77,6 +77,21 @@ TEST(ForgedScenes, Obj) {
                  [&](std::uint32_t number) { return forged_text(good[number % good.size()], number); });
 }
 
+TEST(ForgedScenes, Ply) {
+    const std::vector<FileBytes> text = corpus("ply", {"text.ply", "strips.ply"}),
+                                 binary = corpus("ply", {"little.ply", "big.ply"});
+    expect_sound("ply", 300, little, [&](std::uint32_t number) {
+        return number % 2 != 0 ? forged_text(text[number / 2 % 2], number) : forged(binary[number / 2 % 2], number, 0);
+    });
+}
+
+TEST(ForgedScenes, Stl) {
+    const std::vector<FileBytes> text = corpus("stl", {"text.stl"}), binary = corpus("stl", {"binary.stl"});
+    expect_sound("stl", 300, little, [&](std::uint32_t number) {
+        return number % 2 != 0 ? forged_text(text[0], number) : forged(binary[0], number, 0);
+    });
+}
+
 TEST(ForgedScenes, Mtl) {
     const std::vector<FileBytes> good = corpus("mtl", {"all.mtl", "plain.mtl", "spectral.mtl"});
     expect_sound("mtl", 300, little,

@@ -93,6 +93,22 @@ bool fuzz_gltf(Bytes bytes) {
     });
 }
 
+bool fuzz_ply(Bytes bytes) {
+    const auto path = written("input.ply", bytes);
+    return expect_result_or_user_error([&] {
+        Warnings warnings;
+        check(load_ply(path, warnings));
+    });
+}
+
+bool fuzz_stl(Bytes bytes) {
+    const auto path = written("input.stl", bytes);
+    return expect_result_or_user_error([&] {
+        Warnings warnings;
+        check(load_stl(path, warnings));
+    });
+}
+
 bool fuzz_image(Bytes bytes) {
     const auto path = written("input.image", bytes);
     return expect_result_or_user_error([&] {
@@ -136,9 +152,10 @@ bool fuzz_tuning(Bytes bytes) {
     });
 }
 
-constexpr FuzzTarget targets[] = {{"obj", fuzz_obj},      {"mtl", fuzz_mtl},   {"gltf", fuzz_gltf},
-                                  {"image", fuzz_image},  {"tree", fuzz_tree}, {"checkpoint", fuzz_checkpoint},
-                                  {"tuning", fuzz_tuning}};
+constexpr FuzzTarget targets[] = {
+    {"obj", fuzz_obj},      {"mtl", fuzz_mtl},     {"gltf", fuzz_gltf}, {"ply", fuzz_ply},
+    {"stl", fuzz_stl},      {"image", fuzz_image}, {"tree", fuzz_tree}, {"checkpoint", fuzz_checkpoint},
+    {"tuning", fuzz_tuning}};
 
 }  // namespace
 

@@ -1,6 +1,6 @@
 # Installs a build of claray to a fresh prefix, then configures, builds and runs a consumer that finds it there, and one
 # that finds it in the folder of the build. With SHARED, first builds claray as shared libraries and as a part of the consumer:
-#   cmake -DSOURCE_DIR= -DBINARY_DIR= -DWORK_DIR= -DGENERATOR= -DCXX= [-DSHARED=ON] -P run.cmake
+#   cmake -DSOURCE_DIR= -DBINARY_DIR= -DWORK_DIR= -DGENERATOR= -DCXX= -DCC= -DPKG_CONFIG= -DLIBDIR= [-DSHARED=ON] -P run.cmake
 function(run)
     execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE log ERROR_VARIABLE log)
     if(NOT status EQUAL 0)
@@ -45,6 +45,17 @@ if(NOT SHARED)
     run(${CMAKE_COMMAND} -S "${consumer}" -B "${WORK_DIR}/of_build" ${options} "-Dclaray_DIR=${BINARY_DIR}")
     run(${CMAKE_COMMAND} --build "${WORK_DIR}/of_build")
     run("${WORK_DIR}/of_build/consumer")
+endif()
+# A program in C finds it by pkg-config.
+if(PKG_CONFIG AND CC)
+    execute_process(COMMAND ${CMAKE_COMMAND} -E env "PKG_CONFIG_PATH=${prefix}/${LIBDIR}/pkgconfig" ${PKG_CONFIG} --cflags --libs claray
+                    OUTPUT_VARIABLE flags OUTPUT_STRIP_TRAILING_WHITESPACE RESULT_VARIABLE status ERROR_VARIABLE log)
+    if(NOT status EQUAL 0)
+        message(FATAL_ERROR "pkg-config does not find claray: ${log}")
+    endif()
+    separate_arguments(flags UNIX_COMMAND "${flags}")
+    run(${CC} -std=c99 -Wall -Wextra -pedantic -Werror "${CMAKE_CURRENT_LIST_DIR}/consumer/main.c" -o "${WORK_DIR}/consumer_c" ${flags})
+    run(${CMAKE_COMMAND} -E env "LD_LIBRARY_PATH=${prefix}/${LIBDIR}" "${WORK_DIR}/consumer_c")
 endif()
 set(ENV{CLARAY_KERNEL_DIR} "${prefix}/share/claray/kernels")
 run("${WORK_DIR}/build/consumer")

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
 #include <algorithm>
 
 #include "claray/error.hpp"
@@ -27,7 +30,7 @@ protected:
 
 /// `action` throws an Error of `kind` whose one line holds every one of `words`.
 template <class Action>
-void expect_error(ErrorKind kind, std::initializer_list<std::string> words, Action&& action) {
+void expect_error(ErrorKind kind, const std::vector<std::string>& words, Action&& action) {
     try {
         action();
     } catch (const Error& error) {

@@ -6,6 +6,7 @@
 #include "host/base/format.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/output/outputs.hpp"
+#include "host/io/y4m.hpp"
 
 namespace claray::cli {
 namespace {
@@ -112,6 +113,12 @@ std::filesystem::path numbered(const std::filesystem::path& output, unsigned fra
            name.replace(percent, end + 1 - percent, printed("%0*u", digits.empty() ? 1 : digits[1] - '0', frame));
 }
 
+bool is_film(const std::filesystem::path& output) { return output == "-" || output.extension() == ".y4m"; }
+
+bool is_layer(const std::filesystem::path& output, const std::string& aov) {
+    return output.extension() == ".exr" && aov != "gbuffer" && aov != "voxels";
+}
+
 void use_light_maps(Scene& scene, const std::vector<std::string>& light_maps) {
     for (const std::string& text : light_maps) {
         const std::size_t equals = text.find('=');
@@ -134,8 +141,11 @@ std::pair<std::filesystem::path, std::filesystem::path> aov_paths(const std::fil
 
 std::vector<NamedFile> outputs_of(const RenderOptions& options) {
     std::vector<NamedFile> outputs = {
-        {"--output", options.output}, {"--checkpoint", options.config.checkpoint}, {"--trace", options.trace}};
+        {"--output", is_film(options.output) ? film_file(options.output) : options.output},
+        {"--checkpoint", options.config.checkpoint},
+        {"--trace", options.trace}};
     for (const std::string& name : options.aovs) {
+        if (is_layer(options.output, name)) continue;
         const auto [picture, raw] = aov_paths(options.output, name);
         if (name == "gbuffer")
             for (const char* view : gbuffer_views)
@@ -155,7 +165,7 @@ std::vector<NamedFile> inputs_of(const RenderOptions& options) {
 }
 
 void check_outputs(const RenderOptions& options) {
-    if (!options.output.empty()) check_writable(options.output);  // its extension, too
+    if (!options.output.empty() && !is_film(options.output)) check_writable(options.output);  // its extension, too
     check_outputs(outputs_of(options), inputs_of(options));
 }
 

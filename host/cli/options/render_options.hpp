@@ -67,8 +67,14 @@ void add_light_grid_options(CLI::App& command, LightGridConfig& grid);
 /// Throws ErrorKind::usage for any other % in the name.
 [[nodiscard]] std::filesystem::path numbered(const std::filesystem::path& output, unsigned frame);
 
+/// Whether the frames of an animation go to one stream (.y4m, or "-" for standard output).
+[[nodiscard]] bool is_film(const std::filesystem::path& output);
+
 /// Puts light maps on meshes. Throws ErrorKind::usage for text that is not MESH=FILE.
 void use_light_maps(Scene& scene, const std::vector<std::string>& light_maps);
+
+/// Whether an AOV becomes a layer of the image's own file: all but gbuffer and voxels, of an .exr.
+[[nodiscard]] bool is_layer(const std::filesystem::path& output, const std::string& aov);
 
 /// out.png, depth -> {out.depth.png, out.depth.pfm}
 [[nodiscard]] std::pair<std::filesystem::path, std::filesystem::path> aov_paths(const std::filesystem::path& output,

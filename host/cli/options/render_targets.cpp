@@ -32,6 +32,12 @@ void check_frames(const CLI::App& command, RenderOptions& o) {
     refuse_without(command, "--orbit", "--fps");
     refuse_both(command, "--fps", {"--frame-rate"},
                 "--fps is for rendering in real time, --frame-rate for an animation");
+    if (is_film(o.output) && (command.count("--frames") == 0 || o.fps > 0))
+        throw Error(ErrorKind::usage,
+                    "--output: '" + o.output.string() + "' is a film, which needs the frames of an animation",
+                    "add --frames FIRST..LAST, or write .png, .hdr, .pfm or .exr");
+    if (o.output == "-" && o.json)
+        throw Error(ErrorKind::usage, "--json: standard output has the film", "write the film to a file");
     if (command.count("--frames") == 0) return;
     if (o.fps > 0) {
         const auto frames = parse_number<unsigned>(o.frames_text);
@@ -42,6 +48,7 @@ void check_frames(const CLI::App& command, RenderOptions& o) {
         return;
     }
     o.animation = parse_frames(o.frames_text);
+    if (is_film(o.output)) refuse_both(command, "--aov", {"--frames"}, "a film has no place for them: write images");
     refuse_both(command, "--frames", {"--at"}, "the frames define the times");
     refuse_both(command, "--frames", {"--checkpoint", "--resume", "--trace"}, "--frames renders several images");
 }
@@ -63,9 +70,11 @@ void add_target_options(CLI::App& command, RenderOptions& o) {
                     "Render frames at this rate with as many samples as fit, and print whether the rate was met")
         ->check(positive_number());
     command
-        .add_option("--frames", o.frames_text,
-                    "FIRST..LAST: write an image per frame of an animation, as OUTPUT.0000.png or by %04d in OUTPUT; "
-                    "with --fps: number of frames [300]")
+        .add_option(
+            "--frames", o.frames_text,
+            "FIRST..LAST: write an image per frame of an animation, as OUTPUT.0000.png or by %04d in OUTPUT, or "
+            "all to one film, if OUTPUT is a .y4m or - (standard output, for ffmpeg -i -); "
+            "with --fps: number of frames [300]")
         ->type_name("RANGE");
     command.add_option("--orbit", o.orbit, "Degrees by which the camera turns round its target, with --fps [0]")
         ->check(finite_number());

@@ -1,5 +1,6 @@
 #include "host/cli/output/render_outputs.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -47,6 +48,25 @@ void write_aov(const std::string& name, const Aovs& aovs, const RenderOptions& o
     if (name == "albedo") write_color(aovs.albedo, {width, height, aovs.albedo});
     if (name == "primitive") write_scalar(as_floats(aovs.primitive), identifier_color(width, height, aovs.primitive));
     if (name == "heat") write_scalar(as_floats(aovs.visits), false_color(width, height, as_floats(aovs.visits)));
+}
+
+std::vector<float> components_of(const std::vector<glm::vec3>& values) {
+    return {&values[0].x, &values[0].x + 3 * values.size()};
+}
+
+/// The image and its AOVs; layers and channels have the names that Blender and Nuke show.
+void write_layers(const std::vector<glm::vec3>& pixels, const Renderer& renderer, const RenderOptions& options) {
+    Aovs aovs = renderer.aovs();
+    std::vector<ImageLayer> layers = {{"", "RGB", components_of(pixels)}};
+    for (const std::string& name : options.aovs) {
+        if (!is_layer(options.output, name)) continue;
+        if (name == "depth") layers.push_back({name, "Z", std::move(aovs.depth)});
+        if (name == "normal") layers.push_back({name, "XYZ", components_of(aovs.normal)});
+        if (name == "albedo") layers.push_back({name, "RGB", components_of(aovs.albedo)});
+        if (name == "primitive") layers.push_back({name, "X", {}, std::move(aovs.primitive)});
+        if (name == "heat") layers.push_back({name, "X", {}, std::move(aovs.visits)});
+    }
+    write_exr(options.output, options.config.width, options.config.height, layers);
 }
 
 /// Positions as colours: their places in the box around all of them.
@@ -166,9 +186,14 @@ bool tells_plan(const RenderOptions& options) { return options.stats || !options
 
 }  // namespace
 
-void write_picture(const std::vector<glm::vec3>& pixels, const RenderOptions& options) {
-    write_image(options.output, {options.config.width, options.config.height, pixels}, options.exposure,
-                options.tone_map);
+void write_picture(const std::vector<glm::vec3>& pixels, const RenderOptions& options, const Renderer* renderer) {
+    const bool has_layers = std::any_of(options.aovs.begin(), options.aovs.end(),
+                                        [&](const std::string& name) { return is_layer(options.output, name); });
+    if (renderer != nullptr && has_layers)
+        write_layers(pixels, *renderer, options);
+    else
+        write_image(options.output, {options.config.width, options.config.height, pixels}, options.exposure,
+                    options.tone_map);
     const bool is_png = options.output.extension() == ".png";
     if (const auto line = brightness_warning(pixels, is_png ? std::optional(options.exposure) : std::nullopt))
         print_warning(*line);
@@ -198,6 +223,7 @@ void write_aovs(const Renderer& renderer, const RenderOptions& options, Writes& 
             writes.attempt([&] { write_voxels(renderer.voxels(), options); });
             continue;
         }
+        if (is_layer(options.output, name)) continue;
         if (!aovs) aovs = renderer.aovs();
         writes.attempt([&] { write_aov(name, *aovs, options); });
     }

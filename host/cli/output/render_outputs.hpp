@@ -8,9 +8,11 @@
 
 namespace claray::cli {
 
-/// Writes the image, and warns if it is black or white.
-void write_picture(const std::vector<glm::vec3>& pixels, const RenderOptions& options);
-/// Writes every auxiliary image that was asked for, in false colours (.png) and raw (.pfm).
+/// Writes the image, and warns if it is black or white. An .exr also gets the AOVs of `renderer` that were asked for,
+/// as layers; null: none.
+void write_picture(const std::vector<glm::vec3>& pixels, const RenderOptions& options,
+                   const Renderer* renderer = nullptr);
+/// Writes every auxiliary image that was asked for and is no layer, in false colours (.png) and raw (.pfm).
 void write_aovs(const Renderer& renderer, const RenderOptions& options, Writes& writes);
 
 /// A denoised image; empty if none was wanted.

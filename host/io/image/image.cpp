@@ -1,4 +1,4 @@
-// Images to PNG, Radiance HDR and PFM.
+// Images to PNG, Radiance HDR, PFM and OpenEXR.
 #include <algorithm>
 #include <bit>
 #include <cctype>
@@ -8,6 +8,7 @@
 #include "claray/error.hpp"
 #include "claray/io.hpp"
 #include "host/base/file.hpp"
+#include "host/io/image/exr.hpp"
 #include "host/io/image/stb_image_write.hpp"
 
 namespace claray {
@@ -15,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-enum class Format { png, hdr, pfm };
+enum class Format { png, hdr, pfm, exr };
 
 /// stb_image_write counts bytes with int.
 constexpr unsigned most_pixels_a_side = 1u << 14;
@@ -26,8 +27,9 @@ Format format_of(const fs::path& path) {
     if (extension == ".png") return Format::png;
     if (extension == ".hdr") return Format::hdr;
     if (extension == ".pfm") return Format::pfm;
+    if (extension == ".exr") return Format::exr;
     throw Error(ErrorKind::usage, "cannot write '" + path.string() + "': unknown image format '" + extension + "'",
-                "use the extension .png, .hdr or .pfm");
+                "use the extension .png, .hdr, .pfm or .exr");
 }
 
 void check_size(const fs::path& path, unsigned width, unsigned height, std::size_t values, unsigned limit) {
@@ -92,8 +94,23 @@ void write_image(const fs::path& path, const Image& image, float exposure, ToneM
     switch (format) {
         case Format::png: return write_encoded(path, png_bytes(image, exposure, tone_map));
         case Format::hdr: return write_encoded(path, hdr_bytes(image));
+        case Format::exr: {
+            ImageLayer layer;
+            layer.values.assign(&image.pixels[0].x, &image.pixels[0].x + 3 * image.pixels.size());
+            return write_exr(path, image.width, image.height, {layer});
+        }
         case Format::pfm: return write_file(path, pfm_bytes(image.width, image.height, 3, &image.pixels[0].x));
     }
+}
+
+void write_exr(const fs::path& path, unsigned width, unsigned height, const std::vector<ImageLayer>& layers) {
+    require_exr(path.string());
+    for (const ImageLayer& layer : layers) {
+        const std::size_t values = layer.numbers.empty() ? layer.values.size() : layer.numbers.size(),
+                          n = layer.channels.size();
+        check_size(path, width, height, n == 0 || values % n != 0 ? 0 : values / n, most_pixels_a_side);
+    }
+    write_encoded(path, encode_exr(width, height, layers));
 }
 
 void write_pfm(const fs::path& path, unsigned width, unsigned height, const std::vector<float>& values) {
@@ -119,7 +136,7 @@ void write_texture(const fs::path& path, const Texture& texture) {
 }
 
 void check_writable(const fs::path& path) {
-    static_cast<void>(format_of(path));
+    if (format_of(path) == Format::exr) require_exr(path.string());
     check_file_writable(path);
 }
 

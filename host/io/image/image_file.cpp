@@ -1,4 +1,5 @@
-// Image files in: PNG through libpng, JPEG, BMP, TGA and HDR through stb_image, WebP through libwebp, and PFM.
+// Image files in: PNG through libpng, JPEG, BMP, TGA and HDR through stb_image, WebP through libwebp, EXR through
+// libOpenEXR, and PFM.
 #include "host/io/image/image_file.hpp"
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 
 #include "claray/error.hpp"
 #include "host/base/file.hpp"
+#include "host/io/image/exr.hpp"
 #include "host/io/image/hdr_check.hpp"
 #include "host/io/image/jpeg_check.hpp"
 #include "host/io/image/png_read.hpp"
@@ -116,6 +118,22 @@ Texture decode_pfm(std::string_view bytes, const std::string& what, std::size_t 
     return texture;
 }
 
+Texture decode_exr(std::string_view bytes, const std::string& what, std::size_t room) {
+    ExrShape shape;
+    std::string fault = read_exr_shape(bytes, shape);
+    if (!fault.empty()) refuse(what, fault, "export it again, or convert it to HDR");
+    check_bytes(what, shape.width, shape.height, shape.channels * sizeof(float), room);
+    constexpr std::uint64_t most_packed = 4096;  // as for others; an empty part of a film packs less tightly
+    check_plausible(what, shape.width, shape.height, std::uint64_t(shape.width) * shape.height / most_packed,
+                    bytes.size());
+    Texture texture;
+    texture.width = shape.width, texture.height = shape.height, texture.channels = shape.channels;
+    texture.format = TexelFormat::float32;
+    fault = read_exr_pixels(bytes, shape, texture.floats);
+    if (!fault.empty()) refuse(what, "the image is damaged (" + fault + ")", "export it again");
+    return texture;
+}
+
 Texture decode_webp(std::string_view bytes, const std::string& what, TexelFormat eight_bit, std::size_t room) {
     WebpImage image;
     std::string fault = read_webp_header(bytes, image);
@@ -151,7 +169,8 @@ Texture decode_others(std::string_view bytes, const std::string& what, TexelForm
     if (bytes.substr(0, 2) == "\xff\xd8" && !jpeg_tables_fit(bytes))
         refuse(what, "the image is damaged (a Huffman table is too long)", "export it again");
     std::optional<ImageShape> shape = image_shape(bytes);
-    if (!shape) refuse(what, "it is not a PNG, JPEG, WebP, BMP, TGA, HDR or PFM image", "convert it to one of these");
+    if (!shape)
+        refuse(what, "it is not a PNG, JPEG, WebP, BMP, TGA, HDR, PFM or EXR image", "convert it to one of these");
     check_bytes(what, shape->width, shape->height, shape->channels * (shape->radiance ? sizeof(float) : 1), room);
     constexpr std::uint64_t most_packed = 4096;  // no format packs tighter, JPEG's of 1024 to 1 included
     check_plausible(what, shape->width, shape->height,
@@ -175,6 +194,7 @@ Texture decode_texture(std::string_view bytes, const std::string& what, TexelFor
     if (bytes.empty()) refuse(what, "it is empty", "export it again");
     if (is_pfm(bytes)) return decode_pfm(bytes, what, room);
     if (is_png(bytes)) return decode_png(bytes, what, eight_bit, room);
+    if (is_exr(bytes)) return decode_exr(bytes, what, room);
     if (is_webp(bytes)) return decode_webp(bytes, what, eight_bit, room);
     if (bytes.substr(0, 6) == "\xabKTX 2")
         refuse(what, "it is KTX 2 (KHR_texture_basisu), which claray does not support", "convert it to PNG or JPEG");

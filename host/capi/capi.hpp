@@ -1,0 +1,73 @@
+// What all functions of claray.h share: handles, errors as codes, structs of several versions.
+#pragma once
+
+#include <claray.h>
+
+#include <algorithm>
+#include <cstring>
+#include <new>
+#include <string>
+
+#include "claray/error.hpp"
+#include "claray/query.hpp"
+
+struct claray_device {
+    claray::Device device;
+};
+struct claray_bvh {
+    claray::Bvh bvh;
+};
+
+namespace claray::capi {
+
+/// Keeps the text for claray_last_error.
+claray_status fail(claray_status status, const std::string& text) noexcept;
+
+/// Calls `work`; exceptions become codes.
+template <class Work>
+claray_status guarded(const Work& work) noexcept {
+    try {
+        work();
+        return CLARAY_OK;
+    } catch (const Error& error) {
+        return fail(claray_status(error.kind()), error.what());
+    } catch (const std::bad_alloc&) {
+        return fail(CLARAY_ERROR_INTERNAL, "out of host memory");
+    } catch (const std::exception& error) {
+        return fail(CLARAY_ERROR_INTERNAL, error.what());
+    }
+}
+
+/// Throws ErrorKind::usage if the pointer is null.
+template <class T>
+T& required(T* pointer, const char* name) {
+    if (pointer == nullptr) throw Error(ErrorKind::usage, std::string(name) + " is NULL");
+    return *pointer;
+}
+
+/// Members that the caller's version does not have are 0. Throws ErrorKind::usage for a struct that is not initialised
+/// or of a later version.
+template <class Struct>
+Struct versioned(const Struct* given, const char* name) {
+    Struct known{};
+    if (given == nullptr) return known;
+    const std::size_t size = given->struct_size;
+    if (size < 2 * sizeof(std::size_t) || size > 4096)
+        throw Error(ErrorKind::usage, std::string(name) + ".struct_size is " + std::to_string(size),
+                    "set it to sizeof of the struct");
+    const auto* bytes = reinterpret_cast<const unsigned char*>(given);
+    if (size > sizeof(Struct) &&
+        std::any_of(bytes + sizeof(Struct), bytes + size, [](unsigned char b) { return b != 0; }))
+        throw Error(ErrorKind::usage, std::string(name) + " has members that this version of claray does not know",
+                    "install the claray that claray.h belongs to");
+    std::memcpy(&known, given, std::min(size, sizeof(Struct)));
+    return known;
+}
+
+template <class T>
+std::span<const T> array(const T* data, std::size_t count, const char* name) {
+    if (count != 0) static_cast<void>(required(data, name));
+    return {data, count};
+}
+
+}  // namespace claray::capi

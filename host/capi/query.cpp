@@ -1,0 +1,187 @@
+// claray.h: structures and queries.
+#include "claray/scene.hpp"
+#include "host/capi/capi.hpp"
+#include "host/capi/scene.hpp"
+#include "host/scene/placement.hpp"
+
+using namespace claray;
+using namespace claray::capi;
+
+struct claray_query {
+    claray_query_kind kind;
+    Query query;
+};
+
+namespace {
+
+static_assert(sizeof(claray_ray) == sizeof(Ray) && sizeof(claray_hit) == sizeof(Hit));
+
+Bvh::Config config_of(const claray_bvh_config* given) {
+    const claray_bvh_config known = versioned(given, "config");
+    Bvh::Config config;
+    if (std::size_t(known.builder) >= std::size(builders))
+        throw Error(ErrorKind::usage, "config.builder is " + std::to_string(int(known.builder)),
+                    "use a claray_builder");
+    config.builder = Builder(known.builder);
+    if (known.split_budget != 0) config.split_budget = known.split_budget < 0 ? 0 : double(known.split_budget);
+    return config;
+}
+
+void check_indices(const claray_mesh& mesh) {
+    if (mesh.triangle_count == 0) throw Error(ErrorKind::usage, "mesh.triangle_count is 0");
+    for (std::size_t i = 0; i < 3 * mesh.triangle_count; ++i)
+        if (mesh.triangles[i] >= mesh.vertex_count)
+            throw Error(ErrorKind::usage, "mesh.triangles: triangle " + std::to_string(i / 3) + " has the vertex " +
+                                              std::to_string(mesh.triangles[i]) + " of " +
+                                              std::to_string(mesh.vertex_count));
+    for (std::size_t i = 0; mesh.geometries && mesh.masks && i < mesh.triangle_count; ++i)
+        if (mesh.geometries[i] >= mesh.mask_count)
+            throw Error(ErrorKind::usage,
+                        "mesh.masks: there is none for geometry " + std::to_string(mesh.geometries[i]));
+}
+
+Buffer<std::uint32_t> words(const Device& device, std::span<const std::uint32_t> values) {
+    return values.empty() ? Buffer<std::uint32_t>() : Buffer<std::uint32_t>(device, values);
+}
+
+TriangleBuffers upload(const Device& device, const claray_mesh& mesh) {
+    const auto vertices = array(mesh.vertices, 3 * mesh.vertex_count, "mesh.vertices");
+    const auto triangles = array(mesh.triangles, 3 * mesh.triangle_count, "mesh.triangles");
+    check_indices(mesh);
+    const std::size_t geometries = mesh.geometries ? mesh.triangle_count : 0, masks = mesh.masks ? mesh.mask_count : 0;
+    return {Buffer<float>(device, vertices), words(device, triangles), words(device, {mesh.geometries, geometries}),
+            words(device, {mesh.masks, masks})};
+}
+
+QueryOptions options_of(const claray_query_options* given) {
+    const claray_query_options known = versioned(given, "options");
+    if (known.coherence > CLARAY_COHERENCE_INCOHERENT)
+        throw Error(ErrorKind::usage, "options.coherence is " + std::to_string(int(known.coherence)),
+                    "use a claray_coherence");
+    QueryOptions options;
+    options.cull_back_faces = known.cull_back_faces != 0;
+    options.closed = known.closed != 0;
+    options.coherence = Coherence(known.coherence);
+    return options;
+}
+
+QueryKind kind_of(claray_query_kind kind) {
+    if (kind != CLARAY_QUERY_CLOSEST && kind != CLARAY_QUERY_ANY)
+        throw Error(ErrorKind::usage, "kind is " + std::to_string(int(kind)), "use a claray_query_kind");
+    return kind == CLARAY_QUERY_ANY ? QueryKind::any : QueryKind::closest;
+}
+
+void run(Query& query, QueryKind kind, const claray_ray* rays, std::size_t count, void* results) {
+    if (count == 0) return;
+    static_cast<void>(required(rays, "rays"));
+    if (results == nullptr) throw Error(ErrorKind::usage, "results is NULL");
+    const std::span all(reinterpret_cast<const Ray*>(rays), count);
+    if (kind == QueryKind::any)
+        query.run(all, std::span(static_cast<std::uint8_t*>(results), count));
+    else
+        query.run(all, std::span(static_cast<Hit*>(results), count));
+}
+
+}  // namespace
+
+claray_status claray_bvh_build(claray_device* device, const claray_mesh* mesh, const claray_bvh_config* config,
+                               claray_bvh** bvh) {
+    return guarded([&] {
+        static_cast<void>(required(mesh, "mesh"));
+        const Device& on = required(device, "device").device;
+        const TriangleBuffers buffers = upload(on, versioned(mesh, "mesh"));
+        required(bvh, "bvh") = new claray_bvh{Bvh::build(on, buffers, config_of(config))};
+    });
+}
+
+claray_status claray_bvh_scene_build(claray_device* device, const claray_scene* scene, const claray_bvh_config* config,
+                                     claray_bvh** bvh) {
+    return guarded([&] {
+        const Scene& from = required(scene, "scene").scene;
+        std::vector<Mesh> placed;
+        for (const MeshInstance& instance : from.instances)
+            placed.push_back(transformed(from.meshes.at(instance.mesh), instance.transform));
+        required(bvh, "bvh") = new claray_bvh{Bvh::build(
+            required(device, "device").device, from.instances.empty() ? from.meshes : placed, config_of(config))};
+    });
+}
+
+claray_status claray_bvh_load(claray_device* device, const char* path, claray_bvh** bvh) {
+    return guarded([&] {
+        required(bvh, "bvh") = new claray_bvh{Bvh::load(required(device, "device").device, &required(path, "path"))};
+    });
+}
+
+claray_status claray_bvh_save(const claray_bvh* bvh, const char* path) {
+    return guarded([&] { required(bvh, "bvh").bvh.save(&required(path, "path")); });
+}
+
+claray_status claray_bvh_move(claray_bvh* bvh, const float* vertices, size_t vertex_count, int rebuild) {
+    return guarded([&] {
+        Bvh& moved = required(bvh, "bvh").bvh;
+        Buffer<float> positions = moved.triangles().positions;
+        if (3 * vertex_count != positions.size())
+            throw Error(ErrorKind::usage, "vertex_count is " + std::to_string(vertex_count) +
+                                              ", and the structure has " + std::to_string(positions.size() / 3) +
+                                              " vertices");
+        positions.write(array(vertices, 3 * vertex_count, "vertices"));
+        rebuild != 0 ? moved.rebuild() : moved.refit();
+    });
+}
+
+size_t claray_bvh_triangle_count(const claray_bvh* bvh) { return bvh ? bvh->bvh.triangle_count() : 0; }
+void claray_bvh_release(claray_bvh* bvh) { delete bvh; }
+
+claray_status claray_query_create(const claray_bvh* bvh, claray_query_kind kind, const claray_query_options* options,
+                                  claray_device* queue, claray_query** query) {
+    return guarded([&] {
+        const Bvh& over = required(bvh, "bvh").bvh;
+        required(query, "query") = new claray_query{
+            kind, Query(over, kind_of(kind), options_of(options), queue ? queue->device : over.device())};
+    });
+}
+
+claray_status claray_query_run(claray_query* query, const claray_ray* rays, size_t count, void* results) {
+    return guarded([&] { run(required(query, "query").query, kind_of(query->kind), rays, count, results); });
+}
+
+claray_status claray_query_enqueue(claray_query* query, void* rays, void* results, size_t count,
+                                   const void* const* wait_for, size_t wait_count, void** event) {
+    return guarded([&] {
+        Query& enqueued = required(query, "query").query;
+        std::vector<cl::Event> events;
+        for (const void* one : array(wait_for, wait_count, "wait_for")) {
+            if (one == nullptr) throw Error(ErrorKind::usage, "wait_for holds NULL");
+            events.emplace_back(static_cast<cl_event>(const_cast<void*>(one)), true);
+        }
+        const auto device_rays = Buffer<Ray>::adopt(enqueued.device(), static_cast<cl_mem>(rays), count);
+        const auto memory = static_cast<cl_mem>(results);
+        cl::Event end;
+        if (query->kind == CLARAY_QUERY_ANY) {
+            auto occluded = Buffer<std::uint8_t>::adopt(enqueued.device(), memory, count);
+            end = enqueued.run(device_rays, occluded, events);
+        } else {
+            auto hits = Buffer<Hit>::adopt(enqueued.device(), memory, count);
+            end = enqueued.run(device_rays, hits, events);
+        }
+        if (event == nullptr) return;
+        clRetainEvent(end());
+        *event = end();
+    });
+}
+
+void claray_query_release(claray_query* query) { delete query; }
+
+claray_status claray_closest_hit(const claray_bvh* bvh, const claray_ray* rays, size_t count, claray_hit* hits) {
+    return guarded([&] {
+        Query query(required(bvh, "bvh").bvh, QueryKind::closest);
+        run(query, QueryKind::closest, rays, count, hits);
+    });
+}
+
+claray_status claray_any_hit(const claray_bvh* bvh, const claray_ray* rays, size_t count, uint8_t* occluded) {
+    return guarded([&] {
+        Query query(required(bvh, "bvh").bvh, QueryKind::any);
+        run(query, QueryKind::any, rays, count, occluded);
+    });
+}

@@ -1,0 +1,8 @@
+// The scene of claray.h.
+#pragma once
+
+#include "claray/scene.hpp"
+
+struct claray_scene {
+    claray::Scene scene;
+};

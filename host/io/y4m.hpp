@@ -1,0 +1,31 @@
+// Films without compression, for a pipe to ffmpeg: YUV4MPEG2, one frame after the other.
+#pragma once
+
+#include <filesystem>
+
+#include "claray/io.hpp"
+#include "host/base/file.hpp"
+
+namespace claray {
+
+class Y4mFilm {
+public:
+    /// `path`: a file, which appears when `commit` is called; a pipe or "-" (standard output) is written at once.
+    /// `rate`: frames per second, > 0. Throws as NewFile.
+    Y4mFilm(const std::filesystem::path& path, unsigned width, unsigned height, double rate);
+
+    /// Adds a frame: 8 bits of BT.601 in limited range, one value of each plane per pixel. Exposure in stops.
+    void add(const std::vector<glm::vec3>& pixels, float exposure, ToneMap tone_map);
+    void commit() { file_.commit(); }
+
+private:
+    unsigned width_, height_;
+    NewFile file_;
+};
+
+/// The file that "-" stands for.
+[[nodiscard]] inline std::filesystem::path film_file(const std::filesystem::path& path) {
+    return path == "-" ? std::filesystem::path("/dev/stdout") : path;
+}
+
+}  // namespace claray

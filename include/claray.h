@@ -1,0 +1,202 @@
+/* The C interface of claray: exact ray queries and path tracing by OpenCL.
+ *
+ * Functions return CLARAY_OK or the kind of the error; claray_last_error() tells what failed, where, and what to do. A
+ * handle made by a function that ends in _open, _load, _build or _create is released by the _release function of its
+ * type; releasing NULL does nothing. A handle keeps those alive that it was made from. Do not use the handles of one
+ * device from two threads at once; claray_device_new_queue makes a device for another thread.
+ *
+ * Every struct with a member struct_size begins with it: set it to sizeof of the struct, and all other members to 0 for
+ * their defaults, as in  claray_mesh mesh = {sizeof mesh};  A later version only adds members at the end. */
+#ifndef CLARAY_H
+#define CLARAY_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#if defined(__GNUC__)
+#define CLARAY_API __attribute__((visibility("default")))
+#else
+#define CLARAY_API
+#endif
+
+typedef enum claray_status {
+    CLARAY_OK = 0,
+    CLARAY_ERROR_INPUT = 1,   /* a file, mesh or scene that cannot be used, or a full disk */
+    CLARAY_ERROR_USAGE = 2,   /* an invalid argument */
+    CLARAY_ERROR_DEVICE = 3,  /* OpenCL: no platform, a failed kernel build, out of device memory */
+    CLARAY_ERROR_INTERNAL = 4 /* out of host memory, or a bug */
+} claray_status;
+
+typedef struct claray_device claray_device;
+typedef struct claray_bvh claray_bvh;
+typedef struct claray_query claray_query;
+typedef struct claray_scene claray_scene;
+typedef struct claray_renderer claray_renderer;
+
+/* One line about the last error of this thread, valid until its next error; "" if there was none. */
+CLARAY_API const char* claray_last_error(void);
+/* The version of the library, such as "0.1.0". */
+CLARAY_API const char* claray_version(void);
+
+/* ---- devices ---- */
+
+/* selector: "cpu", "gpu", an index, or a part of the name; NULL or "": $CLARAY_DEVICE, else the first GPU, else the
+ * first. */
+CLARAY_API claray_status claray_device_open(const char* selector, claray_device** device);
+/* Uses a cl_context and an in-order cl_command_queue of the program; both are retained. */
+CLARAY_API claray_status claray_device_adopt_create(void* context, void* queue, claray_device** device);
+/* The same device and context with another in-order queue. */
+CLARAY_API claray_status claray_device_new_queue_create(claray_device* device, claray_device** with_queue);
+/* Valid while the handle is. */
+CLARAY_API const char* claray_device_name(const claray_device* device);
+/* The cl_context and cl_command_queue, not retained. */
+CLARAY_API void* claray_device_context(const claray_device* device);
+CLARAY_API void* claray_device_queue(const claray_device* device);
+/* Waits for all commands of the queue. */
+CLARAY_API claray_status claray_device_finish(claray_device* device);
+CLARAY_API void claray_device_release(claray_device* device);
+
+/* ---- structures ---- */
+
+typedef enum claray_builder {
+    CLARAY_BUILDER_FAST = 0,     /* fastest to build */
+    CLARAY_BUILDER_BALANCED = 1, /* better tree, slower */
+    CLARAY_BUILDER_HIGH = 2,     /* best tree, slowest; splits large triangles */
+    CLARAY_BUILDER_BINNED = 3    /* binned SAH, nothing split: for geometry that is refitted */
+} claray_builder;
+
+typedef struct claray_mesh {
+    size_t struct_size;
+    const float* vertices; /* 3 floats for each vertex */
+    size_t vertex_count;
+    const uint32_t* triangles; /* 3 indices of vertices for each triangle; counter-clockwise in front */
+    size_t triangle_count;
+    const uint32_t* geometries; /* one for each triangle; NULL: all belong to geometry 0 */
+    const uint32_t* masks;      /* one for each geometry: rays see it if their masks share a bit; NULL: all see all */
+    size_t mask_count;
+} claray_mesh;
+
+typedef struct claray_bvh_config {
+    size_t struct_size;
+    claray_builder builder;
+    float split_budget; /* CLARAY_BUILDER_HIGH: additional references per triangle; 0: 0.5, < 0: none */
+} claray_bvh_config;
+
+/* Copies the mesh to the device. config: NULL for the defaults. */
+CLARAY_API claray_status claray_bvh_build(claray_device* device, const claray_mesh* mesh,
+                                          const claray_bvh_config* config, claray_bvh** bvh);
+/* Over the meshes of a scene, in world space; each is a geometry. */
+CLARAY_API claray_status claray_bvh_scene_build(claray_device* device, const claray_scene* scene,
+                                                const claray_bvh_config* config, claray_bvh** bvh);
+CLARAY_API claray_status claray_bvh_load(claray_device* device, const char* path, claray_bvh** bvh);
+CLARAY_API claray_status claray_bvh_save(const claray_bvh* bvh, const char* path);
+/* Moves the vertices, as many as before. rebuild: 0 keeps the tree (fast, but queries get slower), else builds it
+ * again. */
+CLARAY_API claray_status claray_bvh_move(claray_bvh* bvh, const float* vertices, size_t vertex_count, int rebuild);
+CLARAY_API size_t claray_bvh_triangle_count(const claray_bvh* bvh);
+CLARAY_API void claray_bvh_release(claray_bvh* bvh);
+
+/* ---- queries ---- */
+
+/* A ray hits at distances tmin < t <= tmax, in units of the direction's length. tmin must not be negative. Rays that
+ * are not finite hit nothing. */
+typedef struct claray_ray {
+    float origin[3];
+    float tmin;
+    float direction[3];
+    float tmax;
+} claray_ray;
+
+#ifndef CLARAY_MISS
+#define CLARAY_MISS 0xffffffffu
+#endif
+
+/* The hit point is (1 - u - v) v0 + u v1 + v v2. */
+typedef struct claray_hit {
+    float t; /* tmax on a miss */
+    float u, v;
+    uint32_t primitive; /* index of the triangle; CLARAY_MISS on a miss */
+    uint32_t geometry;
+} claray_hit;
+
+typedef enum claray_query_kind { CLARAY_QUERY_CLOSEST = 0, CLARAY_QUERY_ANY = 1 } claray_query_kind;
+typedef enum claray_coherence {
+    CLARAY_COHERENCE_AUTOMATIC = 0, /* decided by a sample of the rays, which on CPUs is waited for */
+    CLARAY_COHERENCE_COHERENT = 1,  /* neighbouring rays have similar directions */
+    CLARAY_COHERENCE_INCOHERENT = 2
+} claray_coherence;
+
+typedef struct claray_query_options {
+    size_t struct_size;
+    int cull_back_faces; /* hit only triangles whose vertices appear counter-clockwise */
+    int closed;          /* rays that only touch a surface hit it */
+    claray_coherence coherence;
+} claray_query_options;
+
+/* A query that is made once, which loads its kernels, and run often. options: NULL for the defaults. queue: NULL, or a
+ * device from claray_device_new_queue_create on whose queue it runs. */
+CLARAY_API claray_status claray_query_create(const claray_bvh* bvh, claray_query_kind kind,
+                                             const claray_query_options* options, claray_device* queue,
+                                             claray_query** query);
+/* Rays and results in host memory, which CPUs use in place. results: `count` claray_hit, or bytes (1: hit) for
+ * CLARAY_QUERY_ANY. Blocks. */
+CLARAY_API claray_status claray_query_run(claray_query* query, const claray_ray* rays, size_t count, void* results);
+/* Rays and results in buffers (cl_mem) of the device's context. Waits for the events (cl_event) before, and returns an
+ * event in *event unless that is NULL; release it by clReleaseEvent. Asynchronous with a coherence that is not
+ * automatic. Sizes and contexts are checked before anything is enqueued. */
+CLARAY_API claray_status claray_query_enqueue(claray_query* query, void* rays, void* results, size_t count,
+                                              const void* const* wait_for, size_t wait_count, void** event);
+CLARAY_API void claray_query_release(claray_query* query);
+
+/* The same for one call. */
+CLARAY_API claray_status claray_closest_hit(const claray_bvh* bvh, const claray_ray* rays, size_t count,
+                                            claray_hit* hits);
+CLARAY_API claray_status claray_any_hit(const claray_bvh* bvh, const claray_ray* rays, size_t count, uint8_t* occluded);
+
+/* ---- scenes and images ---- */
+
+/* A file (.obj, .ply, .stl, .gltf, .glb) or a built-in scene, such as "cornell". */
+CLARAY_API claray_status claray_scene_load(const char* name_or_path, claray_scene** scene);
+CLARAY_API size_t claray_scene_triangle_count(const claray_scene* scene);
+CLARAY_API void claray_scene_release(claray_scene* scene);
+
+typedef struct claray_render_config {
+    size_t struct_size;
+    uint32_t width, height; /* pixels; 0: 512 */
+    uint32_t spp;           /* samples per pixel at which rendering stops; 0: 64 */
+    uint32_t max_depth;     /* surfaces per path; 0: 128 */
+    uint32_t seed;
+    double seconds; /* > 0: stop after this time */
+    double noise;   /* > 0: stop at this relative standard error */
+    double error;   /* > 0: stop at this error, RMSE over the mean */
+} claray_render_config;
+
+typedef struct claray_progress {
+    size_t struct_size;
+    uint32_t spp;
+    double seconds, noise, error;
+} claray_progress;
+
+/* Return 0 to stop. */
+typedef int (*claray_progress_callback)(const claray_progress* progress, void* user);
+
+CLARAY_API claray_status claray_renderer_create(claray_device* device, const claray_scene* scene,
+                                                const claray_render_config* config, claray_renderer** renderer);
+/* Adds samples until a target is reached. Blocks. callback: NULL, or called several times a second. reached: NULL, or
+ * receives the progress; set its struct_size. */
+CLARAY_API claray_status claray_renderer_render(claray_renderer* renderer, claray_progress_callback callback,
+                                                void* user, claray_progress* reached);
+/* The mean linear radiance: 3 floats for each pixel, row by row from the top left. count: floats in rgb, 3 width
+ * height. */
+CLARAY_API claray_status claray_renderer_image(claray_renderer* renderer, float* rgb, size_t count);
+CLARAY_API void claray_renderer_release(claray_renderer* renderer);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

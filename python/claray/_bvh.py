@@ -1,0 +1,110 @@
+"""The acceleration structure."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _native
+from ._arrays import NO_WORDS, finite, floats, indices, words
+from ._device import Device, default_device
+from ._scene import Scene
+from .errors import UsageError
+
+if TYPE_CHECKING:
+    from ._query import Query
+
+
+class Bvh:
+    """A bounding volume hierarchy over triangles, in device memory.
+
+    vertices: (V, 3) numbers, in any unit; or a Scene, whose placed meshes become the geometries, in order.
+    triangles: (T, 3) indices of vertices. A front face has its vertices counter-clockwise.
+    geometries: (T,) the geometry of each triangle, for hits['geometry'] and masks; None: all 0.
+    masks: (G,) one for each geometry; a ray sees it if their masks share a bit; None: all see all.
+    device: a Device; None: default_device().
+    builder: "fast", "balanced", "high" or "binned": build time for the speed of queries.
+    split_budget: builder "high": additional references from splitting large triangles, per triangle. Use 0 for geometry
+    that will be refitted.
+    layout: "automatic", "binary" or "wide".
+
+    The arrays are copied to the device. Triangles of no area are left out: see statistics()['culled'].
+    Raises UsageError, naming the argument, for wrong shapes and types, no triangles, indices out of range, and vertices
+    that are not finite in float32; DeviceError if the device has too little memory.
+    """
+
+    def __init__(self, vertices: ArrayLike | Scene, triangles: ArrayLike | None = None, *, geometries: ArrayLike | None = None,
+                 masks: ArrayLike | None = None, device: Device | None = None, builder: str = "high",
+                 split_budget: float = 0.5, layout: str = "automatic") -> None:
+        self._device = device or default_device()
+        options = (builder, float(split_budget), layout)
+        if isinstance(vertices, Scene):
+            if triangles is not None or geometries is not None or masks is not None:
+                raise UsageError("triangles: a Scene has its own triangles, geometries and masks; leave them out")
+            if vertices.triangle_count == 0:
+                raise UsageError("vertices: the scene has no triangles")
+            self._native = _native.NativeBvh.build_of_scene(self._device._native, vertices._native, *options)
+        else:
+            if triangles is None:
+                raise UsageError("triangles: missing; give (T, 3) indices of vertices")
+            points = finite("vertices", floats("vertices", vertices, 3))
+            faces = indices("triangles", triangles, 3, len(points), "vertices")
+            if len(faces) == 0:
+                raise UsageError("triangles: empty; a structure needs at least one triangle")
+            numbers = words("geometries", geometries, len(faces))
+            visible = NO_WORDS if masks is None else words("masks", masks, len(np.atleast_1d(masks)))
+            if masks is not None and int(numbers.max(initial=0)) >= len(visible):
+                raise UsageError(f"masks: has {len(visible)} rows, but geometries holds {int(numbers.max(initial=0))}")
+            self._native = _native.NativeBvh.build(self._device._native, points, faces, numbers, visible, *options)
+        self._queries: dict[Any, Query] = {}
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str], device: Device | None = None) -> Bvh:
+        """Loads a structure that save() wrote. Raises InputError, naming the file, if it is missing or damaged."""
+        bvh = cls.__new__(cls)
+        bvh._device = device or default_device()
+        bvh._native = _native.NativeBvh.load(bvh._device._native, os.fspath(path))
+        bvh._queries = {}
+        return bvh
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the structure and its triangles to a file, which appears only when it is complete."""
+        self._native.save(os.fspath(path))
+
+    def refit(self, vertices: ArrayLike) -> None:
+        """Moves the vertices, (V, 3) as before, and keeps the tree: fast, but queries get slower with more motion."""
+        self._native.move_vertices(finite("vertices", floats("vertices", vertices, 3)), False)
+
+    def rebuild(self, vertices: ArrayLike) -> None:
+        """Moves the vertices, (V, 3) as before, and builds the tree again."""
+        self._native.move_vertices(finite("vertices", floats("vertices", vertices, 3)), True)
+
+    def cost_growth(self) -> float:
+        """The tree's cost relative to that at the last build; from about 1.4 on, rebuild() pays."""
+        return self._native.cost_growth()
+
+    def statistics(self) -> dict[str, Any]:
+        """Counts of triangles, culled triangles and additional references, height, SAH cost, bytes on the device."""
+        return self._native.statistics()
+
+    def is_valid(self) -> bool:
+        """Checks every leaf, box and link of the tree on the device."""
+        return self._native.is_valid()
+
+    def hash(self) -> str:
+        """32 hexadecimal digits that are equal on all devices that build the same tree."""
+        return self._native.hash()
+
+    @property
+    def device(self) -> Device:
+        return self._device
+
+    @property
+    def triangle_count(self) -> int:
+        return self._native.triangle_count()
+
+    def __repr__(self) -> str:
+        return f"<claray.Bvh of {self.triangle_count} triangles on {self._device.name}>"

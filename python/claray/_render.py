@@ -1,0 +1,86 @@
+"""The path tracer."""
+
+from __future__ import annotations
+
+from typing import Any, Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _native
+from ._device import Device, default_device
+from ._image import Image
+from ._scene import Scene
+from .errors import UsageError
+
+
+def config_of(options: dict[str, Any]) -> Any:
+    config = _native.NativeRenderConfig()
+    for key, value in options.items():
+        if not hasattr(config, key):
+            raise UsageError(f"{key}: unknown option of a render")
+        try:
+            setattr(config, key, value)
+        except TypeError:
+            raise UsageError(f"{key}: {value!r} is not a number of this option's type and range") from None
+    return config
+
+
+class Renderer:
+    """Renders a scene by path tracing. The same options give the same image bit for bit.
+
+    scene: a Scene; later changes of it take effect by update(). device: a Device; None: default_device().
+    width, height: pixels. spp: samples per pixel at which rendering stops. seconds, noise, error: if > 0, stop after
+    this time, at this relative standard error, or at this error (RMSE over the mean). max_depth: surfaces per path.
+    seed: of the random numbers. Raises UsageError, InputError for an invalid scene, DeviceError.
+    """
+
+    def __init__(self, scene: Scene, *, width: int = 512, height: int = 512, spp: int = 64, device: Device | None = None,
+                 **options: Any) -> None:
+        if not isinstance(scene, Scene):
+            raise UsageError(f"scene: is a {type(scene).__name__}; use a claray.Scene")
+        config = config_of({"width": width, "height": height, "spp": spp, **options})
+        self._native = _native.NativeRenderer.make((device or default_device())._native, scene._native, config)
+        self._rendered = False
+
+    def render(self, progress: Callable[[dict[str, Any]], Any] | None = None) -> dict[str, Any]:
+        """Adds samples until a target is reached, and returns the progress: spp, seconds, noise, error.
+
+        progress: called several times a second with such a dict; returns False to stop. If it raises, rendering stops
+        after the current samples and the exception is raised here; the image so far is kept. So does Ctrl-C.
+        """
+        self._rendered = True
+        return self._native.render(progress)
+
+    def image(self, denoise: bool | str = False) -> Image:
+        """The mean radiance so far, as an array of float32 (height, width, 3). Renders first if nothing is rendered yet.
+
+        denoise: False, True, or the denoiser: "claray" or "oidn".
+        """
+        if not self._rendered:
+            self.render()
+        name = "automatic" if denoise is True else denoise or None
+        return self._native.image(name).view(Image)
+
+    def aovs(self) -> dict[str, NDArray[Any]]:
+        """Of the first surface at each pixel's centre: 'depth' (distance, inf: nothing), 'normal', 'albedo', 'primitive'
+        (MISS: nothing) and 'visits' (boxes and triangles tested), each (height, width) or (height, width, 3)."""
+        return self._native.aovs()
+
+    def update(self, scene: Scene, *, camera: bool = False, lights: bool = False, materials: bool = False, sky: bool = False) -> None:
+        """Discards all samples and continues with a scene that differs in these parts only."""
+        self._native.update(scene._native, camera, lights, materials, sky)
+        self._rendered = False
+
+    def restart(self, seed: int) -> None:
+        """Discards all samples and restarts with another seed."""
+        self._native.restart(seed)
+        self._rendered = False
+
+    def _repr_png_(self) -> bytes | None:
+        return self.image()._repr_png_() if self._rendered else None
+
+
+def render(scene: Scene, **options: Any) -> Image:
+    """Renders an image: Renderer(scene, **options).image()."""
+    return Renderer(scene, **options).image()

@@ -1,0 +1,184 @@
+"""The interface of trimesh.ray with claray as the engine.
+
+    mesh.ray = claray.trimesh.RayMeshIntersector(mesh)
+
+or install() for all meshes. As trimesh's engines do, a first hit may be one where the ray only touches the surface, and
+rays that begin on a surface hit it. All hits of a ray are exact: contains_points counts every surface once.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from trimesh import caching
+from trimesh.ray.ray_util import contains_points
+
+from ._arrays import MISS, floats
+from ._bvh import Bvh
+from ._device import Device
+from ._query import any_hit, closest_hit
+from .errors import UsageError
+
+
+_BACK = 2.0**-22
+"""By how much rays begin before their origins, relative to the size of the frame: 4 to 8 roundings of float32."""
+
+
+class RayMeshIntersector:
+    """Ray queries of a trimesh.Trimesh, on a device of OpenCL.
+
+    mesh: a trimesh.Trimesh; the structure is built at the first query, and again after the mesh has changed.
+    scale_to_box: accepted as trimesh's Embree engine has it; positions are always taken relative to the mesh's centre.
+    device: a claray.Device; None: claray.default_device().
+    """
+
+    def __init__(self, mesh: Any = None, scale_to_box: bool = True, *, device: Device | None = None, geometry: Any = None) -> None:
+        self.mesh = mesh if geometry is None else geometry
+        if self.mesh is None:
+            raise UsageError("mesh: missing; give a trimesh.Trimesh")
+        self._scale_to_box, self._device = scale_to_box, device
+        self._cache = caching.Cache(id_function=self.mesh.__hash__)
+
+    @caching.cache_decorator
+    def _structure(self) -> _Structure | None:
+        return None if len(self.mesh.faces) == 0 else _Structure(self.mesh, self._device)
+
+    def intersects_id(self, ray_origins: ArrayLike, ray_directions: ArrayLike, multiple_hits: bool = True,
+                      max_hits: int = 100, return_locations: bool = False, **_: Any) -> tuple[NDArray[Any], ...]:
+        """The triangles that rays hit.
+
+        ray_origins, ray_directions: (n, 3). multiple_hits: all hits along a ray, or the first only. max_hits: per ray.
+        Returns index_tri (m,), index_ray (m,) and, if return_locations, locations (m, 3).
+        """
+        origins, directions = _unit_rays(ray_origins, ray_directions)
+        structure = self._structure
+        if structure is None or len(origins) == 0:
+            triangles, rays = np.zeros(0, np.int64), np.zeros(0, np.int64)
+        else:
+            triangles, rays = structure.hits(origins, directions, max_hits if multiple_hits else 1)
+        if not return_locations:
+            return triangles, rays
+        return triangles, rays, self._locations(origins[rays], directions[rays], triangles)
+
+    def intersects_location(self, ray_origins: ArrayLike, ray_directions: ArrayLike, multiple_hits: bool = True,
+                            **options: Any) -> tuple[NDArray[Any], ...]:
+        """The places where rays hit: locations (m, 3), index_ray (m,), index_tri (m,)."""
+        triangles, rays, locations = self.intersects_id(ray_origins, ray_directions, multiple_hits=multiple_hits,
+                                                        return_locations=True, **options)
+        return locations, rays, triangles
+
+    def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike, **_: Any) -> NDArray[np.int64]:
+        """The index of the first triangle that each ray hits, or -1: (n,)."""
+        origins, directions = _rays(ray_origins, ray_directions)
+        if self._structure is None:
+            return np.full(len(origins), -1, np.int64)
+        return self._structure.first(origins, directions)
+
+    def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike, **_: Any) -> NDArray[np.bool_]:
+        """Whether each ray hits the mesh: (n,)."""
+        origins, directions = _rays(ray_origins, ray_directions)
+        if self._structure is None:
+            return np.zeros(len(origins), bool)
+        return self._structure.any(origins, directions)
+
+    def contains_points(self, points: ArrayLike) -> NDArray[np.bool_]:
+        """Whether each point of (n, 3) is inside the mesh, by the parity of hits."""
+        return contains_points(self, points)
+
+    def _locations(self, origins: NDArray[Any], directions: NDArray[Any], triangles: NDArray[np.int64]) -> NDArray[np.float64]:
+        """The points of rays in the planes of triangles, in float64."""
+        corners = self.mesh.triangles[triangles]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        along = np.einsum("ij,ij->i", normals, directions)
+        to_plane = np.einsum("ij,ij->i", normals, corners[:, 0] - origins)
+        distances = np.divide(to_plane, along, out=np.zeros_like(along), where=along != 0)
+        return origins + distances[:, None] * directions
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {key: value for key, value in self.__dict__.items() if key not in ("_cache", "_device")}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._device = None
+        self._cache = caching.Cache(id_function=self.mesh.__hash__)
+
+    def __copy__(self, *_: Any) -> RayMeshIntersector:
+        return RayMeshIntersector(self.mesh, self._scale_to_box, device=self._device)
+
+    def __deepcopy__(self, *_: Any) -> RayMeshIntersector:
+        return self.__copy__()
+
+
+class _Structure:
+    """A Bvh of the mesh in a frame where it is centred and about 1 in size: scaled by a power of two, which is exact."""
+
+    def __init__(self, mesh: Any, device: Device | None) -> None:
+        low, high = np.asarray(mesh.bounds, np.float64)
+        self.centre = 0.5 * (low + high)
+        extent = float((high - low).max())
+        self.scale = 2.0 ** -math.frexp(extent)[1] if 0 < extent < math.inf else 1.0
+        self.bvh = Bvh(self.in_frame(mesh.vertices), np.asarray(mesh.faces), device=device)
+
+    def in_frame(self, points: NDArray[Any]) -> NDArray[np.float64]:
+        moved = np.subtract(points, self.centre, dtype=np.float64)
+        return np.multiply(moved, self.scale, out=moved)
+
+    def start(self, origins: NDArray[Any], directions: NDArray[Any]) -> NDArray[np.float64]:
+        """Origins in the frame, a little back along their rays: a surface on which a ray begins is hit."""
+        lengths = np.sqrt(np.einsum("ij,ij->i", directions, directions, dtype=np.float64))
+        back = np.divide(-_BACK, lengths, out=np.zeros_like(lengths), where=lengths > 0)
+        starts = self.in_frame(origins)
+        starts += back[:, None] * directions
+        return starts
+
+    def first(self, origins: NDArray[Any], directions: NDArray[Any]) -> NDArray[np.int64]:
+        hits = closest_hit(self.bvh, self.start(origins, directions), directions, closed=True)
+        return hits["primitive"].view(np.int32).astype(np.int64)  # MISS is -1
+
+    def any(self, origins: NDArray[Any], directions: NDArray[Any]) -> NDArray[np.bool_]:
+        return any_hit(self.bvh, self.start(origins, directions), directions, closed=True)
+
+    def hits(self, origins: NDArray[Any], directions: NDArray[Any], most: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Triangles and rays of all hits, those nearer to the origin first: each round begins behind the last hit."""
+        starts = self.start(origins, directions)
+        live = np.arange(len(starts))
+        behind = np.zeros(len(starts), np.float32)
+        triangles, rays = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
+        for _ in range(most):
+            hits = closest_hit(self.bvh, starts[live], directions[live], tmin=behind, closed=most == 1)
+            hit = hits["primitive"] != MISS
+            if not hit.any():
+                break
+            live, behind = live[hit], hits["t"][hit]
+            triangles.append(hits["primitive"][hit].astype(np.int64))
+            rays.append(live)
+        return np.concatenate(triangles), np.concatenate(rays)
+
+
+def _rays(ray_origins: ArrayLike, ray_directions: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Origins and directions, (n, 3)."""
+    origins, directions = floats("ray_origins", ray_origins, 3), floats("ray_directions", ray_directions, 3)
+    if origins.shape != directions.shape:
+        raise UsageError(f"ray_directions: has {len(directions)} rows, but ray_origins has {len(origins)}")
+    return origins, directions
+
+
+def _unit_rays(ray_origins: ArrayLike, ray_directions: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Origins and directions of unit length, (n, 3) float64, so that distances of all rays have the mesh's unit."""
+    origins, directions = (array.astype(np.float64) for array in _rays(ray_origins, ray_directions))
+    lengths = np.linalg.norm(directions, axis=1, keepdims=True)
+    return origins, np.divide(directions, lengths, out=np.zeros_like(directions), where=lengths > 0)
+
+
+def install() -> None:
+    """Makes claray the engine of all meshes of trimesh that are created from now on."""
+    import trimesh.base
+    import trimesh.ray
+
+    for engine in ("ray_triangle", "ray_pyembree"):
+        module = getattr(trimesh.ray, engine, None)
+        if module is not None:
+            module.RayMeshIntersector = RayMeshIntersector

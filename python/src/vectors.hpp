@@ -1,0 +1,40 @@
+// GLM's vectors as tuples of Python; any sequence of that length is accepted.
+#pragma once
+
+#include <nanobind/nanobind.h>
+
+#include <glm/glm.hpp>
+
+namespace nanobind::detail {
+
+template <int N>
+struct type_caster<glm::vec<N, float>> {
+    using Vector = glm::vec<N, float>;
+    NB_TYPE_CASTER(Vector, const_name("tuple[float, ...]"))
+
+    bool from_python(handle source, uint8_t, cleanup_list*) noexcept {
+        PyObject* sequence = PySequence_Fast(source.ptr(), "");
+        if (sequence == nullptr) {
+            PyErr_Clear();
+            return false;
+        }
+        bool fits = PySequence_Fast_GET_SIZE(sequence) == N;
+        for (int k = 0; fits && k < N; ++k) {
+            value[k] = float(PyFloat_AsDouble(PySequence_Fast_GET_ITEM(sequence, k)));
+            if (PyErr_Occurred() != nullptr) {
+                PyErr_Clear();
+                fits = false;
+            }
+        }
+        Py_DECREF(sequence);
+        return fits;
+    }
+    static handle from_cpp(const Vector& vector, rv_policy, cleanup_list*) noexcept {
+        PyObject* tuple = PyTuple_New(N);
+        for (int k = 0; tuple != nullptr && k < N; ++k)
+            PyTuple_SET_ITEM(tuple, k, PyFloat_FromDouble(double(vector[k])));
+        return tuple;
+    }
+};
+
+}  // namespace nanobind::detail

@@ -1,0 +1,254 @@
+/* claray.h, from C: results, errors, versions of structs, and that handles may be released in any order. */
+#include <CL/cl.h>
+#include <claray.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static int failures = 0;
+
+#define EXPECT(condition)                                                                               \
+    do {                                                                                                \
+        if (!(condition)) {                                                                             \
+            printf("%s:%d: %s; last error: %s\n", __FILE__, __LINE__, #condition, claray_last_error()); \
+            ++failures;                                                                                 \
+        }                                                                                               \
+    } while (0)
+#define EXPECT_ERROR(call, status, words)                     \
+    do {                                                      \
+        EXPECT((call) == (status));                           \
+        EXPECT(strstr(claray_last_error(), (words)) != NULL); \
+    } while (0)
+
+/* A square of two triangles in the plane z = 0. */
+static const float square[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+static const uint32_t halves[] = {0, 1, 2, 0, 2, 3};
+
+static claray_mesh square_mesh(void) {
+    claray_mesh mesh = {0};
+    mesh.struct_size = sizeof mesh;
+    mesh.vertices = square, mesh.vertex_count = 4;
+    mesh.triangles = halves, mesh.triangle_count = 2;
+    return mesh;
+}
+
+/* Over the square, one beside it, one from behind, one of no numbers. */
+static void fill_rays(claray_ray rays[4]) {
+    const claray_ray front = {{0.75f, 0.25f, 2}, 0, {0, 0, -1}, INFINITY};
+    for (int i = 0; i < 4; ++i) rays[i] = front;
+    rays[1].origin[0] = 5;
+    rays[2].origin[2] = -3, rays[2].direction[2] = 1;
+    rays[3].direction[0] = NAN;
+}
+
+static void test_queries(claray_device* device) {
+    claray_mesh mesh = square_mesh();
+    claray_bvh* bvh = NULL;
+    claray_ray rays[4];
+    claray_hit hits[4];
+    uint8_t any[4];
+    fill_rays(rays);
+    EXPECT(claray_bvh_build(device, &mesh, NULL, &bvh) == CLARAY_OK);
+    EXPECT(claray_bvh_triangle_count(bvh) == 2);
+    EXPECT(claray_closest_hit(bvh, rays, 4, hits) == CLARAY_OK);
+    EXPECT(hits[0].primitive == 0 && hits[0].t == 2 && hits[0].geometry == 0);
+    EXPECT(hits[1].primitive == CLARAY_MISS && isinf(hits[1].t));
+    EXPECT(hits[2].primitive == 0 && hits[2].t == 3);
+    EXPECT(hits[3].primitive == CLARAY_MISS);
+    EXPECT(claray_any_hit(bvh, rays, 4, any) == CLARAY_OK);
+    EXPECT(any[0] == 1 && any[1] == 0 && any[2] == 1 && any[3] == 0);
+    EXPECT(claray_closest_hit(bvh, NULL, 0, NULL) == CLARAY_OK);
+
+    claray_query_options options = {0};
+    claray_query* query = NULL;
+    options.struct_size = sizeof options;
+    options.cull_back_faces = 1;
+    EXPECT(claray_query_create(bvh, CLARAY_QUERY_CLOSEST, &options, NULL, &query) == CLARAY_OK);
+    claray_bvh_release(bvh); /* the query keeps it */
+    for (int run = 0; run < 2; ++run) {
+        memset(hits, 0xee, sizeof hits);
+        EXPECT(claray_query_run(query, rays, 4, hits) == CLARAY_OK);
+        EXPECT(hits[0].primitive == 0 && hits[2].primitive == CLARAY_MISS);
+    }
+    claray_query_release(query);
+}
+
+static void test_closed(claray_device* device) {
+    claray_mesh mesh = square_mesh();
+    claray_bvh* bvh = NULL;
+    claray_query_options options = {0};
+    const claray_ray border[4] = {{{1, 0.5f, 2}, 0, {0, 0, -1}, 9},
+                                  {{0, 0.5f, 2}, 0, {0, 0, -1}, 9},
+                                  {{0.5f, 1, 2}, 0, {0, 0, -1}, 9},
+                                  {{0.5f, 0, 2}, 0, {0, 0, -1}, 9}};
+    options.struct_size = sizeof options;
+    EXPECT(claray_bvh_build(device, &mesh, NULL, &bvh) == CLARAY_OK);
+    for (int closed = 0; closed < 2; ++closed) {
+        claray_query* query = NULL;
+        uint8_t any[4];
+        options.closed = closed;
+        EXPECT(claray_query_create(bvh, CLARAY_QUERY_ANY, &options, NULL, &query) == CLARAY_OK);
+        EXPECT(claray_query_run(query, border, 4, any) == CLARAY_OK);
+        EXPECT(any[0] + any[1] + any[2] + any[3] == (closed ? 4 : 2)); /* half open: one of opposite borders */
+        claray_query_release(query);
+    }
+    claray_bvh_release(bvh);
+}
+
+static void test_refit(claray_device* device) {
+    claray_mesh mesh = square_mesh();
+    claray_bvh_config config = {0};
+    claray_bvh* bvh = NULL;
+    float moved[12];
+    claray_ray rays[4];
+    claray_hit hit;
+    config.struct_size = sizeof config;
+    config.builder = CLARAY_BUILDER_BINNED;
+    fill_rays(rays);
+    memcpy(moved, square, sizeof moved);
+    EXPECT(claray_bvh_build(device, &mesh, &config, &bvh) == CLARAY_OK);
+    for (int rebuild = 0; rebuild < 2; ++rebuild) {
+        for (int i = 0; i < 4; ++i) moved[3 * i + 2] = 0.5f + (float)rebuild;
+        EXPECT(claray_bvh_move(bvh, moved, 4, rebuild) == CLARAY_OK);
+        EXPECT(claray_closest_hit(bvh, rays, 1, &hit) == CLARAY_OK && hit.t == 1.5f - (float)rebuild);
+    }
+    EXPECT_ERROR(claray_bvh_move(bvh, moved, 3, 0), CLARAY_ERROR_USAGE, "vertex_count is 3");
+    claray_bvh_release(bvh);
+}
+
+/* Two queues, an event between them, and buffers of the device. */
+static void test_buffers(claray_device* device) {
+    claray_mesh mesh = square_mesh();
+    claray_bvh* bvh = NULL;
+    claray_device* other = NULL;
+    claray_query* query = NULL;
+    claray_query_options options = {0};
+    claray_ray rays[4];
+    claray_hit hits[4];
+    cl_int error = 0;
+    cl_event written = NULL;
+    void* done = NULL;
+    options.struct_size = sizeof options;
+    options.coherence = CLARAY_COHERENCE_COHERENT;
+    fill_rays(rays);
+    EXPECT(claray_bvh_build(device, &mesh, NULL, &bvh) == CLARAY_OK);
+    EXPECT(claray_device_new_queue_create(device, &other) == CLARAY_OK);
+    EXPECT(claray_query_create(bvh, CLARAY_QUERY_CLOSEST, &options, other, &query) == CLARAY_OK);
+    cl_context context = (cl_context)claray_device_context(device);
+    EXPECT(context == (cl_context)claray_device_context(other) &&
+           claray_device_queue(device) != claray_device_queue(other));
+    cl_mem ray_memory = clCreateBuffer(context, CL_MEM_READ_WRITE, sizeof rays, NULL, &error);
+    cl_mem hit_memory = clCreateBuffer(context, CL_MEM_READ_WRITE, sizeof hits, NULL, &error);
+    EXPECT(clEnqueueWriteBuffer((cl_command_queue)claray_device_queue(device), ray_memory, CL_FALSE, 0, sizeof rays,
+                                rays, 0, NULL, &written) == CL_SUCCESS);
+    const void* wait_for[] = {written};
+    EXPECT(claray_query_enqueue(query, ray_memory, hit_memory, 4, wait_for, 1, &done) == CLARAY_OK);
+    cl_event finished = (cl_event)done;
+    EXPECT(clWaitForEvents(1, &finished) == CL_SUCCESS);
+    EXPECT(clEnqueueReadBuffer((cl_command_queue)claray_device_queue(other), hit_memory, CL_TRUE, 0, sizeof hits, hits,
+                               0, NULL, NULL) == CL_SUCCESS);
+    EXPECT(hits[0].primitive == 0 && hits[1].primitive == CLARAY_MISS && hits[2].t == 3);
+    EXPECT_ERROR(claray_query_enqueue(query, ray_memory, hit_memory, 5, NULL, 0, NULL), CLARAY_ERROR_USAGE,
+                 "are needed");
+    EXPECT_ERROR(claray_query_enqueue(query, NULL, hit_memory, 4, NULL, 0, NULL), CLARAY_ERROR_USAGE, "null");
+
+    claray_device* stranger = NULL; /* another context */
+    claray_query* misplaced = NULL;
+    EXPECT(claray_device_open("0", &stranger) == CLARAY_OK);
+    EXPECT_ERROR(claray_query_create(bvh, CLARAY_QUERY_CLOSEST, NULL, stranger, &misplaced), CLARAY_ERROR_USAGE,
+                 "different contexts");
+    cl_mem foreign =
+        clCreateBuffer((cl_context)claray_device_context(stranger), CL_MEM_READ_WRITE, sizeof rays, NULL, &error);
+    EXPECT_ERROR(claray_query_enqueue(query, foreign, hit_memory, 4, NULL, 0, NULL), CLARAY_ERROR_USAGE,
+                 "another context");
+    clReleaseMemObject(foreign);
+    claray_device_release(stranger);
+    clReleaseEvent(finished), clReleaseEvent(written);
+    clReleaseMemObject(ray_memory), clReleaseMemObject(hit_memory);
+    claray_device_release(other);
+    claray_bvh_release(bvh);
+    claray_query_release(query);
+}
+
+static void test_errors(claray_device* device) {
+    claray_mesh mesh = square_mesh();
+    claray_bvh* bvh = NULL;
+    claray_scene* scene = NULL;
+    const uint32_t wrong[] = {0, 1, 7};
+    EXPECT_ERROR(claray_bvh_build(NULL, &mesh, NULL, &bvh), CLARAY_ERROR_USAGE, "device is NULL");
+    EXPECT_ERROR(claray_bvh_build(device, NULL, NULL, &bvh), CLARAY_ERROR_USAGE, "mesh is NULL");
+    mesh.struct_size = 0;
+    EXPECT_ERROR(claray_bvh_build(device, &mesh, NULL, &bvh), CLARAY_ERROR_USAGE, "mesh.struct_size is 0");
+    mesh = square_mesh(), mesh.triangles = wrong, mesh.triangle_count = 1;
+    EXPECT_ERROR(claray_bvh_build(device, &mesh, NULL, &bvh), CLARAY_ERROR_USAGE, "vertex 7 of 4");
+    mesh = square_mesh(), mesh.vertices = NULL;
+    EXPECT_ERROR(claray_bvh_build(device, &mesh, NULL, &bvh), CLARAY_ERROR_USAGE, "mesh.vertices is NULL");
+    EXPECT_ERROR(claray_scene_load("nowhere.ply", &scene), CLARAY_ERROR_INPUT, "nowhere.ply");
+    EXPECT_ERROR(claray_device_open("no such device", &device), CLARAY_ERROR_USAGE, "no such device");
+    EXPECT(bvh == NULL && scene == NULL);
+
+    /* A struct of a later version: larger, and harmless as long as the new members are 0. */
+    struct {
+        claray_mesh mesh;
+        size_t later;
+    } newer = {{0}, 0};
+    newer.mesh = square_mesh(), newer.mesh.struct_size = sizeof newer;
+    EXPECT(claray_bvh_build(device, &newer.mesh, NULL, &bvh) == CLARAY_OK);
+    claray_bvh_release(bvh);
+    newer.later = 1, bvh = NULL;
+    EXPECT_ERROR(claray_bvh_build(device, &newer.mesh, NULL, &bvh), CLARAY_ERROR_USAGE, "does not know");
+}
+
+static int stop(const claray_progress* progress, void* user) {
+    *(uint32_t*)user = progress->spp;
+    return 0;
+}
+
+static void test_render(claray_device* device) {
+    claray_scene* scene = NULL;
+    claray_bvh* bvh = NULL;
+    claray_renderer* renderer = NULL;
+    claray_render_config config = {0};
+    claray_progress reached = {0};
+    uint32_t seen = 0;
+    float image[3 * 24 * 16], mean = 0;
+    config.struct_size = sizeof config;
+    config.width = 24, config.height = 16, config.spp = 4;
+    reached.struct_size = sizeof reached;
+    EXPECT(claray_scene_load("cornell", &scene) == CLARAY_OK);
+    EXPECT(claray_scene_triangle_count(scene) > 20);
+    EXPECT(claray_bvh_scene_build(device, scene, NULL, &bvh) == CLARAY_OK);
+    EXPECT(claray_bvh_triangle_count(bvh) == claray_scene_triangle_count(scene));
+    EXPECT(claray_renderer_create(device, scene, &config, &renderer) == CLARAY_OK);
+    claray_scene_release(scene);
+    EXPECT(claray_renderer_render(renderer, stop, &seen, NULL) == CLARAY_OK && seen >= 1);
+    EXPECT(claray_renderer_render(renderer, NULL, NULL, &reached) == CLARAY_OK && reached.spp == 4);
+    EXPECT(claray_renderer_image(renderer, image, 3 * 24 * 16) == CLARAY_OK);
+    for (size_t i = 0; i < 3 * 24 * 16; ++i) mean += image[i] / (3 * 24 * 16);
+    EXPECT(mean > 0.02f && mean < 1.f);
+    EXPECT_ERROR(claray_renderer_image(renderer, image, 5), CLARAY_ERROR_USAGE, "count is 5");
+    claray_renderer_release(renderer);
+    claray_bvh_release(bvh);
+}
+
+int main(void) {
+    claray_device* device = NULL;
+    EXPECT(strcmp(claray_last_error(), "") == 0);
+    if (claray_device_open(getenv("CLARAY_DEVICE") ? NULL : "cpu", &device) != CLARAY_OK) {
+        printf("%s\n", claray_last_error());
+        return 1;
+    }
+    EXPECT(strlen(claray_device_name(device)) > 0);
+    test_queries(device);
+    test_closed(device);
+    test_refit(device);
+    test_buffers(device);
+    test_errors(device);
+    test_render(device);
+    EXPECT(claray_device_finish(device) == CLARAY_OK);
+    claray_device_release(device);
+    claray_device_release(NULL), claray_bvh_release(NULL), claray_query_release(NULL);
+    printf("%d failures\n", failures);
+    return failures == 0 ? 0 : 1;
+}

@@ -1,0 +1,54 @@
+// claray render --frames to one film, for a pipe to ffmpeg; and an EXR with layers.
+#include <algorithm>
+
+#include "claray/io.hpp"
+#include "tests/cli/claray.hpp"
+
+namespace claray::test {
+namespace {
+
+class Film : public InFolder {
+protected:
+    /// Frames 0 to 2 of 16 x 12 pixels of an animated scene.
+    [[nodiscard]] static ProcessResult render(const std::string& output, const std::vector<std::string>& more = {}) {
+        const std::string scene = std::string(CLARAY_SOURCE_DIR) + "/tests/fuzz/corpus/gltf/all.gltf";
+        return run_claray(with({"render", scene, "-o", output, "--size", "16x12", "--spp", "1", "-q"}, more));
+    }
+    static constexpr std::size_t frame_bytes = 6 + 3 * 16 * 12;
+    const std::string header = "YUV4MPEG2 W16 H12 F24:1 Ip A1:1 C444\n";
+};
+
+TEST_F(Film, AFileAndAPipeHaveTheSameFrames) {
+    const ProcessResult piped = render("-", {"--frames", "0..2"}), filed = render(path("a.y4m"), {"--frames", "0..2"});
+    ASSERT_EQ(piped.exit_code, 0) << piped.errors;
+    ASSERT_EQ(filed.exit_code, 0) << filed.errors;
+    EXPECT_EQ(piped.output.substr(0, header.size()), header);
+    EXPECT_EQ(piped.output.size(), header.size() + 3 * frame_bytes) << "nothing but the film";
+    EXPECT_EQ(read_file(path("a.y4m")), piped.output);
+    EXPECT_EQ(folder_.entries(), 1u);
+}
+
+TEST_F(Film, IsRefusedWhereItHasNoPlace) {
+    EXPECT_TRUE(failed_with(render(path("a.y4m")), 2, "add --frames"));
+    EXPECT_TRUE(failed_with(render("-"), 2, "add --frames"));
+    EXPECT_TRUE(failed_with(render(path("a.y4m"), {"--frames", "0..1", "--aov", "depth"}), 2, "--aov"));
+    EXPECT_TRUE(failed_with(render("-", {"--frames", "0..1", "--json"}), 2, "--json"));
+    EXPECT_EQ(folder_.entries(), 0u);
+}
+
+#if CLARAY_WITH_EXR
+TEST_F(Film, AovsAreLayersOfAnExr) {
+    const ProcessResult result = run_claray(
+        {"render", "cornell", "-o", path("a.exr"), "--size", "16x12", "--spp", "1", "-q", "--aov", "depth,primitive"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_EQ(folder_.entries(), 1u) << "no files beside it";
+    const std::string bytes = read_file(path("a.exr"));
+    for (const char* name : {"R", "depth.Z", "primitive.X"})
+        EXPECT_NE(bytes.find(std::string(name) + '\0'), bytes.npos) << name;
+    const Texture image = load_image(path("a.exr"));
+    EXPECT_GT(*std::max_element(image.floats.begin(), image.floats.end()), 0.f);
+}
+#endif
+
+}  // namespace
+}  // namespace claray::test

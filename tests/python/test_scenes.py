@@ -1,0 +1,104 @@
+"""Scenes, images, accuracy and verification."""
+
+import io
+import math
+
+import numpy as np
+import pytest
+
+import claray
+
+
+def furnace():
+    """A white ball of Lambert's kind under a sky of radiance 1: every pixel of it is 1."""
+    scene = claray.load("ball:500")
+    scene.materials = [claray.Material(albedo=(1, 1, 1)) for _ in scene.materials]
+    scene.lights = []
+    scene.sky = (1, 1, 1), (1, 1, 1)
+    return scene
+
+
+def test_images_of_a_furnace_are_white():
+    image = claray.render(furnace(), width=24, height=16, spp=16)
+    assert image.shape == (16, 24, 3) and image.dtype == np.float32
+    assert abs(float(image.mean()) - 1) < 0.02
+
+
+def test_images_show_and_save_themselves(tmp_path):
+    pillow = pytest.importorskip("PIL.Image")
+    renderer = claray.Renderer(claray.load("cornell"), width=24, height=16, spp=4)
+    assert renderer._repr_png_() is None  # before it has rendered
+    image = renderer.image()
+    shown = np.asarray(pillow.open(io.BytesIO(image._repr_png_())))
+    assert (shown == image.to_bytes()).all() and shown.std() > 10
+    image.save(tmp_path / "a.png")
+    assert (np.asarray(pillow.open(tmp_path / "a.png")) == shown).all()
+    assert isinstance(image[2:], claray.Image) and image[..., 0]._repr_png_() is None
+    assert (image * 2).to_bytes().mean() > shown.mean()
+
+
+def test_renders_stop_for_callbacks():
+    renderer = claray.Renderer(claray.load("cornell"), width=16, height=16, spp=8)
+
+    def fail(progress):
+        raise KeyError(progress["spp"])
+
+    with pytest.raises(KeyError):
+        renderer.render(fail)
+    assert renderer.render(lambda progress: False)["spp"] >= 1
+    assert renderer.render()["spp"] == 8
+    first = renderer.image()
+    renderer.restart(1)
+    assert not (renderer.image() == first).all()
+    renderer.restart(0)
+    assert (renderer.image() == first).all()
+
+
+def test_aovs_agree_with_rays():
+    scene = claray.load("cornell")
+    size = 16
+    aovs = claray.Renderer(scene, width=size, height=size, spp=1).aovs()
+    camera = scene.camera
+    eye, target = np.array(camera.position), np.array(camera.target)
+    forward = (target - eye) / np.linalg.norm(target - eye)
+    right = np.cross(forward, camera.up)
+    right /= np.linalg.norm(right)
+    up = np.cross(right, forward)
+    at = (np.arange(size) + 0.5) / size * 2 - 1
+    half = math.tan(math.radians(camera.vertical_fov) / 2)
+    directions = forward + half * (at[None, :, None] * right - at[:, None, None] * up)
+    directions /= np.linalg.norm(directions, axis=-1, keepdims=True)
+    hits = claray.closest_hit(claray.Bvh(scene), eye, directions.reshape(-1, 3))
+    assert (hits["primitive"] == aovs["primitive"].ravel()).mean() > 0.97
+    np.testing.assert_allclose(np.median(hits["t"] / aovs["depth"].ravel()), 1, rtol=1e-3)
+    assert aovs["normal"].shape == (size, size, 3)
+
+
+def test_scenes_are_put_together():
+    scene = claray.Scene()
+    red = scene.add_material(albedo=(0.9, 0.1, 0.1), kind="principled", roughness=0.5)
+    scene.add_material(claray.Material("mirror"))
+    scene.add_light(position=(0, 0, 3), intensity=(5, 5, 5))
+    scene.add_mesh([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], [[0, 1, 2]], material=red, name="triangle", uvs=np.zeros((3, 2)))
+    scene.camera = claray.Camera(position=(0, 0, 4), target=(0, 0, 0))
+    mesh = scene.meshes[0]
+    assert mesh["name"] == "triangle" and mesh["vertices"].shape == (3, 3) and not mesh["vertices"].flags.writeable
+    assert scene.triangle_count == 1 and (scene.bounds == [[-1, -1, 0], [1, 1, 0]]).all()
+    image = claray.render(scene, width=9, height=9, spp=4)
+    assert image[4, 4, 0] > 3 * image[4, 4, 1] > 0
+    copy = scene.copy()
+    del scene
+    assert mesh["vertices"].sum() == -1  # the views keep the scene
+    assert copy.lights[0].kind == "point" and copy.materials[0].kind == "principled"
+
+
+def test_accuracy_and_verify():
+    seen = []
+    study = claray.accuracy(claray.load("cornell"), "depth", width=16, height=16, runs=1,
+                            progress=lambda done, what: seen.append(done))
+    assert study.points and study._repr_svg_().startswith("<svg") and seen
+    with pytest.raises(ZeroDivisionError):
+        claray.accuracy(claray.load("cornell"), "depth", width=16, height=16, runs=1, progress=lambda done, what: 1 / 0)
+    assert "edges" in claray.verify_cases() and "sampling" in claray.studies()
+    results = claray.verify(["boxes"], report=lambda result: seen.append(result["name"]))
+    assert [r["name"] for r in results] == ["boxes"] and results[0]["holds"] and seen[-1] == "boxes"
