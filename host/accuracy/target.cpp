@@ -175,17 +175,25 @@ bool rebuild_if_better(Renderer& renderer, TargetPlan& plan, Builder builder) {
     return false;
 }
 
-/// For the time that is left.
-void pick_tree_on_the_way(const Device& device, Renderer& renderer, TargetPlan& plan, double left) {
+/// An error may need more time than there is.
+double within_limit(const TargetPlan& plan, double seconds) {
+    return plan.config.seconds > 0 ? std::min(seconds, plan.config.seconds) : seconds;
+}
+
+/// For the rest of the `needed` seconds.
+void pick_tree_on_the_way(const Device& device, Renderer& renderer, TargetPlan& plan, double needed, double so_far) {
+    plan.promised_seconds = within_limit(plan, needed);
     if (!plan.picks_builder) return;
+    const double left = plan.promised_seconds - so_far;
     if (!plan.model.known() && left >= least_seconds_for_pilot) run_pilot(plan, device);
     const Builder before = plan.config.bvh.builder;
     const Builder builder = choose_builder(plan.model, plan.triangles, left, before);
     plan.picks.push_back(why(plan, builder, left));
     if (builder == before) return;
-    plan.promised_seconds += build_seconds(plan.model, builder, plan.triangles);
-    if (!rebuild_if_better(renderer, plan, builder)) return;
-    plan.promised_seconds -= left - left * speed_of(plan.model, before) / speed_of(plan.model, builder);
+    double then = needed + build_seconds(plan.model, builder, plan.triangles);
+    if (rebuild_if_better(renderer, plan, builder))
+        then -= (needed - so_far) * (1 - speed_of(plan.model, before) / speed_of(plan.model, builder));
+    plan.promised_seconds = within_limit(plan, then);
 }
 
 }  // namespace
@@ -195,25 +203,31 @@ RenderProgress render_to_target(const Device& device, Renderer& renderer, Target
     bool foresees = plan.config.error > 0;
     Watched watched;
     for (;;) {
-        std::optional<double> left;  // seconds, once foreseen
+        std::optional<double> seconds;  // that are needed, once foreseen
+        double before = 0;              // seconds that have passed then
         const RenderProgress reached = renderer.render([&](const RenderProgress& so_far) {
             if (progress && !progress(so_far)) return false;
             if (!foresees) return true;
             const std::optional<Forecast> needed = watched.foresee(so_far, plan.config.error, plan.seconds_to_foresee);
             if (!needed) return true;
             refuse_unreachable(plan, *needed, so_far);
-            plan.promised_seconds = needed->seconds;
-            if (plan.config.seconds > 0) plan.promised_seconds = std::min(needed->seconds, plan.config.seconds);
-            left = plan.promised_seconds - so_far.seconds;
+            seconds = needed->seconds, before = so_far.seconds;
             return false;
         });
-        if (!left) {
+        if (!seconds) {
             refuse_late(plan.config, reached);
             return reached;
         }
         foresees = false;
-        pick_tree_on_the_way(device, renderer, plan, *left);
+        pick_tree_on_the_way(device, renderer, plan, *seconds, before);
     }
+}
+
+Builder choose_builder_for_samples(const Device& device, const Scene& scene, const RenderConfig& config) {
+    const DeviceModel model = stored_model(device);
+    if (!model.known() || !scene.instances.empty()) return config.bvh.builder;
+    const double samples = double(config.width) * config.height * config.spp;
+    return choose_builder(model, triangles_of(scene), samples / model.fast.samples_per_second);
 }
 
 bool is_kept(const TargetPlan& plan, const RenderProgress& reached) {

@@ -85,6 +85,8 @@ bool render_picture(const Device& device, const Scene& scene, const RenderOption
     if (options.picks_settings) {
         plan = plan_render(device, scene, config, options.picks_builder, measuring_progress(options.quiet));
         config = plan->config;
+    } else if (options.picks_builder) {
+        config.bvh.builder = choose_builder_for_samples(device, scene, config);
     }
     Renderer renderer(device, scene, config);
 

@@ -9,7 +9,8 @@ namespace claray::detail {
 std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes) {
     const DeviceInfo& info = device.info();
     if (MemoryPlan* plan = device.state().plan; plan != nullptr) {
-        plan->add(bytes);
+        const bool rehearsed = device.state().requests != nullptr;  // what is allocated then does not stay
+        if (!rehearsed) plan->add(bytes);
         return {};
     }
     const auto refuse = [&](const std::string& why) {

@@ -97,4 +97,43 @@ std::vector<const KernelSource*> included_sources(const std::string& text) {
     return found;
 }
 
+std::string with_names_apart(std::string text) {
+    const std::string directive = "#include \"";
+    for (const KernelSource* source : included_sources(text)) {
+        const std::string from = directive + source->path + '"', to = directive + names_apart + source->path + '"';
+        for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+            text.replace(at, from.size(), to);
+    }
+    return text;
+}
+
+std::vector<KernelSource> headers_apart(const std::string& text) {
+    std::vector<KernelSource> headers;
+    for (const KernelSource* source : included_sources(text))
+        headers.push_back({names_apart + source->path, with_names_apart(source->text)});
+    return headers;
+}
+
+HeaderFolder::HeaderFolder(const std::vector<KernelSource>& files) {
+    namespace fs = std::filesystem;
+    std::error_code error;
+    std::string name = (fs::temp_directory_path(error) / "claray-headers-XXXXXX").string();
+    if (error || ::mkdtemp(name.data()) == nullptr) return;
+    path_ = name;
+    for (const KernelSource& file : files) {
+        fs::create_directories((path_ / file.path).parent_path(), error);
+        std::ofstream out(path_ / file.path, std::ios::binary);
+        out << file.text;
+        if (out.flush()) continue;
+        fs::remove_all(path_, error);
+        path_.clear();
+        return;
+    }
+}
+
+HeaderFolder::~HeaderFolder() {
+    std::error_code ignored;
+    if (!path_.empty()) std::filesystem::remove_all(path_, ignored);
+}
+
 }  // namespace claray

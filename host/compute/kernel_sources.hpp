@@ -1,6 +1,7 @@
 // The text of claray's kernels: embedded at build time, or read from $CLARAY_KERNEL_DIR to edit without a rebuild.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -28,5 +29,27 @@ void replace_kernel_source(const std::string& path, std::string text);
 
 /// The files that a text includes directly or indirectly, for any values of its macros.
 std::vector<const KernelSource*> included_sources(const std::string& text);
+
+/// Passes claray's files to the compiler under names that no folder has: NVIDIA's (driver 580) searches the current
+/// folder and its folder `include` first, and would use a file of the same name there.
+inline constexpr const char* names_apart = "claray-sources/";
+/// The text with these names in its #include directives.
+[[nodiscard]] std::string with_names_apart(std::string text);
+/// The files that a text includes, under these names.
+[[nodiscard]] std::vector<KernelSource> headers_apart(const std::string& text);
+
+/// A folder of this user's with these files, for compilers that take headers only from folders. Removed by the
+/// destructor. The path is empty if the folder cannot be written.
+class HeaderFolder {
+public:
+    explicit HeaderFolder(const std::vector<KernelSource>& files);
+    ~HeaderFolder();
+    HeaderFolder(const HeaderFolder&) = delete;
+    HeaderFolder& operator=(const HeaderFolder&) = delete;
+    [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
+private:
+    std::filesystem::path path_;
+};
 
 }  // namespace claray

@@ -48,6 +48,8 @@ bool is_pocl(const Device& device) { return device.info().platform == "Portable 
 /// For Kernel::check_arguments; only PoCL is asked.
 constexpr const char* tell_parameters = "-cl-kernel-arg-info";
 
+const std::string limit_registers = " -cl-nv-maxrregcount=";
+
 std::string build_options(const Device& device, const Defines& defines, Math math) {
     if (std::find(defines.begin(), defines.end(), fast_math) != defines.end()) math = Math::fast;
     std::string options = "-cl-std=CL1.2 -w";  // PoCL prints the number of warnings
@@ -63,7 +65,7 @@ std::string build_options(const Device& device, const Defines& defines, Math mat
     if (!device.info().fp64) options += " -DCLARAY_NO_FP64=1";
     for (const auto& [name, value] : defines) {
         options += " -D" + name + "=" + value;
-        if (name == "MAX_REGISTERS" && is_nvidia(device)) options += " -cl-nv-maxrregcount=" + value;
+        if (name == "MAX_REGISTERS" && is_nvidia(device)) options += limit_registers + value;
     }
     return options;
 }
@@ -90,17 +92,6 @@ void replace_all(std::string& text, const std::string& from, const std::string& 
         text.replace(at, from.size(), to);
 }
 
-/// Passes claray's files to the compiler under names that no folder has: NVIDIA's (driver 580) searches the current
-/// folder and its folder `include` first, and would use a file of the same name there.
-const std::string apart = "claray-sources/";
-
-std::string with_names_apart(std::string text) {
-    const std::string directive = "#include \"";
-    for (const KernelSource* source : included_sources(text))
-        replace_all(text, directive + source->path + '"', directive + apart + source->path + '"');
-    return text;
-}
-
 /// Makes the compiler's messages name the file instead of a temporary one. NVIDIA's ignores the directive and would
 /// count one line too many.
 std::string name_line(const Device& device, const KernelSource& main) {
@@ -110,7 +101,7 @@ std::string name_line(const Device& device, const KernelSource& main) {
 /// NVIDIA's compiler calls the main file <kernel>.
 std::string with_file_names(std::string log, const KernelSource& main) {
     replace_all(log, "<kernel>:", main.path + ":");
-    replace_all(log, apart, "");
+    replace_all(log, names_apart, "");
     return log;
 }
 
@@ -132,10 +123,10 @@ cl::Program compile_from_source(const Device& device, const KernelSource& main, 
     std::vector<cl::Program> headers;
     std::vector<cl_program> handles;
     std::vector<std::string> paths;
-    for (const KernelSource* source : included_sources(main.text)) {
-        headers.emplace_back(context, with_names_apart(source->text));
+    for (const KernelSource& source : headers_apart(main.text)) {
+        headers.emplace_back(context, source.text);
         handles.push_back(headers.back()());
-        paths.push_back(apart + source->path);
+        paths.push_back(source.path);
     }
     std::vector<const char*> names;
     for (const std::string& path : paths) names.push_back(path.c_str());
@@ -154,6 +145,25 @@ cl::Program compile_from_source(const Device& device, const KernelSource& main, 
     const cl::Program linked_program(result);
     if (log) *log = build_log(program, device.state().device) + '\n' + build_log(linked_program, device.state().device);
     return linked_program;
+}
+
+/// The same by one call. NVIDIA's driver (580) keeps the machine code of such a program for its binary, but keeps that
+/// of a linked program under another key: its binary is assembled again when another process loads it for the first
+/// time, which takes 58 s for all effects. Not with a limit of registers, which has not been tried. Nothing if it
+/// fails: compile_from_source reports the reason.
+std::optional<cl::Program> compile_by_one_call(const Device& device, const KernelSource& main,
+                                               const std::string& options) {
+    if (device.tuning("compute/programs", "ONE_CALL") == 0 || options.find(limit_registers) != std::string::npos)
+        return {};
+    const HeaderFolder headers(headers_apart(main.text));
+    if (headers.path().empty()) return {};
+    cl::Program program(device.context(), name_line(device, main) + with_names_apart(main.text));
+    try {
+        program.build({device.state().device}, (options + " -I " + headers.path().string()).c_str());
+        return program;
+    } catch (const cl::Error&) {
+        return {};
+    }
 }
 
 /// Nothing if the driver refuses its own binary (for example after an update that kept the version string).
@@ -221,7 +231,8 @@ cl::Program compile(const Device& device, const KernelSource& main, const std::s
     if (const auto program = load_from_cache(device, identity)) return *program;
     std::optional<CacheLock> alone;
     if (is_pocl(device)) alone.emplace("pocl", key_of_pocl_folder());
-    cl::Program program = compile_from_source(device, main, options);
+    const std::optional<cl::Program> by_one_call = compile_by_one_call(device, main, options);
+    cl::Program program = by_one_call ? *by_one_call : compile_from_source(device, main, options);
     statistics.change([](CompileStatistics& s) { ++s.compiled; });
     // Also tests whether the cache is writable if nothing is stored, because another process will store.
     const auto binaries = device.state().store_programs ? program.getInfo<CL_PROGRAM_BINARIES>()

@@ -52,6 +52,10 @@ struct ModelRow {
 [[nodiscard]] Builder choose_builder(const DeviceModel& model, std::size_t triangles, double seconds_with_fast,
                                      Builder built = Builder::fast);
 
+/// The same for a render of `config.spp` samples per pixel, by the model that is stored for the device. Returns the
+/// given builder if there is no model or the scene has instances. The image does not depend on it.
+[[nodiscard]] Builder choose_builder_for_samples(const Device& device, const Scene& scene, const RenderConfig& config);
+
 /// The choices of the planner for RenderConfig::error or RenderConfig::seconds.
 struct TargetPlan {
     RenderConfig config;  ///< the given configuration with the chosen settings

@@ -69,6 +69,29 @@ TEST_F(Cache, OptionsAreInTheKey) {
     expect_from_cache(compile(1, Math::fast));
 }
 
+/// The source that the driver knows of a program; a program that was compiled and linked has none.
+std::string source_of(const Kernel& kernel) {
+    return kernel.handle().getInfo<CL_KERNEL_PROGRAM>().getInfo<CL_PROGRAM_SOURCE>();
+}
+
+TEST_F(Cache, OneCallFindsTheHeadersAndLeavesNoFolder) {
+    const char* text =
+        "#include \"math/vector.clh\"\nkernel void set(global float* out) { *out = dot(out[0], out[1]); }";
+    const TemporaryFolder temporary;
+    const auto compile_with = [&](unsigned one_call, const fs::path& folder) {
+        const ScopedEnvironment environment("TMPDIR", folder.string());
+        const Device fresh = Device::open(std::to_string(device().info().index));
+        fresh.set_tuning("compute/programs", "ONE_CALL", one_call);
+        return compile_kernel(fresh, text, "set");
+    };
+    EXPECT_NE(source_of(compile_with(1, temporary.path())).find("claray-sources/math/vector.clh"), std::string::npos);
+    EXPECT_TRUE(fs::is_empty(temporary.path()));
+    fs::remove(files().at(0));
+    EXPECT_EQ(source_of(compile_with(1, temporary.path() / "none")), "") << "compiled and linked instead";
+    fs::remove(files().at(0));
+    EXPECT_EQ(source_of(compile_with(0, temporary.path())), "");
+}
+
 void overwrite(const fs::path& path, const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; }
 
 TEST_F(Cache, DamagedFilesAreRebuilt) {
