@@ -5,8 +5,8 @@
 //   tile-sum    all lights without shadows, by the lists of tiles (Approximations::tile_sum)
 //   all-lights  the same with lists of all lights
 //   pick        one light per pixel from the list of its place, with a shadow ray: the path tracer with depth 1
-// --noise prints the noise of one sample per pixel of `pick` instead. It includes the variation of light within pixels, which
-// vanishes in images of several times the size.
+// --noise prints the noise of one sample per pixel of `pick` instead. It includes the variation of light within pixels,
+// which vanishes in images of several times the size.
 #include <cstdio>
 #include <random>
 
@@ -101,9 +101,8 @@ private:
 /// From 16 samples per pixel, whose noise is a quarter.
 void print_noise(const Device& device, const Scene& scene, const Options& options) {
     constexpr unsigned spp = 16;
-    Renderer renderer(
-        device, scene,
-        {.width = options.size.first, .height = options.size.second, .spp = spp, .max_depth = 1});
+    Renderer renderer(device, scene,
+                      {.width = options.size.first, .height = options.size.second, .spp = spp, .max_depth = 1});
     std::printf("noise of one sample per pixel: %.1f %%\n", 100 * std::sqrt(double(spp)) * renderer.render().noise);
 }
 

@@ -102,8 +102,8 @@ private:
     std::string shows_ = "image";
     bool denoises_ = false;
     std::optional<Selection> selected_;
-    glm::vec3 held_{0.f};               // the point at which it was selected
-    std::optional<std::size_t> light_;  // selected instead of an object
+    glm::vec3 held_{0.f};                     // the point at which it was selected
+    std::optional<std::size_t> light_;        // selected instead of an object
     std::vector<std::uint8_t> false_colors_;  // of a view other than the image
     Frame frame_;
     unsigned spp_ = 0;

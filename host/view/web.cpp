@@ -200,8 +200,7 @@ void render_loop(View& view, Exchange& exchange, const WebConfig& config) {
         const Frame& frame = view.next_frame();
         shown = frame.complete;
         if (exchange.wants_picture())
-            exchange.give_picture(
-                encode_png(frame.width, frame.height, 4, {frame.pixels.begin(), frame.pixels.end()}));
+            exchange.give_picture(encode_png(frame.width, frame.height, 4, {frame.pixels.begin(), frame.pixels.end()}));
         exchange.publish(encode_jpeg(frame.width, frame.height, frame.pixels, jpeg_quality),
                          printed("%ux%u, %u samples per pixel", frame.width, frame.height, frame.spp) + "\n" + told);
     }

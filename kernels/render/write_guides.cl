@@ -11,7 +11,7 @@
 #define MOST_MIRRORS 6u  // a glass ball seen in another one
 #endif
 #ifndef GLOSSY_DENSITY
-#define GLOSSY_DENSITY 4.0f  // per steradian: directions sampled with more than this come from an almost mirror
+#define GLOSSY_DENSITY 1.0f  // per steradian: directions sampled with more than this come from an almost mirror
 #endif
 
 /// The pixel of element i of a batch: consecutive pixels, or consecutive elements of a list.

@@ -91,7 +91,7 @@ private:
     Buffer<FilmPixel> pixels_;
     Buffer<ColorSum> odd_;
     Buffer<FilmSums> sums_;
-    mutable Buffer<float> image_;  // once it was asked for
+    mutable Buffer<float> image_;                  // once it was asked for
     mutable std::shared_ptr<HostMemory> on_host_;  // likewise
     mutable std::uint64_t room_on_host_ = 0;       // bytes
     mutable Kernels kernels_;

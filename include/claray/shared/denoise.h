@@ -17,7 +17,7 @@ typedef struct Guide {
     float albedo_r, albedo_g, albedo_b;
     float glow_r, glow_g, glow_b;
     float gloss_r, gloss_g, gloss_b;
-    float gloss_variance;  // of its luminance
+    float gloss_variance;                // of its luminance
     float normal_x, normal_y, normal_z;  // shading normal on the camera's side; its mean is shorter than 1 at edges
     float nearness;                      // 1 / distance from the camera; 0 beyond all surfaces
 } Guide;
@@ -25,7 +25,8 @@ CLARAY_LAYOUT(Guide, 84)
 
 #define CLARAY_EDGE_CLASSES 16u  // of pixels by the difference of their glow from that nearby
 
-/// What one camera ray sees: through mirrors and smooth glass, which scatter it in one direction, and by almost mirrors.
+/// What one camera ray sees: through mirrors and smooth glass, which scatter it in one direction, and by almost
+/// mirrors.
 typedef struct Sight {
     float throughput_r, throughput_g, throughput_b;  // of the mirrors and glass so far
     float albedo_r, albedo_g, albedo_b;              // of the first other surface, times the throughput
