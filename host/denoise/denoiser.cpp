@@ -35,7 +35,8 @@ void Denoiser::prepare(const Buffer<FilmPixel>& film, const Buffer<Guide>& guide
     demodulate_.run(range(), step(), film, guides, arg("light", raw_), arg("surfaces", surfaces_),
                     arg("weights", weights_), gloss_);
     estimate_.run(range(), step(), std::uint32_t(single), arg("light", raw_), arg("surfaces", surfaces_),
-                  arg("weights", weights_), arg("gloss", gloss_), arg("slopes", slopes_), arg("result", noisy_));
+                  arg("weights", weights_), arg("gloss", gloss_), guides, arg("slopes", slopes_),
+                  arg("result", noisy_));
 }
 
 const Buffer<float>& Denoiser::filter(const Buffer<Float4>& light, const Buffer<Float4>& noisy,

@@ -99,7 +99,7 @@ static inline void see(Batch one, const FrameData* frame, SCENE_PARAMETERS, uint
 #endif
         if (!ends) *next = pass_mirror(one, frame, SCENE, depth, ray, state, &at);
     }
-    if (sight->scattered) {
+    if (sight->passed == CLARAY_BY_GLOSS) {
         sight->gloss_r += glow.x, sight->gloss_g += glow.y, sight->gloss_b += glow.z;
     } else {
         sight->glow_r += glow.x, sight->glow_g += glow.y, sight->glow_b += glow.z;
@@ -107,7 +107,7 @@ static inline void see(Batch one, const FrameData* frame, SCENE_PARAMETERS, uint
     }
     if (!next->wanted) return;
     sight->pdf = next->state.pdf;
-    if (next->state.pdf > 0.0f) sight->scattered = 1u;
+    sight->passed = max(sight->passed, next->state.pdf > 0.0f ? CLARAY_BY_GLOSS : CLARAY_BY_MIRROR);
     sight->throughput_r = next->state.throughput_r, sight->throughput_g = next->state.throughput_g;
     sight->throughput_b = next->state.throughput_b;
 }
@@ -148,7 +148,7 @@ kernel void write_guides(GuideStep step, global const uint* list, global const F
     const uint in_film = film[pixel].count + film[pixel].dropped;
     const uint sampled = in_film == 0u || in_film > batch.samples ? batch.samples : in_film;
     float3 albedo = (float3)(0.0f), glow = (float3)(0.0f), gloss = (float3)(0.0f), normal = (float3)(0.0f);
-    float nearness = 0.0f, odd = 0.0f, squares = 0.0f;
+    float nearness = 0.0f, odd = 0.0f, squares = 0.0f, mirrored = 0.0f;
     Guide guide;
     for (uint s = 0; s < batch.samples; ++s) {
         const Sight sight = sights[i * batch.samples + s];
@@ -158,7 +158,7 @@ kernel void write_guides(GuideStep step, global const uint* list, global const F
         gloss += one, squares += luminance(one) * luminance(one);
         if (s < sampled && s % 2 != 0) odd += luminance((float3)(sight.glow_r, sight.glow_g, sight.glow_b) + one);
         normal += (float3)(sight.normal_x, sight.normal_y, sight.normal_z);
-        nearness += sight.nearness;
+        nearness += sight.nearness, mirrored += sight.passed ? 1.0f : 0.0f;
         if (s + 1 != sampled) continue;
         const float share = 1.0f / (float)sampled;
         guide.sampled_albedo_r = share * albedo.x, guide.sampled_albedo_g = share * albedo.y, guide.sampled_albedo_b = share * albedo.z;
@@ -174,7 +174,7 @@ kernel void write_guides(GuideStep step, global const uint* list, global const F
     const float mean = share * luminance(gloss);
     guide.gloss_variance = batch.samples < 2 ? mean * mean : fmax(share * squares - mean * mean, 0.0f) / (float)(batch.samples - 1);
     guide.normal_x = share * normal.x, guide.normal_y = share * normal.y, guide.normal_z = share * normal.z;
-    guide.nearness = share * nearness;
+    guide.nearness = share * nearness, guide.mirrored = share * mirrored;
     guides[pixel] = guide;
 }
 

@@ -18,10 +18,11 @@ typedef struct Guide {
     float glow_r, glow_g, glow_b;
     float gloss_r, gloss_g, gloss_b;
     float gloss_variance;                // of its luminance
+    float mirrored;                      // share of the rays that mirrors, glass and almost mirrors passed on
     float normal_x, normal_y, normal_z;  // shading normal on the camera's side; its mean is shorter than 1 at edges
     float nearness;                      // 1 / distance from the camera; 0 beyond all surfaces
 } Guide;
-CLARAY_LAYOUT(Guide, 84)
+CLARAY_LAYOUT(Guide, 88)
 
 #define CLARAY_EDGE_CLASSES 16u  // of pixels by the difference of their glow from that nearby
 
@@ -34,10 +35,12 @@ typedef struct Sight {
     float normal_x, normal_y, normal_z;  // of the first surface, as its nearness
     float nearness;
     float gloss_r, gloss_g, gloss_b;
-    float pdf;       // density of the direction of the next ray; 0: a mirror's
-    uint scattered;  // 1: by an almost mirror
+    float pdf;    // density of the direction of the next ray; 0: a mirror's
+    uint passed;  // on by mirrors: CLARAY_BY_MIRROR, or also by an almost mirror: CLARAY_BY_GLOSS
 } Sight;
 CLARAY_LAYOUT(Sight, 72)
+#define CLARAY_BY_MIRROR 1u
+#define CLARAY_BY_GLOSS 2u
 
 /// Scalar parameters of the stages that trace guides. `step.batch` counts pixels of a list if `listed` is 1;
 /// `step.depth` is the number of mirrors that the rays have met, and `step.capacity` the number of rays.
