@@ -1,10 +1,12 @@
 // Frames under many moving lights: device time of each kernel, in milliseconds (medians over frames):
 //   bench_deferred [--device D] [--scene NAME] [--size WIDTH HEIGHT] [--lights N] [--range METRES] [--equal]
-//                  [--camera X Y Z --target X Y Z] [--rounds N] [--csv FILE]
+//                  [--camera X Y Z --target X Y Z] [--rounds N] [--noise] [--csv FILE]
 // Half of the lights are points, half are spots. Every frame moves all of them. The frames are
 //   tile-sum    all lights without shadows, by the lists of tiles (Approximations::tile_sum)
 //   all-lights  the same with lists of all lights
 //   pick        one light per pixel from the list of its place, with a shadow ray: the path tracer with depth 1
+// --noise prints the noise of one sample per pixel of `pick` instead. It includes the variation of light within pixels,
+// which vanishes in images of several times the size.
 #include <cstdio>
 #include <random>
 
@@ -19,7 +21,7 @@ struct Options {
     std::pair<unsigned, unsigned> size = {640, 360};
     unsigned lights = 1000;
     float range = 2.5f;
-    bool equal = false;
+    bool equal = false, noise = false;
     std::vector<float> camera, target;
     int rounds = 9;
 };
@@ -96,6 +98,14 @@ private:
     std::map<std::string, std::vector<double>> times_;
 };
 
+/// From 16 samples per pixel, whose noise is a quarter.
+void print_noise(const Device& device, const Scene& scene, const Options& options) {
+    constexpr unsigned spp = 16;
+    Renderer renderer(device, scene,
+                      {.width = options.size.first, .height = options.size.second, .spp = spp, .max_depth = 1});
+    std::printf("noise of one sample per pixel: %.1f %%\n", 100 * std::sqrt(double(spp)) * renderer.render().noise);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) try {
@@ -110,6 +120,7 @@ int main(int argc, char** argv) try {
     app.add_option("--camera", options.camera, "its position")->expected(3);
     app.add_option("--target", options.target, "where it looks")->expected(3);
     app.add_option("--rounds", options.rounds);
+    app.add_flag("--noise", options.noise, "print the noise of one sample per pixel of `pick` only");
     app.add_option("--csv", options.csv);
     CLI11_PARSE(app, argc, argv);
     Warnings warnings;
@@ -121,6 +132,10 @@ int main(int argc, char** argv) try {
     const float shorter = options.equal ? std::cbrt(1000.f / float(options.lights)) : 1.f;
     scene.sky = {}, scene.environment = {};
     scene.lights = lights_within(bounds_of(scene), options.lights, options.range * shorter);
+    if (options.noise) {
+        print_noise(Device::open(options.device), scene, options);
+        return 0;
+    }
     std::vector<Frames> all;
     for (const Method& method : methods) all.emplace_back(Device::open(options.device), scene, options, method);
     for (int i = 0; i < options.rounds + 2; ++i)

@@ -32,11 +32,16 @@ class HostMemory {
 public:
     HostMemory(const Device& device, std::size_t bytes);
 
-    /// Copies the elements of a buffer of at most this size, and returns them; valid until the next call. Blocks.
+    /// Copies the first elements of a buffer, at most as many as fit, and returns them; valid until the next call.
+    /// Blocks.
+    template <class T>
+    [[nodiscard]] std::span<const std::uint8_t> read(const Buffer<T>& from, std::size_t elements) const {
+        detail::read(from.device(), from.memory(), 0, data_.get(), elements * sizeof(T));
+        return {data_.get(), elements * sizeof(T)};
+    }
     template <class T>
     [[nodiscard]] std::span<const std::uint8_t> read(const Buffer<T>& from) const {
-        detail::read(from.device(), from.memory(), 0, data_.get(), from.bytes());
-        return {data_.get(), from.bytes()};
+        return read(from, from.size());
     }
 
 private:

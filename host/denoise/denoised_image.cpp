@@ -26,7 +26,8 @@ std::vector<glm::vec3> by_oidn(const NoisyFilm& film) {
     for (std::size_t i = 0; i < pixels.size(); ++i) {
         const Guide& g = guides[i];
         const glm::vec3 glow(g.sampled_glow_r, g.sampled_glow_g, g.sampled_glow_b);
-        images.color.push_back(glm::max(mean_of(pixels[i]) - glow, 0.f));
+        const glm::vec3 gloss(g.gloss_r, g.gloss_g, g.gloss_b);
+        images.color.push_back(glm::max(mean_of(pixels[i]) - glow + gloss, 0.f));
         images.albedo.push_back(glm::clamp(glm::vec3(g.albedo_r, g.albedo_g, g.albedo_b), 0.f, 1.f));
         images.normal.emplace_back(g.normal_x, g.normal_y, g.normal_z);
     }

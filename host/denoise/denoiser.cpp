@@ -21,7 +21,7 @@ Denoiser::Denoiser(const Device& device, std::uint32_t width, std::uint32_t heig
     const std::size_t pixels = std::size_t(width) * height;
     for (Buffer<Float4>* buffer : {&raw_, &noisy_, &filtered_[0], &filtered_[1], &surfaces_})
         *buffer = Buffer<Float4>(device, pixels);
-    slopes_ = Buffer<Float2>(device, pixels);
+    slopes_ = Buffer<Float2>(device, pixels), gloss_ = Buffer<Float2>(device, pixels);
     weights_ = Buffer<float>(device, pixels);
     image_ = Buffer<float>(device, 3 * pixels);
 }
@@ -33,9 +33,10 @@ const Buffer<float>& Denoiser::denoise(const Buffer<FilmPixel>& film, const Buff
 
 void Denoiser::prepare(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides, bool single) {
     demodulate_.run(range(), step(), film, guides, arg("light", raw_), arg("surfaces", surfaces_),
-                    arg("weights", weights_));
+                    arg("weights", weights_), gloss_);
     estimate_.run(range(), step(), std::uint32_t(single), arg("light", raw_), arg("surfaces", surfaces_),
-                  arg("weights", weights_), slopes_, arg("result", noisy_));
+                  arg("weights", weights_), arg("gloss", gloss_), guides, arg("slopes", slopes_),
+                  arg("result", noisy_));
 }
 
 const Buffer<float>& Denoiser::filter(const Buffer<Float4>& light, const Buffer<Float4>& noisy,

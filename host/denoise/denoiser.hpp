@@ -37,7 +37,7 @@ protected:
     std::uint32_t width_, height_;
     Kernel demodulate_, estimate_, filter_, modulate_;
     Buffer<Float4> raw_, noisy_, filtered_[2], surfaces_;
-    Buffer<Float2> slopes_;
+    Buffer<Float2> slopes_, gloss_;
     Buffer<float> weights_, image_;
 };
 

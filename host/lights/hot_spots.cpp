@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "host/lights/luminance.hpp"
@@ -55,15 +56,63 @@ glm::dvec3 nearest_of_triangle(const glm::dvec3& p, const glm::dvec3& a, const g
     return nearest;
 }
 
-/// Searches for the nearest surface of each light (sorted by x), within the relevant distance.
+/// Candidates by the cells of a grid, about one per cell. Puts them in the order of their cells.
+class CandidateGrid {
+public:
+    explicit CandidateGrid(std::vector<Candidate>& candidates) : candidates_(candidates) {
+        for (const Candidate& c : candidates) box_.grow(glm::vec3(c.position));
+        const glm::dvec3 extent = glm::max(glm::dvec3(box_.extent()), 1e-3 * glm::length(glm::dvec3(box_.extent())));
+        const double cell = std::cbrt(extent.x * extent.y * extent.z / double(candidates.size()));
+        cells_per_length_ = cell > 0 ? 1 / cell : 0;
+        last_ = cell_at(box_.hi);
+        std::stable_sort(candidates.begin(), candidates.end(), [&](const Candidate& a, const Candidate& b) {
+            return number_of(cell_at(a.position)) < number_of(cell_at(b.position));
+        });
+        starts_.resize(number_of(last_) + 2);
+        for (const Candidate& c : candidates) ++starts_[number_of(cell_at(c.position)) + 1];
+        for (std::size_t i = 1; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
+    }
+
+    /// Calls `visit` for the candidates in the box and some near it, until it returns false.
+    template <class Visit>
+    void visit(const glm::dvec3& lo, const glm::dvec3& hi, const Visit& visit) const {
+        for (int k = 0; k < 3; ++k)
+            if (!(hi[k] >= box_.lo[k] && lo[k] <= box_.hi[k])) return;
+        const glm::uvec3 first = cell_at(lo), last = cell_at(hi);
+        for (std::uint32_t z = first.z; z <= last.z; ++z)
+            for (std::uint32_t y = first.y; y <= last.y; ++y) {
+                const std::size_t end = starts_[number_of({last.x, y, z}) + 1];
+                for (std::size_t i = starts_[number_of({first.x, y, z})]; i < end; ++i)
+                    if (!visit(candidates_[i])) return;
+            }
+    }
+    [[nodiscard]] const Bounds& box() const { return box_; }
+
+private:
+    static constexpr double most_cells = 255;  // per axis, less one
+
+    /// The nearest cell.
+    [[nodiscard]] glm::uvec3 cell_at(const glm::dvec3& point) const {
+        const glm::dvec3 cell = cells_per_length_ * (point - glm::dvec3(box_.lo));
+        return glm::uvec3(glm::min(glm::max(glm::dvec3(0.0), cell), glm::min(glm::dvec3(last_), most_cells)));
+    }
+    [[nodiscard]] std::size_t number_of(const glm::uvec3& cell) const {
+        return (std::size_t(cell.z) * (last_.y + 1) + cell.y) * (last_.x + 1) + cell.x;
+    }
+
+    std::vector<Candidate>& candidates_;
+    Bounds box_;
+    double cells_per_length_ = 0;
+    glm::uvec3 last_{std::numeric_limits<std::uint32_t>::max()};  // cell
+    std::vector<std::size_t> starts_;                             // of each cell, and the end of the last
+};
+
+/// Searches for the nearest surface of each light, within the relevant distance.
 class Search {
 public:
-    Search(std::vector<Candidate>& candidates, const Scene& scene) : candidates_(candidates), scene_(scene) {
-        for (const Candidate& c : candidates) {
-            reach_ = std::max(reach_, std::sqrt(c.distance2));
-            box_.grow(glm::vec3(c.position));
-            x_.push_back(c.position.x);
-        }
+    Search(const std::vector<Candidate>& candidates, const CandidateGrid& grid, const Scene& scene)
+        : grid_(grid), scene_(scene) {
+        for (const Candidate& c : candidates) reach_ = std::max(reach_, std::sqrt(c.distance2));
     }
     void run() {
         if (scene_.instances.empty())
@@ -87,7 +136,7 @@ private:
             double reach = reach_;
             for (int i = 0; i < 3; ++i) reach += std::abs(transform[i][k]) * half[i];
             reach += 1e-5 * (std::abs(center[k]) + reach);
-            if (center[k] + reach < box_.lo[k] || center[k] - reach > box_.hi[k]) return false;
+            if (center[k] + reach < grid_.box().lo[k] || center[k] - reach > grid_.box().hi[k]) return false;
         }
         return true;
     }
@@ -97,33 +146,26 @@ private:
         for (glm::dvec3& corner : corners) corner = glm::dvec3(transform * glm::dvec4(corner, 1.0));
         visit(mesh.triangles, corners);
     }
-    /// Most triangles are near no light along x.
     template <class Vector>
     void visit(const std::vector<glm::uvec3>& triangles, const std::vector<Vector>& corners) {
-        for (const glm::uvec3& t : triangles) {
-            const Vector &a = corners[t.x], &b = corners[t.y], &c = corners[t.z];
-            const auto first = std::lower_bound(x_.begin(), x_.end(), double(std::min({a.x, b.x, c.x})) - reach_);
-            if (first != x_.end() && *first <= double(std::max({a.x, b.x, c.x})) + reach_)
-                visit(std::size_t(first - x_.begin()), glm::dvec3(a), glm::dvec3(b), glm::dvec3(c));
-        }
+        for (const glm::uvec3& t : triangles)
+            visit(glm::dvec3(corners[t.x]), glm::dvec3(corners[t.y]), glm::dvec3(corners[t.z]));
     }
-    void visit(std::size_t first, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+    void visit(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
         const glm::dvec3 lo = glm::min(glm::min(a, b), c), hi = glm::max(glm::max(a, b), c);
-        auto at = candidates_.begin() + std::ptrdiff_t(first);
-        for (; at != candidates_.end() && at->position.x <= hi.x + reach_; ++at) {
-            const glm::dvec3 off = glm::max(glm::max(lo - at->position, at->position - hi), glm::dvec3(0.0));
-            if (!(glm::dot(off, off) < at->distance2)) continue;
-            const glm::dvec3 way = nearest_of_triangle(at->position, a, b, c) - at->position;
+        grid_.visit(lo - reach_, hi + reach_, [&](Candidate& at) {
+            const glm::dvec3 off = glm::max(glm::max(lo - at.position, at.position - hi), glm::dvec3(0.0));
+            if (!(glm::dot(off, off) < at.distance2)) return true;
+            const glm::dvec3 way = nearest_of_triangle(at.position, a, b, c) - at.position;
             const double distance2 = glm::dot(way, way);
-            if (distance2 < at->distance2) at->distance2 = distance2, at->way = way, at->found = true;
-        }
+            if (distance2 < at.distance2) at.distance2 = distance2, at.way = way, at.found = true;
+            return true;
+        });
     }
 
-    std::vector<Candidate>& candidates_;
+    const CandidateGrid& grid_;
     const Scene& scene_;
-    std::vector<double> x_;  // of the lights, ascending
     double reach_ = 0;
-    Bounds box_;  // of the lights
 };
 
 /// The approximate power of all lights except lamps and environment maps. Distant lights count by their flux through
@@ -152,26 +194,25 @@ std::vector<Candidate> candidates_of(const Scene& scene, double distance) {
     return candidates;
 }
 
-/// The shares of the lights (sorted by x) whose spots overlap with that of `c`: at most two heights away. Stops
-/// counting at `enough`.
-double share_around(const std::vector<Candidate>& sorted, const Candidate& c, double enough) {
+/// The shares of the lights whose spots overlap with that of `c`: at most two heights away. Stops counting at
+/// `enough`.
+double share_around(const CandidateGrid& grid, const Candidate& c, double enough) {
     const double reach = 2 * std::sqrt(c.distance2);
-    auto at = std::lower_bound(sorted.begin(), sorted.end(), c.position.x - reach,
-                               [](const Candidate& other, double x) { return other.position.x < x; });
     double sum = 0;
-    for (; at != sorted.end() && at->position.x <= c.position.x + reach && sum < enough; ++at) {
-        const glm::dvec3 off = at->position - c.position;
-        if (glm::dot(off, off) <= reach * reach) sum += at->share;
-    }
+    grid.visit(c.position - reach, c.position + reach, [&](const Candidate& other) {
+        const glm::dvec3 off = other.position - c.position;
+        if (glm::dot(off, off) <= reach * reach) sum += other.share;
+        return sum < enough;
+    });
     return std::max(sum, c.share);
 }
 
 /// Lowers the distance within which a light's surface matters: the spot of a light pays up to a height that follows
 /// from the shares around it, of which there are fewer within a lower height.
-void lower_distances(std::vector<Candidate>& sorted, double distance) {
+void lower_distances(std::vector<Candidate>& candidates, const CandidateGrid& grid, double distance) {
     for (int pass = 0; pass < 3; ++pass)
-        for (Candidate& c : sorted)
-            c.distance2 = std::min(c.distance2, share_around(sorted, c, 1) * gain / 8 * distance * distance);
+        for (Candidate& c : candidates)
+            c.distance2 = std::min(c.distance2, share_around(grid, c, 1) * gain / 8 * distance * distance);
 }
 
 }  // namespace
@@ -184,17 +225,16 @@ std::vector<HotSpotPlace> find_hot_spots(const Scene& scene) {
         0.25 * glm::length(glm::dvec3(bounds.extent()));  // typical distance from which spots are seen
     std::vector<Candidate> candidates = candidates_of(scene, distance);
     if (candidates.empty()) return places;
-    std::sort(candidates.begin(), candidates.end(),
-              [](const Candidate& a, const Candidate& b) { return a.position.x < b.position.x; });
-    lower_distances(candidates, distance);
-    Search(candidates, scene).run();
+    const CandidateGrid grid(candidates);
+    lower_distances(candidates, grid, distance);
+    Search(candidates, grid, scene).run();
     double sum = 0;
     for (const Candidate& c : candidates) {
         const glm::vec3 way(c.way);
         if (!c.found || !(glm::dot(way, way) > 1e-30f)) continue;  // the light is in the surface
         const double pays =
             4 * 8 * c.distance2 / (distance * distance * gain);  // far from where the spot ceases to pay
-        const double share = share_of(c.share, share_around(candidates, c, pays), c.distance2, distance);
+        const double share = share_of(c.share, share_around(grid, c, pays), c.distance2, distance);
         if (!(share > 0)) continue;
         places.push_back({c.light, way, share});
         sum += share;

@@ -12,7 +12,8 @@ namespace {
 
 constexpr float cell_of_range = 0.4f;  // length of a cell, of the lights' median range
 constexpr float most_cells = 1 << 18;
-constexpr float margin = 1e-4f;  // of a cell's length and of a range, against rounding
+constexpr std::size_t most_asked = 128;  // about, of the lists that tell their mean length
+constexpr float margin = 1e-4f;          // of a cell's length and of a range, against rounding
 
 struct Sphere {
     glm::vec3 center;
@@ -67,22 +68,28 @@ std::size_t cell_number(const LightLists& grid, const glm::uvec3& cell) {
     return (std::size_t(cell.z) * grid.height + cell.y) * grid.width + cell.x;
 }
 
+/// A cell, and what rounding may count to it.
+Bounds box_of(const LightLists& grid, const glm::uvec3& cell) {
+    const float length = 1 / grid.cells_per_length, wide = length * margin;
+    const glm::vec3 at = corner_of(grid) + glm::vec3(cell) * length;
+    return {at - wide, at + length + wide};
+}
+
+bool reaches(const PunctualLight& light, const Bounds& box) {
+    return touches(reach_of(light), box) && shines_into(light, {box.center(), 0.5f * glm::length(box.extent())});
+}
+
 /// Calls `visit(cell)` for every cell that the light may reach.
 template <class Visit>
 void visit_cells(const LightLists& grid, const PunctualLight& light, const Visit& visit) {
     const Sphere reach = reach_of(light);
-    const float length = 1 / grid.cells_per_length;
-    const float wide = length * margin;
+    const float wide = margin / grid.cells_per_length;
     const glm::uvec3 lo = cell_at(grid, reach.center - reach.radius - wide);
     const glm::uvec3 hi = cell_at(grid, reach.center + reach.radius + wide);
     for (std::uint32_t z = lo.z; z <= hi.z; ++z)
         for (std::uint32_t y = lo.y; y <= hi.y; ++y)
-            for (std::uint32_t x = lo.x; x <= hi.x; ++x) {
-                const glm::vec3 at = corner_of(grid) + glm::vec3(x, y, z) * length;
-                const Bounds box{at - wide, at + length + wide};
-                if (touches(reach, box) && shines_into(light, {box.center(), 0.5f * glm::length(box.extent())}))
-                    visit(cell_number(grid, {x, y, z}));
-            }
+            for (std::uint32_t x = lo.x; x <= hi.x; ++x)
+                if (reaches(light, box_of(grid, {x, y, z}))) visit(cell_number(grid, {x, y, z}));
 }
 
 constexpr std::size_t header_words = sizeof(LightLists) / sizeof(std::uint32_t);
@@ -108,16 +115,15 @@ std::vector<std::uint32_t> build_light_lists(std::span<const PunctualLight> ligh
     return words;
 }
 
-double mean_list_length(const std::vector<std::uint32_t>& words, std::span<const PunctualLight> lights) {
-    LightLists grid;
-    std::memcpy(&grid, words.data(), sizeof grid);
-    const std::uint32_t* const starts = &words[header_words];
-    double sum = 0;
-    for (const PunctualLight& light : lights) {
-        const std::size_t cell = cell_number(grid, cell_at(grid, {light.x, light.y, light.z}));
-        sum += starts[cell + 1] - starts[cell];
+double mean_list_length(std::span<const PunctualLight> lights) {
+    const LightLists grid = grid_over(lights);
+    const std::size_t step = std::max<std::size_t>(1, lights.size() / most_asked);
+    double entries = 0, lists = 0;
+    for (std::size_t i = 0; i < lights.size(); i += step, ++lists) {
+        const Bounds box = box_of(grid, cell_at(grid, {lights[i].x, lights[i].y, lights[i].z}));
+        for (const PunctualLight& light : lights) entries += reaches(light, box);
     }
-    return sum / double(lights.size());
+    return entries / lists;
 }
 
 }  // namespace claray

@@ -169,13 +169,14 @@ float plant_grid(const Scene& scene, Lights& lights) {
     for (const PunctualLight& light : ranged) ranges.push_back(range_of(light));
     std::sort(ranges.begin(), ranges.end());
     while (!ranged.empty() && lights.selection.most_per_cell > 0) {
-        lights.lists = build_light_lists(ranged);
-        if (mean_list_length(lights.lists, ranged) <= lights.selection.most_per_cell) return ranges.back();
+        if (mean_list_length(ranged) <= lights.selection.most_per_cell) {
+            lights.lists = build_light_lists(ranged);
+            return ranges.back();
+        }
         ranges.resize(ranges.size() / 2);
         const float longest = ranges.empty() ? 0 : ranges.back();
         std::erase_if(ranged, [&](const PunctualLight& light) { return range_of(light) > longest; });
     }
-    lights.lists.clear();
     return 0;
 }
 

@@ -1,15 +1,15 @@
 #include "host/render/guides.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 namespace claray {
 namespace {
 
 constexpr std::uint32_t samples_of_all = 4;  // camera rays of every pixel
-// At borders of lamps, where a pixel's noise is that of coverage: so many times the film's samples, within these
-// limits.
-constexpr std::uint32_t edge_factor = 16, least_at_edges = 256, most_at_edges = 4096;
-/// The most rays at borders, per pixel of the image.
+constexpr std::uint32_t most_at_edges = 4096;
+/// Rays at edges, per pixel of the image.
 std::uint64_t edge_rays_per_pixel(std::uint32_t spp) { return 2 + spp / 8; }
 constexpr const char* file = "render/write_guides.cl";
 
@@ -29,6 +29,27 @@ QueryOptions camera_rays(const SceneBuffers& scene) {
     return options;
 }
 
+using EdgeCounts = std::array<std::uint32_t, CLARAY_EDGE_CLASSES>;
+
+/// Rays for each pixel of a class: in proportion to its difference, since that is the noise of one ray. Classes for
+/// which there would be `too_few` get none.
+EdgeCounts share_rays(const EdgeCounts& pixels, double rays, std::uint32_t too_few) {
+    EdgeCounts samples{};
+    for (std::size_t lowest = 0; lowest < pixels.size(); ++lowest) {
+        double sum = 0, left = rays;
+        for (std::size_t i = lowest; i < pixels.size(); ++i) sum += pixels[i] * std::pow(4.0, double(i));
+        for (std::size_t i = pixels.size(); i-- > lowest;) {
+            const double weight = std::pow(4.0, double(i));
+            samples[i] = pixels[i] == 0 ? 0 : std::uint32_t(std::min(double(most_at_edges), left * weight / sum));
+            left -= double(samples[i]) * pixels[i], sum -= weight * pixels[i];
+        }
+        while (lowest < pixels.size() && pixels[lowest] == 0) ++lowest;
+        if (lowest == pixels.size() || samples[lowest] > too_few) break;
+        samples[lowest] = 0;
+    }
+    return samples;
+}
+
 }  // namespace
 
 Guides::Guides(const Device& device, const SceneBuffers& scene, Sampler sampler)
@@ -36,32 +57,33 @@ Guides::Guides(const Device& device, const SceneBuffers& scene, Sampler sampler)
       scene_(scene),
       capacity_(std::max(most_at_edges, device.tuning("render/wavefront", "PATHS"))),
       query_(scene.structure, QueryKernel::Kind::closest, camera_rays(scene), "trace_guide_rays"),
-      length_(device, 1) {
+      counts_(device, CLARAY_EDGE_CLASSES),
+      ends_(device, CLARAY_EDGE_CLASSES) {
     const Defines defines = defines_for(scene, sampler);
     start_ = load_kernel(device, file, "guide_rays", defines);
     see_ = load_kernel(device, file, "see_surfaces", defines);
     write_ = load_kernel(device, file, "write_guides", defines);
+    find_edges_ = load_kernel(device, file, "find_edges", defines);
     list_edges_ = load_kernel(device, file, "list_edges", defines);
 }
 
 const Buffer<Guide>& Guides::trace(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t spp) {
     const std::uint32_t pixels = frame.width * frame.height;
-    guides_.reserve(device_, pixels), list_.reserve(device_, pixels);
-    trace_pixels(frame, film, pixels, samples_of_all, false);
-    const std::uint32_t edges = find_edges(frame);
-    if (edges == 0) return guides_;
-    const std::uint64_t affordable = std::uint64_t(pixels) * edge_rays_per_pixel(spp) / edges;
-    const auto samples = std::uint32_t(
-        std::min<std::uint64_t>(std::clamp(edge_factor * spp, least_at_edges, most_at_edges), affordable));
-    if (samples > spp) trace_pixels(frame, film, edges, samples, true);
+    guides_.reserve(device_, pixels), list_.reserve(device_, pixels), classes_.reserve(device_, pixels);
+    trace_pixels(frame, film, {0, pixels}, samples_of_all, false);
+    counts_.fill(0);
+    find_edges_.run({pixels, 64}, frame.width, frame.height, guides_, classes_, counts_);
+    EdgeCounts counts{}, starts{};
+    counts_.read(std::span(counts));
+    for (std::size_t i = 1; i < counts.size(); ++i) starts[i] = starts[i - 1] + counts[i - 1];
+    const double rays = double(pixels) * double(edge_rays_per_pixel(spp));
+    const EdgeCounts samples = share_rays(counts, rays, std::max(spp + spp / 2, 2 * samples_of_all));
+    if (samples == EdgeCounts{}) return guides_;
+    ends_.write(std::span<const std::uint32_t>(starts));
+    list_edges_.run({pixels, 64}, pixels, classes_, arg("list", list_), arg("ends", ends_));
+    for (std::size_t i = 0; i < counts.size(); ++i)
+        if (samples[i] > 0) trace_pixels(frame, film, {starts[i], counts[i]}, samples[i], true);
     return guides_;
-}
-
-std::uint32_t Guides::find_edges(const FrameData& frame) {
-    length_.fill(0);
-    list_edges_.run({std::size_t(frame.width) * frame.height, 64}, frame.width, frame.height, guides_,
-                    arg("list", list_), arg("edges", length_));
-    return length_.read()[0];
 }
 
 void Guides::make_room(std::size_t rays) {
@@ -74,12 +96,13 @@ void Guides::make_room(std::size_t rays) {
     sights_ = Buffer<Sight>(device_, rays);
 }
 
-void Guides::trace_pixels(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t count,
-                          std::uint32_t samples, bool listed) {
-    const std::uint32_t at_once = std::min(count, std::max(1u, capacity_ / samples));
+void Guides::trace_pixels(const FrameData& frame, const Buffer<FilmPixel>& film, Elements range, std::uint32_t samples,
+                          bool listed) {
+    const std::uint32_t at_once = std::min(range.count, std::max(1u, capacity_ / samples)),
+                        end = range.first + range.count;
     make_room(std::size_t(at_once) * samples);
-    for (std::uint32_t first = 0; first < count; first += at_once) {
-        const std::uint32_t pixels = std::min(at_once, count - first);
+    for (std::uint32_t first = range.first; first < end; first += at_once) {
+        const std::uint32_t pixels = std::min(at_once, end - first);
         const GuideStep guide{{{first, pixels, 0, samples, 0}, frame, 0, pixels * samples, 0}, std::uint32_t(listed)};
         see(guide);
         write_.run({pixels, 64}, guide, list_, film, sights_, guides_);

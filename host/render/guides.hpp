@@ -15,10 +15,11 @@ public:
     [[nodiscard]] const Buffer<Guide>& trace(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t spp);
 
 private:
-    /// Lists the pixels that get more rays, and returns their number. Blocks.
-    [[nodiscard]] std::uint32_t find_edges(const FrameData& frame);
-    /// `count` pixels: all, or those of the list.
-    void trace_pixels(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t count, std::uint32_t samples,
+    struct Elements {
+        std::uint32_t first, count;
+    };
+    /// These pixels of the image, or of the list.
+    void trace_pixels(const FrameData& frame, const Buffer<FilmPixel>& film, Elements range, std::uint32_t samples,
                       bool listed);
 
     void make_room(std::size_t rays);
@@ -28,14 +29,15 @@ private:
     Device device_;
     SceneBuffers scene_;
     std::uint32_t capacity_;
-    Kernel start_, see_, write_, list_edges_;
+    Kernel start_, see_, write_, find_edges_, list_edges_;
     SceneQuery query_;
     Buffer<Ray> rays_[2];  // by depth
     Buffer<float> times_[2];
     Buffer<std::uint32_t> numbers_[2];  // how many rays there are, and the camera ray of each from depth 1 on
     SceneHits hits_;
     Buffer<Sight> sights_;
-    Buffer<std::uint32_t> list_, length_;
+    Buffer<std::uint8_t> classes_;
+    Buffer<std::uint32_t> list_, counts_, ends_;
     Buffer<Guide> guides_;
 };
 

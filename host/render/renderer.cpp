@@ -572,6 +572,10 @@ std::vector<glm::vec3> Renderer::image(unsigned width, unsigned height) const {
     return state_->film.image(state_->sizes(width, height));
 }
 
+std::span<const glm::vec3> Renderer::radiance(unsigned width, unsigned height) const {
+    return state_->film.radiance(state_->sizes(width, height));
+}
+
 std::span<const std::uint8_t> Renderer::picture(const PictureConfig& config) const {
     State& state = *state_;
     const ImageSizes size = state.sizes(config.width, config.height);

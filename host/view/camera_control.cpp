@@ -61,12 +61,17 @@ Camera turn(const Camera& camera, float right_degrees, float up_degrees) {
     return result;
 }
 
-Camera pan(const Camera& camera, float right, float up) {
+glm::vec3 along_image(const Camera& camera, const glm::vec3& point, float right, float up) {
     const Axes axes = axes_of(camera);
+    const double distance = glm::dot(glm::dvec3(point) - glm::dvec3(camera.position), axes.forward);
     const double height = camera.orthographic_height > 0
                               ? camera.orthographic_height
-                              : 2 * axes.distance * std::tan(0.5 * glm::radians(double(camera.vertical_fov)));
-    return shifted(camera, height * (double(right) * axes.right + double(up) * axes.up));
+                              : 2 * distance * std::tan(0.5 * glm::radians(double(camera.vertical_fov)));
+    return glm::vec3(height * (double(right) * axes.right + double(up) * axes.up));
+}
+
+Camera pan(const Camera& camera, float right, float up) {
+    return shifted(camera, along_image(camera, camera.target, right, up));
 }
 
 Camera fly(const Camera& camera, float forward, float right, float up) {

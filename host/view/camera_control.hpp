@@ -12,6 +12,8 @@ namespace claray::view {
 /// Turns the target round the position in the same way.
 [[nodiscard]] Camera turn(const Camera& camera, float right_degrees, float up_degrees);
 /// Shifts position and target across the view, in heights of the image at the target's distance.
+/// The way of a point that moves along the image by these shares of the image's height.
+[[nodiscard]] glm::vec3 along_image(const Camera& camera, const glm::vec3& point, float right, float up);
 [[nodiscard]] Camera pan(const Camera& camera, float right, float up);
 /// Shifts position and target along the view and across it, in units of the scene.
 [[nodiscard]] Camera fly(const Camera& camera, float forward, float right, float up);

@@ -28,6 +28,8 @@ constexpr KeyRow keys[] = {{"ArrowLeft", "orbit -5 0"},
                            {"h", "home"},
                            {"p", "pause"},
                            {" ", "pause"},
+                           {"t", "next"},
+                           {"k", "save view.png"},
                            {"c", "camera"},
                            {"x", "quit"}};
 

@@ -13,6 +13,7 @@ inline constexpr const char* page_template = R"page(<!doctype html>
   img { display: block; max-width: 100%; cursor: grab; image-rendering: pixelated; user-select: none; }
   pre { margin: 8px; white-space: pre-wrap; }
   button, select, input { font: inherit; }
+  a { color: inherit; }
 </style>
 <header>
   <select id="show" title="what is seen">@shows@</select>
@@ -22,7 +23,9 @@ inline constexpr const char* page_template = R"page(<!doctype html>
   <button data-command="home">home</button>
   <button data-command="pause">pause</button>
   <button data-command="play">play</button>
-  <button data-command="camera">camera as options</button>
+  <button data-command="next">next light</button>
+  <button id="camera">copy the camera</button>
+  <a id="save" href="picture.png" download="view.png">save the picture</a>
   <input id="line" size="32" placeholder="command, for example: orbit 30 0" aria-label="command">
   <span>@help@</span>
 </header>
@@ -32,8 +35,21 @@ inline constexpr const char* page_template = R"page(<!doctype html>
   const keys = {@keys@}, degreesPerPixel = @degrees@, zoomPerStep = @zoom@, farthestClick = @click@;
   const view = document.getElementById("view"), status = document.getElementById("status");
   const send = async line => {
+    if (line === "camera") return copyCamera();
+    if (line.startsWith("save ")) return document.getElementById("save").click();
+    return post(line);
+  };
+  const post = async line => {
     const answer = await fetch("command", { method: "POST", body: line });
     if (!answer.ok) status.textContent = await answer.text();
+  };
+  const copyCamera = async () => {
+    await post("camera");
+    for (let i = 0; i < 20; ++i) {
+      const told = (await (await fetch("status")).text()).split("\n")[1] || "";
+      if (told.startsWith("--camera")) return navigator.clipboard.writeText(told);
+      await new Promise(wait => setTimeout(wait, 50));
+    }
   };
   const pixel = e => {
     const box = view.getBoundingClientRect();
@@ -48,7 +64,9 @@ inline constexpr const char* page_template = R"page(<!doctype html>
     if (Math.abs(x) + Math.abs(y) < 2) return;
     drag = { x: e.clientX, y: e.clientY, far: drag.far + Math.abs(x) + Math.abs(y) };
     const box = view.getBoundingClientRect();
-    send(e.shiftKey ? `pan ${-x / box.height} ${y / box.height}` : `orbit ${-x * degreesPerPixel} ${y * degreesPerPixel}`);
+    if (e.ctrlKey) send(`drag ${x / box.height} ${-y / box.height}`);
+    else if (e.shiftKey) send(`pan ${-x / box.height} ${y / box.height}`);
+    else send(`orbit ${-x * degreesPerPixel} ${y * degreesPerPixel}`);
   });
   window.addEventListener("mouseup", e => {
     if (drag && drag.far < farthestClick && e.target === view) send("pick " + pixel(e));
@@ -61,7 +79,7 @@ inline constexpr const char* page_template = R"page(<!doctype html>
     const elsewhere = ["INPUT", "SELECT"].includes(e.target.tagName) || e.ctrlKey || e.altKey || e.metaKey;
     if (command && !elsewhere) { e.preventDefault(); send(command); }
   });
-  document.querySelectorAll("button").forEach(b => b.addEventListener("click", () => send(b.dataset.command)));
+  document.querySelectorAll("button").forEach(b => b.addEventListener("click", () => send(b.dataset.command || b.id)));
   document.getElementById("show").addEventListener("change", e => {
     send("show " + e.target.value);
     e.target.blur();
@@ -73,9 +91,16 @@ inline constexpr const char* page_template = R"page(<!doctype html>
   document.getElementById("line").addEventListener("keydown", e => {
     if (e.key === "Enter" && e.target.value.trim()) { send(e.target.value); e.target.select(); }
   });
+  let lost = false;
   setInterval(async () => {
-    try { status.textContent = await (await fetch("status")).text(); }
-    catch { status.textContent = "the view has ended or the connection is lost"; }
+    try {
+      status.textContent = await (await fetch("status")).text();
+      if (lost) view.src = "stream?" + Date.now();
+      lost = false;
+    } catch {
+      status.textContent = "the view has ended or the connection is lost";
+      lost = true;
+    }
   }, 500);
 </script>
 </html>

@@ -212,6 +212,9 @@ std::string View::run(const ViewCommand& command) {
                                                             {"material", &View::set_material},
                                                             {"light", &View::move_light},
                                                             {"move", &View::move_object},
+                                                            {"select", &View::select_light},
+                                                            {"next", &View::select_light},
+                                                            {"drag", &View::drag},
                                                             {"time", &View::set_time},
                                                             {"play", &View::set_time},
                                                             {"resize", &View::resize},
@@ -300,11 +303,13 @@ glm::vec3 View::point_at(std::size_t pixel, float depth) const {
 std::string View::pick(const ViewCommand& command) {
     const std::size_t pixel = pixel_of(command);
     const Aovs aovs = complete_renderer().aovs();
+    light_.reset();
     if (aovs.primitive[pixel] == CLARAY_MISS) {
         selected_.reset();
         return "no surface there";
     }
-    selected_ = selection_of(scene_, aovs.primitive[pixel], point_at(pixel, aovs.depth[pixel]));
+    held_ = point_at(pixel, aovs.depth[pixel]);
+    selected_ = selection_of(scene_, aovs.primitive[pixel], held_);
     const Material& material = scene_.materials[selected_->material];
     return "mesh " + name_of(scene_.meshes[selected_->mesh].name, selected_->mesh) + ", triangle " +
            std::to_string(selected_->triangle) + ", material " + name_of(material.name, selected_->material) + " (" +
@@ -334,27 +339,61 @@ std::string View::set_material(const ViewCommand& command) {
     return {};
 }
 
+std::size_t View::light_number(const std::string& command, double number) const {
+    if (!(number >= 0 && number < double(scene_.lights.size())))
+        refuse(command + printed(": there is no light %g", number),
+               printed("the scene has %zu lights; count from 0", scene_.lights.size()));
+    return std::size_t(number);
+}
+
+void View::shift_light(std::size_t light, const glm::vec3& way) {
+    change(&Scene::lights, {.lights = true}, [&](std::vector<Light>& lights) { lights[light].position += way; });
+}
+
 std::string View::move_light(const ViewCommand& command) {
     const std::vector<float>& n = command.numbers;
-    if (!(n[0] >= 0 && n[0] < float(scene_.lights.size())))
-        refuse(printed("light: there is no light %g", double(n[0])),
-               printed("the scene has %zu lights; count from 0", scene_.lights.size()));
-    change(&Scene::lights, {.lights = true},
-           [&](std::vector<Light>& lights) { lights[std::size_t(n[0])].position += glm::vec3(n[1], n[2], n[3]); });
+    shift_light(light_number(command.name, double(n[0])), {n[1], n[2], n[3]});
     return {};
 }
 
-std::string View::move_object(const ViewCommand& command) {
-    if (!selected_) refuse("move: nothing is selected", "select an object with pick X Y");
+void View::shift_object(const std::string& command, const glm::vec3& way) {
+    if (!selected_) refuse(command + ": nothing is selected", "select an object with pick X Y");
     if (!selected_->instance)
-        refuse("move: the scene has no instances", "use a file whose objects are placed, as glTF does");
-    const std::vector<float>& n = command.numbers;
-    const glm::vec4 way(n[0], n[1], n[2], 0.f);
+        refuse(command + ": the scene has no instances", "use a file whose objects are placed, as glTF does");
     change(&Scene::instances, {.instances = true}, [&](std::vector<MeshInstance>& instances) {
         MeshInstance& instance = instances[*selected_->instance];
-        instance.transform[3] += way;
-        if (instance.transform_end) (*instance.transform_end)[3] += way;
+        instance.transform[3] += glm::vec4(way, 0.f);
+        if (instance.transform_end) (*instance.transform_end)[3] += glm::vec4(way, 0.f);
     });
+    held_ += way;
+}
+
+std::string View::move_object(const ViewCommand& command) {
+    const std::vector<float>& n = command.numbers;
+    shift_object(command.name, {n[0], n[1], n[2]});
+    return {};
+}
+
+std::string View::select_light(const ViewCommand& command) {
+    const std::size_t next = light_ && *light_ + 1 < scene_.lights.size() ? *light_ + 1 : 0;
+    light_ = light_number(command.name, command.name == "next" ? double(next) : double(command.numbers[0]));
+    selected_.reset();
+    const Light& light = scene_.lights[*light_];
+    return printed("light %zu: %s", *light_, traits_of(light.kind)->name) +
+           (traits_of(light.kind)->far ? std::string()
+                                       : printed(" at %.6g %.6g %.6g", double(light.position.x),
+                                                 double(light.position.y), double(light.position.z)));
+}
+
+std::string View::drag(const ViewCommand& command) {
+    if (!selected_ && !light_)
+        refuse("drag: nothing is selected", "select an object with pick X Y, or a light with select NUMBER");
+    if (light_) (void)light_number(command.name, double(*light_));
+    if (light_ && traits_of(scene_.lights[*light_].kind)->far)
+        refuse("drag: the selected light has no place", "select a point or a spot");
+    const glm::vec3 held = light_ ? scene_.lights[*light_].position : held_;
+    const glm::vec3 way = along_image(*scene_.camera, held, command.numbers[0], command.numbers[1]);
+    light_ ? shift_light(*light_, way) : shift_object(command.name, way);
     return {};
 }
 

@@ -85,6 +85,11 @@ private:
     std::string set_material(const ViewCommand& command);
     std::string move_light(const ViewCommand& command);
     std::string move_object(const ViewCommand& command);
+    std::string select_light(const ViewCommand& command);
+    std::string drag(const ViewCommand& command);
+    [[nodiscard]] std::size_t light_number(const std::string& command, double number) const;
+    void shift_light(std::size_t light, const glm::vec3& way);
+    void shift_object(const std::string& command, const glm::vec3& way);
     std::string set_time(const ViewCommand& command);
     std::string resize(const ViewCommand& command);
     std::string control(const ViewCommand& command);
@@ -97,6 +102,8 @@ private:
     std::string shows_ = "image";
     bool denoises_ = false;
     std::optional<Selection> selected_;
+    glm::vec3 held_{0.f};                     // the point at which it was selected
+    std::optional<std::size_t> light_;        // selected instead of an object
     std::vector<std::uint8_t> false_colors_;  // of a view other than the image
     Frame frame_;
     unsigned spp_ = 0;

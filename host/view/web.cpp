@@ -7,6 +7,7 @@
 #include <condition_variable>
 #include <deque>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "host/base/format.hpp"
@@ -21,6 +22,7 @@ constexpr int jpeg_quality = 90;
 constexpr std::size_t most_waiting = 256;     // commands
 constexpr std::size_t most_connections = 64;  // each has a thread; a page that is open has two
 constexpr auto longest_wait = std::chrono::milliseconds(500);
+constexpr auto longest_picture = std::chrono::seconds(10);
 
 void replace(std::string& text, const std::string& name, const std::string& by) {
     text.replace(text.find(name), name.size(), by);
@@ -54,6 +56,22 @@ public:
         jpeg = jpeg_;
         return number_;
     }
+    /// Asks for what is seen as a PNG, and waits for it, but not long; empty if it does not come.
+    std::string picture() {
+        std::unique_lock lock(mutex_);
+        picture_.reset(), wants_picture_ = true;
+        changed_.wait_for(lock, longest_picture, [&] { return picture_ || ended_; });
+        return picture_.value_or("");
+    }
+    [[nodiscard]] bool wants_picture() {
+        const std::lock_guard lock(mutex_);
+        return wants_picture_;
+    }
+    void give_picture(std::string png) {
+        const std::lock_guard lock(mutex_);
+        picture_ = std::move(png), wants_picture_ = false;
+        changed_.notify_all();
+    }
     [[nodiscard]] std::string status() {
         const std::lock_guard lock(mutex_);
         return status_;
@@ -85,7 +103,8 @@ private:
     std::string jpeg_, status_;
     std::uint64_t number_ = 0;
     std::deque<ViewCommand> commands_;
-    bool ended_ = false;
+    std::optional<std::string> picture_;  // a PNG
+    bool wants_picture_ = false, ended_ = false;
 };
 
 /// The host of a Host header, without the port.
@@ -127,7 +146,7 @@ void answer_command(Exchange& exchange, const httplib::Request& request, httplib
     };
     try {
         ViewCommand command = parse_command(request.body);
-        if (command.name == "save") return refuse(403, "save: the page cannot write files; use the image's menu");
+        if (command.name == "save") return refuse(403, "save: the page cannot write files; use picture.png");
         if (!exchange.add(std::move(command))) return refuse(503, "too many commands are waiting");
     } catch (const Error& error) {
         refuse(400, error.what());
@@ -150,6 +169,10 @@ void add_routes(httplib::Server& server, Exchange& exchange, const WebConfig& co
     server.Get("/status", [&](const httplib::Request&, httplib::Response& response) {
         response.set_content(exchange.status(), "text/plain");
     });
+    server.Get("/picture.png", [&](const httplib::Request&, httplib::Response& response) {
+        response.set_content(exchange.picture(), "image/png");
+        if (response.body.empty()) response.status = 503;
+    });
     server.Post("/command", [&](const httplib::Request& request, httplib::Response& response) {
         answer_command(exchange, request, response);
     });
@@ -170,12 +193,14 @@ void render_loop(View& view, Exchange& exchange, const WebConfig& config) {
             if (const std::string line = answer(view, command); !line.empty()) told = line;
             shown = false;
         }
-        if (shown) {
+        if (shown && !exchange.wants_picture()) {
             std::this_thread::sleep_for(std::chrono::milliseconds(5));
             continue;
         }
         const Frame& frame = view.next_frame();
         shown = frame.complete;
+        if (exchange.wants_picture())
+            exchange.give_picture(encode_png(frame.width, frame.height, 4, {frame.pixels.begin(), frame.pixels.end()}));
         exchange.publish(encode_jpeg(frame.width, frame.height, frame.pixels, jpeg_quality),
                          printed("%ux%u, %u samples per pixel", frame.width, frame.height, frame.spp) + "\n" + told);
     }

@@ -88,15 +88,20 @@ public:
 private:
     void tell(const std::string& line) {
         told_ = answer(view_, line);
+        if (line == "camera") SDL_SetClipboardText(told_.c_str());
         changed_ = true;
     }
 
     /// Motions of one drag between two frames are one command.
     void end_drag() {
         if (drag_x_ == 0 && drag_y_ == 0) return;
-        const bool pans = (SDL_GetModState() & KMOD_SHIFT) != 0;
-        tell(pans ? printed("pan %g %g", -drag_x_ / height_, drag_y_ / height_)
-                  : printed("orbit %g %g", -drag_x_ * degrees_per_pixel, drag_y_ * degrees_per_pixel));
+        const auto held = [](int keys) { return (SDL_GetModState() & keys) != 0; };
+        if (held(KMOD_CTRL))
+            tell(printed("drag %g %g", drag_x_ / height_, -drag_y_ / height_));
+        else if (held(KMOD_SHIFT))
+            tell(printed("pan %g %g", -drag_x_ / height_, drag_y_ / height_));
+        else
+            tell(printed("orbit %g %g", -drag_x_ * degrees_per_pixel, drag_y_ * degrees_per_pixel));
         drag_x_ = drag_y_ = 0;
     }
 

@@ -255,6 +255,9 @@ public:
     [[nodiscard]] std::vector<glm::vec3> image() const { return image(0, 0); }
     /// The same in another size, interpolated bilinearly on the device; 0: as rendered.
     [[nodiscard]] std::vector<glm::vec3> image(unsigned width, unsigned height) const;
+    /// Returns the image without a copy, for programs that need it in every frame. The memory belongs to the renderer
+    /// and holds the image until the next call of this or of `image`. Blocks.
+    [[nodiscard]] std::span<const glm::vec3> radiance(unsigned width = 0, unsigned height = 0) const;
     /// Returns the image with exposure, tone map and the sRGB curve: red, green, blue and 255 per pixel, the same bytes
     /// as write_image stores. The memory belongs to the renderer and holds the picture until the next call. Blocks.
     [[nodiscard]] std::span<const std::uint8_t> picture(const PictureConfig& config = {}) const;

@@ -1,7 +1,11 @@
 // Second pass of the denoiser. The variance that two halves of a pixel's samples tell is as noisy as its square; its mean over the
-// same surface nearby is not. A single sample per pixel tells none: there the spread of the neighbours takes its place.
+// same surface nearby is not. A single sample per pixel tells none: there the spread of the neighbours takes its place. That of
+// gloss is known for each pixel.
 #include "denoise/light.clh"
 
+#ifndef MIRROR_TRUST
+#define MIRROR_TRUST 0.5f  // what a mirror shows has edges that no guide tells: the filter sees this part of its variance
+#endif
 #ifndef VARIANCE_RADIUS
 #define VARIANCE_RADIUS 3
 #endif
@@ -13,7 +17,7 @@ static inline float slope_of(float before, float here, float after) {
 }
 
 kernel void estimate_variance(FilterStep step, uint single, global const float4* light, global const float4* surfaces, global const float* weights,
-                              global float2* slopes, global float4* result) {
+                              global const float2* gloss, global const Guide* guides, global float2* slopes, global float4* result) {
     const uint i = get_global_id(0);
     if (i >= step.width * step.height) return;
     const int x = (int)(i % step.width), y = (int)(i / step.width);
@@ -34,12 +38,13 @@ kernel void estimate_variance(FilterStep step, uint single, global const float4*
             const float4 there = light[at];
             if (!has_light(there)) continue;
             const float weight = weights[at] * fading(surface_distance(surface, slope, surfaces[at], (float)dx, (float)dy));
-            const float value = luminance(there.xyz);
-            total += weight, first += weight * value, second += weight * value * value, variance += weight * there.w;
+            const float value = luminance(there.xyz) - gloss[at].x;
+            total += weight, first += weight * value, second += weight * value * value, variance += weight * (there.w - gloss[at].y);
         }
     const float mean = first / total;
-    const float own = luminance(here.xyz) - mean, spread = fmax(second / total - mean * mean, 0.0f);
+    const float own = luminance(here.xyz) - gloss[i].x - mean, spread = fmax(second / total - mean * mean, 0.0f);
     // Bright samples in both halves hide the noise of a pixel: what is far from the mean nearby counts as noisy, to a degree.
-    const float noise = fmax(fmax(variance / total, here.w), fmin(own * own, 4.0f * variance / total));
-    result[i] = (float4)(here.xyz, single ? fmax(spread, own * own) : noise);
+    const float noise = fmax(fmax(variance / total, here.w - gloss[i].y), fmin(own * own, 4.0f * variance / total));
+    const float trusted = mix(1.0f, MIRROR_TRUST, guides[i].mirrored);
+    result[i] = (float4)(here.xyz, trusted * ((single ? fmax(spread, own * own) : noise) + gloss[i].y));
 }

@@ -10,6 +10,9 @@
 #ifndef MOST_MIRRORS
 #define MOST_MIRRORS 6u  // a glass ball seen in another one
 #endif
+#ifndef GLOSSY_DENSITY
+#define GLOSSY_DENSITY 1.0f  // per steradian: directions sampled with more than this come from an almost mirror
+#endif
 
 /// The pixel of element i of a batch: consecutive pixels, or consecutive elements of a list.
 static inline uint guided_pixel(const GuideStep* guide, uint i, global const uint* list) {
@@ -37,16 +40,20 @@ kernel void guide_rays(GuideStep guide, global const uint* list, global Ray* ray
 
 static inline float3 albedo_there(const ShadingPoint* at) { return fmax(albedo_of(&at->material), LEAST_ALBEDO); }
 
-/// The next ray, if the surface is a mirror or smooth glass; the path of the film's sample takes the same.
+/// The next ray, if the surface is a mirror, smooth glass or almost a mirror; the path of the film's sample takes the same, unless it
+/// goes to a hot spot.
 static inline NextRay pass_mirror(Batch one, const FrameData* frame, SCENE_PARAMETERS, uint depth, Ray ray, PathState state,
                                   ShadingPoint* at) {
     NextRay next;
     next.wanted = false;
+    if (CLARAY_IS_DIFFUSE(at->material.kind) && at->material.layers == 0u) return next;
     const SurfaceSamples samples = samples_at(samples_of(one, 0, 0u, frame->seed), depth);
     float lobe;
     prepare_shading(frame, SCENE, &samples, -(float3)(ray.dx, ray.dy, ray.dz), at, &lobe);
-    if (!is_delta(&at->material)) return next;
-    return scatter(false, 0, &samples, depth, state, at, unit_float(words_at(&samples, AT_CHOICE).x), lobe);
+    const bool delta = is_delta(&at->material);
+    next = scatter(false, 0, &samples, depth, state, at, unit_float(words_at(&samples, AT_CHOICE).x), lobe);
+    next.wanted = next.wanted && (delta || next.state.pdf > GLOSSY_DENSITY);
+    return next;
 }
 
 /// As shade_hit, without the light that rough surfaces reflect. Adds to `sight`; `next` is wanted if the ray goes on.
@@ -54,7 +61,7 @@ static inline void see(Batch one, const FrameData* frame, SCENE_PARAMETERS, uint
                        Sight* sight, NextRay* next) {
     const Lights lights = lights_of(frame, SCENE);
     const float3 direction = (float3)(ray.dx, ray.dy, ray.dz), outgoing = -direction;
-    PathState state = {sight->throughput_r, sight->throughput_g, sight->throughput_b, 0.0f, 0u};
+    PathState state = {sight->throughput_r, sight->throughput_g, sight->throughput_b, sight->pdf, 0u};
     next->wanted = false;
 #if INSTANCES
     const Hit hit = hit_in_scene(found, instances);
@@ -85,15 +92,22 @@ static inline void see(Batch one, const FrameData* frame, SCENE_PARAMETERS, uint
         bool ends = depth + 1u >= min(MOST_MIRRORS, frame->max_depth);
         glow = emitted_radiance(&lights, SCENE, found, hit, 0u, ray, state, &at, 0);
 #if USES(CLARAY_UNLIT)
-        if (at.material.kind == CLARAY_UNLIT) glow = throughput_of(state) * albedo_of(&at.material), ends = true;
+        if (at.material.kind == CLARAY_UNLIT) glow = state.pdf == 0.0f ? throughput_of(state) * albedo_of(&at.material) : (float3)(0.0f), ends = true;
 #endif
 #if TEXTURES && LIGHT_MAPS
         if (maps.has_light && !at.surface.inside) glow += albedo * maps.light * INV_PI, ends = true;
 #endif
         if (!ends) *next = pass_mirror(one, frame, SCENE, depth, ray, state, &at);
     }
-    sight->glow_r += glow.x, sight->glow_g += glow.y, sight->glow_b += glow.z;
-    sight->albedo_r = albedo.x, sight->albedo_g = albedo.y, sight->albedo_b = albedo.z;
+    if (sight->passed == CLARAY_BY_GLOSS) {
+        sight->gloss_r += glow.x, sight->gloss_g += glow.y, sight->gloss_b += glow.z;
+    } else {
+        sight->glow_r += glow.x, sight->glow_g += glow.y, sight->glow_b += glow.z;
+        sight->albedo_r = albedo.x, sight->albedo_g = albedo.y, sight->albedo_b = albedo.z;
+    }
+    if (!next->wanted) return;
+    sight->pdf = next->state.pdf;
+    sight->passed = max(sight->passed, next->state.pdf > 0.0f ? CLARAY_BY_GLOSS : CLARAY_BY_MIRROR);
     sight->throughput_r = next->state.throughput_r, sight->throughput_g = next->state.throughput_g;
     sight->throughput_b = next->state.throughput_b;
 }
@@ -105,7 +119,7 @@ kernel void see_surfaces(GuideStep guide, global const uint* list, SCENE_PARAMET
     const uint i = get_global_id(0), depth = guide.step.depth;
     if (i >= guide.step.capacity) return;
     const uint ray = depth == 0u ? i : numbers[1 + i];
-    Sight sight = {1.0f, 1.0f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f};
+    Sight sight = {1.0f, 1.0f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0u};
     if (depth != 0u) sight = sights[ray];
     const Batch one = sample_of(&guide, ray, list);
     float time = 0.0f;
@@ -133,31 +147,40 @@ kernel void write_guides(GuideStep step, global const uint* list, global const F
     const uint pixel = guided_pixel(&step, i, list);
     const uint in_film = film[pixel].count + film[pixel].dropped;
     const uint sampled = in_film == 0u || in_film > batch.samples ? batch.samples : in_film;
-    float3 albedo = (float3)(0.0f), glow = (float3)(0.0f), normal = (float3)(0.0f);
-    float nearness = 0.0f;
+    float3 albedo = (float3)(0.0f), glow = (float3)(0.0f), gloss = (float3)(0.0f), normal = (float3)(0.0f);
+    float nearness = 0.0f, odd = 0.0f, squares = 0.0f, mirrored = 0.0f;
     Guide guide;
     for (uint s = 0; s < batch.samples; ++s) {
         const Sight sight = sights[i * batch.samples + s];
         albedo += (float3)(sight.albedo_r, sight.albedo_g, sight.albedo_b);
         glow += (float3)(sight.glow_r, sight.glow_g, sight.glow_b);
+        const float3 one = (float3)(sight.gloss_r, sight.gloss_g, sight.gloss_b);
+        gloss += one, squares += luminance(one) * luminance(one);
+        if (s < sampled && s % 2 != 0) odd += luminance((float3)(sight.glow_r, sight.glow_g, sight.glow_b) + one);
         normal += (float3)(sight.normal_x, sight.normal_y, sight.normal_z);
-        nearness += sight.nearness;
+        nearness += sight.nearness, mirrored += sight.passed ? 1.0f : 0.0f;
         if (s + 1 != sampled) continue;
         const float share = 1.0f / (float)sampled;
         guide.sampled_albedo_r = share * albedo.x, guide.sampled_albedo_g = share * albedo.y, guide.sampled_albedo_b = share * albedo.z;
-        guide.sampled_glow_r = share * glow.x, guide.sampled_glow_g = share * glow.y, guide.sampled_glow_b = share * glow.z;
+        const float3 all = glow + gloss;
+        guide.sampled_glow_r = share * all.x, guide.sampled_glow_g = share * all.y, guide.sampled_glow_b = share * all.z;
+        const float odds = (float)(sampled / 2);
+        guide.glow_difference = sampled < 2 || sampled != in_film ? 0.0f : (luminance(all) - odd) / ((float)sampled - odds) - odd / odds;
     }
     const float share = 1.0f / (float)batch.samples;
     guide.albedo_r = share * albedo.x, guide.albedo_g = share * albedo.y, guide.albedo_b = share * albedo.z;
     guide.glow_r = share * glow.x, guide.glow_g = share * glow.y, guide.glow_b = share * glow.z;
+    guide.gloss_r = share * gloss.x, guide.gloss_g = share * gloss.y, guide.gloss_b = share * gloss.z;
+    const float mean = share * luminance(gloss);
+    guide.gloss_variance = batch.samples < 2 ? mean * mean : fmax(share * squares - mean * mean, 0.0f) / (float)(batch.samples - 1);
     guide.normal_x = share * normal.x, guide.normal_y = share * normal.y, guide.normal_z = share * normal.z;
-    guide.nearness = share * nearness;
+    guide.nearness = share * nearness, guide.mirrored = share * mirrored;
     guides[pixel] = guide;
 }
 
-/// Lists the pixels whose glow differs from a neighbour's: borders of lamps and of the sky, where the film's noise is that of
-/// coverage. The order of the list does not matter. `edges`, their number, is 0 before.
-kernel void list_edges(uint width, uint height, global const Guide* guides, global uint* list, global uint* edges) {
+/// Sorts the pixels whose glow differs from a neighbour's into classes by the difference, a factor of 4 each: borders of lamps and of
+/// the sky, where the film's noise is that of coverage, and highlights. `counts`, of the pixels in each class, are 0 before.
+kernel void find_edges(uint width, uint height, global const Guide* guides, global uchar* classes, global uint* counts) {
     const uint i = get_global_id(0);
     if (i >= width * height) return;
     const int x = (int)(i % width), y = (int)(i / width);
@@ -165,8 +188,20 @@ kernel void list_edges(uint width, uint height, global const Guide* guides, glob
     for (int dy = -1; dy <= 1; ++dy)
         for (int dx = -1; dx <= 1; ++dx) {
             const int at = clamp(y + dy, 0, (int)height - 1) * (int)width + clamp(x + dx, 0, (int)width - 1);
-            const float glow = guides[at].glow_r + guides[at].glow_g + guides[at].glow_b;
+            const Guide g = guides[at];
+            const float glow = g.glow_r + g.glow_g + g.glow_b + g.gloss_r + g.gloss_g + g.gloss_b;
             least = fmin(least, glow), most = fmax(most, glow);
         }
-    if (most - least > 0.125f * most) list[atomic_inc(edges)] = i;  // a slow gradient, as in the sky, is no edge
+    const float difference = most - least;
+    const bool is_edge = difference > 0.125f * most;  // a slow gradient, as in the sky, is none
+    const int exponent = (int)(as_uint(difference) >> 23) - 127;
+    const uchar class = is_edge ? (uchar)clamp(exponent / 2 + (int)CLARAY_EDGE_CLASSES / 2, 0, (int)CLARAY_EDGE_CLASSES - 1) : (uchar)CLARAY_EDGE_CLASSES;
+    classes[i] = class;
+    if (is_edge) atomic_inc(&counts[class]);
+}
+
+/// Lists the edges by class, in any order. `ends`: where the next pixel of each class goes.
+kernel void list_edges(uint pixels, global const uchar* classes, global uint* list, global uint* ends) {
+    const uint i = get_global_id(0);
+    if (i < pixels && classes[i] < CLARAY_EDGE_CLASSES) list[atomic_inc(&ends[classes[i]])] = i;
 }

@@ -111,6 +111,37 @@ TEST(DenoisedStills, LampsSeenDirectlyOrInMirrorsOnlyGain) {
     }
 }
 
+/// A sheet of rough metal that shows a small lamp behind the camera: a highlight, and nothing else.
+Scene highlight() {
+    Scene scene;
+    Material lamp, metal;
+    lamp.albedo = glm::vec3(0), lamp.emission = glm::vec3(40);
+    metal.kind = MaterialKind::metal, metal.albedo = {0.9f, 0.7f, 0.3f}, metal.roughness = 0.2f;
+    scene.materials = {lamp, metal};
+    Mesh behind, sheet;
+    behind.positions = {{-0.3f, 0.8f, 5}, {0.3f, 0.8f, 5}, {0.3f, 1.4f, 5}, {-0.3f, 1.4f, 5}};
+    sheet.positions = {{-3, -3, 0}, {3, -3, 0}, {3, 3, 0}, {-3, 3, 0}};
+    behind.triangles = sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+    sheet.materials = {1, 1};
+    scene.meshes = {behind, sheet};
+    scene.camera = Camera{{0, 0, 4}, {0, 0.3f, 0}, {0, 1, 0}, 50.f};
+    return scene;
+}
+
+/// Guides know most of its light from many more rays than the film has.
+TEST(DenoisedStills, HighlightsInRoughMetalStaySharp) {
+    Renderer renderer(device(), highlight(), {.width = side, .height = side, .spp = 1024, .seed = 3});
+    (void)renderer.render();
+    const Image reference = renderer.image();
+    for (const auto& [spp, share] : {std::pair(1u, 0.45), {16u, 1.0}}) {
+        renderer.restart(8, spp);
+        (void)renderer.render();
+        const double before = rms_between(renderer.image(), reference);
+        const double after = rms_between(renderer.denoised(DenoiserKind::claray), reference);
+        EXPECT_LT(after, share * before) << spp << " samples";
+    }
+}
+
 TEST(DenoisedStills, AnAbsentLibraryIsNamed) {
     const char* before = std::getenv("CLARAY_OIDN");
     const std::string kept = before ? before : "";

@@ -49,6 +49,21 @@ std::vector<float> random_radiance(std::uint32_t pixels, std::uint32_t samples, 
     return radiance;
 }
 
+TEST(Film, RadianceIsTheImageInAnySize) {
+    Film film(device(), 12);
+    std::vector<float> radiance(36);
+    for (std::size_t i = 0; i < radiance.size(); ++i) radiance[i] = float(i * i);
+    film.accumulate({0, 12, 0, 1}, Buffer<float>(device(), radiance));
+    for (const ImageSizes size : {ImageSizes{4, 3, 4, 3}, {4, 3, 9, 8}, {4, 3, 2, 2}}) {
+        const std::vector<glm::vec3> image = film.image(size);
+        ASSERT_EQ(image.size(), std::size_t(size.image_width) * size.image_height);
+        const std::span<const glm::vec3> there = film.radiance(size);
+        EXPECT_EQ(image, std::vector<glm::vec3>(there.begin(), there.end()));
+        EXPECT_NE(image.back(), glm::vec3(0));
+    }
+    EXPECT_EQ(film.radiance({4, 3, 4, 3})[11], glm::vec3(33 * 33, 34 * 34, 35 * 35));
+}
+
 TEST(Film, BatchesOfAnySizeGiveTheSameBits) {
     const std::uint32_t pixels = 37, samples = 24;
     const std::vector<float> radiance = random_radiance(pixels, samples, 3);

@@ -2,7 +2,13 @@
 #include "host/view/view.hpp"
 
 #include <gtest/gtest.h>
+#include <poll.h>
+#include <pty.h>
+#include <termios.h>
+#include <unistd.h>
+
 #include "claray/program.hpp"
+#include "host/compute/memory.hpp"
 #include "host/view/camera_control.hpp"
 #include "host/view/input.hpp"
 #include "host/view/script.hpp"
@@ -127,6 +133,40 @@ TEST(View, EditsAreThoseOfAFreshRenderer) {
     EXPECT_EQ(edited, rendered(changed));
 }
 
+TEST(View, DragsWhatIsSelectedAlongTheImage) {
+    View view(device(), two_spheres(), small_view);
+    EXPECT_TRUE(throws_error(ErrorKind::user, "nothing is selected", [&] { run(view, "drag 0.1 0"); }));
+    EXPECT_EQ(run(view, "next"), "light 0: point at 0 4 3");
+    EXPECT_EQ(run(view, "next"), "light 0: point at 0 4 3") << "after the last one comes the first";
+    EXPECT_TRUE(throws_error(ErrorKind::user, "there is no light 1", [&] { run(view, "select 1"); }));
+    const glm::vec3 way = along_image(view.camera(), {0, 4, 3}, 0.25f, 0.5f);
+    run(view, "drag 0.25 0.5");
+    Scene changed = two_spheres();
+    changed.lights[0].position += way;
+    EXPECT_EQ(pixels(view), rendered(changed));
+    ASSERT_NE(run(view, "pick 16 8").find("mesh 'ball'"), std::string::npos);
+    run(view, "drag 0.25 0");
+    EXPECT_NE(run(view, "pick 20 8").find("mesh 'ball'"), std::string::npos) << "a quarter of 16 pixels further right";
+    EXPECT_EQ(run(view, "pick 14 8").find("mesh 'ball'"), std::string::npos);
+}
+
+TEST(View, DoesNotDragLightsWithoutAPlace) {
+    Scene scene = two_spheres();
+    scene.lights[0].kind = LightKind::directional;
+    View view(device(), scene, small_view);
+    EXPECT_EQ(run(view, "select 0"), "light 0: directional");
+    EXPECT_TRUE(throws_error(ErrorKind::user, "has no place", [&] { run(view, "drag 0.1 0"); }));
+}
+
+TEST(View, ALostDeviceEndsItsLoop) {
+    View view(device(), two_spheres(), small_view);
+    (void)view.complete_frame();
+    run(view, "orbit 5 0");
+    fail_command(device(), 3);
+    EXPECT_TRUE(throws_error(ErrorKind::device, "cannot run the kernel", [&] { (void)view.next_frame(); }));
+    fail_command(device(), 0);
+}
+
 TEST(View, PickTellsTheEffectsOfASurface) {
     Scene scene = two_spheres();
     scene.meshes[1].normals = scene.meshes[1].positions;
@@ -166,6 +206,67 @@ TEST(ViewTerminal, BlocksAndKeys) {
     EXPECT_EQ(command_of_key("z"), "");
     EXPECT_EQ(command_of_key(key_of_bytes("\x1b[C")), "orbit 5 0");
     EXPECT_EQ(command_of_key(key_of_bytes("w")), "fly 1 0 0");
+}
+
+/// Stands for standard input and output during its lifetime.
+class Terminal {
+public:
+    Terminal() {
+        winsize size{4, 6, 0, 0};
+        if (::openpty(&program_, &terminal_, nullptr, nullptr, &size) != 0) throw std::runtime_error("no terminal");
+        std::fflush(stdout);
+        for (int i = 0; i < 2; ++i) before_[i] = ::dup(i), ::dup2(terminal_, i);
+    }
+    ~Terminal() {
+        std::fflush(stdout);
+        for (int i = 0; i < 2; ++i) ::dup2(before_[i], i), ::close(before_[i]);
+        ::close(program_), ::close(terminal_);
+    }
+    Terminal(const Terminal&) = delete;
+    Terminal& operator=(const Terminal&) = delete;
+
+    [[nodiscard]] termios settings() const {
+        termios settings{};
+        ::tcgetattr(terminal_, &settings);
+        return settings;
+    }
+    /// What was written to it so far.
+    [[nodiscard]] std::string text() const {
+        std::string text;
+        char bytes[4096];
+        for (pollfd written{program_, POLLIN, 0}; ::poll(&written, 1, 100) > 0;)
+            text.append(bytes, std::size_t(std::max<ssize_t>(::read(program_, bytes, sizeof bytes), 0)));
+        return text;
+    }
+
+private:
+    int program_ = -1, terminal_ = -1, before_[2] = {-1, -1};
+};
+
+TEST(ViewTerminal, LeavesTheTerminalAsItWas) {
+    View view(device(), two_spheres(), small_view);
+    std::string text;
+    termios before{}, during{}, after{};
+    bool fails = false;
+    {
+        const Terminal terminal;
+        before = terminal.settings();
+        fails = throws_error(ErrorKind::device, "cannot run the kernel", [&] {
+            run_in_terminal(view, [&] {
+                during = terminal.settings();
+                fail_command(device(), 2);
+                return true;
+            });
+        });
+        fail_command(device(), 0);
+        text = terminal.text(), after = terminal.settings();
+    }
+    EXPECT_TRUE(fails);
+    EXPECT_NE(during.c_lflag, before.c_lflag);
+    EXPECT_EQ(after.c_lflag, before.c_lflag);
+    EXPECT_EQ(after.c_cc[VMIN], before.c_cc[VMIN]);
+    EXPECT_TRUE(text.starts_with("\x1b[?1049h")) << text;
+    EXPECT_TRUE(text.ends_with("\x1b[?25h\x1b[?1049l")) << text;
 }
 
 }  // namespace

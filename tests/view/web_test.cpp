@@ -7,6 +7,7 @@
 #include <future>
 #include <thread>
 
+#include "host/compute/memory.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/meshes.hpp"
@@ -58,6 +59,10 @@ TEST(ViewWeb, ServesThisComputerOnly) {
     while (client.Get("/status")->body.find("4 samples") == std::string::npos) std::this_thread::yield();
     const std::string jpeg = next_jpeg();
     EXPECT_TRUE(jpeg.starts_with("\xff\xd8"));
+    EXPECT_TRUE(next_jpeg().starts_with("\xff\xd8")) << "after a connection that was cut off";
+    const auto picture = client.Get("/picture.png");
+    EXPECT_EQ(status_of(picture), 200);
+    EXPECT_TRUE(picture->body.starts_with("\x89PNG"));
     EXPECT_EQ(status_of(client.Post("/command", "resize 10 8", "text/plain")), 200);
     while (client.Get("/status")->body.find("10x8, 4 samples") == std::string::npos) std::this_thread::yield();
     View other(device(), one_sphere(), web_config);
@@ -65,6 +70,14 @@ TEST(ViewWeb, ServesThisComputerOnly) {
                              [&] { serve(other, {.port = port, .goes_on = [] { return false; }}); }));
     EXPECT_EQ(status_of(client.Post("/command", "quit", "text/plain")), 200);
     served.get();
+}
+
+TEST(ViewWeb, ALostDeviceEndsTheServer) {
+    View view(device(), one_sphere(), web_config);
+    WebConfig web{.port = 0, .goes_on = [] { return true; }};
+    web.ready = [&](const std::string&) { fail_command(device(), 2); };
+    EXPECT_TRUE(throws_error(ErrorKind::device, "cannot run the kernel", [&] { serve(view, web); }));
+    fail_command(device(), 0);
 }
 
 }  // namespace

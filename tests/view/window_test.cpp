@@ -5,6 +5,8 @@
 
 #include <cstdlib>
 
+#include "host/base/format.hpp"
+#include "host/view/camera_control.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/view/scenes.hpp"
 
@@ -160,6 +162,18 @@ TEST_F(ViewWindow, KeysAndTheMouseAreCommands) {
     add([] { Hands::drag(10, -4); }, "orbit -4 -1.6");
     add([] { SDL_SetModState(KMOD_LSHIFT), Hands::drag(8, 4); }, "pan -0.5 0.25");
     add([] { SDL_SetModState(KMOD_NONE), Hands::click(16, 8, 2); }, "focus 16 8");
+    steps.emplace_back([] { Hands::write("t"), SDL_SetModState(KMOD_LCTRL), Hands::drag(8, 4); });
+    steps.emplace_back([&view] {
+        SDL_SetModState(KMOD_NONE);
+        const glm::vec3 way = along_image(view.camera(), {0, 4, 3}, 0.5f, -0.25f), at = glm::vec3(0, 4, 3) + way;
+        EXPECT_EQ(run(view, "select 0"),
+                  printed("light 0: point at %.6g %.6g %.6g", double(at.x), double(at.y), double(at.z)));
+        Hands::write("c");
+    });
+    steps.emplace_back([&view] {
+        const std::unique_ptr<char, decltype(&SDL_free)> copied(SDL_GetClipboardText(), SDL_free);
+        EXPECT_EQ(std::string(copied.get()), run(view, "camera"));
+    });
     steps.emplace_back([] { Hands::click(16, 8, 1); });
     steps.emplace_back([] {
         EXPECT_NE(Hands::title().find("mesh 'ball'"), std::string::npos) << Hands::title();

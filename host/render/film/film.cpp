@@ -75,10 +75,20 @@ const Buffer<float>& Film::resolve(const ImageSizes& size) const {
     return image_;
 }
 
+std::span<const glm::vec3> Film::radiance(const ImageSizes& size) const {
+    const Buffer<float>& image = resolve(size);
+    if (room_on_host_ < image.bytes()) {
+        on_host_ = std::make_shared<HostMemory>(device_, image.bytes());
+        room_on_host_ = image.bytes();
+    }
+    const std::size_t pixels = std::size_t(size.image_width) * size.image_height;
+    static_assert(sizeof(glm::vec3) == 3 * sizeof(float) && std::is_trivially_copyable_v<glm::vec3>);
+    return {reinterpret_cast<const glm::vec3*>(on_host_->read(image, 3 * pixels).data()), pixels};
+}
+
 std::vector<glm::vec3> Film::image(const ImageSizes& size) const {
-    std::vector<glm::vec3> pixels(std::size_t(size.image_width) * size.image_height);
-    resolve(size).read(std::span(&pixels[0].x, 3 * pixels.size()));
-    return pixels;
+    const std::span<const glm::vec3> pixels = radiance(size);
+    return {pixels.begin(), pixels.end()};
 }
 
 void Film::look() const {

@@ -7,6 +7,7 @@
 #include "claray/program.hpp"
 #include "claray/shared/path.h"
 #include "claray/shared/picture.h"
+#include "host/compute/memory.hpp"
 #include "host/render/film/error_looks.hpp"
 
 namespace claray {
@@ -33,7 +34,9 @@ public:
     /// Mean radiance of each pixel, 3 floats each, in memory that the next call overwrites; asynchronous. An image of
     /// another size than the film's is interpolated.
     [[nodiscard]] const Buffer<float>& resolve(const ImageSizes& size) const;
-    /// The same on the host. Blocks.
+    /// The same on the host, in memory that the next call overwrites. Blocks.
+    [[nodiscard]] std::span<const glm::vec3> radiance(const ImageSizes& size) const;
+    /// A copy of it.
     [[nodiscard]] std::vector<glm::vec3> image(const ImageSizes& size) const;
     /// In the film's own size.
     [[nodiscard]] std::vector<glm::vec3> image() const { return image({count_, 1, count_, 1}); }
@@ -90,7 +93,9 @@ private:
     Buffer<FilmPixel> pixels_;
     Buffer<ColorSum> odd_;
     Buffer<FilmSums> sums_;
-    mutable Buffer<float> image_;  // once it was asked for
+    mutable Buffer<float> image_;                  // once it was asked for
+    mutable std::shared_ptr<HostMemory> on_host_;  // likewise
+    mutable std::uint64_t room_on_host_ = 0;       // bytes
     mutable Kernels kernels_;
     Kernel accumulate_odd_;                 // if the error is estimated
     mutable std::optional<Totals> totals_;  // of the current samples, once requested

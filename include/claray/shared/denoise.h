@@ -7,27 +7,40 @@
 CLARAY_SHARED_BEGIN
 
 /// What a pixel sees. `glow` is the radiance that reaches the camera from lamps and the sky without being scattered by
-/// a rough surface; `albedo` is that of the first rough surface. Means over the camera rays of the film's samples, and
-/// means over these and further rays, which have less noise.
+/// a rough surface, `gloss` what surfaces that are almost mirrors scatter of it; `albedo` is that of the first rough
+/// surface. Means over the camera rays of the film's samples (`sampled_glow` includes gloss), and means over these and
+/// further rays, which have less noise.
 typedef struct Guide {
     float sampled_albedo_r, sampled_albedo_g, sampled_albedo_b;
     float sampled_glow_r, sampled_glow_g, sampled_glow_b;
+    float glow_difference;  // luminance of sampled_glow: samples of even index minus those of odd index; 0: unknown
     float albedo_r, albedo_g, albedo_b;
     float glow_r, glow_g, glow_b;
+    float gloss_r, gloss_g, gloss_b;
+    float gloss_variance;                // of its luminance
+    float mirrored;                      // share of the rays that mirrors, glass and almost mirrors passed on
     float normal_x, normal_y, normal_z;  // shading normal on the camera's side; its mean is shorter than 1 at edges
     float nearness;                      // 1 / distance from the camera; 0 beyond all surfaces
 } Guide;
-CLARAY_LAYOUT(Guide, 64)
+CLARAY_LAYOUT(Guide, 88)
 
-/// What one camera ray sees: through mirrors and smooth glass, which scatter it in one direction.
+#define CLARAY_EDGE_CLASSES 16u  // of pixels by the difference of their glow from that nearby
+
+/// What one camera ray sees: through mirrors and smooth glass, which scatter it in one direction, and by almost
+/// mirrors.
 typedef struct Sight {
     float throughput_r, throughput_g, throughput_b;  // of the mirrors and glass so far
     float albedo_r, albedo_g, albedo_b;              // of the first other surface, times the throughput
     float glow_r, glow_g, glow_b;
     float normal_x, normal_y, normal_z;  // of the first surface, as its nearness
     float nearness;
+    float gloss_r, gloss_g, gloss_b;
+    float pdf;    // density of the direction of the next ray; 0: a mirror's
+    uint passed;  // on by mirrors: CLARAY_BY_MIRROR, or also by an almost mirror: CLARAY_BY_GLOSS
 } Sight;
-CLARAY_LAYOUT(Sight, 52)
+CLARAY_LAYOUT(Sight, 72)
+#define CLARAY_BY_MIRROR 1u
+#define CLARAY_BY_GLOSS 2u
 
 /// Scalar parameters of the stages that trace guides. `step.batch` counts pixels of a list if `listed` is 1;
 /// `step.depth` is the number of mirrors that the rays have met, and `step.capacity` the number of rays.
