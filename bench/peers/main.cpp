@@ -1,6 +1,6 @@
 // claray against Embree 3 in one process, on the same triangles and rays, taking turns: bench_peers [--device D]
 // [--builder B] [--repeat N] [--width W --height H] [--threads T] [--kinds primary,...] [--quality medium|high]
-// [--fast-mode] [--embree-tree] [--builds] [--csv FILE] [SCENE...]
+// [--inside] [--fast-mode] [--embree-tree] [--builds] [--csv FILE] [SCENE...]
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -21,7 +21,7 @@ struct Options {
     Bvh::Config bvh;
     unsigned width = 640, height = 480, threads = 2;
     int repeat = 9;
-    bool builds = false, rays = true, fast_mode = false, cpu_time = false, embree_tree = false;
+    bool builds = false, rays = true, fast_mode = false, cpu_time = false, embree_tree = false, inside = false;
     RTCBuildQuality quality = RTC_BUILD_QUALITY_MEDIUM;
     std::string kinds = "primary,shadow,bounce,random";
     std::vector<std::string> scenes = {"terrain:1000000"};
@@ -186,8 +186,9 @@ void compare_scene(const std::string& name, const Device& device, const Options&
     const std::string short_name = std::filesystem::path(name).stem().string();
     if (options.builds) compare_builds(short_name, scene.meshes, device, options, csv);
     if (!options.rays) return;
-    const measure::RaySets sets =
-        measure::make_rays(device, scene, measure::three_views(name, scene), options.width, options.height);
+    const std::vector<measure::View> views =
+        options.inside ? measure::views_from_inside(device, scene) : measure::three_views(name, scene);
+    const measure::RaySets sets = measure::make_rays(device, scene, views, options.width, options.height);
     const Bvh bvh = Bvh::build(device, scene.meshes, options.bvh);
     const measure::EmbreeScene peer(scene.meshes, options.quality, !options.fast_mode, options.threads);
     std::optional<Bvh> on_embree_tree;
@@ -219,6 +220,7 @@ int main(int argc, char** argv) try {
     app.add_option("--threads", options.threads, "threads of Embree");
     app.add_option("--kinds", options.kinds, "primary, shadow, bounce, random, separated by commas");
     app.add_option("--quality", options.quality, "Embree's tree")->transform(CLI::CheckedTransformer(qualities));
+    app.add_flag("--inside", options.inside, "views from within, for interiors");
     app.add_flag("--fast-mode", options.fast_mode, "Embree without its robust mode: not watertight");
     app.add_flag("--cpu-time", options.cpu_time, "rays by processor time: for machines that others use too");
     app.add_flag("--embree-tree", options.embree_tree, "claray's kernels also on a tree by Embree's builder");
