@@ -3,7 +3,8 @@
     mesh.ray = claray.trimesh.RayMeshIntersector(mesh)
 
 or install() for all meshes. As trimesh's engines do, a first hit may be one where the ray only touches the surface, and
-rays that begin on a surface hit it. All hits of a ray are exact: contains_points counts every surface once.
+rays that begin on a surface hit it. All hits of a ray come from repeated queries, each of which begins behind the last hit:
+of two surfaces at the same float32 distance only one is counted.
 """
 
 from __future__ import annotations

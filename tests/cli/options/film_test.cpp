@@ -11,7 +11,7 @@ class Film : public InFolder {
 protected:
     /// Frames 0 to 2 of 16 x 12 pixels of an animated scene.
     [[nodiscard]] static ProcessResult render(const std::string& output, const std::vector<std::string>& more = {}) {
-        const std::string scene = std::string(CLARAY_SOURCE_DIR) + "/tests/fuzz/corpus/gltf/all.gltf";
+        const std::string scene = std::string(CLARAY_SOURCE_DIR) + "/tests/fuzz/corpus/gltf/posed.gltf";
         return run_claray(with({"render", scene, "-o", output, "--size", "16x12", "--spp", "1", "-q"}, more));
     }
     static constexpr std::size_t frame_bytes = 6 + 3 * 16 * 12;
