@@ -14,7 +14,7 @@ namespace claray {
 /// have a range. A list has every light that reaches a point of the cell.
 [[nodiscard]] std::vector<std::uint32_t> build_light_lists(std::span<const PunctualLight> lights);
 
-/// Returns the mean length of such lists at the places of the lights; of more than 256 lights, at the places of some.
+/// Returns the mean length of such lists at the places of the lights; of many lights, at the places of some.
 [[nodiscard]] double mean_list_length(std::span<const PunctualLight> lights);
 
 }  // namespace claray

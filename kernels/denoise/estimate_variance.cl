@@ -4,7 +4,7 @@
 #include "denoise/light.clh"
 
 #ifndef MIRROR_TRUST
-#define MIRROR_TRUST 0.5f  // what a mirror shows has edges that no guide tells: the filter sees this part of its variance
+#define MIRROR_TRUST 0.3f  // what a mirror shows has edges that no guide tells: the filter sees this part of its variance
 #endif
 #ifndef VARIANCE_RADIUS
 #define VARIANCE_RADIUS 3
