@@ -12,8 +12,11 @@
 namespace claray::test {
 namespace {
 
-class Memory : public testing::Test {
+/// The parameter is the tuning value SIDE_BY_SIDE: with 1 stages are constructed twice, the first time to learn which
+/// kernels they load.
+class Memory : public testing::TestWithParam<unsigned> {
 protected:
+    void SetUp() override { device_.set_tuning("compute/programs", "SIDE_BY_SIDE", GetParam()); }
     /// Gives the device this much memory beyond that in use.
     void leave(std::uint64_t bytes) { device_.state().info.memory = bytes_in_use(device_) + bytes; }
     [[nodiscard]] std::uint64_t needed(const Bvh::Config& config) const {
@@ -35,28 +38,25 @@ std::vector<Bvh::Config> all_configs() {
     return configs;
 }
 
-TEST_F(Memory, NeededIsWhatIsTaken) {
-    for (const unsigned side_by_side : {0u, 1u}) {  // 1: kernels are asked for twice
-        device_.set_tuning("compute/programs", "SIDE_BY_SIDE", side_by_side);
-        for (const Bvh::Config& config : all_configs()) {
-            const std::uint64_t before = bytes_in_use(device_);
-            {
-                const Bvh bvh = build(config);
-                EXPECT_EQ(bytes_in_use(device_) - before, needed(config));
-            }
-            EXPECT_EQ(bytes_in_use(device_), before) << "all is given back";
+TEST_P(Memory, NeededIsWhatIsTaken) {
+    for (const Bvh::Config& config : all_configs()) {
+        const std::uint64_t before = bytes_in_use(device_);
+        {
+            const Bvh bvh = build(config);
+            EXPECT_EQ(bytes_in_use(device_) - before, needed(config));
         }
+        EXPECT_EQ(bytes_in_use(device_), before) << "all is given back";
     }
 }
 
-TEST_F(Memory, ExactlyEnoughIsEnough) {
+TEST_P(Memory, ExactlyEnoughIsEnough) {
     for (const Bvh::Config& config : all_configs()) {
         leave(needed(config));
         EXPECT_NO_THROW((void)build(config));
     }
 }
 
-TEST_F(Memory, TooLittleIsRefusedBeforeAnyWork) {
+TEST_P(Memory, TooLittleIsRefusedBeforeAnyWork) {
     for (const Bvh::Config& config : all_configs()) {
         leave(needed(config) - 1);
         const std::uint64_t before = bytes_in_use(device_);
@@ -73,7 +73,7 @@ TEST_F(Memory, TooLittleIsRefusedBeforeAnyWork) {
     }
 }
 
-TEST_F(Memory, TheRemedyHelps) {
+TEST_P(Memory, TheRemedyHelps) {
     const Bvh::Config least = {.builder = Builder::fast, .morton_bits = 30, .layout = Layout::binary};
     const Bvh::Config most = {.builder = Builder::balanced, .morton_bits = 63, .layout = Layout::wide};
     leave(needed(least));
@@ -87,7 +87,7 @@ TEST_F(Memory, TheRemedyHelps) {
     EXPECT_TRUE(throws_error(ErrorKind::device, "; use fewer triangles", [&] { (void)build(least); }));
 }
 
-TEST_F(Memory, TrianglesOnTheDeviceAreNotCountedTwice) {
+TEST_P(Memory, TrianglesOnTheDeviceAreNotCountedTwice) {
     const Bvh::Config config = {.layout = Layout::binary};
     const Bvh first = build(config);
     const TriangleBuffers triangles = first.triangles();
@@ -99,7 +99,7 @@ TEST_F(Memory, TrianglesOnTheDeviceAreNotCountedTwice) {
                              [&] { (void)Bvh::build(device_, triangles, config); }));
 }
 
-TEST_F(Memory, LoadingIsRefusedToo) {
+TEST_P(Memory, LoadingIsRefusedToo) {
     const TemporaryFolder folder;
     const Bvh::Config config = {.layout = Layout::binary};
     build(config).save(folder / "tree.cbvh");
@@ -110,7 +110,7 @@ TEST_F(Memory, LoadingIsRefusedToo) {
     EXPECT_EQ(Bvh::load(device_, folder / "tree.cbvh", Layout::binary).triangle_count(), 3000u);
 }
 
-TEST_F(Memory, LargestBufferIsForTheDriverToDecide) {
+TEST_P(Memory, LargestBufferIsForTheDriverToDecide) {
     // A device that reports less memory per buffer than it allocates: the larger size is used.
     device_.state().info.max_allocation = 1000;
     EXPECT_TRUE(gives_buffer(device_, 100'000));
@@ -133,7 +133,7 @@ TEST_F(Memory, LargestBufferIsForTheDriverToDecide) {
                              [&] { (void)Bvh::build(device_, triangles); }));
 }
 
-TEST_F(Memory, BuffersAreCountedWhileTheyLive) {
+TEST_P(Memory, BuffersAreCountedWhileTheyLive) {
     const std::uint64_t before = bytes_in_use(device_);
     {
         const Buffer<float> buffer(device_, 1000);
@@ -151,7 +151,7 @@ TEST_F(Memory, BuffersAreCountedWhileTheyLive) {
     EXPECT_EQ(bytes_in_use(device_), before);
 }
 
-TEST_F(Memory, PlansMakeNothing) {
+TEST_P(Memory, PlansMakeNothing) {
     const std::uint64_t before = bytes_in_use(device_);
     {
         const MemoryPlan plan(device_);
@@ -165,6 +165,8 @@ TEST_F(Memory, PlansMakeNothing) {
     EXPECT_EQ(bytes_in_use(device_), before);
     EXPECT_TRUE(Buffer<char>(device_, 1).allocated());
 }
+
+INSTANTIATE_TEST_SUITE_P(SideBySide, Memory, testing::Values(0u, 1u));
 
 }  // namespace
 }  // namespace claray::test
