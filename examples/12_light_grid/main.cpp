@@ -138,10 +138,15 @@ Walk walk_along(const claray::Device& device, const claray::Scene& scene, const 
 }
 
 void print_changes(const char* what, const Walk& walk) {
+    const auto share_above = [&](float change) {
+        const auto above = std::ranges::count_if(walk.changes, [&](float value) { return value > change; });
+        return 100. * double(above) / double(std::max<std::size_t>(walk.changes.size(), 1));
+    };
     std::printf(
-        "%s: median %.3f %%, 99 of 100 below %.2f %% (%zu in all); in the frame of the largest changes below %.2f %%\n",
+        "%s: median %.3f %%, 99 of 100 below %.2f %% (%zu in all); in the frame of the largest changes below %.2f %%; "
+        "%.3f %% of changes above 1 %%, %.3f %% above 10 %%\n",
         what, 100 * percentile(walk.changes, 0.5), 100 * percentile(walk.changes, 0.99), walk.changes.size(),
-        100 * percentile(walk.worst, 1));
+        100 * percentile(walk.worst, 1), share_above(0.01f), share_above(0.1f));
 }
 
 }  // namespace

@@ -35,8 +35,9 @@ static inline float3 sum_of_list(const Lights* lights, TileLights list, float3 f
     return sum;
 }
 
-/// Follows a path to its first surface. Returns false if no light is reflected there; else `at` is ready to reflect it.
-static inline bool arrive_first(const Step* step, const Lights* lights, SCENE_PARAMETERS, global const RayQueue* queue,
+/// Follows a path to its first surface. Returns false if no light is reflected there; else `at` is ready to reflect it. `last` may be
+/// null.
+static inline bool arrive_first(LastTriangle* last, const Step* step, const Lights* lights, SCENE_PARAMETERS, global const RayQueue* queue,
                                 global const SceneHit* hits, uint path, float3* radiance, ShadingPoint* at) {
     const Ray ray = queued_ray((global const Ray*)queue + path);
     float time = 0.0f;
@@ -44,7 +45,7 @@ static inline bool arrive_first(const Step* step, const Lights* lights, SCENE_PA
     time = times_of_queue((global RayQueue*)queue, step->room)[path];
 #endif
     PathState state = first_state(path);
-    if (!arrive(step, lights, 0, SCENE, ray, hits[path], time, camera_cone(&step->frame), 0, &state, radiance, at)) return false;
+    if (!arrive(last, step, lights, 0, SCENE, ray, hits[path], time, camera_cone(&step->frame), 0, &state, radiance, at)) return false;
     if (is_delta(&at->material)) return false;
     const SurfaceSamples samples = samples_at(samples_of(step->batch, 0, path, step->frame.seed), 0);
     float lobe;
@@ -62,7 +63,7 @@ static inline float3 sum_of_lit(const Step* step, const Lights* lights, SCENE_PA
     const SceneHit found = hits[path];
     float3 sum;
     ShadingPoint there;
-    if (!arrive_first(step, lights, SCENE, queue, hits, path, &sum, &there)) return sum;
+    if (!arrive_first(0, step, lights, SCENE, queue, hits, path, &sum, &there)) return sum;
     if (!is_lit_elsewhere(&there.material)) return sum + sum_of_list(lights, all, met_point(ray, found.t), &there);
 #if INSTANCES
     const Hit hit = hit_in_scene(found, instances);
@@ -125,7 +126,7 @@ void sum_lights(Step step, SCENE_PARAMETERS, TileGrid tiles, global const uint* 
 #else
     float3 sum;
     ShadingPoint at;
-    if (arrive_first(&step, &lights, SCENE, queue, hits, path, &sum, &at))
+    if (arrive_first(0, &step, &lights, SCENE, queue, hits, path, &sum, &at))
         sum += sum_of_list(&lights, lights_of_tile(&tiles, lists, block_lists, tile),
                            met_point(queued_ray((global const Ray*)queue + path), hits[path].t), &at);
     vstore3(sum, path, radiance);

@@ -73,12 +73,12 @@ static inline void see(Batch one, const FrameData* frame, SCENE_PARAMETERS, uint
         glow = radiance_beyond(&lights, frame->sky, direction, state);
     } else {
         ShadingPoint at;
-        find_surface(frame, SCENE, found, hit, depth, time, outgoing, &at);
+        find_surface(0, frame, SCENE, found, hit, depth, time, outgoing, &at);
 #if TEXTURES
         MapValues maps = {false, (float3)(0.0f)};
         const RayCone cone = camera_cone(frame);
         if (textures)
-            maps = apply_maps(textures, TABLE(uint, triangle_materials)[hit.primitive], indices, hit, outgoing,
+            maps = apply_maps(0, textures, TABLE(uint, triangle_materials)[hit.primitive], indices, hit, outgoing,
                               cone.width + cone.spread * hit.t, &at.surface, &at.material);
 #endif
 #if ABSORPTION
