@@ -160,7 +160,9 @@ std::vector<LightRange> LightTreeBuilder::children_of(LightRange range, unsigned
         const LightRange part = parts[next];
         const std::size_t cut = split(part);
         parts[next] = {part.begin, cut}, costs[next] = cost(parts[next]);
-        parts.push_back({cut, part.end}), costs.push_back(cost(parts.back()));
+        const auto after = std::ptrdiff_t(next) + 1;  // the order in space is kept, see descend_tree
+        parts.insert(parts.begin() + after, {cut, part.end});
+        costs.insert(costs.begin() + after, cost({cut, part.end}));
     }
     const bool too_deep = std::any_of(parts.begin(), parts.end(), [&](LightRange part) { return part.size() > most; });
     if (!too_deep) return parts;

@@ -46,7 +46,7 @@ static inline NextRay pass_mirror(Batch one, const FrameData* frame, SCENE_PARAM
     float lobe;
     prepare_shading(frame, SCENE, &samples, -(float3)(ray.dx, ray.dy, ray.dz), at, &lobe);
     if (!is_delta(&at->material)) return next;
-    return scatter(false, 0, &samples, depth, state, at, unit_float(words_at(&samples, AT_CHOICE).y), lobe);
+    return scatter(false, 0, &samples, depth, state, at, unit_float(words_at(&samples, AT_CHOICE).x), lobe);
 }
 
 /// As shade_hit, without the light that rough surfaces reflect. Adds to `sight`; `next` is wanted if the ray goes on.

@@ -54,8 +54,10 @@ const char* kernels = R"(
                      global const uint* random, uint count, global uint* light, global float* probability) {
         const uint i = get_global_id(0);
         if (i >= count) return;
+        const SamplePair words = {random[i], hash_word(random[i])};
+        float2 rest;
         float share;
-        light[i] = pick_from_tree(tree, leaves, lights, (float3)(x, y, z), (float3)(nx, ny, nz), random[i], &share);
+        light[i] = pick_from_tree(tree, leaves, lights, (float3)(x, y, z), (float3)(nx, ny, nz), words, &rest, &share);
         probability[i] = share;
     }
     kernel void find(global const LightLeaf* leaves, uint lights, global const uint* numbers, uint count,
