@@ -29,7 +29,7 @@ AovStage::AovStage(const SceneBuffers& scene, EffectSet effects, std::uint32_t p
       write_(load_kernel(depth.device(), "render/write_aovs.cl", "write_aovs", defines_of_aovs(scene, effects))) {}
 
 void AovStage::run(Wavefront& wavefront, const SceneBuffers& scene, std::uint32_t first, std::uint32_t count) {
-    wavefront.trace_centers({first, count, 0, 1}, trace_);
+    wavefront.trace_centers({first, count, 0, 1, 0}, trace_);
     write_.run({count, 64}, wavefront.step_of({}, 0, count), scene, wavefront.rays(), wavefront.hits(), counts_,
                arg("depth", depth), arg("normal", normal), arg("albedo", albedo), arg("primitive", primitive),
                arg("visited", visits));

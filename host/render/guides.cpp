@@ -80,7 +80,7 @@ void Guides::trace_pixels(const FrameData& frame, const Buffer<FilmPixel>& film,
     make_room(std::size_t(at_once) * samples);
     for (std::uint32_t first = 0; first < count; first += at_once) {
         const std::uint32_t pixels = std::min(at_once, count - first);
-        const GuideStep guide{{{first, pixels, 0, samples}, frame, 0, pixels * samples, 0}, std::uint32_t(listed)};
+        const GuideStep guide{{{first, pixels, 0, samples, 0}, frame, 0, pixels * samples, 0}, std::uint32_t(listed)};
         see(guide);
         write_.run({pixels, 64}, guide, list_, film, sights_, guides_);
     }

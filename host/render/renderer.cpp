@@ -55,6 +55,8 @@ const RenderConfig& checked(const RenderConfig& config) {
     const LightGridConfig& grid = config.light_grid;
     if (config.approximate.tile_sum && config.approximate.light_grid)
         refuse("the approximations tile-sum and light-grid exclude each other", "use one of them");
+    if (config.adaptive && config.approximate.tile_sum)
+        refuse("adaptive sampling and the approximation tile-sum exclude each other", "use one of them");
     if (config.approximate.flat && config.approximate.gouraud)
         refuse("the shading models flat and gouraud exclude each other", "use one of them");
     if (grid.side < 2 || grid.side > 64) refuse("the light grid has 2 to 64 probes per axis", "start with 16");
@@ -150,7 +152,8 @@ Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig&
       structure(first_structure(on, scene, baked, plan, with.bvh)),
       build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
       light_grid(light_grid_of(with, scene)),
-      buffers(on, scene, structure, config.effects.add, selection_of_lights(with), words_of(light_grid)),
+      buffers(on, scene, structure, config.effects.add, selection_of_lights(with), words_of(light_grid),
+              words_of_listed_pixels()),
       wavefront(on, buffers, frame_data(scene, camera, buffers, with), load_kernels(plan.first.effects),
                 std::uint64_t(pixels()) * with.spp),
       film(on, pixels(), tells_error(with)),
@@ -207,8 +210,14 @@ RenderProgress Renderer::State::measure() {
     return progress;
 }
 
-/// Noise is tested only between passes, so that the stopping point does not depend on time.
 bool Renderer::State::target_met() {
+    if (limit_reached()) return true;
+    plan_round();
+    return schedule.finished();
+}
+
+/// Noise is tested only between passes, so that the stopping point does not depend on time.
+bool Renderer::State::limit_reached() {
     if (schedule.finished()) return true;
     const unsigned spp = schedule.complete_passes_spp();
     if (config.seconds > 0 && spp > 0 && begin && seconds_since(*begin) >= config.seconds) return true;
@@ -217,6 +226,13 @@ bool Renderer::State::target_met() {
     if (!(config.noise > 0) || spp < least_spp_for_noise) return false;
     const double noise = timed([&] { return film.noise(); }).relative;
     return noise > 0 && noise <= config.noise;
+}
+
+/// Plans the next round of adaptive sampling, if one is due.
+void Renderer::State::plan_round() {
+    if (!schedule.wants_plan()) return;
+    schedule.plan(timed([&] { return film.noise_map(); }));
+    if (!schedule.listed().empty()) buffers.write_listed_pixels(schedule.listed());
 }
 
 /// Called between passes; the next pass ends no later than the next look.
@@ -385,7 +401,7 @@ void Renderer::State::discard_samples() {
 
 /// Drivers compile or load kernels when they first run, which does not count as time for samples.
 void Renderer::State::warm_up() {
-    const Batch few{0, std::min(pixels(), 64u), 0, 1};
+    const Batch few{0, std::min(pixels(), 64u), 0, 1, 0};
     Film scratch(device, few.pixels);
     wavefront.trace(few);
     scratch.accumulate(few, wavefront.radiance());
@@ -409,7 +425,7 @@ std::uint32_t Renderer::State::paths_of_next_batch(InFlight& in_flight) const {
 
 void Renderer::State::trace(const Batch& batch, InFlight& in_flight) {
     wavefront.trace(batch);
-    film.accumulate(batch, wavefront.radiance());
+    film.accumulate(batch, wavefront.radiance(), buffers.tables, buffers.where.listed_pixels);
     in_flight.submitted(batch.pixels * batch.samples);
 }
 
@@ -453,7 +469,12 @@ Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig&
     state_ = config.effects.remove.empty() ? state_of(scene) : state_of(without_effects(scene, config.effects.remove));
     state_->identity = identity;
     if (!from) return;
-    state_->schedule.go_to(from->position);
+    if (!state_->schedule.go_to(from->position))
+        throw Error(ErrorKind::user,
+                    "cannot continue from '" + config.resume.string() +
+                        "': the file is damaged: its position is outside the image",
+                    "render from the start");
+    if (!state_->schedule.listed().empty()) state_->buffers.write_listed_pixels(state_->schedule.listed());
     state_->looks = from->looks;
     state_->film.set_sums(from->sums);
 }
@@ -520,6 +541,8 @@ void Renderer::resize(unsigned width, unsigned height) {
     State& state = *state_;
     check_size(width, height);
     state.refuse_with_checkpoints("a render that writes checkpoints cannot change its size");
+    if (state.config.adaptive)
+        throw Error(ErrorKind::usage, "a render with adaptive sampling cannot change its size", "make a new renderer");
     if (width == state.config.width && height == state.config.height) return state.discard_samples();
     state.config.width = width, state.config.height = height;
     state.wavefront.resize(width, height, std::uint64_t(state.pixels()) * state.most_spp);
@@ -628,7 +651,7 @@ std::vector<glm::vec3> Renderer::voxels() const {
     Buffer<float> part(state.device, 3 * std::size_t(most));
     for (std::uint32_t first = 0; first < all; first += most) {
         const std::uint32_t count = std::min(most, all - first);
-        state.wavefront.show_voxels({first, count, 0, 1}, part);
+        state.wavefront.show_voxels({first, count, 0, 1, 0}, part);
         part.read(std::span<float>(&albedo[first].x, 3 * std::size_t(count)));
     }
     return albedo;

@@ -9,6 +9,7 @@
 #include "claray/renderer.hpp"
 #include "host/compute/device_state.hpp"
 #include "host/compute/joint_program.hpp"
+#include "host/render/adaptive_schedule.hpp"
 #include "host/render/aovs.hpp"
 #include "host/render/checkpoint/checkpoint.hpp"
 #include "host/render/deferred/gbuffer.hpp"
@@ -17,7 +18,6 @@
 #include "host/render/film/tone_map.hpp"
 #include "host/render/in_flight.hpp"
 #include "host/render/kernels/kernel_choice.hpp"
-#include "host/render/schedule.hpp"
 #include "host/render/wavefront.hpp"
 
 namespace claray {
@@ -104,12 +104,17 @@ struct Renderer::State {
     void rebuild_scene(const Scene& scene);
     void support(EffectSet effects);
     [[nodiscard]] std::uint32_t pixels() const { return config.width * config.height; }
-    [[nodiscard]] Schedule new_schedule() const { return {pixels(), config.spp, wavefront.capacity()}; }
+    [[nodiscard]] AdaptiveSchedule new_schedule() const {
+        return {config.width, config.height, config.spp, wavefront.capacity(), config.adaptive};
+    }
+    [[nodiscard]] std::uint32_t words_of_listed_pixels() const { return config.adaptive ? pixels() : 0; }
+    void plan_round();
     [[nodiscard]] unsigned spp() const { return unsigned(schedule.samples() / pixels()); }
     [[nodiscard]] RenderProgress measure();
     template <class Measure>
     auto timed(const Measure& measure);
     [[nodiscard]] bool target_met();
+    [[nodiscard]] bool limit_reached();
     [[nodiscard]] bool error_met();
     void look_at_error(unsigned spp);
     [[nodiscard]] double cut_off();
@@ -144,7 +149,7 @@ struct Renderer::State {
     std::optional<AovStage> aovs;           // once they were asked for
     std::optional<GBufferStage> gbuffer;
     std::optional<DenoisedFrames> frames;  // once a denoised picture was asked for
-    Schedule schedule;
+    AdaptiveSchedule schedule;
     Pace pace;
     RenderIdentity identity;  // for checkpoints
     std::string checkpoint_error;

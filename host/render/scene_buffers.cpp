@@ -96,7 +96,7 @@ SceneBuffers::TableWriter SceneBuffers::tables_of_lights() {
 }
 
 SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Structure& with, EffectSet added,
-                           const LightSelection& selection, std::uint32_t light_grid)
+                           const LightSelection& selection, std::uint32_t light_grid, std::uint32_t listed_pixels)
     : structure(with),
       effects(effects_of(scene)),
       on_host_(std::make_shared<Lights>(collect_lights(scene, selection))) {
@@ -108,7 +108,8 @@ SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Struc
     end = (of_materials_ = place(materials, end)).end();
     end = (of_lights_ = place(found, end)).end();
     where.light_grid = light_grid > 0 ? end : CLARAY_NO_TABLE;
-    tables = Buffer<std::uint32_t>(device, end + light_grid);
+    where.listed_pixels = listed_pixels > 0 ? end + light_grid : CLARAY_NO_TABLE;
+    tables = Buffer<std::uint32_t>(device, std::size_t(end) + light_grid + listed_pixels);
     if (light_grid > 0) tables.write(std::vector<std::uint32_t>(light_grid), end);
     tables.write(meshes.words());
     tables.write(materials.words(), of_materials_.begin);
@@ -151,6 +152,10 @@ void SceneBuffers::write_light_grid(std::uint32_t level, const LightGrid& data) 
     std::vector<std::uint32_t> words(CLARAY_GRID_HEADER);
     std::memcpy(words.data(), &data, sizeof data);
     tables.write(words, where.light_grid + level * CLARAY_GRID_HEADER);
+}
+
+void SceneBuffers::write_listed_pixels(const std::vector<std::uint32_t>& pixels) {
+    tables.write(pixels, where.listed_pixels);
 }
 
 void SceneBuffers::move_normals(std::size_t first, std::span<const glm::vec3> normals) {

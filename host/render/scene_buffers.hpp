@@ -12,9 +12,10 @@ namespace claray {
 
 struct SceneBuffers {
     /// Uploads the data that the scene needs. `added`: effects that kernels support in addition.
-    /// `light_grid`: words of the table of Approximations::light_grid, all 0.
+    /// `light_grid`: words of the table of Approximations::light_grid, all 0. `listed_pixels`: room of
+    /// SceneTables::listed_pixels.
     SceneBuffers(const Device& device, const Scene& scene, const Structure& structure, EffectSet added = {},
-                 const LightSelection& selection = {}, std::uint32_t light_grid = 0);
+                 const LightSelection& selection = {}, std::uint32_t light_grid = 0, std::uint32_t listed_pixels = 0);
 
     Structure structure;  // shares its positions and indices
     /// Replaces the lights of all kinds in the list of claray/shared/lights.h. Nothing else is uploaded.
@@ -24,6 +25,8 @@ struct SceneBuffers {
     void replace_materials(const Scene& scene);
     /// Replaces what is known about a level of the light grid; its data stays.
     void write_light_grid(std::uint32_t level, const LightGrid& data);
+    /// Replaces the pixels of listed batches, see Batch.
+    void write_listed_pixels(const std::vector<std::uint32_t>& pixels);
     /// Replaces the normals of the vertices from `first` on.
     void move_normals(std::size_t first, std::span<const glm::vec3> normals);
 

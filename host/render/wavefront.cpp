@@ -252,7 +252,7 @@ void Wavefront::generate(const Batch& batch, bool centers) {
     const std::uint32_t paths = batch.pixels * batch.samples;
     const std::uint32_t items = device_.info().type == DeviceType::cpu ? (paths + 15) / 16 : paths;
     lengths_[0].fill(paths);
-    kernels_.generate.run({items, 64}, batch, frame_, std::uint32_t(centers), rays_[0], arg("radiance", radiance_),
+    kernels_.generate.run({items, 64}, batch, frame_, std::uint32_t(centers), scene_.tables, rays_[0], arg("radiance", radiance_),
                           arg("times", times_[0]));
 }
 
@@ -287,7 +287,7 @@ void Wavefront::trace_from(const Buffer<Hit>& points, const Batch& batch) {
 
 void Wavefront::mark_cells(const GridBox& cells) {
     for_each_batch(cells, CLARAY_RAYS_PER_CELL, capacity_, [&](std::uint32_t first, std::uint32_t count) {
-        const Batch batch{first, count, 0, CLARAY_RAYS_PER_CELL};
+        const Batch batch{first, count, 0, CLARAY_RAYS_PER_CELL, 0};
         const std::uint32_t paths = count * CLARAY_RAYS_PER_CELL;
         make_room(paths);
         lengths_[0].fill(paths);
@@ -304,7 +304,7 @@ void Wavefront::gather_probes(const GridBox& probes, const ProbeRays& rays) {
     const FrameData frame = frame_;
     frame_.seed = probe_seed, frame_.max_depth = most_surfaces_of_probes;
     for_each_batch(probes, rays.per_probe, capacity_, [&](std::uint32_t first, std::uint32_t count) {
-        const Batch batch{first, count, rays.round * rays.per_probe, rays.per_probe};
+        const Batch batch{first, count, rays.round * rays.per_probe, rays.per_probe, 0};
         const std::uint32_t paths = count * rays.per_probe;
         make_room(paths);
         lengths_[1].fill(paths);
@@ -323,7 +323,7 @@ void Wavefront::gather_voxels(const GridBox& voxels, const ProbeRays& rays) {
     const FrameData frame = frame_;
     frame_.seed = probe_seed + rays.round, frame_.max_depth = most_surfaces_of_probes;
     for_each_batch(voxels, CLARAY_RAYS_PER_VOXEL, capacity_, [&](std::uint32_t first, std::uint32_t count) {
-        const Batch batch{first, count, 0, CLARAY_RAYS_PER_VOXEL};
+        const Batch batch{first, count, 0, CLARAY_RAYS_PER_VOXEL, 0};
         const std::uint32_t paths = count * CLARAY_RAYS_PER_VOXEL;
         make_room(paths);
         lengths_[1].fill(paths);
@@ -455,7 +455,7 @@ double Wavefront::cut_off() const {
     Carried sums;
     const std::uint32_t at_once = std::min(probe.capacity(), pixels), samples = std::max(1u, probe.capacity() / pixels);
     for (std::uint32_t first = 0; first < pixels; first += at_once)
-        probe.follow({first, std::min(at_once, pixels - first), 0, samples}, frame_.max_depth, sums);
+        probe.follow({first, std::min(at_once, pixels - first), 0, samples, 0}, frame_.max_depth, sums);
     if (!(sums.beyond > 0)) return 0;
     const double missing = sums.beyond / (1 - std::min(sums.left / sums.dropped, slowest_fall));
     const double share = missing / (sums.within + missing);

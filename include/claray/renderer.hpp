@@ -98,6 +98,11 @@ struct RenderConfig {
     /// If > 0: stop when the image's error (RMSE over the mean, as ImageError::rmse) is at most this, by an estimate
     /// that holds in 95 of 100 renders. `spp` is then the upper limit, and the image is that of the samples taken.
     double error = 0;
+    /// Takes more samples where the estimated error is large: `spp` is then the mean over the pixels. After 16 samples
+    /// per pixel the tiles of the image (8x8 pixels) are doubled whose samples pay most. The image is the mean of all
+    /// samples; its expectation is not exactly that of a uniform render, because the error of a tile is estimated from
+    /// the same samples, but the difference vanishes as samples grow. Cannot be used with Approximations::tile_sum.
+    bool adaptive = false;
     double report_seconds = 0.2;  ///< about, from one call of the `progress` of Renderer::render to the next
     Sampler sampler = Sampler::sobol;
     Bvh::Config bvh = {.builder = Builder::balanced};  ///< the longer build pays off within a few samples
@@ -239,8 +244,8 @@ public:
     /// render that writes checkpoints.
     void settle();
     /// Discards all samples and makes the images this large. The view keeps its height and becomes wider or narrower.
-    /// Only what is stored per pixel is allocated anew. Throws ErrorKind::usage for a size out of range or with
-    /// checkpoints.
+    /// Only what is stored per pixel is allocated anew. Throws ErrorKind::usage for a size out of range, with
+    /// checkpoints or with adaptive sampling.
     void resize(unsigned width, unsigned height);
     /// Rebuilds the tree with another configuration; the image does not change. Does nothing and returns false if the
     /// scene has instances, or before the scene's own kernels are in use (see RenderStatistics).

@@ -46,7 +46,7 @@ static inline bool arrive_first(const Step* step, const Lights* lights, SCENE_PA
     PathState state = first_state(path);
     if (!arrive(step, lights, 0, SCENE, ray, hits[path], time, camera_cone(&step->frame), 0, &state, radiance, at)) return false;
     if (is_delta(&at->material)) return false;
-    const SurfaceSamples samples = samples_at(samples_of(step->batch, path, step->frame.seed), 0);
+    const SurfaceSamples samples = samples_at(samples_of(step->batch, 0, path, step->frame.seed), 0);
     float lobe;
     prepare_shading(&step->frame, SCENE, &samples, (float3)(-ray.dx, -ray.dy, -ray.dz), at, &lobe);
     return true;
@@ -73,7 +73,7 @@ static inline float3 sum_of_lit(const Step* step, const Lights* lights, SCENE_PA
 #if INSTANCE_MOTION
     time = times_of_queue((global RayQueue*)queue, step->room)[path];
 #endif
-    const SurfaceSamples samples = samples_at(samples_of(step->batch, path, step->frame.seed), 0);
+    const SurfaceSamples samples = samples_at(samples_of(step->batch, 0, path, step->frame.seed), 0);
     for (uint i = 0; i < LIT_POINTS; ++i) {
         ShadingPoint at = there;
         const float3 direction = move_to_lit(&step->frame, SCENE, found, hit, i, time, ray, &at);

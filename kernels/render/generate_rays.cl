@@ -3,7 +3,7 @@
 #include "render/first_ray.clh"
 #include "render/queue.clh"
 #if CLARAY_CPU
-#include "math/vector_sixteen.clh"
+#include "render/samples_sixteen.clh"
 #endif
 
 /// Stores a ray and clears the radiance of its path. `times` is written under INSTANCE_MOTION only.
@@ -15,19 +15,22 @@ static inline void start_path(uint path, Ray ray, float time, global Ray* rays, 
 #endif
 }
 
-static inline Ray center_ray(Batch batch, const FrameData* frame, uint path) {
-    return ray_through(frame, pixel_of(batch, path), (float2)(0.5f), (float2)(0.5f), 0.0f);
+static inline Ray center_ray(Batch batch, const FrameData* frame, global const uint* tables, uint path) {
+    return ray_through(frame, pixel_of(batch, TABLE(uint, listed_pixels), path), (float2)(0.5f), (float2)(0.5f), 0.0f);
 }
 
 #if CLARAY_CPU
 /// Sixteen paths per work-item: the points in their pixels are drawn in the lanes of vectors, with the bits of first_ray. `centers`: rays
 /// go through the centres of pixels and lens at shutter open.
-kernel void generate_rays(Batch batch, FrameData frame, uint centers, global Ray* rays, global float* radiance, global float* times) {
+kernel void generate_rays(Batch batch, FrameData of_frame, uint centers, global const uint* tables, global Ray* rays, global float* radiance,
+                          global float* times) {
+    const FrameData* frame = &of_frame;
     const uint all = batch.pixels * batch.samples, begin = 16u * (uint)get_global_id(0);
     if (begin >= all) return;
     const uint16 lanes = (uint16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    const uint16 paths = begin + lanes, of_batch = paths / batch.samples, pixels = batch.first_pixel + of_batch;
-    const uint16 seeds = hash_words_of_16(pixels, (uint16)(frame.seed));
+    const uint16 paths = begin + lanes, of_batch = paths / batch.samples;
+    const uint16 pixels = pixels_of_16(batch, TABLE(uint, listed_pixels), of_batch);
+    const uint16 seeds = hash_words_of_16(pixels, (uint16)(frame->seed));
     const uint16 numbers = batch.first_sample + (paths - of_batch * batch.samples);
     const SamplePairs16 drawn = sample_pair_of_16(SAMPLER, seeds, numbers, (uint16)(DIMENSION_FILM));
     uint pixel[16], seed[16], number[16];
@@ -37,18 +40,20 @@ kernel void generate_rays(Batch batch, FrameData frame, uint centers, global Ray
     for (uint i = 0; i < min(16u, all - begin); ++i) {
         const PathSamples samples = {seed[i], number[i]};
         float time = 0.0f;
-        const Ray ray = centers ? center_ray(batch, &frame, begin + i)
-                                : ray_at_random_time(&frame, pixel[i], (float2)(x[i], y[i]), samples, &time);
+        const Ray ray = centers ? center_ray(batch, frame, tables, begin + i)
+                                : ray_at_random_time(frame, pixel[i], (float2)(x[i], y[i]), samples, &time);
         start_path(begin + i, ray, time, rays, radiance, times);
     }
 }
 #else
 /// One path per work-item. `centers`: as above.
-kernel void generate_rays(Batch batch, FrameData frame, uint centers, global Ray* rays, global float* radiance, global float* times) {
+kernel void generate_rays(Batch batch, FrameData of_frame, uint centers, global const uint* tables, global Ray* rays, global float* radiance,
+                          global float* times) {
+    const FrameData* frame = &of_frame;
     const uint path = get_global_id(0);
     if (path >= batch.pixels * batch.samples) return;
     float time = 0.0f;
-    const Ray ray = centers ? center_ray(batch, &frame, path) : first_ray(batch, &frame, path, &time);
+    const Ray ray = centers ? center_ray(batch, frame, tables, path) : first_ray(batch, frame, tables, path, &time);
     start_path(path, ray, time, rays, radiance, times);
 }
 #endif

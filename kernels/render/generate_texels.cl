@@ -9,7 +9,7 @@ kernel void generate_texels(Batch batch, global const Hit* points, global const 
                             global const uint* indices, global Ray* rays, global Hit* hits, global float* radiance) {
     const uint path = get_global_id(0);
     if (path >= batch.pixels * batch.samples) return;
-    const Hit hit = points[pixel_of(batch, path)];
+    const Hit hit = points[pixel_of(batch, 0, path)];
     const uint first = 3 * hit.primitive;
     const float3 base = load3(positions, indices[first]);
     const float3 e1 = load3(positions, indices[first + 1]) - base, e2 = load3(positions, indices[first + 2]) - base;

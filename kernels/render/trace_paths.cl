@@ -14,7 +14,7 @@ void trace_paths(Step step, CLARAY_BVH_PARAMETERS, SCENE_PARAMETERS, global floa
         float time = 0.0f;
         NextRay next;
         next.wanted = true;
-        next.ray = first_ray(step.batch, &step.frame, path, &time);
+        next.ray = first_ray(step.batch, &step.frame, tables, path, &time);
         next.state = first_state(path);
         next.cone = camera_cone(&step.frame);
         vstore3(follow_path(&step, 0, step.depth, CLARAY_BVH, SCENE, next, time, (float3)(0.0f),

@@ -29,7 +29,7 @@ kernel void guide_rays(GuideStep guide, global const uint* list, global Ray* ray
     const uint i = get_global_id(0);
     if (i >= guide.step.capacity) return;
     float time = 0.0f;
-    store_ray(&rays[i], first_ray(sample_of(&guide, i, list), &guide.step.frame, 0u, &time));
+    store_ray(&rays[i], first_ray(sample_of(&guide, i, list), &guide.step.frame, 0, 0u, &time));
 #if INSTANCE_MOTION
     times[i] = time;
 #endif
@@ -42,7 +42,7 @@ static inline NextRay pass_mirror(Batch one, const FrameData* frame, SCENE_PARAM
                                   ShadingPoint* at) {
     NextRay next;
     next.wanted = false;
-    const SurfaceSamples samples = samples_at(samples_of(one, 0u, frame->seed), depth);
+    const SurfaceSamples samples = samples_at(samples_of(one, 0, 0u, frame->seed), depth);
     float lobe;
     prepare_shading(frame, SCENE, &samples, -(float3)(ray.dx, ray.dy, ray.dz), at, &lobe);
     if (!is_delta(&at->material)) return next;
@@ -110,7 +110,7 @@ kernel void see_surfaces(GuideStep guide, global const uint* list, SCENE_PARAMET
     const Batch one = sample_of(&guide, ray, list);
     float time = 0.0f;
 #if INSTANCE_MOTION
-    time = time_of(samples_of(one, 0u, guide.step.frame.seed));
+    time = time_of(samples_of(one, 0, 0u, guide.step.frame.seed));
 #endif
     NextRay next;
     see(one, &guide.step.frame, SCENE, depth, queued_ray(&rays[i]), hits[i], time, &sight, &next);

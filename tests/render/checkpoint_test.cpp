@@ -80,6 +80,26 @@ TEST_F(CheckpointFiles, RendersToAnErrorGoOn) {
     EXPECT_TRUE(refused(resumed(), "it was rendered without --error"));
 }
 
+/// Within the first pass of the image, within a group of tiles, and between rounds.
+TEST_F(CheckpointFiles, AdaptiveRendersGoOn) {
+    config_.spp = 40, config_.adaptive = true;
+    RenderConfig whole = config_;
+    whole.checkpoint.clear();
+    const std::vector<glm::vec3> expected = finish(whole);
+    EXPECT_FALSE(same_bits(expected, render_image(scene_, {.width = 61, .height = 43, .spp = 40})));
+    const ScopedTuning tuning("render/wavefront", "PATHS", 3'777);
+    config_.report_seconds = 0;
+    for (const int reports : {1, 12, 14, 19, 23}) {
+        render_a_part(config_, reports);
+        EXPECT_FALSE(same_bits(Renderer(device(), scene_, resumed()).image(), expected)) << reports;
+        EXPECT_TRUE(same_bits(finish(resumed()), expected)) << reports << " reports";
+        EXPECT_TRUE(same_bits(finish(resumed()), expected)) << "what is complete stays so";
+    }
+    RenderConfig uniform = resumed();
+    uniform.adaptive = false;
+    EXPECT_TRUE(refused(uniform, "effects or --adaptive"));
+}
+
 TEST_F(CheckpointFiles, MoreSamplesGoOnWhereFewerStopped) {
     RenderConfig few = config_;
     few.spp = 5;
@@ -114,7 +134,7 @@ TEST_F(CheckpointFiles, EveryFlippedBitIsNoticed) {
             << "byte " << at;
     }
     for (const std::size_t length :
-         {std::size_t(0), std::size_t(7), std::size_t(8), std::size_t(135), good.size() - 1}) {
+         {std::size_t(0), std::size_t(7), std::size_t(8), std::size_t(143), good.size() - 1}) {
         std::ofstream(config_.checkpoint, std::ios::binary) << good.substr(0, length);
         ASSERT_TRUE(refused(resumed(), length < 8 ? "it is not a checkpoint" : "the file is damaged")) << length;
     }

@@ -35,7 +35,7 @@ TEST(Film, SixteenMillionHeavyTailedSamplesSumAsInFloat64) {
             exact[i / per_batch] += value;
             radiance[3 * i] = radiance[3 * i + 1] = radiance[3 * i + 2] = value;
         }
-        film.accumulate({0, pixels, b * per_batch, per_batch}, Buffer<float>(device(), radiance));
+        film.accumulate({0, pixels, b * per_batch, per_batch, 0}, Buffer<float>(device(), radiance));
     }
     const std::vector<glm::vec3> image = film.image();
     for (std::uint32_t p = 0; p < pixels; ++p)
@@ -53,11 +53,11 @@ TEST(Film, BatchesOfAnySizeGiveTheSameBits) {
     const std::uint32_t pixels = 37, samples = 24;
     const std::vector<float> radiance = random_radiance(pixels, samples, 3);
     Film whole(device(), pixels), parts(device(), pixels);
-    whole.accumulate({0, pixels, 0, samples}, Buffer<float>(device(), radiance));
+    whole.accumulate({0, pixels, 0, samples, 0}, Buffer<float>(device(), radiance));
     for (std::uint32_t s = 0; s < samples; s += 8)
         for (std::uint32_t p = 0; p < pixels; ++p) {
             const auto begin = radiance.begin() + 3 * (p * samples + s);
-            parts.accumulate({p, 1, s, 8}, Buffer<float>(device(), std::vector<float>(begin, begin + 24)));
+            parts.accumulate({p, 1, s, 8, 0}, Buffer<float>(device(), std::vector<float>(begin, begin + 24)));
         }
     const std::vector<glm::vec3> a = whole.image(), b = parts.image();
     EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]), 0);
@@ -71,7 +71,7 @@ TEST(Film, NoiseOfIndependentSamplesIsTheirStandardError) {
         for (std::size_t i = 0; i < radiance.size(); i += 3)
             radiance[i] = radiance[i + 1] = radiance[i + 2] = random.uniform();
         Film film(device(), pixels);
-        film.accumulate({0, pixels, 0, samples}, Buffer<float>(device(), radiance));
+        film.accumulate({0, pixels, 0, samples, 0}, Buffer<float>(device(), radiance));
         const double expected = std::sqrt(1.0 / 12 / samples) / 0.5;
         EXPECT_NEAR(film.noise().relative / expected, 1.0, 0.03) << samples << " samples";
     }
@@ -81,21 +81,21 @@ TEST(Film, NoiseHasNoUnit) {
     const std::uint32_t pixels = 64, samples = 8;
     std::vector<float> radiance = random_radiance(pixels, samples, 5);
     Film film(device(), pixels);
-    film.accumulate({0, pixels, 0, samples}, Buffer<float>(device(), radiance));
+    film.accumulate({0, pixels, 0, samples, 0}, Buffer<float>(device(), radiance));
     const double noise = film.noise().relative;
     EXPECT_GT(noise, 0);
     for (const float unit : {0x1p-80f, 0x1p80f}) {
         std::vector<float> other = radiance;
         for (float& value : other) value *= unit;
         film.clear();
-        film.accumulate({0, pixels, 0, samples}, Buffer<float>(device(), other));
+        film.accumulate({0, pixels, 0, samples, 0}, Buffer<float>(device(), other));
         EXPECT_NEAR(film.noise().relative, noise, 1e-6 * noise) << unit;
     }
 }
 
 TEST(Film, NoiseIsUnknownAfterOneSample) {
     Film film(device(), 4);
-    film.accumulate({0, 4, 0, 1}, Buffer<float>(device(), random_radiance(4, 1, 1)));
+    film.accumulate({0, 4, 0, 1, 0}, Buffer<float>(device(), random_radiance(4, 1, 1)));
     EXPECT_EQ(film.noise().relative, 0.0);
 }
 
@@ -129,7 +129,7 @@ void add_samples(Film& film, const SyntheticImage& image, Random& random) {
             const glm::vec3 value = image.sample(random, i / samples);
             radiance.insert(radiance.end(), {value.x, value.y, value.z});
         }
-        film.accumulate({0, synthetic_pixels, first, samples}, Buffer<float>(device(), radiance));
+        film.accumulate({0, synthetic_pixels, first, samples, 0}, Buffer<float>(device(), radiance));
     }
 }
 
@@ -153,8 +153,8 @@ TEST(Film, WorkGroupsSumUpWhatWorkItemsDo) {
         const ScopedTuning tuning("render/measure_film", "GROUP_SIZE", group);
         const ScopedTuning few("render/measure_film", "ITEMS", 300);
         Film film(device(), pixels, true);
-        film.accumulate({0, pixels, 0, samples}, radiance);
-        film.accumulate({5, 1, samples, 1}, Buffer<float>(device(), std::vector<float>{NAN, 1, 1}));
+        film.accumulate({0, pixels, 0, samples, 0}, radiance);
+        film.accumulate({5, 1, samples, 1, 0}, Buffer<float>(device(), std::vector<float>{NAN, 1, 1}));
         return std::tuple(film.noise(), look_at(film));
     };
     const auto [noise, error] = looked_at(1);
@@ -279,11 +279,11 @@ TEST(Film, ErrorDoesNotDependOnTheBatches) {
     const std::uint32_t pixels = 37, samples = 24;
     const std::vector<float> radiance = random_radiance(pixels, samples, 3);
     Film whole(device(), pixels, true), parts(device(), pixels, true);
-    whole.accumulate({0, pixels, 0, samples}, Buffer<float>(device(), radiance));
+    whole.accumulate({0, pixels, 0, samples, 0}, Buffer<float>(device(), radiance));
     for (std::uint32_t p = 0; p < pixels; ++p)
         for (std::uint32_t s = 0, n = 1; s < samples; s += n, n = std::min(samples - s, n + 1)) {
             const auto begin = radiance.begin() + 3 * (p * samples + s);
-            parts.accumulate({p, 1, s, n}, Buffer<float>(device(), std::vector<float>(begin, begin + 3 * n)));
+            parts.accumulate({p, 1, s, n, 0}, Buffer<float>(device(), std::vector<float>(begin, begin + 3 * n)));
         }
     EXPECT_GT(look_at(whole).estimate, 0);
     EXPECT_EQ(look_at(whole).estimate, look_at(parts).estimate);
@@ -292,7 +292,7 @@ TEST(Film, ErrorDoesNotDependOnTheBatches) {
 TEST(Film, ErrorCountsSamplesThatWereDropped) {
     Film film(device(), 1, true);
     const float nan = std::numeric_limits<float>::quiet_NaN();
-    film.accumulate({0, 1, 0, 6}, Buffer<float>(device(), {4, 4, 4, 8, 8, 8, 4, 4, 4, nan, 1, 1, 4, 4, 4, nan, 1, 1}));
+    film.accumulate({0, 1, 0, 6, 0}, Buffer<float>(device(), {4, 4, 4, 8, 8, 8, 4, 4, 4, nan, 1, 1, 4, 4, 4, nan, 1, 1}));
     EXPECT_EQ(film.image()[0], glm::vec3(5));
     EXPECT_NEAR(look_at(film).estimate, std::sqrt(16. * 3 / 16) / 5, 1e-6);
     EXPECT_EQ(film.noise().dropped, 2u);

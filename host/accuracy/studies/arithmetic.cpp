@@ -69,7 +69,7 @@ StudyPoint sum_point(const Device& device, const SumMethod& method, std::uint32_
         measure::measure_rounds(device, int(runs), {[&] {
                                     Film sums_of_samples(device, sum_pixels);
                                     for (std::uint32_t at = 0; at < samples; at += samples_a_batch)
-                                        sums_of_samples.accumulate({0, sum_pixels, at, samples_a_batch}, radiance);
+                                        sums_of_samples.accumulate({0, sum_pixels, at, samples_a_batch, 0}, radiance);
                                     image = sums_of_samples.image();
                                 }});
     point.seconds = spread_of(timings[0].rounds, 1e3 / (double(samples) * sum_pixels));

@@ -53,6 +53,8 @@ void add_target_options(CLI::App& command, RenderOptions& o) {
         .add_option("--error", o.config.error, "Render until the RMSE over the mean is at most this: for example 0.01")
         ->check(positive_number())
         ->transform(least_error_for_none());
+    command.add_flag("--adaptive", o.config.adaptive,
+                     "Take more samples where the error is large; --spp is then the mean over all pixels");
     command.add_option("--time", o.config.seconds, "Render as many samples as fit into this time: 500ms, 2s, 1m")
         ->transform(duration())
         ->type_name("TIME");
@@ -74,7 +76,7 @@ void add_target_options(CLI::App& command, RenderOptions& o) {
 void check_targets(const CLI::App& command, RenderOptions& o) {
     if (command.count("--fps") == 0 && command.count("--output") == 0) throw CLI::RequiredError("--output");
     check_frames(command, o);
-    refuse_both(command, "--fps", {"--spp", "--error", "--time", "--noise", "--checkpoint", "--resume", "--aov"},
+    refuse_both(command, "--fps", {"--spp", "--error", "--time", "--noise", "--checkpoint", "--resume", "--aov", "--adaptive"},
                 "the frame time decides the number of samples");
     refuse_both(command, "--fps", {"--stats", "--trace"}, "--fps renders several images");
     if (o.fps > 0) o.config.spp = most_spp;

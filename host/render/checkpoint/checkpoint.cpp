@@ -16,9 +16,9 @@ namespace claray {
 namespace {
 
 constexpr std::array<char, 8> checkpoint_magic = {'C', 'L', 'R', 'C', 'K', 'P', '\r', '\n'};
-constexpr std::uint32_t checkpoint_version = 4;
+constexpr std::uint32_t checkpoint_version = 5;
 
-/// The beginning of a file. Then the film's sums, and their digest.
+/// The beginning of a file. Then the film's sums, the tiles of adaptive sampling, and the digest of both.
 struct CheckpointHeader {
     std::array<char, 8> name;
     std::uint32_t version;
@@ -27,11 +27,12 @@ struct CheckpointHeader {
     std::uint32_t width, height;
     Schedule::Position position;
     std::uint32_t tells_error;
+    std::uint32_t group, tiles;  // see AdaptiveSchedule::Position; number of tiles
     ErrorLooks looks;
     Digest scene, settings, kernels;
     Digest digest;  // of this header up to here
 };
-static_assert(sizeof(CheckpointHeader) == 144);
+static_assert(sizeof(CheckpointHeader) == 152);
 
 std::uint64_t pixels_of(const CheckpointHeader& header) { return std::uint64_t(header.width) * header.height; }
 
@@ -44,10 +45,11 @@ std::size_t bytes_of(const std::vector<T>& values) {
     return values.size() * sizeof(T);
 }
 
-Digest digest_of_sums(const Film::Sums& sums) {
+Digest digest_of_sums(const Film::Sums& sums, const std::vector<std::uint32_t>& tiles) {
     Hasher hasher;
     hasher.add(sums.pixels.data(), bytes_of(sums.pixels));
     hasher.add(sums.odd.data(), bytes_of(sums.odd));
+    hasher.add(tiles.data(), bytes_of(tiles));
     return hasher.digest();
 }
 
@@ -78,21 +80,23 @@ public:
         if (header.version != checkpoint_version || header.pixel_bytes != sizeof(FilmPixel))
             refuse("it was written by another version of claray", "use that version, or render from the start");
         if (header.digest != digest_of_checkpoint_header(header)) refuse_damaged("the checksum of its header is wrong");
-        const std::uint64_t expected = sizeof header + bytes_of_sums(header) + sizeof(Digest);
+        const std::uint64_t of_tiles = header.tiles * std::uint64_t(sizeof(std::uint32_t));
+        const std::uint64_t expected = sizeof header + bytes_of_sums(header) + of_tiles + sizeof(Digest);
         if (bytes_ != expected)
             refuse_damaged("it has " + std::to_string(bytes_) + " bytes instead of " + std::to_string(expected));
         return header;
     }
 
-    [[nodiscard]] Film::Sums sums(const CheckpointHeader& header) {
-        Film::Sums sums;
+    /// Reads what follows the header.
+    void read_sums(const CheckpointHeader& header, Film::Sums& sums, std::vector<std::uint32_t>& tiles) {
         sums.pixels.resize(pixels_of(header)), sums.odd.resize(header.tells_error ? pixels_of(header) : 0);
         read(sums.pixels.data(), bytes_of(sums.pixels));
         read(sums.odd.data(), bytes_of(sums.odd));
+        tiles.resize(header.tiles);
+        read(tiles.data(), bytes_of(tiles));
         Digest digest;
         read(digest.data(), digest.size());
-        if (digest != digest_of_sums(sums)) refuse_damaged("its checksum is wrong");
-        return sums;
+        if (digest != digest_of_sums(sums, tiles)) refuse_damaged("its checksum is wrong");
     }
 
     [[noreturn]] void refuse_damaged(const std::string& why) const {
@@ -122,7 +126,7 @@ RenderIdentity identity_of(const Scene& scene, const RenderConfig& config) {
     RenderIdentity identity{config.width, config.height, tells_error(config), digest_of(scene), {}, {}};
     const std::string settings = std::to_string(config.seed) + ' ' + std::to_string(config.max_depth) + ' ' +
                                  std::to_string(int(config.sampler)) + ' ' + to_string(config.effects.remove) + ' ' +
-                                 to_string(config.approximate) +
+                                 to_string(config.approximate) + (config.adaptive ? " adaptive" : "") +
                                  (config.approximate.light_grid ? ' ' + to_string(config.light_grid) : "");
     identity.settings = digest_of(settings.data(), settings.size());
     Hasher kernels;
@@ -141,17 +145,20 @@ void write_checkpoint(const std::filesystem::path& path, const RenderIdentity& i
     header.order = byte_order;
     header.pixel_bytes = sizeof(FilmPixel);
     header.width = identity.width, header.height = identity.height;
-    header.position = checkpoint.position;
+    const std::vector<std::uint32_t>& tiles = checkpoint.position.tiles;
+    header.position = checkpoint.position.at;
+    header.group = checkpoint.position.group, header.tiles = std::uint32_t(tiles.size());
     header.tells_error = identity.tells_error;
     header.looks = checkpoint.looks;
     header.scene = identity.scene, header.settings = identity.settings, header.kernels = identity.kernels;
     header.digest = digest_of_checkpoint_header(header);
     const Film::Sums& sums = checkpoint.sums;
-    const Digest digest = digest_of_sums(sums);
+    const Digest digest = digest_of_sums(sums, tiles);
     NewFile file(path);
     file.write(&header, sizeof header);
     file.write(sums.pixels.data(), bytes_of(sums.pixels));
     file.write(sums.odd.data(), bytes_of(sums.odd));
+    file.write(tiles.data(), bytes_of(tiles));
     file.write(digest.data(), digest.size());
     file.commit();
 }
@@ -166,7 +173,8 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
     if (header.scene != identity.scene)
         file.refuse("it belongs to another scene or camera", "use the scene and the camera for which it was written");
     if (header.settings != identity.settings)
-        file.refuse("it was rendered with another seed, depth, sampler or effects", "use the same settings");
+        file.refuse("it was rendered with another seed, depth, sampler, effects or --adaptive",
+                    "use the same settings");
     if ((header.tells_error != 0) != identity.tells_error)
         file.refuse(identity.tells_error ? "it was rendered without --error" : "it was rendered with --error",
                     identity.tells_error ? "leave out --error, or render from the start" : "add --error");
@@ -178,15 +186,18 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
     if (at.pixel >= header.width * header.height || (within && at.sample >= at.pass))
         file.refuse_damaged("its position is outside the image");
     const std::uint64_t most = std::uint64_t(at.done) + (within ? at.pass : 0);
-    if (most > spp)
+    if (header.tiles == 0 && most > spp)
         file.refuse(
             "it has " + std::to_string(most) + " samples per pixel, but only " + std::to_string(spp) + " are requested",
             "use a larger --spp");
     const ErrorLooks& looks = header.looks;
     const auto sound = [](double value) { return value >= 0 && std::isfinite(value); };
-    if (!(sound(looks.square) && sound(looks.degrees) && sound(looks.last)) || looks.spp > at.done)
+    if (!(sound(looks.square) && sound(looks.degrees) && sound(looks.last)) ||
+        (header.tiles == 0 && looks.spp > at.done))
         file.refuse_damaged("its error estimate is not a valid number");
-    return {at, looks, file.sums(header)};
+    Checkpoint checkpoint{{at, header.group, {}}, looks, {}};
+    file.read_sums(header, checkpoint.sums, checkpoint.position.tiles);
+    return checkpoint;
 }
 
 }  // namespace claray

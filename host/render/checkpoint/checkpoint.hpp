@@ -6,9 +6,9 @@
 
 #include "claray/renderer.hpp"
 #include "host/base/hash.hpp"
+#include "host/render/adaptive_schedule.hpp"
 #include "host/render/film/error_looks.hpp"
 #include "host/render/film/film.hpp"
-#include "host/render/schedule.hpp"
 
 namespace claray {
 
@@ -21,7 +21,7 @@ struct RenderIdentity {
     std::uint32_t width = 0, height = 0;
     bool tells_error = false;
     Digest scene{};
-    Digest settings{};  // seed, depth, sampler, removed effects
+    Digest settings{};  // seed, depth, sampler, removed effects, adaptive sampling
     Digest kernels{};   // their sources
 };
 
@@ -29,7 +29,7 @@ struct RenderIdentity {
 
 /// The progress of a render.
 struct Checkpoint {
-    Schedule::Position position;
+    AdaptiveSchedule::Position position;
     ErrorLooks looks;
     Film::Sums sums;
 };

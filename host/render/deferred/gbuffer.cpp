@@ -41,7 +41,7 @@ GBuffer GBufferStage::run(Wavefront& wavefront, const SceneBuffers& scene, Norma
     buffer.pixels.resize(std::size_t(frame.width) * frame.height);
     for (std::size_t first = 0; first < buffer.pixels.size(); first += pixels_.size()) {
         const auto count = std::uint32_t(std::min(pixels_.size(), buffer.pixels.size() - first));
-        wavefront.trace_centers({std::uint32_t(first), count, 0, 1}, trace_);
+        wavefront.trace_centers({std::uint32_t(first), count, 0, 1, 0}, trace_);
         write_.run({count, 64}, wavefront.step_of({}, 0, count), scene, wavefront.rays(), wavefront.hits(), near, far,
                    std::uint32_t(packing == NormalPacking::spherical), pixels_);
         pixels_.read(std::span(buffer.pixels).subspan(first, count));

@@ -42,9 +42,10 @@ void Film::reload_kernels() {
     load_odd();
 }
 
-void Film::accumulate(const Batch& batch, const Buffer<float>& radiance) {
-    kernels_.accumulate.run({batch.pixels, 64}, batch, radiance, pixels_);
-    if (tells_error_) accumulate_odd_.run({batch.pixels, 64}, batch, radiance, odd_);
+void Film::accumulate(const Batch& batch, const Buffer<float>& radiance, const Buffer<std::uint32_t>& tables,
+                      std::uint32_t listed) {
+    kernels_.accumulate.run({batch.pixels, 64}, batch, tables, listed, radiance, pixels_);
+    if (tells_error_) accumulate_odd_.run({batch.pixels, 64}, batch, tables, listed, radiance, odd_);
     forget_look();
 }
 

@@ -24,8 +24,10 @@ public:
     /// Loads the kernels again.
     void reload_kernels();
 
-    /// Adds the radiance (3 floats per path) of a batch; asynchronous.
-    void accumulate(const Batch& batch, const Buffer<float>& radiance);
+    /// Adds the radiance (3 floats per path) of a batch; asynchronous. The pixels of a listed batch begin at word
+    /// `listed` of `tables`.
+    void accumulate(const Batch& batch, const Buffer<float>& radiance, const Buffer<std::uint32_t>& tables = {},
+                    std::uint32_t listed = 0);
     /// Discards all samples; asynchronous.
     void clear();
     /// Mean radiance of each pixel, 3 floats each, in memory that the next call overwrites; asynchronous. An image of

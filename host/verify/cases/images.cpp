@@ -172,7 +172,7 @@ void nan_pixels(Run& run) {
     // Bad samples must be counted and must not reach the image.
     Film film(run.device(), 2);
     const float nan = NAN, inf = INFINITY;
-    film.accumulate({0, 2, 0, 4},
+    film.accumulate({0, 2, 0, 4, 0},
                     Buffer<float>(run.device(), std::vector<float>{1, 2, 3,    nan,   1, 1, 1,   inf, 1,   3,   4, 5,
                                                                    1, 1, -inf, 1e38f, 1, 1, nan, nan, nan, inf, 1, 1}));
     const auto image = film.image();
@@ -197,7 +197,7 @@ void accumulation(Run& run) {
             exact[i / per_batch] += value;
             radiance[3 * i] = radiance[3 * i + 1] = radiance[3 * i + 2] = value;
         }
-        film.accumulate({0, pixels, b * per_batch, per_batch}, Buffer<float>(run.device(), radiance));
+        film.accumulate({0, pixels, b * per_batch, per_batch, 0}, Buffer<float>(run.device(), radiance));
     }
     const std::uint64_t samples = std::uint64_t(per_batch) * batches;
     double worst = 0;

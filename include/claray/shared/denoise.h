@@ -35,7 +35,7 @@ typedef struct GuideStep {
     Step step;
     uint listed;
 } GuideStep;
-CLARAY_LAYOUT(GuideStep, 320)
+CLARAY_LAYOUT(GuideStep, 328)
 
 /// Scalar parameters of a filter pass.
 typedef struct FilterStep {

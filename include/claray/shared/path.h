@@ -26,8 +26,9 @@ CLARAY_LAYOUT(LightSample, 16)
 typedef struct Batch {
     uint first_pixel, pixels;
     uint first_sample, samples;
+    uint listed;  // 1: pixels are consecutive in the list SceneTables::listed_pixels instead of in the image
 } Batch;
-CLARAY_LAYOUT(Batch, 16)
+CLARAY_LAYOUT(Batch, 20)
 
 #define CLARAY_NO_TABLE 0xffffffffu
 
@@ -41,8 +42,9 @@ typedef struct SceneTables {
     uint triangle_lights, punctual_lights, light_tree, light_leaves, light_trails, light_lists, hot_spots, lamps;
     uint light_grid;                           // LightGrid
     uint environment_texels, environment_cdf;  // float
+    uint listed_pixels;                        // uint: those of the current round of adaptive sampling
 } SceneTables;
-CLARAY_LAYOUT(SceneTables, 60)
+CLARAY_LAYOUT(SceneTables, 64)
 
 /// Data that all paths of a render share.
 typedef struct FrameData {
@@ -54,7 +56,7 @@ typedef struct FrameData {
     uint max_depth;  // largest number of surfaces that scatter a path
     SceneTables tables;
 } FrameData;
-CLARAY_LAYOUT(FrameData, 288)
+CLARAY_LAYOUT(FrameData, 292)
 
 /// Scalar parameters of a stage.
 typedef struct Step {
@@ -64,7 +66,7 @@ typedef struct Step {
     uint capacity;  // rays in the queue, as far as the host knows
     uint room;      // capacity of the queues in paths, a multiple of CLARAY_QUEUE_ROOM
 } Step;
-CLARAY_LAYOUT(Step, 316)
+CLARAY_LAYOUT(Step, 324)
 
 /// With this room, every array in a queue begins at a multiple of 1024 bytes, the alignment of sub-buffers.
 #define CLARAY_QUEUE_ROOM 256u

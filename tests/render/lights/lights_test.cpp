@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "claray/program.hpp"
 #include "claray/shared/rng.h"
@@ -106,6 +107,53 @@ TEST(Lights, TrianglesThatCannotBeHitGiveNoLight) {
     const Lights lights = collect_lights(scene);
     ASSERT_EQ(lights.triangles.size(), 1u);
     EXPECT_EQ(lights.triangles[0].primitive, 3u);
+}
+
+/// A floor below a lamp of `cuts` x `cuts` squares of two triangles each; of 0: one triangle.
+Scene under_lamp(unsigned cuts) {
+    Scene scene;
+    scene.materials = {lambert(0.7f), emitter(10.f)};
+    Mesh lamp;
+    const unsigned n = std::max(cuts, 1u);
+    for (unsigned i = 0; i <= n; ++i)
+        for (unsigned k = 0; k <= n; ++k) lamp.positions.emplace_back(float(i) / n - 0.5f, 1.5f, float(k) / n - 0.5f);
+    for (unsigned i = 0; i < n; ++i)
+        for (unsigned k = 0; k < n; ++k) {
+            const unsigned at = i * (n + 1) + k;
+            lamp.triangles.emplace_back(at, at + n + 1, at + 1);
+            if (cuts > 0) lamp.triangles.emplace_back(at + 1, at + n + 1, at + n + 2);
+        }
+    lamp.materials.assign(lamp.triangles.size(), 1);
+    scene.meshes = {square(4.f, 0.f), lamp};
+    scene.camera = Camera{.position = {0, 1.4f, 0.1f}, .target = {0, 0, 0}, .vertical_fov = 40};
+    return scene;
+}
+
+/// Variance of the pixels over seeds.
+double noise_square(const Scene& scene, unsigned spp) {
+    constexpr unsigned side = 16, seeds = 4;
+    std::vector<std::vector<glm::vec3>> images;
+    for (unsigned seed = 1; seed <= seeds; ++seed)
+        images.push_back(
+            render_image(scene, {.width = side, .height = side, .spp = spp, .max_depth = 1, .seed = seed}));
+    double sum = 0;
+    for (unsigned p = 0; p < side * side; ++p) {
+        double mean = 0, squares = 0;
+        for (const auto& image : images) mean += image[p].x / seeds;
+        for (const auto& image : images) squares += (image[p].x - mean) * (image[p].x - mean);
+        sum += squares / (seeds - 1) / (side * side);
+    }
+    return sum;
+}
+
+/// Choosing the triangle by a number of its own would let the error fall by the root of the samples: a factor of 16 for
+/// its square. From 16 triangles on a tree chooses, whose shares do not divide the Sobol points evenly.
+TEST(Lights, DirectLightConvergesWithTheSamplesForAnyNumberOfTriangles) {
+    const std::map<unsigned, double> least = {{0, 256}, {1, 256}, {2, 256}, {4, 64}};
+    for (const auto& [cuts, factor] : least) {
+        const Scene scene = under_lamp(cuts);
+        EXPECT_GT(noise_square(scene, 16), factor * noise_square(scene, 256)) << cuts;
+    }
 }
 
 }  // namespace

@@ -1,0 +1,149 @@
+// Adaptive sampling: which pixels get how many samples, and what it gains.
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <random>
+
+#include "host/render/adaptive_schedule.hpp"
+#include "tests/render/scenes.hpp"
+#include "tests/support/device.hpp"
+#include "tests/support/errors.hpp"
+#include "tests/support/tuning.hpp"
+
+namespace claray::test {
+namespace {
+
+constexpr unsigned width = 37, height = 21;  // tiles at two borders are parts
+
+/// The variance of each pixel after these samples, if it falls with their number: a few pixels have most of it.
+std::vector<float> variances_after(const std::vector<std::uint32_t>& samples) {
+    std::mt19937 random(5);
+    std::vector<float> variances;
+    for (const std::uint32_t n : samples) {
+        const float of_sample = random() % 50 == 0 ? 100.f : 0.01f;
+        variances.push_back(of_sample / float(n));
+    }
+    return variances;
+}
+
+/// Takes the next batch; checks that each of its pixels gets the samples that follow the ones it has.
+void take(AdaptiveSchedule& schedule, std::uint32_t most, std::vector<std::uint32_t>& samples) {
+    if (schedule.wants_plan()) schedule.plan(variances_after(samples));
+    if (schedule.finished()) return;
+    const std::vector<std::uint32_t> listed = schedule.listed();
+    const Batch batch = schedule.next(most);
+    ASSERT_GE(batch.pixels * batch.samples, 1u);
+    ASSERT_LE(batch.pixels * batch.samples, std::max(most, 1u));
+    for (std::uint32_t i = batch.first_pixel; i < batch.first_pixel + batch.pixels; ++i) {
+        const std::uint32_t pixel = batch.listed ? listed.at(i) : i;
+        ASSERT_EQ(samples.at(pixel), batch.first_sample);
+        samples[pixel] += batch.samples;
+    }
+}
+
+std::vector<std::uint32_t> all_samples(std::uint32_t spp, std::uint32_t most) {
+    AdaptiveSchedule schedule(width, height, spp, 1000, true);
+    std::vector<std::uint32_t> samples(width * height);
+    while (!schedule.finished()) {
+        take(schedule, most, samples);
+        if (testing::Test::HasFatalFailure()) break;
+        std::uint64_t all = 0;
+        for (const std::uint32_t n : samples) all += n;
+        EXPECT_EQ(schedule.samples(), all);
+    }
+    return samples;
+}
+
+TEST(AdaptiveSchedule, SpendsTheSamplesWhereTheyPay) {
+    for (const std::uint32_t spp : {1u, 15u, 16u, 17u, 64u, 300u}) {
+        const std::vector<std::uint32_t> samples = all_samples(spp, ~0u);
+        double sum = 0;
+        std::uint32_t least = ~0u, most = 0;
+        for (const std::uint32_t n : samples) sum += n, least = std::min(least, n), most = std::max(most, n);
+        EXPECT_LE(sum, double(spp) * width * height);
+        EXPECT_GE(sum, 0.97 * spp * width * height - 16 * 64) << spp;
+        EXPECT_GE(16 * least, spp);
+        if (spp <= 16) EXPECT_EQ(least, most);
+        if (spp >= 64) EXPECT_GE(most, 4 * least) << spp;
+        for (const std::uint32_t n : samples) EXPECT_TRUE(spp < 16 || std::has_single_bit(n)) << n;
+    }
+}
+
+TEST(AdaptiveSchedule, DoesNotDependOnTheBatches) {
+    const std::vector<std::uint32_t> whole = all_samples(100, ~0u);
+    for (const std::uint32_t most : {5u, 64u, 777u}) EXPECT_EQ(all_samples(100, most), whole) << most;
+}
+
+TEST(AdaptiveSchedule, GoesOnFromEveryPosition) {
+    AdaptiveSchedule schedule(width, height, 60, 1000, true);
+    std::vector<std::uint32_t> samples(width * height);
+    while (!schedule.finished()) {
+        take(schedule, 900, samples);
+        AdaptiveSchedule other(width, height, 60, 777, true);
+        ASSERT_TRUE(other.go_to(schedule.position()));
+        ASSERT_EQ(other.samples(), schedule.samples());
+        ASSERT_EQ(other.listed(), schedule.listed());
+    }
+    EXPECT_EQ(samples, all_samples(60, ~0u));
+}
+
+TEST(AdaptiveSchedule, RefusesPositionsThatDoNotExist) {
+    AdaptiveSchedule schedule(width, height, 60, 1000, true);
+    std::vector<std::uint32_t> samples(width * height);
+    while (schedule.listed().empty()) take(schedule, 1000, samples);
+    const AdaptiveSchedule::Position good = schedule.position();
+    const auto accepts = [](const AdaptiveSchedule::Position& position) {
+        return AdaptiveSchedule(width, height, 60, 1000, true).go_to(position);
+    };
+    ASSERT_TRUE(accepts(good));
+    EXPECT_FALSE(AdaptiveSchedule(width, height, 60, 1000, false).go_to(good));
+    EXPECT_FALSE(AdaptiveSchedule(width, height, 17, 1000, true).go_to({{16, 0, 0, 0}, 0, std::vector(15u, 32u)}));
+    for (auto change : {+[](AdaptiveSchedule::Position& p) { p.group = 99; },
+                        +[](AdaptiveSchedule::Position& p) { p.tiles.pop_back(); },
+                        +[](AdaptiveSchedule::Position& p) { p.tiles[0] = 17; },
+                        +[](AdaptiveSchedule::Position& p) { p.tiles[0] = 0; },
+                        +[](AdaptiveSchedule::Position& p) { p.at.done = 99; },
+                        +[](AdaptiveSchedule::Position& p) { p.at.pixel = 1u << 20; }}) {
+        AdaptiveSchedule::Position bad = good;
+        change(bad);
+        EXPECT_FALSE(accepts(bad));
+    }
+}
+
+/// Two renders of the same seed by other batches, and the error against many samples: most of it is at the borders of
+/// the lamp and of shadows.
+TEST(AdaptiveSampling, HasLessErrorForAsManySamplesAndTheSameMean) {
+    const Scene scene = *builtin_scene("cornell");
+    const auto image = [&](unsigned spp, unsigned seed, bool adaptive) {
+        return render_image(scene, {.width = 64, .height = 64, .spp = spp, .seed = seed, .adaptive = adaptive});
+    };
+    const std::vector<glm::vec3> reference = image(1024, 77, false);
+    double square[2] = {0, 0}, means[2] = {0, 0};
+    for (unsigned seed = 1; seed <= 3; ++seed)
+        for (const bool adaptive : {false, true}) {
+            const std::vector<glm::vec3> rendered = image(64, seed, adaptive);
+            for (std::size_t p = 0; p < rendered.size(); ++p) {
+                const glm::vec3 d = rendered[p] - reference[p];
+                square[adaptive] += double(glm::dot(d, d));
+            }
+            means[adaptive] += mean(rendered).y / 3;
+        }
+    EXPECT_GT(square[0], 1.3 * square[1]);
+    EXPECT_NEAR(means[1] / means[0], 1, 0.01);
+    const std::vector<glm::vec3> whole = image(40, 1, true);
+    const ScopedTuning tuning("render/wavefront", "PATHS", 3'001);
+    EXPECT_TRUE(same_bits(image(40, 1, true), whole));
+}
+
+TEST(AdaptiveSampling, RefusesWhatItCannotDo) {
+    RenderConfig config{.width = 16, .height = 16, .adaptive = true};
+    Renderer renderer(device(), *builtin_scene("cornell"), config);
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "cannot change its size", [&] { renderer.resize(8, 8); }));
+    config.approximate.tile_sum = true;
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "adaptive sampling and",
+                             [&] { Renderer(device(), *builtin_scene("cornell"), config); }));
+}
+
+}  // namespace
+}  // namespace claray::test
