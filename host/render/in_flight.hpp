@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "claray/device.hpp"
-#include "host/render/schedule.hpp"
+#include "host/render/schedule/schedule.hpp"
 
 namespace claray {
 

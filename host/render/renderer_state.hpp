@@ -9,7 +9,6 @@
 #include "claray/renderer.hpp"
 #include "host/compute/device_state.hpp"
 #include "host/compute/joint_program.hpp"
-#include "host/render/adaptive_schedule.hpp"
 #include "host/render/aovs.hpp"
 #include "host/render/checkpoint/checkpoint.hpp"
 #include "host/render/deferred/gbuffer.hpp"
@@ -18,6 +17,7 @@
 #include "host/render/film/tone_map.hpp"
 #include "host/render/in_flight.hpp"
 #include "host/render/kernels/kernel_choice.hpp"
+#include "host/render/schedule/adaptive_schedule.hpp"
 #include "host/render/wavefront.hpp"
 
 namespace claray {
@@ -115,6 +115,7 @@ struct Renderer::State {
     auto timed(const Measure& measure);
     [[nodiscard]] bool target_met();
     [[nodiscard]] bool limit_reached();
+    [[nodiscard]] double optimism() const;  // factor of errors that the film underestimates
     [[nodiscard]] bool error_met();
     void look_at_error(unsigned spp);
     [[nodiscard]] double cut_off();

@@ -3,7 +3,7 @@
 #include "render/first_ray.clh"
 #include "render/queue.clh"
 #if CLARAY_CPU
-#include "render/samples_sixteen.clh"
+#include "math/vector_sixteen.clh"
 #endif
 
 /// Stores a ray and clears the radiance of its path. `times` is written under INSTANCE_MOTION only.

@@ -84,8 +84,8 @@ TEST_F(CheckpointOptions, KilledAtAnyMoment) {
             std::this_thread::sleep_for(std::chrono::microseconds(random() % 30'000));
         }  // SIGKILL
         const Checkpoint left = read_checkpoint(path("c"), identity, 16'000'000);
-        Schedule schedule(64 * 48, 16'000'000, 1);
-        schedule.go_to(left.position);
+        AdaptiveSchedule schedule(64, 48, 16'000'000, 1, false);
+        ASSERT_TRUE(schedule.go_to(left.position));
         EXPECT_GE(schedule.samples(), samples);
         samples = schedule.samples();
     }

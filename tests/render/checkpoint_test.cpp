@@ -97,7 +97,7 @@ TEST_F(CheckpointFiles, AdaptiveRendersGoOn) {
     }
     RenderConfig uniform = resumed();
     uniform.adaptive = false;
-    EXPECT_TRUE(refused(uniform, "effects or --adaptive"));
+    EXPECT_TRUE(refused(uniform, "other use of --adaptive"));
 }
 
 TEST_F(CheckpointFiles, MoreSamplesGoOnWhereFewerStopped) {

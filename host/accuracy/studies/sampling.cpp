@@ -71,13 +71,16 @@ Study study_sampling(const Device& device, const Scene& scene, const StudyOption
                      const AccuracyProgress& progress) {
     Study study;
     study.name = "sampling", study.title = "Samples per pixel", study.error = "RMSE / mean";
-    const auto by = [&](Sampler sampler) {
-        return [&device, &scene, sampler](RenderConfig config) {
-            config.sampler = sampler;
+    const auto by = [&](Sampler sampler, bool adaptive = false) {
+        return [&device, &scene, sampler, adaptive](RenderConfig config) {
+            config.sampler = sampler, config.adaptive = adaptive;
             return render_image(device, scene, config);
         };
     };
-    sweep(study, device, scene, options, {{"Sobol", by(Sampler::sobol)}, {"independent", by(Sampler::independent)}},
+    sweep(study, device, scene, options,
+          {{"Sobol", by(Sampler::sobol)},
+           {"independent", by(Sampler::independent)},
+           {"adaptive", by(Sampler::sobol, true)}},
           progress);
     return study;
 }

@@ -6,7 +6,7 @@
 #include "claray/renderer.hpp"
 #include "host/render/bake/texel_points.hpp"
 #include "host/render/film/film.hpp"
-#include "host/render/schedule.hpp"
+#include "host/render/schedule/schedule.hpp"
 #include "host/render/wavefront.hpp"
 
 namespace claray {

@@ -6,9 +6,9 @@
 
 #include "claray/renderer.hpp"
 #include "host/base/hash.hpp"
-#include "host/render/adaptive_schedule.hpp"
 #include "host/render/film/error_looks.hpp"
 #include "host/render/film/film.hpp"
+#include "host/render/schedule/adaptive_schedule.hpp"
 
 namespace claray {
 

@@ -125,7 +125,7 @@ Scene under_lamp(unsigned cuts) {
         }
     lamp.materials.assign(lamp.triangles.size(), 1);
     scene.meshes = {square(4.f, 0.f), lamp};
-    scene.camera = Camera{.position = {0, 1.4f, 0.1f}, .target = {0, 0, 0}, .vertical_fov = 40};
+    scene.camera = Camera{.position = {0, 1.4f, 0.1f}, .target = {0, 0, 0}, .vertical_fov = 4};
     return scene;
 }
 
@@ -149,7 +149,7 @@ double noise_square(const Scene& scene, unsigned spp) {
 /// Choosing the triangle by a number of its own would let the error fall by the root of the samples: a factor of 16 for
 /// its square. From 16 triangles on a tree chooses, whose shares do not divide the Sobol points evenly.
 TEST(Lights, DirectLightConvergesWithTheSamplesForAnyNumberOfTriangles) {
-    const std::map<unsigned, double> least = {{0, 256}, {1, 256}, {2, 256}, {4, 64}};
+    const std::map<unsigned, double> least = {{0, 128}, {1, 128}, {2, 128}, {4, 64}};
     for (const auto& [cuts, factor] : least) {
         const Scene scene = under_lamp(cuts);
         EXPECT_GT(noise_square(scene, 16), factor * noise_square(scene, 256)) << cuts;

@@ -1,4 +1,4 @@
-#include "host/render/adaptive_schedule.hpp"
+#include "host/render/schedule/adaptive_schedule.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -162,7 +162,9 @@ bool AdaptiveSchedule::go_to(const Position& to) {
     if (to.group >= groups_.size() || !within(to.at, groups_[to.group].pixels)) return false;
     begin_group(to.group);
     const std::uint32_t samples = groups_[to.group].samples;
-    if (to.at.done < samples || to.at.done >= 2 * samples || to.at.pass > 2 * samples - to.at.done) return false;
+    const bool in_pass = to.at.pixel != 0 || to.at.sample != 0;
+    if (to.at.done < samples || to.at.done >= 2 * samples) return false;
+    if (in_pass && to.at.pass > 2 * samples - to.at.done) return false;
     current_->go_to(to.at);
     return this->samples() <= budget_;
 }

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "host/render/schedule.hpp"
+#include "host/render/schedule/schedule.hpp"
 
 namespace claray {
 
@@ -21,6 +21,8 @@ public:
     [[nodiscard]] bool finished() const { return has_ended_ || (!adaptive_ && uniform_.finished()); }
     /// Returns whether `plan` must be called before `next`.
     [[nodiscard]] bool wants_plan() const { return adaptive_ && !has_ended_ && uniform_.finished() && groups_.empty(); }
+    /// Returns whether pixels may have different numbers of samples.
+    [[nodiscard]] bool has_rounds() const { return !tiles_.empty(); }
     /// Plans the next round from the variance of each pixel's mean, in any unit. If no tile can be doubled within the
     /// samples left, the schedule is finished.
     void plan(const std::vector<float>& variances);

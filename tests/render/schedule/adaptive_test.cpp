@@ -3,9 +3,8 @@
 
 #include <bit>
 #include <cmath>
-#include <random>
 
-#include "host/render/adaptive_schedule.hpp"
+#include "host/render/schedule/adaptive_schedule.hpp"
 #include "tests/render/scenes.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
@@ -16,14 +15,11 @@ namespace {
 
 constexpr unsigned width = 37, height = 21;  // tiles at two borders are parts
 
-/// The variance of each pixel after these samples, if it falls with their number: a few pixels have most of it.
+/// The variance of each pixel after these samples, if it falls with their number: the left eighth has most of it.
 std::vector<float> variances_after(const std::vector<std::uint32_t>& samples) {
-    std::mt19937 random(5);
     std::vector<float> variances;
-    for (const std::uint32_t n : samples) {
-        const float of_sample = random() % 50 == 0 ? 100.f : 0.01f;
-        variances.push_back(of_sample / float(n));
-    }
+    for (std::size_t p = 0; p < samples.size(); ++p)
+        variances.push_back((p % width < 5 ? 100.f : 0.01f) / float(samples[p]));
     return variances;
 }
 
@@ -64,8 +60,8 @@ TEST(AdaptiveSchedule, SpendsTheSamplesWhereTheyPay) {
         EXPECT_LE(sum, double(spp) * width * height);
         EXPECT_GE(sum, 0.97 * spp * width * height - 16 * 64) << spp;
         EXPECT_GE(16 * least, spp);
-        if (spp <= 16) EXPECT_EQ(least, most);
-        if (spp >= 64) EXPECT_GE(most, 4 * least) << spp;
+        EXPECT_TRUE(spp > 16 || least == most) << spp;
+        EXPECT_TRUE(spp < 64 || (samples[2] == most && most >= 8 * least)) << spp;
         for (const std::uint32_t n : samples) EXPECT_TRUE(spp < 16 || std::has_single_bit(n)) << n;
     }
 }

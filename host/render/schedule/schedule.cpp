@@ -1,4 +1,4 @@
-#include "host/render/schedule.hpp"
+#include "host/render/schedule/schedule.hpp"
 
 #include <algorithm>
 

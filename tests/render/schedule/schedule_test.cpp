@@ -1,5 +1,5 @@
 // How an image is cut into batches, and how large these are.
-#include "host/render/schedule.hpp"
+#include "host/render/schedule/schedule.hpp"
 
 #include <gtest/gtest.h>
 
