@@ -189,7 +189,7 @@ TEST(Study, OfSamplesFallsAsMonteCarloDoes) {
         EXPECT_LT(p.error.low, p.error.high) << "every run has a seed of its own";
         if (p.method == "independent") samples.push_back(p.value), errors.push_back(p.error.median);
     }
-    EXPECT_EQ(study.points.size(), 10u);
+    EXPECT_EQ(study.points.size(), 15u) << "three samplers, five numbers of samples";
     EXPECT_NEAR(log_log_slope(samples, errors), -0.5, 0.1);  // of 576 pixels and three runs
     EXPECT_LT(study.floor, errors.back());
 }

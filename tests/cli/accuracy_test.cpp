@@ -19,7 +19,7 @@ TEST(Accuracy, WritesPointsAsJsonTableAndReport) {
     ASSERT_EQ(report.at("studies").size(), 3u);
     const auto& sampling = report.at("studies")[0];
     EXPECT_EQ(sampling.at("name"), "sampling");
-    ASSERT_EQ(sampling.at("points").size(), 6u);
+    ASSERT_EQ(sampling.at("points").size(), 9u);
     EXPECT_EQ(sampling.at("points")[2].at("setting"), "4 spp");
     EXPECT_GT(sampling.at("points")[0].at("error").at("median"), sampling.at("points")[2].at("error").at("median"));
     EXPECT_EQ(read_file(html).find("<!doctype html>"), 0u);
