@@ -1,7 +1,6 @@
 // The time of every kernel of the pipeline, by its name: bench_stages [--device D] [--triangles N] [--side PIXELS]
-// [--rounds N]
-// [--csv FILE]. Everything runs by the schedule of CPUs and by that of GPUs, whatever the device, so that each kernel
-// has a row (tests/docs/house looks for them in bench/results).
+// [--rounds N] [--queries] [--csv FILE]. Everything runs by the schedule of CPUs and by that of GPUs, whatever the
+// device, so that each kernel has a row (tests/docs/house looks for them in bench/results).
 #include <cstdio>
 
 #include "bench/support.hpp"
@@ -16,6 +15,7 @@ struct Options {
     std::string device, csv;
     unsigned triangles = 100'000, side = 256;
     int rounds = 9;
+    bool queries = false;
 };
 
 using Task = std::function<void()>;
@@ -85,7 +85,8 @@ std::vector<Task> other_queries(const Device& device, const std::vector<Mesh>& m
     const Buffer<Ray> rays(device, measure::random_rays(bounds_of(meshes[0]), count));
     std::vector<float> numbers(12 * count);
     measure::Pcg random;
-    for (float& number : numbers) number = random.uniform();
+    for (std::size_t i = 0; i < numbers.size(); ++i)
+        numbers[i] = random.uniform() * (i % 4 == 3 ? 0.02f : 1.f);  // radii
     const Buffer<float> points(device, std::span(numbers).first(3 * count)),
         spheres(device, std::span(numbers).first(400)), boxes(device, std::span(numbers).first(600)),
         centers(device, std::span(numbers).first(4 * count));
@@ -176,6 +177,7 @@ Task bake(const Device& device) {
 
 std::vector<Task> tasks_of(const Device& device, const Options& options, Layout layout) {
     const std::vector<Mesh> meshes = measure::load_meshes("soup:" + std::to_string(options.triangles));
+    if (options.queries) return other_queries(device, meshes, options.side, layout);
     std::vector<Task> tasks = builds(device, meshes, layout);
     const std::vector<Task> traces = queries(device, meshes, options.side, layout);
     tasks.insert(tasks.end(), traces.begin(), traces.end());
@@ -213,6 +215,7 @@ int main(int argc, char** argv) try {
     app.add_option("--triangles", options.triangles, "of the trees [100000]");
     app.add_option("--side", options.side, "pixels along each side of an image [256]");
     app.add_option("--rounds", options.rounds);
+    app.add_flag("--queries", options.queries, "only points, lists of hits, overlaps and primitives");
     app.add_option("--csv", options.csv);
     CLI11_PARSE(app, argc, argv);
     const Device device = Device::open(options.device);

@@ -84,6 +84,22 @@ TEST_P(InsideTest, NextToTheSurfaceIsExact) {
     expect_inside_of_convex(build(mesh), mesh, points);
 }
 
+/// Triangles whose planes pass the origin so closely that float64 cannot tell on which side: determinants of 1 and -1,
+/// the differences between the product of three numbers and 2^66.
+TEST_P(InsideTest, IsExactBeyondFloat64) {
+    if (!device().info().fp64) GTEST_SKIP() << "parities are exact with float64 only";
+    const std::vector<glm::vec3> origin = {{0, 0, 0}};
+    constexpr float side = 0x1p22f;
+    for (const auto& [factors, above] : {std::pair(glm::vec3(4194305, 4065217, 4327489), true),
+                                         std::pair(glm::vec3(8640387, 14245331, 599479), false)})
+        for (const float up : {1.f, -1.f}) {
+            Mesh mesh;
+            mesh.positions = {{factors.x, -side, 0}, {0, factors.y, -side * up}, {-side, 0, factors.z * up}};
+            mesh.triangles = {{0, 1, 2}};
+            EXPECT_EQ(inside(build(mesh), origin)[0] != 0, above == (up > 0));
+        }
+}
+
 /// A box of unit squares, whose points with whole coordinates are above vertices and edges.
 TEST_P(InsideTest, OnALatticeIsExact) {
     Mesh cube;
