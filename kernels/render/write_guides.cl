@@ -23,7 +23,7 @@ static inline uint guided_pixel(const GuideStep* guide, uint i, global const uin
 /// The sample of a camera ray, as a batch of its own.
 static inline Batch sample_of(const GuideStep* guide, uint ray, global const uint* list) {
     const uint samples = guide->step.batch.samples;
-    const Batch one = {guided_pixel(guide, ray / samples, list), 1u, ray % samples, 1u};
+    const Batch one = {guided_pixel(guide, ray / samples, list), 1u, ray % samples, 1u, 0u};
     return one;
 }
 
