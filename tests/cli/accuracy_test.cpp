@@ -25,7 +25,7 @@ TEST(Accuracy, WritesPointsAsJsonTableAndReport) {
     EXPECT_EQ(read_file(html).find("<!doctype html>"), 0u);
     EXPECT_NE(read_file(html).find("<svg"), std::string::npos);
     const std::string rows = read_file(csv);
-    EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 1 + 6 + 21 + 3);
+    EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 1 + 9 + 21 + 3);
     EXPECT_EQ(report.at("studies")[2].at("points")[1].at("facts").at("bytes a node"), 48);
 }
 

@@ -95,13 +95,28 @@ TEST_F(Failures, OfQueries) {
                    float(i % 7) / 7 - 0.5f, float(i % 11) / 11 - 0.5f, 1,  9};
     const Bvh bvh = Bvh::build(device_, std::span(&mesh_, 1));
     const std::vector<Hit> expected = closest_hit(bvh, rays);
-    const auto query = [&] {
+    const auto of_host = [&] {  // CPUs read and write the host's memory in place
         const std::vector<Hit> hits = closest_hit(bvh, rays);
         ASSERT_EQ(std::memcmp(hits.data(), expected.data(), hits.size() * sizeof(Hit)), 0);
         (void)any_hit(bvh, rays);
     };
-    allocations(query, 4);
-    commands(query, 2);
+    allocations(of_host, 0);
+    commands(of_host, 2);
+    const auto of_device = [&] {
+        const auto occluded = [&] {
+            const Buffer<Ray> on_device(device_, rays);
+            Buffer<std::uint8_t> answers(device_, rays.size());
+            any_hit(bvh, on_device, answers);
+        };
+        const Buffer<Ray> on_device(device_, rays);
+        Buffer<Hit> hits(device_, rays.size());
+        closest_hit(bvh, on_device, hits);
+        const std::vector<Hit> found = hits.read();
+        ASSERT_EQ(std::memcmp(found.data(), expected.data(), found.size() * sizeof(Hit)), 0);
+        occluded();
+    };
+    allocations(of_device, 4);
+    commands(of_device, 2);
 }
 
 TEST_F(Failures, OfRenders) {
