@@ -71,7 +71,7 @@ void add_probe_command(CLI::App& app, Action& action) {
         "  claray probe cornell -o box.hdr --from 0,1,0 --faces    (box/px.hdr, box/nx.hdr, ...)");
     auto o = std::make_shared<ProbeOptions>();
     command->add_option("scene", o->scene, "A scene file, or a built-in scene (see claray scenes)")->required();
-    command->add_option("-o,--output", o->output, "Output image: .hdr, .pfm or .png (up to a radiance of 1)")
+    command->add_option("-o,--output", o->output, "Output image: .hdr, .pfm, .exr or .png (up to a radiance of 1)")
         ->required();
     add_vector_option(*command, "--from", o->from, "The point, X,Y,Z")->required();
     command->add_flag("--faces", o->faces, "Write the faces of a cube, into a folder named as the output");
