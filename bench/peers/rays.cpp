@@ -44,10 +44,12 @@ std::vector<View> views_from_inside(const Device& device, const Scene& scene) {
     for (std::size_t place = 0; place < places.size(); ++place) {
         double sum = 0;
         for (int i = 0; i < directions; ++i)
-            if (hits[place * directions + std::size_t(i)].primitive != CLARAY_MISS) sum += std::log1p(1e3 * distance(place, i) / size);
+            if (hits[place * directions + std::size_t(i)].primitive != CLARAY_MISS)
+                sum += std::log1p(1e3 * distance(place, i) / size);
         if (sum > best_sum) best = place, best_sum = sum;
     }
-    const glm::vec3 eye = places[best], light = eye + glm::vec3(0, 0.5f * std::min(distance(best, 0), bounds.extent().y), 0);
+    const glm::vec3 eye = places[best],
+                    light = eye + glm::vec3(0, 0.5f * std::min(distance(best, 0), bounds.extent().y), 0);
     std::vector<View> views;
     for (const float angle : {0.f, 2.1f, 4.2f}) {
         const glm::vec3 ahead(std::sin(angle), -0.2f, std::cos(angle));
