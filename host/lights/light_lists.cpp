@@ -13,7 +13,7 @@ namespace {
 constexpr float cell_of_range = 0.4f;  // length of a cell, of the lights' median range
 constexpr float most_cells = 1 << 18;
 constexpr std::size_t most_asked = 24;  // about, of the lists that tell their mean length
-constexpr float margin = 1e-4f;          // of a cell's length and of a range, against rounding
+constexpr float margin = 1e-4f;         // of a cell's length and of a range, against rounding
 
 struct Sphere {
     glm::vec3 center;

@@ -252,8 +252,8 @@ void Wavefront::generate(const Batch& batch, bool centers) {
     const std::uint32_t paths = batch.pixels * batch.samples;
     const std::uint32_t items = device_.info().type == DeviceType::cpu ? (paths + 15) / 16 : paths;
     lengths_[0].fill(paths);
-    kernels_.generate.run({items, 64}, batch, frame_, std::uint32_t(centers), scene_.tables, rays_[0], arg("radiance", radiance_),
-                          arg("times", times_[0]));
+    kernels_.generate.run({items, 64}, batch, frame_, std::uint32_t(centers), scene_.tables, rays_[0],
+                          arg("radiance", radiance_), arg("times", times_[0]));
 }
 
 void Wavefront::trace(const Batch& batch) {

@@ -220,7 +220,8 @@ TEST(Study, OfBiasMeasuresTheApproximationsAskedFor) {
     const Study study = study_bias(device(), scene, options);
     EXPECT_EQ(study.points.size(), 21u + 2);
     const double direct = point_named(study, "path depth", "depth 1").error.median;
-    EXPECT_GT(point_named(study, "approximations", "tile-sum").error.median, direct) << "which has shadows and the lamp";
+    EXPECT_GT(point_named(study, "approximations", "tile-sum").error.median, direct)
+        << "which has shadows and the lamp";
     EXPECT_GT(point_named(study, "approximations", "no-shadows").error.median, 0.1) << "light passes through the boxes";
 }
 

@@ -44,8 +44,9 @@ TEST_F(BadInput, FolderAsScene) {
     EXPECT_TRUE(failed_with(render(folder_.path().string()), 2, folder_.path().string()));
 }
 TEST_F(BadInput, UnknownScene) {
-    EXPECT_TRUE(failed_with(render("no-such-scene"), 2,
-                            "unknown scene 'no-such-scene'; give a .obj, .ply, .stl, .gltf or .glb file or one of cornell"));
+    EXPECT_TRUE(
+        failed_with(render("no-such-scene"), 2,
+                    "unknown scene 'no-such-scene'; give a .obj, .ply, .stl, .gltf or .glb file or one of cornell"));
 }
 TEST_F(BadInput, BadTriangleCount) { EXPECT_TRUE(failed_with(render("soup:many"), 2, "soup:N")); }
 

@@ -307,7 +307,8 @@ TEST(Film, ErrorDoesNotDependOnTheBatches) {
 TEST(Film, ErrorCountsSamplesThatWereDropped) {
     Film film(device(), 1, true);
     const float nan = std::numeric_limits<float>::quiet_NaN();
-    film.accumulate({0, 1, 0, 6, 0}, Buffer<float>(device(), {4, 4, 4, 8, 8, 8, 4, 4, 4, nan, 1, 1, 4, 4, 4, nan, 1, 1}));
+    film.accumulate({0, 1, 0, 6, 0},
+                    Buffer<float>(device(), {4, 4, 4, 8, 8, 8, 4, 4, 4, nan, 1, 1, 4, 4, 4, nan, 1, 1}));
     EXPECT_EQ(film.image()[0], glm::vec3(5));
     EXPECT_NEAR(look_at(film).estimate, std::sqrt(16. * 3 / 16) / 5, 1e-6);
     EXPECT_EQ(film.noise().dropped, 2u);

@@ -85,7 +85,8 @@ void add_target_options(CLI::App& command, RenderOptions& o) {
 void check_targets(const CLI::App& command, RenderOptions& o) {
     if (command.count("--fps") == 0 && command.count("--output") == 0) throw CLI::RequiredError("--output");
     check_frames(command, o);
-    refuse_both(command, "--fps", {"--spp", "--error", "--time", "--noise", "--checkpoint", "--resume", "--aov", "--adaptive"},
+    refuse_both(command, "--fps",
+                {"--spp", "--error", "--time", "--noise", "--checkpoint", "--resume", "--aov", "--adaptive"},
                 "the frame time decides the number of samples");
     refuse_both(command, "--fps", {"--stats", "--trace"}, "--fps renders several images");
     if (o.fps > 0) o.config.spp = most_spp;

@@ -6,13 +6,13 @@
 
 CLARAY_SHARED_BEGIN
 
-/// A node of the binary tree with quantized boxes, on a separate grid per node, rounded outward. Words per node: origin,
-/// three exponents, twelve planes, two children (compare Ylitie, Karras and Laine 2017, "Efficient Incoherent Ray
-/// Traversal on GPUs Through Compressed Wide BVHs").
+/// A node of the binary tree with quantized boxes, on a separate grid per node, rounded outward. Words per node:
+/// origin, three exponents, twelve planes, two children (compare Ylitie, Karras and Laine 2017, "Efficient Incoherent
+/// Ray Traversal on GPUs Through Compressed Wide BVHs").
 #define CLARAY_QUANTIZED_WORDS(bits) (4 + 12 * (bits) / 32 + 2)
 
-/// A cell of space. A k-d tree cuts it by one plane into two children, an octree by three into eight. Bit k of a child's
-/// place among its siblings is set if it is above the plane of axis k (k-d tree: above the plane).
+/// A cell of space. A k-d tree cuts it by one plane into two children, an octree by three into eight. Bit k of a
+/// child's place among its siblings is set if it is above the plane of axis k (k-d tree: above the plane).
 typedef struct CellNode {
     float plane[3];  // by axis; of a k-d tree only plane[axis]
     uint first;      // the first child; of a leaf, the first entry of its list of triangles
