@@ -14,6 +14,7 @@
 #include "claray/io.hpp"
 #include "host/accuracy/plot.hpp"
 #include "host/accuracy/study.hpp"
+#include "host/accuracy/study_list.hpp"
 #include "host/base/file.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/options/option_rules.hpp"
@@ -25,31 +26,6 @@
 
 namespace claray::cli {
 namespace {
-
-using RunStudy = Study (*)(const Device&, const Scene&, const StudyOptions&, const AccuracyProgress&);
-using RunStudyWithMaps = Study (*)(const Device&, const Scene&, const StudyOptions&, const AccuracyProgress&,
-                                   std::vector<ErrorMap>*);
-struct NamedStudy {
-    const char* name;
-    RunStudy run;  ///< null for studies that also make maps
-    RunStudyWithMaps run_with_maps = nullptr;
-};
-constexpr NamedStudy all_studies[] = {{"hard-rays", study_hard_rays},
-                                      {"scene-rays", study_scene_rays},
-                                      {"builds", study_builds},
-                                      {"trees", study_trees},
-                                      {"nodes", study_nodes},
-                                      {"sampling", study_sampling},
-                                      {"techniques", study_techniques},
-                                      {"denoising", study_denoising},
-                                      {"bias", study_bias},
-                                      {"arithmetic", study_arithmetic},
-                                      {"sums", study_sums},
-                                      {"filtering", study_filtering},
-                                      {"depth", nullptr, study_depth},
-                                      {"gamma", study_gamma},
-                                      {"shading", study_shading},
-                                      {"effects", nullptr, study_effects}};
 
 struct AccuracyOptions {
     std::string scene, device, only;

@@ -8,55 +8,32 @@
 #include "callback.hpp"
 #include "handles.hpp"
 #include "host/accuracy/plot.hpp"
+#include "host/accuracy/study_list.hpp"
 
 namespace claray::python {
 namespace {
 
-using StudyFunction = Study (*)(const Device&, const Scene&, const StudyOptions&, const AccuracyProgress&);
-
-Study depth(const Device& d, const Scene& s, const StudyOptions& o, const AccuracyProgress& p) {
-    return study_depth(d, s, o, p);
-}
-Study effects(const Device& d, const Scene& s, const StudyOptions& o, const AccuracyProgress& p) {
-    return study_effects(d, s, o, p);
-}
-
-/// As `claray accuracy --only` names them.
-constexpr std::pair<const char*, StudyFunction> studies[] = {{"hard-rays", study_hard_rays},
-                                                             {"scene-rays", study_scene_rays},
-                                                             {"builds", study_builds},
-                                                             {"nodes", study_nodes},
-                                                             {"sampling", study_sampling},
-                                                             {"techniques", study_techniques},
-                                                             {"denoising", study_denoising},
-                                                             {"bias", study_bias},
-                                                             {"arithmetic", study_arithmetic},
-                                                             {"sums", study_sums},
-                                                             {"filtering", study_filtering},
-                                                             {"depth", depth},
-                                                             {"gamma", study_gamma},
-                                                             {"shading", study_shading},
-                                                             {"effects", effects}};
-
-StudyFunction study_called(const std::string& name) {
+const NamedStudy& study_called(const std::string& name) {
     std::string names;
-    for (const auto& [known, function] : studies) {
-        if (name == known) return function;
-        names += std::string(names.empty() ? "" : ", ") + known;
+    for (const NamedStudy& known : all_studies) {
+        if (name == known.name) return known;
+        names += std::string(names.empty() ? "" : ", ") + known.name;
     }
     throw Error(ErrorKind::usage, "study: unknown name '" + name + "'", "use one of " + names);
 }
 
 Study run(const PyDevice& device, const Scene& scene, const std::string& name, const StudyOptions& options,
           const nb::object& progress) {
-    const StudyFunction function = study_called(name);
+    const NamedStudy& named = study_called(name);
     Callback callback(progress);
     Study study;
     try {
         study = without_gil(device, [&] {
-            return function(device.device, scene, options, [&](double done, const std::string& what) {
+            const auto tell = [&](double done, const std::string& what) {
                 return callback([&] { return nb::make_tuple(done, what); });
-            });
+            };
+            return named.run != nullptr ? named.run(device.device, scene, options, tell)
+                                        : named.run_with_maps(device.device, scene, options, tell, nullptr);
         });
     } catch (const Error&) {
         callback.rethrow();  // which is why the study stopped
@@ -88,7 +65,7 @@ nb::dict as_dict(const StudyPoint& p) {
 void bind_accuracy(nb::module_& module) {
     module.def("study_names", [] {
         std::vector<std::string> names;
-        for (const auto& study : studies) names.emplace_back(study.first);
+        for (const NamedStudy& study : all_studies) names.emplace_back(study.name);
         return names;
     });
     nb::class_<StudyOptions>(module, "NativeStudyOptions")
