@@ -23,19 +23,17 @@ struct Sums {
     std::uint32_t renders = 0;
 };
 
-std::vector<glm::vec3> render_once(const Device& device, const Scene& scene, RenderConfig config, unsigned spp,
-                                   std::uint32_t seed) {
-    config.spp = spp, config.seed = seed, config.seconds = config.noise = 0;
-    Renderer renderer(device, scene, config);
+std::vector<glm::vec3> render_once(Renderer& renderer, unsigned spp, std::uint32_t seed) {
+    renderer.restart(seed, spp);
     renderer.render();
     return renderer.image();
 }
 
 /// A name that differs if the converged image may differ. Renders are reproducible bit for bit, so that a few samples
 /// identify scene and settings.
-std::string name_of_reference(const Device& device, const Scene& scene, const RenderConfig& config,
+std::string name_of_reference(const Device& device, Renderer& renderer, const RenderConfig& config,
                               std::uint32_t seed) {
-    const std::vector<glm::vec3> probe = render_once(device, scene, config, 4, seed - 1);
+    const std::vector<glm::vec3> probe = render_once(renderer, 4, seed - 1);
     std::string all = device.info().name + '\n' + device.info().driver + '\n' + std::to_string(config.width) + 'x' +
                       std::to_string(config.height) + ' ' + std::to_string(config.max_depth) + ' ' +
                       std::to_string(seed) + '\n';
@@ -101,8 +99,8 @@ void refuse_black(const Sums& sums) {
                 "add light, or choose studies of rays and trees");
 }
 
-void add_render(Sums& sums, const Device& device, const Scene& scene, const RenderConfig& config, std::uint32_t seed) {
-    const auto image = render_once(device, scene, config, render_spp, seed + sums.renders);
+void add_render(Sums& sums, Renderer& renderer, std::uint32_t seed) {
+    const auto image = render_once(renderer, render_spp, seed + sums.renders);
     for (std::size_t i = 0; i < 3 * image.size(); ++i) {
         const double value = double(image[i / 3][glm::length_t(i % 3)]);
         sums.values[i] += value, sums.squares[i] += value * value;
@@ -112,12 +110,15 @@ void add_render(Sums& sums, const Device& device, const Scene& scene, const Rend
 
 }  // namespace
 
-ReferenceImage reference_image(const Device& device, const Scene& scene, const RenderConfig& config,
+ReferenceImage reference_image(const Device& device, const Scene& scene, const RenderConfig& how,
                                const ReferenceOptions& options, const AccuracyProgress& progress) {
+    RenderConfig config = how;
+    config.spp = render_spp, config.seconds = config.noise = 0;
+    Renderer renderer(device, scene, config);
     const std::size_t values = 3 * std::size_t(config.width) * config.height;
     const std::filesystem::path path = options.folder.empty()
                                            ? options.folder
-                                           : options.folder / name_of_reference(device, scene, config, options.seed);
+                                           : options.folder / name_of_reference(device, renderer, config, options.seed);
     Sums sums{std::vector<double>(values), std::vector<double>(values), 0};
     if (!path.empty()) {
         make_folder(options.folder);
@@ -137,7 +138,7 @@ ReferenceImage reference_image(const Device& device, const Scene& scene, const R
     };
     try {
         while (!is_enough()) {
-            add_render(sums, device, scene, config, options.seed);
+            add_render(sums, renderer, options.seed);
             changed = true;
             if (std::chrono::steady_clock::now() - saved > between_saves) save();
             const unsigned spp = render_spp * sums.renders;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <mutex>
 #include <numbers>
 
 #include "host/base/in_parallel.hpp"
@@ -152,7 +153,7 @@ void fill_table(float* table, CosineOf cosine_of, Value value) {
     });
 }
 
-void fill_conductor(float* table) {
+void fill_conductor(float* table, double) {
     const auto all = [](double) { return 1.0; };
     fill_table(table, loss_cosine, [&](double cosine, double alpha) { return 1 - reflected_once(cosine, alpha, all); });
 }
@@ -188,7 +189,7 @@ double sheen_albedo(double cosine, double alpha) {
     return sum * (2 + 1 / alpha) / (rings * turns);
 }
 
-void fill_sheen(float* table) {
+void fill_sheen(float* table, double) {
     in_parallel(size, [&](std::size_t row) {
         const double roughness = CLARAY_LEAST_SHEEN + (1.0 - CLARAY_LEAST_SHEEN) * place_of(int(row));
         for (int i = 0; i < size; ++i) table[row * size + i] = float(sheen_albedo(cosine_at(i), roughness * roughness));
@@ -242,7 +243,7 @@ void fill_stretched_rows(float* rows, float* average, double along, double acros
 }
 
 /// Kernels look up only alphas along the tangent that are at least those across it: cells on and above the diagonal.
-void fill_stretched(float* table) {
+void fill_stretched(float* table, double) {
     constexpr int steps = CLARAY_STRETCH_SIZE;
     in_parallel(steps * steps, [&](std::size_t cell) {
         const int along = int(cell) / steps, across = int(cell) % steps;
@@ -252,28 +253,18 @@ void fill_stretched(float* table) {
     });
 }
 
-/// A table that does not depend on materials, computed once.
-template <int length, class Fill>
-void fill_once(float* table, Fill fill) {
-    static const std::vector<float> made = [&] {
-        std::vector<float> values(length);
-        fill(values.data());
-        return values;
-    }();
-    std::copy(made.begin(), made.end(), table);
-}
-
-void fill_opaque(float* block, double ior) {
+void fill_opaque(float* table, double ior) {
     const auto reflectance = [&](double cosine) { return fresnel(cosine, ior); };
-    fill_table(block + CLARAY_UNREFLECTED, root_cosine,
+    fill_table(table, root_cosine,
                [&](double cosine, double alpha) { return 1 - reflected_once(cosine, alpha, reflectance); });
 }
 
-void fill_transparent(float* block, double ior) {
+/// The tables of light lost outside and inside, and the transmittance after them.
+void fill_transparent(float* tables, double ior) {
     for (const bool inside : {false, true}) {
         const double eta = inside ? 1 / ior : ior;
         const auto reflectance = [&](double cosine) { return fresnel(cosine, eta); };
-        fill_table(block + (inside ? CLARAY_LOST_INSIDE : CLARAY_LOST_OUTSIDE), loss_cosine,
+        fill_table(tables + (inside ? CLARAY_LOST_INSIDE - CLARAY_LOST_OUTSIDE : 0), loss_cosine,
                    [&](double cosine, double alpha) {
                        return 1 - reflected_once(cosine, alpha, reflectance) - transmitted_once(cosine, alpha, eta);
                    });
@@ -284,7 +275,7 @@ void fill_transparent(float* block, double ior) {
         const double cosine = (i + 0.5) / steps;
         transmittance += 2 * cosine * (1 - fresnel(cosine, ior)) / steps;
     }
-    block[CLARAY_TRANSMITTANCE] = float(transmittance);
+    tables[CLARAY_TRANSMITTANCE - CLARAY_LOST_OUTSIDE] = float(transmittance);
 }
 
 /// Reflection of the kernels' metal without absorption: row i holds the shares of light from cosine_at(i) that arrive
@@ -340,6 +331,22 @@ void fill_coat_scales(float* scales, double ior) {
     });
 }
 
+/// Copies what `fill` computes for an index of refraction. Renderers of the same materials share the result. Animated
+/// materials can have any number of indices: when 64 are kept, all are forgotten.
+template <auto fill, int length>
+void copy_table(float* to, double ior = 1) {
+    static std::mutex mutex;
+    static std::map<double, std::vector<float>> made;
+    const std::scoped_lock lock(mutex);
+    if (made.size() == 64 && !made.contains(ior)) made.clear();
+    std::vector<float>& values = made[ior];
+    if (values.empty()) {
+        values.resize(length);
+        fill(values.data(), ior);
+    }
+    std::copy(values.begin(), values.end(), to);
+}
+
 }  // namespace
 
 EnergyTables::EnergyTables(std::span<const Material> materials) {
@@ -358,16 +365,17 @@ void EnergyTables::fill_tables() {
     data_.resize(stretched_ ? CLARAY_STRETCH + CLARAY_STRETCH_TABLE
                  : sheen_   ? CLARAY_SHEEN + CLARAY_ENERGY_TABLE
                             : CLARAY_ENERGY_TABLE);
-    if (conductor_) fill_conductor(data_.data());
-    if (sheen_) fill_once<CLARAY_ENERGY_TABLE>(data_.data() + CLARAY_SHEEN, fill_sheen);
-    if (stretched_) fill_once<CLARAY_STRETCH_TABLE>(data_.data() + CLARAY_STRETCH, fill_stretched);
+    constexpr int transparent = CLARAY_TRANSMITTANCE + 1 - CLARAY_LOST_OUTSIDE;
+    if (conductor_) copy_table<fill_conductor, CLARAY_ENERGY_TABLE>(data_.data());
+    if (sheen_) copy_table<fill_sheen, CLARAY_ENERGY_TABLE>(data_.data() + CLARAY_SHEEN);
+    if (stretched_) copy_table<fill_stretched, CLARAY_STRETCH_TABLE>(data_.data() + CLARAY_STRETCH);
     for (const auto& [ior, needs] : needs_) {
         blocks_[ior] = std::uint32_t(data_.size());
         data_.resize(data_.size() + CLARAY_ENERGY_BLOCK + (needs.coat ? CLARAY_COAT_TABLE : 0));
         float* block = data_.data() + blocks_[ior];
-        if (needs.opaque) fill_opaque(block, double(ior));
-        if (needs.transparent) fill_transparent(block, double(ior));
-        if (needs.coat) fill_coat_scales(block + CLARAY_COAT_SCALES, double(ior));
+        if (needs.opaque) copy_table<fill_opaque, CLARAY_ENERGY_TABLE>(block + CLARAY_UNREFLECTED, ior);
+        if (needs.transparent) copy_table<fill_transparent, transparent>(block + CLARAY_LOST_OUTSIDE, ior);
+        if (needs.coat) copy_table<fill_coat_scales, CLARAY_COAT_TABLE>(block + CLARAY_COAT_SCALES, ior);
     }
 }
 

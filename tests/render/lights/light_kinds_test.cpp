@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/effects/effects.hpp"
 #include "host/lights/lights.hpp"
 #include "tests/render/scenes.hpp"
 #include "tests/render/textures/textures.hpp"
@@ -257,6 +258,8 @@ protected:
         device().set_tuning("render/shade_surface", "TECHNIQUES", techniques);
         RenderConfig config{.width = 16, .height = 16, .spp = 1024, .max_depth = 1};
         config.sampler = sampler;
+        if (scene.textures.empty())  // one program for all of these
+            config.effects.add = sampled_lights | EffectSet{Effect::lambert, Effect::metal, Effect::many_lights};
         Renderer renderer(device(), scene, config);
         const double error = renderer.render().noise / 16;
         device().set_tuning("render/shade_surface", "TECHNIQUES", 3);
