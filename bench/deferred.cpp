@@ -1,6 +1,6 @@
 // Frames under many moving lights: device time of each kernel, in milliseconds (medians over frames):
 //   bench_deferred [--device D] [--scene NAME] [--size WIDTH HEIGHT] [--lights N] [--range METRES] [--equal]
-//                  [--camera X Y Z --target X Y Z] [--rounds N] [--noise] [--csv FILE]
+//                  [--camera X Y Z --target X Y Z] [--frames NAME...] [--rounds N] [--noise] [--csv FILE]
 // Half of the lights are points, half are spots. Every frame moves all of them. The frames are
 //   tile-sum    all lights without shadows, by the lists of tiles (Approximations::tile_sum)
 //   all-lights  the same with lists of all lights
@@ -23,6 +23,7 @@ struct Options {
     float range = 2.5f;
     bool equal = false, noise = false;
     std::vector<float> camera, target;
+    std::vector<std::string> frames = {"tile-sum", "all-lights", "pick"};
     int rounds = 9;
 };
 
@@ -119,6 +120,7 @@ int main(int argc, char** argv) try {
     app.add_flag("--equal", options.equal, "shorten the range so that a tile has as many lights as with 1000");
     app.add_option("--camera", options.camera, "its position")->expected(3);
     app.add_option("--target", options.target, "where it looks")->expected(3);
+    app.add_option("--frames", options.frames, "which to time [tile-sum all-lights pick]")->expected(1, 3);
     app.add_option("--rounds", options.rounds);
     app.add_flag("--noise", options.noise, "print the noise of one sample per pixel of `pick` only");
     app.add_option("--csv", options.csv);
@@ -137,15 +139,20 @@ int main(int argc, char** argv) try {
         return 0;
     }
     std::vector<Frames> all;
-    for (const Method& method : methods) all.emplace_back(Device::open(options.device), scene, options, method);
+    std::vector<const char*> names;
+    for (const Method& method : methods) {
+        if (std::find(options.frames.begin(), options.frames.end(), method.name) == options.frames.end()) continue;
+        all.emplace_back(Device::open(options.device), scene, options, method);
+        names.push_back(method.name);
+    }
     for (int i = 0; i < options.rounds + 2; ++i)
         for (Frames& frames : all) frames.next();
     measure::Csv csv(options.csv, Device::open(options.device), "scene,width,height,lights,method,kernel,milliseconds");
     for (std::size_t i = 0; i < all.size(); ++i)
         for (const auto& [name, times] : all[i].times()) {
             const double milliseconds = median_of(times);
-            std::printf("%-11s %-22s %9.3f ms\n", methods[i].name, name.c_str(), milliseconds);
-            csv.row(options.scene, options.size.first, options.size.second, options.lights, methods[i].name, name,
+            std::printf("%-11s %-22s %9.3f ms\n", names[i], name.c_str(), milliseconds);
+            csv.row(options.scene, options.size.first, options.size.second, options.lights, names[i], name,
                     milliseconds);
         }
     csv.write();

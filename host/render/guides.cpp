@@ -103,7 +103,8 @@ void Guides::trace_pixels(const FrameData& frame, const Buffer<FilmPixel>& film,
     make_room(std::size_t(at_once) * samples);
     for (std::uint32_t first = range.first; first < end; first += at_once) {
         const std::uint32_t pixels = std::min(at_once, end - first);
-        const GuideStep guide{{{first, pixels, 0, samples, 0}, frame, 0, pixels * samples, 0}, std::uint32_t(listed)};
+        const Batch batch{first, pixels, 0, samples, 0};
+        const GuideStep guide{{batch, frame, 0, pixels * samples, 0, 0}, std::uint32_t(listed)};
         see(guide);
         write_.run({pixels, 64}, guide, list_, film, sights_, guides_);
     }

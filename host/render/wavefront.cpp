@@ -213,7 +213,7 @@ void Wavefront::make_room(std::uint32_t paths) {
 }
 
 Step Wavefront::step_of(const Batch& batch, std::uint32_t depth, std::uint32_t limit) const {
-    return {batch, frame_, depth, limit, std::uint32_t(rays_[0].size())};
+    return {batch, frame_, depth, limit, std::uint32_t(rays_[0].size()), waves()};
 }
 
 void Wavefront::resize(std::uint32_t width, std::uint32_t height, std::uint64_t most_paths) {
@@ -381,16 +381,18 @@ void Wavefront::trace_last_paths(const Batch& batch, std::uint32_t depth, std::u
 }
 
 void Wavefront::bounce(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived) {
-    scatter(batch, depth, limit, arrived);
+    scatter(batch, depth, limit, arrived, false);
     look_for_light(depth, limit);
 }
 
-void Wavefront::scatter(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived) {
+void Wavefront::scatter(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived, bool always) {
     const int in = depth % 2, out = 1 - in;
     SceneQuery& trace = depth == 0 ? kernels_.trace_camera : kernels_.trace_bounce;
     if (!arrived) trace.closest(rays_[in], hits_, limit, lengths_[depth % CLARAY_RAY_QUEUES], times_[in]);
     const std::uint32_t items = (limit + paths_per_item_ - 1) / paths_per_item_;
-    kernels_.shade.run({items, shade_group_}, step_of(batch, depth, limit), scene_, queue_lengths_, totals_,
+    Step step = step_of(batch, depth, limit);
+    if (always) step.waves = ~std::uint32_t(0);
+    kernels_.shade.run({items, shade_group_}, step, scene_, queue_lengths_, totals_,
                        arg("queue", queues_[in]), hits_, arg("next_queue", queues_[out]), shadow_queue_,
                        arg("radiance", radiance_));
 }
@@ -426,7 +428,7 @@ void Wavefront::follow(const Batch& batch, std::uint32_t limit_of_depth, Carried
     std::optional<double> within;
     std::uint32_t limit = paths;
     for (std::uint32_t depth = 0; depth < waves() && limit != 0; ++depth) {
-        scatter(batch, depth, limit, false);
+        scatter(batch, depth, limit, false, true);
         if (depth == limit_of_depth) within = light_of(paths);  // including the emission of the last surface
         look_for_light(depth, limit);
         limit = lengths_[(depth + 1) % CLARAY_RAY_QUEUES].read()[0];

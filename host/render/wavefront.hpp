@@ -152,7 +152,8 @@ private:
     void trace_last_paths(const Batch& batch, std::uint32_t depth, std::uint32_t limit);
     [[nodiscard]] std::uint32_t waves() const;
     void bounce(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived);
-    void scatter(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived);
+    /// `always`: also the rays that no wave follows.
+    void scatter(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived, bool always);
     void look_for_light(std::uint32_t depth, std::uint32_t limit);
     void trace_shadows(std::uint32_t limit, const Buffer<std::uint32_t>& length);
     /// Adds to `totals` the rays that shade_surface has not counted.

@@ -15,8 +15,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr float most_pixels_a_side = 16384;
-constexpr double preview_share = 0.5;   // of the time for an answer
-constexpr double least_preview = 0.25;  // of each side of the image
 constexpr double least_share = 0.25;    // of a frame's time that is spent on sampling
 constexpr int noise_radius = 2;         // of the square of pixels over which the error map takes the mean
 
@@ -85,6 +83,7 @@ View::View(const Device& device, Scene scene, const ViewConfig& config)
       config_(reporting_in_frames(config)),
       home_(*scene_.camera),
       renderer_(std::make_unique<Renderer>(device, scene_, config_.render)),
+      preview_(config_.answer_seconds),
       time_(config.animation.time) {}
 
 float View::size() const {
@@ -132,26 +131,23 @@ void View::render(double seconds) {
         return progress.spp == 0 || passed() < seconds;
     };
     spp_ = renderer.render(goes_on).spp;
-    if (is_first && first) first_seconds_ = *first;
+    if (is_first && first) preview_.complete_took(*first);
 }
 
 bool View::wants_preview() const {
-    return !paused_ && !denoises_ && shows_ == "image" && config_.answer_seconds > 0 &&
-           first_seconds_ > preview_share * config_.answer_seconds;
+    return !paused_ && !denoises_ && shows_ == "image" && preview_.is_smaller();
 }
 
-/// One sample for each pixel of an image that is ready in half of the time. While changes follow one another it keeps
-/// its size, unless it takes too long.
+/// One sample for each pixel of an image that is ready in half of the time.
 void View::preview() {
     const Clock::time_point begin = Clock::now();
-    const double scale =
-        std::clamp(std::sqrt(preview_share * config_.answer_seconds / first_seconds_), least_preview, 1.0);
+    const double scale = preview_.scale();
     renderer_->resize(unsigned(std::ceil(scale * config_.render.width)),
                       unsigned(std::ceil(scale * config_.render.height)));
     previewing_ = true;
     (void)renderer_->render([](const RenderProgress& progress) { return progress.spp == 0; });
     spp_ = 1;
-    if (std::chrono::duration<double>(Clock::now() - begin).count() > config_.answer_seconds) first_seconds_ *= 1.25;
+    preview_.preview_took(std::chrono::duration<double>(Clock::now() - begin).count());
 }
 
 /// The time that the picture of the last frame and its display took is not available for sampling.

@@ -10,6 +10,7 @@
 #include "claray/io.hpp"
 #include "claray/renderer.hpp"
 #include "host/view/picking.hpp"
+#include "host/view/preview_size.hpp"
 #include "host/view/view_command.hpp"
 
 namespace claray::view {
@@ -107,8 +108,8 @@ private:
     std::vector<std::uint8_t> false_colors_;  // of a view other than the image
     Frame frame_;
     unsigned spp_ = 0;
-    bool previewing_ = false;   // the renderer's image is smaller
-    double first_seconds_ = 0;  // for one sample of every pixel of the complete image
+    bool previewing_ = false;  // the renderer's image is smaller
+    PreviewSize preview_;
     std::uint32_t seed_ = 0;
     std::chrono::steady_clock::time_point sampled_at_;  // the end of the last sampling
     bool paused_ = false, playing_ = false, ended_ = false;

@@ -20,8 +20,11 @@
 #if SHADE_SIXTEEN
 #include "render/shade_sixteen.clh"
 #else
+#if CLARAY_CPU
+#include "lights/light_lists_sixteen.clh"
+#endif
 
-/// Rays for which an item reserves room in the queues at once on CPUs. One atomic operation per ray, on a counter and on cache lines
+/// Rays that an item shades together, and for which it reserves room in the queues at once on CPUs. One atomic operation per ray, on a counter and on cache lines
 /// of queues that two cores share, took a third of the time of shading.
 #define SLOTS_AT_ONCE 16u
 
@@ -31,24 +34,137 @@ typedef struct ShadedRay {
     float time;  // under INSTANCE_MOTION
 } ShadedRay;
 
+/// Adds what a ray gathers to its path.
+static inline void add_gathered(float3 gathered, uint path, global float* radiance) {
+    if (gathered.x != 0.0f || gathered.y != 0.0f || gathered.z != 0.0f) add_radiance(radiance, path, gathered);
+}
+
+static inline float time_of_ray(global RayQueue* queue, uint room, uint i) {
+#if INSTANCE_MOTION
+    return times_of_queue(queue, room)[i];
+#else
+    return 0.0f;
+#endif
+}
+
+static inline RayCone cone_of_ray(const FrameData* frame, uint depth, global RayQueue* queue, uint room, uint i) {
+#if MIPMAPS
+    if (depth != 0) return cones_of_queue(queue, room)[i];
+#endif
+    return camera_cone(frame);
+}
+
+#if CLARAY_CPU
+/// Hits that are shaded together, one stage after the other for all of them.
+typedef struct HitGroup {
+    uint scattering;  // the lanes that scatter
+    Ray ray[SLOTS_AT_ONCE];
+    PathState state[SLOTS_AT_ONCE];
+    ShadingPoint at[SLOTS_AT_ONCE];
+    SurfaceSamples samples[SLOTS_AT_ONCE];
+    float lobe[SLOTS_AT_ONCE];
+    ListPick listed[SLOTS_AT_ONCE];
+    uint picked;  // the lanes with a light in `listed`
+} HitGroup;
+
+/// samples_at for all paths of the group.
+static inline void draw_samples16(const Step* step, global const uint* listed_pixels, HitGroup* group) {
+    uint path[16], words[2 * 4 * 16];
+    for (uint k = 0; k < 16; ++k) path[k] = group->state[k].path;
+    const Batch batch = step->batch;
+    const uint16 paths = vload16(0, path), pixels = paths / batch.samples;
+    const uint16 seeds = hash_words_of_16(pixels_of_16(batch, listed_pixels, pixels), (uint16)(step->frame.seed));
+    const uint16 numbers = batch.first_sample + (paths - pixels * batch.samples);
+    for (uint which = 0; which < (LOBES ? 4 : 3); ++which) {
+        const uint dimension = which == AT_LOBE ? DIMENSION_LOBE(step->depth) : DIMENSION_LIGHT(step->depth) + which;
+        const SamplePairs16 pairs = sample_pair_of_16(SAMPLER, seeds, numbers, (uint16)(dimension));
+        vstore16(pairs.x, which, words), vstore16(pairs.y, 4 + which, words);
+    }
+    for (uint k = 0; k < 16; ++k) {
+        const uint lobe_x = LOBES ? words[48 + k] : 0u, lobe_y = LOBES ? words[112 + k] : 0u;
+        group->samples[k].x = (uint4)(words[k], words[16 + k], words[32 + k], lobe_x);
+        group->samples[k].y = (uint4)(words[64 + k], words[80 + k], words[96 + k], lobe_y);
+    }
+}
+
+#if LIGHT_LISTS
+/// Picks lights for the surfaces that ask the lists.
+static inline void pick_lights16(const Lights* lights, HitGroup* group) {
+    Lanes16 lanes = {{{0.0f}}};
+    for (uint left = group->scattering; left != 0; left &= left - 1) {
+        const uint k = lowest_bit(left);
+        const Surface* surface = &group->at[k].surface;
+        const uint word = words_at(&group->samples[k], AT_LIGHT).x;
+        if (!picks_from_lists(&lights->data, word) || goes_to_hot_spot(group->state[k].pdf) || is_delta(&group->at[k].material)) continue;
+        float3 from;
+        leave_for_light(surface, true, &from);
+        keep_vector16(from, &lanes, ROW_LIST_FROM, k);
+        keep_vector16(surface->shading, &lanes, ROW_LIST_NORMAL, k);
+        lanes.value[ROW_LIST_RANDOM][k] = share_in_lists(&lights->data, word);
+        group->picked |= 1u << k;
+    }
+    pick_from_lists16(lights->lists, lights->punctual + lights->data.first_ranged, &lanes, group->picked, group->listed);
+}
+#endif
+
+/// Shades `count` rays of the queue from `begin` on, at most 16.
+static inline void shade_rays16(const Step* step, SCENE_PARAMETERS, global RayQueue* queue, global const SceneHit* hits, uint begin,
+                                uint count, global float* radiance, ShadedRay* shaded) {
+    const FrameData* frame = &step->frame;
+    const uint depth = step->depth, room = step->room;
+    global float* shading_normals = radiance + 3 * (size_t)room;
+    const Lights lights = lights_of(frame, SCENE);
+    LastTriangle last = {CLARAY_MISS, (float3)(0.0f), CLARAY_NO_MAP, (float4)(0.0f)};
+    HitGroup group;
+    float3 gathered[SLOTS_AT_ONCE];
+    group.scattering = group.picked = 0;
+    for (uint k = 0; k < SLOTS_AT_ONCE; ++k) {
+        const uint i = begin + min(k, count - 1);
+        group.state[k] = state_of_ray(states_of_queue(queue, room), depth, i);
+        if (k >= count) continue;
+        group.ray[k] = queued_ray(&rays_of_queue(queue)[i]);
+        shaded[k].next.wanted = shaded[k].shadow.wanted = false;
+        shaded[k].time = time_of_ray(queue, room, i);
+        const RayCone cone = cone_of_ray(frame, depth, queue, room, i);
+        if (find_point(&last, step, &lights, depth, SCENE, &group.ray[k], hits[i], shaded[k].time, cone, shading_normals, &group.state[k],
+                       &gathered[k], &group.at[k]))
+            group.scattering |= 1u << k;
+    }
+    draw_samples16(step, TABLE(uint, listed_pixels), &group);
+    for (uint left = group.scattering; left != 0; left &= left - 1) {
+        const uint k = lowest_bit(left);
+        const float3 outgoing = -(float3)(group.ray[k].dx, group.ray[k].dy, group.ray[k].dz);
+        prepare_shading(frame, SCENE, &group.samples[k], outgoing, &group.at[k], &group.lobe[k]);
+    }
+#if LIGHT_LISTS
+    if (lights.data.grid_probability > 0.0f) pick_lights16(&lights, &group);
+#endif
+    for (uint k = 0; k < count; ++k) {
+        if (group.scattering & 1u << k)
+            shade_surface_at(step, depth, SCENE, &lights, group.ray[k], group.state[k], &group.samples[k], group.lobe[k],
+                             group.picked & 1u << k ? &group.listed[k] : 0, &group.at[k], shading_normals, &gathered[k], &shaded[k].next,
+                             &shaded[k].shadow);
+#if MIPMAPS
+        const RayCone cone = cone_of_ray(frame, depth, queue, room, begin + k);
+        if (shaded[k].next.wanted) shaded[k].next.cone = scattered_cone(cone, hits[begin + k].t, fabs(shaded[k].next.state.pdf));
+#endif
+        add_gathered(gathered[k], group.state[k].path, radiance);
+    }
+}
+#else
 /// Shades ray i of the queue and adds the light that it gathers to its path.
 static inline void shade_ray(const Step* step, SCENE_PARAMETERS, global RayQueue* queue, global const SceneHit* hits, uint i,
                              global float* radiance, ShadedRay* shaded) {
     const uint depth = step->depth, room = step->room;
     const PathState state = state_of_ray(states_of_queue(queue, room), depth, i);
-    RayCone cone = camera_cone(&step->frame);
-#if MIPMAPS
-    if (depth != 0) cone = cones_of_queue(queue, room)[i];
-#endif
-    shaded->time = 0.0f;
-#if INSTANCE_MOTION
-    shaded->time = times_of_queue(queue, room)[i];
-#endif
+    const RayCone cone = cone_of_ray(&step->frame, depth, queue, room, i);
+    shaded->time = time_of_ray(queue, room, i);
     float3 gathered;
     shade_hit(step, depth, SCENE, queued_ray(&rays_of_queue(queue)[i]), hits[i], shaded->time, state, cone,
               radiance + 3 * (size_t)room, &gathered, &shaded->next, &shaded->shadow);
-    if (gathered.x != 0.0f || gathered.y != 0.0f || gathered.z != 0.0f) add_radiance(radiance, state.path, gathered);
+    add_gathered(gathered, state.path, radiance);
 }
+#endif
 
 static inline void store_next(const ShadedRay* shaded, global RayQueue* queue, uint room, uint slot) {
     store_ray(&rays_of_queue(queue)[slot], shaded->next.ray);
@@ -99,10 +215,8 @@ void shade_surface(Step step, SCENE_PARAMETERS, global QueueLength* lengths, glo
         ShadedRay shaded[SLOTS_AT_ONCE];
         const uint count = min(SLOTS_AT_ONCE, end - i);
         uint rays = 0, shadows = 0;
-        for (uint k = 0; k < count; ++k) {
-            shade_ray(&step, SCENE, queue, hits, i + k, radiance, &shaded[k]);
-            rays += shaded[k].next.wanted, shadows += shaded[k].shadow.wanted;
-        }
+        shade_rays16(&step, SCENE, queue, hits, i, count, radiance, shaded);
+        for (uint k = 0; k < count; ++k) rays += shaded[k].next.wanted, shadows += shaded[k].shadow.wanted;
         uint slot = rays ? atomic_add(next_length, rays) : 0u;
         for (uint k = 0; k < count; ++k)
             if (shaded[k].next.wanted) store_next(&shaded[k], next_queue, room, slot++);

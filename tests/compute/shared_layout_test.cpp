@@ -124,6 +124,7 @@ const Field fields[] = {
     FIELD(SceneTables, listed_pixels),
     FIELD(Step, frame),
     FIELD(Step, room),
+    FIELD(Step, waves),
     FIELD(FrameData, lights),
     FIELD(LightsData, tree_probability),
     FIELD(LightsData, not_to_hot_spots),

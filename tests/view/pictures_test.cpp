@@ -170,6 +170,29 @@ TEST(ViewDenoise, AMovedObjectLeavesNoGhost) {
     EXPECT_LT(left, alone) << left << " against " << alone;  // of a view that never showed the object
 }
 
+/// Of a device that takes `complete` seconds for all pixels and one millisecond for anything.
+TEST(ViewPreview, FindsItsSizeAndKeepsIt) {
+    for (const double complete : {0.03, 0.2, 0.3}) {
+        for (const double first_estimate : {0.03, 0.2, 3.}) {
+            view::PreviewSize size(0.05);
+            size.complete_took(first_estimate);
+            double taken = 0, scale = 0;
+            unsigned changes = 0;
+            for (unsigned i = 0; i < 20 && size.is_smaller(); ++i) {
+                changes += i > 0 && size.scale() != scale;
+                scale = size.scale();
+                taken = 1e-3 + scale * scale * complete;
+                size.preview_took(taken);
+            }
+            SCOPED_TRACE(std::to_string(complete) + " first taken for " + std::to_string(first_estimate));
+            EXPECT_LE(taken, 0.031);
+            EXPECT_TRUE(!size.is_smaller() || taken >= 0.015) << taken << " seconds: smaller than it need be";
+            EXPECT_LE(changes, 4u);
+        }
+    }
+    EXPECT_FALSE(view::PreviewSize(0).is_smaller());
+}
+
 /// A view in which every change takes too long.
 TEST(ViewPreview, ComesFirstAndLeavesNoTrace) {
     view::ViewConfig config = small_view;

@@ -65,8 +65,9 @@ typedef struct Step {
     uint depth;     // number of surfaces that the paths have hit; for trace_paths: largest number of waves
     uint capacity;  // rays in the queue, as far as the host knows
     uint room;      // capacity of the queues in paths, a multiple of CLARAY_QUEUE_ROOM
+    uint waves;     // number of rays after which paths are not followed: surfaces scatter no ray beyond
 } Step;
-CLARAY_LAYOUT(Step, 324)
+CLARAY_LAYOUT(Step, 328)
 
 /// With this room, every array in a queue begins at a multiple of 1024 bytes, the alignment of sub-buffers.
 #define CLARAY_QUEUE_ROOM 256u
