@@ -5,7 +5,7 @@
 // picture is a contact sheet of all frames. The output shows by how much the light of a point changes from one frame to
 // the next: grids that swim or pop would change it. Parallel rays along the walk show the same points at the same
 // pixels in all frames, so that only the grids change there. A pixel does not count where the plane in which these rays
-// begin cuts off a surface within it: all its 16 parts must show the same points.
+// begin cuts off a surface within it: all its 16 parts and those around must show the same points.
 #include <algorithm>
 #include <chrono>
 #include <claray/claray.hpp>
@@ -76,14 +76,16 @@ std::vector<float> changes(const Frame& before, const Frame& now) {
     return found;
 }
 
-// Whether all parts of a pixel show the same points in both frames.
+// Whether all parts of a pixel and those around it show the same points in both frames.
 bool is_static(const Frame& before, const Frame& now, std::size_t pixel, unsigned width, float scale) {
-    const std::size_t w = before.surfaces.width, parts = w / width;
-    for (std::size_t i = 0; i < parts * parts; ++i) {
-        const std::size_t part = (pixel / width * parts + i / parts) * w + pixel % width * parts + i % parts;
-        const glm::vec3 off = position_of(now.surfaces, part) - position_of(before.surfaces, part);
-        if (!(glm::length(off) < 1e-3f * scale)) return false;
-    }
+    const std::size_t w = before.surfaces.width, h = before.surfaces.height, parts = w / width;
+    const std::size_t x = pixel % width * parts, y = pixel / width * parts;
+    for (std::size_t row = std::max<std::size_t>(y, 1) - 1; row < std::min(y + parts + 1, h); ++row)
+        for (std::size_t column = std::max<std::size_t>(x, 1) - 1; column < std::min(x + parts + 1, w); ++column) {
+            const std::size_t part = row * w + column;
+            const glm::vec3 off = position_of(now.surfaces, part) - position_of(before.surfaces, part);
+            if (!(glm::length(off) < 1e-3f * scale)) return false;
+        }
     return true;
 }
 
