@@ -4,7 +4,8 @@
 // The two positions are the ends of the walk; without them it leads from the scene's camera towards its target. The
 // picture is a contact sheet of all frames. The output shows by how much the light of a point changes from one frame to
 // the next: grids that swim or pop would change it. Parallel rays along the walk show the same points at the same
-// pixels in all frames, so that only the grids change there.
+// pixels in all frames, so that only the grids change there. A pixel does not count where the plane in which these rays
+// begin cuts off a surface within it: all its 16 parts and those around must show the same points.
 #include <algorithm>
 #include <chrono>
 #include <claray/claray.hpp>
@@ -20,7 +21,7 @@ namespace {
 
 struct Frame {
     std::vector<glm::vec3> image;
-    claray::GBuffer surfaces;
+    claray::GBuffer surfaces;  // of pixels, or of their parts
 };
 
 float brightness(glm::vec3 color) { return (color.x + color.y + color.z) / 3; }
@@ -75,14 +76,26 @@ std::vector<float> changes(const Frame& before, const Frame& now) {
     return found;
 }
 
-// Relative changes of pixels that show the same point in both frames.
-std::vector<float> changes_of_static_pixels(const Frame& before, const Frame& now, float scale) {
+// Whether all parts of a pixel and those around it show the same points in both frames.
+bool is_static(const Frame& before, const Frame& now, std::size_t pixel, unsigned width, float scale) {
+    const std::size_t w = before.surfaces.width, h = before.surfaces.height, parts = w / width;
+    const std::size_t x = pixel % width * parts, y = pixel / width * parts;
+    for (std::size_t row = std::max<std::size_t>(y, 1) - 1; row < std::min(y + parts + 1, h); ++row)
+        for (std::size_t column = std::max<std::size_t>(x, 1) - 1; column < std::min(x + parts + 1, w); ++column) {
+            const std::size_t part = row * w + column;
+            const glm::vec3 off = position_of(now.surfaces, part) - position_of(before.surfaces, part);
+            if (!(glm::length(off) < 1e-3f * scale)) return false;
+        }
+    return true;
+}
+
+// Relative changes of such pixels.
+std::vector<float> changes_of_static_pixels(const Frame& before, const Frame& now, unsigned width, float scale) {
     std::vector<float> found;
     for (std::size_t pixel = 0; pixel < before.image.size(); ++pixel) {
-        const glm::vec3 old = position_of(before.surfaces, pixel), position = position_of(now.surfaces, pixel);
         const float light = brightness(before.image[pixel]);
-        if (!(glm::length(position - old) < 1e-3f * scale) || !(light > 0)) continue;
-        found.push_back(std::abs(brightness(now.image[pixel]) / light - 1));
+        if (light > 0 && is_static(before, now, pixel, width, scale))
+            found.push_back(std::abs(brightness(now.image[pixel]) / light - 1));
     }
     return found;
 }
@@ -112,10 +125,13 @@ struct Walk {
     double milliseconds = 0;            // a frame
 };
 
+// `parts`: of a pixel along each axis, whose surfaces `changes_between` is to know.
 Walk walk_along(const claray::Device& device, const claray::Scene& scene, const claray::RenderConfig& config,
-                unsigned count, const std::function<void(unsigned)>& place,
+                unsigned parts, unsigned count, const std::function<void(unsigned)>& place,
                 const std::function<std::vector<float>(const Frame&, const Frame&)>& changes_between) {
     claray::Renderer renderer(device, scene, config);
+    claray::Renderer surfaces(
+        device, scene, {.width = parts * config.width, .height = parts * config.height, .spp = 1, .max_depth = 1});
     Walk walk;
     Frame before;
     for (unsigned i = 0; i < count; ++i) {
@@ -124,7 +140,8 @@ Walk walk_along(const claray::Device& device, const claray::Scene& scene, const 
         renderer.update(scene, {.camera = true});
         (void)renderer.render();
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
-        Frame now{renderer.image(), renderer.gbuffer()};
+        surfaces.update(scene, {.camera = true});
+        Frame now{renderer.image(), surfaces.gbuffer()};
         walk.images.push_back(now.image);
         if (i > 0) {
             walk.milliseconds += 1e3 * seconds.count() / (count - 1);
@@ -178,7 +195,7 @@ int main(int argc, char** argv) try {
         scene.camera->target = scene.camera->position + ahead;
     };
     place(0);
-    const Walk walk = walk_along(device, scene, config, count, place, changes);
+    const Walk walk = walk_along(device, scene, config, 1, count, place, changes);
     write_sheet(argument(2, "light_grid.png"), walk.images, width, height);
     std::printf("%u frames of 16 samples, %.1f ms each\n", count, walk.milliseconds);
     print_changes("change of a point from one frame to the next", walk);
@@ -186,11 +203,11 @@ int main(int argc, char** argv) try {
     ahead = to - from, scene.camera->orthographic_height = 0.5f * glm::length(ahead);
     place(0);
     const float length = glm::length(ahead);
-    const auto of_pixels = [length](const Frame& before, const Frame& now) {
-        return changes_of_static_pixels(before, now, length);
+    const auto of_pixels = [&](const Frame& before, const Frame& now) {
+        return changes_of_static_pixels(before, now, width, length);
     };
     print_changes("change of a pixel that shows the same point",
-                  walk_along(device, scene, config, count, place, of_pixels));
+                  walk_along(device, scene, config, 4, count, place, of_pixels));
 } catch (const std::exception& error) {
     std::fprintf(stderr, "example_12_light_grid: error: %s\n", error.what());
     return 1;

@@ -330,6 +330,11 @@ void Wavefront::gather_voxels(const GridBox& voxels, const ProbeRays& rays) {
         kernels_.light_grid->aim_voxels.run({paths, 64}, step_of(batch, 1, paths), voxels, scene_.tables, queues_[1],
                                             radiance_);
         bounce(batch, 1, paths, false);
+        if (scene_.effects.has(Effect::sky)) {  // which the surfaces look for by one more ray
+            bounce(batch, 2, paths, false);
+            lengths_[1].fill(paths);
+            kernels_.trace_bounce.closest(rays_[1], hits_, paths, lengths_[1], times_[1]);
+        }
         kernels_.light_grid->gather_voxels.run({count, 64}, step_of(batch, 1, paths), voxels, rays.most_before, scene_,
                                                arg("grid_tables", scene_.tables), queues_[1], hits_,
                                                arg("radiance", radiance_));

@@ -8,8 +8,9 @@
 namespace claray {
 namespace {
 
-constexpr float inset = 0.05f;          // of a step: the outermost probes lie so far within the bounds of the scene
-constexpr float finer = 4;              // steps of a level, in steps of the next finer one
+constexpr float inset = 0.05f;  // of a step: the outermost probes lie so far within the bounds of the scene
+constexpr float finer = 4;      // steps of a level, in steps of the next finer one
+constexpr float rim = 1.25f;    // steps between a level's end and its outermost probes, as surfaces look up beside them
 constexpr unsigned updates_before = 4;  // that count of a grid whose scene changed
 constexpr unsigned updates_after = 3;   // the updates that it needs, as a multiple, until it has forgotten
 constexpr float memory = 3;             // rounds that count as much as the newest one, as a share of all rounds
@@ -70,7 +71,7 @@ LightGridStage::LightGridStage(const LightGridConfig& config, const Bounds& scen
         level.step_x = step.x, level.step_y = step.y, level.step_z = step.z;
         level.side = config_.side, level.coefficients = config_.coefficients, level.voxels = config_.voxels;
         level.levels = config.levels, level.gather = config.gather;
-        level.reach = levels_.size() + 1 < config.levels ? float(config.side) / 2 - 2 : 0.f;
+        level.reach = levels_.size() + 1 < config.levels ? float(config.side) / 2 - rim : 0.f;
         level.seen = at, at += words_of_cells(config.side);
         level.probes = at, at += words_of_probes(config_);
         levels_.push_back({level, std::nullopt});

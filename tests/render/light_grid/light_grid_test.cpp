@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
 #include "tests/render/scenes.hpp"
 #include "tests/support/device.hpp"
@@ -133,6 +134,38 @@ TEST(LightGrid, LevelsFollowTheViewer) {
     EXPECT_LT(error_of(followed, render_by_own_kernels(scene, by_grid(32, 256, grid))), 0.03);
 }
 
+/// A shaft whose walls hide all probes of the coarse level: only the level that follows the viewer knows its light.
+/// Parallel rays show the same points of its end while the viewer comes nearer, so that only the share of that level
+/// grows.
+TEST(LightGrid, TakesOverFromPathsLittleByLittle) {
+    constexpr unsigned side = 8, frames = 12;
+    constexpr float coarse = 16 / (side - 1 + 0.1f), fine = coarse / 4;  // from one probe to the next
+    constexpr float reach = side / 2.f - 1.25f, step = 0.02f;            // in fine probes
+    Scene scene;
+    scene.materials = {lambert(0.7f)};
+    scene.meshes = {room({-8, -8, -8}, {8, 8, 8}), room({-0.9f, -0.9f, -6}, {0.9f, 0.9f, 6})};
+    scene.lights = {point_light({0.4f, 0.7f, -5.5f}, glm::vec3(1.f))};
+    RenderConfig config = by_grid(16, 1, {.side = side, .levels = 2});
+    config.max_depth = 3;  // without Russian roulette, which ends other paths when the shares change
+    std::optional<Renderer> renderer;
+    std::vector<std::vector<glm::vec3>> images;
+    for (unsigned i = 0; i < frames; ++i) {
+        const float z = -6 + (reach + step * (3.5f - float(i))) * fine;
+        scene.camera = Camera{.position = {0, 0, z}, .target = {0, 0, -6}, .orthographic_height = 1.6f};
+        if (!renderer) renderer.emplace(device(), scene, config);
+        renderer->update(scene, {.camera = true});
+        (void)renderer->render();
+        images.push_back(renderer->image());
+    }
+    float brightest = 0, most = 0;
+    for (const glm::vec3& pixel : images[0]) brightest = std::max(brightest, pixel.x);
+    for (unsigned i = 1; i < frames; ++i)
+        for (std::size_t k = 0; k < images[i].size(); ++k)
+            most = std::max(most, std::abs(images[i][k].x - images[i - 1][k].x));
+    EXPECT_LT(most, step / reach * brightest);
+    EXPECT_NE(images[0], images.back()) << "the fine level was not reached";
+}
+
 /// Sixteen hits are shaded at once, except with binary trees.
 TEST(LightGrid, IsTheSameForOneLaneAndSixteen) {
     const Scene scene = *builtin_scene("cornell");
@@ -169,6 +202,20 @@ TEST(LightGrid, VoxelsShineAlongTheirNormals) {
     const auto brightness = [&](const RenderConfig& config) { return mean(render_by_own_kernels(scene, config)).x; };
     const double truth = brightness({.width = 16, .height = 16, .spp = 256});
     EXPECT_GT(brightness(by_grid(16, 16, {.voxels = true, .side = 8})), 0.03 * truth);
+}
+
+/// Voxels hold what surfaces reflect, not the sky, of which a floor reflects half. Its own voxels add a little.
+TEST(LightGrid, VoxelsLetTheSkyIn) {
+    Scene scene;
+    scene.materials = {lambert(0.5f)};
+    scene.meshes = {square(2, 0)};
+    scene.sky = {glm::vec3(1.f), glm::vec3(1.f)};
+    scene.camera = Camera{{0, 1, 0.1f}, {0, 0, 0}, {0, 1, 0}, 40.f};
+    RenderConfig config = by_grid(8, 4, {.voxels = true, .side = 4});
+    const std::vector<glm::vec3> sixteen = render_by_own_kernels(scene, config);
+    for (const glm::vec3& pixel : sixteen) EXPECT_NEAR(pixel.x, 0.62, 0.12);
+    config.bvh.layout = Layout::binary;
+    EXPECT_LT(error_of(render_by_own_kernels(scene, config), sixteen), 1e-6);
 }
 
 TEST(LightGrid, RefusesWhatItCannotDo) {
