@@ -21,7 +21,7 @@ class Filter:
     the closest one, and must return the same for the same hit.
 
     source: the text. data: (n,) numbers that are passed to the function as float32. name: for messages of the compiler.
-    A text that does not compile raises DeviceError, with the compiler's first message, at the first query.
+    A text that does not compile raises DeviceError, with the compiler's log, at the first query.
     """
 
     def __init__(self, source: str, data: ArrayLike = (), name: str = "filter") -> None:
