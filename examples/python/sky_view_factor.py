@@ -1,47 +1,56 @@
-"""The share of the sky that each place of a surface sees, weighted by the cosine: the sky view factor of city climate.
+# %% [markdown]
+# # Sky view factor
+# The share of the sky that each place of a surface sees, weighted by the cosine: a measure of city climate.
+#
+#     python examples/python/sky_view_factor.py [--scene SCENE] [-o factor.png] [--side 200]
 
-    python examples/python/sky_view_factor.py [SCENE] [-o factor.png]
-"""
-
+# %%
 import argparse
 
 import numpy as np
 
 import claray
 
+parser = argparse.ArgumentParser()
+parser.add_argument("--scene", default="terrain:200000")
+parser.add_argument("-o", "--output")
+parser.add_argument("--side", type=int, default=200, help="places along each side of the map")
+options = parser.parse_known_args()[0]  # a notebook has arguments of its own
 
-def sky_directions(count):
-    """Directions over the horizontal plane (y up) with density cosine / pi, evenly spread (Vogel's spiral)."""
-    i = np.arange(count) + 0.5
-    radius, angle = np.sqrt(i / count), np.pi * (3 - np.sqrt(5)) * i
-    return np.stack([radius * np.cos(angle), np.sqrt(1 - radius**2), radius * np.sin(angle)], axis=-1)
+# %% [markdown]
+# Rays from above find the places on the surface (y is up), which are then lifted a little.
 
+# %%
+scene = claray.load(options.scene)
+bvh = claray.Bvh(scene)
+low, high = scene.bounds
+x, z = (np.linspace(low[k], high[k], options.side) for k in (0, 2))
+above = np.stack(np.broadcast_arrays(x, high[1] + 1, z[:, None]), axis=-1).reshape(-1, 3)
+down = claray.closest_hit(bvh, above, (0, -1, 0), coherence="coherent")
+on_surface = down["primitive"] != claray.MISS
+places = above[on_surface] - (down["t"][on_surface, None] - 1e-4 * float((high - low).max())) * [0, 1, 0]
 
-def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("scene", nargs="?", default="terrain:200000")
-    parser.add_argument("-o", "--output")
-    parser.add_argument("--side", type=int, default=200)
-    options = parser.parse_args()
-    scene = claray.load(options.scene)
-    bvh = claray.Bvh(scene)
-    low, high = scene.bounds
-    x, z = np.meshgrid(np.linspace(low[0], high[0], options.side), np.linspace(low[2], high[2], options.side))
-    above = np.stack([x, np.full_like(x, high[1] + 1), z], axis=-1).reshape(-1, 3)
-    down = claray.closest_hit(bvh, above, (0, -1, 0))
-    offset = 1e-4 * float((high - low).max())
-    places = above - (down["t"][:, None] - offset) * [0, 1, 0]
-    places[down["primitive"] == claray.MISS] = above[0]
-    directions = sky_directions(64)
-    free = np.zeros(len(places))
-    for direction in directions:  # one query for each direction: neighbours run side by side
-        free += ~claray.any_hit(bvh, places, direction, coherence="coherent")
-    factor = (free / len(directions)).reshape(options.side, options.side)
-    print(f"sky view factor: least {factor.min():.2f}, mean {factor.mean():.2f}, largest {factor.max():.2f}")
-    if options.output:
-        image = np.repeat(factor[..., None], 3, axis=2).astype(np.float32).view(claray.Image)
-        image.save(options.output, tone_map="none")
+# %% [markdown]
+# Directions over the horizontal plane with density cosine / pi, evenly spread (Vogel's spiral): the mean of what they see is
+# the factor. One query for each direction lets neighbours run side by side.
 
+# %%
+i = np.arange(64) + 0.5
+radius, angle = np.sqrt(i / len(i)), np.pi * (3 - np.sqrt(5)) * i
+directions = np.stack([radius * np.cos(angle), np.sqrt(1 - radius**2), radius * np.sin(angle)], axis=-1)
+free = np.zeros(len(places))
+for direction in directions:
+    free += ~claray.any_hit(bvh, places, direction, coherence="coherent")
+factor = free / len(directions)
+print(f"sky view factor: least {factor.min():.2f}, mean {factor.mean():.2f}, largest {factor.max():.2f}")
 
-if __name__ == "__main__":
-    main()
+# %%
+pixels = np.zeros((len(above), 3), np.float32)
+pixels[on_surface] = factor[:, None]
+picture = pixels.reshape(options.side, options.side, 3).view(claray.Image)
+picture.tone_map = "none"
+picture
+
+# %%
+if options.output:
+    picture.save(options.output)

@@ -8,14 +8,14 @@ namespace claray {
 void closest_hit(const Bvh& bvh, const Buffer<Ray>& rays, Buffer<Hit>& hits, const QueryOptions& options,
                  const Buffer<std::uint32_t>& count) {
     check_sizes(rays.size(), hits.size(), options);
-    if (!options.filter.source.empty()) return closest_accepted(bvh, rays, hits, options, count);
+    if (!options.filter.source.empty()) return closest_accepted(bvh.device(), bvh, rays, hits, options, count);
     QueryKernel(bvh, QueryKernel::Kind::closest, options).run(rays, hits, std::uint32_t(rays.size()), count);
 }
 
 void any_hit(const Bvh& bvh, const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded, const QueryOptions& options,
              const Buffer<std::uint32_t>& count) {
     check_sizes(rays.size(), occluded.size(), options);
-    if (!options.filter.source.empty()) return any_accepted(bvh, rays, occluded, options, count);
+    if (!options.filter.source.empty()) return any_accepted(bvh.device(), bvh, rays, occluded, options, count);
     QueryKernel(bvh, QueryKernel::Kind::any, options).run(rays, occluded, std::uint32_t(rays.size()), count);
 }
 

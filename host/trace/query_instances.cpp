@@ -5,6 +5,8 @@ namespace claray {
 InstanceQuery::InstanceQuery(const Device& device, const InstancedBvh& bvh, Kind kind, const QueryOptions& options,
                              const std::string& name)
     : bvh_(bvh), kind_(kind), options_(options) {
+    if (!options.filter.source.empty())
+        throw Error(ErrorKind::usage, "queries of instances have no filter of hits", "filter hits of a Bvh");
     if (kind == Kind::any) options_.visits = {};
     Defines defines = query_defines(bvh.defines(), options_);
     if (options.brute_force) defines.emplace_back("EVERY_INSTANCE", "1");
@@ -15,18 +17,8 @@ InstanceQuery::InstanceQuery(const Device& device, const InstancedBvh& bvh, Kind
     group_ = device.tuning("trace/instances", "GROUP_SIZE");
 }
 
-namespace {
-
-void refuse_filter(const QueryOptions& options) {
-    if (!options.filter.source.empty())
-        throw Error(ErrorKind::usage, "queries of instances have no filter of hits", "filter hits of a Bvh");
-}
-
-}  // namespace
-
 void closest_hit(const InstancedBvh& bvh, const Buffer<Ray>& rays, Buffer<InstanceHit>& hits,
                  const QueryOptions& options, const Buffer<std::uint32_t>& count) {
-    refuse_filter(options);
     check_sizes(rays.size(), hits.size(), options);
     InstanceQuery(bvh, InstanceQuery::Kind::closest, options)
         .run(rays, hits, std::uint32_t(rays.size()), count, options.ray_times);
@@ -34,7 +26,6 @@ void closest_hit(const InstancedBvh& bvh, const Buffer<Ray>& rays, Buffer<Instan
 
 void any_hit(const InstancedBvh& bvh, const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded,
              const QueryOptions& options, const Buffer<std::uint32_t>& count) {
-    refuse_filter(options);
     check_sizes(rays.size(), occluded.size(), options);
     InstanceQuery(bvh, InstanceQuery::Kind::any, options)
         .run(rays, occluded, std::uint32_t(rays.size()), count, options.ray_times);

@@ -2,6 +2,7 @@
 #include <optional>
 
 #include "host/trace/instance_query.hpp"
+#include "host/trace/lists/filter.hpp"
 #include "host/trace/query_kernel.hpp"
 
 namespace claray {
@@ -12,6 +13,7 @@ struct Query::State {
     QueryOptions options;
     std::optional<QueryKernel> flat;  // for a Bvh
     std::optional<InstanceQuery> instanced;
+    Bvh filtered;  // for a Bvh and options with a filter
 };
 
 namespace {
@@ -51,9 +53,14 @@ cl::Event run_query(Query::State& query, const Buffer<Ray>& rays, Buffer<Result>
     if constexpr (std::is_same_v<Result, InstanceHit>) {
         query.instanced->run(rays, results, capacity, count, query.options.ray_times);
     } else if constexpr (std::is_same_v<Result, Hit>) {
-        query.flat->run(rays, results, capacity, count);
-    } else {
         if (query.flat)
+            query.flat->run(rays, results, capacity, count);
+        else
+            closest_accepted(query.device, query.filtered, rays, results, query.options, count);
+    } else {
+        if (!query.flat && !query.instanced)
+            any_accepted(query.device, query.filtered, rays, results, query.options, count);
+        else if (query.flat)
             query.flat->run(rays, results, capacity, count);
         else
             query.instanced->run(rays, results, capacity, count, query.options.ray_times);
@@ -84,13 +91,16 @@ void check_queue(const Device& of_structure, const Device& queue) {
 
 Query::Query(const Bvh& bvh, QueryKind kind, const QueryOptions& options, const Device& queue) {
     check_queue(bvh.device(), queue);
-    state_ = std::make_shared<State>(State{queue, kind, options, QueryKernel(queue, bvh, kind, options), {}});
+    if (options.filter.source.empty())
+        state_ = std::make_shared<State>(State{queue, kind, options, QueryKernel(queue, bvh, kind, options), {}, {}});
+    else
+        state_ = std::make_shared<State>(State{queue, kind, options, {}, {}, bvh});
 }
 Query::Query(const Bvh& bvh, QueryKind kind, const QueryOptions& options) : Query(bvh, kind, options, bvh.device()) {}
 
 Query::Query(const InstancedBvh& bvh, QueryKind kind, const QueryOptions& options, const Device& queue) {
     check_queue(bvh.device(), queue);
-    state_ = std::make_shared<State>(State{queue, kind, options, {}, InstanceQuery(queue, bvh, kind, options)});
+    state_ = std::make_shared<State>(State{queue, kind, options, {}, InstanceQuery(queue, bvh, kind, options), {}});
 }
 Query::Query(const InstancedBvh& bvh, QueryKind kind, const QueryOptions& options)
     : Query(bvh, kind, options, bvh.device()) {}

@@ -7,10 +7,15 @@
 
 from . import errors
 from ._accuracy import Study, accuracy, studies
-from ._arrays import HIT, MISS, RAY
+from ._arrays import HIT, INSTANCE_HIT, MISS, NEAREST, RAY
 from ._bvh import Bvh
 from ._device import Device, Event, default_device, devices
+from ._filter import Filter, geometry_range
 from ._image import Image
+from ._instances import InstancedBvh
+from ._lists import Lists, all_hits, box_overlaps, count_hits, nearest_hits, sphere_overlaps
+from ._points import inside, nearest_point, signed_distance
+from ._primitives import Primitives
 from ._query import Query, Rays, any_hit, closest_hit, rays, unoccluded
 from ._render import Renderer, render
 from ._scene import Camera, Light, Material, Scene, builtin_scenes, load
@@ -18,7 +23,9 @@ from ._verify import verify, verify_cases
 from .errors import DeviceError, Error, InputError, UsageError
 
 __all__ = [
-    "HIT", "MISS", "RAY", "Bvh", "Camera", "Device", "DeviceError", "Error", "Event", "Image", "InputError", "Light",
-    "Material", "Query", "Rays", "Renderer", "Scene", "Study", "UsageError", "accuracy", "any_hit", "builtin_scenes", "closest_hit",
-    "default_device", "devices", "errors", "load", "rays", "render", "studies", "unoccluded", "verify", "verify_cases",
+    "HIT", "INSTANCE_HIT", "MISS", "NEAREST", "RAY", "Bvh", "Camera", "Device", "DeviceError", "Error", "Event", "Filter",
+    "Image", "InputError", "InstancedBvh", "Light", "Lists", "Material", "Primitives", "Query", "Rays", "Renderer", "Scene",
+    "Study", "UsageError", "accuracy", "all_hits", "any_hit", "box_overlaps", "builtin_scenes", "closest_hit", "count_hits",
+    "default_device", "devices", "errors", "geometry_range", "inside", "load", "nearest_hits", "nearest_point", "rays",
+    "render", "signed_distance", "sphere_overlaps", "studies", "unoccluded", "verify", "verify_cases",
 ]

@@ -13,10 +13,15 @@ RAY = np.dtype({"names": ["origin", "tmin", "direction", "tmax"], "formats": ["3
 """A ray: 32 bytes."""
 HIT = np.dtype([("t", "f4"), ("u", "f4"), ("v", "f4"), ("primitive", "u4"), ("geometry", "u4")])
 """A hit: 20 bytes. Columns are views: hits['t']."""
+INSTANCE_HIT = np.dtype([*((name, HIT.fields[name][0]) for name in HIT.names), ("instance", "u4")])
+"""A hit of an InstancedBvh: 24 bytes. Its triangle and weights are those of the instance's structure."""
+NEAREST = np.dtype([("point", "3f4"), ("distance", "f4"), ("u", "f4"), ("v", "f4"), ("primitive", "u4"), ("geometry", "u4")])
+"""The nearest point of a surface: 32 bytes."""
 MISS = 0xFFFFFFFF
 """The primitive of a ray that hits nothing."""
 
 NO_WORDS = np.empty(0, np.uint32)
+NO_FLOATS = np.empty(0, np.float32)
 
 
 def as_array(name: str, value: Any) -> NDArray[Any]:
@@ -59,6 +64,17 @@ def finite(name: str, array: NDArray[Any]) -> NDArray[np.float32]:
         row = int(np.argwhere(~np.isfinite(result).all(axis=1))[0, 0])
         raise UsageError(f"{name}: row {row} is {array[row]}, which is not finite in float32; remove such rows")
     return result
+
+
+def finite_vector(name: str, value: Any, count: int) -> NDArray[np.float32]:
+    """Contiguous float32 of shape (count,), from as many numbers or one. Numbers that are not finite are errors."""
+    array = distances(name, value, count)
+    return finite(name, array[:, None])[:, 0]
+
+
+def check_choice(name: str, value: Any, choices: tuple[str, ...]) -> None:
+    if value not in choices:
+        raise UsageError(f"{name}: unknown name {value!r}; use one of {', '.join(choices)}")
 
 
 def indices(name: str, value: Any, columns: int, end: int, of: str) -> NDArray[np.uint32]:

@@ -3,8 +3,9 @@
     mesh.ray = claray.trimesh.RayMeshIntersector(mesh)
 
 or install() for all meshes. As trimesh's engines do, a first hit may be one where the ray only touches the surface, and
-rays that begin on a surface hit it. All hits of a ray come from repeated queries, each of which begins behind the last hit:
-of two surfaces at the same float32 distance only one is counted.
+rays that begin on a surface hit it. All hits of a ray are counted exactly: one that passes through an edge or a vertex
+counts once, and surfaces at the same distance count each. Whether a point is inside of a watertight mesh is decided by
+claray.inside.
 """
 
 from __future__ import annotations
@@ -17,9 +18,11 @@ from numpy.typing import ArrayLike, NDArray
 from trimesh import caching
 from trimesh.ray.ray_util import contains_points
 
-from ._arrays import MISS, floats
+from ._arrays import floats
 from ._bvh import Bvh
 from ._device import Device
+from ._lists import all_hits
+from ._points import inside
 from ._query import any_hit, closest_hit
 from .errors import UsageError
 
@@ -86,8 +89,12 @@ class RayMeshIntersector:
         return self._structure.any(origins, directions)
 
     def contains_points(self, points: ArrayLike) -> NDArray[np.bool_]:
-        """Whether each point of (n, 3) is inside the mesh, by the parity of hits."""
-        return contains_points(self, points)
+        """Whether each point of (n, 3) is inside the mesh, by the parity of hits. Of a mesh that is not watertight, rays of
+        several directions vote, as in trimesh."""
+        structure = self._structure
+        if structure is None or not self.mesh.is_watertight:
+            return contains_points(self, points)
+        return inside(structure.bvh, structure.in_frame(floats("points", points, 3)))
 
     def _locations(self, origins: NDArray[Any], directions: NDArray[Any], triangles: NDArray[np.int64]) -> NDArray[np.float64]:
         """The points of rays in the planes of triangles, in float64."""
@@ -143,20 +150,16 @@ class _Structure:
         return any_hit(self.bvh, self.start(origins, directions), directions, closed=True)
 
     def hits(self, origins: NDArray[Any], directions: NDArray[Any], most: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Triangles and rays of all hits, those nearer to the origin first: each round begins behind the last hit."""
-        starts = self.start(origins, directions)
-        live = np.arange(len(starts))
-        behind = np.zeros(len(starts), np.float32)
-        triangles, rays = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
-        for _ in range(most):
-            hits = closest_hit(self.bvh, starts[live], directions[live], tmin=behind, closed=most == 1)
-            hit = hits["primitive"] != MISS
-            if not hit.any():
-                break
-            live, behind = live[hit], hits["t"][hit]
-            triangles.append(hits["primitive"][hit].astype(np.int64))
-            rays.append(live)
-        return np.concatenate(triangles), np.concatenate(rays)
+        """Triangles and rays of all hits: the first hits of all rays, then the second, and so on."""
+        if most == 1:
+            first = self.first(origins, directions)
+            rays = np.flatnonzero(first >= 0)
+            return first[rays], rays
+        lists = all_hits(self.bvh, self.start(origins, directions), directions)
+        ranks = np.arange(len(lists.elements)) - np.repeat(lists.offsets[:-1], lists.counts)
+        order = np.argsort(ranks, kind="stable")
+        order = order[: np.searchsorted(ranks[order], most)]
+        return lists.elements["primitive"][order].astype(np.int64), lists.queries[order]
 
 
 def _rays(ray_origins: ArrayLike, ray_directions: ArrayLike) -> tuple[NDArray[Any], NDArray[Any]]:

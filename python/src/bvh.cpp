@@ -8,6 +8,7 @@
 #include "arrays.hpp"
 #include "claray/scene.hpp"
 #include "host/scene/placement.hpp"
+#include "structures.hpp"
 
 namespace claray::python {
 namespace {
@@ -16,16 +17,8 @@ using Vertices = Input<float, nb::shape<-1, 3>>;
 using Triangles = Input<std::uint32_t, nb::shape<-1, 3>>;
 using Words = Input<std::uint32_t, nb::shape<-1>>;
 
-Bvh::Config config_of(const std::string& builder, double split_budget, const std::string& layout) {
-    Bvh::Config config;
-    const auto* row =
-        std::find_if(std::begin(builders), std::end(builders), [&](auto& b) { return builder == b.name; });
-    if (row == std::end(builders)) {
-        std::string names;
-        for (const BuilderTraits& b : builders) names += std::string(names.empty() ? "" : ", ") + b.name;
-        throw Error(ErrorKind::usage, "builder: unknown name '" + builder + "'", "use one of " + names);
-    }
-    config.builder = row->builder;
+Bvh::Config full_config_of(const std::string& builder, double split_budget, const std::string& layout) {
+    Bvh::Config config = config_of(builder);
     config.split_budget = split_budget;
     if (layout == "binary")
         config.layout = Layout::binary;
@@ -38,7 +31,7 @@ Bvh::Config config_of(const std::string& builder, double split_budget, const std
 
 PyBvh build(const PyDevice& device, const Vertices& vertices, const Triangles& triangles, const Words& geometries,
             const Words& masks, const std::string& builder, double split_budget, const std::string& layout) {
-    const Bvh::Config config = config_of(builder, split_budget, layout);
+    const Bvh::Config config = full_config_of(builder, split_budget, layout);
     return without_gil(device, [&] {
         const auto words = [&](const auto& array) {
             return array.size() ? Buffer<std::uint32_t>(device.device, span_of<std::uint32_t>(array))
@@ -61,7 +54,7 @@ std::vector<Mesh> placed_meshes(const Scene& scene) {
 
 PyBvh build_of_scene(const PyDevice& device, const Scene& scene, const std::string& builder, double split_budget,
                      const std::string& layout) {
-    const Bvh::Config config = config_of(builder, split_budget, layout);
+    const Bvh::Config config = full_config_of(builder, split_budget, layout);
     return without_gil(device, [&] { return PyBvh{device, Bvh::build(device.device, placed_meshes(scene), config)}; });
 }
 
@@ -90,6 +83,19 @@ nb::dict statistics(const PyBvh& self) {
 }
 
 }  // namespace
+
+Bvh::Config config_of(const std::string& builder) {
+    const auto* row =
+        std::find_if(std::begin(builders), std::end(builders), [&](auto& b) { return builder == b.name; });
+    if (row == std::end(builders)) {
+        std::string names;
+        for (const BuilderTraits& b : builders) names += std::string(names.empty() ? "" : ", ") + b.name;
+        throw Error(ErrorKind::usage, "builder: unknown name '" + builder + "'", "use one of " + names);
+    }
+    Bvh::Config config;
+    config.builder = row->builder;
+    return config;
+}
 
 void bind_bvh(nb::module_& module) {
     nb::class_<PyBvh>(module, "NativeBvh")

@@ -6,6 +6,10 @@ NB_MODULE(_native, module) {
     bind_errors(module);
     bind_device(module);
     bind_bvh(module);
+    bind_primitives(module);
+    bind_instances(module);
+    bind_lists(module);
+    bind_points(module);
     bind_query(module);
     bind_scene(module);
     bind_renderer(module);

@@ -5,10 +5,12 @@
 #include <nanobind/stl/vector.h>
 
 #include <cstring>
+#include <optional>
 #include <variant>
 
 #include "arrays.hpp"
 #include "pack_rays.hpp"
+#include "structures.hpp"
 
 namespace claray::python {
 namespace {
@@ -16,19 +18,34 @@ namespace {
 /// float32 or float64, of any strides.
 using AnyColumns = nb::ndarray<nb::ro, nb::device::cpu>;
 using Words = Input<std::uint32_t, nb::shape<-1>>;
+using Floats = Input<float, nb::shape<-1>>;
 using Bytes = Output<std::uint8_t, nb::shape<-1, -1>>;  // a row for each result
 using PackedRays = Input<float, nb::shape<-1, 8>>;
 
+using Structure = std::variant<Bvh, InstancedBvh, Primitives>;
+
 struct PyQuery {
     PyDevice device;  // with the queue
-    Bvh bvh;
+    Structure structure;
     QueryKind kind = QueryKind::closest;
     QueryOptions options;
-    Query query;
+    std::optional<Query> query;  // none for primitives
 };
 
-PyQuery make_query(const PyBvh& bvh, const PyDevice& queue, bool any, bool cull_back_faces, bool closed,
-                   bool brute_force, int coherence) {
+std::optional<Query> query_over(const Structure& structure, QueryKind kind, const QueryOptions& options,
+                                const Device& queue) {
+    if (const auto* bvh = std::get_if<Bvh>(&structure)) return Query(*bvh, kind, options, queue);
+    if (const auto* instances = std::get_if<InstancedBvh>(&structure)) return Query(*instances, kind, options, queue);
+    return {};
+}
+
+Structure structure_of(const PyBvh& of) { return of.bvh; }
+Structure structure_of(const PyInstancedBvh& of) { return of.bvh; }
+Structure structure_of(const PyPrimitives& of) { return of.primitives; }
+
+template <class Of>
+PyQuery make_query(const Of& of, const PyDevice& queue, bool any, bool cull_back_faces, bool closed, bool brute_force,
+                   int coherence, const PyFilter& filter) {
     const QueryKind kind = any ? QueryKind::any : QueryKind::closest;
     QueryOptions options;
     options.cull_back_faces = cull_back_faces;
@@ -36,7 +53,9 @@ PyQuery make_query(const PyBvh& bvh, const PyDevice& queue, bool any, bool cull_
     options.brute_force = brute_force;
     options.coherence = Coherence(coherence);
     return without_gil(queue, [&] {
-        return PyQuery{queue, bvh.bvh, kind, options, Query(bvh.bvh, kind, options, queue.device)};
+        options.filter = filter_of(queue.device, filter);
+        const Structure structure = structure_of(of);
+        return PyQuery{queue, structure, kind, options, query_over(structure, kind, options, queue.device)};
     });
 }
 
@@ -54,25 +73,64 @@ std::span<Result> results_of(const Bytes& out, std::size_t first, std::size_t co
     return {reinterpret_cast<Result*>(out.data()) + first, count};
 }
 
-void run_piece(PyQuery& self, std::span<const Ray> rays, const Words& masks, const Bytes& out, std::size_t first) {
-    Query query = self.query;
-    if (masks.size() != 0) {
+/// Masks and times, one for each ray or empty.
+struct PerRay {
+    const Words& masks;
+    const Floats& times;
+};
+
+template <class Result>
+cl::Event enqueue(PyQuery& self, const Buffer<Ray>& rays, Buffer<Result>& results,
+                  const std::vector<cl::Event>& wait_for) {
+    if (self.query) return self.query->run(rays, results, wait_for);
+    self.device.device.wait_for(wait_for);
+    const Primitives& primitives = std::get<Primitives>(self.structure);
+    if constexpr (std::is_same_v<Result, Hit>)
+        closest_hit(primitives, rays, results, self.options);
+    else if constexpr (std::is_same_v<Result, std::uint8_t>)
+        any_hit(primitives, rays, results, self.options);
+    return self.device.device.event();
+}
+
+template <class Result>
+void run_host(PyQuery& self, std::span<const Ray> rays, std::span<Result> results, const PerRay& per_ray,
+              std::size_t first) {
+    const Device& device = self.device.device;
+    std::optional<Query> query = self.query;
+    if (per_ray.masks.size() + per_ray.times.size() != 0) {
         QueryOptions options = self.options;
-        options.ray_masks =
-            Buffer<std::uint32_t>::over(self.device.device, span_of<std::uint32_t>(masks).subspan(first, rays.size()));
-        query = Query(self.bvh, self.kind, options, self.device.device);
+        if (per_ray.masks.size() != 0)
+            options.ray_masks =
+                Buffer<std::uint32_t>::over(device, span_of<std::uint32_t>(per_ray.masks).subspan(first, rays.size()));
+        if (per_ray.times.size() != 0)
+            options.ray_times = Buffer<float>::over(device, span_of<float>(per_ray.times).subspan(first, rays.size()));
+        query = query_over(self.structure, self.kind, options, device);
     }
-    if (self.kind == QueryKind::closest)
-        query.run(rays, results_of<Hit>(out, first, rays.size()));
-    else
-        query.run(rays, results_of<std::uint8_t>(out, first, rays.size()));
+    if (query) return query->run(rays, results);
+    const auto given = Buffer<Ray>::over(device, rays);
+    auto found = Buffer<Result>::under(device, results);
+    enqueue(self, given, found, {});
+    found.fetch(results);
+}
+
+/// Calls `use` with a value of the type of the query's results.
+template <class Use>
+auto with_result(const PyQuery& self, const Use& use) {
+    if (self.kind == QueryKind::any) return use(std::uint8_t());
+    return std::holds_alternative<InstancedBvh>(self.structure) ? use(InstanceHit()) : use(Hit());
+}
+
+void run_piece(PyQuery& self, std::span<const Ray> rays, const PerRay& per_ray, const Bytes& out, std::size_t first) {
+    with_result(self, [&](auto result) {
+        run_host(self, rays, results_of<decltype(result)>(out, first, rays.size()), per_ray, first);
+    });
 }
 
 std::int64_t signed_row(std::size_t bad) { return bad == all_finite ? std::int64_t(-1) : std::int64_t(bad); }
 
 /// Returns the first row that is not finite, or -1. All other rays are traced.
 std::int64_t run_columns(PyQuery& self, const AnyColumns& origins, const AnyColumns& directions, const AnyColumns& tmin,
-                         const AnyColumns& tmax, const Words& masks, const Bytes& out) {
+                         const AnyColumns& tmax, const Words& masks, const Floats& times, const Bytes& out) {
     const RayColumns columns{columns_of(origins), columns_of(directions), columns_of(tmin), columns_of(tmax)};
     const std::size_t count = out.shape(0);
     return without_gil(self.device, [&] {
@@ -82,7 +140,7 @@ std::int64_t run_columns(PyQuery& self, const AnyColumns& origins, const AnyColu
         for (std::size_t first = 0; first < count; first += most_rays_at_once) {
             const std::span rays(scratch.data(), std::min(most_rays_at_once, count - first));
             bad = std::min(bad, pack_rays(rays, columns, first));
-            run_piece(self, rays, masks, out, first);
+            run_piece(self, rays, {masks, times}, out, first);
         }
         return signed_row(bad);
     });
@@ -96,11 +154,12 @@ std::int64_t pack(const AnyColumns& origins, const AnyColumns& directions, const
     return signed_row(pack_rays({reinterpret_cast<Ray*>(out.data()), out.shape(0)}, columns, 0));
 }
 
-std::int64_t run_packed(PyQuery& self, const PackedRays& rays, const Words& masks, const Bytes& out, bool check) {
+std::int64_t run_packed(PyQuery& self, const PackedRays& rays, const Words& masks, const Floats& times,
+                        const Bytes& out, bool check) {
     const std::span<const Ray> all = span_of<Ray>(rays, 8);
     return without_gil(self.device, [&] {
         const std::size_t bad = check ? first_not_finite(all) : all_finite;
-        if (bad == all_finite) run_piece(self, all, masks, out, 0);
+        if (bad == all_finite) run_piece(self, all, {masks, times}, out, 0);
         return signed_row(bad);
     });
 }
@@ -111,13 +170,10 @@ cl::Event run_buffers(PyQuery& self, std::uintptr_t rays, std::uintptr_t results
     return without_gil(self.device, [&] {
         const Device& device = self.device.device;
         const auto device_rays = Buffer<Ray>::adopt(device, reinterpret_cast<cl_mem>(rays), count);
-        const auto memory = reinterpret_cast<cl_mem>(results);
-        if (self.kind == QueryKind::closest) {
-            auto hits = Buffer<Hit>::adopt(device, memory, count);
-            return self.query.run(device_rays, hits, wait_for);
-        }
-        auto occluded = Buffer<std::uint8_t>::adopt(device, memory, count);
-        return self.query.run(device_rays, occluded, wait_for);
+        return with_result(self, [&](auto result) {
+            auto memory = Buffer<decltype(result)>::adopt(device, reinterpret_cast<cl_mem>(results), count);
+            return enqueue(self, device_rays, memory, wait_for);
+        });
     });
 }
 
@@ -126,7 +182,9 @@ cl::Event run_buffers(PyQuery& self, std::uintptr_t rays, std::uintptr_t results
 void bind_query(nb::module_& module) {
     module.def("pack_rays", &pack);
     nb::class_<PyQuery>(module, "NativeQuery")
-        .def_static("make", &make_query)
+        .def_static("make", &make_query<PyBvh>)
+        .def_static("make", &make_query<PyInstancedBvh>)
+        .def_static("make", &make_query<PyPrimitives>)
         .def("run_columns", &run_columns)
         .def("run_packed", &run_packed)
         .def("run_buffers", &run_buffers)

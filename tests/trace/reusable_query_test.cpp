@@ -70,6 +70,26 @@ TEST(Query, OrdersQueuesByEvents) {
     EXPECT_TRUE(same(hits.read(), s.expected));
 }
 
+TEST(Query, KeepsItsFilter) {
+    const Scenery& s = scenery();
+    QueryOptions options = coherent();
+    options.filter = {"odd",
+                      "static inline bool accept_hit(global const float* data, float3 origin, float3 direction, const "
+                      "Hit* hit) { return hit->primitive % 2 == 1; }\n"};
+    const std::vector<Hit> expected = closest_hit(s.bvh, s.rays, options);
+    ASSERT_FALSE(same(expected, s.expected));
+    const Device queue = device().with_new_queue();
+    std::vector<Hit> hits(s.rays.size());
+    std::vector<std::uint8_t> any(s.rays.size());
+    Query(s.bvh, QueryKind::closest, options, queue).run(s.rays, hits);
+    Query(s.bvh, QueryKind::any, options, queue).run(s.rays, any);
+    EXPECT_TRUE(same(hits, expected));
+    for (std::size_t i = 0; i < any.size(); ++i) EXPECT_EQ(any[i] != 0, expected[i].primitive != CLARAY_MISS);
+    const Instance one[] = {make_instance(glm::mat4(1.f))};
+    const InstancedBvh placed = InstancedBvh::build(std::span(&s.bvh, 1), one);
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "filter", [&] { Query(placed, QueryKind::any, options); }));
+}
+
 TEST(Query, OfInstancesWritesInstanceHits) {
     const Scenery& s = scenery();
     const Instance instances[] = {make_instance(glm::mat4(1.f)),

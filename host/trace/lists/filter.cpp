@@ -9,14 +9,14 @@ namespace claray {
 namespace {
 
 template <class Result>
-void run_accepted(const Bvh& bvh, const std::string& function, const Buffer<Ray>& rays, const Buffer<Result>& results,
-                  const QueryOptions& options, const Buffer<std::uint32_t>& count) {
+void run_accepted(const Device& queue, const Bvh& bvh, const std::string& function, const Buffer<Ray>& rays,
+                  const Buffer<Result>& results, const QueryOptions& options, const Buffer<std::uint32_t>& count) {
     if (options.brute_force || options.visits.allocated())
         throw Error(ErrorKind::usage, "a query with a filter supports neither brute force nor visits");
     if (rays.size() == 0) return;
-    const Schedule schedule(bvh.device());
-    load_filtered(bvh.device(), "trace/lists/filtered_hits.cl", function,
-                  schedule.with(query_defines(bvh.defines(), options)), options.filter)
+    const Schedule schedule(queue);
+    load_filtered(queue, "trace/lists/filtered_hits.cl", function, schedule.with(query_defines(bvh.defines(), options)),
+                  options.filter)
         .run(schedule.range(rays.size()), bvh, rays, std::uint32_t(rays.size()), arg("count", count),
              arg("masks", options.ray_masks), FilterData{options.filter}, results);
 }
@@ -40,13 +40,13 @@ HitFilter geometry_range(const Device& device, std::uint32_t first, std::uint32_
             Buffer<float>(device, std::vector<float>{std::bit_cast<float>(first), std::bit_cast<float>(end)})};
 }
 
-void closest_accepted(const Bvh& bvh, const Buffer<Ray>& rays, Buffer<Hit>& hits, const QueryOptions& options,
-                      const Buffer<std::uint32_t>& count) {
-    run_accepted(bvh, "closest_accepted", rays, hits, options, count);
+void closest_accepted(const Device& queue, const Bvh& bvh, const Buffer<Ray>& rays, Buffer<Hit>& hits,
+                      const QueryOptions& options, const Buffer<std::uint32_t>& count) {
+    run_accepted(queue, bvh, "closest_accepted", rays, hits, options, count);
 }
-void any_accepted(const Bvh& bvh, const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded, const QueryOptions& options,
-                  const Buffer<std::uint32_t>& count) {
-    run_accepted(bvh, "any_accepted", rays, occluded, options, count);
+void any_accepted(const Device& queue, const Bvh& bvh, const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded,
+                  const QueryOptions& options, const Buffer<std::uint32_t>& count) {
+    run_accepted(queue, bvh, "any_accepted", rays, occluded, options, count);
 }
 
 }  // namespace claray

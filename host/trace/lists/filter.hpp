@@ -18,9 +18,10 @@ struct FilterData {
     }
 };
 
-void closest_accepted(const Bvh& bvh, const Buffer<Ray>& rays, Buffer<Hit>& hits, const QueryOptions& options,
-                      const Buffer<std::uint32_t>& count);
-void any_accepted(const Bvh& bvh, const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded, const QueryOptions& options,
-                  const Buffer<std::uint32_t>& count);
+/// Queries with the filter of the options, on a queue of the structure's context.
+void closest_accepted(const Device& queue, const Bvh& bvh, const Buffer<Ray>& rays, Buffer<Hit>& hits,
+                      const QueryOptions& options, const Buffer<std::uint32_t>& count);
+void any_accepted(const Device& queue, const Bvh& bvh, const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded,
+                  const QueryOptions& options, const Buffer<std::uint32_t>& count);
 
 }  // namespace claray

@@ -1,0 +1,48 @@
+"""Hits that queries leave out, by a text of the caller."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _native
+from ._arrays import as_array
+from .errors import UsageError
+
+NO_FILTER = _native.NativeFilter()
+
+
+class Filter:
+    """Decides which hits count, by OpenCL C that defines
+
+        static inline bool accept_hit(global const float* data, float3 origin, float3 direction, const Hit* hit);
+
+    hit has the members t, u, v, primitive and geometry. The function is called for hits in any order, some of them behind
+    the closest one, and must return the same for the same hit.
+
+    source: the text. data: (n,) numbers that are passed to the function as float32. name: for messages of the compiler.
+    A text that does not compile raises DeviceError, with the compiler's log, at the first query.
+    """
+
+    def __init__(self, source: str, data: ArrayLike = (), name: str = "filter") -> None:
+        if not isinstance(source, str) or not source.strip():
+            raise UsageError("source: must be a text that defines accept_hit")
+        numbers = as_array("data", data)
+        if numbers.dtype.kind not in "fiu" or numbers.ndim != 1:
+            raise UsageError(f"data: has dtype {numbers.dtype} and shape {numbers.shape}; use numbers of shape (n,)")
+        self.name = str(name)
+        self._native = _native.NativeFilter(self.name, source, np.ascontiguousarray(numbers, np.float32))
+
+    def __repr__(self) -> str:
+        return f"<claray.Filter {self.name!r}>"
+
+
+def geometry_range(first: int, end: int) -> Filter:
+    """Accepts hits of the geometries `first` to `end` - 1."""
+    for name, value in (("first", first), ("end", end)):
+        if not isinstance(value, (int, np.integer)) or not 0 <= value < 2**32:
+            raise UsageError(f"{name}: is {value!r}; use a number of a geometry")
+    source = (
+        "static inline bool accept_hit(global const float* data, float3 origin, float3 direction, const Hit* hit) {\n"
+        f"    return hit->geometry >= {int(first)}u && hit->geometry < {int(end)}u;\n}}\n")
+    return Filter(source, name="geometry_range")

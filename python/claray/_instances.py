@@ -1,0 +1,110 @@
+"""Instances: placements of structures, which share their memory."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _native
+from ._arrays import as_array, finite, words
+from ._bvh import Bvh
+from ._device import Device
+from .errors import UsageError
+
+if TYPE_CHECKING:
+    from ._query import Query
+
+
+def _rows(name: str, value: Any) -> NDArray[np.float32]:
+    """Affine matrices as (N, 3, 4) float32."""
+    array = as_array(name, value)
+    if array.dtype.kind not in "fiu" or array.ndim != 3 or array.shape[1:] not in ((4, 4), (3, 4)):
+        raise UsageError(f"{name}: has dtype {array.dtype} and shape {array.shape}; use numbers of shape (N, 4, 4) or (N, 3, 4)")
+    if array.shape[1] == 4:
+        wrong = np.flatnonzero((array[:, 3] != (0, 0, 0, 1)).any(axis=1))
+        if len(wrong):
+            raise UsageError(f"{name}: the last row of matrix {wrong[0]} is {array[wrong[0], 3]}; it must be 0, 0, 0, 1")
+    rows = np.ascontiguousarray(array[:, :3]).reshape(len(array), 12)
+    return finite(name, rows).reshape(-1, 3, 4)
+
+
+class InstancedBvh:
+    """A structure of two levels: instances place whole structures. Queries take it as a Bvh; see closest_hit.
+
+    bvhs: a Bvh or a sequence of them, of one device and layout; they are shared or copied on the device.
+    transforms: (N, 4, 4) or (N, 3, 4) matrices from the coordinates of a structure to those of the world: the last column
+    is the translation. bottoms: (N,) the structure of each instance, as an index of bvhs; None: all are instances of the
+    first. masks: (N,) a ray sees an instance if their masks share a bit; None: all see all. ends: as transforms, at time
+    1: instances then move, and rays have times; matrices in between are interpolated linearly.
+    builder: of the upper level.
+
+    Instances whose matrix cannot be inverted are left out: see statistics()['culled']. Raises UsageError, naming the
+    argument, for wrong shapes, types and values.
+    """
+
+    def __init__(self, bvhs: Bvh | Sequence[Bvh], transforms: ArrayLike, *, bottoms: ArrayLike | None = None,
+                 masks: ArrayLike | None = None, ends: ArrayLike | None = None, builder: str = "fast") -> None:
+        structures = [bvhs] if isinstance(bvhs, Bvh) else list(bvhs)
+        if not structures or not all(isinstance(bvh, Bvh) for bvh in structures):
+            raise UsageError("bvhs: use a claray.Bvh, or a sequence of at least one")
+        begin = _rows("transforms", transforms)
+        if len(begin) == 0:
+            raise UsageError("transforms: empty; give at least one instance")
+        which = words("bottoms", bottoms, len(begin))
+        if int(which.max(initial=0)) >= len(structures):
+            raise UsageError(f"bottoms: holds {int(which.max())}, but bvhs has {len(structures)} structures")
+        end = begin[:0] if ends is None else self._ends(ends, len(begin))
+        self._device = structures[0].device
+        self._native = _native.NativeInstancedBvh.build(self._device._native, [bvh._native for bvh in structures], begin, end,
+                                                        which, words("masks", masks, len(begin)), builder)
+        self._count = len(begin)
+        self._queries: dict[Any, Query] = {}
+
+    @staticmethod
+    def _ends(ends: ArrayLike, count: int) -> NDArray[np.float32]:
+        rows = _rows("ends", ends)
+        if len(rows) != count:
+            raise UsageError(f"ends: has {len(rows)} matrices, but there are {count} instances")
+        return rows
+
+    def _move(self, transforms: ArrayLike, ends: ArrayLike | None, rebuild: bool) -> None:
+        begin = _rows("transforms", transforms)
+        if len(begin) != self._count:
+            raise UsageError(f"transforms: has {len(begin)} matrices, but there are {self._count} instances")
+        if (ends is not None) != self.moves:
+            raise UsageError("ends: must be given if, and only if, it was given when the structure was built")
+        self._native.move(begin, begin[:0] if ends is None else self._ends(ends, self._count), rebuild)
+
+    def refit(self, transforms: ArrayLike, ends: ArrayLike | None = None) -> None:
+        """Moves the instances, (N, 4, 4) or (N, 3, 4) as before, and keeps the tree of the upper level."""
+        self._move(transforms, ends, False)
+
+    def rebuild(self, transforms: ArrayLike, ends: ArrayLike | None = None) -> None:
+        """Moves the instances, and builds the upper level again. Takes over changes of a single structure, too."""
+        self._move(transforms, ends, True)
+
+    def statistics(self) -> dict[str, Any]:
+        """Counts of instances and culled instances, height and SAH cost of the upper level, bytes of both levels."""
+        return self._native.statistics()
+
+    def is_valid(self) -> bool:
+        """Checks every leaf, box and link of the upper level on the device."""
+        return self._native.is_valid()
+
+    @property
+    def moves(self) -> bool:
+        """Whether the instances move between time 0 and 1."""
+        return self._native.moves()
+
+    @property
+    def device(self) -> Device:
+        return self._device
+
+    @property
+    def instance_count(self) -> int:
+        return self._count
+
+    def __repr__(self) -> str:
+        return f"<claray.InstancedBvh of {self._count} instances on {self._device.name}>"

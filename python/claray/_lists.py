@@ -1,0 +1,137 @@
+"""Queries that find any number of things: all hits of rays, and triangles that overlap boxes and spheres."""
+
+from __future__ import annotations
+
+from typing import Any, Iterator, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _native
+from ._arrays import HIT, MISS, finite, finite_vector, floats, words
+from ._bvh import Bvh
+from ._filter import Filter
+from ._query import native_filter, packed_rays
+from .errors import UsageError
+
+
+class Lists:
+    """A list of results for each query: lists[i], in a row in `elements`, from offsets[i] to offsets[i + 1]."""
+
+    def __init__(self, offsets: NDArray[np.uint32], elements: NDArray[Any]) -> None:
+        self.offsets, self.elements = offsets, elements
+
+    @property
+    def counts(self) -> NDArray[np.int64]:
+        """The number of results of each query: (N,)."""
+        return np.diff(self.offsets.astype(np.int64))
+
+    @property
+    def queries(self) -> NDArray[np.int64]:
+        """The query that each element belongs to: as many as there are elements."""
+        return np.repeat(np.arange(len(self)), self.counts)
+
+    def __len__(self) -> int:
+        return len(self.offsets) - 1
+
+    def __getitem__(self, index: int) -> NDArray[Any]:
+        i = range(len(self))[index]
+        return self.elements[self.offsets[i]:self.offsets[i + 1]]
+
+    def __iter__(self) -> Iterator[NDArray[Any]]:
+        return (self[i] for i in range(len(self)))
+
+    def __repr__(self) -> str:
+        return f"<claray.Lists of {len(self)} queries and {len(self.elements)} results>"
+
+
+def _check_bvh(bvh: Any) -> None:
+    if not isinstance(bvh, Bvh):
+        raise UsageError(f"bvh: is a {type(bvh).__name__}; use a claray.Bvh")
+
+
+def count_hits(bvh: Bvh, origins: ArrayLike, directions: ArrayLike | None = None, *, tmin: ArrayLike = 0.0,
+               tmax: ArrayLike = np.inf, masks: ArrayLike | None = None, cull_back_faces: bool = False,
+               filter: Filter | None = None, nan: Literal["raise", "miss"] = "raise") -> NDArray[np.uint32]:
+    """Counts the triangles that each ray hits, as N uint32. A ray through an edge counts once.
+
+    Arguments and errors are those of closest_hit.
+    """
+    _check_bvh(bvh)
+    rays = packed_rays(origins, directions, tmin, tmax, nan)
+    results = np.zeros(len(rays), np.uint32)
+    visible, accepted = words("masks", masks, len(rays)), native_filter(filter)
+    if len(rays):
+        _native.count_hits(bvh._native, rays, bool(cull_back_faces), visible, accepted, results)
+    return results
+
+
+def nearest_hits(bvh: Bvh, origins: ArrayLike, directions: ArrayLike | None = None, *, most: int, tmin: ArrayLike = 0.0,
+                 tmax: ArrayLike = np.inf, masks: ArrayLike | None = None, cull_back_faces: bool = False,
+                 filter: Filter | None = None, nan: Literal["raise", "miss"] = "raise") -> NDArray[Any]:
+    """Finds the `most` nearest hits of each ray, in order of distance, at equal distances of triangles.
+
+    Returns hits of dtype HIT and shape (N, most). Behind the last hit of a ray, 'primitive' is MISS and 't' is tmax. Takes
+    20 bytes for each of N * most hits; all_hits takes only as much as there are hits. Other arguments and errors are
+    those of closest_hit.
+    """
+    _check_bvh(bvh)
+    if not isinstance(most, (int, np.integer)) or isinstance(most, bool) or not 0 < most < 2**32:
+        raise UsageError(f"most: is {most!r}; use a positive integer")
+    rays = packed_rays(origins, directions, tmin, tmax, nan)
+    hits, counts = np.empty((len(rays), most), HIT), np.zeros(len(rays), np.uint32)
+    visible, accepted = words("masks", masks, len(rays)), native_filter(filter)
+    if len(rays):
+        as_bytes = hits.view(np.uint8).reshape(len(rays), most, HIT.itemsize)
+        _native.nearest_hits(bvh._native, rays, int(most), bool(cull_back_faces), visible, accepted, as_bytes, counts)
+    none = np.arange(most) >= counts[:, None]
+    hits[none] = np.array((0, 0, 0, MISS, MISS), HIT)
+    hits["t"][none] = np.broadcast_to(rays[:, 7:8], none.shape)[none]
+    return hits
+
+
+def all_hits(bvh: Bvh, origins: ArrayLike, directions: ArrayLike | None = None, *, tmin: ArrayLike = 0.0,
+             tmax: ArrayLike = np.inf, masks: ArrayLike | None = None, cull_back_faces: bool = False,
+             filter: Filter | None = None, nan: Literal["raise", "miss"] = "raise") -> Lists:
+    """Finds all hits of each ray, in order of distance, at equal distances of triangles.
+
+    Returns Lists of hits of dtype HIT: hits[i] are those of ray i. Arguments and errors are those of closest_hit, and
+    UsageError for more than 4e9 hits.
+    """
+    _check_bvh(bvh)
+    rays = packed_rays(origins, directions, tmin, tmax, nan)
+    visible, accepted = words("masks", masks, len(rays)), native_filter(filter)
+    if len(rays) == 0:
+        return Lists(np.zeros(1, np.uint32), np.empty(0, HIT))
+    offsets, elements = _native.all_hits(bvh._native, rays, bool(cull_back_faces), visible, accepted)
+    return Lists(offsets, elements.view(HIT).reshape(-1))
+
+
+def box_overlaps(bvh: Bvh, lows: ArrayLike, highs: ArrayLike) -> Lists:
+    """Finds the triangles that overlap each solid box, in ascending order.
+
+    lows, highs: (N, 3) corners. Boxes and triangles that touch overlap; a box with a low above its high overlaps nothing.
+    Decided in float64. Returns Lists of uint32. Raises UsageError, naming the argument, for wrong shapes, types and
+    numbers that are not finite.
+    """
+    _check_bvh(bvh)
+    low, high = finite("lows", floats("lows", lows, 3)), finite("highs", floats("highs", highs, 3))
+    if len(low) != len(high):
+        raise UsageError(f"highs: has {len(high)} rows, but lows has {len(low)}")
+    return _overlaps(_native.box_overlaps, bvh, np.hstack([low, high]))
+
+
+def sphere_overlaps(bvh: Bvh, centers: ArrayLike, radii: ArrayLike) -> Lists:
+    """Finds the triangles that overlap each solid sphere, in ascending order.
+
+    centers: (N, 3). radii: (N,), or one number; spheres of negative radius overlap nothing. As box_overlaps otherwise.
+    """
+    _check_bvh(bvh)
+    places = finite("centers", floats("centers", centers, 3))
+    return _overlaps(_native.sphere_overlaps, bvh, np.column_stack([places, finite_vector("radii", radii, len(places))]))
+
+
+def _overlaps(query: Any, bvh: Bvh, shapes: NDArray[np.float32]) -> Lists:
+    if len(shapes) == 0:
+        return Lists(np.zeros(1, np.uint32), np.empty(0, np.uint32))
+    return Lists(*query(bvh._native, np.ascontiguousarray(shapes)))

@@ -1,0 +1,194 @@
+"""Geometry that is not triangles: spheres, discs, cylinders, curves, and shapes whose text the caller gives."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Callable, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _native
+from ._arrays import as_array, check_choice, finite, finite_vector, floats, indices
+from ._device import Device, default_device
+from .errors import UsageError
+
+if TYPE_CHECKING:
+    from ._query import Query
+
+
+def _radii(name: str, value: Any, count: int) -> NDArray[np.float32]:
+    radii = finite_vector(name, value, count)
+    if count and radii.min() < 0:
+        raise UsageError(f"{name}: row {int(radii.argmin())} is {radii.min()}; use radii of 0 or more")
+    return radii
+
+
+def _places(name: str, value: Any, count: int | None = None) -> NDArray[np.float32]:
+    places = finite(name, floats(name, value, 3))
+    if len(places) == 0:
+        raise UsageError(f"{name}: empty; a structure needs at least one primitive")
+    if count is not None and len(places) != count:
+        raise UsageError(f"{name}: has {len(places)} rows; it must have {count}")
+    return places
+
+
+class Primitives:
+    """A structure over primitives of one kind. Queries take it as a Bvh: hits['primitive'] is the index of the primitive.
+
+    source: OpenCL C that defines the box and the hits of a primitive:
+
+        static inline PrimitiveBox bounds_of(global const float* data, uint primitive);
+        static inline bool intersect(global const float* data, uint primitive, float3 origin, float3 direction, float tmin,
+                                     Hit* hit);
+
+    docs/queries.md has an example; kernels/primitives/primitive.clh describes both and has helpers.
+    data: (N, K) numbers, K for each primitive: `data` of the functions begins with those of primitive 0. Not finite
+    numbers are errors. name: for messages of the compiler. device: a Device; None: default_device(). builder: as of Bvh.
+
+    Primitives whose box is not finite are left out: see `culled`. A text that does not compile raises DeviceError. The
+    path tracer does not render primitives.
+    """
+
+    def __init__(self, source: str, data: ArrayLike, *, name: str = "primitives", device: Device | None = None,
+                 builder: str = "balanced") -> None:
+        if not isinstance(source, str) or not source.strip():
+            raise UsageError("source: must be a text that defines bounds_of and intersect")
+        numbers = self._rows(data)
+        on = device or default_device()
+        self._hold(on, _native.NativePrimitives.build_text(on._native, str(name), source, numbers.ravel(), len(numbers), builder),
+                   self._rows)
+
+    @staticmethod
+    def _rows(data: ArrayLike) -> NDArray[np.float32]:
+        array = as_array("data", data)
+        if array.ndim != 2 or array.shape[0] == 0 or array.shape[1] == 0:
+            raise UsageError(f"data: has shape {array.shape}; it must be (N, K) with N and K of at least 1")
+        return finite("data", floats("data", array, array.shape[1]))
+
+    def _hold(self, device: Device, native: Any, pack: Callable[..., NDArray[np.float32]], first: int = 0) -> None:
+        self._device, self._native, self._pack, self._first = device, native, pack, first
+        self._queries: dict[Any, Query] = {}
+
+    @classmethod
+    def _built_in(cls, kind: str, device: Device | None, builder: str, pack: Callable[..., NDArray[np.float32]],
+                  *arrays: ArrayLike) -> Primitives:
+        made = cls.__new__(cls)
+        numbers = pack(*arrays)
+        on = device or default_device()
+        made._hold(on, _native.NativePrimitives.build(on._native, kind, numbers.ravel(), len(numbers), builder), pack)
+        return made
+
+    @classmethod
+    def spheres(cls, centers: ArrayLike, radii: ArrayLike, *, device: Device | None = None, builder: str = "balanced") -> Primitives:
+        """Spheres. centers: (N, 3). radii: (N,), or one number. Hits are solved in float64."""
+
+        def pack(centers: ArrayLike, radii: ArrayLike) -> NDArray[np.float32]:
+            places = _places("centers", centers)
+            return np.column_stack([places, _radii("radii", radii, len(places))])
+
+        return cls._built_in("spheres", device, builder, pack, centers, radii)
+
+    @classmethod
+    def discs(cls, centers: ArrayLike, normals: ArrayLike, radii: ArrayLike, holes: ArrayLike = 0.0, *, device: Device | None = None,
+              builder: str = "balanced") -> Primitives:
+        """Discs. centers, normals: (N, 3), normals of any length. radii, holes: (N,), or one number: outer and inner
+        radius. hits['u'] is the distance from the centre. A ray in the disc's plane misses it."""
+
+        def pack(centers: ArrayLike, normals: ArrayLike, radii: ArrayLike, holes: ArrayLike = 0.0) -> NDArray[np.float32]:
+            places = _places("centers", centers)
+            count = len(places)
+            return np.column_stack([places, _radii("radii", radii, count), _places("normals", normals, count),
+                                    _radii("holes", holes, count)])
+
+        return cls._built_in("discs", device, builder, pack, centers, normals, radii, holes)
+
+    @classmethod
+    def cylinders(cls, starts: ArrayLike, ends: ArrayLike, radii: ArrayLike, *, capped: bool = True, device: Device | None = None,
+                  builder: str = "balanced") -> Primitives:
+        """Cylinders. starts, ends: (N, 3) of their axes. radii: (N,), or one number. capped: whether discs close their
+        ends. hits['u'] is the place along the axis, 0 to 1."""
+
+        def pack(starts: ArrayLike, ends: ArrayLike, radii: ArrayLike) -> NDArray[np.float32]:
+            places = _places("starts", starts)
+            count = len(places)
+            return np.column_stack([places, _radii("radii", radii, count), _places("ends", ends, count),
+                                    np.full(count, bool(capped), np.float32)])
+
+        return cls._built_in("cylinders", device, builder, pack, starts, ends, radii)
+
+    @classmethod
+    def curves(cls, points: ArrayLike, radii: ArrayLike, segments: ArrayLike | None = None, *,
+               basis: Literal["bspline", "bezier"] = "bspline", shape: Literal["round", "flat"] = "round",
+               device: Device | None = None, builder: str = "balanced") -> Primitives:
+        """Cubic curves: hair, grass, wires. The primitives are their segments, of four control points each.
+
+        points: (P, 3) control points, and segments: (S,) the index of the first control point of each segment; or, without
+        segments, points: (C, K, 3), C curves of K control points each. Segments of a B-spline then begin at each control
+        point, those of a Bezier curve at each third. radii: at the control points, (P,) or (C, K); or one number.
+        shape: "round" (the hull of spheres along the curve, seen from outside only) or "flat" (a ribbon that faces every
+        ray; hits['v'] is the place across it, -1 to 1). hits['u'] is the place along the segment, 0 to 1.
+        """
+        check_choice("basis", basis, ("bspline", "bezier"))
+        check_choice("shape", shape, ("round", "flat"))
+        places = as_array("points", points)
+        if segments is None:
+            first = _segments_of_curves(places, 1 if basis == "bspline" else 3)
+        else:
+            rows = as_array("segments", segments)
+            first = indices("segments", rows[:, None] if rows.ndim == 1 else rows, 1, max(0, len(places) - 3),
+                            f"points, of which a segment needs four in a row, {len(places)} rows and")[:, 0]
+        if len(first) == 0:
+            raise UsageError("segments: empty; a structure needs at least one segment")
+        on, made = device or default_device(), cls.__new__(cls)
+        made._hold(on, _native.NativePrimitives.curves(on._native, _control_points(points, radii), first, basis == "bezier",
+                                                       shape == "flat", builder), _control_points, 4)
+        return made
+
+    def _move(self, arrays: tuple[ArrayLike, ...], rebuild: bool) -> None:
+        numbers = self._pack(*arrays)
+        room = self._native.floats() - self._first - (self.count if self._first else 0)  # curves: segments come last
+        if numbers.size != room:
+            raise UsageError(f"arrays: hold {numbers.size} numbers, and the structure has {room}")
+        self._native.move(numbers.ravel(), self._first, rebuild)
+
+    def refit(self, *arrays: ArrayLike) -> None:
+        """Changes the primitives, by the arrays with which they were made, and keeps the tree: fast, but queries get
+        slower with more motion."""
+        self._move(arrays, False)
+
+    def rebuild(self, *arrays: ArrayLike) -> None:
+        """Changes the primitives, by the arrays with which they were made, and builds the tree again."""
+        self._move(arrays, True)
+
+    @property
+    def count(self) -> int:
+        return self._native.count()
+
+    @property
+    def culled(self) -> int:
+        """The number of primitives that were left out because their box is not finite."""
+        return self._native.culled()
+
+    @property
+    def device(self) -> Device:
+        return self._device
+
+    def __repr__(self) -> str:
+        return f"<claray.Primitives: {self.count} on {self._device.name}>"
+
+
+def _segments_of_curves(points: NDArray[Any], step: int) -> NDArray[np.uint32]:
+    """The first control points of the segments of C curves with K control points each."""
+    if points.ndim != 3 or points.shape[2] != 3 or points.shape[1] < 4 or (points.shape[1] - 4) % step:
+        needed = "4, 7, 10, ..." if step == 3 else "at least 4"
+        raise UsageError(f"points: has shape {points.shape}; without segments it must be (C, K, 3), K {needed}")
+    curves, controls = points.shape[:2]
+    return (np.arange(curves)[:, None] * controls + np.arange(0, controls - 3, step)).ravel().astype(np.uint32)
+
+
+def _control_points(points: ArrayLike, radii: ArrayLike) -> NDArray[np.float32]:
+    """(P, 4): place and radius."""
+    places = as_array("points", points)
+    places = _places("points", places.reshape(-1, 3) if places.ndim == 3 else places)
+    widths = as_array("radii", radii)
+    return np.column_stack([places, _radii("radii", widths if widths.ndim == 0 else widths.ravel(), len(places))])

@@ -1,0 +1,33 @@
+// What queries take beside a Bvh: instances, primitives, filters of hits.
+#pragma once
+
+#include "claray/instances.hpp"
+#include "claray/primitives/primitives.hpp"
+#include "handles.hpp"
+
+namespace claray::python {
+
+struct PyPrimitives {
+    PyDevice device;
+    Primitives primitives;
+};
+
+struct PyInstancedBvh {
+    PyDevice device;
+    InstancedBvh bvh;
+    std::vector<Instance> instances;  // as they were given, for moves
+};
+
+/// A HitFilter whose data is not on a device yet. An empty text: every hit counts.
+struct PyFilter {
+    std::string name, source;
+    std::vector<float> data;
+};
+
+/// The filter with its data on the device.
+[[nodiscard]] HitFilter filter_of(const Device& device, const PyFilter& filter);
+
+/// The builder of that name. Throws ErrorKind::usage, naming the argument, for an unknown one.
+[[nodiscard]] Bvh::Config config_of(const std::string& builder);
+
+}  // namespace claray::python
