@@ -13,6 +13,7 @@
 #include "host/cli/output/messages.hpp"
 #include "host/cli/output/progress.hpp"
 #include "host/cli/output/render_outputs.hpp"
+#include "host/cli/ranks.hpp"
 #include "host/io/y4m.hpp"
 
 namespace claray::cli {
@@ -36,16 +37,19 @@ void warn_of_culled(const RenderProgress& progress) {
                       std::to_string(progress.culled));
 }
 
-/// What renders a picture: one device, or several.
+/// What renders a picture: one device, or several, those of other ranks among them.
 struct PictureRenderer {
     std::unique_ptr<Renderer> one;
     std::unique_ptr<RenderGroup> group;
+    std::unique_ptr<ranks::RemoteDevices> remote;
 
     PictureRenderer(const std::vector<Device>& devices, const Scene& scene, const RenderConfig& config) {
-        if (devices.size() == 1)
+        ranks::Ranks* const ranks = meet_ranks();
+        if (devices.size() == 1 && ranks == nullptr)
             one = std::make_unique<Renderer>(devices.front(), scene, config);
         else
             group = std::make_unique<RenderGroup>(devices, scene, config, print_warning);
+        if (ranks != nullptr) remote = std::make_unique<ranks::RemoteDevices>(*ranks, *group, scene, config);
     }
     /// Of a group, after it has rendered.
     [[nodiscard]] Renderer& renderer() const { return one ? *one : group->renderer(); }
@@ -165,7 +169,7 @@ void check_all_outputs(const RenderOptions& options) {
 }
 
 void refuse_several(const std::vector<Device>& devices, const RenderOptions& options) {
-    if (devices.size() == 1) return;
+    if (devices.size() == 1 && rank_session() == nullptr) return;
     const auto refuse = [](const char* option, const char* remedy) {
         throw Error(ErrorKind::usage, std::string(option) + " works on one device only", remedy);
     };
@@ -175,10 +179,12 @@ void refuse_several(const std::vector<Device>& devices, const RenderOptions& opt
 }
 
 void render(const RenderOptions& options) {
+    if (is_other_rank()) return serve_rank_0(options.device, options.wait_for_kernels ? "" : this_program());
     check_all_outputs(options);
     if (options.denoiser) check_denoiser(*options.denoiser);
     tell_of_signals_until_guarded();
     const std::vector<Device> devices = open_devices(options.device);
+    (void)meet_ranks();
     refuse_several(devices, options);
     for (const Device& device : devices) {
         device.profiler().enable(options.stats || options.json || !options.trace.empty());

@@ -51,16 +51,25 @@ std::optional<DeviceWorker::Job> DeviceWorker::next_job() {
     return job;
 }
 
+/// One CPU after the other: all are the same processor, and PoCL 3.1 aborts if two of its devices load the same kernel
+/// at the same time ("ref_count > 0").
+void DeviceWorker::set_up() {
+    static std::mutex processor;
+    std::unique_lock lock(processor, std::defer_lock);
+    if (device_.info().type == DeviceType::cpu) lock.lock();
+    renderer_.emplace(device_, scene_, config_);
+    Renderer::State& state = renderer_->state();
+    state.warm_up();
+    state.follow_light();
+    device_.finish();
+    state.begin = state.first_begin = Clock::now();
+    inbox_.post({number_, Report::Kind::ready, state.first_paths(), state.wavefront.capacity()});
+}
+
 void DeviceWorker::run() {
     Report failure{number_, Report::Kind::failed};
     try {
-        renderer_.emplace(device_, scene_, config_);
-        Renderer::State& state = renderer_->state();
-        state.warm_up();
-        state.follow_light();
-        device_.finish();
-        state.begin = state.first_begin = Clock::now();
-        inbox_.post({number_, Report::Kind::ready, state.first_paths(), state.wavefront.capacity()});
+        set_up();
         for (;;) {
             const std::optional<Job> job = next_job();
             if (job)

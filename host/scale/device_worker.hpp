@@ -36,6 +36,7 @@ private:
     };
 
     void run();
+    void set_up();
     [[nodiscard]] std::optional<Job> next_job();
     void start(const Job& job);
     void render(const Batch& batch);
