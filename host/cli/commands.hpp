@@ -21,5 +21,7 @@ void add_bvh_options(CLI::App& command, Bvh::Config& config);
 
 /// Opens the device of a command. Prints the warnings about the user's tuning tables.
 [[nodiscard]] Device open_device(const std::string& selector = {});
+/// The same for several devices: see Device::open_several.
+[[nodiscard]] std::vector<Device> open_devices(const std::string& selectors);
 
 }  // namespace claray::cli

@@ -63,6 +63,13 @@ Device open_device(const std::string& selector) {
     return device;
 }
 
+std::vector<Device> open_devices(const std::string& selectors) {
+    std::vector<Device> devices = Device::open_several(selectors);
+    for (const Device& device : devices)
+        for (const std::string& warning : tuning_warnings(device)) print_warning(warning);
+    return devices;
+}
+
 void add_devices_command(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand("devices", "List the OpenCL devices for --device");
     auto json = std::make_shared<bool>(false);

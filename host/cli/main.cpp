@@ -14,6 +14,7 @@
 #include "host/base/message.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/output/messages.hpp"
+#include "host/cli/ranks.hpp"
 
 namespace claray::cli {
 namespace {
@@ -98,9 +99,9 @@ int run_program(int argc, char** argv) {
         refuse_empty_values(app);
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-        return print_error(ErrorKind::usage, one_line(usage_error(app, argc, argv, error)));
+        return report_error(ErrorKind::usage, one_line(usage_error(app, argc, argv, error)));
     }
-    if (!action) return print_error(ErrorKind::usage, "the command is missing; see claray --help");
+    if (!action) return report_error(ErrorKind::usage, "the command is missing; see claray --help");
     action();
     flush_output();
     warn_of_lost_kernels();
@@ -109,13 +110,14 @@ int run_program(int argc, char** argv) {
 
 int run_and_report(int argc, char** argv) {
     try {
+        start_ranks(argc, argv);
         return run_program(argc, argv);
     } catch (const Error& error) {
-        return print_error(error.kind(), error.what());
+        return report_error(error.kind(), error.what());
     } catch (const std::bad_alloc&) {
-        return print_error(ErrorKind::user, "out of memory; use a smaller scene or image");
+        return report_error(ErrorKind::user, "out of memory; use a smaller scene or image");
     } catch (const std::exception& error) {
-        return print_error(ErrorKind::device, error.what());
+        return report_error(ErrorKind::device, error.what());
     }
 }
 
@@ -124,7 +126,8 @@ int run_and_report(int argc, char** argv) {
 int run_with_enough_stack(int argc, char** argv) {
     constexpr std::size_t enough = std::size_t(8) << 20;
     struct rlimit limit = {};
-    if (::getrlimit(RLIMIT_STACK, &limit) != 0 || limit.rlim_cur >= enough) return run_and_report(argc, argv);
+    if (::getrlimit(RLIMIT_STACK, &limit) != 0 || limit.rlim_cur >= enough)
+        return end_ranks(run_and_report(argc, argv));
     struct Call {
         int argc;
         char** argv;
@@ -132,7 +135,7 @@ int run_with_enough_stack(int argc, char** argv) {
     } call = {argc, argv, 0};
     const auto start = [](void* data) -> void* {
         Call& its = *static_cast<Call*>(data);
-        its.exit_code = run_and_report(its.argc, its.argv);
+        its.exit_code = end_ranks(run_and_report(its.argc, its.argv));
         return nullptr;
     };
     pthread_attr_t attributes;
@@ -140,7 +143,7 @@ int run_with_enough_stack(int argc, char** argv) {
     const bool started = ::pthread_attr_init(&attributes) == 0 &&
                          ::pthread_attr_setstacksize(&attributes, enough) == 0 &&
                          ::pthread_create(&thread, &attributes, start, &call) == 0;
-    if (!started) return run_and_report(argc, argv);
+    if (!started) return end_ranks(run_and_report(argc, argv));
     ::pthread_join(thread, nullptr);
     return call.exit_code;
 }

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "claray/io.hpp"
-#include "claray/renderer.hpp"
+#include "claray/render_group.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/load.hpp"
 #include "host/cli/options/option_rules.hpp"
@@ -13,6 +13,7 @@
 #include "host/cli/output/messages.hpp"
 #include "host/cli/output/progress.hpp"
 #include "host/cli/output/render_outputs.hpp"
+#include "host/cli/ranks.hpp"
 #include "host/io/y4m.hpp"
 
 namespace claray::cli {
@@ -36,8 +37,35 @@ void warn_of_culled(const RenderProgress& progress) {
                       std::to_string(progress.culled));
 }
 
+/// What renders a picture: one device, or several, those of other ranks among them.
+struct PictureRenderer {
+    std::unique_ptr<Renderer> one;
+    std::unique_ptr<RenderGroup> group;
+    std::unique_ptr<ranks::RemoteDevices> remote;
+
+    PictureRenderer(const std::vector<Device>& devices, const Scene& scene, const RenderConfig& config) {
+        ranks::Ranks* const ranks = meet_ranks();
+        if (devices.size() == 1 && ranks == nullptr)
+            one = std::make_unique<Renderer>(devices.front(), scene, config);
+        else
+            group = std::make_unique<RenderGroup>(devices, scene, config, print_warning);
+        if (ranks != nullptr) remote = std::make_unique<ranks::RemoteDevices>(*ranks, *group, scene, config);
+    }
+    /// Of a group, after it has rendered.
+    [[nodiscard]] Renderer& renderer() const { return one ? *one : group->renderer(); }
+    [[nodiscard]] const std::string& checkpoint_error() const {
+        return one ? one->checkpoint_error() : group->checkpoint_error();
+    }
+    RenderProgress render(const Device& device, TargetPlan* plan,
+                          const std::function<bool(const RenderProgress&)>& show) const {
+        if (group) return group->render(show);
+        return plan != nullptr ? render_to_target(device, *one, *plan, show) : one->render(show);
+    }
+};
+
 /// Renders until a target is reached or a signal arrives.
-Outcome run_renderer(const Device& device, Renderer& renderer, const RenderOptions& options, TargetPlan* plan) {
+Outcome run_renderer(const Device& device, const PictureRenderer& picture, const RenderOptions& options,
+                     TargetPlan* plan) {
     ProgressDisplay display(options.config, progress_style(options.quiet));
     std::optional<InterruptGuard> guard;
     const auto show = [&](const RenderProgress& so_far) {
@@ -48,15 +76,14 @@ Outcome run_renderer(const Device& device, Renderer& renderer, const RenderOptio
         display.show(so_far);
         return !InterruptGuard::interrupted();
     };
-    const RenderProgress progress = plan ? render_to_target(device, renderer, *plan, show) : renderer.render(show);
+    const RenderProgress progress = picture.render(device, plan, show);
     display.finish(progress);
     if (progress.spp == 0)
         throw Error(ErrorKind::user, "interrupted before every pixel had a sample: no image was written");
     return {progress, InterruptGuard::interrupted()};
 }
 
-void refuse_lost_checkpoint(const Renderer& renderer) {
-    const std::string& error = renderer.checkpoint_error();
+void refuse_lost_checkpoint(const std::string& error) {
     if (!error.empty()) throw Error(ErrorKind::user, "the last checkpoint could not be written: " + error);
 }
 
@@ -77,8 +104,9 @@ void write_rendered(const Renderer& renderer, const std::vector<glm::vec3>& pixe
 }
 
 /// Returns false if it was interrupted.
-bool render_picture(const Device& device, const Scene& scene, const RenderOptions& options, Writes& writes,
-                    Y4mFilm* film = nullptr) {
+bool render_picture(const std::vector<Device>& devices, const Scene& scene, const RenderOptions& options,
+                    Writes& writes, Y4mFilm* film = nullptr) {
+    const Device& device = devices.front();
     RenderConfig config = options.config;
     if (!options.wait_for_kernels) config.compiler = this_program();
     std::optional<TargetPlan> plan;
@@ -88,9 +116,11 @@ bool render_picture(const Device& device, const Scene& scene, const RenderOption
     } else if (options.picks_builder) {
         config.bvh.builder = choose_builder_for_samples(device, scene, config);
     }
-    Renderer renderer(device, scene, config);
+    const PictureRenderer picture(devices, scene, config);
 
-    const Outcome outcome = run_renderer(device, renderer, options, plan ? &*plan : nullptr);
+    const Outcome outcome = run_renderer(device, picture, options, plan ? &*plan : nullptr);
+    const Renderer& renderer = picture.renderer();
+    const std::vector<DeviceShare> shares = picture.group ? picture.group->shares() : std::vector<DeviceShare>();
     const Denoised denoised = denoise(renderer, options);
     const auto write = [&] {
         write_rendered(renderer, options.denoiser ? denoised.image : renderer.image(), options, film);
@@ -104,15 +134,15 @@ bool render_picture(const Device& device, const Scene& scene, const RenderOption
         writes.attempt([&] { write_trace(options.trace, device.profiler().records(), device.info().name); });
     const TargetPlan* planned = plan ? &*plan : nullptr;
     if (options.output == "-") return !outcome.interrupted;  // standard output has the film
-    options.json ? print_as_json(device, renderer, options, outcome, planned, denoised)
-                 : print_as_text(device, renderer, options, outcome, planned, denoised);
-    writes.attempt([&] { refuse_lost_checkpoint(renderer); });
+    options.json ? print_as_json(device, renderer, options, outcome, planned, denoised, shares)
+                 : print_as_text(device, renderer, options, outcome, planned, denoised, shares);
+    writes.attempt([&] { refuse_lost_checkpoint(picture.checkpoint_error()); });
     if (!outcome.interrupted) writes.attempt([&] { refuse_missed_error(config, outcome.progress); });
     return !outcome.interrupted;
 }
 
 /// The device keeps the kernels of one frame for the others.
-void render_animation(const Device& device, const RenderOptions& options, Writes& writes) {
+void render_animation(const std::vector<Device>& devices, const RenderOptions& options, Writes& writes) {
     FirstFrame first;
     bool goes_on = true;
     std::optional<Y4mFilm> film;
@@ -123,7 +153,7 @@ void render_animation(const Device& device, const RenderOptions& options, Writes
         if (!film) one.output = numbered(options.output, frame);
         one.view.load.time = frame / options.frame_rate;
         tell_of_signals_until_guarded();
-        goes_on = render_picture(device, load_for(one, &first), one, writes, film ? &*film : nullptr);
+        goes_on = render_picture(devices, load_for(one, &first), one, writes, film ? &*film : nullptr);
         std::fflush(stdout);
     }
     if (film) film->commit();
@@ -138,21 +168,36 @@ void check_all_outputs(const RenderOptions& options) {
     }
 }
 
+void refuse_several(const std::vector<Device>& devices, const RenderOptions& options) {
+    if (devices.size() == 1 && rank_session() == nullptr) return;
+    const auto refuse = [](const char* option, const char* remedy) {
+        throw Error(ErrorKind::usage, std::string(option) + " works on one device only", remedy);
+    };
+    if (options.fps > 0) refuse("--fps", "name one with --device");
+    if (options.config.adaptive) refuse("--adaptive", "name one with --device, or leave out --adaptive");
+    if (!options.trace.empty()) refuse("--trace", "name one with --device, or leave out --trace");
+}
+
 void render(const RenderOptions& options) {
+    if (is_other_rank()) return serve_rank_0(options.device, options.wait_for_kernels ? "" : this_program());
     check_all_outputs(options);
     if (options.denoiser) check_denoiser(*options.denoiser);
     tell_of_signals_until_guarded();
-    const Device device = open_device(options.device);
-    device.profiler().enable(options.stats || options.json || !options.trace.empty());
-    device.profiler().keep_records(!options.trace.empty());
+    const std::vector<Device> devices = open_devices(options.device);
+    (void)meet_ranks();
+    refuse_several(devices, options);
+    for (const Device& device : devices) {
+        device.profiler().enable(options.stats || options.json || !options.trace.empty());
+        device.profiler().keep_records(!options.trace.empty());
+    }
     warn_of_picture_options(options);
     Writes writes;
     if (options.animation) {
-        render_animation(device, options, writes);
+        render_animation(devices, options, writes);
     } else {
         const Scene scene = load_for(options);
-        if (options.fps > 0) return run_frames(device, scene, options);
-        render_picture(device, scene, options, writes);
+        if (options.fps > 0) return run_frames(devices.front(), scene, options);
+        render_picture(devices, scene, options, writes);
     }
     writes.finish();
 }
@@ -220,7 +265,9 @@ void add_checkpoint_options(CLI::App& command, RenderOptions& o) {
 }
 
 void add_machine_options(CLI::App& command, RenderOptions& o) {
-    command.add_option("--device", o.device, "cpu, gpu, an index or part of a name (see claray devices)");
+    command.add_option("--device", o.device,
+                       "cpu, gpu, an index or part of a name (see claray devices); several share the image:\n"
+                       "all, or a list such as gpu,cpu (see docs/scale.md)");
     add_bvh_options(command, o.config.bvh);
     command.add_flag("--stats", o.stats, "Print build time, rays per second and memory");
     command.add_flag("--json", o.json, "Print the result and all statistics as JSON");

@@ -126,6 +126,24 @@ void tune(Device::State& state) {
     state.tuning_warnings = std::move(tuning.warnings);
 }
 
+/// Without CPUs of a second platform, which would be the same processor again.
+std::vector<std::string> select_all(const std::vector<DeviceInfo>& infos) {
+    std::string platform;
+    std::vector<std::string> all;
+    for (const DeviceInfo& info : infos) {
+        if (info.type == DeviceType::cpu && platform.empty()) platform = info.platform;
+        if (info.type != DeviceType::cpu || info.platform == platform) all.push_back(std::to_string(info.index));
+    }
+    return all;
+}
+
+std::vector<std::string> parts_of(const std::string& list) {
+    std::vector<std::string> parts;
+    std::istringstream text(list);
+    for (std::string part; std::getline(text, part, ',');) parts.push_back(part);
+    return parts;
+}
+
 std::string selector_or_environment(const std::string& selector) {
     if (!selector.empty()) return selector;
     const char* environment = std::getenv("CLARAY_DEVICE");
@@ -167,6 +185,24 @@ Device Device::open(const std::string& selector) try {
 } catch (const cl::Error& error) {
     throw Error(ErrorKind::device,
                 std::string("cannot open the OpenCL device: ") + error.what() + " gave " + std::to_string(error.err()));
+}
+
+std::vector<Device> Device::open_several(const std::string& selectors) {
+    const std::string wanted = selector_or_environment(selectors);
+    std::vector<std::string> parts = lower(wanted) == "all" ? select_all(list_devices()) : parts_of(wanted);
+    if (parts.size() < 2) return {open(parts.empty() ? wanted : parts.front())};
+    std::vector<Device> devices;
+    for (const std::string& part : parts) {
+        if (part.empty())
+            throw Error(ErrorKind::usage, "'" + wanted + "' is not a list of devices", "write gpu,cpu or all");
+        Device device = open(part);
+        for (const Device& other : devices)
+            if (other.info().index == device.info().index)
+                throw Error(ErrorKind::usage, "'" + wanted + "' names the device " + device.info().name + " twice",
+                            "name each device once; claray devices lists them");
+        devices.push_back(std::move(device));
+    }
+    return devices;
 }
 
 Device Device::adopt(cl_context context, cl_command_queue queue) try {

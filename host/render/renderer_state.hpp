@@ -78,6 +78,8 @@ struct Renderer::State {
     [[nodiscard]] WavefrontKernels load_kernels(EffectSet effects) const;
     [[nodiscard]] std::uint32_t first_paths() const;
     void first_pixel();
+    /// Called after each batch. `sampled`: every pixel has a sample.
+    void choose_kernels(bool sampled);
     void take_over_when_compiled();
     void take_over();
     void refuse_with_checkpoints(const char* what) const;
@@ -109,7 +111,12 @@ struct Renderer::State {
     }
     [[nodiscard]] std::uint32_t words_of_listed_pixels() const { return config.adaptive ? pixels() : 0; }
     void plan_round();
-    [[nodiscard]] unsigned spp() const { return unsigned(schedule.samples() / pixels()); }
+    /// Samples of all pixels.
+    [[nodiscard]] std::uint64_t samples() const;
+    [[nodiscard]] unsigned spp() const { return unsigned(samples() / pixels()); }
+    /// Samples that every pixel has.
+    [[nodiscard]] unsigned complete_spp() const;
+    [[nodiscard]] Batch next_batch(std::uint32_t most_paths);
     [[nodiscard]] RenderProgress measure();
     template <class Measure>
     auto timed(const Measure& measure);
@@ -151,6 +158,7 @@ struct Renderer::State {
     std::optional<GBufferStage> gbuffer;
     std::optional<DenoisedFrames> frames;  // once a denoised picture was asked for
     AdaptiveSchedule schedule;
+    std::vector<Batch> pending;  // see Checkpoint
     Pace pace;
     RenderIdentity identity;  // for checkpoints
     std::string checkpoint_error;

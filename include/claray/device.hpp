@@ -52,6 +52,11 @@ public:
     /// ErrorKind::usage, listing the devices, if no device or more than one matches.
     [[nodiscard]] static Device open(const std::string& selector = {});
 
+    /// Opens several devices: selectors of `open`, separated by commas, or "all": every GPU and accelerator, and the
+    /// CPU once, even if several platforms list it. Throws as `open` does, and ErrorKind::usage for a device that is
+    /// named twice.
+    [[nodiscard]] static std::vector<Device> open_several(const std::string& selectors = {});
+
     /// Uses a context and an in-order queue of the host program. Both are retained. Times are measured only if the
     /// queue was created with CL_QUEUE_PROFILING_ENABLE.
     [[nodiscard]] static Device adopt(cl_context context, cl_command_queue queue);

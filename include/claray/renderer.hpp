@@ -287,6 +287,7 @@ public:
     [[nodiscard]] const std::string& checkpoint_error() const;
 
     struct State;
+    [[nodiscard]] State& state() const noexcept { return *state_; }
 
 private:
     std::shared_ptr<State> state_;

@@ -229,8 +229,31 @@ void write_aovs(const Renderer& renderer, const RenderOptions& options, Writes& 
     }
 }
 
+namespace {
+
+void print_shares(const std::vector<DeviceShare>& shares) {
+    double all = 0;
+    for (const DeviceShare& share : shares) all += double(share.samples);
+    for (const DeviceShare& share : shares)
+        std::printf("  %s: %.1f %% of the samples, %.4g million per second%s\n", share.name.c_str(),
+                    100 * double(share.samples) / std::max(all, 1.), 1e-6 * share.samples_per_second,
+                    share.failure.empty() ? "" : "; dropped");
+}
+
+nlohmann::ordered_json as_json(const std::vector<DeviceShare>& shares) {
+    auto devices = nlohmann::ordered_json::array();
+    for (const DeviceShare& share : shares)
+        devices.push_back({{"name", share.name},
+                           {"samples", share.samples},
+                           {"samples_per_second", share.samples_per_second},
+                           {"failure", share.failure}});
+    return devices;
+}
+
+}  // namespace
+
 void print_as_text(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,
-                   const TargetPlan* plan, const Denoised& denoised) {
+                   const TargetPlan* plan, const Denoised& denoised, const std::vector<DeviceShare>& shares) {
     const RenderProgress& p = outcome.progress;
     if (plan && tells_plan(options)) print_picks(plan->picks);
     print_overrides(options.config.effects);
@@ -240,6 +263,7 @@ void print_as_text(const Device& device, const Renderer& renderer, const RenderO
     if (p.noise > 0) std::printf(", noise %.2f %%", 100 * p.noise);
     if (p.error > 0) std::printf(", error %.2f %%", 100 * p.error);
     std::printf("%s\n", outcome.interrupted ? ", interrupted" : "");
+    print_shares(shares);
     if (*denoised.by) std::printf("denoised by %s in %.2f s\n", denoised.by, denoised.seconds);
     tell_cut_off(renderer, options.config.max_depth);
     if (plan && tells_plan(options)) {
@@ -251,7 +275,7 @@ void print_as_text(const Device& device, const Renderer& renderer, const RenderO
 }
 
 void print_as_json(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,
-                   const TargetPlan* plan, const Denoised& denoised) {
+                   const TargetPlan* plan, const Denoised& denoised, const std::vector<DeviceShare>& shares) {
     const RenderStatistics s = renderer.statistics();
     const CompileStatistics compile = compile_statistics();
     nlohmann::ordered_json report = {
@@ -303,6 +327,7 @@ void print_as_json(const Device& device, const Renderer& renderer, const RenderO
                             {"picks", plan->picks},
                             {"kept", !outcome.interrupted && is_kept(*plan, outcome.progress)},
                             {"reached", account_of(*plan, outcome.progress)}};
+    if (!shares.empty()) report["devices"] = as_json(shares);
     print_json(report);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "claray/device.hpp"
+#include "claray/render_group.hpp"
 #include "claray/target.hpp"
 #include "host/cli/options/render_options.hpp"
 #include "host/cli/output/outputs.hpp"
@@ -31,10 +32,10 @@ struct Outcome {
     bool interrupted = false;
 };
 
-/// `plan`: null if nothing was picked.
+/// `plan`: null if nothing was picked. `shares`: empty for one device.
 void print_as_text(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,
-                   const TargetPlan* plan, const Denoised& denoised);
+                   const TargetPlan* plan, const Denoised& denoised, const std::vector<DeviceShare>& shares);
 void print_as_json(const Device& device, const Renderer& renderer, const RenderOptions& options, const Outcome& outcome,
-                   const TargetPlan* plan, const Denoised& denoised);
+                   const TargetPlan* plan, const Denoised& denoised, const std::vector<DeviceShare>& shares);
 
 }  // namespace claray::cli

@@ -17,8 +17,10 @@ namespace {
 
 constexpr std::array<char, 8> checkpoint_magic = {'C', 'L', 'R', 'C', 'K', 'P', '\r', '\n'};
 constexpr std::uint32_t checkpoint_version = 5;
+constexpr std::uint32_t version_with_pending = 6;
 
-/// The beginning of a file. Then the film's sums, the tiles of adaptive sampling, and the digest of both.
+/// The beginning of a file. Then the film's sums, the tiles of adaptive sampling, the pending batches, and the digest
+/// of these.
 struct CheckpointHeader {
     std::array<char, 8> name;
     std::uint32_t version;
@@ -45,11 +47,13 @@ std::size_t bytes_of(const std::vector<T>& values) {
     return values.size() * sizeof(T);
 }
 
-Digest digest_of_sums(const Film::Sums& sums, const std::vector<std::uint32_t>& tiles) {
+Digest digest_of_sums(const Film::Sums& sums, const std::vector<std::uint32_t>& tiles,
+                      const std::vector<Batch>& pending) {
     Hasher hasher;
     hasher.add(sums.pixels.data(), bytes_of(sums.pixels));
     hasher.add(sums.odd.data(), bytes_of(sums.odd));
     hasher.add(tiles.data(), bytes_of(tiles));
+    hasher.add(pending.data(), bytes_of(pending));
     return hasher.digest();
 }
 
@@ -77,26 +81,34 @@ public:
         if (whole < sizeof header) refuse_damaged("it ends too early");
         if (header.order != byte_order)
             refuse("it was written on a machine with a different byte order", "render from the start");
-        if (header.version != checkpoint_version || header.pixel_bytes != sizeof(FilmPixel))
+        if ((header.version != checkpoint_version && header.version != version_with_pending) ||
+            header.pixel_bytes != sizeof(FilmPixel))
             refuse("it was written by another version of claray", "use that version, or render from the start");
         if (header.digest != digest_of_checkpoint_header(header)) refuse_damaged("the checksum of its header is wrong");
         const std::uint64_t of_tiles = header.tiles * std::uint64_t(sizeof(std::uint32_t));
         const std::uint64_t expected = sizeof header + bytes_of_sums(header) + of_tiles + sizeof(Digest);
-        if (bytes_ != expected)
+        const bool ends_in_batches =
+            header.version == version_with_pending && bytes_ > expected && (bytes_ - expected) % sizeof(Batch) == 0;
+        pending_ = ends_in_batches ? (bytes_ - expected) / sizeof(Batch) : 0;
+        if (bytes_ != expected && pending_ == 0)
             refuse_damaged("it has " + std::to_string(bytes_) + " bytes instead of " + std::to_string(expected));
         return header;
     }
 
     /// Reads what follows the header.
-    void read_sums(const CheckpointHeader& header, Film::Sums& sums, std::vector<std::uint32_t>& tiles) {
+    void read_rest(const CheckpointHeader& header, Checkpoint& checkpoint) {
+        auto& [position, looks, sums, pending] = checkpoint;
+        std::vector<std::uint32_t>& tiles = position.tiles;
         sums.pixels.resize(pixels_of(header)), sums.odd.resize(header.tells_error ? pixels_of(header) : 0);
         read(sums.pixels.data(), bytes_of(sums.pixels));
         read(sums.odd.data(), bytes_of(sums.odd));
         tiles.resize(header.tiles);
         read(tiles.data(), bytes_of(tiles));
+        pending.resize(pending_);
+        read(pending.data(), bytes_of(pending));
         Digest digest;
         read(digest.data(), digest.size());
-        if (digest != digest_of_sums(sums, tiles)) refuse_damaged("its checksum is wrong");
+        if (digest != digest_of_sums(sums, tiles, pending)) refuse_damaged("its checksum is wrong");
     }
 
     [[noreturn]] void refuse_damaged(const std::string& why) const {
@@ -113,8 +125,21 @@ private:
 
     std::filesystem::path path_;
     std::ifstream file_;
-    std::uint64_t bytes_ = 0;
+    std::uint64_t bytes_ = 0, pending_ = 0;  // number of pending batches
 };
+
+/// Whether each pixel has at most one pending batch, of samples that end where the whole image is between two passes.
+bool are_before(const std::vector<Batch>& pending, const CheckpointHeader& header) {
+    std::uint64_t next = 0;  // pixel
+    const Schedule::Position& at = header.position;
+    for (const Batch& batch : pending) {
+        const bool sound = batch.first_pixel >= next && batch.pixels > 0 && batch.samples > 0 && batch.listed == 0 &&
+                           std::uint64_t(batch.first_sample) + batch.samples == at.done;
+        next = std::uint64_t(batch.first_pixel) + batch.pixels;
+        if (!sound || next > pixels_of(header)) return false;
+    }
+    return pending.empty() || (at.pixel == 0 && at.sample == 0 && header.tiles == 0);
+}
 
 std::string size_of(std::uint32_t width, std::uint32_t height) {
     return std::to_string(width) + "x" + std::to_string(height);
@@ -141,7 +166,7 @@ RenderIdentity identity_of(const Scene& scene, const RenderConfig& config) {
 void write_checkpoint(const std::filesystem::path& path, const RenderIdentity& identity, const Checkpoint& checkpoint) {
     CheckpointHeader header{};
     header.name = checkpoint_magic;
-    header.version = checkpoint_version;
+    header.version = checkpoint.pending.empty() ? checkpoint_version : version_with_pending;
     header.order = byte_order;
     header.pixel_bytes = sizeof(FilmPixel);
     header.width = identity.width, header.height = identity.height;
@@ -153,12 +178,13 @@ void write_checkpoint(const std::filesystem::path& path, const RenderIdentity& i
     header.scene = identity.scene, header.settings = identity.settings, header.kernels = identity.kernels;
     header.digest = digest_of_checkpoint_header(header);
     const Film::Sums& sums = checkpoint.sums;
-    const Digest digest = digest_of_sums(sums, tiles);
+    const Digest digest = digest_of_sums(sums, tiles, checkpoint.pending);
     NewFile file(path);
     file.write(&header, sizeof header);
     file.write(sums.pixels.data(), bytes_of(sums.pixels));
     file.write(sums.odd.data(), bytes_of(sums.odd));
     file.write(tiles.data(), bytes_of(tiles));
+    file.write(checkpoint.pending.data(), bytes_of(checkpoint.pending));
     file.write(digest.data(), digest.size());
     file.commit();
 }
@@ -196,7 +222,8 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
         (header.tiles == 0 && looks.spp > at.done))
         file.refuse_damaged("its error estimate is not a valid number");
     Checkpoint checkpoint{{at, header.group, {}}, looks, {}};
-    file.read_sums(header, checkpoint.sums, checkpoint.position.tiles);
+    file.read_rest(header, checkpoint);
+    if (!are_before(checkpoint.pending, header)) file.refuse_damaged("its pending samples are outside the image");
     return checkpoint;
 }
 

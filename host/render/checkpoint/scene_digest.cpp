@@ -1,9 +1,9 @@
-// A digest of a scene without its names. Structured bindings name all members of the structs: this file does not
-// compile after a member is added until it is named here.
+// A digest of a scene without its names.
 #include <glm/glm.hpp>
 
 #include "host/bsdf/custom_bsdfs.hpp"
 #include "host/render/checkpoint/scene_digest.hpp"
+#include "host/scene/members.hpp"
 
 namespace claray {
 namespace {
@@ -46,67 +46,16 @@ private:
         else
             for (const T& value : values) add(value);
     }
-    void put(const std::string& text) { hasher_.add(text.data(), text.size()); }
-    void put(const Mesh& mesh) {
-        const auto& [name, positions, normals, uvs, uvs1, tangents, colors, triangles, materials, mask] = mesh;
-        add(positions, normals, uvs, uvs1, tangents, colors, triangles, materials, mask);
+    void put(const std::string&) {}  // names
+    template <Described T>
+    void put(const T& value) {
+        visit_members(value, [&](const auto&... members) { add(members...); });
+        if constexpr (std::is_same_v<T, Material>) put_custom_bsdf(value);
     }
-    void put(const MeshInstance& instance) {
-        const auto& [mesh, transform, transform_end] = instance;
-        add(mesh, transform, transform_end);
-    }
-    void put(const Texture& texture) {
-        const auto& [name, width, height, channels, format, bytes, floats, wrap_u, wrap_v, filter] = texture;
-        add(width, height, channels, format, bytes, floats, wrap_u, wrap_v, filter);
-    }
-    void put(const TextureUse& use) {
-        const auto& [texture, uv_set, offset, scale, rotation] = use;
-        add(texture, uv_set, offset, scale, rotation);
-    }
-    void put(const Material& material) {
-#define CLARAY_ROW(name, text, standard, check) , name
-        const auto& [name, kind, albedo, emission, roughness, ior, metallic, transmission, thin_walled, clearcoat,
-                     clearcoat_roughness, specular, specular_weight, specular_tint, sheen, sheen_roughness, anisotropy,
-                     anisotropy_rotation, iridescence, iridescence_ior, film_thickness, attenuation,
-                     attenuation_distance, opacity, alpha_mode, alpha_cutoff, alpha_test, cull_back, albedo_map,
-                     emission_map, metallic_roughness_map, transmission_map, clearcoat_map, clearcoat_roughness_map,
-                     clearcoat_normal_map, clearcoat_normal_scale, specular_map, specular_weight_map, shininess_map,
-                     sheen_map, sheen_roughness_map, anisotropy_map, iridescence_map, film_thickness_map, opacity_map,
-                     normal_map, normal_scale, height_map, height_scale, light_map, custom,
-                     parameters CLARAY_BSDF_PARAMETERS(CLARAY_ROW)] = material;
-        add(kind, albedo, emission, roughness, ior, metallic, transmission, thin_walled, clearcoat, clearcoat_roughness,
-            specular, specular_weight, specular_tint, sheen, sheen_roughness, anisotropy, anisotropy_rotation,
-            iridescence, iridescence_ior, film_thickness, attenuation, attenuation_distance, opacity, alpha_mode,
-            alpha_cutoff, alpha_test, cull_back, custom, parameters);
-        if (kind == MaterialKind::custom && custom < custom_bsdfs().size()) put(custom_bsdfs()[custom].source);
-        add(albedo_map, emission_map, metallic_roughness_map, transmission_map, clearcoat_map, clearcoat_roughness_map,
-            clearcoat_normal_map, clearcoat_normal_scale, specular_map, specular_weight_map, shininess_map, sheen_map,
-            sheen_roughness_map, anisotropy_map, iridescence_map, film_thickness_map, opacity_map, normal_map,
-            normal_scale, height_map, height_scale, light_map CLARAY_BSDF_PARAMETERS(CLARAY_ROW));
-#undef CLARAY_ROW
-    }
-    void put(const Light& light) {
-        const auto& [name, kind, position, direction, intensity, inner_angle, outer_angle, range, attenuation,
-                     linear_range] = light;
-        add(kind, position, direction, intensity, inner_angle, outer_angle, range, attenuation, linear_range);
-    }
-    void put(const Sky& sky) {
-        const auto& [horizon, zenith] = sky;
-        add(horizon, zenith);
-    }
-    void put(const Environment& environment) {
-        const auto& [images, strength, rotation] = environment;
-        add(images, strength, rotation);
-    }
-    void put(const Camera& camera) {
-        const auto& [position, target, up, vertical_fov, aperture_radius, focus_distance, position_end, target_end,
-                     orthographic_height] = camera;
-        add(position, target, up, vertical_fov, aperture_radius, focus_distance, position_end, target_end,
-            orthographic_height);
-    }
-    void put(const Scene& scene) {
-        const auto& [name, meshes, instances, materials, textures, lights, sky, environment, camera] = scene;
-        add(meshes, instances, materials, textures, lights, sky, environment, camera);
+    void put_custom_bsdf(const Material& material) {
+        if (material.kind != MaterialKind::custom || material.custom >= custom_bsdfs().size()) return;
+        const std::string& source = custom_bsdfs()[material.custom].source;
+        hasher_.add(source.data(), source.size());
     }
 
     Hasher hasher_;

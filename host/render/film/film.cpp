@@ -60,11 +60,16 @@ void Film::clear() {
     forget_look();
 }
 
-Film::Sums Film::sums() const { return {pixels_.read(), tells_error_ ? odd_.read() : std::vector<ColorSum>()}; }
+Film::Sums Film::sums(std::uint32_t first, std::uint32_t pixels) const {
+    Sums sums{std::vector<FilmPixel>(pixels), std::vector<ColorSum>(tells_error_ ? pixels : 0)};
+    pixels_.read(std::span<FilmPixel>(sums.pixels), first);
+    if (tells_error_) odd_.read(std::span<ColorSum>(sums.odd), first);
+    return sums;
+}
 
-void Film::set_sums(const Sums& sums) {
-    pixels_.write(sums.pixels);
-    if (tells_error_) odd_.write(sums.odd);
+void Film::set_sums(const Sums& sums, std::uint32_t first) {
+    pixels_.write(sums.pixels, first);
+    if (tells_error_) odd_.write(sums.odd, first);
     forget_look();
 }
 

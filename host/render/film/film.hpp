@@ -46,8 +46,11 @@ public:
         std::vector<FilmPixel> pixels;
         std::vector<ColorSum> odd;  ///< of samples of odd index, if the error is estimated
     };
-    [[nodiscard]] Sums sums() const;
-    void set_sums(const Sums& sums);
+    [[nodiscard]] Sums sums() const { return sums(0, count_); }
+    void set_sums(const Sums& sums) { set_sums(sums, 0); }
+    /// The same for `pixels` pixels from `first` on, and for as many as `sums` has.
+    [[nodiscard]] Sums sums(std::uint32_t first, std::uint32_t pixels) const;
+    void set_sums(const Sums& sums, std::uint32_t first);
     [[nodiscard]] const Buffer<FilmPixel>& pixels() const { return pixels_; }
 
     /// Enqueues the measurement that noise() and error() read, unless it is known. They wait for it.

@@ -34,6 +34,8 @@ public:
     [[nodiscard]] std::uint64_t samples() const;
     [[nodiscard]] bool between_passes() const { return groups_.empty() && uniform_.between_passes(); }
     void limit_pass(std::uint32_t samples) { uniform_.limit_pass(samples); }
+    /// Samples per pixel of the current pass of the whole image, or of the next one.
+    [[nodiscard]] std::uint32_t pass_samples() const { return uniform_.pass_samples(); }
 
     struct Position {
         Schedule::Position at;  // of the image, or of the group of tiles that is sampled now

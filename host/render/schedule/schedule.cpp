@@ -11,11 +11,14 @@ constexpr double batch_milliseconds = 100;
 Schedule::Schedule(std::uint32_t pixels, std::uint32_t spp, std::uint32_t paths_in_flight)
     : pixels_(pixels), spp_(spp), paths_(paths_in_flight) {}
 
+std::uint32_t Schedule::longest_pass(std::uint32_t pixels, std::uint32_t paths) {
+    return std::min(std::max(largest_pass, paths / pixels), paths);
+}
+
 /// Does not depend on anything that differs between runs, because a render may stop between passes.
 std::uint32_t Schedule::pass_samples() const {
     if (!between_passes()) return at_.pass;
-    const std::uint32_t limit = std::min(std::max(largest_pass, paths_ / pixels_), paths_);
-    return std::min({std::max(at_.done, 1u), limit, spp_ - at_.done, most_samples_});
+    return std::min({std::max(at_.done, 1u), longest_pass(pixels_, paths_), spp_ - at_.done, most_samples_});
 }
 
 Batch Schedule::next(std::uint32_t most_paths) {

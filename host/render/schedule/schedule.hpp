@@ -12,6 +12,8 @@ namespace claray {
 /// same order for any division, so that its sums are the same bit for bit.
 class Schedule {
 public:
+    /// Samples per pixel of the longest pass.
+    [[nodiscard]] static std::uint32_t longest_pass(std::uint32_t pixels, std::uint32_t paths_in_flight);
     Schedule(std::uint32_t pixels, std::uint32_t spp, std::uint32_t paths_in_flight);
 
     [[nodiscard]] bool finished() const { return at_.done == spp_; }
@@ -25,6 +27,9 @@ public:
     /// Limits the samples per pixel of the next pass; to be called between passes.
     void limit_pass(std::uint32_t samples) { most_samples_ = samples; }
 
+    /// Samples per pixel of this pass, or of the next one.
+    [[nodiscard]] std::uint32_t pass_samples() const;
+
     struct Position {
         std::uint32_t done = 0;    // samples per pixel before this pass
         std::uint32_t pass = 0;    // samples per pixel of this pass, once it has begun
@@ -35,8 +40,6 @@ public:
     void go_to(const Position& position) { at_ = position; }
 
 private:
-    [[nodiscard]] std::uint32_t pass_samples() const;
-
     std::uint32_t pixels_, spp_, paths_;
     std::uint32_t most_samples_ = ~std::uint32_t(0);
     Position at_;

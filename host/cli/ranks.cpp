@@ -1,0 +1,89 @@
+#include "host/cli/ranks.hpp"
+
+#include <unistd.h>
+
+#include <csignal>
+#include <cstring>
+#include <optional>
+
+#include "host/base/hash.hpp"
+#include "host/cli/output/messages.hpp"
+#include "host/compute/kernel_sources.hpp"
+#include "host/ranks/serve.hpp"
+
+namespace claray::cli {
+namespace {
+
+std::optional<ranks::Session> the_session;
+std::optional<ranks::Ranks> the_ranks;
+std::string the_options;
+std::optional<int> exit_code_of_rank_0;
+
+/// All but the device, which belongs to a machine.
+std::string options_of(int argc, char** argv) {
+    std::string text;
+    for (int i = 1; i < argc; ++i) {
+        if (std::strcmp(argv[i], "--device") == 0)
+            ++i;
+        else if (std::strncmp(argv[i], "--device=", 9) != 0)
+            text += (text.empty() ? "" : " ") + std::string(argv[i]);
+    }
+    return text;
+}
+
+/// Equal versions have equal kernels.
+std::string version() {
+    std::string kernels;
+    for (const KernelSource& source : kernel_sources()) kernels += source.path + source.text;
+    return CLARAY_VERSION " (kernels " + hash128(kernels).substr(0, 8) + ")";
+}
+
+std::string host_name() {
+    char name[256] = {};
+    return ::gethostname(name, sizeof name - 1) == 0 ? name : "";
+}
+
+ranks::Hello own_hello() { return {version(), the_options, host_name(), {}}; }
+
+}  // namespace
+
+void start_ranks(int argc, char** argv) {
+    if (argc < 2 || std::strcmp(argv[1], "render") != 0 || !ranks::started_together()) return;
+    the_options = options_of(argc, argv);
+    the_session.emplace();
+}
+
+ranks::Session* rank_session() { return the_session ? &*the_session : nullptr; }
+
+bool is_other_rank() {
+    return the_session ? the_session->rank() > 0 : ranks::started_together() && ranks::rank_by_launcher() > 0;
+}
+
+ranks::Ranks* meet_ranks() {
+    if (!the_session) return nullptr;
+    if (!the_ranks) the_ranks.emplace(*the_session, own_hello());
+    return &*the_ranks;
+}
+
+/// Rank 0 decides what a signal means.
+void serve_rank_0(const std::string& selectors, const std::string& compiler) {
+    std::signal(SIGINT, SIG_IGN);
+    std::signal(SIGTERM, SIG_IGN);
+    exit_code_of_rank_0 = ranks::serve(*the_session, Device::open_several(selectors), own_hello(), compiler);
+}
+
+int report_error(ErrorKind kind, const std::string& text) {
+    if (!is_other_rank()) return print_error(kind, text);
+    const std::string line = text.substr(0, text.find('\n'));
+    if (the_session) the_session->send(0, ranks::MessageKind::failure, to_bytes(ranks::Failure{int(kind), line}));
+    return int(kind);
+}
+
+int end_ranks(int exit_code) {
+    if (!the_session) return exit_code;
+    exit_code = exit_code_of_rank_0.value_or(exit_code);
+    the_session->end(exit_code);
+    return exit_code;
+}
+
+}  // namespace claray::cli

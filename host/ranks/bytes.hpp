@@ -1,0 +1,102 @@
+// Values as bytes, for messages between processes of one version on machines of one byte order.
+#pragma once
+
+#include <cstring>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "claray/error.hpp"
+#include "host/scene/members.hpp"
+
+namespace claray::ranks {
+
+template <class T>
+concept Plain = std::is_trivially_copyable_v<T>;
+
+class ByteWriter {
+public:
+    template <class... T>
+    void add(const T&... values) {
+        (put(values), ...);
+    }
+    [[nodiscard]] std::string take() { return std::move(bytes_); }
+
+private:
+    void raw(const void* data, std::size_t bytes) { bytes_.append(static_cast<const char*>(data), bytes); }
+    template <Plain T>
+    void put(const T& value) {
+        raw(&value, sizeof value);
+    }
+    void put(const std::string& text) {
+        put(std::uint64_t(text.size()));
+        raw(text.data(), text.size());
+    }
+    template <class T>
+    void put(const std::vector<T>& values) {
+        put(std::uint64_t(values.size()));
+        if constexpr (Plain<T>)
+            raw(values.data(), values.size() * sizeof(T));
+        else
+            for (const T& value : values) put(value);
+    }
+    template <class T>
+    requires(Described<T> && !Plain<T>) void put(const T& value) {
+        visit_members(value, [&](const auto&... members) { add(members...); });
+    }
+
+    std::string bytes_;
+};
+
+/// Throws ErrorKind::user if the bytes end too early.
+class ByteReader {
+public:
+    explicit ByteReader(std::string_view bytes) : bytes_(bytes) {}
+
+    template <class... T>
+    void get(T&... values) {
+        (take(values), ...);
+    }
+
+private:
+    void raw(void* data, std::size_t bytes) {
+        if (bytes > bytes_.size()) throw Error(ErrorKind::user, "a message of another rank ends too early");
+        if (bytes > 0) std::memcpy(data, bytes_.data(), bytes);
+        bytes_.remove_prefix(bytes);
+    }
+    [[nodiscard]] std::size_t count(std::size_t least_bytes) {
+        std::uint64_t count = 0;
+        take(count);
+        if (count > bytes_.size() / least_bytes)
+            throw Error(ErrorKind::user, "a message of another rank ends too early");
+        return std::size_t(count);
+    }
+    template <Plain T>
+    void take(T& value) {
+        raw(&value, sizeof value);
+    }
+    void take(std::string& text) {
+        text.resize(count(1));
+        raw(text.data(), text.size());
+    }
+    template <class T>
+    void take(std::vector<T>& values) {
+        if constexpr (Plain<T>) {
+            values.resize(count(sizeof(T)));
+            raw(values.data(), values.size() * sizeof(T));
+        } else {
+            values.resize(count(1));
+            for (T& value : values) take(value);
+        }
+    }
+    template <class T>
+    requires(Described<T> && !Plain<T>) void take(T& value) {
+        visit_members(value, [&](auto&... members) { get(members...); });
+    }
+
+    std::string_view bytes_;
+};
+
+}  // namespace claray::ranks

@@ -1,0 +1,53 @@
+// What ranks tell each other: the contents of messages.
+#pragma once
+
+#include "claray/renderer.hpp"
+#include "host/ranks/bytes.hpp"
+#include "host/ranks/session.hpp"
+#include "host/scale/worker.hpp"
+
+namespace claray::ranks {
+
+/// What must be equal on all ranks, and what each brings.
+struct Hello {
+    std::string version, options, host;
+    std::vector<std::string> devices;  // names
+};
+[[nodiscard]] std::string to_bytes(const Hello& hello);
+[[nodiscard]] Hello hello_from(const std::string& bytes);
+
+/// Why a rank ends.
+struct Failure {
+    int exit_code = 1;
+    std::string text;
+};
+[[nodiscard]] std::string to_bytes(const Failure& failure);
+[[nodiscard]] Failure failure_from(const std::string& bytes);
+
+/// `number` counts the pictures; messages about earlier ones are ignored.
+struct Picture {
+    std::uint32_t number = 0;
+    RenderConfig config;
+    Scene scene;
+};
+[[nodiscard]] std::string to_bytes(std::uint32_t number, const RenderConfig& config, const Scene& scene);
+/// The compiler and the files of the configuration are left empty: they belong to a machine.
+[[nodiscard]] Picture picture_from(const std::string& bytes);
+
+struct RemoteOrder {
+    std::uint32_t picture = 0, device = 0;  // `device`: of the rank
+    Order order;
+    Film::Sums sums;
+};
+[[nodiscard]] std::string to_bytes(const RemoteOrder& order);
+[[nodiscard]] RemoteOrder order_from(const std::string& bytes);
+
+/// `report.worker` is the number of the rank's device.
+struct RemoteReport {
+    std::uint32_t picture = 0;
+    Report report;
+};
+[[nodiscard]] std::string to_bytes(const RemoteReport& report);
+[[nodiscard]] RemoteReport report_from(const std::string& bytes);
+
+}  // namespace claray::ranks

@@ -1,0 +1,75 @@
+#include "host/ranks/serve.hpp"
+
+#include <atomic>
+#include <thread>
+
+#include "host/scale/device_worker.hpp"
+
+namespace claray::ranks {
+namespace {
+
+/// The devices of this rank at work on one picture.
+class Job {
+public:
+    Job(Session& session, const std::vector<Device>& devices, Picture picture) : picture_(std::move(picture)) {
+        for (const Device& device : devices)
+            workers_.push_back(
+                std::make_unique<DeviceWorker>(device, picture_.scene, picture_.config, inbox_, workers_.size()));
+        reporter_ = std::thread([this, &session] { report(session); });
+    }
+    ~Job() {
+        ends_ = true;
+        reporter_.join();
+        workers_.clear();
+    }
+    Job(const Job&) = delete;
+    Job& operator=(const Job&) = delete;
+
+    void carry_out(RemoteOrder order) {
+        if (order.picture == picture_.number && order.device < workers_.size())
+            workers_[order.device]->carry_out(order.order, std::move(order.sums));
+    }
+
+private:
+    void report(Session& session) {
+        while (!ends_)
+            if (std::optional<Report> report = inbox_.wait(std::chrono::milliseconds(20)))
+                session.send(0, MessageKind::report, to_bytes(RemoteReport{picture_.number, std::move(*report)}));
+    }
+
+    Picture picture_;
+    Inbox inbox_;
+    std::vector<std::unique_ptr<DeviceWorker>> workers_;
+    std::atomic<bool> ends_{false};
+    std::thread reporter_;
+};
+
+}  // namespace
+
+int serve(Session& session, const std::vector<Device>& devices, Hello hello, const std::string& compiler) {
+    for (const Device& device : devices) hello.devices.push_back(device.info().name);
+    session.send(0, MessageKind::hello, to_bytes(hello));
+    std::unique_ptr<Job> job;
+    for (;;) {
+        const std::optional<Message> message = session.receive(std::chrono::seconds(1));
+        if (!message) continue;  // the session tells if rank 0 is lost
+        switch (message->kind) {
+            case MessageKind::picture: {
+                job.reset();
+                Picture picture = picture_from(message->bytes);
+                picture.config.compiler = compiler;
+                job = std::make_unique<Job>(session, devices, std::move(picture));
+                break;
+            }
+            case MessageKind::order:
+                if (job) job->carry_out(order_from(message->bytes));
+                break;
+            case MessageKind::end: job.reset(); break;
+            case MessageKind::quit: return std::atoi(message->bytes.c_str());
+            case MessageKind::failure: throw Error(ErrorKind::user, "rank 0 is lost");
+            default: break;
+        }
+    }
+}
+
+}  // namespace claray::ranks

@@ -1,0 +1,330 @@
+#include "host/ranks/session.hpp"
+
+#include <cstdio>
+#include <cstdlib>
+
+#include "claray/error.hpp"
+
+#if CLARAY_WITH_MPI
+
+#include <mpi.h>
+#include <unistd.h>
+
+#include <condition_variable>
+#include <deque>
+#include <list>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace claray::ranks {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::size_t largest_part = std::size_t(1) << 28;  // bytes of an MPI message, whose size is an int
+constexpr std::chrono::microseconds between_looks{500};
+constexpr std::chrono::seconds time_to_end{10};
+
+/// A tag says the kind of a message, whether it goes on to other ranks, and whether a further part follows.
+constexpr int more_parts = 1, along_tree = 2, kinds = 4;
+
+/// The thread cannot be ended.
+[[noreturn]] void throw_not_started() {
+    std::fprintf(stderr, "claray: error: MPI did not start in time; check that all ranks run claray render\n");
+    ::_exit(1);
+}
+
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+}  // namespace
+
+struct Session::State {
+    struct Outgoing {
+        int to;
+        int tag;
+        std::shared_ptr<const std::string> bytes;
+    };
+    struct Sending {
+        std::shared_ptr<const std::string> bytes;
+        MPI_Request request;
+    };
+    struct Peer {
+        Clock::time_point heard = Clock::now();
+        std::string parts;  // of a message
+        bool is_lost = false, has_left = false;
+    };
+
+    void run();
+    void start();
+    [[nodiscard]] bool send_all();
+    void send_parts(const Outgoing& message);
+    [[nodiscard]] bool receive_one();
+    void deliver(Message message);
+    void pass_on(int tag, const std::string& part);
+    void keep_alive();
+    void lose(int rank);
+    void finish();
+    [[nodiscard]] bool is_lost(int rank) const { return peers[std::size_t(rank)].is_lost; }
+
+    std::mutex mutex;
+    std::condition_variable changed;
+    std::deque<Outgoing> outgoing;
+    std::deque<Message> incoming;
+    std::mutex handler_mutex;
+    std::function<void(const Message&)> handler;
+    bool has_started = false, ends = false, has_ended = false, any_lost = false;
+    int exit_code = 0;
+
+    // Of the thread.
+    int rank = 0, size = 1;
+    std::vector<Peer> peers;
+    std::list<Sending> sending;
+    Clock::time_point last_alive = Clock::now();
+    std::thread thread;
+};
+
+void Session::State::run() {
+    start();
+    for (;;) {
+        bool busy = send_all();
+        busy |= receive_one();
+        keep_alive();
+        std::unique_lock lock(mutex);
+        if (ends && outgoing.empty()) break;
+        if (!busy) changed.wait_for(lock, between_looks, [&] { return ends || !outgoing.empty(); });
+    }
+    finish();
+    const std::lock_guard lock(mutex);
+    has_ended = true;
+    changed.notify_all();
+}
+
+void Session::State::start() {
+    int provided = 0;
+    MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
+    MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);
+    MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    MPI_Comm_size(MPI_COMM_WORLD, &size);
+    peers.resize(std::size_t(size));
+    const std::lock_guard lock(mutex);
+    has_started = true;
+    changed.notify_all();
+}
+
+bool Session::State::send_all() {
+    std::deque<Outgoing> messages;
+    {
+        const std::lock_guard lock(mutex);
+        std::swap(messages, outgoing);
+    }
+    for (const Outgoing& message : messages) send_parts(message);
+    for (auto it = sending.begin(); it != sending.end();) {
+        int done = 0;
+        if (MPI_Test(&it->request, &done, MPI_STATUS_IGNORE) != MPI_SUCCESS) done = 1;
+        it = done ? sending.erase(it) : std::next(it);
+    }
+    return !messages.empty();
+}
+
+void Session::State::send_parts(const Outgoing& message) {
+    std::size_t at = 0;
+    do {
+        const std::size_t bytes = std::min(largest_part, message.bytes->size() - at);
+        const int more = at + bytes < message.bytes->size() ? more_parts : 0;
+        if (is_lost(message.to)) return;
+        sending.push_back({message.bytes, MPI_REQUEST_NULL});
+        if (MPI_Isend(message.bytes->data() + at, int(bytes), MPI_BYTE, message.to, message.tag | more, MPI_COMM_WORLD,
+                      &sending.back().request) != MPI_SUCCESS) {
+            sending.pop_back();
+            return lose(message.to);
+        }
+        at += bytes;
+    } while (at < message.bytes->size());
+}
+
+bool Session::State::receive_one() {
+    int there = 0;
+    MPI_Status status;
+    if (MPI_Iprobe(MPI_ANY_SOURCE, MPI_ANY_TAG, MPI_COMM_WORLD, &there, &status) != MPI_SUCCESS || there == 0)
+        return false;
+    int bytes = 0;
+    MPI_Get_count(&status, MPI_BYTE, &bytes);
+    std::string part(std::size_t(bytes), '\0');
+    const int from = status.MPI_SOURCE, tag = status.MPI_TAG;
+    if (MPI_Recv(part.data(), bytes, MPI_BYTE, from, tag, MPI_COMM_WORLD, MPI_STATUS_IGNORE) != MPI_SUCCESS) {
+        lose(from);
+        return true;
+    }
+    Peer& peer = peers[std::size_t(from)];
+    peer.heard = Clock::now();
+    if (tag & along_tree) pass_on(tag, part);
+    peer.parts = peer.parts.empty() ? std::move(part) : peer.parts + part;
+    if (tag & more_parts) return true;
+    Message message{from, MessageKind(tag / kinds), std::move(peer.parts)};
+    peer.parts.clear();
+    if (message.kind == MessageKind::quit || message.kind == MessageKind::failure) peer.has_left = true;
+    if (message.kind != MessageKind::alive && !peer.is_lost) deliver(std::move(message));
+    return true;
+}
+
+/// Rank r passes to r + 1, r + 2, r + 4 ... from the first power of two above r on: a binomial tree.
+void Session::State::pass_on(int tag, const std::string& part) {
+    const auto shared = std::make_shared<const std::string>(part);
+    int step = 1;
+    while (step <= rank) step *= 2;
+    for (; rank + step < size; step *= 2) {
+        sending.push_back({shared, MPI_REQUEST_NULL});
+        MPI_Isend(shared->data(), int(shared->size()), MPI_BYTE, rank + step, tag, MPI_COMM_WORLD,
+                  &sending.back().request);
+    }
+}
+
+void Session::State::deliver(Message message) {
+    const std::lock_guard handler_lock(handler_mutex);
+    if (handler) return handler(message);
+    const std::lock_guard lock(mutex);
+    incoming.push_back(std::move(message));
+    changed.notify_all();
+}
+
+/// Rank 0 watches all others, and they watch rank 0.
+void Session::State::keep_alive() {
+    const double limit = seconds_until_lost();
+    const bool is_due = seconds_since(last_alive) > limit / 10;
+    if (is_due) last_alive = Clock::now();
+    const int watched = rank == 0 ? size : 1;
+    for (int other = rank == 0 ? 1 : 0; other < watched; ++other) {
+        const Peer& peer = peers[std::size_t(other)];
+        if (peer.is_lost || peer.has_left) continue;
+        if (is_due) send_parts({other, int(MessageKind::alive) * kinds, std::make_shared<const std::string>()});
+        if (seconds_since(peer.heard) > limit) lose(other);
+    }
+}
+
+void Session::State::lose(int other) {
+    Peer& peer = peers[std::size_t(other)];
+    if (peer.is_lost) return;
+    peer.is_lost = true;
+    {
+        const std::lock_guard lock(mutex);
+        any_lost = true;
+    }
+    deliver({other, MessageKind::failure, {}});
+}
+
+/// MPI_Finalize waits for all ranks, so it is called only while none is lost.
+void Session::State::finish() {
+    const Clock::time_point begin = Clock::now();
+    while (!sending.empty() && seconds_since(begin) < 2) {
+        (void)send_all();
+        (void)receive_one();
+        std::this_thread::sleep_for(between_looks);
+    }
+    if (!any_lost) MPI_Finalize();
+}
+
+Session::Session() : state_(std::make_unique<State>()) {
+    state_->thread = std::thread([state = state_.get()] { state->run(); });
+    std::unique_lock lock(state_->mutex);
+    if (!state_->changed.wait_for(lock, std::chrono::duration<double>(2 * seconds_until_lost()),
+                                  [&] { return state_->has_started; }))
+        throw_not_started();
+}
+
+Session::~Session() { end(0); }
+
+int Session::rank() const { return state_->rank; }
+int Session::size() const { return state_->size; }
+
+void Session::send(int to, MessageKind kind, std::string bytes) {
+    const std::lock_guard lock(state_->mutex);
+    state_->outgoing.push_back({to, int(kind) * kinds, std::make_shared<const std::string>(std::move(bytes))});
+    state_->changed.notify_all();
+}
+
+void Session::broadcast(MessageKind kind, std::string bytes) {
+    const auto shared = std::make_shared<const std::string>(std::move(bytes));
+    const std::lock_guard lock(state_->mutex);
+    for (int to = 1; to < state_->size; to *= 2)
+        state_->outgoing.push_back({to, int(kind) * kinds | along_tree, shared});
+    state_->changed.notify_all();
+}
+
+void Session::handle(std::function<void(const Message&)> handler) {
+    const std::lock_guard lock(state_->handler_mutex);
+    state_->handler = std::move(handler);
+}
+
+std::optional<Message> Session::receive(std::chrono::milliseconds most) {
+    std::unique_lock lock(state_->mutex);
+    if (!state_->changed.wait_for(lock, most, [&] { return !state_->incoming.empty(); })) return std::nullopt;
+    Message message = std::move(state_->incoming.front());
+    state_->incoming.pop_front();
+    return message;
+}
+
+void Session::end(int exit_code) {
+    if (!state_->thread.joinable()) return;
+    handle({});
+    if (state_->rank == 0)
+        for (int other = 1; other < state_->size; ++other) send(other, MessageKind::quit, std::to_string(exit_code));
+    std::unique_lock lock(state_->mutex);
+    state_->ends = true;
+    state_->changed.notify_all();
+    const bool ended = state_->changed.wait_for(lock, time_to_end, [&] { return state_->has_ended; });
+    if (!ended || state_->any_lost) {
+        std::fflush(nullptr);
+        ::_exit(exit_code);
+    }
+    lock.unlock();
+    state_->thread.join();
+}
+
+}  // namespace claray::ranks
+
+#else
+
+namespace claray::ranks {
+
+struct Session::State {};
+
+Session::Session() {
+    throw Error(ErrorKind::user, "this claray was built without MPI",
+                "install libopenmpi-dev and build it again, or start it without mpirun");
+}
+Session::~Session() = default;
+int Session::rank() const { return 0; }
+int Session::size() const { return 1; }
+void Session::send(int, MessageKind, std::string) {}
+void Session::broadcast(MessageKind, std::string) {}
+void Session::handle(std::function<void(const Message&)>) {}
+std::optional<Message> Session::receive(std::chrono::milliseconds) { return std::nullopt; }
+void Session::end(int) {}
+
+}  // namespace claray::ranks
+
+#endif
+
+namespace claray::ranks {
+namespace {
+
+/// Of Open MPI; of MPICH, Intel MPI and Slurm's PMI; the first that is set.
+int value_of(std::initializer_list<const char*> variables, int otherwise) {
+    for (const char* variable : variables)
+        if (const char* value = std::getenv(variable); value != nullptr && *value != '\0') return std::atoi(value);
+    return otherwise;
+}
+
+}  // namespace
+
+bool started_together() { return value_of({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"}, 1) > 1; }
+int rank_by_launcher() { return value_of({"OMPI_COMM_WORLD_RANK", "PMI_RANK"}, 0); }
+
+double Session::seconds_until_lost() {
+    const char* value = std::getenv("CLARAY_RANK_SECONDS");
+    const double seconds = value == nullptr ? 0 : std::atof(value);
+    return seconds > 0 ? seconds : 30;
+}
+
+}  // namespace claray::ranks

@@ -1,0 +1,112 @@
+// Decides which worker renders which pixels and samples next.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <vector>
+
+#include "claray/shared/path.h"
+
+namespace claray {
+
+/// What a worker is to do. Each worker carries out its orders one after the other.
+struct Order {
+    enum class Kind : std::uint32_t {
+        render,  ///< add the samples of `batch` to its pixels
+        read,    ///< report the sums of these pixels
+        give     ///< the same; the worker no longer holds the pixels
+    };
+    Kind kind = Kind::render;
+    Batch batch = {};
+    bool brings_sums = false;  ///< of `render`: the sums so far of these pixels come with the order
+};
+
+/// Pixels with equal numbers of samples.
+struct PixelRun {
+    std::uint32_t first = 0, pixels = 0, samples = 0;
+};
+
+/// The image is divided into bands of consecutive pixels. A worker that has rendered samples of a band holds its sums
+/// and goes on with it, so that the samples of a pixel are added in their order and seldom move. A worker that is ahead
+/// of another one takes bands over from it, as many as its measured speed is worth. Pieces of work take about 50 ms,
+/// and a quarter of the remaining time near the end.
+class Dealer {
+public:
+    /// `runs` cover all pixels of the image; the caller knows the sums of those that have samples. Passes grow as in
+    /// Schedule, up to `largest_pass` samples per pixel. `bands`: about this many.
+    Dealer(const std::vector<PixelRun>& runs, std::uint32_t largest_pass, std::uint32_t bands = 4096);
+
+    /// Adds a worker and returns its number. Its first piece has `first_paths` paths, and none has more than
+    /// `most_paths`.
+    int add(std::uint32_t first_paths, std::uint32_t most_paths);
+    /// No pixel gets more samples than this; never less than before.
+    void set_limit(std::uint32_t samples);
+    /// The next order for a worker; none if it has to wait for others. `seconds_left`: pieces take at most half of it.
+    [[nodiscard]] std::optional<Order> next(int worker, double seconds_left);
+    /// Orders for the sums of all pixels that this worker holds and the caller does not know.
+    [[nodiscard]] std::vector<Order> handovers(int worker);
+    /// Must be called for each order of a worker when it is done, in order. The caller keeps the sums of `read` and
+    /// `give`. `seconds`: since its order before was done, or since this one was sent.
+    void done(int worker, const Order& order, double seconds);
+    /// The worker is gone with the sums that it held. What the caller does not know is rendered again.
+    void lost(int worker);
+
+    /// Every pixel has as many samples as the limit allows.
+    [[nodiscard]] bool finished() const { return done_ == std::uint64_t(pixels_) * limit_; }
+    /// Samples of all pixels that are done.
+    [[nodiscard]] std::uint64_t samples() const { return done_; }
+    /// Samples that every pixel has.
+    [[nodiscard]] std::uint32_t least() const;
+    /// The least number of samples from `samples` on with which a pass ends; it may exceed the limit.
+    [[nodiscard]] std::uint32_t end_of_pass(std::uint32_t samples) const;
+    [[nodiscard]] std::uint32_t limit() const { return limit_; }
+    /// The samples that are done, and those in the sums that the caller knows.
+    [[nodiscard]] std::vector<PixelRun> rendered() const { return runs(&Band::done); }
+    [[nodiscard]] std::vector<PixelRun> known() const { return runs(&Band::known); }
+    /// Pixels with samples that others hold, or nobody.
+    [[nodiscard]] std::vector<PixelRun> held_by_others(int worker) const;
+    /// Measured samples per second; 0: unknown.
+    [[nodiscard]] double speed(int worker) const { return workers_[std::size_t(worker)].speed(); }
+    /// Samples of this worker, including those that were lost with it.
+    [[nodiscard]] std::uint64_t samples_of(int worker) const { return workers_[std::size_t(worker)].all; }
+
+private:
+    static constexpr int nobody = -1;
+    struct Band {
+        std::uint32_t first, pixels;
+        std::uint32_t ordered, done, known;  // samples per pixel: ordered, rendered, in the sums that the caller knows
+        int holder = nobody;
+        bool leaves = false;  // the holder is to give it
+    };
+    struct Worker {
+        std::uint32_t first_paths, most_paths, last_paths = 0;
+        double samples = 0, seconds = 0;  // recent ones
+        std::uint64_t all = 0;
+        std::deque<Order> gives = {};  // to be sent
+        unsigned giving = 0;           // sent or to be sent
+        bool is_lost = false;
+        [[nodiscard]] double speed() const { return seconds > 0 ? samples / seconds : 0; }
+    };
+
+    [[nodiscard]] std::vector<PixelRun> runs(std::uint32_t Band::*samples) const;
+    [[nodiscard]] bool may_render(const Band& band, int worker) const {
+        return band.ordered < limit_ && !band.leaves && (band.holder == worker || band.holder == nobody);
+    }
+    [[nodiscard]] std::size_t first_band_for(int worker) const;
+    [[nodiscard]] std::uint32_t least_ordered() const;
+    [[nodiscard]] double paths_of_piece(const Worker& worker, double seconds_left) const;
+    [[nodiscard]] double seconds_to_limit() const;
+    [[nodiscard]] Order piece_from(std::size_t band, int worker, double paths);
+    void ask_others(int worker, std::uint32_t samples);
+    void ask(int holder, double samples, std::uint32_t level);
+    template <class Visit>
+    void for_bands_of(const Batch& batch, const Visit& visit);
+
+    std::uint32_t pixels_ = 0, largest_pass_, limit_ = 0;
+    std::uint64_t ordered_ = 0, done_ = 0;  // samples of all pixels
+    std::vector<Band> bands_;
+    std::vector<Worker> workers_;
+};
+
+}  // namespace claray

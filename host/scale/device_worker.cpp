@@ -1,0 +1,141 @@
+#include "host/scale/device_worker.hpp"
+
+#include <algorithm>
+#include <new>
+
+#include "host/render/renderer_state.hpp"
+
+namespace claray {
+namespace {
+
+constexpr std::size_t most_running = 2;  // orders on the device
+
+/// The group decides when a render ends and saves its progress.
+RenderConfig config_of_part(RenderConfig config) {
+    config.checkpoint.clear(), config.resume.clear();
+    return config;
+}
+
+}  // namespace
+
+DeviceWorker::DeviceWorker(const Device& device, const Scene& scene, const RenderConfig& config, Inbox& inbox,
+                           std::size_t number)
+    : device_(device), scene_(scene), config_(config_of_part(config)), inbox_(inbox), number_(number), thread_([this] {
+          run();
+      }) {}
+
+DeviceWorker::~DeviceWorker() {
+    {
+        const std::lock_guard lock(mutex_);
+        ends_ = true;
+    }
+    arrived_.notify_one();
+    thread_.join();
+}
+
+void DeviceWorker::carry_out(const Order& order, Film::Sums sums) {
+    {
+        const std::lock_guard lock(mutex_);
+        jobs_.push_back({order, std::move(sums), Clock::now()});
+    }
+    arrived_.notify_one();
+}
+
+/// Waits only while nothing runs on the device.
+std::optional<DeviceWorker::Job> DeviceWorker::next_job() {
+    std::unique_lock lock(mutex_);
+    if (running_.empty()) arrived_.wait(lock, [&] { return ends_ || !jobs_.empty(); });
+    if (ends_ || jobs_.empty()) return std::nullopt;
+    Job job = std::move(jobs_.front());
+    jobs_.pop_front();
+    return job;
+}
+
+/// One CPU after the other: all are the same processor, and PoCL 3.1 aborts if two of its devices load the same kernel
+/// at the same time ("ref_count > 0").
+void DeviceWorker::set_up() {
+    static std::mutex processor;
+    std::unique_lock lock(processor, std::defer_lock);
+    if (device_.info().type == DeviceType::cpu) lock.lock();
+    renderer_.emplace(device_, scene_, config_);
+    Renderer::State& state = renderer_->state();
+    state.warm_up();
+    state.follow_light();
+    device_.finish();
+    state.begin = state.first_begin = Clock::now();
+    inbox_.post({number_, Report::Kind::ready, state.first_paths(), state.wavefront.capacity()});
+}
+
+void DeviceWorker::run() {
+    Report failure{number_, Report::Kind::failed};
+    try {
+        set_up();
+        for (;;) {
+            const std::optional<Job> job = next_job();
+            if (job)
+                start(*job);
+            else if (running_.empty())
+                return;
+            if (!job || running_.size() >= most_running) wait_for_oldest();
+        }
+    } catch (const Error& error) {
+        failure.error = error.kind(), failure.what = error.what();
+    } catch (const std::bad_alloc&) {
+        failure.error = ErrorKind::user, failure.what = "out of memory; use a smaller scene or image";
+    } catch (const std::exception& error) {
+        failure.what = error.what();
+    }
+    running_.clear();
+    inbox_.post(std::move(failure));
+}
+
+void DeviceWorker::start(const Job& job) {
+    Film& film = renderer_->state().film;
+    const Batch& batch = job.order.batch;
+    if (job.order.kind == Order::Kind::render) {
+        if (job.order.brings_sums) film.set_sums(job.sums, batch.first_pixel);
+        render(batch);
+        running_.push_back({Mark(device_), job.sent});
+        device_.queue().flush();
+        return;
+    }
+    while (!running_.empty()) wait_for_oldest();
+    report_done(job.sent, film.sums(batch.first_pixel, batch.pixels));
+}
+
+/// In batches for which the renderer has room; each pixel's samples in their order.
+void DeviceWorker::render(const Batch& all) {
+    Renderer::State& state = renderer_->state();
+    const std::uint32_t room = state.wavefront.capacity();
+    Batch batch = all;
+    for (std::uint32_t pixel = 0; pixel < all.pixels; pixel += batch.pixels) {
+        batch.first_pixel = all.first_pixel + pixel;
+        batch.pixels = std::min(all.pixels - pixel, std::max(1u, room / all.samples));
+        for (std::uint32_t sample = 0; sample < all.samples; sample += batch.samples) {
+            batch.first_sample = all.first_sample + sample;
+            batch.samples = std::min(all.samples - sample, room / batch.pixels);
+            state.wavefront.trace(batch);
+            state.film.accumulate(batch, state.wavefront.radiance());
+        }
+    }
+    samples_ += std::uint64_t(all.pixels) * all.samples;
+    state.choose_kernels(samples_ >= state.pixels());
+}
+
+void DeviceWorker::wait_for_oldest() {
+    running_.front().end.wait();
+    const Clock::time_point sent = running_.front().sent;
+    running_.pop_front();
+    report_done(sent);
+}
+
+void DeviceWorker::report_done(Clock::time_point sent, Film::Sums sums) {
+    const Clock::time_point now = Clock::now(), from = std::max(last_done_, sent);
+    last_done_ = now;
+    Report report{number_, Report::Kind::done};
+    report.seconds = std::chrono::duration<double>(now - from).count();
+    report.sums = std::move(sums);
+    inbox_.post(std::move(report));
+}
+
+}  // namespace claray

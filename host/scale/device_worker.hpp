@@ -1,0 +1,63 @@
+// A device that renders a part of an image, in a thread of its own.
+#pragma once
+
+#include <thread>
+
+#include "claray/renderer.hpp"
+#include "host/render/in_flight.hpp"
+#include "host/scale/worker.hpp"
+
+namespace claray {
+
+class DeviceWorker final : public Worker {
+public:
+    /// Builds a Renderer in the thread and reports to `inbox` as `number`. Scene and inbox must outlive it.
+    DeviceWorker(const Device& device, const Scene& scene, const RenderConfig& config, Inbox& inbox,
+                 std::size_t number);
+    /// Waits for the order that is carried out.
+    ~DeviceWorker() override;
+
+    [[nodiscard]] const std::string& name() const override { return device_.info().name; }
+    void carry_out(const Order& order, Film::Sums sums) override;
+    [[nodiscard]] std::size_t most_orders() const override { return 3; }
+    /// Must be used only when the worker is ready and has no order.
+    [[nodiscard]] Renderer& renderer() { return *renderer_; }
+
+private:
+    using Clock = std::chrono::steady_clock;
+    struct Job {
+        Order order;
+        Film::Sums sums;
+        Clock::time_point sent;
+    };
+    struct Running {
+        Mark end;
+        Clock::time_point sent;
+    };
+
+    void run();
+    void set_up();
+    [[nodiscard]] std::optional<Job> next_job();
+    void start(const Job& job);
+    void render(const Batch& batch);
+    void wait_for_oldest();
+    void report_done(Clock::time_point sent, Film::Sums sums = {});
+
+    Device device_;
+    const Scene& scene_;
+    RenderConfig config_;
+    Inbox& inbox_;
+    std::size_t number_;
+    std::optional<Renderer> renderer_;
+    std::uint64_t samples_ = 0;
+    std::deque<Running> running_;
+    Clock::time_point last_done_;
+
+    std::mutex mutex_;
+    std::condition_variable arrived_;
+    std::deque<Job> jobs_;
+    bool ends_ = false;
+    std::thread thread_;
+};
+
+}  // namespace claray

@@ -1,0 +1,84 @@
+// What a RenderGroup consists of.
+#pragma once
+
+#include "claray/render_group.hpp"
+#include "host/render/checkpoint/checkpoint.hpp"
+#include "host/scale/device_worker.hpp"
+
+namespace claray {
+
+struct RenderGroup::State {
+    using Clock = std::chrono::steady_clock;
+    using Progress = std::function<bool(const RenderProgress&)>;
+
+    State(const std::vector<Device>& devices, const Scene& scene, const RenderConfig& config,
+          std::function<void(const std::string&)> tell);
+
+    /// A worker and the orders that it carries out.
+    struct Member {
+        std::unique_ptr<Worker> worker;
+        DeviceWorker* device = nullptr;  // if it is one of this process
+        bool is_ready = false, has_failed = false;
+        std::uint32_t first_paths = 0, most_paths = 0;  // once it is ready
+        int number = -1;                                // of the dealer, once it takes orders
+        std::deque<Order> orders = {};
+        std::string failure = {};
+        [[nodiscard]] bool takes_orders() const { return number >= 0 && !has_failed; }
+    };
+    /// `make(inbox, number)` makes a worker that is not a device of this process. Call it before `render`.
+    void add(const std::function<std::unique_ptr<Worker>(Inbox&, std::size_t)>& make);
+
+    RenderProgress render(const Progress& progress);
+    [[nodiscard]] DeviceWorker& lead();
+
+    // Decisions.
+    void begin_dealing();
+    [[nodiscard]] bool has_targets() const { return config.noise > 0 || config.error > 0; }
+    [[nodiscard]] std::uint32_t first_limit() const;
+    [[nodiscard]] bool raise_limit();
+    [[nodiscard]] bool time_is_up() const;
+    [[nodiscard]] double seconds_left() const;
+
+    // Orders and reports.
+    [[nodiscard]] bool reach_limit(const Progress& progress);
+    [[nodiscard]] bool show(const Progress& progress);
+    void deal();
+    void send(Member& member, const Order& order);
+    void take_report(std::chrono::microseconds patience);
+    void take_done(Member& member, Report& report);
+    void join_dealing(Member& member);
+    void drop(Member& member, const Report& report);
+    void wait_for_lead();
+    void wait_for_orders();
+    [[nodiscard]] bool asked_for_sums() const;
+
+    // Sums.
+    void keep(const Batch& pixels, const Film::Sums& sums);
+    [[nodiscard]] Film::Sums kept(const Batch& pixels) const;
+    void ask_for_sums(bool of_lead);
+    void gather(bool of_lead);
+    [[nodiscard]] RenderProgress hand_over();
+    void keep_now_and_then();
+    void save_checkpoint();
+
+    const Scene& scene;
+    RenderConfig config;
+    std::function<void(const std::string&)> tell;
+    RenderIdentity identity;
+    Checkpoint start;  // from which the render continues
+    Inbox inbox;
+    std::vector<Member> members;  // after the inbox, to which they post until they end
+    std::function<void()> poll;   // posts the reports of workers of other processes; null: there are none
+    std::optional<Dealer> dealer;
+    Film::Sums sums;   // of all pixels, as far as they were handed over
+    ErrorLooks looks;  // of the last lead
+    std::size_t led_by = 0;
+    std::optional<Clock::time_point> begin;
+    RenderProgress measured;  // when the last decision was taken
+    bool lead_has_begun = false;
+    Clock::time_point last_shown, last_sums;
+    bool keeps = false;  // sums were asked for
+    std::string checkpoint_error;
+};
+
+}  // namespace claray

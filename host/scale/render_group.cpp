@@ -1,0 +1,358 @@
+#include "claray/render_group.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "host/base/file.hpp"
+#include "host/render/renderer_state.hpp"
+#include "host/scale/group_state.hpp"
+
+namespace claray {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr std::chrono::microseconds patience{20'000};
+constexpr std::chrono::microseconds patience_of_polls{100};
+/// What a device that fails loses at most, if there are no checkpoints.
+constexpr double seconds_between_sums = 30;
+
+double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+const RenderConfig& checked(const RenderConfig& config) {
+    if (config.adaptive)
+        throw Error(ErrorKind::usage, "adaptive sampling cannot be shared by several devices",
+                    "use one device, or leave out adaptive sampling");
+    return config;
+}
+
+void put(std::vector<PixelRun>& runs, std::uint32_t pixels, std::uint32_t samples) {
+    if (pixels == 0) return;
+    const std::uint32_t first = runs.empty() ? 0 : runs.back().first + runs.back().pixels;
+    runs.push_back({first, pixels, samples});
+}
+
+/// Samples of each pixel at the position of a checkpoint.
+std::vector<PixelRun> runs_of(const Checkpoint& from, std::uint32_t pixels) {
+    const Schedule::Position& at = from.position.at;
+    std::vector<PixelRun> runs;
+    if (from.pending.empty()) {
+        put(runs, at.pixel, at.done + at.pass);
+        if (at.pixel < pixels) put(runs, at.sample > 0 ? 1 : 0, at.done + at.sample);
+        const std::uint32_t covered = runs.empty() ? 0 : runs.back().first + runs.back().pixels;
+        put(runs, pixels - covered, at.done);
+        return runs;
+    }
+    std::uint32_t next = 0;
+    for (const Batch& batch : from.pending) {
+        put(runs, batch.first_pixel - next, at.done);
+        put(runs, batch.pixels, batch.first_sample);
+        next = batch.first_pixel + batch.pixels;
+    }
+    put(runs, pixels - next, at.done);
+    return runs;
+}
+
+}  // namespace
+
+RenderGroup::State::State(const std::vector<Device>& devices, const Scene& of, const RenderConfig& with,
+                          std::function<void(const std::string&)> told)
+    : scene(of), config(checked(with)), tell(std::move(told)) {
+    if (devices.empty()) throw Error(ErrorKind::usage, "a group needs at least one device");
+    const bool resumes = !config.resume.empty(), saves = !config.checkpoint.empty();
+    if (resumes || saves) validate(scene), identity = identity_of(scene, config);
+    if (resumes) start = read_checkpoint(config.resume, identity, config.spp);
+    if (resumes && !start.position.tiles.empty())
+        throw Error(ErrorKind::user,
+                    "cannot continue from '" + config.resume.string() + "': it is of adaptive sampling",
+                    "continue on one device with --adaptive");
+    if (saves) check_file_writable(config.checkpoint);
+    looks = start.looks;
+    sums = start.sums;
+    sums.pixels.resize(std::size_t(config.width) * config.height);
+    sums.odd.resize(tells_error(config) ? sums.pixels.size() : 0);
+    for (const Device& device : devices)
+        add([&](Inbox& in, std::size_t number) {
+            return std::make_unique<DeviceWorker>(device, scene, config, in, number);
+        });
+}
+
+void RenderGroup::State::add(const std::function<std::unique_ptr<Worker>(Inbox&, std::size_t)>& make) {
+    Member member;
+    member.worker = make(inbox, members.size());
+    member.device = dynamic_cast<DeviceWorker*>(member.worker.get());
+    members.push_back(std::move(member));
+}
+
+DeviceWorker& RenderGroup::State::lead() { return *members[led_by].device; }
+
+void RenderGroup::State::wait_for_lead() {
+    while (!members[led_by].is_ready) take_report(patience);
+}
+
+/// The lead's room for paths limits the passes as on a single device.
+void RenderGroup::State::begin_dealing() {
+    wait_for_lead();
+    const Renderer::State& state = lead().renderer().state();
+    dealer.emplace(runs_of(start, state.pixels()), Schedule::longest_pass(state.pixels(), state.wavefront.capacity()),
+                   std::max(4096u, 16 * std::uint32_t(members.size())));
+    for (Member& member : members)
+        if (member.is_ready && !member.has_failed) join_dealing(member);
+}
+
+void RenderGroup::State::join_dealing(Member& member) {
+    member.number = dealer->add(member.first_paths, member.most_paths);
+}
+
+bool RenderGroup::State::time_is_up() const {
+    return config.seconds > 0 && seconds_since(*begin) >= config.seconds && dealer->least() > 0;
+}
+
+double RenderGroup::State::seconds_left() const {
+    return config.seconds > 0 ? config.seconds - seconds_since(*begin) : 1e9;
+}
+
+/// Up to where nothing is to be decided. Pixels of unequal numbers of samples, as after an interruption, become equal
+/// first.
+std::uint32_t RenderGroup::State::first_limit() const {
+    if (!has_targets()) return config.spp;
+    const Schedule::Position& at = start.position.at;
+    const bool within = at.pixel != 0 || at.sample != 0;
+    return std::max(1u, at.done + (within ? at.pass : 0));
+}
+
+/// Decides as a single device does, by the lead's film, which has all sums. Returns false if the render is done.
+bool RenderGroup::State::raise_limit() {
+    const std::uint32_t done = dealer->limit();
+    if (!has_targets()) return done < config.spp;
+    Renderer::State& state = lead().renderer().state();
+    state.looks = looks, state.begin = begin;
+    state.schedule = state.new_schedule();
+    (void)state.schedule.go_to({{done, 0, 0, 0}, 0, {}});
+    const bool met = state.target_met();
+    looks = state.looks, measured = state.measure();
+    if (met) return false;
+    dealer->set_limit(done + state.schedule.pass_samples());
+    return true;
+}
+
+RenderProgress RenderGroup::State::render(const Progress& progress) {
+    if (!dealer) begin_dealing();
+    if (!begin) begin = Clock::now();
+    last_sums = Clock::now(), last_shown = {};
+    dealer->set_limit(first_limit());
+    bool goes_on = true;
+    do {
+        goes_on = reach_limit(progress);
+        gather(!config.checkpoint.empty() && !goes_on);
+    } while (goes_on && (!dealer->finished() || raise_limit()));
+    const RenderProgress reached = hand_over();
+    if (!config.checkpoint.empty()) gather(true), save_checkpoint();
+    return reached;
+}
+
+/// Returns false if the time is up or `progress` does not want more.
+bool RenderGroup::State::reach_limit(const Progress& progress) {
+    while (!dealer->finished()) {
+        if (time_is_up()) return false;
+        deal();
+        take_report(patience);
+        keep_now_and_then();
+        if (!show(progress)) return false;
+    }
+    return true;
+}
+
+bool RenderGroup::State::show(const Progress& progress) {
+    if (!progress || !lead_has_begun || seconds_since(last_shown) < config.report_seconds) return true;
+    last_shown = Clock::now();
+    RenderProgress so_far = measured;
+    const Renderer::State& state = lead().renderer().state();
+    so_far.spp = unsigned(dealer->samples() / state.pixels()), so_far.spp_target = config.spp;
+    so_far.seconds = seconds_since(*begin);
+    so_far.culled = state.culled;
+    return progress(so_far);
+}
+
+void RenderGroup::State::deal() {
+    for (Member& member : members)
+        while (member.takes_orders() && member.orders.size() < member.worker->most_orders()) {
+            const std::optional<Order> order = dealer->next(member.number, seconds_left());
+            if (!order) break;
+            send(member, *order);
+        }
+}
+
+void RenderGroup::State::send(Member& member, const Order& order) {
+    member.orders.push_back(order);
+    member.worker->carry_out(order, order.brings_sums ? kept(order.batch) : Film::Sums());
+}
+
+void RenderGroup::State::take_report(std::chrono::microseconds most) {
+    if (poll) poll();
+    std::optional<Report> report = inbox.wait(poll ? patience_of_polls : most);
+    for (; report; report = inbox.wait(std::chrono::microseconds(0))) {
+        Member& member = members[report->worker];
+        if (member.has_failed) continue;
+        switch (report->kind) {
+            case Report::Kind::ready:
+                member.is_ready = true;
+                member.first_paths = report->first_paths, member.most_paths = report->most_paths;
+                if (dealer) join_dealing(member);
+                break;
+            case Report::Kind::done: take_done(member, *report); break;
+            case Report::Kind::failed: drop(member, *report); break;
+        }
+    }
+}
+
+void RenderGroup::State::take_done(Member& member, Report& report) {
+    const Order order = member.orders.front();
+    member.orders.pop_front();
+    if (order.kind != Order::Kind::render) keep(order.batch, report.sums);
+    dealer->done(member.number, order, report.seconds);
+    lead_has_begun |= &member == &members[led_by];
+}
+
+/// If it led, the next device leads.
+void RenderGroup::State::drop(Member& member, const Report& report) {
+    member.has_failed = true, member.failure = report.what;
+    member.orders.clear();
+    if (member.number >= 0) dealer->lost(member.number);
+    const auto works = [](const Member& other) { return other.device != nullptr && !other.has_failed; };
+    const auto next = std::find_if(members.begin(), members.end(), works);
+    if (next == members.end()) {
+        if (dealer && !config.checkpoint.empty()) save_checkpoint();
+        throw Error(report.error, report.what);
+    }
+    if (led_by != std::size_t(next - members.begin()) && members[led_by].has_failed) {
+        led_by = std::size_t(next - members.begin());
+        lead_has_begun = false;
+    }
+    if (tell) tell(member.worker->name() + " is dropped and the others go on: " + report.what);
+}
+
+void RenderGroup::State::wait_for_orders() {
+    const auto is_busy = [](const Member& member) { return !member.orders.empty(); };
+    while (std::any_of(members.begin(), members.end(), is_busy)) take_report(patience);
+}
+
+bool RenderGroup::State::asked_for_sums() const {
+    return std::any_of(members.begin(), members.end(), [](const Member& member) {
+        return std::any_of(member.orders.begin(), member.orders.end(),
+                           [](const Order& order) { return order.kind == Order::Kind::read; });
+    });
+}
+
+void RenderGroup::State::keep(const Batch& at, const Film::Sums& new_sums) {
+    std::copy(new_sums.pixels.begin(), new_sums.pixels.end(), sums.pixels.begin() + at.first_pixel);
+    if (!sums.odd.empty()) std::copy(new_sums.odd.begin(), new_sums.odd.end(), sums.odd.begin() + at.first_pixel);
+}
+
+Film::Sums RenderGroup::State::kept(const Batch& at) const {
+    const auto part = [&](const auto& all) {
+        return std::vector(all.begin() + at.first_pixel, all.begin() + at.first_pixel + at.pixels);
+    };
+    Film::Sums some{part(sums.pixels), {}};
+    if (!sums.odd.empty()) some.odd = part(sums.odd);
+    return some;
+}
+
+void RenderGroup::State::ask_for_sums(bool of_lead) {
+    for (std::size_t m = 0; m < members.size(); ++m)
+        if (members[m].takes_orders() && (of_lead || m != led_by))
+            for (const Order& order : dealer->handovers(members[m].number)) send(members[m], order);
+}
+
+/// Collects the sums of all workers in the lead's film. Afterwards no worker has an order.
+void RenderGroup::State::gather(bool of_lead) {
+    wait_for_orders();
+    ask_for_sums(of_lead);
+    wait_for_orders();
+    wait_for_lead();
+    Film& film = lead().renderer().state().film;
+    for (const PixelRun& run : dealer->held_by_others(members[led_by].number))
+        film.set_sums(kept({run.first, run.pixels, 0, 0, 0}), run.first);
+}
+
+namespace {
+
+/// Where a single device continues: at the end of the pass that is furthest ahead, but what is missing comes first.
+void set_position(Checkpoint& at, const std::vector<PixelRun>& runs, const Dealer& dealer) {
+    std::uint32_t most = 0;
+    for (const PixelRun& run : runs) most = std::max(most, run.samples);
+    const std::uint32_t done = runs.size() == 1 ? most : std::min(dealer.limit(), dealer.end_of_pass(most));
+    at.position = {{done, 0, 0, 0}, 0, {}};
+    at.pending.clear();
+    for (const PixelRun& run : runs)
+        if (run.samples < done) at.pending.push_back({run.first, run.pixels, run.samples, done - run.samples, 0});
+}
+
+}  // namespace
+
+/// The lead's renderer is left as if it had rendered all samples.
+RenderProgress RenderGroup::State::hand_over() {
+    Renderer::State& state = lead().renderer().state();
+    Checkpoint reached;
+    set_position(reached, dealer->rendered(), *dealer);
+    (void)state.schedule.go_to(reached.position);
+    state.pending = std::move(reached.pending);
+    state.looks = looks, state.begin = begin;
+    return state.measure();
+}
+
+/// A device that fails later loses only what it has rendered since.
+void RenderGroup::State::keep_now_and_then() {
+    const bool saves = !config.checkpoint.empty();
+    if (keeps && !asked_for_sums()) {
+        keeps = false, last_sums = Clock::now();
+        if (saves) save_checkpoint();
+    }
+    if (keeps || seconds_since(last_sums) < (saves ? config.checkpoint_seconds : seconds_between_sums)) return;
+    ask_for_sums(true);
+    keeps = true;
+}
+
+/// As a single device does, a full disk does not end the render.
+void RenderGroup::State::save_checkpoint() {
+    Checkpoint checkpoint;
+    set_position(checkpoint, dealer->known(), *dealer);
+    checkpoint.looks = looks;
+    std::swap(checkpoint.sums, sums);
+    try {
+        write_checkpoint(config.checkpoint, identity, checkpoint);
+        checkpoint_error.clear();
+    } catch (const Error& error) {
+        checkpoint_error = error.what();
+    }
+    std::swap(checkpoint.sums, sums);
+}
+
+RenderGroup::RenderGroup(const std::vector<Device>& devices, const Scene& scene, const RenderConfig& config,
+                         std::function<void(const std::string&)> tell)
+    : state_(std::make_unique<State>(devices, scene, config, std::move(tell))) {}
+
+RenderGroup::~RenderGroup() = default;
+
+RenderProgress RenderGroup::render(const std::function<bool(const RenderProgress&)>& progress) {
+    return state_->render(progress);
+}
+
+Renderer& RenderGroup::renderer() { return state_->lead().renderer(); }
+
+std::vector<DeviceShare> RenderGroup::shares() const {
+    std::vector<DeviceShare> shares;
+    for (const State::Member& member : state_->members) {
+        DeviceShare share{member.worker->name(), 0, 0, member.failure};
+        if (member.number >= 0) {
+            share.samples = state_->dealer->samples_of(member.number);
+            share.samples_per_second = state_->dealer->speed(member.number);
+        }
+        shares.push_back(std::move(share));
+    }
+    return shares;
+}
+
+const std::string& RenderGroup::checkpoint_error() const { return state_->checkpoint_error; }
+
+}  // namespace claray

@@ -1,0 +1,150 @@
+// The dealer, with workers of simulated speed.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "host/scale/dealer.hpp"
+
+namespace claray::test {
+namespace {
+
+/// Workers that carry out up to three orders one after the other, each at its speed in samples per second.
+class Simulation {
+public:
+    Simulation(std::uint32_t pixels, std::uint32_t spp, std::vector<double> speeds)
+        : samples_(pixels), known_(pixels), speeds_(std::move(speeds)), dealer_({{0, pixels, 0}}, 16) {
+        workers_.resize(speeds_.size());
+        for (std::size_t w = 0; w < speeds_.size(); ++w) {
+            dealer_.add(2048, 1u << 22);
+            held_.emplace_back(pixels);
+        }
+        dealer_.set_limit(spp);
+    }
+
+    /// Returns the time until all is done. Worker `lost` disappears at the time `at`.
+    double run(int lost = -1, double at = 0) {
+        while (!dealer_.finished()) {
+            for (std::size_t w = 0; w < workers_.size(); ++w) deal(int(w));
+            std::size_t next = workers_.size();
+            for (std::size_t w = 0; w < workers_.size(); ++w)
+                if (!workers_[w].orders.empty() && (next == workers_.size() || workers_[w].end < workers_[next].end))
+                    next = w;
+            if (next == workers_.size()) return NAN;  // nobody has anything to do
+            now_ = workers_[next].end;
+            if (lost >= 0 && now_ >= at) {
+                workers_[std::size_t(lost)].orders.clear(), workers_[std::size_t(lost)].is_lost = true;
+                dealer_.lost(lost);
+                lost = -1;
+                continue;
+            }
+            finish(next);
+        }
+        return now_;
+    }
+    [[nodiscard]] double ideal(std::uint64_t samples) const {
+        return double(samples) / std::accumulate(speeds_.begin(), speeds_.end(), 0.);
+    }
+    [[nodiscard]] const std::vector<std::uint32_t>& samples() const { return samples_; }
+    [[nodiscard]] Dealer& dealer() { return dealer_; }
+    std::uint64_t moved = 0;  // pixels
+
+private:
+    struct Worker {
+        std::deque<Order> orders;
+        double end = 0;  // of the first order
+        bool is_lost = false;
+    };
+
+    [[nodiscard]] double seconds_of(const Order& order, std::size_t w) const {
+        return order.kind == Order::Kind::render ? double(order.batch.pixels) * order.batch.samples / speeds_[w] : 1e-5;
+    }
+    void deal(int w) {
+        Worker& worker = workers_[std::size_t(w)];
+        while (!worker.is_lost && worker.orders.size() < 3) {
+            const std::optional<Order> order = dealer_.next(w, 1e9);
+            if (!order) return;
+            if (worker.orders.empty()) worker.end = now_ + seconds_of(*order, std::size_t(w));
+            worker.orders.push_back(*order);
+        }
+    }
+    /// The samples of each pixel must follow those that its worker holds, or that came with the order.
+    void finish(std::size_t w) {
+        Worker& worker = workers_[w];
+        const Order order = worker.orders.front();
+        worker.orders.pop_front();
+        const Batch& b = order.batch;
+        for (std::uint32_t p = b.first_pixel; p < b.first_pixel + b.pixels; ++p) {
+            if (order.kind != Order::Kind::render) {
+                known_[p] = held_[w][p], ++moved;
+                continue;
+            }
+            if (order.brings_sums) held_[w][p] = known_[p];
+            ASSERT_EQ(held_[w][p], b.first_sample) << "pixel " << p;
+            held_[w][p] += b.samples, samples_[p] = held_[w][p];
+        }
+        dealer_.done(int(w), order, seconds_of(order, w));
+        if (!worker.orders.empty()) worker.end = now_ + seconds_of(worker.orders.front(), w);
+    }
+
+    std::vector<std::uint32_t> samples_, known_;    // of each pixel: so far; in the sums that were handed over
+    std::vector<std::vector<std::uint32_t>> held_;  // by each worker
+    std::vector<double> speeds_;
+    std::vector<Worker> workers_;
+    double now_ = 0;
+    Dealer dealer_;
+};
+
+TEST(Dealer, KeepsWorkersOfAllSpeedsBusy) {
+    constexpr std::uint32_t pixels = 480 * 270, spp = 256;
+    for (const std::vector<double>& speeds : {std::vector<double>{1e7},
+                                              {1e7, 1e7},
+                                              {1e7, 1e5},
+                                              {1e8, 1e6, 3e6},
+                                              {3e6, 1e6, 1e6, 1e6, 2e6, 7e5, 1e6, 1e6}}) {
+        Simulation simulation(pixels, spp, speeds);
+        const double seconds = simulation.run();
+        EXPECT_GE(simulation.ideal(std::uint64_t(pixels) * spp) / seconds, 0.97) << speeds.size() << " workers";
+        EXPECT_EQ(simulation.samples(), std::vector<std::uint32_t>(pixels, spp));
+        EXPECT_LT(simulation.moved, 4 * pixels) << "pixels seldom move";
+    }
+}
+
+TEST(Dealer, RendersAgainWhatIsLost) {
+    constexpr std::uint32_t pixels = 10'000, spp = 77;
+    for (const double at : {0., 0.1, 0.3, 0.5}) {
+        Simulation simulation(pixels, spp, {1e6, 4e5});
+        EXPECT_GT(simulation.run(1, at), at);
+        EXPECT_EQ(simulation.samples(), std::vector<std::uint32_t>(pixels, spp)) << at;
+    }
+}
+
+TEST(Dealer, HasThePassesOfASchedule) {
+    const Dealer dealer({{0, 100, 0}}, 16);
+    const std::vector<std::uint32_t> ends = {1, 2, 4, 8, 16, 32, 48, 64};
+    for (std::size_t i = 0; i + 1 < ends.size(); ++i) EXPECT_EQ(dealer.end_of_pass(ends[i] + 1), ends[i + 1]);
+    EXPECT_EQ(dealer.end_of_pass(0), 1u);
+    EXPECT_EQ(dealer.end_of_pass(4'000'001), 4'000'016u);
+}
+
+/// Samples that some pixels have already are not rendered again.
+TEST(Dealer, GoesOnWhereRunsEnd) {
+    Dealer dealer({{0, 50, 8}, {50, 1, 3}, {51, 49, 2}}, 16);
+    dealer.add(1u << 20, 1u << 20);
+    dealer.set_limit(8);
+    EXPECT_EQ(dealer.least(), 2u);
+    std::uint64_t samples = 0;
+    while (!dealer.finished()) {
+        const std::optional<Order> order = dealer.next(0, 1e9);
+        ASSERT_TRUE(order);
+        EXPECT_TRUE(order->brings_sums || order->batch.first_sample >= 4);
+        samples += std::uint64_t(order->batch.pixels) * order->batch.samples;
+        dealer.done(0, *order, 1);
+    }
+    EXPECT_EQ(samples, 5u + 49 * 6u);
+    EXPECT_EQ(dealer.rendered().size(), 1u);
+    EXPECT_EQ(dealer.known().size(), 3u);
+}
+
+}  // namespace
+}  // namespace claray::test
