@@ -98,6 +98,10 @@ kernel void sum_lights(Step step, SCENE_PARAMETERS, TileGrid tiles, global const
     if (tile >= tiles.columns * tiles.rows) return;
     const Lights lights = lights_of(&step.frame, SCENE);
     const TileLights list = lights_of_tile(&tiles, lists, block_lists, tile);
+#if !SHADING
+    FlatTriangle triangles[FLAT_TRIANGLES];
+    for (uint i = 0; i < FLAT_TRIANGLES; ++i) triangles[i].primitive = CLARAY_MISS;
+#endif
     for (uint row = 0; row < CLARAY_TILE; ++row) {
         const PathRange paths = paths_of_row(&step, &tiles, tile, row);
 #if SHADING
@@ -105,7 +109,7 @@ kernel void sum_lights(Step step, SCENE_PARAMETERS, TileGrid tiles, global const
             vstore3(sum_of_lit(&step, &lights, SCENE, &tiles, queue, hits, path), path, radiance);
 #else
         for (uint first = paths.first; first < paths.end; first += 16)
-            sum_sixteen(&step, &lights, SCENE, list, queue, hits, first, min(first + 16, paths.end), radiance);
+            sum_sixteen(triangles, &step, &lights, SCENE, list, queue, hits, first, min(first + 16, paths.end), radiance);
 #endif
     }
 }

@@ -12,18 +12,18 @@ typedef struct ImageSizes {
 } ImageSizes;
 CLARAY_LAYOUT(ImageSizes, 16)
 
-// A cell of the table is a float's exponent and the five leading bits of its mantissa, from 2^-13 to 1: values below 2^-13
+// A cell of the table is a float's exponent and the eight leading bits of its mantissa, from 2^-13 to 1: values below 2^-13
 // are black.
-#define CLARAY_SRGB_SHIFT 18u
+#define CLARAY_SRGB_SHIFT 15u
 #define CLARAY_SRGB_LEAST (0x39000000u >> CLARAY_SRGB_SHIFT)
-#define CLARAY_SRGB_CELLS 416u
-#define CLARAY_SRGB_STEPS 3u  // most bytes that begin within a cell
+#define CLARAY_SRGB_CELLS 3328u
+#define CLARAY_SRGB_STEPS 1u  // most bytes that begin within a cell
 
 typedef struct SrgbTable {
     float step[257];                // the least value of each byte; infinite after the last
     uint first[CLARAY_SRGB_CELLS];  // the byte of each cell's least value
 } SrgbTable;
-CLARAY_LAYOUT(SrgbTable, 2692)
+CLARAY_LAYOUT(SrgbTable, 14340)
 
 CLARAY_SHARED_END
 
