@@ -58,8 +58,18 @@ void hand_out(Handle** place, const char* name, const Make& make) {
     free = make();
 }
 
+/// The number of an enumerator of claray.h. Programs in C may pass any number, which C++ must not read as the
+/// enumeration.
+template <class Enum>
+int number_of(const Enum& value) {
+    int number = 0;
+    static_assert(sizeof number == sizeof value);
+    std::memcpy(&number, &value, sizeof number);
+    return number;
+}
+
 /// Throws ErrorKind::usage for numbers that no version has.
-[[nodiscard]] QueryKind kind_of(claray_query_kind kind);
+[[nodiscard]] QueryKind kind_of(const claray_query_kind& kind);
 [[nodiscard]] QueryOptions options_of(const claray_query_options* given);
 
 /// Members that the caller's version does not have are 0. Throws ErrorKind::usage for a struct that is not initialised

@@ -62,8 +62,8 @@ claray_status claray_query_instances_create(const claray_instances* placed, clar
     return guarded([&] {
         const InstancedBvh& over = required(placed, "placed").bvh;
         hand_out(query, "query", [&] {
-            return new claray_query{
-                kind, Query(over, kind_of(kind), options_of(options), queue ? queue->device : over.device()), true};
+            Query made(over, kind_of(kind), options_of(options), queue ? queue->device : over.device());
+            return new claray_query{kind, std::move(made), true};  // `kind` is checked
         });
     });
 }

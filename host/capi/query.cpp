@@ -19,10 +19,10 @@ std::span<const Ray> rays_of(const claray_ray* rays, std::size_t count) {
 Bvh::Config config_of(const claray_bvh_config* given) {
     const claray_bvh_config known = versioned(given, "config");
     Bvh::Config config;
-    if (std::size_t(known.builder) >= std::size(builders))
-        throw Error(ErrorKind::usage, "config.builder is " + std::to_string(int(known.builder)),
-                    "use a claray_builder");
-    config.builder = Builder(known.builder);
+    const int builder = number_of(known.builder);
+    if (builder < 0 || builder >= int(std::size(builders)))
+        throw Error(ErrorKind::usage, "config.builder is " + std::to_string(builder), "use a claray_builder");
+    config.builder = Builder(builder);
     if (known.split_budget != 0) config.split_budget = known.split_budget < 0 ? 0 : double(known.split_budget);
     return config;
 }
@@ -92,20 +92,21 @@ namespace claray::capi {
 
 QueryOptions options_of(const claray_query_options* given) {
     const claray_query_options known = versioned(given, "options");
-    if (known.coherence > CLARAY_COHERENCE_INCOHERENT)
-        throw Error(ErrorKind::usage, "options.coherence is " + std::to_string(int(known.coherence)),
-                    "use a claray_coherence");
+    const int coherence = number_of(known.coherence);
+    if (coherence < 0 || coherence > CLARAY_COHERENCE_INCOHERENT)
+        throw Error(ErrorKind::usage, "options.coherence is " + std::to_string(coherence), "use a claray_coherence");
     QueryOptions options;
     options.cull_back_faces = known.cull_back_faces != 0;
     options.closed = known.closed != 0;
-    options.coherence = Coherence(known.coherence);
+    options.coherence = Coherence(coherence);
     return options;
 }
 
-QueryKind kind_of(claray_query_kind kind) {
-    if (kind != CLARAY_QUERY_CLOSEST && kind != CLARAY_QUERY_ANY)
-        throw Error(ErrorKind::usage, "kind is " + std::to_string(int(kind)), "use a claray_query_kind");
-    return kind == CLARAY_QUERY_ANY ? QueryKind::any : QueryKind::closest;
+QueryKind kind_of(const claray_query_kind& kind) {
+    const int number = number_of(kind);
+    if (number != CLARAY_QUERY_CLOSEST && number != CLARAY_QUERY_ANY)
+        throw Error(ErrorKind::usage, "kind is " + std::to_string(number), "use a claray_query_kind");
+    return number == CLARAY_QUERY_ANY ? QueryKind::any : QueryKind::closest;
 }
 
 }  // namespace claray::capi
@@ -166,8 +167,8 @@ claray_status claray_query_create(const claray_bvh* bvh, claray_query_kind kind,
     return guarded([&] {
         const Bvh& over = required(bvh, "bvh").bvh;
         hand_out(query, "query", [&] {
-            return new claray_query{
-                kind, Query(over, kind_of(kind), options_of(options), queue ? queue->device : over.device()), false};
+            Query made(over, kind_of(kind), options_of(options), queue ? queue->device : over.device());
+            return new claray_query{kind, std::move(made), false};  // `kind` is checked
         });
     });
 }
