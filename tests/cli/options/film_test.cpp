@@ -29,8 +29,8 @@ TEST_F(Film, AFileAndAPipeHaveTheSameFrames) {
 }
 
 TEST_F(Film, HasNoHeaderWithoutAFrame) {
-    const ProcessResult result = run_claray({"render", path("nowhere.obj"), "-o", "-", "--frames", "0..1", "-q"});
-    EXPECT_TRUE(failed_with(result, 1, "nowhere.obj"));
+    const ProcessResult result = run_claray({"render", path("nowhere.gltf"), "-o", "-", "--frames", "0..1", "-q"});
+    EXPECT_TRUE(failed_with(result, 1, "nowhere.gltf"));
     EXPECT_EQ(result.output, "");
 }
 
