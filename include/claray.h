@@ -157,6 +157,66 @@ CLARAY_API claray_status claray_closest_hit(const claray_bvh* bvh, const claray_
                                             claray_hit* hits);
 CLARAY_API claray_status claray_any_hit(const claray_bvh* bvh, const claray_ray* rays, size_t count, uint8_t* occluded);
 
+/* Counts the triangles that each ray hits; one through an edge counts once. counts: `count` numbers. Blocks. */
+CLARAY_API claray_status claray_count_hits(const claray_bvh* bvh, const claray_ray* rays, size_t count,
+                                           uint32_t* counts);
+/* The `most` nearest hits of each ray, in order of distance. Those of ray i are hits[i * most] .. hits[i * most +
+ * counts[i] - 1]; what follows them is undefined. hits: count * most elements. counts: `count` numbers. Blocks. */
+CLARAY_API claray_status claray_nearest_hits(const claray_bvh* bvh, const claray_ray* rays, size_t count, uint32_t most,
+                                             claray_hit* hits, uint32_t* counts);
+
+/* ---- points ---- */
+
+typedef struct claray_nearest {
+    float point[3];     /* of the surface; the query's own point if nothing is in reach */
+    float distance;     /* reach if nothing is in reach */
+    float u, v;         /* as of a hit */
+    uint32_t primitive; /* index of the triangle; CLARAY_MISS if nothing is in reach */
+    uint32_t geometry;
+} claray_nearest;
+
+/* The point of the surface that is nearest to each point. points: 3 floats for each. reach: the largest distance at
+ * which one is found; INFINITY: any. nearest: `count` elements. Points that are not finite find nothing. Blocks. */
+CLARAY_API claray_status claray_nearest_point(const claray_bvh* bvh, const float* points, size_t count, float reach,
+                                              claray_nearest* nearest);
+/* Writes 1 for each point inside of the closed mesh, else 0. Blocks. */
+CLARAY_API claray_status claray_inside(const claray_bvh* bvh, const float* points, size_t count, uint8_t* inside);
+/* The distance of each point to the surface of the closed mesh, negative inside. Blocks. */
+CLARAY_API claray_status claray_signed_distance(const claray_bvh* bvh, const float* points, size_t count,
+                                                float* distances);
+
+/* ---- instances ---- */
+
+typedef struct claray_instances claray_instances;
+
+typedef struct claray_instance {
+    float transform[12]; /* from the structure to the world: 3 rows of 4 floats, the translation last in each */
+    uint32_t bottom;     /* index of its structure */
+    uint32_t mask;       /* a ray sees it if their masks share a bit; rays of this interface see all but 0 */
+} claray_instance;
+
+typedef struct claray_instance_hit {
+    float t;
+    float u, v;
+    uint32_t primitive; /* of the instance's structure, as geometry */
+    uint32_t geometry;
+    uint32_t instance; /* CLARAY_MISS on a miss */
+} claray_instance_hit;
+
+/* A structure over placements of structures of one device. Instances whose transform cannot be inverted are left out.
+ */
+CLARAY_API claray_status claray_instances_build(const claray_bvh* const* bvhs, size_t bvh_count,
+                                                const claray_instance* instances, size_t count,
+                                                claray_instances** placed);
+/* Moves the instances, as many as before. rebuild: as of claray_bvh_move. */
+CLARAY_API claray_status claray_instances_move(claray_instances* placed, const claray_instance* instances, size_t count,
+                                               int rebuild);
+/* As claray_query_create. Results are claray_instance_hit, or bytes for CLARAY_QUERY_ANY. */
+CLARAY_API claray_status claray_query_instances_create(const claray_instances* placed, claray_query_kind kind,
+                                                       const claray_query_options* options, claray_device* queue,
+                                                       claray_query** query);
+CLARAY_API void claray_instances_release(claray_instances* placed);
+
 /* ---- scenes and images ---- */
 
 /* A file (.obj, .ply, .stl, .gltf, .glb) or a built-in scene, such as "cornell". */

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "claray/error.hpp"
+#include "claray/instances.hpp"
 #include "claray/query.hpp"
 
 struct claray_device {
@@ -16,6 +17,11 @@ struct claray_device {
 };
 struct claray_bvh {
     claray::Bvh bvh;
+};
+struct claray_query {
+    claray_query_kind kind;
+    claray::Query query;
+    bool of_instances;
 };
 
 namespace claray::capi {
@@ -44,6 +50,27 @@ T& required(T* pointer, const char* name) {
     if (pointer == nullptr) throw Error(ErrorKind::usage, std::string(name) + " is NULL");
     return *pointer;
 }
+
+/// Writes the handle that `make` returns to `place`. Makes none if there is no place, since it would leak.
+template <class Handle, class Make>
+void hand_out(Handle** place, const char* name, const Make& make) {
+    Handle*& free = required(place, name);
+    free = make();
+}
+
+/// The number of an enumerator of claray.h. Programs in C may pass any number, which C++ must not read as the
+/// enumeration.
+template <class Enum>
+int number_of(const Enum& value) {
+    int number = 0;
+    static_assert(sizeof number == sizeof value);
+    std::memcpy(&number, &value, sizeof number);
+    return number;
+}
+
+/// Throws ErrorKind::usage for numbers that no version has.
+[[nodiscard]] QueryKind kind_of(const claray_query_kind& kind);
+[[nodiscard]] QueryOptions options_of(const claray_query_options* given);
 
 /// Members that the caller's version does not have are 0. Throws ErrorKind::usage for a struct that is not initialised
 /// or of a later version.

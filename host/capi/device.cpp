@@ -24,20 +24,24 @@ const char* claray_last_error(void) { return last_error.c_str(); }
 const char* claray_version(void) { return CLARAY_VERSION; }
 
 claray_status claray_device_open(const char* selector, claray_device** device) {
-    return guarded([&] { required(device, "device") = new claray_device{Device::open(selector ? selector : "")}; });
+    return guarded(
+        [&] { hand_out(device, "device", [&] { return new claray_device{Device::open(selector ? selector : "")}; }); });
 }
 
 claray_status claray_device_adopt_create(void* context, void* queue, claray_device** device) {
     return guarded([&] {
         if (context == nullptr || queue == nullptr) throw Error(ErrorKind::usage, "context or queue is NULL");
-        required(device, "device") =
-            new claray_device{Device::adopt(static_cast<cl_context>(context), static_cast<cl_command_queue>(queue))};
+        hand_out(device, "device", [&] {
+            return new claray_device{
+                Device::adopt(static_cast<cl_context>(context), static_cast<cl_command_queue>(queue))};
+        });
     });
 }
 
 claray_status claray_device_new_queue_create(claray_device* device, claray_device** with_queue) {
     return guarded([&] {
-        required(with_queue, "with_queue") = new claray_device{required(device, "device").device.with_new_queue()};
+        hand_out(with_queue, "with_queue",
+                 [&] { return new claray_device{required(device, "device").device.with_new_queue()}; });
     });
 }
 

@@ -1,4 +1,5 @@
 // claray.h: structures and queries.
+#include "claray/query/all_hits.hpp"
 #include "claray/scene.hpp"
 #include "host/capi/capi.hpp"
 #include "host/capi/scene.hpp"
@@ -7,22 +8,21 @@
 using namespace claray;
 using namespace claray::capi;
 
-struct claray_query {
-    claray_query_kind kind;
-    Query query;
-};
-
 namespace {
 
 static_assert(sizeof(claray_ray) == sizeof(Ray) && sizeof(claray_hit) == sizeof(Hit));
 
+std::span<const Ray> rays_of(const claray_ray* rays, std::size_t count) {
+    return {reinterpret_cast<const Ray*>(count != 0 ? &required(rays, "rays") : rays), count};
+}
+
 Bvh::Config config_of(const claray_bvh_config* given) {
     const claray_bvh_config known = versioned(given, "config");
     Bvh::Config config;
-    if (std::size_t(known.builder) >= std::size(builders))
-        throw Error(ErrorKind::usage, "config.builder is " + std::to_string(int(known.builder)),
-                    "use a claray_builder");
-    config.builder = Builder(known.builder);
+    const int builder = number_of(known.builder);
+    if (builder < 0 || builder >= int(std::size(builders)))
+        throw Error(ErrorKind::usage, "config.builder is " + std::to_string(builder), "use a claray_builder");
+    config.builder = Builder(builder);
     if (known.split_budget != 0) config.split_budget = known.split_budget < 0 ? 0 : double(known.split_budget);
     return config;
 }
@@ -53,36 +53,63 @@ TriangleBuffers upload(const Device& device, const claray_mesh& mesh) {
             words(device, {mesh.masks, masks})};
 }
 
-QueryOptions options_of(const claray_query_options* given) {
-    const claray_query_options known = versioned(given, "options");
-    if (known.coherence > CLARAY_COHERENCE_INCOHERENT)
-        throw Error(ErrorKind::usage, "options.coherence is " + std::to_string(int(known.coherence)),
-                    "use a claray_coherence");
-    QueryOptions options;
-    options.cull_back_faces = known.cull_back_faces != 0;
-    options.closed = known.closed != 0;
-    options.coherence = Coherence(known.coherence);
-    return options;
+/// Calls `use` with a value of the type of the query's results.
+template <class Use>
+void with_result(const claray_query& query, const Use& use) {
+    if (query.kind == CLARAY_QUERY_ANY)
+        use(std::uint8_t());
+    else if (query.of_instances)
+        use(InstanceHit());
+    else
+        use(Hit());
 }
 
-QueryKind kind_of(claray_query_kind kind) {
-    if (kind != CLARAY_QUERY_CLOSEST && kind != CLARAY_QUERY_ANY)
-        throw Error(ErrorKind::usage, "kind is " + std::to_string(int(kind)), "use a claray_query_kind");
-    return kind == CLARAY_QUERY_ANY ? QueryKind::any : QueryKind::closest;
-}
-
-void run(Query& query, QueryKind kind, const claray_ray* rays, std::size_t count, void* results) {
+void run(claray_query& query, const claray_ray* rays, std::size_t count, void* results) {
     if (count == 0) return;
     static_cast<void>(required(rays, "rays"));
     if (results == nullptr) throw Error(ErrorKind::usage, "results is NULL");
-    const std::span all(reinterpret_cast<const Ray*>(rays), count);
-    if (kind == QueryKind::any)
-        query.run(all, std::span(static_cast<std::uint8_t*>(results), count));
-    else
-        query.run(all, std::span(static_cast<Hit*>(results), count));
+    with_result(query, [&](auto result) {
+        query.query.run(rays_of(rays, count), std::span(static_cast<decltype(result)*>(results), count));
+    });
+}
+
+void enqueue(claray_query& query, cl_mem rays, cl_mem results, std::size_t count, const std::vector<cl::Event>& events,
+             void** event) {
+    const Device& device = query.query.device();
+    const auto device_rays = Buffer<Ray>::adopt(device, rays, count);
+    with_result(query, [&](auto result) {
+        auto memory = Buffer<decltype(result)>::adopt(device, results, count);
+        const cl::Event end = query.query.run(device_rays, memory, events);
+        if (event == nullptr) return;
+        clRetainEvent(end());
+        *event = end();
+    });
 }
 
 }  // namespace
+
+namespace claray::capi {
+
+QueryOptions options_of(const claray_query_options* given) {
+    const claray_query_options known = versioned(given, "options");
+    const int coherence = number_of(known.coherence);
+    if (coherence < 0 || coherence > CLARAY_COHERENCE_INCOHERENT)
+        throw Error(ErrorKind::usage, "options.coherence is " + std::to_string(coherence), "use a claray_coherence");
+    QueryOptions options;
+    options.cull_back_faces = known.cull_back_faces != 0;
+    options.closed = known.closed != 0;
+    options.coherence = Coherence(coherence);
+    return options;
+}
+
+QueryKind kind_of(const claray_query_kind& kind) {
+    const int number = number_of(kind);
+    if (number != CLARAY_QUERY_CLOSEST && number != CLARAY_QUERY_ANY)
+        throw Error(ErrorKind::usage, "kind is " + std::to_string(number), "use a claray_query_kind");
+    return number == CLARAY_QUERY_ANY ? QueryKind::any : QueryKind::closest;
+}
+
+}  // namespace claray::capi
 
 claray_status claray_bvh_build(claray_device* device, const claray_mesh* mesh, const claray_bvh_config* config,
                                claray_bvh** bvh) {
@@ -90,7 +117,7 @@ claray_status claray_bvh_build(claray_device* device, const claray_mesh* mesh, c
         static_cast<void>(required(mesh, "mesh"));
         const Device& on = required(device, "device").device;
         const TriangleBuffers buffers = upload(on, versioned(mesh, "mesh"));
-        required(bvh, "bvh") = new claray_bvh{Bvh::build(on, buffers, config_of(config))};
+        hand_out(bvh, "bvh", [&] { return new claray_bvh{Bvh::build(on, buffers, config_of(config))}; });
     });
 }
 
@@ -101,14 +128,17 @@ claray_status claray_bvh_scene_build(claray_device* device, const claray_scene* 
         std::vector<Mesh> placed;
         for (const MeshInstance& instance : from.instances)
             placed.push_back(transformed(from.meshes.at(instance.mesh), instance.transform));
-        required(bvh, "bvh") = new claray_bvh{Bvh::build(
-            required(device, "device").device, from.instances.empty() ? from.meshes : placed, config_of(config))};
+        hand_out(bvh, "bvh", [&] {
+            return new claray_bvh{Bvh::build(required(device, "device").device,
+                                             from.instances.empty() ? from.meshes : placed, config_of(config))};
+        });
     });
 }
 
 claray_status claray_bvh_load(claray_device* device, const char* path, claray_bvh** bvh) {
     return guarded([&] {
-        required(bvh, "bvh") = new claray_bvh{Bvh::load(required(device, "device").device, &required(path, "path"))};
+        hand_out(bvh, "bvh",
+                 [&] { return new claray_bvh{Bvh::load(required(device, "device").device, &required(path, "path"))}; });
     });
 }
 
@@ -136,37 +166,27 @@ claray_status claray_query_create(const claray_bvh* bvh, claray_query_kind kind,
                                   claray_device* queue, claray_query** query) {
     return guarded([&] {
         const Bvh& over = required(bvh, "bvh").bvh;
-        required(query, "query") = new claray_query{
-            kind, Query(over, kind_of(kind), options_of(options), queue ? queue->device : over.device())};
+        hand_out(query, "query", [&] {
+            Query made(over, kind_of(kind), options_of(options), queue ? queue->device : over.device());
+            return new claray_query{kind, std::move(made), false};  // `kind` is checked
+        });
     });
 }
 
 claray_status claray_query_run(claray_query* query, const claray_ray* rays, size_t count, void* results) {
-    return guarded([&] { run(required(query, "query").query, kind_of(query->kind), rays, count, results); });
+    return guarded([&] { run(required(query, "query"), rays, count, results); });
 }
 
 claray_status claray_query_enqueue(claray_query* query, void* rays, void* results, size_t count,
                                    const void* const* wait_for, size_t wait_count, void** event) {
     return guarded([&] {
-        Query& enqueued = required(query, "query").query;
+        claray_query& enqueued = required(query, "query");
         std::vector<cl::Event> events;
         for (const void* one : array(wait_for, wait_count, "wait_for")) {
             if (one == nullptr) throw Error(ErrorKind::usage, "wait_for holds NULL");
             events.emplace_back(static_cast<cl_event>(const_cast<void*>(one)), true);
         }
-        const auto device_rays = Buffer<Ray>::adopt(enqueued.device(), static_cast<cl_mem>(rays), count);
-        const auto memory = static_cast<cl_mem>(results);
-        cl::Event end;
-        if (query->kind == CLARAY_QUERY_ANY) {
-            auto occluded = Buffer<std::uint8_t>::adopt(enqueued.device(), memory, count);
-            end = enqueued.run(device_rays, occluded, events);
-        } else {
-            auto hits = Buffer<Hit>::adopt(enqueued.device(), memory, count);
-            end = enqueued.run(device_rays, hits, events);
-        }
-        if (event == nullptr) return;
-        clRetainEvent(end());
-        *event = end();
+        enqueue(enqueued, static_cast<cl_mem>(rays), static_cast<cl_mem>(results), count, events, event);
     });
 }
 
@@ -174,14 +194,38 @@ void claray_query_release(claray_query* query) { delete query; }
 
 claray_status claray_closest_hit(const claray_bvh* bvh, const claray_ray* rays, size_t count, claray_hit* hits) {
     return guarded([&] {
-        Query query(required(bvh, "bvh").bvh, QueryKind::closest);
-        run(query, QueryKind::closest, rays, count, hits);
+        claray_query query{CLARAY_QUERY_CLOSEST, Query(required(bvh, "bvh").bvh, QueryKind::closest), false};
+        run(query, rays, count, hits);
     });
 }
 
 claray_status claray_any_hit(const claray_bvh* bvh, const claray_ray* rays, size_t count, uint8_t* occluded) {
     return guarded([&] {
-        Query query(required(bvh, "bvh").bvh, QueryKind::any);
-        run(query, QueryKind::any, rays, count, occluded);
+        claray_query query{CLARAY_QUERY_ANY, Query(required(bvh, "bvh").bvh, QueryKind::any), false};
+        run(query, rays, count, occluded);
+    });
+}
+
+claray_status claray_count_hits(const claray_bvh* bvh, const claray_ray* rays, size_t count, uint32_t* counts) {
+    return guarded([&] {
+        const std::vector<std::uint32_t> all = count_hits(required(bvh, "bvh").bvh, rays_of(rays, count));
+        if (count != 0) std::copy(all.begin(), all.end(), &required(counts, "counts"));
+    });
+}
+
+claray_status claray_nearest_hits(const claray_bvh* bvh, const claray_ray* rays, size_t count, uint32_t most,
+                                  claray_hit* hits, uint32_t* counts) {
+    return guarded([&] {
+        const Bvh& over = required(bvh, "bvh").bvh;
+        const std::span all = rays_of(rays, count);
+        if (most == 0) throw Error(ErrorKind::usage, "most is 0", "ask for at least one hit");
+        if (count == 0) return;
+        const std::span found(reinterpret_cast<Hit*>(&required(hits, "hits")), count * most);
+        const std::span numbers(&required(counts, "counts"), count);
+        auto hit_buffer = Buffer<Hit>::under(over.device(), found);
+        auto count_buffer = Buffer<std::uint32_t>::under(over.device(), numbers);
+        nearest_hits(over, Buffer<Ray>::over(over.device(), all), most, hit_buffer, count_buffer);
+        hit_buffer.fetch(found);
+        count_buffer.fetch(numbers);
     });
 }

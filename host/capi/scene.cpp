@@ -40,7 +40,8 @@ claray_progress progress_of(const RenderProgress& p) {
 claray_status claray_scene_load(const char* name_or_path, claray_scene** scene) {
     return guarded([&] {
         Warnings warnings;
-        required(scene, "scene") = new claray_scene{load_scene(&required(name_or_path, "name_or_path"), warnings)};
+        hand_out(scene, "scene",
+                 [&] { return new claray_scene{load_scene(&required(name_or_path, "name_or_path"), warnings)}; });
     });
 }
 
@@ -51,9 +52,11 @@ claray_status claray_renderer_create(claray_device* device, const claray_scene* 
                                      const claray_render_config* config, claray_renderer** renderer) {
     return guarded([&] {
         const RenderConfig known = config_of(config);
-        required(renderer, "renderer") =
-            new claray_renderer{known.width, known.height,
-                                Renderer(required(device, "device").device, required(scene, "scene").scene, known)};
+        hand_out(renderer, "renderer", [&] {
+            return new claray_renderer{
+                known.width, known.height,
+                Renderer(required(device, "device").device, required(scene, "scene").scene, known)};
+        });
     });
 }
 

@@ -56,14 +56,16 @@ std::optional<std::string> light_if_dark(Scene& scene, const Camera& camera, flo
     return why + ", and a sky would not help: added a lamp at the camera";
 }
 
-namespace {
-
-/// As the scene's own camera sees it, else the automatic one.
-Scene lit(Scene scene, Warnings& warnings) {
+std::optional<std::string> light_if_dark(Scene& scene) {
     const bool own = scene.camera && is_usable(*scene.camera);
     const Camera camera = own ? *scene.camera : automatic_camera(bounds_of(scene));
-    if (!is_usable(camera)) return scene;
-    if (const auto line = light_if_dark(scene, camera, 1.f)) warnings.push_back(*line);
+    return is_usable(camera) ? light_if_dark(scene, camera, 1.f) : std::nullopt;
+}
+
+namespace {
+
+Scene lit(Scene scene, Warnings& warnings) {
+    if (const auto line = light_if_dark(scene)) warnings.push_back(*line);
     return scene;
 }
 

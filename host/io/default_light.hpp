@@ -27,5 +27,7 @@ struct LoadedScene {
 /// Lights a scene in which `camera` would see hardly anything by the scene's own lights: by a pale sky or, if no sky
 /// light reaches the view, by a lamp at the camera. Returns a line for the user; empty if the scene is unchanged.
 [[nodiscard]] std::optional<std::string> light_if_dark(Scene& scene, const Camera& camera, float aspect);
+/// As the scene's own camera sees it, else the automatic one.
+[[nodiscard]] std::optional<std::string> light_if_dark(Scene& scene);
 
 }  // namespace claray

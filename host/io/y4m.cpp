@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "claray/error.hpp"
 
@@ -26,11 +27,11 @@ std::uint8_t byte_of(float value) { return std::uint8_t(glm::clamp(std::lround(v
 }  // namespace
 
 Y4mFilm::Y4mFilm(const std::filesystem::path& path, unsigned width, unsigned height, double rate)
-    : width_(width), height_(height), file_(film_file(path)) {
-    const std::string header = "YUV4MPEG2 W" + std::to_string(width) + " H" + std::to_string(height) + " F" +
-                               fraction_of(rate) + " Ip A1:1 C444\n";
-    file_.write(header.data(), header.size());
-}
+    : width_(width),
+      height_(height),
+      header_("YUV4MPEG2 W" + std::to_string(width) + " H" + std::to_string(height) + " F" + fraction_of(rate) +
+              " Ip A1:1 C444\n"),
+      file_(film_file(path)) {}
 
 void Y4mFilm::add(const std::vector<glm::vec3>& pixels, float exposure, ToneMap tone_map) {
     const std::size_t count = std::size_t(width_) * height_;
@@ -38,7 +39,7 @@ void Y4mFilm::add(const std::vector<glm::vec3>& pixels, float exposure, ToneMap 
         throw Error(ErrorKind::usage,
                     "a frame of " + std::to_string(pixels.size()) + " pixels in a film of " + std::to_string(count));
     const float gain = std::exp2(exposure);
-    std::string frame = "FRAME\n";
+    std::string frame = std::exchange(header_, {}) + "FRAME\n";
     const std::size_t begin = frame.size();
     frame.resize(begin + 3 * count);
     for (std::size_t i = 0; i < count; ++i) {
@@ -50,6 +51,11 @@ void Y4mFilm::add(const std::vector<glm::vec3>& pixels, float exposure, ToneMap 
         frame[begin + 2 * count + i] = char(byte_of(128 + 224 * (c.r - luma) / 1.402f));
     }
     file_.write(frame.data(), frame.size());
+}
+
+void Y4mFilm::commit() {
+    file_.write(header_.data(), header_.size());
+    file_.commit();
 }
 
 }  // namespace claray

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "claray/io.hpp"
 #include "host/base/file.hpp"
@@ -10,16 +11,18 @@ namespace claray {
 
 class Y4mFilm {
 public:
-    /// `path`: a file, which appears when `commit` is called; a pipe or "-" (standard output) is written at once.
+    /// `path`: a file, which appears when `commit` is called; a pipe or "-" (standard output) is written from the first
+    /// frame on, so that nothing is written if there is none.
     /// `rate`: frames per second, > 0. Throws as NewFile.
     Y4mFilm(const std::filesystem::path& path, unsigned width, unsigned height, double rate);
 
     /// Adds a frame: 8 bits of BT.601 in limited range, one value of each plane per pixel. Exposure in stops.
     void add(const std::vector<glm::vec3>& pixels, float exposure, ToneMap tone_map);
-    void commit() { file_.commit(); }
+    void commit();
 
 private:
     unsigned width_, height_;
+    std::string header_;  // until it is written
     NewFile file_;
 };
 

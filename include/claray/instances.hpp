@@ -15,6 +15,27 @@ namespace claray {
 [[nodiscard]] Instance make_instance(const glm::mat4& object_to_world, std::uint32_t bottom = 0,
                                      std::uint32_t mask = 0xffffffffu, std::uint32_t id = 0);
 
+/// Instances that are placed together: an instance of the group places all of its members.
+struct InstanceGroup {
+    std::vector<Instance> members;  ///< Instance::bottom: see flatten
+};
+
+/// Instances of several levels as instances of one, for InstancedBvh::build.
+struct FlatInstances {
+    std::vector<Instance> instances;
+    /// How instance i is reached: the index of an instance in `roots`, then that of a member in its group, and so on:
+    /// steps[offsets[i]] .. steps[offsets[i + 1] - 1].
+    std::vector<std::uint32_t> offsets, steps;
+};
+
+/// Places groups in groups, in any number of levels. Instance::bottom below `bottoms` is a structure; `bottoms` + g is
+/// groups[g]. Transforms are multiplied in float64 and rounded once. A flat instance has the bits of all masks on its
+/// way, and `id` and `tag` of the last instance. The order is that of a depth-first walk. The structures are shared,
+/// but every flat instance takes about 300 bytes of device memory. Throws ErrorKind::usage for a group that contains
+/// itself or does not exist, ErrorKind::user for more than 2^29 - 2 instances.
+[[nodiscard]] FlatInstances flatten(std::span<const Instance> roots, std::span<const InstanceGroup> groups,
+                                    std::uint32_t bottoms);
+
 /// Measurements of a built two-level structure.
 struct InstanceStatistics {
     std::uint32_t instances = 0;  ///< instances in the tree

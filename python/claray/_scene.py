@@ -55,11 +55,13 @@ class Scene:
 
     def __init__(self) -> None:
         self._native = _native.NativeScene()
+        self._added_light: str | None = None
 
     @classmethod
-    def _of(cls, native: Any) -> Scene:
+    def _of(cls, native: Any, added_light: str | None = None) -> Scene:
         scene = cls.__new__(cls)
         scene._native = native
+        scene._added_light = added_light
         return scene
 
     def add_material(self, material: Any = None, **properties: Any) -> int:
@@ -70,6 +72,7 @@ class Scene:
     def add_light(self, light: Any = None, **properties: Any) -> int:
         """Adds a Light, or one of these properties, and returns its number."""
         self._native.lights = [*self._native.lights, Light(**properties) if light is None else light]
+        self._added_light = None
         return len(self._native.lights) - 1
 
     def add_mesh(self, vertices: ArrayLike, triangles: ArrayLike, *, normals: ArrayLike | None = None,
@@ -119,6 +122,7 @@ class Scene:
     @lights.setter
     def lights(self, lights: list[Any]) -> None:
         self._native.lights = list(lights)
+        self._added_light = None
 
     @property
     def camera(self) -> Any:
@@ -138,9 +142,16 @@ class Scene:
     def sky(self, colors: Any) -> None:
         pair = colors if len(colors) == 2 else (colors, colors)
         self._native.sky = (tuple(pair[0]), tuple(pair[1]))
+        self._added_light = None
+
+    def _warn_of_added_light(self) -> None:
+        """Warns, once, of light that load() added and the caller has not replaced."""
+        if self._added_light:
+            warnings.warn(self._added_light + "; choose other light by Scene.sky or Scene.add_light", stacklevel=3)
+        self._added_light = None
 
     def copy(self) -> Scene:
-        return Scene._of(self._native.copy())
+        return Scene._of(self._native.copy(), self._added_light)
 
     def __repr__(self) -> str:
         return f"<claray.Scene '{self._native.name}' of {self._native.mesh_count()} meshes, {self.triangle_count} triangles>"
@@ -150,14 +161,15 @@ def load(name_or_path: str | os.PathLike[str], **choices: Any) -> Scene:
     """Loads a scene: a file (.obj, .gltf, .glb, .ply, .stl), or a built-in scene such as "cornell" (builtin_scenes()).
 
     choices, for glTF only: time (seconds of an animation), animation, variant, camera, scene (a name or an index).
-    What a loader corrects or leaves out is reported by warnings.warn. Raises InputError, naming the file, for a damaged
+    What a loader corrects or leaves out is reported by warnings.warn. A file whose own light shows hardly anything gets a
+    pale sky or a lamp, of which a renderer warns; queries need no light. Raises InputError, naming the file, for a damaged
     one, and UsageError for an unknown scene or choice.
     """
     options = _set_all(_native.NativeLoadOptions(), "load", choices)
-    native, messages = _native.load(os.fspath(name_or_path), options)
+    native, messages, added_light = _native.load(os.fspath(name_or_path), options)
     for message in messages:
         warnings.warn(message, stacklevel=2)
-    return Scene._of(native)
+    return Scene._of(native, added_light)
 
 
 def builtin_scenes() -> list[str]:

@@ -8,6 +8,7 @@
 
 #include "arrays.hpp"
 #include "claray/io.hpp"
+#include "host/io/default_light.hpp"
 #include "vectors.hpp"
 
 namespace claray::python {
@@ -23,14 +24,17 @@ std::vector<T> copy_of(const Array& array, std::size_t numbers_each) {
     return {span.begin(), span.end()};
 }
 
+/// The scene, warnings, and a line about light that was added, or None.
 nb::tuple load(const std::string& path, const LoadOptions& options) {
     Warnings warnings;
-    Scene scene;
+    LoadedScene loaded;
+    std::optional<std::string> light;
     {
         const nb::gil_scoped_release release;
-        scene = load_scene(path, warnings, options);
+        loaded = load_without_light(path, warnings, options);
+        if (loaded.is_file) light = light_if_dark(loaded.scene);
     }
-    return nb::make_tuple(std::move(scene), std::vector<std::string>(warnings.begin(), warnings.end()));
+    return nb::make_tuple(std::move(loaded.scene), std::vector<std::string>(warnings.begin(), warnings.end()), light);
 }
 
 std::size_t add_mesh(Scene& scene, const std::string& name, const Vertices& vertices, const Triangles& triangles,

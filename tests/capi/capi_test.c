@@ -171,6 +171,168 @@ static void test_buffers(claray_device* device) {
     claray_query_release(query);
 }
 
+/* A tetrahedron with three edges of length 1 along the axes; counter-clockwise from outside. */
+static claray_bvh* corner_of(claray_device* device) {
+    static const float corners[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1};
+    static const uint32_t faces[] = {0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3};
+    claray_mesh mesh = {0};
+    claray_bvh* bvh = NULL;
+    mesh.struct_size = sizeof mesh;
+    mesh.vertices = corners, mesh.vertex_count = 4;
+    mesh.triangles = faces, mesh.triangle_count = 4;
+    EXPECT(claray_bvh_build(device, &mesh, NULL, &bvh) == CLARAY_OK);
+    return bvh;
+}
+
+static void test_points(claray_device* device) {
+    claray_bvh* bvh = corner_of(device);
+    const float points[] = {0.125f, 0.25f, 0.25f, 0.25f, 0.25f, -2, NAN, 0, 0};
+    claray_nearest nearest[3];
+    uint8_t inside[3];
+    float distances[3];
+    EXPECT(claray_nearest_point(bvh, points, 3, INFINITY, nearest) == CLARAY_OK);
+    EXPECT(nearest[0].distance == 0.125f && nearest[0].point[0] == 0 && nearest[0].primitive == 2);
+    EXPECT(nearest[1].distance == 2 && nearest[1].point[2] == 0 && nearest[1].primitive == 0);
+    EXPECT(nearest[2].primitive == CLARAY_MISS);
+    EXPECT(claray_nearest_point(bvh, points, 2, 0.5f, nearest) == CLARAY_OK);
+    EXPECT(nearest[0].primitive == 2 && nearest[1].primitive == CLARAY_MISS && nearest[1].distance == 0.5f);
+    EXPECT(claray_inside(bvh, points, 3, inside) == CLARAY_OK);
+    EXPECT(inside[0] == 1 && inside[1] == 0 && inside[2] == 0);
+    EXPECT(claray_signed_distance(bvh, points, 2, distances) == CLARAY_OK);
+    EXPECT(distances[0] == -0.125f && distances[1] == 2);
+    EXPECT(claray_inside(bvh, NULL, 0, NULL) == CLARAY_OK);
+    EXPECT_ERROR(claray_nearest_point(bvh, points, 3, -1, nearest), CLARAY_ERROR_USAGE, "reach is -1");
+    EXPECT_ERROR(claray_nearest_point(bvh, points, 3, NAN, nearest), CLARAY_ERROR_USAGE, "reach is");
+    EXPECT_ERROR(claray_nearest_point(bvh, points, 3, 1, NULL), CLARAY_ERROR_USAGE, "nearest is NULL");
+    EXPECT_ERROR(claray_inside(bvh, NULL, 3, inside), CLARAY_ERROR_USAGE, "points is NULL");
+    EXPECT_ERROR(claray_signed_distance(NULL, points, 3, distances), CLARAY_ERROR_USAGE, "bvh is NULL");
+    claray_bvh_release(bvh);
+}
+
+static void test_lists(claray_device* device) {
+    claray_bvh* bvh = corner_of(device);
+    const claray_ray rays[2] = {{{0.25f, 0.25f, -1}, 0, {0, 0, 1}, INFINITY}, {{5, 5, -1}, 0, {0, 0, 1}, INFINITY}};
+    uint32_t counts[2];
+    claray_hit hits[6];
+    EXPECT(claray_count_hits(bvh, rays, 2, counts) == CLARAY_OK && counts[0] == 2 && counts[1] == 0);
+    EXPECT(claray_nearest_hits(bvh, rays, 2, 3, hits, counts) == CLARAY_OK && counts[0] == 2 && counts[1] == 0);
+    EXPECT(hits[0].t == 1 && hits[0].primitive == 0 && hits[1].t == 1.5f && hits[1].primitive == 3);
+    EXPECT(claray_nearest_hits(bvh, rays, 1, 1, hits, counts) == CLARAY_OK && counts[0] == 1 && hits[0].t == 1);
+    EXPECT(claray_count_hits(bvh, NULL, 0, NULL) == CLARAY_OK);
+    EXPECT_ERROR(claray_count_hits(bvh, NULL, 1, counts), CLARAY_ERROR_USAGE, "rays is NULL");
+    EXPECT_ERROR(claray_count_hits(bvh, rays, 2, NULL), CLARAY_ERROR_USAGE, "counts is NULL");
+    EXPECT_ERROR(claray_nearest_hits(bvh, rays, 2, 0, hits, counts), CLARAY_ERROR_USAGE, "most is 0");
+    EXPECT_ERROR(claray_nearest_hits(bvh, rays, 2, 1, NULL, counts), CLARAY_ERROR_USAGE, "hits is NULL");
+    claray_bvh_release(bvh);
+}
+
+static void test_instances(claray_device* device) {
+    claray_mesh mesh = square_mesh();
+    claray_bvh *flat = NULL, *solid = corner_of(device);
+    claray_instances* placed = NULL;
+    claray_query *closest = NULL, *any = NULL;
+    claray_instance_hit hits[2];
+    uint8_t occluded[2];
+    EXPECT(claray_bvh_build(device, &mesh, NULL, &flat) == CLARAY_OK);
+    const claray_bvh* const bvhs[2] = {flat, solid};
+    claray_instance instances[2] = {{{1, 0, 0, 10, 0, 1, 0, 0, 0, 0, 1, 0}, 0, 1},
+                                    {{1, 0, 0, 20, 0, 1, 0, 0, 0, 0, 1, 0}, 1, 1}};
+    const claray_ray rays[2] = {{{10.75f, 0.25f, 2}, 0, {0, 0, -1}, 9}, {{20.25f, 0.25f, 2}, 0, {0, 0, -1}, 9}};
+    EXPECT(claray_instances_build(bvhs, 2, instances, 2, &placed) == CLARAY_OK);
+    EXPECT(claray_query_instances_create(placed, CLARAY_QUERY_CLOSEST, NULL, NULL, &closest) == CLARAY_OK);
+    EXPECT(claray_query_instances_create(placed, CLARAY_QUERY_ANY, NULL, NULL, &any) == CLARAY_OK);
+    claray_bvh_release(flat), claray_bvh_release(solid); /* the instances keep them */
+    EXPECT(claray_query_run(closest, rays, 2, hits) == CLARAY_OK);
+    EXPECT(hits[0].instance == 0 && hits[0].t == 2 && hits[0].primitive == 0);
+    EXPECT(hits[1].instance == 1 && hits[1].t == 1.5f && hits[1].primitive == 3);
+    for (int rebuild = 0; rebuild < 2; ++rebuild) {
+        instances[0].transform[3] = 30.f + (float)rebuild;
+        EXPECT(claray_instances_move(placed, instances, 2, rebuild) == CLARAY_OK);
+        EXPECT(claray_query_run(any, rays, 2, occluded) == CLARAY_OK && occluded[0] == 0 && occluded[1] == 1);
+    }
+    claray_instances* none = NULL;
+    EXPECT_ERROR(claray_instances_move(placed, instances, 1, 0), CLARAY_ERROR_USAGE, "count is 1");
+    EXPECT_ERROR(claray_instances_move(placed, NULL, 2, 0), CLARAY_ERROR_USAGE, "instances is NULL");
+    EXPECT_ERROR(claray_instances_build(bvhs, 0, instances, 1, &none), CLARAY_ERROR_USAGE, "structure 0 of 0");
+    instances[1].bottom = 2;
+    EXPECT_ERROR(claray_instances_move(placed, instances, 2, 0), CLARAY_ERROR_USAGE, "structure 2 of 2");
+    EXPECT_ERROR(claray_instances_build(NULL, 1, instances, 1, &none), CLARAY_ERROR_USAGE, "bvhs is NULL");
+    EXPECT_ERROR(claray_query_instances_create(NULL, CLARAY_QUERY_ANY, NULL, NULL, &any), CLARAY_ERROR_USAGE,
+                 "placed is NULL");
+    EXPECT(none == NULL);
+    claray_instances_release(placed);
+    claray_query_release(closest), claray_query_release(any);
+}
+
+/* Nothing is made where there is no place for it: the leak checker sees what would be. */
+static void test_no_place(claray_device* device) {
+    claray_mesh mesh = square_mesh();
+    claray_bvh* bvh = NULL;
+    claray_scene* scene = NULL;
+    const claray_instance one = {{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, 0, 1};
+    EXPECT(claray_bvh_build(device, &mesh, NULL, &bvh) == CLARAY_OK);
+    EXPECT(claray_scene_load("cornell", &scene) == CLARAY_OK);
+    const claray_bvh* const bvhs[1] = {bvh};
+    EXPECT_ERROR(claray_device_open("cpu", NULL), CLARAY_ERROR_USAGE, "device is NULL");
+    EXPECT_ERROR(claray_device_adopt_create(NULL, claray_device_queue(device), &device), CLARAY_ERROR_USAGE, "NULL");
+    EXPECT_ERROR(claray_device_adopt_create(claray_device_context(device), claray_device_queue(device), NULL),
+                 CLARAY_ERROR_USAGE, "device is NULL");
+    EXPECT_ERROR(claray_device_new_queue_create(device, NULL), CLARAY_ERROR_USAGE, "with_queue is NULL");
+    EXPECT_ERROR(claray_bvh_build(device, &mesh, NULL, NULL), CLARAY_ERROR_USAGE, "bvh is NULL");
+    EXPECT_ERROR(claray_bvh_scene_build(device, scene, NULL, NULL), CLARAY_ERROR_USAGE, "bvh is NULL");
+    EXPECT_ERROR(claray_bvh_load(device, "tree.cbvh", NULL), CLARAY_ERROR_USAGE, "bvh is NULL");
+    EXPECT_ERROR(claray_query_create(bvh, CLARAY_QUERY_ANY, NULL, NULL, NULL), CLARAY_ERROR_USAGE, "query is NULL");
+    EXPECT_ERROR(claray_instances_build(bvhs, 1, &one, 1, NULL), CLARAY_ERROR_USAGE, "placed is NULL");
+    EXPECT_ERROR(claray_scene_load("cornell", NULL), CLARAY_ERROR_USAGE, "scene is NULL");
+    EXPECT_ERROR(claray_renderer_create(device, scene, NULL, NULL), CLARAY_ERROR_USAGE, "renderer is NULL");
+    claray_scene_release(scene);
+    claray_bvh_release(bvh);
+}
+
+static void test_files(claray_device* device) {
+    claray_bvh *bvh = corner_of(device), *loaded = NULL;
+    const claray_ray ray = {{0.25f, 0.25f, -1}, 0, {0, 0, 1}, INFINITY};
+    claray_hit hit = {0};
+    EXPECT(claray_bvh_save(bvh, "capi_test.cbvh") == CLARAY_OK);
+    EXPECT(claray_bvh_load(device, "capi_test.cbvh", &loaded) == CLARAY_OK);
+    EXPECT(claray_closest_hit(loaded, &ray, 1, &hit) == CLARAY_OK && hit.t == 1);
+    EXPECT_ERROR(claray_bvh_save(bvh, "no/such/folder/tree.cbvh"), CLARAY_ERROR_INPUT, "no/such/folder");
+    EXPECT_ERROR(claray_bvh_save(bvh, NULL), CLARAY_ERROR_USAGE, "path is NULL");
+    EXPECT(remove("capi_test.cbvh") == 0);
+    EXPECT_ERROR(claray_bvh_load(device, "capi_test.cbvh", &loaded), CLARAY_ERROR_INPUT, "capi_test.cbvh");
+    claray_bvh_release(bvh), claray_bvh_release(loaded);
+}
+
+static void test_wrong_choices(claray_device* device) {
+    claray_mesh mesh = square_mesh();
+    claray_bvh_config config = {0};
+    claray_query_options options = {0};
+    claray_bvh *bvh = NULL, *none = NULL;
+    claray_query* query = NULL;
+    const uint32_t geometries[2] = {0, 3}, masks[2] = {1, 1};
+    const claray_ray ray = {{0, 0, 1}, 0, {0, 0, -1}, 9};
+    EXPECT(claray_bvh_build(device, &mesh, NULL, &bvh) == CLARAY_OK);
+    config.struct_size = sizeof config, config.builder = (claray_builder)9;
+    EXPECT_ERROR(claray_bvh_build(device, &mesh, &config, &none), CLARAY_ERROR_USAGE, "config.builder is 9");
+    mesh.triangle_count = 0;
+    EXPECT_ERROR(claray_bvh_build(device, &mesh, NULL, &none), CLARAY_ERROR_USAGE, "triangle_count is 0");
+    mesh = square_mesh(), mesh.geometries = geometries, mesh.masks = masks, mesh.mask_count = 2;
+    EXPECT_ERROR(claray_bvh_build(device, &mesh, NULL, &none), CLARAY_ERROR_USAGE, "geometry 3");
+    EXPECT_ERROR(claray_query_create(bvh, (claray_query_kind)7, NULL, NULL, &query), CLARAY_ERROR_USAGE, "kind is 7");
+    options.struct_size = sizeof options, options.coherence = (claray_coherence)5;
+    EXPECT_ERROR(claray_query_create(bvh, CLARAY_QUERY_ANY, &options, NULL, &query), CLARAY_ERROR_USAGE,
+                 "coherence is 5");
+    options.struct_size = 5000;
+    EXPECT_ERROR(claray_query_create(bvh, CLARAY_QUERY_ANY, &options, NULL, &query), CLARAY_ERROR_USAGE,
+                 "options.struct_size is 5000");
+    EXPECT_ERROR(claray_closest_hit(bvh, &ray, 1, NULL), CLARAY_ERROR_USAGE, "results is NULL");
+    EXPECT_ERROR(claray_any_hit(bvh, NULL, 1, NULL), CLARAY_ERROR_USAGE, "rays is NULL");
+    EXPECT_ERROR(claray_query_run(NULL, &ray, 1, NULL), CLARAY_ERROR_USAGE, "query is NULL");
+    EXPECT(none == NULL && query == NULL);
+    EXPECT(claray_bvh_triangle_count(NULL) == 0 && claray_scene_triangle_count(NULL) == 0);
+    claray_bvh_release(bvh);
+}
+
 static void test_errors(claray_device* device) {
     claray_mesh mesh = square_mesh();
     claray_bvh* bvh = NULL;
@@ -201,8 +363,20 @@ static void test_errors(claray_device* device) {
 }
 
 static int stop(const claray_progress* progress, void* user) {
-    *(uint32_t*)user = progress->spp;
+    *(uint32_t*)user += progress->spp > 0 ? 1 : 100;
     return 0;
+}
+
+/* A render of more samples than there is time for ends with the first call. */
+static void test_stop(claray_device* device, const claray_scene* scene) {
+    claray_renderer* renderer = NULL;
+    claray_render_config config = {0};
+    uint32_t calls = 0;
+    config.struct_size = sizeof config;
+    config.width = 24, config.height = 16, config.spp = 1 << 24, config.seconds = 3;
+    EXPECT(claray_renderer_create(device, scene, &config, &renderer) == CLARAY_OK);
+    EXPECT(claray_renderer_render(renderer, stop, &calls, NULL) == CLARAY_OK && calls == 1);
+    claray_renderer_release(renderer);
 }
 
 static void test_render(claray_device* device) {
@@ -211,7 +385,6 @@ static void test_render(claray_device* device) {
     claray_renderer* renderer = NULL;
     claray_render_config config = {0};
     claray_progress reached = {0};
-    uint32_t seen = 0;
     float image[3 * 24 * 16], mean = 0;
     config.struct_size = sizeof config;
     config.width = 24, config.height = 16, config.spp = 4;
@@ -221,8 +394,8 @@ static void test_render(claray_device* device) {
     EXPECT(claray_bvh_scene_build(device, scene, NULL, &bvh) == CLARAY_OK);
     EXPECT(claray_bvh_triangle_count(bvh) == claray_scene_triangle_count(scene));
     EXPECT(claray_renderer_create(device, scene, &config, &renderer) == CLARAY_OK);
+    test_stop(device, scene);
     claray_scene_release(scene);
-    EXPECT(claray_renderer_render(renderer, stop, &seen, NULL) == CLARAY_OK && seen >= 1);
     EXPECT(claray_renderer_render(renderer, NULL, NULL, &reached) == CLARAY_OK && reached.spp == 4);
     EXPECT(claray_renderer_image(renderer, image, 3 * 24 * 16) == CLARAY_OK);
     for (size_t i = 0; i < 3 * 24 * 16; ++i) mean += image[i] / (3 * 24 * 16);
@@ -244,6 +417,12 @@ int main(void) {
     test_closed(device);
     test_refit(device);
     test_buffers(device);
+    test_points(device);
+    test_lists(device);
+    test_instances(device);
+    test_no_place(device);
+    test_files(device);
+    test_wrong_choices(device);
     test_errors(device);
     test_render(device);
     EXPECT(claray_device_finish(device) == CLARAY_OK);

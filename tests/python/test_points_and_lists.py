@@ -90,7 +90,7 @@ def test_all_hits_equal_a_walk_behind_each_hit(soup, rays):
         assert (lists.elements[lists.offsets[:-1][live] + k] == hit[live]).all()
         start = np.where(live, hit["t"], start)
     assert (np.bincount(lists.queries, minlength=777) == lists.counts).all()
-    assert (lists[-1] == lists.elements[lists.offsets[-2]:]).all() and len(list(lists)) == 777
+    assert all((lists[i - 777] == hits).all() and len(hits) == lists.counts[i] for i, hits in enumerate(lists))
     with pytest.raises(IndexError):
         lists[777]
 

@@ -37,6 +37,20 @@ def test_images_show_and_save_themselves(tmp_path):
     assert (image * 2).to_bytes().mean() > shown.mean()
 
 
+def test_added_light_is_told_where_it_is_seen(tmp_path, recwarn):
+    (tmp_path / "dark.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    scene = claray.load(tmp_path / "dark.obj")
+    assert claray.any_hit(claray.Bvh(scene), [[0.2, 0.2, 1]], (0, 0, -1)).all() and not recwarn
+    chosen = scene.copy()
+    chosen.sky = 1, 1, 1
+    claray.Renderer(chosen, width=4, height=4)
+    assert not recwarn
+    with pytest.warns(UserWarning, match="no light: added a pale sky.*Scene.sky"):
+        claray.Renderer(scene, width=4, height=4)
+    claray.Renderer(scene, width=4, height=4)
+    assert not recwarn
+
+
 def test_renders_stop_for_callbacks():
     renderer = claray.Renderer(claray.load("cornell"), width=16, height=16, spp=8)
 

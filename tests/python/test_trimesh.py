@@ -50,6 +50,21 @@ def test_first_any_and_containment(nested):
     assert own.intersects_first(np.zeros((0, 3)), np.zeros((0, 3))).shape == (0,)
 
 
+def test_surfaces_at_one_distance_count_each():
+    box = trimesh.creation.box()
+    own = RayMeshIntersector(trimesh.util.concatenate([box, box]))
+    triangles, rays = own.intersects_id([[0.1, 0.2, 5], [0, 0, 5]], [[0, 0, -1]] * 2)  # the second through diagonals
+    assert rays.tolist() == [0, 1] * 4 and len(set(triangles[rays == 0])) == 4
+
+
+def test_rays_vote_where_a_mesh_is_open():
+    box = trimesh.creation.box().subdivide().subdivide()
+    point = [[0.1, 0.05, 0]]
+    above, _ = RayMeshIntersector(box).intersects_id(point, [[0, 0, 1]])
+    hole = trimesh.Trimesh(box.vertices, np.delete(box.faces, above, axis=0))
+    assert not hole.is_watertight and RayMeshIntersector(hole).contains_points(point).all()
+
+
 def test_rays_on_surfaces_and_silhouettes():
     box = trimesh.creation.box(extents=[2, 2, 2])
     own = RayMeshIntersector(box)

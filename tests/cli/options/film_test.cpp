@@ -28,6 +28,12 @@ TEST_F(Film, AFileAndAPipeHaveTheSameFrames) {
     EXPECT_EQ(folder_.entries(), 1u);
 }
 
+TEST_F(Film, HasNoHeaderWithoutAFrame) {
+    const ProcessResult result = run_claray({"render", path("nowhere.gltf"), "-o", "-", "--frames", "0..1", "-q"});
+    EXPECT_TRUE(failed_with(result, 1, "nowhere.gltf"));
+    EXPECT_EQ(result.output, "");
+}
+
 TEST_F(Film, IsRefusedWhereItHasNoPlace) {
     EXPECT_TRUE(failed_with(render(path("a.y4m")), 2, "add --frames"));
     EXPECT_TRUE(failed_with(render("-"), 2, "add --frames"));
