@@ -60,9 +60,7 @@ void Bvh::State::prepare_to_build() {
 void Bvh::State::load_kernels(std::size_t keys_to_sort) {
     reset_ = load_kernel(device, "bvh/bounds.cl", "reset_header");
     finish_bounds_ = load_kernel(device, "bvh/bounds.cl", "finish_bounds");
-    if (ranges == 0)
-        bounds_ = load_kernel(device, "bvh/bounds.cl", "compute_bounds",
-                              {{"WHOLE_BOXES", traits_of(config.builder).codes ? "0" : "1"}});
+    if (ranges == 0) bounds_ = load_kernel(device, "bvh/bounds.cl", "compute_bounds");
     if (traits_of(config.builder).codes) load_for_sorting(keys_to_sort);
     if (layout == Layout::wide) {
         begin_collapse_ = load_kernel(device, "bvh/collapse.cl", "begin_collapse");
@@ -171,7 +169,7 @@ void Bvh::State::build_tree(Buffer<Code>& codes, RadixSort<Code>& sort) {
 
 /// Leaves are references until the copy turns them into triangles.
 void Bvh::State::build_from_root() {
-    sbvh.build(triangles, bound_keys, other_nodes, other_leaves, header);
+    sbvh.build(triangles, other_nodes, other_leaves, header);
     finish.copy(triangles, other_nodes, other_leaves, sbvh.capacity(), arrivals, header, nodes, leaves);
 }
 

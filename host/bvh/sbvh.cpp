@@ -6,81 +6,135 @@ namespace claray {
 namespace {
 
 constexpr const char* sbvh_file = "bvh/sbvh.cl";
+constexpr const char* large_file = "bvh/sbvh_large.cl";
 // As in the kernels.
-constexpr std::uint32_t tile = 2048, small = 32, large = 4096, words_per_task = 6;
-constexpr std::uint32_t small_tasks = 2, first_level = 3, most_levels = 96;
+constexpr std::uint32_t tile = 2048, small = 32, large = 4096;
+constexpr std::uint32_t words_of_task = 6, words_of_wide_task = 22, words_of_extent = 16;
+constexpr std::uint32_t words_of_large_node = 41, words_of_chunk = 4, words_of_bins = 3 * 32 * 10;
+constexpr std::uint32_t small_tasks = 2, first_level = 5, counters_of_level = 4, most_levels = 96;
 
 Defines group_of(std::uint32_t items) { return {{"GROUP", std::to_string(items) + "u"}}; }
+
+/// Chunks small enough to keep the device busy, and large enough that adding up their bins takes little time.
+std::uint32_t chunk_for(const Device& device, std::uint32_t references) {
+    return std::clamp(references / (8 * std::max(device.info().compute_units, 1u)), 512u, 4096u);
+}
 
 }  // namespace
 
 Sbvh::Sbvh(const Device& device, std::uint32_t count, double budget)
     : count_(count),
       budget_(std::uint32_t(std::min(budget * count, double(CLARAY_SLOT - 1) - count))),
-      tiles_((count + tile - 1) / tile),
-      tile_sums_(device, tiles_),
-      counters_(device, first_level + 2 * most_levels),
-      small_(device, words_per_task * (std::size_t(capacity()) / 2 + 1)) {
+      chunk_(chunk_for(device, count)),
+      large_group_(device.tuning("bvh/sbvh", "LARGE_GROUP")),
+      medium_group_(device.tuning("bvh/sbvh", "MEDIUM_GROUP")),
+      root_extent_(device, words_of_extent),
+      counters_(device, first_level + counters_of_level * (most_levels + 1)),
+      small_(device, words_of_task * (std::size_t(capacity()) / 2 + 1)) {
     for (Buffer<float>& references : references_) references = Buffer<float>(device, 8 * std::size_t(capacity()));
-    const std::uint32_t least[2] = {large, small};
-    const char* const names[2] = {"LARGE_GROUP", "MEDIUM_GROUP"};
-    for (int size = 0; size < 2; ++size) {
-        Queue& queue = queues_[size];
-        for (auto& tasks : queue.tasks)
-            tasks = Buffer<std::uint32_t>(device, words_per_task * (std::size_t(capacity()) / least[size] + 1));
-        queue.group = device.tuning("bvh/sbvh", names[size]);
-        queue.split = load_kernel(device, sbvh_file, "split_nodes", group_of(queue.group));
-    }
-    const Defines of_tiles = group_of(queues_[1].group);
-    count_references_ = load_kernel(device, sbvh_file, "count_references", of_tiles);
-    scan_ = load_kernel(device, sbvh_file, "scan_tiles", of_tiles);
-    place_ = load_kernel(device, sbvh_file, "place_references", of_tiles);
-    begin_ = load_kernel(device, sbvh_file, "begin_splitting", of_tiles);
-    finish_subtrees_ = load_kernel(device, "bvh/sbvh_small.cl", "finish_subtrees");
-    finish_ = load_kernel(device, sbvh_file, "finish_splitting", of_tiles);
+    const std::size_t large_nodes = std::size_t(capacity()) / large + 1, medium_nodes = capacity() / small + 1;
+    for (auto& tasks : large_.tasks) tasks = Buffer<std::uint32_t>(device, words_of_wide_task * large_nodes);
+    for (auto& tasks : medium_.tasks) tasks = Buffer<std::uint32_t>(device, words_of_wide_task * medium_nodes);
+    states_ = Buffer<std::uint32_t>(device, words_of_large_node * large_nodes);
+    bins_ = Buffer<std::uint32_t>(device, words_of_bins * large_nodes);
+    chunks_ = Buffer<std::uint32_t>(device, words_of_chunk * (capacity() / chunk_ + large_nodes));
+    load_kernels(device);
 }
 
-void Sbvh::build(const TriangleBuffers& triangles, const Buffer<std::uint32_t>& bound_keys,
-                 const Buffer<BvhNode>& nodes, const Buffer<LeafTriangle>& leaves, const Buffer<BvhHeader>& header) {
+void Sbvh::load_kernels(const Device& device) {
+    const Defines medium = group_of(medium_group_), large = group_of(large_group_);
+    begin_placing_ = load_kernel(device, sbvh_file, "begin_placing", medium);
+    place_ = load_kernel(device, sbvh_file, "place_references", medium);
+    begin_ = load_kernel(device, sbvh_file, "begin_splitting", medium);
+    split_ = load_kernel(device, sbvh_file, "split_nodes", medium);
+    finish_ = load_kernel(device, sbvh_file, "finish_splitting", medium);
+    begin_large_ = load_kernel(device, large_file, "begin_large", large);
+    bin_large_ = load_kernel(device, large_file, "bin_large", large);
+    choose_large_ = load_kernel(device, large_file, "choose_large", large);
+    reserve_large_ = load_kernel(device, large_file, "reserve_large", large);
+    move_large_ = load_kernel(device, large_file, "move_large", large);
+    finish_large_ = load_kernel(device, large_file, "finish_large", large);
+    runs_ = device.info().compute_units * device.tuning("bvh/serial", "RANGES_PER_UNIT");
+    finish_subtrees_ = runs_ != 0 ? load_kernel(device, "bvh/serial/sbvh_serial.cl", "finish_subtrees_serial")
+                                  : load_kernel(device, "bvh/sbvh_small.cl", "finish_subtrees");
+}
+
+void Sbvh::build(const TriangleBuffers& triangles, const Buffer<BvhNode>& nodes, const Buffer<LeafTriangle>& leaves,
+                 const Buffer<BvhHeader>& header) {
     if (count_ == 0) return;
-    const std::uint32_t group = queues_[1].group;
-    const Range of_tiles{std::size_t(tiles_) * group, group};
-    count_references_.run(of_tiles, triangles.positions, arg("indices", triangles.indices), count_,
-                          arg("tile_sums", tile_sums_));
-    scan_.run({group, group}, tile_sums_, tiles_);
-    place_.run(of_tiles, triangles.positions, arg("indices", triangles.indices), count_, arg("tile_sums", tile_sums_),
-               references_[0]);
-    counters_.fill(0);
-    begin_.run({1, 1}, header, capacity(), references_[0], leaves, nodes, arg("large", queues_[0].tasks[0].memory()),
-               arg("medium", queues_[1].tasks[0].memory()), arg("small", small_.memory()), counters_);
+    const auto counters = std::uint32_t(counters_.size());
+    begin_placing_.run({counters, 1}, arg("root_extent", root_extent_), arg("counters", counters_), counters, chunk_);
+    place_.run({std::size_t((count_ + tile - 1) / tile) * medium_group_, medium_group_}, triangles.positions,
+               arg("indices", triangles.indices), count_, references_[0], arg("root_extent", root_extent_),
+               arg("counters", counters_));
+    begin_.run({1, 1}, capacity(), references_[0], arg("root_extent", root_extent_), leaves, nodes,
+               arg("large", large_.tasks[0].memory()), arg("medium", medium_.tasks[0].memory()),
+               arg("small", small_.memory()), arg("counters", counters_));
     for (std::uint32_t level = 0; level < most_levels; ++level) {
-        std::uint32_t waiting[2];
-        counters_.read(waiting, first_level + 2 * level);
+        std::uint32_t waiting[3];  // large and medium nodes, and the chunks of large ones
+        counters_.read(waiting, first_level + counters_of_level * level);
         if (waiting[0] + waiting[1] == 0) break;
-        split_level(triangles, bound_keys, nodes, leaves, level, waiting);
+        if (waiting[0] != 0) {
+            split_large(triangles, level, waiting[0], waiting[2]);
+            const std::uint32_t next = 1 - level % 2;
+            finish_large_.run({waiting[0], 1}, arg("tasks", large_.tasks[level % 2].memory()), states_.memory(),
+                              waiting[0], arg("large", large_.tasks[next].memory()),
+                              arg("medium", medium_.tasks[next].memory()), arg("small", small_.memory()),
+                              references_[next], nodes, leaves, arg("counters", counters_));
+        }
+        if (waiting[1] != 0) split_medium(triangles, nodes, leaves, level, waiting[1]);
     }
-    std::uint32_t subtrees = 0;
-    counters_.read(std::span(&subtrees, 1), small_tasks);
-    if (subtrees != 0)
-        finish_subtrees_.run({std::size_t(subtrees) * small, small}, small_.memory(), arg("even", references_[0]),
-                             arg("odd", references_[1]), nodes, leaves, counters_);
+    finish_subtrees(nodes, leaves);
     finish_.run({1, 1}, leaves, header, counters_);
 }
 
-void Sbvh::split_level(const TriangleBuffers& triangles, const Buffer<std::uint32_t>& bound_keys,
-                       const Buffer<BvhNode>& nodes, const Buffer<LeafTriangle>& leaves, std::uint32_t level,
-                       const std::uint32_t waiting[2]) {
-    const std::uint32_t now = level % 2, next = 1 - now;
-    for (int size = 0; size < 2; ++size) {
-        if (waiting[size] == 0) continue;
-        Queue& queue = queues_[size];
-        queue.split.run({std::size_t(waiting[size]) * queue.group, queue.group},
-                        arg("tasks", queue.tasks[now].memory()), arg("large", queues_[0].tasks[next].memory()),
-                        arg("medium", queues_[1].tasks[next].memory()), arg("small", small_.memory()),
-                        arg("from", references_[now]), arg("to", references_[next]), triangles.positions,
-                        arg("indices", triangles.indices), arg("bound_keys", bound_keys), nodes, leaves,
-                        arg("counters", counters_));
+/// One level of the nodes that several groups split.
+void Sbvh::split_large(const TriangleBuffers& triangles, std::uint32_t level, std::uint32_t waiting,
+                       std::uint32_t chunk_count) {
+    const auto tasks = arg("tasks", large_.tasks[level % 2].memory());
+    const auto states = arg("states", states_.memory());
+    const auto chunks = arg("chunks", chunks_.memory());
+    const Buffer<float>&from = references_[level % 2], &to = references_[1 - level % 2];
+    const auto positions = arg("positions", triangles.positions);
+    const auto indices = arg("indices", triangles.indices);
+    const auto bins = arg("node_bins", bins_);
+    const auto counters = arg("counters", counters_);
+    const Range of_nodes{std::size_t(waiting) * large_group_, large_group_};
+    const Range of_chunks{std::size_t(chunk_count) * large_group_, large_group_};
+    begin_large_.run(of_nodes, tasks, states, bins, chunks, chunk_, counters);
+    for (const std::uint32_t by_planes : {0u, 1u}) {
+        bin_large_.run(of_chunks, tasks, states, bins, chunks, chunk_, by_planes, arg("from", from), positions,
+                       indices);
+        choose_large_.run(of_nodes, tasks, states, bins, arg("root_extent", root_extent_), by_planes);
     }
+    reserve_large_.run(of_chunks, tasks, states, chunks, chunk_, arg("from", from), positions, indices);
+    move_large_.run(of_chunks, tasks, states, chunks, chunk_, arg("from", from), arg("to", to), positions, indices);
+}
+
+/// One level of the nodes that a group splits alone.
+void Sbvh::split_medium(const TriangleBuffers& triangles, const Buffer<BvhNode>& nodes,
+                        const Buffer<LeafTriangle>& leaves, std::uint32_t level, std::uint32_t waiting) {
+    const std::uint32_t now = level % 2, next = 1 - now;
+    split_.run({std::size_t(waiting) * medium_group_, medium_group_}, arg("tasks", medium_.tasks[now].memory()),
+               arg("large", large_.tasks[next].memory()), arg("medium", medium_.tasks[next].memory()),
+               arg("small", small_.memory()), arg("from", references_[now]), arg("to", references_[next]),
+               arg("positions", triangles.positions), arg("indices", triangles.indices),
+               arg("root_extent", root_extent_), nodes, leaves, arg("counters", counters_));
+}
+
+/// Builds the subtrees of all small nodes.
+void Sbvh::finish_subtrees(const Buffer<BvhNode>& nodes, const Buffer<LeafTriangle>& leaves) {
+    std::uint32_t subtrees = 0;
+    counters_.read(std::span(&subtrees, 1), small_tasks);
+    if (subtrees == 0) return;
+    const auto even = arg("even", references_[0]), odd = arg("odd", references_[1]);
+    if (runs_ == 0) {
+        finish_subtrees_.run({std::size_t(subtrees) * small, small}, small_.memory(), even, odd, nodes, leaves,
+                             counters_);
+        return;
+    }
+    const std::uint32_t runs = std::min(runs_, subtrees);
+    finish_subtrees_.run({runs, 1}, small_.memory(), subtrees, runs, even, odd, nodes, leaves, counters_);
 }
 
 }  // namespace claray

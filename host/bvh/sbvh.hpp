@@ -14,26 +14,29 @@ public:
 
     /// Largest number of references.
     [[nodiscard]] std::uint32_t capacity() const { return count_ + budget_; }
-    /// Builds a tree whose leaves are references, in no particular order; `header` becomes its header. bounds.cl must
-    /// have computed the bounds of all triangles before. Waits for the device.
-    void build(const TriangleBuffers& triangles, const Buffer<std::uint32_t>& bound_keys, const Buffer<BvhNode>& nodes,
-               const Buffer<LeafTriangle>& leaves, const Buffer<BvhHeader>& header);
+    /// Builds a tree whose leaves are references, in no particular order; `header` becomes its header. Waits for the
+    /// device.
+    void build(const TriangleBuffers& triangles, const Buffer<BvhNode>& nodes, const Buffer<LeafTriangle>& leaves,
+               const Buffer<BvhHeader>& header);
 
 private:
     struct Queue {
         Buffer<std::uint32_t> tasks[2];  // of this level and of the next, alternating
-        Kernel split;
-        std::uint32_t group = 0;
     };
-    void split_level(const TriangleBuffers& triangles, const Buffer<std::uint32_t>& bound_keys,
-                     const Buffer<BvhNode>& nodes, const Buffer<LeafTriangle>& leaves, std::uint32_t level,
-                     const std::uint32_t waiting[2]);
+    void load_kernels(const Device& device);
+    void split_large(const TriangleBuffers& triangles, std::uint32_t level, std::uint32_t waiting,
+                     std::uint32_t chunk_count);
+    void split_medium(const TriangleBuffers& triangles, const Buffer<BvhNode>& nodes,
+                      const Buffer<LeafTriangle>& leaves, std::uint32_t level, std::uint32_t waiting);
+    void finish_subtrees(const Buffer<BvhNode>& nodes, const Buffer<LeafTriangle>& leaves);
 
-    std::uint32_t count_ = 0, budget_ = 0, tiles_ = 0;
+    std::uint32_t count_ = 0, budget_ = 0, chunk_ = 0, large_group_ = 0, medium_group_ = 0, runs_ = 0;
     Buffer<float> references_[2];
-    Buffer<std::uint32_t> tile_sums_, counters_, small_;
-    Queue queues_[2];  // of large and of medium nodes
-    Kernel count_references_, scan_, place_, begin_, finish_subtrees_, finish_;
+    Buffer<std::uint32_t> root_extent_, counters_, small_;
+    Queue large_, medium_;
+    Buffer<std::uint32_t> states_, bins_, chunks_;  // of large nodes
+    Kernel begin_placing_, place_, begin_, split_, finish_subtrees_, finish_;
+    Kernel begin_large_, bin_large_, choose_large_, reserve_large_, move_large_, finish_large_;
 };
 
 }  // namespace claray

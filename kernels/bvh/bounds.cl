@@ -5,9 +5,6 @@
 #ifndef GROUP_SIZE
 #define GROUP_SIZE 256
 #endif
-#ifndef WHOLE_BOXES
-#define WHOLE_BOXES 0  // 1: bounds of the triangles' boxes instead of centroids (sbvh.cl)
-#endif
 
 /// First kernel of every build.
 kernel void reset_header(global BvhHeader* header, global uint* keys) {
@@ -50,12 +47,8 @@ void compute_bounds(global const float* positions, global const uint* indices, u
         const Triangle triangle = load_triangle(positions, indices, i);
         if (!triangle_valid(triangle)) continue;
         const Box box = box_of(triangle);
-#if WHOLE_BOXES
-        lo = fmin(lo, box.lo + box.lo), hi = fmax(hi, box.hi + box.hi);
-#else
         const float3 centroid = box.lo + box.hi;
         lo = fmin(lo, centroid), hi = fmax(hi, centroid);
-#endif
         ++valid;
     }
     atomic_add(&group_valid, valid);

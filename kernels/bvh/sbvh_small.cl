@@ -21,15 +21,15 @@ static inline Box box_of_range(SmallBoxes rows, uint begin, uint end) {
     return box;
 }
 
-/// A split after the centroid of one reference on one axis.
+/// A split after the centroid of one reference on one axis; axis 3: after primitive `number`.
 typedef struct SmallSplit {
     float cost, centroid;
-    uint axis;
+    uint axis, number;
 } SmallSplit;
 
 /// The best split after reference i of a range over all axes: references whose doubled centroid is not larger go left.
 static inline SmallSplit split_behind(SmallBoxes rows, uint begin, uint end, uint i) {
-    SmallSplit best = {INFINITY, 0.0f, 3};
+    SmallSplit best = {INFINITY, 0.0f, 3, 0};
     for (uint axis = 0; axis < 3; ++axis) {
         const float border = doubled_centroid(rows, axis, i);
         Box left = empty_box(), right = left;
@@ -57,6 +57,12 @@ static inline bool better(SmallSplit a, SmallSplit b) {
     return a.centroid < b.centroid;
 }
 
+static inline uint middle_number(local const uint* primitives, uint count) {
+    uint least = primitives[0], greatest = least;
+    for (uint i = 1; i < count; ++i) least = min(least, primitives[i]), greatest = max(greatest, primitives[i]);
+    return (least + greatest) / 2;
+}
+
 typedef struct SmallTask {
     uint begin, end, node, depth;
 } SmallTask;
@@ -82,8 +88,11 @@ void finish_subtrees(global const SplitTask* tasks, global const float4* even, g
         primitives[item] = reference.primitive;
     }
     const SmallTask root = {0, task.count, task.node, task.depth};
-    if (item == 0) stack[0] = root;
-    uint depth = 1;
+    uint depth = 1, next_node = 0, next_leaf = 0;  // numbers are reserved once, since all wait for an atomic addition
+    if (item == 0) {
+        stack[0] = root;
+        next_node = atomic_add(&counters[NODES], task.count - 2), next_leaf = atomic_add(&counters[LEAVES], task.count);
+    }
     barrier(CLK_LOCAL_MEM_FENCE);
     while (depth != 0) {
         const SmallTask current = stack[--depth];
@@ -96,11 +105,12 @@ void finish_subtrees(global const SplitTask* tasks, global const float4* even, g
             for (uint k = 1; k < count; ++k)
                 if (better(splits[k], best)) best = splits[k];
             if (current.depth >= HALVING_DEPTH) best.axis = 3;
+            if (best.axis == 3) best.number = middle_number(primitives + current.begin, count);
         }
         barrier(CLK_LOCAL_MEM_FENCE);
         if (mine) {
             const uint axis = min(best.axis, 2u);
-            goes_left[item] = best.axis == 3 ? item < count / 2 : doubled_centroid(rows, axis, i) <= best.centroid;
+            goes_left[item] = best.axis == 3 ? primitives[i] <= best.number : doubled_centroid(rows, axis, i) <= best.centroid;
         }
         barrier(CLK_LOCAL_MEM_FENCE);
         uint left_count = 0, before = 0;
@@ -123,18 +133,17 @@ void finish_subtrees(global const SplitTask* tasks, global const float4* even, g
         if (item == 0) {
             const uint middle = current.begin + left_count;
             SmallTask sides[2] = {{current.begin, middle, 0, current.depth + 1}, {middle, current.end, 0, current.depth + 1}};
-            uint place = depth, next = inner == 0 ? 0 : atomic_add(&counters[NODES], inner);
+            uint place = depth;
             global BvhNode* node = &nodes[current.node];
             uint children[2];
             for (uint side = 0; side < 2; ++side) {
                 const Box box = box_of_range(rows, sides[side].begin, sides[side].end);
                 store_child_box(node, side, box);
                 if (sides[side].end - sides[side].begin == 1) {
-                    const uint slot = atomic_inc(&counters[LEAVES]);
-                    store_reference(&leaves[slot], box, primitives[sides[side].begin]);
-                    children[side] = CLARAY_LEAF | slot;
+                    store_reference(&leaves[next_leaf], box, primitives[sides[side].begin]);
+                    children[side] = CLARAY_LEAF | next_leaf++;
                 } else {
-                    sides[side].node = children[side] = next++;
+                    sides[side].node = children[side] = next_node++;
                     nodes[sides[side].node].parent = current.node;
                     stack[place++] = sides[side];
                 }

@@ -1,5 +1,5 @@
-// The lower end of the best tree, bvh/sbvh_small.cl, alone: its splits against all that there are, and how deep it
-// goes.
+// The lower end of the best tree, bvh/sbvh_small.cl and bvh/serial/sbvh_serial.cl, alone: its splits against all that
+// there are, and how deep it goes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -51,7 +51,13 @@ struct SmallTree {
     }
 };
 
-SmallTree finished(const std::vector<Box>& boxes, std::uint32_t depth) {
+/// By the kernel of groups, or by that of single work-items.
+class SbvhSmall : public testing::TestWithParam<bool> {
+protected:
+    [[nodiscard]] static SmallTree finished(const std::vector<Box>& boxes, std::uint32_t depth);
+};
+
+SmallTree SbvhSmall::finished(const std::vector<Box>& boxes, std::uint32_t depth) {
     const auto count = std::uint32_t(boxes.size());
     std::vector<float> rows;
     for (std::uint32_t i = 0; i < count; ++i)
@@ -62,8 +68,13 @@ SmallTree finished(const std::vector<Box>& boxes, std::uint32_t depth) {
     const Buffer<Task> tasks(device(), std::vector<Task>{{0, count, 0, count, 0, depth}});
     const Buffer<BvhNode> nodes(device(), count - 1);
     const Buffer<LeafTriangle> leaves(device(), count);
-    load_kernel(device(), "bvh/sbvh_small.cl", "finish_subtrees")
-        .run({32, 32}, tasks.memory(), arg("even", references), arg("odd", references), nodes, leaves, counters);
+    if (GetParam())
+        load_kernel(device(), "bvh/serial/sbvh_serial.cl", "finish_subtrees_serial")
+            .run({1, 1}, tasks.memory(), 1u, 1u, arg("even", references), arg("odd", references), nodes, leaves,
+                 counters);
+    else
+        load_kernel(device(), "bvh/sbvh_small.cl", "finish_subtrees")
+            .run({32, 32}, tasks.memory(), arg("even", references), arg("odd", references), nodes, leaves, counters);
     EXPECT_EQ(counters.read(), (std::vector<std::uint32_t>{count - 1, count, 1}));
     return {boxes, nodes.read(), leaves.read()};
 }
@@ -96,7 +107,7 @@ std::vector<Box> boxes_of(const Mesh& mesh) {
     return boxes;
 }
 
-TEST(SbvhSmall, TakesTheCheapestSplitOfAll) {
+TEST_P(SbvhSmall, TakesTheCheapestSplitOfAll) {
     for (const std::size_t count : {2u, 3u, 5u, 17u, 31u, 32u})
         for (const float size : {0.01f, 0.3f, 2.f}) {
             const SmallTree tree = finished(boxes_of(soup(count, size, count)), 0);
@@ -116,7 +127,7 @@ TEST(SbvhSmall, TakesTheCheapestSplitOfAll) {
 }
 
 /// Of boxes one far in the other splits cut off one after the other: 31 levels. From depth 48 on they are halved.
-TEST(SbvhSmall, HalvesWhatIsDeep) {
+TEST_P(SbvhSmall, HalvesWhatIsDeep) {
     std::vector<Box> shells;
     for (int i = 0; i < 32; ++i) shells.push_back({glm::vec3(0.f), glm::vec3(std::ldexp(1.f, 3 * i - 46))});
     EXPECT_EQ(finished(shells, 0).height(0), 31u);
@@ -125,9 +136,12 @@ TEST(SbvhSmall, HalvesWhatIsDeep) {
 }
 
 /// Boxes with one common centroid are halved, too.
-TEST(SbvhSmall, HalvesWhatNoPlaneParts) {
+TEST_P(SbvhSmall, HalvesWhatNoPlaneParts) {
     EXPECT_EQ(finished(std::vector<Box>(32, Box{glm::vec3(-1.f), glm::vec3(1.f)}), 0).height(0), 5u);
 }
+
+INSTANTIATE_TEST_SUITE_P(Kernels, SbvhSmall, testing::Bool(),
+                         [](const auto& serial) { return serial.param ? "Serial" : "Groups"; });
 
 }  // namespace
 }  // namespace claray::test
