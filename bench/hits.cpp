@@ -1,5 +1,5 @@
-// Are all hits right? bench_hits [--device D] [--rays N] [--csv FILE] [SCENE...] compares N primary and N random rays
-// with the float64 brute force of tests/oracle, and counts hits that differ. Exits 1 if any does.
+// Are all hits right? bench_hits [--device D] [--builder B] [--rays N] [--csv FILE] [SCENE...] compares N primary and N
+// random rays with the float64 brute force of tests/oracle, and counts hits that differ. Exits 1 if any does.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
@@ -13,7 +13,9 @@ int main(int argc, char** argv) try {
     std::string selector, csv_path;
     std::vector<std::string> scenes = {"soup:10000"};
     std::size_t count = 1'000'000;
+    Bvh::Config config;
     app.add_option("--device", selector);
+    measure::add_bvh_options(app, config);
     app.add_option("--rays", count);
     app.add_option("--csv", csv_path);
     app.add_option("scenes", scenes);
@@ -34,7 +36,8 @@ int main(int argc, char** argv) try {
              {std::pair("primary", std::move(primary)), std::pair("random", measure::random_rays(bounds, count))}) {
             const auto expected = oracle.closest_hits(rays);
             for (const Layout layout : {Layout::binary, Layout::wide}) {
-                const Bvh bvh = Bvh::build(device, scene.meshes, {.layout = layout});
+                config.layout = layout;
+                const Bvh bvh = Bvh::build(device, scene.meshes, config);
                 const test::HitComparison c = test::compare(closest_hit(bvh, rays), expected);
                 std::printf("%s, %s, %s: %zu rays, %zu hits, %zu ties, %zu wrong; t within %.3f ulp\n", name.c_str(),
                             kind, layout == Layout::binary ? "binary" : "wide", c.rays, c.hits, c.ties, c.wrong,
