@@ -397,9 +397,8 @@ void Wavefront::scatter(const Batch& batch, std::uint32_t depth, std::uint32_t l
     const std::uint32_t items = (limit + paths_per_item_ - 1) / paths_per_item_;
     Step step = step_of(batch, depth, limit);
     if (always) step.waves = ~std::uint32_t(0);
-    kernels_.shade.run({items, shade_group_}, step, scene_, queue_lengths_, totals_,
-                       arg("queue", queues_[in]), hits_, arg("next_queue", queues_[out]), shadow_queue_,
-                       arg("radiance", radiance_));
+    kernels_.shade.run({items, shade_group_}, step, scene_, queue_lengths_, totals_, arg("queue", queues_[in]), hits_,
+                       arg("next_queue", queues_[out]), shadow_queue_, arg("radiance", radiance_));
 }
 
 void Wavefront::look_for_light(std::uint32_t depth, std::uint32_t limit) {

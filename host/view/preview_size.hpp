@@ -26,8 +26,8 @@ public:
     }
 
 private:
-    static constexpr double share_ = 0.5;                    // of the time for an answer
-    static constexpr double least_ = 0.25;                   // of each side
+    static constexpr double share_ = 0.5;                     // of the time for an answer
+    static constexpr double least_ = 0.25;                    // of each side
     static constexpr double longest_ = 1.2, shortest_ = 0.6;  // of the wanted time
     double wanted_;
     double complete_ = 0;  // one sample for every pixel of the complete image

@@ -15,8 +15,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr float most_pixels_a_side = 16384;
-constexpr double least_share = 0.25;    // of a frame's time that is spent on sampling
-constexpr int noise_radius = 2;         // of the square of pixels over which the error map takes the mean
+constexpr double least_share = 0.25;  // of a frame's time that is spent on sampling
+constexpr int noise_radius = 2;       // of the square of pixels over which the error map takes the mean
 
 [[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
     throw Error(ErrorKind::user, what, remedy);
@@ -134,9 +134,7 @@ void View::render(double seconds) {
     if (is_first && first) preview_.complete_took(*first);
 }
 
-bool View::wants_preview() const {
-    return !paused_ && !denoises_ && shows_ == "image" && preview_.is_smaller();
-}
+bool View::wants_preview() const { return !paused_ && !denoises_ && shows_ == "image" && preview_.is_smaller(); }
 
 /// One sample for each pixel of an image that is ready in half of the time.
 void View::preview() {

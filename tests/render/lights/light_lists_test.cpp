@@ -135,6 +135,71 @@ TEST(LightLists, PicksByIrradiance) {
     }
 }
 
+const char* kernel_of_sixteen = R"(
+    #include "lights/light_lists_sixteen.clh"
+    /// One light for each place, by one surface and by sixteen together.
+    kernel void pick_both(global const uint* grid, global const PunctualLight* lights, global const float* places, uint count,
+                          global const float* random, global ListPick* alone, global ListPick* together) {
+        const uint first = 16 * get_global_id(0);
+        if (first >= count) return;
+        Lanes16 lanes = {{{0.0f}}};
+        ListPick picks[16];
+        uint wanted = 0;
+        for (uint k = 0; k < 16; ++k) {
+            const float3 from = vload3(2 * (first + k), places), normal = vload3(2 * (first + k) + 1, places);
+            ListPick pick = {0u, 0.0f};
+            pick.light = pick_from_lists(grid, lights, from, normal, random[first + k], &pick.probability);
+            alone[first + k] = pick;
+            keep_vector16(from, &lanes, ROW_LIST_FROM, k), keep_vector16(normal, &lanes, ROW_LIST_NORMAL, k);
+            lanes.value[ROW_LIST_RANDOM][k] = random[first + k];
+            if (k % 5 != 4) wanted |= 1u << k;
+        }
+        pick_from_lists16(grid, lights, &lanes, wanted, picks);
+        for (uint k = 0; k < 16; ++k) together[first + k] = wanted & 1u << k ? picks[k] : alone[first + k];
+    })";
+
+struct ListPick {
+    std::uint32_t light;
+    float probability;
+};
+
+/// Sixteen surfaces in one cell, in several, and in cells whose lists are too long for them
+/// (lights/light_lists_sixteen.clh).
+TEST(LightLists, SixteenPickAsOne) {
+    if (device().info().type != DeviceType::cpu) GTEST_SKIP() << "only CPUs pick for sixteen surfaces at once";
+    Kernel pick = compile_kernel(device(), kernel_of_sixteen, "pick_both");
+    for (const auto& [count, range] : {std::pair{300u, 1.f}, {200u, 3.f}, {500u, 6.f}}) {
+        const Lights lights = collect_lights(lit_floor(count, range), {.most_per_cell = 1e6});
+        LightLists header;
+        std::memcpy(&header, lights.lists.data(), sizeof header);
+        const std::uint32_t points = 16 * 256;
+        std::vector<float> places = places_and_normals(header, points), random(points);
+        for (std::uint32_t i = 0; i < points / 2; ++i)  // neighbours
+            for (int k = 0; k < 3; ++k)
+                places[6 * i + std::size_t(k)] = places[6 * (i / 16 * 16) + std::size_t(k)] + 1e-3f * float(i % 16);
+        std::mt19937 generator(3);
+        std::uniform_real_distribution<float> unit(0.f, 1.f);
+        for (float& value : random) value = unit(generator);
+        const Buffer<std::uint32_t> grid(device(), lights.lists);
+        const Buffer<PunctualLight> all(device(), lights.punctual);
+        const Buffer<float> at(device(), places), numbers(device(), random);
+        const Buffer<ListPick> alone(device(), points), together(device(), points);
+        pick.run({points / 16}, grid, all, arg("places", at), points, arg("random", numbers), arg("alone", alone),
+                 arg("together", together));
+        const std::vector<ListPick> one = alone.read(), sixteen = together.read();
+        unsigned lit = 0, others = 0;
+        for (std::uint32_t i = 0; i < points; ++i) {
+            lit += one[i].probability > 0;
+            EXPECT_EQ(one[i].probability > 0, sixteen[i].probability > 0) << i;
+            others += one[i].light != sixteen[i].light;  // rounding may move the border between two lights
+            if (one[i].light != sixteen[i].light) continue;
+            EXPECT_NEAR(one[i].probability, sixteen[i].probability, 1e-4f) << i;
+        }
+        EXPECT_GT(lit, points / 8);
+        EXPECT_LE(others, points / 1000) << count << " lights";
+    }
+}
+
 /// Without shadows, the light of a diffuse surface has no noise, and it is the sum in closed form.
 TEST(LightLists, LightsADiffuseFloorWithoutNoise) {
     Scene scene = lit_floor(400, 1.5f);
