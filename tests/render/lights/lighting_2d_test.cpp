@@ -131,6 +131,54 @@ TEST(Lighting2d, IsTheFormulaOfTheSource) {
     EXPECT_LT(worst, 1e-6 * largest) << "of " << largest;
 }
 
+/// deferred/flat_sixteen.clh: squares of one mesh under maps of all kinds of texels, some seen from behind, against the
+/// path tracer's light of one lamp.
+TEST(Lighting2d, IsThePathTracersLightOnFlatTriangles) {
+    Scene scene;
+    scene.meshes.resize(1);
+    Mesh& mesh = scene.meshes[0];
+    constexpr Wrap wraps[] = {Wrap::repeat, Wrap::mirror, Wrap::clamp};
+    for (unsigned i = 0; i < 12; ++i) {
+        const unsigned channels = i % 4 + 1;
+        scene.textures.push_back(
+            random_texture({7, 5}, channels, i % 3 == 2 ? TexelFormat::float32 : TexelFormat::srgb8, i));
+        scene.textures.push_back(
+            random_texture({6, 9}, 3, i % 5 == 4 ? TexelFormat::float32 : TexelFormat::linear8, 20 + i));
+        for (Texture* texture : {&scene.textures[2 * i], &scene.textures[2 * i + 1]}) {
+            texture->filter = i % 2 ? Filter::nearest : Filter::bilinear;
+            texture->wrap_u = wraps[i % 3], texture->wrap_v = wraps[i / 3 % 3];
+        }
+        scene.materials.push_back(lambert(0.8f));
+        if (i != 3) scene.materials[i].albedo_map.texture = 2 * i;
+        if (i != 4)
+            scene.materials[i].normal_map.texture = 2 * i + 1, scene.materials[i].normal_map.scale = {1.5f, -2.f};
+        const auto first = std::uint32_t(mesh.positions.size());
+        const glm::vec3 middle(1.5f * float(i % 4) - 2.25f, 1.2f * float(i / 4) - 1.2f, 0.1f * float(i % 3));
+        for (const glm::vec3& corner : sprite().positions) {
+            mesh.positions.push_back(middle +
+                                     1.3f * glm::vec3(i % 5 == 1 ? -corner.x : corner.x, corner.y, 0.3f * corner.x));
+            mesh.uvs.emplace_back(2.2f * corner.x - 0.3f, 1.7f * corner.y + 0.2f);
+        }
+        mesh.triangles.emplace_back(first, first + 1, first + 2),
+            mesh.triangles.emplace_back(first, first + 2, first + 3);
+        mesh.materials.insert(mesh.materials.end(), 2, i);
+    }
+    scene.lights = {point_light({0.3f, 0.2f, 2.f}, glm::vec3(5.f, 4.f, 3.f))};
+    scene.camera = Camera{.position = {0, 0, 5}, .orthographic_height = 4.f};
+    RenderConfig traced = sprite_frame;
+    traced.approximate = {.no_shadows = true};
+    const std::vector<glm::vec3> image = render_by_own_kernels(scene, sprite_frame),
+                                 expected = render_by_own_kernels(scene, traced);
+    float largest = 0, worst = 0;
+    unsigned lit = 0;
+    for (std::size_t i = 0; i < image.size(); ++i) {
+        largest = std::max(largest, expected[i].x), worst = std::max(worst, glm::length(image[i] - expected[i]));
+        lit += expected[i].x > 0;
+    }
+    EXPECT_GT(lit, image.size() / 2);
+    EXPECT_LT(worst, 1e-5f * largest);
+}
+
 TEST(Lighting2d, IsTheSumOverAllLightsBitForBit) {
     const Scene scene = sprites(60, 300);
     const std::vector<glm::vec3> listed = render_by_own_kernels(scene, sprite_frame);
