@@ -22,8 +22,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t largest_part = std::size_t(1) << 28;  // bytes of an MPI message, whose size is an int
-constexpr std::chrono::microseconds between_looks{500};
+constexpr std::size_t largest_part = std::size_t(1) << 28;     // bytes of an MPI message, whose size is an int
+constexpr std::chrono::microseconds between_looks{200};        // for messages, while some come
+constexpr std::chrono::microseconds between_rare_looks{2000};  // each takes some 10 us of a processor
+constexpr double seconds_of_attention = 5e-3;                  // after a message
 constexpr std::chrono::seconds time_to_end{10};
 
 /// A tag says the kind of a message, whether it goes on to other ranks, and whether a further part follows.
@@ -80,7 +82,7 @@ struct Session::State {
     int rank = 0, size = 1;
     std::vector<Peer> peers;
     std::list<Sending> sending;
-    Clock::time_point last_alive = Clock::now();
+    Clock::time_point last_alive = Clock::now(), last_message;
     std::thread thread;
 };
 
@@ -90,9 +92,13 @@ void Session::State::run() {
         bool busy = send_all();
         busy |= receive_one();
         keep_alive();
+        if (busy) last_message = Clock::now();
+        const bool attends = seconds_since(last_message) < seconds_of_attention;
         std::unique_lock lock(mutex);
         if (ends && outgoing.empty()) break;
-        if (!busy) changed.wait_for(lock, between_looks, [&] { return ends || !outgoing.empty(); });
+        if (!busy)
+            changed.wait_for(lock, attends ? between_looks : between_rare_looks,
+                             [&] { return ends || !outgoing.empty(); });
     }
     finish();
     const std::lock_guard lock(mutex);

@@ -7,11 +7,13 @@ namespace claray {
 namespace {
 
 constexpr std::uint32_t least_pixels = 16;  // in a band
-constexpr double piece_seconds = 0.05;
+constexpr double piece_seconds = 0.1;
 constexpr double least_piece_seconds = 1e-3;
-constexpr double remembered = 0.75;  // share of earlier pieces in the measured speed
+constexpr double share_at_end = 8;       // a piece is this part of the remaining time: workers have a few in advance
+constexpr double remembered_passes = 2;  // in the measured speed: parts of an image differ in cost
+constexpr double unequal = 0.1;          // share of the time left by which workers may end earlier than others
 /// A worker renders ahead of the others up to twice their samples and these.
-constexpr std::uint32_t samples_ahead = 16;
+constexpr std::uint32_t samples_ahead = 32;
 
 std::uint64_t paths_of(const Batch& batch) { return std::uint64_t(batch.pixels) * batch.samples; }
 
@@ -69,7 +71,27 @@ std::size_t Dealer::first_band_for(int worker) const {
                           bands_[best].holder == nobody;
         if (fewer || held) best = b;
     }
-    return best;
+    if (best == bands_.size() || bands_[best].holder == worker) return best;
+    return free_band_for(worker, bands_[best].ordered);
+}
+
+/// Goes on behind the worker's last piece, or else in the middle of the longest run of free bands, so that the bands of
+/// a worker lie side by side: long batches are faster.
+std::size_t Dealer::free_band_for(int worker, std::uint32_t samples) const {
+    const auto is_free = [&](std::size_t b) {
+        return b < bands_.size() && bands_[b].holder == nobody && bands_[b].ordered == samples;
+    };
+    const std::size_t next = workers_[std::size_t(worker)].next_band;
+    if (is_free(next)) return next;
+    std::size_t longest = 0, start = 0;
+    for (std::size_t b = 0; b < bands_.size(); ++b) {
+        if (!is_free(b)) continue;
+        const std::size_t first = b;
+        while (is_free(b)) ++b;
+        if (b - first > longest) longest = b - first, start = first;
+    }
+    const bool is_long = longest > bands_.size() / (4 * workers_.size());
+    return start > 0 && is_long ? start + longest / 2 : start;
 }
 
 double Dealer::seconds_to_limit() const {
@@ -81,9 +103,25 @@ double Dealer::seconds_to_limit() const {
 
 double Dealer::paths_of_piece(const Worker& worker, double seconds_left) const {
     if (worker.speed() == 0) return worker.first_paths;
-    const double seconds = std::min({piece_seconds, std::max(least_piece_seconds, seconds_to_limit() / 4),
+    const double seconds = std::min({piece_seconds, std::max(least_piece_seconds, seconds_to_limit() / share_at_end),
                                      std::max(least_piece_seconds, seconds_left / 2)});
     return std::min({worker.speed() * seconds, 4. * worker.last_paths, double(worker.most_paths)});
+}
+
+template <class Visit>
+void Dealer::for_bands_of(const Batch& batch, const Visit& visit) {
+    const auto begins_before = [](const Band& band, std::uint32_t pixel) { return band.first < pixel; };
+    auto band = std::lower_bound(bands_.begin(), bands_.end(), batch.first_pixel, begins_before);
+    for (; band != bands_.end() && band->first < batch.first_pixel + batch.pixels; ++band) visit(*band);
+}
+
+/// Whole passes more for few pixels, since short batches are slow; at most half as many samples again as they have.
+std::uint32_t Dealer::longer(const Batch& piece, double paths) const {
+    const std::uint32_t end = piece.first_sample + piece.samples;
+    const double most = std::min(1.5 * piece.first_sample, piece.first_sample + paths / piece.pixels);
+    if (most < end + largest_pass_ || end != end_of_pass(end)) return piece.samples;
+    const auto passes = std::uint32_t((most - end) / largest_pass_);
+    return std::min(limit_, end + passes * largest_pass_) - piece.first_sample;
 }
 
 Order Dealer::piece_from(std::size_t b, int worker, double paths) {
@@ -95,14 +133,16 @@ Order Dealer::piece_from(std::size_t b, int worker, double paths) {
     order.batch.samples =
         std::min(end - first.ordered, std::uint32_t(std::clamp(paths / first.pixels, 1., double(~0u))));
     for (; b < bands_.size(); ++b) {
-        Band& band = bands_[b];
+        const Band& band = bands_[b];
         const std::uint32_t all = order.batch.pixels + band.pixels;
         if (!may_render(band, worker) || band.ordered != first.ordered || band.holder != first.holder) break;
         if (order.batch.pixels > 0 && double(all) * order.batch.samples > paths) break;
         order.batch.pixels = all;
-        band.holder = worker, band.ordered += order.batch.samples;
-        ordered_ += std::uint64_t(band.pixels) * order.batch.samples;
     }
+    order.batch.samples = longer(order.batch, paths);
+    for_bands_of(order.batch, [&](Band& band) { band.holder = worker, band.ordered += order.batch.samples; });
+    ordered_ += paths_of(order.batch);
+    workers_[std::size_t(worker)].next_band = b;
     return order;
 }
 
@@ -122,35 +162,44 @@ std::optional<Order> Dealer::next(int number, double seconds_left) {
     return order;
 }
 
-/// The worker has nothing to do below `level` samples per pixel: takes over its share of what another one still has to
-/// do there, unless that is about to be done.
+/// The worker has nothing to do below `level` samples per pixel. Takes over bands of the worker that would end last, so
+/// that both end at the same time.
 void Dealer::ask_others(int number, std::uint32_t level) {
-    std::vector<double> behind(workers_.size());  // samples of all pixels
-    for (const Band& band : bands_)
-        if (band.holder != nobody && band.holder != number && !band.leaves && band.ordered < level)
-            behind[std::size_t(band.holder)] += double(level - band.ordered) * band.pixels;
+    std::vector<double> left(workers_.size());  // samples up to the limit
+    std::vector<bool> is_behind(workers_.size());
+    for (const Band& band : bands_) {
+        if (band.holder == nobody || band.leaves) continue;
+        left[std::size_t(band.holder)] += double(limit_ - band.ordered) * band.pixels;
+        if (band.ordered < level) is_behind[std::size_t(band.holder)] = true;
+    }
+    const Worker& worker = workers_[std::size_t(number)];
+    const double own = worker.speed() > 0 ? left[std::size_t(number)] / worker.speed() : 0;
     int slowest = nobody;
     double longest = 0;
     for (std::size_t w = 0; w < workers_.size(); ++w) {
         const Worker& other = workers_[w];
-        if (behind[w] == 0 || other.giving > 0 || other.speed() == 0) continue;
-        const double seconds = behind[w] / other.speed();
-        const double soon = std::max(least_piece_seconds, other.last_paths / other.speed());
-        if (seconds > soon && seconds > longest) longest = seconds, slowest = int(w);
+        if (int(w) == number || !is_behind[w] || other.giving > 0 || other.speed() == 0) continue;
+        const double seconds = left[w] / other.speed();
+        const double tolerated = std::max(least_piece_seconds, unequal * seconds);
+        if (seconds - own > tolerated && seconds > longest) longest = seconds, slowest = int(w);
     }
     if (slowest == nobody) return;
-    const Worker& worker = workers_[std::size_t(number)];
-    const double all = behind[std::size_t(slowest)], share = worker.speed() / (worker.speed() + speed(slowest));
-    ask(slowest, worker.speed() > 0 ? share * all : std::min(all / 2, double(worker.first_paths)), level);
+    const double all = left[std::size_t(slowest)];
+    if (worker.speed() == 0) {  // a first piece, to measure the speed
+        const double passes = std::max(1., double(limit_ - least_ordered()) / largest_pass_);
+        return ask(slowest, std::min(all / 2, worker.first_paths * passes));
+    }
+    const double share = worker.speed() / (worker.speed() + speed(slowest));
+    ask(slowest, share * (all + left[std::size_t(number)]) - left[std::size_t(number)]);
 }
 
 /// From the end, since workers begin at the front.
-void Dealer::ask(int holder, double samples, std::uint32_t level) {
+void Dealer::ask(int holder, double samples) {
     Worker& worker = workers_[std::size_t(holder)];
     for (std::size_t b = bands_.size(); b-- > 0 && samples > 0;) {
         Band& band = bands_[b];
-        if (band.holder != holder || band.leaves || band.ordered >= level) continue;
-        samples -= double(level - band.ordered) * band.pixels;
+        if (band.holder != holder || band.leaves || band.ordered >= limit_) continue;
+        samples -= double(limit_ - band.ordered) * band.pixels;
         band.leaves = true;
         if (!worker.gives.empty() && worker.gives.back().batch.first_pixel == band.first + band.pixels) {
             worker.gives.back().batch.first_pixel = band.first;
@@ -182,20 +231,15 @@ std::vector<Order> Dealer::handovers(int worker) {
     return orders;
 }
 
-template <class Visit>
-void Dealer::for_bands_of(const Batch& batch, const Visit& visit) {
-    const auto begins_before = [](const Band& band, std::uint32_t pixel) { return band.first < pixel; };
-    auto band = std::lower_bound(bands_.begin(), bands_.end(), batch.first_pixel, begins_before);
-    for (; band != bands_.end() && band->first < batch.first_pixel + batch.pixels; ++band) visit(*band);
-}
-
 void Dealer::done(int number, const Order& order, double seconds) {
     Worker& worker = workers_[std::size_t(number)];
     if (order.kind == Order::Kind::render) {
         for_bands_of(order.batch, [&](Band& band) { band.done += order.batch.samples; });
         done_ += paths_of(order.batch), worker.all += paths_of(order.batch);
-        worker.samples = remembered * worker.samples + double(paths_of(order.batch));
-        worker.seconds = remembered * worker.seconds + std::max(seconds, 1e-9);
+        const double window = remembered_passes * largest_pass_ * pixels_ / double(workers_.size());
+        const double kept = std::max(0.5, 1 - double(paths_of(order.batch)) / window);
+        worker.samples = kept * worker.samples + double(paths_of(order.batch));
+        worker.seconds = kept * worker.seconds + std::max(seconds, 1e-9);
         return;
     }
     for_bands_of(order.batch, [&](Band& band) { band.known = band.done; });

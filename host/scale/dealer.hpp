@@ -29,8 +29,8 @@ struct PixelRun {
 
 /// The image is divided into bands of consecutive pixels. A worker that has rendered samples of a band holds its sums
 /// and goes on with it, so that the samples of a pixel are added in their order and seldom move. A worker that is ahead
-/// of another one takes bands over from it, as many as its measured speed is worth. Pieces of work take about 50 ms,
-/// and a quarter of the remaining time near the end.
+/// of another one takes bands over from it, as many as its measured speed is worth. Pieces of work take about 0.1 s,
+/// and an eighth of the remaining time near the end.
 class Dealer {
 public:
     /// `runs` cover all pixels of the image; the caller knows the sums of those that have samples. Passes grow as in
@@ -85,6 +85,7 @@ private:
         std::uint64_t all = 0;
         std::deque<Order> gives = {};  // to be sent
         unsigned giving = 0;           // sent or to be sent
+        std::size_t next_band = 0;     // behind its last piece
         bool is_lost = false;
         [[nodiscard]] double speed() const { return seconds > 0 ? samples / seconds : 0; }
     };
@@ -94,12 +95,14 @@ private:
         return band.ordered < limit_ && !band.leaves && (band.holder == worker || band.holder == nobody);
     }
     [[nodiscard]] std::size_t first_band_for(int worker) const;
+    [[nodiscard]] std::size_t free_band_for(int worker, std::uint32_t samples) const;
     [[nodiscard]] std::uint32_t least_ordered() const;
     [[nodiscard]] double paths_of_piece(const Worker& worker, double seconds_left) const;
     [[nodiscard]] double seconds_to_limit() const;
+    [[nodiscard]] std::uint32_t longer(const Batch& piece, double paths) const;
     [[nodiscard]] Order piece_from(std::size_t band, int worker, double paths);
     void ask_others(int worker, std::uint32_t samples);
-    void ask(int holder, double samples, std::uint32_t level);
+    void ask(int holder, double samples);
     template <class Visit>
     void for_bands_of(const Batch& batch, const Visit& visit);
 

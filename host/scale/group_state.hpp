@@ -77,7 +77,8 @@ struct RenderGroup::State {
     RenderProgress measured;  // when the last decision was taken
     bool lead_has_begun = false;
     Clock::time_point last_shown, last_sums;
-    bool keeps = false;  // sums were asked for
+    bool keeps = false;    // sums were asked for
+    bool hurries = false;  // the program was told to end
     std::string checkpoint_error;
 };
 

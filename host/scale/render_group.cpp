@@ -17,6 +17,9 @@ constexpr std::chrono::microseconds patience_of_polls{100};
 /// What a device that fails loses at most, if there are no checkpoints.
 constexpr double seconds_between_sums = 30;
 
+/// At the end of an interrupted render, since launchers kill a program that does not end at once: Open MPI after 1 s.
+constexpr double seconds_to_hand_over = 0.5;
+
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 const RenderConfig& checked(const RenderConfig& config) {
@@ -158,7 +161,8 @@ bool RenderGroup::State::reach_limit(const Progress& progress) {
         deal();
         take_report(patience);
         keep_now_and_then();
-        if (!show(progress)) return false;
+        hurries = !show(progress);
+        if (hurries) return false;
     }
     return true;
 }
@@ -234,7 +238,15 @@ void RenderGroup::State::drop(Member& member, const Report& report) {
 
 void RenderGroup::State::wait_for_orders() {
     const auto is_busy = [](const Member& member) { return !member.orders.empty(); };
-    while (std::any_of(members.begin(), members.end(), is_busy)) take_report(patience);
+    const Clock::time_point since = Clock::now();
+    while (std::any_of(members.begin(), members.end(), is_busy)) {
+        take_report(patience);
+        if (!hurries || seconds_since(since) < seconds_to_hand_over) continue;
+        for (std::size_t m = 0; m < members.size(); ++m)
+            if (is_busy(members[m]) && members[m].device == nullptr)
+                drop(members[m],
+                     {m, Report::Kind::failed, 0, 0, 0, {}, ErrorKind::user, "its last samples came too late"});
+    }
 }
 
 bool RenderGroup::State::asked_for_sums() const {

@@ -1,0 +1,159 @@
+// How far rank 0 can deal: the dealer of claray with simulated ranks. The time that the dealer itself takes is
+// measured; speed, overhead of a piece and network are given, as measured on one machine (docs/scale.md).
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <deque>
+#include <queue>
+#include <random>
+
+#include "host/scale/dealer.hpp"
+
+namespace claray {
+namespace {
+
+struct Setting {
+    unsigned width = 1920, height = 1080, spp = 4096;
+    double speed = 1e7;      // samples per second of a rank
+    double overhead = 1e-3;  // seconds of a piece
+    double unequal = 0.2;    // ranks differ in speed by up to this share
+    double latency = 5e-5;   // seconds of a message
+    double bandwidth = 1e9;  // bytes per second of rank 0's link
+    double spread = 2;       // cost of the dearest pixel over the cheapest
+};
+
+struct Result {
+    double seconds = 0, ideal = 0, dealing = 0, sending = 0;  // the last two: of rank 0
+    double orders = 0, bytes = 0;
+};
+
+constexpr double message_bytes = 64;
+constexpr std::size_t most_orders = 4;
+
+class Simulation {
+public:
+    Simulation(const Setting& setting, unsigned ranks)
+        : setting_(setting),
+          pixels_(setting.width * setting.height),
+          dealer_({{0, pixels_, 0}}, 16, std::max(4096u, 16 * ranks)),
+          ranks_(ranks) {
+        std::mt19937 random(1);
+        std::uniform_real_distribution<double> part(1 - setting.unequal, 1);
+        for (Rank& rank : ranks_) {
+            rank.speed = setting.speed * part(random);
+            dealer_.add(2048, 1u << 20);
+        }
+        dealer_.set_limit(setting.spp);
+    }
+
+    Result run() {
+        for (std::size_t r = 0; r < ranks_.size(); ++r) deal(r);
+        while (!dealer_.finished() && !reports_.empty()) {
+            const auto [time, r] = reports_.top();
+            reports_.pop();
+            free_ = std::max(free_, time);
+            take_report(r);
+            deal(r);
+            for (std::size_t i = idle_.size(); i-- > 0;) {
+                const std::size_t other = idle_[i];
+                idle_.erase(idle_.begin() + std::ptrdiff_t(i));
+                deal(other);
+            }
+        }
+        for (std::size_t r = 1; r < ranks_.size(); ++r)  // the image
+            for (const Order& order : dealer_.handovers(int(r))) send(order.batch.pixels * sizeof(FilmPixel));
+        double speed = 0;
+        for (const Rank& rank : ranks_) speed += rank.speed;
+        result_.ideal = double(pixels_) * setting_.spp / speed;
+        result_.seconds = free_;
+        return result_;
+    }
+
+private:
+    struct Rank {
+        double speed = 0, end = 0;  // when its last order ends
+        std::deque<std::pair<Order, double>> orders;
+    };
+    using Clock = std::chrono::steady_clock;
+
+    /// Rank 0 does one thing after the other.
+    template <class Work>
+    auto on_rank_0(const Work& work) {
+        const Clock::time_point begin = Clock::now();
+        auto result = work();
+        const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+        free_ += seconds, result_.dealing += seconds;
+        return result;
+    }
+    void send(double bytes) {
+        const double seconds = (message_bytes + bytes) / setting_.bandwidth;
+        free_ += seconds, result_.sending += seconds, result_.bytes += message_bytes + bytes;
+    }
+    /// Pixels at the bottom cost more than those at the top, as floors do.
+    [[nodiscard]] double seconds_of(const Order& order, const Rank& rank) const {
+        if (order.kind != Order::Kind::render) return 1e-4;
+        const double middle = (order.batch.first_pixel + 0.5 * order.batch.pixels) / pixels_;
+        const double cost = 2 * (1 + (setting_.spread - 1) * middle) / (1 + setting_.spread);
+        return setting_.overhead + cost * order.batch.pixels * order.batch.samples / rank.speed;
+    }
+    void deal(std::size_t r) {
+        Rank& rank = ranks_[r];
+        while (rank.orders.size() < most_orders) {
+            const auto order = on_rank_0([&] { return dealer_.next(int(r), 1e9); });
+            if (!order) {
+                if (rank.orders.empty()) idle_.push_back(r);
+                return;
+            }
+            ++result_.orders;
+            send(order->brings_sums ? order->batch.pixels * double(sizeof(FilmPixel)) : 0);
+            const double seconds = seconds_of(*order, rank);
+            rank.end = std::max(rank.end, free_ + setting_.latency) + seconds;
+            rank.orders.emplace_back(*order, seconds);
+            reports_.emplace(rank.end + setting_.latency, r);
+        }
+    }
+    void take_report(std::size_t r) {
+        const auto [order, seconds] = ranks_[r].orders.front();
+        ranks_[r].orders.pop_front();
+        if (order.kind != Order::Kind::render) send(order.batch.pixels * double(sizeof(FilmPixel)));
+        on_rank_0([&, o = order, s = seconds] { return dealer_.done(int(r), o, s), 0; });
+    }
+
+    using Event = std::pair<double, std::size_t>;
+    Setting setting_;
+    std::uint32_t pixels_;
+    Dealer dealer_;
+    std::vector<Rank> ranks_;
+    std::vector<std::size_t> idle_;
+    std::priority_queue<Event, std::vector<Event>, std::greater<>> reports_;
+    double free_ = 0;  // when rank 0 has time
+    Result result_;
+};
+
+}  // namespace
+}  // namespace claray
+
+int main(int argc, char** argv) {
+    using namespace claray;
+    CLI::App app{"The efficiency of many ranks, by simulation with the real dealer."};
+    Setting setting;
+    std::vector<unsigned> counts = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024};
+    app.add_option("--ranks", counts, "Numbers of ranks")->delimiter(',');
+    app.add_option("--width", setting.width, "Pixels");
+    app.add_option("--height", setting.height, "Pixels");
+    app.add_option("--spp", setting.spp, "Samples per pixel");
+    app.add_option("--speed", setting.speed, "Samples per second of the fastest rank");
+    app.add_option("--overhead", setting.overhead, "Seconds of a piece besides its samples");
+    app.add_option("--latency", setting.latency, "Seconds of a message");
+    app.add_option("--bandwidth", setting.bandwidth, "Bytes per second of rank 0's link");
+    CLI11_PARSE(app, argc, argv);
+    std::printf("%6s %10s %10s %8s %12s %12s %10s %10s\n", "ranks", "seconds", "efficiency", "orders", "ms a piece",
+                "dealing, %", "sending, %", "MB");
+    for (const unsigned ranks : counts) {
+        const Result r = Simulation(setting, ranks).run();
+        std::printf("%6u %10.3f %10.3f %8.0f %12.2f %12.2f %10.2f %10.1f\n", ranks, r.seconds, r.ideal / r.seconds,
+                    r.orders, 1e3 * r.seconds * ranks / r.orders, 100 * r.dealing / r.seconds,
+                    100 * r.sending / r.seconds, 1e-6 * r.bytes);
+    }
+}

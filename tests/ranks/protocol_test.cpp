@@ -1,0 +1,78 @@
+// What ranks send each other arrives unchanged.
+#include <gtest/gtest.h>
+
+#include "host/ranks/protocol.hpp"
+#include "host/render/checkpoint/checkpoint.hpp"
+#include "host/render/checkpoint/scene_digest.hpp"
+#include "tests/support/errors.hpp"
+
+namespace claray::test {
+namespace {
+
+using namespace ranks;
+
+RenderConfig unusual_config() {
+    RenderConfig config{.width = 61, .height = 43, .spp = 21, .max_depth = 7, .seed = 5};
+    config.noise = 0.5, config.error = 0.25, config.report_seconds = 3;
+    config.sampler = Sampler::independent;
+    config.bvh = {.builder = Builder::high, .split_budget = 0.25};
+    config.effects = parse_effect_overrides("+textures,-mirror");
+    config.approximate.flat = true, config.light_grid.side = 20;
+    config.compiler = "claray", config.checkpoint = "c", config.resume = "d";
+    return config;
+}
+
+TEST(Protocol, BringsScenesAndSettings) {
+    for (const char* name : {"effects", "cornell", "hair:100"}) {
+        const Scene scene = *builtin_scene(name);
+        const RenderConfig config = unusual_config();
+        const Picture picture = picture_from(to_bytes(7, config, scene));
+        EXPECT_EQ(picture.number, 7u);
+        EXPECT_EQ(digest_of(picture.scene), digest_of(scene)) << name;
+        EXPECT_EQ(picture.scene.name, scene.name);
+        EXPECT_EQ(picture.scene.materials[0].name, scene.materials[0].name);
+        const RenderIdentity sent = identity_of(scene, config), come = identity_of(picture.scene, picture.config);
+        EXPECT_EQ(come.settings, sent.settings);
+        EXPECT_EQ(come.width, sent.width);
+        EXPECT_EQ(picture.config.spp, config.spp);
+        EXPECT_EQ(picture.config.noise, config.noise);
+        EXPECT_EQ(picture.config.bvh.builder, config.bvh.builder);
+        EXPECT_EQ(picture.config.compiler, "") << "it belongs to a machine";
+        EXPECT_TRUE(picture.config.checkpoint.empty() && picture.config.resume.empty());
+    }
+}
+
+TEST(Protocol, BringsOrdersAndReports) {
+    RemoteOrder order{3, 1, {Order::Kind::give, {10, 2, 4, 8, 0}, true}, {}};
+    order.sums.pixels.resize(2), order.sums.odd.resize(2);
+    order.sums.pixels[1].all.g = 0.5f, order.sums.odd[0].r = 2.f;
+    const RemoteOrder come = order_from(to_bytes(order));
+    EXPECT_EQ(come.picture, 3u);
+    EXPECT_EQ(come.device, 1u);
+    EXPECT_EQ(come.order.kind, Order::Kind::give);
+    EXPECT_EQ(come.order.batch.first_sample, 4u);
+    EXPECT_EQ(come.sums.pixels.at(1).all.g, 0.5f);
+    EXPECT_EQ(come.sums.odd.at(0).r, 2.f);
+
+    RemoteReport report{4, {2, Report::Kind::failed}};
+    report.report.error = ErrorKind::user, report.report.what = "why";
+    const RemoteReport told = report_from(to_bytes(report));
+    EXPECT_EQ(told.picture, 4u);
+    EXPECT_EQ(told.report.worker, 2u);
+    EXPECT_EQ(told.report.kind, Report::Kind::failed);
+    EXPECT_EQ(told.report.error, ErrorKind::user);
+    EXPECT_EQ(told.report.what, "why");
+}
+
+/// A message that is cut anywhere is refused, and a wrong length allocates nothing.
+TEST(Protocol, RefusesWhatEndsTooEarly) {
+    const std::string whole = to_bytes(1, RenderConfig{}, *builtin_scene("cornell"));
+    for (std::size_t length = 0; length < whole.size(); length += 1 + length / 50)
+        EXPECT_TRUE(throws_error(ErrorKind::user, "ends too early", [&] {
+            (void)picture_from(whole.substr(0, length));
+        })) << length;
+    EXPECT_TRUE(throws_error(ErrorKind::user, "ends too early", [] { (void)hello_from(std::string(8, '\xff')); }));
+}
+
+}  // namespace
+}  // namespace claray::test

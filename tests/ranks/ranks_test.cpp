@@ -1,0 +1,152 @@
+// `claray render` under mpirun, on this machine.
+#include <gtest/gtest.h>
+
+#include <signal.h>
+
+#include <chrono>
+#include <fstream>
+#include <optional>
+#include <thread>
+
+#include "tests/support/process.hpp"
+
+namespace claray::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Ranks : public testing::Test {
+protected:
+    using Words = std::vector<std::string>;
+
+    [[nodiscard]] Words render(const Words& more) const {
+        Words words = {CLARAY_PROGRAM, "render", "cornell", "--device", "cpu", "--size", "61x43", "-q"};
+        words.insert(words.end(), more.begin(), more.end());
+        return words;
+    }
+    /// `mpirun` of several programs, each with its number of ranks and its words.
+    [[nodiscard]] static Words mpirun(const std::vector<std::pair<int, Words>>& programs, const Words& options = {}) {
+        Words words = {"mpirun", "--allow-run-as-root", "--oversubscribe", "--bind-to", "none"};
+        words.insert(words.end(), options.begin(), options.end());
+        for (const auto& [count, program] : programs) {
+            if (&program != &programs.front().second) words.emplace_back(":");
+            words.insert(words.end(), {"-n", std::to_string(count)});
+            words.insert(words.end(), program.begin(), program.end());
+        }
+        return words;
+    }
+    [[nodiscard]] ProcessResult alone(const Words& more) const { return run_process(render(more)); }
+    [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
+    /// The image, or what was said instead.
+    [[nodiscard]] std::string image(const std::string& name, const ProcessResult& result) const {
+        EXPECT_EQ(result.exit_code, 0) << result.errors;
+        return fs::exists(path(name)) ? read_file(path(name)) : result.errors;
+    }
+
+    TemporaryFolder folder_;
+};
+
+/// The process of a rank that mpirun started with `word` on its command line.
+std::optional<pid_t> process_of(const std::string& word, int rank) {
+    const std::string number = "OMPI_COMM_WORLD_RANK=" + std::to_string(rank);
+    for (const fs::directory_entry& entry : fs::directory_iterator("/proc")) {
+        const pid_t id = std::atoi(entry.path().filename().c_str());
+        if (id <= 0) continue;
+        const std::string command = read_file(entry.path() / "cmdline"),
+                          environment = read_file(entry.path() / "environ");
+        if (command.find(word) != std::string::npos && (environment + '\0').find(number + '\0') != std::string::npos)
+            return id;
+    }
+    return std::nullopt;
+}
+
+void wait_for_file(const std::string& path) {
+    for (int i = 0; i < 3000 && !fs::exists(path); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    ASSERT_TRUE(fs::exists(path));
+}
+
+/// `words` in the only line of claray.
+testing::AssertionResult says(const ProcessResult& result, int exit_code, const std::string& words) {
+    const std::string mark = "claray: error: ";
+    const std::size_t first = result.errors.find(mark);
+    if (result.exit_code != exit_code || first == std::string::npos ||
+        result.errors.find(mark, first + 1) != std::string::npos || result.errors.find(words) == std::string::npos)
+        return testing::AssertionFailure() << "exit code " << result.exit_code << ": " << result.errors;
+    return testing::AssertionSuccess();
+}
+
+TEST_F(Ranks, MakeTheImageOfOneBitForBit) {
+    const std::string expected = image("1.pfm", alone({"--spp", "40", "-o", path("1.pfm")}));
+    const ProcessResult result = run_process(mpirun({{3, render({"--spp", "40", "-o", path("3.pfm")})}}));
+    EXPECT_EQ(image("3.pfm", result), expected);
+    EXPECT_NE(result.output.find("rank 2"), std::string::npos) << result.output;
+    EXPECT_EQ(result.output.find("spp in"), result.output.rfind("spp in")) << "rank 0 alone reports";
+}
+
+TEST_F(Ranks, StopAtTheErrorOfOne) {
+    const Words words = {"--error", "0.2", "--spp", "4096", "--seed", "3", "-o"};
+    Words of_one = words, of_two = words;
+    of_one.push_back(path("1.pfm")), of_two.push_back(path("2.pfm"));
+    const std::string expected = image("1.pfm", alone(of_one));
+    EXPECT_EQ(image("2.pfm", run_process(mpirun({{2, render(of_two)}}))), expected);
+}
+
+TEST_F(Ranks, RenderAnimations) {
+    const ProcessResult result =
+        run_process(mpirun({{2, render({"--frames", "0..1", "--spp", "4", "-o", path("f.pfm")})}}));
+    EXPECT_EQ(image("f.0001.pfm", result), image("1.pfm", alone({"--spp", "4", "-o", path("1.pfm")})));
+}
+
+/// By default mpirun ends all ranks if one dies: the last checkpoint continues with the same bits.
+TEST_F(Ranks, LeaveACheckpointIfOneDies) {
+    const Words words = {"--spp", "1500", "--checkpoint", path("c"), "--checkpoint-every", "0.05s", "-o"};
+    Words killed = words;
+    killed.push_back(path("killed.pfm"));
+    Process process(mpirun({{2, render(killed)}}));
+    wait_for_file(path("c"));
+    const std::optional<pid_t> rank = process_of(path("killed.pfm"), 1);
+    ASSERT_TRUE(rank);
+    ::kill(*rank, SIGKILL);
+    EXPECT_NE(process.wait().exit_code, 0);
+    Words resumed = words;
+    resumed.push_back(path("resumed.pfm"));
+    resumed.insert(resumed.end(), {"--resume", path("c")});
+    const std::string expected = image("whole.pfm", alone({"--spp", "1500", "-o", path("whole.pfm")}));
+    EXPECT_EQ(image("resumed.pfm", run_process(mpirun({{2, render(resumed)}}))), expected);
+}
+
+TEST_F(Ranks, GoOnIfOneDiesWhereTheLauncherAllowsIt) {
+    const Words words = {"--spp", "1500", "--checkpoint", path("c"), "--checkpoint-every",
+                         "0.05s", "-o",   path("2.pfm")};
+    Process process(mpirun({{3, render(words)}}, {"--mca", "orte_enable_recovery", "1"}),
+                    {{"CLARAY_RANK_SECONDS", "1"}});
+    wait_for_file(path("c"));
+    const std::optional<pid_t> rank = process_of(path("2.pfm"), 1);
+    ASSERT_TRUE(rank);
+    ::kill(*rank, SIGKILL);
+    const ProcessResult result = process.wait();
+    EXPECT_EQ(image("2.pfm", result), image("1.pfm", alone({"--spp", "1500", "-o", path("1.pfm")})));
+    EXPECT_NE(result.errors.find("is dropped and the others go on: nothing was heard of it for 1 s"), std::string::npos)
+        << result.errors;
+}
+
+TEST_F(Ranks, RefuseWhatDiffers) {
+    const auto words = [&](const char* spp) { return render({"--spp", spp, "-o", path("x.pfm")}); };
+    EXPECT_TRUE(says(run_process(mpirun({{1, words("4")}, {1, words("5")}})), 2, "has other options than rank 0"));
+    const auto with = [&](const std::string& variable) {
+        Words program = words("4");
+        program.insert(program.begin(), {"env", variable});
+        return run_process(mpirun({{1, words("4")}, {1, program}}));
+    };
+    EXPECT_TRUE(says(with("OCL_ICD_VENDORS=/nonexistent"), 3, "no OpenCL platform on this machine"));
+    const fs::path kernels = folder_ / "kernels";
+    fs::copy(CLARAY_SOURCE_DIR "/kernels", kernels, fs::copy_options::recursive);
+    std::ofstream(kernels / "sort/radix_sort.cl", std::ios::app) << "// another\n";
+    EXPECT_TRUE(says(with("CLARAY_KERNEL_DIR=" + kernels.string()), 1, "install one version on all machines"));
+    EXPECT_TRUE(says(run_process(mpirun({{2, render({"--spp", "0", "-o", path("x.pfm")})}})), 2, "--spp"));
+    EXPECT_TRUE(says(run_process(mpirun({{2, render({"--adaptive", "-o", path("x.pfm")})}})), 2, "one device only"));
+    EXPECT_FALSE(fs::exists(path("x.pfm")));
+}
+
+}  // namespace
+}  // namespace claray::test
