@@ -70,11 +70,14 @@ static inline uint film_pixel(Batch batch, global const uint* tables, uint liste
     return batch.listed ? tables[listed + batch.first_pixel + i] : batch.first_pixel + i;
 }
 
-kernel void accumulate_film(Batch batch, global const uint* tables, uint listed, global const float* radiance, global FilmPixel* film) {
+/// `begins`: the pixels have no samples yet, whatever the film holds.
+kernel void accumulate_film(Batch batch, global const uint* tables, uint listed, uint begins, global const float* radiance,
+                            global FilmPixel* film) {
     const uint i = get_global_id(0);
     if (i >= batch.pixels) return;
     const uint at = film_pixel(batch, tables, listed, i);
-    FilmPixel pixel = film[at];
+    FilmPixel pixel = {{0.0f}};
+    if (!begins) pixel = film[at];
     for (uint s = 0; s < batch.samples; ++s)
         add_sample(&pixel, vload3(i * batch.samples + s, radiance), (batch.first_sample + s) & 1);
     film[at] = pixel;
@@ -82,11 +85,13 @@ kernel void accumulate_film(Batch batch, global const uint* tables, uint listed,
 
 /// Sums only the samples of odd index, for the error of all channels; accumulate_film counts them. One kernel for both sums takes
 /// 1.5 times as long on PoCL.
-kernel void accumulate_odd(Batch batch, global const uint* tables, uint listed, global const float* radiance, global ColorSum* odd) {
+kernel void accumulate_odd(Batch batch, global const uint* tables, uint listed, uint begins, global const float* radiance,
+                           global ColorSum* odd) {
     const uint i = get_global_id(0);
     if (i >= batch.pixels) return;
     const uint at = film_pixel(batch, tables, listed, i);
-    ColorSum sum = odd[at];
+    ColorSum sum = {0.0f};
+    if (!begins) sum = odd[at];
     for (uint s = (batch.first_sample & 1) ^ 1; s < batch.samples; s += 2) {
         const float3 sample = vload3(i * batch.samples + s, radiance);
         if (can_be_summed(sample)) add_color(&sum, clamped(sample));

@@ -78,6 +78,28 @@ TEST(Film, BatchesOfAnySizeGiveTheSameBits) {
     EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof a[0]), 0);
 }
 
+/// clear() leaves the memory as it is: batches overwrite it, in order or not, and readers see 0 elsewhere.
+TEST(Film, HoldsNoSampleThatIsOlderThanItsClearing) {
+    const std::uint32_t pixels = 12, half = 6;
+    const Buffer<float> old(device(), random_radiance(pixels, 2, 1));
+    const Buffer<float> radiance(device(), random_radiance(half, 2, 2));
+    for (const std::uint32_t first : {0u, half}) {
+        Film used(device(), pixels, true), fresh(device(), pixels, true);
+        used.accumulate({0, pixels, 0, 2, 0}, old);
+        used.clear();
+        for (Film* film : {&used, &fresh}) film->accumulate({first, half, 0, 2, 0}, radiance);
+        const Film::Sums a = used.sums(), b = fresh.sums();
+        EXPECT_EQ(std::memcmp(a.pixels.data(), b.pixels.data(), pixels * sizeof(FilmPixel)), 0);
+        EXPECT_EQ(std::memcmp(a.odd.data(), b.odd.data(), pixels * sizeof(ColorSum)), 0);
+        for (std::uint32_t p = 0; p < pixels; ++p)
+            EXPECT_EQ(b.pixels[p].count, p >= first && p < first + half ? 2u : 0u);
+    }
+    Film used(device(), pixels);
+    used.accumulate({0, pixels, 0, 2, 0}, old);
+    used.clear();
+    EXPECT_EQ(used.image(), std::vector<glm::vec3>(pixels, glm::vec3(0)));
+}
+
 TEST(Film, NoiseOfIndependentSamplesIsTheirStandardError) {
     const std::uint32_t pixels = 20'000;
     for (const std::uint32_t samples : {2u, 5u, 32u}) {

@@ -44,9 +44,25 @@ void Film::reload_kernels() {
 
 void Film::accumulate(const Batch& batch, const Buffer<float>& radiance, const Buffer<std::uint32_t>& tables,
                       std::uint32_t listed) {
-    kernels_.accumulate.run({batch.pixels, 64}, batch, tables, listed, radiance, pixels_);
-    if (tells_error_) accumulate_odd_.run({batch.pixels, 64}, batch, tables, listed, radiance, odd_);
+    const bool begins = !batch.listed && batch.first_pixel == begun_;
+    if (begins)
+        begun_ += batch.pixels;
+    else if (batch.listed || batch.first_pixel + batch.pixels > begun_)
+        begin_all();
+    add(batch, radiance, tables, listed, begins);
     forget_look();
+}
+
+void Film::add(const Batch& batch, const Buffer<float>& radiance, const Buffer<std::uint32_t>& tables,
+               std::uint32_t listed, bool begins) const {
+    const auto flag = std::uint32_t(begins);
+    kernels_.accumulate.run({batch.pixels, 64}, batch, tables, listed, flag, radiance, pixels_);
+    if (tells_error_) accumulate_odd_.run({batch.pixels, 64}, batch, tables, listed, flag, radiance, odd_);
+}
+
+void Film::begin_all() const {
+    if (begun_ < count_) add({begun_, count_ - begun_, 0, 0, 0}, {}, {}, 0, true);
+    begun_ = count_;
 }
 
 void Film::forget_look() {
@@ -55,12 +71,12 @@ void Film::forget_look() {
 }
 
 void Film::clear() {
-    pixels_.fill(0);
-    if (tells_error_) odd_.fill(0);
+    begun_ = 0;
     forget_look();
 }
 
 Film::Sums Film::sums(std::uint32_t first, std::uint32_t pixels) const {
+    begin_all();
     Sums sums{std::vector<FilmPixel>(pixels), std::vector<ColorSum>(tells_error_ ? pixels : 0)};
     pixels_.read(std::span<FilmPixel>(sums.pixels), first);
     if (tells_error_) odd_.read(std::span<ColorSum>(sums.odd), first);
@@ -68,6 +84,7 @@ Film::Sums Film::sums(std::uint32_t first, std::uint32_t pixels) const {
 }
 
 void Film::set_sums(const Sums& sums, std::uint32_t first) {
+    begin_all();
     pixels_.write(sums.pixels, first);
     if (tells_error_) odd_.write(sums.odd, first);
     forget_look();
@@ -75,6 +92,7 @@ void Film::set_sums(const Sums& sums, std::uint32_t first) {
 
 const Buffer<float>& Film::resolve(const ImageSizes& size) const {
     const std::uint32_t pixels = size.image_width * size.image_height;
+    begin_all();
     image_.reserve(device_, 3 * std::size_t(pixels));
     kernels_.resolve.run({pixels, 64}, pixels_, size, image_);
     return image_;
@@ -103,6 +121,7 @@ void Film::look() const {
 }
 
 void Film::measure() const {
+    begin_all();
     kernels_.measure.run({items_, group_ > 1 ? group_ : 64u}, pixels_, odd_, tells_error_ ? 1u : 0u, count_, scale_,
                          items_, sums_);
 }

@@ -29,7 +29,7 @@ public:
     /// `listed` of `tables`.
     void accumulate(const Batch& batch, const Buffer<float>& radiance, const Buffer<std::uint32_t>& tables = {},
                     std::uint32_t listed = 0);
-    /// Discards all samples; asynchronous.
+    /// Discards all samples. Does not touch the memory: the first batch of a pixel overwrites its sums.
     void clear();
     /// Mean radiance of each pixel, 3 floats each, in memory that the next call overwrites; asynchronous. An image of
     /// another size than the film's is interpolated.
@@ -51,7 +51,10 @@ public:
     /// The same for `pixels` pixels from `first` on, and for as many as `sums` has.
     [[nodiscard]] Sums sums(std::uint32_t first, std::uint32_t pixels) const;
     void set_sums(const Sums& sums, std::uint32_t first);
-    [[nodiscard]] const Buffer<FilmPixel>& pixels() const { return pixels_; }
+    [[nodiscard]] const Buffer<FilmPixel>& pixels() const {
+        begin_all();
+        return pixels_;
+    }
 
     /// Enqueues the measurement that noise() and error() read, unless it is known. They wait for it.
     void look() const;
@@ -84,6 +87,10 @@ private:
         std::uint64_t dropped = 0;
     };
     void load_odd();
+    void add(const Batch& batch, const Buffer<float>& radiance, const Buffer<std::uint32_t>& tables,
+             std::uint32_t listed, bool begins) const;
+    /// Sets the pixels without samples to 0.
+    void begin_all() const;
     void forget_look();
     void measure() const;
     [[nodiscard]] Totals measured() const;
@@ -100,7 +107,8 @@ private:
     mutable std::shared_ptr<HostMemory> on_host_;  // likewise
     mutable std::uint64_t room_on_host_ = 0;       // bytes
     mutable Kernels kernels_;
-    Kernel accumulate_odd_;                 // if the error is estimated
+    mutable Kernel accumulate_odd_;         // if the error is estimated
+    mutable std::uint32_t begun_ = 0;       // the sums of pixels from here on are older than clear()
     mutable std::optional<Totals> totals_;  // of the current samples, once requested
     mutable bool looks_ = false;            // a measurement is enqueued
     mutable float scale_ = 1;               // a power of two by which radiance is multiplied for measuring
