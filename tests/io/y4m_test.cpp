@@ -39,6 +39,18 @@ TEST(Y4m, HoldsTheFramesInOrder) {
     }
 }
 
+TEST(Y4m, AStopDoublesTheLight) {
+    const TemporaryFolder folder;
+    std::string films[2];
+    for (int i = 0; i < 2; ++i) {
+        Y4mFilm film(folder / "a.y4m", 2, 1, 24);
+        film.add({glm::vec3(i ? 0.1f : 0.2f), glm::vec3(i ? 0.3f : 0.6f, 0, 0)}, i ? 1.f : 0.f, ToneMap::aces);
+        film.commit();
+        films[i] = test::read_file(folder / "a.y4m");
+    }
+    EXPECT_EQ(films[0], films[1]);
+}
+
 TEST(Y4m, WritesRatesAsFractions) {
     const TemporaryFolder folder;
     for (const auto& [rate, text] : {std::pair(30000.0 / 1001, " F30000:1001 "), std::pair(23.976, " F24000:1001 "),

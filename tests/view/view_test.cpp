@@ -74,6 +74,14 @@ TEST(CameraControl, MovesKeepWhatTheySay) {
     EXPECT_TRUE(throws_error(ErrorKind::user, "height", [&] { (void)zoom(parallel, 1e30f); }));
 }
 
+TEST(CameraControl, WaysAlongTheImageAreInItsHeights) {
+    const Camera camera{{0, 0, 5}, {0, 0, 0}, {0, 1, 0}, 90.f};  // at the origin the image is 10 high
+    const glm::vec3 there = along_image(camera, {1, -2, 0}, 0.25f, 0.5f),
+                    nearer = along_image(camera, {0, 0, 4}, 0.25f, 0.5f);
+    EXPECT_LT(glm::distance(there, glm::vec3(2.5f, 5, 0)), 1e-5f);
+    EXPECT_LT(glm::distance(nearer, glm::vec3(0.5f, 1, 0)), 1e-5f);
+}
+
 TEST(CameraControl, PointsLieOnTheFloor) {
     Scene scene = two_spheres();
     for (const float parallel : {0.f, 6.f}) {
@@ -197,6 +205,15 @@ TEST(ViewScript, WritesFramesAndNamesTheLine) {
     EXPECT_TRUE(throws_error(ErrorKind::user, "s.txt:2: ", [&] { play("save never.png\njump\n"); }));
     EXPECT_TRUE(throws_error(ErrorKind::user, "s.txt:1: ", [&] { play("light 7 0 0 0\nsave never.png\n"); }));
     EXPECT_FALSE(std::filesystem::exists(folder / "never.png"));
+}
+
+TEST(ViewScript, CommandsBeforeAFrameHaveOneAnswer) {
+    const TemporaryFolder folder;
+    View view(device(), two_spheres(), small_view);
+    const Script script = read_script(folder.file("s.txt", "orbit 9 0\norbit 9 0\nframes 3\norbit 9 0\nframes 1\n"));
+    const ScriptReport report = run_script(view, script, {}, [](const std::string&) {});
+    EXPECT_EQ(report.frames, 4u);
+    EXPECT_EQ(report.answer_seconds.size(), 2u);
 }
 
 TEST(ViewTerminal, BlocksAndKeys) {
