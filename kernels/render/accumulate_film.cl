@@ -70,13 +70,15 @@ static inline uint film_pixel(Batch batch, global const uint* tables, uint liste
     return batch.listed ? tables[listed + batch.first_pixel + i] : batch.first_pixel + i;
 }
 
+#define NO_COLOR {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f}
+
 /// `begins`: the pixels have no samples yet, whatever the film holds.
 kernel void accumulate_film(Batch batch, global const uint* tables, uint listed, uint begins, global const float* radiance,
                             global FilmPixel* film) {
     const uint i = get_global_id(0);
     if (i >= batch.pixels) return;
     const uint at = film_pixel(batch, tables, listed, i);
-    FilmPixel pixel = {{0.0f}};
+    FilmPixel pixel = {NO_COLOR, 0.0f, 0.0f, 0u, 0u, 0u};
     if (!begins) pixel = film[at];
     for (uint s = 0; s < batch.samples; ++s)
         add_sample(&pixel, vload3(i * batch.samples + s, radiance), (batch.first_sample + s) & 1);
@@ -90,7 +92,7 @@ kernel void accumulate_odd(Batch batch, global const uint* tables, uint listed, 
     const uint i = get_global_id(0);
     if (i >= batch.pixels) return;
     const uint at = film_pixel(batch, tables, listed, i);
-    ColorSum sum = {0.0f};
+    ColorSum sum = NO_COLOR;
     if (!begins) sum = odd[at];
     for (uint s = (batch.first_sample & 1) ^ 1; s < batch.samples; s += 2) {
         const float3 sample = vload3(i * batch.samples + s, radiance);
