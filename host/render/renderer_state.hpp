@@ -115,7 +115,8 @@ struct Renderer::State {
     auto timed(const Measure& measure);
     [[nodiscard]] bool target_met();
     [[nodiscard]] bool limit_reached();
-    [[nodiscard]] double optimism() const;  // factor of errors that the film underestimates
+    [[nodiscard]] double optimism() const;           // factor of errors that the film underestimates
+    [[nodiscard]] double noise_over_halves() const;  // noise over that of the halves
     [[nodiscard]] bool error_met();
     void look_at_error(unsigned spp);
     [[nodiscard]] double cut_off();

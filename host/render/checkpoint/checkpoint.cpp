@@ -16,7 +16,7 @@ namespace claray {
 namespace {
 
 constexpr std::array<char, 8> checkpoint_magic = {'C', 'L', 'R', 'C', 'K', 'P', '\r', '\n'};
-constexpr std::uint32_t checkpoint_version = 5;
+constexpr std::uint32_t checkpoint_version = 6;
 
 /// The beginning of a file. Then the film's sums, the tiles of adaptive sampling, and the digest of both.
 struct CheckpointHeader {
@@ -32,7 +32,7 @@ struct CheckpointHeader {
     Digest scene, settings, kernels;
     Digest digest;  // of this header up to here
 };
-static_assert(sizeof(CheckpointHeader) == 152);
+static_assert(sizeof(CheckpointHeader) == 168);
 
 std::uint64_t pixels_of(const CheckpointHeader& header) { return std::uint64_t(header.width) * header.height; }
 
@@ -192,7 +192,8 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
             "use a larger --spp");
     const ErrorLooks& looks = header.looks;
     const auto sound = [](double value) { return value >= 0 && std::isfinite(value); };
-    if (!(sound(looks.square) && sound(looks.degrees) && sound(looks.last)) ||
+    if (!(sound(looks.square) && sound(looks.degrees) && sound(looks.last) && sound(looks.halves) &&
+          std::isfinite(looks.power)) ||
         (header.tiles == 0 && looks.spp > at.done))
         file.refuse_damaged("its error estimate is not a valid number");
     Checkpoint checkpoint{{at, header.group, {}}, looks, {}};

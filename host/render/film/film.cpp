@@ -163,7 +163,7 @@ Film::Error Film::error(ErrorLooks& looks, std::uint32_t spp) const {
     const double estimate = std::max(least, std::sqrt(total.variance / (3 * total.pixels)) / mean);
     const double degrees = total.squares > 0 ? 3 * total.variance * total.variance / total.squares - 2 : 0;
     looks.add(estimate * estimate, degrees, spp);
-    return {estimate, looks.bound()};
+    return {std::sqrt(looks.last), looks.bound()};
 }
 
 }  // namespace claray
