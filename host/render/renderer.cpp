@@ -237,7 +237,7 @@ bool Renderer::State::limit_reached() {
 /// Plans the next round of adaptive sampling, if one is due.
 void Renderer::State::plan_round() {
     if (!schedule.wants_plan()) return;
-    schedule.plan(timed([&] { return film.noise_map(); }));
+    schedule.plan(timed([&] { return film.tile_noise(config.width); }));
     if (!schedule.listed().empty()) buffers.write_listed_pixels(schedule.listed());
 }
 

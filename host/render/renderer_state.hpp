@@ -107,7 +107,9 @@ struct Renderer::State {
     [[nodiscard]] AdaptiveSchedule new_schedule() const {
         return {config.width, config.height, config.spp, wavefront.capacity(), config.adaptive};
     }
-    [[nodiscard]] std::uint32_t words_of_listed_pixels() const { return config.adaptive ? pixels() : 0; }
+    [[nodiscard]] std::uint32_t words_of_listed_pixels() const {
+        return config.adaptive ? AdaptiveSchedule::words_per_pixel * pixels() : 0;
+    }
     void plan_round();
     [[nodiscard]] unsigned spp() const { return unsigned(schedule.samples() / pixels()); }
     [[nodiscard]] RenderProgress measure();

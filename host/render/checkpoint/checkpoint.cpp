@@ -27,7 +27,7 @@ struct CheckpointHeader {
     std::uint32_t width, height;
     Schedule::Position position;
     std::uint32_t tells_error;
-    std::uint32_t group, tiles;  // see AdaptiveSchedule::Position; number of tiles
+    std::uint32_t tiles, zero;  // number of tiles, see AdaptiveSchedule::Position
     ErrorLooks looks;
     Digest scene, settings, kernels;
     Digest digest;  // of this header up to here
@@ -147,7 +147,7 @@ void write_checkpoint(const std::filesystem::path& path, const RenderIdentity& i
     header.width = identity.width, header.height = identity.height;
     const std::vector<std::uint32_t>& tiles = checkpoint.position.tiles;
     header.position = checkpoint.position.at;
-    header.group = checkpoint.position.group, header.tiles = std::uint32_t(tiles.size());
+    header.tiles = std::uint32_t(tiles.size());
     header.tells_error = identity.tells_error;
     header.looks = checkpoint.looks;
     header.scene = identity.scene, header.settings = identity.settings, header.kernels = identity.kernels;
@@ -183,7 +183,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
                     "use that version, or render from the start");
     const Schedule::Position& at = header.position;
     const bool within = at.pixel != 0 || at.sample != 0;
-    if (at.pixel >= header.width * header.height || (within && at.sample >= at.pass))
+    if (header.tiles == 0 && (at.pixel >= header.width * header.height || (within && at.sample >= at.pass)))
         file.refuse_damaged("its position is outside the image");
     const std::uint64_t most = std::uint64_t(at.done) + (within ? at.pass : 0);
     if (header.tiles == 0 && most > spp)
@@ -196,7 +196,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
           std::isfinite(looks.power)) ||
         (header.tiles == 0 && looks.spp > at.done))
         file.refuse_damaged("its error estimate is not a valid number");
-    Checkpoint checkpoint{{at, header.group, {}}, looks, {}};
+    Checkpoint checkpoint{{at, {}}, looks, {}};
     file.read_sums(header, checkpoint.sums, checkpoint.position.tiles);
     return checkpoint;
 }
