@@ -119,7 +119,7 @@ void print_text(const Explanation& x, const ExplainOptions& o) {
         if (rows.size() > 1) print_table(rows, 2);
     }
     if (o.only.empty() && !o.unused)
-        std::printf("--unused also measures what each effect would cost that the scene does not use, and all\n");
+        std::printf("--unused also measures the effects that the scene does not use\n");
     std::printf("\n");
     print_variant("the scene's own", x.own, compile_times);
     if (!is_everything_measured(o)) return print_approximations(x, compile_times);
