@@ -1,5 +1,5 @@
 // What choosing by target holds of what it promises, at small sizes:
-//   bench_target coverage|sweep|time|overhead [--size N] [--seeds N] [--references FOLDER] [--csv FILE]
+//   bench_target coverage|sweep|time|overhead [--size N] [--seeds N] [--adaptive] [--references FOLDER] [--csv FILE]
 // coverage: renders to an error, of five scenes and three targets, against references: how many reach it, and by how
 // much. sweep: what an error costs by the planner's choice, over what it costs by every fixed choice of builder and
 // sampler. time: how well times are kept. overhead: what measuring takes.
@@ -21,6 +21,7 @@ namespace {
 struct Options {
     std::string device, csv, references;
     unsigned size = 48, seeds = 7;
+    bool adaptive = false;
     std::vector<double> times = {0.5, 2, 10, 60};
 };
 
@@ -59,7 +60,8 @@ void coverage(const Device& device, const Options& options) {
                                    .height = options.size,
                                    .spp = 1u << 24,
                                    .seed = 1000 + seed,
-                                   .error = target});
+                                   .error = target,
+                                   .adaptive = options.adaptive});
                 const RenderProgress reached = renderer.render();
                 const double error = true_error(renderer.image(), reference, options.size);
                 csv.row(name, target, seed, reached.spp, reached.error, reached.error_bound, error);
@@ -228,6 +230,7 @@ int main(int argc, char** argv) try {
     app.add_option("--device", options.device, "cpu, gpu, an index or part of a name");
     app.add_option("--size", options.size, "Pixels a side [48]");
     app.add_option("--seeds", options.seeds, "Renders of each scene and target [7]");
+    app.add_flag("--adaptive", options.adaptive, "coverage: with adaptive sampling");
     app.add_option("--references", options.references, "Where references are kept");
     app.add_option("--csv", options.csv, "Write the results to FILE");
     const auto add = [&](const char* name, const char* what, auto run) {

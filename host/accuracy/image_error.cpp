@@ -4,6 +4,7 @@
 
 #include "claray/accuracy.hpp"
 #include "host/accuracy/pixels.hpp"
+#include "host/base/in_parallel.hpp"
 
 namespace claray {
 namespace {
@@ -73,12 +74,14 @@ Image blurred(const Image& image, unsigned width) {
     const int w = int(width), h = int(image.size()) / w;
     const auto pass = [&](const Image& from, bool rows) {
         Image to(from.size(), glm::vec3(0));
-        for (int y = 0; y < h; ++y)
+        in_parallel(std::size_t(h), [&](std::size_t row) {
+            const int y = int(row);
             for (int x = 0; x < w; ++x)
                 for (int i = -radius; i <= radius; ++i) {
                     const int sx = rows ? std::clamp(x + i, 0, w - 1) : x, sy = rows ? y : std::clamp(y + i, 0, h - 1);
                     to[std::size_t(y * w + x)] += weights[std::size_t(i + radius)] * from[std::size_t(sy * w + sx)];
                 }
+        });
         return to;
     };
     return pass(pass(image, true), false);

@@ -12,7 +12,6 @@
 namespace claray {
 namespace {
 
-constexpr unsigned render_spp = 256;
 constexpr std::uint32_t least_renders = 4;  // for an estimate of their spread
 constexpr char magic[16] = "claray ref. 1\n";
 constexpr std::chrono::seconds between_saves(5);
@@ -32,11 +31,11 @@ std::vector<glm::vec3> render_once(Renderer& renderer, unsigned spp, std::uint32
 /// A name that differs if the converged image may differ. Renders are reproducible bit for bit, so that a few samples
 /// identify scene and settings.
 std::string name_of_reference(const Device& device, Renderer& renderer, const RenderConfig& config,
-                              std::uint32_t seed) {
-    const std::vector<glm::vec3> probe = render_once(renderer, 4, seed - 1);
+                              const ReferenceOptions& options) {
+    const std::vector<glm::vec3> probe = render_once(renderer, 4, options.seed - 1);
     std::string all = device.info().name + '\n' + device.info().driver + '\n' + std::to_string(config.width) + 'x' +
                       std::to_string(config.height) + ' ' + std::to_string(config.max_depth) + ' ' +
-                      std::to_string(seed) + '\n';
+                      std::to_string(options.seed) + ' ' + std::to_string(options.render_spp) + '\n';
     all.append(reinterpret_cast<const char*>(probe.data()), probe.size() * sizeof(glm::vec3));
     return "reference-" + hash128(all) + ".bin";
 }
@@ -74,7 +73,7 @@ std::optional<Sums> load(const std::filesystem::path& path, std::size_t values) 
 }
 
 /// The mean, and its standard error from the spread of the renders.
-ReferenceImage reference_of(const Sums& sums) {
+ReferenceImage reference_of(const Sums& sums, unsigned render_spp) {
     ReferenceImage reference;
     const std::size_t values = sums.values.size();
     const double n = sums.renders;
@@ -91,7 +90,7 @@ ReferenceImage reference_of(const Sums& sums) {
     return reference;
 }
 
-void refuse_black(const Sums& sums) {
+void refuse_black(const Sums& sums, unsigned render_spp) {
     if (std::any_of(sums.values.begin(), sums.values.end(), [](double value) { return value != 0; })) return;
     throw Error(ErrorKind::user,
                 "the image is black after " + std::to_string(render_spp * sums.renders) +
@@ -99,8 +98,8 @@ void refuse_black(const Sums& sums) {
                 "add light, or choose studies of rays and trees");
 }
 
-void add_render(Sums& sums, Renderer& renderer, std::uint32_t seed) {
-    const auto image = render_once(renderer, render_spp, seed + sums.renders);
+void add_render(Sums& sums, Renderer& renderer, const ReferenceOptions& options) {
+    const auto image = render_once(renderer, options.render_spp, options.seed + sums.renders);
     for (std::size_t i = 0; i < 3 * image.size(); ++i) {
         const double value = double(image[i / 3][glm::length_t(i % 3)]);
         sums.values[i] += value, sums.squares[i] += value * value;
@@ -113,12 +112,11 @@ void add_render(Sums& sums, Renderer& renderer, std::uint32_t seed) {
 ReferenceImage reference_image(const Device& device, const Scene& scene, const RenderConfig& how,
                                const ReferenceOptions& options, const AccuracyProgress& progress) {
     RenderConfig config = how;
-    config.spp = render_spp, config.seconds = config.noise = 0;
+    config.spp = std::max(options.render_spp, 4u), config.seconds = config.noise = 0;
     Renderer renderer(device, scene, config);
     const std::size_t values = 3 * std::size_t(config.width) * config.height;
-    const std::filesystem::path path = options.folder.empty()
-                                           ? options.folder
-                                           : options.folder / name_of_reference(device, renderer, config, options.seed);
+    const std::filesystem::path path =
+        options.folder.empty() ? options.folder : options.folder / name_of_reference(device, renderer, config, options);
     Sums sums{std::vector<double>(values), std::vector<double>(values), 0};
     if (!path.empty()) {
         make_folder(options.folder);
@@ -131,18 +129,19 @@ ReferenceImage reference_image(const Device& device, const Scene& scene, const R
         saved = std::chrono::steady_clock::now(), changed = false;
     };
     const auto is_enough = [&] {
-        const unsigned spp = render_spp * sums.renders;
+        const unsigned spp = options.render_spp * sums.renders;
         if (sums.renders < least_renders || spp < options.least_spp) return false;
         return options.uncertainty <= 0 || spp >= options.most_spp ||
-               reference_of(sums).uncertainty <= options.uncertainty;
+               reference_of(sums, options.render_spp).uncertainty <= options.uncertainty;
     };
     try {
         while (!is_enough()) {
-            add_render(sums, renderer, options.seed);
+            add_render(sums, renderer, options);
             changed = true;
             if (std::chrono::steady_clock::now() - saved > between_saves) save();
-            const unsigned spp = render_spp * sums.renders;
-            const double done = std::min(1.0, double(spp) / std::max(options.least_spp, render_spp * least_renders));
+            const unsigned spp = options.render_spp * sums.renders;
+            const double done =
+                std::min(1.0, double(spp) / std::max(options.least_spp, options.render_spp * least_renders));
             if (progress && !progress(done, "reference, " + std::to_string(spp) + " spp") && sums.renders > 1) break;
         }
     } catch (...) {  // by `progress`, too
@@ -150,8 +149,8 @@ ReferenceImage reference_image(const Device& device, const Scene& scene, const R
         throw;
     }
     save();
-    refuse_black(sums);
-    return reference_of(sums);
+    refuse_black(sums, options.render_spp);
+    return reference_of(sums, options.render_spp);
 }
 
 }  // namespace claray

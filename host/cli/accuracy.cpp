@@ -33,6 +33,7 @@ struct AccuracyOptions {
     StudyOptions study;
     std::filesystem::path csv, html, svg, svgs, maps;
     bool quick = false, json = false, quiet = false, check = false;
+    bool has_size = false, has_spp = false, has_rays = false;  // given by the user
 };
 
 std::string study_names() {
@@ -207,6 +208,22 @@ void limit_to_quick(StudyOptions& study) {
     limit(study.config.width, 64), limit(study.config.height, 64);
 }
 
+/// What the user did not give is chosen by the speed of the device, if a chosen study renders the scene.
+void scale_to_device(AccuracyOptions& o, const std::vector<NamedStudy>& chosen, const Device& device,
+                     const Scene& scene) {
+    constexpr std::string_view without_samples[] = {"hard-rays", "scene-rays", "builds", "trees",
+                                                    "nodes",     "sums",       "depth"};
+    const bool renders = std::any_of(chosen.begin(), chosen.end(), [&](const NamedStudy& study) {
+        return std::find(std::begin(without_samples), std::end(without_samples), study.name) ==
+               std::end(without_samples);
+    });
+    if (o.quick || (o.has_size && o.has_spp) || !renders) return;
+    o.study = at_scale(device, scene, o.study, o.has_size, o.has_spp, o.has_rays);
+    if (!o.quiet)
+        std::fprintf(stderr, "chosen for this device: %ux%u pixels, %u to %u samples per pixel\n", o.study.config.width,
+                     o.study.config.height, o.study.first_spp, o.study.most_spp);
+}
+
 void accuracy(AccuracyOptions o) {
     const std::vector<NamedStudy> chosen = chosen_studies(o.only);
     if (!o.maps.empty()) {
@@ -222,6 +239,7 @@ void accuracy(AccuracyOptions o) {
     const Scene scene = load_view(o.scene, o.view, o.study.config.width, o.study.config.height);
     const Device device = open_device(o.device);
     const InterruptGuard guard;
+    scale_to_device(o, chosen, device, scene);
     std::shared_ptr<const std::filesystem::path> kept;
     if (o.study.references.empty()) o.study.references = *(kept = temporary_folder());
     std::vector<Study> studies;
@@ -279,12 +297,15 @@ void add_accuracy_command(CLI::App& app, Action& action) {
     command->add_option("scene", o->scene, "A scene file, or a built-in scene (see claray scenes)")->required();
     command->add_option("--only", o->only, "Run these studies only: NAME,NAME...");
     command->add_flag("--quick", o->quick, "At most 64x64 pixels, 32 samples and 3 runs");
-    add_size_option(*command, o->study.config.width, o->study.config.height, "WIDTHxHEIGHT in pixels [128x128]");
-    command->add_option("--spp", o->study.most_spp, "Largest number of samples per pixel [256]")
+    add_size_option(*command, o->study.config.width, o->study.config.height,
+                    "WIDTHxHEIGHT in pixels [128x128 to 1024x1024, by the speed of the device]");
+    command->add_option("--spp", o->study.most_spp, "Largest number of samples per pixel [128 times those of 20 ms]")
         ->transform(whole_number(1, 65536));
     command->add_option("--runs", o->study.runs, "Repetitions, each with its own seed [5]")
         ->transform(whole_number(1, 1000));
-    command->add_option("--rays", o->study.rays, "Rays in studies that render no image [262144]")
+    command
+        ->add_option("--rays", o->study.rays,
+                     "Rays in studies that render no image [262144; up to 2097152 on fast devices]")
         ->transform(whole_number(1024, 1 << 27));
     add_view_options(*command, o->view);
     add_approximate_option(*command, o->study.approximations,
@@ -306,6 +327,8 @@ void add_accuracy_command(CLI::App& app, Action& action) {
     command->callback([&action, command, o] {
         refuse_both(*command, "--check", {"--only", "--csv", "--html", "--svg", "--svgs", "--maps", "--json"},
                     "--check is a separate study and prints a table");
+        o->has_size = command->count("--size") > 0, o->has_spp = command->count("--spp") > 0;
+        o->has_rays = command->count("--rays") > 0;
         action = [o] { accuracy(*o); };
     });
 }

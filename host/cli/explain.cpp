@@ -31,7 +31,7 @@ struct ExplainOptions {
     RenderConfig config = {.width = 128, .height = 128};
     measure::ExplainOptions measure;
     std::filesystem::path svg;
-    bool json = false, quiet = false;
+    bool json = false, quiet = false, unused = false;
 };
 
 /// Milliseconds that the effect adds to a frame, or would add if the scene used it.
@@ -95,6 +95,17 @@ void print_notes(const Explanation& x, bool compile_times) {
             "compile times are measured once and vary by some percent; therefore some differences are below 0\n");
 }
 
+void print_approximations(const Explanation& x, bool compile_times) {
+    for (const ExplainedApproximation& a : x.approximations)
+        std::printf("--approximate %s: %s the time of a frame; the image differs by %.3g %% (docs/effects.md)\n",
+                    to_string(a.approximate).c_str(), a.noise ? "about" : (fixed(a.ratio, 2) + " times").c_str(),
+                    100 * a.error);
+    print_notes(x, compile_times);
+}
+
+/// Kernels of all effects take a GPU's driver a minute to compile.
+bool is_everything_measured(const ExplainOptions& o) { return o.unused || !o.only.empty(); }
+
 void print_text(const Explanation& x, const ExplainOptions& o) {
     const bool compile_times = o.measure.compile_times;
     if (!o.effects.empty()) std::printf("effects are overridden: %s\n", o.effects.c_str());
@@ -107,19 +118,18 @@ void print_text(const Explanation& x, const ExplainOptions& o) {
         std::printf("\n");
         if (rows.size() > 1) print_table(rows, 2);
     }
+    if (o.only.empty() && !o.unused)
+        std::printf("--unused also measures the effects that the scene does not use\n");
     std::printf("\n");
     print_variant("the scene's own", x.own, compile_times);
+    if (!is_everything_measured(o)) return print_approximations(x, compile_times);
     print_variant("everything", x.full, compile_times);
     std::printf("without unused effects: %s",
                 x.full_noise ? "no measurable difference" : (fixed(x.full_ratio, 2) + " times as fast").c_str());
     if (compile_times)
         std::printf(", %.0f ms less to compile", x.full.compile_milliseconds - x.own.compile_milliseconds);
     std::printf("\n");
-    for (const ExplainedApproximation& a : x.approximations)
-        std::printf("--approximate %s: %s the time of a frame; the image differs by %.3g %% (docs/effects.md)\n",
-                    to_string(a.approximate).c_str(), a.noise ? "about" : (fixed(a.ratio, 2) + " times").c_str(),
-                    100 * a.error);
-    print_notes(x, compile_times);
+    print_approximations(x, compile_times);
 }
 
 nlohmann::ordered_json told_json(const std::optional<unsigned>& value) {
@@ -156,14 +166,16 @@ void print_as_json(const Explanation& x, const ExplainOptions& o, const Device& 
     for (const ExplainedApproximation& a : x.approximations)
         approximations.push_back(
             {{"name", to_string(a.approximate)}, {"ratio", a.ratio}, {"noise", a.noise}, {"error", a.error}});
+    const bool measured = is_everything_measured(o);
+    const nlohmann::ordered_json none;
     const nlohmann::ordered_json report = {{"scene", o.scene},
                                            {"device", device.info().name},
                                            {"width", o.config.width},
                                            {"height", o.config.height},
                                            {"effect_overrides", o.effects},
                                            {"own", as_json(x.own)},
-                                           {"full", as_json(x.full)},
-                                           {"full_ratio", x.full_ratio},
+                                           {"full", measured ? as_json(x.full) : none},
+                                           {"full_ratio", measured ? nlohmann::ordered_json(x.full_ratio) : none},
                                            {"effects", effects},
                                            {"approximations", approximations}};
     print_json(report);
@@ -213,7 +225,8 @@ void write_svg(const Explanation& x, const ExplainOptions& o, const Device& devi
     std::vector<Bar> bars;
     for (const ExplainedEffect& e : x.effects)
         if (!e.fixed) bars.push_back({name_of(e.effect), cost(e, x.own), e.called_for, e.noise});
-    bars.push_back({"everything", x.own.milliseconds * (x.full_ratio - 1), false, x.full_noise});
+    if (is_everything_measured(o))
+        bars.push_back({"everything", x.own.milliseconds * (x.full_ratio - 1), false, x.full_noise});
     write_file(o.svg, bar_chart("Cost of the effects of " + o.scene, subtitle, bars));
 }
 
@@ -240,6 +253,8 @@ void explain(const ExplainOptions& options) {
     measure::ExplainOptions measure = options.measure;
     if (!options.only.empty()) restrict_to(options.only, measure);
     const Scene scene = load_view(options.scene, options.view, config.width, config.height);
+    measure.everything = is_everything_measured(options);
+    if (!measure.everything) measure.only = effects_of(scene);
     const Device device = open_device(options.device);
     if (!options.json) print_called_for(measure::effects_to_explain(scene, config, measure.only), options, device);
     const Explanation explanation = measure::explain(device, scene, config, measure, [&](const std::string& what) {
@@ -254,7 +269,8 @@ void explain(const ExplainOptions& options) {
 void add_explain_command(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand("explain", "Show which effects a scene uses, why, and the cost of each");
     command->footer(
-        "Every effect is compared with the scene's own kernels, with the same samples, alternating between the two.\n"
+        "Every effect of the scene is compared with the scene's own kernels, with the same samples, alternating "
+        "between the two.\n"
         "For the error per pixel without each effect: claray accuracy SCENE --only effects --maps FOLDER.\n"
         "Examples:\n"
         "  claray explain spheres\n"
@@ -269,6 +285,9 @@ void add_explain_command(CLI::App& app, Action& action) {
     command->add_option("--rounds", o->measure.rounds, "Pairs of short renders to compare for each effect [7]")
         ->transform(whole_number(1, 1000));
     command->add_flag("!--no-compile-times", o->measure.compile_times, "Do not measure compile times");
+    command->add_flag(
+        "--unused", o->unused,
+        "Also measure each effect that the scene does not use, compiled in: kernels for dozens of effects");
     command->add_option("--only", o->only, "Measure these effects and approximations only: NAME,NAME...");
     command->add_option("--effects", o->effects, "-NAME,-NAME... removes effects from the scene first");
     command->add_option("--svg", o->svg, "Write a bar chart");
@@ -276,7 +295,10 @@ void add_explain_command(CLI::App& app, Action& action) {
     add_bvh_options(*command, o->config.bvh);
     command->add_flag("--json", o->json, "Print as JSON");
     command->add_flag("-q,--quiet", o->quiet, "Print no progress");
-    command->callback([&action, o] { action = [o] { explain(*o); }; });
+    command->callback([&action, command, o] {
+        refuse_both(*command, "--unused", {"--only"}, "--only may name unused effects");
+        action = [o] { explain(*o); };
+    });
 }
 
 }  // namespace claray::cli

@@ -38,7 +38,7 @@ struct ExplainedApproximation {
 
 struct Explanation {
     Variant own;            ///< what the scene calls for and nothing else
-    Variant full;           ///< everything compiled in
+    Variant full;           ///< everything compiled in, if ExplainOptions::everything
     double full_ratio = 1;  ///< as in ExplainedEffect
     bool full_noise = false;
     std::vector<ExplainedEffect> effects;
@@ -48,6 +48,7 @@ struct Explanation {
 struct ExplainOptions {
     EffectSet only = known_effects();                      ///< the effects to measure
     Approximations approximations = all_approximations();  ///< to measure where the scene has a use for them
+    bool everything = true;                                ///< also measure kernels of all effects, compiled in
     int rounds = 7;                                        ///< pairs of short renders that are compared for each
     bool compile_times = true;                             ///< compile all kernels once more for their time
 };

@@ -30,6 +30,9 @@ constexpr std::ptrdiff_t most_effects_to_optimize = 16;  // in quick kernels: Po
 /// Adaptive sampling leaves tiles alone whose estimated error is too small by chance, so that the sum of all estimates
 /// is too small: the true error was 1.02 to 1.28 times as large in six scenes (docs/accuracy.md).
 constexpr double optimism_of_rounds = 1.25;
+/// The halves of the Sobol samples tell 1 to 1.6 times the error, the more the better their points are spread
+/// (docs/accuracy.md). This is about the middle, for figures that are told; bounds do without it.
+constexpr double pessimism_of_halves = 1.1;
 constexpr std::uint32_t quick_first_paths = 2048;  // in the batch that produces the first pixel
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
@@ -203,7 +206,7 @@ RenderProgress Renderer::State::measure() {
     progress.spp = spp();
     progress.spp_target = config.spp;
     const Film::Noise noise = timed([&] { return film.noise(); });
-    progress.noise = noise.relative * optimism();
+    progress.noise = noise.relative * noise_over_halves();
     progress.error = last_error.estimate, progress.error_bound = last_error.bound;
     progress.error_spp = last_error_spp, progress.cut_off = light_cut_off.value_or(0);
     progress.own_kernels = own_kernels;
@@ -227,14 +230,14 @@ bool Renderer::State::limit_reached() {
     if (!pending.empty() || !schedule.between_passes()) return false;
     if (config.error > 0 && error_met()) return true;
     if (!(config.noise > 0) || spp < least_spp_for_noise) return false;
-    const double noise = timed([&] { return film.noise(); }).relative * optimism();
+    const double noise = timed([&] { return film.noise(); }).relative * noise_over_halves();
     return noise > 0 && noise <= config.noise;
 }
 
 /// Plans the next round of adaptive sampling, if one is due.
 void Renderer::State::plan_round() {
     if (!pending.empty() || !schedule.wants_plan()) return;
-    schedule.plan(timed([&] { return film.noise_map(); }));
+    schedule.plan(timed([&] { return film.tile_noise(config.width); }));
     if (!schedule.listed().empty()) buffers.write_listed_pixels(schedule.listed());
 }
 
@@ -268,6 +271,10 @@ void Renderer::State::look_at_error(unsigned spp) {
 }
 
 double Renderer::State::optimism() const { return schedule.has_rounds() ? optimism_of_rounds : 1; }
+
+double Renderer::State::noise_over_halves() const {
+    return optimism() / (config.sampler == Sampler::sobol ? pessimism_of_halves : 1);
+}
 
 /// Does not depend on the samples or the seed.
 double Renderer::State::cut_off() {
@@ -633,7 +640,12 @@ std::span<const std::uint8_t> Renderer::denoised_picture(const PictureConfig& pi
     return state.mapper_of(state.pixels()).map(image, picture);
 }
 
-std::vector<float> Renderer::noise_map() const { return state_->film.noise_map(); }
+std::vector<float> Renderer::noise_map() const {
+    std::vector<float> variances = state_->film.noise_map();
+    const double factor = state_->noise_over_halves();
+    for (float& variance : variances) variance *= float(factor * factor);
+    return variances;
+}
 
 double Renderer::cut_off() const { return state_->cut_off(); }
 

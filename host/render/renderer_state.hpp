@@ -109,7 +109,9 @@ struct Renderer::State {
     [[nodiscard]] AdaptiveSchedule new_schedule() const {
         return {config.width, config.height, config.spp, wavefront.capacity(), config.adaptive};
     }
-    [[nodiscard]] std::uint32_t words_of_listed_pixels() const { return config.adaptive ? pixels() : 0; }
+    [[nodiscard]] std::uint32_t words_of_listed_pixels() const {
+        return config.adaptive ? AdaptiveSchedule::words_per_pixel * pixels() : 0;
+    }
     void plan_round();
     /// Samples of all pixels.
     [[nodiscard]] std::uint64_t samples() const;
@@ -122,7 +124,8 @@ struct Renderer::State {
     auto timed(const Measure& measure);
     [[nodiscard]] bool target_met();
     [[nodiscard]] bool limit_reached();
-    [[nodiscard]] double optimism() const;  // factor of errors that the film underestimates
+    [[nodiscard]] double optimism() const;           // factor of errors that the film underestimates
+    [[nodiscard]] double noise_over_halves() const;  // noise over that of the halves
     [[nodiscard]] bool error_met();
     void look_at_error(unsigned spp);
     [[nodiscard]] double cut_off();

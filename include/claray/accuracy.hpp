@@ -34,6 +34,7 @@ struct ReferenceOptions {
     unsigned least_spp = 4096;
     double uncertainty = 0;            ///< if > 0: continue until this uncertainty is reached, too
     unsigned most_spp = 1u << 20;      ///< upper limit of samples per pixel
+    unsigned render_spp = 256;         ///< samples per pixel of each of its renders
     std::uint32_t seed = 0x7e000000u;  ///< seed of the first render, far from the seeds that studies use
     /// Folder in which the reference is saved and from which it is continued; empty: do not save. The file name
     /// identifies scene, settings and device.
@@ -83,7 +84,10 @@ struct Study {
 
 struct StudyOptions {
     RenderConfig config = {.width = 128, .height = 128};
+    unsigned first_spp = 1;       ///< smallest number of samples per pixel
     unsigned most_spp = 256;      ///< largest number of samples per pixel; settings double up to it
+    unsigned single_spp = 0;      ///< samples per pixel in studies without a sweep of samples; 0: most_spp
+    double least_seconds = 0;     ///< rays are traced repeatedly until a run takes as long
     unsigned runs = 5;            ///< runs per setting, each with its own seed
     std::size_t rays = 1u << 18;  ///< number of rays in studies that trace rays without rendering an image
     Approximations approximations = all_approximations();  ///< measured by study_bias, each alone
@@ -91,6 +95,13 @@ struct StudyOptions {
     unsigned reference_factor = 64;                        ///< samples of a reference per sample of the largest setting
     std::uint32_t reference_seed = ReferenceOptions{}.seed;
 };
+
+/// Chooses size, samples and rays so that every setting of a study of images takes the device at least 20 ms and the
+/// largest one 128 times as long: then seconds are those of samples and not those of starting kernels, and a slope is
+/// visible over two decades. Measures the scene for about a second, compiling not included. `keep_size`, `keep_spp` and
+/// `keep_rays`: leave the values of `options` as they are.
+[[nodiscard]] StudyOptions at_scale(const Device& device, const Scene& scene, StudyOptions options, bool keep_size,
+                                    bool keep_spp, bool keep_rays);
 
 /// Error against samples per pixel, for each sampler.
 [[nodiscard]] Study study_sampling(const Device& device, const Scene& scene, const StudyOptions& options,

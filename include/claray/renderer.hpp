@@ -126,8 +126,10 @@ struct RenderConfig {
 struct RenderProgress {
     unsigned spp = 0;  ///< samples per pixel, the mean rounded down
     unsigned spp_target = 0;
-    double seconds = 0;        ///< since the first sample
-    double noise = 0;          ///< standard error of luminance, root mean square over pixels, over the mean; 0: unknown
+    double seconds = 0;  ///< since the first sample
+    /// Standard error of luminance, root mean square over pixels, over the mean; 0: unknown. With Sobol samples 0.9 to
+    /// 1.5 times the true one (docs/accuracy.md).
+    double noise = 0;
     double error = 0;          ///< estimate of ImageError::rmse, if RenderConfig::error is set; 0: unknown
     double error_bound = 0;    ///< upper bound of the error in most renders; compared with RenderConfig::error
     unsigned error_spp = 0;    ///< samples per pixel at the time of the error estimate, between two passes

@@ -67,7 +67,16 @@ static inline void add_sample(FilmPixel* pixel, float3 sample, bool odd) {
 
 /// The pixel of the film that is number i of the batch. The list, if any, begins at `listed` in `tables`.
 static inline uint film_pixel(Batch batch, global const uint* tables, uint listed, uint i) {
-    return batch.listed ? tables[listed + batch.first_pixel + i] : batch.first_pixel + i;
+    return batch.listed ? tables[listed + 2u * (batch.first_pixel + i)] : batch.first_pixel + i;
+}
+
+/// One work-item adds all entries of a pixel, one after the other. Returns whether this is the first one in the batch.
+static inline bool is_first_entry(Batch batch, global const uint* tables, uint listed, uint i) {
+    return !batch.listed || i == 0u || film_pixel(batch, tables, listed, i) != film_pixel(batch, tables, listed, i - 1u);
+}
+
+static inline bool is_next_entry(Batch batch, global const uint* tables, uint listed, uint i) {
+    return batch.listed && i < batch.pixels && !is_first_entry(batch, tables, listed, i);
 }
 
 #define NO_COLOR {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f}
@@ -75,13 +84,15 @@ static inline uint film_pixel(Batch batch, global const uint* tables, uint liste
 /// `begins`: the pixels have no samples yet, whatever the film holds.
 kernel void accumulate_film(Batch batch, global const uint* tables, uint listed, uint begins, global const float* radiance,
                             global FilmPixel* film) {
-    const uint i = get_global_id(0);
-    if (i >= batch.pixels) return;
+    uint i = get_global_id(0);
+    if (i >= batch.pixels || !is_first_entry(batch, tables, listed, i)) return;
     const uint at = film_pixel(batch, tables, listed, i);
     FilmPixel pixel = {NO_COLOR, 0.0f, 0.0f, 0u, 0u, 0u};
     if (!begins) pixel = film[at];
-    for (uint s = 0; s < batch.samples; ++s)
-        add_sample(&pixel, vload3(i * batch.samples + s, radiance), (batch.first_sample + s) & 1);
+    do {
+        for (uint s = 0; s < batch.samples; ++s)  // the numbers of entries are even
+            add_sample(&pixel, vload3(i * batch.samples + s, radiance), (batch.first_sample + s) & 1);
+    } while (is_next_entry(batch, tables, listed, ++i));
     film[at] = pixel;
 }
 
@@ -89,14 +100,16 @@ kernel void accumulate_film(Batch batch, global const uint* tables, uint listed,
 /// 1.5 times as long on PoCL.
 kernel void accumulate_odd(Batch batch, global const uint* tables, uint listed, uint begins, global const float* radiance,
                            global ColorSum* odd) {
-    const uint i = get_global_id(0);
-    if (i >= batch.pixels) return;
+    uint i = get_global_id(0);
+    if (i >= batch.pixels || !is_first_entry(batch, tables, listed, i)) return;
     const uint at = film_pixel(batch, tables, listed, i);
     ColorSum sum = NO_COLOR;
     if (!begins) sum = odd[at];
-    for (uint s = (batch.first_sample & 1) ^ 1; s < batch.samples; s += 2) {
-        const float3 sample = vload3(i * batch.samples + s, radiance);
-        if (can_be_summed(sample)) add_color(&sum, clamped(sample));
-    }
+    do {
+        for (uint s = (batch.first_sample & 1) ^ 1; s < batch.samples; s += 2) {
+            const float3 sample = vload3(i * batch.samples + s, radiance);
+            if (can_be_summed(sample)) add_color(&sum, clamped(sample));
+        }
+    } while (is_next_entry(batch, tables, listed, ++i));
     odd[at] = sum;
 }

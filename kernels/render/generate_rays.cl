@@ -31,7 +31,7 @@ kernel void generate_rays(Batch batch, FrameData of_frame, uint centers, global 
     const uint16 paths = begin + lanes, of_batch = paths / batch.samples;
     const uint16 pixels = pixels_of_16(batch, TABLE(uint, listed_pixels), of_batch);
     const uint16 seeds = hash_words_of_16(pixels, (uint16)(frame->seed));
-    const uint16 numbers = batch.first_sample + (paths - of_batch * batch.samples);
+    const uint16 numbers = first_samples_of_16(batch, TABLE(uint, listed_pixels), of_batch) + (paths - of_batch * batch.samples);
     const SamplePairs16 drawn = sample_pair_of_16(SAMPLER, seeds, numbers, (uint16)(DIMENSION_FILM));
     uint pixel[16], seed[16], number[16];
     float x[16], y[16];

@@ -85,13 +85,28 @@ kernel void measure_film(global const FilmPixel* film, global const ColorSum* od
 #endif
 }
 
+static inline float variance_of(FilmPixel p, float scale) {
+    if (p.odd_count == 0u || p.odd_count == p.count) return 0.0f;
+    const Halves halves = halves_of(p);
+    const float difference = noise_difference(p, halves, scale);
+    return difference * difference * halves.of_square;
+}
+
 /// Writes the variance of each pixel's mean luminance; 0 for pixels without samples of even and of odd index.
 kernel void map_noise(global const FilmPixel* film, uint pixels, float scale, global float* variances) {
     const uint i = get_global_id(0);
-    if (i >= pixels) return;
-    const FilmPixel p = film[i];
-    const bool known = p.odd_count != 0u && p.odd_count != p.count;
-    const Halves halves = halves_of(p);
-    const float difference = noise_difference(p, halves, scale);
-    variances[i] = known ? difference * difference * halves.of_square : 0.0f;
+    if (i < pixels) variances[i] = variance_of(film[i], scale);
+}
+
+/// The same for the mean of each tile's pixels, row by row.
+kernel void map_tile_noise(global const FilmPixel* film, uint width, uint height, float scale, global float* variances) {
+    const uint columns = (width + CLARAY_TILE_SIDE - 1u) / CLARAY_TILE_SIDE, rows = (height + CLARAY_TILE_SIDE - 1u) / CLARAY_TILE_SIDE;
+    const uint tile = get_global_id(0);
+    if (tile >= columns * rows) return;
+    const uint x0 = tile % columns * CLARAY_TILE_SIDE, y0 = tile / columns * CLARAY_TILE_SIDE;
+    const uint x1 = min(x0 + CLARAY_TILE_SIDE, width), y1 = min(y0 + CLARAY_TILE_SIDE, height);
+    float sum = 0.0f;
+    for (uint y = y0; y < y1; ++y)
+        for (uint x = x0; x < x1; ++x) sum += variance_of(film[y * width + x], scale);
+    variances[tile] = sum / (float)((x1 - x0) * (y1 - y0));
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <vector>
@@ -46,18 +47,29 @@ TEST(Rng, ScrambledSobolIsStratifiedInAllElementaryIntervals) {
         for (const unsigned bits : {1u, 4u, 7u, 10u}) expect_stratified(bits, hash_word(seed));
 }
 
-/// Each replicate of a pixel's samples is stratified separately.
-TEST(Rng, SamplesOfAPixelAreTwoStratifiedSequences) {
-    for (const unsigned odd : {0u, 1u}) {
-        std::set<std::uint32_t> cells;
-        for (unsigned i = 0; i < 256; ++i) cells.insert(sample_pair(CLARAY_SOBOL, 77, 2 * i + odd, 3).x >> 24);
-        EXPECT_EQ(cells.size(), 256u);
-    }
+/// The samples of a pixel of even and of odd number: every elementary interval that should hold two samples of a half
+/// holds two of each half, so that the halves' difference does not contain where their points are.
+TEST(Rng, HalvesOfAPixelsSamplesAreStratified) {
+    for (std::uint32_t pixel = 0; pixel < 20; ++pixel)
+        for (unsigned bits = 2; bits <= 10; ++bits)
+            for (unsigned x_bits = 0; x_bits < bits; ++x_bits) {
+                const unsigned y_bits = bits - 1 - x_bits;
+                std::vector<unsigned> counts(std::size_t(2) << (bits - 1));
+                for (std::uint32_t sample = 0; sample < 2u << bits; ++sample) {
+                    const SamplePair p = sample_pair(CLARAY_SOBOL, hash_word(pixel), sample, 3);
+                    const std::uint64_t x = std::uint64_t(p.x) >> (32 - x_bits),
+                                        y = std::uint64_t(p.y) >> (32 - y_bits);
+                    ++counts[2 * (x << y_bits | y) + sample % 2];
+                }
+                ASSERT_EQ(std::count(counts.begin(), counts.end(), 2u), std::ptrdiff_t(counts.size()))
+                    << "pixel " << pixel << ", 2^" << bits << " samples a half, 2^" << x_bits << " columns";
+            }
 }
 
 TEST(Rng, SequencesOfDifferentSeedsAndDimensionsAreUncorrelated) {
     for (const std::uint32_t sampler : {CLARAY_SOBOL, CLARAY_INDEPENDENT})
         for (unsigned other = 0; other < 3; ++other) {
+            if (other == 1 && sampler == CLARAY_SOBOL) continue;  // neighbours in one sequence
             double sum = 0;
             const int count = 20'000;  // pixels, one sample each
             for (int i = 0; i < count; ++i) {

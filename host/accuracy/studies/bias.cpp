@@ -174,10 +174,10 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
     constexpr float reaches[] = {0, 1 / 32.f, 1 / 8.f, 1 / 2.f};  // shares of the scene's size
     StudyOptions deep = options;
     deep.config.max_depth = reference_depth;
-    const ReferenceImage reference = reference_for(study, device, scene, deep, progress);
+    const ReferenceImage reference = reference_for(study, device, scene, deep, single_spp(options), progress);
     RenderConfig config = deep.config;
     const AccuracyProgress rest = scaled(progress, reference_share, 1);
-    config.spp = options.most_spp;
+    config.spp = single_spp(options);
     const std::vector<RenderConfig> approximated = approximated_renders(scene, config, options.approximations);
     const double settings =
         double(std::size(depths) + std::size(clamps) + std::size(reaches) + 1 + approximated.size());

@@ -30,7 +30,7 @@ RenderMethod denoise_with(const Device& device, const Scene& scene, const StudyO
 /// The error that the denoised images of different seeds have in common is blur; the rest is noise.
 void tell_blur(Study& study, const ImageMethod& method, const StudyOptions& options, const ReferenceImage& reference) {
     RenderConfig config = options.config;
-    config.spp = std::min(options.most_spp, spp_of_blur);
+    config.spp = std::clamp(spp_of_blur, std::min(options.first_spp, options.most_spp), options.most_spp);
     const StudyPoint blur =
         bias_point(method.name, "", 0, render_independently(method.render, config, options.runs), reference);
     study.findings.push_back(

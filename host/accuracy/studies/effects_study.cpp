@@ -39,10 +39,10 @@ Study study_effects(const Device& device, const Scene& scene, const StudyOptions
     Study study;
     study.name = "effects", study.title = "Effects: error and time saved without each";
     study.error = "bias without it, RMS / mean", study.sweeps = false;
-    const ReferenceImage reference = reference_for(study, device, scene, options, progress);
+    const ReferenceImage reference = reference_for(study, device, scene, options, single_spp(options), progress);
     const AccuracyProgress rest = scaled(progress, reference_share, 1);
     RenderConfig config = options.config;
-    config.spp = options.most_spp;
+    config.spp = single_spp(options);
     const RenderMethod method = render_with(device, scene);
     (void)method({.width = config.width, .height = config.height, .spp = 1});  // compiles the kernels
     const Renders whole = render_independently(method, config, options.runs);

@@ -87,7 +87,7 @@ Study study_gamma(const Device& device, const Scene& scene, const StudyOptions& 
         return study;
     }
     RenderConfig config = options.config;
-    config.spp = options.most_spp;
+    config.spp = single_spp(options);
     std::vector<std::size_t> steps;
     for (std::size_t groups = 2; groups < most; groups *= 2) steps.push_back(groups);
     steps.push_back(most);

@@ -66,9 +66,11 @@ RenderMethod render_with(const Device& device, const Scene& scene, std::vector<M
 }
 
 ReferenceImage reference_for(Study& study, const Device& device, const Scene& scene, const StudyOptions& options,
-                             const AccuracyProgress& progress) {
+                             unsigned spp, const AccuracyProgress& progress) {
+    const unsigned factor = options.reference_factor;
     ReferenceImage reference = reference_image(device, scene, options.config,
-                                               {.least_spp = options.reference_factor * options.most_spp,
+                                               {.least_spp = factor * spp,
+                                                .render_spp = std::max(ReferenceOptions{}.render_spp, spp),
                                                 .seed = options.reference_seed,
                                                 .folder = options.references},
                                                scaled(progress, 0, reference_share));
@@ -79,10 +81,10 @@ ReferenceImage reference_for(Study& study, const Device& device, const Scene& sc
 void sweep_samples(Study& study, const StudyOptions& options, const std::vector<ImageMethod>& methods,
                    const ImageJudge& judge, const AccuracyProgress& progress) {
     std::vector<unsigned> spp;
-    for (unsigned s = 1; s <= options.most_spp; s *= 2) spp.push_back(s);
+    for (unsigned s = options.first_spp; s <= options.most_spp; s *= 2) spp.push_back(s);
     std::vector<std::vector<Runs>> runs(methods.size(), std::vector<Runs>(spp.size()));
     double samples = 0;
-    const double all = double(options.runs) * double(methods.size()) * (2 * spp.back() - 1);
+    const double all = double(options.runs) * double(methods.size()) * (2 * spp.back() - spp.front());
     bool goes_on = true;
     for (const ImageMethod& method : methods) {  // compiles its kernels
         RenderConfig config = options.config;
@@ -109,7 +111,7 @@ void sweep_samples(Study& study, const StudyOptions& options, const std::vector<
 
 ReferenceImage sweep_to_reference(Study& study, const Device& device, const Scene& scene, const StudyOptions& options,
                                   const std::vector<ImageMethod>& methods, const AccuracyProgress& progress) {
-    const ReferenceImage reference = reference_for(study, device, scene, options, progress);
+    const ReferenceImage reference = reference_for(study, device, scene, options, options.most_spp, progress);
     sweep_samples(
         study, options, methods,
         [&](const std::vector<glm::vec3>& image, const RenderConfig& config) {

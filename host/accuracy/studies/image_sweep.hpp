@@ -46,13 +46,19 @@ struct ImageMethod {
 /// The error of an image that was made with a configuration.
 using ImageJudge = std::function<ImageError(const std::vector<glm::vec3>&, const RenderConfig&)>;
 
-/// 1, 2, 4 ... samples per pixel by each method, `runs` times with different seeds; adds the points to the study.
+/// Samples per pixel in studies without a sweep of samples.
+[[nodiscard]] inline unsigned single_spp(const StudyOptions& options) {
+    return options.single_spp == 0 ? options.most_spp : options.single_spp;
+}
+
+/// `first_spp`, twice as many ... samples per pixel by each method, `runs` times with different seeds; adds the points
+/// to the study.
 void sweep_samples(Study& study, const StudyOptions& options, const std::vector<ImageMethod>& methods,
                    const ImageJudge& judge, const AccuracyProgress& progress);
 
-/// Renders a reference with 64 times the samples of the largest setting. Its error becomes the study's floor.
+/// Renders a reference with `reference_factor` times `spp` samples. Its error becomes the study's floor.
 [[nodiscard]] ReferenceImage reference_for(Study& study, const Device& device, const Scene& scene,
-                                           const StudyOptions& options, const AccuracyProgress& progress);
+                                           const StudyOptions& options, unsigned spp, const AccuracyProgress& progress);
 
 /// Both: measures the errors against such a reference.
 ReferenceImage sweep_to_reference(Study& study, const Device& device, const Scene& scene, const StudyOptions& options,

@@ -147,7 +147,7 @@ Study study_rays(const Device& device, const RaySet& set, const StudyOptions& op
     }
     const std::vector<RayVariant> variants = all_variants();
     const unsigned rounds = std::max(options.runs, 1u);
-    const std::vector<TracedVariant> traced = trace_variants(device, set.meshes, set.rays, variants, rounds, progress);
+    const std::vector<TracedVariant> traced = trace_variants(device, set.meshes, set.rays, variants, options, progress);
     const Truth truth(set);
     for (std::size_t i = 0; i < variants.size(); ++i)
         study.points.push_back(point_of_rays(variants[i], traced[i], truth, set.distances, rounds));
@@ -216,7 +216,7 @@ Study study_nodes(const Device& device, const Scene& scene, const StudyOptions& 
     for (const unsigned bits : {32u, 16u, 8u})
         variants.push_back(
             {.method = "binary tree", .setting = std::to_string(bits) + " bits a plane", .node_bits = bits});
-    const auto traced = trace_variants(device, meshes, rays, variants, std::max(options.runs, 1u), progress);
+    const auto traced = trace_variants(device, meshes, rays, variants, options, progress);
     for (std::size_t i = 0; i < variants.size(); ++i) {
         StudyPoint point;
         point.method = variants[i].method, point.setting = variants[i].setting, point.value = variants[i].node_bits;

@@ -78,11 +78,20 @@ private:
     Kernel kernel_;
 };
 
+/// How many runs take at least `least_seconds`.
+unsigned repeats_of(const Device& device, Tracer& tracer, double least_seconds) {
+    constexpr double most = 1000;
+    if (!(least_seconds > 0)) return 1;
+    const double milliseconds = measure::measure(device, 1, [&] { tracer.run(); }).at("");
+    return unsigned(std::clamp(std::ceil(1e3 * least_seconds / std::max(milliseconds, 1e-6)), 1.0, most));
+}
+
 }  // namespace
 
 std::vector<TracedVariant> trace_variants(const Device& device, std::span<const Mesh> meshes, std::span<const Ray> rays,
-                                          const std::vector<RayVariant>& variants, unsigned rounds,
+                                          const std::vector<RayVariant>& variants, const StudyOptions& options,
                                           const AccuracyProgress& progress) {
+    const unsigned rounds = std::max(options.runs, 1u);
     const Bvh binary = Bvh::build(device, meshes, {.builder = Builder::balanced, .layout = Layout::binary});
     const Bvh shipped = Bvh::build(device, binary.triangles(), {.builder = Builder::balanced});
     const Buffer<Ray> device_rays(device, rays);
@@ -100,11 +109,13 @@ std::vector<TracedVariant> trace_variants(const Device& device, std::span<const 
         tracers.push_back(std::make_unique<Tracer>(variant, binary, shipped, device_rays));
         tell(2, "compiling " + variant.method + ", " + variant.setting);
     }
+    std::vector<unsigned> repeats;
+    for (const auto& tracer : tracers) repeats.push_back(repeats_of(device, *tracer, options.least_seconds));
     std::vector<std::function<void()>> tasks;
     for (std::size_t i = 0; i < tracers.size(); ++i)
         tasks.emplace_back([&, i] {
             if (!goes_on) return;
-            tracers[i]->run();
+            for (unsigned k = 0; k < repeats[i]; ++k) tracers[i]->run();
             device.finish();
             tell(1, "tracing, " + variants[i].method);
         });
@@ -112,7 +123,7 @@ std::vector<TracedVariant> trace_variants(const Device& device, std::span<const 
     if (!goes_on) return traced;
     for (std::size_t i = 0; i < tracers.size(); ++i) {
         traced[i].hits = tracers[i]->hits(), traced[i].boxes = tracers[i]->boxes_a_ray();
-        for (const double ms : timings[i].rounds) traced[i].seconds.push_back(1e-3 * ms);
+        for (const double ms : timings[i].rounds) traced[i].seconds.push_back(1e-3 * ms / repeats[i]);
     }
     return traced;
 }

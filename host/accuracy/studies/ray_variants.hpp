@@ -24,8 +24,8 @@ struct TracedVariant {
 /// Over a tree of the balanced builder.
 [[nodiscard]] std::vector<TracedVariant> trace_variants(const Device& device, std::span<const Mesh> meshes,
                                                         std::span<const Ray> rays,
-                                                        const std::vector<RayVariant>& variants, unsigned rounds,
-                                                        const AccuracyProgress& progress);
+                                                        const std::vector<RayVariant>& variants,
+                                                        const StudyOptions& options, const AccuracyProgress& progress);
 
 /// At most so many that testing them all against all triangles takes about a second.
 [[nodiscard]] std::size_t rays_to_judge(std::size_t wanted, std::span<const Mesh> meshes);

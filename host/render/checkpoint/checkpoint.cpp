@@ -16,8 +16,7 @@ namespace claray {
 namespace {
 
 constexpr std::array<char, 8> checkpoint_magic = {'C', 'L', 'R', 'C', 'K', 'P', '\r', '\n'};
-constexpr std::uint32_t checkpoint_version = 5;
-constexpr std::uint32_t version_with_pending = 6;
+constexpr std::uint32_t checkpoint_version = 6;
 
 /// The beginning of a file. Then the film's sums, the tiles of adaptive sampling, the pending batches, and the digest
 /// of these.
@@ -29,12 +28,12 @@ struct CheckpointHeader {
     std::uint32_t width, height;
     Schedule::Position position;
     std::uint32_t tells_error;
-    std::uint32_t group, tiles;  // see AdaptiveSchedule::Position; number of tiles
+    std::uint32_t tiles, zero;  // number of tiles, see AdaptiveSchedule::Position
     ErrorLooks looks;
     Digest scene, settings, kernels;
     Digest digest;  // of this header up to here
 };
-static_assert(sizeof(CheckpointHeader) == 152);
+static_assert(sizeof(CheckpointHeader) == 168);
 
 std::uint64_t pixels_of(const CheckpointHeader& header) { return std::uint64_t(header.width) * header.height; }
 
@@ -81,14 +80,12 @@ public:
         if (whole < sizeof header) refuse_damaged("it ends too early");
         if (header.order != byte_order)
             refuse("it was written on a machine with a different byte order", "render from the start");
-        if ((header.version != checkpoint_version && header.version != version_with_pending) ||
-            header.pixel_bytes != sizeof(FilmPixel))
+        if (header.version != checkpoint_version || header.pixel_bytes != sizeof(FilmPixel))
             refuse("it was written by another version of claray", "use that version, or render from the start");
         if (header.digest != digest_of_checkpoint_header(header)) refuse_damaged("the checksum of its header is wrong");
         const std::uint64_t of_tiles = header.tiles * std::uint64_t(sizeof(std::uint32_t));
         const std::uint64_t expected = sizeof header + bytes_of_sums(header) + of_tiles + sizeof(Digest);
-        const bool ends_in_batches =
-            header.version == version_with_pending && bytes_ > expected && (bytes_ - expected) % sizeof(Batch) == 0;
+        const bool ends_in_batches = bytes_ > expected && (bytes_ - expected) % sizeof(Batch) == 0;
         pending_ = ends_in_batches ? (bytes_ - expected) / sizeof(Batch) : 0;
         if (bytes_ != expected && pending_ == 0)
             refuse_damaged("it has " + std::to_string(bytes_) + " bytes instead of " + std::to_string(expected));
@@ -166,13 +163,13 @@ RenderIdentity identity_of(const Scene& scene, const RenderConfig& config) {
 void write_checkpoint(const std::filesystem::path& path, const RenderIdentity& identity, const Checkpoint& checkpoint) {
     CheckpointHeader header{};
     header.name = checkpoint_magic;
-    header.version = checkpoint.pending.empty() ? checkpoint_version : version_with_pending;
+    header.version = checkpoint_version;
     header.order = byte_order;
     header.pixel_bytes = sizeof(FilmPixel);
     header.width = identity.width, header.height = identity.height;
     const std::vector<std::uint32_t>& tiles = checkpoint.position.tiles;
     header.position = checkpoint.position.at;
-    header.group = checkpoint.position.group, header.tiles = std::uint32_t(tiles.size());
+    header.tiles = std::uint32_t(tiles.size());
     header.tells_error = identity.tells_error;
     header.looks = checkpoint.looks;
     header.scene = identity.scene, header.settings = identity.settings, header.kernels = identity.kernels;
@@ -209,7 +206,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
                     "use that version, or render from the start");
     const Schedule::Position& at = header.position;
     const bool within = at.pixel != 0 || at.sample != 0;
-    if (at.pixel >= header.width * header.height || (within && at.sample >= at.pass))
+    if (header.tiles == 0 && (at.pixel >= header.width * header.height || (within && at.sample >= at.pass)))
         file.refuse_damaged("its position is outside the image");
     const std::uint64_t most = std::uint64_t(at.done) + (within ? at.pass : 0);
     if (header.tiles == 0 && most > spp)
@@ -218,10 +215,11 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
             "use a larger --spp");
     const ErrorLooks& looks = header.looks;
     const auto sound = [](double value) { return value >= 0 && std::isfinite(value); };
-    if (!(sound(looks.square) && sound(looks.degrees) && sound(looks.last)) ||
+    if (!(sound(looks.square) && sound(looks.degrees) && sound(looks.last) && sound(looks.halves) &&
+          std::isfinite(looks.power)) ||
         (header.tiles == 0 && looks.spp > at.done))
         file.refuse_damaged("its error estimate is not a valid number");
-    Checkpoint checkpoint{{at, header.group, {}}, looks, {}};
+    Checkpoint checkpoint{{at, {}}, looks, {}};
     file.read_rest(header, checkpoint);
     if (!are_before(checkpoint.pending, header)) file.refuse_damaged("its pending samples are outside the image");
     return checkpoint;

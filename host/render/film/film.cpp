@@ -173,6 +173,18 @@ std::vector<float> Film::noise_map() const {
     return variances.read();
 }
 
+std::vector<float> Film::tile_noise(std::uint32_t width) const {
+    const auto along = [](std::uint32_t side) { return (side + CLARAY_TILE_SIDE - 1) / CLARAY_TILE_SIDE; };
+    const std::uint32_t height = count_ / width, tiles = along(width) * along(height);
+    const Totals& total = totals();
+    const double mean = total.luminance / total.noise_pixels;
+    if (!(mean > 0)) return std::vector<float>(tiles);
+    const Buffer<float> variances(device_, tiles);
+    load_kernel(device_, "render/measure_film.cl", "map_tile_noise")
+        .run({tiles, 64}, pixels_, width, height, float(scale_ / mean), variances);
+    return variances.read();
+}
+
 /// Let v be the variance of a pixel estimated from its two halves, with the true value s^2. v is s^2 times a chi^2
 /// variable of one degree of freedom, and so is, independently, the pixel's squared error. Sums of these over the
 /// pixels are about chi^2 of (sum s^2)^2 / sum s^4 degrees (Welch and Satterthwaite), the number of pixels that share
@@ -187,7 +199,7 @@ Film::Error Film::error(ErrorLooks& looks, std::uint32_t spp) const {
     const double estimate = std::max(least, std::sqrt(total.variance / (3 * total.pixels)) / mean);
     const double degrees = total.squares > 0 ? 3 * total.variance * total.variance / total.squares - 2 : 0;
     looks.add(estimate * estimate, degrees, spp);
-    return {estimate, looks.bound()};
+    return {std::sqrt(looks.last), looks.bound()};
 }
 
 }  // namespace claray

@@ -1,7 +1,6 @@
 // Decides which pixels of an image get more samples than others.
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "host/render/schedule/schedule.hpp"
@@ -10,8 +9,9 @@ namespace claray {
 
 /// A Schedule of the whole image, and with adaptive sampling rounds after its first 16 samples per pixel. Each round
 /// doubles the samples of the tiles (8x8 pixels) in which a sample lowers the estimated squared error of the image
-/// most, about a quarter of all samples so far. It is planned from complete earlier rounds only, so that it depends
-/// neither on batches nor on time. Tiles keep powers of two, where Sobol points are even.
+/// most, about a quarter of all samples so far. It is
+/// planned from complete earlier rounds only, so that it depends neither on batches nor on time. Tiles keep powers of
+/// two, where Sobol points are even.
 class AdaptiveSchedule {
 public:
     /// `spp`: mean samples per pixel at the end. `paths_in_flight`: see Schedule.
@@ -20,26 +20,28 @@ public:
 
     [[nodiscard]] bool finished() const { return has_ended_ || (!adaptive_ && uniform_.finished()); }
     /// Returns whether `plan` must be called before `next`.
-    [[nodiscard]] bool wants_plan() const { return adaptive_ && !has_ended_ && uniform_.finished() && groups_.empty(); }
+    [[nodiscard]] bool wants_plan() const { return adaptive_ && !has_ended_ && uniform_.finished() && listed_.empty(); }
     /// Returns whether pixels may have different numbers of samples.
     [[nodiscard]] bool has_rounds() const { return !tiles_.empty(); }
-    /// Plans the next round from the variance of each pixel's mean, in any unit. If no tile can be doubled within the
-    /// samples left, the schedule is finished.
+    /// Plans the next round from the variance of the pixels of each tile, in any unit. If no tile can be doubled within
+    /// the samples left, the schedule is finished.
     void plan(const std::vector<float>& variances);
-    /// The pixels that the batches of this round number; empty if they number those of the image.
+    /// The entries that the batches of this round number, two words each (Batch); empty if they number the pixels of
+    /// the image. An entry has as many samples as the pixels with the fewest. At most `words_per_pixel` words per pixel
+    /// of the image.
     [[nodiscard]] const std::vector<std::uint32_t>& listed() const { return listed_; }
+    static constexpr std::uint32_t words_per_pixel = 8;
     /// As of Schedule; with adaptive sampling, samples per pixel are means, and passes are rounds.
     [[nodiscard]] Batch next(std::uint32_t most_paths = ~std::uint32_t(0));
     [[nodiscard]] std::uint32_t complete_passes_spp() const;
     [[nodiscard]] std::uint64_t samples() const;
-    [[nodiscard]] bool between_passes() const { return groups_.empty() && uniform_.between_passes(); }
+    [[nodiscard]] bool between_passes() const { return listed_.empty() && uniform_.between_passes(); }
     void limit_pass(std::uint32_t samples) { uniform_.limit_pass(samples); }
     /// Samples per pixel of the current pass of the whole image, or of the next one.
     [[nodiscard]] std::uint32_t pass_samples() const { return uniform_.pass_samples(); }
 
     struct Position {
-        Schedule::Position at;  // of the image, or of the group of tiles that is sampled now
-        std::uint32_t group = 0;
+        Schedule::Position at;  // of the image; in a round the entry and its sample
         /// Of each tile, once rounds have begun: samples per pixel before the round, and `chosen` if the round doubles
         /// them.
         std::vector<std::uint32_t> tiles;
@@ -50,15 +52,11 @@ public:
     [[nodiscard]] bool go_to(const Position& position);
 
 private:
-    /// Chosen tiles with the same number of samples: consecutive pixels of the list.
-    struct Group {
-        std::uint32_t first = 0, pixels = 0, samples = 0;
-    };
     [[nodiscard]] std::uint32_t pixels_of(std::uint32_t tile) const;
     [[nodiscard]] std::vector<double> priorities(const std::vector<float>& variances) const;
     void list_chosen();
-    void begin_group(std::uint32_t group);
     void end_round();
+    [[nodiscard]] std::uint32_t entries() const { return std::uint32_t(listed_.size() / 2); }
 
     std::uint32_t width_, height_, columns_, rows_, paths_;
     std::uint64_t budget_;  // samples of all pixels
@@ -67,9 +65,8 @@ private:
     std::vector<std::uint32_t> tiles_;  // as in Position
     std::uint64_t done_ = 0;            // samples of all pixels before the round
     std::vector<std::uint32_t> listed_;
-    std::vector<Group> groups_;  // of the round; empty between rounds
-    std::uint32_t group_ = 0;
-    std::optional<Schedule> current_;  // of the group
+    std::uint32_t unit_ = 0;                // samples of an entry
+    std::uint32_t entry_ = 0, sample_ = 0;  // where the round continues
 };
 
 }  // namespace claray

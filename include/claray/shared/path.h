@@ -22,11 +22,16 @@ typedef struct LightSample {
 } LightSample;
 CLARAY_LAYOUT(LightSample, 16)
 
-/// Consecutive pixels with `samples` consecutive samples each: path p is sample p % samples of pixel p / samples.
+/// Adaptive sampling distributes samples to squares of so many pixels per side.
+#define CLARAY_TILE_SIDE 8u
+
+/// Consecutive pixels with `samples` consecutive samples each: path p is sample p % samples of pixel p / samples. A
+/// listed batch has consecutive entries of the list SceneTables::listed_pixels instead of pixels: a pixel, and a number
+/// that is added to those of the samples. A pixel may have several entries, one after the other.
 typedef struct Batch {
     uint first_pixel, pixels;
     uint first_sample, samples;
-    uint listed;  // 1: pixels are consecutive in the list SceneTables::listed_pixels instead of in the image
+    uint listed;  // 1: of entries
 } Batch;
 CLARAY_LAYOUT(Batch, 20)
 
@@ -42,7 +47,7 @@ typedef struct SceneTables {
     uint triangle_lights, punctual_lights, light_tree, light_leaves, light_trails, light_lists, hot_spots, lamps;
     uint light_grid;                           // LightGrid
     uint environment_texels, environment_cdf;  // float
-    uint listed_pixels;                        // uint: those of the current round of adaptive sampling
+    uint listed_pixels;                        // uint, 2 per entry: those of the current round of adaptive sampling
 } SceneTables;
 CLARAY_LAYOUT(SceneTables, 64)
 

@@ -42,11 +42,28 @@ CLARAY_SHARED_FUNCTION CLARAY_WORD CLARAY_OF_WORD(sobol_second_reversed)(CLARAY_
     return index ^ (index >> 16);
 }
 
-/// Point `index` of a shuffled and scrambled Sobol sequence. Different seeds give independent sequences.
+/// 1 if an odd number of bits is set.
+CLARAY_SHARED_FUNCTION CLARAY_WORD CLARAY_OF_WORD(parity_of)(CLARAY_WORD x) {
+    x ^= x >> 16;
+    x ^= x >> 8;
+    x ^= x >> 4;
+    x ^= x >> 2;
+    return (x ^ (x >> 1)) & 1u;
+}
+
+/// Point `index` of a shuffled and scrambled Sobol sequence. Different seeds give independent sequences. Two numbers
+/// that differ in their lowest bit are neighbours in the sequence; which of them comes first is decided so that the
+/// even numbers get the points whose third Sobol coordinate (of the polynomial x^2 + x + 1; its first bit is the parity
+/// of the bits 0, 1, 3, 4, 6, 7 ...) is below 1/2, and the odd ones the others, or the reverse. Three Sobol coordinates
+/// are a (1,3)-sequence, so that both halves are stratified as well: the first 2^m points of a half have at most t = 1.
+/// A half cannot have t = 0 for every m, as the whole has: in base 2 there is no third coordinate for that
+/// (Niederreiter 1987).
 CLARAY_SHARED_FUNCTION CLARAY_PAIR CLARAY_OF_WORD(sobol_pair)(CLARAY_WORD index, CLARAY_WORD seed) {
     CLARAY_PAIR pair;
-    index =
-        CLARAY_OF_WORD(reverse_bits)(CLARAY_OF_WORD(owen_scramble_reversed)(CLARAY_OF_WORD(reverse_bits)(index), seed));
+    const CLARAY_WORD neighbours = CLARAY_OF_WORD(reverse_bits)(CLARAY_OF_WORD(owen_scramble_reversed)(
+                                       CLARAY_OF_WORD(reverse_bits)(index >> 1), seed))
+                                   << 1;
+    index = neighbours | ((CLARAY_OF_WORD(parity_of)(neighbours & 0xdb6db6dbu) ^ index) & 1u);  // mutant: sobol-halves
     pair.x = CLARAY_OF_WORD(reverse_bits)(
         CLARAY_OF_WORD(owen_scramble_reversed)(index, CLARAY_OF_WORD(hash_word)(seed ^ 0x68bc21ebu)));
     pair.y = CLARAY_OF_WORD(reverse_bits)(CLARAY_OF_WORD(owen_scramble_reversed)(
@@ -70,12 +87,13 @@ CLARAY_SHARED_FUNCTION CLARAY_PAIR CLARAY_OF_WORD(independent_pair)(CLARAY_WORD 
     return pair;
 }
 
-/// Returns the pair of numbers that sample `sample` of a pixel uses for `dimension`. Samples alternate between two
-/// sequences with independent scrambling, so that the difference of their means estimates the error of both (Owen 1997:
-/// replicated randomised quasi-Monte Carlo).
+/// Returns the pair of numbers that sample `sample` of a pixel uses for `dimension`. The samples of even and of odd
+/// number are the halves of sobol_pair in every dimension: the difference of their means estimates the error
+/// (docs/accuracy.md).
 CLARAY_SHARED_FUNCTION CLARAY_PAIR CLARAY_OF_WORD(sample_pair)(uint sampler, CLARAY_WORD pixel_seed, CLARAY_WORD sample,
                                                                CLARAY_WORD dimension) {
-    const CLARAY_WORD seed = CLARAY_OF_WORD(hash_words)(pixel_seed ^ (sample & 1u), dimension);
-    return sampler == CLARAY_SOBOL ? CLARAY_OF_WORD(sobol_pair)(sample >> 1, seed)
+    const CLARAY_WORD seed =
+        CLARAY_OF_WORD(hash_words)(sampler == CLARAY_SOBOL ? pixel_seed : pixel_seed ^ (sample & 1u), dimension);
+    return sampler == CLARAY_SOBOL ? CLARAY_OF_WORD(sobol_pair)(sample, seed)
                                    : CLARAY_OF_WORD(independent_pair)(sample, seed);
 }

@@ -15,11 +15,16 @@ namespace {
 
 constexpr unsigned width = 37, height = 21;  // tiles at two borders are parts
 
-/// The variance of each pixel after these samples, if it falls with their number: the left eighth has most of it.
+/// The mean variance of each tile's pixels after these samples, if it falls with their number: the left eighth has most
+/// of it.
 std::vector<float> variances_after(const std::vector<std::uint32_t>& samples) {
-    std::vector<float> variances;
-    for (std::size_t p = 0; p < samples.size(); ++p)
-        variances.push_back((p % width < 5 ? 100.f : 0.01f) / float(samples[p]));
+    constexpr unsigned columns = (width + 7) / 8, rows = (height + 7) / 8;
+    std::vector<float> variances(columns * rows), pixels(columns * rows);
+    for (std::size_t p = 0; p < samples.size(); ++p) {
+        const std::size_t tile = p / width / 8 * columns + p % width / 8;
+        variances[tile] += (p % width < 5 ? 100.f : 0.01f) / float(samples[p]), ++pixels[tile];
+    }
+    for (std::size_t t = 0; t < variances.size(); ++t) variances[t] /= pixels[t];
     return variances;
 }
 
@@ -32,8 +37,8 @@ void take(AdaptiveSchedule& schedule, std::uint32_t most, std::vector<std::uint3
     ASSERT_GE(batch.pixels * batch.samples, 1u);
     ASSERT_LE(batch.pixels * batch.samples, std::max(most, 1u));
     for (std::uint32_t i = batch.first_pixel; i < batch.first_pixel + batch.pixels; ++i) {
-        const std::uint32_t pixel = batch.listed ? listed.at(i) : i;
-        ASSERT_EQ(samples.at(pixel), batch.first_sample);
+        const std::uint32_t pixel = batch.listed ? listed.at(2 * i) : i;
+        ASSERT_EQ(samples.at(pixel), batch.first_sample + (batch.listed ? listed.at(2 * i + 1) : 0));
         samples[pixel] += batch.samples;
     }
 }
@@ -94,8 +99,8 @@ TEST(AdaptiveSchedule, RefusesPositionsThatDoNotExist) {
     };
     ASSERT_TRUE(accepts(good));
     EXPECT_FALSE(AdaptiveSchedule(width, height, 60, 1000, false).go_to(good));
-    EXPECT_FALSE(AdaptiveSchedule(width, height, 17, 1000, true).go_to({{16, 0, 0, 0}, 0, std::vector(15u, 32u)}));
-    for (auto change : {+[](AdaptiveSchedule::Position& p) { p.group = 99; },
+    EXPECT_FALSE(AdaptiveSchedule(width, height, 17, 1000, true).go_to({{0, 0, 0, 0}, std::vector(15u, 32u)}));
+    for (auto change : {+[](AdaptiveSchedule::Position& p) { p.at.sample = 99; },
                         +[](AdaptiveSchedule::Position& p) { p.tiles.pop_back(); },
                         +[](AdaptiveSchedule::Position& p) { p.tiles[0] = 17; },
                         +[](AdaptiveSchedule::Position& p) { p.tiles[0] = 0; },
