@@ -92,7 +92,7 @@ TEST_F(Groups, DropADeviceThatFails) {
     config_.spp = 150;
     const std::vector<glm::vec3> expected = of_one(config_);
     for (const std::size_t failing : {0u, 1u})
-        for (const unsigned nth : {1u, 40u, 100u}) {
+        for (const unsigned nth : {1u, 20u, 50u}) {
             const std::vector<Device> devices = several(2);
             fail_command(devices[failing], nth);
             std::vector<std::string> told;
