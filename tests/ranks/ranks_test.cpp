@@ -83,6 +83,12 @@ TEST_F(Ranks, MakeTheImageOfOneBitForBit) {
     EXPECT_EQ(result.output.find("spp in"), result.output.rfind("spp in")) << "rank 0 alone reports";
 }
 
+TEST_F(Ranks, StopAtTheErrorOfOne) {
+    const auto words = [&](const char* name) { return Words{"--error", "0.2", "--seed", "3", "-o", path(name)}; };
+    const std::string expected = image("1.pfm", alone(words("1.pfm")));
+    EXPECT_TRUE(image("2.pfm", run_process(mpirun({{2, render(words("2.pfm"))}}))) == expected);
+}
+
 /// By default mpirun ends all ranks if one dies: the last checkpoint continues with the same bits.
 TEST_F(Ranks, LeaveACheckpointIfOneDies) {
     const Words words = {"--spp", "1500", "--checkpoint", path("c"), "--checkpoint-every", "0.05s", "-o"};

@@ -1,7 +1,7 @@
 // Several devices share an image.
 #include <gtest/gtest.h>
 
-#include "claray/render_group.hpp"
+#include "claray/scale/render_group.hpp"
 #include "host/compute/memory.hpp"
 #include "host/scale/group_state.hpp"
 #include "tests/support/device.hpp"
