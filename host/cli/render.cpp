@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "claray/io.hpp"
-#include "claray/render_group.hpp"
+#include "claray/scale/render_group.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/load.hpp"
 #include "host/cli/options/option_rules.hpp"

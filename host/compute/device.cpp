@@ -126,14 +126,19 @@ void tune(Device::State& state) {
     state.tuning_warnings = std::move(tuning.warnings);
 }
 
-/// Without CPUs of a second platform, which would be the same processor again.
+/// The CPU last, because the first device leads (RenderGroup); without CPUs of a second platform, which would be the
+/// same processor again.
 std::vector<std::string> select_all(const std::vector<DeviceInfo>& infos) {
     std::string platform;
-    std::vector<std::string> all;
+    std::vector<std::string> all, cpus;
     for (const DeviceInfo& info : infos) {
         if (info.type == DeviceType::cpu && platform.empty()) platform = info.platform;
-        if (info.type != DeviceType::cpu || info.platform == platform) all.push_back(std::to_string(info.index));
+        if (info.type != DeviceType::cpu)
+            all.push_back(std::to_string(info.index));
+        else if (info.platform == platform)
+            cpus.push_back(std::to_string(info.index));
     }
+    all.insert(all.end(), cpus.begin(), cpus.end());
     return all;
 }
 

@@ -1,7 +1,7 @@
 // Rank 0's view of the devices of the other ranks.
 #pragma once
 
-#include "claray/render_group.hpp"
+#include "claray/scale/render_group.hpp"
 #include "host/ranks/protocol.hpp"
 
 namespace claray::ranks {

@@ -1,7 +1,7 @@
 // What a RenderGroup consists of.
 #pragma once
 
-#include "claray/render_group.hpp"
+#include "claray/scale/render_group.hpp"
 #include "host/render/checkpoint/checkpoint.hpp"
 #include "host/scale/device_worker.hpp"
 

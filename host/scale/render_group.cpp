@@ -1,4 +1,4 @@
-#include "claray/render_group.hpp"
+#include "claray/scale/render_group.hpp"
 
 #include <algorithm>
 #include <utility>

@@ -78,23 +78,15 @@ testing::AssertionResult says(const ProcessResult& result, int exit_code, const 
 TEST_F(Ranks, MakeTheImageOfOneBitForBit) {
     const std::string expected = image("1.pfm", alone({"--spp", "40", "-o", path("1.pfm")}));
     const ProcessResult result = run_process(mpirun({{3, render({"--spp", "40", "-o", path("3.pfm")})}}));
-    EXPECT_EQ(image("3.pfm", result), expected);
+    EXPECT_TRUE(image("3.pfm", result) == expected);
     EXPECT_NE(result.output.find("rank 2"), std::string::npos) << result.output;
     EXPECT_EQ(result.output.find("spp in"), result.output.rfind("spp in")) << "rank 0 alone reports";
 }
 
 TEST_F(Ranks, StopAtTheErrorOfOne) {
-    const Words words = {"--error", "0.2", "--spp", "4096", "--seed", "3", "-o"};
-    Words of_one = words, of_two = words;
-    of_one.push_back(path("1.pfm")), of_two.push_back(path("2.pfm"));
-    const std::string expected = image("1.pfm", alone(of_one));
-    EXPECT_EQ(image("2.pfm", run_process(mpirun({{2, render(of_two)}}))), expected);
-}
-
-TEST_F(Ranks, RenderAnimations) {
-    const ProcessResult result =
-        run_process(mpirun({{2, render({"--frames", "0..1", "--spp", "4", "-o", path("f.pfm")})}}));
-    EXPECT_EQ(image("f.0001.pfm", result), image("1.pfm", alone({"--spp", "4", "-o", path("1.pfm")})));
+    const auto words = [&](const char* name) { return Words{"--error", "0.2", "--seed", "3", "-o", path(name)}; };
+    const std::string expected = image("1.pfm", alone(words("1.pfm")));
+    EXPECT_TRUE(image("2.pfm", run_process(mpirun({{2, render(words("2.pfm"))}}))) == expected);
 }
 
 /// By default mpirun ends all ranks if one dies: the last checkpoint continues with the same bits.
@@ -112,7 +104,7 @@ TEST_F(Ranks, LeaveACheckpointIfOneDies) {
     resumed.push_back(path("resumed.pfm"));
     resumed.insert(resumed.end(), {"--resume", path("c")});
     const std::string expected = image("whole.pfm", alone({"--spp", "1500", "-o", path("whole.pfm")}));
-    EXPECT_EQ(image("resumed.pfm", run_process(mpirun({{2, render(resumed)}}))), expected);
+    EXPECT_TRUE(image("resumed.pfm", run_process(mpirun({{2, render(resumed)}}))) == expected);
 }
 
 TEST_F(Ranks, GoOnIfOneDiesWhereTheLauncherAllowsIt) {
@@ -125,7 +117,7 @@ TEST_F(Ranks, GoOnIfOneDiesWhereTheLauncherAllowsIt) {
     ASSERT_TRUE(rank);
     ::kill(*rank, SIGKILL);
     const ProcessResult result = process.wait();
-    EXPECT_EQ(image("2.pfm", result), image("1.pfm", alone({"--spp", "1500", "-o", path("1.pfm")})));
+    EXPECT_TRUE(image("2.pfm", result) == image("1.pfm", alone({"--spp", "1500", "-o", path("1.pfm")})));
     EXPECT_NE(result.errors.find("is dropped and the others go on: nothing was heard of it for 1 s"), std::string::npos)
         << result.errors;
 }

@@ -1,7 +1,7 @@
 // Several devices share an image.
 #include <gtest/gtest.h>
 
-#include "claray/render_group.hpp"
+#include "claray/scale/render_group.hpp"
 #include "host/compute/memory.hpp"
 #include "host/scale/group_state.hpp"
 #include "tests/support/device.hpp"
@@ -92,7 +92,7 @@ TEST_F(Groups, DropADeviceThatFails) {
     config_.spp = 150;
     const std::vector<glm::vec3> expected = of_one(config_);
     for (const std::size_t failing : {0u, 1u})
-        for (const unsigned nth : {1u, 40u, 100u}) {
+        for (const unsigned nth : {1u, 20u, 50u}) {
             const std::vector<Device> devices = several(2);
             fail_command(devices[failing], nth);
             std::vector<std::string> told;
