@@ -131,7 +131,7 @@ bool RenderGroup::State::raise_limit() {
     Renderer::State& state = lead().renderer().state();
     state.looks = looks, state.begin = begin;
     state.schedule = state.new_schedule();
-    (void)state.schedule.go_to({{done, 0, 0, 0}, 0, {}});
+    (void)state.schedule.go_to({{done, 0, 0, 0}, {}});
     const bool met = state.target_met();
     looks = state.looks, measured = state.measure();
     if (met) return false;
@@ -294,7 +294,7 @@ void set_position(Checkpoint& at, const std::vector<PixelRun>& runs, const Deale
     std::uint32_t most = 0;
     for (const PixelRun& run : runs) most = std::max(most, run.samples);
     const std::uint32_t done = runs.size() == 1 ? most : std::min(dealer.limit(), dealer.end_of_pass(most));
-    at.position = {{done, 0, 0, 0}, 0, {}};
+    at.position = {{done, 0, 0, 0}, {}};
     at.pending.clear();
     for (const PixelRun& run : runs)
         if (run.samples < done) at.pending.push_back({run.first, run.pixels, run.samples, done - run.samples, 0});
