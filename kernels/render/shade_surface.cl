@@ -24,8 +24,8 @@
 #include "lights/light_lists_sixteen.clh"
 #endif
 
-/// Rays that an item shades together, and for which it reserves room in the queues at once on CPUs. One atomic operation per ray, on a counter and on cache lines
-/// of queues that two cores share, took a third of the time of shading.
+/// Rays that an item shades together, and for which it reserves room in the queues at once on CPUs. One atomic operation per ray,
+/// on a counter and on cache lines of queues that two cores share, took a third of the time of shading.
 #define SLOTS_AT_ONCE 16u
 
 typedef struct ShadedRay {
@@ -39,7 +39,7 @@ static inline void add_gathered(float3 gathered, uint path, global float* radian
     if (gathered.x != 0.0f || gathered.y != 0.0f || gathered.z != 0.0f) add_radiance(radiance, path, gathered);
 }
 
-static inline float time_of_ray(global RayQueue* queue, uint room, uint i) {
+static inline float time_in_queue(global RayQueue* queue, uint room, uint i) {
 #if INSTANCE_MOTION
     return times_of_queue(queue, room)[i];
 #else
@@ -74,7 +74,7 @@ static inline void draw_samples16(const Step* step, global const uint* listed_pi
     const Batch batch = step->batch;
     const uint16 paths = vload16(0, path), pixels = paths / batch.samples;
     const uint16 seeds = hash_words_of_16(pixels_of_16(batch, listed_pixels, pixels), (uint16)(step->frame.seed));
-    const uint16 numbers = batch.first_sample + (paths - pixels * batch.samples);
+    const uint16 numbers = first_samples_of_16(batch, listed_pixels, pixels) + (paths - pixels * batch.samples);
     for (uint which = 0; which < (LOBES ? 4 : 3); ++which) {
         const uint dimension = which == AT_LOBE ? DIMENSION_LOBE(step->depth) : DIMENSION_LIGHT(step->depth) + which;
         const SamplePairs16 pairs = sample_pair_of_16(SAMPLER, seeds, numbers, (uint16)(dimension));
@@ -124,7 +124,7 @@ static inline void shade_rays16(const Step* step, SCENE_PARAMETERS, global RayQu
         if (k >= count) continue;
         group.ray[k] = queued_ray(&rays_of_queue(queue)[i]);
         shaded[k].next.wanted = shaded[k].shadow.wanted = false;
-        shaded[k].time = time_of_ray(queue, room, i);
+        shaded[k].time = time_in_queue(queue, room, i);
         const RayCone cone = cone_of_ray(frame, depth, queue, room, i);
         if (find_point(&last, step, &lights, depth, SCENE, &group.ray[k], hits[i], shaded[k].time, cone, shading_normals, &group.state[k],
                        &gathered[k], &group.at[k]))
@@ -158,7 +158,7 @@ static inline void shade_ray(const Step* step, SCENE_PARAMETERS, global RayQueue
     const uint depth = step->depth, room = step->room;
     const PathState state = state_of_ray(states_of_queue(queue, room), depth, i);
     const RayCone cone = cone_of_ray(&step->frame, depth, queue, room, i);
-    shaded->time = time_of_ray(queue, room, i);
+    shaded->time = time_in_queue(queue, room, i);
     float3 gathered;
     shade_hit(step, depth, SCENE, queued_ray(&rays_of_queue(queue)[i]), hits[i], shaded->time, state, cone,
               radiance + 3 * (size_t)room, &gathered, &shaded->next, &shaded->shadow);
