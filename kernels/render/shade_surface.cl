@@ -17,10 +17,12 @@
     (SIXTEEN && CLARAY_CPU && MATERIALS == 1u << CLARAY_LAMBERT && !NORMALS && !TEXTURES && !MIPMAPS && !INSTANCES && !BAKE && !SHADING && \
      !VERTEX_COLORS && !ENVIRONMENT && LIGHT_KINDS_USED == POINT_LIGHTS && !LIGHT_FALLOFF && !ABSORPTION &&                 \
      !(TRIANGLE_LIGHTS && POINT_LIGHTS))
+/// 1: hits are shaded in groups, one stage after the other. Without optimization PoCL takes minutes to compile this.
+#define SHADE_GROUPS (CLARAY_CPU && !CLARAY_UNOPTIMIZED)
 #if SHADE_SIXTEEN
 #include "render/shade_sixteen.clh"
 #else
-#if CLARAY_CPU
+#if SHADE_GROUPS
 #include "lights/light_lists_sixteen.clh"
 #endif
 
@@ -54,7 +56,7 @@ static inline RayCone cone_of_ray(const FrameData* frame, uint depth, global Ray
     return camera_cone(frame);
 }
 
-#if CLARAY_CPU
+#if SHADE_GROUPS
 /// Hits that are shaded together, one stage after the other for all of them.
 typedef struct HitGroup {
     uint scattering;  // the lanes that scatter
@@ -166,6 +168,16 @@ static inline void shade_ray(const Step* step, SCENE_PARAMETERS, global RayQueue
 }
 #endif
 
+/// Shades `count` rays of the queue from `begin` on.
+static inline void shade_rays(const Step* step, SCENE_PARAMETERS, global RayQueue* queue, global const SceneHit* hits, uint begin,
+                              uint count, global float* radiance, ShadedRay* shaded) {
+#if SHADE_GROUPS
+    shade_rays16(step, SCENE, queue, hits, begin, count, radiance, shaded);
+#else
+    for (uint k = 0; k < count; ++k) shade_ray(step, SCENE, queue, hits, begin + k, radiance, &shaded[k]);
+#endif
+}
+
 static inline void store_next(const ShadedRay* shaded, global RayQueue* queue, uint room, uint slot) {
     store_ray(&rays_of_queue(queue)[slot], shaded->next.ray);
     states_of_queue(queue, room)[slot] = shaded->next.state;
@@ -215,7 +227,7 @@ void shade_surface(Step step, SCENE_PARAMETERS, global QueueLength* lengths, glo
         ShadedRay shaded[SLOTS_AT_ONCE];
         const uint count = min(SLOTS_AT_ONCE, end - i);
         uint rays = 0, shadows = 0;
-        shade_rays16(&step, SCENE, queue, hits, i, count, radiance, shaded);
+        shade_rays(&step, SCENE, queue, hits, i, count, radiance, shaded);
         for (uint k = 0; k < count; ++k) rays += shaded[k].next.wanted, shadows += shaded[k].shadow.wanted;
         uint slot = rays ? atomic_add(next_length, rays) : 0u;
         for (uint k = 0; k < count; ++k)
@@ -230,7 +242,7 @@ void shade_surface(Step step, SCENE_PARAMETERS, global QueueLength* lengths, glo
     local uint scratch[2];
     ShadedRay shaded;
     shaded.next.wanted = shaded.shadow.wanted = false;
-    if (get_global_id(0) < all) shade_ray(&step, SCENE, queue, hits, get_global_id(0), radiance, &shaded);
+    if (get_global_id(0) < all) shade_rays(&step, SCENE, queue, hits, get_global_id(0), 1u, radiance, &shaded);
     const uint slot = reserve_slot(next_length, shaded.next.wanted, scratch);
     if (shaded.next.wanted) store_next(&shaded, next_queue, room, slot);
 #if LIGHTS
