@@ -173,9 +173,10 @@ void refuse_several(const std::vector<Device>& devices, const RenderOptions& opt
     const auto refuse = [](const char* option, const char* remedy) {
         throw Error(ErrorKind::usage, std::string(option) + " works on one device only", remedy);
     };
-    if (options.fps > 0) refuse("--fps", "name one with --device");
-    if (options.config.adaptive) refuse("--adaptive", "name one with --device, or leave out --adaptive");
-    if (!options.trace.empty()) refuse("--trace", "name one with --device, or leave out --trace");
+    if (options.fps > 0) refuse("--fps", "name one with --device, without mpirun");
+    if (options.config.adaptive)
+        refuse("--adaptive", "name one with --device, without mpirun, or leave out --adaptive");
+    if (!options.trace.empty()) refuse("--trace", "name one with --device, without mpirun, or leave out --trace");
 }
 
 void render(const RenderOptions& options) {

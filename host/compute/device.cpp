@@ -146,6 +146,7 @@ std::vector<std::string> parts_of(const std::string& list) {
     std::vector<std::string> parts;
     std::istringstream text(list);
     for (std::string part; std::getline(text, part, ',');) parts.push_back(part);
+    if (list.ends_with(',')) parts.emplace_back();
     return parts;
 }
 

@@ -54,7 +54,8 @@ Ranks::Ranks(Session& session, const Hello& own) : session_(session), hellos_(st
     for (int missing = session.size() - 1; missing > 0;) {
         const std::optional<Message> message = session.receive(std::chrono::milliseconds(100));
         if (Clock::now() - begin > limit)
-            throw Error(ErrorKind::user, std::to_string(missing) + " ranks did not answer",
+            throw Error(ErrorKind::user,
+                        std::to_string(missing) + " of " + std::to_string(session.size()) + " ranks did not answer",
                         "check that claray starts on all machines, or set CLARAY_RANK_SECONDS to more than " +
                             std::to_string(int(Session::seconds_until_lost())));
         if (!message) continue;
@@ -83,9 +84,10 @@ RemoteDevices::RemoteDevices(Ranks& ranks, RenderGroup& group, const Scene& scen
                                                       place_of(rank, hello) + ": " + hello.devices[device]);
             });
     }
+    std::string picture = to_bytes(picture_, config, scene);  // may throw, before the session knows this object
     session.handle([this](const Message& message) { take(message); });
     while (const std::optional<Message> earlier = session.receive(std::chrono::milliseconds(0))) take(*earlier);
-    session.broadcast(MessageKind::picture, to_bytes(picture_, config, scene));
+    session.broadcast(MessageKind::picture, std::move(picture));
 }
 
 RemoteDevices::~RemoteDevices() {

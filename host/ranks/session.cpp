@@ -76,6 +76,7 @@ struct Session::State {
     std::mutex handler_mutex;
     std::function<void(const Message&)> handler;
     bool has_started = false, ends = false, has_ended = false, any_lost = false;
+    bool tree_is_broken = false;  // a rank is gone that would pass messages on
     int exit_code = 0;
 
     // Of the thread.
@@ -90,7 +91,7 @@ void Session::State::run() {
     start();
     for (;;) {
         bool busy = send_all();
-        busy |= receive_one();
+        while (receive_one()) busy = true;  // all, before a rank counts as lost
         keep_alive();
         if (busy) last_message = Clock::now();
         const bool attends = seconds_since(last_message) < seconds_of_attention;
@@ -169,7 +170,11 @@ bool Session::State::receive_one() {
     if (tag & more_parts) return true;
     Message message{from, MessageKind(tag / kinds), std::move(peer.parts)};
     peer.parts.clear();
-    if (message.kind == MessageKind::quit || message.kind == MessageKind::failure) peer.has_left = true;
+    if (message.kind == MessageKind::quit || message.kind == MessageKind::failure) {
+        peer.has_left = true;
+        const std::lock_guard lock(mutex);
+        tree_is_broken = true;
+    }
     if (message.kind != MessageKind::alive && !peer.is_lost) deliver(std::move(message));
     return true;
 }
@@ -214,7 +219,7 @@ void Session::State::lose(int other) {
     peer.is_lost = true;
     {
         const std::lock_guard lock(mutex);
-        any_lost = true;
+        any_lost = tree_is_broken = true;
     }
     deliver({other, MessageKind::failure, {}});
 }
@@ -252,8 +257,9 @@ void Session::send(int to, MessageKind kind, std::string bytes) {
 void Session::broadcast(MessageKind kind, std::string bytes) {
     const auto shared = std::make_shared<const std::string>(std::move(bytes));
     const std::lock_guard lock(state_->mutex);
-    for (int to = 1; to < state_->size; to *= 2)
-        state_->outgoing.push_back({to, int(kind) * kinds | along_tree, shared});
+    const bool direct = state_->tree_is_broken;
+    for (int to = 1; to < state_->size; to = direct ? to + 1 : 2 * to)
+        state_->outgoing.push_back({to, int(kind) * kinds | (direct ? 0 : along_tree), shared});
     state_->changed.notify_all();
 }
 

@@ -32,7 +32,7 @@ struct Message {
 [[nodiscard]] int rank_by_launcher();
 
 /// One thread makes all calls of MPI, so that messages arrive while others compute or wait, and tells the other ranks
-/// now and then that this one is alive. Functions may be called from any thread.
+/// periodically that this one is alive. Functions may be called from any thread.
 class Session {
 public:
     /// Throws ErrorKind::user if this program was built without MPI.

@@ -68,7 +68,6 @@ struct RenderGroup::State {
     Checkpoint start;  // from which the render continues
     Inbox inbox;
     std::vector<Member> members;  // after the inbox, to which they post until they end
-    std::function<void()> poll;   // posts the reports of workers of other processes; null: there are none
     std::optional<Dealer> dealer;
     Film::Sums sums;   // of all pixels, as far as they were handed over
     ErrorLooks looks;  // of the last lead

@@ -13,7 +13,6 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::microseconds patience{20'000};
-constexpr std::chrono::microseconds patience_of_polls{100};
 /// What a device that fails loses at most, if there are no checkpoints.
 constexpr double seconds_between_sums = 30;
 
@@ -130,6 +129,7 @@ bool RenderGroup::State::raise_limit() {
     if (!has_targets()) return done < config.spp;
     Renderer::State& state = lead().renderer().state();
     state.looks = looks, state.begin = begin;
+    state.pending.clear();
     state.schedule = state.new_schedule();
     (void)state.schedule.go_to({{done, 0, 0, 0}, {}});
     const bool met = state.target_met();
@@ -148,9 +148,12 @@ RenderProgress RenderGroup::State::render(const Progress& progress) {
     do {
         goes_on = reach_limit(progress);
         gather(!config.checkpoint.empty() && !goes_on);
+        goes_on =
+            goes_on || (!hurries && dealer->least() == 0);  // a device that fails can leave pixels without samples
     } while (goes_on && (!dealer->finished() || raise_limit()));
+    if (!config.checkpoint.empty()) gather(true);
     const RenderProgress reached = hand_over();
-    if (!config.checkpoint.empty()) gather(true), save_checkpoint();
+    if (!config.checkpoint.empty()) save_checkpoint();
     return reached;
 }
 
@@ -193,8 +196,7 @@ void RenderGroup::State::send(Member& member, const Order& order) {
 }
 
 void RenderGroup::State::take_report(std::chrono::microseconds most) {
-    if (poll) poll();
-    std::optional<Report> report = inbox.wait(poll ? patience_of_polls : most);
+    std::optional<Report> report = inbox.wait(most);
     for (; report; report = inbox.wait(std::chrono::microseconds(0))) {
         Member& member = members[report->worker];
         if (member.has_failed) continue;
@@ -289,11 +291,13 @@ void RenderGroup::State::gather(bool of_lead) {
 
 namespace {
 
-/// Where a single device continues: at the end of the pass that is furthest ahead, but what is missing comes first.
+/// Where a single device continues: at the end of the pass that is furthest ahead, and not before the last look at the
+/// error, but what is missing comes first.
 void set_position(Checkpoint& at, const std::vector<PixelRun>& runs, const Dealer& dealer) {
     std::uint32_t most = 0;
     for (const PixelRun& run : runs) most = std::max(most, run.samples);
-    const std::uint32_t done = runs.size() == 1 ? most : std::min(dealer.limit(), dealer.end_of_pass(most));
+    const std::uint32_t end = runs.size() == 1 ? most : std::min(dealer.limit(), dealer.end_of_pass(most));
+    const std::uint32_t done = std::max(end, at.looks.spp);
     at.position = {{done, 0, 0, 0}, {}};
     at.pending.clear();
     for (const PixelRun& run : runs)
@@ -305,12 +309,14 @@ void set_position(Checkpoint& at, const std::vector<PixelRun>& runs, const Deale
 /// The lead's renderer is left as if it had rendered all samples.
 RenderProgress RenderGroup::State::hand_over() {
     Renderer::State& state = lead().renderer().state();
-    Checkpoint reached;
+    Checkpoint reached{{}, looks, {}, {}};
     set_position(reached, dealer->rendered(), *dealer);
     (void)state.schedule.go_to(reached.position);
     state.pending = std::move(reached.pending);
     state.looks = looks, state.begin = begin;
-    return state.measure();
+    RenderProgress progress = state.measure();
+    if (dealer->least() == 0) progress.spp = 0;  // no whole image
+    return progress;
 }
 
 /// A device that fails later loses only what it has rendered since.
@@ -327,9 +333,8 @@ void RenderGroup::State::keep_now_and_then() {
 
 /// As a single device does, a full disk does not end the render.
 void RenderGroup::State::save_checkpoint() {
-    Checkpoint checkpoint;
+    Checkpoint checkpoint{{}, looks, {}, {}};
     set_position(checkpoint, dealer->known(), *dealer);
-    checkpoint.looks = looks;
     std::swap(checkpoint.sums, sums);
     try {
         write_checkpoint(config.checkpoint, identity, checkpoint);

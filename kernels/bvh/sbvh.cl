@@ -1,7 +1,8 @@
 // The best tree, built from the root down: each node is split at the least cost by the surface area heuristic, between triangles or
 // by a plane through them; then a triangle on both sides has a reference for each part (Stich, Friedrich and Dietrich 2009,
 // "Spatial Splits in Bounding Volume Hierarchies"). All nodes of a level are split at once, one work-group each, or several if a
-// node has many references (sbvh_large.cl). The tree is the same on all devices, because no choice depends on the references' order.
+// node has many references (sbvh_large.cl). The tree is the same on all devices, because no choice depends on the references'
+// order.
 #ifndef GROUP
 #define GROUP 64
 #endif

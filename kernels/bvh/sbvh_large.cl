@@ -1,5 +1,5 @@
-// The upper levels of the best tree: several groups split a node of more than LARGE references. Each has a chunk of them, bins it in
-// local memory, and adds its bins to those of the node; later it moves its chunk to both sides.
+// The upper levels of the best tree: several groups split a node of more than LARGE references. Each has a chunk of them, bins it
+// in local memory, and adds its bins to those of the node; later it moves its chunk to both sides.
 #ifndef GROUP
 #define GROUP 256
 #endif
@@ -134,8 +134,8 @@ void reserve_large(global const WideTask* tasks, global LargeNode* states, globa
     if (ITEM == 0) chunks[get_group_id(0)].left = places[0], chunks[get_group_id(0)].right = places[1];
 }
 
-/// One group per chunk: moves its references to both sides, from one buffer to the other. If roundings left one side empty, the node
-/// is split by number instead.
+/// One group per chunk: moves its references to both sides, from one buffer to the other. If roundings left one side empty, the
+/// node is split by number instead.
 kernel __attribute__((reqd_work_group_size(GROUP, 1, 1)))
 void move_large(global const WideTask* tasks, global LargeNode* states, global const Chunk* chunks, uint chunk_size,
                 global const float4* from, global float4* to, global const float* positions, global const uint* indices) {

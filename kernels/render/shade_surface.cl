@@ -17,15 +17,17 @@
     (SIXTEEN && CLARAY_CPU && MATERIALS == 1u << CLARAY_LAMBERT && !NORMALS && !TEXTURES && !MIPMAPS && !INSTANCES && !BAKE && !SHADING && \
      !VERTEX_COLORS && !ENVIRONMENT && LIGHT_KINDS_USED == POINT_LIGHTS && !LIGHT_FALLOFF && !ABSORPTION &&                 \
      !(TRIANGLE_LIGHTS && POINT_LIGHTS))
+/// 1: hits are shaded in groups, one stage after the other. Without optimization PoCL takes minutes to compile this.
+#define SHADE_GROUPS (CLARAY_CPU && !CLARAY_UNOPTIMIZED)
 #if SHADE_SIXTEEN
 #include "render/shade_sixteen.clh"
 #else
-#if CLARAY_CPU
+#if SHADE_GROUPS
 #include "lights/light_lists_sixteen.clh"
 #endif
 
-/// Rays that an item shades together, and for which it reserves room in the queues at once on CPUs. One atomic operation per ray, on a counter and on cache lines
-/// of queues that two cores share, took a third of the time of shading.
+/// Rays that an item shades together, and for which it reserves room in the queues at once on CPUs. One atomic operation per ray,
+/// on a counter and on cache lines of queues that two cores share, took a third of the time of shading.
 #define SLOTS_AT_ONCE 16u
 
 typedef struct ShadedRay {
@@ -39,7 +41,7 @@ static inline void add_gathered(float3 gathered, uint path, global float* radian
     if (gathered.x != 0.0f || gathered.y != 0.0f || gathered.z != 0.0f) add_radiance(radiance, path, gathered);
 }
 
-static inline float time_of_ray(global RayQueue* queue, uint room, uint i) {
+static inline float time_in_queue(global RayQueue* queue, uint room, uint i) {
 #if INSTANCE_MOTION
     return times_of_queue(queue, room)[i];
 #else
@@ -54,7 +56,7 @@ static inline RayCone cone_of_ray(const FrameData* frame, uint depth, global Ray
     return camera_cone(frame);
 }
 
-#if CLARAY_CPU
+#if SHADE_GROUPS
 /// Hits that are shaded together, one stage after the other for all of them.
 typedef struct HitGroup {
     uint scattering;  // the lanes that scatter
@@ -74,7 +76,7 @@ static inline void draw_samples16(const Step* step, global const uint* listed_pi
     const Batch batch = step->batch;
     const uint16 paths = vload16(0, path), pixels = paths / batch.samples;
     const uint16 seeds = hash_words_of_16(pixels_of_16(batch, listed_pixels, pixels), (uint16)(step->frame.seed));
-    const uint16 numbers = batch.first_sample + (paths - pixels * batch.samples);
+    const uint16 numbers = first_samples_of_16(batch, listed_pixels, pixels) + (paths - pixels * batch.samples);
     for (uint which = 0; which < (LOBES ? 4 : 3); ++which) {
         const uint dimension = which == AT_LOBE ? DIMENSION_LOBE(step->depth) : DIMENSION_LIGHT(step->depth) + which;
         const SamplePairs16 pairs = sample_pair_of_16(SAMPLER, seeds, numbers, (uint16)(dimension));
@@ -124,7 +126,7 @@ static inline void shade_rays16(const Step* step, SCENE_PARAMETERS, global RayQu
         if (k >= count) continue;
         group.ray[k] = queued_ray(&rays_of_queue(queue)[i]);
         shaded[k].next.wanted = shaded[k].shadow.wanted = false;
-        shaded[k].time = time_of_ray(queue, room, i);
+        shaded[k].time = time_in_queue(queue, room, i);
         const RayCone cone = cone_of_ray(frame, depth, queue, room, i);
         if (find_point(&last, step, &lights, depth, SCENE, &group.ray[k], hits[i], shaded[k].time, cone, shading_normals, &group.state[k],
                        &gathered[k], &group.at[k]))
@@ -158,13 +160,23 @@ static inline void shade_ray(const Step* step, SCENE_PARAMETERS, global RayQueue
     const uint depth = step->depth, room = step->room;
     const PathState state = state_of_ray(states_of_queue(queue, room), depth, i);
     const RayCone cone = cone_of_ray(&step->frame, depth, queue, room, i);
-    shaded->time = time_of_ray(queue, room, i);
+    shaded->time = time_in_queue(queue, room, i);
     float3 gathered;
     shade_hit(step, depth, SCENE, queued_ray(&rays_of_queue(queue)[i]), hits[i], shaded->time, state, cone,
               radiance + 3 * (size_t)room, &gathered, &shaded->next, &shaded->shadow);
     add_gathered(gathered, state.path, radiance);
 }
 #endif
+
+/// Shades `count` rays of the queue from `begin` on.
+static inline void shade_rays(const Step* step, SCENE_PARAMETERS, global RayQueue* queue, global const SceneHit* hits, uint begin,
+                              uint count, global float* radiance, ShadedRay* shaded) {
+#if SHADE_GROUPS
+    shade_rays16(step, SCENE, queue, hits, begin, count, radiance, shaded);
+#else
+    for (uint k = 0; k < count; ++k) shade_ray(step, SCENE, queue, hits, begin + k, radiance, &shaded[k]);
+#endif
+}
 
 static inline void store_next(const ShadedRay* shaded, global RayQueue* queue, uint room, uint slot) {
     store_ray(&rays_of_queue(queue)[slot], shaded->next.ray);
@@ -215,7 +227,7 @@ void shade_surface(Step step, SCENE_PARAMETERS, global QueueLength* lengths, glo
         ShadedRay shaded[SLOTS_AT_ONCE];
         const uint count = min(SLOTS_AT_ONCE, end - i);
         uint rays = 0, shadows = 0;
-        shade_rays16(&step, SCENE, queue, hits, i, count, radiance, shaded);
+        shade_rays(&step, SCENE, queue, hits, i, count, radiance, shaded);
         for (uint k = 0; k < count; ++k) rays += shaded[k].next.wanted, shadows += shaded[k].shadow.wanted;
         uint slot = rays ? atomic_add(next_length, rays) : 0u;
         for (uint k = 0; k < count; ++k)
@@ -230,7 +242,7 @@ void shade_surface(Step step, SCENE_PARAMETERS, global QueueLength* lengths, glo
     local uint scratch[2];
     ShadedRay shaded;
     shaded.next.wanted = shaded.shadow.wanted = false;
-    if (get_global_id(0) < all) shade_ray(&step, SCENE, queue, hits, get_global_id(0), radiance, &shaded);
+    if (get_global_id(0) < all) shade_rays(&step, SCENE, queue, hits, get_global_id(0), 1u, radiance, &shaded);
     const uint slot = reserve_slot(next_length, shaded.next.wanted, scratch);
     if (shaded.next.wanted) store_next(&shaded, next_queue, room, slot);
 #if LIGHTS

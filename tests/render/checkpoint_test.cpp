@@ -80,7 +80,7 @@ TEST_F(CheckpointFiles, RendersToAnErrorGoOn) {
     EXPECT_TRUE(refused(resumed(), "it was rendered without --error"));
 }
 
-/// Within the first pass of the image, within a group of tiles, and between rounds.
+/// Within the first pass of the image, within a round, and between rounds.
 TEST_F(CheckpointFiles, AdaptiveRendersGoOn) {
     config_.spp = 40, config_.adaptive = true;
     RenderConfig whole = config_;

@@ -97,7 +97,7 @@ TEST_F(Groups, DropADeviceThatFails) {
             fail_command(devices[failing], nth);
             std::vector<std::string> told;
             RenderConfig config = config_;
-            config.checkpoint = folder_ / "c", config.checkpoint_seconds = 0.01;  // sums are handed over now and then
+            config.checkpoint = folder_ / "c", config.checkpoint_seconds = 0.01;  // sums are handed over periodically
             RenderGroup group(devices, scene_, config, [&](const std::string& line) { told.push_back(line); });
             group.render();
             EXPECT_TRUE(same(group.renderer().image(), expected)) << failing << " fails at command " << nth;

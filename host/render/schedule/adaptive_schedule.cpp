@@ -139,14 +139,17 @@ bool AdaptiveSchedule::go_to(const Position& to) {
     if (!adaptive_ || to.tiles.size() != std::size_t(columns_) * rows_) return false;
     uniform_.go_to({first_samples, 0, 0, 0});
     tiles_ = to.tiles, done_ = 0;
+    std::uint64_t round = 0;
+    std::uint32_t unit = most_samples;
     for (std::uint32_t t = 0; t < tiles_.size(); ++t) {
         const std::uint32_t samples = tiles_[t] & ~chosen;
         if (samples < first_samples || samples > most_samples || (samples & (samples - 1)) != 0) return false;
         done_ += std::uint64_t(samples) * pixels_of(t);
+        if (tiles_[t] & chosen) round += std::uint64_t(samples) * pixels_of(t);
+        unit = std::min(unit, samples);
     }
+    if (done_ + round > budget_ || round / unit > std::uint64_t(words_per_pixel / 2) * width_ * height_) return false;
     list_chosen();
-    const std::uint64_t round = std::uint64_t(entries()) * unit_;
-    if (done_ + round > budget_ || entries() > std::uint64_t(words_per_pixel / 2) * width_ * height_) return false;
     if (listed_.empty()) return true;
     entry_ = to.at.pixel, sample_ = to.at.sample;
     return to.at.done == 0 && to.at.pass == 0 && entry_ < entries() && sample_ < unit_;

@@ -1,4 +1,5 @@
-// The lower levels of the best tree on CPUs: the splits of sbvh_small.cl, by one work-item, which tries 16 splits at once by vectors.
+// The lower levels of the best tree on CPUs: the splits of sbvh_small.cl, by one work-item, which tries 16 splits at once by
+// vectors.
 #include "bvh/sbvh/sbvh.clh"
 
 #define LANES 16u
