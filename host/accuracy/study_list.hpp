@@ -14,20 +14,21 @@ struct NamedStudy {
     const char* name;
     RunStudy run;  ///< null for studies that also make maps
     RunStudyWithMaps run_with_maps = nullptr;
+    bool samples = true;  ///< renders the scene with samples per pixel
 };
-inline constexpr NamedStudy all_studies[] = {{"hard-rays", study_hard_rays},
-                                             {"scene-rays", study_scene_rays},
-                                             {"builds", study_builds},
-                                             {"trees", study_trees},
-                                             {"nodes", study_nodes},
+inline constexpr NamedStudy all_studies[] = {{"hard-rays", study_hard_rays, nullptr, false},
+                                             {"scene-rays", study_scene_rays, nullptr, false},
+                                             {"builds", study_builds, nullptr, false},
+                                             {"trees", study_trees, nullptr, false},
+                                             {"nodes", study_nodes, nullptr, false},
                                              {"sampling", study_sampling},
                                              {"techniques", study_techniques},
                                              {"denoising", study_denoising},
                                              {"bias", study_bias},
                                              {"arithmetic", study_arithmetic},
-                                             {"sums", study_sums},
+                                             {"sums", study_sums, nullptr, false},
                                              {"filtering", study_filtering},
-                                             {"depth", nullptr, study_depth},
+                                             {"depth", nullptr, study_depth, false},
                                              {"gamma", study_gamma},
                                              {"shading", study_shading},
                                              {"effects", nullptr, study_effects}};

@@ -211,13 +211,9 @@ void limit_to_quick(StudyOptions& study) {
 /// What the user did not give is chosen by the speed of the device, if a chosen study renders the scene.
 void scale_to_device(AccuracyOptions& o, const std::vector<NamedStudy>& chosen, const Device& device,
                      const Scene& scene) {
-    constexpr std::string_view without_samples[] = {"hard-rays", "scene-rays", "builds", "trees",
-                                                    "nodes",     "sums",       "depth"};
-    const bool renders = std::any_of(chosen.begin(), chosen.end(), [&](const NamedStudy& study) {
-        return std::find(std::begin(without_samples), std::end(without_samples), study.name) ==
-               std::end(without_samples);
-    });
-    if (o.quick || (o.has_size && o.has_spp) || !renders) return;
+    const bool samples =
+        std::any_of(chosen.begin(), chosen.end(), [](const NamedStudy& study) { return study.samples; });
+    if (o.quick || (o.has_size && o.has_spp) || !samples) return;
     o.study = at_scale(device, scene, o.study, o.has_size, o.has_spp, o.has_rays);
     if (!o.quiet)
         std::fprintf(stderr, "chosen for this device: %ux%u pixels, %u to %u samples per pixel\n", o.study.config.width,

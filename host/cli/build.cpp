@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/file.hpp"
+#include "host/base/seconds_since.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/output/outputs.hpp"
@@ -26,10 +27,6 @@ struct BuildOptions {
 };
 
 constexpr const char* saved_extension = ".cbvh";
-
-double seconds_since(std::chrono::steady_clock::time_point begin) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
 
 struct Report {
     BvhStatistics statistics;

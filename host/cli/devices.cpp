@@ -55,18 +55,21 @@ void print_as_json(const std::vector<DeviceInfo>& infos) {
     print_json(devices);
 }
 
+void print_tuning_warnings(const Device& device) {
+    for (const std::string& warning : tuning_warnings(device)) print_warning(warning);
+}
+
 }  // namespace
 
 Device open_device(const std::string& selector) {
     Device device = Device::open(selector);
-    for (const std::string& warning : tuning_warnings(device)) print_warning(warning);
+    print_tuning_warnings(device);
     return device;
 }
 
 std::vector<Device> open_devices(const std::string& selectors) {
     std::vector<Device> devices = Device::open_several(selectors);
-    for (const Device& device : devices)
-        for (const std::string& warning : tuning_warnings(device)) print_warning(warning);
+    for (const Device& device : devices) print_tuning_warnings(device);
     return devices;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "claray/error.hpp"
+#include "host/base/seconds_since.hpp"
 
 #if CLARAY_WITH_MPI
 
@@ -36,8 +37,6 @@ constexpr int more_parts = 1, along_tree = 2, kinds = 4;
     std::fprintf(stderr, "claray: error: MPI did not start in time; check that all ranks run claray render\n");
     ::_exit(1);
 }
-
-double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 }  // namespace
 
@@ -166,7 +165,7 @@ bool Session::State::receive_one() {
     Peer& peer = peers[std::size_t(from)];
     peer.heard = Clock::now();
     if (tag & along_tree) pass_on(tag, part);
-    peer.parts = peer.parts.empty() ? std::move(part) : peer.parts + part;
+    peer.parts += part;
     if (tag & more_parts) return true;
     Message message{from, MessageKind(tag / kinds), std::move(peer.parts)};
     peer.parts.clear();

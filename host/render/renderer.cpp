@@ -11,6 +11,7 @@
 
 #include "claray/shared/spherical_harmonics.h"
 #include "host/base/file.hpp"
+#include "host/base/seconds_since.hpp"
 #include "host/denoise/denoised_image.hpp"
 #include "host/render/guides.hpp"
 #include "host/render/kernels/background_compiler.hpp"
@@ -34,8 +35,6 @@ constexpr double optimism_of_rounds = 1.25;
 /// (docs/accuracy.md). This is about the middle, for figures that are told; bounds do without it.
 constexpr double pessimism_of_halves = 1.1;
 constexpr std::uint32_t quick_first_paths = 2048;  // in the batch that produces the first pixel
-
-double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 double processor_seconds() { return double(std::clock()) / CLOCKS_PER_SEC; }
 

@@ -106,17 +106,11 @@ void DeviceWorker::start(const Job& job) {
 /// In batches for which the renderer has room; each pixel's samples in their order.
 void DeviceWorker::render(const Batch& all) {
     Renderer::State& state = renderer_->state();
-    const std::uint32_t room = state.wavefront.capacity();
-    Batch batch = all;
-    for (std::uint32_t pixel = 0; pixel < all.pixels; pixel += batch.pixels) {
-        batch.first_pixel = all.first_pixel + pixel;
-        batch.pixels = std::min(all.pixels - pixel, std::max(1u, room / all.samples));
-        for (std::uint32_t sample = 0; sample < all.samples; sample += batch.samples) {
-            batch.first_sample = all.first_sample + sample;
-            batch.samples = std::min(all.samples - sample, room / batch.pixels);
-            state.wavefront.trace(batch);
-            state.film.accumulate(batch, state.wavefront.radiance());
-        }
+    state.pending = {all};
+    while (!state.pending.empty()) {
+        const Batch batch = state.next_batch(state.wavefront.capacity());
+        state.wavefront.trace(batch);
+        state.film.accumulate(batch, state.wavefront.radiance());
     }
     samples_ += std::uint64_t(all.pixels) * all.samples;
     state.choose_kernels(samples_ >= state.pixels());

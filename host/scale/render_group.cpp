@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "host/base/file.hpp"
+#include "host/base/seconds_since.hpp"
 #include "host/render/renderer_state.hpp"
 #include "host/scale/group_state.hpp"
 
@@ -18,8 +19,6 @@ constexpr double seconds_between_sums = 30;
 
 /// At the end of an interrupted render, since launchers kill a program that does not end at once: Open MPI after 1 s.
 constexpr double seconds_to_hand_over = 0.5;
-
-double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 const RenderConfig& checked(const RenderConfig& config) {
     if (config.adaptive)
@@ -147,9 +146,9 @@ RenderProgress RenderGroup::State::render(const Progress& progress) {
     bool goes_on = true;
     do {
         goes_on = reach_limit(progress);
-        gather(!config.checkpoint.empty() && !goes_on);
-        goes_on =
-            goes_on || (!hurries && dealer->least() == 0);  // a device that fails can leave pixels without samples
+        gather(false);
+        // A device that fails can leave pixels without samples.
+        goes_on = goes_on || (!hurries && dealer->least() == 0);
     } while (goes_on && (!dealer->finished() || raise_limit()));
     if (!config.checkpoint.empty()) gather(true);
     const RenderProgress reached = hand_over();

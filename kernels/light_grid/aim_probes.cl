@@ -18,7 +18,7 @@ kernel void aim_probes(Step step, GridBox box, global const uint* tables, global
         Lanes16 lanes;
         keep_vectors16(probe_directions16(shift, first, count), &lanes, 0);
         for (uint i = 0; i < min(16u, count - first); ++i)
-            aim_ray(&step, count * probe + first + i, from, (float3)(lanes.value[0][i], lanes.value[1][i], lanes.value[2][i]), queue, radiance);
+            aim_ray(&step, count * probe + first + i, from, lane_vector16(&lanes, 0, i), queue, radiance);
     }
 #else
     aim_ray(&step, item, from, probe_direction(shift, item % count, count), queue, radiance);

@@ -32,7 +32,8 @@ class Query:
     filter: a Filter of the hits of a Bvh; only those that it accepts count. Rays are then traced one by one.
     queue: a device made by bvh.device.with_new_queue(), for queries at the same time; None: the structure's own.
 
-    Primitives have no faces: cull_back_faces, closed, filter, queue and masks are for triangles. Call it as closest_hit and any_hit, without the structure: query(origins, directions).
+    Primitives have no faces: cull_back_faces, closed, filter, queue and masks are for triangles. Call it as closest_hit
+    and any_hit, without the structure: query(origins, directions).
     """
 
     def __init__(self, bvh: Structure, kind: Literal["closest", "any"] = "closest", *, cull_back_faces: bool = False,

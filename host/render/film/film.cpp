@@ -163,26 +163,24 @@ Film::Noise Film::noise() const {
     return noise;
 }
 
-std::vector<float> Film::noise_map() const {
+/// `name`: a kernel of measure_film.cl that writes one variance per item.
+template <class... Args>
+std::vector<float> Film::variances(const char* name, std::uint32_t items, const Args&... args) const {
     const Totals& total = totals();
     const double mean = total.luminance / total.noise_pixels;
-    if (!(mean > 0)) return std::vector<float>(count_);
-    const Buffer<float> variances(device_, count_);
-    load_kernel(device_, "render/measure_film.cl", "map_noise")
-        .run({count_, 64}, pixels_, count_, float(scale_ / mean), variances);
-    return variances.read();
+    if (!(mean > 0)) return std::vector<float>(items);
+    const Buffer<float> found(device_, items);
+    load_kernel(device_, "render/measure_film.cl", name)
+        .run({items, 64}, pixels_, args..., float(scale_ / mean), found);
+    return found.read();
 }
+
+std::vector<float> Film::noise_map() const { return variances("map_noise", count_, count_); }
 
 std::vector<float> Film::tile_noise(std::uint32_t width) const {
     const auto along = [](std::uint32_t side) { return (side + CLARAY_TILE_SIDE - 1) / CLARAY_TILE_SIDE; };
-    const std::uint32_t height = count_ / width, tiles = along(width) * along(height);
-    const Totals& total = totals();
-    const double mean = total.luminance / total.noise_pixels;
-    if (!(mean > 0)) return std::vector<float>(tiles);
-    const Buffer<float> variances(device_, tiles);
-    load_kernel(device_, "render/measure_film.cl", "map_tile_noise")
-        .run({tiles, 64}, pixels_, width, height, float(scale_ / mean), variances);
-    return variances.read();
+    const std::uint32_t height = count_ / width;
+    return variances("map_tile_noise", along(width) * along(height), width, height);
 }
 
 /// Let v be the variance of a pixel estimated from its two halves, with the true value s^2. v is s^2 times a chi^2

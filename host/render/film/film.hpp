@@ -95,6 +95,8 @@ private:
     void begin_all() const;
     void forget_look();
     void measure() const;
+    template <class... Args>
+    [[nodiscard]] std::vector<float> variances(const char* name, std::uint32_t items, const Args&... args) const;
     [[nodiscard]] Totals measured() const;
     [[nodiscard]] const Totals& totals() const;
 

@@ -63,7 +63,7 @@ void AdaptiveSchedule::plan(const std::vector<float>& variances) {
     std::iota(order.begin(), order.end(), 0u);
     std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return priority[a] > priority[b]; });
     const std::uint64_t left = budget_ - done_, wanted = std::min(left, done_ / parts_per_round);
-    const std::uint32_t unit = *std::min_element(tiles_.begin(), tiles_.end());
+    const std::uint32_t unit = least_samples();
     std::uint64_t taken = 0, room = std::uint64_t(words_per_pixel / 2) * width_ * height_;
     for (const std::uint32_t tile : order) {
         const std::uint64_t cost = std::uint64_t(tiles_[tile]) * pixels_of(tile);
@@ -76,10 +76,15 @@ void AdaptiveSchedule::plan(const std::vector<float>& variances) {
     has_ended_ = listed_.empty();
 }
 
+std::uint32_t AdaptiveSchedule::least_samples() const {
+    std::uint32_t least = most_samples;
+    for (const std::uint32_t tile : tiles_) least = std::min(least, tile & ~chosen);
+    return least;
+}
+
 void AdaptiveSchedule::list_chosen() {
     listed_.clear();
-    entry_ = sample_ = 0, unit_ = most_samples;
-    for (const std::uint32_t tile : tiles_) unit_ = std::min(unit_, tile & ~chosen);
+    entry_ = sample_ = 0, unit_ = least_samples();
     for (std::uint32_t t = 0; t < tiles_.size(); ++t) {
         if (!(tiles_[t] & chosen)) continue;
         const std::uint32_t samples = tiles_[t] & ~chosen, x0 = t % columns_ * tile_side, y0 = t / columns_ * tile_side;
@@ -140,15 +145,14 @@ bool AdaptiveSchedule::go_to(const Position& to) {
     uniform_.go_to({first_samples, 0, 0, 0});
     tiles_ = to.tiles, done_ = 0;
     std::uint64_t round = 0;
-    std::uint32_t unit = most_samples;
     for (std::uint32_t t = 0; t < tiles_.size(); ++t) {
         const std::uint32_t samples = tiles_[t] & ~chosen;
         if (samples < first_samples || samples > most_samples || (samples & (samples - 1)) != 0) return false;
         done_ += std::uint64_t(samples) * pixels_of(t);
         if (tiles_[t] & chosen) round += std::uint64_t(samples) * pixels_of(t);
-        unit = std::min(unit, samples);
     }
-    if (done_ + round > budget_ || round / unit > std::uint64_t(words_per_pixel / 2) * width_ * height_) return false;
+    const std::uint64_t room = std::uint64_t(words_per_pixel / 2) * width_ * height_;
+    if (done_ + round > budget_ || round / least_samples() > room) return false;
     list_chosen();
     if (listed_.empty()) return true;
     entry_ = to.at.pixel, sample_ = to.at.sample;

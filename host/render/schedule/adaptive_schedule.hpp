@@ -9,9 +9,8 @@ namespace claray {
 
 /// A Schedule of the whole image, and with adaptive sampling rounds after its first 16 samples per pixel. Each round
 /// doubles the samples of the tiles (8x8 pixels) in which a sample lowers the estimated squared error of the image
-/// most, about a quarter of all samples so far. It is
-/// planned from complete earlier rounds only, so that it depends neither on batches nor on time. Tiles keep powers of
-/// two, where Sobol points are even.
+/// most, about a quarter of all samples so far. It is planned from complete earlier rounds only, so that it depends
+/// neither on batches nor on time. Tiles keep powers of two, where Sobol points are even.
 class AdaptiveSchedule {
 public:
     /// `spp`: mean samples per pixel at the end. `paths_in_flight`: see Schedule.
@@ -53,6 +52,8 @@ public:
 
 private:
     [[nodiscard]] std::uint32_t pixels_of(std::uint32_t tile) const;
+    /// Samples per pixel of the tile with the fewest, before the round.
+    [[nodiscard]] std::uint32_t least_samples() const;
     [[nodiscard]] std::vector<double> priorities(const std::vector<float>& variances) const;
     void list_chosen();
     void end_round();
