@@ -250,6 +250,10 @@ void add_quality_options(CLI::App& command, RenderOptions& o) {
         ->check(positive_number());
     command.add_option("--max-depth", o.config.max_depth, "Surfaces per path, at most; 1 is direct light only [128]")
         ->transform(whole_number(1, 1024));
+    command
+        .add_option("--sample-clamp", o.config.sample_clamp,
+                    "Scale samples above this radiance down to it: fewer bright pixels, but a darker image")
+        ->check(positive_number());
     command.add_option("--seed", o.config.seed, "Seed of the random numbers; changes the noise [0]")
         ->transform(whole_number(0));
 }

@@ -51,6 +51,7 @@ const RenderConfig& checked(const RenderConfig& config) {
     check_size(config.width, config.height);
     if (config.spp == 0) refuse("0 samples per pixel", "give at least 1");
     if (config.max_depth == 0) refuse("a maximum depth of 0", "give at least 1, which is direct light only");
+    if (!(config.sample_clamp >= 0)) refuse("the limit of samples must not be negative or NaN", "use 0 for no limit");
     if (!(config.seconds >= 0 && std::isfinite(config.seconds)))
         refuse("the time limit must be finite and not negative", "give seconds, or 0 for no limit");
     if (!(config.noise >= 0)) refuse("the noise limit must not be negative or NaN", "start with 0.01");
@@ -161,7 +162,7 @@ Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig&
               words_of_listed_pixels()),
       wavefront(on, buffers, frame_data(scene, camera, buffers, with), load_kernels(plan.first.effects),
                 std::uint64_t(pixels()) * with.spp),
-      film(on, pixels(), tells_error(with)),
+      film(on, pixels(), tells_error(with), with.sample_clamp),
       schedule(new_schedule()),
       pace(first_paths(), wavefront.capacity()) {
     for (const char* name : {trace_camera_name, trace_bounce_name, trace_shadow_name, trace_paths_name})
@@ -594,7 +595,7 @@ void Renderer::resize(unsigned width, unsigned height) {
     state.config.width = width, state.config.height = height;
     state.wavefront.resize(width, height, std::uint64_t(state.pixels()) * state.most_spp);
     state.look_through(state.camera);
-    state.film = Film(state.device, state.pixels(), tells_error(state.config));
+    state.film = Film(state.device, state.pixels(), tells_error(state.config), state.config.sample_clamp);
     state.pace = Pace(state.first_paths(), state.wavefront.capacity());
     state.path_kernel.reset(), state.aovs.reset(), state.gbuffer.reset(), state.frames.reset();
     state.light_cut_off.reset();

@@ -92,6 +92,9 @@ struct RenderConfig {
     /// Largest number of surfaces at which a path is scattered, >= 1; 1 is direct light only. Russian roulette ends
     /// nearly all paths earlier without bias, so that the default loses almost no light: see Renderer::cut_off.
     unsigned max_depth = default_max_depth;
+    /// If > 0: samples whose largest colour component is above this are scaled down to it. This removes rare bright
+    /// pixels ("fireflies") and darkens the image: `claray accuracy SCENE --only bias` measures by how much.
+    float sample_clamp = 0;
     std::uint32_t seed = 0;
     double seconds = 0;  ///< if > 0: stop after this time, but not before every pixel has a sample
     double noise = 0;    ///< if > 0: stop at this noise (see RenderProgress), from 16 samples per pixel on

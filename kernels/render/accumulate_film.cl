@@ -5,9 +5,6 @@
 #include "math/vector.clh"
 
 #define LARGEST_SAMPLE 1e30f  // 2^24 of these still fit in float32
-#ifndef CLAMP_BITS
-#define CLAMP_BITS 0u  // for studies: the bits of a float to which brighter samples are clamped
-#endif
 
 /// Adds to a sum in two parts. The rounding error (Knuth's two-sum) goes to `error`; then as much of it as the sum can hold is
 /// added back (Dekker 1971, fast two-sum). Without the second step the errors would be summed naively, and samples below half an
@@ -38,12 +35,10 @@ static inline bool can_be_summed(float3 c) {
     return fabs(c.x) <= LARGEST_SAMPLE && fabs(c.y) <= LARGEST_SAMPLE && fabs(c.z) <= LARGEST_SAMPLE;  // mutant: film-nan
 }
 
-/// The sample, clamped for studies.
-static inline float3 clamped(float3 c) {
-#if CLAMP_BITS
-    c *= fmin(1.0f, as_float(CLAMP_BITS) / largest(fabs(c)));
-#endif
-    return c;
+/// The sample, with its largest component scaled down to `limit`; 0 is no limit.
+static inline float3 clamped(float3 c, float limit) {
+    const float brightest = largest(fabs(c));
+    return limit > 0.0f && brightest > limit ? c * (limit / brightest) : c;
 }
 
 static inline void add_color(ColorSum* sum, float3 c) {
@@ -52,12 +47,12 @@ static inline void add_color(ColorSum* sum, float3 c) {
     add_exactly(&sum->b, &sum->lost_b, c.z);
 }
 
-static inline void add_sample(FilmPixel* pixel, float3 sample, bool odd) {
+static inline void add_sample(FilmPixel* pixel, float3 sample, float limit, bool odd) {
     if (!can_be_summed(sample)) {
         ++pixel->dropped;
         return;
     }
-    const float3 radiance = clamped(sample);
+    const float3 radiance = clamped(sample, limit);
     add_color(&pixel->all, radiance);
     ++pixel->count;
     if (!odd) return;
@@ -81,9 +76,9 @@ static inline bool is_next_entry(Batch batch, global const uint* tables, uint li
 
 #define NO_COLOR {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f}
 
-/// `begins`: the pixels have no samples yet, whatever the film holds.
-kernel void accumulate_film(Batch batch, global const uint* tables, uint listed, uint begins, global const float* radiance,
-                            global FilmPixel* film) {
+/// `begins`: the pixels have no samples yet, whatever the film holds. `limit`: of a sample's components; 0 is none.
+kernel void accumulate_film(Batch batch, global const uint* tables, uint listed, uint begins, float limit,
+                            global const float* radiance, global FilmPixel* film) {
     uint i = get_global_id(0);
     if (i >= batch.pixels || !is_first_entry(batch, tables, listed, i)) return;
     const uint at = film_pixel(batch, tables, listed, i);
@@ -91,15 +86,15 @@ kernel void accumulate_film(Batch batch, global const uint* tables, uint listed,
     if (!begins) pixel = film[at];
     do {
         for (uint s = 0; s < batch.samples; ++s)  // the numbers of entries are even
-            add_sample(&pixel, vload3(i * batch.samples + s, radiance), (batch.first_sample + s) & 1);
+            add_sample(&pixel, vload3(i * batch.samples + s, radiance), limit, (batch.first_sample + s) & 1);
     } while (is_next_entry(batch, tables, listed, ++i));
     film[at] = pixel;
 }
 
 /// Sums only the samples of odd index, for the error of all channels; accumulate_film counts them. One kernel for both sums takes
 /// 1.5 times as long on PoCL.
-kernel void accumulate_odd(Batch batch, global const uint* tables, uint listed, uint begins, global const float* radiance,
-                           global ColorSum* odd) {
+kernel void accumulate_odd(Batch batch, global const uint* tables, uint listed, uint begins, float limit,
+                           global const float* radiance, global ColorSum* odd) {
     uint i = get_global_id(0);
     if (i >= batch.pixels || !is_first_entry(batch, tables, listed, i)) return;
     const uint at = film_pixel(batch, tables, listed, i);
@@ -108,7 +103,7 @@ kernel void accumulate_odd(Batch batch, global const uint* tables, uint listed, 
     do {
         for (uint s = (batch.first_sample & 1) ^ 1; s < batch.samples; s += 2) {
             const float3 sample = vload3(i * batch.samples + s, radiance);
-            if (can_be_summed(sample)) add_color(&sum, clamped(sample));
+            if (can_be_summed(sample)) add_color(&sum, clamped(sample, limit));
         }
     } while (is_next_entry(batch, tables, listed, ++i));
     odd[at] = sum;

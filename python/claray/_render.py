@@ -32,7 +32,7 @@ class Renderer:
     scene: a Scene; later changes of it take effect by update(). device: a Device; None: default_device().
     width, height: pixels. spp: samples per pixel at which rendering stops. seconds, noise, error: if > 0, stop after
     this time, at this relative standard error, or at this error (RMSE over the mean). max_depth: surfaces per path.
-    seed: of the random numbers. Raises UsageError, InputError for an invalid scene, DeviceError.
+    sample_clamp: if > 0, samples above this radiance are scaled down to it. seed: of the random numbers. Raises UsageError, InputError for an invalid scene, DeviceError.
     """
 
     def __init__(self, scene: Scene, *, width: int = 512, height: int = 512, spp: int = 64, device: Device | None = None,

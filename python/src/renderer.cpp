@@ -112,6 +112,7 @@ void bind_config(nb::module_& module) {
         .def_rw("height", &RenderConfig::height)
         .def_rw("spp", &RenderConfig::spp)
         .def_rw("max_depth", &RenderConfig::max_depth)
+        .def_rw("sample_clamp", &RenderConfig::sample_clamp)
         .def_rw("seed", &RenderConfig::seed)
         .def_rw("seconds", &RenderConfig::seconds)
         .def_rw("noise", &RenderConfig::noise)

@@ -42,6 +42,18 @@ TEST(Film, SixteenMillionHeavyTailedSamplesSumAsInFloat64) {
         EXPECT_NEAR(image[p].y / (exact[p] / (double(per_batch) * batches)), 1.0, 1e-6);
 }
 
+TEST(Film, SampleClampScalesBrightSamplesDown) {
+    const std::vector<float> radiance{1, 2, 8, -16, 0, 4, 0, 0, 0, 3, 1, 2};
+    for (const bool tells_error : {false, true}) {
+        Film film(device(), 1, tells_error, 4.f);
+        film.accumulate({0, 1, 0, 4, 0}, Buffer<float>(device(), radiance));
+        EXPECT_EQ(film.image()[0], glm::vec3(0.5f + -4 + 0 + 3, 1 + 0 + 0 + 1, 4 + 1 + 0 + 2) / 4.f);
+        if (!tells_error) continue;
+        const Film::Sums sums = film.sums();
+        EXPECT_EQ(glm::vec3(sums.odd[0].r, sums.odd[0].g, sums.odd[0].b), glm::vec3(-1, 1, 3));
+    }
+}
+
 std::vector<float> random_radiance(std::uint32_t pixels, std::uint32_t samples, std::uint64_t seed) {
     Random random(seed);
     std::vector<float> radiance(3 * pixels * samples);
@@ -53,7 +65,7 @@ TEST(Film, RadianceIsTheImageInAnySize) {
     Film film(device(), 12);
     std::vector<float> radiance(36);
     for (std::size_t i = 0; i < radiance.size(); ++i) radiance[i] = float(i * i);
-    film.accumulate({0, 12, 0, 1}, Buffer<float>(device(), radiance));
+    film.accumulate({0, 12, 0, 1, 0}, Buffer<float>(device(), radiance));
     for (const ImageSizes size : {ImageSizes{4, 3, 4, 3}, {4, 3, 9, 8}, {4, 3, 2, 2}}) {
         const std::vector<glm::vec3> image = film.image(size);
         ASSERT_EQ(image.size(), std::size_t(size.image_width) * size.image_height);

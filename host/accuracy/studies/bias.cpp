@@ -200,9 +200,11 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
             {});
     }
     const double mean = mean_of(reference.pixels);
-    for (const double clamp : clamps)
-        add("samples clamped", printed("at %g x mean", clamp), clamp, config,
-            {{"render/accumulate_film", "CLAMP_BITS", std::bit_cast<std::uint32_t>(float(clamp * mean))}});
+    for (const double clamp : clamps) {
+        RenderConfig how = config;
+        how.sample_clamp = float(clamp * mean);
+        add("samples clamped", printed("at %g x mean", clamp), clamp, how, {});
+    }
     add("no caustics", "no caustics", 0, config, {{"render/shade_surface", "CAUSTICS", 0}});
     for (const RenderConfig& how : approximated) add("approximations", name_of(how), 0, how, {});
     if (goes_on) {

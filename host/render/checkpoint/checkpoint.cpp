@@ -9,6 +9,7 @@
 
 #include "claray/shared/path.h"
 #include "host/base/file.hpp"
+#include "host/base/format.hpp"
 #include "host/compute/kernel_sources.hpp"
 #include "host/render/checkpoint/scene_digest.hpp"
 
@@ -149,6 +150,7 @@ RenderIdentity identity_of(const Scene& scene, const RenderConfig& config) {
     const std::string settings = std::to_string(config.seed) + ' ' + std::to_string(config.max_depth) + ' ' +
                                  std::to_string(int(config.sampler)) + ' ' + to_string(config.effects.remove) + ' ' +
                                  to_string(config.approximate) + (config.adaptive ? " adaptive" : "") +
+                                 (config.sample_clamp > 0 ? printed(" clamp %a", double(config.sample_clamp)) : "") +
                                  (config.approximate.light_grid ? ' ' + to_string(config.light_grid) : "");
     identity.settings = digest_of(settings.data(), settings.size());
     Hasher kernels;

@@ -18,10 +18,11 @@ Film::Kernels::Kernels(const Device& device)
       resolve(load_kernel(device, "render/resolve_film.cl", "resolve_film")),
       measure(load_kernel(device, "render/measure_film.cl", "measure_film")) {}
 
-Film::Film(const Device& device, std::uint32_t pixels, bool tells_error)
+Film::Film(const Device& device, std::uint32_t pixels, bool tells_error, float sample_clamp)
     : device_(device),
       count_(pixels),
       tells_error_(tells_error),
+      sample_clamp_(sample_clamp),
       group_(std::max(1u, device.tuning("render/measure_film", "GROUP_SIZE"))),
       items_(items_for(device, pixels)),
       pixels_(device, pixels),
@@ -56,8 +57,9 @@ void Film::accumulate(const Batch& batch, const Buffer<float>& radiance, const B
 void Film::add(const Batch& batch, const Buffer<float>& radiance, const Buffer<std::uint32_t>& tables,
                std::uint32_t listed, bool begins) const {
     const auto flag = std::uint32_t(begins);
-    kernels_.accumulate.run({batch.pixels, 64}, batch, tables, listed, flag, radiance, pixels_);
-    if (tells_error_) accumulate_odd_.run({batch.pixels, 64}, batch, tables, listed, flag, radiance, odd_);
+    kernels_.accumulate.run({batch.pixels, 64}, batch, tables, listed, flag, sample_clamp_, radiance, pixels_);
+    if (tells_error_)
+        accumulate_odd_.run({batch.pixels, 64}, batch, tables, listed, flag, sample_clamp_, radiance, odd_);
 }
 
 void Film::begin_all() const {

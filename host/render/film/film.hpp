@@ -15,7 +15,8 @@ namespace claray {
 class Film {
 public:
     /// `tells_error`: samples of odd index are also summed separately, and the error is estimated from them.
-    Film(const Device& device, std::uint32_t pixels, bool tells_error = false);
+    /// `sample_clamp` is RenderConfig::sample_clamp.
+    Film(const Device& device, std::uint32_t pixels, bool tells_error = false, float sample_clamp = 0);
 
     struct Kernels {
         explicit Kernels(const Device& device);
@@ -103,6 +104,7 @@ private:
     Device device_;
     std::uint32_t count_;
     bool tells_error_;
+    float sample_clamp_;
     std::uint32_t group_, items_;
     Buffer<FilmPixel> pixels_;
     Buffer<ColorSum> odd_;
