@@ -135,9 +135,14 @@ private:
     std::vector<glm::vec3> homes_, colors_;
 };
 
-double frame_milliseconds(claray::Renderer& renderer, claray::Scene& scene, const Fireflies& fireflies,
-                          unsigned frames) {
+struct FrameTime {
+    double all, device;  // milliseconds: the median of a frame, and the mean of its commands on the device
+};
+
+FrameTime frame_time(const claray::Device& device, claray::Renderer& renderer, claray::Scene& scene,
+                     const Fireflies& fireflies, unsigned frames) {
     renderer.settle();
+    device.profiler().reset();
     std::vector<double> times;
     for (unsigned i = 0; i < frames; ++i) {
         scene.lights = fireflies.at(float(i) / 60);
@@ -148,7 +153,7 @@ double frame_milliseconds(claray::Renderer& renderer, claray::Scene& scene, cons
         times.push_back(1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
     }
     std::nth_element(times.begin(), times.begin() + std::ptrdiff_t(frames / 2), times.end());
-    return times[frames / 2];
+    return {times[frames / 2], device.profiler().total_milliseconds() / frames};
 }
 
 std::string beside(const std::string& picture, const char* what) {
@@ -176,7 +181,7 @@ int main(int argc, char** argv) try {
     const claray::RenderConfig config{
         .width = width, .height = height, .spp = 1, .max_depth = 1, .approximate = {.tile_sum = true}};
     claray::Renderer tiled(device, scene, config);
-    const double milliseconds = frame_milliseconds(tiled, scene, fireflies, frames);
+    const FrameTime frame = frame_time(device, tiled, scene, fireflies, frames);
 
     const claray::Device without_lists = claray::Device::open();  // lists that hold no light stand for all lights
     without_lists.set_tuning("deferred/list_lights", "MOST_PER_TILE", 0);
@@ -185,7 +190,8 @@ int main(int argc, char** argv) try {
     (void)all.render();
     std::printf("%ux%u, %zu sprites, %u moving lights, %s\n", width, height, scene.meshes[0].triangles.size() / 2,
                 count, device.info().name.c_str());
-    std::printf("a frame (median of %u): %.2f ms\n", frames, milliseconds);
+    std::printf("a frame (median of %u): %.2f ms; kernels and transfers of one: %.2f ms\n", frames, frame.all,
+                frame.device);
     std::printf("the sum over all lights, bit for bit: %s\n", all.image() == tiled.image() ? "yes" : "no");
 
     claray::RenderConfig smooth = config;  // for the pictures: 16 points of each pixel, and shadows
