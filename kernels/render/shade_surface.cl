@@ -218,7 +218,7 @@ void shade_surface(Step step, SCENE_PARAMETERS, global QueueLength* lengths, glo
     for (uint i = begin; i < end; i += 16) {
         shade_sixteen(&step, SCENE, rays_of_queue(queue), hits, states_of_queue(queue, room), i, min(16u, end - i), radiance,
                       shading_normals, &shaded);
-        store_next16(&shaded, next_length, rays_of_queue(next_queue), states_of_queue(next_queue, room));
+        store_next16(&step.frame, &shaded, next_length, rays_of_queue(next_queue), states_of_queue(next_queue, room));
         store_shadows16(&shaded, shadow_length, rays_of_shadows(shadow_queue), light_of_shadows(shadow_queue, room));
     }
 #elif CLARAY_CPU

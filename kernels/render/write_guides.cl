@@ -51,7 +51,7 @@ static inline NextRay pass_mirror(Batch one, const FrameData* frame, SCENE_PARAM
     float lobe;
     prepare_shading(frame, SCENE, &samples, -(float3)(ray.dx, ray.dy, ray.dz), at, &lobe);
     const bool delta = is_delta(&at->material);
-    next = scatter(false, 0, &samples, depth, state, at, unit_float(words_at(&samples, AT_CHOICE).x), lobe);
+    next = scatter(frame, false, 0, &samples, depth, state, at, unit_float(words_at(&samples, AT_CHOICE).x), lobe);
     next.wanted = next.wanted && (delta || next.state.pdf > GLOSSY_DENSITY);
     return next;
 }
@@ -70,7 +70,7 @@ static inline void see(Batch one, const FrameData* frame, SCENE_PARAMETERS, uint
 #endif
     float3 glow, albedo = (float3)(0.0f);
     if (hit.primitive == CLARAY_MISS) {
-        glow = radiance_beyond(&lights, frame->sky, direction, state);
+        glow = radiance_beyond(frame, &lights, direction, state);
     } else {
         ShadingPoint at;
         find_surface(0, frame, SCENE, found, hit, depth, time, outgoing, &at);

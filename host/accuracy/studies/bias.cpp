@@ -2,7 +2,6 @@
 #include "host/accuracy/studies/bias.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -51,17 +50,13 @@ double doubtful(std::size_t renders) {
            (5 * std::pow(z, 5) + 16 * z * z * z + 3 * z) / (96 * freedom * freedom);
 }
 
-/// Ambient occlusion (Landis 2002): at the first rough surface, lamps are sampled and all other light has one constant
-/// radiance. Surfaces within reach block it and reflect it once.
-std::vector<MacroScope::Macro> ambient_occlusion(float reach, glm::vec3 radiance) {
-    constexpr const char* kernel = "render/shade_surface";
-    const auto bits = [](float value) { return std::bit_cast<std::uint32_t>(value); };
-    return {{kernel, "TECHNIQUES", 1},
-            {kernel, "AMBIENT_REACH_BITS", bits(reach)},
-            {kernel, "AMBIENT_R_BITS", bits(radiance.r)},
-            {kernel, "AMBIENT_G_BITS", bits(radiance.g)},
-            {kernel, "AMBIENT_B_BITS", bits(radiance.b)}};
+RenderConfig with_ambient(RenderConfig config, float reach, glm::vec3 radiance) {
+    config.ambient = {reach, radiance};
+    return config;
 }
+
+const std::vector<MacroScope::Macro> ambient_kernels = {{"render/shade_surface", "TECHNIQUES", 1},
+                                                        {"render/shade_surface", "AMBIENT", 1}};
 
 /// Finds the radiance with which such an image has the mean of the true one. All images have the same seeds, so that
 /// noise of parts that do not differ cancels.
@@ -71,19 +66,23 @@ public:
         : device_(device),
           scene_(scene),
           config_(config),
-          whole_(mean_with({})),
-          dark_(mean_with(ambient_occlusion(1, glm::vec3(0)))) {}
+          whole_(mean_of_image({}, config)),
+          dark_(mean_with(1, glm::vec3(0))) {}
 
     [[nodiscard]] glm::vec3 within(float reach) const {
-        const glm::dvec3 added = mean_with(ambient_occlusion(reach, glm::vec3(1))) - dark_;
+        const glm::dvec3 added = mean_with(reach, glm::vec3(1)) - dark_;
         const glm::bvec3 any = glm::greaterThan(added, glm::dvec3(0));
         return glm::max(glm::mix(glm::dvec3(0), (whole_ - dark_) / added, any), glm::dvec3(0));
     }
 
 private:
-    [[nodiscard]] glm::dvec3 mean_with(const std::vector<MacroScope::Macro>& macros) const {
+    [[nodiscard]] glm::dvec3 mean_with(float reach, glm::vec3 radiance) const {
+        return mean_of_image(ambient_kernels, with_ambient(config_, reach, radiance));
+    }
+    [[nodiscard]] glm::dvec3 mean_of_image(const std::vector<MacroScope::Macro>& macros,
+                                           const RenderConfig& config) const {
         glm::dvec3 sum(0);
-        const std::vector<glm::vec3> image = render_with(device_, scene_, macros)(config_).image;
+        const std::vector<glm::vec3> image = render_with(device_, scene_, macros)(config).image;
         for (const glm::vec3& pixel : image) sum += glm::dvec3(pixel);
         return sum / double(image.size());
     }
@@ -213,7 +212,7 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
         for (const float share : reaches) {
             const float reach = std::max(share * size, std::numeric_limits<float>::min());
             add("ambient occlusion", share > 0 ? printed("within %g of the scene", share) : "without occlusion", share,
-                config, ambient_occlusion(reach, ambient.within(reach)));
+                with_ambient(config, reach, ambient.within(reach)), ambient_kernels);
         }
     }
     mark_front(study.points);

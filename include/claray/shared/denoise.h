@@ -48,7 +48,7 @@ typedef struct GuideStep {
     Step step;
     uint listed;
 } GuideStep;
-CLARAY_LAYOUT(GuideStep, 332)
+CLARAY_LAYOUT(GuideStep, 348)
 
 /// Scalar parameters of a filter pass.
 typedef struct FilterStep {

@@ -51,17 +51,25 @@ typedef struct SceneTables {
 } SceneTables;
 CLARAY_LAYOUT(SceneTables, 64)
 
+/// For studies: a ray that a rough surface scatters ends after `reach` and brings this radiance from there; a surface before reflects
+/// it once.
+typedef struct AmbientData {
+    float radiance_r, radiance_g, radiance_b, reach;
+} AmbientData;
+CLARAY_LAYOUT(AmbientData, 16)
+
 /// Data that all paths of a render share.
 typedef struct FrameData {
     CameraData camera;
     SkyData sky;
+    AmbientData ambient;
     LightsData lights;
     uint width, height;
     uint seed;
     uint max_depth;  // largest number of surfaces that scatter a path
     SceneTables tables;
 } FrameData;
-CLARAY_LAYOUT(FrameData, 292)
+CLARAY_LAYOUT(FrameData, 308)
 
 /// Scalar parameters of a stage.
 typedef struct Step {
@@ -72,7 +80,7 @@ typedef struct Step {
     uint room;      // capacity of the queues in paths, a multiple of CLARAY_QUEUE_ROOM
     uint waves;     // number of rays after which paths are not followed: surfaces scatter no ray beyond
 } Step;
-CLARAY_LAYOUT(Step, 328)
+CLARAY_LAYOUT(Step, 344)
 
 /// With this room, every array in a queue begins at a multiple of 1024 bytes, the alignment of sub-buffers.
 #define CLARAY_QUEUE_ROOM 256u
