@@ -113,6 +113,7 @@ struct Renderer::State {
         return config.adaptive ? AdaptiveSchedule::words_per_pixel * pixels() : 0;
     }
     void plan_round();
+    void list_pixels() const;
     /// Samples of all pixels.
     [[nodiscard]] std::uint64_t samples() const;
     [[nodiscard]] unsigned spp() const { return unsigned(samples() / pixels()); }
