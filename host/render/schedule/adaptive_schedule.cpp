@@ -1,8 +1,9 @@
 #include "host/render/schedule/adaptive_schedule.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
-#include <numeric>
+#include <utility>
 
 namespace claray {
 namespace {
@@ -13,10 +14,6 @@ constexpr std::uint64_t parts_per_round = 4;
 /// Every tile has at least this share of the mean number of samples, so that light which its first samples missed is
 /// found in the end.
 constexpr std::uint64_t least_share = 8;
-/// By how much the error must fall faster per sample than with as many samples everywhere. Rounds cost more than
-/// passes of the whole image, chance makes some tiles look worse than they are, and noise is often where paths are
-/// long.
-constexpr double least_gain = 1.5;
 constexpr std::uint32_t most_samples = 1u << 30;
 
 std::uint32_t tiles_along(std::uint32_t side) { return (side + tile_side - 1) / tile_side; }
@@ -24,7 +21,7 @@ std::uint32_t tiles_along(std::uint32_t side) { return (side + tile_side - 1) / 
 }  // namespace
 
 AdaptiveSchedule::AdaptiveSchedule(std::uint32_t width, std::uint32_t height, std::uint32_t spp,
-                                   std::uint32_t paths_in_flight, bool adaptive)
+                                   std::uint32_t paths_in_flight, bool adaptive, double least_gain)
     : width_(width),
       height_(height),
       columns_(tiles_along(width)),
@@ -33,6 +30,7 @@ AdaptiveSchedule::AdaptiveSchedule(std::uint32_t width, std::uint32_t height, st
       paths_(paths_in_flight),
       budget_(std::uint64_t(width) * height * spp),
       adaptive_(adaptive && spp > first_samples),
+      least_gain_(least_gain),
       uniform_(width * height, adaptive_ ? first_samples : spp, paths_in_flight) {}
 
 std::uint32_t AdaptiveSchedule::pixels_of(std::uint32_t tile) const {
@@ -43,57 +41,63 @@ std::uint32_t AdaptiveSchedule::pixels_of(std::uint32_t tile) const {
 /// The estimate of a single tile is rough: few samples may have missed what makes the noise. The mean of the 3x3 tiles
 /// around it is a lower limit.
 std::vector<double> AdaptiveSchedule::smoothed(const std::vector<float>& variances) const {
-    std::vector<double> result(variances.size());
-    for (std::uint32_t t = 0; t < result.size(); ++t) {
-        const std::uint32_t x = t % columns_, y = t / columns_;
-        double sum = 0, count = 0;
-        for (std::uint32_t v = y - std::min(y, 1u); v <= std::min(y + 1, rows_ - 1); ++v)
-            for (std::uint32_t u = x - std::min(x, 1u); u <= std::min(x + 1, columns_ - 1); ++u)
-                sum += double(variances[v * columns_ + u]), ++count;
-        result[t] = std::max(double(variances[t]), sum / count);
-    }
+    std::vector<double> rows(variances.size()), result(variances.size());  // sums of three tiles side by side
+    for (std::uint32_t y = 0, t = 0; y < rows_; ++y)
+        for (std::uint32_t x = 0; x < columns_; ++x, ++t)
+            for (std::uint32_t u = t - std::min(x, 1u); u <= t + (x + 1 < columns_); ++u)
+                rows[t] += double(variances[u]);
+    for (std::uint32_t y = 0, t = 0; y < rows_; ++y)
+        for (std::uint32_t x = 0; x < columns_; ++x, ++t) {
+            const std::uint32_t above = y > 0, below = y + 1 < rows_;
+            double sum = rows[t];
+            if (above) sum += rows[t - columns_];
+            if (below) sum += rows[t + columns_];
+            const std::uint32_t count = (1 + (x > 0) + (x + 1 < columns_)) * (1 + above + below);
+            result[t] = std::max(double(variances[t]), sum / count);
+        }
     return result;
 }
 
-/// Marks the tiles of the next round. The squared error of n samples falls like 1/n or faster, so that doubling a tile
-/// gains about the estimated square for n samples. Returns the gain per sample over that of doubling all tiles.
-double AdaptiveSchedule::choose(const std::vector<double>& variances) {
-    std::vector<double> priority(tiles_.size());
-    for (std::size_t t = 0; t < priority.size(); ++t) {
-        const bool lags = tiles_[t] * least_share * pixels() < done_;
-        priority[t] = lags ? std::numeric_limits<double>::infinity() : variances[t] / tiles_[t];
+/// If the squared error of n samples falls like 1/n, the best numbers of samples are proportional to the square roots.
+double AdaptiveSchedule::gain(const std::vector<float>& variances) const {
+    double squares = 0, roots = 0;
+    for (std::uint32_t t = 0; t < variances.size(); ++t) {
+        squares += double(variances[t]) * pixels_of(t);
+        roots += std::sqrt(double(variances[t])) * pixels_of(t);
     }
-    std::vector<std::uint32_t> order(tiles_.size());
-    std::iota(order.begin(), order.end(), 0u);
-    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return priority[a] > priority[b]; });
+    return roots > 0 ? squares * double(pixels()) / (roots * roots) : 1;
+}
+
+/// Marks the tiles of the next round. The squared error of n samples falls like 1/n or faster, so that doubling a tile
+/// gains about the estimated square for n samples.
+void AdaptiveSchedule::choose(const std::vector<double>& variances) {
+    std::vector<std::pair<double, std::uint32_t>> heap(tiles_.size());  // the first tile of equal ones has the largest
+    for (std::uint32_t t = 0; t < heap.size(); ++t) {
+        const bool lags = tiles_[t] * least_share * pixels() < done_;
+        heap[t] = {lags ? std::numeric_limits<double>::infinity() : variances[t] / tiles_[t], ~t};
+    }
+    std::make_heap(heap.begin(), heap.end());
     const std::uint64_t left = budget_ - done_, wanted = std::min(left, done_ / parts_per_round);
     const std::uint32_t unit = least_samples();
     std::uint64_t taken = 0, room = words_per_pixel / 2 * pixels();
-    double all = 0, of_taken = 0;
-    for (const std::uint32_t tile : order) {
-        const double error = variances[tile] * pixels_of(tile);
-        all += error;
+    for (; !heap.empty() && taken < wanted; heap.pop_back()) {
+        std::pop_heap(heap.begin(), heap.end());
+        const std::uint32_t tile = ~heap.back().second;
         const std::uint64_t cost = std::uint64_t(tiles_[tile]) * pixels_of(tile);
-        if (taken >= wanted || taken + cost > left || cost / unit > room || tiles_[tile] >= most_samples) continue;
-        taken += cost, room -= cost / unit, of_taken += error;
+        if (taken + cost > left || cost / unit > room || tiles_[tile] >= most_samples) continue;
+        taken += cost, room -= cost / unit;
         tiles_[tile] |= chosen;
     }
-    return taken > 0 && all > 0 ? of_taken / all * double(done_) / double(taken) : 0;
 }
 
 void AdaptiveSchedule::plan(const std::vector<float>& variances) {
-    const bool begins = tiles_.empty();
     const std::uint32_t so_far = uniform_.complete_passes_spp();
-    if (begins) {
+    if (tiles_.empty() && gain(variances) < least_gain_) return uniform_.extend(next_plan(so_far + 1));
+    if (tiles_.empty()) {
         tiles_.assign(std::size_t(columns_) * rows_, so_far);
         done_ = pixels() * so_far;
     }
-    const double gain = choose(smoothed(variances));
-    if (begins && gain < least_gain) {
-        tiles_.clear();
-        uniform_.extend(next_plan(so_far + 1));
-        return;
-    }
+    choose(smoothed(variances));
     list_chosen();
     has_ended_ = !in_round();
 }
@@ -110,14 +114,19 @@ std::uint32_t AdaptiveSchedule::least_samples() const {
     return least;
 }
 
+bool AdaptiveSchedule::none_fits() const {
+    return budget_ - done_ < std::uint64_t(least_samples()) * tile_side * tile_side;
+}
+
 void AdaptiveSchedule::list_chosen() {
-    round_ = {{}, 0, least_samples()};
+    const std::uint32_t unit = least_samples();
+    round_ = {};
     entry_ = sample_ = 0;
     for (std::uint32_t t = 0; t < tiles_.size(); ++t) {
         if (!(tiles_[t] & chosen)) continue;
         const std::uint32_t samples = tiles_[t] & ~chosen;
         for (const std::uint32_t word : {t, samples, round_.entries}) round_.tiles.push_back(word);
-        round_.entries += samples / round_.unit * pixels_of(t);
+        round_.unit = unit, round_.entries += samples / unit * pixels_of(t);
     }
 }
 
@@ -125,6 +134,7 @@ void AdaptiveSchedule::end_round() {
     done_ = samples();
     for (std::uint32_t& tile : tiles_)
         if (tile & chosen) tile = 2 * (tile & ~chosen);
+    has_ended_ = none_fits();
     round_ = {};
     entry_ = sample_ = 0;
 }
@@ -180,7 +190,10 @@ bool AdaptiveSchedule::go_to(const Position& to) {
     }
     if (done_ + round > budget_ || round / least_samples() > words_per_pixel / 2 * pixels()) return false;
     list_chosen();
-    if (!in_round()) return true;
+    if (!in_round()) {
+        has_ended_ = none_fits();
+        return true;
+    }
     entry_ = to.at.pixel, sample_ = to.at.sample;
     return to.at.done == 0 && to.at.pass == 0 && entry_ < round_.entries && sample_ < round_.unit;
 }

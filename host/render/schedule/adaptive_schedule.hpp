@@ -22,9 +22,10 @@ public:
         bool operator==(const Round&) const = default;
     };
 
-    /// `spp`: mean samples per pixel at the end. `paths_in_flight`: see Schedule.
+    /// `spp`: mean samples per pixel at the end. `paths_in_flight`: see Schedule. `least_gain`: rounds begin where the
+    /// best distribution of samples has this many times less squared error than the same number everywhere.
     AdaptiveSchedule(std::uint32_t width, std::uint32_t height, std::uint32_t spp, std::uint32_t paths_in_flight,
-                     bool adaptive);
+                     bool adaptive, double least_gain = 1.3);
 
     [[nodiscard]] bool finished() const {
         return has_ended_ || (tiles_.empty() && uniform_.complete_passes_spp() == spp_);
@@ -67,15 +68,20 @@ private:
     [[nodiscard]] std::uint32_t least_samples() const;
     [[nodiscard]] std::uint64_t pixels() const { return std::uint64_t(width_) * height_; }
     [[nodiscard]] std::vector<double> smoothed(const std::vector<float>& variances) const;
-    [[nodiscard]] double choose(const std::vector<double>& variances);
+    /// By how much the best distribution of all samples would lower the squared error.
+    [[nodiscard]] double gain(const std::vector<float>& variances) const;
+    void choose(const std::vector<double>& variances);
     /// The samples per pixel up to which the whole image is sampled before the next plan.
     [[nodiscard]] std::uint32_t next_plan(std::uint32_t samples) const;
+    /// Returns whether the samples left are too few to double a whole tile.
+    [[nodiscard]] bool none_fits() const;
     void list_chosen();
     void end_round();
 
     std::uint32_t width_, height_, columns_, rows_, spp_, paths_;
     std::uint64_t budget_;  // samples of all pixels
     bool adaptive_, has_ended_ = false;
+    double least_gain_;
     Schedule uniform_;
     std::vector<std::uint32_t> tiles_;  // as in Position
     std::uint64_t done_ = 0;            // samples of all pixels before the round
