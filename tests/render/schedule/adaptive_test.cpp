@@ -148,7 +148,8 @@ TEST(AdaptiveSchedule, IsListedOnTheDevice) {
 TEST(AdaptiveSchedule, RefusesPositionsThatDoNotExist) {
     AdaptiveSchedule schedule(width, height, 60, 1000, true);
     std::vector<std::uint32_t> samples(width * height);
-    while (!schedule.in_round()) take(schedule, 1000, samples);
+    while (!schedule.in_round() && !schedule.finished()) take(schedule, 1000, samples);
+    ASSERT_TRUE(schedule.in_round());
     const AdaptiveSchedule::Position good = schedule.position();
     const auto accepts = [](const AdaptiveSchedule::Position& position) {
         return AdaptiveSchedule(width, height, 60, 1000, true).go_to(position);
