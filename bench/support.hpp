@@ -18,7 +18,7 @@ namespace claray::measure {
 
 /// --builder, --bits, --layout, --leaf and --split.
 inline void add_bvh_options(CLI::App& app, Bvh::Config& config) {
-    app.add_option("--builder", config.builder)->transform(CLI::CheckedTransformer(builders));
+    app.add_option("--builder", config.builder)->transform(CLI::CheckedTransformer(builders_and_automatic()));
     app.add_option("--layout", config.layout)->transform(CLI::CheckedTransformer(layouts));
     app.add_option("--bits", config.morton_bits);
     app.add_option("--leaf", config.max_leaf_triangles);

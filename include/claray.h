@@ -66,7 +66,8 @@ typedef enum claray_builder {
     CLARAY_BUILDER_FAST = 0,     /* fastest to build */
     CLARAY_BUILDER_BALANCED = 1, /* better tree, slower */
     CLARAY_BUILDER_HIGH = 2,     /* best tree, slowest; splits large triangles */
-    CLARAY_BUILDER_BINNED = 3    /* binned SAH, nothing split: for geometry that is refitted */
+    CLARAY_BUILDER_BINNED = 3,   /* binned SAH, nothing split: for geometry that is refitted */
+    CLARAY_BUILDER_AUTO = 4      /* high on GPUs, else balanced; used where there is no claray_bvh_config */
 } claray_builder;
 
 typedef struct claray_mesh {

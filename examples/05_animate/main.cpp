@@ -123,7 +123,7 @@ int main(int argc, char** argv) try {
 
     const claray::Device device = claray::Device::open();
     const claray::Mesh mesh = grid(side);
-    claray::Bvh bvh = claray::Bvh::build(device, {&mesh, 1});
+    claray::Bvh bvh = claray::Bvh::build(device, {&mesh, 1}, {.builder = claray::Builder::fast});
     claray::Kernel step_wave = claray::compile_kernel(device, source, "step_wave", bvh.defines());
     claray::Kernel move_vertices = claray::compile_kernel(device, source, "move_vertices", bvh.defines());
     claray::Kernel draw = claray::compile_kernel(device, source, "draw", bvh.defines());

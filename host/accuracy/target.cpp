@@ -143,6 +143,7 @@ TargetPlan plan_render(const Device& device, const Scene& scene, const RenderCon
     TargetPlan plan;
     plan.config = config, plan.triangles = triangles_of(scene), plan.measuring = measuring;
     plan.picks_builder = picks_builder && scene.instances.empty();
+    plan.config.bvh.builder = resolve(config.bvh.builder, device);
     plan.model = stored_model(device);
     if (config.error == 0) {
         pick_for_time(plan, device, config.seconds);

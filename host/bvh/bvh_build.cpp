@@ -27,12 +27,18 @@ std::uint32_t numbers_at_once(std::uint32_t count, const Device& device) {
 
 }  // namespace
 
+Builder resolve(Builder builder, const Device& device) {
+    if (builder != Builder::automatic) return builder;
+    return Builder(std::min<unsigned>(device.tuning("bvh/automatic", "BUILDER"), std::size(builders) - 1));
+}
+
 Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& with, bool by_host)
     : device(on),
       triangles(of),
       config(with),
       layout(resolve(with.layout, on)),
       count(std::uint32_t(of.indices.size() / 3)) {
+    config.builder = claray::resolve(config.builder, on);
     if (config.morton_bits != 30 && config.morton_bits != 63)
         throw Error(ErrorKind::usage, "no Morton codes of " + std::to_string(config.morton_bits) + " bits",
                     "choose 30 or 63");

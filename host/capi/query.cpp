@@ -17,10 +17,11 @@ std::span<const Ray> rays_of(const claray_ray* rays, std::size_t count) {
 }
 
 Bvh::Config config_of(const claray_bvh_config* given) {
+    if (!given) return {};
     const claray_bvh_config known = versioned(given, "config");
     Bvh::Config config;
     const int builder = number_of(known.builder);
-    if (builder < 0 || builder >= int(std::size(builders)))
+    if (builder < 0 || builder > int(Builder::automatic))
         throw Error(ErrorKind::usage, "config.builder is " + std::to_string(builder), "use a claray_builder");
     config.builder = Builder(builder);
     if (known.split_budget != 0) config.split_budget = known.split_budget < 0 ? 0 : double(known.split_budget);

@@ -132,9 +132,8 @@ void run_build(const BuildOptions& options) {
 /// "fast (fastest to build), balanced (...)".
 std::string builders_with_notes() {
     std::string text;
-    for (const BuilderTraits& traits : builders)
-        text += (text.empty() ? "" : ", ") + std::string(traits.name) + " (" + traits.note + ')';
-    return text;
+    for (const BuilderTraits& traits : builders) text += std::string(traits.name) + " (" + traits.note + "), ";
+    return text + automatic_traits.name + " (" + automatic_traits.note + ')';
 }
 
 }  // namespace
@@ -144,9 +143,8 @@ void add_bvh_options(CLI::App& command, Bvh::Config& config) {
         ->check(name_among({"30", "63"}));
     command
         .add_option("--builder", config.builder,
-                    "Builder of the tree: " + builders_with_notes() + " [" +
-                        measure::name_of(measure::builders, config.builder) + "]")
-        ->transform(choice_of(measure::builders))
+                    "Builder of the tree: " + builders_with_notes() + " [" + traits_of(config.builder).name + "]")
+        ->transform(choice_of(measure::builders_and_automatic()))
         ->type_name("NAME");
     command.add_option("--layout", config.layout, "Layout of the tree for tracing: auto, binary or wide [auto]")
         ->transform(choice_of(measure::layouts))

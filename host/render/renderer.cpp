@@ -81,6 +81,15 @@ const Scene& checked(const Scene& scene) {
     return scene;
 }
 
+/// Scenes with instances have one tree per mesh, often many small ones, of which each takes `high` milliseconds on a
+/// GPU.
+RenderConfig with_builder(RenderConfig config, const Device& device, const Scene& scene) {
+    Builder& builder = config.bvh.builder;
+    const bool one_tree = scene.instances.empty();
+    builder = builder == Builder::automatic && !one_tree ? Builder::balanced : resolve(builder, device);
+    return config;
+}
+
 float aspect_of(const RenderConfig& config) { return float(config.width) / float(config.height); }
 
 FrameData frame_data(const Scene& scene, const Camera& camera, const SceneBuffers& buffers,
@@ -150,14 +159,14 @@ Bvh::Config with_layout(Bvh::Config config, Layout layout) {
 Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig& with, std::size_t baked,
                        std::optional<EffectSet> exactly)
     : device(on),
-      config(checked(with)),
+      config(with_builder(checked(with), on, scene)),
       camera(camera_of(scene, aspect_of(with))),
       set_up(Clock::now()),
-      plan(plan_for(on, scene, exactly ? *exactly : effects_of(checked(scene)), with)),
+      plan(plan_for(on, scene, exactly ? *exactly : effects_of(checked(scene)), config)),
       quick_start(plan.start == KernelStart::quick ? std::make_unique<QuickStart>(on) : nullptr),
       set_up_processor(processor_seconds()),
       milliseconds_before(kernel_milliseconds(on)),
-      structure(first_structure(on, scene, baked, plan, with.bvh)),
+      structure(first_structure(on, scene, baked, plan, config.bvh)),
       build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
       light_grid(light_grid_of(with, scene)),
       buffers(on, scene, structure, config.effects.add, selection_of_lights(with), words_of(light_grid),
@@ -240,7 +249,12 @@ bool Renderer::State::limit_reached() {
 void Renderer::State::plan_round() {
     if (!pending.empty() || !schedule.wants_plan()) return;
     schedule.plan(timed([&] { return film.tile_noise(config.width); }));
-    if (!schedule.listed().empty()) buffers.write_listed_pixels(schedule.listed());
+    list_pixels();
+}
+
+void Renderer::State::list_pixels() const {
+    const AdaptiveSchedule::Round& round = schedule.round();
+    if (schedule.in_round()) buffers.list_pixels(round.tiles, round.unit, config.width, config.height);
 }
 
 /// Called between passes; the next pass ends no later than the next look.
@@ -525,7 +539,7 @@ Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig&
                     "cannot continue from '" + config.resume.string() +
                         "': the file is damaged: its position is outside the image",
                     "render from the start");
-    if (!state_->schedule.listed().empty()) state_->buffers.write_listed_pixels(state_->schedule.listed());
+    state_->list_pixels();
     state_->looks = from->looks;
     state_->pending = from->pending;
     state_->film.set_sums(from->sums);
@@ -608,6 +622,7 @@ bool Renderer::rebuild(const Bvh::Config& config) {
     State& state = *state_;
     if (state.structure.instanced() || !state.own_kernels) return false;
     state.config.bvh = config;
+    state.config.bvh.builder = resolve(config.builder, state.device);
     state.adopt(state.structure.rebuilt(with_layout(config, state.plan.last.layout)), state.plan.last.effects);
     return true;
 }

@@ -107,12 +107,14 @@ struct Renderer::State {
     void support(EffectSet effects);
     [[nodiscard]] std::uint32_t pixels() const { return config.width * config.height; }
     [[nodiscard]] AdaptiveSchedule new_schedule() const {
-        return {config.width, config.height, config.spp, wavefront.capacity(), config.adaptive};
+        const double least_gain = device.tuning("render/adaptive", "LEAST_GAIN_PERCENT") / 100.0;
+        return {config.width, config.height, config.spp, wavefront.capacity(), config.adaptive, least_gain};
     }
     [[nodiscard]] std::uint32_t words_of_listed_pixels() const {
         return config.adaptive ? AdaptiveSchedule::words_per_pixel * pixels() : 0;
     }
     void plan_round();
+    void list_pixels() const;
     /// Samples of all pixels.
     [[nodiscard]] std::uint64_t samples() const;
     [[nodiscard]] unsigned spp() const { return unsigned(samples() / pixels()); }

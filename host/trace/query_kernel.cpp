@@ -67,10 +67,6 @@ QueryKernel::QueryKernel(const Device& device, const Bvh& bvh, Kind kind, const 
     } else {
         load({{"COHERENT", "1"}, {"CHOOSE", "1"}});
         load({{"COHERENT", "0"}, {"CHOOSE", "1"}});
-        sample_group_ = 256;
-        sample_ = load_kernel(device, "trace/queue/sample_coherence.cl", "sample_coherence",
-                              {{"GROUP_SIZE", std::to_string(sample_group_)}});
-        sample_ = Kernel(device, sample_.handle(), kernels_[0].name());  // counted as part of the query
     }
 }
 

@@ -9,8 +9,8 @@
 
 namespace claray {
 
-/// The three words of kernels/trace/queue/ray_queue.clh. All queries of a device share them, because its commands run
-/// one after another.
+/// The words of kernels/trace/queue/ray_queue.clh and ray_order.cl. All queries of a device share them, because its
+/// commands run one after another.
 [[nodiscard]] const cl::Buffer& ray_queue(const Device& device);
 
 /// Binds only CLARAY_CUTOUTS_PARAMETERS.
@@ -54,8 +54,6 @@ public:
         }
         const cl::Buffer& queue = ray_queue(*device_);
         const Buffer<std::uint32_t> order = order_of(rays, capacity, count);
-        if (kernels_.size() > 1)
-            sample_.run({sample_group_, sample_group_}, rays, capacity, arg("count", count), arg("queue", queue));
         if (retraces()) {
             kernels_[0].run({items, group_}, SolidBvh{bvh_}, rays, results, capacity, arg("count", count),
                             arg("masks", options_.ray_masks), options_.visits, queue, batch, arg("sorted", order));
@@ -83,10 +81,10 @@ private:
     std::optional<Device> device_;  // with the queue
     Bvh bvh_;
     QueryOptions options_;
-    std::vector<Kernel> kernels_;  // one, or two schedules of which the device chooses one
+    std::vector<Kernel> kernels_;  // one, or two schedules of which one traces the rays
     Kernel sample_, retrace_;
     std::shared_ptr<RayOrder> ray_order_;
-    std::size_t rays_per_item_ = 1, group_ = 64, most_items_ = std::size_t(-1), sample_group_ = 64;
+    std::size_t rays_per_item_ = 1, group_ = 64, most_items_ = std::size_t(-1);
     std::uint32_t most_in_batch_ = 0, sort_from_ = 0;
 };
 

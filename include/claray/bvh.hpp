@@ -36,10 +36,13 @@ enum class Layout {
 /// How the tree is built: build time for trace speed. `fast`: linear BVH (Apetrei 2014). `balanced`: hierarchical
 /// locally-ordered clustering (Benthin et al. 2024). `high`: binned SAH from the root down, over large triangles split
 /// into several boxes (Stich et al. 2009). `binned`: binned SAH alone (Wald 2007), for geometry that is refitted.
+/// `automatic`: `high` on GPUs, where it builds sponza in 4 ms, else `balanced` (bvh/automatic of kernels/tuning.txt);
+/// for geometry that stays. Use `fast` for geometry that is built again every frame.
 enum class Builder {
 #define CLARAY_ROW(name, NAME, note, codes, splits) name,
     CLARAY_BUILDERS(CLARAY_ROW)
 #undef CLARAY_ROW
+        automatic
 };
 
 struct BuilderTraits {
@@ -54,7 +57,13 @@ inline constexpr BuilderTraits builders[] = {
     CLARAY_BUILDERS(CLARAY_ROW)
 #undef CLARAY_ROW
 };
-[[nodiscard]] constexpr const BuilderTraits& traits_of(Builder builder) { return builders[std::size_t(builder)]; }
+inline constexpr BuilderTraits automatic_traits = {Builder::automatic, "auto", "high on GPUs, else balanced", true,
+                                                   false};
+[[nodiscard]] constexpr const BuilderTraits& traits_of(Builder builder) {
+    return builder == Builder::automatic ? automatic_traits : builders[std::size_t(builder)];
+}
+/// Returns what `builder` stands for on the device.
+[[nodiscard]] Builder resolve(Builder builder, const Device& device);
 
 /// Measurements of a built structure.
 struct BvhStatistics {
@@ -100,7 +109,7 @@ struct HostTree;
 class Bvh {
 public:
     struct Config {
-        Builder builder = Builder::fast;
+        Builder builder = Builder::automatic;
         unsigned morton_bits = 63;  ///< bits per Morton code: 30 or 63, which is 10 or 21 per axis
         Layout layout = Layout::automatic;
         /// `high` only: upper limit of additional references from splitting large triangles, per triangle; 0: do not

@@ -116,11 +116,11 @@ struct RenderConfig {
     bool adaptive = false;
     double report_seconds = 0.2;  ///< about, from one call of the `progress` of Renderer::render to the next
     Sampler sampler = Sampler::sobol;
-    Bvh::Config bvh = {.builder = Builder::balanced};  ///< the longer build pays off within a few samples
-    EffectOverrides effects = {};                      ///< for experiments; effects are derived from the scene
-    Approximations approximate = {};                   ///< none: the image has no error but noise
-    LightGridConfig light_grid = {};                   ///< for Approximations::light_grid
-    AmbientOcclusion ambient = {};                     ///< for studies
+    Bvh::Config bvh = {};             ///< Builder::automatic is `balanced` for scenes with instances
+    EffectOverrides effects = {};     ///< for experiments; effects are derived from the scene
+    Approximations approximate = {};  ///< none: the image has no error but noise
+    LightGridConfig light_grid = {};  ///< for Approximations::light_grid
+    AmbientOcclusion ambient = {};    ///< for studies
     /// Path of the program `claray`, to compile kernels in the background while other kernels already render; empty:
     /// rendering starts after the scene's own kernels are compiled. The image is the same.
     std::string compiler = {};

@@ -110,3 +110,21 @@ kernel void map_tile_noise(global const FilmPixel* film, uint width, uint height
         for (uint x = x0; x < x1; ++x) sum += variance_of(film[y * width + x], scale);
     variances[tile] = sum / (float)((x1 - x0) * (y1 - y0));
 }
+
+/// Lists the entries of a round of adaptive sampling (Batch) from word `listed` of `tables` on. `tiles`: three words each: tile, samples
+/// per pixel so far, first entry. An entry has `unit` samples. One item per pixel of a tile.
+kernel void list_pixels(global const uint* tiles, uint count, uint width, uint height, uint unit, global uint* tables, uint listed) {
+    const uint most = CLARAY_TILE_SIDE * CLARAY_TILE_SIDE, number = (uint)get_global_id(0) / most, of_tile = (uint)get_global_id(0) % most;
+    if (number >= count) return;
+    const uint columns = (width + CLARAY_TILE_SIDE - 1u) / CLARAY_TILE_SIDE;
+    const uint tile = tiles[3u * number], samples = tiles[3u * number + 1u], first = tiles[3u * number + 2u];
+    const uint x0 = tile % columns * CLARAY_TILE_SIDE, y0 = tile / columns * CLARAY_TILE_SIDE;
+    const uint along = min((uint)CLARAY_TILE_SIDE, width - x0), rows = min((uint)CLARAY_TILE_SIDE, height - y0);
+    if (of_tile >= along * rows) return;
+    const uint pixel = (y0 + of_tile / along) * width + x0 + of_tile % along, entries = samples / unit;
+    for (uint i = 0; i < entries; ++i) {
+        const uint at = listed + 2u * (first + of_tile * entries + i);
+        tables[at] = pixel;
+        tables[at + 1u] = samples + i * unit;
+    }
+}

@@ -14,7 +14,6 @@ void any_hit(CLARAY_BVH_PARAMETERS, global const Ray* rays, ANSWERS_PARAMETERS, 
     const BatchQuery query = {rays, masks, sorted, true, CULL_BACK_FACES, 0, occluded};
     trace_batch(CLARAY_BVH, &query, dealt_batch((uint)get_global_id(0), (uint)get_global_size(0)) * batch, batch, all);
 #else
-    if (CHOOSE && queue[2] != COHERENT) return;
     FOR_EACH_RAY(i, all) {
         Visits visited = {0, 0};
         const Hit hit = claray_trace(CLARAY_BVH, rays[i], true, CULL_BACK_FACES, mask_of_ray(masks, i), &visited);

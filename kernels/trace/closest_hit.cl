@@ -16,7 +16,7 @@ void closest_hit(CLARAY_BVH_PARAMETERS, global const Ray* rays, global Hit* hits
     const BatchQuery query = {rays, masks, sorted, false, CULL_BACK_FACES, hits, 0};
     trace_batch(CLARAY_BVH, &query, dealt_batch((uint)get_global_id(0), (uint)get_global_size(0)) * batch, batch, all);
 #else
-    if (CHOOSE && queue[2] != COHERENT) return;
+    if (CHOOSE && !COHERENT) return;
     FOR_EACH_RAY(i, all) {
         Visits visited = {0, 0};
         hits[i] = claray_trace(CLARAY_BVH, rays[i], false, CULL_BACK_FACES, mask_of_ray(masks, i), &visited);

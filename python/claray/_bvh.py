@@ -26,7 +26,8 @@ class Bvh:
     geometries: (T,) the geometry of each triangle, for hits['geometry'] and masks; None: all 0.
     masks: (G,) one for each geometry; a ray sees it if their masks share a bit; None: all see all.
     device: a Device; None: default_device().
-    builder: "fast", "balanced", "high" or "binned": build time for the speed of queries.
+    builder: "fast", "balanced", "high", "binned", or "auto" (high on GPUs, else balanced): build time
+        for the speed of queries.
     split_budget: builder "high": additional references from splitting large triangles, per triangle. Use 0 for geometry
     that will be refitted.
     layout: "automatic", "binary" or "wide".

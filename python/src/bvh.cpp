@@ -85,6 +85,7 @@ nb::dict statistics(const PyBvh& self) {
 }  // namespace
 
 Bvh::Config config_of(const std::string& builder) {
+    if (builder == automatic_traits.name) return {};
     const auto* row =
         std::find_if(std::begin(builders), std::end(builders), [&](auto& b) { return builder == b.name; });
     if (row == std::end(builders)) {

@@ -96,7 +96,7 @@ TEST(DeviceModel, StopsBeingMeasuredWhereThatIsAskedFor) {
         plan_render(unknown, *builtin_scene("terrain:2000"), {.width = 24, .height = 24, .seconds = 100}, true, two);
     EXPECT_EQ(steps.size(), 2u) << "a long render is worth a pilot, which is told of";
     EXPECT_FALSE(plan.model.known());
-    EXPECT_EQ(plan.config.bvh.builder, RenderConfig().bvh.builder);
+    EXPECT_EQ(plan.config.bvh.builder, resolve(Builder::automatic, unknown));
 }
 
 RenderConfig to_error(double error) { return {.width = 24, .height = 24, .spp = 1u << 24, .error = error}; }

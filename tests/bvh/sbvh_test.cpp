@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <string>
 
 #include "claray/query.hpp"
 #include "tests/bvh/support.hpp"
@@ -363,6 +365,20 @@ TEST(High, LiesInMemoryAsItIsTraversed) {
     }
     EXPECT_EQ(next_leaf, bvh.header().valid);
     EXPECT_EQ(next_node + 1, next_leaf);
+}
+
+TEST(Builders, AutomaticIsWhatTheTuningTableSays) {
+    const Device fresh = Device::open(std::to_string(device().info().index));
+    const Mesh mesh = soup(500, 0.3f, 7);
+    std::set<std::string> hashes;
+    for (unsigned i = 0; i < std::size(builders); ++i) {
+        fresh.set_tuning("bvh/automatic", "BUILDER", i);
+        EXPECT_EQ(resolve(Builder::automatic, fresh), builders[i].builder);
+        const std::string hash = Bvh::build(fresh, std::span(&mesh, 1)).hash();
+        EXPECT_EQ(hash, Bvh::build(fresh, std::span(&mesh, 1), {.builder = builders[i].builder}).hash());
+        hashes.insert(hash);
+    }
+    EXPECT_GE(hashes.size(), 3u) << "high splits nothing here, as binned";
 }
 
 }  // namespace

@@ -1,8 +1,9 @@
 #include "host/render/schedule/adaptive_schedule.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
-#include <numeric>
+#include <utility>
 
 namespace claray {
 namespace {
@@ -20,14 +21,16 @@ std::uint32_t tiles_along(std::uint32_t side) { return (side + tile_side - 1) / 
 }  // namespace
 
 AdaptiveSchedule::AdaptiveSchedule(std::uint32_t width, std::uint32_t height, std::uint32_t spp,
-                                   std::uint32_t paths_in_flight, bool adaptive)
+                                   std::uint32_t paths_in_flight, bool adaptive, double least_gain)
     : width_(width),
       height_(height),
       columns_(tiles_along(width)),
       rows_(tiles_along(height)),
+      spp_(spp),
       paths_(paths_in_flight),
       budget_(std::uint64_t(width) * height * spp),
       adaptive_(adaptive && spp > first_samples),
+      least_gain_(least_gain),
       uniform_(width * height, adaptive_ ? first_samples : spp, paths_in_flight) {}
 
 std::uint32_t AdaptiveSchedule::pixels_of(std::uint32_t tile) const {
@@ -35,45 +38,74 @@ std::uint32_t AdaptiveSchedule::pixels_of(std::uint32_t tile) const {
     return std::min(tile_side, width_ - x) * std::min(tile_side, height_ - y);
 }
 
-/// The squared error of n samples falls like 1/n or faster, so that doubling a tile gains about the estimated square
-/// for n samples. The estimate of a single tile is rough: few samples may have missed what makes the noise. The mean of
-/// the 3x3 tiles around it is a lower limit.
-std::vector<double> AdaptiveSchedule::priorities(const std::vector<float>& variances) const {
-    std::vector<double> result(tiles_.size());
-    for (std::uint32_t t = 0; t < result.size(); ++t) {
-        const std::uint32_t x = t % columns_, y = t / columns_;
-        double sum = 0, count = 0;
-        for (std::uint32_t v = y - std::min(y, 1u); v <= std::min(y + 1, rows_ - 1); ++v)
-            for (std::uint32_t u = x - std::min(x, 1u); u <= std::min(x + 1, columns_ - 1); ++u)
-                sum += double(variances[v * columns_ + u]), ++count;
-        const bool lags = tiles_[t] * least_share * width_ * height_ < done_;
-        result[t] =
-            lags ? std::numeric_limits<double>::infinity() : std::max(double(variances[t]), sum / count) / tiles_[t];
-    }
+/// The estimate of a single tile is rough: few samples may have missed what makes the noise. The mean of the 3x3 tiles
+/// around it is a lower limit.
+std::vector<double> AdaptiveSchedule::smoothed(const std::vector<float>& variances) const {
+    std::vector<double> rows(variances.size()), result(variances.size());  // sums of three tiles side by side
+    for (std::uint32_t y = 0, t = 0; y < rows_; ++y)
+        for (std::uint32_t x = 0; x < columns_; ++x, ++t)
+            for (std::uint32_t u = t - std::min(x, 1u); u <= t + (x + 1 < columns_); ++u)
+                rows[t] += double(variances[u]);
+    for (std::uint32_t y = 0, t = 0; y < rows_; ++y)
+        for (std::uint32_t x = 0; x < columns_; ++x, ++t) {
+            const std::uint32_t above = y > 0, below = y + 1 < rows_;
+            double sum = rows[t];
+            if (above) sum += rows[t - columns_];
+            if (below) sum += rows[t + columns_];
+            const std::uint32_t count = (1 + (x > 0) + (x + 1 < columns_)) * (1 + above + below);
+            result[t] = std::max(double(variances[t]), sum / count);
+        }
     return result;
 }
 
-void AdaptiveSchedule::plan(const std::vector<float>& variances) {
-    if (tiles_.empty()) {
-        tiles_.assign(std::size_t(columns_) * rows_, first_samples);
-        done_ = std::uint64_t(width_) * height_ * first_samples;
+/// If the squared error of n samples falls like 1/n, the best numbers of samples are proportional to the square roots.
+double AdaptiveSchedule::gain(const std::vector<float>& variances) const {
+    double squares = 0, roots = 0;
+    for (std::uint32_t t = 0; t < variances.size(); ++t) {
+        squares += double(variances[t]) * pixels_of(t);
+        roots += std::sqrt(double(variances[t])) * pixels_of(t);
     }
-    const std::vector<double> priority = priorities(variances);
-    std::vector<std::uint32_t> order(tiles_.size());
-    std::iota(order.begin(), order.end(), 0u);
-    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return priority[a] > priority[b]; });
+    return roots > 0 ? squares * double(pixels()) / (roots * roots) : 1;
+}
+
+/// Marks the tiles of the next round. The squared error of n samples falls like 1/n or faster, so that doubling a tile
+/// gains about the estimated square for n samples.
+void AdaptiveSchedule::choose(const std::vector<double>& variances) {
+    std::vector<std::pair<double, std::uint32_t>> heap(tiles_.size());  // the first tile of equal ones has the largest
+    for (std::uint32_t t = 0; t < heap.size(); ++t) {
+        const bool lags = tiles_[t] * least_share * pixels() < done_;
+        heap[t] = {lags ? std::numeric_limits<double>::infinity() : variances[t] / tiles_[t], ~t};
+    }
+    std::make_heap(heap.begin(), heap.end());
     const std::uint64_t left = budget_ - done_, wanted = std::min(left, done_ / parts_per_round);
     const std::uint32_t unit = least_samples();
-    std::uint64_t taken = 0, room = std::uint64_t(words_per_pixel / 2) * width_ * height_;
-    for (const std::uint32_t tile : order) {
+    std::uint64_t taken = 0, room = words_per_pixel / 2 * pixels();
+    for (; !heap.empty() && taken < wanted; heap.pop_back()) {
+        std::pop_heap(heap.begin(), heap.end());
+        const std::uint32_t tile = ~heap.back().second;
         const std::uint64_t cost = std::uint64_t(tiles_[tile]) * pixels_of(tile);
-        if (taken >= wanted) break;
         if (taken + cost > left || cost / unit > room || tiles_[tile] >= most_samples) continue;
         taken += cost, room -= cost / unit;
         tiles_[tile] |= chosen;
     }
+}
+
+void AdaptiveSchedule::plan(const std::vector<float>& variances) {
+    const std::uint32_t so_far = uniform_.complete_passes_spp();
+    if (tiles_.empty() && gain(variances) < least_gain_) return uniform_.extend(next_plan(so_far + 1));
+    if (tiles_.empty()) {
+        tiles_.assign(std::size_t(columns_) * rows_, so_far);
+        done_ = pixels() * so_far;
+    }
+    choose(smoothed(variances));
     list_chosen();
-    has_ended_ = listed_.empty();
+    has_ended_ = !in_round();
+}
+
+std::uint32_t AdaptiveSchedule::next_plan(std::uint32_t samples) const {
+    std::uint32_t at = first_samples;
+    while (at < samples && at < spp_) at *= 2;
+    return std::min(at, spp_);
 }
 
 std::uint32_t AdaptiveSchedule::least_samples() const {
@@ -82,16 +114,19 @@ std::uint32_t AdaptiveSchedule::least_samples() const {
     return least;
 }
 
+bool AdaptiveSchedule::none_fits() const {
+    return budget_ - done_ < std::uint64_t(least_samples()) * tile_side * tile_side;
+}
+
 void AdaptiveSchedule::list_chosen() {
-    listed_.clear();
-    entry_ = sample_ = 0, unit_ = least_samples();
+    const std::uint32_t unit = least_samples();
+    round_ = {};
+    entry_ = sample_ = 0;
     for (std::uint32_t t = 0; t < tiles_.size(); ++t) {
         if (!(tiles_[t] & chosen)) continue;
-        const std::uint32_t samples = tiles_[t] & ~chosen, x0 = t % columns_ * tile_side, y0 = t / columns_ * tile_side;
-        for (std::uint32_t y = y0; y < std::min(y0 + tile_side, height_); ++y)
-            for (std::uint32_t x = x0; x < std::min(x0 + tile_side, width_); ++x)
-                for (std::uint32_t first = samples; first < 2 * samples; first += unit_)
-                    listed_.push_back(y * width_ + x), listed_.push_back(first);
+        const std::uint32_t samples = tiles_[t] & ~chosen;
+        for (const std::uint32_t word : {t, samples, round_.entries}) round_.tiles.push_back(word);
+        round_.unit = unit, round_.entries += samples / unit * pixels_of(t);
     }
 }
 
@@ -99,38 +134,39 @@ void AdaptiveSchedule::end_round() {
     done_ = samples();
     for (std::uint32_t& tile : tiles_)
         if (tile & chosen) tile = 2 * (tile & ~chosen);
-    listed_.clear();
+    has_ended_ = none_fits();
+    round_ = {};
     entry_ = sample_ = 0;
 }
 
 /// Each entry's samples are complete before the next entry begins, so that each pixel gets its samples in their order.
 Batch AdaptiveSchedule::next(std::uint32_t most_paths) {
-    if (listed_.empty()) return uniform_.next(most_paths);
-    const std::uint32_t most = std::max(1u, std::min(most_paths, paths_));
-    Batch batch{entry_, 1, sample_, std::min(unit_ - sample_, most), 1};
-    if (batch.samples < unit_) {  // a part of one entry
+    if (!in_round()) return uniform_.next(most_paths);
+    const std::uint32_t most = std::max(1u, std::min(most_paths, paths_)), unit = round_.unit;
+    Batch batch{entry_, 1, sample_, std::min(unit - sample_, most), 1};
+    if (batch.samples < unit) {  // a part of one entry
         sample_ += batch.samples;
-        if (sample_ == unit_) sample_ = 0, ++entry_;
+        if (sample_ == unit) sample_ = 0, ++entry_;
     } else {
-        batch.pixels = std::min(most / unit_, entries() - entry_);
+        batch.pixels = std::min(most / unit, round_.entries - entry_);
         entry_ += batch.pixels;
     }
-    if (entry_ == entries()) end_round();
+    if (entry_ == round_.entries) end_round();
     return batch;
 }
 
 std::uint32_t AdaptiveSchedule::complete_passes_spp() const {
     if (tiles_.empty()) return uniform_.complete_passes_spp();
-    return std::uint32_t(done_ / (std::uint64_t(width_) * height_));
+    return std::uint32_t(done_ / pixels());
 }
 
 std::uint64_t AdaptiveSchedule::samples() const {
     if (tiles_.empty()) return uniform_.samples();
-    return done_ + std::uint64_t(entry_) * unit_ + sample_;
+    return done_ + std::uint64_t(entry_) * round_.unit + sample_;
 }
 
 AdaptiveSchedule::Position AdaptiveSchedule::position() const {
-    return {listed_.empty() ? uniform_.position() : Schedule::Position{0, 0, entry_, sample_}, tiles_};
+    return {in_round() ? Schedule::Position{0, 0, entry_, sample_} : uniform_.position(), tiles_};
 }
 
 bool AdaptiveSchedule::go_to(const Position& to) {
@@ -139,10 +175,11 @@ bool AdaptiveSchedule::go_to(const Position& to) {
     };
     if (to.tiles.empty()) {
         uniform_.go_to(to.at);
-        return within(to.at, std::uint64_t(width_) * height_);
+        if (adaptive_) uniform_.extend(next_plan(to.at.done + (uniform_.between_passes() ? 0 : 1)));
+        return within(to.at, pixels());
     }
     if (!adaptive_ || to.tiles.size() != std::size_t(columns_) * rows_) return false;
-    uniform_.go_to({first_samples, 0, 0, 0});
+    uniform_.go_to({first_samples, 0, 0, 0}), uniform_.extend(first_samples);
     tiles_ = to.tiles, done_ = 0;
     std::uint64_t round = 0;
     for (std::uint32_t t = 0; t < tiles_.size(); ++t) {
@@ -151,12 +188,14 @@ bool AdaptiveSchedule::go_to(const Position& to) {
         done_ += std::uint64_t(samples) * pixels_of(t);
         if (tiles_[t] & chosen) round += std::uint64_t(samples) * pixels_of(t);
     }
-    const std::uint64_t room = std::uint64_t(words_per_pixel / 2) * width_ * height_;
-    if (done_ + round > budget_ || round / least_samples() > room) return false;
+    if (done_ + round > budget_ || round / least_samples() > words_per_pixel / 2 * pixels()) return false;
     list_chosen();
-    if (listed_.empty()) return true;
+    if (!in_round()) {
+        has_ended_ = none_fits();
+        return true;
+    }
     entry_ = to.at.pixel, sample_ = to.at.sample;
-    return to.at.done == 0 && to.at.pass == 0 && entry_ < entries() && sample_ < unit_;
+    return to.at.done == 0 && to.at.pass == 0 && entry_ < round_.entries && sample_ < round_.unit;
 }
 
 }  // namespace claray

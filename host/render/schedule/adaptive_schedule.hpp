@@ -9,32 +9,44 @@ namespace claray {
 
 /// A Schedule of the whole image, and with adaptive sampling rounds after its first 16 samples per pixel. Each round
 /// doubles the samples of the tiles (8x8 pixels) in which a sample lowers the estimated squared error of the image
-/// most, about a quarter of all samples so far. It is planned from complete earlier rounds only, so that it depends
-/// neither on batches nor on time. Tiles keep powers of two, where Sobol points are even.
+/// most, about a quarter of all samples so far. While the error is spread so evenly that this does not pay, the whole
+/// image is doubled instead. All is planned from complete earlier rounds only, so that it depends neither on batches
+/// nor on time. Tiles keep powers of two, where Sobol points are even.
 class AdaptiveSchedule {
 public:
-    /// `spp`: mean samples per pixel at the end. `paths_in_flight`: see Schedule.
-    AdaptiveSchedule(std::uint32_t width, std::uint32_t height, std::uint32_t spp, std::uint32_t paths_in_flight,
-                     bool adaptive);
+    /// The entries that the batches of a round number (Batch): those of each chosen tile, pixel by pixel in rows. An
+    /// entry has `unit` samples, as many as the pixels with the fewest before the round.
+    struct Round {
+        std::vector<std::uint32_t> tiles;  ///< three words each: tile, its samples per pixel so far, its first entry
+        std::uint32_t entries = 0, unit = 0;
+        bool operator==(const Round&) const = default;
+    };
 
-    [[nodiscard]] bool finished() const { return has_ended_ || (!adaptive_ && uniform_.finished()); }
+    /// `spp`: mean samples per pixel at the end. `paths_in_flight`: see Schedule. `least_gain`: rounds begin where the
+    /// best distribution of samples has this many times less squared error than the same number everywhere.
+    AdaptiveSchedule(std::uint32_t width, std::uint32_t height, std::uint32_t spp, std::uint32_t paths_in_flight,
+                     bool adaptive, double least_gain = 1.3);
+
+    [[nodiscard]] bool finished() const {
+        return has_ended_ || (tiles_.empty() && uniform_.complete_passes_spp() == spp_);
+    }
     /// Returns whether `plan` must be called before `next`.
-    [[nodiscard]] bool wants_plan() const { return adaptive_ && !has_ended_ && uniform_.finished() && listed_.empty(); }
+    [[nodiscard]] bool wants_plan() const { return !finished() && uniform_.finished() && !in_round(); }
     /// Returns whether pixels may have different numbers of samples.
     [[nodiscard]] bool has_rounds() const { return !tiles_.empty(); }
     /// Plans the next round from the variance of the pixels of each tile, in any unit. If no tile can be doubled within
     /// the samples left, the schedule is finished.
     void plan(const std::vector<float>& variances);
-    /// The entries that the batches of this round number, two words each (Batch); empty if they number the pixels of
-    /// the image. An entry has as many samples as the pixels with the fewest. At most `words_per_pixel` words per pixel
-    /// of the image.
-    [[nodiscard]] const std::vector<std::uint32_t>& listed() const { return listed_; }
+    /// Returns whether batches number the entries of a round, not the pixels of the image.
+    [[nodiscard]] bool in_round() const { return !round_.tiles.empty(); }
+    /// Its entries have two words each (Batch), at most `words_per_pixel` words per pixel of the image.
+    [[nodiscard]] const Round& round() const { return round_; }
     static constexpr std::uint32_t words_per_pixel = 8;
     /// As of Schedule; with adaptive sampling, samples per pixel are means, and passes are rounds.
     [[nodiscard]] Batch next(std::uint32_t most_paths = ~std::uint32_t(0));
     [[nodiscard]] std::uint32_t complete_passes_spp() const;
     [[nodiscard]] std::uint64_t samples() const;
-    [[nodiscard]] bool between_passes() const { return listed_.empty() && uniform_.between_passes(); }
+    [[nodiscard]] bool between_passes() const { return !in_round() && uniform_.between_passes(); }
     void limit_pass(std::uint32_t samples) { uniform_.limit_pass(samples); }
     /// Samples per pixel of the current pass of the whole image, or of the next one.
     [[nodiscard]] std::uint32_t pass_samples() const { return uniform_.pass_samples(); }
@@ -54,19 +66,26 @@ private:
     [[nodiscard]] std::uint32_t pixels_of(std::uint32_t tile) const;
     /// Samples per pixel of the tile with the fewest, before the round.
     [[nodiscard]] std::uint32_t least_samples() const;
-    [[nodiscard]] std::vector<double> priorities(const std::vector<float>& variances) const;
+    [[nodiscard]] std::uint64_t pixels() const { return std::uint64_t(width_) * height_; }
+    [[nodiscard]] std::vector<double> smoothed(const std::vector<float>& variances) const;
+    /// By how much the best distribution of all samples would lower the squared error.
+    [[nodiscard]] double gain(const std::vector<float>& variances) const;
+    void choose(const std::vector<double>& variances);
+    /// The samples per pixel up to which the whole image is sampled before the next plan.
+    [[nodiscard]] std::uint32_t next_plan(std::uint32_t samples) const;
+    /// Returns whether the samples left are too few to double a whole tile.
+    [[nodiscard]] bool none_fits() const;
     void list_chosen();
     void end_round();
-    [[nodiscard]] std::uint32_t entries() const { return std::uint32_t(listed_.size() / 2); }
 
-    std::uint32_t width_, height_, columns_, rows_, paths_;
+    std::uint32_t width_, height_, columns_, rows_, spp_, paths_;
     std::uint64_t budget_;  // samples of all pixels
     bool adaptive_, has_ended_ = false;
+    double least_gain_;
     Schedule uniform_;
     std::vector<std::uint32_t> tiles_;  // as in Position
     std::uint64_t done_ = 0;            // samples of all pixels before the round
-    std::vector<std::uint32_t> listed_;
-    std::uint32_t unit_ = 0;                // samples of an entry
+    Round round_;
     std::uint32_t entry_ = 0, sample_ = 0;  // where the round continues
 };
 

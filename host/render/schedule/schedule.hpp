@@ -24,6 +24,8 @@ public:
     /// Number of samples of all pixels, including those of an incomplete pass.
     [[nodiscard]] std::uint64_t samples() const;
     [[nodiscard]] bool between_passes() const { return at_.pixel == 0 && at_.sample == 0; }
+    /// Continues up to more samples per pixel.
+    void extend(std::uint32_t spp) { spp_ = spp; }
     /// Limits the samples per pixel of the next pass; to be called between passes.
     void limit_pass(std::uint32_t samples) { most_samples_ = samples; }
 

@@ -28,11 +28,26 @@ std::vector<float> variances_after(const std::vector<std::uint32_t>& samples) {
     return variances;
 }
 
+/// The list of a round, two words per entry.
+std::vector<std::uint32_t> list_of(const AdaptiveSchedule::Round& round) {
+    std::vector<std::uint32_t> list;
+    for (std::size_t t = 0; t < round.tiles.size(); t += 3) {
+        const unsigned columns = (width + 7) / 8, x0 = round.tiles[t] % columns * 8, y0 = round.tiles[t] / columns * 8;
+        EXPECT_EQ(round.tiles[t + 2], list.size() / 2);
+        for (unsigned y = y0; y < std::min(y0 + 8, height); ++y)
+            for (unsigned x = x0; x < std::min(x0 + 8, width); ++x)
+                for (std::uint32_t i = 0; i < round.tiles[t + 1]; i += round.unit)
+                    list.push_back(y * width + x), list.push_back(round.tiles[t + 1] + i);
+    }
+    EXPECT_EQ(round.entries, list.size() / 2);
+    return list;
+}
+
 /// Takes the next batch; checks that each of its pixels gets the samples that follow the ones it has.
 void take(AdaptiveSchedule& schedule, std::uint32_t most, std::vector<std::uint32_t>& samples) {
     if (schedule.wants_plan()) schedule.plan(variances_after(samples));
     if (schedule.finished()) return;
-    const std::vector<std::uint32_t> listed = schedule.listed();
+    const std::vector<std::uint32_t> listed = list_of(schedule.round());
     const Batch batch = schedule.next(most);
     ASSERT_GE(batch.pixels * batch.samples, 1u);
     ASSERT_LE(batch.pixels * batch.samples, std::max(most, 1u));
@@ -67,7 +82,7 @@ TEST(AdaptiveSchedule, SpendsTheSamplesWhereTheyPay) {
         EXPECT_GE(16 * least, spp);
         EXPECT_TRUE(spp > 16 || least == most) << spp;
         EXPECT_TRUE(spp < 64 || (samples[2] == most && most >= 8 * least)) << spp;
-        for (const std::uint32_t n : samples) EXPECT_TRUE(spp < 16 || std::has_single_bit(n)) << n;
+        for (const std::uint32_t n : samples) EXPECT_TRUE(spp < 16 || least == most || std::has_single_bit(n)) << n;
     }
 }
 
@@ -84,15 +99,57 @@ TEST(AdaptiveSchedule, GoesOnFromEveryPosition) {
         AdaptiveSchedule other(width, height, 60, 777, true);
         ASSERT_TRUE(other.go_to(schedule.position()));
         ASSERT_EQ(other.samples(), schedule.samples());
-        ASSERT_EQ(other.listed(), schedule.listed());
+        ASSERT_EQ(other.round(), schedule.round());
     }
     EXPECT_EQ(samples, all_samples(60, ~0u));
+}
+
+TEST(AdaptiveSchedule, SamplesTheWholeImageWhileTheErrorIsSpreadEvenly) {
+    for (const std::uint32_t spp : {17u, 64u, 100u}) {
+        AdaptiveSchedule schedule(width, height, spp, 1000, true);
+        std::uint32_t plans = 0;
+        for (; !schedule.finished(); schedule.next(700)) {
+            if (schedule.wants_plan()) schedule.plan(std::vector<float>(15, 1.f)), ++plans;
+            ASSERT_FALSE(schedule.has_rounds() || schedule.in_round());
+            AdaptiveSchedule other(width, height, spp, 1000, true);
+            ASSERT_TRUE(other.go_to(schedule.position()));
+            ASSERT_EQ(other.samples(), schedule.samples());
+            ASSERT_EQ(other.finished(), schedule.finished());
+        }
+        EXPECT_EQ(schedule.samples(), std::uint64_t(spp) * width * height);
+        EXPECT_EQ(plans, spp == 17 ? 1u : spp == 64 ? 2u : 3u);
+    }
+}
+
+/// render/measure_film.cl
+TEST(AdaptiveSchedule, IsListedOnTheDevice) {
+    AdaptiveSchedule schedule(width, height, 300, 1000, true);
+    std::vector<std::uint32_t> samples(width * height);
+    std::size_t rounds = 0;
+    for (; !schedule.finished(); take(schedule, ~0u, samples)) {
+        if (schedule.wants_plan()) schedule.plan(variances_after(samples));
+        if (!schedule.in_round()) continue;
+        const AdaptiveSchedule::Round& round = schedule.round();
+        const std::vector<std::uint32_t> expected = list_of(round);
+        Buffer<std::uint32_t> tables(device(), expected.size() + 2);
+        tables.fill(7);
+        const auto count = std::uint32_t(round.tiles.size() / 3);
+        load_kernel(device(), "render/measure_film.cl", "list_pixels")
+            .run({64 * count, 64}, arg("tiles", Buffer<std::uint32_t>(device(), round.tiles)), count, width, height,
+                 round.unit, arg("tables", tables), 1u);
+        std::vector<std::uint32_t> found = tables.read();
+        EXPECT_TRUE(found.front() == 7 && found.back() == 7);
+        EXPECT_EQ(std::vector(found.begin() + 1, found.end() - 1), expected);
+        ++rounds;
+    }
+    EXPECT_GT(rounds, 3u);
 }
 
 TEST(AdaptiveSchedule, RefusesPositionsThatDoNotExist) {
     AdaptiveSchedule schedule(width, height, 60, 1000, true);
     std::vector<std::uint32_t> samples(width * height);
-    while (schedule.listed().empty()) take(schedule, 1000, samples);
+    while (!schedule.in_round() && !schedule.finished()) take(schedule, 1000, samples);
+    ASSERT_TRUE(schedule.in_round());
     const AdaptiveSchedule::Position good = schedule.position();
     const auto accepts = [](const AdaptiveSchedule::Position& position) {
         return AdaptiveSchedule(width, height, 60, 1000, true).go_to(position);
