@@ -14,7 +14,8 @@ void closest_hit(CLARAY_BVH_PARAMETERS, global const Ray* rays, global Hit* hits
     trace_queue(CLARAY_BVH, &query, queue);
 #elif USE_BATCHES
     const BatchQuery query = {rays, masks, sorted, false, CULL_BACK_FACES, hits, 0};
-    trace_batch(CLARAY_BVH, &query, dealt_batch((uint)get_global_id(0), (uint)get_global_size(0)) * batch, batch, all);
+    const uint item = (uint)get_global_id(0), items = (uint)get_global_size(0);
+    trace_batch(CLARAY_BVH, &query, dealt_batch(item, items) * batch, dealt_batch(item + 1, items) * batch, batch, all);
 #else
     if (CHOOSE && !COHERENT) return;
     FOR_EACH_RAY(i, all) {
