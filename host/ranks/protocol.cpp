@@ -7,11 +7,11 @@ namespace {
 /// is named here.
 template <class Config, class Visit>
 void visit_config(Config& config, const Visit& visit) {
-    auto& [width, height, spp, max_depth, seed, seconds, noise, error, adaptive, report_seconds, sampler, bvh, effects,
-           approximate, light_grid, compiler, checkpoint, checkpoint_seconds, resume] = config;
+    auto& [width, height, spp, max_depth, seed, seconds, noise, error, adaptive, report_seconds, sampler, bvh, parts,
+           effects, approximate, light_grid, compiler, checkpoint, checkpoint_seconds, resume] = config;
     (void)compiler, (void)checkpoint, (void)checkpoint_seconds, (void)resume;
-    visit(width, height, spp, max_depth, seed, seconds, noise, error, adaptive, report_seconds, sampler, bvh, effects,
-          approximate, light_grid);
+    visit(width, height, spp, max_depth, seed, seconds, noise, error, adaptive, report_seconds, sampler, bvh, parts,
+          effects, approximate, light_grid);
 }
 
 template <class... T>

@@ -141,6 +141,7 @@ struct Renderer::State {
     Camera camera;
     unsigned most_spp = config.spp;
     Clock::time_point set_up;
+    unsigned parts;  // of the structure
     KernelPlan plan;
     std::unique_ptr<QuickStart> quick_start;  // until the first pixel is done
     double set_up_processor;

@@ -106,9 +106,12 @@ struct RenderConfig {
     double report_seconds = 0.2;  ///< about, from one call of the `progress` of Renderer::render to the next
     Sampler sampler = Sampler::sobol;
     Bvh::Config bvh = {.builder = Builder::balanced};  ///< the longer build pays off within a few samples
-    EffectOverrides effects = {};                      ///< for experiments; effects are derived from the scene
-    Approximations approximate = {};                   ///< none: the image has no error but noise
-    LightGridConfig light_grid = {};                   ///< for Approximations::light_grid
+    /// Splits the tree into so many parts by space; 0: as many as the device's memory requires. The image is the same.
+    /// Parts for which there is no room wait in host memory, and are copied to the device for each set of rays.
+    unsigned parts = 0;
+    EffectOverrides effects = {};     ///< for experiments; effects are derived from the scene
+    Approximations approximate = {};  ///< none: the image has no error but noise
+    LightGridConfig light_grid = {};  ///< for Approximations::light_grid
     /// Path of the program `claray`, to compile kernels in the background while other kernels already render; empty:
     /// rendering starts after the scene's own kernels are compiled. The image is the same.
     std::string compiler = {};
@@ -167,6 +170,8 @@ struct RenderStatistics {
     RayCount in_paths;
     EffectSet effects;  ///< effects of the scene, after `RenderConfig::effects`
     std::uint64_t device_bytes = 0;
+    unsigned parts = 1;                 ///< of the tree, see RenderConfig::parts
+    std::uint64_t bytes_paged = 0;      ///< copied to the device because parts took turns
     double longest_milliseconds = 0;    ///< longest command of this device so far
     std::string longest_command;        ///< its name
     std::uint64_t dropped_samples = 0;  ///< as in RenderProgress
