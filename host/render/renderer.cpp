@@ -193,7 +193,10 @@ WavefrontKernels Renderer::State::load_kernels(EffectSet effects) const {
     return load();
 }
 
+bool Renderer::State::parts_take_turns() const { return structure.parts() && structure.parts()->take_turns(); }
+
 std::uint32_t Renderer::State::first_paths() const {
+    if (parts_take_turns()) return wavefront.capacity();
     const std::uint32_t tuned = device.tuning("render/wavefront", "FIRST_PATHS");
     return plan.start == KernelStart::quick ? std::min(tuned, quick_first_paths) : tuned;
 }
@@ -471,6 +474,7 @@ void Renderer::State::warm_up() {
 /// As many paths as fit in half of the time between two reports. Near a time limit, as fit in half of the remaining
 /// time, because machines slow down without warning. Every pixel gets a sample in any case.
 std::uint32_t Renderer::State::paths_of_next_batch(InFlight& in_flight) const {
+    if (parts_take_turns()) return wavefront.capacity();  // copying them takes as long for a few paths
     if (complete_spp() == 0) return pace.paths();
     const double to_report = std::max(1.0, 1e3 * config.report_seconds / 2);
     if (!(config.seconds > 0)) return pace.paths_within(to_report);

@@ -95,7 +95,11 @@ void Renderer::State::support(EffectSet effects) {
 
 /// Places the scene, its buffers and trees anew.
 void Renderer::State::rebuild_scene(const Scene& scene) {
-    PlacedScene placed = place_instances(scene);
+    PlacedScene placed;
+    if (scene.instances.empty())
+        placed.scene = scene;
+    else
+        placed = place_instances(scene);
     structure = Structure(device, placed.scene, placed.baked, with_layout(config.bvh, plan.last.layout), false, parts);
     light_grid = light_grid_of(config, placed.scene);
     buffers = SceneBuffers(device, placed.scene, structure, config.effects.add, selection_of_lights(config),

@@ -102,7 +102,7 @@ double Dealer::seconds_to_limit() const {
 }
 
 double Dealer::paths_of_piece(const Worker& worker, double seconds_left) const {
-    if (worker.speed() == 0) return worker.first_paths;
+    if (worker.speed() == 0 || worker.first_paths == worker.most_paths) return worker.first_paths;
     const double seconds = std::min({piece_seconds, std::max(least_piece_seconds, seconds_to_limit() / share_at_end),
                                      std::max(least_piece_seconds, seconds_left / 2)});
     return std::min({worker.speed() * seconds, 4. * worker.last_paths, double(worker.most_paths)});

@@ -38,7 +38,7 @@ public:
     Dealer(const std::vector<PixelRun>& runs, std::uint32_t largest_pass, std::uint32_t bands = 4096);
 
     /// Adds a worker and returns its number. Its first piece has `first_paths` paths, and none has more than
-    /// `most_paths`.
+    /// `most_paths`; if both are equal, all have as many.
     int add(std::uint32_t first_paths, std::uint32_t most_paths);
     /// No pixel gets more samples than this; never less than before.
     void set_limit(std::uint32_t samples);

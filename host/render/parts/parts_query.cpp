@@ -13,8 +13,15 @@ PartsQuery::PartsQuery(const Structure& structure, QueryKernel::Kind kind, const
     if (visits_.allocated()) visits_of_all_ = Buffer<Visits>(structure.device(), visits_.size());
 }
 
+/// Reading their number waits for the device, but copying parts for no rays takes longer.
+std::uint32_t PartsQuery::rays_to_trace(std::uint32_t capacity, const Buffer<std::uint32_t>& count) const {
+    return count.allocated() && parts_->take_turns() ? std::min(capacity, count.read()[0]) : capacity;
+}
+
 void PartsQuery::closest(const Buffer<Ray>& rays, SceneHits& hits, std::uint32_t capacity,
                          const Buffer<std::uint32_t>& count, const Buffer<float>& times) {
+    capacity = rays_to_trace(capacity, count);
+    if (capacity == 0) return;
     if (found_.size() < capacity) found_ = SceneHits(structure_, rays.size());
     parts_->for_each([&](std::size_t i, bool first) {
         structure_.instanced() ? of_instances_[i].run(rays, found_.of_instances, capacity, count, times)
@@ -27,6 +34,8 @@ void PartsQuery::closest(const Buffer<Ray>& rays, SceneHits& hits, std::uint32_t
 
 void PartsQuery::any(const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded, std::uint32_t capacity,
                      const Buffer<std::uint32_t>& count, const Buffer<float>& times) {
+    capacity = rays_to_trace(capacity, count);
+    if (capacity == 0) return;
     blocked_.reserve(structure_.device(), std::max<std::size_t>(capacity, rays.size()));
     parts_->for_each([&](std::size_t i, bool first) {
         structure_.instanced() ? of_instances_[i].run(rays, blocked_, capacity, count, times)

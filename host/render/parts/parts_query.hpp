@@ -19,6 +19,8 @@ public:
              const Buffer<std::uint32_t>& count, const Buffer<float>& times);
 
 private:
+    [[nodiscard]] std::uint32_t rays_to_trace(std::uint32_t capacity, const Buffer<std::uint32_t>& count) const;
+
     std::shared_ptr<SceneParts> parts_;
     Structure structure_;
     Buffer<Visits> visits_, visits_of_all_;

@@ -106,6 +106,12 @@ void SceneParts::set_cutouts(const Buffer<std::uint32_t>& store) {
     for (Part& part : parts_) part.instanced ? part.instanced->set_cutouts(store) : part.bvh.set_cutouts(store);
 }
 
+bool SceneParts::take_turns() const {
+    std::uint64_t waiting = 0;
+    for (const Part& part : parts_) waiting += part.pages.on_device() ? 0 : part.pages.bytes();
+    return waiting > 0 && waiting + device_.info().memory / share_of_queues > bytes_available(device_);
+}
+
 SceneParts::Part* SceneParts::oldest_on_device() {
     Part* oldest = nullptr;
     for (Part& part : parts_)

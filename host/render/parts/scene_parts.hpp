@@ -31,6 +31,8 @@ public:
     [[nodiscard]] const std::vector<Part>& parts() const { return parts_; }
     /// Triangles, bytes and costs of all parts, and the largest height.
     [[nodiscard]] const BvhStatistics& statistics() const { return statistics_; }
+    /// Whether the memory that is free does not hold the parts that wait.
+    [[nodiscard]] bool take_turns() const;
     [[nodiscard]] std::uint64_t bytes_paged() const { return bytes_paged_; }
     void set_cutouts(const Buffer<std::uint32_t>& store);
 
