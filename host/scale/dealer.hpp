@@ -20,6 +20,7 @@ struct Order {
     Kind kind = Kind::render;
     Batch batch = {};
     bool brings_sums = false;  ///< of `render`: the sums so far of these pixels come with the order
+    bool is_first = false;     ///< of the others: the caller knows no sums of these pixels yet
 };
 
 /// Pixels with equal numbers of samples.

@@ -19,10 +19,14 @@ RenderConfig config_of_part(RenderConfig config) {
 }  // namespace
 
 DeviceWorker::DeviceWorker(const Device& device, const Scene& scene, const RenderConfig& config, Inbox& inbox,
-                           std::size_t number)
-    : device_(device), scene_(scene), config_(config_of_part(config)), inbox_(inbox), number_(number), thread_([this] {
-          run();
-      }) {}
+                           std::size_t number, const GroupSums* shared)
+    : device_(device),
+      scene_(scene),
+      config_(config_of_part(config)),
+      inbox_(inbox),
+      number_(number),
+      shared_(shared),
+      thread_([this] { run(); }) {}
 
 DeviceWorker::~DeviceWorker() {
     {
@@ -93,14 +97,20 @@ void DeviceWorker::start(const Job& job) {
     Film& film = renderer_->state().film;
     const Batch& batch = job.order.batch;
     if (job.order.kind == Order::Kind::render) {
-        if (job.order.brings_sums) film.set_sums(job.sums, batch.first_pixel);
+        if (job.order.brings_sums && shared_ != nullptr)
+            film.write_sums(shared_->at(batch.first_pixel, batch.pixels), batch.first_pixel);
+        else if (job.order.brings_sums)
+            film.set_sums(job.sums, batch.first_pixel);
         render(batch);
         running_.push_back({Mark(device_), job.sent});
         device_.queue().flush();
         return;
     }
     while (!running_.empty()) wait_for_oldest();
-    report_done(job.sent, film.sums(batch.first_pixel, batch.pixels));
+    if (shared_ == nullptr || !job.order.is_first)  // a device that fails while it reads must not spoil earlier sums
+        return report_done(job.sent, film.sums(batch.first_pixel, batch.pixels));
+    film.read_sums(shared_->at(batch.first_pixel, batch.pixels), batch.first_pixel);
+    report_done(job.sent);
 }
 
 /// In batches for which the renderer has room; each pixel's samples in their order.
