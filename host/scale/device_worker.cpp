@@ -8,7 +8,8 @@
 namespace claray {
 namespace {
 
-constexpr std::size_t most_running = 2;  // orders on the device
+constexpr std::size_t most_running = 2;         // orders on the device
+constexpr std::uint32_t most_paths = 1u << 30;  // of an order; their time limits them
 
 /// The group decides when a render ends and saves its progress.
 RenderConfig config_of_part(RenderConfig config) {
@@ -67,7 +68,8 @@ void DeviceWorker::set_up() {
     state.follow_light();
     device_.finish();
     state.begin = state.first_begin = Clock::now();
-    inbox_.post({number_, Report::Kind::ready, state.first_paths(), state.wavefront.capacity()});
+    const std::uint32_t first = state.first_paths();
+    inbox_.post({number_, Report::Kind::ready, first, state.parts_take_turns() ? first : most_paths});
 }
 
 void DeviceWorker::run() {

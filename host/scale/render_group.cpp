@@ -8,6 +8,16 @@
 #include "host/render/renderer_state.hpp"
 #include "host/scale/group_state.hpp"
 
+static double log_begin;
+#define LOG(...)                                                                                                  \
+    do {                                                                                                          \
+        if (std::getenv("CLARAY_GROUP_LOG")) {                                                                    \
+            std::fprintf(stderr, "%.4f ",                                                                         \
+                         1e-9 * double(std::chrono::steady_clock::now().time_since_epoch().count()) - log_begin); \
+            std::fprintf(stderr, __VA_ARGS__);                                                                    \
+            std::fprintf(stderr, "\n");                                                                           \
+        }                                                                                                         \
+    } while (0)
 namespace claray {
 namespace {
 
@@ -16,6 +26,10 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::microseconds patience{20'000};
 /// What a device that fails loses at most, if there are no checkpoints.
 constexpr double seconds_between_sums = 30;
+
+/// Members that have nothing to do are many at the end of a render by hundreds: after so many the group looks at
+/// reports.
+constexpr unsigned most_refused = 8;
 
 /// At the end of an interrupted render, since launchers kill a program that does not end at once: Open MPI after 1 s.
 constexpr double seconds_to_hand_over = 0.5;
@@ -100,6 +114,8 @@ void RenderGroup::State::begin_dealing() {
 }
 
 void RenderGroup::State::join_dealing(Member& member) {
+    if (log_begin == 0) log_begin = 1e-9 * double(std::chrono::steady_clock::now().time_since_epoch().count());
+    LOG("join %zu first %u most %u", std::size_t(&member - members.data()), member.first_paths, member.most_paths);
     member.number = dealer->add(member.first_paths, member.most_paths);
 }
 
@@ -142,14 +158,18 @@ RenderProgress RenderGroup::State::render(const Progress& progress) {
     last_sums = Clock::now(), last_shown = {};
     dealer->set_limit(first_limit());
     bool goes_on = true;
+    LOG("begin");
     do {
         goes_on = reach_limit(progress);
+        LOG("limit");
         gather(false);
+        LOG("gathered");
         // A device that fails can leave pixels without samples.
         goes_on = goes_on || (!hurries && dealer->least() == 0);
     } while (goes_on && (!dealer->finished() || raise_limit()));
     if (!config.checkpoint.empty()) gather(true);
     const RenderProgress reached = hand_over();
+    LOG("handed over");
     if (!config.checkpoint.empty()) save_checkpoint();
     return reached;
 }
@@ -179,12 +199,19 @@ bool RenderGroup::State::show(const Progress& progress) {
 }
 
 void RenderGroup::State::deal() {
-    for (Member& member : members)
+    unsigned refused = 0;
+    for (std::size_t i = 0; i < members.size() && refused < most_refused; ++i) {
+        next_dealt = (next_dealt + 1) % members.size();
+        Member& member = members[next_dealt];
         while (member.takes_orders() && member.orders.size() < member.worker->most_orders()) {
             const std::optional<Order> order = dealer->next(member.number, seconds_left());
-            if (!order) break;
+            if (!order) {
+                ++refused;
+                break;
+            }
             send(member, *order);
         }
+    }
 }
 
 void RenderGroup::State::send(Member& member, const Order& order) {
@@ -213,6 +240,9 @@ void RenderGroup::State::take_report(std::chrono::microseconds most) {
 void RenderGroup::State::take_done(Member& member, Report& report) {
     const Order order = member.orders.front();
     member.orders.pop_front();
+    LOG("done %zu kind %d pixels %u from %u samples %u in %.4f left %zu", std::size_t(&member - members.data()),
+        int(order.kind), order.batch.pixels, order.batch.first_sample, order.batch.samples, report.seconds,
+        member.orders.size());
     if (!report.sums.pixels.empty()) sums.write(order.batch.first_pixel, report.sums);
     dealer->done(member.number, order, report.seconds);
     lead_has_begun |= &member == &members[led_by];
@@ -269,6 +299,7 @@ void RenderGroup::State::gather(bool of_lead) {
     wait_for_orders();
     wait_for_lead();
     Film& film = lead().renderer().state().film;
+    LOG("waited");
     for (const PixelRun& run : dealer->held_by_others(members[led_by].number))
         film.write_sums(sums.at(run.first, run.pixels), run.first);
 }
