@@ -8,16 +8,6 @@
 #include "host/render/renderer_state.hpp"
 #include "host/scale/group_state.hpp"
 
-static double log_begin;
-#define LOG(...)                                                                                                  \
-    do {                                                                                                          \
-        if (std::getenv("CLARAY_GROUP_LOG")) {                                                                    \
-            std::fprintf(stderr, "%.4f ",                                                                         \
-                         1e-9 * double(std::chrono::steady_clock::now().time_since_epoch().count()) - log_begin); \
-            std::fprintf(stderr, __VA_ARGS__);                                                                    \
-            std::fprintf(stderr, "\n");                                                                           \
-        }                                                                                                         \
-    } while (0)
 namespace claray {
 namespace {
 
@@ -114,8 +104,6 @@ void RenderGroup::State::begin_dealing() {
 }
 
 void RenderGroup::State::join_dealing(Member& member) {
-    if (log_begin == 0) log_begin = 1e-9 * double(std::chrono::steady_clock::now().time_since_epoch().count());
-    LOG("join %zu first %u most %u", std::size_t(&member - members.data()), member.first_paths, member.most_paths);
     member.number = dealer->add(member.first_paths, member.most_paths);
 }
 
@@ -158,18 +146,14 @@ RenderProgress RenderGroup::State::render(const Progress& progress) {
     last_sums = Clock::now(), last_shown = {};
     dealer->set_limit(first_limit());
     bool goes_on = true;
-    LOG("begin");
     do {
         goes_on = reach_limit(progress);
-        LOG("limit");
         gather(false);
-        LOG("gathered");
         // A device that fails can leave pixels without samples.
         goes_on = goes_on || (!hurries && dealer->least() == 0);
     } while (goes_on && (!dealer->finished() || raise_limit()));
     if (!config.checkpoint.empty()) gather(true);
     const RenderProgress reached = hand_over();
-    LOG("handed over");
     if (!config.checkpoint.empty()) save_checkpoint();
     return reached;
 }
@@ -240,9 +224,6 @@ void RenderGroup::State::take_report(std::chrono::microseconds most) {
 void RenderGroup::State::take_done(Member& member, Report& report) {
     const Order order = member.orders.front();
     member.orders.pop_front();
-    LOG("done %zu kind %d pixels %u from %u samples %u in %.4f left %zu", std::size_t(&member - members.data()),
-        int(order.kind), order.batch.pixels, order.batch.first_sample, order.batch.samples, report.seconds,
-        member.orders.size());
     if (!report.sums.pixels.empty()) sums.write(order.batch.first_pixel, report.sums);
     dealer->done(member.number, order, report.seconds);
     lead_has_begun |= &member == &members[led_by];
@@ -299,7 +280,6 @@ void RenderGroup::State::gather(bool of_lead) {
     wait_for_orders();
     wait_for_lead();
     Film& film = lead().renderer().state().film;
-    LOG("waited");
     for (const PixelRun& run : dealer->held_by_others(members[led_by].number))
         film.write_sums(sums.at(run.first, run.pixels), run.first);
 }
