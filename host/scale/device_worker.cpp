@@ -8,8 +8,8 @@
 namespace claray {
 namespace {
 
-constexpr std::size_t most_running = 2;         // orders on the device
-constexpr std::uint32_t most_paths = 1u << 30;  // of an order; their time limits them
+constexpr std::size_t most_running = 2;    // orders on the device
+constexpr std::uint32_t most_batches = 8;  // of an order: more would delay what comes next
 
 /// The group decides when a render ends and saves its progress.
 RenderConfig config_of_part(RenderConfig config) {
@@ -69,7 +69,8 @@ void DeviceWorker::set_up() {
     device_.finish();
     state.begin = state.first_begin = Clock::now();
     const std::uint32_t first = state.first_paths();
-    inbox_.post({number_, Report::Kind::ready, first, state.parts_take_turns() ? first : most_paths});
+    inbox_.post({number_, Report::Kind::ready, first,
+                 state.parts_take_turns() ? first : most_batches * state.wavefront.capacity()});
 }
 
 void DeviceWorker::run() {

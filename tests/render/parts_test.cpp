@@ -1,4 +1,4 @@
-// Scenes in parts: the image of one tree, by kernels/render/keep_nearest.cl, in a device's memory that does not hold
+// Scenes in parts: the image of one tree, by kernels/render/parts/keep_nearest.cl, in a device's memory that does not hold
 // it.
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@ PartsQuery::PartsQuery(const Structure& structure, QueryKernel::Kind kind, const
     for (const SceneParts::Part& part : parts_->parts())
         part.instanced ? void(of_instances_.emplace_back(*part.instanced, kind, options, name))
                        : void(of_triangles_.emplace_back(part.bvh, kind, options, name));
-    keep_ = load_kernel(structure.device(), "render/keep_nearest.cl",
+    keep_ = load_kernel(structure.device(), "render/parts/keep_nearest.cl",
                         kind == QueryKernel::Kind::closest ? "keep_nearest" : "keep_blocked", structure.defines());
     if (visits_.allocated()) visits_of_all_ = Buffer<Visits>(structure.device(), visits_.size());
 }
