@@ -112,6 +112,7 @@ Dealer::Dealer(const std::vector<PixelRun>& runs, std::uint32_t largest_pass, st
         for (std::uint32_t at = 0; at < run.pixels; at += size) {
             const std::uint32_t pixels = std::min(size, run.pixels - at);
             bands_.push_back({run.first + at, pixels, run.samples, run.samples, run.samples});
+            bands_.back().asked = run.samples > 0;
         }
         ordered_ += std::uint64_t(run.pixels) * run.samples;
     }
