@@ -121,9 +121,10 @@ std::vector<Task> other_queries(const Device& device, const std::vector<Mesh>& m
 }
 
 /// A scene by stages, by whole paths or with the last paths by one kernel; with an estimate of its error and its AOVs.
-Task render(const Device& device, const std::string& name, unsigned side, Layout layout, bool whole_paths) {
+Task render(const Device& device, const std::string& name, unsigned side, Layout layout, bool whole_paths,
+            unsigned parts = 1) {
     RenderConfig config{.width = side, .height = side, .spp = 16, .error = 1e-6};
-    config.bvh.layout = layout;
+    config.bvh.layout = layout, config.parts = parts;
     auto renderer = std::make_shared<Renderer>(device, *builtin_scene(name), config);
     return [device, renderer, whole_paths] {
         device.set_tuning("render/trace_paths", "MOST_BOUNCES_PERMILLE", whole_paths ? 100'000 : 0);
@@ -186,6 +187,7 @@ std::vector<Task> tasks_of(const Device& device, const Options& options, Layout 
     for (const bool whole_paths : {true, false})
         for (const char* scene : {"crate", "effect:cut-outs"})
             tasks.push_back(render(device, scene, options.side, layout, whole_paths));
+    tasks.push_back(render(device, "crate", options.side, layout, false, 4));
     tasks.push_back(deferred(device, options.side));
     tasks.push_back(bake(device));
     for (const Task& task : light_grids(device)) tasks.push_back(task);

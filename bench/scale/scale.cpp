@@ -30,6 +30,7 @@ struct Result {
 
 constexpr double message_bytes = 64;
 constexpr std::size_t most_orders = 4;
+constexpr std::size_t most_refused = 8;  // idle ranks asked after a report, as RenderGroup does
 
 class Simulation {
 public:
@@ -55,9 +56,9 @@ public:
             free_ = std::max(free_, time);
             take_report(r);
             deal(r);
-            for (std::size_t i = idle_.size(); i-- > 0;) {
-                const std::size_t other = idle_[i];
-                idle_.erase(idle_.begin() + std::ptrdiff_t(i));
+            for (std::size_t i = std::min(idle_.size(), most_refused); i-- > 0;) {
+                const std::size_t other = idle_.front();
+                idle_.pop_front();
                 deal(other);
             }
         }
@@ -125,7 +126,7 @@ private:
     std::uint32_t pixels_;
     Dealer dealer_;
     std::vector<Rank> ranks_;
-    std::vector<std::size_t> idle_;
+    std::deque<std::size_t> idle_;
     std::priority_queue<Event, std::vector<Event>, std::greater<>> reports_;
     double free_ = 0;  // when rank 0 has time
     Result result_;

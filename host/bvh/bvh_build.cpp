@@ -257,6 +257,15 @@ void Bvh::State::refit() {
         refit_wide_.run({wide_nodes.size(), 64}, nodes, leaves, wide_nodes, wide_blocks, header);
 }
 
+void Bvh::State::keep_tree_only() {
+    triangles = {};
+    bound_keys = {}, codes32 = {}, order = {}, arrivals = {}, clusters = {}, codes64 = {};
+    pieces = {}, piece_counts = {};
+    sort32.reset(), sort64.reset();
+    other_nodes = {}, other_leaves = {}, sbvh = {}, finish = {};
+    if (layout == Layout::wide) nodes = {}, leaves = {};
+}
+
 double Bvh::State::sah_cost() const {
     const BvhHeader h = read_header();
     if (h.inner_nodes == 0) return h.valid;

@@ -16,6 +16,8 @@ struct Bvh::State {
     State(const Device& on, const TriangleBuffers& of, const Config& with, bool by_host = false);
 
     void build();
+    /// Frees the triangles and the memory kept for rebuilding: the tree can only be traversed afterwards.
+    void keep_tree_only();
     void load_refit();
     void refit();
     /// `by_split`: node i of the binary tree splits the leaves between i and i + 1, as the linear builder numbers them.

@@ -274,6 +274,10 @@ void add_machine_options(CLI::App& command, RenderOptions& o) {
                        "cpu, gpu, an index or part of a name (see claray devices); several share the image:\n"
                        "all, or a list such as gpu,cpu (see docs/scale.md)");
     add_bvh_options(command, o.config.bvh);
+    command
+        .add_option("--parts", o.config.parts,
+                    "Split the tree into N parts, which take turns on the device [as its memory requires]")
+        ->transform(whole_number(1, 4096));
     command.add_flag("--stats", o.stats, "Print build time, rays per second and memory");
     command.add_flag("--json", o.json, "Print the result and all statistics as JSON");
     command.add_option_function<std::string>(

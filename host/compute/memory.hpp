@@ -31,6 +31,7 @@ private:
 class HostMemory {
 public:
     HostMemory(const Device& device, std::size_t bytes);
+    [[nodiscard]] std::uint8_t* data() const { return data_.get(); }
 
     /// Copies the first elements of a buffer, at most as many as fit, and returns them; valid until the next call.
     /// Blocks.

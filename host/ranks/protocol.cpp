@@ -8,10 +8,11 @@ namespace {
 template <class Config, class Visit>
 void visit_config(Config& config, const Visit& visit) {
     auto& [width, height, spp, max_depth, sample_clamp, seed, seconds, noise, error, adaptive, report_seconds, sampler,
-           bvh, effects, approximate, light_grid, ambient, compiler, checkpoint, checkpoint_seconds, resume] = config;
+           bvh, parts, effects, approximate, light_grid, ambient, compiler, checkpoint, checkpoint_seconds, resume] =
+        config;
     (void)compiler, (void)checkpoint, (void)checkpoint_seconds, (void)resume;
     visit(width, height, spp, max_depth, sample_clamp, seed, seconds, noise, error, adaptive, report_seconds, sampler,
-          bvh, effects, approximate, light_grid, ambient);
+          bvh, parts, effects, approximate, light_grid, ambient);
 }
 
 template <class... T>

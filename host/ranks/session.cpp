@@ -26,7 +26,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t largest_part = std::size_t(1) << 28;     // bytes of an MPI message, whose size is an int
 constexpr std::chrono::microseconds between_looks{200};        // for messages, while some come
 constexpr std::chrono::microseconds between_rare_looks{2000};  // each takes some 10 us of a processor
-constexpr double seconds_of_attention = 5e-3;                  // after a message
+constexpr double seconds_of_attention = 1e-3;                  // after a message
 constexpr std::chrono::seconds time_to_end{10};
 
 /// A tag says the kind of a message, whether it goes on to other ranks, and whether a further part follows.

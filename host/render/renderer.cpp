@@ -15,6 +15,7 @@
 #include "host/denoise/denoised_image.hpp"
 #include "host/render/guides.hpp"
 #include "host/render/kernels/background_compiler.hpp"
+#include "host/render/parts/scene_parts.hpp"
 #include "host/render/renderer_state.hpp"
 
 namespace claray {
@@ -124,18 +125,27 @@ bool host_builds(const Device& device, const Scene& scene) {
     return triangles <= most_triangles_by_host && (scene.instances.empty() || device.info().fp64);
 }
 
-/// A tree of trees is replaced only if the host built it.
-KernelPlan plan_for(const Device& device, const Scene& scene, EffectSet effects, const RenderConfig& config) {
+/// A tree of trees is replaced only if the host built it, and trees in parts never.
+KernelPlan plan_for(const Device& device, const Scene& scene, EffectSet effects, const RenderConfig& config,
+                    unsigned parts) {
     KernelPlan plan = plan_kernels(device, effects, config);
-    if (scene.instances.empty() || host_builds(device, scene)) return plan;
+    if (parts == 1 && (scene.instances.empty() || host_builds(device, scene))) return plan;
     return {KernelStart::own, plan.last, plan.last};
 }
 
+/// A scene of one triangle cannot be split.
+unsigned parts_of(const Device& device, const Scene& scene, const RenderConfig& config) {
+    if (config.parts == 0) return parts_needed(device, scene, config.bvh);
+    std::size_t triangles = 0;
+    for (const Mesh& mesh : scene.meshes) triangles += mesh.triangles.size();
+    return triangles > 1 ? config.parts : 1;
+}
+
 Structure first_structure(const Device& device, const Scene& scene, std::size_t baked, const KernelPlan& plan,
-                          const Bvh::Config& config) {
+                          const Bvh::Config& config, unsigned parts) {
     const bool by_host =
         plan.start == KernelStart::quick && plan.first.layout == Layout::binary && host_builds(device, scene);
-    return {device, scene, baked, with_layout(config, plan.first.layout), by_host};
+    return {device, scene, baked, with_layout(config, plan.first.layout), by_host, parts};
 }
 
 }  // namespace
@@ -162,11 +172,12 @@ Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig&
       config(with_builder(checked(with), on, scene)),
       camera(camera_of(scene, aspect_of(with))),
       set_up(Clock::now()),
-      plan(plan_for(on, scene, exactly ? *exactly : effects_of(checked(scene)), config)),
+      parts(parts_of(on, checked(scene), config)),
+      plan(plan_for(on, scene, exactly ? *exactly : effects_of(scene), config, parts)),
       quick_start(plan.start == KernelStart::quick ? std::make_unique<QuickStart>(on) : nullptr),
       set_up_processor(processor_seconds()),
       milliseconds_before(kernel_milliseconds(on)),
-      structure(first_structure(on, scene, baked, plan, config.bvh)),
+      structure(first_structure(on, scene, baked, plan, config.bvh, parts)),
       build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
       light_grid(light_grid_of(with, scene)),
       buffers(on, scene, structure, config.effects.add, selection_of_lights(with), words_of(light_grid),
@@ -194,7 +205,10 @@ WavefrontKernels Renderer::State::load_kernels(EffectSet effects) const {
     return load();
 }
 
+bool Renderer::State::parts_take_turns() const { return structure.parts() && structure.parts()->take_turns(); }
+
 std::uint32_t Renderer::State::first_paths() const {
+    if (parts_take_turns()) return wavefront.capacity();
     const std::uint32_t tuned = device.tuning("render/wavefront", "FIRST_PATHS");
     return plan.start == KernelStart::quick ? std::min(tuned, quick_first_paths) : tuned;
 }
@@ -477,6 +491,7 @@ void Renderer::State::warm_up() {
 /// As many paths as fit in half of the time between two reports. Near a time limit, as fit in half of the remaining
 /// time, because machines slow down without warning. Every pixel gets a sample in any case.
 std::uint32_t Renderer::State::paths_of_next_batch(InFlight& in_flight) const {
+    if (parts_take_turns()) return wavefront.capacity();  // copying them takes as long for a few paths
     if (complete_spp() == 0) return pace.paths();
     const double to_report = std::max(1.0, 1e3 * config.report_seconds / 2);
     if (!(config.seconds > 0)) return pace.paths_within(to_report);
@@ -620,7 +635,7 @@ void Renderer::resize(unsigned width, unsigned height) {
 
 bool Renderer::rebuild(const Bvh::Config& config) {
     State& state = *state_;
-    if (state.structure.instanced() || !state.own_kernels) return false;
+    if (state.structure.instanced() || state.structure.parts() || !state.own_kernels) return false;
     state.config.bvh = config;
     state.config.bvh.builder = resolve(config.builder, state.device);
     state.adopt(state.structure.rebuilt(with_layout(config, state.plan.last.layout)), state.plan.last.effects);
@@ -689,6 +704,8 @@ RenderStatistics Renderer::statistics() const {
     for (const auto& [name, summary] : state.device.profiler().summary())
         if (summary.longest > statistics.longest_milliseconds)
             statistics.longest_milliseconds = summary.longest, statistics.longest_command = name;
+    if (const std::shared_ptr<SceneParts>& parts = state.structure.parts())
+        statistics.parts = unsigned(parts->parts().size()), statistics.bytes_paged = parts->bytes_paged();
     statistics.dropped_samples = state.film.noise().dropped;
     statistics.measuring_seconds = state.measuring_seconds;
     return statistics;

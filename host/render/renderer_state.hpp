@@ -77,6 +77,7 @@ struct Renderer::State {
 
     [[nodiscard]] WavefrontKernels load_kernels(EffectSet effects) const;
     [[nodiscard]] std::uint32_t first_paths() const;
+    [[nodiscard]] bool parts_take_turns() const;
     void first_pixel();
     /// Called after each batch. `sampled`: every pixel has a sample.
     void choose_kernels(bool sampled);
@@ -143,6 +144,7 @@ struct Renderer::State {
     Camera camera;
     unsigned most_spp = config.spp;
     Clock::time_point set_up;
+    unsigned parts;  // of the structure
     KernelPlan plan;
     std::unique_ptr<QuickStart> quick_start;  // until the first pixel is done
     double set_up_processor;

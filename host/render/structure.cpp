@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "host/lights/lights.hpp"
+#include "host/render/parts/parts_query.hpp"
 
 namespace claray {
 namespace {
@@ -62,9 +63,37 @@ InstancedBvh::Config config_of_top(const Bvh::Config& config) {
 
 }  // namespace
 
+/// In the order of the structure; `ends` if something moves.
+struct Structure::Instances {
+    std::vector<Instance> begins, ends;
+    bool any_moves = false;
+};
+
+/// All baked meshes are the first instance, whose first triangle and light are those of the first mesh. `bottoms`: of
+/// the meshes; `first_triangles`: of the bottoms.
+Structure::Instances Structure::instances_of(const Scene& scene, std::size_t baked,
+                                             const std::vector<std::uint32_t>& bottoms,
+                                             const std::vector<std::uint32_t>& first_triangles) {
+    const std::vector<std::uint32_t> lights = first_light_numbers(scene);
+    Instances found;
+    for (std::size_t i = 0; i < scene.instances.size(); i += i == 0 && baked > 0 ? baked : 1) {
+        const MeshInstance& instance = scene.instances[i];
+        const std::uint32_t bottom = bottoms[instance.mesh];
+        found.begins.push_back(make_instance(instance.transform, bottom, 0xffffffffu, first_triangles[bottom]));
+        found.begins.back().tag = lights[i];
+        found.ends.push_back(make_instance(instance.transform_end.value_or(instance.transform), bottom));
+        found.any_moves = found.any_moves || claray::moves(instance);
+    }
+    return found;
+}
+
 Structure::Structure(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config,
-                     bool by_host)
+                     bool by_host, unsigned parts)
     : baked_(baked) {
+    if (parts > 1) {
+        build_parts(device, scene, config, parts);
+        return;
+    }
     const auto build = [&](std::span<const Mesh> meshes) {
         return by_host ? Bvh::build_by_host(device, meshes, config) : Bvh::build(device, meshes, config);
     };
@@ -75,31 +104,56 @@ Structure::Structure(const Device& device, const Scene& scene, std::size_t baked
     }
     const BottomLevels levels = build_bottoms(scene, baked, build);
     bottoms_ = levels.statistics;
-    const std::vector<std::uint32_t> lights = first_light_numbers(scene);
-    std::vector<Instance> begins, ends;
-    bool any_moves = false;
-    std::size_t empty = 0;
-    // All baked meshes are the first instance, whose first triangle and light are those of the first mesh.
-    for (std::size_t i = 0; i < scene.instances.size(); i += i == 0 && baked > 0 ? baked : 1) {
-        const MeshInstance& instance = scene.instances[i];
-        const std::uint32_t bottom = levels.of_meshes[instance.mesh];
-        begins.push_back(make_instance(instance.transform, bottom, 0xffffffffu, levels.first_triangles[bottom]));
-        begins.back().tag = lights[i];
-        ends.push_back(make_instance(instance.transform_end.value_or(instance.transform), bottom));
-        any_moves = any_moves || claray::moves(instance);
-        empty += levels.empty[bottom];
-    }
-    if (!any_moves) ends.clear();
+    Instances placed = instances_of(scene, baked, levels.of_meshes, levels.first_triangles);
+    for (const Instance& instance : placed.begins) empty_instances_ += levels.empty[instance.bottom];
+    if (!placed.any_moves) placed.ends.clear();
     const InstancedBvh::Config top = config_of_top(config);
     if (by_host)
-        instanced_ = InstancedBvh::build_by_host(levels.bvhs, begins, ends, top);
+        instanced_ = InstancedBvh::build_by_host(levels.bvhs, placed.begins, placed.ends, top);
     else
-        instanced_ = any_moves ? InstancedBvh::build(levels.bvhs, begins, ends, top)
-                               : InstancedBvh::build(levels.bvhs, begins, top);
-    empty_instances_ = empty;
+        instanced_ = placed.any_moves ? InstancedBvh::build(levels.bvhs, placed.begins, placed.ends, top)
+                                      : InstancedBvh::build(levels.bvhs, placed.begins, top);
     check_placed();
     triangles_ = levels.bvhs.size() == 1 ? levels.bvhs[0].triangles() : upload_all(device, scene);
     if (by_host) by_host_ = levels.bvhs;
+}
+
+/// Shading reads the instances of the whole scene, but no tree: one triangle stands for each of their bottom levels.
+void Structure::build_parts(const Device& device, const Scene& scene, const Bvh::Config& config, unsigned parts) {
+    triangles_ = upload_all(device, scene);
+    const std::vector<SceneObject> objects = objects_of(scene, baked_);
+    std::vector<PlacedObject> placed;
+    bool any_moves = false;
+    if (!scene.instances.empty()) {
+        std::vector<std::uint32_t> of_meshes, first_triangles;
+        for (std::size_t o = 0; o < objects.size(); ++o) {
+            of_meshes.resize(of_meshes.size() + objects[o].meshes, std::uint32_t(o));
+            first_triangles.push_back(objects[o].first_triangle);
+        }
+        Instances all = instances_of(scene, baked_, of_meshes, first_triangles);
+        any_moves = all.any_moves;
+        for (std::size_t i = 0; i < all.begins.size(); ++i) {
+            placed.push_back({all.begins[i], all.ends[i], all.begins[i].bottom});
+            all.begins[i].bottom = all.ends[i].bottom = 0;
+        }
+        Mesh triangle;
+        triangle.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, triangle.triangles = {{0, 1, 2}};
+        const std::vector<Bvh> one = {Bvh::build(device, std::span(&triangle, 1), config)};
+        const InstancedBvh::Config top = config_of_top(config);
+        instanced_ =
+            any_moves ? InstancedBvh::build(one, all.begins, all.ends, top) : InstancedBvh::build(one, all.begins, top);
+        check_placed();
+    }
+    parts_ = std::make_shared<SceneParts>(device, scene, objects, placed, any_moves, triangles_, parts, config);
+    bottoms_ = parts_->statistics();
+    if (!instanced_) bvh_ = parts_->parts().front().bvh;
+}
+
+void Structure::set_cutouts(const Buffer<std::uint32_t>& store) {
+    if (parts_)
+        parts_->set_cutouts(store);
+    else
+        instanced_ ? instanced_->set_cutouts(store) : bvh_.set_cutouts(store);
 }
 
 void Structure::check_placed() const {
@@ -167,8 +221,9 @@ Structure Structure::rebuilt(const Bvh::Config& config) const {
 }
 
 BvhStatistics Structure::statistics() const {
-    if (!instanced_) return bvh_.statistics();
+    if (!instanced_ && !parts_) return bvh_.statistics();
     BvhStatistics statistics = bottoms_;
+    if (parts_) return statistics;
     const InstanceStatistics top = instanced_->statistics();
     statistics.height += top.height;
     statistics.sah_cost = top.sah_cost;
@@ -199,10 +254,26 @@ SceneHits::SceneHits(const Structure& structure, std::size_t count) {
 SceneQuery::SceneQuery(const Structure& structure, QueryKernel::Kind kind, const QueryOptions& options,
                        const std::string& name, const std::string& file)
     : instanced_(structure.instanced().has_value()) {
-    if (instanced_)
+    if (structure.parts())
+        of_parts_ = std::make_shared<PartsQuery>(structure, kind, options, name);
+    else if (instanced_)
         of_instances_ = InstanceQuery(*structure.instanced(), kind, options, name);
     else
         of_triangles_ = QueryKernel(structure.bvh(), kind, options, name, file);
+}
+
+void SceneQuery::closest(const Buffer<Ray>& rays, SceneHits& hits, std::uint32_t capacity,
+                         const Buffer<std::uint32_t>& count, const Buffer<float>& times) {
+    if (of_parts_) return of_parts_->closest(rays, hits, capacity, count, times);
+    instanced_ ? of_instances_.run(rays, hits.of_instances, capacity, count, times)
+               : of_triangles_.run(rays, hits.of_triangles, capacity, count);
+}
+
+void SceneQuery::any(const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded, std::uint32_t capacity,
+                     const Buffer<std::uint32_t>& count, const Buffer<float>& times) {
+    if (of_parts_) return of_parts_->any(rays, occluded, capacity, count, times);
+    instanced_ ? of_instances_.run(rays, occluded, capacity, count, times)
+               : of_triangles_.run(rays, occluded, capacity, count);
 }
 
 }  // namespace claray

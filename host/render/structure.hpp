@@ -13,13 +13,17 @@
 
 namespace claray {
 
+class PartsQuery;
+class SceneParts;
+
 class Structure {
 public:
     Structure() = default;
-    /// `baked` as in PlacedScene; `by_host`: see Bvh::build_by_host and InstancedBvh::build_by_host. Throws
+    /// `baked` as in PlacedScene; `by_host`: see Bvh::build_by_host and InstancedBvh::build_by_host. `parts`: the trees
+    /// are split into so many parts, which take turns on the device if its memory is too small for all. Throws
     /// ErrorKind::user if an instance cannot be placed.
     Structure(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config,
-              bool by_host = false);
+              bool by_host = false, unsigned parts = 1);
 
     /// For one tree: replaces the positions of the vertices from `first` on. Call `follow_vertices` afterwards.
     void move_vertices(std::size_t first, std::span<const glm::vec3> positions);
@@ -27,7 +31,7 @@ public:
     void follow_vertices();
     /// Loads the kernels of `follow_vertices`.
     void prepare_to_follow() {
-        if (!instanced_) bvh_.prepare_refit();
+        if (!instanced_ && !parts_) bvh_.prepare_refit();
     }
     /// For a tree of trees: replaces the transforms of instances, by their index in the scene of the constructor, and
     /// rebuilds the top level. Throws ErrorKind::user as the constructor does; the structure is then unchanged.
@@ -39,26 +43,35 @@ public:
     [[nodiscard]] const Device& device() const;
     /// Triangles of all meshes, in order.
     [[nodiscard]] const TriangleBuffers& triangles() const { return triangles_; }
+    /// Of a scene in parts: one part's tree, or the instances over a tree that stands for all others.
     [[nodiscard]] const Bvh& bvh() const { return bvh_; }
     [[nodiscard]] const std::optional<InstancedBvh>& instanced() const { return instanced_; }
+    /// Null if the scene is not split. A structure in parts cannot be moved or rebuilt.
+    [[nodiscard]] const std::shared_ptr<SceneParts>& parts() const { return parts_; }
+    /// Whether kernels may traverse `bvh()`, in the binary layout.
+    [[nodiscard]] bool is_one_binary_tree() const { return !instanced_ && !parts_ && bvh_.layout() == Layout::binary; }
     /// See Bvh::set_cutouts.
-    void set_cutouts(const Buffer<std::uint32_t>& store) {
-        instanced_ ? instanced_->set_cutouts(store) : bvh_.set_cutouts(store);
-    }
+    void set_cutouts(const Buffer<std::uint32_t>& store);
     [[nodiscard]] bool moves() const { return instanced_ && instanced_->ends().allocated(); }
     /// For one tree; for a tree of trees: triangles and bytes of all levels, the largest height that a ray descends,
     /// and the top level's cost. Blocks.
     [[nodiscard]] BvhStatistics statistics() const;
     /// Number of culled triangles.
-    [[nodiscard]] std::uint32_t culled() const { return instanced_ ? bottoms_.culled : bvh_.header().culled; }
+    [[nodiscard]] std::uint32_t culled() const { return instanced_ || parts_ ? bottoms_.culled : bvh_.header().culled; }
     /// Macros of kernels that read hits.
     [[nodiscard]] Defines defines() const;
     /// Binds INSTANCE_PARAMETERS of shade/instance.clh.
     void bind(Kernel& kernel, unsigned& index) const;
 
 private:
+    struct Instances;
+    [[nodiscard]] static Instances instances_of(const Scene& scene, std::size_t baked,
+                                                const std::vector<std::uint32_t>& bottoms,
+                                                const std::vector<std::uint32_t>& first_triangles);
+    void build_parts(const Device& device, const Scene& scene, const Bvh::Config& config, unsigned parts);
     void check_placed() const;
 
+    std::shared_ptr<SceneParts> parts_;
     Bvh bvh_;
     std::optional<InstancedBvh> instanced_;
     std::vector<Bvh> by_host_;  // its bottom levels, if the host built them
@@ -79,6 +92,7 @@ struct SceneHits {
     void bind(Kernel& kernel, unsigned& index) const {
         of_instances.allocated() ? kernel.set(index, of_instances) : kernel.set(index, of_triangles);
     }
+    [[nodiscard]] std::size_t size() const { return std::max(of_triangles.size(), of_instances.size()); }
     [[nodiscard]] std::uint64_t bytes() const { return of_triangles.bytes() + of_instances.bytes(); }
 };
 
@@ -98,27 +112,22 @@ public:
     SceneQuery(const Structure& structure, QueryKernel::Kind kind, const QueryOptions& options, const std::string& name,
                const std::string& file = {});
 
-    /// `times` of the rays, if something moves.
+    /// `times` of the rays, if something moves. The rays' tmax is lost if the scene is in parts.
     void closest(const Buffer<Ray>& rays, SceneHits& hits, std::uint32_t capacity, const Buffer<std::uint32_t>& count,
-                 const Buffer<float>& times) {
-        instanced_ ? of_instances_.run(rays, hits.of_instances, capacity, count, times)
-                   : of_triangles_.run(rays, hits.of_triangles, capacity, count);
-    }
+                 const Buffer<float>& times);
     /// For the file render/trace_shadow_rays.cl.
     void shadow(const Buffer<Ray>& rays, const ShadowLight& light, std::uint32_t capacity,
                 const Buffer<std::uint32_t>& count) {
         of_triangles_.run(rays, light, capacity, count);
     }
     void any(const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded, std::uint32_t capacity,
-             const Buffer<std::uint32_t>& count, const Buffer<float>& times) {
-        instanced_ ? of_instances_.run(rays, occluded, capacity, count, times)
-                   : of_triangles_.run(rays, occluded, capacity, count);
-    }
+             const Buffer<std::uint32_t>& count, const Buffer<float>& times);
 
 private:
     bool instanced_ = false;
     QueryKernel of_triangles_;
     InstanceQuery of_instances_;
+    std::shared_ptr<PartsQuery> of_parts_;
 };
 
 }  // namespace claray

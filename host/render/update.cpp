@@ -89,14 +89,18 @@ void Renderer::State::support(EffectSet effects) {
     own_kernels = plan.first == plan.last;
     compiler_asked = false;
     const Layout layout = plan.first.layout;
-    const bool same_tree = structure.instanced() || structure.bvh().layout() == layout;
+    const bool same_tree = structure.instanced() || structure.parts() || structure.bvh().layout() == layout;
     adopt(same_tree ? structure : structure.rebuilt(with_layout(config.bvh, layout)), plan.first.effects);
 }
 
 /// Places the scene, its buffers and trees anew.
 void Renderer::State::rebuild_scene(const Scene& scene) {
-    PlacedScene placed = place_instances(scene);
-    structure = Structure(device, placed.scene, placed.baked, with_layout(config.bvh, plan.last.layout));
+    PlacedScene placed;
+    if (scene.instances.empty())
+        placed.scene = scene;
+    else
+        placed = place_instances(scene);
+    structure = Structure(device, placed.scene, placed.baked, with_layout(config.bvh, plan.last.layout), false, parts);
     light_grid = light_grid_of(config, placed.scene);
     buffers = SceneBuffers(device, placed.scene, structure, config.effects.add, selection_of_lights(config),
                            words_of(light_grid), words_of_listed_pixels());
@@ -149,8 +153,9 @@ bool Renderer::State::move_instances(const Scene& scene) {
 
 void Renderer::State::move(const Scene& scene, const SceneChanges& changes) {
     const bool shines = buffers.lights.triangles > 0;
-    const bool moved = structure.instanced() ? !changes.vertices && !shines && move_instances(scene)
-                                             : move_vertices(scene, changes.vertices);
+    const bool moved =
+        !structure.parts() && (structure.instanced() ? !changes.vertices && !shines && move_instances(scene)
+                                                     : move_vertices(scene, changes.vertices));
     if (!moved) return rebuild_scene(scene);
     if (changes.instances) shape.instances = scene.instances;
     if (!shines && has_lights(buffers.lights)) buffers.replace_lights(scene);  // hot spots follow surfaces

@@ -99,7 +99,7 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, E
     append(shading, defines_of(approximate));
     // On CPUs the binary tree is used for a quick start, when long compilation does not pay.
     const Structure& structure = scene.structure;
-    if (!structure.instanced() && structure.bvh().layout() == Layout::binary) shading.emplace_back("SIXTEEN", "0");
+    if (structure.is_one_binary_tree()) shading.emplace_back("SIXTEEN", "0");
     generate = baking ? load_kernel(device, "render/generate_texels.cl", "generate_texels")
                       : load_kernel(device, "render/generate_rays.cl", "generate_rays", defines(Stage::generate));
     trace_camera = SceneQuery(scene.structure, QueryKernel::Kind::closest, coherent, trace_camera_name);
@@ -113,8 +113,8 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, E
     shade = load_kernel(device, "render/shade_surface.cl", "shade_surface", shading);
     traces_shadows = has_lights(scene.lights);
     if (!traces_shadows) return;
-    adds_light = casts_shadows && !structure.instanced() && structure.bvh().layout() == Layout::binary &&
-                 device.tuning("render/add_light", "WITH_SHADOW_RAYS") != 0;
+    adds_light =
+        casts_shadows && structure.is_one_binary_tree() && device.tuning("render/add_light", "WITH_SHADOW_RAYS") != 0;
     if (casts_shadows)
         trace_shadow = SceneQuery(structure, QueryKernel::Kind::any, shadow, trace_shadow_name,
                                   adds_light ? "render/trace_shadow_rays.cl" : "");
@@ -134,7 +134,7 @@ SkyData sky_data(const Scene& scene) {
 
 bool may_follow_paths(const SceneBuffers& scene, EffectSet effects) {
     const Structure& structure = scene.structure;
-    if (structure.instanced() || structure.bvh().layout() != Layout::binary) return false;
+    if (!structure.is_one_binary_tree()) return false;
     const std::span<const Effect> all = all_effects();
     const auto shaded =
         std::count_if(all.begin(), all.end(), [&](Effect e) { return effects.has(e) && concerns(e, Stage::shade); });
@@ -369,7 +369,8 @@ void Wavefront::trace_stages(const Batch& batch, bool arrived, std::uint32_t fir
     const std::uint32_t all = waves();
     for (std::uint32_t depth = first_depth; depth < all && limit != 0; ++depth) {
         bounce(batch, depth, limit, arrived && depth == 0);
-        if ((depth + 1) % bounces_per_look_ == 0 && depth + 1 < all)
+        const bool looks = scene_.structure.parts() || (depth + 1) % bounces_per_look_ == 0;
+        if (looks && depth + 1 < all)
             limit = lengths_[(depth + 1) % CLARAY_RAY_QUEUES].read()[0];
         if (finish_kernel_ && limit != 0 && limit <= most_last_paths_ && depth + 1 < all) {
             trace_last_paths(batch, depth + 1, limit);

@@ -12,12 +12,97 @@ constexpr double least_piece_seconds = 1e-3;
 constexpr double share_at_end = 8;       // a piece is this part of the remaining time: workers have a few in advance
 constexpr double remembered_passes = 2;  // in the measured speed: parts of an image differ in cost
 constexpr double unequal = 0.1;          // share of the time left by which workers may end earlier than others
+constexpr unsigned most_tries = 16;      // to find a worker that is behind: an order must not take long
 /// A worker renders ahead of the others up to twice their samples and these.
 constexpr std::uint32_t samples_ahead = 32;
 
 std::uint64_t paths_of(const Batch& batch) { return std::uint64_t(batch.pixels) * batch.samples; }
 
+void count(std::map<std::uint32_t, std::uint32_t>& counts, std::uint32_t samples) { ++counts[samples]; }
+void discount(std::map<std::uint32_t, std::uint32_t>& counts, std::uint32_t samples) {
+    const auto at = counts.find(samples);
+    if (--at->second == 0) counts.erase(at);
+}
+
 }  // namespace
+
+void Dealer::Runs::put(Index first, Index end) {
+    ends_.emplace(first, end);
+    by_length_.emplace(end - first, ~first);
+}
+
+std::map<Dealer::Index, Dealer::Index>::iterator Dealer::Runs::take(std::map<Index, Index>::iterator run) {
+    by_length_.erase({run->second - run->first, ~run->first});
+    return ends_.erase(run);
+}
+
+void Dealer::Runs::add(Index band) {
+    Index first = band, end = band + 1;
+    auto after = ends_.lower_bound(band);
+    if (after != ends_.end() && after->first == end) {
+        end = after->second;
+        after = take(after);
+    }
+    if (after != ends_.begin() && std::prev(after)->second == band) {
+        first = std::prev(after)->first;
+        take(std::prev(after));
+    }
+    put(first, end);
+}
+
+void Dealer::Runs::remove(Index band) {
+    const auto run = std::prev(ends_.upper_bound(band));
+    const auto [first, end] = *run;
+    take(run);
+    if (first < band) put(first, band);
+    if (band + 1 < end) put(band + 1, end);
+}
+
+bool Dealer::Runs::contains(Index band) const {
+    const auto after = ends_.upper_bound(band);
+    return after != ends_.begin() && band < std::prev(after)->second;
+}
+
+std::pair<Dealer::Index, Dealer::Index> Dealer::Runs::longest() const {
+    const auto [length, first] = *by_length_.rbegin();
+    return {~first, ~first + length};
+}
+
+/// Adds a band to the indices, and removes it from them.
+void Dealer::enter(Index b) {
+    const Band& band = bands_[b];
+    count(ordered_counts_, band.ordered), count(done_counts_, band.done);
+    if (band.holder == nobody) {
+        free_[band.ordered].add(b);
+    } else if (!band.leaves) {
+        Worker& worker = workers_[std::size_t(band.holder)];
+        worker.bands.insert(worker.bands.end(), b);
+        worker.by_samples.emplace(band.ordered, b);
+        worker.pixels += band.pixels, worker.ordered += std::uint64_t(band.pixels) * band.ordered;
+    }
+}
+
+void Dealer::leave(Index b) {
+    const Band& band = bands_[b];
+    discount(ordered_counts_, band.ordered), discount(done_counts_, band.done);
+    if (band.holder == nobody) {
+        const auto free = free_.find(band.ordered);
+        free->second.remove(b);
+        if (free->second.empty()) free_.erase(free);
+    } else if (!band.leaves) {
+        Worker& worker = workers_[std::size_t(band.holder)];
+        worker.bands.erase(b);
+        worker.by_samples.erase({band.ordered, b});
+        worker.pixels -= band.pixels, worker.ordered -= std::uint64_t(band.pixels) * band.ordered;
+    }
+}
+
+template <class Change>
+void Dealer::change(Index b, const Change& change) {
+    leave(b);
+    change(bands_[b]);
+    enter(b);
+}
 
 Dealer::Dealer(const std::vector<PixelRun>& runs, std::uint32_t largest_pass, std::uint32_t bands)
     : largest_pass_(std::max(1u, largest_pass)) {
@@ -27,10 +112,12 @@ Dealer::Dealer(const std::vector<PixelRun>& runs, std::uint32_t largest_pass, st
         for (std::uint32_t at = 0; at < run.pixels; at += size) {
             const std::uint32_t pixels = std::min(size, run.pixels - at);
             bands_.push_back({run.first + at, pixels, run.samples, run.samples, run.samples});
+            bands_.back().asked = run.samples > 0;
         }
         ordered_ += std::uint64_t(run.pixels) * run.samples;
     }
     done_ = ordered_;
+    for (Index b = 0; b < bands_.size(); ++b) enter(b);
 }
 
 int Dealer::add(std::uint32_t first_paths, std::uint32_t most_paths) {
@@ -38,19 +125,12 @@ int Dealer::add(std::uint32_t first_paths, std::uint32_t most_paths) {
     return int(workers_.size()) - 1;
 }
 
-void Dealer::set_limit(std::uint32_t samples) { limit_ = std::max(limit_, samples); }
-
-std::uint32_t Dealer::least() const {
-    std::uint32_t least = ~0u;
-    for (const Band& band : bands_) least = std::min(least, band.done);
-    return least;
+void Dealer::set_limit(std::uint32_t samples) {
+    limit_ = std::max(limit_, samples);
+    for (int w = 0; w < int(workers_.size()); ++w) sort_in(w);
 }
 
-std::uint32_t Dealer::least_ordered() const {
-    std::uint32_t least = ~0u;
-    for (const Band& band : bands_) least = std::min(least, band.ordered);
-    return least;
-}
+std::uint32_t Dealer::least() const { return done_counts_.empty() ? ~0u : done_counts_.begin()->first; }
 
 /// Schedule has the same passes: 1, 1, 2, 4, 8 ... samples per pixel.
 std::uint32_t Dealer::end_of_pass(std::uint32_t samples) const {
@@ -61,48 +141,31 @@ std::uint32_t Dealer::end_of_pass(std::uint32_t samples) const {
 }
 
 /// Among the bands with the fewest samples one that the worker holds, if there is any: the others would bring sums.
-std::size_t Dealer::first_band_for(int worker) const {
-    std::size_t best = bands_.size();
-    for (std::size_t b = 0; b < bands_.size(); ++b) {
-        const Band& band = bands_[b];
-        if (!may_render(band, worker)) continue;
-        const bool fewer = best == bands_.size() || band.ordered < bands_[best].ordered;
-        const bool held = best != bands_.size() && band.ordered == bands_[best].ordered && band.holder == worker &&
-                          bands_[best].holder == nobody;
-        if (fewer || held) best = b;
-    }
-    if (best == bands_.size() || bands_[best].holder == worker) return best;
-    return free_band_for(worker, bands_[best].ordered);
+Dealer::Index Dealer::first_band_for(int number) const {
+    const Worker& worker = workers_[std::size_t(number)];
+    const std::uint32_t held = worker.by_samples.empty() ? limit_ : worker.by_samples.begin()->first;
+    const std::uint32_t free = free_.empty() ? limit_ : free_.begin()->first;
+    if (std::min(held, free) >= limit_) return Index(bands_.size());
+    return held <= free ? worker.by_samples.begin()->second : free_band_for(number, free);
 }
 
 /// Goes on behind the worker's last piece, or else in the middle of the longest run of free bands, so that the bands of
 /// a worker lie side by side: long batches are faster.
-std::size_t Dealer::free_band_for(int worker, std::uint32_t samples) const {
-    const auto is_free = [&](std::size_t b) {
-        return b < bands_.size() && bands_[b].holder == nobody && bands_[b].ordered == samples;
-    };
-    const std::size_t next = workers_[std::size_t(worker)].next_band;
-    if (is_free(next)) return next;
-    std::size_t longest = 0, start = 0;
-    for (std::size_t b = 0; b < bands_.size(); ++b) {
-        if (!is_free(b)) continue;
-        const std::size_t first = b;
-        while (is_free(b)) ++b;
-        if (b - first > longest) longest = b - first, start = first;
-    }
-    const bool is_long = longest > bands_.size() / (4 * workers_.size());
-    return start > 0 && is_long ? start + longest / 2 : start;
+Dealer::Index Dealer::free_band_for(int worker, std::uint32_t samples) const {
+    const Runs& runs = free_.at(samples);
+    const Index next = workers_[std::size_t(worker)].next_band;
+    if (runs.contains(next)) return next;
+    const auto [first, end] = runs.longest();
+    const bool is_long = end - first > bands_.size() / (4 * workers_.size());
+    return first > 0 && is_long ? first + (end - first) / 2 : first;
 }
 
 double Dealer::seconds_to_limit() const {
-    double speed = 0;
-    for (const Worker& worker : workers_)
-        if (!worker.is_lost) speed += worker.speed();
-    return double(std::uint64_t(pixels_) * limit_ - ordered_) / std::max(speed, 1.);
+    return double(std::uint64_t(pixels_) * limit_ - ordered_) / std::max(speed_, 1.);
 }
 
 double Dealer::paths_of_piece(const Worker& worker, double seconds_left) const {
-    if (worker.speed() == 0) return worker.first_paths;
+    if (worker.speed() == 0 || worker.first_paths == worker.most_paths) return worker.first_paths;
     const double seconds = std::min({piece_seconds, std::max(least_piece_seconds, seconds_to_limit() / share_at_end),
                                      std::max(least_piece_seconds, seconds_left / 2)});
     return std::min({worker.speed() * seconds, 4. * worker.last_paths, double(worker.most_paths)});
@@ -111,8 +174,8 @@ double Dealer::paths_of_piece(const Worker& worker, double seconds_left) const {
 template <class Visit>
 void Dealer::for_bands_of(const Batch& batch, const Visit& visit) {
     const auto begins_before = [](const Band& band, std::uint32_t pixel) { return band.first < pixel; };
-    auto band = std::lower_bound(bands_.begin(), bands_.end(), batch.first_pixel, begins_before);
-    for (; band != bands_.end() && band->first < batch.first_pixel + batch.pixels; ++band) visit(*band);
+    auto b = Index(std::lower_bound(bands_.begin(), bands_.end(), batch.first_pixel, begins_before) - bands_.begin());
+    for (; b < bands_.size() && bands_[b].first < batch.first_pixel + batch.pixels; ++b) visit(b);
 }
 
 /// Whole passes more for few pixels, since short batches are slow; at most half as many samples again as they have.
@@ -124,7 +187,7 @@ std::uint32_t Dealer::longer(const Batch& piece, double paths) const {
     return std::min(limit_, end + passes * largest_pass_) - piece.first_sample;
 }
 
-Order Dealer::piece_from(std::size_t b, int worker, double paths) {
+Order Dealer::piece_from(Index b, int worker, double paths) {
     const Band first = bands_[b];
     const std::uint32_t end = std::min(limit_, end_of_pass(first.ordered + 1));
     Order order;
@@ -140,9 +203,12 @@ Order Dealer::piece_from(std::size_t b, int worker, double paths) {
         order.batch.pixels = all;
     }
     order.batch.samples = longer(order.batch, paths);
-    for_bands_of(order.batch, [&](Band& band) { band.holder = worker, band.ordered += order.batch.samples; });
+    for_bands_of(order.batch, [&](Index of_piece) {
+        change(of_piece, [&](Band& band) { band.holder = worker, band.ordered += order.batch.samples; });
+    });
     ordered_ += paths_of(order.batch);
     workers_[std::size_t(worker)].next_band = b;
+    sort_in(worker);
     return order;
 }
 
@@ -153,7 +219,7 @@ std::optional<Order> Dealer::next(int number, double seconds_left) {
         worker.gives.pop_front();
         return give;
     }
-    const std::size_t band = first_band_for(number);
+    const Index band = first_band_for(number);
     const bool any = band != bands_.size();
     ask_others(number, any ? bands_[band].ordered : limit_);
     if (!any || bands_[band].ordered > 2 * std::uint64_t(least_ordered()) + samples_ahead) return std::nullopt;
@@ -162,71 +228,76 @@ std::optional<Order> Dealer::next(int number, double seconds_left) {
     return order;
 }
 
+void Dealer::sort_in(int number) {
+    Worker& worker = workers_[std::size_t(number)];
+    if (worker.seconds_left >= 0) by_seconds_.erase({worker.seconds_left, number});
+    const bool may_be_asked = !worker.is_lost && worker.giving == 0 && worker.speed() > 0;
+    worker.seconds_left = may_be_asked ? samples_left(worker) / worker.speed() : -1;
+    if (may_be_asked) by_seconds_.emplace(worker.seconds_left, number);
+}
+
 /// The worker has nothing to do below `level` samples per pixel. Takes over bands of the worker that would end last, so
 /// that both end at the same time.
 void Dealer::ask_others(int number, std::uint32_t level) {
-    std::vector<double> left(workers_.size());  // samples up to the limit
-    std::vector<bool> is_behind(workers_.size());
-    for (const Band& band : bands_) {
-        if (band.holder == nobody || band.leaves) continue;
-        left[std::size_t(band.holder)] += double(limit_ - band.ordered) * band.pixels;
-        if (band.ordered < level) is_behind[std::size_t(band.holder)] = true;
-    }
     const Worker& worker = workers_[std::size_t(number)];
-    const double own = worker.speed() > 0 ? left[std::size_t(number)] / worker.speed() : 0;
+    const double own = worker.speed() > 0 ? samples_left(worker) / worker.speed() : 0;
     int slowest = nobody;
-    double longest = 0;
-    for (std::size_t w = 0; w < workers_.size(); ++w) {
-        const Worker& other = workers_[w];
-        if (int(w) == number || !is_behind[w] || other.giving > 0 || other.speed() == 0) continue;
-        const double seconds = left[w] / other.speed();
-        const double tolerated = std::max(least_piece_seconds, unequal * seconds);
-        if (seconds - own > tolerated && seconds > longest) longest = seconds, slowest = int(w);
+    unsigned tries = most_tries;
+    for (auto at = by_seconds_.rbegin(); at != by_seconds_.rend() && tries-- > 0 && slowest == nobody; ++at) {
+        const auto [seconds, w] = *at;
+        if (seconds - own <= std::max(least_piece_seconds, unequal * seconds)) break;
+        const Worker& other = workers_[std::size_t(w)];
+        const bool is_behind = !other.by_samples.empty() && other.by_samples.begin()->first < level;
+        if (w != number && is_behind) slowest = w;
     }
     if (slowest == nobody) return;
-    const double all = left[std::size_t(slowest)];
+    const double all = samples_left(workers_[std::size_t(slowest)]);
     if (worker.speed() == 0) {  // a first piece, to measure the speed
         const double passes = std::max(1., double(limit_ - least_ordered()) / largest_pass_);
         return ask(slowest, std::min(all / 2, worker.first_paths * passes));
     }
     const double share = worker.speed() / (worker.speed() + speed(slowest));
-    ask(slowest, share * (all + left[std::size_t(number)]) - left[std::size_t(number)]);
+    ask(slowest, share * (all + samples_left(worker)) - samples_left(worker));
 }
 
 /// From the end, since workers begin at the front.
 void Dealer::ask(int holder, double samples) {
     Worker& worker = workers_[std::size_t(holder)];
-    for (std::size_t b = bands_.size(); b-- > 0 && samples > 0;) {
-        Band& band = bands_[b];
-        if (band.holder != holder || band.leaves || band.ordered >= limit_) continue;
+    std::vector<Index> asked;
+    for (auto b = worker.bands.rbegin(); b != worker.bands.rend() && samples > 0; ++b) {
+        const Band& band = bands_[*b];
+        if (band.ordered >= limit_) continue;
         samples -= double(limit_ - band.ordered) * band.pixels;
-        band.leaves = true;
-        if (!worker.gives.empty() && worker.gives.back().batch.first_pixel == band.first + band.pixels) {
-            worker.gives.back().batch.first_pixel = band.first;
-            worker.gives.back().batch.pixels += band.pixels;
-            continue;
-        }
-        Order give{Order::Kind::give};
-        give.batch.first_pixel = band.first, give.batch.pixels = band.pixels;
-        worker.gives.push_back(give);
-        ++worker.giving;
+        asked.push_back(*b);
     }
+    for (const Index b : asked) {
+        const Band& band = bands_[b];
+        if (worker.gives.empty() || worker.gives.back().batch.first_pixel != band.first + band.pixels) {
+            worker.gives.push_back({Order::Kind::give, {band.first + band.pixels, 0, 0, 0, 0}, false, true});
+            ++worker.giving;
+        }
+        Order& give = worker.gives.back();
+        give.batch.first_pixel = band.first, give.batch.pixels += band.pixels;
+        give.is_first = give.is_first && !band.asked;
+        change(b, [](Band& leaving) { leaving.leaves = leaving.asked = true; });
+    }
+    sort_in(holder);
 }
 
-std::vector<Order> Dealer::handovers(int worker) {
-    std::deque<Order>& gives = workers_[std::size_t(worker)].gives;
-    const auto given = std::ptrdiff_t(gives.size());
-    std::vector<Order> orders(gives.begin(), gives.end());
-    gives.clear();
-    for (const Band& band : bands_) {
-        if (band.holder != worker || band.leaves || band.known == band.ordered) continue;
-        if (std::ssize(orders) > given && orders.back().batch.first_pixel + orders.back().batch.pixels == band.first) {
-            orders.back().batch.pixels += band.pixels;
-            continue;
-        }
-        Order read{Order::Kind::read};
-        read.batch.first_pixel = band.first, read.batch.pixels = band.pixels;
-        orders.push_back(read);
+std::vector<Order> Dealer::handovers(int number) {
+    Worker& worker = workers_[std::size_t(number)];
+    const auto given = std::ssize(worker.gives);
+    std::vector<Order> orders(worker.gives.begin(), worker.gives.end());
+    worker.gives.clear();
+    for (const Index b : worker.bands) {
+        Band& band = bands_[b];
+        if (band.known == band.ordered) continue;
+        const bool goes_on =
+            std::ssize(orders) > given && orders.back().batch.first_pixel + orders.back().batch.pixels == band.first;
+        if (!goes_on) orders.push_back({Order::Kind::read, {band.first, 0, 0, 0, 0}, false, true});
+        orders.back().batch.pixels += band.pixels;
+        orders.back().is_first = orders.back().is_first && !band.asked;
+        band.asked = true;
     }
     return orders;
 }
@@ -234,29 +305,42 @@ std::vector<Order> Dealer::handovers(int worker) {
 void Dealer::done(int number, const Order& order, double seconds) {
     Worker& worker = workers_[std::size_t(number)];
     if (order.kind == Order::Kind::render) {
-        for_bands_of(order.batch, [&](Band& band) { band.done += order.batch.samples; });
+        for_bands_of(order.batch, [&](Index b) {
+            discount(done_counts_, bands_[b].done);
+            count(done_counts_, bands_[b].done += order.batch.samples);
+        });
         done_ += paths_of(order.batch), worker.all += paths_of(order.batch);
         const double window = remembered_passes * largest_pass_ * pixels_ / double(workers_.size());
         const double kept = std::max(0.5, 1 - double(paths_of(order.batch)) / window);
+        speed_ -= worker.speed();
         worker.samples = kept * worker.samples + double(paths_of(order.batch));
         worker.seconds = kept * worker.seconds + std::max(seconds, 1e-9);
+        speed_ += worker.speed();
+        sort_in(number);
         return;
     }
-    for_bands_of(order.batch, [&](Band& band) { band.known = band.done; });
+    for_bands_of(order.batch, [&](Index b) { bands_[b].known = bands_[b].done; });
     if (order.kind != Order::Kind::give) return;
     --worker.giving;
-    for_bands_of(order.batch, [](Band& band) { band.holder = nobody, band.leaves = false; });
+    sort_in(number);
+    for_bands_of(order.batch,
+                 [&](Index b) { change(b, [](Band& band) { band.holder = nobody, band.leaves = false; }); });
 }
 
 void Dealer::lost(int number) {
     Worker& worker = workers_[std::size_t(number)];
-    worker.is_lost = true, worker.gives.clear(), worker.giving = 0;
-    for (Band& band : bands_) {
-        if (band.holder != number) continue;
-        ordered_ -= std::uint64_t(band.pixels) * (band.ordered - band.known);
-        done_ -= std::uint64_t(band.pixels) * (band.done - band.known);
-        band.ordered = band.done = band.known;
-        band.holder = nobody, band.leaves = false;
+    worker.gives.clear(), worker.giving = 0;
+    if (!worker.is_lost) speed_ -= worker.speed();
+    worker.is_lost = true;
+    sort_in(number);
+    for (Index b = 0; b < bands_.size(); ++b) {
+        if (bands_[b].holder != number) continue;
+        change(b, [&](Band& band) {
+            ordered_ -= std::uint64_t(band.pixels) * (band.ordered - band.known);
+            done_ -= std::uint64_t(band.pixels) * (band.done - band.known);
+            band.ordered = band.done = band.known;
+            band.holder = nobody, band.leaves = false, band.asked = band.known > 0;
+        });
     }
 }
 

@@ -3,7 +3,10 @@
 
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <optional>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "claray/shared/path.h"
@@ -20,6 +23,7 @@ struct Order {
     Kind kind = Kind::render;
     Batch batch = {};
     bool brings_sums = false;  ///< of `render`: the sums so far of these pixels come with the order
+    bool is_first = false;     ///< of the others: the caller knows no sums of these pixels yet
 };
 
 /// Pixels with equal numbers of samples.
@@ -38,7 +42,7 @@ public:
     Dealer(const std::vector<PixelRun>& runs, std::uint32_t largest_pass, std::uint32_t bands = 4096);
 
     /// Adds a worker and returns its number. Its first piece has `first_paths` paths, and none has more than
-    /// `most_paths`.
+    /// `most_paths`; if both are equal, all have as many.
     int add(std::uint32_t first_paths, std::uint32_t most_paths);
     /// No pixel gets more samples than this; never less than before.
     void set_limit(std::uint32_t samples);
@@ -73,11 +77,29 @@ public:
 
 private:
     static constexpr int nobody = -1;
+    using Index = std::uint32_t;  // of a band
     struct Band {
         std::uint32_t first, pixels;
         std::uint32_t ordered, done, known;  // samples per pixel: ordered, rendered, in the sums that the caller knows
         int holder = nobody;
         bool leaves = false;  // the holder is to give it
+        bool asked = false;   // for its sums
+    };
+    /// Bands of equal numbers of samples that nobody holds, as runs of neighbours.
+    class Runs {
+    public:
+        void add(Index band);
+        void remove(Index band);
+        [[nodiscard]] bool contains(Index band) const;
+        /// First and end of the longest.
+        [[nodiscard]] std::pair<Index, Index> longest() const;
+        [[nodiscard]] bool empty() const { return ends_.empty(); }
+
+    private:
+        void put(Index first, Index end);
+        std::map<Index, Index>::iterator take(std::map<Index, Index>::iterator run);
+        std::map<Index, Index> ends_;                  // of runs, by their first
+        std::set<std::pair<Index, Index>> by_length_;  // length, and minus the first: the first of equal ones is last
     };
     struct Worker {
         std::uint32_t first_paths, most_paths, last_paths = 0;
@@ -85,8 +107,13 @@ private:
         std::uint64_t all = 0;
         std::deque<Order> gives = {};  // to be sent
         unsigned giving = 0;           // sent or to be sent
-        std::size_t next_band = 0;     // behind its last piece
+        Index next_band = 0;           // behind its last piece
         bool is_lost = false;
+        // Bands that it holds and that do not leave.
+        std::set<Index> bands = {};
+        std::set<std::pair<std::uint32_t, Index>> by_samples = {};  // ordered ones, below the limit
+        std::uint64_t pixels = 0, ordered = 0;                      // of these; samples of all their pixels
+        double seconds_left = -1;                                   // its key in by_seconds_; negative: it is not there
         [[nodiscard]] double speed() const { return seconds > 0 ? samples / seconds : 0; }
     };
 
@@ -94,22 +121,37 @@ private:
     [[nodiscard]] bool may_render(const Band& band, int worker) const {
         return band.ordered < limit_ && !band.leaves && (band.holder == worker || band.holder == nobody);
     }
-    [[nodiscard]] std::size_t first_band_for(int worker) const;
-    [[nodiscard]] std::size_t free_band_for(int worker, std::uint32_t samples) const;
-    [[nodiscard]] std::uint32_t least_ordered() const;
+    /// Changes a band and keeps the indices below.
+    template <class Change>
+    void change(Index band, const Change& change);
+    void enter(Index band);
+    void leave(Index band);
+    [[nodiscard]] Index first_band_for(int worker) const;
+    [[nodiscard]] Index free_band_for(int worker, std::uint32_t samples) const;
+    [[nodiscard]] std::uint32_t least_ordered() const { return ordered_counts_.begin()->first; }
+    [[nodiscard]] double samples_left(const Worker& worker) const {
+        return double(worker.pixels) * limit_ - double(worker.ordered);
+    }
     [[nodiscard]] double paths_of_piece(const Worker& worker, double seconds_left) const;
     [[nodiscard]] double seconds_to_limit() const;
     [[nodiscard]] std::uint32_t longer(const Batch& piece, double paths) const;
-    [[nodiscard]] Order piece_from(std::size_t band, int worker, double paths);
+    [[nodiscard]] Order piece_from(Index band, int worker, double paths);
+    void sort_in(int worker);
     void ask_others(int worker, std::uint32_t samples);
     void ask(int holder, double samples);
+    /// Calls visit(index) for each band of a batch.
     template <class Visit>
     void for_bands_of(const Batch& batch, const Visit& visit);
 
     std::uint32_t pixels_ = 0, largest_pass_, limit_ = 0;
     std::uint64_t ordered_ = 0, done_ = 0;  // samples of all pixels
+    double speed_ = 0;                      // of all workers
     std::vector<Band> bands_;
     std::vector<Worker> workers_;
+    std::set<std::pair<double, int>> by_seconds_;  // workers that may be asked for bands, by their time up to the limit
+    // Indices of the bands, so that an order takes no time for those that it does not concern.
+    std::map<std::uint32_t, Runs> free_;                           // by samples
+    std::map<std::uint32_t, Index> ordered_counts_, done_counts_;  // bands, by samples
 };
 
 }  // namespace claray

@@ -8,7 +8,8 @@
 namespace claray {
 namespace {
 
-constexpr std::size_t most_running = 2;  // orders on the device
+constexpr std::size_t most_running = 2;    // orders on the device
+constexpr std::uint32_t most_batches = 8;  // of an order: more would delay what comes next
 
 /// The group decides when a render ends and saves its progress.
 RenderConfig config_of_part(RenderConfig config) {
@@ -19,10 +20,14 @@ RenderConfig config_of_part(RenderConfig config) {
 }  // namespace
 
 DeviceWorker::DeviceWorker(const Device& device, const Scene& scene, const RenderConfig& config, Inbox& inbox,
-                           std::size_t number)
-    : device_(device), scene_(scene), config_(config_of_part(config)), inbox_(inbox), number_(number), thread_([this] {
-          run();
-      }) {}
+                           std::size_t number, const GroupSums* shared)
+    : device_(device),
+      scene_(scene),
+      config_(config_of_part(config)),
+      inbox_(inbox),
+      number_(number),
+      shared_(shared),
+      thread_([this] { run(); }) {}
 
 DeviceWorker::~DeviceWorker() {
     {
@@ -63,7 +68,9 @@ void DeviceWorker::set_up() {
     state.follow_light();
     device_.finish();
     state.begin = state.first_begin = Clock::now();
-    inbox_.post({number_, Report::Kind::ready, state.first_paths(), state.wavefront.capacity()});
+    const std::uint32_t first = state.first_paths();
+    inbox_.post({number_, Report::Kind::ready, first,
+                 state.parts_take_turns() ? first : most_batches * state.wavefront.capacity()});
 }
 
 void DeviceWorker::run() {
@@ -93,14 +100,20 @@ void DeviceWorker::start(const Job& job) {
     Film& film = renderer_->state().film;
     const Batch& batch = job.order.batch;
     if (job.order.kind == Order::Kind::render) {
-        if (job.order.brings_sums) film.set_sums(job.sums, batch.first_pixel);
+        if (job.order.brings_sums && shared_ != nullptr)
+            film.write_sums(shared_->at(batch.first_pixel, batch.pixels), batch.first_pixel);
+        else if (job.order.brings_sums)
+            film.set_sums(job.sums, batch.first_pixel);
         render(batch);
         running_.push_back({Mark(device_), job.sent});
         device_.queue().flush();
         return;
     }
     while (!running_.empty()) wait_for_oldest();
-    report_done(job.sent, film.sums(batch.first_pixel, batch.pixels));
+    if (shared_ == nullptr || !job.order.is_first)  // a device that fails while it reads must not spoil earlier sums
+        return report_done(job.sent, film.sums(batch.first_pixel, batch.pixels));
+    film.read_sums(shared_->at(batch.first_pixel, batch.pixels), batch.first_pixel);
+    report_done(job.sent);
 }
 
 /// In batches for which the renderer has room; each pixel's samples in their order.

@@ -5,15 +5,18 @@
 
 #include "claray/renderer.hpp"
 #include "host/render/in_flight.hpp"
+#include "host/scale/group_sums.hpp"
 #include "host/scale/worker.hpp"
 
 namespace claray {
 
 class DeviceWorker final : public Worker {
 public:
-    /// Builds a Renderer in the thread and reports to `inbox` as `number`. Scene and inbox must outlive it.
-    DeviceWorker(const Device& device, const Scene& scene, const RenderConfig& config, Inbox& inbox,
-                 std::size_t number);
+    /// Builds a Renderer in the thread and reports to `inbox` as `number`. `shared`: where orders that bring sums find
+    /// them, and where the first sums of pixels go; if it is null, they come with the orders and go with the reports.
+    /// All of these must outlive it.
+    DeviceWorker(const Device& device, const Scene& scene, const RenderConfig& config, Inbox& inbox, std::size_t number,
+                 const GroupSums* shared = nullptr);
     /// Waits for the order that is carried out.
     ~DeviceWorker() override;
 
@@ -48,6 +51,7 @@ private:
     RenderConfig config_;
     Inbox& inbox_;
     std::size_t number_;
+    const GroupSums* shared_;
     std::optional<Renderer> renderer_;
     std::uint64_t samples_ = 0;
     std::deque<Running> running_;

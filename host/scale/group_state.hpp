@@ -53,8 +53,6 @@ struct RenderGroup::State {
     [[nodiscard]] bool asked_for_sums() const;
 
     // Sums.
-    void keep(const Batch& pixels, const Film::Sums& sums);
-    [[nodiscard]] Film::Sums kept(const Batch& pixels) const;
     void ask_for_sums(bool of_lead);
     void gather(bool of_lead);
     [[nodiscard]] RenderProgress hand_over();
@@ -66,12 +64,12 @@ struct RenderGroup::State {
     std::function<void(const std::string&)> tell;
     RenderIdentity identity;
     Checkpoint start;  // from which the render continues
+    GroupSums sums;    // of all pixels, as far as they were handed over
     Inbox inbox;
     std::vector<Member> members;  // after the inbox, to which they post until they end
     std::optional<Dealer> dealer;
-    Film::Sums sums;   // of all pixels, as far as they were handed over
     ErrorLooks looks;  // of the last lead
-    std::size_t led_by = 0;
+    std::size_t led_by = 0, next_dealt = 0;
     std::optional<Clock::time_point> begin;
     RenderProgress measured;  // when the last decision was taken
     bool lead_has_begun = false;

@@ -17,6 +17,10 @@ constexpr std::chrono::microseconds patience{20'000};
 /// What a device that fails loses at most, if there are no checkpoints.
 constexpr double seconds_between_sums = 30;
 
+/// Members that have nothing to do are many at the end of a render by hundreds: after so many the group looks at
+/// reports.
+constexpr unsigned most_refused = 8;
+
 /// At the end of an interrupted render, since launchers kill a program that does not end at once: Open MPI after 1 s.
 constexpr double seconds_to_hand_over = 0.5;
 
@@ -69,13 +73,11 @@ RenderGroup::State::State(const std::vector<Device>& devices, const Scene& of, c
                     "continue on one device with --adaptive");
     if (saves) check_file_writable(config.checkpoint);
     looks = start.looks;
-    sums = start.sums;
-    sums.pixels.resize(std::size_t(config.width) * config.height);
-    sums.odd.resize(tells_error(config) ? sums.pixels.size() : 0);
     for (const Device& device : devices)
         add([&](Inbox& in, std::size_t number) {
-            return std::make_unique<DeviceWorker>(device, scene, config, in, number);
+            return std::make_unique<DeviceWorker>(device, scene, config, in, number, &sums);
         });
+    sums = GroupSums(devices, std::size_t(config.width) * config.height, tells_error(config), start.sums);
 }
 
 void RenderGroup::State::add(const std::function<std::unique_ptr<Worker>(Inbox&, std::size_t)>& make) {
@@ -181,17 +183,25 @@ bool RenderGroup::State::show(const Progress& progress) {
 }
 
 void RenderGroup::State::deal() {
-    for (Member& member : members)
+    unsigned refused = 0;
+    for (std::size_t i = 0; i < members.size() && refused < most_refused; ++i) {
+        next_dealt = (next_dealt + 1) % members.size();
+        Member& member = members[next_dealt];
         while (member.takes_orders() && member.orders.size() < member.worker->most_orders()) {
             const std::optional<Order> order = dealer->next(member.number, seconds_left());
-            if (!order) break;
+            if (!order) {
+                ++refused;
+                break;
+            }
             send(member, *order);
         }
+    }
 }
 
 void RenderGroup::State::send(Member& member, const Order& order) {
     member.orders.push_back(order);
-    member.worker->carry_out(order, order.brings_sums ? kept(order.batch) : Film::Sums());
+    const bool sends_sums = order.brings_sums && member.device == nullptr;
+    member.worker->carry_out(order, sends_sums ? sums.copy(order.batch.first_pixel, order.batch.pixels) : Film::Sums());
 }
 
 void RenderGroup::State::take_report(std::chrono::microseconds most) {
@@ -214,7 +224,7 @@ void RenderGroup::State::take_report(std::chrono::microseconds most) {
 void RenderGroup::State::take_done(Member& member, Report& report) {
     const Order order = member.orders.front();
     member.orders.pop_front();
-    if (order.kind != Order::Kind::render) keep(order.batch, report.sums);
+    if (!report.sums.pixels.empty()) sums.write(order.batch.first_pixel, report.sums);
     dealer->done(member.number, order, report.seconds);
     lead_has_begun |= &member == &members[led_by];
 }
@@ -253,22 +263,8 @@ void RenderGroup::State::wait_for_orders() {
 bool RenderGroup::State::asked_for_sums() const {
     return std::any_of(members.begin(), members.end(), [](const Member& member) {
         return std::any_of(member.orders.begin(), member.orders.end(),
-                           [](const Order& order) { return order.kind == Order::Kind::read; });
+                           [](const Order& order) { return order.kind != Order::Kind::render; });
     });
-}
-
-void RenderGroup::State::keep(const Batch& at, const Film::Sums& new_sums) {
-    std::copy(new_sums.pixels.begin(), new_sums.pixels.end(), sums.pixels.begin() + at.first_pixel);
-    if (!sums.odd.empty()) std::copy(new_sums.odd.begin(), new_sums.odd.end(), sums.odd.begin() + at.first_pixel);
-}
-
-Film::Sums RenderGroup::State::kept(const Batch& at) const {
-    const auto part = [&](const auto& all) {
-        return std::vector(all.begin() + at.first_pixel, all.begin() + at.first_pixel + at.pixels);
-    };
-    Film::Sums some{part(sums.pixels), {}};
-    if (!sums.odd.empty()) some.odd = part(sums.odd);
-    return some;
 }
 
 void RenderGroup::State::ask_for_sums(bool of_lead) {
@@ -285,7 +281,7 @@ void RenderGroup::State::gather(bool of_lead) {
     wait_for_lead();
     Film& film = lead().renderer().state().film;
     for (const PixelRun& run : dealer->held_by_others(members[led_by].number))
-        film.set_sums(kept({run.first, run.pixels, 0, 0, 0}), run.first);
+        film.write_sums(sums.at(run.first, run.pixels), run.first);
 }
 
 namespace {
@@ -330,18 +326,25 @@ void RenderGroup::State::keep_now_and_then() {
     keeps = true;
 }
 
-/// As a single device does, a full disk does not end the render.
+/// As a single device does, a full disk does not end the render. Where nothing is known a device that failed may have
+/// left anything.
 void RenderGroup::State::save_checkpoint() {
-    Checkpoint checkpoint{{}, looks, {}, {}};
-    set_position(checkpoint, dealer->known(), *dealer);
-    std::swap(checkpoint.sums, sums);
+    const std::vector<PixelRun> known = dealer->known();
+    Checkpoint checkpoint{{}, looks, sums.copy(0, std::size_t(config.width) * config.height), {}};
+    set_position(checkpoint, known, *dealer);
+    for (const PixelRun& run : known) {
+        if (run.samples != 0) continue;
+        const auto clear = [&](auto& all) {
+            if (!all.empty()) std::fill_n(all.begin() + run.first, run.pixels, std::decay_t<decltype(all[0])>{});
+        };
+        clear(checkpoint.sums.pixels), clear(checkpoint.sums.odd);
+    }
     try {
         write_checkpoint(config.checkpoint, identity, checkpoint);
         checkpoint_error.clear();
     } catch (const Error& error) {
         checkpoint_error = error.what();
     }
-    std::swap(checkpoint.sums, sums);
 }
 
 RenderGroup::RenderGroup(const std::vector<Device>& devices, const Scene& scene, const RenderConfig& config,

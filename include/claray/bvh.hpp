@@ -206,6 +206,7 @@ public:
     [[nodiscard]] Defines defines() const;
 
     struct State;
+    [[nodiscard]] State& state() const noexcept { return *state_; }
 
 private:
     std::shared_ptr<State> state_;

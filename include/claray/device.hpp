@@ -53,13 +53,17 @@ public:
     [[nodiscard]] static Device open(const std::string& selector = {});
 
     /// Opens several devices: selectors of `open`, separated by commas, or "all": every GPU and accelerator, and the
-    /// CPU once, even if several platforms list it. Throws as `open` does, and ErrorKind::usage for a device that is
-    /// named twice.
+    /// CPU once, even if several platforms list it. A CPU beside GPUs leaves some of its compute units to the threads
+    /// that keep them busy. Throws as `open` does, and ErrorKind::usage for a device that is named twice.
     [[nodiscard]] static std::vector<Device> open_several(const std::string& selectors = {});
 
     /// Uses a context and an in-order queue of the host program. Both are retained. Times are measured only if the
     /// queue was created with CL_QUEUE_PROFILING_ENABLE.
     [[nodiscard]] static Device adopt(cl_context context, cl_command_queue queue);
+
+    /// Returns a part of the device with so many compute units, with a context of its own; the device itself if its
+    /// driver cannot divide it.
+    [[nodiscard]] Device with_units(unsigned units) const;
 
     /// Returns the same device and context with a new in-order queue and profiler of its own. Buffers belong to the
     /// context; a Query can run on any of its queues. Commands of two queues run in any order, unless events order

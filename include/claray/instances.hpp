@@ -122,6 +122,7 @@ public:
     [[nodiscard]] Defines defines() const;
 
     struct State;
+    [[nodiscard]] State& state() const noexcept { return *state_; }
 
 private:
     std::shared_ptr<State> state_;

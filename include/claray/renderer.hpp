@@ -116,7 +116,10 @@ struct RenderConfig {
     bool adaptive = false;
     double report_seconds = 0.2;  ///< about, from one call of the `progress` of Renderer::render to the next
     Sampler sampler = Sampler::sobol;
-    Bvh::Config bvh = {};             ///< Builder::automatic is `balanced` for scenes with instances
+    Bvh::Config bvh = {};  ///< Builder::automatic is `balanced` for scenes with instances
+    /// Splits the tree into so many parts by space; 0: as many as the device's memory requires. The image is the same.
+    /// Parts for which there is no room wait in host memory, and are copied to the device for each set of rays.
+    unsigned parts = 0;
     EffectOverrides effects = {};     ///< for experiments; effects are derived from the scene
     Approximations approximate = {};  ///< none: the image has no error but noise
     LightGridConfig light_grid = {};  ///< for Approximations::light_grid
@@ -179,6 +182,8 @@ struct RenderStatistics {
     RayCount in_paths;
     EffectSet effects;  ///< effects of the scene, after `RenderConfig::effects`
     std::uint64_t device_bytes = 0;
+    unsigned parts = 1;                 ///< of the tree, see RenderConfig::parts
+    std::uint64_t bytes_paged = 0;      ///< copied to the device because parts took turns
     double longest_milliseconds = 0;    ///< longest command of this device so far
     std::string longest_command;        ///< its name
     std::uint64_t dropped_samples = 0;  ///< as in RenderProgress

@@ -170,6 +170,9 @@ void print_statistics(const Device& device, const RenderStatistics& s, double se
     std::printf("measuring     noise and error: %.1f ms, %.2f %% of the render\n", 1e3 * s.measuring_seconds,
                 seconds > 0 ? 100 * s.measuring_seconds / seconds : 0.0);
     std::printf("memory        %.1f MB on the device\n", double(s.device_bytes) * 1e-6);
+    if (s.parts > 1)
+        std::printf("parts         %u, %.1f MB copied to the device as they took turns\n", s.parts,
+                    double(s.bytes_paged) * 1e-6);
 }
 
 constexpr double least_cut_off_to_tell = 5e-4;

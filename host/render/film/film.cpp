@@ -78,11 +78,22 @@ void Film::clear() {
 }
 
 Film::Sums Film::sums(std::uint32_t first, std::uint32_t pixels) const {
-    begin_all();
     Sums sums{std::vector<FilmPixel>(pixels), std::vector<ColorSum>(tells_error_ ? pixels : 0)};
-    pixels_.read(std::span<FilmPixel>(sums.pixels), first);
-    if (tells_error_) odd_.read(std::span<ColorSum>(sums.odd), first);
+    read_sums({sums.pixels, sums.odd}, first);
     return sums;
+}
+
+void Film::read_sums(const SumsSpan& to, std::uint32_t first) const {
+    begin_all();
+    pixels_.read(to.pixels, first);
+    if (tells_error_) odd_.read(to.odd, first);
+}
+
+void Film::write_sums(const SumsSpan& from, std::uint32_t first) {
+    begin_all();
+    pixels_.write(from.pixels, first);
+    if (tells_error_) odd_.write(from.odd, first);
+    forget_look();
 }
 
 void Film::set_sums(const Sums& sums, std::uint32_t first) {

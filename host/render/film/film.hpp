@@ -52,6 +52,13 @@ public:
     /// The same for `pixels` pixels from `first` on, and for as many as `sums` has.
     [[nodiscard]] Sums sums(std::uint32_t first, std::uint32_t pixels) const;
     void set_sums(const Sums& sums, std::uint32_t first);
+    /// The same, to and from memory of the caller.
+    struct SumsSpan {
+        std::span<FilmPixel> pixels;
+        std::span<ColorSum> odd;
+    };
+    void read_sums(const SumsSpan& to, std::uint32_t first) const;
+    void write_sums(const SumsSpan& from, std::uint32_t first);
     [[nodiscard]] const Buffer<FilmPixel>& pixels() const {
         begin_all();
         return pixels_;

@@ -1,0 +1,30 @@
+// The sums of all pixels of a group, as far as its devices have handed them over.
+#pragma once
+
+#include <optional>
+
+#include "host/compute/memory.hpp"
+#include "host/render/film/film.hpp"
+
+namespace claray {
+
+/// In memory to which a GPU of the group copies fast, if there is one.
+class GroupSums {
+public:
+    GroupSums() = default;
+    /// Zeros, or `from` where it has sums. `odd`: whether there are sums of samples of odd index.
+    GroupSums(const std::vector<Device>& devices, std::size_t pixels, bool odd, const Film::Sums& from);
+
+    /// Those of `pixels` pixels from `first` on. The caller takes care that nobody else writes them.
+    [[nodiscard]] Film::SumsSpan at(std::size_t first, std::size_t pixels) const;
+    void write(std::size_t first, const Film::Sums& sums) const;
+    [[nodiscard]] Film::Sums copy(std::size_t first, std::size_t pixels) const;
+
+private:
+    std::optional<HostMemory> fast_;
+    std::vector<std::uint8_t> plain_;
+    std::span<FilmPixel> pixels_;
+    std::span<ColorSum> odd_;
+};
+
+}  // namespace claray
