@@ -199,6 +199,7 @@ public:
     struct State;
 
 private:
+    friend Bvh build_over_primitives(const Device&, const TriangleBuffers&, const Config&, bool);
     std::shared_ptr<State> state_;
 };
 
