@@ -22,7 +22,7 @@ struct Options {
     std::uint32_t every = 3;
     unsigned width = 640, height = 480, threads = 2;
     int repeat = 5;
-    Bvh::Config bvh{.builder = Builder::balanced};
+    Bvh::Config bvh{.builder = Builder::binned};
 };
 
 struct Strands {

@@ -63,6 +63,16 @@ Bvh Bvh::build(const Device& device, const TriangleBuffers& triangles, const Con
     return bvh;
 }
 
+Bvh build_over_primitives(const Device& device, const TriangleBuffers& corners, const Bvh::Config& config,
+                          bool capsules) {
+    require_memory(device, corners, config);
+    Bvh bvh;
+    bvh.state_ =
+        std::make_shared<Bvh::State>(device, corners, config, false, capsules ? LeafShape::capsule : LeafShape::box);
+    bvh.state_->build();
+    return bvh;
+}
+
 Bvh Bvh::build_by_host(const Device& device, std::span<const Mesh> meshes, const Config& with) {
     Config config = with;
     config.layout = Layout::binary, config.builder = Builder::fast;
@@ -109,7 +119,7 @@ BvhStatistics Bvh::statistics() const {
     statistics.height = header.height;
     statistics.bytes = sizeof(BvhHeader);
     if (layout() == Layout::wide)
-        statistics.bytes += header.wide_nodes * sizeof(WideNode) + header.wide_blocks * sizeof(TriangleBlock);
+        statistics.bytes += header.wide_nodes * sizeof(WideNode) + header.wide_blocks * state_->block_bytes();
     else
         statistics.bytes += state_->nodes.bytes() + state_->leaves.bytes();
     statistics.sah_cost = state_->sah_cost();
@@ -172,7 +182,8 @@ void Bvh::bind_solid(Kernel& kernel, unsigned& index) const {
     kernel.set(index, arg("claray_header", state_->header));
     if (layout() == Layout::wide) {
         kernel.set(index, state_->wide_nodes);
-        kernel.set(index, state_->wide_blocks);
+        state_->primitive_blocks.size() != 0 ? kernel.set(index, state_->primitive_blocks)
+                                             : kernel.set(index, state_->wide_blocks);
     } else {
         kernel.set(index, arg("claray_nodes", state_->nodes));
         kernel.set(index, arg("claray_triangles", state_->leaves));
@@ -190,6 +201,7 @@ Defines Bvh::defines() const {
     Defines defines = {{"CLARAY_WIDE", layout() == Layout::wide ? "1" : "0"}};
     if (state_->small_kernels) defines.emplace_back("CLARAY_SMALL", "1");
     if (has_cutouts()) defines.emplace_back("CLARAY_CUTOUTS", "1");
+    if (state_->leaf_shape != LeafShape::triangle) defines.emplace_back("CLARAY_PRIMITIVES", "1");
     return defines;
 }
 

@@ -32,11 +32,12 @@ Builder resolve(Builder builder, const Device& device) {
     return Builder(std::min<unsigned>(device.tuning("bvh/automatic", "BUILDER"), std::size(builders) - 1));
 }
 
-Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& with, bool by_host)
+Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& with, bool by_host, LeafShape shape)
     : device(on),
       triangles(of),
       config(with),
       layout(resolve(with.layout, on)),
+      leaf_shape(shape),
       count(std::uint32_t(of.indices.size() / 3)) {
     config.builder = claray::resolve(config.builder, on);
     if (config.morton_bits != 30 && config.morton_bits != 63)
@@ -69,10 +70,16 @@ void Bvh::State::load_kernels(std::size_t keys_to_sort) {
     if (ranges == 0) bounds_ = load_kernel(device, "bvh/bounds.cl", "compute_bounds");
     if (traits_of(config.builder).codes) load_for_sorting(keys_to_sort);
     if (layout == Layout::wide) {
-        begin_collapse_ = load_kernel(device, "bvh/collapse.cl", "begin_collapse");
-        collapse_level_ = load_kernel(device, "bvh/collapse.cl", "collapse_level");
-        collapse_subtrees_ = load_kernel(device, "bvh/collapse.cl", "collapse_subtrees");
+        begin_collapse_ = load_collapse("begin_collapse");
+        collapse_level_ = load_collapse("collapse_level");
+        collapse_subtrees_ = load_collapse("collapse_subtrees");
     }
+}
+
+Kernel Bvh::State::load_collapse(const std::string& function) const {
+    Defines defines;
+    if (leaf_shape != LeafShape::triangle) defines.emplace_back("LEAF_SHAPE", std::to_string(int(leaf_shape)));
+    return load_kernel(device, "bvh/collapse.cl", function, defines);
 }
 
 void Bvh::State::load_for_sorting(std::size_t keys) {
@@ -120,7 +127,11 @@ void Bvh::State::allocate() {
         const std::size_t spare =
             std::size_t(CLARAY_WIDTH) * subtrees_for(device) * (numbers_at_once(capacity, device) - 1);
         wide_nodes = Buffer<WideNode>(device, capacity / 4 + 1 + spare);
-        wide_blocks = Buffer<TriangleBlock>(device, std::max(capacity, 1u) + 2 * spare);
+        const std::size_t blocks = std::max(capacity, 1u) + 2 * spare;
+        if (leaf_shape == LeafShape::triangle)
+            wide_blocks = Buffer<TriangleBlock>(device, blocks);
+        else
+            primitive_blocks = Buffer<PrimitiveBlock>(device, blocks);
     }
 }
 
@@ -227,23 +238,31 @@ void Bvh::State::build() {
     if (layout == Layout::wide) collapse(config.builder == Builder::fast);
 }
 
+/// Runs a kernel of collapse.cl with the buffers that all but the first have.
+template <class... Parameters>
+void Bvh::State::run_collapse(Kernel& kernel, Range range, const Parameters&... parameters) {
+    if (leaf_shape == LeafShape::triangle)
+        kernel.run(range, nodes, leaves, wide_nodes, wide_blocks, header, parameters...);
+    else
+        kernel.run(range, nodes, leaves, wide_nodes, primitive_blocks, header, parameters...);
+}
+
 void Bvh::State::collapse(bool by_split) {
     begin_collapse_.run({1, 1}, header, wide_nodes);
     std::uint32_t begin = 0, end = read_header().wide_nodes;
     const std::uint32_t enough = subtrees_for(device), at_once = numbers_at_once(count, device);
     while (begin < end && end - begin < enough) {
-        collapse_level_.run({end - begin, 1}, nodes, leaves, wide_nodes, wide_blocks, header, begin, end);
+        run_collapse(collapse_level_, {end - begin, 1}, begin, end);
         begin = end;
         end = read_header().wide_nodes;
     }
-    collapse_subtrees_.run({end - begin, 1}, nodes, leaves, wide_nodes, wide_blocks, header, begin, end, at_once,
-                           std::uint32_t(by_split));
+    run_collapse(collapse_subtrees_, {end - begin, 1}, begin, end, at_once, std::uint32_t(by_split));
 }
 
 void Bvh::State::load_refit() {
     if (refit_.handle()()) return;
     refit_ = load_kernel(device, "bvh/refit.cl", "refit_nodes");
-    refit_wide_ = load_kernel(device, "bvh/collapse.cl", "refit_wide");
+    refit_wide_ = load_collapse("refit_wide");
     (void)load_kernel(device, "bvh/validate.cl", "sum_areas");  // of sah_cost
 }
 
@@ -253,8 +272,7 @@ void Bvh::State::refit() {
     arrivals.fill(0);
     refit_.run({nodes.size(), build_group}, triangles.positions, arg("indices", triangles.indices), nodes, leaves,
                arg("arrivals", arrivals), header);
-    if (layout == Layout::wide)
-        refit_wide_.run({wide_nodes.size(), 64}, nodes, leaves, wide_nodes, wide_blocks, header);
+    if (layout == Layout::wide) run_collapse(refit_wide_, {wide_nodes.size(), 64});
 }
 
 void Bvh::State::keep_tree_only() {

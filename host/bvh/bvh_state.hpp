@@ -10,10 +10,19 @@
 
 namespace claray {
 
+/// What the leaves of a wide tree hold: see TriangleBlock and PrimitiveBlock.
+enum class LeafShape { triangle, box, capsule };
+
+/// Builds over primitives whose boxes the triangles span. Only kernels of kernels/primitives can trace the result.
+/// `capsules`: the boxes are those of capsules (kernels/primitives/primitive.clh).
+[[nodiscard]] Bvh build_over_primitives(const Device& device, const TriangleBuffers& corners, const Bvh::Config& config,
+                                        bool capsules);
+
 struct Bvh::State {
     /// `by_host`: the host will fill in the tree. Kernels and buffers for building are then loaded and allocated on
     /// demand.
-    State(const Device& on, const TriangleBuffers& of, const Config& with, bool by_host = false);
+    State(const Device& on, const TriangleBuffers& of, const Config& with, bool by_host = false,
+          LeafShape shape = LeafShape::triangle);
 
     void build();
     /// Frees the triangles and the memory kept for rebuilding: the tree can only be traversed afterwards.
@@ -24,6 +33,9 @@ struct Bvh::State {
     void collapse(bool by_split);
     [[nodiscard]] BvhHeader read_header() const;
     [[nodiscard]] double sah_cost() const;
+    [[nodiscard]] std::size_t block_bytes() const {
+        return leaf_shape == LeafShape::triangle ? sizeof(TriangleBlock) : sizeof(PrimitiveBlock);
+    }
     /// Largest number of triangles per leaf of the binary tree; 1 for the wide tree, which forms its own leaves.
     [[nodiscard]] std::uint32_t leaf_limit() const { return layout == Layout::binary ? config.max_leaf_triangles : 1; }
 
@@ -31,6 +43,7 @@ struct Bvh::State {
     TriangleBuffers triangles;
     Config config;
     Layout layout;
+    LeafShape leaf_shape;
     std::uint32_t count;          // triangles of the input, including culled ones
     bool splits_of_host = false;  // a tree from elsewhere has triangles in several leaves
     bool small_kernels = false;   // see CLARAY_SMALL in kernels/trace/closest_hit.clh
@@ -42,7 +55,8 @@ struct Bvh::State {
     Buffer<LeafTriangle> leaves;
     Buffer<WideNode> wide_nodes;
     Buffer<TriangleBlock> wide_blocks;
-    Buffer<std::uint32_t> cutouts;  // see Bvh::set_cutouts
+    Buffer<PrimitiveBlock> primitive_blocks;  // instead of wide_blocks
+    Buffer<std::uint32_t> cutouts;            // see Bvh::set_cutouts
 
     // Scratch, kept for rebuilding.
     Buffer<std::uint32_t> bound_keys;  // three minima, three maxima (float_key), and the Morton grid's scale
@@ -61,6 +75,9 @@ struct Bvh::State {
 
 private:
     void prepare_to_build();
+    [[nodiscard]] Kernel load_collapse(const std::string& function) const;
+    template <class... Parameters>
+    void run_collapse(Kernel& kernel, Range range, const Parameters&... parameters);
     void allocate();
     void allocate_for_sorting();
     void load_kernels(std::size_t keys_to_sort);

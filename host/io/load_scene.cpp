@@ -22,6 +22,12 @@ void refuse_choice(const std::string& name, const LoadOptions& options) {
     refuse(options.stroke_radius.has_value(), "points or lines with a radius");
 }
 
+/// A file that does not exist is left to the reader, whose error says so.
+void refuse_choice_of_file(const std::filesystem::path& path, const LoadOptions& options) {
+    std::error_code unreadable;
+    if (std::filesystem::exists(path, unreadable)) refuse_choice(path.string(), options);
+}
+
 std::string extension_of(const std::filesystem::path& path) {
     std::string extension = path.extension().string();
     std::transform(extension.begin(), extension.end(), extension.begin(),
@@ -46,11 +52,11 @@ LoadedScene load_without_light(const std::string& name_or_path, Warnings& warnin
     const std::filesystem::path path(name_or_path);
     const std::string extension = extension_of(path);
     if (extension == ".obj") {
-        refuse_choice(name_or_path, options);
+        refuse_choice_of_file(path, options);
         return {load_obj_without_light(path, warnings), true};
     }
     if (extension == ".ply" || extension == ".stl") {
-        refuse_choice(name_or_path, options);
+        refuse_choice_of_file(path, options);
         return {extension == ".ply" ? load_ply_without_light(path, warnings) : load_stl_without_light(path, warnings),
                 true};
     }

@@ -26,7 +26,7 @@ PrimitiveKind curve_kind(CurveBasis basis, CurveShape shape) {
     std::string text;
     if (basis == CurveBasis::bezier) text += "#define CURVE_BEZIER 1\n";
     if (shape == CurveShape::flat) text += "#define CURVE_FLAT 1\n";
-    return {"curves", text + "#include \"primitives/curves.clh\"\n", 0};
+    return {"curves", text + "#include \"primitives/curves.clh\"\n", 0, true};
 }
 
 Primitives build_curves(const Device& device, std::span<const glm::vec4> points,
@@ -38,7 +38,7 @@ Primitives build_curves(const Device& device, std::span<const glm::vec4> points,
 
 Primitives build_curves(const Device& device, std::span<const glm::vec4> points,
                         std::span<const std::uint32_t> segments, CurveBasis basis, CurveShape shape) {
-    return build_curves(device, points, segments, basis, shape, {.builder = Builder::balanced});
+    return build_curves(device, points, segments, basis, shape, {.builder = Builder::binned});
 }
 
 }  // namespace claray

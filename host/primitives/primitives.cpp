@@ -1,5 +1,6 @@
 #include "claray/primitives/primitives.hpp"
 
+#include "host/bvh/bvh_state.hpp"
 #include "host/trace/query_options.hpp"
 #include "host/trace/ray_order.hpp"
 #include "host/trace/schedule.hpp"
@@ -33,7 +34,8 @@ struct Primitives::State {
     }
 
     /// A kernel of kernels/primitives/primitives.cl for this kind.
-    [[nodiscard]] Kernel compile(const std::string& function, const Defines& defines) const {
+    [[nodiscard]] Kernel compile(const std::string& function, Defines defines) const {
+        if (kind.capsules) defines.emplace_back("PRIMITIVE_CAPSULES", "1");
         const std::string text = "#include \"primitives/primitive.clh\"\n#line 1 \"" + kind.name + "\"\n" +
                                  kind.source +
                                  "\n#define CLARAY_PRIMITIVE_KIND 1\n#include \"primitives/primitives.cl\"\n";
@@ -87,7 +89,7 @@ Primitives Primitives::build(const Device& device, const PrimitiveKind& kind, co
     primitives.state_ = std::make_shared<State>(device, kind, data, count);
     Bvh::Config whole = config;
     whole.split_budget = 0;
-    primitives.state_->bvh = Bvh::build(device, primitives.state_->corners, whole);
+    primitives.state_->bvh = build_over_primitives(device, primitives.state_->corners, whole, kind.capsules);
     return primitives;
 }
 

@@ -209,6 +209,7 @@ public:
     [[nodiscard]] State& state() const noexcept { return *state_; }
 
 private:
+    friend Bvh build_over_primitives(const Device&, const TriangleBuffers&, const Config&, bool);
     std::shared_ptr<State> state_;
 };
 

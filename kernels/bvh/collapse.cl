@@ -3,7 +3,19 @@
 #include "bvh/columns.clh"
 #include "bvh/triangles.clh"
 
-/// Number of leaves below a child; a subtree of at most CLARAY_BLOCK leaves becomes one block of triangles.
+#ifndef LEAF_SHAPE
+#define LEAF_SHAPE 0  // 0: triangles; 1: boxes of primitives; 2: their capsules
+#endif
+#if LEAF_SHAPE == 0
+#define LEAF_BLOCK CLARAY_BLOCK  // most leaves in a block
+#define BLOCKS TriangleBlock
+#else
+#define LEAF_BLOCK CLARAY_WIDTH
+#define BLOCKS PrimitiveBlock
+#include "bvh/capsules.clh"
+#endif
+
+/// Number of leaves below a child; a subtree of at most LEAF_BLOCK leaves becomes one block.
 static inline uint leaves_below(global const BvhNode* nodes, uint child) {
     return is_leaf(child) ? 1 : nodes[child].height_count & CLARAY_COUNT_LIMIT;
 }
@@ -18,6 +30,7 @@ static inline uint end_leaf(global const BvhNode* nodes, uint child, uint side) 
     return child & CLARAY_SLOT;
 }
 
+#if LEAF_SHAPE == 0
 /// Transposes vertex number `row` of four leaves (3 coordinates and a word each) into four rows of a block.
 #define STORE_ROWS(row, to_x, to_y, to_z, to_w)                                                              \
     store_streaming4((float4)(a[row].x, b[row].x, c[row].x, d[row].x), (global float4*)(to_x));              \
@@ -34,10 +47,29 @@ static inline void fill_block(global const LeafTriangle* leaves, const uint* slo
     STORE_ROWS(1, block->v1x, block->v1y, block->v1z, block->geometry);
     STORE_ROWS(2, block->v2x, block->v2y, block->v2z, block->mask);
 }
+#else
+/// The builder's triangle of a primitive has the corners lo, hi and, of a capsule, the start of the axis.
+static inline void fill_lane(global const LeafTriangle* leaf, bool used, uint lane, global PrimitiveBlock* block) {
+    const float3 lo = (float3)(leaf->v0x, leaf->v0y, leaf->v0z), hi = (float3)(leaf->v1x, leaf->v1y, leaf->v1z);
+    const float3 start = (float3)(leaf->v2x, leaf->v2y, leaf->v2z), axis = capsule_axis(lo, hi, start);
+#if LEAF_SHAPE == 1
+    const float rows[7] = {lo.x, used ? hi.x : -INFINITY, lo.y, hi.y, lo.z, hi.z, 0.0f};
+#else
+    const float rows[7] = {start.x, start.y, start.z, axis.x, axis.y, axis.z, used ? capsule_radius(lo, hi, start) : -INFINITY};
+#endif
+    for (uint row = 0; row < 7; ++row) block->shape[row][lane] = rows[row];
+    block->primitive[lane] = leaf->primitive;
+}
 
-/// The leaves below `child` (at most CLARAY_BLOCK) from left to right. Unused lanes repeat the last leaf and are ignored.
+static inline void fill_block(global const LeafTriangle* leaves, const uint* slots, global PrimitiveBlock* block) {
+    for (uint lane = 0; lane < LEAF_BLOCK; ++lane)
+        fill_lane(&leaves[slots[lane]], lane == 0 || slots[lane] != slots[lane - 1], lane, block);
+}
+#endif
+
+/// The leaves below `child` (at most LEAF_BLOCK) from left to right. Unused lanes repeat the last leaf and are ignored.
 static inline void list_leaves(global const BvhNode* nodes, uint child, uint* slots) {
-    uint stack[CLARAY_BLOCK], depth = 0, count = 0;
+    uint stack[LEAF_BLOCK], depth = 0, count = 0;
     stack[depth++] = child;
     while (depth != 0) {
         const uint top = stack[--depth];
@@ -48,7 +80,7 @@ static inline void list_leaves(global const BvhNode* nodes, uint child, uint* sl
             stack[depth++] = nodes[top].child0;
         }
     }
-    for (uint lane = count; lane < CLARAY_BLOCK; ++lane) slots[lane] = slots[count - 1];
+    for (uint lane = count; lane < LEAF_BLOCK; ++lane) slots[lane] = slots[count - 1];
 }
 
 /// `first`, the first leaf, is only known if nodes are numbered by their splits.
@@ -71,18 +103,18 @@ typedef struct Output {
     global const BvhNode* nodes;
     global const LeafTriangle* leaves;
     global WideNode* wide;
-    global TriangleBlock* blocks;
+    global BLOCKS* blocks;
     volatile global BvhHeader* header;
     uint node, node_end, block, block_end;  // reserved numbers; many at once, so that items rarely contend for the counters
     uint nodes_at_once, blocks_at_once;
     bool by_split;
     uint fills;                                 // number of fills requested so far
-    uint fill_slots[2 * DELAY][CLARAY_BLOCK];  // at first only the child
+    uint fill_slots[2 * DELAY][LEAF_BLOCK];  // at first only the child
     uint fill_block[2 * DELAY];
 } Output;
 
 static inline Output begin_output(global const BvhNode* nodes, global const LeafTriangle* leaves, global WideNode* wide,
-                                  global TriangleBlock* blocks, volatile global BvhHeader* header, uint at_once,
+                                  global BLOCKS* blocks, volatile global BvhHeader* header, uint at_once,
                                   bool by_split) {
     Output out;
     out.nodes = nodes, out.leaves = leaves, out.wide = wide, out.blocks = blocks, out.header = header;
@@ -109,8 +141,8 @@ static inline uint take_block(Output* out) {
 }
 
 static inline void fetch_leaves(const Output* out, const uint* slots) {
-    for (uint lane = 0; lane < CLARAY_BLOCK; ++lane) prefetch_line(&out->leaves[slots[lane]]);
-    prefetch_line(&out->leaves[slots[CLARAY_BLOCK - 1]].mask);
+    for (uint lane = 0; lane < LEAF_BLOCK; ++lane) prefetch_line(&out->leaves[slots[lane]]);
+    prefetch_line(&out->leaves[slots[LEAF_BLOCK - 1]].mask);
 }
 
 static inline void list_fill(Output* out, uint fill) {
@@ -134,12 +166,13 @@ static inline uint add_block(Output* out, Subtree subtree) {
     out->fill_block[at] = block;
     slots[0] = subtree.child;
     if (out->by_split) {
-        for (uint lane = 0; lane < CLARAY_BLOCK; ++lane) slots[lane] = subtree.first + min(lane, subtree.count - 1);
+        for (uint lane = 0; lane < LEAF_BLOCK; ++lane) slots[lane] = subtree.first + min(lane, subtree.count - 1);
         fetch_leaves(out, slots);
     } else if (subtree.count > 2) {
         prefetch_children(out->nodes, subtree.child);
     }
-    return CLARAY_LEAF | ((subtree.count - 1) << CLARAY_LEAF_COUNT_SHIFT) | block;
+    const uint count = LEAF_SHAPE == 0 ? subtree.count - 1 : 0;  // blocks of primitives need none
+    return CLARAY_LEAF | count << CLARAY_LEAF_COUNT_SHIFT | block;
 }
 
 /// Fills the remaining blocks, and makes unused numbers nodes without children.
@@ -178,7 +211,7 @@ static inline void set_slot(Slots* slots, uint at, Subtree subtree, float4 lo, f
     vstore4(lo, 0, slots->boxes[at]);
     vstore4(hi, 1, slots->boxes[at]);
     slots->subtrees[at] = subtree;
-    slots->rank[at] = subtree.count <= CLARAY_BLOCK ? 0 : (ulong)as_uint(area) << 32 | (CLARAY_WIDTH - at);
+    slots->rank[at] = subtree.count <= LEAF_BLOCK ? 0 : (ulong)as_uint(area) << 32 | (CLARAY_WIDTH - at);
 }
 
 /// Replaces slot `at` by the two children of `subtree`, a node.
@@ -277,7 +310,7 @@ kernel void begin_collapse(global BvhHeader* header, global WideNode* wide) {
 
 /// One level: wide nodes begin .. end - 1, one item each. `source[0]` is the binary node of a wide node.
 kernel void collapse_level(global const BvhNode* nodes, global const LeafTriangle* leaves, global WideNode* wide,
-                           global TriangleBlock* blocks, volatile global BvhHeader* header, uint begin, uint end) {
+                           global BLOCKS* blocks, volatile global BvhHeader* header, uint begin, uint end) {
     const uint index = begin + get_global_id(0);
     if (index >= end) return;
     Output out = begin_output(nodes, leaves, wide, blocks, header, 1, false);
@@ -291,7 +324,7 @@ kernel void collapse_level(global const BvhNode* nodes, global const LeafTriangl
 /// together and stay in the cache, now and when the wide nodes are traversed. The last subtrees come first, because they may
 /// still be in the cache. `at_once`: number of wide nodes reserved at once; `by_split`: see fetch_subtree.
 kernel void collapse_subtrees(global const BvhNode* nodes, global const LeafTriangle* leaves, global WideNode* wide,
-                              global TriangleBlock* blocks, volatile global BvhHeader* header, uint begin, uint end,
+                              global BLOCKS* blocks, volatile global BvhHeader* header, uint begin, uint end,
                               uint at_once, uint by_split) {
     if (begin + get_global_id(0) >= end) return;
     const uint index = end - 1 - get_global_id(0);
@@ -308,7 +341,7 @@ kernel void collapse_subtrees(global const BvhNode* nodes, global const LeafTria
 
 /// Copies boxes and triangles of a refitted binary tree into the wide tree; one item per wide node.
 kernel void refit_wide(global const BvhNode* nodes, global const LeafTriangle* leaves, global WideNode* wide,
-                       global TriangleBlock* blocks, global const BvhHeader* header) {
+                       global BLOCKS* blocks, global const BvhHeader* header) {
     const uint index = get_global_id(0);
     if (index >= header->wide_nodes) return;
     for (uint i = 0; i < CLARAY_WIDTH; ++i) {
@@ -318,7 +351,7 @@ kernel void refit_wide(global const BvhNode* nodes, global const LeafTriangle* l
         wide[index].lox[i] = box.lo.x, wide[index].loy[i] = box.lo.y, wide[index].loz[i] = box.lo.z;
         wide[index].hix[i] = box.hi.x, wide[index].hiy[i] = box.hi.y, wide[index].hiz[i] = box.hi.z;
         if (!is_leaf(child)) continue;
-        uint slots[CLARAY_BLOCK];
+        uint slots[LEAF_BLOCK];
         list_leaves(nodes, source, slots);
         fill_block(leaves, slots, &blocks[child & CLARAY_SLOT]);
     }

@@ -63,6 +63,14 @@ class Bvh:
         self._queries: dict[Any, Query] = {}
 
     @classmethod
+    def _of_mesh(cls, scene: Scene, mesh: int, device: Device, builder: str) -> Bvh:
+        bvh = cls.__new__(cls)
+        bvh._device = device
+        bvh._native = _native.NativeBvh.build_of_mesh(device._native, scene._native, mesh, builder)
+        bvh._queries = {}
+        return bvh
+
+    @classmethod
     def load(cls, path: str | os.PathLike[str], device: Device | None = None) -> Bvh:
         """Loads a structure that save() wrote. Raises InputError, naming the file, if it is missing or damaged."""
         bvh = cls.__new__(cls)

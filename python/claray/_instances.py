@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 from . import _native
 from ._arrays import as_array, finite, words
 from ._bvh import Bvh
-from ._device import Device
+from ._device import Device, default_device
+from ._scene import Scene
 from .errors import UsageError
 
 if TYPE_CHECKING:
@@ -61,6 +62,21 @@ class InstancedBvh:
                                                         which, words("masks", masks, len(begin)), builder)
         self._count = len(begin)
         self._queries: dict[Any, Query] = {}
+
+    @classmethod
+    def of_scene(cls, scene: Scene, *, device: Device | None = None, builder: str = "high") -> InstancedBvh:
+        """The meshes of a scene, each built once, where the scene places them.
+
+        hits['instance'] is the number of the instance, hits['primitive'] the triangle of its mesh; scene.instances tells
+        which mesh that is. builder: of the meshes' structures. If instances move (scene.instances has 'ends'), rays have
+        times. Raises UsageError for a scene without triangles.
+        """
+        if scene.triangle_count == 0:
+            raise UsageError("scene: has no triangles")
+        placed = scene.instances
+        used, which = np.unique(placed["meshes"], return_inverse=True)
+        bvhs = [Bvh._of_mesh(scene, int(mesh), device or default_device(), builder) for mesh in used]
+        return cls(bvhs, placed["transforms"], bottoms=which, ends=placed["ends"])
 
     @staticmethod
     def _ends(ends: ArrayLike, count: int) -> NDArray[np.float32]:

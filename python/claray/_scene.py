@@ -97,6 +97,15 @@ class Scene:
         return [self._native.mesh_at(i) for i in range(self._native.mesh_count())]
 
     @property
+    def instances(self) -> dict[str, Any]:
+        """Where meshes are: 'meshes' (N,), the mesh of each instance; 'transforms' (N, 3, 4), from its coordinates to those
+        of the world; 'ends', the same at time 1, or None if nothing moves."""
+        meshes, begin, end = self._native.placements()
+        rows = np.array(begin, np.float32).reshape(-1, 3, 4)
+        ends = np.array(end, np.float32).reshape(-1, 3, 4)
+        return {"meshes": np.array(meshes, np.uint32), "transforms": rows, "ends": None if (rows == ends).all() else ends}
+
+    @property
     def triangle_count(self) -> int:
         return self._native.triangle_count()
 

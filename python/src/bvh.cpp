@@ -52,6 +52,13 @@ std::vector<Mesh> placed_meshes(const Scene& scene) {
     return meshes;
 }
 
+PyBvh build_of_mesh(const PyDevice& device, const Scene& scene, std::size_t mesh, const std::string& builder) {
+    const Bvh::Config config = config_of(builder);
+    return without_gil(device, [&] {
+        return PyBvh{device, Bvh::build(device.device, std::span(&scene.meshes.at(mesh), 1), config)};
+    });
+}
+
 PyBvh build_of_scene(const PyDevice& device, const Scene& scene, const std::string& builder, double split_budget,
                      const std::string& layout) {
     const Bvh::Config config = full_config_of(builder, split_budget, layout);
@@ -102,6 +109,7 @@ void bind_bvh(nb::module_& module) {
     nb::class_<PyBvh>(module, "NativeBvh")
         .def_static("build", &build)
         .def_static("build_of_scene", &build_of_scene)
+        .def_static("build_of_mesh", &build_of_mesh)
         .def_static("load",
                     [](const PyDevice& device, const std::filesystem::path& path) {
                         return without_gil(device, [&] { return PyBvh{device, Bvh::load(device.device, path)}; });

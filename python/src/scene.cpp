@@ -66,6 +66,24 @@ nb::dict mesh_at(nb::handle self, std::size_t index) {
     return dict;
 }
 
+/// The mesh of every instance, and its transforms at time 0 and 1: three rows of four numbers each.
+nb::tuple placements_of(const Scene& scene) {
+    std::vector<MeshInstance> instances = scene.instances;
+    if (instances.empty())
+        for (std::size_t i = 0; i < scene.meshes.size(); ++i) instances.push_back({.mesh = std::uint32_t(i)});
+    std::vector<std::uint32_t> meshes;
+    std::vector<float> begin, end;
+    const auto append = [](std::vector<float>& rows, const glm::mat4& m) {
+        for (int row = 0; row < 3; ++row) rows.insert(rows.end(), {m[0][row], m[1][row], m[2][row], m[3][row]});
+    };
+    for (const MeshInstance& instance : instances) {
+        meshes.push_back(instance.mesh);
+        append(begin, instance.transform);
+        append(end, instance.transform_end.value_or(instance.transform));
+    }
+    return nb::make_tuple(meshes, begin, end);
+}
+
 template <class Kind, class Rows>
 Kind kind_of(const char* what, const std::string& name, const Rows& rows) {
     std::string names;
@@ -169,6 +187,7 @@ void bind_scene(nb::module_& module) {
             "camera", [](const Scene& s) { return camera_of(s); },
             [](Scene& s, const Camera& camera) { s.camera = camera; })
         .def("add_mesh", &add_mesh)
+        .def("placements", &placements_of)
         .def("mesh_count", [](const Scene& s) { return s.meshes.size(); })
         .def("mesh_at", [](nb::handle_t<Scene> self, std::size_t index) { return mesh_at(self, index); })
         .def("triangle_count", [](const Scene& s) { return triangle_count(s); })

@@ -58,6 +58,8 @@ const Field fields[] = {
     FIELD(TriangleBlock, v2z),
     FIELD(TriangleBlock, primitive),
     FIELD(TriangleBlock, mask),
+    FIELD(PrimitiveBlock, shape),
+    FIELD(PrimitiveBlock, primitive),
     FIELD(BvhHeader, lox),
     FIELD(BvhHeader, root),
     FIELD(BvhHeader, culled),

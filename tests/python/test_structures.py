@@ -1,7 +1,9 @@
 """Primitives, instances and filters."""
 
 import gc
+import json
 import sys
+import warnings
 
 import numpy as np
 import pytest
@@ -175,6 +177,30 @@ def test_instances_equal_their_copies(soup, rays):
     seen = claray.closest_hit(masked, *rays, masks=np.full(777, 2))
     found = seen["primitive"] != claray.MISS
     assert found.sum() > 50 and (seen["instance"][found] % 2 == 1).all()
+
+
+def test_instances_of_a_scene_equal_its_triangles(tmp_path):
+    gltf = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
+            "nodes": [{"mesh": 0}, {"mesh": 0, "translation": [3, 0, 0], "scale": [1, 2, 1], "children": [2]},
+                      {"mesh": 0, "translation": [0, 0, 1]}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}],
+            "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"uri": "t.bin", "byteLength": 36}]}
+    np.float32([[0, 0, 0], [1, 0, 0], [0, 1, 0]]).tofile(tmp_path / "t.bin")
+    (tmp_path / "t.gltf").write_text(json.dumps(gltf))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        scene = claray.load(str(tmp_path / "t.gltf"))
+    placed, flat = claray.InstancedBvh.of_scene(scene), claray.Bvh(scene)
+    assert placed.instance_count == 3 and scene.instances["ends"] is None and len(set(scene.instances["meshes"])) == 1
+    x, y = (a.ravel() for a in np.meshgrid(np.linspace(0.03, 4.1, 60), np.linspace(0.02, 2.3, 40)))
+    origins = np.stack([x, y, np.full_like(x, 5)], 1)
+    hits, copies = (claray.closest_hit(bvh, origins, [0, 0, -1]) for bvh in (placed, flat))
+    hit = copies["primitive"] != claray.MISS
+    assert ((hits["primitive"] != claray.MISS) == hit).all() and hit.sum() > 200
+    np.testing.assert_allclose(hits["t"][hit], copies["t"][hit], rtol=1e-6)
+    assert (hits["instance"][hit] == copies["primitive"][hit]).all() and set(hits["instance"][hit]) == {0, 2}
+    refused("scene", lambda: claray.InstancedBvh.of_scene(claray.Scene()))
 
 
 def test_instances_move_while_rays_pass(soup, rays):

@@ -15,6 +15,9 @@ struct PrimitiveKind {
     std::string name;     ///< appears in the compiler's messages
     std::string source;   ///< the text; it may include claray's device headers
     unsigned floats = 0;  ///< per primitive in the data; 0: the data is not so regular
+    /// The boxes are those of capsules around the primitives, which reject more rays
+    /// (kernels/primitives/primitive.clh).
+    bool capsules = false;
 };
 
 /// claray's own kinds, which are made in the same way; each file says what the floats of a primitive are.

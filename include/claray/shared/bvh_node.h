@@ -71,6 +71,14 @@ typedef struct TriangleBlock {
 } TriangleBlock;
 CLARAY_LAYOUT(TriangleBlock, 192)
 
+/// Up to eight primitives of one leaf of the wide tree that are not triangles. Lanes without a primitive hold what no
+/// ray meets.
+typedef struct PrimitiveBlock {
+    float shape[7][CLARAY_WIDTH];  // boxes: the rows of a WideNode; capsules: start (x, y, z), axis (x, y, z), radius
+    uint primitive[CLARAY_WIDTH];
+} PrimitiveBlock;
+CLARAY_LAYOUT(PrimitiveBlock, 256)
+
 /// One per structure, in device memory: the data that kernels need before the first node.
 typedef struct BvhHeader {
     float lox, loy, loz, hix, hiy, hiz;  // bounds of all valid triangles; lo > hi if there are none

@@ -150,6 +150,8 @@ TEST_F(GltfOptions, BadChoicesAreUsageErrors) {
             << name;
     EXPECT_TRUE(failed_with(run_claray({"render", "cornell", "-o", path("a.png"), "--at", "1"}), 2,
                             "'cornell' has no animations"));
+    EXPECT_TRUE(failed_with(run_claray({"render", path("nowhere.obj"), "-o", path("%d.png"), "--frames", "0..1"}), 1,
+                            "nowhere.obj"));
     EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 1);
 }
 

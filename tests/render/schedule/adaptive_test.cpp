@@ -108,7 +108,7 @@ TEST(AdaptiveSchedule, SamplesTheWholeImageWhileTheErrorIsSpreadEvenly) {
     for (const std::uint32_t spp : {17u, 64u, 100u}) {
         AdaptiveSchedule schedule(width, height, spp, 1000, true);
         std::uint32_t plans = 0;
-        for (; !schedule.finished(); schedule.next(700)) {
+        for (; !schedule.finished(); (void)schedule.next(700)) {
             if (schedule.wants_plan()) schedule.plan(std::vector<float>(15, 1.f)), ++plans;
             ASSERT_FALSE(schedule.has_rounds() || schedule.in_round());
             AdaptiveSchedule other(width, height, spp, 1000, true);
