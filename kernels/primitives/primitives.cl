@@ -1,5 +1,7 @@
 // Kernels for primitives of one kind, whose text comes before this one (primitives/primitive.clh); alone it is for spheres.
 #ifndef CLARAY_PRIMITIVE_KIND
+#define CLARAY_PRIMITIVE_KIND
+#define CLARAY_PRIMITIVES 1
 #include "primitives/spheres.clh"
 #endif
 #include "primitives/traverse.clh"

@@ -16,8 +16,7 @@ void closest_hit(CLARAY_BVH_PARAMETERS, global const Ray* rays, global Hit* hits
     const BatchQuery query = {rays, masks, sorted, false, CULL_BACK_FACES, hits, 0};
     const uint item = (uint)get_global_id(0), items = (uint)get_global_size(0);
     trace_batch(CLARAY_BVH, &query, dealt_batch(item, items) * batch, dealt_batch(item + 1, items) * batch, batch, all);
-#else
-    if (CHOOSE && !COHERENT) return;
+#elif !CHOOSE || COHERENT  // else the other schedule's kernel traces them
     FOR_EACH_RAY(i, all) {
         Visits visited = {0, 0};
         hits[i] = claray_trace(CLARAY_BVH, rays[i], false, CULL_BACK_FACES, mask_of_ray(masks, i), &visited);
