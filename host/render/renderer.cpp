@@ -82,12 +82,8 @@ const Scene& checked(const Scene& scene) {
     return scene;
 }
 
-/// Scenes with instances have one tree per mesh, often many small ones, of which each takes `high` milliseconds on a
-/// GPU.
 RenderConfig with_builder(RenderConfig config, const Device& device, const Scene& scene) {
-    Builder& builder = config.bvh.builder;
-    const bool one_tree = scene.instances.empty();
-    builder = builder == Builder::automatic && !one_tree ? Builder::balanced : resolve(builder, device);
+    config.bvh.builder = builder_for(config.bvh.builder, device, !scene.instances.empty());
     return config;
 }
 

@@ -1,7 +1,6 @@
 // Images whose radiance is known in closed form.
 #include <gtest/gtest.h>
 
-#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -168,11 +167,10 @@ double covered_by_wall(double distance, double reach) {
 }
 
 /// A device whose kernels of paths, whichever of them a scene uses, are those of the study.
-Device device_of_study(float reach, unsigned sixteen) {
+Device device_of_study(unsigned sixteen) {
     Device fresh = Device::open(std::to_string(device().info().index));
     for (const char* kernel : {"render/shade_surface", "render/trace_paths"}) {
-        fresh.set_tuning(kernel, "AMBIENT_REACH_BITS", std::bit_cast<std::uint32_t>(reach));
-        fresh.set_tuning(kernel, "AMBIENT_R_BITS", std::bit_cast<std::uint32_t>(3.f));
+        fresh.set_tuning(kernel, "AMBIENT", 1);
         fresh.set_tuning(kernel, "TECHNIQUES", 1);
         fresh.set_tuning(kernel, "SIXTEEN", sixteen);
     }
@@ -181,6 +179,7 @@ Device device_of_study(float reach, unsigned sixteen) {
 
 TEST(AmbientOcclusion, AWallHidesItsSegmentOfTheHemisphereAndReflects) {
     constexpr float reach = 0.5f;
+    const RenderConfig config{.width = 8, .height = 8, .spp = 256, .ambient = {reach, {3, 0, 0}}};
     for (const float distance : {0.05f, 0.2f, 0.4f, 0.6f}) {
         Scene scene;
         scene.materials = {lambert(0.6f), lambert(0.3f)};
@@ -188,7 +187,7 @@ TEST(AmbientOcclusion, AWallHidesItsSegmentOfTheHemisphereAndReflects) {
         for (glm::vec3& p : scene.meshes[1].positions) p = {-distance, p.x, p.z};
         scene.camera = narrow_camera({0.1f, 3, 0}, {0, 0, 0});
         const auto render = [&](unsigned sixteen) {
-            Renderer renderer(device_of_study(reach, sixteen), scene, {.width = 8, .height = 8, .spp = 256});
+            Renderer renderer(device_of_study(sixteen), scene, config);
             (void)renderer.render();
             return renderer.image();
         };
@@ -207,8 +206,9 @@ TEST(AmbientOcclusion, LeavesDirectLightAndMirrorsAsTheyAre) {
         scene.materials = {material(kind, 0.6f), emitter(3.f)};
         scene.meshes = {square(6.f, 0.f), square(1.f, 2.f, 1)};
         scene.camera = narrow_camera({0.25f, 1, 0.1f}, {0, 0, 0});
-        const RenderConfig config{.width = 8, .height = 8, .spp = 256, .max_depth = 1};
-        Renderer renderer(device_of_study(0.1f, 1), scene, config);
+        RenderConfig config{.width = 8, .height = 8, .spp = 256, .max_depth = 1};
+        config.ambient = {0.1f, {3, 0, 0}};
+        Renderer renderer(device_of_study(1), scene, config);
         (void)renderer.render();
         EXPECT_NEAR(mean(renderer.image()).y / mean(render_image(scene, config)).y, 1, 0.01);
     }

@@ -30,13 +30,13 @@ std::string key_of(const Device& device, const KernelChoice& choice, const Rende
     const EffectSet structure = choice.effects & EffectSet{Effect::instances, Effect::instance_motion};
     const EffectSet effects =
         part != "trace" ? choice.effects : structure | effects_of_stage(choice.effects, Stage::trace);
+    const Builder builder = builder_for(config.bvh.builder, device, structure.has(Effect::instances));
     std::string all = "renderer " + part + (lit ? " with shadows\n" : "\n") + info.platform + '\n' + info.name + '\n' +
                       info.driver + '\n' + info.version + '\n';
     for (const KernelSource& source : kernel_sources()) all += source.path + '\n' + source.text + '\n';
     for (const auto& [name, value] : device.state().tuning) all += name + ' ' + std::to_string(value) + '\n';
-    for (const int value :
-         {int(choice.layout), int(config.sampler), int(config.bvh.builder), int(config.bvh.morton_bits),
-          int(config.bvh.max_leaf_triangles), int(config.bvh.split_budget > 0)})
+    for (const int value : {int(choice.layout), int(config.sampler), int(builder), int(config.bvh.morton_bits),
+                            int(config.bvh.max_leaf_triangles), int(config.bvh.split_budget > 0)})
         all += std::to_string(value) + '\n';
     if (config.approximate.any()) all += to_string(config.approximate) + '\n';
     return hash128(all + to_string(effects));
@@ -48,6 +48,10 @@ void remember(const Device& device, const KernelChoice& choice, const RenderConf
 }
 
 }  // namespace
+
+Builder builder_for(Builder builder, const Device& device, bool instanced) {
+    return builder == Builder::automatic && instanced ? Builder::balanced : resolve(builder, device);
+}
 
 bool are_cached(const Device& device, const KernelChoice& choice, const RenderConfig& config) {
     return load_cached_program(key_of(device, choice, config, "all")).has_value();

@@ -23,6 +23,10 @@ struct KernelPlan {
     KernelChoice first, last;
 };
 
+/// Returns what Builder::automatic stands for in a render; otherwise `builder`. Scenes with instances have one tree per
+/// mesh, often many small ones, of which each takes `high` milliseconds on a GPU.
+[[nodiscard]] Builder builder_for(Builder builder, const Device& device, bool instanced);
+
 [[nodiscard]] KernelPlan plan_kernels(const Device& device, EffectSet effects, const RenderConfig& config);
 
 /// Compiles kernels unless they are cached. Another process that compiles the same kernels waits for this one.

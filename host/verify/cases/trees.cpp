@@ -138,7 +138,7 @@ void junk(Run& run) {
         }
     if (!run.times()) return;
     const Mesh dirty = with_junk(clean).mesh;
-    Bvh a = build(run, clean), b = build(run, dirty);
+    Bvh a = build(run, clean, {.builder = Builder::fast}), b = build(run, dirty, {.builder = Builder::fast});
     run.check_time(
         "building with junk", dirty.triangles.size(), [&] { b.rebuild(); }, [&] { a.rebuild(); }, 1.5);
 }
@@ -194,7 +194,7 @@ void equal_codes(Run& run) {
     equal_codes(run, far, " at 1e6");
     if (!run.times()) return;
     const Mesh uniform = soup(count, 0.01f, run.seed() + 2);
-    Bvh a = build(run, meshes.equal), b = build(run, uniform);
+    Bvh a = build(run, meshes.equal, {.builder = Builder::fast}), b = build(run, uniform, {.builder = Builder::fast});
     run.check_time(
         "equal triangles against random ones", count, [&] { a.rebuild(); }, [&] { b.rebuild(); }, 2);
 }
@@ -290,7 +290,7 @@ std::vector<Ray> rays_into(const Mesh& mesh, std::size_t count, std::uint64_t se
 void stack_depth(Run& run, const Mesh& mesh, const std::vector<Ray>& rays, const std::string& at) {
     const Oracle oracle(std::span(&mesh, 1));
     for (const auto& [layout, layout_name] : layouts) {
-        const Bvh bvh = build(run, mesh, {.layout = layout});
+        const Bvh bvh = build(run, mesh, {.builder = Builder::fast, .layout = layout});
         const std::string name = layout_name + at;
         if (faults_of(bvh) > 0) run.failure("the tree is not sound" + at);
         run.check("faults of the tree, " + name, 1, faults_of(bvh), 0, "faults");
