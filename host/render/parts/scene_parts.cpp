@@ -7,6 +7,9 @@
 namespace claray {
 namespace {
 
+/// Bytes per triangle, more than any builder takes in all and in one buffer. To know more, the builder's kernels would
+/// have to be compiled, for which a first picture does not wait.
+constexpr std::uint64_t ample_bytes = 4096, ample_buffer = 1024;
 constexpr std::uint64_t share_of_queues = 8;  // of the memory, which parts leave free
 constexpr unsigned most_parts = 4096;
 
@@ -137,6 +140,8 @@ void SceneParts::fetch(Part& part) {
 unsigned parts_needed(const Device& device, const Scene& scene, const Bvh::Config& config) {
     const std::size_t triangles = triangles_of(scene);
     const std::uint64_t resident = bytes_besides_trees(scene), available = bytes_available(device);
+    if (resident + triangles * ample_bytes <= available && triangles * ample_buffer <= device.info().max_allocation)
+        return 1;
     const bool placed = !scene.instances.empty();
     // Bottom levels are copied behind each other.
     const auto bytes_of = [&](std::size_t count) {
