@@ -6,6 +6,9 @@
 #ifndef LIGHT_TOLERANCE
 #define LIGHT_TOLERANCE 6.0f  // of the squared difference of two pixels, in variances of both
 #endif
+#ifndef ENOUGH_COMPANY
+#define ENOUGH_COMPANY 0.4f  // weight of the neighbours of the same surface, over that of the pixel itself
+#endif
 
 constant float spline[3] = {0.375f, 0.25f, 0.0625f};  // cubic B-spline
 
@@ -21,18 +24,26 @@ kernel void filter_light(FilterStep step, global const float4* light, global con
     }
     const float2 slope = slopes[i];
     const float own = luminance(here.xyz);
-    float total = 0.0f;
-    float4 sum = (float4)(0.0f);
+    float total = 0.0f, any_total = 0.0f;  // any: also of other surfaces
+    float4 sum = (float4)(0.0f), any_sum = (float4)(0.0f);
     for (int dy = -2; dy <= 2; ++dy)
         for (int dx = -2; dx <= 2; ++dx) {
             const uint at = neighbour(step, x + dx * spacing, y + dy * spacing);
             const float4 there = light[at];
             const float difference = luminance(there.xyz) - own;
-            const float far = surface_distance(surface, slope, surfaces[at], (float)(dx * spacing), (float)(dy * spacing)) +
-                              difference * difference / (LIGHT_TOLERANCE * (here.w + there.w) + 1e-30f);
-            const float weight = has_light(there) ? weights[at] * spline[abs(dx)] * spline[abs(dy)] * fading(far) : 0.0f;
-            total += weight;
+            const float apart = surface_distance(surface, slope, surfaces[at], (float)(dx * spacing), (float)(dy * spacing));
+            const float brighter = difference * difference / (LIGHT_TOLERANCE * (here.w + there.w) + 1e-30f);
+            const float near = has_light(there) ? weights[at] * spline[abs(dx)] * spline[abs(dy)] : 0.0f;
+            const float weight = near * fading(apart + brighter), any = near * fading(brighter);
+            total += weight, any_total += any;
             sum += (float4)(weight * there.xyz, weight * weight * there.w);
+            any_sum += (float4)(any * there.xyz, any * any * there.w);
         }
+    // A pixel at the border of two surfaces resembles neither: without neighbours that resemble it, its noise would remain. The first
+    // pass then takes light of all surfaces.
+    if (step.spacing == 1u) {
+        const float itself = weights[i] * spline[0] * spline[0], company = clamp((total / itself - 1.0f) / ENOUGH_COMPANY, 0.0f, 1.0f);
+        total = mix(any_total, total, company), sum = mix(any_sum, sum, company);
+    }
     result[i] = (float4)(sum.xyz / total, sum.w / (total * total));
 }

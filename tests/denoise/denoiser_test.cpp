@@ -68,6 +68,28 @@ std::vector<float> means_of(const std::vector<FilmPixel>& film) {
     return means;
 }
 
+/// Borders of objects are one pixel wide, and the normals of their pixels are those of no neighbour.
+TEST(Denoiser, PixelsUnlikeAllNeighboursLoseTheirNoise) {
+    Wall scene = wall();
+    std::vector<std::size_t> border;
+    for (std::size_t i = 0; i < scene.guides.size(); ++i) {
+        const std::size_t x = i % width, y = i / width;
+        scene.guides[i] = flat_guide(0.5f, 0, 0.2f);
+        scene.light[i] = 1, scene.exact[i] = glm::dvec3(0.5);
+        if (x % 5 != 2 || y % 5 != 2) continue;  // no pass joins two of these
+        scene.guides[i].normal_x = 1, scene.guides[i].normal_z = 0;
+        border.push_back(i);
+    }
+    const std::vector<FilmPixel> film = sampled(scene, 4, 0.8, 5);
+    const std::vector<float> before = means_of(film), after = denoised(film, scene.guides);
+    double noise = 0, left = 0;
+    for (const std::size_t i : border) {
+        noise += std::pow(double(before[3 * i]) - 0.5, 2);
+        left += std::pow(double(after[3 * i]) - 0.5, 2);
+    }
+    EXPECT_LT(left, noise / 2) << border.size() << " pixels";
+}
+
 TEST(Denoiser, KeepsTexturesLampsAndAnEdgeOfLight) {
     const Wall scene = wall();
     for (const unsigned spp : {4u, 16u}) {

@@ -158,6 +158,17 @@ TEST(View, DragsWhatIsSelectedAlongTheImage) {
     EXPECT_EQ(run(view, "pick 14 8").find("mesh 'ball'"), std::string::npos);
 }
 
+TEST(View, DragsWhatWasMovedAsFarAsTheHand) {
+    View view(device(), two_spheres(), small_view);
+    ASSERT_NE(run(view, "pick 16 8").find("mesh 'ball'"), std::string::npos);
+    run(view, "move 0 0 -4");
+    ASSERT_NE(run(view, "pick 15 7").find("mesh 'ball'"), std::string::npos);
+    run(view, "move 0 0 4"), run(view, "pick 16 8");
+    run(view, "move 0 0 -4"), run(view, "drag 0 0.35");
+    EXPECT_NE(run(view, "pick 15 1").find("mesh 'ball'"), std::string::npos)
+        << "farther away, the same way along the image is a longer one in the scene";
+}
+
 TEST(View, DoesNotDragLightsWithoutAPlace) {
     Scene scene = two_spheres();
     scene.lights[0].kind = LightKind::directional;

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "host/base/format.hpp"
+#include "host/compute/memory.hpp"
 #include "host/view/camera_control.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/view/scenes.hpp"
@@ -192,6 +193,19 @@ TEST_F(ViewWindow, ClosingEndsTheView) {
     });
     EXPECT_TRUE(view.ended());
     EXPECT_EQ(rounds, 1);
+}
+
+TEST_F(ViewWindow, ALostDeviceClosesIt) {
+    View view(device(), two_spheres(), small_view);
+    int rounds = 0;
+    EXPECT_TRUE(throws_error(ErrorKind::device, "cannot run the kernel", [&] {
+        run_in_window(view, [&] {
+            if (rounds == 0) Hands::press(SDLK_RIGHT), fail_command(device(), 3);
+            return ++rounds < 100;
+        });
+    }));
+    fail_command(device(), 0);
+    EXPECT_FALSE(SDL_WasInit(SDL_INIT_VIDEO));
 }
 
 TEST_F(ViewWindow, WithoutADisplayIsRefused) {

@@ -19,6 +19,7 @@ constexpr unsigned pilot_frames = 8;  // of which the slowest counts
 constexpr double share = 0.85;        // of a frame's time that is planned for
 constexpr unsigned most_spp = 1024;
 constexpr double least_scale = 0.25;  // of the sides of images that are enlarged
+constexpr double tight = 0.95;        // of a frame's time: longer frames count as late while they are watched
 constexpr unsigned watched = 50;      // frames within which two late ones lighten the next
 
 /// A camera that turns round its target.
@@ -302,7 +303,7 @@ FramesReport render_frames(const Device& device, const Scene& scene, const Rende
     for (unsigned i = 1; i <= wanted.frames; ++i) {
         report.seconds.push_back(all.next(double(i) / wanted.frames));
         if (progress && !progress(i)) break;
-        if (report.seconds.back() <= budget) continue;
+        if (report.seconds.back() <= tight * budget) continue;
         if (last_late > 0 && i - last_late < watched)
             all.lighten(least_scale * glm::dvec2(config.width, config.height));
         last_late = i;
