@@ -89,7 +89,7 @@ TEST_F(Groups, ContinueFromCheckpoints) {
 }
 
 TEST_F(Groups, DropADeviceThatFails) {
-    config_.spp = 150;
+    config_.spp = 400;
     const std::vector<glm::vec3> expected = of_one(config_);
     for (const std::size_t failing : {0u, 1u})
         for (const unsigned nth : {1u, 20u, 50u}) {
@@ -122,7 +122,7 @@ TEST_F(Groups, ThatFailAltogetherLeaveACheckpoint) {
 }
 
 TEST_F(Groups, EndInTime) {
-    config_.spp = 1u << 20, config_.seconds = 0.4;
+    config_.spp = 1u << 20, config_.seconds = 1.5;
     RenderGroup group(several(2), scene_, config_);
     reached_ = group.render();
     for (const DeviceShare& share : group.shares()) EXPECT_GT(share.samples, 0u) << "both take part";
