@@ -1,6 +1,7 @@
 #include "host/denoise/denoiser.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace claray {
@@ -8,6 +9,10 @@ namespace {
 
 constexpr std::uint32_t passes = 5;        // which reach 62 pixels
 constexpr std::uint32_t most_frames = 32;  // of a history; longer ones gain little and follow light more slowly
+
+/// How many times the variances of a film count. Those from two halves of few samples are too small more often than too
+/// large, those of many samples of a Sobol sequence the other way round (docs/accuracy.md). 0: one sample tells none.
+float doubt_of(std::uint32_t spp) { return spp < 2 ? 0.f : 2.f / std::sqrt(1 + float(spp) / 128); }
 
 }  // namespace
 
@@ -26,21 +31,21 @@ Denoiser::Denoiser(const Device& device, std::uint32_t width, std::uint32_t heig
     image_ = Buffer<float>(device, 3 * pixels);
 }
 
-const Buffer<float>& Denoiser::denoise(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides, bool single) {
-    prepare(film, guides, single);
-    return filter(noisy_, raw_, guides, !single);
+const Buffer<float>& Denoiser::denoise(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides, std::uint32_t spp) {
+    prepare(film, guides, spp);
+    return filter(noisy_, raw_, guides, doubt_of(spp));
 }
 
-void Denoiser::prepare(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides, bool single) {
+void Denoiser::prepare(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides, std::uint32_t spp) {
     demodulate_.run(range(), step(), film, guides, arg("light", raw_), arg("surfaces", surfaces_),
                     arg("weights", weights_), gloss_);
-    estimate_.run(range(), step(), std::uint32_t(single), arg("light", raw_), arg("surfaces", surfaces_),
+    estimate_.run(range(), step(), doubt_of(spp), arg("light", raw_), arg("surfaces", surfaces_),
                   arg("weights", weights_), arg("gloss", gloss_), guides, arg("slopes", slopes_),
                   arg("result", noisy_));
 }
 
 const Buffer<float>& Denoiser::filter(const Buffer<Float4>& light, const Buffer<Float4>& noisy,
-                                      const Buffer<Guide>& guides, bool blends) {
+                                      const Buffer<Guide>& guides, float doubt) {
     const Buffer<Float4>* from = &light;
     for (std::uint32_t pass = 0; pass < passes; ++pass) {
         const Buffer<Float4>& to = filtered_[pass % 2];
@@ -48,7 +53,7 @@ const Buffer<float>& Denoiser::filter(const Buffer<Float4>& light, const Buffer<
                     arg("weights", weights_), slopes_, arg("result", to));
         from = &to;
     }
-    modulate_.run(range(), step(), std::uint32_t(blends), arg("noisy", noisy), arg("filtered", *from), guides, image_);
+    modulate_.run(range(), step(), doubt, arg("noisy", noisy), arg("filtered", *from), guides, image_);
     return image_;
 }
 
@@ -74,7 +79,7 @@ const Buffer<float>& FrameDenoiser::denoise(const CameraData& camera, const Buff
         films_ = std::min<std::uint32_t>(films_ + 1, 2);
     }
     camera_ = camera, spp_ = spp;
-    prepare(film, guides, spp < 2);
+    prepare(film, guides, spp);
     const CameraPair cameras{camera, films_ < 2 ? camera : old_camera_};
     reproject_.run(range(), step(), cameras, arg("surfaces", surfaces_), arg("light", noisy_),
                    arg("old_surfaces", old_surfaces_), arg("old_light", old_light_), arg("old_ages", old_ages_),
@@ -82,7 +87,7 @@ const Buffer<float>& FrameDenoiser::denoise(const CameraData& camera, const Buff
     const auto most = float(most_frames - 1) * float(old_spp_);
     blend_.run(range(), step(), float(spp), most, arg("surfaces", surfaces_), slopes_, arg("fresh", noisy_),
                arg("old", history_), arg("old_ages", history_ages_), arg("result", blended_), arg("ages", ages_));
-    return filter(blended_, blended_, guides, true);
+    return filter(blended_, blended_, guides, doubt_of(std::max(spp, 2u)));
 }
 
 }  // namespace claray

@@ -21,16 +21,17 @@ class Denoiser {
 public:
     Denoiser(const Device& device, std::uint32_t width, std::uint32_t height);
 
-    /// Returns the linear radiance, 3 floats per pixel; valid until the next call. `single`: no pixel has two samples.
-    /// Asynchronous.
-    [[nodiscard]] const Buffer<float>& denoise(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides, bool single);
+    /// Returns the linear radiance, 3 floats per pixel; valid until the next call. `spp`: samples per pixel of
+    /// the film. Asynchronous.
+    [[nodiscard]] const Buffer<float>& denoise(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides,
+                                               std::uint32_t spp);
 
 protected:
     /// Writes `raw_`, `noisy_`, `surfaces_`, `slopes_`.
-    void prepare(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides, bool single);
-    /// Filters `light`. `noisy` is mixed in where its variance is small, if `blends`.
+    void prepare(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides, std::uint32_t spp);
+    /// Filters `light`. `noisy` is mixed in where its variance is small; `doubt`: as in modulate.cl.
     [[nodiscard]] const Buffer<float>& filter(const Buffer<Float4>& light, const Buffer<Float4>& noisy,
-                                              const Buffer<Guide>& guides, bool blends);
+                                              const Buffer<Guide>& guides, float doubt);
     [[nodiscard]] Range range() const { return {std::size_t(width_) * height_, 64}; }
     [[nodiscard]] FilterStep step(std::uint32_t spacing = 1) const { return {width_, height_, spacing}; }
 

@@ -138,6 +138,12 @@ kernel void see_surfaces(GuideStep guide, global const uint* list, SCENE_PARAMET
 #endif
 }
 
+/// From sums of n values and of their squares. One value tells no variance: there it is the square.
+static inline float3 variances_of_means(float3 sums, float3 squares, uint n) {
+    const float3 means = sums / (float)n;
+    return n < 2 ? means * means : fmax(squares / (float)n - means * means, 0.0f) / (float)(n - 1);
+}
+
 /// One pixel per item. If the film has more samples than were traced here, both means are over all that were.
 kernel void write_guides(GuideStep step, global const uint* list, global const FilmPixel* film, global const Sight* sights,
                          global Guide* guides) {
@@ -148,15 +154,18 @@ kernel void write_guides(GuideStep step, global const uint* list, global const F
     const uint in_film = film[pixel].count + film[pixel].dropped;
     const uint sampled = in_film == 0u || in_film > batch.samples ? batch.samples : in_film;
     float3 albedo = (float3)(0.0f), glow = (float3)(0.0f), gloss = (float3)(0.0f), normal = (float3)(0.0f);
-    float nearness = 0.0f, odd = 0.0f, squares = 0.0f, mirrored = 0.0f;
+    float nearness = 0.0f, odd = 0.0f, mirrored = 0.0f;
+    float3 sums = (float3)(0.0f), squares = (float3)(0.0f);  // of the luminances of albedo, glow and gloss
     Guide guide;
     for (uint s = 0; s < batch.samples; ++s) {
         const Sight sight = sights[i * batch.samples + s];
-        albedo += (float3)(sight.albedo_r, sight.albedo_g, sight.albedo_b);
-        glow += (float3)(sight.glow_r, sight.glow_g, sight.glow_b);
-        const float3 one = (float3)(sight.gloss_r, sight.gloss_g, sight.gloss_b);
-        gloss += one, squares += luminance(one) * luminance(one);
-        if (s < sampled && s % 2 != 0) odd += luminance((float3)(sight.glow_r, sight.glow_g, sight.glow_b) + one);
+        const float3 one_albedo = (float3)(sight.albedo_r, sight.albedo_g, sight.albedo_b);
+        const float3 one_glow = (float3)(sight.glow_r, sight.glow_g, sight.glow_b);
+        const float3 one_gloss = (float3)(sight.gloss_r, sight.gloss_g, sight.gloss_b);
+        albedo += one_albedo, glow += one_glow, gloss += one_gloss;
+        const float3 bright = (float3)(luminance(one_albedo), luminance(one_glow), luminance(one_gloss));
+        sums += bright, squares += bright * bright;
+        if (s < sampled && s % 2 != 0) odd += bright.y + bright.z;
         normal += (float3)(sight.normal_x, sight.normal_y, sight.normal_z);
         nearness += sight.nearness, mirrored += sight.passed ? 1.0f : 0.0f;
         if (s + 1 != sampled) continue;
@@ -171,8 +180,10 @@ kernel void write_guides(GuideStep step, global const uint* list, global const F
     guide.albedo_r = share * albedo.x, guide.albedo_g = share * albedo.y, guide.albedo_b = share * albedo.z;
     guide.glow_r = share * glow.x, guide.glow_g = share * glow.y, guide.glow_b = share * glow.z;
     guide.gloss_r = share * gloss.x, guide.gloss_g = share * gloss.y, guide.gloss_b = share * gloss.z;
-    const float mean = share * luminance(gloss);
-    guide.gloss_variance = batch.samples < 2 ? mean * mean : fmax(share * squares - mean * mean, 0.0f) / (float)(batch.samples - 1);
+    const bool all_traced = in_film <= batch.samples;
+    const float3 variances = variances_of_means(sums, squares, batch.samples);
+    guide.albedo_variance = all_traced ? 0.0f : variances.x, guide.glow_variance = all_traced ? 0.0f : variances.y;
+    guide.gloss_variance = all_traced ? variances.z : 0.0f;
     guide.normal_x = share * normal.x, guide.normal_y = share * normal.y, guide.normal_z = share * normal.z;
     guide.nearness = share * nearness, guide.mirrored = share * mirrored;
     guides[pixel] = guide;

@@ -16,9 +16,9 @@ namespace {
 
 constexpr std::uint32_t width = 37, height = 23;  // no multiples of a work-group
 
-std::vector<float> denoised(const std::vector<FilmPixel>& film, const std::vector<Guide>& guides, bool single = false) {
+std::vector<float> denoised(const std::vector<FilmPixel>& film, const std::vector<Guide>& guides, std::uint32_t spp = 4) {
     Denoiser denoiser(device(), width, height);
-    return denoiser.denoise(Buffer<FilmPixel>(device(), film), Buffer<Guide>(device(), guides), single).read();
+    return denoiser.denoise(Buffer<FilmPixel>(device(), film), Buffer<Guide>(device(), guides), spp).read();
 }
 
 /// Light that differs by side of an edge which no guide shows, on a surface of checked albedo, before a lamp.
@@ -187,7 +187,7 @@ TEST(Denoiser, MixesByNoiseOverChange) {
     const Buffer<float> image(device(), 3 * pixels);
     for (const float variance : {0.f, 0.25f, 0.5f, 1.f, 4.f}) {
         const Buffer<Float4> noisy(device(), std::vector<Float4>(pixels, {1, 1, 1, variance}));
-        modulate.run({pixels, 64}, FilterStep{width, height, 1}, 1u, arg("noisy", noisy), arg("filtered", filtered),
+        modulate.run({pixels, 64}, FilterStep{width, height, 1}, 2.f, arg("noisy", noisy), arg("filtered", filtered),
                      guides, image);
         for (const float value : image.read()) ASSERT_NEAR(value, 0.5 * (1 + std::min(2 * variance, 1.f)) + 3, 1e-5);
     }
@@ -203,7 +203,7 @@ TEST(Denoiser, SurfacesAreApart) {
             if (by_normal && left) scene.guides[i].normal_x = 1, scene.guides[i].normal_z = 0;
             scene.light[i] = left ? 1 : 1.5, scene.exact[i] = glm::dvec3(0.5 * scene.light[i]);
         }
-        const std::vector<float> image = denoised(sampled(scene, 1, 0.9, 2), scene.guides, true);
+        const std::vector<float> image = denoised(sampled(scene, 1, 0.9, 2), scene.guides, 1);
         double left = 0, right = 0;
         for (std::size_t y = 0; y < height; ++y)
             left += image[3 * (y * width + 19)] / double(height), right += image[3 * (y * width + 20)] / double(height);

@@ -17,12 +17,13 @@ typedef struct Guide {
     float albedo_r, albedo_g, albedo_b;
     float glow_r, glow_g, glow_b;
     float gloss_r, gloss_g, gloss_b;
-    float gloss_variance;                // of its luminance
-    float mirrored;                      // share of the rays that mirrors, glass and almost mirrors passed on
-    float normal_x, normal_y, normal_z;  // shading normal on the camera's side; its mean is shorter than 1 at edges
-    float nearness;                      // 1 / distance from the camera; 0 beyond all surfaces
+    float albedo_variance, glow_variance;  // of the means' luminance; 0 if all samples of the film were traced
+    float gloss_variance;                  // 0 if some were not: then gloss is that of the film, and so is its noise
+    float mirrored;                        // share of the rays that mirrors, glass and almost mirrors passed on
+    float normal_x, normal_y, normal_z;    // shading normal on the camera's side; its mean is shorter than 1 at edges
+    float nearness;                        // 1 / distance from the camera; 0 beyond all surfaces
 } Guide;
-CLARAY_LAYOUT(Guide, 88)
+CLARAY_LAYOUT(Guide, 96)
 
 #define CLARAY_EDGE_CLASSES 16u  // of pixels by the difference of their glow from that nearby
 
