@@ -10,9 +10,9 @@ namespace {
 constexpr std::uint32_t passes = 5;        // which reach 62 pixels
 constexpr std::uint32_t most_frames = 32;  // of a history; longer ones gain little and follow light more slowly
 
-/// How many times the variances of a film count. Those from two halves of few samples are too small more often than too
-/// large, those of many samples of a Sobol sequence the other way round (docs/accuracy.md). 0: one sample tells none.
-float doubt_of(std::uint32_t spp) { return spp < 2 ? 0.f : 2.f / std::sqrt(1 + float(spp) / 128); }
+/// The variances of two halves of few samples are too small more often than too large: they count more than once. Those
+/// of many samples are rather too large, since the halves of a Sobol sequence complete each other (docs/accuracy.md).
+float doubt_of(std::uint32_t spp) { return 1.25f / (1 + float(spp) * float(spp) / 1024); }
 
 }  // namespace
 
@@ -27,33 +27,34 @@ Denoiser::Denoiser(const Device& device, std::uint32_t width, std::uint32_t heig
     for (Buffer<Float4>* buffer : {&raw_, &noisy_, &filtered_[0], &filtered_[1], &surfaces_})
         *buffer = Buffer<Float4>(device, pixels);
     slopes_ = Buffer<Float2>(device, pixels), gloss_ = Buffer<Float2>(device, pixels);
-    weights_ = Buffer<float>(device, pixels);
+    weights_ = Buffer<float>(device, pixels), kept_ = Buffer<float>(device, pixels);
     image_ = Buffer<float>(device, 3 * pixels);
 }
 
 const Buffer<float>& Denoiser::denoise(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides, std::uint32_t spp) {
     prepare(film, guides, spp);
-    return filter(noisy_, raw_, guides, doubt_of(spp));
+    return filter(noisy_, raw_, guides, spp);
 }
 
 void Denoiser::prepare(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides, std::uint32_t spp) {
     demodulate_.run(range(), step(), film, guides, arg("light", raw_), arg("surfaces", surfaces_),
                     arg("weights", weights_), gloss_);
-    estimate_.run(range(), step(), doubt_of(spp), arg("light", raw_), arg("surfaces", surfaces_),
+    estimate_.run(range(), step(), std::uint32_t(spp < 2), arg("light", raw_), arg("surfaces", surfaces_),
                   arg("weights", weights_), arg("gloss", gloss_), guides, arg("slopes", slopes_),
                   arg("result", noisy_));
 }
 
 const Buffer<float>& Denoiser::filter(const Buffer<Float4>& light, const Buffer<Float4>& noisy,
-                                      const Buffer<Guide>& guides, float doubt) {
+                                      const Buffer<Guide>& guides, std::uint32_t spp) {
     const Buffer<Float4>* from = &light;
     for (std::uint32_t pass = 0; pass < passes; ++pass) {
         const Buffer<Float4>& to = filtered_[pass % 2];
         filter_.run(range(), step(1u << pass), arg("light", *from), arg("surfaces", surfaces_),
-                    arg("weights", weights_), slopes_, arg("result", to));
+                    arg("weights", weights_), slopes_, arg("result", to), arg("kept", kept_));
         from = &to;
     }
-    modulate_.run(range(), step(), doubt, arg("noisy", noisy), arg("filtered", *from), guides, image_);
+    modulate_.run(range(), step(), std::uint32_t(spp < 2), doubt_of(spp), arg("noisy", noisy), arg("filtered", *from),
+                  arg("kept", kept_), guides, arg("image", image_));
     return image_;
 }
 
@@ -87,7 +88,7 @@ const Buffer<float>& FrameDenoiser::denoise(const CameraData& camera, const Buff
     const auto most = float(most_frames - 1) * float(old_spp_);
     blend_.run(range(), step(), float(spp), most, arg("surfaces", surfaces_), slopes_, arg("fresh", noisy_),
                arg("old", history_), arg("old_ages", history_ages_), arg("result", blended_), arg("ages", ages_));
-    return filter(blended_, blended_, guides, doubt_of(std::max(spp, 2u)));
+    return filter(blended_, blended_, guides, std::max(spp, 2u));
 }
 
 }  // namespace claray

@@ -29,9 +29,9 @@ public:
 protected:
     /// Writes `raw_`, `noisy_`, `surfaces_`, `slopes_`.
     void prepare(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides, std::uint32_t spp);
-    /// Filters `light`. `noisy` is mixed in where its variance is small; `doubt`: as in modulate.cl.
+    /// Filters `light`. `noisy` is mixed in where its variance is small, from two samples per pixel on.
     [[nodiscard]] const Buffer<float>& filter(const Buffer<Float4>& light, const Buffer<Float4>& noisy,
-                                              const Buffer<Guide>& guides, float doubt);
+                                              const Buffer<Guide>& guides, std::uint32_t spp);
     [[nodiscard]] Range range() const { return {std::size_t(width_) * height_, 64}; }
     [[nodiscard]] FilterStep step(std::uint32_t spacing = 1) const { return {width_, height_, spacing}; }
 
@@ -39,7 +39,7 @@ protected:
     Kernel demodulate_, estimate_, filter_, modulate_;
     Buffer<Float4> raw_, noisy_, filtered_[2], surfaces_;
     Buffer<Float2> slopes_, gloss_;
-    Buffer<float> weights_, image_;
+    Buffer<float> weights_, kept_, image_;
 };
 
 /// For frames: also uses the light of the frames before, while the camera moves. Buffers are kept from frame to frame.

@@ -16,8 +16,7 @@ static inline float slope_of(float before, float here, float after) {
     return fabs(left) < fabs(right) ? left : right;
 }
 
-/// `doubt`: as in modulate.cl; 0: all samples are the first of their pixels.
-kernel void estimate_variance(FilterStep step, float doubt, global const float4* light, global const float4* surfaces, global const float* weights,
+kernel void estimate_variance(FilterStep step, uint single, global const float4* light, global const float4* surfaces, global const float* weights,
                               global const float2* gloss, global const Guide* guides, global float2* slopes, global float4* result) {
     const uint i = get_global_id(0);
     if (i >= step.width * step.height) return;
@@ -45,7 +44,7 @@ kernel void estimate_variance(FilterStep step, float doubt, global const float4*
     const float mean = first / total;
     const float own = luminance(here.xyz) - gloss[i].x - mean, spread = fmax(second / total - mean * mean, 0.0f);
     // Bright samples in both halves hide the noise of a pixel: what is far from the mean nearby counts as noisy, to a degree.
-    const float noise = fmax(fmax(variance / total, here.w - gloss[i].y), fmin(own * own, 2.0f * doubt * variance / total));
+    const float noise = fmax(fmax(variance / total, here.w - gloss[i].y), fmin(own * own, 4.0f * variance / total));
     const float trusted = mix(1.0f, MIRROR_TRUST, guides[i].mirrored);
-    result[i] = (float4)(here.xyz, trusted * ((doubt == 0.0f ? fmax(spread, own * own) : noise) + gloss[i].y));
+    result[i] = (float4)(here.xyz, trusted * ((single ? fmax(spread, own * own) : noise) + gloss[i].y));
 }

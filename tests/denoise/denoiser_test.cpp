@@ -16,7 +16,8 @@ namespace {
 
 constexpr std::uint32_t width = 37, height = 23;  // no multiples of a work-group
 
-std::vector<float> denoised(const std::vector<FilmPixel>& film, const std::vector<Guide>& guides, std::uint32_t spp = 4) {
+std::vector<float> denoised(const std::vector<FilmPixel>& film, const std::vector<Guide>& guides,
+                            std::uint32_t spp = 4) {
     Denoiser denoiser(device(), width, height);
     return denoiser.denoise(Buffer<FilmPixel>(device(), film), Buffer<Guide>(device(), guides), spp).read();
 }
@@ -165,32 +166,80 @@ TEST(Denoiser, AWaveletPassIsThatOfFloat64) {
     }
     Kernel filter = load_kernel(device(), "denoise/filter_light.cl", "filter_light");
     const Buffer<Float4> result(device(), pixels);
+    const Buffer<float> kept(device(), pixels);
+    std::vector<double> derivatives(pixels, 1);  // of all passes so far
     for (const std::uint32_t spacing : {1u, 4u}) {
         filter.run({pixels, 64}, FilterStep{width, height, spacing}, arg("light", Buffer<Float4>(device(), packed)),
                    arg("surfaces", Buffer<Float4>(device(), std::vector<Float4>(pixels, {0, 0, 1, 0.2f}))),
                    arg("weights", Buffer<float>(device(), std::vector<float>(pixels, 0.7f))),
-                   Buffer<Float2>(device(), std::vector<Float2>(pixels)), arg("result", result));
+                   Buffer<Float2>(device(), std::vector<Float2>(pixels)), arg("result", result), arg("kept", kept));
         const std::vector<Float4> values = result.read();
-        for (std::size_t i = 0; i < pixels; ++i)
-            ASSERT_NEAR(values[i].x, filtered_here(light, variance, int(i % width), int(i / width), int(spacing)), 1e-5)
-                << i;
+        const std::vector<float> told = kept.read();
+        for (std::size_t i = 0; i < pixels; ++i) {
+            const int x = int(i % width), y = int(i / width);
+            const double exact = filtered_here(light, variance, x, y, int(spacing));
+            ASSERT_NEAR(values[i].x, exact, 1e-5) << i;
+            if (x < 8 || y < 8 || x + 8 >= int(width) || y + 8 >= int(height)) continue;  // seen once
+            constexpr double step = 1e-6;
+            light[i] += step;
+            derivatives[i] *= (filtered_here(light, variance, x, y, int(spacing)) - exact) / step;
+            light[i] -= step;
+            ASSERT_NEAR(told[i], derivatives[i], 0.1) << i;
+        }
     }
 }
 
-/// The mixture with the least expected error for twice the variance, for noise and changes that are the same
-/// everywhere.
-TEST(Denoiser, MixesByNoiseOverChange) {
+/// How much of `filtered` the last pass takes, where noise, changes and guides are the same everywhere.
+double share_of(const Float4& noisy, const Float4& filtered, const Guide& guide, float kept = 0, float doubt = 1.25f) {
     Kernel modulate = load_kernel(device(), "denoise/modulate.cl", "modulate");
     const std::size_t pixels = width * height;
-    const Buffer<Guide> guides(device(), std::vector<Guide>(pixels, flat_guide(0.5f, 3, 0.2f)));
-    const Buffer<Float4> filtered(device(), std::vector<Float4>(pixels, {2, 2, 2, 0}));
     const Buffer<float> image(device(), 3 * pixels);
-    for (const float variance : {0.f, 0.25f, 0.5f, 1.f, 4.f}) {
-        const Buffer<Float4> noisy(device(), std::vector<Float4>(pixels, {1, 1, 1, variance}));
-        modulate.run({pixels, 64}, FilterStep{width, height, 1}, 2.f, arg("noisy", noisy), arg("filtered", filtered),
-                     guides, image);
-        for (const float value : image.read()) ASSERT_NEAR(value, 0.5 * (1 + std::min(2 * variance, 1.f)) + 3, 1e-5);
-    }
+    modulate.run({pixels, 64}, FilterStep{width, height, 1}, 0u, doubt,
+                 arg("noisy", Buffer<Float4>(device(), std::vector<Float4>(pixels, noisy))),
+                 arg("filtered", Buffer<Float4>(device(), std::vector<Float4>(pixels, filtered))),
+                 arg("kept", Buffer<float>(device(), std::vector<float>(pixels, kept))),
+                 Buffer<Guide>(device(), std::vector<Guide>(pixels, guide)), arg("image", image));
+    const std::vector<float> values = image.read();
+    for (const std::size_t i : {std::size_t(0), 3 * (pixels - 1)}) EXPECT_EQ(values[i], values[3 * (pixels / 2)]);
+    return (double(values[0] - guide.glow_r) / double(guide.albedo_r) - double(noisy.x)) / double(filtered.x - noisy.x);
+}
+
+/// The mixture with the least expected error: three quarters of the variance that the filter removed, and `doubt` times
+/// all of it, over the squared change.
+TEST(Denoiser, MixesByNoiseOverChange) {
+    const Guide guide = flat_guide(0.5f, 3, 0.2f);
+    for (const float variance : {0.f, 0.25f, 0.5f, 1.f, 4.f})
+        for (const float kept : {0.f, 0.6f, 1.f})
+            for (const float doubt : {1.25f, 0.f})
+                EXPECT_NEAR(share_of({1, 1, 1, variance}, {2, 2, 2, 0}, guide, kept, doubt),
+                            std::min(double(variance * (0.75f * (1 - kept) + doubt)), 1.), 1e-5)
+                    << variance << ' ' << kept << ' ' << doubt;
+}
+
+/// Of two colours of the same luminance.
+TEST(Denoiser, AChangeOfColorAloneIsAChange) {
+    EXPECT_LT(share_of({1, 1, 1, 1e-4f}, {2, 1 - 0.2126f / 0.7152f, 1, 0}, flat_guide(0.5f, 0, 0.2f)), 2e-3);
+}
+
+/// Few rays leave an albedo and a glow of known variance; filtered light takes it over, the samples of the film do not.
+TEST(Denoiser, NoisyGuidesCountAsNoiseOfTheFilter) {
+    constexpr float variance = 4;
+    Guide guide = flat_guide(0.5f, 3, 0.2f);
+    guide.albedo_variance = 0.05f;
+    EXPECT_NEAR(share_of({1, 1, 1, variance}, {2, 2, 2, 0}, guide), variance / (variance + 0.05 * 4 / 0.25), 1e-5);
+    guide.albedo_variance = 0, guide.glow_variance = 0.4f;
+    EXPECT_NEAR(share_of({1, 1, 1, variance}, {2, 2, 2, 0}, guide), variance / (variance + 0.4 / 0.25), 1e-5);
+}
+
+/// The film has more samples than the guides have rays: some see a surface that no ray has met.
+TEST(Denoiser, KeepsLightThatTheGuidesMissed) {
+    Wall scene = wall();
+    constexpr std::size_t missed = 11 * width + 30;
+    const std::vector<FilmPixel> film = sampled(scene, 16, 0.5, 21);
+    scene.guides[missed] = flat_guide(0, 2, 0);
+    const float mean = film[missed].all.r / 16;
+    EXPECT_NEAR(denoised(film, scene.guides, 16)[3 * missed], mean, 1e-5f * mean);
+    EXPECT_GT(mean, 0.2f);
 }
 
 /// Two surfaces whose depths or normals differ lend each other no light.

@@ -139,6 +139,37 @@ TEST(DenoisedStills, HighlightsInRoughMetalStaySharp) {
     EXPECT_LT(rms_between(renderer.denoised(DenoiserKind::claray), reference), 0.45 * before);
 }
 
+/// Slanted strips of two colours under an even sky: all noise is that of their borders.
+Scene strips() {
+    Scene scene;
+    Material dark, bright;
+    dark.albedo = glm::vec3(0.1f), bright.albedo = glm::vec3(0.9f);
+    scene.materials = {dark, bright};
+    Mesh sheet;
+    for (std::uint32_t i = 0; i < 40; ++i) {
+        const float left = -4 + 0.2f * float(i);
+        for (const float x : {left, left + 0.2f})
+            sheet.positions.insert(sheet.positions.end(), {{x - 0.5f, -3, 0}, {x + 0.5f, 3, 0}});
+        sheet.triangles.insert(sheet.triangles.end(), {{4 * i, 4 * i + 2, 4 * i + 3}, {4 * i, 4 * i + 3, 4 * i + 1}});
+        sheet.materials.insert(sheet.materials.end(), 2, i % 2);
+    }
+    scene.meshes = {sheet};
+    scene.sky = {glm::vec3(1), glm::vec3(1)};
+    scene.camera = Camera{{0, 0, 4}, {0, 0, 0}, {0, 1, 0}, 50.f};
+    return scene;
+}
+
+/// Guides have fewer rays than the film has samples, and therefore noisier borders.
+TEST(DenoisedStills, BordersOfColorsAreNotWorseWithManySamples) {
+    Renderer renderer(device(), strips(), {.width = side, .height = side, .spp = 1024, .seed = 3});
+    (void)renderer.render();
+    const Image reference = renderer.image();
+    renderer.restart(8, 64);
+    (void)renderer.render();
+    EXPECT_LT(rms_between(renderer.denoised(DenoiserKind::claray), reference),
+              1.02 * rms_between(renderer.image(), reference));
+}
+
 TEST(DenoisedStills, AnAbsentLibraryIsNamed) {
     const char* before = std::getenv("CLARAY_OIDN");
     const std::string kept = before ? before : "";
