@@ -231,6 +231,27 @@ TEST(Denoiser, NoisyGuidesCountAsNoiseOfTheFilter) {
     EXPECT_NEAR(share_of({1, 1, 1, variance}, {2, 2, 2, 0}, guide), variance / (variance + 0.4 / 0.25), 1e-5);
 }
 
+/// Gloss of unknown variance is the film's own: it counts neither as noise nor as known.
+TEST(Denoiser, GlossOfTheFilmIsNoFurtherNoise) {
+    Kernel demodulate = load_kernel(device(), "denoise/demodulate.cl", "demodulate");
+    Guide guide = flat_guide(0.5f, 1, 0.2f);
+    guide.gloss_r = guide.gloss_g = guide.gloss_b = 1;
+    PixelSamples samples;
+    for (const double value : {2., 3.}) samples.add(glm::dvec3(value));
+    const Buffer<Float4> light(device(), 1), surfaces(device(), 1);
+    const Buffer<float> weights(device(), 1);
+    const Buffer<Float2> gloss(device(), 1);
+    for (const float variance : {0.f, 0.1f}) {
+        guide.gloss_variance = variance;
+        demodulate.run({1, 1}, FilterStep{1, 1, 1}, Buffer<FilmPixel>(device(), std::vector{samples.pixel()}),
+                       Buffer<Guide>(device(), std::vector{guide}), arg("light", light), arg("surfaces", surfaces),
+                       weights, gloss);
+        EXPECT_NEAR(light.read()[0].x, (2.5 - 1 + 1) / 0.5, 1e-5);
+        EXPECT_NEAR(light.read()[0].w, (0.25 + double(variance)) / 0.25, 1e-5);
+        EXPECT_NEAR(gloss.read()[0].x, variance > 0 ? 2 : 0, 1e-5);
+    }
+}
+
 /// The film has more samples than the guides have rays: some see a surface that no ray has met.
 TEST(Denoiser, KeepsLightThatTheGuidesMissed) {
     Wall scene = wall();

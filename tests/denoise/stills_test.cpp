@@ -5,6 +5,7 @@
 
 #include "claray/renderer.hpp"
 #include "claray/scene.hpp"
+#include "claray/shared/denoise.h"
 #include "host/denoise/oidn.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
@@ -168,6 +169,39 @@ TEST(DenoisedStills, BordersOfColorsAreNotWorseWithManySamples) {
     (void)renderer.render();
     EXPECT_LT(rms_between(renderer.denoised(DenoiserKind::claray), reference),
               1.02 * rms_between(renderer.image(), reference));
+}
+
+/// The guide of a pixel from rays of these luminances of albedo, glow and gloss, for a film of `in_film` samples.
+Guide guide_of(const std::vector<glm::vec3>& rays, std::uint32_t in_film) {
+    std::vector<Sight> sights;
+    for (const glm::vec3& ray : rays) {
+        Sight sight{};
+        sight.albedo_r = sight.albedo_g = sight.albedo_b = ray.x;
+        sight.glow_r = sight.glow_g = sight.glow_b = ray.y, sight.gloss_r = sight.gloss_g = sight.gloss_b = ray.z;
+        sights.push_back(sight);
+    }
+    GuideStep step{};
+    step.step.batch.pixels = 1, step.step.batch.samples = std::uint32_t(rays.size());
+    FilmPixel pixel{};
+    pixel.count = in_film;
+    const Buffer<Guide> guide(device(), 1);
+    load_kernel(device(), "render/write_guides.cl", "write_guides")
+        .run({1, 1}, step, Buffer<std::uint32_t>(device(), 1), Buffer<FilmPixel>(device(), std::vector{pixel}),
+             Buffer<Sight>(device(), sights), guide);
+    return guide.read()[0];
+}
+
+/// Rays that are all of the film's samples have its albedo and glow. Some of its samples have less noise than they, and
+/// their gloss is not the film's.
+TEST(DenoisedStills, GuidesTellTheVarianceThatTheFilmHasNot) {
+    const std::vector<glm::vec3> rays = {{0.1f, 0, 1}, {0.3f, 4, 2}, {0.1f, 0, 3}, {0.3f, 4, 6}};
+    const Guide all = guide_of(rays, 4), some = guide_of(rays, 16);
+    EXPECT_EQ(all.albedo_variance, 0);
+    EXPECT_EQ(all.glow_variance, 0);
+    EXPECT_NEAR(all.gloss_variance, 3.5 / 3, 1e-5);
+    EXPECT_NEAR(some.albedo_variance, 0.01 / 3, 1e-6);
+    EXPECT_NEAR(some.glow_variance, 4. / 3, 1e-5);
+    EXPECT_EQ(some.gloss_variance, 0);
 }
 
 TEST(DenoisedStills, AnAbsentLibraryIsNamed) {
