@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/accuracy/late_frames.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/tuning.hpp"
@@ -232,6 +233,19 @@ TEST(RenderFrames, PicksWhatFitsAndSaysSo) {
                              [&] { (void)render_frames(device(), scene, config, {.fps = 1e6, .frames = 1}); }));
     EXPECT_TRUE(throws_error(ErrorKind::usage, "must be greater than 0",
                              [&] { (void)render_frames(device(), scene, config, {.fps = NAN, .frames = 1}); }));
+}
+
+/// A frame is late from 95 % of its time on, so that frames get lighter before the rate is missed; one late frame alone
+/// changes nothing.
+TEST(RenderFrames, TwoLateOnesWithinFiftyLightenTheNext) {
+    LateFrames frames(0.01);
+    EXPECT_FALSE(frames.lighten_after(0.0094));
+    EXPECT_FALSE(frames.lighten_after(0.0096));
+    for (int i = 0; i < 48; ++i) EXPECT_FALSE(frames.lighten_after(0.0094));
+    EXPECT_TRUE(frames.lighten_after(0.0096));
+    for (int i = 0; i < 49; ++i) EXPECT_FALSE(frames.lighten_after(0.0094));
+    EXPECT_FALSE(frames.lighten_after(0.02));
+    EXPECT_TRUE(frames.lighten_after(0.0096));
 }
 
 /// A rate at which one sample of every pixel takes too long: cheaper frames are made, and enlarged.

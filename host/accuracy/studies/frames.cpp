@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/accuracy/forecast.hpp"
+#include "host/accuracy/late_frames.hpp"
 #include "host/accuracy/study.hpp"
 #include "host/base/percentile.hpp"
 
@@ -19,8 +20,6 @@ constexpr unsigned pilot_frames = 8;  // of which the slowest counts
 constexpr double share = 0.85;        // of a frame's time that is planned for
 constexpr unsigned most_spp = 1024;
 constexpr double least_scale = 0.25;  // of the sides of images that are enlarged
-constexpr double tight = 0.95;        // of a frame's time: longer frames count as late while they are watched
-constexpr unsigned watched = 50;      // frames within which two late ones lighten the next
 
 /// A camera that turns round its target.
 struct CameraPath {
@@ -299,14 +298,12 @@ FramesReport render_frames(const Device& device, const Scene& scene, const Rende
         throw Error(ErrorKind::user, "interrupted before the first frame");
     const Way way = pick({device, scene, plan.config, budget, wanted.orbit}, budget, measuring, plan.picks);
     Frames& all = *way.frames;
-    unsigned last_late = 0;
+    LateFrames late(budget);
     for (unsigned i = 1; i <= wanted.frames; ++i) {
         report.seconds.push_back(all.next(double(i) / wanted.frames));
         if (progress && !progress(i)) break;
-        if (report.seconds.back() <= tight * budget) continue;
-        if (last_late > 0 && i - last_late < watched)
+        if (late.lighten_after(report.seconds.back()))
             all.lighten(least_scale * glm::dvec2(config.width, config.height));
-        last_late = i;
     }
     report.picks = plan.picks;
     report.spp = all.spp, report.max_depth = all.max_depth;
