@@ -245,10 +245,10 @@ bool Renderer::State::target_met() {
 
 /// Noise is tested only between passes, so that the stopping point does not depend on time.
 bool Renderer::State::limit_reached() {
-    if (pending.empty() && schedule.finished()) return true;
-    const unsigned spp = complete_spp();
+    if (schedule.finished()) return true;
+    const unsigned spp = schedule.complete_passes_spp();
     if (config.seconds > 0 && spp > 0 && begin && seconds_since(*begin) >= config.seconds) return true;
-    if (!pending.empty() || !schedule.between_passes()) return false;
+    if (!schedule.between_passes()) return false;
     if (config.error > 0 && error_met()) return true;
     if (!(config.noise > 0) || spp < least_spp_for_noise) return false;
     const double noise = timed([&] { return film.noise(); }).relative * noise_over_halves();
@@ -257,7 +257,7 @@ bool Renderer::State::limit_reached() {
 
 /// Plans the next round of adaptive sampling, if one is due.
 void Renderer::State::plan_round() {
-    if (!pending.empty() || !schedule.wants_plan()) return;
+    if (!schedule.wants_plan()) return;
     schedule.plan(timed([&] { return film.tile_noise(config.width); }));
     list_pixels();
 }
@@ -358,35 +358,6 @@ void Renderer::State::choose_kernels(bool sampled) {
     if (own_kernels && sampled) use_path_kernel(patience);
 }
 
-std::uint64_t Renderer::State::samples() const {
-    std::uint64_t all = schedule.samples();
-    for (const Batch& batch : pending) all -= std::uint64_t(batch.pixels) * batch.samples;
-    return all;
-}
-
-unsigned Renderer::State::complete_spp() const {
-    unsigned spp = schedule.complete_passes_spp();
-    for (const Batch& batch : pending) spp = std::min(spp, batch.first_sample);
-    return spp;
-}
-
-Batch Renderer::State::next_batch(std::uint32_t most_paths) {
-    if (pending.empty()) return schedule.next(most_paths);
-    const std::uint32_t most = std::max(1u, std::min(most_paths, wavefront.capacity()));
-    if (Batch& last = pending.back(); last.pixels > most) {
-        Batch end = last;
-        last.pixels -= most;
-        end.first_pixel += last.pixels, end.pixels = most;
-        pending.push_back(end);
-    }
-    Batch& next = pending.back();
-    Batch batch = next;
-    batch.samples = std::min(next.samples, most / next.pixels);
-    next.first_sample += batch.samples, next.samples -= batch.samples;
-    if (next.samples == 0) pending.pop_back();
-    return batch;
-}
-
 /// The largest pass, half of the samples, takes most of the time.
 bool Renderer::State::may_follow_paths() const {
     const std::uint64_t largest_pass = std::uint64_t(pixels()) * std::max(1u, config.spp / 2);
@@ -467,7 +438,6 @@ AovStage& Renderer::State::aov_stage() {
 
 void Renderer::State::discard_samples() {
     schedule = new_schedule();
-    pending.clear();
     film.clear();
     looks = {}, last_error = {}, last_error_spp = 0;
     begin.reset();
@@ -488,7 +458,7 @@ void Renderer::State::warm_up() {
 /// time, because machines slow down without warning. Every pixel gets a sample in any case.
 std::uint32_t Renderer::State::paths_of_next_batch(InFlight& in_flight) const {
     if (parts_take_turns()) return wavefront.capacity();  // copying them takes as long for a few paths
-    if (complete_spp() == 0) return pace.paths();
+    if (schedule.complete_passes_spp() == 0) return pace.paths();
     const double to_report = std::max(1.0, 1e3 * config.report_seconds / 2);
     if (!(config.seconds > 0)) return pace.paths_within(to_report);
     const auto left = [&] {
@@ -507,7 +477,7 @@ void Renderer::State::trace(const Batch& batch, InFlight& in_flight) {
 
 /// A full disk must not end a render of hours: writing is tried again, and the last failure is reported.
 void Renderer::State::save_checkpoint() {
-    const Checkpoint checkpoint{schedule.position(), looks, film.sums(), pending};
+    const Checkpoint checkpoint{schedule.position(), looks, film.sums()};
     try {
         write_checkpoint(config.checkpoint, identity, checkpoint);
         checkpoint_error.clear();
@@ -552,7 +522,6 @@ Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig&
                     "render from the start");
     state_->list_pixels();
     state_->looks = from->looks;
-    state_->pending = from->pending;
     state_->film.set_sums(from->sums);
 }
 
@@ -567,7 +536,7 @@ RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>
     Clock::time_point last_report;  // the epoch, so that the first batch is reported at once
     Clock::time_point last_checkpoint = Clock::now();
     while (!state.target_met()) {
-        state.trace(state.next_batch(state.paths_of_next_batch(in_flight)), in_flight);
+        state.trace(state.schedule.next(state.paths_of_next_batch(in_flight)), in_flight);
         state.choose_kernels(state.spp() > 0);
         if (saves && seconds_since(last_checkpoint) >= state.config.checkpoint_seconds) {
             state.save_checkpoint();

@@ -117,11 +117,7 @@ struct Renderer::State {
     void plan_round();
     void list_pixels() const;
     /// Samples of all pixels.
-    [[nodiscard]] std::uint64_t samples() const;
-    [[nodiscard]] unsigned spp() const { return unsigned(samples() / pixels()); }
-    /// Samples that every pixel has.
-    [[nodiscard]] unsigned complete_spp() const;
-    [[nodiscard]] Batch next_batch(std::uint32_t most_paths);
+    [[nodiscard]] unsigned spp() const { return unsigned(schedule.samples() / pixels()); }
     [[nodiscard]] RenderProgress measure();
     template <class Measure>
     auto timed(const Measure& measure);
@@ -165,7 +161,6 @@ struct Renderer::State {
     std::optional<GBufferStage> gbuffer;
     std::optional<DenoisedFrames> frames;  // once a denoised picture was asked for
     AdaptiveSchedule schedule;
-    std::vector<Batch> pending;  // see Checkpoint
     Pace pace;
     RenderIdentity identity;  // for checkpoints
     std::string checkpoint_error;

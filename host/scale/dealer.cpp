@@ -74,10 +74,12 @@ void Dealer::enter(Index b) {
     count(ordered_counts_, band.ordered), count(done_counts_, band.done);
     if (band.holder == nobody) {
         free_[band.ordered].add(b);
+        free_pixels_ += band.pixels;
     } else if (!band.leaves) {
         Worker& worker = workers_[std::size_t(band.holder)];
         worker.bands.insert(worker.bands.end(), b);
         worker.by_samples.emplace(band.ordered, b);
+        if (worker.pixels == 0) --without_bands_;
         worker.pixels += band.pixels, worker.ordered += std::uint64_t(band.pixels) * band.ordered;
     }
 }
@@ -89,11 +91,13 @@ void Dealer::leave(Index b) {
         const auto free = free_.find(band.ordered);
         free->second.remove(b);
         if (free->second.empty()) free_.erase(free);
+        free_pixels_ -= band.pixels;
     } else if (!band.leaves) {
         Worker& worker = workers_[std::size_t(band.holder)];
         worker.bands.erase(b);
         worker.by_samples.erase({band.ordered, b});
         worker.pixels -= band.pixels, worker.ordered -= std::uint64_t(band.pixels) * band.ordered;
+        if (worker.pixels == 0) ++without_bands_;
     }
 }
 
@@ -122,6 +126,7 @@ Dealer::Dealer(const std::vector<PixelRun>& runs, std::uint32_t largest_pass, st
 
 int Dealer::add(std::uint32_t first_paths, std::uint32_t most_paths) {
     workers_.push_back({std::max(1u, first_paths), std::max(1u, most_paths)});
+    ++without_bands_;
     return int(workers_.size()) - 1;
 }
 
@@ -160,6 +165,12 @@ Dealer::Index Dealer::free_band_for(int worker, std::uint32_t samples) const {
     return first > 0 && is_long ? first + (end - first) / 2 : first;
 }
 
+/// The others that hold none need some too: else they would wait until another worker gives bands.
+std::uint32_t Dealer::share_of_free(const Worker& worker) const {
+    const unsigned others = without_bands_ - (worker.pixels == 0);
+    return free_pixels_ / (others + 1);
+}
+
 double Dealer::seconds_to_limit() const {
     return double(std::uint64_t(pixels_) * limit_ - ordered_) / std::max(speed_, 1.);
 }
@@ -195,11 +206,12 @@ Order Dealer::piece_from(Index b, int worker, double paths) {
     order.batch.first_pixel = first.first, order.batch.first_sample = first.ordered;
     order.batch.samples =
         std::min(end - first.ordered, std::uint32_t(std::clamp(paths / first.pixels, 1., double(~0u))));
+    const std::uint32_t most = first.holder == nobody ? share_of_free(workers_[std::size_t(worker)]) : pixels_;
     for (; b < bands_.size(); ++b) {
         const Band& band = bands_[b];
         const std::uint32_t all = order.batch.pixels + band.pixels;
         if (!may_render(band, worker) || band.ordered != first.ordered || band.holder != first.holder) break;
-        if (order.batch.pixels > 0 && double(all) * order.batch.samples > paths) break;
+        if (order.batch.pixels > 0 && (all > most || double(all) * order.batch.samples > paths)) break;
         order.batch.pixels = all;
     }
     order.batch.samples = longer(order.batch, paths);
@@ -330,7 +342,8 @@ void Dealer::done(int number, const Order& order, double seconds) {
 void Dealer::lost(int number) {
     Worker& worker = workers_[std::size_t(number)];
     worker.gives.clear(), worker.giving = 0;
-    if (!worker.is_lost) speed_ -= worker.speed();
+    if (worker.is_lost) return;
+    speed_ -= worker.speed();
     worker.is_lost = true;
     sort_in(number);
     for (Index b = 0; b < bands_.size(); ++b) {
@@ -342,6 +355,7 @@ void Dealer::lost(int number) {
             band.holder = nobody, band.leaves = false, band.asked = band.known > 0;
         });
     }
+    --without_bands_;
 }
 
 std::vector<PixelRun> Dealer::runs(std::uint32_t Band::*samples) const {

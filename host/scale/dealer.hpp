@@ -133,6 +133,8 @@ private:
         return double(worker.pixels) * limit_ - double(worker.ordered);
     }
     [[nodiscard]] double paths_of_piece(const Worker& worker, double seconds_left) const;
+    /// How many of the free pixels the worker may take.
+    [[nodiscard]] std::uint32_t share_of_free(const Worker& worker) const;
     [[nodiscard]] double seconds_to_limit() const;
     [[nodiscard]] std::uint32_t longer(const Batch& piece, double paths) const;
     [[nodiscard]] Order piece_from(Index band, int worker, double paths);
@@ -146,6 +148,8 @@ private:
     std::uint32_t pixels_ = 0, largest_pass_, limit_ = 0;
     std::uint64_t ordered_ = 0, done_ = 0;  // samples of all pixels
     double speed_ = 0;                      // of all workers
+    std::uint32_t free_pixels_ = 0;         // that nobody holds
+    unsigned without_bands_ = 0;            // workers that hold none
     std::vector<Band> bands_;
     std::vector<Worker> workers_;
     std::set<std::pair<double, int>> by_seconds_;  // workers that may be asked for bands, by their time up to the limit

@@ -101,7 +101,7 @@ void DeviceWorker::start(const Job& job) {
     const Batch& batch = job.order.batch;
     if (job.order.kind == Order::Kind::render) {
         if (job.order.brings_sums && shared_ != nullptr)
-            film.write_sums(shared_->at(batch.first_pixel, batch.pixels), batch.first_pixel);
+            film.set_sums(shared_->at(batch.first_pixel, batch.pixels), batch.first_pixel);
         else if (job.order.brings_sums)
             film.set_sums(job.sums, batch.first_pixel);
         render(batch);
@@ -119,9 +119,9 @@ void DeviceWorker::start(const Job& job) {
 /// In batches for which the renderer has room; each pixel's samples in their order.
 void DeviceWorker::render(const Batch& all) {
     Renderer::State& state = renderer_->state();
-    state.pending = {all};
-    while (!state.pending.empty()) {
-        const Batch batch = state.next_batch(state.wavefront.capacity());
+    PendingBatches left({all});
+    while (!left.empty()) {
+        const Batch batch = left.next(state.wavefront.capacity());
         state.wavefront.trace(batch);
         state.film.accumulate(batch, state.wavefront.radiance());
     }

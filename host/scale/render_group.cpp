@@ -41,7 +41,7 @@ void put(std::vector<PixelRun>& runs, std::uint32_t pixels, std::uint32_t sample
 std::vector<PixelRun> runs_of(const Checkpoint& from, std::uint32_t pixels) {
     const Schedule::Position& at = from.position.at;
     std::vector<PixelRun> runs;
-    if (from.pending.empty()) {
+    if (from.position.pending.empty()) {
         put(runs, at.pixel, at.done + at.pass);
         if (at.pixel < pixels) put(runs, at.sample > 0 ? 1 : 0, at.done + at.sample);
         const std::uint32_t covered = runs.empty() ? 0 : runs.back().first + runs.back().pixels;
@@ -49,7 +49,7 @@ std::vector<PixelRun> runs_of(const Checkpoint& from, std::uint32_t pixels) {
         return runs;
     }
     std::uint32_t next = 0;
-    for (const Batch& batch : from.pending) {
+    for (const Batch& batch : from.position.pending) {
         put(runs, batch.first_pixel - next, at.done);
         put(runs, batch.pixels, batch.first_sample);
         next = batch.first_pixel + batch.pixels;
@@ -130,7 +130,6 @@ bool RenderGroup::State::raise_limit() {
     if (!has_targets()) return done < config.spp;
     Renderer::State& state = lead().renderer().state();
     state.looks = looks, state.begin = begin;
-    state.pending.clear();
     state.schedule = state.new_schedule();
     (void)state.schedule.go_to({{done, 0, 0, 0}, {}});
     const bool met = state.target_met();
@@ -182,18 +181,18 @@ bool RenderGroup::State::show(const Progress& progress) {
     return progress(so_far);
 }
 
+/// One order for each member in turn, until none takes another one.
 void RenderGroup::State::deal() {
     unsigned refused = 0;
-    for (std::size_t i = 0; i < members.size() && refused < most_refused; ++i) {
+    for (std::size_t left = members.size(); left > 0 && refused < most_refused; --left) {
         next_dealt = (next_dealt + 1) % members.size();
         Member& member = members[next_dealt];
-        while (member.takes_orders() && member.orders.size() < member.worker->most_orders()) {
-            const std::optional<Order> order = dealer->next(member.number, seconds_left());
-            if (!order) {
-                ++refused;
-                break;
-            }
+        if (!member.takes_orders() || member.orders.size() >= member.worker->most_orders()) continue;
+        if (const std::optional<Order> order = dealer->next(member.number, seconds_left())) {
             send(member, *order);
+            left = members.size() + 1;
+        } else {
+            ++refused;
         }
     }
 }
@@ -281,22 +280,22 @@ void RenderGroup::State::gather(bool of_lead) {
     wait_for_lead();
     Film& film = lead().renderer().state().film;
     for (const PixelRun& run : dealer->held_by_others(members[led_by].number))
-        film.write_sums(sums.at(run.first, run.pixels), run.first);
+        film.set_sums(sums.at(run.first, run.pixels), run.first);
 }
 
 namespace {
 
 /// Where a single device continues: at the end of the pass that is furthest ahead, and not before the last look at the
 /// error, but what is missing comes first.
-void set_position(Checkpoint& at, const std::vector<PixelRun>& runs, const Dealer& dealer) {
+AdaptiveSchedule::Position position_after(const std::vector<PixelRun>& runs, const Dealer& dealer, unsigned looked) {
     std::uint32_t most = 0;
     for (const PixelRun& run : runs) most = std::max(most, run.samples);
     const std::uint32_t end = runs.size() == 1 ? most : std::min(dealer.limit(), dealer.end_of_pass(most));
-    const std::uint32_t done = std::max(end, at.looks.spp);
-    at.position = {{done, 0, 0, 0}, {}};
-    at.pending.clear();
+    const std::uint32_t done = std::max(end, looked);
+    AdaptiveSchedule::Position position{{done, 0, 0, 0}, {}};
     for (const PixelRun& run : runs)
-        if (run.samples < done) at.pending.push_back({run.first, run.pixels, run.samples, done - run.samples, 0});
+        if (run.samples < done) position.pending.push_back({run.first, run.pixels, run.samples, done - run.samples, 0});
+    return position;
 }
 
 }  // namespace
@@ -304,10 +303,7 @@ void set_position(Checkpoint& at, const std::vector<PixelRun>& runs, const Deale
 /// The lead's renderer is left as if it had rendered all samples.
 RenderProgress RenderGroup::State::hand_over() {
     Renderer::State& state = lead().renderer().state();
-    Checkpoint reached{{}, looks, {}, {}};
-    set_position(reached, dealer->rendered(), *dealer);
-    (void)state.schedule.go_to(reached.position);
-    state.pending = std::move(reached.pending);
+    (void)state.schedule.go_to(position_after(dealer->rendered(), *dealer, looks.spp));
     state.looks = looks, state.begin = begin;
     RenderProgress progress = state.measure();
     if (dealer->least() == 0) progress.spp = 0;  // no whole image
@@ -330,8 +326,8 @@ void RenderGroup::State::keep_now_and_then() {
 /// left anything.
 void RenderGroup::State::save_checkpoint() {
     const std::vector<PixelRun> known = dealer->known();
-    Checkpoint checkpoint{{}, looks, sums.copy(0, std::size_t(config.width) * config.height), {}};
-    set_position(checkpoint, known, *dealer);
+    Checkpoint checkpoint{position_after(known, *dealer, looks.spp), looks,
+                          sums.copy(0, std::size_t(config.width) * config.height)};
     for (const PixelRun& run : known) {
         if (run.samples != 0) continue;
         const auto clear = [&](auto& all) {

@@ -4,6 +4,7 @@
 #include <fstream>
 
 #include "claray/renderer.hpp"
+#include "host/render/checkpoint/checkpoint.hpp"
 #include "host/render/checkpoint/scene_digest.hpp"
 #include "tests/render/scenes.hpp"
 #include "tests/support/device.hpp"
@@ -53,6 +54,21 @@ TEST_F(CheckpointFiles, ResumedIsUninterruptedBitForBit) {
     }
     EXPECT_TRUE(same_bits(finish(resumed()), whole));
     EXPECT_TRUE(same_bits(finish(resumed()), whole)) << "what is complete stays so";
+}
+
+/// As an interrupted render of several devices leaves it: one of them was at the last pass, another was behind.
+TEST_F(CheckpointFiles, PendingSamplesComeFirst) {
+    const std::vector<glm::vec3> whole = finish(config_);
+    const RenderIdentity identity = identity_of(scene_, config_);
+    (void)render_image(scene_, {.width = 61, .height = 43, .spp = 16, .checkpoint = config_.checkpoint});
+    Checkpoint checkpoint = read_checkpoint(config_.checkpoint, identity, 16);
+    const std::uint32_t pixels = 61 * 43;
+    for (const std::uint32_t done : {17u, 21u}) {
+        checkpoint.position = {
+            {done, 0, 0, 0}, {}, {{0, 1000, 16, done - 16, 0}, {1000, pixels - 1000, 16, done - 16, 0}}};
+        write_checkpoint(config_.checkpoint, identity, checkpoint);
+        EXPECT_TRUE(same_bits(finish(resumed()), whole)) << done;
+    }
 }
 
 TEST_F(CheckpointFiles, RendersToAnErrorGoOn) {

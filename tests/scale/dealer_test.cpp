@@ -111,6 +111,21 @@ TEST(Dealer, KeepsWorkersOfAllSpeedsBusy) {
     }
 }
 
+/// Nobody waits for another one's first samples, although one could begin with the whole image.
+TEST(Dealer, GivesAllSomethingAtFirst) {
+    constexpr std::uint32_t pixels = 61 * 43;
+    Dealer dealer({{0, pixels, 0}}, 16);
+    for (int w = 0; w < 4; ++w) dealer.add(1u << 20, 1u << 20);
+    dealer.lost(2);
+    dealer.set_limit(37);
+    for (const int w : {0, 1, 3}) {
+        const std::optional<Order> order = dealer.next(w, 1e9);
+        ASSERT_TRUE(order) << w;
+        EXPECT_GE(order->batch.pixels, pixels / 6) << w;
+        EXPECT_LE(order->batch.pixels, pixels / 3 + 16) << w;
+    }
+}
+
 TEST(Dealer, RendersAgainWhatIsLost) {
     constexpr std::uint32_t pixels = 10'000, spp = 77;
     for (const double at : {0., 0.1, 0.3, 0.5}) {

@@ -95,8 +95,8 @@ public:
 
     /// Reads what follows the header.
     void read_rest(const CheckpointHeader& header, Checkpoint& checkpoint) {
-        auto& [position, looks, sums, pending] = checkpoint;
-        std::vector<std::uint32_t>& tiles = position.tiles;
+        auto& [position, looks, sums] = checkpoint;
+        auto& [at, tiles, pending] = position;
         sums.pixels.resize(pixels_of(header)), sums.odd.resize(header.tells_error ? pixels_of(header) : 0);
         read(sums.pixels.data(), bytes_of(sums.pixels));
         read(sums.odd.data(), bytes_of(sums.odd));
@@ -177,13 +177,13 @@ void write_checkpoint(const std::filesystem::path& path, const RenderIdentity& i
     header.scene = identity.scene, header.settings = identity.settings, header.kernels = identity.kernels;
     header.digest = digest_of_checkpoint_header(header);
     const Film::Sums& sums = checkpoint.sums;
-    const Digest digest = digest_of_sums(sums, tiles, checkpoint.pending);
+    const Digest digest = digest_of_sums(sums, tiles, checkpoint.position.pending);
     NewFile file(path);
     file.write(&header, sizeof header);
     file.write(sums.pixels.data(), bytes_of(sums.pixels));
     file.write(sums.odd.data(), bytes_of(sums.odd));
     file.write(tiles.data(), bytes_of(tiles));
-    file.write(checkpoint.pending.data(), bytes_of(checkpoint.pending));
+    file.write(checkpoint.position.pending.data(), bytes_of(checkpoint.position.pending));
     file.write(digest.data(), digest.size());
     file.commit();
 }
@@ -223,7 +223,8 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
         file.refuse_damaged("its error estimate is not a valid number");
     Checkpoint checkpoint{{at, {}}, looks, {}};
     file.read_rest(header, checkpoint);
-    if (!are_before(checkpoint.pending, header)) file.refuse_damaged("its pending samples are outside the image");
+    if (!are_before(checkpoint.position.pending, header))
+        file.refuse_damaged("its pending samples are outside the image");
     return checkpoint;
 }
 

@@ -32,9 +32,6 @@ struct Checkpoint {
     AdaptiveSchedule::Position position;
     ErrorLooks looks;
     Film::Sums sums;
-    /// Samples before `position` that are missing in the sums, because several devices shared the image: whole passes
-    /// of pixels, one batch for each of them at most.
-    std::vector<Batch> pending = {};
 };
 
 /// Writes through NewFile: under this name there is always a complete checkpoint, the previous one or this one.

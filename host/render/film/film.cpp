@@ -89,14 +89,7 @@ void Film::read_sums(const SumsSpan& to, std::uint32_t first) const {
     if (tells_error_) odd_.read(to.odd, first);
 }
 
-void Film::write_sums(const SumsSpan& from, std::uint32_t first) {
-    begin_all();
-    pixels_.write(from.pixels, first);
-    if (tells_error_) odd_.write(from.odd, first);
-    forget_look();
-}
-
-void Film::set_sums(const Sums& sums, std::uint32_t first) {
+void Film::set_sums(const ConstSumsSpan& sums, std::uint32_t first) {
     begin_all();
     pixels_.write(sums.pixels, first);
     if (tells_error_) odd_.write(sums.odd, first);

@@ -47,18 +47,22 @@ public:
         std::vector<FilmPixel> pixels;
         std::vector<ColorSum> odd;  ///< of samples of odd index, if the error is estimated
     };
-    [[nodiscard]] Sums sums() const { return sums(0, count_); }
-    void set_sums(const Sums& sums) { set_sums(sums, 0); }
-    /// The same for `pixels` pixels from `first` on, and for as many as `sums` has.
-    [[nodiscard]] Sums sums(std::uint32_t first, std::uint32_t pixels) const;
-    void set_sums(const Sums& sums, std::uint32_t first);
-    /// The same, to and from memory of the caller.
+    /// The same in memory of the caller.
     struct SumsSpan {
         std::span<FilmPixel> pixels;
         std::span<ColorSum> odd;
     };
+    struct ConstSumsSpan {
+        ConstSumsSpan(const Sums& sums) : pixels(sums.pixels), odd(sums.odd) {}
+        ConstSumsSpan(const SumsSpan& sums) : pixels(sums.pixels), odd(sums.odd) {}
+        std::span<const FilmPixel> pixels;
+        std::span<const ColorSum> odd;
+    };
+    [[nodiscard]] Sums sums() const { return sums(0, count_); }
+    /// Of `pixels` pixels from `first` on.
+    [[nodiscard]] Sums sums(std::uint32_t first, std::uint32_t pixels) const;
     void read_sums(const SumsSpan& to, std::uint32_t first) const;
-    void write_sums(const SumsSpan& from, std::uint32_t first);
+    void set_sums(const ConstSumsSpan& sums, std::uint32_t first = 0);
     [[nodiscard]] const Buffer<FilmPixel>& pixels() const {
         begin_all();
         return pixels_;

@@ -141,8 +141,9 @@ void AdaptiveSchedule::end_round() {
 
 /// Each entry's samples are complete before the next entry begins, so that each pixel gets its samples in their order.
 Batch AdaptiveSchedule::next(std::uint32_t most_paths) {
-    if (!in_round()) return uniform_.next(most_paths);
     const std::uint32_t most = std::max(1u, std::min(most_paths, paths_)), unit = round_.unit;
+    if (!pending_.empty()) return pending_.next(most);
+    if (!in_round()) return uniform_.next(most);
     Batch batch{entry_, 1, sample_, std::min(unit - sample_, most), 1};
     if (batch.samples < unit) {  // a part of one entry
         sample_ += batch.samples;
@@ -156,23 +157,24 @@ Batch AdaptiveSchedule::next(std::uint32_t most_paths) {
 }
 
 std::uint32_t AdaptiveSchedule::complete_passes_spp() const {
-    if (tiles_.empty()) return uniform_.complete_passes_spp();
+    if (tiles_.empty()) return pending_.least_done(uniform_.complete_passes_spp());
     return std::uint32_t(done_ / pixels());
 }
 
 std::uint64_t AdaptiveSchedule::samples() const {
-    if (tiles_.empty()) return uniform_.samples();
+    if (tiles_.empty()) return uniform_.samples() - pending_.samples();
     return done_ + std::uint64_t(entry_) * round_.unit + sample_;
 }
 
 AdaptiveSchedule::Position AdaptiveSchedule::position() const {
-    return {in_round() ? Schedule::Position{0, 0, entry_, sample_} : uniform_.position(), tiles_};
+    return {in_round() ? Schedule::Position{0, 0, entry_, sample_} : uniform_.position(), tiles_, pending_.list()};
 }
 
 bool AdaptiveSchedule::go_to(const Position& to) {
     const auto within = [](const Schedule::Position& at, std::uint64_t pixels) {
         return at.pixel < pixels && ((at.pixel == 0 && at.sample == 0) || at.sample < at.pass);
     };
+    pending_ = PendingBatches(to.pending);
     if (to.tiles.empty()) {
         uniform_.go_to(to.at);
         if (adaptive_) uniform_.extend(next_plan(to.at.done + (uniform_.between_passes() ? 0 : 1)));

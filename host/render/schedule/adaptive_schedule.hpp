@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "host/render/schedule/pending_batches.hpp"
 #include "host/render/schedule/schedule.hpp"
 
 namespace claray {
@@ -28,10 +29,12 @@ public:
                      bool adaptive, double least_gain = 1.3);
 
     [[nodiscard]] bool finished() const {
-        return has_ended_ || (tiles_.empty() && uniform_.complete_passes_spp() == spp_);
+        return pending_.empty() && (has_ended_ || (tiles_.empty() && uniform_.complete_passes_spp() == spp_));
     }
     /// Returns whether `plan` must be called before `next`.
-    [[nodiscard]] bool wants_plan() const { return !finished() && uniform_.finished() && !in_round(); }
+    [[nodiscard]] bool wants_plan() const {
+        return pending_.empty() && !finished() && uniform_.finished() && !in_round();
+    }
     /// Returns whether pixels may have different numbers of samples.
     [[nodiscard]] bool has_rounds() const { return !tiles_.empty(); }
     /// Plans the next round from the variance of the pixels of each tile, in any unit. If no tile can be doubled within
@@ -42,11 +45,12 @@ public:
     /// Its entries have two words each (Batch), at most `words_per_pixel` words per pixel of the image.
     [[nodiscard]] const Round& round() const { return round_; }
     static constexpr std::uint32_t words_per_pixel = 8;
-    /// As of Schedule; with adaptive sampling, samples per pixel are means, and passes are rounds.
+    /// As of Schedule; with adaptive sampling, samples per pixel are means, and passes are rounds. Pending samples
+    /// count as a pass of their own.
     [[nodiscard]] Batch next(std::uint32_t most_paths = ~std::uint32_t(0));
     [[nodiscard]] std::uint32_t complete_passes_spp() const;
     [[nodiscard]] std::uint64_t samples() const;
-    [[nodiscard]] bool between_passes() const { return !in_round() && uniform_.between_passes(); }
+    [[nodiscard]] bool between_passes() const { return pending_.empty() && !in_round() && uniform_.between_passes(); }
     void limit_pass(std::uint32_t samples) { uniform_.limit_pass(samples); }
     /// Samples per pixel of the current pass of the whole image, or of the next one.
     [[nodiscard]] std::uint32_t pass_samples() const { return uniform_.pass_samples(); }
@@ -56,6 +60,8 @@ public:
         /// Of each tile, once rounds have begun: samples per pixel before the round, and `chosen` if the round doubles
         /// them.
         std::vector<std::uint32_t> tiles;
+        /// Samples before `at` that are missing, because several devices shared the image: they come first.
+        std::vector<Batch> pending = {};
     };
     static constexpr std::uint32_t chosen = 1u << 31;
     [[nodiscard]] Position position() const;
@@ -87,6 +93,7 @@ private:
     std::uint64_t done_ = 0;            // samples of all pixels before the round
     Round round_;
     std::uint32_t entry_ = 0, sample_ = 0;  // where the round continues
+    PendingBatches pending_;
 };
 
 }  // namespace claray
