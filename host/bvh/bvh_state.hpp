@@ -18,6 +18,9 @@ enum class LeafShape { triangle, box, capsule };
 [[nodiscard]] Bvh build_over_primitives(const Device& device, const TriangleBuffers& corners, const Bvh::Config& config,
                                         bool capsules);
 
+/// Throws ErrorKind::usage for a structure over primitives. `user`: what needs triangles, as the subject of a sentence.
+void require_triangles(const Bvh& bvh, const std::string& user);
+
 struct Bvh::State {
     /// `by_host`: the host will fill in the tree. Kernels and buffers for building are then loaded and allocated on
     /// demand.

@@ -22,7 +22,7 @@ QueryKernel::QueryKernel(const Device& device, const Bvh& bvh, Kind kind, const 
     const std::string query = kind == Kind::closest ? "closest_hit" : "any_hit";
     const std::string stem = options.brute_force ? "trace/brute_force" : "trace/" + query;
     const std::string function = options.brute_force ? "brute_force_" + query : query;
-    Defines common = query_defines(bvh.defines(), options);
+    Defines common = query_defines(triangle_defines(bvh), options);
     const auto load = [&](const Defines& more) {
         Defines defines = common;
         defines.insert(defines.end(), more.begin(), more.end());
@@ -43,7 +43,7 @@ QueryKernel::QueryKernel(const Device& device, const Bvh& bvh, Kind kind, const 
         most_in_batch_ = std::min(most_in_batch_, 8192u), group_ = 1;
         if (bvh.has_cutouts()) {
             std::erase_if(common, [](const auto& define) { return define.first == "CLARAY_CUTOUTS"; });
-            Defines defines = query_defines(bvh.defines(), options);
+            Defines defines = query_defines(triangle_defines(bvh), options);
             defines.emplace_back("GROUP_SIZE", "1");
             defines.emplace_back("RAYS_PER_ITEM", std::to_string(rays_per_item_));
             retrace_ = load_kernel(device, "trace/cutouts.cl",

@@ -264,6 +264,51 @@ static void test_instances(claray_device* device) {
     claray_query_release(closest), claray_query_release(any);
 }
 
+/* A square in a group, two of them in a group of groups, and a square beside it. */
+static void test_flat_instances(claray_device* device) {
+    claray_mesh mesh = square_mesh();
+    claray_bvh* bvh = NULL;
+    claray_flat_instances* flat = NULL;
+    claray_instances* placed = NULL;
+    claray_query* closest = NULL;
+    const claray_instance square = {{1, 0, 0, 10, 0, 1, 0, 0, 0, 0, 1, 0}, 0, 6};
+    claray_instance pair[2] = {{{2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 1}, 1, 3},
+                               {{1, 0, 0, 0, 0, 1, 0, 50, 0, 0, 1, 0}, 1, 12}};
+    const claray_instance roots[2] = {{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, 0, 1},
+                                      {{1, 0, 0, 100, 0, 1, 0, 0, 0, 0, 1, 0}, 2, 7}};
+    const claray_instance_group groups[2] = {{&square, 1}, {pair, 2}};
+    EXPECT(claray_flat_instances_create(roots, 2, groups, 2, 1, &flat) == CLARAY_OK);
+    EXPECT(claray_flat_instances_count(flat) == 3);
+    const claray_instance* members = claray_flat_instances_members(flat);
+    EXPECT(members[0].transform[3] == 0 && members[0].mask == 1 && members[0].bottom == 0);
+    EXPECT(members[1].transform[0] == 2 && members[1].transform[3] == 120 && members[1].transform[11] == 1);
+    EXPECT(members[1].mask == 2 && members[2].mask == 4 && members[2].transform[3] == 110 &&
+           members[2].transform[7] == 50);
+    size_t count = 9;
+    const uint32_t* steps = claray_flat_instances_steps(flat, 2, &count);
+    EXPECT(count == 3 && steps[0] == 1 && steps[1] == 1 && steps[2] == 0);
+    EXPECT(claray_flat_instances_steps(flat, 3, &count) == NULL && count == 0);
+    EXPECT(claray_bvh_build(device, &mesh, NULL, &bvh) == CLARAY_OK);
+    const claray_bvh* const bvhs[1] = {bvh};
+    EXPECT(claray_instances_build(bvhs, 1, members, 3, &placed) == CLARAY_OK);
+    claray_flat_instances_release(flat);
+    EXPECT(claray_query_instances_create(placed, CLARAY_QUERY_CLOSEST, NULL, NULL, &closest) == CLARAY_OK);
+    const claray_ray ray = {{121.5f, 0.5f, 4}, 0, {0, 0, -1}, 9};
+    claray_instance_hit hit;
+    EXPECT(claray_query_run(closest, &ray, 1, &hit) == CLARAY_OK && hit.instance == 1 && hit.t == 3);
+    pair[1].bottom = 2, flat = NULL;
+    EXPECT_ERROR(claray_flat_instances_create(roots, 2, groups, 2, 1, &flat), CLARAY_ERROR_USAGE,
+                 "group 1 contains itself");
+    EXPECT_ERROR(claray_flat_instances_create(roots, 2, groups, 1, 1, &flat), CLARAY_ERROR_USAGE,
+                 "bottom level 2 of 1");
+    EXPECT_ERROR(claray_flat_instances_create(roots, 2, NULL, 2, 1, &flat), CLARAY_ERROR_USAGE, "groups is NULL");
+    EXPECT_ERROR(claray_flat_instances_create(NULL, 2, NULL, 0, 1, &flat), CLARAY_ERROR_USAGE, "roots is NULL");
+    EXPECT_ERROR(claray_flat_instances_create(roots, 1, NULL, 0, 1, NULL), CLARAY_ERROR_USAGE, "flat is NULL");
+    EXPECT(flat == NULL && claray_flat_instances_count(NULL) == 0 && claray_flat_instances_members(NULL) == NULL);
+    claray_instances_release(placed), claray_query_release(closest), claray_bvh_release(bvh);
+    claray_flat_instances_release(NULL);
+}
+
 /* Nothing is made where there is no place for it: the leak checker sees what would be. */
 static void test_no_place(claray_device* device) {
     claray_mesh mesh = square_mesh();
@@ -420,6 +465,7 @@ int main(void) {
     test_points(device);
     test_lists(device);
     test_instances(device);
+    test_flat_instances(device);
     test_no_place(device);
     test_files(device);
     test_wrong_choices(device);

@@ -6,6 +6,10 @@
 #include <cmath>
 #include <limits>
 
+#include "claray/instances.hpp"
+#include "claray/query/all_hits.hpp"
+#include "claray/query/overlaps.hpp"
+#include "claray/query/points.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/meshes.hpp"
@@ -212,6 +216,36 @@ TEST(OwnPrimitives, RefuseWhatCannotBe) {
     EXPECT_TRUE(throws_error(ErrorKind::device, "broken", [] {
         (void)Primitives::build(device(), {"broken", "static inline nonsense", 1}, std::vector<float>(1));
     }));
+}
+
+/// Its triangles are diagonals of boxes, which a kernel of triangles would hit in the binary layout.
+TEST(OwnPrimitives, RefuseQueriesOfTriangles) {
+    const std::vector<float> sphere = {0, 0, 0, 1};
+    const std::vector<Ray> rays = {make_ray({0, 0, 4}, {0, 0, -1})};
+    const std::vector<glm::vec3> points = {{2, 0, 0}};
+    QueryOptions filtered;
+    filtered.filter = geometry_range(device(), 0, 1);
+    for (const Layout layout : {Layout::binary, Layout::wide}) {
+        const Bvh bvh = Primitives::build(device(), sphere_kind(), Buffer<float>(device(), sphere), 1,
+                                          {.builder = Builder::balanced, .layout = layout})
+                            .bvh();
+        const auto refused = [&](const char* user, const auto& query) {
+            return throws_error(ErrorKind::usage, user + std::string(" needs a tree of triangles"), query);
+        };
+        EXPECT_TRUE(refused("a query of triangles", [&] { (void)closest_hit(bvh, rays); }));
+        EXPECT_TRUE(refused("a query of triangles", [&] { (void)closest_hit(bvh, rays, brute_force); }));
+        EXPECT_TRUE(refused("a query of triangles", [&] { (void)any_hit(bvh, rays); }));
+        EXPECT_TRUE(refused("a query of triangles", [&] { (void)Query(bvh, QueryKind::any); }));
+        EXPECT_TRUE(refused("a query of triangles", [&] { (void)all_hits(bvh, rays); }));
+        EXPECT_TRUE(refused("a query of triangles", [&] { (void)closest_hit(bvh, rays, filtered); }));
+        EXPECT_TRUE(refused("a query of triangles", [&] { (void)nearest_point(bvh, points); }));
+        EXPECT_TRUE(refused("a query of triangles", [&] { (void)signed_distance(bvh, points); }));
+        EXPECT_TRUE(refused("a query of triangles", [&] { (void)sphere_overlaps(bvh, std::vector<Sphere>(1)); }));
+        EXPECT_TRUE(refused("an instance", [&] {
+            (void)InstancedBvh::build(std::span(&bvh, 1), std::vector{make_instance(glm::mat4(1.f))});
+        }));
+        EXPECT_TRUE(refused("a saved tree", [&] { bvh.save("primitives.cbvh"); }));
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, PrimitivesTest,

@@ -46,7 +46,8 @@ public:
     [[nodiscard]] std::uint32_t count() const;
     [[nodiscard]] const Buffer<float>& data() const;
     [[nodiscard]] const Device& device() const;
-    /// The tree, whose triangles span the primitives' boxes.
+    /// The tree, whose triangles span the primitives' boxes: for its statistics, validation and hash. Queries of
+    /// triangles, instances and Bvh::save refuse it by ErrorKind::usage.
     [[nodiscard]] const Bvh& bvh() const;
 
     struct State;
