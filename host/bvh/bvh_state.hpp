@@ -66,6 +66,7 @@ struct Bvh::State {
     Buffer<std::uint32_t> codes32, order, arrivals, clusters;
     Buffer<std::uint64_t> codes64;
     Buffer<std::uint32_t> pieces, piece_counts;  // of the serial schedule
+    Buffer<float> costs;                         // of primitives' subtrees: see collapse.cl
     std::uint32_t ranges = 0;                    // work-items of the serial schedule; 0: every leaf climbs by itself
     std::unique_ptr<RadixSort<std::uint32_t>> sort32;
     std::unique_ptr<RadixSort<std::uint64_t>> sort64;
@@ -96,7 +97,8 @@ private:
 
     bool prepared_ = false;
     Kernel reset_, centroids_, encode_, bounds_, finish_bounds_, codes_, lbvh_, hploc_, refit_, lbvh_ranges_,
-        join_lbvh_, hploc_ranges_, join_hploc_, begin_collapse_, collapse_level_, collapse_subtrees_, refit_wide_;
+        join_lbvh_, hploc_ranges_, join_hploc_, begin_collapse_, cost_subtrees_, collapse_level_, collapse_subtrees_,
+        refit_wide_;
 };
 
 }  // namespace claray
