@@ -70,9 +70,10 @@ static inline void fill_block(global const LeafTriangle* leaves, const uint* slo
 
 #if LEAF_SHAPE != 0
 /// The cost of a child as at most `slots` children of a wide node, from the table of cost_subtrees.
-static inline float cost_of_child(global const float* costs, global const BvhNode* node, uint side, uint slots) {
-    const uint child = child_of(node, side);
-    return is_leaf(child) ? half_area(child_box(node, side)) : costs[CLARAY_WIDTH * (size_t)child + slots - 1];
+static inline float cost_of_child(global const float* costs, global const BvhNode* nodes, uint index, uint side, uint slots) {
+    const uint child = child_of(&nodes[index], side);
+    if (leaves_below(nodes, child) <= LEAF_BLOCK) return half_area(child_box(&nodes[index], side));
+    return costs[CLARAY_WIDTH * (size_t)child + slots - 1];
 }
 
 typedef struct Share {
@@ -81,28 +82,28 @@ typedef struct Share {
 } Share;
 
 /// The best way to share slots of a wide node between the two children of a binary node.
-static inline Share best_share(global const float* costs, global const BvhNode* node, uint slots) {
+static inline Share best_share(global const float* costs, global const BvhNode* nodes, uint index, uint slots) {
     Share best = {INFINITY, 1};
     for (uint left = 1; left < slots; ++left) {
-        const float cost = cost_of_child(costs, node, 0, left) + cost_of_child(costs, node, 1, slots - left);
+        const float cost = cost_of_child(costs, nodes, index, 0, left) + cost_of_child(costs, nodes, index, 1, slots - left);
         if (cost < best.cost) best.cost = cost, best.left = left;
     }
     return best;
 }
 
 static inline void cost_subtree(global const BvhNode* nodes, uint index, global float* costs) {
-    global const BvhNode* node = &nodes[index];
-    float cost = half_area(box_union(child_box(node, 0), child_box(node, 1)));
-    if (leaves_below(nodes, index) > LEAF_BLOCK) cost += best_share(costs, node, CLARAY_WIDTH).cost;
+    if (leaves_below(nodes, index) <= LEAF_BLOCK) return;
+    const Box box = box_union(child_box(&nodes[index], 0), child_box(&nodes[index], 1));
+    float cost = half_area(box) + best_share(costs, nodes, index, CLARAY_WIDTH).cost;
     for (uint slots = 1; slots < CLARAY_WIDTH; ++slots) {
-        if (slots > 1) cost = fmin(cost, best_share(costs, node, slots).cost);
+        if (slots > 1) cost = fmin(cost, best_share(costs, nodes, index, slots).cost);
         costs[CLARAY_WIDTH * (size_t)index + slots - 1] = cost;
     }
 }
 
-/// The least cost of each binary node as at most 1 .. 7 children of a wide node, where a wide node or block costs its area (Ylitie et
-/// al. 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section 3). Climbs as refit.cl does.
-/// `arrivals` is zero before.
+/// The least cost of each binary node as at most 1 .. 7 children of a wide node, where every wide node and every block costs its area
+/// (Ylitie et al. 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section 3). Climbs as refit.cl
+/// does. `arrivals` is zero before.
 kernel void cost_subtrees(global const BvhNode* nodes, global const BvhHeader* header, volatile global uint* arrivals,
                           global float* costs) {
     uint index = get_global_id(0);
@@ -285,19 +286,20 @@ static inline void open_slot(const Output* out, Slots* slots, uint at, Subtree s
 }
 
 #if LEAF_SHAPE != 0
-/// Opens slots, the root's first, until all children are those that cost least.
-static inline void open_best(const Output* out, Slots* slots) {
+/// Opens the root, and slots until all children are those that cost least.
+static inline void open_best(const Output* out, Subtree root, Slots* slots) {
     uint most[CLARAY_WIDTH];  // children in place of a slot
-    most[0] = CLARAY_WIDTH;
+    most[0] = CLARAY_WIDTH, slots->subtrees[0] = root, slots->rank[0] = 1;
     for (uint at = 0; at < slots->count;) {
         const Subtree subtree = slots->subtrees[at];
         const bool is_root = slots->count == 1;
+        if (slots->rank[at] == 0) most[at] = 1;  // a block
         Share share = {INFINITY, 0};
-        for (; most[at] > 1 && !is_leaf(subtree.child); --most[at]) {
-            share = best_share(out->costs, &out->nodes[subtree.child], most[at]);
+        for (; most[at] > 1; --most[at]) {
+            share = best_share(out->costs, out->nodes, subtree.child, most[at]);
             if (is_root || share.cost <= out->costs[CLARAY_WIDTH * (size_t)subtree.child + most[at] - 1]) break;
         }
-        if (most[at] == 1 || is_leaf(subtree.child)) {
+        if (most[at] == 1) {
             ++at;
             continue;
         }
@@ -323,8 +325,7 @@ static inline void open_children(const Output* out, Subtree root, Slots* slots) 
 #if LEAF_SHAPE == 0
     open_slot(out, slots, 0, root);  // even if all leaves fit in one block
 #else
-    slots->subtrees[0] = root;
-    open_best(out, slots);
+    open_best(out, root, slots);
 #endif
     while (slots->count < CLARAY_WIDTH) {
         ulong best = 0;

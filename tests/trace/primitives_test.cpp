@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -206,6 +207,32 @@ TEST(OwnPrimitives, MoveWithTheirData) {
     Buffer<float>(data).write(std::vector<float>{5, 0, 0, 3});
     primitives.rebuild();
     EXPECT_EQ(closest_hit(primitives, ray)[0].t, 1.f);
+}
+
+/// Nodes are full where that costs least: at most a tenth of their places is free, and five of eight of a leaf's are
+/// taken.
+TEST(OwnPrimitives, FillWideNodes) {
+    const KindCase spheres = {"spheres", sphere_kind(), cross_sphere};
+    const std::vector<float> data = random_data(spheres, 5003, 0.05f, 7);
+    for (const Builder builder : {Builder::binned, Builder::balanced, Builder::fast}) {
+        const Primitives primitives = Primitives::build(device(), spheres.kind, Buffer<float>(device(), data), 5003,
+                                                        {.builder = builder, .layout = Layout::wide});
+        const BvhHeader header = primitives.bvh().header();
+        std::vector<WideNode> wide(header.wide_nodes);
+        primitives.bvh().wide_nodes().read(std::span(wide));
+        std::size_t nodes = 0, children = 0, blocks = 0;
+        for (const WideNode& node : wide) {
+            const auto used = std::count_if(node.child, node.child + CLARAY_WIDTH,
+                                            [](std::uint32_t child) { return child != CLARAY_NO_CHILD; });
+            nodes += used != 0, children += std::size_t(used);
+            blocks += std::size_t(std::count_if(node.child, node.child + CLARAY_WIDTH, [](std::uint32_t child) {
+                return child != CLARAY_NO_CHILD && (child & CLARAY_LEAF) != 0;
+            }));
+        }
+        EXPECT_EQ(children, nodes - 1 + blocks);
+        EXPECT_GT(double(children), 0.7 * CLARAY_WIDTH * double(nodes));
+        if (builder == Builder::binned) EXPECT_GT(5003.0, 6.5 * double(blocks));
+    }
 }
 
 TEST(OwnPrimitives, RefuseWhatCannotBe) {
