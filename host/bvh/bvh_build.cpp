@@ -71,7 +71,7 @@ void Bvh::State::load_kernels(std::size_t keys_to_sort) {
     if (traits_of(config.builder).codes) load_for_sorting(keys_to_sort);
     if (layout == Layout::wide) {
         begin_collapse_ = load_collapse("begin_collapse");
-        if (leaf_shape != LeafShape::triangle) cost_subtrees_ = load_collapse("cost_subtrees");
+        if (costs.size() != 0) cost_subtrees_ = load_collapse("cost_subtrees");
         collapse_level_ = load_collapse("collapse_level");
         collapse_subtrees_ = load_collapse("collapse_subtrees");
     }
@@ -131,12 +131,13 @@ void Bvh::State::allocate() {
             std::size_t(CLARAY_WIDTH) * subtrees_for(device) * (numbers_at_once(capacity, device) - 1);
         wide_nodes = Buffer<WideNode>(device, capacity / 4 + 1 + spare);
         const std::size_t blocks = std::max(capacity, 1u) + 2 * spare;
-        if (leaf_shape == LeafShape::triangle) {
+        if (leaf_shape == LeafShape::triangle)
             wide_blocks = Buffer<TriangleBlock>(device, blocks);
-        } else {
+        else
             primitive_blocks = Buffer<PrimitiveBlock>(device, blocks);
+        // For triangles of `balanced` it would take two fifths of the build.
+        if (leaf_shape != LeafShape::triangle || !traits_of(config.builder).codes)
             costs = Buffer<float>(device, std::size_t(CLARAY_WIDTH) * capacity);
-        }
     }
 }
 

@@ -66,7 +66,7 @@ struct Bvh::State {
     Buffer<std::uint32_t> codes32, order, arrivals, clusters;
     Buffer<std::uint64_t> codes64;
     Buffer<std::uint32_t> pieces, piece_counts;  // of the serial schedule
-    Buffer<float> costs;                         // of primitives' subtrees: see collapse.cl
+    Buffer<float> costs;                         // of subtrees: see collapse.cl
     std::uint32_t ranges = 0;                    // work-items of the serial schedule; 0: every leaf climbs by itself
     std::unique_ptr<RadixSort<std::uint32_t>> sort32;
     std::unique_ptr<RadixSort<std::uint64_t>> sort64;

@@ -1,6 +1,6 @@
-// Builds the wide tree from the binary tree, level by level from the root. A wide node begins with a binary node's children and
-// replaces the child of the largest area by its children until the node is full (Wald et al. 2008, "Getting Rid of Packets"). Of
-// primitives, whose tests cost more than a build, it first takes the children that cost least (cost_subtrees).
+// Builds the wide tree from the binary tree, level by level from the root. A wide node has the children that cost least
+// (cost_subtrees). Where the build must be fast, it begins with a binary node's children and replaces the child of the largest area
+// by its children until the node is full (Wald et al. 2008, "Getting Rid of Packets").
 #include "bvh/columns.clh"
 #include "bvh/triangles.clh"
 
@@ -68,7 +68,6 @@ static inline void fill_block(global const LeafTriangle* leaves, const uint* slo
 }
 #endif
 
-#if LEAF_SHAPE != 0
 /// The cost of a child as at most `slots` children of a wide node, from the table of cost_subtrees.
 static inline float cost_of_child(global const float* costs, global const BvhNode* nodes, uint index, uint side, uint slots) {
     const uint child = child_of(&nodes[index], side);
@@ -114,7 +113,6 @@ kernel void cost_subtrees(global const BvhNode* nodes, global const BvhHeader* h
         index = nodes[index].parent, ready = 1;
     }
 }
-#endif
 
 /// The leaves below `child` (at most LEAF_BLOCK) from left to right. Unused lanes repeat the last leaf and are ignored.
 static inline void list_leaves(global const BvhNode* nodes, uint child, uint* slots) {
@@ -154,7 +152,7 @@ typedef struct Output {
     global WideNode* wide;
     global BLOCKS* blocks;
     volatile global BvhHeader* header;
-    global const float* costs;  // of cost_subtrees, for primitives
+    global const float* costs;  // of cost_subtrees, or none
     uint node, node_end, block, block_end;  // reserved numbers; many at once, so that items rarely contend for the counters
     uint nodes_at_once, blocks_at_once;
     bool by_split;
@@ -285,7 +283,6 @@ static inline void open_slot(const Output* out, Slots* slots, uint at, Subtree s
     set_slot(slots, slots->count++, b, (float4)(xy1.xz, z.z, 0.0f), (float4)(xy1.yw, z.w, 0.0f));
 }
 
-#if LEAF_SHAPE != 0
 /// Opens the root, and slots until all children are those that cost least.
 static inline void open_best(const Output* out, Subtree root, Slots* slots) {
     uint most[CLARAY_WIDTH];  // children in place of a slot
@@ -307,7 +304,6 @@ static inline void open_best(const Output* out, Subtree root, Slots* slots) {
         open_slot(out, slots, at, subtree);
     }
 }
-#endif
 
 /// The slots of the wide node for `root`; unused slots hold a box that no ray hits.
 static inline void open_children(const Output* out, Subtree root, Slots* slots) {
@@ -322,11 +318,8 @@ static inline void open_children(const Output* out, Subtree root, Slots* slots) 
         set_slot(slots, 0, root, (float4)(box.lo, 0.0f), (float4)(box.hi, 0.0f));
         return;
     }
-#if LEAF_SHAPE == 0
-    open_slot(out, slots, 0, root);  // even if all leaves fit in one block
-#else
-    open_best(out, root, slots);
-#endif
+    if (out->costs) open_best(out, root, slots);
+    else open_slot(out, slots, 0, root);  // even if all leaves fit in one block
     while (slots->count < CLARAY_WIDTH) {
         ulong best = 0;
         for (uint i = 0; i < CLARAY_WIDTH; ++i) best = max(best, slots->rank[i]);
