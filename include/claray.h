@@ -239,6 +239,34 @@ CLARAY_API claray_status claray_query_instances_create(const claray_instances* p
                                                        claray_query** query);
 CLARAY_API void claray_instances_release(claray_instances* placed);
 
+/* ---- primitives that are not triangles ---- */
+
+typedef struct claray_primitives claray_primitives;
+
+typedef struct claray_primitive_kind {
+    size_t struct_size;
+    const char* name;   /* without a source "spheres", "discs" or "cylinders", else for messages */
+    const char* source; /* OpenCL C that defines bounds_of and intersect (docs/queries.md); NULL: a kind of claray */
+    uint32_t floats;    /* in the data for each primitive, with a source: 1 or more */
+} claray_primitive_kind;
+
+/* A structure over `count` primitives. data: 4 floats for a sphere (centre, radius), 8 for a disc (centre, radius,
+ * normal, radius of the hole) or cylinder (start, radius, end, 1 with caps or 0), else kind->floats for each. */
+CLARAY_API claray_status claray_primitives_build(claray_device* device, const claray_primitive_kind* kind,
+                                                 const float* data, size_t count, claray_primitives** primitives);
+/* Curves, of 4 control points for each segment, from the index in `segments` on. points: x, y, z and radius of each.
+ * bezier: 0 for uniform B-splines. flat: 0 for round curves, else ribbons that face every ray. */
+CLARAY_API claray_status claray_curves_build(claray_device* device, const float* points, size_t point_count,
+                                             const uint32_t* segments, size_t segment_count, int bezier, int flat,
+                                             claray_primitives** primitives);
+/* The closest hits, with the index of the primitive; u and v are what the kind sets. Block. The functions for points
+ * and for all hits of a ray are for triangles. */
+CLARAY_API claray_status claray_primitives_closest_hit(const claray_primitives* primitives, const claray_ray* rays,
+                                                       size_t count, claray_hit* hits);
+CLARAY_API claray_status claray_primitives_any_hit(const claray_primitives* primitives, const claray_ray* rays,
+                                                   size_t count, uint8_t* occluded);
+CLARAY_API void claray_primitives_release(claray_primitives* primitives);
+
 /* ---- scenes and images ---- */
 
 /* A file (.obj, .ply, .stl, .gltf, .glb) or a built-in scene, such as "cornell". */

@@ -309,6 +309,52 @@ static void test_flat_instances(claray_device* device) {
     claray_flat_instances_release(NULL);
 }
 
+static void test_primitives(claray_device* device) {
+    const char* const dots =
+        "static inline PrimitiveBox bounds_of(global const float* data, uint i) {\n"
+        "    const float3 c = vload3(i, data);\n"
+        "    const PrimitiveBox box = {c - 1.0f, c + 1.0f};\n"
+        "    return box;\n"
+        "}\n"
+        "static inline bool intersect(global const float* data, uint i, float3 o, float3 d, float tmin, Hit* hit) {\n"
+        "    return take_hit((data[3 * i + 2] - o.z) / d.z, tmin, hit);\n"
+        "}\n";
+    const float spheres[8] = {0, 0, 0, 1, 5, 0, 0, 2}, own[3] = {5, 0, 0.5f};
+    const float line[16] = {0, 0, 0, 0.5f, 2, 0, 0, 0.5f, 4, 0, 0, 0.5f, 6, 0, 0, 0.5f};
+    const uint32_t first = 0;
+    const claray_ray rays[2] = {{{5, 0, 9}, 0, {0, 0, -1}, 20}, {{5, 7, 9}, 0, {0, 0, -1}, 20}};
+    claray_primitive_kind kind = {sizeof kind, "spheres", NULL, 0};
+    claray_primitives *balls = NULL, *dot = NULL, *hair = NULL, *none = NULL;
+    claray_hit hits[2];
+    uint8_t occluded[2];
+    EXPECT(claray_primitives_build(device, &kind, spheres, 2, &balls) == CLARAY_OK);
+    EXPECT(claray_primitives_closest_hit(balls, rays, 2, hits) == CLARAY_OK);
+    EXPECT(hits[0].primitive == 1 && hits[0].t == 7 && hits[1].primitive == CLARAY_MISS);
+    EXPECT(claray_primitives_any_hit(balls, rays, 2, occluded) == CLARAY_OK && occluded[0] == 1 && occluded[1] == 0);
+    EXPECT(claray_curves_build(device, line, 4, &first, 1, 1, 0, &hair) == CLARAY_OK);
+    EXPECT(claray_primitives_closest_hit(hair, rays, 2, hits) == CLARAY_OK);
+    EXPECT(hits[0].primitive == 0 && hits[0].t == 8.5f && hits[1].primitive == CLARAY_MISS);
+    kind.name = "dots", kind.source = dots, kind.floats = 3;
+    EXPECT(claray_primitives_build(device, &kind, own, 1, &dot) == CLARAY_OK);
+    EXPECT(claray_primitives_closest_hit(dot, rays, 2, hits) == CLARAY_OK && hits[0].t == 8.5f);
+    kind.floats = 0;
+    EXPECT_ERROR(claray_primitives_build(device, &kind, own, 1, &none), CLARAY_ERROR_USAGE, "kind.floats is 0");
+    kind.source = NULL;
+    EXPECT_ERROR(claray_primitives_build(device, &kind, own, 1, &none), CLARAY_ERROR_USAGE, "'dots' without a source");
+    kind.name = NULL;
+    EXPECT_ERROR(claray_primitives_build(device, &kind, own, 1, &none), CLARAY_ERROR_USAGE, "kind.name is NULL");
+    EXPECT_ERROR(claray_primitives_build(device, NULL, own, 1, &none), CLARAY_ERROR_USAGE, "kind is NULL");
+    kind.name = "spheres";
+    EXPECT_ERROR(claray_primitives_build(device, &kind, NULL, 1, &none), CLARAY_ERROR_USAGE, "data is NULL");
+    EXPECT_ERROR(claray_primitives_build(device, &kind, spheres, 2, NULL), CLARAY_ERROR_USAGE, "primitives is NULL");
+    EXPECT_ERROR(claray_curves_build(device, line, 3, &first, 1, 0, 0, &none), CLARAY_ERROR_INPUT, "there are 3");
+    EXPECT_ERROR(claray_primitives_closest_hit(balls, rays, 2, NULL), CLARAY_ERROR_USAGE, "hits is NULL");
+    EXPECT_ERROR(claray_primitives_any_hit(NULL, rays, 2, occluded), CLARAY_ERROR_USAGE, "primitives is NULL");
+    EXPECT(none == NULL);
+    claray_primitives_release(balls), claray_primitives_release(hair), claray_primitives_release(dot);
+    claray_primitives_release(NULL);
+}
+
 /* Nothing is made where there is no place for it: the leak checker sees what would be. */
 static void test_no_place(claray_device* device) {
     claray_mesh mesh = square_mesh();
@@ -466,6 +512,7 @@ int main(void) {
     test_lists(device);
     test_instances(device);
     test_flat_instances(device);
+    test_primitives(device);
     test_no_place(device);
     test_files(device);
     test_wrong_choices(device);
