@@ -235,6 +235,20 @@ TEST(OwnPrimitives, FillWideNodes) {
     }
 }
 
+/// On CPUs so many rays that are declared incoherent are traced in another order.
+TEST(OwnPrimitives, SortedRaysHitTheSame) {
+    const KindCase spheres = {"spheres", sphere_kind(), cross_sphere};
+    const Primitives primitives = Primitives::build(device(), spheres.kind, random_data(spheres, 503, 0.1f, 8));
+    const std::vector<Ray> rays = random_rays(65'537, 3.f, 1.f, 9);
+    QueryOptions incoherent;
+    incoherent.coherence = Coherence::incoherent;
+    const std::vector<Hit> sorted = closest_hit(primitives, rays, incoherent), hits = closest_hit(primitives, rays);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        ASSERT_EQ(sorted[i].primitive, hits[i].primitive) << i;
+        ASSERT_EQ(sorted[i].t, hits[i].t) << i;
+    }
+}
+
 TEST(OwnPrimitives, RefuseWhatCannotBe) {
     EXPECT_TRUE(throws_error(ErrorKind::usage, "whole number",
                              [] { (void)Primitives::build(device(), sphere_kind(), std::vector<float>(5)); }));
