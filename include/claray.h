@@ -212,11 +212,60 @@ CLARAY_API claray_status claray_instances_build(const claray_bvh* const* bvhs, s
 /* Moves the instances, as many as before. rebuild: as of claray_bvh_move. */
 CLARAY_API claray_status claray_instances_move(claray_instances* placed, const claray_instance* instances, size_t count,
                                                int rebuild);
+
+typedef struct claray_instance_group {
+    const claray_instance* members; /* placed together by an instance of the group */
+    size_t count;
+} claray_instance_group;
+typedef struct claray_flat_instances claray_flat_instances;
+
+/* Instances of several levels as those of one, for claray_instances_build. An instance whose bottom is below `bottoms`
+ * is one of a structure, else one of groups[bottom - bottoms]; groups may hold groups. Transforms are multiplied; a
+ * flat instance has the bits of all masks on its way. The order is that of a depth-first walk. */
+CLARAY_API claray_status claray_flat_instances_create(const claray_instance* roots, size_t root_count,
+                                                      const claray_instance_group* groups, size_t group_count,
+                                                      uint32_t bottoms, claray_flat_instances** flat);
+CLARAY_API size_t claray_flat_instances_count(const claray_flat_instances* flat);
+/* Valid while the handle is. */
+CLARAY_API const claray_instance* claray_flat_instances_members(const claray_flat_instances* flat);
+/* How instance i is reached: the index of a root, then that of a member in its group, and so on. Returns NULL and a
+ * count of 0 if there is no instance i; else valid while the handle is. */
+CLARAY_API const uint32_t* claray_flat_instances_steps(const claray_flat_instances* flat, size_t i, size_t* count);
+CLARAY_API void claray_flat_instances_release(claray_flat_instances* flat);
+
 /* As claray_query_create. Results are claray_instance_hit, or bytes for CLARAY_QUERY_ANY. */
 CLARAY_API claray_status claray_query_instances_create(const claray_instances* placed, claray_query_kind kind,
                                                        const claray_query_options* options, claray_device* queue,
                                                        claray_query** query);
 CLARAY_API void claray_instances_release(claray_instances* placed);
+
+/* ---- primitives that are not triangles ---- */
+
+typedef struct claray_primitives claray_primitives;
+
+typedef struct claray_primitive_kind {
+    size_t struct_size;
+    const char* name;   /* without a source "spheres", "discs" or "cylinders", else for messages */
+    const char* source; /* OpenCL C that defines bounds_of and intersect (docs/queries.md); NULL: a kind of claray */
+    uint32_t floats;    /* in the data for each primitive, with a source: 1 or more */
+} claray_primitive_kind;
+
+/* A structure over `count` primitives. data: 4 floats for a sphere (centre, radius), 8 for a disc (centre, radius,
+ * normal, radius of the hole) or cylinder (start, radius, end, 1 with caps or 0), else kind->floats for each. */
+CLARAY_API claray_status claray_primitives_build(claray_device* device, const claray_primitive_kind* kind,
+                                                 const float* data, size_t count, claray_primitives** primitives);
+/* Curves, of 4 control points for each segment, from the index in `segments` on. points: x, y, z and radius of each.
+ * bezier: 0 for uniform B-splines. flat: 0 for round curves, else ribbons that face every ray. */
+CLARAY_API claray_status claray_curves_build(claray_device* device, const float* points, size_t point_count,
+                                             const uint32_t* segments, size_t segment_count, int bezier, int flat,
+                                             claray_primitives** primitives);
+/* The closest hits, with the index of the primitive; u and v are what the kind sets. Block. The functions for points
+ * and for all hits of a ray are for triangles. */
+CLARAY_API claray_status claray_primitives_closest_hit(const claray_primitives* primitives, const claray_ray* rays,
+                                                       size_t count, claray_hit* hits);
+CLARAY_API claray_status claray_primitives_any_hit(const claray_primitives* primitives, const claray_ray* rays,
+                                                   size_t count, uint8_t* occluded);
+CLARAY_API void claray_primitives_release(claray_primitives* primitives);
 
 /* ---- scenes and images ---- */
 

@@ -1,12 +1,14 @@
-// Round curves beside Embree 3's in one process, by turns: bench_peers_curves [--device D] [--triangles N] [--every N]
-// [--width W --height H] [--repeat N] [--threads T] [--csv FILE]. The curves are the strands of the scene hair:N as
-// B-splines, with a control point at every third place along a strand.
+// Round curves beside Embree 3's in one process, by turns: bench_peers_curves [--strands hair | fur | grass | curls]
+// [--device D] [--triangles N] [--every N] [--width W --height H] [--repeat N] [--threads T] [--csv FILE]. The curves
+// are B-splines: the strands of the scene hair:N with a control point at every third place along a strand, or as many
+// segments that stand on a ball (fur), bend over a field (grass) or wind around falling lines (curls).
 #include <embree3/rtcore.h>
 
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <random>
 #include <thread>
 
 #include "bench/support.hpp"
@@ -17,7 +19,7 @@ using namespace claray;
 namespace {
 
 struct Options {
-    std::string device, csv;
+    std::string device, csv, strands = "hair";
     std::size_t triangles = 500'000;
     std::uint32_t every = 3;
     unsigned width = 640, height = 480, threads = 2;
@@ -53,6 +55,65 @@ Strands strands_of(const Mesh& hair, std::uint32_t every) {
     }
     finish();
     return strands;
+}
+
+/// Strands of `size` control points each, that `place` puts at t from 0 to 1 of strand i.
+template <class Place>
+Strands grow(std::size_t segments, std::uint32_t size, float radius, const Place& place) {
+    Strands strands;
+    for (std::size_t i = 0; i < segments / (size - 3); ++i) {
+        const auto first = std::uint32_t(strands.points.size());
+        for (std::uint32_t k = 0; k < size; ++k) {
+            const float t = float(k) / float(size - 1);
+            strands.points.emplace_back(place(i, t), radius * (1.1f - t));
+        }
+        for (std::uint32_t k = 0; k + 3 < size; ++k) strands.segments.push_back(first + k);
+    }
+    return strands;
+}
+
+/// Numbers from -1 to 1 that belong to a strand.
+glm::vec3 random_of(std::size_t strand, unsigned salt) {
+    std::mt19937 random(unsigned(2 * strand) + salt);
+    std::uniform_real_distribution<float> number(-1, 1);
+    const float x = number(random), y = number(random);
+    return {x, y, number(random)};
+}
+
+Strands grow(const std::string& kind, std::size_t segments) {
+    const float thin = 0.5f / std::sqrt(float(segments));
+    if (kind == "fur")
+        return grow(segments, 6, thin, [](std::size_t i, float t) {
+            const glm::vec3 root = glm::normalize(random_of(i, 0)), lean = random_of(i, 1);
+            return root + t * 0.15f * (root + t * (0.4f * lean + glm::vec3(0, -0.8f, 0.3f)));
+        });
+    if (kind == "grass")
+        return grow(segments, 5, 2 * thin, [](std::size_t i, float t) {
+            const glm::vec3 at = random_of(i, 0), lean = random_of(i, 1);
+            return glm::vec3(at.x + 0.1f * t * t * lean.x, t * (0.15f + 0.05f * lean.y), at.z + 0.1f * t * t * lean.z);
+        });
+    if (kind == "curls")
+        return grow(segments, 40, thin, [](std::size_t i, float t) {
+            const glm::vec3 at = random_of(i, 0), form = random_of(i, 1);
+            const float angle = (25 + 10 * form.x) * t + 6 * form.y, wide = 0.03f + 0.02f * form.z;
+            return glm::vec3(at.x + wide * std::cos(angle), 0.4f * at.y - 1.5f * t, at.z + wide * std::sin(angle));
+        });
+    throw Error(ErrorKind::usage, "there are no strands '" + kind + "'", "use hair, fur, grass or curls");
+}
+
+/// A ribbon along each segment.
+Mesh ribbons_of(const Strands& strands) {
+    Mesh mesh;
+    for (const std::uint32_t segment : strands.segments) {
+        const glm::vec4 a = strands.points[segment + 1], b = strands.points[segment + 2];
+        const glm::vec3 along = b - a, side = glm::normalize(glm::cross(along, glm::vec3(0.3f, 0.2f, 1)));
+        const auto base = std::uint32_t(mesh.positions.size());
+        for (const glm::vec4& end : {a, b})
+            for (const float sign : {-1.f, 1.f}) mesh.positions.push_back(glm::vec3(end) + sign * end.w * side);
+        mesh.triangles.emplace_back(base, base + 1, base + 2);
+        mesh.triangles.emplace_back(base + 1, base + 3, base + 2);
+    }
+    return mesh;
 }
 
 class EmbreeCurves {
@@ -171,7 +232,7 @@ void compare(const char* kind, const std::vector<Ray>& rays, const Primitives& o
     std::printf(
         "  %-8s %8zu rays, %zu hit: claray %8.1f ms, Embree %s %8.1f ms, ratio %.2f, %zu differ; triangles %.1f ms\n",
         kind, rays.size(), hit, a, RTC_VERSION_STRING, b, b / a, differ, c);
-    csv.row("hair", kind, rays.size(), a, b, b / a, differ, c);
+    csv.row(options.strands, kind, rays.size(), a, b, b / a, differ, c);
 }
 
 }  // namespace
@@ -180,7 +241,9 @@ int main(int argc, char** argv) try {
     CLI::App app("Compares round curves with Embree 3's");
     Options options;
     app.add_option("--device", options.device);
-    app.add_option("--triangles", options.triangles, "of the scene of hair");
+    app.add_option("--strands", options.strands, "hair, fur, grass or curls");
+    app.add_option("--triangles", options.triangles,
+                   "of the scene of hair; other strands have a segment for each four");
     app.add_option("--every", options.every, "places along a strand per control point");
     app.add_option("--width", options.width);
     app.add_option("--height", options.height);
@@ -190,10 +253,16 @@ int main(int argc, char** argv) try {
     app.add_option("--csv", options.csv);
     CLI11_PARSE(app, argc, argv);
     const Device device = Device::open(options.device);
-    const std::string name = "hair:" + std::to_string(options.triangles);
+    const std::string name = options.strands + ":" + std::to_string(options.triangles);
     Scene scene;
-    scene.meshes = measure::load_meshes(name);
-    const Strands strands = strands_of(scene.meshes[0], options.every);
+    Strands strands;
+    if (options.strands == "hair") {
+        scene.meshes = measure::load_meshes(name);
+        strands = strands_of(scene.meshes[0], options.every);
+    } else {
+        strands = grow(options.strands, options.triangles / 4);
+        scene.meshes.push_back(ribbons_of(strands));
+    }
     const Bvh ribbons = Bvh::build(device, scene.meshes);
     const Primitives curves =
         build_curves(device, strands.points, strands.segments, CurveBasis::bspline, CurveShape::round, options.bvh);
@@ -203,13 +272,16 @@ int main(int argc, char** argv) try {
                 scene.meshes[0].triangles.size(), megabytes(ribbons, mesh_bytes), strands.segments.size(),
                 megabytes(curves.bvh(), curves.data().bytes() + 48 * strands.segments.size()),
                 double(peer.bytes()) * 1e-6);
-    const measure::RaySets sets =
-        measure::make_rays(device, scene, measure::three_views(name, scene), options.width, options.height);
+    std::vector<Ray> primary;
+    for (const measure::View& view : measure::three_views(name, scene)) {
+        const std::vector<Ray> rays = measure::primary_rays(view.camera, options.width, options.height, false);
+        primary.insert(primary.end(), rays.begin(), rays.end());
+    }
     measure::Csv csv(
         options.csv, device,
         "scene,kind,rays,milliseconds,embree_milliseconds,claray_is_faster_by,differences,triangles_milliseconds");
-    compare("primary", sets.primary, curves, peer, ribbons, options, csv);
-    compare("bounce", bounces(sets.primary, curves), curves, peer, ribbons, options, csv);
+    compare("primary", primary, curves, peer, ribbons, options, csv);
+    compare("bounce", bounces(primary, curves), curves, peer, ribbons, options, csv);
     csv.write();
 } catch (const std::exception& error) {
     std::fprintf(stderr, "bench_peers_curves: error: %s\n", error.what());

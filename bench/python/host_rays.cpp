@@ -37,7 +37,7 @@ int main(int argc, char** argv) try {
     CLI::App app("Times rays in host memory");
     std::string scene, file, selector;
     unsigned rounds = 11;
-    Bvh::Config config{.builder = Builder::high};
+    Bvh::Config config;
     app.add_option("scene", scene)->required();
     app.add_option("rays", file)->required();
     app.add_option("--rounds", rounds);

@@ -73,6 +73,14 @@ Bvh build_over_primitives(const Device& device, const TriangleBuffers& corners, 
     return bvh;
 }
 
+void require_triangles(const Bvh& bvh, const std::string& user) {
+    if (bvh.state().leaf_shape == LeafShape::triangle) return;
+    throw Error(
+        ErrorKind::usage,
+        user + " needs a tree of triangles, not that of Primitives::bvh(), whose leaves are boxes of primitives",
+        "call closest_hit or any_hit of the Primitives, or build a Bvh of a mesh");
+}
+
 Bvh Bvh::build_by_host(const Device& device, std::span<const Mesh> meshes, const Config& with) {
     Config config = with;
     config.layout = Layout::binary, config.builder = Builder::fast;

@@ -71,6 +71,7 @@ void Bvh::State::load_kernels(std::size_t keys_to_sort) {
     if (traits_of(config.builder).codes) load_for_sorting(keys_to_sort);
     if (layout == Layout::wide) {
         begin_collapse_ = load_collapse("begin_collapse");
+        if (costs.size() != 0) cost_subtrees_ = load_collapse("cost_subtrees");
         collapse_level_ = load_collapse("collapse_level");
         collapse_subtrees_ = load_collapse("collapse_subtrees");
     }
@@ -110,7 +111,9 @@ void Bvh::State::load_for_sorting(std::size_t keys) {
 void Bvh::State::allocate() {
     std::uint32_t capacity = count;  // of leaves
     if (!traits_of(config.builder).codes) {
-        sbvh = Sbvh(device, count, traits_of(config.builder).splits ? config.split_budget : 0);
+        const bool blocks_of_eight = leaf_shape != LeafShape::triangle && layout == Layout::wide;
+        sbvh = Sbvh(device, count, traits_of(config.builder).splits ? config.split_budget : 0,
+                    blocks_of_eight ? CLARAY_WIDTH : 1);
         capacity = sbvh.capacity();
         other_nodes = Buffer<BvhNode>(device, capacity);
         other_leaves = Buffer<LeafTriangle>(device, capacity);
@@ -132,6 +135,9 @@ void Bvh::State::allocate() {
             wide_blocks = Buffer<TriangleBlock>(device, blocks);
         else
             primitive_blocks = Buffer<PrimitiveBlock>(device, blocks);
+        // For triangles of `balanced` it would take two fifths of the build.
+        if (leaf_shape != LeafShape::triangle || !traits_of(config.builder).codes)
+            costs = Buffer<float>(device, std::size_t(CLARAY_WIDTH) * capacity);
     }
 }
 
@@ -250,13 +256,18 @@ void Bvh::State::run_collapse(Kernel& kernel, Range range, const Parameters&... 
 void Bvh::State::collapse(bool by_split) {
     begin_collapse_.run({1, 1}, header, wide_nodes);
     std::uint32_t begin = 0, end = read_header().wide_nodes;
+    if (costs.size() != 0) {
+        arrivals.fill(0);
+        cost_subtrees_.run({nodes.size(), build_group}, nodes, header, arg("arrivals", arrivals), arg("costs", costs));
+    }
     const std::uint32_t enough = subtrees_for(device), at_once = numbers_at_once(count, device);
     while (begin < end && end - begin < enough) {
-        run_collapse(collapse_level_, {end - begin, 1}, begin, end);
+        run_collapse(collapse_level_, {end - begin, 1}, arg("costs", costs), begin, end);
         begin = end;
         end = read_header().wide_nodes;
     }
-    run_collapse(collapse_subtrees_, {end - begin, 1}, begin, end, at_once, std::uint32_t(by_split));
+    run_collapse(collapse_subtrees_, {end - begin, 1}, arg("costs", costs), begin, end, at_once,
+                 std::uint32_t(by_split));
 }
 
 void Bvh::State::load_refit() {
@@ -278,7 +289,7 @@ void Bvh::State::refit() {
 void Bvh::State::keep_tree_only() {
     triangles = {};
     bound_keys = {}, codes32 = {}, order = {}, arrivals = {}, clusters = {}, codes64 = {};
-    pieces = {}, piece_counts = {};
+    pieces = {}, piece_counts = {}, costs = {};
     sort32.reset(), sort64.reset();
     other_nodes = {}, other_leaves = {}, sbvh = {}, finish = {};
     if (layout == Layout::wide) nodes = {}, leaves = {};

@@ -18,6 +18,9 @@ enum class LeafShape { triangle, box, capsule };
 [[nodiscard]] Bvh build_over_primitives(const Device& device, const TriangleBuffers& corners, const Bvh::Config& config,
                                         bool capsules);
 
+/// Throws ErrorKind::usage for a structure over primitives. `user`: what needs triangles, as the subject of a sentence.
+void require_triangles(const Bvh& bvh, const std::string& user);
+
 struct Bvh::State {
     /// `by_host`: the host will fill in the tree. Kernels and buffers for building are then loaded and allocated on
     /// demand.
@@ -63,6 +66,7 @@ struct Bvh::State {
     Buffer<std::uint32_t> codes32, order, arrivals, clusters;
     Buffer<std::uint64_t> codes64;
     Buffer<std::uint32_t> pieces, piece_counts;  // of the serial schedule
+    Buffer<float> costs;                         // of subtrees: see collapse.cl
     std::uint32_t ranges = 0;                    // work-items of the serial schedule; 0: every leaf climbs by itself
     std::unique_ptr<RadixSort<std::uint32_t>> sort32;
     std::unique_ptr<RadixSort<std::uint64_t>> sort64;
@@ -93,7 +97,8 @@ private:
 
     bool prepared_ = false;
     Kernel reset_, centroids_, encode_, bounds_, finish_bounds_, codes_, lbvh_, hploc_, refit_, lbvh_ranges_,
-        join_lbvh_, hploc_ranges_, join_hploc_, begin_collapse_, collapse_level_, collapse_subtrees_, refit_wide_;
+        join_lbvh_, hploc_ranges_, join_hploc_, begin_collapse_, cost_subtrees_, collapse_level_, collapse_subtrees_,
+        refit_wide_;
 };
 
 }  // namespace claray

@@ -27,6 +27,7 @@ BottomSize size_of(const Bvh& bvh, const BvhHeader& header) {
 void check_bottoms(std::span<const Bvh> bottoms) {
     if (bottoms.empty()) throw Error(ErrorKind::usage, "instances without a bottom level", "pass at least one Bvh");
     for (const Bvh& bvh : bottoms) {
+        require_triangles(bvh, "an instance");
         if (bvh.device().context()() != bottoms[0].device().context()())
             throw Error(ErrorKind::usage, "bottom levels of different devices", "build all of them on one Device");
         if (bvh.layout() != bottoms[0].layout())

@@ -152,6 +152,7 @@ private:
 }  // namespace
 
 void Bvh::save(const std::filesystem::path& path) const {
+    require_triangles(*this, "a saved tree");
     const State& s = *state_;
     TreeHeader header{};
     header.name = tree_magic;

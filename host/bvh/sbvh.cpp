@@ -22,7 +22,7 @@ std::uint32_t chunk_for(const Device& device, std::uint32_t references) {
 
 }  // namespace
 
-Sbvh::Sbvh(const Device& device, std::uint32_t count, double budget)
+Sbvh::Sbvh(const Device& device, std::uint32_t count, double budget, unsigned leaf_block)
     : count_(count),
       budget_(std::uint32_t(std::min(budget * count, double(CLARAY_SLOT - 1) - count))),
       chunk_(chunk_for(device, count)),
@@ -38,10 +38,10 @@ Sbvh::Sbvh(const Device& device, std::uint32_t count, double budget)
     states_ = Buffer<std::uint32_t>(device, words_of_large_node * large_nodes);
     bins_ = Buffer<std::uint32_t>(device, words_of_bins * large_nodes);
     chunks_ = Buffer<std::uint32_t>(device, words_of_chunk * (capacity() / chunk_ + large_nodes));
-    load_kernels(device);
+    load_kernels(device, leaf_block);
 }
 
-void Sbvh::load_kernels(const Device& device) {
+void Sbvh::load_kernels(const Device& device, unsigned leaf_block) {
     const Defines medium = group_of(medium_group_), large = group_of(large_group_);
     begin_placing_ = load_kernel(device, sbvh_file, "begin_placing", medium);
     place_ = load_kernel(device, sbvh_file, "place_references", medium);
@@ -55,7 +55,8 @@ void Sbvh::load_kernels(const Device& device) {
     move_large_ = load_kernel(device, large_file, "move_large", large);
     finish_large_ = load_kernel(device, large_file, "finish_large", large);
     runs_ = device.info().compute_units * device.tuning("bvh/serial", "RANGES_PER_UNIT");
-    finish_subtrees_ = runs_ != 0 ? load_kernel(device, "bvh/serial/sbvh_serial.cl", "finish_subtrees_serial")
+    finish_subtrees_ = runs_ != 0 ? load_kernel(device, "bvh/serial/sbvh_serial.cl", "finish_subtrees_serial",
+                                                {{"LEAF_BLOCK", std::to_string(leaf_block)}})
                                   : load_kernel(device, "bvh/sbvh_small.cl", "finish_subtrees");
 }
 

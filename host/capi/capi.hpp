@@ -97,4 +97,15 @@ std::span<const T> array(const T* data, std::size_t count, const char* name) {
     return {data, count};
 }
 
+/// Runs `query(given, results)` with what is asked and `count` answers in buffers, which on CPUs are the caller's
+/// memory.
+template <class T, class Answer, class Query>
+void answer(const Device& device, std::span<const T> asked, Answer* answers, std::size_t count, const char* name,
+            const Query& query) {
+    const std::span found(&required(answers, name), count);
+    auto results = Buffer<Answer>::under(device, found);
+    query(Buffer<T>::over(device, asked), results);
+    results.fetch(found);
+}
+
 }  // namespace claray::capi

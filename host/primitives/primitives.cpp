@@ -1,7 +1,7 @@
 #include "claray/primitives/primitives.hpp"
 
 #include "host/bvh/bvh_state.hpp"
-#include "host/trace/query_options.hpp"
+#include "host/trace/query_kernel.hpp"
 #include "host/trace/ray_order.hpp"
 #include "host/trace/schedule.hpp"
 
@@ -55,6 +55,7 @@ struct Primitives::State {
         const auto number = std::uint32_t(rays.size());
         const unsigned fewest = device.tuning("trace/closest_hit", "SORT_FROM");
         if (options.coherence != Coherence::incoherent || fewest == 0 || number < fewest) return none;
+        if (!in_any_order(device, bvh, rays, number)) return none;
         if (!ray_order || ray_order->capacity() < number) ray_order = std::make_unique<RayOrder>(device, number);
         return ray_order->sort(bvh, rays, number);
     }

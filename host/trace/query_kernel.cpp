@@ -16,13 +16,22 @@ const cl::Buffer& ray_queue(const Device& device) {
     return *queue;
 }
 
+bool in_any_order(const Device& device, const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t count) {
+    const cl::Buffer& queue = ray_queue(device);
+    load_kernel(device, "trace/queue/ray_order.cl", "sample_order")
+        .run({1, 1}, bvh.header_buffer(), rays, count, arg("queue", queue));
+    std::uint32_t answer = 0;
+    detail::read(device, queue, 2 * sizeof answer, &answer, sizeof answer);
+    return answer != 0;
+}
+
 QueryKernel::QueryKernel(const Device& device, const Bvh& bvh, Kind kind, const QueryOptions& options,
                          const std::string& name, const std::string& file)
     : device_(device), bvh_(bvh), options_(options) {
     const std::string query = kind == Kind::closest ? "closest_hit" : "any_hit";
     const std::string stem = options.brute_force ? "trace/brute_force" : "trace/" + query;
     const std::string function = options.brute_force ? "brute_force_" + query : query;
-    Defines common = query_defines(bvh.defines(), options);
+    Defines common = query_defines(triangle_defines(bvh), options);
     const auto load = [&](const Defines& more) {
         Defines defines = common;
         defines.insert(defines.end(), more.begin(), more.end());
@@ -43,7 +52,7 @@ QueryKernel::QueryKernel(const Device& device, const Bvh& bvh, Kind kind, const 
         most_in_batch_ = std::min(most_in_batch_, 8192u), group_ = 1;
         if (bvh.has_cutouts()) {
             std::erase_if(common, [](const auto& define) { return define.first == "CLARAY_CUTOUTS"; });
-            Defines defines = query_defines(bvh.defines(), options);
+            Defines defines = query_defines(triangle_defines(bvh), options);
             defines.emplace_back("GROUP_SIZE", "1");
             defines.emplace_back("RAYS_PER_ITEM", std::to_string(rays_per_item_));
             retrace_ = load_kernel(device, "trace/cutouts.cl",
@@ -52,7 +61,7 @@ QueryKernel::QueryKernel(const Device& device, const Bvh& bvh, Kind kind, const 
         }
         load({{"RAY_QUEUE", "0"}, {"BATCH", std::to_string(most_in_batch_)}, {"GROUP_SIZE", "1"}});
         sort_from_ = device.tuning(stem, "SORT_FROM");
-        if (sort_from_ != 0) sample_ = load_kernel(device, "trace/queue/ray_order.cl", "sample_order");
+        if (sort_from_ != 0) (void)load_kernel(device, "trace/queue/ray_order.cl", "sample_order");
         return;
     }
     if (device.tuning(stem, "RAY_QUEUE") == 0 || bvh.layout() != Layout::binary) {
@@ -74,12 +83,7 @@ Buffer<std::uint32_t> QueryKernel::order_of(const Buffer<Ray>& rays, std::uint32
                                             const Buffer<std::uint32_t>& count) {
     if (sort_from_ == 0 || capacity < sort_from_ || count.allocated()) return {};
     const Device& device = *device_;
-    if (options_.coherence == Coherence::coherent) return {};
-    const cl::Buffer& queue = ray_queue(device);
-    sample_.run({1, 1}, bvh_.header_buffer(), rays, arg("count", capacity), arg("queue", queue));
-    std::uint32_t in_any_order = 0;
-    detail::read(device, queue, 2 * sizeof(in_any_order), &in_any_order, sizeof(in_any_order));
-    if (in_any_order == 0) return {};
+    if (options_.coherence == Coherence::coherent || !in_any_order(device, bvh_, rays, capacity)) return {};
     if (!ray_order_ || ray_order_->capacity() < capacity) ray_order_ = std::make_shared<RayOrder>(device, capacity);
     return ray_order_->sort(bvh_, rays, capacity);
 }

@@ -13,6 +13,9 @@ namespace claray {
 /// commands run one after another.
 [[nodiscard]] const cl::Buffer& ray_queue(const Device& device);
 
+/// Whether rays are in no order by which neighbours meet the same parts of a structure, by a sample. Waits for it.
+[[nodiscard]] bool in_any_order(const Device& device, const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t count);
+
 /// Binds only CLARAY_CUTOUTS_PARAMETERS.
 struct CutoutsOf {
     const Bvh& bvh;
@@ -82,7 +85,7 @@ private:
     Bvh bvh_;
     QueryOptions options_;
     std::vector<Kernel> kernels_;  // one, or two schedules of which one traces the rays
-    Kernel sample_, retrace_;
+    Kernel retrace_;
     std::shared_ptr<RayOrder> ray_order_;
     std::size_t rays_per_item_ = 1, group_ = 64, most_items_ = std::size_t(-1);
     std::uint32_t most_in_batch_ = 0, sort_from_ = 0;

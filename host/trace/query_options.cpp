@@ -1,6 +1,13 @@
 #include "host/trace/query_options.hpp"
 
+#include "host/bvh/bvh_state.hpp"
+
 namespace claray {
+
+Defines triangle_defines(const Bvh& bvh) {
+    require_triangles(bvh, "a query of triangles");
+    return bvh.defines();
+}
 
 Defines query_defines(Defines defines, const QueryOptions& options) {
     if (options.cull_back_faces) defines.emplace_back("CULL_BACK_FACES", "1");
@@ -11,7 +18,7 @@ Defines query_defines(Defines defines, const QueryOptions& options) {
 }
 
 Defines solid_defines(const Bvh& bvh) {
-    Defines defines = bvh.defines();
+    Defines defines = triangle_defines(bvh);
     std::erase_if(defines, [](const auto& define) { return define.first == "CLARAY_CUTOUTS"; });
     return defines;
 }

@@ -5,6 +5,9 @@
 
 namespace claray {
 
+/// The macros of a structure. Throws ErrorKind::usage if it holds primitives instead of triangles.
+[[nodiscard]] Defines triangle_defines(const Bvh& bvh);
+
 /// The macros of a structure and of the options.
 [[nodiscard]] Defines query_defines(Defines defines, const QueryOptions& options);
 

@@ -1,5 +1,6 @@
-// Builds the wide tree from the binary tree, level by level from the root. A wide node begins with a binary node's children and
-// replaces the child of the largest area by its children until the node is full (Wald et al. 2008, "Getting Rid of Packets").
+// Builds the wide tree from the binary tree, level by level from the root. A wide node has the children that cost least
+// (cost_subtrees). Where the build must be fast, it begins with a binary node's children and replaces the child of the largest area
+// by its children until the node is full (Wald et al. 2008, "Getting Rid of Packets").
 #include "bvh/columns.clh"
 #include "bvh/triangles.clh"
 
@@ -67,6 +68,52 @@ static inline void fill_block(global const LeafTriangle* leaves, const uint* slo
 }
 #endif
 
+/// The cost of a child as at most `slots` children of a wide node, from the table of cost_subtrees.
+static inline float cost_of_child(global const float* costs, global const BvhNode* nodes, uint index, uint side, uint slots) {
+    const uint child = child_of(&nodes[index], side);
+    if (leaves_below(nodes, child) <= LEAF_BLOCK) return half_area(child_box(&nodes[index], side));
+    return costs[CLARAY_WIDTH * (size_t)child + slots - 1];
+}
+
+typedef struct Share {
+    float cost;
+    uint left;
+} Share;
+
+/// The best way to share slots of a wide node between the two children of a binary node.
+static inline Share best_share(global const float* costs, global const BvhNode* nodes, uint index, uint slots) {
+    Share best = {INFINITY, 1};
+    for (uint left = 1; left < slots; ++left) {
+        const float cost = cost_of_child(costs, nodes, index, 0, left) + cost_of_child(costs, nodes, index, 1, slots - left);
+        if (cost < best.cost) best.cost = cost, best.left = left;
+    }
+    return best;
+}
+
+static inline void cost_subtree(global const BvhNode* nodes, uint index, global float* costs) {
+    if (leaves_below(nodes, index) <= LEAF_BLOCK) return;
+    const Box box = box_union(child_box(&nodes[index], 0), child_box(&nodes[index], 1));
+    float cost = half_area(box) + best_share(costs, nodes, index, CLARAY_WIDTH).cost;
+    for (uint slots = 1; slots < CLARAY_WIDTH; ++slots) {
+        if (slots > 1) cost = fmin(cost, best_share(costs, nodes, index, slots).cost);
+        costs[CLARAY_WIDTH * (size_t)index + slots - 1] = cost;
+    }
+}
+
+/// The least cost of each binary node as at most 1 .. 7 children of a wide node, where every wide node and every block costs its area
+/// (Ylitie et al. 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section 3). Climbs as refit.cl
+/// does. `arrivals` is zero before.
+kernel void cost_subtrees(global const BvhNode* nodes, global const BvhHeader* header, volatile global uint* arrivals,
+                          global float* costs) {
+    uint index = get_global_id(0);
+    if (index >= header->inner_nodes || is_free_node(&nodes[index])) return;
+    uint ready = (is_leaf(nodes[index].child0) ? 1 : 0) + (is_leaf(nodes[index].child1) ? 1 : 0);
+    while (ready != 0 && index != CLARAY_NO_CHILD && both_children_ready(arrivals, index, ready)) {
+        cost_subtree(nodes, index, costs);
+        index = nodes[index].parent, ready = 1;
+    }
+}
+
 /// The leaves below `child` (at most LEAF_BLOCK) from left to right. Unused lanes repeat the last leaf and are ignored.
 static inline void list_leaves(global const BvhNode* nodes, uint child, uint* slots) {
     uint stack[LEAF_BLOCK], depth = 0, count = 0;
@@ -105,6 +152,7 @@ typedef struct Output {
     global WideNode* wide;
     global BLOCKS* blocks;
     volatile global BvhHeader* header;
+    global const float* costs;  // of cost_subtrees, or none
     uint node, node_end, block, block_end;  // reserved numbers; many at once, so that items rarely contend for the counters
     uint nodes_at_once, blocks_at_once;
     bool by_split;
@@ -114,10 +162,10 @@ typedef struct Output {
 } Output;
 
 static inline Output begin_output(global const BvhNode* nodes, global const LeafTriangle* leaves, global WideNode* wide,
-                                  global BLOCKS* blocks, volatile global BvhHeader* header, uint at_once,
-                                  bool by_split) {
+                                  global BLOCKS* blocks, volatile global BvhHeader* header, global const float* costs,
+                                  uint at_once, bool by_split) {
     Output out;
-    out.nodes = nodes, out.leaves = leaves, out.wide = wide, out.blocks = blocks, out.header = header;
+    out.nodes = nodes, out.leaves = leaves, out.wide = wide, out.blocks = blocks, out.header = header, out.costs = costs;
     out.node = out.node_end = out.block = out.block_end = out.fills = 0;
     out.by_split = by_split;
     out.nodes_at_once = at_once, out.blocks_at_once = 2 * at_once - 1;
@@ -235,6 +283,28 @@ static inline void open_slot(const Output* out, Slots* slots, uint at, Subtree s
     set_slot(slots, slots->count++, b, (float4)(xy1.xz, z.z, 0.0f), (float4)(xy1.yw, z.w, 0.0f));
 }
 
+/// Opens the root, and slots until all children are those that cost least.
+static inline void open_best(const Output* out, Subtree root, Slots* slots) {
+    uint most[CLARAY_WIDTH];  // children in place of a slot
+    most[0] = CLARAY_WIDTH, slots->subtrees[0] = root, slots->rank[0] = 1;
+    for (uint at = 0; at < slots->count;) {
+        const Subtree subtree = slots->subtrees[at];
+        const bool is_root = slots->count == 1;
+        if (slots->rank[at] == 0) most[at] = 1;  // a block
+        Share share = {INFINITY, 0};
+        for (; most[at] > 1; --most[at]) {
+            share = best_share(out->costs, out->nodes, subtree.child, most[at]);
+            if (is_root || share.cost <= out->costs[CLARAY_WIDTH * (size_t)subtree.child + most[at] - 1]) break;
+        }
+        if (most[at] == 1) {
+            ++at;
+            continue;
+        }
+        most[slots->count] = most[at] - share.left, most[at] = share.left;
+        open_slot(out, slots, at, subtree);
+    }
+}
+
 /// The slots of the wide node for `root`; unused slots hold a box that no ray hits.
 static inline void open_children(const Output* out, Subtree root, Slots* slots) {
     for (uint i = 0; i < CLARAY_WIDTH; ++i) {
@@ -248,7 +318,8 @@ static inline void open_children(const Output* out, Subtree root, Slots* slots) 
         set_slot(slots, 0, root, (float4)(box.lo, 0.0f), (float4)(box.hi, 0.0f));
         return;
     }
-    open_slot(out, slots, 0, root);  // even if all leaves fit in one block
+    if (out->costs) open_best(out, root, slots);
+    else open_slot(out, slots, 0, root);  // even if all leaves fit in one block
     while (slots->count < CLARAY_WIDTH) {
         ulong best = 0;
         for (uint i = 0; i < CLARAY_WIDTH; ++i) best = max(best, slots->rank[i]);
@@ -310,10 +381,11 @@ kernel void begin_collapse(global BvhHeader* header, global WideNode* wide) {
 
 /// One level: wide nodes begin .. end - 1, one item each. `source[0]` is the binary node of a wide node.
 kernel void collapse_level(global const BvhNode* nodes, global const LeafTriangle* leaves, global WideNode* wide,
-                           global BLOCKS* blocks, volatile global BvhHeader* header, uint begin, uint end) {
+                           global BLOCKS* blocks, volatile global BvhHeader* header, global const float* costs, uint begin,
+                           uint end) {
     const uint index = begin + get_global_id(0);
     if (index >= end) return;
-    Output out = begin_output(nodes, leaves, wide, blocks, header, 1, false);
+    Output out = begin_output(nodes, leaves, wide, blocks, header, costs, 1, false);
     Wide below[CLARAY_WIDTH];
     const uint count = collapse_node(&out, prepared_node(&out, index), below);
     for (uint i = 0; i < count; ++i) wide[below[i].index].source[0] = below[i].root.child;
@@ -324,11 +396,11 @@ kernel void collapse_level(global const BvhNode* nodes, global const LeafTriangl
 /// together and stay in the cache, now and when the wide nodes are traversed. The last subtrees come first, because they may
 /// still be in the cache. `at_once`: number of wide nodes reserved at once; `by_split`: see fetch_subtree.
 kernel void collapse_subtrees(global const BvhNode* nodes, global const LeafTriangle* leaves, global WideNode* wide,
-                              global BLOCKS* blocks, volatile global BvhHeader* header, uint begin, uint end,
-                              uint at_once, uint by_split) {
+                              global BLOCKS* blocks, volatile global BvhHeader* header, global const float* costs, uint begin,
+                              uint end, uint at_once, uint by_split) {
     if (begin + get_global_id(0) >= end) return;
     const uint index = end - 1 - get_global_id(0);
-    Output out = begin_output(nodes, leaves, wide, blocks, header, at_once, by_split != 0);
+    Output out = begin_output(nodes, leaves, wide, blocks, header, costs, at_once, by_split != 0);
     Wide stack[CLARAY_MAX_HEIGHT * (CLARAY_WIDTH - 1) + CLARAY_WIDTH];
     uint depth = 0;
     stack[depth++] = prepared_node(&out, index);

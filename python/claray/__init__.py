@@ -13,6 +13,7 @@ from ._device import Device, Event, default_device, devices
 from ._filter import Filter, geometry_range
 from ._image import Image
 from ._instances import InstancedBvh
+from ._levels import FlatInstances, Instances, flatten
 from ._lists import Lists, all_hits, box_overlaps, count_hits, nearest_hits, sphere_overlaps
 from ._points import inside, nearest_point, signed_distance
 from ._primitives import Primitives
@@ -24,8 +25,9 @@ from .errors import DeviceError, Error, InputError, UsageError
 
 __all__ = [
     "HIT", "INSTANCE_HIT", "MISS", "NEAREST", "RAY", "Bvh", "Camera", "Device", "DeviceError", "Error", "Event", "Filter",
-    "Image", "InputError", "InstancedBvh", "Light", "Lists", "Material", "Primitives", "Query", "Rays", "Renderer", "Scene",
-    "Study", "UsageError", "accuracy", "all_hits", "any_hit", "box_overlaps", "builtin_scenes", "closest_hit", "count_hits",
-    "default_device", "devices", "errors", "geometry_range", "inside", "load", "nearest_hits", "nearest_point", "rays",
-    "render", "signed_distance", "sphere_overlaps", "studies", "unoccluded", "verify", "verify_cases",
+    "FlatInstances", "Image", "InputError", "InstancedBvh", "Instances", "Light", "Lists", "Material", "Primitives",
+    "Query", "Rays", "Renderer", "Scene", "Study", "UsageError", "accuracy", "all_hits", "any_hit", "box_overlaps",
+    "builtin_scenes", "closest_hit", "count_hits", "default_device", "devices", "errors", "flatten", "geometry_range",
+    "inside", "load", "nearest_hits", "nearest_point", "rays", "render", "signed_distance", "sphere_overlaps", "studies",
+    "unoccluded", "verify", "verify_cases",
 ]

@@ -117,3 +117,9 @@ class Bvh:
 
     def __repr__(self) -> str:
         return f"<claray.Bvh of {self.triangle_count} triangles on {self._device.name}>"
+
+
+def check_bvh(bvh: Any) -> None:
+    """For queries that only triangles answer."""
+    if not isinstance(bvh, Bvh):
+        raise UsageError(f"bvh: is a {type(bvh).__name__}; use a claray.Bvh (other structures: closest_hit and any_hit)")

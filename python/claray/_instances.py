@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ._query import Query
 
 
-def _rows(name: str, value: Any) -> NDArray[np.float32]:
+def rows_of(name: str, value: Any) -> NDArray[np.float32]:
     """Affine matrices as (N, 3, 4) float32."""
     array = as_array(name, value)
     if array.dtype.kind not in "fiu" or array.ndim != 3 or array.shape[1:] not in ((4, 4), (3, 4)):
@@ -50,7 +50,7 @@ class InstancedBvh:
         structures = [bvhs] if isinstance(bvhs, Bvh) else list(bvhs)
         if not structures or not all(isinstance(bvh, Bvh) for bvh in structures):
             raise UsageError("bvhs: use a claray.Bvh, or a sequence of at least one")
-        begin = _rows("transforms", transforms)
+        begin = rows_of("transforms", transforms)
         if len(begin) == 0:
             raise UsageError("transforms: empty; give at least one instance")
         which = words("bottoms", bottoms, len(begin))
@@ -80,13 +80,13 @@ class InstancedBvh:
 
     @staticmethod
     def _ends(ends: ArrayLike, count: int) -> NDArray[np.float32]:
-        rows = _rows("ends", ends)
+        rows = rows_of("ends", ends)
         if len(rows) != count:
             raise UsageError(f"ends: has {len(rows)} matrices, but there are {count} instances")
         return rows
 
     def _move(self, transforms: ArrayLike, ends: ArrayLike | None, rebuild: bool) -> None:
-        begin = _rows("transforms", transforms)
+        begin = rows_of("transforms", transforms)
         if len(begin) != self._count:
             raise UsageError(f"transforms: has {len(begin)} matrices, but there are {self._count} instances")
         if (ends is not None) != self.moves:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _native
 from ._arrays import HIT, MISS, finite, finite_vector, floats, words
-from ._bvh import Bvh
+from ._bvh import Bvh, check_bvh
 from ._filter import Filter
 from ._query import native_filter, packed_rays
 from .errors import UsageError
@@ -45,11 +45,6 @@ class Lists:
         return f"<claray.Lists of {len(self)} queries and {len(self.elements)} results>"
 
 
-def _check_bvh(bvh: Any) -> None:
-    if not isinstance(bvh, Bvh):
-        raise UsageError(f"bvh: is a {type(bvh).__name__}; use a claray.Bvh")
-
-
 def count_hits(bvh: Bvh, origins: ArrayLike, directions: ArrayLike | None = None, *, tmin: ArrayLike = 0.0,
                tmax: ArrayLike = np.inf, masks: ArrayLike | None = None, cull_back_faces: bool = False,
                filter: Filter | None = None, nan: Literal["raise", "miss"] = "raise") -> NDArray[np.uint32]:
@@ -57,7 +52,7 @@ def count_hits(bvh: Bvh, origins: ArrayLike, directions: ArrayLike | None = None
 
     Arguments and errors are those of closest_hit.
     """
-    _check_bvh(bvh)
+    check_bvh(bvh)
     rays = packed_rays(origins, directions, tmin, tmax, nan)
     results = np.zeros(len(rays), np.uint32)
     visible, accepted = words("masks", masks, len(rays)), native_filter(filter)
@@ -75,7 +70,7 @@ def nearest_hits(bvh: Bvh, origins: ArrayLike, directions: ArrayLike | None = No
     20 bytes for each of N * most hits; all_hits takes only as much as there are hits. Other arguments and errors are
     those of closest_hit.
     """
-    _check_bvh(bvh)
+    check_bvh(bvh)
     if not isinstance(most, (int, np.integer)) or isinstance(most, bool) or not 0 < most < 2**32:
         raise UsageError(f"most: is {most!r}; use a positive integer")
     rays = packed_rays(origins, directions, tmin, tmax, nan)
@@ -98,7 +93,7 @@ def all_hits(bvh: Bvh, origins: ArrayLike, directions: ArrayLike | None = None, 
     Returns Lists of hits of dtype HIT: hits[i] are those of ray i. Arguments and errors are those of closest_hit, and
     UsageError for more than 4e9 hits.
     """
-    _check_bvh(bvh)
+    check_bvh(bvh)
     rays = packed_rays(origins, directions, tmin, tmax, nan)
     visible, accepted = words("masks", masks, len(rays)), native_filter(filter)
     if len(rays) == 0:
@@ -114,7 +109,7 @@ def box_overlaps(bvh: Bvh, lows: ArrayLike, highs: ArrayLike) -> Lists:
     Decided in float64. Returns Lists of uint32. Raises UsageError, naming the argument, for wrong shapes, types and
     numbers that are not finite.
     """
-    _check_bvh(bvh)
+    check_bvh(bvh)
     low, high = finite("lows", floats("lows", lows, 3)), finite("highs", floats("highs", highs, 3))
     if len(low) != len(high):
         raise UsageError(f"highs: has {len(high)} rows, but lows has {len(low)}")
@@ -126,7 +121,7 @@ def sphere_overlaps(bvh: Bvh, centers: ArrayLike, radii: ArrayLike) -> Lists:
 
     centers: (N, 3). radii: (N,), or one number; spheres of negative radius overlap nothing. As box_overlaps otherwise.
     """
-    _check_bvh(bvh)
+    check_bvh(bvh)
     places = finite("centers", floats("centers", centers, 3))
     return _overlaps(_native.sphere_overlaps, bvh, np.column_stack([places, finite_vector("radii", radii, len(places))]))
 

@@ -9,14 +9,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _native
 from ._arrays import NEAREST, check_choice, finite, floats, output, words
-from ._bvh import Bvh
+from ._bvh import Bvh, check_bvh
 from .errors import UsageError
 
 
 def _checked(bvh: Bvh, points: ArrayLike, nan: str) -> NDArray[np.float32]:
     """The points as contiguous float32."""
-    if not isinstance(bvh, Bvh):
-        raise UsageError(f"bvh: is a {type(bvh).__name__}; use a claray.Bvh")
+    check_bvh(bvh)
     check_choice("nan", nan, ("raise", "miss"))
     given = floats("points", points, 3)
     if nan == "raise":

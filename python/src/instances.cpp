@@ -2,6 +2,7 @@
 #include "claray/instances.hpp"
 
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include "arrays.hpp"
@@ -62,6 +63,32 @@ void move(PyInstancedBvh& self, const Transforms& transforms, const Transforms& 
     });
 }
 
+using Level = std::tuple<Transforms, Words, Words>;  // transforms, bottoms, masks
+
+std::vector<Instance> instances_of(const Level& level) {
+    return instances_of(std::get<0>(level), std::get<1>(level), std::get<2>(level));
+}
+
+/// Transforms, bottoms and masks of the flat instances, and the lists of steps.
+nb::tuple flatten_levels(const Level& roots, const std::vector<Level>& groups, std::uint32_t bottoms) {
+    std::vector<InstanceGroup> all;
+    for (const Level& group : groups) all.push_back({instances_of(group)});
+    FlatInstances flat = flatten(instances_of(roots), all, bottoms);
+    const std::size_t count = flat.instances.size(), steps = flat.steps.size();
+    std::vector<float> transforms;
+    std::vector<std::uint32_t> which, masks;
+    for (const Instance& instance : flat.instances) {
+        for (const float* row : {instance.row0, instance.row1, instance.row2})
+            transforms.insert(transforms.end(), row, row + 4);
+        which.push_back(instance.bottom), masks.push_back(instance.mask);
+    }
+    return nb::make_tuple(array_of<float>(std::move(transforms), {count, 3, 4}),
+                          array_of<std::uint32_t>(std::move(which), {count}),
+                          array_of<std::uint32_t>(std::move(masks), {count}),
+                          array_of<std::uint32_t>(std::move(flat.offsets), {count + 1}),
+                          array_of<std::uint32_t>(std::move(flat.steps), {steps}));
+}
+
 nb::dict statistics(const PyInstancedBvh& self) {
     const InstanceStatistics s = without_gil(self.device, [&] { return self.bvh.statistics(); });
     nb::dict dict;
@@ -77,6 +104,7 @@ nb::dict statistics(const PyInstancedBvh& self) {
 }  // namespace
 
 void bind_instances(nb::module_& module) {
+    module.def("flatten", &flatten_levels);
     nb::class_<PyInstancedBvh>(module, "NativeInstancedBvh")
         .def_static("build", &build)
         .def("move", &move)

@@ -56,6 +56,16 @@ TEST(WideBvh, HoldsEveryTriangleOnceInContainingBoxes) {
     }
 }
 
+/// A tree from the root down takes the children of least cost; those of largest area leave half of the places free.
+TEST(WideBvh, FillsNodesByCost) {
+    const Mesh mesh = soup(5003, 0.05f, 3);
+    const auto children_per_node = [&](Builder builder) {
+        const BvhHeader header = build(mesh, 63, Layout::wide, builder).header();
+        return double(header.wide_nodes - 1 + header.wide_blocks) / double(header.wide_nodes);
+    };
+    EXPECT_GT(children_per_node(Builder::binned), 1.25 * children_per_node(Builder::balanced));
+}
+
 /// In large scenes numbers are taken several at once, and nodes with none of them are left over.
 TEST(WideBvh, MarksWhatIsLeftOver) {
     const std::size_t count = 150'000;

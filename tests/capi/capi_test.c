@@ -264,6 +264,97 @@ static void test_instances(claray_device* device) {
     claray_query_release(closest), claray_query_release(any);
 }
 
+/* A square in a group, two of them in a group of groups, and a square beside it. */
+static void test_flat_instances(claray_device* device) {
+    claray_mesh mesh = square_mesh();
+    claray_bvh* bvh = NULL;
+    claray_flat_instances* flat = NULL;
+    claray_instances* placed = NULL;
+    claray_query* closest = NULL;
+    const claray_instance square = {{1, 0, 0, 10, 0, 1, 0, 0, 0, 0, 1, 0}, 0, 6};
+    claray_instance pair[2] = {{{2, 0, 0, 0, 0, 2, 0, 0, 0, 0, 2, 1}, 1, 3},
+                               {{1, 0, 0, 0, 0, 1, 0, 50, 0, 0, 1, 0}, 1, 12}};
+    const claray_instance roots[2] = {{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, 0, 1},
+                                      {{1, 0, 0, 100, 0, 1, 0, 0, 0, 0, 1, 0}, 2, 7}};
+    const claray_instance_group groups[2] = {{&square, 1}, {pair, 2}};
+    EXPECT(claray_flat_instances_create(roots, 2, groups, 2, 1, &flat) == CLARAY_OK);
+    EXPECT(claray_flat_instances_count(flat) == 3);
+    const claray_instance* members = claray_flat_instances_members(flat);
+    EXPECT(members[0].transform[3] == 0 && members[0].mask == 1 && members[0].bottom == 0);
+    EXPECT(members[1].transform[0] == 2 && members[1].transform[3] == 120 && members[1].transform[11] == 1);
+    EXPECT(members[1].mask == 2 && members[2].mask == 4 && members[2].transform[3] == 110 &&
+           members[2].transform[7] == 50);
+    size_t count = 9;
+    const uint32_t* steps = claray_flat_instances_steps(flat, 2, &count);
+    EXPECT(count == 3 && steps[0] == 1 && steps[1] == 1 && steps[2] == 0);
+    EXPECT(claray_flat_instances_steps(flat, 3, &count) == NULL && count == 0);
+    EXPECT(claray_bvh_build(device, &mesh, NULL, &bvh) == CLARAY_OK);
+    const claray_bvh* const bvhs[1] = {bvh};
+    EXPECT(claray_instances_build(bvhs, 1, members, 3, &placed) == CLARAY_OK);
+    claray_flat_instances_release(flat);
+    EXPECT(claray_query_instances_create(placed, CLARAY_QUERY_CLOSEST, NULL, NULL, &closest) == CLARAY_OK);
+    const claray_ray ray = {{121.5f, 0.5f, 4}, 0, {0, 0, -1}, 9};
+    claray_instance_hit hit;
+    EXPECT(claray_query_run(closest, &ray, 1, &hit) == CLARAY_OK && hit.instance == 1 && hit.t == 3);
+    pair[1].bottom = 2, flat = NULL;
+    EXPECT_ERROR(claray_flat_instances_create(roots, 2, groups, 2, 1, &flat), CLARAY_ERROR_USAGE,
+                 "group 1 contains itself");
+    EXPECT_ERROR(claray_flat_instances_create(roots, 2, groups, 1, 1, &flat), CLARAY_ERROR_USAGE,
+                 "bottom level 2 of 1");
+    EXPECT_ERROR(claray_flat_instances_create(roots, 2, NULL, 2, 1, &flat), CLARAY_ERROR_USAGE, "groups is NULL");
+    EXPECT_ERROR(claray_flat_instances_create(NULL, 2, NULL, 0, 1, &flat), CLARAY_ERROR_USAGE, "roots is NULL");
+    EXPECT_ERROR(claray_flat_instances_create(roots, 1, NULL, 0, 1, NULL), CLARAY_ERROR_USAGE, "flat is NULL");
+    EXPECT(flat == NULL && claray_flat_instances_count(NULL) == 0 && claray_flat_instances_members(NULL) == NULL);
+    claray_instances_release(placed), claray_query_release(closest), claray_bvh_release(bvh);
+    claray_flat_instances_release(NULL);
+}
+
+static void test_primitives(claray_device* device) {
+    const char* const dots =
+        "static inline PrimitiveBox bounds_of(global const float* data, uint i) {\n"
+        "    const float3 c = vload3(i, data);\n"
+        "    const PrimitiveBox box = {c - 1.0f, c + 1.0f};\n"
+        "    return box;\n"
+        "}\n"
+        "static inline bool intersect(global const float* data, uint i, float3 o, float3 d, float tmin, Hit* hit) {\n"
+        "    return take_hit((data[3 * i + 2] - o.z) / d.z, tmin, hit);\n"
+        "}\n";
+    const float spheres[8] = {0, 0, 0, 1, 5, 0, 0, 2}, own[3] = {5, 0, 0.5f};
+    const float line[16] = {0, 0, 0, 0.5f, 2, 0, 0, 0.5f, 4, 0, 0, 0.5f, 6, 0, 0, 0.5f};
+    const uint32_t first = 0;
+    const claray_ray rays[2] = {{{5, 0, 9}, 0, {0, 0, -1}, 20}, {{5, 7, 9}, 0, {0, 0, -1}, 20}};
+    claray_primitive_kind kind = {sizeof kind, "spheres", NULL, 0};
+    claray_primitives *balls = NULL, *dot = NULL, *hair = NULL, *none = NULL;
+    claray_hit hits[2];
+    uint8_t occluded[2];
+    EXPECT(claray_primitives_build(device, &kind, spheres, 2, &balls) == CLARAY_OK);
+    EXPECT(claray_primitives_closest_hit(balls, rays, 2, hits) == CLARAY_OK);
+    EXPECT(hits[0].primitive == 1 && hits[0].t == 7 && hits[1].primitive == CLARAY_MISS);
+    EXPECT(claray_primitives_any_hit(balls, rays, 2, occluded) == CLARAY_OK && occluded[0] == 1 && occluded[1] == 0);
+    EXPECT(claray_curves_build(device, line, 4, &first, 1, 1, 0, &hair) == CLARAY_OK);
+    EXPECT(claray_primitives_closest_hit(hair, rays, 2, hits) == CLARAY_OK);
+    EXPECT(hits[0].primitive == 0 && hits[0].t == 8.5f && hits[1].primitive == CLARAY_MISS);
+    kind.name = "dots", kind.source = dots, kind.floats = 3;
+    EXPECT(claray_primitives_build(device, &kind, own, 1, &dot) == CLARAY_OK);
+    EXPECT(claray_primitives_closest_hit(dot, rays, 2, hits) == CLARAY_OK && hits[0].t == 8.5f);
+    kind.floats = 0;
+    EXPECT_ERROR(claray_primitives_build(device, &kind, own, 1, &none), CLARAY_ERROR_USAGE, "kind.floats is 0");
+    kind.source = NULL;
+    EXPECT_ERROR(claray_primitives_build(device, &kind, own, 1, &none), CLARAY_ERROR_USAGE, "'dots' without a source");
+    kind.name = NULL;
+    EXPECT_ERROR(claray_primitives_build(device, &kind, own, 1, &none), CLARAY_ERROR_USAGE, "kind.name is NULL");
+    EXPECT_ERROR(claray_primitives_build(device, NULL, own, 1, &none), CLARAY_ERROR_USAGE, "kind is NULL");
+    kind.name = "spheres";
+    EXPECT_ERROR(claray_primitives_build(device, &kind, NULL, 1, &none), CLARAY_ERROR_USAGE, "data is NULL");
+    EXPECT_ERROR(claray_primitives_build(device, &kind, spheres, 2, NULL), CLARAY_ERROR_USAGE, "primitives is NULL");
+    EXPECT_ERROR(claray_curves_build(device, line, 3, &first, 1, 0, 0, &none), CLARAY_ERROR_INPUT, "there are 3");
+    EXPECT_ERROR(claray_primitives_closest_hit(balls, rays, 2, NULL), CLARAY_ERROR_USAGE, "hits is NULL");
+    EXPECT_ERROR(claray_primitives_any_hit(NULL, rays, 2, occluded), CLARAY_ERROR_USAGE, "primitives is NULL");
+    EXPECT(none == NULL);
+    claray_primitives_release(balls), claray_primitives_release(hair), claray_primitives_release(dot);
+    claray_primitives_release(NULL);
+}
+
 /* Nothing is made where there is no place for it: the leak checker sees what would be. */
 static void test_no_place(claray_device* device) {
     claray_mesh mesh = square_mesh();
@@ -420,6 +511,8 @@ int main(void) {
     test_points(device);
     test_lists(device);
     test_instances(device);
+    test_flat_instances(device);
+    test_primitives(device);
     test_no_place(device);
     test_files(device);
     test_wrong_choices(device);

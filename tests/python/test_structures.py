@@ -203,6 +203,44 @@ def test_instances_of_a_scene_equal_its_triangles(tmp_path):
     refused("scene", lambda: claray.InstancedBvh.of_scene(claray.Scene()))
 
 
+def test_levels_of_instances_equal_one_level(soup, rays):
+    """Two groups, one of which holds the other, against products of the matrices."""
+    vertices, triangles, bvh = soup
+    half = claray.Bvh(vertices, triangles[:150])
+    twig, branch, root = placements(3, 11), placements(2, 12), placements(2, 13)
+    groups = [claray.Instances(twig, [0, 1, 0], [1, 2, 3]), claray.Instances(branch[:, :3], [2, 1], [3, 2])]
+    flat = claray.flatten(claray.Instances(root, [3, 0]), groups, 2)
+    expected = [(0, 0, 0), (0, 0, 1), (0, 0, 2), (0, 1), (1,)]
+    assert [tuple(steps) for steps in flat.steps] == expected
+    products = [root[0] @ branch[0] @ m for m in twig] + [root[0] @ branch[1], root[1]]
+    np.testing.assert_allclose(flat.transforms, np.array(products)[:, :3], rtol=1e-6, atol=1e-6)
+    assert flat.bottoms.tolist() == [0, 1, 0, 1, 0] and flat.masks.tolist() == [1, 2, 3, 2, claray.MISS]
+    placed = claray.InstancedBvh([bvh, half], flat.transforms, bottoms=flat.bottoms, masks=flat.masks)
+    hits = claray.closest_hit(placed, *rays)
+    assert set(hits["instance"]) == {0, 1, 2, 3, 4, claray.MISS}
+    one = claray.flatten(claray.Instances(root), [])
+    assert one.bottoms.tolist() == [0, 0] and [list(s) for s in one.steps] == [[0], [1]]
+    refused("roots", lambda: claray.flatten(root, []))
+    refused(r"groups\[1\]", lambda: claray.flatten(claray.Instances(root), [groups[0], (branch, None)]))
+    refused(r"groups\[0\].masks", lambda: claray.flatten(claray.Instances(root), [claray.Instances(twig, masks=[1, 2])]))
+    refused("roots.transforms", lambda: claray.flatten(claray.Instances(root[0]), []))
+    refused("structures", lambda: claray.flatten(claray.Instances(root), [], 0))
+    with pytest.raises(claray.UsageError, match="group 0 contains itself"):
+        claray.flatten(claray.Instances(root, [1, 0]), [claray.Instances(twig, [0, 1, 0])])
+    with pytest.raises(claray.UsageError, match="bottom level 3 of 1 structures and 2 groups"):
+        claray.flatten(claray.Instances(root, [3, 0]), groups[:2], 1)
+
+
+def test_only_rays_ask_primitives(cloud, rays):
+    spheres = claray.Primitives.spheres(*cloud)
+    boxes = np.zeros((1, 3)), np.ones((1, 3))
+    for query in (lambda: claray.nearest_point(spheres, rays[0]), lambda: claray.inside(spheres, rays[0]),
+                  lambda: claray.signed_distance(spheres, rays[0]), lambda: claray.count_hits(spheres, *rays),
+                  lambda: claray.nearest_hits(spheres, *rays, most=2), lambda: claray.all_hits(spheres, *rays),
+                  lambda: claray.box_overlaps(spheres, *boxes), lambda: claray.sphere_overlaps(spheres, boxes[0], 1)):
+        refused("bvh", query, "is a Primitives; use a claray.Bvh")
+
+
 def test_instances_move_while_rays_pass(soup, rays):
     vertices, triangles, bvh = soup
     begin, end = placements(3, 3), placements(3, 3)

@@ -123,6 +123,23 @@ TEST_P(CurvesTest, HitsAreWithinTheToleranceOfTheExactCurve) {
     EXPECT_GT(found, 50u);
 }
 
+/// Rays that begin just before a surface, or a little in front of it, meet it as rays from afar do.
+TEST_P(CurvesTest, RaysMayBeginAtASurface) {
+    const Primitives curves = build(random_strands(60, 5, basis(), 7));
+    const std::vector<Ray> rays = random_rays(3001, 4.f, 1.f, 8);
+    const std::vector<Hit> hits = closest_hit(curves, rays);
+    for (const float share : {0.99999f, 0.999f, 0.99f}) {
+        std::vector<Ray> late = rays;
+        for (std::size_t i = 0; i < rays.size(); ++i)
+            if (hits[i].primitive != CLARAY_MISS) late[i].tmin = share * hits[i].t;
+        const std::vector<Hit> again = closest_hit(curves, late);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            ASSERT_EQ(again[i].primitive, hits[i].primitive) << i;
+            ASSERT_EQ(again[i].t, hits[i].t) << i;
+        }
+    }
+}
+
 TEST_P(CurvesTest, HitsDoNotDependOnTheTree) {
     const Tufts tufts = random_strands(60, 5, basis(), 3);
     const std::vector<Ray> rays = random_rays(3001, 4.f, 1.f, 4);

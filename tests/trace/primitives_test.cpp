@@ -3,9 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "claray/instances.hpp"
+#include "claray/query/all_hits.hpp"
+#include "claray/query/overlaps.hpp"
+#include "claray/query/points.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/meshes.hpp"
@@ -204,6 +209,46 @@ TEST(OwnPrimitives, MoveWithTheirData) {
     EXPECT_EQ(closest_hit(primitives, ray)[0].t, 1.f);
 }
 
+/// Nodes are full where that costs least: at most a tenth of their places is free, and five of eight of a leaf's are
+/// taken.
+TEST(OwnPrimitives, FillWideNodes) {
+    const KindCase spheres = {"spheres", sphere_kind(), cross_sphere};
+    const std::vector<float> data = random_data(spheres, 5003, 0.05f, 7);
+    for (const Builder builder : {Builder::binned, Builder::balanced, Builder::fast}) {
+        const Primitives primitives = Primitives::build(device(), spheres.kind, Buffer<float>(device(), data), 5003,
+                                                        {.builder = builder, .layout = Layout::wide});
+        const BvhHeader header = primitives.bvh().header();
+        std::vector<WideNode> wide(header.wide_nodes);
+        primitives.bvh().wide_nodes().read(std::span(wide));
+        std::size_t nodes = 0, children = 0, blocks = 0;
+        for (const WideNode& node : wide) {
+            const auto used = std::count_if(node.child, node.child + CLARAY_WIDTH,
+                                            [](std::uint32_t child) { return child != CLARAY_NO_CHILD; });
+            nodes += used != 0, children += std::size_t(used);
+            blocks += std::size_t(std::count_if(node.child, node.child + CLARAY_WIDTH, [](std::uint32_t child) {
+                return child != CLARAY_NO_CHILD && (child & CLARAY_LEAF) != 0;
+            }));
+        }
+        EXPECT_EQ(children, nodes - 1 + blocks);
+        EXPECT_GT(double(children), 0.7 * CLARAY_WIDTH * double(nodes));
+        if (builder == Builder::binned) EXPECT_GT(5003.0, 6.5 * double(blocks));
+    }
+}
+
+/// On CPUs so many rays that are declared incoherent are traced in another order.
+TEST(OwnPrimitives, SortedRaysHitTheSame) {
+    const KindCase spheres = {"spheres", sphere_kind(), cross_sphere};
+    const Primitives primitives = Primitives::build(device(), spheres.kind, random_data(spheres, 503, 0.1f, 8));
+    const std::vector<Ray> rays = random_rays(65'537, 3.f, 1.f, 9);
+    QueryOptions incoherent;
+    incoherent.coherence = Coherence::incoherent;
+    const std::vector<Hit> sorted = closest_hit(primitives, rays, incoherent), hits = closest_hit(primitives, rays);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        ASSERT_EQ(sorted[i].primitive, hits[i].primitive) << i;
+        ASSERT_EQ(sorted[i].t, hits[i].t) << i;
+    }
+}
+
 TEST(OwnPrimitives, RefuseWhatCannotBe) {
     EXPECT_TRUE(throws_error(ErrorKind::usage, "whole number",
                              [] { (void)Primitives::build(device(), sphere_kind(), std::vector<float>(5)); }));
@@ -212,6 +257,36 @@ TEST(OwnPrimitives, RefuseWhatCannotBe) {
     EXPECT_TRUE(throws_error(ErrorKind::device, "broken", [] {
         (void)Primitives::build(device(), {"broken", "static inline nonsense", 1}, std::vector<float>(1));
     }));
+}
+
+/// Its triangles are diagonals of boxes, which a kernel of triangles would hit in the binary layout.
+TEST(OwnPrimitives, RefuseQueriesOfTriangles) {
+    const std::vector<float> sphere = {0, 0, 0, 1};
+    const std::vector<Ray> rays = {make_ray({0, 0, 4}, {0, 0, -1})};
+    const std::vector<glm::vec3> points = {{2, 0, 0}};
+    QueryOptions filtered;
+    filtered.filter = geometry_range(device(), 0, 1);
+    for (const Layout layout : {Layout::binary, Layout::wide}) {
+        const Bvh bvh = Primitives::build(device(), sphere_kind(), Buffer<float>(device(), sphere), 1,
+                                          {.builder = Builder::balanced, .layout = layout})
+                            .bvh();
+        const auto refused = [&](const char* user, const auto& query) {
+            return throws_error(ErrorKind::usage, user + std::string(" needs a tree of triangles"), query);
+        };
+        EXPECT_TRUE(refused("a query of triangles", [&] { (void)closest_hit(bvh, rays); }));
+        EXPECT_TRUE(refused("a query of triangles", [&] { (void)closest_hit(bvh, rays, brute_force); }));
+        EXPECT_TRUE(refused("a query of triangles", [&] { (void)any_hit(bvh, rays); }));
+        EXPECT_TRUE(refused("a query of triangles", [&] { (void)Query(bvh, QueryKind::any); }));
+        EXPECT_TRUE(refused("a query of triangles", [&] { (void)all_hits(bvh, rays); }));
+        EXPECT_TRUE(refused("a query of triangles", [&] { (void)closest_hit(bvh, rays, filtered); }));
+        EXPECT_TRUE(refused("a query of triangles", [&] { (void)nearest_point(bvh, points); }));
+        EXPECT_TRUE(refused("a query of triangles", [&] { (void)signed_distance(bvh, points); }));
+        EXPECT_TRUE(refused("a query of triangles", [&] { (void)sphere_overlaps(bvh, std::vector<Sphere>(1)); }));
+        EXPECT_TRUE(refused("an instance", [&] {
+            (void)InstancedBvh::build(std::span(&bvh, 1), std::vector{make_instance(glm::mat4(1.f))});
+        }));
+        EXPECT_TRUE(refused("a saved tree", [&] { bvh.save("primitives.cbvh"); }));
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, PrimitivesTest,

@@ -12,7 +12,7 @@ Kernel load(const Bvh& bvh, const QueryOptions& options, const Schedule& schedul
     QueryOptions used;
     used.cull_back_faces = options.cull_back_faces, used.ray_masks = options.ray_masks;
     return load_filtered(bvh.device(), "trace/lists/all_hits.cl", "collect_hits",
-                         schedule.with(query_defines(bvh.defines(), used)), options.filter);
+                         schedule.with(query_defines(triangle_defines(bvh), used)), options.filter);
 }
 
 /// Finds hits in lists.

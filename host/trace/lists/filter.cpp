@@ -15,8 +15,8 @@ void run_accepted(const Device& queue, const Bvh& bvh, const std::string& functi
         throw Error(ErrorKind::usage, "a query with a filter supports neither brute force nor visits");
     if (rays.size() == 0) return;
     const Schedule schedule(queue);
-    load_filtered(queue, "trace/lists/filtered_hits.cl", function, schedule.with(query_defines(bvh.defines(), options)),
-                  options.filter)
+    load_filtered(queue, "trace/lists/filtered_hits.cl", function,
+                  schedule.with(query_defines(triangle_defines(bvh), options)), options.filter)
         .run(schedule.range(rays.size()), bvh, rays, std::uint32_t(rays.size()), arg("count", count),
              arg("masks", options.ray_masks), FilterData{options.filter}, results);
 }

@@ -46,7 +46,8 @@ public:
     [[nodiscard]] std::uint32_t count() const;
     [[nodiscard]] const Buffer<float>& data() const;
     [[nodiscard]] const Device& device() const;
-    /// The tree, whose triangles span the primitives' boxes.
+    /// The tree, whose triangles span the primitives' boxes: for its statistics, validation and hash. Queries of
+    /// triangles, instances and Bvh::save refuse it by ErrorKind::usage.
     [[nodiscard]] const Bvh& bvh() const;
 
     struct State;
@@ -57,8 +58,9 @@ private:
 };
 
 /// Finds the closest hit of every ray; Hit::primitive is the index of the primitive, u and v are what its kind sets.
-/// Among equal distances the lowest primitive wins. Of `options` only `brute_force` and `coherence` are used; on CPUs
-/// rays that are declared incoherent are sorted first. Asynchronous.
+/// Among equal distances the lowest primitive wins. Of `options` only `brute_force` and `coherence` are used.
+/// Asynchronous, except on CPUs for 65,536 rays or more that are declared incoherent: a sample of them is read, and
+/// they are sorted first unless neighbours begin near each other.
 void closest_hit(const Primitives& primitives, const Buffer<Ray>& rays, Buffer<Hit>& hits,
                  const QueryOptions& options = {});
 /// Writes 1 for every ray that hits anything, else 0.

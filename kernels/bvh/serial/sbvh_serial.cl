@@ -4,6 +4,10 @@
 
 #define LANES 16u
 
+#ifndef LEAF_BLOCK
+#define LEAF_BLOCK 1  // references that a leaf of the wide tree tests at once, a power of two: a cost counts whole blocks
+#endif
+
 /// References of a small node: rows of SMALL coordinates, lo.x lo.y lo.z hi.x hi.y hi.z, and their primitives. Subtrees are ranges.
 typedef struct SmallNode {
     float rows[6][SMALL + LANES];
@@ -39,6 +43,8 @@ static inline float16 half_areas(const WideBox* box) {
     return x * y + y * z + z * x;
 }
 
+static inline float16 whole_blocks(int16 count) { return convert_float16((count + (LEAF_BLOCK - 1)) & -LEAF_BLOCK); }
+
 /// The costs of the splits after the centroids of 16 references on one axis; INFINITY where no reference is on the right.
 static inline float16 split_costs(const SmallNode* node, uint begin, uint end, uint axis, float16 border) {
     WideBox left = no_wide_box(), right = left;
@@ -50,7 +56,7 @@ static inline float16 split_costs(const SmallNode* node, uint begin, uint end, u
         left_count -= is_left;
     }
     const int16 right_count = (int16)((int)(end - begin)) - left_count;
-    const float16 cost = half_areas(&left) * convert_float16(left_count) + half_areas(&right) * convert_float16(right_count);
+    const float16 cost = half_areas(&left) * whole_blocks(left_count) + half_areas(&right) * whole_blocks(right_count);
     return select(cost, (float16)(INFINITY), right_count == 0);
 }
 
