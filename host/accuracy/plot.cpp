@@ -245,8 +245,9 @@ std::string svg_of(const Study& study, const std::string& subtitle) {
     Axis x(errors, some_are_zero ? left + 44 : left, width - right);
     if (some_are_zero) x.zero = left + 18;
     const Axis y(seconds, height - bottom, top);
+    const std::string device = study.device.empty() ? "" : ", " + study.device + ", driver " + study.driver;
     std::string svg = svg::begin(width, height);
-    svg += text(16, 26, "start", 18, ink, study.title) + text(16, 45, "start", 12, pale, subtitle);
+    svg += text(16, 26, "start", 18, ink, study.title) + text(16, 45, "start", 12, pale, subtitle + device);
     if (study.floor > 0) {  // errors that the reference cannot resolve
         const double end = x.at(study.floor);
         svg += rectangle(left, top, std::max(end - left, 0.0), height - bottom - top, "#f3f0e6");
@@ -287,8 +288,7 @@ std::string html_of(const std::vector<Study>& studies, const std::string& title,
     return html + "</body></html>\n";
 }
 
-std::string csv_of(const std::vector<Study>& studies, const std::string& device, const std::string& driver,
-                   const std::string& scene) {
+std::string csv_of(const std::vector<Study>& studies, const std::string& scene) {
     std::string csv =
         "device,driver,scene,study,method,setting,value,runs,error,error_low,error_high,relmse,perceptual,seconds,"
         "seconds_low,seconds_high,front,floor,failure,facts\n";
@@ -299,7 +299,7 @@ std::string csv_of(const std::vector<Study>& studies, const std::string& device,
     };
     for (const Study& study : studies)
         for (const StudyPoint& p : study.points) {
-            csv += quoted(device) + ',' + quoted(driver) + ',' + quoted(scene) + ',' + study.name + ',' +
+            csv += quoted(study.device) + ',' + quoted(study.driver) + ',' + quoted(scene) + ',' + study.name + ',' +
                    quoted(p.method) + ',' + quoted(p.setting);
             for (const double v : {p.value, double(p.runs), p.error.median, p.error.low, p.error.high, p.errors.relmse,
                                    p.errors.perceptual, p.seconds.median, p.seconds.low, p.seconds.high,

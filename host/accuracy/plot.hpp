@@ -7,7 +7,7 @@
 
 namespace claray {
 
-/// `subtitle`: scene, device, driver and date. Failed points are gaps; points on the front are filled.
+/// `subtitle`: scene and date; the study's device follows. Failed points are gaps; points on the front are filled.
 [[nodiscard]] std::string svg_of(const Study& study, const std::string& subtitle);
 
 /// A page with every study's plot, table and findings.
@@ -15,7 +15,6 @@ namespace claray {
                                   const std::string& subtitle);
 
 /// A row per point.
-[[nodiscard]] std::string csv_of(const std::vector<Study>& studies, const std::string& device,
-                                 const std::string& driver, const std::string& scene);
+[[nodiscard]] std::string csv_of(const std::vector<Study>& studies, const std::string& scene);
 
 }  // namespace claray

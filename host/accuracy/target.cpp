@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "claray/scale/render_group.hpp"
 #include "host/accuracy/forecast.hpp"
 #include "host/accuracy/study.hpp"
 
@@ -84,12 +85,12 @@ void refuse_unreachable(const TargetPlan& plan, const Forecast& needed, const Re
                 told_time(most * needed.seconds_a_sample).c_str()));
 }
 
-void refuse_late(const RenderConfig& config, const RenderProgress& reached) {
-    if (!(config.seconds > 0) || reached.spp != 1 || reached.seconds <= late * config.seconds || !config.resume.empty())
-        return;
+/// `seconds`: of one sample for every pixel.
+void refuse_late(const RenderConfig& config, double seconds) {
+    if (!(config.seconds > 0) || seconds <= late * config.seconds || !config.resume.empty()) return;
     throw Error(ErrorKind::user,
                 "a time of " + told_time(config.seconds) + " is too short: one sample for every pixel takes " +
-                    told_time(reached.seconds),
+                    told_time(seconds),
                 "allow this time, or use a smaller --size or --max-depth");
 }
 
@@ -216,12 +217,29 @@ RenderProgress render_to_target(const Device& device, Renderer& renderer, Target
             return false;
         });
         if (!seconds) {
-            refuse_late(plan.config, reached);
+            if (reached.spp == 1) refuse_late(plan.config, reached.seconds);
             return reached;
         }
         foresees = false;
         pick_tree_on_the_way(device, renderer, plan, *seconds, before);
     }
+}
+
+RenderProgress render_to_target(RenderGroup& group, TargetPlan& plan,
+                                const std::function<bool(const RenderProgress&)>& progress) {
+    bool foresees = plan.config.error > 0;
+    Watched watched;
+    const RenderProgress reached = group.render([&](const RenderProgress& so_far) {
+        if (progress && !progress(so_far)) return false;
+        if (!foresees) return true;
+        const std::optional<Forecast> needed = watched.foresee(so_far, plan.config.error, plan.seconds_to_foresee);
+        if (!needed) return true;
+        refuse_unreachable(plan, *needed, so_far);
+        foresees = false, plan.promised_seconds = within_limit(plan, needed->seconds);
+        return true;
+    });
+    if (reached.spp > 0) refuse_late(plan.config, reached.seconds / reached.spp);  // a group ends what it has begun
+    return reached;
 }
 
 Builder choose_builder_for_samples(const Device& device, const Scene& scene, const RenderConfig& config) {

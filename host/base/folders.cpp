@@ -6,6 +6,8 @@
 #include <cstdlib>
 #include <string>
 
+#include "claray/error.hpp"
+
 namespace claray {
 namespace {
 
@@ -65,6 +67,17 @@ fs::path pocl_folder() {
         return cache / "pocl";
     const fs::path temporary = temporary_folder();
     return !temporary.empty() && make_writable(temporary / "pocl") ? temporary / "pocl" : fs::path();
+}
+
+std::shared_ptr<const fs::path> scratch_folder() {
+    std::string name = (fs::temp_directory_path() / "claray-XXXXXX").string();
+    if (!::mkdtemp(name.data()))
+        throw Error(ErrorKind::user, "cannot create the folder " + name, "set TMPDIR to a writable folder");
+    return {new fs::path(name), [](const fs::path* path) {
+                std::error_code none;
+                fs::remove_all(*path, none);
+                delete path;
+            }};
 }
 
 }  // namespace claray

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 
 namespace claray {
 
@@ -18,5 +19,9 @@ namespace claray {
 
 /// Creates the folder, for its owner only, if it does not exist. Returns false if it cannot be created or written to.
 [[nodiscard]] bool make_writable(const std::filesystem::path& folder);
+
+/// Creates a folder in the system's temporary folder. It is removed with the last copy of the pointer. Throws
+/// ErrorKind::user if it cannot be created.
+[[nodiscard]] std::shared_ptr<const std::filesystem::path> scratch_folder();
 
 }  // namespace claray

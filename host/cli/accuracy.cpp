@@ -2,20 +2,25 @@
 #include "claray/accuracy.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <ctime>
+#include <iterator>
 #include <memory>
+#include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
+#include <thread>
 
 #include "claray/io.hpp"
 #include "host/accuracy/plot.hpp"
 #include "host/accuracy/study.hpp"
 #include "host/accuracy/study_list.hpp"
 #include "host/base/file.hpp"
+#include "host/base/folders.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/options/render_options.hpp"
@@ -56,18 +61,6 @@ std::vector<NamedStudy> chosen_studies(const std::string& names) {
     return chosen;
 }
 
-/// Creates a folder for references that all studies share. It is removed with the last copy of the pointer.
-std::shared_ptr<const std::filesystem::path> temporary_folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "claray-references-XXXXXX").string();
-    if (!mkdtemp(name.data()))
-        throw Error(ErrorKind::user, "cannot create the folder " + name, "set TMPDIR to a writable folder");
-    return {new std::filesystem::path(name), [](const std::filesystem::path* path) {
-                std::error_code none;
-                std::filesystem::remove_all(*path, none);
-                delete path;
-            }};
-}
-
 /// Prints the fraction done and the time left at this pace. An interruption ends the study.
 AccuracyProgress show_progress(const std::string& study, bool quiet) {
     const auto begin = std::chrono::steady_clock::now();
@@ -88,6 +81,7 @@ AccuracyProgress show_progress(const std::string& study, bool quiet) {
 
 void print_study(const Study& study) {
     std::printf("\n%s: %s against %s", study.title.c_str(), study.error.c_str(), study.cost.c_str());
+    std::printf(", on %s, driver %s", study.device.c_str(), study.driver.c_str());
     if (study.reference_spp != 0)
         std::printf("; reference of %u samples per pixel, its own error %s", study.reference_spp,
                     number(study.floor).c_str());
@@ -158,6 +152,8 @@ void print_as_json(const std::vector<Study>& studies, const AccuracyOptions& o, 
             for (const auto& [name, value] : p.facts) points.back()["facts"][name] = value;
         }
         report["studies"].push_back({{"name", study.name},
+                                     {"device", study.device},
+                                     {"driver", study.driver},
                                      {"error", study.error},
                                      {"cost", study.cost},
                                      {"floor", study.floor},
@@ -176,6 +172,52 @@ void write_maps(const AccuracyOptions& o, const std::vector<ErrorMap>& maps) {
         write_image(o.maps / (map.name + ".png"), false_color(config.width, config.height, map.pixels), 0,
                     ToneMap::none);
     }
+}
+
+struct Finished {
+    std::vector<Study> studies;
+    std::vector<ErrorMap> maps;
+    std::exception_ptr error;  // why some are missing
+};
+
+/// Each device takes the next study when it is done with one. An error on one device ends them all.
+Finished run_studies(const std::vector<NamedStudy>& chosen, const std::vector<Device>& devices, const Scene& scene,
+                     const AccuracyOptions& o) {
+    std::vector<std::optional<Study>> done(chosen.size());
+    std::vector<std::vector<ErrorMap>> maps(chosen.size());
+    std::atomic<std::size_t> next = 0;
+    std::mutex failing;
+    Finished finished;
+    const auto work = [&](const Device& device) {
+        try {
+            for (std::size_t i = next++; i < chosen.size(); i = next++) {
+                const AccuracyProgress show = show_progress(chosen[i].name, o.quiet);
+                const AccuracyProgress progress = [&](double share, const std::string& what) {
+                    if (next > chosen.size() + devices.size()) throw Error(ErrorKind::user, "another study failed");
+                    return show(share, what);
+                };
+                const NamedStudy& study = chosen[i];
+                done[i] = study.run ? study.run(device, scene, o.study, progress)
+                                    : study.run_with_maps(device, scene, o.study, progress,
+                                                          o.maps.empty() ? nullptr : &maps[i]);
+                done[i]->device = device.info().name, done[i]->driver = device.info().driver;
+            }
+        } catch (...) {
+            const std::lock_guard lock(failing);
+            if (!finished.error) finished.error = std::current_exception();
+            next = 2 * (chosen.size() + devices.size());
+        }
+    };
+    {
+        std::vector<std::jthread> others;
+        for (std::size_t d = 1; d < devices.size(); ++d) others.emplace_back(work, devices[d]);
+        work(devices.front());
+    }
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+        if (done[i]) finished.studies.push_back(std::move(*done[i]));
+        std::move(maps[i].begin(), maps[i].end(), std::back_inserter(finished.maps));
+    }
+    return finished;
 }
 
 /// Prints the finished studies. Files are written for all studies or not at all.
@@ -233,34 +275,27 @@ void accuracy(AccuracyOptions o) {
     check_outputs(outputs_of(o, chosen), {{"the scene", o.scene}});
     if (o.quick) limit_to_quick(o.study);
     const Scene scene = load_view(o.scene, o.view, o.study.config.width, o.study.config.height);
-    const Device device = open_device(o.device);
+    const std::vector<Device> devices = open_devices(o.device);
+    const Device& device = devices.front();
     const InterruptGuard guard;
     scale_to_device(o, chosen, device, scene);
-    std::shared_ptr<const std::filesystem::path> kept;
-    if (o.study.references.empty()) o.study.references = *(kept = temporary_folder());
-    std::vector<Study> studies;
+    std::shared_ptr<const std::filesystem::path> kept;  // references, which all studies share
+    if (o.study.references.empty()) o.study.references = *(kept = scratch_folder());
     if (o.check) return print_check(check_errors(device, scene, o.study, show_progress("check", o.quiet)));
-    std::vector<ErrorMap> maps;
-    try {
-        for (const NamedStudy& study : chosen) {
-            const AccuracyProgress progress = show_progress(study.name, o.quiet);
-            studies.push_back(
-                study.run ? study.run(device, scene, o.study, progress)
-                          : study.run_with_maps(device, scene, o.study, progress, o.maps.empty() ? nullptr : &maps));
+    const auto [studies, maps, failure] = run_studies(chosen, devices, scene, o);
+    if (failure) try {
+            std::rethrow_exception(failure);
+        } catch (const Error& error) {
+            refuse_incomplete(error, studies, chosen.size(), o, device);
         }
-    } catch (const Error& error) {
-        refuse_incomplete(error, studies, chosen.size(), o, device);
-    }
     Writes writes;
-    writes.attempt([&] { write_maps(o, maps); });
-    const DeviceInfo& info = device.info();
+    writes.attempt([&, &all = maps] { write_maps(o, all); });
     const std::string subtitle = o.scene + ", " + std::to_string(o.study.config.width) + "x" +
-                                 std::to_string(o.study.config.height) + ", " + info.name + ", driver " + info.driver +
-                                 ", " + today();
+                                 std::to_string(o.study.config.height) + ", " + today();
     const auto write = [&](const std::filesystem::path& path, const std::string& text) {
         writes.attempt([&] { write_file(path, text); });
     };
-    if (!o.csv.empty()) write(o.csv, csv_of(studies, info.name, info.driver, o.scene));
+    if (!o.csv.empty()) write(o.csv, csv_of(studies, o.scene));
     if (!o.html.empty()) write(o.html, html_of(studies, "Accuracy against time: " + o.scene, subtitle));
     if (!o.svg.empty()) write(o.svg, svg_of(studies.front(), subtitle));
     if (!o.svgs.empty())
@@ -318,7 +353,9 @@ void add_accuracy_command(CLI::App& app, Action& action) {
     command->add_flag("--check", o->check,
                       "Check the errors of the study sampling against a reference with 16 times the samples");
     command->add_flag("--json", o->json, "Print as JSON");
-    command->add_option("--device", o->device, "cpu, gpu, an index or part of a name (see claray devices)");
+    command->add_option("--device", o->device,
+                        "cpu, gpu, an index or part of a name (see claray devices); several take turns with the\n"
+                        "studies: all, or a list such as gpu,cpu. The first one decides sizes");
     command->add_flag("-q,--quiet", o->quiet, "Print no progress");
     command->callback([&action, command, o] {
         refuse_both(*command, "--check", {"--only", "--csv", "--html", "--svg", "--svgs", "--maps", "--json"},

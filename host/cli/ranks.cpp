@@ -9,7 +9,6 @@
 #include "host/base/hash.hpp"
 #include "host/cli/output/messages.hpp"
 #include "host/compute/kernel_sources.hpp"
-#include "host/ranks/serve.hpp"
 
 namespace claray::cli {
 namespace {
@@ -66,16 +65,16 @@ ranks::Ranks* meet_ranks() {
 }
 
 /// Rank 0 decides what a signal means.
-void serve_rank_0(const std::string& selectors, const std::string& compiler) {
+void serve_rank_0(const std::string& selectors, const std::string& compiler, const ranks::RenderFrame& render_frame) {
     std::signal(SIGINT, SIG_IGN);
     std::signal(SIGTERM, SIG_IGN);
-    exit_code_of_rank_0 = ranks::serve(*the_session, Device::open_several(selectors), own_hello(), compiler);
+    exit_code_of_rank_0 =
+        ranks::serve(*the_session, Device::open_several(selectors), own_hello(), compiler, render_frame);
 }
 
 int report_error(ErrorKind kind, const std::string& text) {
     if (!is_other_rank()) return print_error(kind, text);
-    const std::string line = text.substr(0, text.find('\n'));
-    if (the_session) the_session->send(0, ranks::MessageKind::failure, to_bytes(ranks::Failure{int(kind), line}));
+    if (the_session) the_session->send(0, ranks::MessageKind::failure, to_bytes(ranks::failure_of(kind, text)));
     return int(kind);
 }
 

@@ -4,7 +4,8 @@
 #include <vector>
 
 #include "claray/device.hpp"
-#include "host/ranks/remote_devices.hpp"
+#include "host/ranks/frames.hpp"
+#include "host/ranks/serve.hpp"
 
 namespace claray::cli {
 
@@ -17,7 +18,7 @@ void start_ranks(int argc, char** argv);
 /// Rank 0: waits for the other ranks; null if this process is alone.
 [[nodiscard]] ranks::Ranks* meet_ranks();
 /// Other ranks: render for rank 0 until it quits.
-void serve_rank_0(const std::string& devices, const std::string& compiler);
+void serve_rank_0(const std::string& devices, const std::string& compiler, const ranks::RenderFrame& render_frame);
 
 /// Prints an error on rank 0; other ranks tell rank 0. Returns the exit code.
 int report_error(ErrorKind kind, const std::string& text);

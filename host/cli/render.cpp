@@ -1,10 +1,14 @@
 // claray render: renders a scene to an image.
 #include <cstdio>
+#include <map>
 #include <memory>
+#include <mutex>
 #include <optional>
 
 #include "claray/io.hpp"
 #include "claray/scale/render_group.hpp"
+#include "host/base/file.hpp"
+#include "host/base/folders.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/load.hpp"
 #include "host/cli/options/option_rules.hpp"
@@ -37,19 +41,27 @@ void warn_of_culled(const RenderProgress& progress) {
                       std::to_string(progress.culled));
 }
 
+/// Who renders a picture, and what becomes of it.
+struct PictureJob {
+    const std::vector<Device>& devices;
+    ranks::Ranks* helpers = nullptr;                                      // ranks that render parts of it
+    std::function<void(const std::vector<glm::vec3>&)> add_to_film = {};  // instead of a file
+    std::filesystem::path folder = {};                                    // for files, instead of the output's
+    std::function<bool()> goes_on = [] { return !InterruptGuard::interrupted(); };
+};
+
 /// What renders a picture: one device, or several, those of other ranks among them.
 struct PictureRenderer {
     std::unique_ptr<Renderer> one;
     std::unique_ptr<RenderGroup> group;
     std::unique_ptr<ranks::RemoteDevices> remote;
 
-    PictureRenderer(const std::vector<Device>& devices, const Scene& scene, const RenderConfig& config) {
-        ranks::Ranks* const ranks = meet_ranks();
-        if (devices.size() == 1 && ranks == nullptr)
-            one = std::make_unique<Renderer>(devices.front(), scene, config);
+    PictureRenderer(const PictureJob& job, const Scene& scene, const RenderConfig& config) {
+        if (job.devices.size() == 1 && job.helpers == nullptr)
+            one = std::make_unique<Renderer>(job.devices.front(), scene, config);
         else
-            group = std::make_unique<RenderGroup>(devices, scene, config, print_warning);
-        if (ranks != nullptr) remote = std::make_unique<ranks::RemoteDevices>(*ranks, *group, scene, config);
+            group = std::make_unique<RenderGroup>(job.devices, scene, config, print_warning);
+        if (job.helpers) remote = std::make_unique<ranks::RemoteDevices>(*job.helpers, *group, scene, config);
     }
     /// Of a group, after it has rendered.
     [[nodiscard]] Renderer& renderer() const { return one ? *one : group->renderer(); }
@@ -58,29 +70,29 @@ struct PictureRenderer {
     }
     RenderProgress render(const Device& device, TargetPlan* plan,
                           const std::function<bool(const RenderProgress&)>& show) const {
-        if (group) return group->render(show);
-        return plan != nullptr ? render_to_target(device, *one, *plan, show) : one->render(show);
+        if (plan == nullptr) return group ? group->render(show) : one->render(show);
+        return group ? render_to_target(*group, *plan, show) : render_to_target(device, *one, *plan, show);
     }
 };
 
 /// Renders until a target is reached or a signal arrives.
-Outcome run_renderer(const Device& device, const PictureRenderer& picture, const RenderOptions& options,
+Outcome run_renderer(const PictureJob& job, const PictureRenderer& picture, const RenderOptions& options,
                      TargetPlan* plan) {
-    ProgressDisplay display(options.config, progress_style(options.quiet));
+    ProgressDisplay display(options.config, progress_style(options.quiet || is_other_rank()));
     std::optional<InterruptGuard> guard;
     const auto show = [&](const RenderProgress& so_far) {
-        if (!guard) {
+        if (!guard && !is_other_rank()) {
             warn_of_culled(so_far);
             guard.emplace();
         }
         display.show(so_far);
-        return !InterruptGuard::interrupted();
+        return job.goes_on();
     };
-    const RenderProgress progress = picture.render(device, plan, show);
+    const RenderProgress progress = picture.render(job.devices.front(), plan, show);
     display.finish(progress);
     if (progress.spp == 0)
         throw Error(ErrorKind::user, "interrupted before every pixel had a sample: no image was written");
-    return {progress, InterruptGuard::interrupted()};
+    return {progress, !job.goes_on()};
 }
 
 void refuse_lost_checkpoint(const std::string& error) {
@@ -96,17 +108,18 @@ void warn_of_picture_options(const RenderOptions& options) {
                       "' stores the radiance unchanged");
 }
 
-/// To a file of its own, or as a frame of the film.
-void write_rendered(const Renderer& renderer, const std::vector<glm::vec3>& pixels, const RenderOptions& options,
-                    Y4mFilm* film) {
-    if (film != nullptr) return film->add(pixels, options.exposure, options.tone_map);
-    write_picture(pixels, options, &renderer);
+/// The image and its AOVs.
+void write_rendered(const PictureJob& job, const Renderer& renderer, const std::vector<glm::vec3>& pixels,
+                    RenderOptions options, Writes& writes) {
+    if (job.add_to_film) return job.add_to_film(pixels);  // no later frame could follow one that is missing
+    if (!job.folder.empty()) options.output = job.folder / options.output.filename();
+    writes.attempt([&] { write_picture(pixels, options, &renderer); });
+    write_aovs(renderer, options, writes);
 }
 
 /// Returns false if it was interrupted.
-bool render_picture(const std::vector<Device>& devices, const Scene& scene, const RenderOptions& options,
-                    Writes& writes, Y4mFilm* film = nullptr) {
-    const Device& device = devices.front();
+bool render_picture(const PictureJob& job, const Scene& scene, const RenderOptions& options, Writes& writes) {
+    const Device& device = job.devices.front();
     RenderConfig config = options.config;
     if (!options.wait_for_kernels) config.compiler = this_program();
     std::optional<TargetPlan> plan;
@@ -116,20 +129,13 @@ bool render_picture(const std::vector<Device>& devices, const Scene& scene, cons
     } else if (options.picks_builder) {
         config.bvh.builder = choose_builder_for_samples(device, scene, config);
     }
-    const PictureRenderer picture(devices, scene, config);
+    const PictureRenderer picture(job, scene, config);
 
-    const Outcome outcome = run_renderer(device, picture, options, plan ? &*plan : nullptr);
+    const Outcome outcome = run_renderer(job, picture, options, plan ? &*plan : nullptr);
     const Renderer& renderer = picture.renderer();
     const std::vector<DeviceShare> shares = picture.group ? picture.group->shares() : std::vector<DeviceShare>();
     const Denoised denoised = denoise(renderer, options);
-    const auto write = [&] {
-        write_rendered(renderer, options.denoiser ? denoised.image : renderer.image(), options, film);
-    };
-    if (film != nullptr)
-        write();  // no later frame could follow one that is missing
-    else
-        writes.attempt(write);
-    write_aovs(renderer, options, writes);
+    write_rendered(job, renderer, options.denoiser ? denoised.image : renderer.image(), options, writes);
     if (!options.trace.empty())
         writes.attempt([&] { write_trace(options.trace, device.profiler().records(), device.info().name); });
     const TargetPlan* planned = plan ? &*plan : nullptr;
@@ -141,22 +147,125 @@ bool render_picture(const std::vector<Device>& devices, const Scene& scene, cons
     return !outcome.interrupted;
 }
 
-/// The device keeps the kernels of one frame for the others.
-void render_animation(const std::vector<Device>& devices, const RenderOptions& options, Writes& writes) {
-    FirstFrame first;
-    bool goes_on = true;
-    std::optional<Y4mFilm> film;
-    if (is_film(options.output))
-        film.emplace(options.output, options.config.width, options.config.height, options.frame_rate);
-    for (unsigned frame = options.animation->first; goes_on && frame <= options.animation->last; ++frame) {
-        RenderOptions one = options;
-        if (!film) one.output = numbered(options.output, frame);
-        one.view.load.time = frame / options.frame_rate;
-        tell_of_signals_until_guarded();
-        goes_on = render_picture(devices, load_for(one, &first), one, writes, film ? &*film : nullptr);
-        std::fflush(stdout);
+RenderOptions options_of_frame(RenderOptions options, unsigned frame) {
+    if (!is_film(options.output)) options.output = numbered(options.output, frame);
+    options.view.load.time = frame / options.frame_rate;
+    return options;
+}
+
+/// The frames of an animation. Its functions are called from several threads.
+class Animation {
+public:
+    Animation(const std::vector<Device>& devices, const RenderOptions& options, Writes& writes)
+        : devices_(devices), options_(options), writes_(writes), next_of_film_(options.animation->first) {
+        if (is_film(options.output))
+            film_.emplace(options.output, options.config.width, options.config.height, options.frame_rate);
     }
-    if (film) film->commit();
+    /// The first call must be for the first frame.
+    [[nodiscard]] Scene load(unsigned frame) {
+        const std::lock_guard lock(loading_);
+        return load_for(options_of_frame(options_, frame), &first_);
+    }
+    /// Returns false if it was interrupted. The device keeps the kernels of one frame for the others.
+    bool render(unsigned frame, const Scene& scene, ranks::Ranks* helpers) {
+        PictureJob job{devices_, helpers};
+        if (film_) job.add_to_film = [&, frame](const std::vector<glm::vec3>& pixels) { add_to_film(frame, pixels); };
+        tell_of_signals_until_guarded();
+        const bool goes_on = render_picture(job, scene, options_of_frame(options_, frame), writes_);
+        std::fflush(stdout);
+        return goes_on;
+    }
+    /// Of another rank.
+    void take(const ranks::RenderedFrame& rendered) {
+        if (film_) add_to_film(rendered.frame, rendered.pixels);
+        for (std::size_t i = 0; i < rendered.names.size(); ++i)
+            writes_.attempt([&] { write_file(options_.output.parent_path() / rendered.names[i], rendered.files[i]); });
+        const ranks::Failure& failure = rendered.failure;
+        if (!failure.text.empty()) writes_.attempt([&] { throw Error(ErrorKind(failure.exit_code), failure.text); });
+    }
+    void commit() {
+        if (film_) film_->commit();
+    }
+
+private:
+    /// Frames that come too early wait.
+    void add_to_film(unsigned frame, const std::vector<glm::vec3>& pixels) {
+        const std::lock_guard lock(adding_);
+        early_.emplace(frame, pixels);
+        for (; early_.contains(next_of_film_); early_.erase(next_of_film_++))
+            film_->add(early_[next_of_film_], options_.exposure, options_.tone_map);
+    }
+
+    const std::vector<Device>& devices_;
+    const RenderOptions& options_;
+    Writes& writes_;
+    std::mutex loading_, adding_;
+    FirstFrame first_;
+    std::optional<Y4mFilm> film_;
+    unsigned next_of_film_;
+    std::map<unsigned, std::vector<glm::vec3>> early_;
+};
+
+/// Each frame is rendered by one rank. Returns false if rank 0 was interrupted.
+bool deal_frames(Animation& animation, ranks::Ranks& ranks, const RenderConfig& config, unsigned first, unsigned end) {
+    const Scene scene = animation.load(first);
+    ranks::FrameDealer dealer(ranks, config, first, end,
+                              {[&](unsigned frame) { return animation.load(frame); },
+                               [&](const ranks::RenderedFrame& rendered) { animation.take(rendered); }, print_warning});
+    if (!animation.render(first, scene, nullptr)) return false;
+    while (const auto frame = dealer.next())
+        if (!animation.render(*frame, animation.load(*frame), nullptr)) return false;
+    return true;
+}
+
+/// Ranks share those frames that would leave half of them or more without one.
+void render_animation(const std::vector<Device>& devices, const RenderOptions& options, Writes& writes) {
+    Animation animation(devices, options, writes);
+    unsigned frame = options.animation->first;
+    const unsigned end = options.animation->last + 1;
+    ranks::Ranks* const ranks = meet_ranks();
+    bool goes_on = true;
+    if (ranks != nullptr) {
+        const auto size = unsigned(ranks->hellos().size()), rest = (end - frame) % size;
+        const unsigned end_of_dealt = 2 * rest <= size ? end - rest : end;
+        if (frame < end_of_dealt) goes_on = deal_frames(animation, *ranks, options.config, frame, end_of_dealt);
+        frame = end_of_dealt;
+    }
+    for (; goes_on && frame < end; ++frame) goes_on = animation.render(frame, animation.load(frame), ranks);
+    animation.commit();
+}
+
+void enable_profilers(const std::vector<Device>& devices, const RenderOptions& options) {
+    for (const Device& device : devices) {
+        device.profiler().enable(options.stats || options.json || !options.trace.empty());
+        device.profiler().keep_records(!options.trace.empty());
+    }
+}
+
+/// A frame of an animation on another rank than 0, which gets the files.
+std::optional<ranks::RenderedFrame> render_for_rank_0(const std::vector<Device>& devices, const RenderOptions& options,
+                                                      const ranks::Picture& frame,
+                                                      const std::function<bool()>& goes_on) {
+    enable_profilers(devices, options);
+    const auto folder = scratch_folder();
+    ranks::RenderedFrame rendered;
+    rendered.frame = frame.number;
+    PictureJob job{devices, nullptr, {}, *folder, goes_on};
+    if (is_film(options.output))
+        job.add_to_film = [&](const std::vector<glm::vec3>& pixels) { rendered.pixels = pixels; };
+    Writes writes;
+    if (!render_picture(job, frame.scene, options_of_frame(options, frame.number), writes)) return std::nullopt;
+    std::fflush(stdout);
+    try {
+        writes.finish();
+    } catch (const Error& error) {
+        rendered.failure = ranks::failure_of(error.kind(), error.what());
+    }
+    for (const auto& entry : std::filesystem::directory_iterator(*folder)) {
+        rendered.names.push_back(entry.path().filename().string());
+        rendered.files.push_back(read_file(entry.path(), ""));
+    }
+    return rendered;
 }
 
 void check_all_outputs(const RenderOptions& options) {
@@ -180,17 +289,19 @@ void refuse_several(const std::vector<Device>& devices, const RenderOptions& opt
 }
 
 void render(const RenderOptions& options) {
-    if (is_other_rank()) return serve_rank_0(options.device, options.wait_for_kernels ? "" : this_program());
+    if (is_other_rank())
+        return serve_rank_0(
+            options.device, options.wait_for_kernels ? "" : this_program(),
+            [&](const std::vector<Device>& devices, const ranks::Picture& frame, const std::function<bool()>& goes_on) {
+                return render_for_rank_0(devices, options, frame, goes_on);
+            });
     check_all_outputs(options);
     if (options.denoiser) check_denoiser(*options.denoiser);
     tell_of_signals_until_guarded();
     const std::vector<Device> devices = open_devices(options.device);
     (void)meet_ranks();
     refuse_several(devices, options);
-    for (const Device& device : devices) {
-        device.profiler().enable(options.stats || options.json || !options.trace.empty());
-        device.profiler().keep_records(!options.trace.empty());
-    }
+    enable_profilers(devices, options);
     warn_of_picture_options(options);
     Writes writes;
     if (options.animation) {
@@ -198,7 +309,7 @@ void render(const RenderOptions& options) {
     } else {
         const Scene scene = load_for(options);
         if (options.fps > 0) return run_frames(devices.front(), scene, options);
-        render_picture(devices, scene, options, writes);
+        render_picture({devices, meet_ranks()}, scene, options, writes);
     }
     writes.finish();
 }

@@ -34,6 +34,8 @@ Hello hello_from(const std::string& bytes) {
 
 std::string to_bytes(const Failure& failure) { return bytes_of(failure.exit_code, failure.text); }
 
+Failure failure_of(ErrorKind kind, const std::string& text) { return {int(kind), text.substr(0, text.find('\n'))}; }
+
 Failure failure_from(const std::string& bytes) {
     Failure failure;
     if (!bytes.empty()) ByteReader(bytes).get(failure.exit_code, failure.text);
@@ -55,6 +57,16 @@ Picture picture_from(const std::string& bytes) {
     visit_config(picture.config, [&](auto&... members) { reader.get(members...); });
     reader.get(picture.scene);
     return picture;
+}
+
+std::string to_bytes(const RenderedFrame& f) {
+    return bytes_of(f.frame, f.names, f.files, f.pixels, f.failure.exit_code, f.failure.text);
+}
+
+RenderedFrame rendered_from(const std::string& bytes) {
+    RenderedFrame f;
+    ByteReader(bytes).get(f.frame, f.names, f.files, f.pixels, f.failure.exit_code, f.failure.text);
+    return f;
 }
 
 std::string to_bytes(const RemoteOrder& order) {

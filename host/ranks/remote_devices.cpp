@@ -12,10 +12,6 @@ using Clock = std::chrono::steady_clock;
 /// Messages take a while.
 constexpr std::size_t most_remote_orders = 4;
 
-std::string place_of(int rank, const Hello& hello) {
-    return "rank " + std::to_string(rank) + (hello.host.empty() ? "" : " on " + hello.host);
-}
-
 class RemoteDevice final : public Worker {
 public:
     RemoteDevice(Session& session, int rank, std::uint32_t picture, std::uint32_t device, std::string name)
@@ -47,6 +43,17 @@ void refuse_difference(int rank, const Hello& own, const Hello& other) {
 }
 
 }  // namespace
+
+std::string place_of(int rank, const Hello& hello) {
+    return "rank " + std::to_string(rank) + (hello.host.empty() ? "" : " on " + hello.host);
+}
+
+Failure failure_of(const Message& message) {
+    Failure failure = failure_from(message.bytes);
+    if (failure.text.empty())
+        failure.text = "nothing was heard of it for " + std::to_string(int(Session::seconds_until_lost())) + " s";
+    return failure;
+}
 
 Ranks::Ranks(Session& session, const Hello& own) : session_(session), hellos_(std::size_t(session.size())) {
     const Clock::time_point begin = Clock::now();
@@ -108,15 +115,12 @@ void RemoteDevices::take(const Message& message) {
 }
 
 void RemoteDevices::take_failure(const Message& message) {
-    const Failure failure = failure_from(message.bytes);
+    const Failure failure = failure_of(message);
     ranks_.lose(message.from);
     for (const Place& place : places_) {
         if (place.rank != message.from) continue;
         Report report{place.member, Report::Kind::failed};
-        report.error = ErrorKind(failure.exit_code);
-        report.what = failure.text.empty()
-                          ? "nothing was heard of it for " + std::to_string(int(Session::seconds_until_lost())) + " s"
-                          : failure.text;
+        report.error = ErrorKind(failure.exit_code), report.what = failure.text;
         inbox_.post(std::move(report));
     }
 }

@@ -6,6 +6,11 @@
 
 namespace claray::ranks {
 
+/// "rank 2 on this host"
+[[nodiscard]] std::string place_of(int rank, const Hello& hello);
+/// What is known of a rank that ended or was lost.
+[[nodiscard]] Failure failure_of(const Message& message);
+
 /// The other ranks, once they have said hello with the same version and options.
 class Ranks {
 public:
@@ -18,6 +23,7 @@ public:
     [[nodiscard]] const std::vector<Hello>& hellos() const { return hellos_; }
     /// A number for the next picture.
     [[nodiscard]] std::uint32_t next_picture() { return ++pictures_; }
+    [[nodiscard]] bool is_lost(int rank) const { return hellos_[std::size_t(rank)].devices.empty(); }
     void lose(int rank) { hellos_[std::size_t(rank)].devices.clear(); }
 
 private:

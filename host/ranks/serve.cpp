@@ -1,6 +1,8 @@
 #include "host/ranks/serve.hpp"
 
+#include <algorithm>
 #include <atomic>
+#include <deque>
 #include <thread>
 
 #include "host/scale/device_worker.hpp"
@@ -46,26 +48,44 @@ private:
 
 }  // namespace
 
-int serve(Session& session, const std::vector<Device>& devices, Hello hello, const std::string& compiler) {
+int serve(Session& session, const std::vector<Device>& devices, Hello hello, const std::string& compiler,
+          const RenderFrame& render_frame) {
     for (const Device& device : devices) hello.devices.push_back(device.info().name);
     session.send(0, MessageKind::hello, to_bytes(hello));
     std::unique_ptr<Job> job;
+    std::deque<Message> waiting;  // that came while a frame was rendered
+    const auto goes_on = [&] {
+        while (std::optional<Message> message = session.receive(std::chrono::milliseconds(0)))
+            waiting.push_back(std::move(*message));
+        return std::none_of(waiting.begin(), waiting.end(), [](const Message& message) {
+            return message.kind == MessageKind::quit || message.kind == MessageKind::failure;
+        });
+    };
     for (;;) {
-        const std::optional<Message> message = session.receive(std::chrono::seconds(1));
-        if (!message) continue;  // the session tells if rank 0 is lost
-        switch (message->kind) {
+        if (waiting.empty())
+            if (std::optional<Message> message = session.receive(std::chrono::seconds(1)))
+                waiting.push_back(std::move(*message));
+        if (waiting.empty()) continue;  // the session tells if rank 0 is lost
+        const Message message = std::move(waiting.front());
+        waiting.pop_front();
+        switch (message.kind) {
             case MessageKind::picture: {
                 job.reset();
-                Picture picture = picture_from(message->bytes);
+                Picture picture = picture_from(message.bytes);
                 picture.config.compiler = compiler;
                 job = std::make_unique<Job>(session, devices, std::move(picture));
                 break;
             }
             case MessageKind::order:
-                if (job) job->carry_out(order_from(message->bytes));
+                if (job) job->carry_out(order_from(message.bytes));
+                break;
+            case MessageKind::frame:
+                job.reset();
+                if (const auto rendered = render_frame(devices, picture_from(message.bytes), goes_on))
+                    session.send(0, MessageKind::rendered, to_bytes(*rendered));
                 break;
             case MessageKind::end: job.reset(); break;
-            case MessageKind::quit: return std::atoi(message->bytes.c_str());
+            case MessageKind::quit: return std::atoi(message.bytes.c_str());
             case MessageKind::failure: throw Error(ErrorKind::user, "rank 0 is lost");
             default: break;
         }

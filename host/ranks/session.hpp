@@ -10,14 +10,16 @@
 namespace claray::ranks {
 
 enum class MessageKind : int {
-    alive,    ///< nothing else
-    hello,    ///< a rank's version, options and devices
-    failure,  ///< a rank ends: exit code and text
-    picture,  ///< configuration and scene of the next picture
-    order,    ///< for a device of a rank
-    report,   ///< of a device
-    end,      ///< of the picture
-    quit      ///< the program ends with this exit code
+    alive,     ///< nothing else
+    hello,     ///< a rank's version, options and devices
+    failure,   ///< a rank ends: exit code and text
+    picture,   ///< configuration and scene of the next picture
+    order,     ///< for a device of a rank
+    report,    ///< of a device
+    end,       ///< of the picture
+    frame,     ///< configuration and scene of a frame that this rank is to render alone
+    rendered,  ///< what a rank made of a frame
+    quit       ///< the program ends with this exit code
 };
 
 struct Message {

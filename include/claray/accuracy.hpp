@@ -80,6 +80,7 @@ struct Study {
     double floor = 0;  ///< uncertainty of the reference; smaller errors have no meaning
     unsigned reference_spp = 0;
     std::vector<std::string> findings;  ///< conclusions in words: slopes, plateaus, the best method by range
+    std::string device, driver;         ///< for plots and tables; studies leave them empty
 };
 
 struct StudyOptions {

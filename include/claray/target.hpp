@@ -9,6 +9,8 @@
 
 namespace claray {
 
+class RenderGroup;
+
 /// The builders that the planner chooses among.
 inline constexpr Builder planned_builders[] = {
 #define CLARAY_ROW(name, NAME, note, codes, splits) Builder::name,
@@ -78,6 +80,9 @@ struct TargetPlan {
 /// ErrorKind::user, naming the closest possible target, if a time cannot be met, or if an error cannot be reached and
 /// there is no time limit.
 RenderProgress render_to_target(const Device& device, Renderer& renderer, TargetPlan& plan,
+                                const std::function<bool(const RenderProgress&)>& progress = {});
+/// The same with several devices, whose trees are never rebuilt.
+RenderProgress render_to_target(RenderGroup& group, TargetPlan& plan,
                                 const std::function<bool(const RenderProgress&)>& progress = {});
 
 /// The result of rendering frames at a rate. Each frame is a separate render; its time runs from the first sample until

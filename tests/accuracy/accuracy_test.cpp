@@ -610,7 +610,7 @@ TEST(Plot, GivesZeroAPlaceOfItsOwn) {
     EXPECT_EQ(svg.find("inf"), std::string::npos);
     const std::string html = html_of({study}, "", "");
     EXPECT_NE(html.find("<th>a fact</th>"), std::string::npos);
-    EXPECT_NE(csv_of({study}, "", "", "").find("\"a fact = 20\""), std::string::npos);
+    EXPECT_NE(csv_of({study}, "").find("\"a fact = 20\""), std::string::npos);
 }
 
 TEST(Plot, DrawsEveryPointButThoseThatFailed) {
@@ -624,6 +624,7 @@ TEST(Plot, DrawsEveryPointButThoseThatFailed) {
         if (i == 3) p.failure = "lost";
         study.points.push_back(p);
     }
+    study.device = "a \"device\"", study.driver = "1";
     const std::string svg = svg_of(study, "here & now");
     const auto count = [&](const std::string& text, const std::string& words) {
         std::size_t found = 0;
@@ -634,9 +635,9 @@ TEST(Plot, DrawsEveryPointButThoseThatFailed) {
     EXPECT_EQ(count(svg, "<rect"), 1u);               // the paper: without a floor nothing is shaded
     EXPECT_EQ(count(svg, "stroke-width=\"2\""), 5u);  // three marks, two in the legend
     EXPECT_EQ(count(svg, "A &lt;study&gt;"), 1u);
-    EXPECT_EQ(count(svg, "here &amp; now"), 1u);
+    EXPECT_EQ(count(svg, "here &amp; now, a "), 1u);
     EXPECT_EQ(count(svg, "nan"), 0u);
-    const std::string csv = csv_of({study}, "a \"device\"", "1", "scene");
+    const std::string csv = csv_of({study}, "scene");
     EXPECT_EQ(count(csv, "\n"), 5u);
     EXPECT_EQ(count(csv, "\"a \"\"device\"\"\""), 4u);
     EXPECT_EQ(count(csv, "\"lost\""), 1u);

@@ -54,6 +54,15 @@ TEST(Protocol, BringsOrdersAndReports) {
     EXPECT_EQ(come.sums.pixels.at(1).all.g, 0.5f);
     EXPECT_EQ(come.sums.odd.at(0).r, 2.f);
 
+    const RenderedFrame frame =
+        rendered_from(to_bytes(RenderedFrame{5, {"a"}, {std::string("b\0c", 3)}, {{1, 2, 3}}, {2, "why"}}));
+    EXPECT_EQ(frame.frame, 5u);
+    EXPECT_EQ(frame.names.at(0), "a");
+    EXPECT_EQ(frame.files.at(0), std::string("b\0c", 3));
+    EXPECT_EQ(frame.pixels.at(0), glm::vec3(1, 2, 3));
+    EXPECT_EQ(frame.failure.exit_code, 2);
+    EXPECT_EQ(frame.failure.text, "why");
+
     RemoteReport report{4, {2, Report::Kind::failed}};
     report.report.error = ErrorKind::user, report.report.what = "why";
     const RemoteReport told = report_from(to_bytes(report));

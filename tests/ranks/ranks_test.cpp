@@ -122,6 +122,30 @@ TEST_F(Ranks, GoOnIfOneDiesWhereTheLauncherAllowsIt) {
         << result.errors;
 }
 
+TEST_F(Ranks, ShareFramesOfAnAnimation) {
+    const std::string scene = CLARAY_SOURCE_DIR "/tests/fuzz/corpus/gltf/posed.gltf";
+    const auto frames = [&](const std::string& output, const Words& more = {}) {
+        Words words = {CLARAY_PROGRAM, "render", scene, "--device", "cpu",  "--size", "16x12",
+                       "--spp",        "2",      "-q",  "--frames", "0..6", "-o",     output};
+        words.insert(words.end(), more.begin(), more.end());
+        return words;
+    };
+    ASSERT_EQ(run_process(frames(path("1.%d.pfm"), {"--aov", "depth"})).exit_code, 0);
+    const ProcessResult dealt = run_process(mpirun({{3, frames(path("3.%d.pfm"), {"--aov", "depth"})}}));
+    ASSERT_EQ(dealt.exit_code, 0) << dealt.errors;
+    for (int frame = 0; frame <= 6; ++frame)
+        for (const char* end : {".pfm", ".depth.pfm", ".depth.png"}) {
+            const std::string name = "." + std::to_string(frame) + end;
+            EXPECT_TRUE(read_file(path("3" + name)) == read_file(path("1" + name))) << name;
+        }
+    const std::size_t shared = dealt.output.find("rank 1");
+    EXPECT_GT(shared, dealt.output.find("3.6.pfm: "))
+        << "six frames are dealt, all ranks share the last: " << dealt.output;
+    const ProcessResult film = run_process(mpirun({{2, frames(path("f.y4m"))}}));
+    EXPECT_EQ(film.exit_code, 0) << film.errors;
+    EXPECT_TRUE(read_file(path("f.y4m")) == run_process(frames("-")).output);
+}
+
 TEST_F(Ranks, RefuseWhatDiffers) {
     const auto words = [&](const char* spp) { return render({"--spp", spp, "-o", path("x.pfm")}); };
     EXPECT_TRUE(says(run_process(mpirun({{1, words("4")}, {1, words("5")}})), 2, "has other options than rank 0"));
@@ -136,6 +160,7 @@ TEST_F(Ranks, RefuseWhatDiffers) {
     std::ofstream(kernels / "sort/radix_sort.cl", std::ios::app) << "// another\n";
     EXPECT_TRUE(says(with("CLARAY_KERNEL_DIR=" + kernels.string()), 1, "install one version on all machines"));
     EXPECT_TRUE(says(run_process(mpirun({{2, render({"--spp", "0", "-o", path("x.pfm")})}})), 2, "--spp"));
+    EXPECT_TRUE(says(run_process(mpirun({{2, render({"--time", "1us", "-o", path("x.pfm")})}})), 1, "is too short"));
     EXPECT_TRUE(says(run_process(mpirun({{2, render({"--adaptive", "-o", path("x.pfm")})}})), 2, "one device only"));
     EXPECT_FALSE(fs::exists(path("x.pfm")));
 }

@@ -3,6 +3,7 @@
 
 #include <exception>
 #include <filesystem>
+#include <mutex>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,7 @@ struct NamedFile {
 /// links. Throws the errors that writing the outputs would throw.
 void check_outputs(const std::vector<NamedFile>& outputs, const std::vector<NamedFile>& inputs = {});
 
-/// Attempts all writes, then throws the first error.
+/// Attempts all writes, from any thread, then throws the first error.
 class Writes {
 public:
     template <class Write>
@@ -28,6 +29,7 @@ public:
         try {
             write();
         } catch (const Error&) {
+            const std::lock_guard lock(mutex_);
             if (!first_) first_ = std::current_exception();
         }
     }
@@ -36,6 +38,7 @@ public:
     }
 
 private:
+    std::mutex mutex_;
     std::exception_ptr first_;
 };
 
