@@ -231,7 +231,9 @@ TEST(OwnPrimitives, FillWideNodes) {
         }
         EXPECT_EQ(children, nodes - 1 + blocks);
         EXPECT_GT(double(children), 0.7 * CLARAY_WIDTH * double(nodes));
-        if (builder == Builder::binned) EXPECT_GT(5003.0, 6.5 * double(blocks));
+        if (builder == Builder::binned) {
+            EXPECT_GT(5003.0, 6.5 * double(blocks));
+        }
     }
 }
 
