@@ -8,6 +8,7 @@
 #include "claray/scale/render_group.hpp"
 #include "host/accuracy/forecast.hpp"
 #include "host/accuracy/study.hpp"
+#include "host/render/kernels/kernel_choice.hpp"
 
 namespace claray {
 namespace {
@@ -144,7 +145,7 @@ TargetPlan plan_render(const Device& device, const Scene& scene, const RenderCon
     TargetPlan plan;
     plan.config = config, plan.triangles = triangles_of(scene), plan.measuring = measuring;
     plan.picks_builder = picks_builder && scene.instances.empty();
-    plan.config.bvh.builder = resolve(config.bvh.builder, device);
+    plan.config.bvh.builder = builder_for(config.bvh.builder, device, !scene.instances.empty());
     plan.model = stored_model(device);
     if (config.error == 0) {
         pick_for_time(plan, device, config.seconds);

@@ -147,21 +147,29 @@ TEST_F(Ranks, ShareFramesOfAnAnimation) {
 }
 
 TEST_F(Ranks, RefuseWhatDiffers) {
+    const auto run = [&](const std::vector<std::pair<int, Words>>& programs) {
+        return run_process(mpirun(programs, {"--mca", "odls_base_sigkill_timeout", "0"}));  // ends without a delay
+    };
+    const auto both = [&](const Words& more) {
+        Words words = more;
+        words.insert(words.end(), {"-o", path("x.pfm")});
+        return run({{2, render(words)}});
+    };
     const auto words = [&](const char* spp) { return render({"--spp", spp, "-o", path("x.pfm")}); };
-    EXPECT_TRUE(says(run_process(mpirun({{1, words("4")}, {1, words("5")}})), 2, "has other options than rank 0"));
+    EXPECT_TRUE(says(run({{1, words("4")}, {1, words("5")}}), 2, "has other options than rank 0"));
     const auto with = [&](const std::string& variable) {
         Words program = words("4");
         program.insert(program.begin(), {"env", variable});
-        return run_process(mpirun({{1, words("4")}, {1, program}}));
+        return run({{1, words("4")}, {1, program}});
     };
     EXPECT_TRUE(says(with("OCL_ICD_VENDORS=/nonexistent"), 3, "no OpenCL platform on this machine"));
     const fs::path kernels = folder_ / "kernels";
     fs::copy(CLARAY_SOURCE_DIR "/kernels", kernels, fs::copy_options::recursive);
     std::ofstream(kernels / "sort/radix_sort.cl", std::ios::app) << "// another\n";
     EXPECT_TRUE(says(with("CLARAY_KERNEL_DIR=" + kernels.string()), 1, "install one version on all machines"));
-    EXPECT_TRUE(says(run_process(mpirun({{2, render({"--spp", "0", "-o", path("x.pfm")})}})), 2, "--spp"));
-    EXPECT_TRUE(says(run_process(mpirun({{2, render({"--time", "1us", "-o", path("x.pfm")})}})), 1, "is too short"));
-    EXPECT_TRUE(says(run_process(mpirun({{2, render({"--adaptive", "-o", path("x.pfm")})}})), 2, "one device only"));
+    EXPECT_TRUE(says(both({"--spp", "0"}), 2, "--spp"));
+    EXPECT_TRUE(says(both({"--time", "1us"}), 1, "is too short"));
+    EXPECT_TRUE(says(both({"--adaptive"}), 2, "one device only"));
     EXPECT_FALSE(fs::exists(path("x.pfm")));
 }
 

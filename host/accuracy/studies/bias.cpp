@@ -56,7 +56,9 @@ RenderConfig with_ambient(RenderConfig config, float reach, glm::vec3 radiance) 
 }
 
 const std::vector<MacroScope::Macro> ambient_kernels = {{"render/shade_surface", "TECHNIQUES", 1},
-                                                        {"render/shade_surface", "AMBIENT", 1}};
+                                                        {"render/shade_surface", "AMBIENT", 1},
+                                                        {"render/trace_paths", "TECHNIQUES", 1},
+                                                        {"render/trace_paths", "AMBIENT", 1}};
 
 /// Finds the radiance with which such an image has the mean of the true one. All images have the same seeds, so that
 /// noise of parts that do not differ cancels.
