@@ -1,4 +1,4 @@
-// A live view of your own, here in the terminal: the camera turns, a lamp's colour and an object change, and when all
+// A live view of your own, here in the terminal: the camera swings, a lamp's colour and an object change, and when all
 // is still the image improves.
 //     example_11_view [FRAMES [PICTURE]]
 // claray view is the complete one. What it is made of: Renderer::update takes changes without a compilation,
@@ -36,7 +36,7 @@ std::string drawn(std::span<const std::uint8_t> picture) {
 
 // Where the scene is at a time, in seconds. Returns what has changed.
 claray::SceneChanges move(claray::Scene& scene, const claray::Camera& first, float seconds) {
-    scene.camera = claray::orbited(first, 20.f * seconds);
+    scene.camera = claray::orbited(first, 20.f * std::sin(seconds));  // the box is open to one side
     scene.materials[1].albedo =
         0.5f + 0.4f * glm::vec3(std::sin(seconds), std::sin(seconds + 2), std::sin(seconds + 4));
     return {.camera = true, .materials = true};
