@@ -178,6 +178,13 @@ bool rebuild_if_better(Renderer& renderer, TargetPlan& plan, Builder builder) {
     return false;
 }
 
+/// The forecast of a render to an error, once it can be told. Throws if the error cannot be reached.
+std::optional<Forecast> foresee(Watched& watched, const TargetPlan& plan, const RenderProgress& so_far) {
+    const std::optional<Forecast> needed = watched.foresee(so_far, plan.config.error, plan.seconds_to_foresee);
+    if (needed) refuse_unreachable(plan, *needed, so_far);
+    return needed;
+}
+
 /// An error may need more time than there is.
 double within_limit(const TargetPlan& plan, double seconds) {
     return plan.config.seconds > 0 ? std::min(seconds, plan.config.seconds) : seconds;
@@ -211,9 +218,8 @@ RenderProgress render_to_target(const Device& device, Renderer& renderer, Target
         const RenderProgress reached = renderer.render([&](const RenderProgress& so_far) {
             if (progress && !progress(so_far)) return false;
             if (!foresees) return true;
-            const std::optional<Forecast> needed = watched.foresee(so_far, plan.config.error, plan.seconds_to_foresee);
+            const std::optional<Forecast> needed = foresee(watched, plan, so_far);
             if (!needed) return true;
-            refuse_unreachable(plan, *needed, so_far);
             seconds = needed->seconds, before = so_far.seconds;
             return false;
         });
@@ -233,10 +239,8 @@ RenderProgress render_to_target(RenderGroup& group, TargetPlan& plan,
     const RenderProgress reached = group.render([&](const RenderProgress& so_far) {
         if (progress && !progress(so_far)) return false;
         if (!foresees) return true;
-        const std::optional<Forecast> needed = watched.foresee(so_far, plan.config.error, plan.seconds_to_foresee);
-        if (!needed) return true;
-        refuse_unreachable(plan, *needed, so_far);
-        foresees = false, plan.promised_seconds = within_limit(plan, needed->seconds);
+        const std::optional<Forecast> needed = foresee(watched, plan, so_far);
+        if (needed) foresees = false, plan.promised_seconds = within_limit(plan, needed->seconds);
         return true;
     });
     if (reached.spp > 0) refuse_late(plan.config, reached.seconds / reached.spp);  // a group ends what it has begun

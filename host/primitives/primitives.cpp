@@ -1,5 +1,7 @@
 #include "claray/primitives/primitives.hpp"
 
+#include <optional>
+
 #include "host/bvh/bvh_state.hpp"
 #include "host/trace/query_kernel.hpp"
 #include "host/trace/ray_order.hpp"
@@ -55,7 +57,8 @@ struct Primitives::State {
         const auto number = std::uint32_t(rays.size());
         const unsigned fewest = device.tuning("trace/closest_hit", "SORT_FROM");
         if (options.coherence != Coherence::incoherent || fewest == 0 || number < fewest) return none;
-        if (!in_any_order(device, bvh, rays, number)) return none;
+        if (!sample) sample = load_order_sample(device);
+        if (!in_any_order(*sample, device, bvh, rays, number)) return none;
         if (!ray_order || ray_order->capacity() < number) ray_order = std::make_unique<RayOrder>(device, number);
         return ray_order->sort(bvh, rays, number);
     }
@@ -81,6 +84,7 @@ struct Primitives::State {
     TriangleBuffers corners;
     Bvh bvh;
     std::unique_ptr<RayOrder> ray_order;
+    std::optional<Kernel> sample;  // of the order of rays
 };
 
 Primitives Primitives::build(const Device& device, const PrimitiveKind& kind, const Buffer<float>& data,

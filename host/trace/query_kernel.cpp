@@ -16,10 +16,13 @@ const cl::Buffer& ray_queue(const Device& device) {
     return *queue;
 }
 
-bool in_any_order(const Device& device, const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t count) {
+Kernel load_order_sample(const Device& device) {
+    return load_kernel(device, "trace/queue/ray_order.cl", "sample_order");
+}
+
+bool in_any_order(Kernel& sample, const Device& device, const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t count) {
     const cl::Buffer& queue = ray_queue(device);
-    load_kernel(device, "trace/queue/ray_order.cl", "sample_order")
-        .run({1, 1}, bvh.header_buffer(), rays, count, arg("queue", queue));
+    sample.run({1, 1}, bvh.header_buffer(), rays, arg("count", count), arg("queue", queue));
     std::uint32_t answer = 0;
     detail::read(device, queue, 2 * sizeof answer, &answer, sizeof answer);
     return answer != 0;
@@ -61,7 +64,7 @@ QueryKernel::QueryKernel(const Device& device, const Bvh& bvh, Kind kind, const 
         }
         load({{"RAY_QUEUE", "0"}, {"BATCH", std::to_string(most_in_batch_)}, {"GROUP_SIZE", "1"}});
         sort_from_ = device.tuning(stem, "SORT_FROM");
-        if (sort_from_ != 0) (void)load_kernel(device, "trace/queue/ray_order.cl", "sample_order");
+        if (sort_from_ != 0) sample_ = load_order_sample(device);
         return;
     }
     if (device.tuning(stem, "RAY_QUEUE") == 0 || bvh.layout() != Layout::binary) {
@@ -83,7 +86,7 @@ Buffer<std::uint32_t> QueryKernel::order_of(const Buffer<Ray>& rays, std::uint32
                                             const Buffer<std::uint32_t>& count) {
     if (sort_from_ == 0 || capacity < sort_from_ || count.allocated()) return {};
     const Device& device = *device_;
-    if (options_.coherence == Coherence::coherent || !in_any_order(device, bvh_, rays, capacity)) return {};
+    if (options_.coherence == Coherence::coherent || !in_any_order(sample_, device, bvh_, rays, capacity)) return {};
     if (!ray_order_ || ray_order_->capacity() < capacity) ray_order_ = std::make_shared<RayOrder>(device, capacity);
     return ray_order_->sort(bvh_, rays, capacity);
 }

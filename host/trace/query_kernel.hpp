@@ -14,7 +14,10 @@ namespace claray {
 [[nodiscard]] const cl::Buffer& ray_queue(const Device& device);
 
 /// Whether rays are in no order by which neighbours meet the same parts of a structure, by a sample. Waits for it.
-[[nodiscard]] bool in_any_order(const Device& device, const Bvh& bvh, const Buffer<Ray>& rays, std::uint32_t count);
+/// `sample`: the kernel of load_order_sample.
+[[nodiscard]] bool in_any_order(Kernel& sample, const Device& device, const Bvh& bvh, const Buffer<Ray>& rays,
+                                std::uint32_t count);
+[[nodiscard]] Kernel load_order_sample(const Device& device);
 
 /// Binds only CLARAY_CUTOUTS_PARAMETERS.
 struct CutoutsOf {
@@ -85,7 +88,7 @@ private:
     Bvh bvh_;
     QueryOptions options_;
     std::vector<Kernel> kernels_;  // one, or two schedules of which one traces the rays
-    Kernel retrace_;
+    Kernel sample_, retrace_;
     std::shared_ptr<RayOrder> ray_order_;
     std::size_t rays_per_item_ = 1, group_ = 64, most_items_ = std::size_t(-1);
     std::uint32_t most_in_batch_ = 0, sort_from_ = 0;
