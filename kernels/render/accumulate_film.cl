@@ -4,6 +4,9 @@
 #include "compute/textbook.clh"
 #include "math/vector.clh"
 
+#ifndef GROUP_SIZE
+#define GROUP_SIZE 64
+#endif
 #define LARGEST_SAMPLE 1e30f  // 2^24 of these still fit in float32
 
 /// Adds to a sum in two parts. The rounding error (Knuth's two-sum) goes to `error`; then as much of it as the sum can hold is
@@ -76,20 +79,48 @@ static inline bool is_next_entry(Batch batch, global const uint* tables, uint li
 
 #define NO_COLOR {0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f}
 
-/// `begins`: the pixels have no samples yet, whatever the film holds. `limit`: of a sample's components; 0 is none.
-kernel void accumulate_film(Batch batch, global const uint* tables, uint listed, uint begins, float limit,
-                            global const float* radiance, global FilmPixel* film) {
-    uint i = get_global_id(0);
-    if (i >= batch.pixels || !is_first_entry(batch, tables, listed, i)) return;
-    const uint at = film_pixel(batch, tables, listed, i);
+/// Pixel `at` of the film with the samples of the entries from i on. `begins`: the pixels have no samples yet, whatever the film
+/// holds. `limit`: of a sample's components; 0 is none.
+static inline FilmPixel summed_pixel(Batch batch, global const uint* tables, uint listed, uint begins, float limit,
+                                     global const float* radiance, global const FilmPixel* film, uint i, uint at) {
     FilmPixel pixel = {NO_COLOR, 0.0f, 0.0f, 0u, 0u, 0u};
     if (!begins) pixel = film[at];
     do {
         for (uint s = 0; s < batch.samples; ++s)  // the numbers of entries are even
             add_sample(&pixel, vload3(i * batch.samples + s, radiance), limit, (batch.first_sample + s) & 1);
     } while (is_next_entry(batch, tables, listed, ++i));
-    film[at] = pixel;
+    return pixel;
 }
+
+#if CLARAY_CPU
+kernel void accumulate_film(Batch batch, global const uint* tables, uint listed, uint begins, float limit,
+                            global const float* radiance, global FilmPixel* film) {
+    const uint i = get_global_id(0);
+    if (i >= batch.pixels || !is_first_entry(batch, tables, listed, i)) return;
+    const uint at = film_pixel(batch, tables, listed, i);
+    film[at] = summed_pixel(batch, tables, listed, begins, limit, radiance, film, i, at);
+}
+#else
+/// A group stores its neighbouring pixels word by word out of local memory. If each item stored its own eleven words, each of the
+/// eleven stores would touch all the sectors of the group's pixels.
+kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
+void accumulate_film(Batch batch, global const uint* tables, uint listed, uint begins, float limit, global const float* radiance,
+                     global FilmPixel* film) {
+    local FilmPixel pixels[GROUP_SIZE];
+    const uint i = get_global_id(0), own = get_local_id(0), first = i - own;
+    if (i < batch.pixels && is_first_entry(batch, tables, listed, i)) {
+        const uint at = film_pixel(batch, tables, listed, i);
+        pixels[own] = summed_pixel(batch, tables, listed, begins, limit, radiance, film, i, at);
+        if (batch.listed) film[at] = pixels[own];
+    }
+    if (batch.listed || first >= batch.pixels) return;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    const uint words = min((uint)GROUP_SIZE, batch.pixels - first) * (uint)(sizeof(FilmPixel) / sizeof(uint));
+    local const uint* from = (local const uint*)pixels;
+    global uint* to = (global uint*)(film + batch.first_pixel + first);
+    for (uint word = own; word < words; word += GROUP_SIZE) to[word] = from[word];
+}
+#endif
 
 /// Sums only the samples of odd index, for the error of all channels; accumulate_film counts them. One kernel for both sums takes
 /// 1.5 times as long on PoCL.

@@ -133,7 +133,7 @@ TEST(RenderToTarget, BuildsTheTreeThatPaysOnTheWay) {
     EXPECT_EQ(plan.config.bvh.builder, Builder::balanced) << "0.2 ms for a tenth less of the first 0.3 s";
     plan.seconds_to_foresee = 0;
     plan.model.high = {1e-6, 1e9};  // whatever is left, high pays
-    Renderer renderer(modelled, scene, plan.config), other(modelled, scene, to_error(0.02));
+    Renderer renderer(modelled, scene, plan.config), other(modelled, scene, plan.config);
     const RenderProgress reached = render_to_target(modelled, renderer, plan);
     (void)other.render();
     EXPECT_LE(reached.error_bound, 0.02);

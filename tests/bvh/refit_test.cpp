@@ -25,9 +25,10 @@ Mesh moved(Mesh mesh) {
 
 class RefitTest : public testing::TestWithParam<Layout> {};
 
+/// Boxes of trees with spatial splits grow, since refits know whole triangles only.
 TEST_P(RefitTest, ChangesNothingWhereNothingMoved) {
     const std::vector<Mesh> meshes = {soup(3001, 0.05f, 1)};
-    Bvh bvh = Bvh::build(device(), meshes, {.layout = GetParam()});
+    Bvh bvh = Bvh::build(device(), meshes, {.builder = Builder::balanced, .layout = GetParam()});
     const std::string hash = bvh.hash();
     bvh.refit();
     EXPECT_EQ(bvh.hash(), hash);

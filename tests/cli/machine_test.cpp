@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "tests/cli/claray.hpp"
@@ -43,6 +44,10 @@ TEST_F(Machine, WithoutAHomeThatCanBeWrittenTo) {
         run_after("unset HOME XDG_CACHE_HOME", {"devices"}, {{"TMPDIR", folder_.path().string()}});
     EXPECT_EQ(unset.exit_code, 0) << unset.errors;
 
+    const std::vector<DeviceInfo> all = list_devices();
+    const bool has_others =
+        std::ranges::any_of(all, [](const DeviceInfo& info) { return info.platform != "Portable Computing Language"; });
+    if (has_others) GTEST_SKIP() << "the devices of other platforms need no cache";
     none["TMPDIR"] = "/proc/nobody";
     none["XDG_CACHE_HOME"] = "/proc/nobody";
     EXPECT_TRUE(failed_with(run_claray({"render", "cornell", "-o", path("b.png")}, none), 3, "set POCL_CACHE_DIR"));

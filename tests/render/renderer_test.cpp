@@ -89,11 +89,11 @@ TEST(Renderer, NoiseEstimateIsTheTrueError) {
 }
 
 TEST(Renderer, StopsAtTheNoiseLimit) {
-    Renderer renderer(device(), *builtin_scene("cornell"), {.width = 48, .height = 48, .spp = 100'000, .noise = 0.1});
+    Renderer renderer(device(), *builtin_scene("cornell"), {.width = 48, .height = 48, .spp = 100'000, .noise = 0.02});
     const RenderProgress progress = renderer.render();
-    EXPECT_LE(progress.noise, 0.1);
-    EXPECT_GT(progress.noise, 0.05);
-    EXPECT_LT(progress.spp, 1000u);
+    EXPECT_LE(progress.noise, 0.02);
+    EXPECT_GT(progress.noise, 0.01);
+    EXPECT_LT(progress.spp, 5000u);
 }
 
 double rmse_over_mean(const std::vector<glm::vec3>& image, const std::vector<glm::vec3>& reference) {

@@ -209,8 +209,8 @@ TEST(OwnPrimitives, MoveWithTheirData) {
     EXPECT_EQ(closest_hit(primitives, ray)[0].t, 1.f);
 }
 
-/// Nodes are full where that costs least: at most a tenth of their places is free, and five of eight of a leaf's are
-/// taken.
+/// Nodes are full where that costs least: seven of ten of their places are taken. Trees of CPUs, which test the eight
+/// primitives of a leaf at once, fill their leaves, too.
 TEST(OwnPrimitives, FillWideNodes) {
     const KindCase spheres = {"spheres", sphere_kind(), cross_sphere};
     const std::vector<float> data = random_data(spheres, 5003, 0.05f, 7);
@@ -231,7 +231,7 @@ TEST(OwnPrimitives, FillWideNodes) {
         }
         EXPECT_EQ(children, nodes - 1 + blocks);
         EXPECT_GT(double(children), 0.7 * CLARAY_WIDTH * double(nodes));
-        if (builder == Builder::binned) {
+        if (builder == Builder::binned && device().info().type == DeviceType::cpu) {
             EXPECT_GT(5003.0, 6.5 * double(blocks));
         }
     }
