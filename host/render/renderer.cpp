@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <ctime>
 #include <limits>
 #include <memory>
@@ -12,8 +11,6 @@
 #include "claray/shared/spherical_harmonics.h"
 #include "host/base/file.hpp"
 #include "host/base/seconds_since.hpp"
-#include "host/denoise/denoised_image.hpp"
-#include "host/render/guides.hpp"
 #include "host/render/kernels/background_compiler.hpp"
 #include "host/render/parts/scene_parts.hpp"
 #include "host/render/renderer_state.hpp"
@@ -24,18 +21,10 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr unsigned largest_side = 1u << 14;
-constexpr unsigned least_spp_for_noise = 16;
-constexpr unsigned spp_that_see_light = 2048;
 constexpr double seconds_between_asking = 1;  // for a compiler while that of another render runs
 constexpr std::size_t most_triangles_by_host = 1u << 20;
 constexpr std::ptrdiff_t most_effects_to_optimize = 16;  // in quick kernels: PoCL takes two seconds to optimize these
-/// Adaptive sampling leaves tiles alone whose estimated error is too small by chance, so that the sum of all estimates
-/// is too small: the true error was 1.02 to 1.28 times as large in six scenes (docs/accuracy.md).
-constexpr double optimism_of_rounds = 1.25;
-/// The halves of the Sobol samples tell 1 to 1.6 times the error, the more the better their points are spread
-/// (docs/accuracy.md). This is about the middle, for figures that are told; bounds do without it.
-constexpr double pessimism_of_halves = 1.1;
-constexpr std::uint32_t quick_first_paths = 2048;  // in the batch that produces the first pixel
+constexpr std::uint32_t quick_first_paths = 2048;        // in the batch that produces the first pixel
 
 double processor_seconds() { return double(std::clock()) / CLOCKS_PER_SEC; }
 
@@ -207,118 +196,6 @@ std::uint32_t Renderer::State::first_paths() const {
     if (parts_take_turns()) return wavefront.capacity();
     const std::uint32_t tuned = device.tuning("render/wavefront", "FIRST_PATHS");
     return plan.start == KernelStart::quick ? std::min(tuned, quick_first_paths) : tuned;
-}
-
-/// Measures the time without that of batches that are still running. The work is enqueued after them anyway, so that
-/// the device does not wait for the host.
-template <class Measure>
-auto Renderer::State::timed(const Measure& measure) {
-    const Mark batches(device);
-    film.look();
-    batches.wait();
-    const Clock::time_point before_it = Clock::now();
-    const auto measured = measure();
-    measuring_seconds += seconds_since(before_it);
-    return measured;
-}
-
-RenderProgress Renderer::State::measure() {
-    RenderProgress progress;
-    progress.spp = spp();
-    progress.spp_target = config.spp;
-    const Film::Noise noise = timed([&] { return film.noise(); });
-    progress.noise = noise.relative * noise_over_halves();
-    progress.error = last_error.estimate, progress.error_bound = last_error.bound;
-    progress.error_spp = last_error_spp, progress.cut_off = light_cut_off.value_or(0);
-    progress.own_kernels = own_kernels;
-    progress.dropped_samples = noise.dropped;
-    progress.culled = culled;
-    progress.seconds = begin ? seconds_since(*begin) : 0;
-    return progress;
-}
-
-bool Renderer::State::target_met() {
-    if (limit_reached()) return true;
-    plan_round();
-    return schedule.finished();
-}
-
-/// Noise is tested only between passes, so that the stopping point does not depend on time.
-bool Renderer::State::limit_reached() {
-    if (schedule.finished()) return true;
-    const unsigned spp = schedule.complete_passes_spp();
-    if (config.seconds > 0 && spp > 0 && begin && seconds_since(*begin) >= config.seconds) return true;
-    if (!schedule.between_passes()) return false;
-    if (config.error > 0 && error_met()) return true;
-    if (!(config.noise > 0) || spp < least_spp_for_noise) return false;
-    const double noise = timed([&] { return film.noise(); }).relative * noise_over_halves();
-    return noise > 0 && noise <= config.noise;
-}
-
-/// Plans the next round of adaptive sampling, if one is due.
-void Renderer::State::plan_round() {
-    if (!schedule.wants_plan()) return;
-    schedule.plan(timed([&] { return film.tile_noise(config.width); }));
-    list_pixels();
-}
-
-void Renderer::State::list_pixels() const {
-    const AdaptiveSchedule::Round& round = schedule.round();
-    if (schedule.in_round()) buffers.list_pixels(round.tiles, round.unit, config.width, config.height);
-}
-
-/// Called between passes; the next pass ends no later than the next look.
-bool Renderer::State::error_met() {
-    const unsigned spp = schedule.complete_passes_spp();
-    const double noise = error_left_to_noise();
-    if (spp >= looks.next(noise / optimism())) {
-        look_at_error(spp);
-        if (last_error.bound > 0 && last_error.bound <= config.error) return true;
-    }
-    const std::uint32_t next = looks.next(noise / optimism());
-    if (next > spp) schedule.limit_pass(next - spp);
-    return false;
-}
-
-void Renderer::State::look_at_error(unsigned spp) {
-    last_error_spp = spp, error_is_new = true;
-    last_error = timed([&] { return film.error(looks, spp); });
-    last_error.estimate *= optimism(), last_error.bound *= optimism();
-    if (last_error.bound > 0) {
-        last_error.estimate = std::hypot(last_error.estimate, cut_off());
-        last_error.bound = std::hypot(last_error.bound, cut_off());
-        return;
-    }
-    if (spp < spp_that_see_light) return;
-    throw Error(claray::ErrorKind::user,
-                "the image is black after " + std::to_string(spp) +
-                    " samples per pixel: an error relative to its mean is undefined",
-                "add light, or use --spp instead of --error");
-}
-
-double Renderer::State::optimism() const { return schedule.has_rounds() ? optimism_of_rounds : 1; }
-
-double Renderer::State::noise_over_halves() const {
-    return optimism() / (config.sampler == Sampler::sobol ? pessimism_of_halves : 1);
-}
-
-/// Does not depend on the samples or the seed.
-double Renderer::State::cut_off() {
-    if (!light_cut_off) light_cut_off = timed([&] { return wavefront.cut_off(); });
-    return *light_cut_off;
-}
-
-/// Cut-off light is missing from every pixel: if it alone reaches the error target, no noise is allowed.
-double Renderer::State::error_left_to_noise() {
-    if (spp() == 0) return config.error;
-    const double share = cut_off();
-    if (share < config.error) return std::sqrt(config.error * config.error - share * share);
-    char text[160];
-    std::snprintf(
-        text, sizeof text,
-        "an error of %.3g cannot be reached: about %.2g of the light is missing, since paths end after %u surfaces",
-        config.error, share, config.max_depth);
-    throw Error(claray::ErrorKind::user, text, "use a larger --max-depth, or leave it out");
 }
 
 /// Waits for the first pixel. Later work is not urgent.
@@ -607,75 +484,6 @@ bool Renderer::rebuild(const Bvh::Config& config) {
     return true;
 }
 
-std::vector<glm::vec3> Renderer::image(unsigned width, unsigned height) const {
-    return state_->film.image(state_->sizes(width, height));
-}
-
-std::span<const glm::vec3> Renderer::radiance(unsigned width, unsigned height) const {
-    return state_->film.radiance(state_->sizes(width, height));
-}
-
-std::span<const std::uint8_t> Renderer::picture(const PictureConfig& config) const {
-    State& state = *state_;
-    const ImageSizes size = state.sizes(config.width, config.height);
-    return state.mapper_of(size.image_width * size.image_height).map(state.film.resolve(size), config);
-}
-
-std::vector<glm::vec3> Renderer::denoised(DenoiserKind kind) const {
-    const State& state = *state_;
-    const Buffer<FilmPixel>& film = state.film.pixels();
-    Guides guides(state.device, state.buffers, state.config.sampler);
-    return denoised_image({state.config.width, state.config.height, film,
-                           guides.trace(state.wavefront.frame(), film, state.spp()), state.spp()},
-                          kind);
-}
-
-std::span<const std::uint8_t> Renderer::denoised_picture(const PictureConfig& picture) {
-    State& state = *state_;
-    if (!state.frames) state.frames.emplace(state.device, state.buffers, state.config);
-    const Buffer<float>& image = state.frames->next(state.wavefront.frame(), state.film.pixels(), state.spp());
-    return state.mapper_of(state.pixels()).map(image, picture);
-}
-
-std::vector<float> Renderer::noise_map() const {
-    std::vector<float> variances = state_->film.noise_map();
-    const double factor = state_->noise_over_halves();
-    for (float& variance : variances) variance *= float(factor * factor);
-    return variances;
-}
-
-double Renderer::cut_off() const { return state_->cut_off(); }
-
-RenderStatistics Renderer::statistics() const {
-    const State& state = *state_;
-    const Wavefront::Totals totals = state.wavefront.totals();
-    RenderStatistics statistics;
-    statistics.build_milliseconds = state.build_milliseconds;
-    statistics.bvh = state.structure.statistics();
-    statistics.camera = state.rays(trace_camera_name, totals.camera);
-    statistics.bounce = state.rays(trace_bounce_name, totals.bounce);
-    statistics.shadow = state.rays(trace_shadow_name, totals.shadow);
-    statistics.in_paths = state.rays(trace_paths_name, totals.in_paths);
-    if (totals.in_paths != 0)
-        for (RayCount* count : {&statistics.camera, &statistics.bounce, &statistics.shadow}) count->milliseconds = 0;
-    statistics.device_bytes =
-        statistics.bvh.bytes + state.buffers.bytes() + state.wavefront.bytes() + state.film.bytes();
-    statistics.first_pixel_seconds = state.first_pixel_seconds;
-    statistics.first_pixel_processor_seconds = state.first_pixel_processor_seconds;
-    statistics.start = state.plan.start;
-    statistics.own_kernels = state.own_kernels;
-    statistics.own_kernels_from = state.own_kernels_from;
-    statistics.effects = state.buffers.effects;
-    for (const auto& [name, summary] : state.device.profiler().summary())
-        if (summary.longest > statistics.longest_milliseconds)
-            statistics.longest_milliseconds = summary.longest, statistics.longest_command = name;
-    if (const std::shared_ptr<SceneParts>& parts = state.structure.parts())
-        statistics.parts = unsigned(parts->parts().size()), statistics.bytes_paged = parts->bytes_paged();
-    statistics.dropped_samples = state.film.noise().dropped;
-    statistics.measuring_seconds = state.measuring_seconds;
-    return statistics;
-}
-
 const std::string& Renderer::checkpoint_error() const { return state_->checkpoint_error; }
 
 void compile_kernels(const Device& device, EffectSet effects, const RenderConfig& with) {
@@ -695,45 +503,6 @@ void compile_kernels(const Device& device, EffectSet effects, const RenderConfig
         (void)state.structure.statistics();
         remember_as_cached(device, choice, config);
     });
-}
-
-std::vector<glm::vec3> Renderer::voxels() const {
-    State& state = *state_;
-    if (!state.light_grid || !state.config.light_grid.voxels)
-        throw Error(claray::ErrorKind::usage, "there are no voxels", "approximate by a light grid of voxels");
-    state.follow_light();
-    const std::uint32_t all = state.pixels(), most = std::min(state.wavefront.capacity(), all);
-    std::vector<glm::vec3> albedo(all);
-    Buffer<float> part(state.device, 3 * std::size_t(most));
-    for (std::uint32_t first = 0; first < all; first += most) {
-        const std::uint32_t count = std::min(most, all - first);
-        state.wavefront.show_voxels({first, count, 0, 1, 0}, part);
-        part.read(std::span<float>(&albedo[first].x, 3 * std::size_t(count)));
-    }
-    return albedo;
-}
-
-Aovs Renderer::aovs() const {
-    State& state = *state_;
-    const std::size_t pixels = state.pixels();
-    AovStage& stage = state.aov_stage();
-    Aovs aovs{std::vector<float>(pixels), std::vector<glm::vec3>(pixels), std::vector<glm::vec3>(pixels),
-              std::vector<std::uint32_t>(pixels), std::vector<std::uint32_t>(pixels)};
-    const auto floats = [](std::vector<glm::vec3>& v, std::size_t at, std::size_t n) {
-        return std::span<float>(&v[at].x, 3 * n);
-    };
-    for (std::size_t first = 0; first < pixels; first += stage.capacity()) {
-        const std::size_t n = std::min<std::size_t>(stage.capacity(), pixels - first);
-        stage.run(state.wavefront, state.buffers, std::uint32_t(first), std::uint32_t(n));
-        stage.depth.read({&aovs.depth[first], n});
-        stage.primitive.read({&aovs.primitive[first], n});
-        stage.visits.read({&aovs.visits[first], n});
-        stage.normal.read(floats(aovs.normal, first, n));
-        stage.albedo.read(floats(aovs.albedo, first, n));
-    }
-    if (!state.shape.numbers.empty())
-        for (std::uint32_t& triangle : aovs.primitive) triangle = state.shape.numbers.number_there(triangle);
-    return aovs;
 }
 
 }  // namespace claray

@@ -1,0 +1,117 @@
+// What a renderer gives: images and pictures, statistics, voxels, AOVs.
+#include "host/denoise/denoised_image.hpp"
+#include "host/render/guides.hpp"
+#include "host/render/parts/scene_parts.hpp"
+#include "host/render/renderer_state.hpp"
+
+namespace claray {
+
+std::vector<glm::vec3> Renderer::image(unsigned width, unsigned height) const {
+    return state_->film.image(state_->sizes(width, height));
+}
+
+std::span<const glm::vec3> Renderer::radiance(unsigned width, unsigned height) const {
+    return state_->film.radiance(state_->sizes(width, height));
+}
+
+std::span<const std::uint8_t> Renderer::picture(const PictureConfig& config) const {
+    State& state = *state_;
+    const ImageSizes size = state.sizes(config.width, config.height);
+    return state.mapper_of(size.image_width * size.image_height).map(state.film.resolve(size), config);
+}
+
+std::vector<glm::vec3> Renderer::denoised(DenoiserKind kind) const {
+    const State& state = *state_;
+    const Buffer<FilmPixel>& film = state.film.pixels();
+    Guides guides(state.device, state.buffers, state.config.sampler);
+    return denoised_image({state.config.width, state.config.height, film,
+                           guides.trace(state.wavefront.frame(), film, state.spp()), state.spp()},
+                          kind);
+}
+
+std::span<const std::uint8_t> Renderer::denoised_picture(const PictureConfig& picture) {
+    State& state = *state_;
+    if (!state.frames) state.frames.emplace(state.device, state.buffers, state.config);
+    const Buffer<float>& image = state.frames->next(state.wavefront.frame(), state.film.pixels(), state.spp());
+    return state.mapper_of(state.pixels()).map(image, picture);
+}
+
+std::vector<float> Renderer::noise_map() const {
+    std::vector<float> variances = state_->film.noise_map();
+    const double factor = state_->noise_over_halves();
+    for (float& variance : variances) variance *= float(factor * factor);
+    return variances;
+}
+
+double Renderer::cut_off() const { return state_->cut_off(); }
+
+RenderStatistics Renderer::statistics() const {
+    const State& state = *state_;
+    const Wavefront::Totals totals = state.wavefront.totals();
+    RenderStatistics statistics;
+    statistics.build_milliseconds = state.build_milliseconds;
+    statistics.bvh = state.structure.statistics();
+    statistics.camera = state.rays(trace_camera_name, totals.camera);
+    statistics.bounce = state.rays(trace_bounce_name, totals.bounce);
+    statistics.shadow = state.rays(trace_shadow_name, totals.shadow);
+    statistics.in_paths = state.rays(trace_paths_name, totals.in_paths);
+    if (totals.in_paths != 0)
+        for (RayCount* count : {&statistics.camera, &statistics.bounce, &statistics.shadow}) count->milliseconds = 0;
+    statistics.device_bytes =
+        statistics.bvh.bytes + state.buffers.bytes() + state.wavefront.bytes() + state.film.bytes();
+    statistics.first_pixel_seconds = state.first_pixel_seconds;
+    statistics.first_pixel_processor_seconds = state.first_pixel_processor_seconds;
+    statistics.start = state.plan.start;
+    statistics.own_kernels = state.own_kernels;
+    statistics.own_kernels_from = state.own_kernels_from;
+    statistics.effects = state.buffers.effects;
+    for (const auto& [name, summary] : state.device.profiler().summary())
+        if (summary.longest > statistics.longest_milliseconds)
+            statistics.longest_milliseconds = summary.longest, statistics.longest_command = name;
+    if (const std::shared_ptr<SceneParts>& parts = state.structure.parts())
+        statistics.parts = unsigned(parts->parts().size()), statistics.bytes_paged = parts->bytes_paged();
+    statistics.dropped_samples = state.film.noise().dropped;
+    statistics.measuring_seconds = state.measuring_seconds;
+    return statistics;
+}
+
+std::vector<glm::vec3> Renderer::voxels() const {
+    State& state = *state_;
+    if (!state.light_grid || !state.config.light_grid.voxels)
+        throw Error(claray::ErrorKind::usage, "there are no voxels", "approximate by a light grid of voxels");
+    state.follow_light();
+    const std::uint32_t all = state.pixels(), most = std::min(state.wavefront.capacity(), all);
+    std::vector<glm::vec3> albedo(all);
+    Buffer<float> part(state.device, 3 * std::size_t(most));
+    for (std::uint32_t first = 0; first < all; first += most) {
+        const std::uint32_t count = std::min(most, all - first);
+        state.wavefront.show_voxels({first, count, 0, 1, 0}, part);
+        part.read(std::span<float>(&albedo[first].x, 3 * std::size_t(count)));
+    }
+    return albedo;
+}
+
+Aovs Renderer::aovs() const {
+    State& state = *state_;
+    const std::size_t pixels = state.pixels();
+    AovStage& stage = state.aov_stage();
+    Aovs aovs{std::vector<float>(pixels), std::vector<glm::vec3>(pixels), std::vector<glm::vec3>(pixels),
+              std::vector<std::uint32_t>(pixels), std::vector<std::uint32_t>(pixels)};
+    const auto floats = [](std::vector<glm::vec3>& v, std::size_t at, std::size_t n) {
+        return std::span<float>(&v[at].x, 3 * n);
+    };
+    for (std::size_t first = 0; first < pixels; first += stage.capacity()) {
+        const std::size_t n = std::min<std::size_t>(stage.capacity(), pixels - first);
+        stage.run(state.wavefront, state.buffers, std::uint32_t(first), std::uint32_t(n));
+        stage.depth.read({&aovs.depth[first], n});
+        stage.primitive.read({&aovs.primitive[first], n});
+        stage.visits.read({&aovs.visits[first], n});
+        stage.normal.read(floats(aovs.normal, first, n));
+        stage.albedo.read(floats(aovs.albedo, first, n));
+    }
+    if (!state.shape.numbers.empty())
+        for (std::uint32_t& triangle : aovs.primitive) triangle = state.shape.numbers.number_there(triangle);
+    return aovs;
+}
+
+}  // namespace claray

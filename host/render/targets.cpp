@@ -1,0 +1,137 @@
+// The targets of a render: when it has enough samples, and what its progress tells of the error.
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+
+#include "host/base/seconds_since.hpp"
+#include "host/render/renderer_state.hpp"
+
+namespace claray {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr unsigned least_spp_for_noise = 16;
+constexpr unsigned spp_that_see_light = 2048;
+/// Adaptive sampling leaves tiles alone whose estimated error is too small by chance, so that the sum of all estimates
+/// is too small: the true error was 1.02 to 1.28 times as large in six scenes (docs/accuracy.md).
+constexpr double optimism_of_rounds = 1.25;
+/// The halves of the Sobol samples tell 1 to 1.6 times the error, the more the better their points are spread
+/// (docs/accuracy.md). This is about the middle, for figures that are told; bounds do without it.
+constexpr double pessimism_of_halves = 1.1;
+
+}  // namespace
+
+/// Measures the time without that of batches that are still running. The work is enqueued after them anyway, so that
+/// the device does not wait for the host.
+template <class Measure>
+auto Renderer::State::timed(const Measure& measure) {
+    const Mark batches(device);
+    film.look();
+    batches.wait();
+    const Clock::time_point before_it = Clock::now();
+    const auto measured = measure();
+    measuring_seconds += seconds_since(before_it);
+    return measured;
+}
+
+RenderProgress Renderer::State::measure() {
+    RenderProgress progress;
+    progress.spp = spp();
+    progress.spp_target = config.spp;
+    const Film::Noise noise = timed([&] { return film.noise(); });
+    progress.noise = noise.relative * noise_over_halves();
+    progress.error = last_error.estimate, progress.error_bound = last_error.bound;
+    progress.error_spp = last_error_spp, progress.cut_off = light_cut_off.value_or(0);
+    progress.own_kernels = own_kernels;
+    progress.dropped_samples = noise.dropped;
+    progress.culled = culled;
+    progress.seconds = begin ? seconds_since(*begin) : 0;
+    return progress;
+}
+
+bool Renderer::State::target_met() {
+    if (limit_reached()) return true;
+    plan_round();
+    return schedule.finished();
+}
+
+/// Noise is tested only between passes, so that the stopping point does not depend on time.
+bool Renderer::State::limit_reached() {
+    if (schedule.finished()) return true;
+    const unsigned spp = schedule.complete_passes_spp();
+    if (config.seconds > 0 && spp > 0 && begin && seconds_since(*begin) >= config.seconds) return true;
+    if (!schedule.between_passes()) return false;
+    if (config.error > 0 && error_met()) return true;
+    if (!(config.noise > 0) || spp < least_spp_for_noise) return false;
+    const double noise = timed([&] { return film.noise(); }).relative * noise_over_halves();
+    return noise > 0 && noise <= config.noise;
+}
+
+/// Plans the next round of adaptive sampling, if one is due.
+void Renderer::State::plan_round() {
+    if (!schedule.wants_plan()) return;
+    schedule.plan(timed([&] { return film.tile_noise(config.width); }));
+    list_pixels();
+}
+
+void Renderer::State::list_pixels() const {
+    const AdaptiveSchedule::Round& round = schedule.round();
+    if (schedule.in_round()) buffers.list_pixels(round.tiles, round.unit, config.width, config.height);
+}
+
+/// Called between passes; the next pass ends no later than the next look.
+bool Renderer::State::error_met() {
+    const unsigned spp = schedule.complete_passes_spp();
+    const double noise = error_left_to_noise();
+    if (spp >= looks.next(noise / optimism())) {
+        look_at_error(spp);
+        if (last_error.bound > 0 && last_error.bound <= config.error) return true;
+    }
+    const std::uint32_t next = looks.next(noise / optimism());
+    if (next > spp) schedule.limit_pass(next - spp);
+    return false;
+}
+
+void Renderer::State::look_at_error(unsigned spp) {
+    last_error_spp = spp, error_is_new = true;
+    last_error = timed([&] { return film.error(looks, spp); });
+    last_error.estimate *= optimism(), last_error.bound *= optimism();
+    if (last_error.bound > 0) {
+        last_error.estimate = std::hypot(last_error.estimate, cut_off());
+        last_error.bound = std::hypot(last_error.bound, cut_off());
+        return;
+    }
+    if (spp < spp_that_see_light) return;
+    throw Error(claray::ErrorKind::user,
+                "the image is black after " + std::to_string(spp) +
+                    " samples per pixel: an error relative to its mean is undefined",
+                "add light, or use --spp instead of --error");
+}
+
+double Renderer::State::optimism() const { return schedule.has_rounds() ? optimism_of_rounds : 1; }
+
+double Renderer::State::noise_over_halves() const {
+    return optimism() / (config.sampler == Sampler::sobol ? pessimism_of_halves : 1);
+}
+
+/// Does not depend on the samples or the seed.
+double Renderer::State::cut_off() {
+    if (!light_cut_off) light_cut_off = timed([&] { return wavefront.cut_off(); });
+    return *light_cut_off;
+}
+
+/// Cut-off light is missing from every pixel: if it alone reaches the error target, no noise is allowed.
+double Renderer::State::error_left_to_noise() {
+    if (spp() == 0) return config.error;
+    const double share = cut_off();
+    if (share < config.error) return std::sqrt(config.error * config.error - share * share);
+    char text[160];
+    std::snprintf(
+        text, sizeof text,
+        "an error of %.3g cannot be reached: about %.2g of the light is missing, since paths end after %u surfaces",
+        config.error, share, config.max_depth);
+    throw Error(claray::ErrorKind::user, text, "use a larger --max-depth, or leave it out");
+}
+
+}  // namespace claray
