@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 
-#include "claray/bvh.hpp"
+#include "claray/device.hpp"
 
 namespace claray::cli {
 
@@ -15,9 +15,6 @@ using AddCommand = void(CLI::App& app, Action& action);
 AddCommand add_devices_command, add_scenes_command, add_render_command, add_explain_command, add_compile_command,
     add_bake_command, add_build_command, add_bench_command, add_tune_command, add_verify_command, add_accuracy_command,
     add_view_command, add_probe_command, add_normal_map_command;
-
-/// --builder, --layout and --morton-bits, for the commands that build a tree.
-void add_bvh_options(CLI::App& command, Bvh::Config& config);
 
 /// Opens the device of a command. Prints the warnings about the user's tuning tables.
 [[nodiscard]] Device open_device(const std::string& selector = {});

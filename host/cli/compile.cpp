@@ -4,6 +4,7 @@
 
 #include "claray/renderer.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/options/bvh_options.hpp"
 #include "host/cli/options/render_options.hpp"
 
 namespace claray::cli {

@@ -11,6 +11,7 @@
 #include "host/accuracy/svg.hpp"
 #include "host/base/file.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/options/bvh_options.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/options/render_options.hpp"
 #include "host/cli/options/view_options.hpp"
@@ -118,8 +119,7 @@ void print_text(const Explanation& x, const ExplainOptions& o) {
         std::printf("\n");
         if (rows.size() > 1) print_table(rows, 2);
     }
-    if (o.only.empty() && !o.unused)
-        std::printf("--unused also measures the effects that the scene does not use\n");
+    if (o.only.empty() && !o.unused) std::printf("--unused also measures the effects that the scene does not use\n");
     std::printf("\n");
     print_variant("the scene's own", x.own, compile_times);
     if (!is_everything_measured(o)) return print_approximations(x, compile_times);

@@ -5,6 +5,7 @@
 #include "host/base/format.hpp"
 #include "host/base/percentile.hpp"
 #include "host/cli/commands.hpp"
+#include "host/cli/options/bvh_options.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/options/render_options.hpp"
 #include "host/cli/options/view_options.hpp"

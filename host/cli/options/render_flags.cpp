@@ -1,0 +1,118 @@
+#include "host/cli/options/render_flags.hpp"
+
+#include <iterator>
+#include <utility>
+
+#include "host/cli/options/bvh_options.hpp"
+#include "host/cli/options/light_options.hpp"
+#include "host/cli/options/render_targets.hpp"
+
+namespace claray::cli {
+namespace {
+
+void add_image_options(CLI::App& command, RenderOptions& o) {
+    command
+        .add_option("scene", o.scene,
+                    "A scene file (.obj, .ply, .stl, .gltf, .glb), or a built-in scene (see claray scenes)")
+        ->required();
+    command.add_option(
+        "-o,--output", o.output,
+        "Output image: .png, .hdr, .pfm or .exr; with --fps the last frame; with --frames also .y4m or -");
+    add_size_option(command, o.config.width, o.config.height, "WIDTHxHEIGHT in pixels [512x512]");
+    command.add_option("--light-map", o.light_maps,
+                       "MESH=FILE: light map of a mesh, from claray bake; may be repeated");
+    command.add_option("--exposure", o.exposure, "Brighten a PNG by this many stops [0]")->check(finite_number());
+    const std::vector<std::pair<std::string, ToneMap>> tone_maps = {{"none", ToneMap::none}, {"aces", ToneMap::aces}};
+    command.add_option("--tone-map", o.tone_map, "Tone map of a PNG: none (clamp) or aces (filmic) [aces]")
+        ->transform(choice_of(tone_maps))
+        ->type_name("NAME");
+    const std::vector<std::pair<std::string, DenoiserKind>> denoisers = {
+        {"auto", DenoiserKind::automatic}, {"claray", DenoiserKind::claray}, {"oidn", DenoiserKind::oidn}};
+    command
+        .add_flag(
+            "--denoise{auto}", o.denoiser,
+            "Remove noise from the image, in the time of one to five samples. --denoise=claray: claray's kernels;\n"
+            "=oidn: Open Image Denoise; =auto: the latter if it is installed. Blurs faint shadows and reflections\n"
+            "in rough metal, but no textures (see docs/denoise.md)")
+        ->transform(choice_of(denoisers));
+    command
+        .add_option("--aov", o.aovs,
+                    "Also write OUTPUT.NAME.png and .pfm, or layers of an .exr: depth normal albedo primitive heat; "
+                    "gbuffer: packed as\n"
+                    "deferred renderers keep it, .raw and a picture of each part (see docs/formats.md); voxels:\n"
+                    "those of --grid-voxels, by the albedo of their surfaces.\n"
+                    "albedo includes emitted light up to 1, as denoisers expect")
+        ->take_all()
+        ->delimiter(',')
+        ->check(name_among(std::vector<std::string>(std::begin(aov_names), std::end(aov_names))));
+}
+
+void add_quality_options(CLI::App& command, RenderOptions& o) {
+    command.add_option("--spp", o.config.spp, "Samples per pixel [64]; with --time the upper limit")
+        ->transform(whole_number(1, 1 << 24));
+    add_approximate_option(command, o.config.approximate);
+    add_shading_options(command, o.config.approximate);
+    add_light_grid_options(command, o.config.light_grid);
+    command.add_option("--noise", o.config.noise, "Stop at this relative standard error, for example 0.01")
+        ->check(positive_number());
+    command.add_option("--max-depth", o.config.max_depth, "Surfaces per path, at most; 1 is direct light only [128]")
+        ->transform(whole_number(1, 1024));
+    command
+        .add_option("--sample-clamp", o.config.sample_clamp,
+                    "Scale samples above this radiance down to it: fewer bright pixels, but a darker image")
+        ->check(positive_number());
+    command.add_option("--seed", o.config.seed, "Seed of the random numbers; changes the noise [0]")
+        ->transform(whole_number(0));
+}
+
+void add_checkpoint_options(CLI::App& command, RenderOptions& o) {
+    command.add_option("--checkpoint", o.config.checkpoint,
+                       "Save progress to FILE periodically; continue with --resume");
+    command
+        .add_option("--checkpoint-every", o.config.checkpoint_seconds, "Time between two saves: 30s, 5min, 2h [30s]")
+        ->transform(duration())
+        ->type_name("TIME");
+    command.add_option("--resume", o.config.resume,
+                       "Continue from a file of --checkpoint; scene and settings must be the same");
+}
+
+void add_machine_options(CLI::App& command, RenderOptions& o) {
+    command.add_option("--device", o.device,
+                       "cpu, gpu, an index or part of a name (see claray devices); several share the image:\n"
+                       "all, or a list such as gpu,cpu (see docs/scale.md)");
+    add_bvh_options(command, o.config.bvh);
+    command
+        .add_option("--parts", o.config.parts,
+                    "Split the tree into N parts, which take turns on the device [as its memory requires]")
+        ->transform(whole_number(1, 4096));
+    command.add_flag("--stats", o.stats, "Print build time, rays per second and memory");
+    command.add_flag("--json", o.json, "Print the result and all statistics as JSON");
+    command.add_option_function<std::string>(
+        "--effects", [&o](const std::string& text) { o.config.effects = parse_effect_overrides(text); },
+        "For experiments: +NAME compiles an effect in, -NAME removes it from the scene (see claray explain)");
+    command.add_flag("--wait-for-kernels", o.wait_for_kernels,
+                     "Compile the scene's own kernels before rendering, not in the background");
+    command.add_option("--trace", o.trace, "Write every device command to FILE (JSON) for ui.perfetto.dev");
+    command.add_flag("-q,--quiet", o.quiet, "Print no progress");
+}
+
+}  // namespace
+
+void add_render_options(CLI::App& command, RenderOptions& options) {
+    add_image_options(command, options);
+    add_view_options(command, options.view);
+    add_quality_options(command, options);
+    add_target_options(command, options);
+    add_checkpoint_options(command, options);
+    add_machine_options(command, options);
+}
+
+void check_render_options(const CLI::App& command) {
+    refuse_without(command, "--checkpoint-every", "--checkpoint");
+    refuse_without(command, "--exposure", "--output");
+    refuse_without(command, "--tone-map", "--output");
+    refuse_both(command, "--denoise", {"--fps"}, "each frame is rendered alone in its time, without a denoiser");
+    refuse_both(command, "--sky", {"--environment"}, "a scene has one background");
+}
+
+}  // namespace claray::cli
