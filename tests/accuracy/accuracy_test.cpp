@@ -161,7 +161,7 @@ TEST(ReferenceImage, OfNothingIsRefused) {
 
 TEST(ReferenceImage, KnowsItsOwnError) {
     const Scene scene = *builtin_scene("hills");
-    const RenderConfig config = {.width = 48, .height = 48};
+    const RenderConfig config = {.width = 32, .height = 32};
     const ReferenceImage rough = reference_image(device(), scene, config, {.least_spp = 1024});
     const ReferenceImage fine =
         reference_image(device(), scene, config, {.least_spp = 1, .uncertainty = rough.uncertainty / 2});

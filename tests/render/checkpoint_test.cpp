@@ -84,7 +84,7 @@ TEST_F(CheckpointFiles, RendersToAnErrorGoOn) {
             render_a_part(config_, 1);
             EXPECT_TRUE(same_bits(finish(resumed()), expected)) << paths << " paths at first";
         }
-        for (unsigned reports = 2; reports < 12; ++reports) {  // after some looks at the error
+        for (const unsigned reports : {2u, 3u, 5u, 8u, 11u}) {  // after some looks at the error
             render_a_part(config_, reports);
             EXPECT_TRUE(same_bits(finish(resumed()), expected)) << reports << " reports";
         }
