@@ -12,7 +12,8 @@ namespace {
 constexpr double seconds_of_setting = 0.02, aimed_at = 1.2 * seconds_of_setting;
 constexpr unsigned samples_span = 128;  // two decades
 constexpr unsigned most_scaled_side = 1024, most_first_spp = 65536 / samples_span;
-constexpr unsigned factor_of_reference = 16;  // makes the error of most_spp 3 % too large
+constexpr double repeated_for = 5 * seconds_of_setting;
+constexpr unsigned factor_of_reference = 4;  // its own error is known and taken off
 constexpr std::size_t most_rays = 1u << 21;
 
 /// Renders of one scene with kernels that are loaded.
@@ -75,9 +76,9 @@ StudyOptions at_scale(const Device& device, const Scene& scene, StudyOptions opt
         if (pilot.seconds(width, height, spp) < seconds_of_setting && spp < most_first) spp *= 2;
     }
     options.first_spp = spp;
-    options.least_seconds = seconds_of_setting;
+    options.least_seconds = seconds_of_setting, options.most_seconds = repeated_for;
     if (!keep_spp) {
-        options.most_spp = samples_span * spp, options.single_spp = 4 * spp;
+        options.most_spp = samples_span * spp, options.compared_spp = 16 * spp, options.single_spp = 4 * spp;
         options.reference_factor = factor_of_reference;
     }
     const std::size_t samples = std::size_t(width) * height * spp;

@@ -184,6 +184,11 @@ void check_file_writable(const fs::path& path) {
     }
 }
 
+bool is_replaced(const fs::path& path) {
+    const fs::path target = write_target(path);
+    return !is_special(target) && descriptor_of(target) < 0;
+}
+
 bool are_one_file(const fs::path& a, const fs::path& b) {
     const fs::path first = write_target(a), second = write_target(b);
     std::error_code error;

@@ -49,6 +49,9 @@ void make_folder(const std::filesystem::path& path);
 /// two files, because each name is replaced by a new file. False for devices such as /dev/null.
 [[nodiscard]] bool are_one_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
+/// Returns false if writing to this path appends to what was written before: devices, pipes, /dev/stdout.
+[[nodiscard]] bool is_replaced(const std::filesystem::path& path);
+
 /// Throws the errors of writing to this path that are detectable without writing.
 void check_file_writable(const std::filesystem::path& path);
 

@@ -11,12 +11,9 @@
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <sstream>
 #include <thread>
 
-#include "claray/io.hpp"
-#include "host/accuracy/plot.hpp"
 #include "host/accuracy/study.hpp"
 #include "host/accuracy/study_list.hpp"
 #include "host/base/file.hpp"
@@ -27,6 +24,7 @@
 #include "host/cli/options/view_options.hpp"
 #include "host/cli/output/outputs.hpp"
 #include "host/cli/output/progress.hpp"
+#include "host/cli/output/study_files.hpp"
 #include "host/cli/output/table.hpp"
 
 namespace claray::cli {
@@ -36,7 +34,7 @@ struct AccuracyOptions {
     std::string scene, device, only;
     ViewOptions view;
     StudyOptions study;
-    std::filesystem::path csv, html, svg, svgs, maps;
+    StudyPaths files;
     bool quick = false, json = false, quiet = false, check = false;
     bool has_size = false, has_spp = false, has_rays = false;  // given by the user
 };
@@ -164,47 +162,37 @@ void print_as_json(const std::vector<Study>& studies, const AccuracyOptions& o, 
     print_json(report);
 }
 
-/// Writes every map as values and in false colours.
-void write_maps(const AccuracyOptions& o, const std::vector<ErrorMap>& maps) {
-    const RenderConfig& config = o.study.config;
-    for (const ErrorMap& map : maps) {
-        write_pfm(o.maps / (map.name + ".pfm"), config.width, config.height, map.pixels);
-        write_image(o.maps / (map.name + ".png"), false_color(config.width, config.height, map.pixels), 0,
-                    ToneMap::none);
-    }
-}
-
-struct Finished {
-    std::vector<Study> studies;
-    std::vector<ErrorMap> maps;
-    std::exception_ptr error;  // why some are missing
-};
-
 /// Each device takes the next study when it is done with one. An error on one device ends them all.
-Finished run_studies(const std::vector<NamedStudy>& chosen, const std::vector<Device>& devices, const Scene& scene,
-                     const AccuracyOptions& o) {
-    std::vector<std::optional<Study>> done(chosen.size());
-    std::vector<std::vector<ErrorMap>> maps(chosen.size());
+void run_studies(const std::vector<NamedStudy>& chosen, const std::vector<Device>& devices, const Scene& scene,
+                 const AccuracyOptions& o, StudyFiles& files) {
     std::atomic<std::size_t> next = 0;
     std::mutex failing;
-    Finished finished;
+    std::exception_ptr failure;
+    const auto run = [&](const Device& device, std::size_t i) {
+        const auto with_device = [&](Study study) {
+            study.device = device.info().name, study.driver = device.info().driver;
+            return study;
+        };
+        const AccuracyProgress show = show_progress(chosen[i].name, o.quiet);
+        const AccuracyProgress progress = [&](double share, const std::string& what) {
+            if (next > chosen.size() + devices.size()) throw Error(ErrorKind::user, "another study failed");
+            return show(share, what);
+        };
+        StudyOptions options = o.study;
+        options.measured = [&, i](const Study& so_far) { files.update(i, with_device(so_far)); };
+        std::vector<ErrorMap> maps;
+        const NamedStudy& study = chosen[i];
+        Study done =
+            study.run ? study.run(device, scene, options, progress)
+                      : study.run_with_maps(device, scene, options, progress, o.files.maps.empty() ? nullptr : &maps);
+        files.finish(i, with_device(std::move(done)), std::move(maps));
+    };
     const auto work = [&](const Device& device) {
         try {
-            for (std::size_t i = next++; i < chosen.size(); i = next++) {
-                const AccuracyProgress show = show_progress(chosen[i].name, o.quiet);
-                const AccuracyProgress progress = [&](double share, const std::string& what) {
-                    if (next > chosen.size() + devices.size()) throw Error(ErrorKind::user, "another study failed");
-                    return show(share, what);
-                };
-                const NamedStudy& study = chosen[i];
-                done[i] = study.run ? study.run(device, scene, o.study, progress)
-                                    : study.run_with_maps(device, scene, o.study, progress,
-                                                          o.maps.empty() ? nullptr : &maps[i]);
-                done[i]->device = device.info().name, done[i]->driver = device.info().driver;
-            }
+            for (std::size_t i = next++; i < chosen.size(); i = next++) run(device, i);
         } catch (...) {
             const std::lock_guard lock(failing);
-            if (!finished.error) finished.error = std::current_exception();
+            if (!failure) failure = std::current_exception();
             next = 2 * (chosen.size() + devices.size());
         }
     };
@@ -213,34 +201,32 @@ Finished run_studies(const std::vector<NamedStudy>& chosen, const std::vector<De
         for (std::size_t d = 1; d < devices.size(); ++d) others.emplace_back(work, devices[d]);
         work(devices.front());
     }
-    for (std::size_t i = 0; i < chosen.size(); ++i) {
-        if (done[i]) finished.studies.push_back(std::move(*done[i]));
-        std::move(maps[i].begin(), maps[i].end(), std::back_inserter(finished.maps));
-    }
-    return finished;
+    if (failure) std::rethrow_exception(failure);
 }
 
-/// Prints the finished studies. Files are written for all studies or not at all.
-[[noreturn]] void refuse_incomplete(const Error& error, const std::vector<Study>& studies, std::size_t all,
+/// Prints the finished studies. Files have the points of unfinished ones, too.
+[[noreturn]] void refuse_incomplete(const Error& error, const StudyFiles& files, std::size_t all,
                                     const AccuracyOptions& o, const Device& device) {
+    const std::vector<Study> studies = files.finished();
     if (o.json && !studies.empty()) print_as_json(studies, o, device);
     if (!o.json)
         for (const Study& study : studies) print_study(study);
     std::fflush(stdout);
+    files.write();
     const std::string share = std::to_string(studies.size()) + " of " + std::to_string(all) + " studies";
     const std::string_view text = error.what(), line = text.substr(0, text.find('\n')),
                            report = text.substr(line.size());
-    throw Error(error.kind(), std::string(line), share + " are finished and printed; no file was written",
+    throw Error(error.kind(), std::string(line), share + " are finished and printed; files have what was measured",
                 std::string(report.substr(report.empty() ? 0 : 1)));
 }
 
 /// All files but the maps of single effects, whose names are known only later.
 std::vector<NamedFile> outputs_of(const AccuracyOptions& o, const std::vector<NamedStudy>& chosen) {
-    std::vector<NamedFile> outputs = {{"--csv", o.csv}, {"--html", o.html}, {"--svg", o.svg}};
-    if (!o.svgs.empty())
+    std::vector<NamedFile> outputs = {{"--csv", o.files.csv}, {"--html", o.files.html}, {"--svg", o.files.svg}};
+    if (!o.files.svgs.empty())
         for (const NamedStudy& study : chosen)
-            outputs.push_back({"--svgs", o.svgs / (std::string(study.name) + ".svg")});
-    if (!o.maps.empty()) outputs.push_back({"--maps", o.maps / "noise.pfm"});
+            outputs.push_back({"--svgs", o.files.svgs / (std::string(study.name) + ".svg")});
+    if (!o.files.maps.empty()) outputs.push_back({"--maps", o.files.maps / "noise.pfm"});
     return outputs;
 }
 
@@ -264,14 +250,14 @@ void scale_to_device(AccuracyOptions& o, const std::vector<NamedStudy>& chosen, 
 
 void accuracy(AccuracyOptions o) {
     const std::vector<NamedStudy> chosen = chosen_studies(o.only);
-    if (!o.maps.empty()) {
+    if (!o.files.maps.empty()) {
         if (std::none_of(chosen.begin(), chosen.end(), [](const NamedStudy& s) { return s.run == nullptr; }))
             throw Error(ErrorKind::usage, "--maps needs the study effects or depth", "add one to --only");
-        make_folder(o.maps);
+        make_folder(o.files.maps);
     }
-    if (!o.svg.empty() && chosen.size() != 1)
+    if (!o.files.svg.empty() && chosen.size() != 1)
         throw Error(ErrorKind::usage, "--svg plots one study", "select it with --only, or use --html");
-    if (!o.svgs.empty()) make_folder(o.svgs);
+    if (!o.files.svgs.empty()) make_folder(o.files.svgs);
     check_outputs(outputs_of(o, chosen), {{"the scene", o.scene}});
     if (o.quick) limit_to_quick(o.study);
     const Scene scene = load_view(o.scene, o.view, o.study.config.width, o.study.config.height);
@@ -282,34 +268,25 @@ void accuracy(AccuracyOptions o) {
     std::shared_ptr<const std::filesystem::path> kept;  // references, which all studies share
     if (o.study.references.empty()) o.study.references = *(kept = scratch_folder());
     if (o.check) return print_check(check_errors(device, scene, o.study, show_progress("check", o.quiet)));
-    const auto [studies, maps, failure] = run_studies(chosen, devices, scene, o);
-    if (failure) try {
-            std::rethrow_exception(failure);
-        } catch (const Error& error) {
-            refuse_incomplete(error, studies, chosen.size(), o, device);
-        }
-    Writes writes;
-    writes.attempt([&, &all = maps] { write_maps(o, all); });
     const std::string subtitle = o.scene + ", " + std::to_string(o.study.config.width) + "x" +
                                  std::to_string(o.study.config.height) + ", " + today();
-    const auto write = [&](const std::filesystem::path& path, const std::string& text) {
-        writes.attempt([&] { write_file(path, text); });
-    };
-    if (!o.csv.empty()) write(o.csv, csv_of(studies, o.scene));
-    if (!o.html.empty()) write(o.html, html_of(studies, "Accuracy against time: " + o.scene, subtitle));
-    if (!o.svg.empty()) write(o.svg, svg_of(studies.front(), subtitle));
-    if (!o.svgs.empty())
-        for (const Study& study : studies) write(o.svgs / (study.name + ".svg"), svg_of(study, subtitle));
+    StudyFiles files(o.files, o.scene, subtitle, o.study.config, chosen.size());
+    try {
+        run_studies(chosen, devices, scene, o, files);
+    } catch (const Error& error) {
+        refuse_incomplete(error, files, chosen.size(), o, device);
+    }
+    const std::vector<Study> studies = files.finished();
     if (o.json) {
         print_as_json(studies, o, device);
-        return writes.finish();
+        return files.write();
     }
     std::printf("%s\n", subtitle.c_str());
     for (const Study& study : studies) print_study(study);
     const std::vector<std::string> summary = summary_of(studies);
     if (!summary.empty()) std::printf("\nWhat matters most\n");
     for (const std::string& fact : summary) std::printf("%s\n", fact.c_str());
-    writes.finish();
+    files.write();
 }
 
 }  // namespace
@@ -344,11 +321,11 @@ void add_accuracy_command(CLI::App& app, Action& action) {
     command->add_option("--max-depth", o->study.config.max_depth, "Surfaces per path, at most [128]")
         ->transform(whole_number(1, 1024));
     command->add_option("--references", o->study.references, "Folder in which references are kept and continued");
-    command->add_option("--csv", o->csv, "Write all points as CSV");
-    command->add_option("--html", o->html, "Write a report with plots");
-    command->add_option("--svg", o->svg, "Write the plot of one study");
-    command->add_option("--svgs", o->svgs, "Folder for the plots of all studies");
-    command->add_option("--maps", o->maps,
+    command->add_option("--csv", o->files.csv, "Write all points as CSV");
+    command->add_option("--html", o->files.html, "Write a report with plots");
+    command->add_option("--svg", o->files.svg, "Write the plot of one study");
+    command->add_option("--svgs", o->files.svgs, "Folder for the plots of all studies");
+    command->add_option("--maps", o->files.maps,
                         "Folder for error maps (PFM and PNG): without each effect; of each depth buffer");
     command->add_flag("--check", o->check,
                       "Check the errors of the study sampling against a reference with 16 times the samples");

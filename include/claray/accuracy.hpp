@@ -88,18 +88,23 @@ struct StudyOptions {
     unsigned first_spp = 1;       ///< smallest number of samples per pixel
     unsigned most_spp = 256;      ///< largest number of samples per pixel; settings double up to it
     unsigned single_spp = 0;      ///< samples per pixel in studies without a sweep of samples; 0: most_spp
+    unsigned compared_spp = 0;    ///< largest number in sweeps of other methods than samplers; 0: most_spp
     double least_seconds = 0;     ///< rays are traced repeatedly until a run takes as long
+    double most_seconds = 0;      ///< a setting whose images took as long is not rendered again; 0: always `runs` times
     unsigned runs = 5;            ///< runs per setting, each with its own seed
     std::size_t rays = 1u << 18;  ///< number of rays in studies that trace rays without rendering an image
     Approximations approximations = all_approximations();  ///< measured by study_bias, each alone
     std::filesystem::path references = {};                 ///< see ReferenceOptions::folder
     unsigned reference_factor = 64;                        ///< samples of a reference per sample of the largest setting
     std::uint32_t reference_seed = ReferenceOptions{}.seed;
+    /// Receives an unfinished study whenever a study of images has measured more of its points. Findings are missing.
+    std::function<void(const Study& so_far)> measured = {};
 };
 
 /// Chooses size, samples and rays so that every setting of a study of images takes the device at least 20 ms and the
 /// largest one 128 times as long: then seconds are those of samples and not those of starting kernels, and a slope is
-/// visible over two decades. Measures the scene for about a second, compiling not included. `keep_size`, `keep_spp` and
+/// visible over two decades. Settings that take long are rendered fewer times, so that all studies of a scene take
+/// about a minute. Measures the scene for about a second, compiling not included. `keep_size`, `keep_spp` and
 /// `keep_rays`: leave the values of `options` as they are.
 [[nodiscard]] StudyOptions at_scale(const Device& device, const Scene& scene, StudyOptions options, bool keep_size,
                                     bool keep_spp, bool keep_rays);

@@ -194,6 +194,31 @@ TEST(Study, OfSamplesFallsAsMonteCarloDoes) {
     EXPECT_LT(study.floor, errors.back());
 }
 
+// No setting of a tiny image takes less than the limit: each is rendered once, though ten runs are asked for.
+TEST(Study, RendersSettingsNoLongerThanTheirTime) {
+    StudyOptions options{.config = small_image(16), .most_spp = 8, .most_seconds = 1e-9, .runs = 10};
+    std::vector<std::size_t> points;
+    options.measured = [&](const Study& so_far) { points.push_back(so_far.points.size()); };
+    const Study study = study_sampling(device(), small_scene(), options);
+    ASSERT_EQ(study.points.size(), 12u);
+    for (const StudyPoint& p : study.points) EXPECT_EQ(p.runs, 1u) << p.method << ' ' << p.setting;
+    EXPECT_EQ(points, (std::vector<std::size_t>{3, 6, 9, 12})) << "every number of samples is told when it is measured";
+    options.compared_spp = 2;
+    EXPECT_EQ(study_techniques(device(), small_scene(), options).points.size(), 4u * 2u);
+}
+
+// The reference of four times the samples has a quarter of their squared error, which would make it 12 % too large.
+TEST(Study, TakesOffTheErrorOfTheReference) {
+    StudyOptions options{.config = small_image(24), .most_spp = 16, .runs = 5};
+    const double known = point_named(study_sampling(device(), small_scene(), options), "Sobol", "16 spp").error.median;
+    options.reference_factor = 1;
+    options.first_spp = 16;
+    const Study study = study_sampling(device(), small_scene(), options);
+    const double error = point_named(study, "Sobol", "16 spp").error.median;
+    EXPECT_GT(study.floor, 0.4 * known) << "large enough to be seen";
+    EXPECT_NEAR(error / known, 1, 0.06);
+}
+
 TEST(Study, OfBiasSeesWhatPathsThatEndEarlyLeaveOutAndAmbientLightMakesUpFor) {
     StudyOptions options{.config = {.width = 16, .height = 16}, .most_spp = 64, .runs = 3, .approximations = {}};
     const Study study = study_bias(device(), small_scene(), options);

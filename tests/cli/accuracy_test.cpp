@@ -1,11 +1,16 @@
 // claray accuracy.
 #include <algorithm>
+#include <csignal>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "tests/cli/claray.hpp"
+#include "tests/support/device.hpp"
 
 namespace claray::test {
 namespace {
+
+using namespace std::chrono_literals;
 
 TEST(Accuracy, WritesPointsAsJsonTableAndReport) {
     const TemporaryFolder folder;
@@ -27,6 +32,38 @@ TEST(Accuracy, WritesPointsAsJsonTableAndReport) {
     const std::string rows = read_file(csv);
     EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 1 + 9 + 21 + 3);
     EXPECT_EQ(report.at("studies")[2].at("points")[1].at("facts").at("bytes a node"), 48);
+}
+
+// Killed, so that the program has no chance to write anything at its end.
+TEST(Accuracy, LeavesWhatItHasMeasuredWhenItIsKilled) {
+    const TemporaryFolder folder;
+    const std::string csv = (folder / "a.csv").string(), html = (folder / "a.html").string();
+    Process process(claray_command({"accuracy", "cornell", "--size", "8x8", "--spp", "16", "--runs", "1000", "--only",
+                                    "nodes,sampling", "--rays", "1024", "--csv", csv, "--html", html, "-q"}),
+                    {{"CLARAY_DEVICE", std::to_string(device().info().index)}});
+    const auto rows_with = [&](const std::string& text) {
+        const std::string rows = std::filesystem::exists(csv) ? read_file(csv) : "";
+        int count = 0;
+        for (std::size_t at = rows.find(text); at != std::string::npos; at = rows.find(text, at + 1)) ++count;
+        return count;
+    };
+    for (int i = 0; i < 3000 && rows_with(",sampling,") < 6; ++i) std::this_thread::sleep_for(10ms);
+    process.send(SIGKILL);
+    ASSERT_EQ(process.wait().exit_code, 128 + SIGKILL);
+    EXPECT_EQ(rows_with(",nodes,"), 3);
+    EXPECT_GE(rows_with(",sampling,"), 6) << "of an unfinished study, too";
+    EXPECT_EQ(rows_with("was not run"), 0);
+    EXPECT_EQ(read_file(csv).back(), '\n');
+    EXPECT_NE(read_file(html).find("<svg"), std::string::npos) << "of the finished study";
+    EXPECT_NE(read_file(html).find("</html>"), std::string::npos);
+}
+
+TEST(Accuracy, WritesAPipeOnce) {
+    const ProcessResult result =
+        run_claray({"accuracy", "cornell", "--size", "8x8", "--spp", "2", "--runs", "2", "--only", "sampling,nodes",
+                    "--rays", "1024", "--csv", "/dev/stderr", "-q"});
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_EQ(std::count(result.errors.begin(), result.errors.end(), '\n'), 1 + 6 + 3) << result.errors;
 }
 
 TEST(Accuracy, IsOfTheViewAndTheLightAskedFor) {

@@ -109,7 +109,7 @@ Study study_arithmetic(const Device& device, const Scene& scene, const StudyOpti
                                               {"sums in float32", with(sums_in_one)},
                                               {"sums in half", with(sums_in_half)}};
     sweep_samples(
-        study, options, methods,
+        study, options, compared_spp(options), methods,
         [&](const std::vector<glm::vec3>& image, const RenderConfig& config) {
             return image_error(image, strict, config.width);
         },

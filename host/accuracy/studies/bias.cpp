@@ -97,11 +97,15 @@ private:
 
 }  // namespace
 
-Renders render_independently(const RenderMethod& method, RenderConfig config, unsigned runs) {
+Renders render_independently(const RenderMethod& method, RenderConfig config, const StudyOptions& options) {
+    constexpr unsigned least = 4;  // pairs without one render tell the spread
     Renders renders;
-    for (unsigned i = 0; i < 2 * std::max(runs, 2u); ++i) {
+    double seconds = 0;
+    for (unsigned i = 0; i < std::max(2 * options.runs, least); ++i) {
+        if (i >= least && options.most_seconds > 0 && seconds >= options.most_seconds) break;
         ++config.seed;
         Rendered done = method(config);
+        seconds += done.seconds;
         renders.images.push_back(std::move(done.image)), renders.seconds.push_back(done.seconds);
     }
     return renders;
@@ -175,7 +179,8 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
     constexpr float reaches[] = {0, 1 / 32.f, 1 / 8.f, 1 / 2.f};  // shares of the scene's size
     StudyOptions deep = options;
     deep.config.max_depth = reference_depth;
-    const ReferenceImage reference = reference_for(study, device, scene, deep, single_spp(options), progress);
+    const ReferenceImage reference =
+        reference_for(study, device, scene, deep, std::max(single_spp(options), compared_spp(options)), progress);
     RenderConfig config = deep.config;
     const AccuracyProgress rest = scaled(progress, reference_share, 1);
     config.spp = single_spp(options);
@@ -186,12 +191,13 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
     const auto add = [&](const char* method, const std::string& setting, double value, const RenderConfig& how,
                          const std::vector<MacroScope::Macro>& macros) {
         if (!goes_on) return;
-        const Renders renders = render_independently(render_with(device, scene, macros), how, options.runs);
+        const Renders renders = render_independently(render_with(device, scene, macros), how, options);
         const StudyPoint point = bias_point(method, setting, value, renders, reference);
         if (point.failure.empty())
             study.findings.push_back(std::string(method) + ", " + setting +
                                      printed(": bias of %.3f %% of the mean", 100 * point.error.median));
         study.points.push_back(point);
+        if (options.measured) options.measured(study);
         goes_on = !rest || rest(double(study.points.size()) / settings, setting);
     };
     for (const unsigned depth : depths) {

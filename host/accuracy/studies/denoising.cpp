@@ -32,7 +32,7 @@ void tell_blur(Study& study, const ImageMethod& method, const StudyOptions& opti
     RenderConfig config = options.config;
     config.spp = std::clamp(spp_of_blur, std::min(options.first_spp, options.most_spp), options.most_spp);
     const StudyPoint blur =
-        bias_point(method.name, "", 0, render_independently(method.render, config, options.runs), reference);
+        bias_point(method.name, "", 0, render_independently(method.render, config, options), reference);
     study.findings.push_back(
         method.name +
         (blur.failure.empty()
@@ -83,7 +83,8 @@ Study study_denoising(const Device& device, const Scene& scene, const StudyOptio
                                         {"claray", denoise_with(device, scene, options, DenoiserKind::claray)}};
     if (picked_denoiser(DenoiserKind::automatic) == DenoiserKind::oidn)
         methods.push_back({"Open Image Denoise", denoise_with(device, scene, options, DenoiserKind::oidn)});
-    const ReferenceImage reference = sweep_to_reference(study, device, scene, options, methods, progress);
+    const ReferenceImage reference =
+        sweep_to_reference(study, device, scene, options, compared_spp(options), methods, progress);
     for (std::size_t m = 1; m < methods.size(); ++m) {
         compare_at_equal_time(study, plain, methods[m].name);
         tell_blur(study, methods[m], options, reference);

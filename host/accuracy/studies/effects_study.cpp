@@ -39,13 +39,13 @@ Study study_effects(const Device& device, const Scene& scene, const StudyOptions
     Study study;
     study.name = "effects", study.title = "Effects: error and time saved without each";
     study.error = "bias without it, RMS / mean", study.sweeps = false;
-    const ReferenceImage reference = reference_for(study, device, scene, options, single_spp(options), progress);
+    const ReferenceImage reference = reference_for(study, device, scene, options, options.most_spp, progress);
     const AccuracyProgress rest = scaled(progress, reference_share, 1);
     RenderConfig config = options.config;
     config.spp = single_spp(options);
     const RenderMethod method = render_with(device, scene);
     (void)method({.width = config.width, .height = config.height, .spp = 1});  // compiles the kernels
-    const Renders whole = render_independently(method, config, options.runs);
+    const Renders whole = render_independently(method, config, options);
     const double seconds = spread_of(whole.seconds).median;
     StudyPoint all;
     all.method = "all effects", all.setting = "nothing left out", all.runs = unsigned(whole.images.size());
@@ -60,7 +60,7 @@ Study study_effects(const Device& device, const Scene& scene, const StudyOptions
         without.spp = 1;
         (void)method(without);
         without.spp = config.spp;
-        const Renders renders = render_independently(method, without, options.runs);
+        const Renders renders = render_independently(method, without, options);
         StudyPoint point = bias_point("left out", name, 0, renders, reference);
         const double saved = 100 * (1 - point.seconds.median / seconds);
         point.facts = {{"time saved, %", saved}};
@@ -70,6 +70,7 @@ Study study_effects(const Device& device, const Scene& scene, const StudyOptions
                                              100 * point.error.median) +
                                      told_time_against(point.seconds, study.points.front().seconds));
         study.points.push_back(point);
+        if (options.measured) options.measured(study);
         if (maps) maps->push_back({"without-" + name, bias_map(renders, reference)});
         if (rest && !rest(double(study.points.size()) / double(effects.size() + 1), "without " + name)) break;
     }

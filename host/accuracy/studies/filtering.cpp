@@ -37,7 +37,7 @@ Study study_filtering(const Device& device, const Scene& scene, const StudyOptio
         methods.insert(methods.end(),
                        {{"nearest", render_with(device, point)}, {"trilinear", render_with(device, trilinear)}});
     methods.insert(methods.end(), {{"a quarter of the pixels", smaller(2)}, {"a 16th of the pixels", smaller(4)}});
-    sweep_to_reference(study, device, bilinear, options, methods, progress);
+    sweep_to_reference(study, device, bilinear, options, compared_spp(options), methods, progress);
     for (const ImageMethod& method : methods) {
         if (const StudyPoint* last = last_of(study, method.name))
             study.findings.push_back(method.name + printed(": error %.3g at %s, after %.3g s", last->error.median,

@@ -93,7 +93,9 @@ Study study_gamma(const Device& device, const Scene& scene, const StudyOptions& 
     steps.push_back(most);
     std::vector<GammaErrors> errors(steps.size());
     std::vector<double> seconds;
+    double taken = 0;
     for (unsigned run = 0; run < options.runs; ++run, ++config.seed) {
+        if (run > 0 && options.most_seconds > 0 && taken >= options.most_seconds) break;
         std::vector<std::vector<glm::vec3>> images;
         double all_seconds = 0;
         for (std::size_t group = 0; group < most; ++group) {
@@ -102,7 +104,7 @@ Study study_gamma(const Device& device, const Scene& scene, const StudyOptions& 
             const double part = double(run * most + group + 1) / double(options.runs * most);
             if (progress && !progress(part, printed("group %zu of %zu", group + 1, most))) return study;
         }
-        seconds.push_back(all_seconds);
+        seconds.push_back(all_seconds), taken += all_seconds;
         std::vector<glm::vec3> whole = images[0];
         for (std::size_t i = 1; i < most; ++i)
             for (std::size_t p = 0; p < whole.size(); ++p) whole[p] += images[i][p];

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "host/compute/device_state.hpp"
 
@@ -29,6 +30,41 @@ StudyPoint point_of(const std::string& method, const Runs& runs, unsigned spp) {
     point.error = spread_of(rmse);
     point.errors = {point.error.median, spread_of(relmse).median, spread_of(perceptual).median};
     return point;
+}
+
+/// All runs of a sweep, by method and number of samples.
+using SweepRuns = std::vector<std::vector<Runs>>;
+
+void add_points(Study& study, const std::vector<ImageMethod>& methods, const std::vector<unsigned>& spp,
+                const SweepRuns& runs) {
+    for (std::size_t m = 0; m < methods.size(); ++m)
+        for (std::size_t i = 0; i < spp.size(); ++i)
+            study.points.push_back(point_of(methods[m].name, runs[m][i], spp[i]));
+    mark_front(study.points);
+}
+
+void tell_measured(const Study& study, const StudyOptions& options, const std::vector<ImageMethod>& methods,
+                   const std::vector<unsigned>& spp, const SweepRuns& runs) {
+    if (!options.measured) return;
+    Study so_far = study;
+    add_points(so_far, methods, spp, runs);
+    std::erase_if(so_far.points, [](const StudyPoint& p) { return p.runs == 0; });
+    options.measured(so_far);
+}
+
+/// The squares of both errors add up, since image and reference are independent. Errors below the reference's own are
+/// not known.
+double without_floor(double rmse, double floor) {
+    return rmse > floor ? std::sqrt(std::max(rmse * rmse - floor * floor, floor * floor)) : rmse;
+}
+
+/// Whether a setting has taken `most` seconds by the mean of all methods. Methods have equally many runs, since some
+/// compare their image with that of another.
+bool has_taken(const SweepRuns& runs, std::size_t setting, double most) {
+    double sum = 0;
+    for (const std::vector<Runs>& of_method : runs)
+        sum = std::accumulate(of_method[setting].seconds.begin(), of_method[setting].seconds.end(), sum);
+    return most > 0 && sum >= most * double(runs.size());
 }
 
 constexpr double least_cut_off_to_tell = 5e-4;
@@ -68,21 +104,22 @@ RenderMethod render_with(const Device& device, const Scene& scene, std::vector<M
 ReferenceImage reference_for(Study& study, const Device& device, const Scene& scene, const StudyOptions& options,
                              unsigned spp, const AccuracyProgress& progress) {
     const unsigned factor = options.reference_factor;
-    ReferenceImage reference = reference_image(device, scene, options.config,
-                                               {.least_spp = factor * spp,
-                                                .render_spp = std::max(ReferenceOptions{}.render_spp, spp),
-                                                .seed = options.reference_seed,
-                                                .folder = options.references},
-                                               scaled(progress, 0, reference_share));
+    ReferenceImage reference =
+        reference_image(device, scene, options.config,
+                        {.least_spp = factor * spp,
+                         .render_spp = std::clamp(ReferenceOptions{}.render_spp, spp, factor * spp),
+                         .seed = options.reference_seed,
+                         .folder = options.references},
+                        scaled(progress, 0, reference_share));
     study.floor = reference.uncertainty, study.reference_spp = reference.spp;
     return reference;
 }
 
-void sweep_samples(Study& study, const StudyOptions& options, const std::vector<ImageMethod>& methods,
-                   const ImageJudge& judge, const AccuracyProgress& progress) {
+void sweep_samples(Study& study, const StudyOptions& options, unsigned most_spp,
+                   const std::vector<ImageMethod>& methods, const ImageJudge& judge, const AccuracyProgress& progress) {
     std::vector<unsigned> spp;
-    for (unsigned s = options.first_spp; s <= options.most_spp; s *= 2) spp.push_back(s);
-    std::vector<std::vector<Runs>> runs(methods.size(), std::vector<Runs>(spp.size()));
+    for (unsigned s = options.first_spp; s <= most_spp; s *= 2) spp.push_back(s);
+    SweepRuns runs(methods.size(), std::vector<Runs>(spp.size()));
     double samples = 0;
     const double all = double(options.runs) * double(methods.size()) * (2 * spp.back() - spp.front());
     bool goes_on = true;
@@ -92,30 +129,36 @@ void sweep_samples(Study& study, const StudyOptions& options, const std::vector<
         (void)method.render(config);
     }
     for (unsigned round = 0; round < options.runs && goes_on; ++round)
-        for (std::size_t i = 0; i < spp.size() && goes_on; ++i)
+        for (std::size_t i = 0; i < spp.size() && goes_on; ++i) {
+            if (has_taken(runs, i, options.most_seconds)) {
+                samples += spp[i] * double(methods.size());
+                continue;
+            }
             for (std::size_t m = 0; m < methods.size() && goes_on; ++m) {
+                samples += spp[i];
                 RenderConfig config = options.config;
                 config.spp = spp[i], config.seed = options.config.seed + round;
                 const Rendered done = methods[m].render(config);
                 runs[m][i].errors.push_back(judge(done.image, config));
                 runs[m][i].seconds.push_back(done.seconds);
-                samples += spp[i];
                 goes_on = !progress || progress(samples / all, methods[m].name + ", run " + std::to_string(round + 1) +
                                                                    " of " + std::to_string(options.runs));
             }
-    for (std::size_t m = 0; m < methods.size(); ++m)
-        for (std::size_t i = 0; i < spp.size(); ++i)
-            study.points.push_back(point_of(methods[m].name, runs[m][i], spp[i]));
-    mark_front(study.points);
+            tell_measured(study, options, methods, spp, runs);
+        }
+    add_points(study, methods, spp, runs);
 }
 
 ReferenceImage sweep_to_reference(Study& study, const Device& device, const Scene& scene, const StudyOptions& options,
-                                  const std::vector<ImageMethod>& methods, const AccuracyProgress& progress) {
+                                  unsigned most_spp, const std::vector<ImageMethod>& methods,
+                                  const AccuracyProgress& progress) {
     const ReferenceImage reference = reference_for(study, device, scene, options, options.most_spp, progress);
     sweep_samples(
-        study, options, methods,
+        study, options, most_spp, methods,
         [&](const std::vector<glm::vec3>& image, const RenderConfig& config) {
-            return image_error(image, reference.pixels, config.width);
+            ImageError error = image_error(image, reference.pixels, config.width);
+            error.rmse = without_floor(error.rmse, reference.uncertainty);
+            return error;
         },
         scaled(progress, reference_share, 1));
     tell_cut_off(study, device, scene, options.config);

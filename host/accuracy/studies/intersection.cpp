@@ -1,10 +1,12 @@
 // Studies of rays: errors and speed of tests of triangles and boxes, and of boxes in fewer bits.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "claray/shared/study_nodes.h"
 #include "host/accuracy/studies/ray_variants.hpp"
 #include "host/accuracy/study.hpp"
+#include "host/base/in_parallel.hpp"
 #include "host/measure/rays.hpp"
 #include "host/verify/oracle.hpp"
 #include "host/verify/shapes.hpp"
@@ -22,6 +24,10 @@ struct RaySet {
 struct Faults {
     std::size_t rays = 0, missed = 0, invented = 0, agreeing = 0;
     double worst_ulp = 0;
+    [[nodiscard]] Faults operator+(const Faults& f) const {
+        return {rays + f.rays, missed + f.missed, invented + f.invented, agreeing + f.agreeing,
+                std::max(worst_ulp, f.worst_ulp)};
+    }
     [[nodiscard]] double per_million(std::size_t count) const { return rays ? 1e6 * double(count) / double(rays) : 0; }
 };
 
@@ -36,7 +42,19 @@ class Truth {
 public:
     explicit Truth(const RaySet& set) : set_(set), oracle_(set.meshes), nearest_(oracle_.closest_hits(set.rays)) {}
 
+    /// On all cores: exact arithmetic tests all triangles with a doubtful ray.
     [[nodiscard]] Faults judge(std::span<const Hit> hits, std::size_t begin, std::size_t end) const {
+        constexpr std::size_t together = 1024;
+        std::vector<Faults> pieces((end - begin + together - 1) / together);
+        in_parallel(pieces.size(), [&](std::size_t piece) {
+            const std::size_t from = begin + piece * together;
+            pieces[piece] = judge_piece(hits, from, std::min(from + together, end));
+        });
+        return std::accumulate(pieces.begin(), pieces.end(), Faults());
+    }
+
+private:
+    [[nodiscard]] Faults judge_piece(std::span<const Hit> hits, std::size_t begin, std::size_t end) const {
         Faults faults;
         faults.rays = end - begin;
         for (std::size_t i = begin; i < end; ++i) {
@@ -53,7 +71,6 @@ public:
         return faults;
     }
 
-private:
     /// Ignores the distance that the hit claims: distances have their own figure.
     [[nodiscard]] verify::Fault fault_of(const Ray& ray, Hit hit) const {
         if (hit.primitive == CLARAY_MISS && set_.inside) return verify::Fault::missed;
@@ -103,8 +120,7 @@ StudyPoint point_of_rays(const RayVariant& variant, const TracedVariant& traced,
     for (std::size_t part = 0; part < parts; ++part) {
         const Faults f = truth.judge(traced.hits, rays * part / parts, rays * (part + 1) / parts);
         wrong.push_back(f.per_million(f.missed + f.invented)), ulp.push_back(f.worst_ulp);
-        all.rays += f.rays, all.missed += f.missed, all.invented += f.invented, all.agreeing += f.agreeing;
-        all.worst_ulp = std::max(all.worst_ulp, f.worst_ulp);
+        all = all + f;
     }
     point.error = distances ? spread_of(ulp) : spread_of(wrong);
     point.value = point.error.median, point.seconds = spread_of(traced.seconds, 1e6 / double(rays));
@@ -157,7 +173,8 @@ Study study_rays(const Device& device, const RaySet& set, const StudyOptions& op
 }
 
 /// From the middle of two closed spheres of 1280 triangles, one of them far from the origin, to edges and vertices.
-RaySet hard_rays(std::size_t count) {
+RaySet hard_rays(std::size_t wanted) {
+    constexpr std::size_t share_of_scene_rays = 4;  // most of these rays are doubtful
     constexpr float radius = 100;
     const glm::vec3 centers[] = {glm::vec3(0), glm::vec3(148376, 1234, -223423)};
     RaySet set;
@@ -167,6 +184,7 @@ RaySet hard_rays(std::size_t count) {
         for (glm::vec3& p : set.meshes.back().positions) p += center;
     }
     verify::Random random(1);
+    const std::size_t count = rays_to_judge(share_of_scene_rays * wanted, set.meshes) / share_of_scene_rays;
     for (std::size_t i = 0; i < count; ++i) {
         const Mesh& mesh = set.meshes[i % 2];
         const glm::uvec3 t = mesh.triangles[random.below(std::uint32_t(mesh.triangles.size()))];

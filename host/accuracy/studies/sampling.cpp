@@ -25,9 +25,8 @@ void judge_sampling(Study& study, const ImageMethod& with, const StudyOptions& o
     const double end = log_log_slope(std::span(samples).subspan(tail), std::span(errors).subspan(tail));
     if (end <= -0.25) return;
     RenderConfig config = options.config;
-    config.spp = options.most_spp;
-    const StudyPoint bias =
-        bias_point(method, "", 0, render_independently(with.render, config, options.runs), reference);
+    config.spp = unsigned(samples.back());
+    const StudyPoint bias = bias_point(method, "", 0, render_independently(with.render, config, options), reference);
     study.findings.push_back(
         method +
         (bias.failure.empty()
@@ -37,13 +36,25 @@ void judge_sampling(Study& study, const ImageMethod& with, const StudyOptions& o
                        bias.failure.c_str())));
 }
 
-/// error^2 * seconds of the most samples: the cost of an error, which does not depend on the number of samples.
+/// Of the most samples that were rendered often enough for quartiles, if any were.
+const StudyPoint* last_repeated(const Study& study, const std::string& method) {
+    constexpr unsigned enough = 3;
+    const auto last = std::find_if(study.points.rbegin(), study.points.rend(), [&](const StudyPoint& p) {
+        return p.method == method && p.failure.empty() && p.runs >= enough;
+    });
+    return last == study.points.rend() ? last_of(study, method) : &*last;
+}
+
+/// error^2 * seconds of the most samples: the cost of an error, which does not depend on the number of samples. If
+/// these were rendered once, the spread is that of fewer samples.
 Spread cost_of(const Study& study, const std::string& method) {
-    const StudyPoint* p = last_of(study, method);
-    if (!p) return {};
+    const StudyPoint *last = last_of(study, method), *repeated = last_repeated(study, method);
+    if (!last) return {};
     const auto cost = [](double error, double seconds) { return error * error * seconds; };
-    return {cost(p->error.low, p->seconds.low), cost(p->error.median, p->seconds.median),
-            cost(p->error.high, p->seconds.high)};
+    const double median = cost(last->error.median, last->seconds.median),
+                 share = median / cost(repeated->error.median, repeated->seconds.median);
+    return {share * cost(repeated->error.low, repeated->seconds.low), median,
+            share * cost(repeated->error.high, repeated->seconds.high)};
 }
 
 void compare_efficiency(Study& study, const std::vector<ImageMethod>& methods) {
@@ -58,9 +69,9 @@ void compare_efficiency(Study& study, const std::vector<ImageMethod>& methods) {
     }
 }
 
-void sweep(Study& study, const Device& device, const Scene& scene, const StudyOptions& options,
+void sweep(Study& study, const Device& device, const Scene& scene, const StudyOptions& options, unsigned most_spp,
            const std::vector<ImageMethod>& methods, const AccuracyProgress& progress) {
-    const ReferenceImage reference = sweep_to_reference(study, device, scene, options, methods, progress);
+    const ReferenceImage reference = sweep_to_reference(study, device, scene, options, most_spp, methods, progress);
     for (const ImageMethod& method : methods) judge_sampling(study, method, options, reference);
     compare_efficiency(study, methods);
 }
@@ -77,7 +88,7 @@ Study study_sampling(const Device& device, const Scene& scene, const StudyOption
             return render_image(device, scene, config);
         };
     };
-    sweep(study, device, scene, options,
+    sweep(study, device, scene, options, options.most_spp,
           {{"Sobol", by(Sampler::sobol)},
            {"independent", by(Sampler::independent)},
            {"adaptive", by(Sampler::sobol, true)}},
@@ -102,7 +113,7 @@ Study study_techniques(const Device& device, const Scene& scene, const StudyOpti
                                config.effects.remove.add(Effect::many_lights);
                                return render_image(device, scene, config);
                            }});
-    sweep(study, device, scene, options, methods, progress);
+    sweep(study, device, scene, options, compared_spp(options), methods, progress);
     return study;
 }
 

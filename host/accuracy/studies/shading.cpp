@@ -13,7 +13,7 @@ Study study_shading(const Device& device, const Scene&, const StudyOptions& opti
     study.name = "shading", study.title = "Shading models: a ball (ball:N) against Phong shading of the same triangles";
     study.error = "RMSE / mean";
     RenderConfig config = options.config;
-    config.spp = std::min(options.most_spp, 16u);
+    config.spp = options.single_spp == 0 ? std::min(options.most_spp, 16u) : options.single_spp;
     std::size_t done = 0;
     for (const auto& [name, model] : models)
         for (const unsigned count : counts) {
