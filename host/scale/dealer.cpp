@@ -9,10 +9,10 @@ namespace {
 
 constexpr std::uint32_t least_pixels = 16;  // in a band
 constexpr double piece_seconds = 0.1;
-constexpr double least_piece_seconds = 1e-3;
+constexpr double least_piece_seconds = 2e-3;
 /// A piece is this part of the time so far and of the remaining time: workers have a few in advance, and others join
 /// late or end early.
-constexpr double share_at_ends = 8;
+constexpr double share_at_ends = 4;
 constexpr double remembered_passes = 2;  // in the measured speed: parts of an image differ in cost
 constexpr double unequal = 0.1;          // share of the time left by which workers may end earlier than others
 constexpr unsigned most_tries = 16;      // to find a worker that is behind: an order must not take long
@@ -135,8 +135,8 @@ Dealer::Dealer(const std::vector<PixelRun>& runs, std::uint32_t largest_pass, st
     for (Index b = 0; b < bands_.size(); ++b) enter(b);
 }
 
-int Dealer::add(std::uint32_t first_paths, std::uint32_t most_paths) {
-    workers_.push_back({std::max(1u, first_paths), std::max(1u, most_paths)});
+int Dealer::add(std::uint32_t first_paths, std::uint32_t most_paths, double handover) {
+    workers_.push_back({std::max(1u, first_paths), std::max(1u, most_paths), handover});
     ++without_bands_;
     return int(workers_.size()) - 1;
 }
@@ -154,6 +154,17 @@ std::uint32_t Dealer::end_of_pass(std::uint32_t samples) const {
     while (end < samples && end < largest_pass_) end *= 2;
     if (end < samples) end += (samples - end + largest_pass_ - 1) / largest_pass_ * largest_pass_;
     return std::uint32_t(std::min<std::uint64_t>(end, ~0u));
+}
+
+/// With others of speed V and this one of speed s, the samples W that are left take W / (V + s) instead of W / V, and
+/// the share s / (V + s) of the pixels is handed over. So s does not matter. The speed of the others must be known.
+bool Dealer::pays(const Worker& worker, double seconds_left) const {
+    if (worker.handover == 0 || worker.pixels + worker.coming_pixels > 0) return true;
+    const double others = speed_ - worker.speed();
+    const auto begins = [](const Worker& other) { return !other.is_lost && other.handover == 0; };
+    if (others < 1) return std::none_of(workers_.begin(), workers_.end(), begins);
+    const auto left = double(std::uint64_t(pixels_) * limit_ - ordered_);
+    return std::min(left / others, seconds_left) > worker.handover * pixels_;
 }
 
 /// Among the bands with the fewest samples one that the worker holds, if there is any: the others would bring sums.
@@ -193,7 +204,8 @@ double Dealer::paths_of_piece(const Worker& worker, double seconds_left) const {
     const double from_end = std::min(seconds_so_far(), seconds_to_limit());
     const double seconds =
         std::clamp(std::min(from_end / share_at_ends, seconds_left / 2), least_piece_seconds, piece_seconds);
-    return std::min({worker.speed() * seconds, 4. * worker.last_paths, double(worker.most_paths)});
+    const double paths = std::min({worker.speed() * seconds, 4. * worker.last_paths, double(worker.most_paths)});
+    return seconds_left / 2 < seconds ? paths : std::max(paths, double(worker.first_paths));  // which are fast enough
 }
 
 template <class Visit>
@@ -232,9 +244,8 @@ Order Dealer::piece_from(Index b, int worker, double paths) {
     }
     order.batch.samples = longer(order.batch, paths);
     for_bands_of(order.batch, [&](Index of_piece) {
-        change(of_piece, [&](Band& band) {
-            band.holder = worker, band.is_away = false, band.ordered += order.batch.samples;
-        });
+        change(of_piece,
+               [&](Band& band) { band.holder = worker, band.is_away = false, band.ordered += order.batch.samples; });
     });
     ordered_ += paths_of(order.batch);
     workers_[std::size_t(worker)].next_band = b;
@@ -249,6 +260,7 @@ std::optional<Order> Dealer::next(int number, double seconds_left) {
         worker.gives.pop_front();
         return give;
     }
+    if (!pays(worker, seconds_left)) return std::nullopt;
     const Index band = first_band_for(number);
     const bool any = band != bands_.size();
     ask_others(number, any ? bands_[band].ordered : limit_);

@@ -43,8 +43,9 @@ public:
     Dealer(const std::vector<PixelRun>& runs, std::uint32_t largest_pass, std::uint32_t bands = 4096);
 
     /// Adds a worker and returns its number. Its first piece has `first_paths` paths, and none has more than
-    /// `most_paths`; if both are equal, all have as many.
-    int add(std::uint32_t first_paths, std::uint32_t most_paths);
+    /// `most_paths`; if both are equal, all have as many. `handover`: seconds to hand over the sums of a pixel in the
+    /// end; the worker gets work only if that ends the render sooner. There must be a worker for which it is 0.
+    int add(std::uint32_t first_paths, std::uint32_t most_paths, double handover = 0);
     /// No pixel gets more samples than this; never less than before.
     void set_limit(std::uint32_t samples);
     /// The next order for a worker; none if it has to wait for others. `seconds_left`: pieces take at most half of it.
@@ -105,7 +106,9 @@ private:
         std::set<std::pair<Index, Index>> by_length_;  // length, and minus the first: the first of equal ones is last
     };
     struct Worker {
-        std::uint32_t first_paths, most_paths, last_paths = 0;
+        std::uint32_t first_paths, most_paths;
+        double handover;
+        std::uint32_t last_paths = 0;
         double samples = 0, seconds = 0;  // recent ones
         std::uint64_t all = 0;
         std::deque<Order> gives = {};  // to be sent
@@ -130,6 +133,7 @@ private:
     void change(Index band, const Change& change);
     void enter(Index band);
     void leave(Index band);
+    [[nodiscard]] bool pays(const Worker& worker, double seconds_left) const;
     [[nodiscard]] Index first_band_for(int worker) const;
     [[nodiscard]] Index free_band_for(int worker, std::uint32_t samples) const;
     [[nodiscard]] std::uint32_t least_ordered() const { return ordered_counts_.begin()->first; }
