@@ -29,6 +29,18 @@ TEST(Accuracy, WritesPointsAsJsonTableAndReport) {
     EXPECT_EQ(report.at("studies")[2].at("points")[1].at("facts").at("bytes a node"), 48);
 }
 
+/// The two CPU devices of PoCL stand for several devices.
+TEST(Accuracy, NamesTheDeviceOfEachStudy) {
+    const ProcessResult result = run_claray({"accuracy", "cornell", "--size", "12x12", "--spp", "2", "--runs", "1",
+                                             "--only", "sampling", "--device", "all", "--json", "-q"},
+                                            {{"POCL_DEVICES", "basic pthread"}});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    const auto study = nlohmann::json::parse(result.output).at("studies").at(0);
+    const ProcessResult devices = run_claray({"devices"}, {{"POCL_DEVICES", "basic pthread"}});
+    EXPECT_NE(devices.output.find(study.at("device").get<std::string>()), std::string::npos) << study.at("device");
+    EXPECT_GT(study.at("points").size(), 2u);
+}
+
 TEST(Accuracy, IsOfTheViewAndTheLightAskedFor) {
     const auto error_in = [](const std::vector<std::string>& view) {
         std::vector<std::string> all = {"accuracy", "effect:lambert", "--size",   "8x8",    "--spp", "1", "--runs",

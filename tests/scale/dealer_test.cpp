@@ -12,13 +12,15 @@ namespace {
 /// Workers that carry out up to three orders one after the other, each at its speed in samples per second.
 class Simulation {
 public:
-    Simulation(std::uint32_t pixels, std::uint32_t spp, std::vector<double> speeds)
-        : samples_(pixels), known_(pixels), speeds_(std::move(speeds)), dealer_({{0, pixels, 0}}, 16) {
-        workers_.resize(speeds_.size());
-        for (std::size_t w = 0; w < speeds_.size(); ++w) {
-            dealer_.add(2048, 1u << 22);
-            held_.emplace_back(pixels);
-        }
+    /// The last worker begins at the time `last_begins`.
+    Simulation(std::uint32_t pixels, std::uint32_t spp, std::vector<double> speeds, double last_begins = 0)
+        : samples_(pixels),
+          known_(pixels),
+          speeds_(std::move(speeds)),
+          last_begins_(last_begins),
+          dealer_({{0, pixels, 0}}, 16) {
+        held_.assign(speeds_.size(), std::vector<std::uint32_t>(pixels));
+        for (std::size_t w = 0; w + 1 < speeds_.size() || (last_begins == 0 && w < speeds_.size()); ++w) add();
         dealer_.set_limit(spp);
     }
 
@@ -32,6 +34,7 @@ public:
                     next = w;
             if (next == workers_.size()) return NAN;  // nobody has anything to do
             now_ = workers_[next].end;
+            if (workers_.size() < speeds_.size() && now_ >= last_begins_) add();
             if (lost >= 0 && now_ >= at) {
                 workers_[std::size_t(lost)].orders.clear(), workers_[std::size_t(lost)].is_lost = true;
                 dealer_.lost(lost);
@@ -56,6 +59,10 @@ private:
         bool is_lost = false;
     };
 
+    void add() {
+        dealer_.add(2048, 1u << 22);
+        workers_.emplace_back();
+    }
     [[nodiscard]] double seconds_of(const Order& order, std::size_t w) const {
         return order.kind == Order::Kind::render ? double(order.batch.pixels) * order.batch.samples / speeds_[w] : 1e-5;
     }
@@ -91,6 +98,7 @@ private:
     std::vector<std::vector<std::uint32_t>> held_;  // by each worker
     std::vector<double> speeds_;
     std::vector<Worker> workers_;
+    double last_begins_;
     double now_ = 0;
     Dealer dealer_;
 };
@@ -124,6 +132,35 @@ TEST(Dealer, GivesAllSomethingAtFirst) {
         EXPECT_GE(order->batch.pixels, pixels / 6) << w;
         EXPECT_LE(order->batch.pixels, pixels / 3 + 16) << w;
     }
+}
+
+/// Another one that took all pixels gives some at once, and soon as many as the speeds are worth.
+TEST(Dealer, GivesLateWorkersSomethingSoon) {
+    constexpr std::uint32_t pixels = 640 * 360, spp = 64;
+    constexpr double speed = 1.4e7, late = 0.015;
+    Simulation simulation(pixels, spp, {speed, speed}, late);
+    const double ideal = (double(pixels) * spp / speed + late) / 2;
+    EXPECT_GE(ideal / simulation.run(), 0.97);
+    EXPECT_EQ(simulation.samples(), std::vector<std::uint32_t>(pixels, spp));
+}
+
+/// Handing over the sums of all pixels takes 10 ms here.
+TEST(Dealer, LeavesOutWorkersThatDoNotPay) {
+    constexpr std::uint32_t pixels = 10'000;
+    const auto works = [](std::uint32_t spp, double speed, double seconds_left, bool other_is_lost = false) {
+        Dealer dealer({{0, pixels, 0}}, 16);
+        dealer.add(1000, 1u << 20), dealer.add(1000, 1u << 20, 1e-6);
+        dealer.set_limit(spp);
+        EXPECT_FALSE(dealer.next(1, seconds_left)) << "the speed of the other one is unknown";
+        const std::optional<Order> order = dealer.next(0, seconds_left);
+        dealer.done(0, *order, order->batch.pixels * order->batch.samples / speed);
+        if (other_is_lost) dealer.lost(0);
+        return dealer.next(1, seconds_left).has_value();
+    };
+    EXPECT_TRUE(works(16, 1e6, 1e9)) << "0.16 s";
+    EXPECT_FALSE(works(16, 1e8, 1e9)) << "2 ms";
+    EXPECT_FALSE(works(16, 1e6, 5e-3)) << "the time is up before";
+    EXPECT_TRUE(works(16, 1e8, 1e9, true)) << "nobody else is there";
 }
 
 TEST(Dealer, RendersAgainWhatIsLost) {
