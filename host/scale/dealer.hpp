@@ -70,7 +70,7 @@ public:
     /// The samples that are done, and those in the sums that the caller knows.
     [[nodiscard]] std::vector<PixelRun> rendered() const { return runs(&Band::done); }
     [[nodiscard]] std::vector<PixelRun> known() const { return runs(&Band::known); }
-    /// Pixels with samples that others hold, or nobody.
+    /// Pixels with samples whose sums this worker lacks: another one holds them, or the caller.
     [[nodiscard]] std::vector<PixelRun> held_by_others(int worker) const;
     /// Measured samples per second; 0: unknown.
     [[nodiscard]] double speed(int worker) const { return workers_[std::size_t(worker)].speed(); }

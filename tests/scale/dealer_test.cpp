@@ -35,10 +35,11 @@ public:
             if (next == workers_.size()) return NAN;  // nobody has anything to do
             now_ = workers_[next].end;
             if (workers_.size() < speeds_.size() && now_ >= last_begins_) add();
+            if (++events_ % 64 == 0 && !any_lost_) check_first_worker();
             if (lost >= 0 && now_ >= at) {
                 workers_[std::size_t(lost)].orders.clear(), workers_[std::size_t(lost)].is_lost = true;
                 dealer_.lost(lost);
-                lost = -1;
+                lost = -1, any_lost_ = true;
                 continue;
             }
             finish(next);
@@ -59,6 +60,17 @@ private:
         bool is_lost = false;
     };
 
+    /// Together with the sums that it lacks, and those that come with its orders, the first worker has all.
+    void check_first_worker() const {
+        std::vector<std::uint32_t> samples = held_[0];
+        const auto take = [&](std::uint32_t first, std::uint32_t pixels) {
+            std::copy_n(samples_.begin() + first, pixels, samples.begin() + first);
+        };
+        for (const PixelRun& run : dealer_.held_by_others(0)) take(run.first, run.pixels);
+        for (const Order& order : workers_[0].orders)
+            if (order.brings_sums) take(order.batch.first_pixel, order.batch.pixels);
+        ASSERT_EQ(samples, samples_);
+    }
     void add() {
         dealer_.add(2048, 1u << 22);
         workers_.emplace_back();
@@ -99,6 +111,8 @@ private:
     std::vector<double> speeds_;
     std::vector<Worker> workers_;
     double last_begins_;
+    unsigned events_ = 0;
+    bool any_lost_ = false;
     double now_ = 0;
     Dealer dealer_;
 };
@@ -169,6 +183,9 @@ TEST(Dealer, RendersAgainWhatIsLost) {
         Simulation simulation(pixels, spp, {1e6, 4e5});
         EXPECT_GT(simulation.run(1, at), at);
         EXPECT_EQ(simulation.samples(), std::vector<std::uint32_t>(pixels, spp)) << at;
+        const std::vector<PixelRun> rendered = simulation.dealer().rendered();
+        ASSERT_EQ(rendered.size(), 1u);
+        EXPECT_EQ(rendered[0].samples, spp);
     }
 }
 
