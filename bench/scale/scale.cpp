@@ -2,12 +2,16 @@
 // measured; speed, overhead of a piece and network are given, as measured on one machine (docs/scale.md).
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <deque>
 #include <queue>
 #include <random>
 
+#include "host/accuracy/svg.hpp"
+#include "host/base/file.hpp"
 #include "host/scale/dealer.hpp"
 
 namespace claray {
@@ -132,6 +136,62 @@ private:
     Result result_;
 };
 
+/// Efficiencies by number of ranks, for one number of samples per pixel.
+struct Curve {
+    unsigned spp;
+    std::vector<std::pair<unsigned, double>> points;
+};
+
+Curve simulate(Setting setting, unsigned spp, const std::vector<unsigned>& counts) {
+    setting.spp = spp;
+    Curve curve{spp, {}};
+    std::printf("%u samples per pixel\n%6s %10s %10s %8s %12s %12s %10s %10s\n", spp, "ranks", "seconds", "efficiency",
+                "orders", "ms a piece", "dealing, %", "sending, %", "MB");
+    for (const unsigned ranks : counts) {
+        const Result r = Simulation(setting, ranks).run();
+        std::printf("%6u %10.3f %10.3f %8.0f %12.2f %12.2f %10.2f %10.1f\n", ranks, r.seconds, r.ideal / r.seconds,
+                    r.orders, 1e3 * r.seconds * ranks / r.orders, 100 * r.dealing / r.seconds,
+                    100 * r.sending / r.seconds, 1e-6 * r.bytes);
+        curve.points.emplace_back(ranks, r.ideal / r.seconds);
+    }
+    return curve;
+}
+
+/// Efficiency over the ranks, whose axis is logarithmic.
+std::string plot(const std::vector<Curve>& curves, unsigned most_ranks) {
+    constexpr double width = 760, height = 420, left = 70, right = 150, top = 30, bottom = 60;
+    constexpr const char *ink = "#222", *pale = "#666", *grid = "#e4e4e4";
+    constexpr std::array colors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7"};  // Okabe and Ito 2008
+    const auto x = [&](unsigned ranks) {
+        return left + (width - left - right) * std::log2(ranks) / std::max(1., std::log2(most_ranks));
+    };
+    const auto y = [&](double efficiency) { return height - bottom - (height - top - bottom) * efficiency; };
+    std::string svg = svg::begin(width, height);
+    for (unsigned ranks = 1; ranks <= most_ranks; ranks *= 2) {
+        svg += svg::rectangle(x(ranks), top, 1, height - top - bottom, grid);
+        svg += svg::text(x(ranks), height - bottom + 18, "middle", 12, pale, std::to_string(ranks));
+    }
+    for (int tenth = 0; tenth <= 10; tenth += 2) {
+        svg += svg::rectangle(left, y(0.1 * tenth), width - left - right, 1, grid);
+        svg += svg::text(left - 8, y(0.1 * tenth) + 4, "end", 12, pale, printed("%.1f", 0.1 * tenth));
+    }
+    svg += svg::text((left + width - right) / 2, height - 18, "middle", 13, ink, "ranks");
+    svg += svg::text(left, 18, "start", 13, ink, "speed over the sum of the ranks' speeds (simulation)");
+    for (std::size_t c = 0; c < curves.size(); ++c) {
+        const char* color = colors[c % colors.size()];
+        std::string line;
+        for (const auto& [ranks, efficiency] : curves[c].points) {
+            line += printed("%.1f,%.1f ", x(ranks), y(efficiency));
+            svg += printed("<circle cx=\"%.1f\" cy=\"%.1f\" r=\"4\" fill=\"%s\"/>\n", x(ranks), y(efficiency), color);
+        }
+        svg += "<polyline points=\"" + line + "\" fill=\"none\" stroke=\"" + color + "\" stroke-width=\"2\"/>\n";
+        const auto& [ranks, efficiency] = curves[c].points.back();
+        svg += svg::text(x(ranks) + 10, y(efficiency) + 4, "start", 12, color,
+                         std::to_string(curves[c].spp) + " samples per pixel");
+    }
+    return svg + "</svg>\n";
+}
+
 }  // namespace
 }  // namespace claray
 
@@ -139,22 +199,20 @@ int main(int argc, char** argv) {
     using namespace claray;
     CLI::App app{"The efficiency of many ranks, by simulation with the real dealer."};
     Setting setting;
+    std::string svg;
+    std::vector<unsigned> spps = {1024, 16384};
     std::vector<unsigned> counts = {1, 2, 4, 8, 16, 32, 64, 128, 256, 512, 1024};
-    app.add_option("--ranks", counts, "Numbers of ranks")->delimiter(',');
+    app.add_option("--ranks", counts, "Numbers of ranks")->delimiter(',')->check(CLI::Range(1u, 1u << 20));
     app.add_option("--width", setting.width, "Pixels");
     app.add_option("--height", setting.height, "Pixels");
-    app.add_option("--spp", setting.spp, "Samples per pixel");
+    app.add_option("--spp", spps, "Samples per pixel; may be a list")->delimiter(',');
     app.add_option("--speed", setting.speed, "Samples per second of the fastest rank");
     app.add_option("--overhead", setting.overhead, "Seconds of a piece besides its samples");
     app.add_option("--latency", setting.latency, "Seconds of a message");
     app.add_option("--bandwidth", setting.bandwidth, "Bytes per second of rank 0's link");
+    app.add_option("--svg", svg, "Also write a plot of the efficiencies to this file");
     CLI11_PARSE(app, argc, argv);
-    std::printf("%6s %10s %10s %8s %12s %12s %10s %10s\n", "ranks", "seconds", "efficiency", "orders", "ms a piece",
-                "dealing, %", "sending, %", "MB");
-    for (const unsigned ranks : counts) {
-        const Result r = Simulation(setting, ranks).run();
-        std::printf("%6u %10.3f %10.3f %8.0f %12.2f %12.2f %10.2f %10.1f\n", ranks, r.seconds, r.ideal / r.seconds,
-                    r.orders, 1e3 * r.seconds * ranks / r.orders, 100 * r.dealing / r.seconds,
-                    100 * r.sending / r.seconds, 1e-6 * r.bytes);
-    }
+    std::vector<Curve> curves;
+    for (const unsigned spp : spps) curves.push_back(simulate(setting, spp, counts));
+    if (!svg.empty()) write_file(svg, plot(curves, *std::max_element(counts.begin(), counts.end())));
 }

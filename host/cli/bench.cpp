@@ -95,6 +95,32 @@ void print_together(const measure::SceneResult& scene) {
     std::printf("quickest together: %s\n", winners.c_str());
 }
 
+void print_joint(const std::string& scene, std::size_t devices, const std::vector<measure::JointResult>& results) {
+    Row head = {"preset"};
+    for (const auto& kind : results.at(0).kinds) head.push_back(kind.name);
+    std::vector<Row> rows = {head};
+    for (const measure::JointResult& result : results) {
+        Row row = {result.preset};
+        for (const auto& kind : result.kinds)
+            row.push_back(fixed(kind.mrays_per_second, 2) + " (" + fixed(kind.share, 2) + ")");
+        rows.push_back(std::move(row));
+    }
+    std::printf("\n%s: %zu devices at the same time; Mrays/s of all, and the share of the sum of each alone\n",
+                scene.c_str(), devices);
+    print_table(rows, 1);
+}
+
+nlohmann::ordered_json as_json(const std::string& scene, const std::vector<measure::JointResult>& results) {
+    nlohmann::ordered_json presets = nlohmann::ordered_json::array();
+    for (const measure::JointResult& result : results) {
+        nlohmann::ordered_json rays;
+        for (const auto& kind : result.kinds)
+            rays[kind.name] = {{"mrays_per_second", kind.mrays_per_second}, {"share_of_sum", kind.share}};
+        presets.push_back({{"preset", result.preset}, {"rays", rays}});
+    }
+    return {{"scene", scene}, {"presets", presets}};
+}
+
 nlohmann::ordered_json as_json(const measure::SceneResult& scene) {
     nlohmann::ordered_json presets = nlohmann::ordered_json::array();
     for (const measure::PresetResult& p : scene.presets) {
@@ -135,45 +161,84 @@ nlohmann::ordered_json as_json(const measure::SceneResult& scene) {
 
 std::vector<Device> open_devices(const std::vector<std::string>& selectors) {
     std::vector<Device> devices;
-    if (selectors.empty()) devices.push_back(open_device());
+    const auto add = [&](Device device) {
+        for (const Device& other : devices)
+            if (other.info().index == device.info().index) return;
+        devices.push_back(std::move(device));
+    };
+    if (selectors.empty()) add(open_device());
     for (const std::string& selector : selectors) {
         if (selector != "all") {
-            devices.push_back(open_device(selector));
+            add(open_device(selector));
             continue;
         }
-        for (const DeviceInfo& info : list_devices()) devices.push_back(open_device(std::to_string(info.index)));
+        for (const DeviceInfo& info : list_devices()) add(open_device(std::to_string(info.index)));
     }
     return devices;
 }
 
+class BenchRun {
+public:
+    explicit BenchRun(const BenchOptions& options) : options_(options), devices_(open_devices(options.devices)) {}
+
+    void run() {
+        for (const Device& device : devices_) run_on(device);
+        if (devices_.size() > 1) run_on_all();
+        if (options_.json) print_json(report_);
+        if (!options_.csv.empty()) write_file(options_.csv, csv_);
+    }
+
+private:
+    void run_on(const Device& device) {
+        const DeviceInfo& info = device.info();
+        nlohmann::ordered_json scenes = nlohmann::ordered_json::array();
+        if (!options_.json)
+            std::printf("%s, driver %s; medians of %d interleaved rounds by the device's clock\n", info.name.c_str(),
+                        info.driver.c_str(), options_.bench.repeat);
+        for (const std::string& name : options_.bench.scenes) {
+            const measure::SceneResult scene = measure::SceneBench(device, name, options_.bench).run();
+            alone_[name].push_back(scene);
+            csv_ += measure::bench_csv(info, scene);
+            if (options_.json)
+                scenes.push_back(as_json(scene));
+            else
+                print(scene);
+        }
+        report_.push_back({{"device", info.name}, {"driver", info.driver}, {"scenes", scenes}});
+    }
+    void print(const measure::SceneResult& scene) const {
+        std::printf("\n");
+        print_results(scene);
+        if (options_.stages) print_stages(scene);
+        print_together(scene);
+        std::fflush(stdout);
+    }
+    void run_on_all() {
+        nlohmann::ordered_json names = nlohmann::ordered_json::array(), scenes = nlohmann::ordered_json::array();
+        for (const Device& device : devices_) names.push_back(device.info().name);
+        for (const std::string& name : options_.bench.scenes) {
+            std::vector<measure::SceneBench> benches;
+            for (const Device& device : devices_) benches.emplace_back(device, name, options_.bench);
+            const auto results = measure::joint_results(alone_[name], measure::run_at_once(benches));
+            if (options_.json)
+                scenes.push_back(as_json(name, results));
+            else
+                print_joint(name, devices_.size(), results);
+        }
+        report_.push_back({{"at_once", names}, {"scenes", scenes}});
+    }
+
+    const BenchOptions& options_;
+    std::vector<Device> devices_;
+    std::map<std::string, std::vector<measure::SceneResult>> alone_;  // by scene; of each device
+    std::string csv_ = measure::bench_csv_header();
+    nlohmann::ordered_json report_ = nlohmann::ordered_json::array();
+};
+
 void run_bench(const BenchOptions& options) {
     check_outputs({{"--csv", options.csv}});
     for (const std::string& name : options.bench.scenes) measure::check_scene_is_there(name);
-    std::string csv = measure::bench_csv_header();
-    nlohmann::ordered_json report = nlohmann::ordered_json::array();
-    for (const Device& device : open_devices(options.devices)) {
-        const DeviceInfo& info = device.info();
-        nlohmann::ordered_json scenes = nlohmann::ordered_json::array();
-        if (!options.json)
-            std::printf("%s, driver %s; medians of %d interleaved rounds by the device's clock\n", info.name.c_str(),
-                        info.driver.c_str(), options.bench.repeat);
-        for (const std::string& name : options.bench.scenes) {
-            const measure::SceneResult scene = measure::run_bench(device, name, options.bench);
-            csv += measure::bench_csv(info, scene);
-            if (options.json) {
-                scenes.push_back(as_json(scene));
-                continue;
-            }
-            std::printf("\n");
-            print_results(scene);
-            if (options.stages) print_stages(scene);
-            print_together(scene);
-            std::fflush(stdout);
-        }
-        report.push_back({{"device", info.name}, {"driver", info.driver}, {"scenes", scenes}});
-    }
-    if (options.json) print_json(report);
-    if (!options.csv.empty()) write_file(options.csv, csv);
+    BenchRun(options).run();
 }
 
 }  // namespace
@@ -206,7 +271,12 @@ void add_bench_command(CLI::App& app, Action& action) {
         ->type_name("NAME");
     add_size_option(*command, o.bench.width, o.bench.height, "WIDTHxHEIGHT of each of the three views [320x180]");
     command->add_option("--repeat", o.bench.repeat, "Rounds to measure [9]")->transform(whole_number(1, 1000));
-    command->add_option("--device", o.devices, "cpu, gpu, an index, part of a name, or all; may be repeated")
+    command
+        ->add_option(
+            "--device", o.devices,
+            "cpu, gpu, an index, part of a name, all, or a list such as gpu,cpu. Of several devices each is measured\n"
+            "alone, then all at the same time")
+        ->delimiter(',')
         ->allow_extra_args(false);
     command->add_option("--csv", o.csv, "Also write a CSV file");
     command->add_flag("--stages", o.stages, "Also print the build time per stage");

@@ -1,6 +1,8 @@
 #include "host/measure/bench.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <future>
 #include <limits>
 #include <sstream>
 
@@ -41,37 +43,76 @@ double PresetResult::mtriangles_per_second() const {
     return ms > 0 ? double(statistics.triangles) * 1e-3 / ms : 0;
 }
 
-SceneResult run_bench(const Device& device, const std::string& scene, const BenchOptions& options) {
+SceneBench::SceneBench(const Device& device, const std::string& scene, const BenchOptions& options)
+    : device_(device), scene_(scene), options_(options) {
     const std::vector<Mesh> meshes = load_meshes(scene);
-    std::vector<DeviceRays> kinds = upload_rays(device, scene, meshes, options.width, options.height);
-    std::vector<Bvh> bvhs;
+    kinds_ = upload_rays(device, scene, meshes, options.width, options.height);
     for (const Builder preset : options.presets)
-        bvhs.push_back(Bvh::build(device, meshes, {.builder = preset, .layout = options.layout}));
-    check_same_hits(scene, kinds, bvhs);
+        bvhs_.push_back(Bvh::build(device, meshes, {.builder = preset, .layout = options.layout}));
+    check_same_hits(scene, kinds_, bvhs_);
+}
 
+SceneResult SceneBench::run() {
     // Positions do not change, so that refitting does not change the tree.
     std::vector<std::function<void()>> tasks;
-    for (Bvh& bvh : bvhs) {
+    for (Bvh& bvh : bvhs_) {
         tasks.emplace_back([&bvh] { bvh.rebuild(); });
         tasks.emplace_back([&bvh] { bvh.refit(); });
-        for (DeviceRays& kind : kinds) tasks.emplace_back([&bvh, &kind] { kind.trace(bvh); });
+        for (DeviceRays& kind : kinds_) tasks.emplace_back([&bvh, &kind] { kind.trace(bvh); });
     }
-    const std::vector<Timing> timings = measure_rounds(device, options.repeat, tasks);
+    const std::vector<Timing> timings = measure_rounds(device_, options_.repeat, tasks);
 
-    SceneResult result{scene, bvhs.empty() ? 0 : bvhs[0].triangle_count(), {}};
-    for (std::size_t i = 0; i < bvhs.size(); ++i) {
-        const Timing* timing = &timings[i * (kinds.size() + 2)];
+    SceneResult result{scene_, bvhs_.empty() ? 0 : bvhs_[0].triangle_count(), {}};
+    for (std::size_t i = 0; i < bvhs_.size(); ++i) {
+        const Timing* timing = &timings[i * (kinds_.size() + 2)];
         PresetResult preset;
-        preset.preset = name_of(builders, options.presets[i]);
-        preset.layout = name_of(layouts, bvhs[i].layout());
+        preset.preset = name_of(builders, options_.presets[i]);
+        preset.layout = name_of(layouts, bvhs_[i].layout());
         preset.build = timing[0];
         preset.refit = timing[1];
-        preset.statistics = bvhs[i].statistics();
-        for (std::size_t k = 0; k < kinds.size(); ++k)
-            preset.kinds.push_back({kinds[k].name, kinds[k].rays.size(), timing[2 + k]});
+        preset.statistics = bvhs_[i].statistics();
+        for (std::size_t k = 0; k < kinds_.size(); ++k)
+            preset.kinds.push_back({kinds_[k].name, kinds_[k].rays.size(), timing[2 + k]});
         result.presets.push_back(std::move(preset));
     }
     return result;
+}
+
+std::vector<SceneResult> run_at_once(std::vector<SceneBench>& benches) {
+    std::vector<SceneResult> results(benches.size());
+    std::atomic<std::size_t> busy{benches.size()};
+    const auto work = [&](std::size_t i) {
+        try {
+            results[i] = benches[i].run();
+        } catch (...) {
+            --busy;
+            throw;
+        }
+        for (--busy; busy > 0;) (void)benches[i].run();
+    };
+    std::vector<std::future<void>> runs;
+    for (std::size_t i = 0; i < benches.size(); ++i) runs.push_back(std::async(std::launch::async, work, i));
+    for (std::future<void>& run : runs) run.get();
+    return results;
+}
+
+std::vector<JointResult> joint_results(const std::vector<SceneResult>& alone, const std::vector<SceneResult>& at_once) {
+    const auto sum = [](const std::vector<SceneResult>& devices, std::size_t preset, std::size_t kind) {
+        double rate = 0;
+        for (const SceneResult& device : devices) rate += device.presets[preset].kinds[kind].mrays_per_second();
+        return rate;
+    };
+    std::vector<JointResult> results;
+    for (std::size_t p = 0; p < at_once.at(0).presets.size(); ++p) {
+        const PresetResult& first = at_once[0].presets[p];
+        JointResult result{first.preset, {}};
+        for (std::size_t k = 0; k < first.kinds.size(); ++k) {
+            const double together = sum(at_once, p, k), apart = sum(alone, p, k);
+            result.kinds.push_back({first.kinds[k].name, together, apart > 0 ? together / apart : 0});
+        }
+        results.push_back(std::move(result));
+    }
+    return results;
 }
 
 double build_and_trace(const PresetResult& preset, std::size_t kind, double rays) {

@@ -3,6 +3,7 @@
 
 #include "claray/bvh.hpp"
 #include "host/measure/measure.hpp"
+#include "host/measure/rays.hpp"
 
 namespace claray::measure {
 
@@ -36,9 +37,39 @@ struct SceneResult {
     std::vector<PresetResult> presets;
 };
 
-/// Builds a scene by all presets, then times builds, refits and rays of all of them in interleaved rounds. Throws
-/// ErrorKind::device if two presets disagree about a hit.
-[[nodiscard]] SceneResult run_bench(const Device& device, const std::string& scene, const BenchOptions& options);
+/// The trees of a scene by all presets, and its rays, on a device.
+class SceneBench {
+public:
+    /// Throws ErrorKind::device if two presets disagree about a hit.
+    SceneBench(const Device& device, const std::string& scene, const BenchOptions& options);
+    /// Times builds, refits and rays of all presets in interleaved rounds.
+    [[nodiscard]] SceneResult run();
+
+private:
+    Device device_;
+    std::string scene_;
+    BenchOptions options_;
+    std::vector<DeviceRays> kinds_;
+    std::vector<Bvh> bvhs_;
+};
+
+/// Runs all at the same time, so that devices share memory, host and power. A device that is done goes on until all
+/// are.
+[[nodiscard]] std::vector<SceneResult> run_at_once(std::vector<SceneBench>& benches);
+
+/// Rays per second of several devices with the tree of one preset.
+struct JointResult {
+    std::string preset;
+    struct Kind {
+        std::string name;
+        double mrays_per_second = 0;  ///< of all devices at the same time
+        double share = 0;             ///< of the sum of what each reaches alone
+    };
+    std::vector<Kind> kinds;
+};
+/// One for each preset. `alone` and `at_once`: of one scene, by device.
+[[nodiscard]] std::vector<JointResult> joint_results(const std::vector<SceneResult>& alone,
+                                                     const std::vector<SceneResult>& at_once);
 
 /// Milliseconds to build and then trace `rays` rays, from the median times of building and of tracing.
 [[nodiscard]] double build_and_trace(const PresetResult& preset, std::size_t kind, double rays);

@@ -5,7 +5,7 @@
 namespace claray::ranks {
 namespace {
 
-/// One is rendered while the next one is on its way.
+/// One is rendered while the next one is on its way. The last ones go to ranks that have nothing else to do.
 constexpr std::size_t most_frames = 2;
 /// Frames may be done this much earlier than the first one that is not, per rank: a film keeps them in memory.
 constexpr std::uint32_t frames_ahead = 4;
@@ -58,7 +58,8 @@ void FrameDealer::run() try {
         for (std::size_t rank = 1; rank < dealt_.size(); ++rank) {
             std::unique_lock lock(mutex_);
             if (ends_) return;
-            if (ranks_.is_lost(int(rank)) || dealt_[rank].size() >= most_frames) continue;
+            const std::size_t most = waiting_.size() >= dealt_.size() ? most_frames : 1;
+            if (ranks_.is_lost(int(rank)) || dealt_[rank].size() >= most) continue;
             const std::optional<std::uint32_t> frame = take(rank);
             lock.unlock();
             if (frame)

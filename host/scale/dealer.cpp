@@ -2,14 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace claray {
 namespace {
 
 constexpr std::uint32_t least_pixels = 16;  // in a band
 constexpr double piece_seconds = 0.1;
-constexpr double least_piece_seconds = 1e-3;
-constexpr double share_at_end = 8;       // a piece is this part of the remaining time: workers have a few in advance
+constexpr double least_piece_seconds = 2e-3;
+/// A piece is this part of the time so far and of the remaining time: workers have a few in advance, and others join
+/// late or end early.
+constexpr double share_at_ends = 4;
 constexpr double remembered_passes = 2;  // in the measured speed: parts of an image differ in cost
 constexpr double unequal = 0.1;          // share of the time left by which workers may end earlier than others
 constexpr unsigned most_tries = 16;      // to find a worker that is behind: an order must not take long
@@ -75,7 +78,11 @@ void Dealer::enter(Index b) {
     if (band.holder == nobody) {
         free_[band.ordered].add(b);
         free_pixels_ += band.pixels;
-    } else if (!band.leaves) {
+    } else if (band.leaves) {
+        if (band.taker == nobody) return;
+        Worker& taker = workers_[std::size_t(band.taker)];
+        taker.coming_pixels += band.pixels, taker.coming_ordered += std::uint64_t(band.pixels) * band.ordered;
+    } else {
         Worker& worker = workers_[std::size_t(band.holder)];
         worker.bands.insert(worker.bands.end(), b);
         worker.by_samples.emplace(band.ordered, b);
@@ -92,7 +99,11 @@ void Dealer::leave(Index b) {
         free->second.remove(b);
         if (free->second.empty()) free_.erase(free);
         free_pixels_ -= band.pixels;
-    } else if (!band.leaves) {
+    } else if (band.leaves) {
+        if (band.taker == nobody) return;
+        Worker& taker = workers_[std::size_t(band.taker)];
+        taker.coming_pixels -= band.pixels, taker.coming_ordered -= std::uint64_t(band.pixels) * band.ordered;
+    } else {
         Worker& worker = workers_[std::size_t(band.holder)];
         worker.bands.erase(b);
         worker.by_samples.erase({band.ordered, b});
@@ -120,12 +131,12 @@ Dealer::Dealer(const std::vector<PixelRun>& runs, std::uint32_t largest_pass, st
         }
         ordered_ += std::uint64_t(run.pixels) * run.samples;
     }
-    done_ = ordered_;
+    done_ = done_before_ = ordered_;
     for (Index b = 0; b < bands_.size(); ++b) enter(b);
 }
 
-int Dealer::add(std::uint32_t first_paths, std::uint32_t most_paths) {
-    workers_.push_back({std::max(1u, first_paths), std::max(1u, most_paths)});
+int Dealer::add(std::uint32_t first_paths, std::uint32_t most_paths, double handover) {
+    workers_.push_back({std::max(1u, first_paths), std::max(1u, most_paths), handover});
     ++without_bands_;
     return int(workers_.size()) - 1;
 }
@@ -143,6 +154,17 @@ std::uint32_t Dealer::end_of_pass(std::uint32_t samples) const {
     while (end < samples && end < largest_pass_) end *= 2;
     if (end < samples) end += (samples - end + largest_pass_ - 1) / largest_pass_ * largest_pass_;
     return std::uint32_t(std::min<std::uint64_t>(end, ~0u));
+}
+
+/// With others of speed V and this one of speed s, the samples W that are left take W / (V + s) instead of W / V, and
+/// the share s / (V + s) of the pixels is handed over. So s does not matter. The speed of the others must be known.
+bool Dealer::pays(const Worker& worker, double seconds_left) const {
+    if (worker.handover == 0 || worker.pixels + worker.coming_pixels > 0) return true;
+    const double others = speed_ - worker.speed();
+    const auto begins = [](const Worker& other) { return !other.is_lost && other.handover == 0; };
+    if (others < 1) return std::none_of(workers_.begin(), workers_.end(), begins);
+    const auto left = double(std::uint64_t(pixels_) * limit_ - ordered_);
+    return std::min(left / others, seconds_left) > worker.handover * pixels_;
 }
 
 /// Among the bands with the fewest samples one that the worker holds, if there is any: the others would bring sums.
@@ -175,11 +197,15 @@ double Dealer::seconds_to_limit() const {
     return double(std::uint64_t(pixels_) * limit_ - ordered_) / std::max(speed_, 1.);
 }
 
+double Dealer::seconds_so_far() const { return double(done_ - done_before_) / std::max(speed_, 1.); }
+
 double Dealer::paths_of_piece(const Worker& worker, double seconds_left) const {
     if (worker.speed() == 0 || worker.first_paths == worker.most_paths) return worker.first_paths;
-    const double seconds = std::min({piece_seconds, std::max(least_piece_seconds, seconds_to_limit() / share_at_end),
-                                     std::max(least_piece_seconds, seconds_left / 2)});
-    return std::min({worker.speed() * seconds, 4. * worker.last_paths, double(worker.most_paths)});
+    const double from_end = std::min(seconds_so_far(), seconds_to_limit());
+    const double seconds =
+        std::clamp(std::min(from_end / share_at_ends, seconds_left / 2), least_piece_seconds, piece_seconds);
+    const double paths = std::min({worker.speed() * seconds, 4. * worker.last_paths, double(worker.most_paths)});
+    return seconds_left / 2 < seconds ? paths : std::max(paths, double(worker.first_paths));  // which are fast enough
 }
 
 template <class Visit>
@@ -202,7 +228,7 @@ Order Dealer::piece_from(Index b, int worker, double paths) {
     const Band first = bands_[b];
     const std::uint32_t end = std::min(limit_, end_of_pass(first.ordered + 1));
     Order order;
-    order.brings_sums = first.holder == nobody && first.ordered > 0;
+    order.brings_sums = first.ordered > 0 && (first.holder == nobody || first.is_away);
     order.batch.first_pixel = first.first, order.batch.first_sample = first.ordered;
     order.batch.samples =
         std::min(end - first.ordered, std::uint32_t(std::clamp(paths / first.pixels, 1., double(~0u))));
@@ -210,13 +236,16 @@ Order Dealer::piece_from(Index b, int worker, double paths) {
     for (; b < bands_.size(); ++b) {
         const Band& band = bands_[b];
         const std::uint32_t all = order.batch.pixels + band.pixels;
-        if (!may_render(band, worker) || band.ordered != first.ordered || band.holder != first.holder) break;
+        const bool is_alike =
+            band.ordered == first.ordered && band.holder == first.holder && band.is_away == first.is_away;
+        if (!may_render(band, worker) || !is_alike) break;
         if (order.batch.pixels > 0 && (all > most || double(all) * order.batch.samples > paths)) break;
         order.batch.pixels = all;
     }
     order.batch.samples = longer(order.batch, paths);
     for_bands_of(order.batch, [&](Index of_piece) {
-        change(of_piece, [&](Band& band) { band.holder = worker, band.ordered += order.batch.samples; });
+        change(of_piece,
+               [&](Band& band) { band.holder = worker, band.is_away = false, band.ordered += order.batch.samples; });
     });
     ordered_ += paths_of(order.batch);
     workers_[std::size_t(worker)].next_band = b;
@@ -231,6 +260,7 @@ std::optional<Order> Dealer::next(int number, double seconds_left) {
         worker.gives.pop_front();
         return give;
     }
+    if (!pays(worker, seconds_left)) return std::nullopt;
     const Index band = first_band_for(number);
     const bool any = band != bands_.size();
     ask_others(number, any ? bands_[band].ordered : limit_);
@@ -252,6 +282,7 @@ void Dealer::sort_in(int number) {
 /// that both end at the same time.
 void Dealer::ask_others(int number, std::uint32_t level) {
     const Worker& worker = workers_[std::size_t(number)];
+    if (worker.speed() == 0 && worker.pixels + worker.coming_pixels > 0) return;  // whether it needs more is unknown
     const double own = worker.speed() > 0 ? samples_left(worker) / worker.speed() : 0;
     int slowest = nobody;
     unsigned tries = most_tries;
@@ -264,16 +295,14 @@ void Dealer::ask_others(int number, std::uint32_t level) {
     }
     if (slowest == nobody) return;
     const double all = samples_left(workers_[std::size_t(slowest)]);
-    if (worker.speed() == 0) {  // a first piece, to measure the speed
-        const double passes = std::max(1., double(limit_ - least_ordered()) / largest_pass_);
-        return ask(slowest, std::min(all / 2, worker.first_paths * passes));
-    }
+    if (worker.speed() == 0)  // as many pixels as a first piece has paths, until its speed is known
+        return ask(slowest, number, std::min(all / 2, double(worker.first_paths) * (limit_ - least_ordered())));
     const double share = worker.speed() / (worker.speed() + speed(slowest));
-    ask(slowest, share * (all + samples_left(worker)) - samples_left(worker));
+    ask(slowest, number, share * (all + samples_left(worker)) - samples_left(worker));
 }
 
 /// From the end, since workers begin at the front.
-void Dealer::ask(int holder, double samples) {
+void Dealer::ask(int holder, int taker, double samples) {
     Worker& worker = workers_[std::size_t(holder)];
     std::vector<Index> asked;
     for (auto b = worker.bands.rbegin(); b != worker.bands.rend() && samples > 0; ++b) {
@@ -283,17 +312,25 @@ void Dealer::ask(int holder, double samples) {
         asked.push_back(*b);
     }
     for (const Index b : asked) {
-        const Band& band = bands_[b];
-        if (worker.gives.empty() || worker.gives.back().batch.first_pixel != band.first + band.pixels) {
-            worker.gives.push_back({Order::Kind::give, {band.first + band.pixels, 0, 0, 0, 0}, false, true});
-            ++worker.giving;
-        }
-        Order& give = worker.gives.back();
-        give.batch.first_pixel = band.first, give.batch.pixels += band.pixels;
-        give.is_first = give.is_first && !band.asked;
-        change(b, [](Band& leaving) { leaving.leaves = leaving.asked = true; });
+        if (bands_[b].is_away)
+            change(b, [&](Band& band) { band.holder = taker; });
+        else
+            order_to_give(b, taker);
     }
-    sort_in(holder);
+    sort_in(holder), sort_in(taker);
+}
+
+void Dealer::order_to_give(Index b, int taker) {
+    const Band& band = bands_[b];
+    Worker& worker = workers_[std::size_t(band.holder)];
+    if (worker.gives.empty() || worker.gives.back().batch.first_pixel != band.first + band.pixels) {
+        worker.gives.push_back({Order::Kind::give, {band.first + band.pixels, 0, 0, 0, 0}, false, true});
+        ++worker.giving;
+    }
+    Order& give = worker.gives.back();
+    give.batch.first_pixel = band.first, give.batch.pixels += band.pixels;
+    give.is_first = give.is_first && !band.asked;
+    change(b, [&](Band& leaving) { leaving.leaves = leaving.asked = true, leaving.taker = taker; });
 }
 
 std::vector<Order> Dealer::handovers(int number) {
@@ -335,8 +372,12 @@ void Dealer::done(int number, const Order& order, double seconds) {
     if (order.kind != Order::Kind::give) return;
     --worker.giving;
     sort_in(number);
-    for_bands_of(order.batch,
-                 [&](Index b) { change(b, [](Band& band) { band.holder = nobody, band.leaves = false; }); });
+    for_bands_of(order.batch, [&](Index b) {
+        change(b, [](Band& band) {
+            band.holder = std::exchange(band.taker, nobody);
+            band.is_away = band.holder != nobody, band.leaves = false;
+        });
+    });
 }
 
 void Dealer::lost(int number) {
@@ -347,12 +388,14 @@ void Dealer::lost(int number) {
     worker.is_lost = true;
     sort_in(number);
     for (Index b = 0; b < bands_.size(); ++b) {
+        if (bands_[b].taker == number) change(b, [](Band& band) { band.taker = nobody; });
         if (bands_[b].holder != number) continue;
         change(b, [&](Band& band) {
             ordered_ -= std::uint64_t(band.pixels) * (band.ordered - band.known);
             done_ -= std::uint64_t(band.pixels) * (band.done - band.known);
             band.ordered = band.done = band.known;
-            band.holder = nobody, band.leaves = false, band.asked = band.known > 0;
+            band.holder = band.taker = nobody;
+            band.leaves = band.is_away = false, band.asked = band.known > 0;
         });
     }
     --without_bands_;
@@ -372,7 +415,7 @@ std::vector<PixelRun> Dealer::runs(std::uint32_t Band::*samples) const {
 std::vector<PixelRun> Dealer::held_by_others(int worker) const {
     std::vector<PixelRun> runs;
     for (const Band& band : bands_) {
-        if (band.holder == worker || band.done == 0) continue;
+        if ((band.holder == worker && !band.is_away) || band.done == 0) continue;
         if (!runs.empty() && runs.back().first + runs.back().pixels == band.first)
             runs.back().pixels += band.pixels;
         else

@@ -33,8 +33,9 @@ struct PixelRun {
 
 /// The image is divided into bands of consecutive pixels. A worker that has rendered samples of a band holds its sums
 /// and goes on with it, so that the samples of a pixel are added in their order and seldom move. A worker that is ahead
-/// of another one takes bands over from it, as many as its measured speed is worth. Pieces of work take about 0.1 s,
-/// and an eighth of the remaining time near the end.
+/// of another one takes bands over from it, as many as its measured speed is worth; they are its own from then on, so
+/// that it does not ask twice. Pieces of work take about 0.1 s,
+/// and an eighth of the time so far at the beginning, and of the remaining time near the end.
 class Dealer {
 public:
     /// `runs` cover all pixels of the image; the caller knows the sums of those that have samples. Passes grow as in
@@ -42,8 +43,9 @@ public:
     Dealer(const std::vector<PixelRun>& runs, std::uint32_t largest_pass, std::uint32_t bands = 4096);
 
     /// Adds a worker and returns its number. Its first piece has `first_paths` paths, and none has more than
-    /// `most_paths`; if both are equal, all have as many.
-    int add(std::uint32_t first_paths, std::uint32_t most_paths);
+    /// `most_paths`; if both are equal, all have as many. `handover`: seconds to hand over the sums of a pixel in the
+    /// end; the worker gets work only if that ends the render sooner. There must be a worker for which it is 0.
+    int add(std::uint32_t first_paths, std::uint32_t most_paths, double handover = 0);
     /// No pixel gets more samples than this; never less than before.
     void set_limit(std::uint32_t samples);
     /// The next order for a worker; none if it has to wait for others. `seconds_left`: pieces take at most half of it.
@@ -68,7 +70,7 @@ public:
     /// The samples that are done, and those in the sums that the caller knows.
     [[nodiscard]] std::vector<PixelRun> rendered() const { return runs(&Band::done); }
     [[nodiscard]] std::vector<PixelRun> known() const { return runs(&Band::known); }
-    /// Pixels with samples that others hold, or nobody.
+    /// Pixels with samples whose sums this worker lacks: another one holds them, or the caller.
     [[nodiscard]] std::vector<PixelRun> held_by_others(int worker) const;
     /// Measured samples per second; 0: unknown.
     [[nodiscard]] double speed(int worker) const { return workers_[std::size_t(worker)].speed(); }
@@ -82,8 +84,10 @@ private:
         std::uint32_t first, pixels;
         std::uint32_t ordered, done, known;  // samples per pixel: ordered, rendered, in the sums that the caller knows
         int holder = nobody;
-        bool leaves = false;  // the holder is to give it
-        bool asked = false;   // for its sums
+        int taker = nobody;    // to whom it leaves
+        bool leaves = false;   // the holder is to give it
+        bool is_away = false;  // the caller has its sums, and not yet the holder
+        bool asked = false;    // for its sums
     };
     /// Bands of equal numbers of samples that nobody holds, as runs of neighbours.
     class Runs {
@@ -102,7 +106,9 @@ private:
         std::set<std::pair<Index, Index>> by_length_;  // length, and minus the first: the first of equal ones is last
     };
     struct Worker {
-        std::uint32_t first_paths, most_paths, last_paths = 0;
+        std::uint32_t first_paths, most_paths;
+        double handover;
+        std::uint32_t last_paths = 0;
         double samples = 0, seconds = 0;  // recent ones
         std::uint64_t all = 0;
         std::deque<Order> gives = {};  // to be sent
@@ -113,6 +119,7 @@ private:
         std::set<Index> bands = {};
         std::set<std::pair<std::uint32_t, Index>> by_samples = {};  // ordered ones, below the limit
         std::uint64_t pixels = 0, ordered = 0;                      // of these; samples of all their pixels
+        std::uint64_t coming_pixels = 0, coming_ordered = 0;        // of bands that others are to give to it
         double seconds_left = -1;                                   // its key in by_seconds_; negative: it is not there
         [[nodiscard]] double speed() const { return seconds > 0 ? samples / seconds : 0; }
     };
@@ -126,27 +133,31 @@ private:
     void change(Index band, const Change& change);
     void enter(Index band);
     void leave(Index band);
+    [[nodiscard]] bool pays(const Worker& worker, double seconds_left) const;
     [[nodiscard]] Index first_band_for(int worker) const;
     [[nodiscard]] Index free_band_for(int worker, std::uint32_t samples) const;
     [[nodiscard]] std::uint32_t least_ordered() const { return ordered_counts_.begin()->first; }
     [[nodiscard]] double samples_left(const Worker& worker) const {
-        return double(worker.pixels) * limit_ - double(worker.ordered);
+        return double(worker.pixels + worker.coming_pixels) * limit_ - double(worker.ordered + worker.coming_ordered);
     }
     [[nodiscard]] double paths_of_piece(const Worker& worker, double seconds_left) const;
     /// How many of the free pixels the worker may take.
     [[nodiscard]] std::uint32_t share_of_free(const Worker& worker) const;
+    [[nodiscard]] double seconds_so_far() const;
     [[nodiscard]] double seconds_to_limit() const;
     [[nodiscard]] std::uint32_t longer(const Batch& piece, double paths) const;
     [[nodiscard]] Order piece_from(Index band, int worker, double paths);
     void sort_in(int worker);
     void ask_others(int worker, std::uint32_t samples);
-    void ask(int holder, double samples);
+    void ask(int holder, int taker, double samples);
+    void order_to_give(Index band, int taker);
     /// Calls visit(index) for each band of a batch.
     template <class Visit>
     void for_bands_of(const Batch& batch, const Visit& visit);
 
     std::uint32_t pixels_ = 0, largest_pass_, limit_ = 0;
     std::uint64_t ordered_ = 0, done_ = 0;  // samples of all pixels
+    std::uint64_t done_before_ = 0;         // that the caller had at first
     double speed_ = 0;                      // of all workers
     std::uint32_t free_pixels_ = 0;         // that nobody holds
     unsigned without_bands_ = 0;            // workers that hold none

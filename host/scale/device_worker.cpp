@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <new>
 
+#include "host/base/seconds_since.hpp"
 #include "host/render/renderer_state.hpp"
 
 namespace claray {
@@ -10,6 +11,7 @@ namespace {
 
 constexpr std::size_t most_running = 2;    // orders on the device
 constexpr std::uint32_t most_batches = 8;  // of an order: more would delay what comes next
+constexpr std::uint32_t most_measured_pixels = 1 << 16;
 
 /// The group decides when a render ends and saves its progress.
 RenderConfig config_of_part(RenderConfig config) {
@@ -56,6 +58,21 @@ std::optional<DeviceWorker::Job> DeviceWorker::next_job() {
     return job;
 }
 
+/// Seconds for the sums of a pixel from this device to another one: the least of some copies, since the first one
+/// allocates, and others may be interrupted.
+double DeviceWorker::measure_handover() {
+    const Film& film = renderer_->state().film;
+    const std::uint32_t pixels = std::min(renderer_->state().pixels(), most_measured_pixels);
+    const GroupSums some({device_}, pixels, tells_error(config_), {});
+    double least = 1e9;
+    for (int copy = 0; copy < 4; ++copy) {
+        const Clock::time_point begin = Clock::now();
+        film.read_sums(some.at(0, pixels), 0);
+        least = std::min(least, seconds_since(begin));
+    }
+    return 2 * least / pixels;  // from the device, and to the other one
+}
+
 /// One CPU after the other: all are the same processor, and PoCL 3.1 aborts if two of its devices load the same kernel
 /// at the same time ("ref_count > 0").
 void DeviceWorker::set_up() {
@@ -67,10 +84,11 @@ void DeviceWorker::set_up() {
     state.warm_up();
     state.follow_light();
     device_.finish();
+    const double handover = shared_ == nullptr ? 0 : measure_handover();
     state.begin = state.first_begin = Clock::now();
     const std::uint32_t first = state.first_paths();
     inbox_.post({number_, Report::Kind::ready, first,
-                 state.parts_take_turns() ? first : most_batches * state.wavefront.capacity()});
+                 state.parts_take_turns() ? first : most_batches * state.wavefront.capacity(), handover});
 }
 
 void DeviceWorker::run() {

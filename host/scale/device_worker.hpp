@@ -40,6 +40,7 @@ private:
 
     void run();
     void set_up();
+    [[nodiscard]] double measure_handover();
     [[nodiscard]] std::optional<Job> next_job();
     void start(const Job& job);
     void render(const Batch& batch);

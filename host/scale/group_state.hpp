@@ -20,6 +20,7 @@ struct RenderGroup::State {
         DeviceWorker* device = nullptr;  // if it is one of this process
         bool is_ready = false, has_failed = false;
         std::uint32_t first_paths = 0, most_paths = 0;  // once it is ready
+        double handover = 0;                            // likewise
         int number = -1;                                // of the dealer, once it takes orders
         std::deque<Order> orders = {};
         std::string failure = {};

@@ -104,7 +104,8 @@ void RenderGroup::State::begin_dealing() {
 }
 
 void RenderGroup::State::join_dealing(Member& member) {
-    member.number = dealer->add(member.first_paths, member.most_paths);
+    const bool keeps_sums = &member == &members[led_by];
+    member.number = dealer->add(member.first_paths, member.most_paths, keeps_sums ? 0 : member.handover);
 }
 
 bool RenderGroup::State::time_is_up() const {
@@ -212,6 +213,7 @@ void RenderGroup::State::take_report(std::chrono::microseconds most) {
             case Report::Kind::ready:
                 member.is_ready = true;
                 member.first_paths = report->first_paths, member.most_paths = report->most_paths;
+                member.handover = report->handover;
                 if (dealer) join_dealing(member);
                 break;
             case Report::Kind::done: take_done(member, *report); break;
@@ -255,7 +257,7 @@ void RenderGroup::State::wait_for_orders() {
         for (std::size_t m = 0; m < members.size(); ++m)
             if (is_busy(members[m]) && members[m].device == nullptr)
                 drop(members[m],
-                     {m, Report::Kind::failed, 0, 0, 0, {}, ErrorKind::user, "its last samples came too late"});
+                     {m, Report::Kind::failed, 0, 0, 0, 0, {}, ErrorKind::user, "its last samples came too late"});
     }
 }
 

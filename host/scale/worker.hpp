@@ -24,6 +24,7 @@ struct Report {
     std::size_t worker = 0;
     Kind kind = Kind::ready;
     std::uint32_t first_paths = 0, most_paths = 0;  ///< of `ready`: see Dealer::add
+    double handover = 0;                            ///< of `ready`: see Dealer::add
     double seconds = 0;                             ///< of `done`: see Dealer::done
     Film::Sums sums = {};                           ///< of `done` for Order::Kind::read and give
     ErrorKind error = ErrorKind::device;            ///< of `failed`

@@ -125,6 +125,21 @@ TEST(Plan, SaysWhatItPickedAndKeepsWhatWasAskedFor) {
               std::string::npos);
 }
 
+/// The planner knows no trees of two levels: the renderer's own choice, also where high is the default.
+TEST(PlanRender, LeavesTheTreeOfInstances) {
+    const Device modelled = device_with(simple_model());
+    modelled.set_tuning("bvh/automatic", "BUILDER", std::uint32_t(Builder::high));
+    Scene scene = *builtin_scene("terrain:2000");
+    const RenderConfig config{.width = 64, .height = 64, .spp = 100, .seconds = 100};
+    EXPECT_EQ(plan_render(modelled, scene, config).config.bvh.builder, Builder::high);
+    scene.instances.resize(1);
+    const TargetPlan plan = plan_render(modelled, scene, config);
+    EXPECT_EQ(plan.config.bvh.builder, Builder::balanced);
+    EXPECT_FALSE(plan.picks_builder);
+    EXPECT_EQ(plan_render(modelled, scene, {.seconds = 1, .bvh = {.builder = Builder::fast}}).config.bvh.builder,
+              Builder::fast);
+}
+
 /// The tree is built anew on the way, which changes no bit of the image.
 TEST(RenderToTarget, BuildsTheTreeThatPaysOnTheWay) {
     const Scene scene = *builtin_scene("terrain:2000");

@@ -66,6 +66,19 @@ TEST(Accuracy, WritesAPipeOnce) {
     EXPECT_EQ(std::count(result.errors.begin(), result.errors.end(), '\n'), 1 + 6 + 3) << result.errors;
 }
 
+/// The two CPU devices of PoCL stand for several devices.
+TEST(Accuracy, NamesTheDeviceOfEachStudy) {
+    const ProcessResult result = run_claray({"accuracy", "cornell", "--size", "12x12", "--spp", "2", "--runs", "1",
+                                             "--only", "sampling", "--device", "all", "--json", "-q"},
+                                            {{"POCL_DEVICES", "basic pthread"}});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    const auto study = nlohmann::json::parse(result.output).at("studies").at(0);
+    const ProcessResult devices = run_claray({"devices"}, {{"POCL_DEVICES", "basic pthread"}});
+    const auto name = study.at("device").get<std::string>();
+    EXPECT_NE(devices.output.find(" " + name + " "), std::string::npos) << name;
+    EXPECT_GT(study.at("points").size(), 2u);
+}
+
 TEST(Accuracy, IsOfTheViewAndTheLightAskedFor) {
     const auto error_in = [](const std::vector<std::string>& view) {
         std::vector<std::string> all = {"accuracy", "effect:lambert", "--size",   "8x8",    "--spp", "1", "--runs",

@@ -48,6 +48,24 @@ TEST(BenchCommand, JsonAndCsvAgree) {
     EXPECT_NE(primary.find("\"soup:400\",400,fast,binary,primary,384,"), std::string::npos) << primary;
 }
 
+/// The two CPU devices of PoCL stand for several devices.
+TEST(BenchCommand, MeasuresDevicesAtOnce) {
+    const Variables two = {{"POCL_DEVICES", "basic pthread"}};
+    const ProcessResult result = run_claray(
+        {"bench", "soup:400", "--preset", "fast", "--size", "16x8", "--repeat", "1", "--device", "all", "--json"}, two);
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    const auto report = nlohmann::json::parse(result.output);
+    if (report.size() == 1) GTEST_SKIP() << "one device";
+    ASSERT_EQ(report.size(), 3u);
+    EXPECT_EQ(report[2].at("at_once").at(1), report[1].at("device"));
+    const auto rays = report[2].at("scenes").at(0).at("presets").at(0).at("rays");
+    ASSERT_EQ(rays.size(), 4u);
+    for (const auto& [kind, speed] : rays.items()) EXPECT_GT(speed.at("mrays_per_second"), 0) << kind;
+    const ProcessResult table = run_claray(
+        {"bench", "soup:400", "--preset", "fast", "--size", "16x8", "--repeat", "1", "--device", "0,1,0"}, two);
+    EXPECT_NE(table.output.find("soup:400: 2 devices at the same time"), std::string::npos) << table.output;
+}
+
 TEST(BenchCommand, BadInput) {
     EXPECT_TRUE(failed_with(bench({"--preset", "best"}), 2, "best"));
     EXPECT_TRUE(failed_with(bench({"--repeat", "0"}), 2, "--repeat"));

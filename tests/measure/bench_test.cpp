@@ -128,7 +128,7 @@ TEST(Bench, MeasuresEveryPresetAndKind) {
     BenchOptions options;
     options.presets = {Builder::balanced, Builder::fast};
     options.width = 24, options.height = 16, options.repeat = 2;
-    const SceneResult result = run_bench(test::device(), "soup:300", options);
+    const SceneResult result = SceneBench(test::device(), "soup:300", options).run();
     EXPECT_EQ(result.triangles, 300u);
     ASSERT_EQ(result.presets.size(), 2u);
     EXPECT_EQ(result.presets[0].preset, "balanced");
@@ -147,6 +147,48 @@ TEST(Bench, MeasuresEveryPresetAndKind) {
     const std::string csv = bench_csv(test::device().info(), result), header = bench_csv_header();
     const auto count = [](const std::string& text, char c) { return std::count(text.begin(), text.end(), c); };
     EXPECT_EQ(count(csv, ','), count(csv, '\n') * count(header, ',')) << "every row has all columns";
+}
+
+/// 100 rays per round.
+SceneResult result_of(const std::vector<double>& milliseconds) {
+    PresetResult preset;
+    preset.preset = "fast";
+    for (const double ms : milliseconds) {
+        PresetResult::Kind kind{"kind " + std::to_string(preset.kinds.size()), 100, {}};
+        kind.timing.rounds = {ms};
+        preset.kinds.push_back(kind);
+    }
+    return {"scene", 1, {preset}};
+}
+
+TEST(Bench, AddsTheRaysOfDevicesAtOnce) {
+    const auto results = joint_results({result_of({1, 0.1}), result_of({2, 0.1})},   // 0.1, 1; 0.05, 1 Mrays/s
+                                       {result_of({1, 0.2}), result_of({4, 0.1})});  // 0.1, 0.5; 0.025, 1
+    ASSERT_EQ(results.size(), 1u);
+    EXPECT_EQ(results[0].preset, "fast");
+    ASSERT_EQ(results[0].kinds.size(), 2u);
+    EXPECT_EQ(results[0].kinds[1].name, "kind 1");
+    EXPECT_DOUBLE_EQ(results[0].kinds[0].mrays_per_second, 0.125);
+    EXPECT_DOUBLE_EQ(results[0].kinds[0].share, 0.125 / 0.15);
+    EXPECT_DOUBLE_EQ(results[0].kinds[1].mrays_per_second, 1.5);
+    EXPECT_DOUBLE_EQ(results[0].kinds[1].share, 0.75);
+}
+
+TEST(Bench, MeasuresDevicesAtOnce) {
+    BenchOptions options;
+    options.presets = {Builder::fast};
+    options.width = 24, options.height = 16, options.repeat = 1;
+    std::vector<SceneBench> benches;
+    for (const int rounds : {1, 40}) {
+        options.repeat = rounds;
+        benches.emplace_back(Device::open(std::to_string(test::device().info().index)), "soup:300", options);
+    }
+    const std::vector<SceneResult> results = run_at_once(benches);
+    ASSERT_EQ(results.size(), 2u);
+    EXPECT_EQ(results[0].presets.at(0).kinds.at(0).timing.rounds.size(), 1u);
+    EXPECT_EQ(results[1].presets.at(0).kinds.at(0).timing.rounds.size(), 40u);
+    for (const SceneResult& result : results)
+        for (const auto& kind : result.presets[0].kinds) EXPECT_GT(kind.mrays_per_second(), 0) << kind.name;
 }
 
 TEST(Explain, TellsNoiseFromCost) {

@@ -1,5 +1,5 @@
-// Scenes in parts: the image of one tree, by kernels/render/parts/keep_nearest.cl, in a device's memory that does not hold
-// it.
+// Scenes in parts: the image of one tree, by kernels/render/parts/keep_nearest.cl, in a device's memory that does not
+// hold it.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -33,12 +33,27 @@ Scene in_two_meshes(Scene scene) {
 /// Parts take turns although the device has room for all: it has as much memory as is in use and this much more.
 void leave(const Device& device, std::uint64_t bytes) { device.state().info.memory = bytes_in_use(device) + bytes; }
 
+/// Each triangle in nine materials at one place: which one is hit depends on the order of equal distances, also between
+/// parts.
+Scene in_nine_colors(Scene scene) {
+    for (std::uint32_t i = 1; i < 9; ++i) {
+        scene.materials.push_back(scene.materials.at(0));
+        scene.materials.back().albedo = glm::vec3(0.1f * float(i), 0.5f, 0.9f);
+        scene.meshes.push_back(scene.meshes[0]);
+        scene.meshes.back().materials.assign(scene.meshes[0].triangles.size(),
+                                             std::uint32_t(scene.materials.size()) - 1);
+    }
+    return scene;
+}
+
 /// The effects have cut-outs, instances in motion and lamps; the soup has many triangles at equal distances of its
 /// rays.
 TEST(Parts, MakeTheImageOfOneTreeBitForBit) {
     Scene doubled = in_two_meshes(*builtin_scene("soup:3000"));
     doubled.meshes.push_back(doubled.meshes[0]);
-    for (const auto& [name, scene] : {std::pair("effects", *builtin_scene("effects")), {"doubled soup", doubled}})
+    for (const auto& [name, scene] : {std::pair("effects", *builtin_scene("effects")),
+                                      {"doubled soup", doubled},
+                                      {"triangles of nine colors", in_nine_colors(*builtin_scene("soup:3"))}})
         for (const Layout layout : {Layout::binary, Layout::wide}) {
             RenderConfig config{.width = 48, .height = 32, .spp = 2};
             config.bvh.layout = layout, config.parts = 1;

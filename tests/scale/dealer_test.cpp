@@ -12,13 +12,15 @@ namespace {
 /// Workers that carry out up to three orders one after the other, each at its speed in samples per second.
 class Simulation {
 public:
-    Simulation(std::uint32_t pixels, std::uint32_t spp, std::vector<double> speeds)
-        : samples_(pixels), known_(pixels), speeds_(std::move(speeds)), dealer_({{0, pixels, 0}}, 16) {
-        workers_.resize(speeds_.size());
-        for (std::size_t w = 0; w < speeds_.size(); ++w) {
-            dealer_.add(2048, 1u << 22);
-            held_.emplace_back(pixels);
-        }
+    /// The last worker begins at the time `last_begins`.
+    Simulation(std::uint32_t pixels, std::uint32_t spp, std::vector<double> speeds, double last_begins = 0)
+        : samples_(pixels),
+          known_(pixels),
+          speeds_(std::move(speeds)),
+          last_begins_(last_begins),
+          dealer_({{0, pixels, 0}}, 16) {
+        held_.assign(speeds_.size(), std::vector<std::uint32_t>(pixels));
+        for (std::size_t w = 0; w + 1 < speeds_.size() || (last_begins == 0 && w < speeds_.size()); ++w) add();
         dealer_.set_limit(spp);
     }
 
@@ -32,10 +34,12 @@ public:
                     next = w;
             if (next == workers_.size()) return NAN;  // nobody has anything to do
             now_ = workers_[next].end;
+            if (workers_.size() < speeds_.size() && now_ >= last_begins_) add();
+            if (++events_ % 64 == 0 && !any_lost_) check_first_worker();
             if (lost >= 0 && now_ >= at) {
                 workers_[std::size_t(lost)].orders.clear(), workers_[std::size_t(lost)].is_lost = true;
                 dealer_.lost(lost);
-                lost = -1;
+                lost = -1, any_lost_ = true;
                 continue;
             }
             finish(next);
@@ -56,6 +60,21 @@ private:
         bool is_lost = false;
     };
 
+    /// Together with the sums that it lacks, and those that come with its orders, the first worker has all.
+    void check_first_worker() const {
+        std::vector<std::uint32_t> samples = held_[0];
+        const auto take = [&](std::uint32_t first, std::uint32_t pixels) {
+            std::copy_n(samples_.begin() + first, pixels, samples.begin() + first);
+        };
+        for (const PixelRun& run : dealer_.held_by_others(0)) take(run.first, run.pixels);
+        for (const Order& order : workers_[0].orders)
+            if (order.brings_sums) take(order.batch.first_pixel, order.batch.pixels);
+        ASSERT_EQ(samples, samples_);
+    }
+    void add() {
+        dealer_.add(2048, 1u << 22);
+        workers_.emplace_back();
+    }
     [[nodiscard]] double seconds_of(const Order& order, std::size_t w) const {
         return order.kind == Order::Kind::render ? double(order.batch.pixels) * order.batch.samples / speeds_[w] : 1e-5;
     }
@@ -91,6 +110,9 @@ private:
     std::vector<std::vector<std::uint32_t>> held_;  // by each worker
     std::vector<double> speeds_;
     std::vector<Worker> workers_;
+    double last_begins_;
+    unsigned events_ = 0;
+    bool any_lost_ = false;
     double now_ = 0;
     Dealer dealer_;
 };
@@ -126,12 +148,44 @@ TEST(Dealer, GivesAllSomethingAtFirst) {
     }
 }
 
+/// Another one that took all pixels gives some at once, and soon as many as the speeds are worth.
+TEST(Dealer, GivesLateWorkersSomethingSoon) {
+    constexpr std::uint32_t pixels = 640 * 360, spp = 64;
+    constexpr double speed = 1.4e7, late = 0.015;
+    Simulation simulation(pixels, spp, {speed, speed}, late);
+    const double ideal = (double(pixels) * spp / speed + late) / 2;
+    EXPECT_GE(ideal / simulation.run(), 0.97);
+    EXPECT_EQ(simulation.samples(), std::vector<std::uint32_t>(pixels, spp));
+}
+
+/// Handing over the sums of all pixels takes 10 ms here.
+TEST(Dealer, LeavesOutWorkersThatDoNotPay) {
+    constexpr std::uint32_t pixels = 10'000;
+    const auto works = [](std::uint32_t spp, double speed, double seconds_left, bool other_is_lost = false) {
+        Dealer dealer({{0, pixels, 0}}, 16);
+        dealer.add(1000, 1u << 20), dealer.add(1000, 1u << 20, 1e-6);
+        dealer.set_limit(spp);
+        EXPECT_FALSE(dealer.next(1, seconds_left)) << "the speed of the other one is unknown";
+        const std::optional<Order> order = dealer.next(0, seconds_left);
+        dealer.done(0, *order, order->batch.pixels * order->batch.samples / speed);
+        if (other_is_lost) dealer.lost(0);
+        return dealer.next(1, seconds_left).has_value();
+    };
+    EXPECT_TRUE(works(16, 1e6, 1e9)) << "0.16 s";
+    EXPECT_FALSE(works(16, 1e8, 1e9)) << "2 ms";
+    EXPECT_FALSE(works(16, 1e6, 5e-3)) << "the time is up before";
+    EXPECT_TRUE(works(16, 1e8, 1e9, true)) << "nobody else is there";
+}
+
 TEST(Dealer, RendersAgainWhatIsLost) {
     constexpr std::uint32_t pixels = 10'000, spp = 77;
     for (const double at : {0., 0.1, 0.3, 0.5}) {
         Simulation simulation(pixels, spp, {1e6, 4e5});
         EXPECT_GT(simulation.run(1, at), at);
         EXPECT_EQ(simulation.samples(), std::vector<std::uint32_t>(pixels, spp)) << at;
+        const std::vector<PixelRun> rendered = simulation.dealer().rendered();
+        ASSERT_EQ(rendered.size(), 1u);
+        EXPECT_EQ(rendered[0].samples, spp);
     }
 }
 

@@ -4,18 +4,19 @@
 
 namespace claray {
 
+/// All samples of as many pixels as there is room for, or a part of those of one pixel: neighbouring paths of one pixel
+/// are faster, and the film is read and written once for all of them.
 Batch PendingBatches::next(std::uint32_t most_paths) {
-    if (Batch& last = batches_.back(); last.pixels > most_paths) {
-        Batch end = last;
-        last.pixels -= most_paths;
-        end.first_pixel += last.pixels, end.pixels = most_paths;
-        batches_.push_back(end);
-    }
     Batch& left = batches_.back();
     Batch batch = left;
-    batch.samples = std::min(left.samples, most_paths / left.pixels);
-    left.first_sample += batch.samples, left.samples -= batch.samples;
-    if (left.samples == 0) batches_.pop_back();
+    batch.samples = std::min(left.samples, most_paths);
+    batch.pixels = std::min(left.pixels, most_paths / batch.samples);
+    Batch rest = batch;  // of the same pixels
+    rest.first_sample += batch.samples, rest.samples = left.samples - batch.samples;
+    left.pixels -= batch.pixels;
+    batch.first_pixel = rest.first_pixel = left.first_pixel + left.pixels;
+    if (left.pixels == 0) batches_.pop_back();
+    if (rest.samples > 0) batches_.push_back(rest);
     return batch;
 }
 

@@ -7,8 +7,30 @@
 #include <random>
 #include <vector>
 
+#include "host/render/schedule/pending_batches.hpp"
+
 namespace claray::test {
 namespace {
+
+/// Whole pixels, as Schedule does, since their paths are coherent; parts of one only where there is no room for it.
+TEST(PendingBatches, TakeAllSamplesOfAPixel) {
+    PendingBatches left({{10, 5, 3, 16, 0}, {40, 2, 0, 100, 0}});
+    std::vector<std::uint32_t> next(50);
+    for (std::uint32_t p = 10; p < 15; ++p) next[p] = 3;
+    std::uint64_t samples = left.samples();
+    while (!left.empty()) {
+        const Batch batch = left.next(70);
+        ASSERT_LE(batch.pixels * batch.samples, 70u);
+        EXPECT_TRUE(batch.first_pixel < 40 ? batch.samples == 16 : batch.samples == 70 || batch.samples == 30);
+        for (std::uint32_t p = batch.first_pixel; p < batch.first_pixel + batch.pixels; ++p) {
+            EXPECT_EQ(next[p], batch.first_sample) << p;
+            next[p] += batch.samples;
+        }
+        EXPECT_EQ(left.samples(), samples -= batch.pixels * batch.samples);
+    }
+    for (std::uint32_t p = 0; p < 50; ++p)
+        EXPECT_EQ(next[p], p >= 10 && p < 15 ? 19u : p == 40 || p == 41 ? 100u : 0u) << p;
+}
 
 /// Each pixel gets samples 0, 1, 2 ... spp - 1, once and in this order, whatever the batches' sizes.
 TEST(Schedule, EveryPixelGetsItsSamplesInOrder) {
