@@ -24,6 +24,13 @@
 #else
 #if SHADE_GROUPS
 #include "lights/light_lists_sixteen.clh"
+#include "shade/surface_sixteen.clh"
+#endif
+/// 1: surfaces of plain materials that no path leaves are found by vectors.
+#if SHADE_GROUPS && LIGHT_LISTS && !TEXTURES && !INSTANCES && !VERTEX_COLORS && !ABSORPTION && !AMBIENT && !BAKE && !SHADING && !LIGHT_GRID
+#define PLAIN_SIXTEEN USES(CLARAY_LAMBERT)
+#else
+#define PLAIN_SIXTEEN 0
 #endif
 
 /// Rays that an item shades together, and for which it reserves room in the queues at once on CPUs. One atomic operation per ray,
@@ -71,9 +78,10 @@ typedef struct HitGroup {
     Lanes16 lanes;
 } HitGroup;
 
-/// samples_at for all paths of the group: pairs `first` to `end` - 1.
-static inline void draw_samples16(const Step* step, global const uint* listed_pixels, uint first, uint end, HitGroup* group) {
-    uint path[16], words[2 * 16];
+/// samples_at for all paths of the group: pairs `first` to `end` - 1, perhaps only the first number of each.
+static inline void draw_samples16(const Step* step, global const uint* listed_pixels, uint first, uint end, bool pairs_wanted,
+                                  HitGroup* group) {
+    uint path[16], words[16];
     for (uint k = 0; k < 16; ++k) path[k] = group->state[k].path;
     const Batch batch = step->batch;
     const uint16 paths = vload16(0, path), pixels = paths / batch.samples;
@@ -82,11 +90,11 @@ static inline void draw_samples16(const Step* step, global const uint* listed_pi
     for (uint which = first; which < end; ++which) {
         const uint dimension = which == AT_LOBE ? DIMENSION_LOBE(step->depth) : DIMENSION_LIGHT(step->depth) + which;
         const SamplePairs16 pairs = sample_pair_of_16(SAMPLER, seeds, numbers, (uint16)(dimension));
-        vstore16(pairs.x, 0, words), vstore16(pairs.y, 1, words);
-        for (uint k = 0; k < 16; ++k) {
-            ((uint*)&group->samples[k].x)[which] = words[k];
-            ((uint*)&group->samples[k].y)[which] = words[16 + k];
-        }
+        vstore16(pairs.x, 0, words);
+        for (uint k = 0; k < 16; ++k) ((uint*)&group->samples[k].x)[which] = words[k];
+        if (!pairs_wanted) continue;
+        vstore16(pairs.y, 0, words);
+        for (uint k = 0; k < 16; ++k) ((uint*)&group->samples[k].y)[which] = words[k];
     }
 }
 
@@ -120,6 +128,36 @@ static inline bool keep_plain(const LightsData* lights, const ShadingPoint* at, 
     group->plain |= 1u << k;
     return true;
 }
+
+#if PLAIN_SIXTEEN
+/// keep_plain by vectors, for the lanes of a mask. Returns the lanes that were kept.
+static inline uint keep_plain16(const FrameData* frame, const LightsData* lights, SCENE_PARAMETERS, global const SceneHit* hits, uint begin, uint lanes,
+                                HitGroup* group) {
+    global const float* normals = TABLE(float, normals);
+    Met16 met = {{{{0.0f}}}, {{{0.0f}}}};
+    for (uint left = lanes; left != 0; left &= left - 1) {
+        const uint k = lowest_bit(left);
+        const SceneHit hit = hits[begin + k];
+        const PathState* state = &group->state[k];
+        if (hit.primitive == CLARAY_MISS || !asks_lists(lights, group, k) || (state->pdf != 0.0f && lights->hot_spots != 0)) continue;
+        global const MaterialData* material = &TABLE(MaterialData, materials)[TABLE(uint, triangle_materials)[hit.primitive]];
+        const float3 emission = (float3)(material->emission_r, material->emission_g, material->emission_b);
+        if (material->kind != CLARAY_LAMBERT || material->layers != 0u || largest(emission) > 0.0f) continue;
+        keep_met(hit, group->ray[k], positions, indices, normals, &met, k);
+        const float3 albedo = (float3)(material->albedo_r, material->albedo_g, material->albedo_b);
+        keep_vector16(throughput_of(*state) * albedo, &group->lanes, ROW_LIST_REFLECTED, k);
+        group->lanes.value[ROW_LIST_RANDOM][k] = share_in_lists(lights, words_at(&group->samples[k], AT_LIGHT).x);
+        group->plain |= 1u << k;
+    }
+    group->picked = group->plain;
+    const PlainSurfaces16 surfaces = plain_surfaces16(&met);
+    keep_vectors16(surfaces.from, &group->lanes, ROW_LIST_FROM);
+    keep_vectors16(surfaces.normal, &group->lanes, ROW_LIST_NORMAL);
+    keep_vectors16(surfaces.geometric, &group->lanes, ROW_LIST_GEOMETRIC);
+    vstore16(select((float16)(0.0f), (float16)(1.0f), surfaces.lifted), 0, group->lanes.value[ROW_LIST_LIFTED]);
+    return group->plain;
+}
+#endif
 
 /// Picks lights for the surfaces that ask the lists, and samples those of plain ones.
 static inline void pick_lights16(const Lights* lights, HitGroup* group, ShadedRay* shaded) {
@@ -157,12 +195,20 @@ static inline void shade_rays16(const Step* step, SCENE_PARAMETERS, global RayQu
     group.scattering = group.picked = group.plain = 0;
     for (uint k = 0; k < SLOTS_AT_ONCE; ++k)
         group.state[k] = state_of_ray(states_of_queue(queue, room), depth, begin + min(k, count - 1));
-    draw_samples16(step, TABLE(uint, listed_pixels), AT_LIGHT, AT_LIGHT + 1, &group);
+    const bool plain = PLAIN_SIXTEEN && depth + 1 >= step->waves && lights.data.grid_probability > 0.0f;  // hardly a lane scatters
+    draw_samples16(step, TABLE(uint, listed_pixels), AT_LIGHT, AT_LIGHT + 1, !plain, &group);
     for (uint k = 0; k < count; ++k) {
-        const uint i = begin + k;
-        group.ray[k] = queued_ray(&rays_of_queue(queue)[i]);
+        group.ray[k] = queued_ray(&rays_of_queue(queue)[begin + k]);
         shaded[k].next.wanted = shaded[k].shadow.wanted = false;
-        shaded[k].time = time_in_queue(queue, room, i);
+        shaded[k].time = time_in_queue(queue, room, begin + k);
+        gathered[k] = (float3)(0.0f);
+    }
+    uint others = (1u << count) - 1u;
+#if PLAIN_SIXTEEN
+    if (plain) others &= ~keep_plain16(frame, &lights.data, SCENE, hits, begin, others, &group);
+#endif
+    for (uint left = others; left != 0; left &= left - 1) {
+        const uint k = lowest_bit(left), i = begin + k;
         const RayCone cone = cone_of_ray(frame, depth, queue, room, i);
         if (!find_point(&last, step, &lights, depth, SCENE, &group.ray[k], hits[i], shaded[k].time, cone, shading_normals, &group.state[k],
                         &gathered[k], &group.at[k]))
@@ -172,7 +218,8 @@ static inline void shade_rays16(const Step* step, SCENE_PARAMETERS, global RayQu
 #endif
         group.scattering |= 1u << k;
     }
-    if (group.scattering != 0) draw_samples16(step, TABLE(uint, listed_pixels), AT_LIGHT + 1, LOBES ? 4 : 3, &group);
+    if (group.scattering != 0)
+        draw_samples16(step, TABLE(uint, listed_pixels), plain ? AT_LIGHT : AT_LIGHT + 1, LOBES ? 4 : 3, true, &group);
     for (uint left = group.scattering; left != 0; left &= left - 1) {
         const uint k = lowest_bit(left);
         const float3 outgoing = -(float3)(group.ray[k].dx, group.ray[k].dy, group.ray[k].dz);
