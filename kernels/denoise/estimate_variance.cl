@@ -36,6 +36,10 @@ kernel void estimate_variance(FilterStep step, uint single, global const float4*
     float of_x[16], of_y[16], trust[16];
     vstore16(slope_x, 0, of_x), vstore16(slope_y, 0, of_y);
     for (uint i = 0; i < run.count; ++i) slopes[run.first + i] = (float2)(of_x[i], of_y[i]);
+    if (!movemask16(here.w >= 0.0f)) {
+        write_pixels16(run, here, result);
+        return;
+    }
     for (uint i = 0; i < 16; ++i) trust[i] = mix(1.0f, MIRROR_TRUST, guides[run.first + min(i, run.count - 1)].mirrored);
     const float16 inverse_tolerance = 1.0f / tolerances16(surface, slope_x, slope_y), none = (float16)(0.0f);
     float16 total = none, first = none, second = none, variance = none, glossy, gloss_variance;

@@ -25,6 +25,11 @@ kernel void filter_light(FilterStep step, global const float4* light, global con
     const PixelRun run = run_of(step, get_global_id(0));
     const int spacing = (int)step.spacing;
     const Pixels16 here = read_pixels16(step, light, run.x, run.y), surface = read_pixels16(step, surfaces, run.x, run.y);
+    const int16 lit = here.w >= 0.0f;
+    if (!movemask16(lit)) {
+        write_pixels16(run, here, result);
+        return;
+    }
     const float16 itself = read_values16(step, weights, run.x, run.y) * (spline[0] * spline[0]), own = luminances16(here.v);
     float16 slope_x, slope_y;
     read_pairs16(step, slopes, run.x, run.y, &slope_x, &slope_y);
@@ -57,7 +62,6 @@ kernel void filter_light(FilterStep step, global const float4* light, global con
         total = alone * any_total + company * total;
         sum.v = plus16(scaled16(alone, any_sum.v), scaled16(company, sum.v)), sum.w = alone * any_sum.w + company * sum.w;
     }
-    const int16 lit = here.w >= 0.0f;
     const Pixels16 filtered = {selected16(here.v, scaled16(1.0f / total, sum.v), lit), select(here.w, sum.w / (total * total), lit)};
     write_pixels16(run, filtered, result);
 }
