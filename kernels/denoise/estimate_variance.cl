@@ -9,6 +9,7 @@
 #ifndef MIRROR_TRUST
 #define MIRROR_TRUST 0.3f  // what a mirror shows has edges that no guide tells: the filter sees this part of its variance
 #endif
+#define SINGLE_DOUBT 2.0f  // the spread of single samples misses the rare bright ones
 #ifndef VARIANCE_RADIUS
 #define VARIANCE_RADIUS 3
 #endif
@@ -56,7 +57,7 @@ kernel void estimate_variance(FilterStep step, uint single, global const float4*
     read_pairs16(step, gloss, run.x, run.y, &glossy, &gloss_variance);
     const float16 mean = first / total, of_mean = variance / total;
     const float16 own = luminances16(here.v) - glossy - mean, spread = fmax(second / total - mean * mean, 0.0f);
-    const float16 noise = single ? fmax(spread, own * own) : fmax(fmax(of_mean, here.w - gloss_variance), fmin(own * own, 4.0f * of_mean));
+    const float16 noise = single ? SINGLE_DOUBT * fmax(spread, own * own) : fmax(fmax(of_mean, here.w - gloss_variance), fmin(own * own, 4.0f * of_mean));
     const Pixels16 known = {here.v, select(here.w, vload16(0, trust) * (noise + gloss_variance), here.w >= 0.0f)};
     write_pixels16(run, known, result);
 }
@@ -91,6 +92,6 @@ kernel void estimate_variance(FilterStep step, uint single, global const float4*
     // Bright samples in both halves hide the noise of a pixel: what is far from the mean nearby counts as noisy, to a degree.
     const float noise = fmax(fmax(variance / total, here.w - gloss[i].y), fmin(own * own, 4.0f * variance / total));
     const float trusted = mix(1.0f, MIRROR_TRUST, guides[i].mirrored);
-    result[i] = (float4)(here.xyz, trusted * ((single ? fmax(spread, own * own) : noise) + gloss[i].y));
+    result[i] = (float4)(here.xyz, trusted * ((single ? SINGLE_DOUBT * fmax(spread, own * own) : noise) + gloss[i].y));
 }
 #endif
