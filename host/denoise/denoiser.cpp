@@ -19,6 +19,7 @@ float doubt_of(std::uint32_t spp) { return 1.25f / (1 + float(spp) * float(spp) 
 Denoiser::Denoiser(const Device& device, std::uint32_t width, std::uint32_t height)
     : width_(width),
       height_(height),
+      cpu_(device.info().type == DeviceType::cpu),
       demodulate_(load_kernel(device, "denoise/demodulate.cl", "demodulate")),
       estimate_(load_kernel(device, "denoise/estimate_variance.cl", "estimate_variance")),
       filter_(load_kernel(device, "denoise/filter_light.cl", "filter_light")),
@@ -31,6 +32,10 @@ Denoiser::Denoiser(const Device& device, std::uint32_t width, std::uint32_t heig
     image_ = Buffer<float>(device, 3 * pixels);
 }
 
+Range Denoiser::range_of_runs() const {
+    return cpu_ ? Range{std::size_t((width_ + 15) / 16) * height_, 4} : range();
+}
+
 const Buffer<float>& Denoiser::denoise(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides, std::uint32_t spp) {
     prepare(film, guides, spp);
     return filter(noisy_, raw_, guides, spp);
@@ -39,7 +44,7 @@ const Buffer<float>& Denoiser::denoise(const Buffer<FilmPixel>& film, const Buff
 void Denoiser::prepare(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides, std::uint32_t spp) {
     demodulate_.run(range(), step(), film, guides, arg("light", raw_), arg("surfaces", surfaces_),
                     arg("weights", weights_), gloss_);
-    estimate_.run(range(), step(), std::uint32_t(spp < 2), arg("light", raw_), arg("surfaces", surfaces_),
+    estimate_.run(range_of_runs(), step(), std::uint32_t(spp < 2), arg("light", raw_), arg("surfaces", surfaces_),
                   arg("weights", weights_), arg("gloss", gloss_), guides, arg("slopes", slopes_),
                   arg("result", noisy_));
 }
@@ -49,7 +54,7 @@ const Buffer<float>& Denoiser::filter(const Buffer<Float4>& light, const Buffer<
     const Buffer<Float4>* from = &light;
     for (std::uint32_t pass = 0; pass < passes; ++pass) {
         const Buffer<Float4>& to = filtered_[pass % 2];
-        filter_.run(range(), step(1u << pass), arg("light", *from), arg("surfaces", surfaces_),
+        filter_.run(range_of_runs(), step(1u << pass), arg("light", *from), arg("surfaces", surfaces_),
                     arg("weights", weights_), slopes_, arg("result", to), arg("kept", kept_));
         from = &to;
     }

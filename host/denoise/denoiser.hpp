@@ -33,9 +33,12 @@ protected:
     [[nodiscard]] const Buffer<float>& filter(const Buffer<Float4>& light, const Buffer<Float4>& noisy,
                                               const Buffer<Guide>& guides, std::uint32_t spp);
     [[nodiscard]] Range range() const { return {std::size_t(width_) * height_, 64}; }
+    /// Of kernels whose work-items have sixteen pixels of a row on CPUs.
+    [[nodiscard]] Range range_of_runs() const;
     [[nodiscard]] FilterStep step(std::uint32_t spacing = 1) const { return {width_, height_, spacing}; }
 
     std::uint32_t width_, height_;
+    bool cpu_;
     Kernel demodulate_, estimate_, filter_, modulate_;
     Buffer<Float4> raw_, noisy_, filtered_[2], surfaces_;
     Buffer<Float2> slopes_, gloss_;

@@ -112,7 +112,8 @@ void Guides::trace_pixels(const FrameData& frame, const Buffer<FilmPixel>& film,
 
 void Guides::see(GuideStep guide) {
     std::uint32_t& count = guide.step.capacity;
-    start_.run({count, 64}, guide, list_, rays_[0], times_[0]);
+    const bool cpu = device_.info().type == DeviceType::cpu;
+    start_.run({cpu ? (count + 15) / 16 : count, 64}, guide, list_, rays_[0], times_[0]);
     numbers_[0].write(std::span<const std::uint32_t>(&count, 1));
     for (; count != 0; ++guide.step.depth) {
         const int in = guide.step.depth % 2, out = 1 - in;

@@ -2,6 +2,9 @@
 // Illumination Filtering"), guided by surfaces and by the variance of light (Schied et al. 2017, "Spatiotemporal
 // Variance-Guided Filtering", section 4.4).
 #include "denoise/light.clh"
+#if CLARAY_CPU
+#include "denoise/light_sixteen.clh"
+#endif
 
 #ifndef LIGHT_TOLERANCE
 #define LIGHT_TOLERANCE 6.0f  // of the squared difference of two pixels, in variances of both
@@ -14,6 +17,55 @@ constant float spline[3] = {0.375f, 0.25f, 0.0625f};  // cubic B-spline
 
 /// `kept`: the share of a pixel's own noise that is left after this pass and those before: the derivative of the filtered value by
 /// the pixel's. It is the pixel's own weight, and more: the weights follow the pixel, since neighbours like it weigh more.
+#if CLARAY_CPU
+/// Sixteen pixels of a row per work-item.
+kernel void filter_light(FilterStep step, global const float4* light, global const float4* surfaces, global const float* weights, global const float2* slopes,
+                         global float4* result, global float* kept) {
+    if (get_global_id(0) >= runs_per_row(step) * step.height) return;
+    const PixelRun run = run_of(step, get_global_id(0));
+    const int spacing = (int)step.spacing;
+    const Pixels16 here = read_pixels16(step, light, run.x, run.y), surface = read_pixels16(step, surfaces, run.x, run.y);
+    const int16 lit = here.w >= 0.0f;
+    if (!movemask16(lit)) {
+        write_pixels16(run, here, result);
+        return;
+    }
+    const float16 itself = read_values16(step, weights, run.x, run.y) * (spline[0] * spline[0]), own = luminances16(here.v);
+    float16 slope_x, slope_y;
+    read_pairs16(step, slopes, run.x, run.y, &slope_x, &slope_y);
+    const float16 inverse_tolerance = 1.0f / tolerances16(surface, slope_x, slope_y), none = (float16)(0.0f);
+    float16 total = none, any_total = none, first = none, second = none;
+    Pixels16 sum = {{none, none, none}, none}, any_sum = sum;
+    for (int dy = -2; dy <= 2; ++dy)
+        for (int dx = -2; dx <= 2; ++dx) {
+            const int x = run.x + dx * spacing, y = run.y + dy * spacing;
+            const Pixels16 there = read_pixels16(step, light, x, y), other = read_pixels16(step, surfaces, x, y);
+            const float16 difference = luminances16(there.v) - own;
+            const float16 apart = surface_distances16(surface, slope_x, slope_y, inverse_tolerance, other, (float)(dx * spacing), (float)(dy * spacing));
+            const float16 brighter = difference * difference / (LIGHT_TOLERANCE * (here.w + there.w) + 1e-30f);
+            const float16 near = select(none, read_values16(step, weights, x, y) * (spline[abs(dx)] * spline[abs(dy)]), there.w >= 0.0f);
+            const float16 weight = near * fadings16(apart + brighter);
+            total += weight;
+            first += weight * difference, second += weight * difference * difference;
+            sum.v = plus16(sum.v, scaled16(weight, there.v)), sum.w += weight * weight * there.w;
+            if (step.spacing != 1u) continue;
+            const float16 any = near * fadings16(brighter);
+            any_total += any;
+            any_sum.v = plus16(any_sum.v, scaled16(any, there.v)), any_sum.w += any * any * there.w;
+        }
+    const float16 shift = first / total, spread = fmax(second / total - shift * shift, 0.0f);
+    float16 derivative = fmin(itself / total + spread / (LIGHT_TOLERANCE * here.w + 1e-30f), 1.0f);
+    if (step.spacing != 1u) derivative *= read_values16(step, kept, run.x, run.y);
+    write_values16(run, derivative, kept);
+    if (step.spacing == 1u) {  // as below
+        const float16 company = clamp((total / itself - 1.0f) / ENOUGH_COMPANY, 0.0f, 1.0f), alone = 1.0f - company;
+        total = alone * any_total + company * total;
+        sum.v = plus16(scaled16(alone, any_sum.v), scaled16(company, sum.v)), sum.w = alone * any_sum.w + company * sum.w;
+    }
+    const Pixels16 filtered = {selected16(here.v, scaled16(1.0f / total, sum.v), lit), select(here.w, sum.w / (total * total), lit)};
+    write_pixels16(run, filtered, result);
+}
+#else
 kernel void filter_light(FilterStep step, global const float4* light, global const float4* surfaces, global const float* weights, global const float2* slopes,
                          global float4* result, global float* kept) {
     const uint i = get_global_id(0);
@@ -55,3 +107,4 @@ kernel void filter_light(FilterStep step, global const float4* light, global con
     }
     result[i] = (float4)(sum.xyz / total, sum.w / (total * total));
 }
+#endif

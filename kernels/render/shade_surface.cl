@@ -24,6 +24,13 @@
 #else
 #if SHADE_GROUPS
 #include "lights/light_lists_sixteen.clh"
+#include "shade/surface_sixteen.clh"
+#endif
+/// 1: surfaces of plain materials that no path leaves are found by vectors.
+#if SHADE_GROUPS && LIGHT_LISTS && !TEXTURES && !INSTANCES && !VERTEX_COLORS && !ABSORPTION && !AMBIENT && !BAKE && !SHADING && !LIGHT_GRID
+#define PLAIN_SIXTEEN USES(CLARAY_LAMBERT)
+#else
+#define PLAIN_SIXTEEN 0
 #endif
 
 /// Rays that an item shades together, and for which it reserves room in the queues at once on CPUs. One atomic operation per ray,
@@ -67,45 +74,110 @@ typedef struct HitGroup {
     float lobe[SLOTS_AT_ONCE];
     ListPick listed[SLOTS_AT_ONCE];
     uint picked;  // the lanes with a light in `listed`
+    uint plain;   // those of them whose light is sampled by vectors
+    Lanes16 lanes;
 } HitGroup;
 
-/// samples_at for all paths of the group.
-static inline void draw_samples16(const Step* step, global const uint* listed_pixels, HitGroup* group) {
-    uint path[16], words[2 * 4 * 16];
+/// samples_at for all paths of the group: pairs `first` to `end` - 1, perhaps only the first number of each.
+static inline void draw_samples16(const Step* step, global const uint* listed_pixels, uint first, uint end, bool pairs_wanted,
+                                  HitGroup* group) {
+    uint path[16], words[16];
     for (uint k = 0; k < 16; ++k) path[k] = group->state[k].path;
     const Batch batch = step->batch;
     const uint16 paths = vload16(0, path), pixels = paths / batch.samples;
     const uint16 seeds = hash_words_of_16(pixels_of_16(batch, listed_pixels, pixels), (uint16)(step->frame.seed));
     const uint16 numbers = first_samples_of_16(batch, listed_pixels, pixels) + (paths - pixels * batch.samples);
-    for (uint which = 0; which < (LOBES ? 4 : 3); ++which) {
+    for (uint which = first; which < end; ++which) {
         const uint dimension = which == AT_LOBE ? DIMENSION_LOBE(step->depth) : DIMENSION_LIGHT(step->depth) + which;
         const SamplePairs16 pairs = sample_pair_of_16(SAMPLER, seeds, numbers, (uint16)(dimension));
-        vstore16(pairs.x, which, words), vstore16(pairs.y, 4 + which, words);
-    }
-    for (uint k = 0; k < 16; ++k) {
-        const uint lobe_x = LOBES ? words[48 + k] : 0u, lobe_y = LOBES ? words[112 + k] : 0u;
-        group->samples[k].x = (uint4)(words[k], words[16 + k], words[32 + k], lobe_x);
-        group->samples[k].y = (uint4)(words[64 + k], words[80 + k], words[96 + k], lobe_y);
+        vstore16(pairs.x, 0, words);
+        for (uint k = 0; k < 16; ++k) ((uint*)&group->samples[k].x)[which] = words[k];
+        if (!pairs_wanted) continue;
+        vstore16(pairs.y, 0, words);
+        for (uint k = 0; k < 16; ++k) ((uint*)&group->samples[k].y)[which] = words[k];
     }
 }
 
 #if LIGHT_LISTS
-/// Picks lights for the surfaces that ask the lists.
-static inline void pick_lights16(const Lights* lights, HitGroup* group) {
-    Lanes16 lanes = {{{0.0f}}};
-    for (uint left = group->scattering; left != 0; left &= left - 1) {
+/// Keeps a surface that asks the lists for a light.
+static inline void keep_listed(const Surface* surface, float3 normal, float random, HitGroup* group, uint k) {
+    float3 from;
+    group->lanes.value[ROW_LIST_LIFTED][k] = leave_for_light(surface, true, &from) ? 1.0f : 0.0f;
+    keep_vector16(from, &group->lanes, ROW_LIST_FROM, k);
+    keep_vector16(normal, &group->lanes, ROW_LIST_NORMAL, k);
+    group->lanes.value[ROW_LIST_RANDOM][k] = random;
+    group->picked |= 1u << k;
+}
+
+static inline bool asks_lists(const LightsData* lights, const HitGroup* group, uint k) {
+    return picks_from_lists(lights, words_at(&group->samples[k], AT_LIGHT).x) && !goes_to_hot_spot(group->state[k].pdf);
+}
+
+/// Keeps a plain surface that asks the lists. Returns false for others. Paths that hot spots might have found as well are not kept.
+static inline bool keep_plain(const LightsData* lights, const ShadingPoint* at, HitGroup* group, uint k) {
+    const PathState* state = &group->state[k];
+    if (!is_plain(&at->material) || !asks_lists(lights, group, k) || (state->pdf != 0.0f && lights->hot_spots != 0)) return false;
+#if BENT_NORMALS
+    const float3 normal = at->surface.unbent;
+#else
+    const float3 normal = at->surface.shading;
+#endif
+    keep_listed(&at->surface, normal, share_in_lists(lights, words_at(&group->samples[k], AT_LIGHT).x), group, k);
+    keep_vector16(at->surface.geometric, &group->lanes, ROW_LIST_GEOMETRIC, k);
+    keep_vector16(throughput_of(*state) * albedo_of(&at->material), &group->lanes, ROW_LIST_REFLECTED, k);
+    group->plain |= 1u << k;
+    return true;
+}
+
+#if PLAIN_SIXTEEN
+/// keep_plain by vectors, for the lanes of a mask. Returns the lanes that were kept.
+static inline uint keep_plain16(const FrameData* frame, const LightsData* lights, SCENE_PARAMETERS, global const SceneHit* hits, uint begin, uint lanes,
+                                HitGroup* group) {
+    global const float* normals = TABLE(float, normals);
+    Met16 met = {{{{0.0f}}}, {{{0.0f}}}};
+    for (uint left = lanes; left != 0; left &= left - 1) {
+        const uint k = lowest_bit(left);
+        const SceneHit hit = hits[begin + k];
+        const PathState* state = &group->state[k];
+        if (hit.primitive == CLARAY_MISS || !asks_lists(lights, group, k) || (state->pdf != 0.0f && lights->hot_spots != 0)) continue;
+        global const MaterialData* material = &TABLE(MaterialData, materials)[TABLE(uint, triangle_materials)[hit.primitive]];
+        const float3 emission = (float3)(material->emission_r, material->emission_g, material->emission_b);
+        if (material->kind != CLARAY_LAMBERT || material->layers != 0u || largest(emission) > 0.0f) continue;
+        keep_met(hit, group->ray[k], positions, indices, normals, &met, k);
+        const float3 albedo = (float3)(material->albedo_r, material->albedo_g, material->albedo_b);
+        keep_vector16(throughput_of(*state) * albedo, &group->lanes, ROW_LIST_REFLECTED, k);
+        group->lanes.value[ROW_LIST_RANDOM][k] = share_in_lists(lights, words_at(&group->samples[k], AT_LIGHT).x);
+        group->plain |= 1u << k;
+    }
+    group->picked = group->plain;
+    const PlainSurfaces16 surfaces = plain_surfaces16(&met);
+    keep_vectors16(surfaces.from, &group->lanes, ROW_LIST_FROM);
+    keep_vectors16(surfaces.normal, &group->lanes, ROW_LIST_NORMAL);
+    keep_vectors16(surfaces.geometric, &group->lanes, ROW_LIST_GEOMETRIC);
+    vstore16(select((float16)(0.0f), (float16)(1.0f), surfaces.lifted), 0, group->lanes.value[ROW_LIST_LIFTED]);
+    return group->plain;
+}
+#endif
+
+/// Picks lights for the surfaces that ask the lists, and samples those of plain ones.
+static inline void pick_lights16(const Lights* lights, HitGroup* group, ShadedRay* shaded) {
+    for (uint left = group->scattering & ~group->plain; left != 0; left &= left - 1) {
         const uint k = lowest_bit(left);
         const Surface* surface = &group->at[k].surface;
-        const uint word = words_at(&group->samples[k], AT_LIGHT).x;
-        if (!picks_from_lists(&lights->data, word) || goes_to_hot_spot(group->state[k].pdf) || is_delta(&group->at[k].material)) continue;
-        float3 from;
-        leave_for_light(surface, true, &from);
-        keep_vector16(from, &lanes, ROW_LIST_FROM, k);
-        keep_vector16(surface->shading, &lanes, ROW_LIST_NORMAL, k);
-        lanes.value[ROW_LIST_RANDOM][k] = share_in_lists(&lights->data, word);
-        group->picked |= 1u << k;
+        if (asks_lists(&lights->data, group, k) && !is_delta(&group->at[k].material))
+            keep_listed(surface, surface->shading, share_in_lists(&lights->data, words_at(&group->samples[k], AT_LIGHT).x), group, k);
     }
-    pick_from_lists16(lights->lists, lights->punctual + lights->data.first_ranged, &lanes, group->picked, group->listed);
+    global const PunctualLight* ranged = lights->punctual + lights->data.first_ranged;
+    pick_from_lists16(lights->lists, ranged, &group->lanes, group->picked, group->listed);
+    Lanes16 seen;
+    uint wanted = light_from_picks16(ranged, lights->data.grid_probability, &group->lanes, group->plain, group->listed, &seen);
+    for (; wanted != 0; wanted &= wanted - 1) {
+        const uint k = lowest_bit(wanted);
+        const float3 light = lane_vector16(&seen, ROW_LISTED_LIGHT, k);
+        const LightSample sample = {light.x, light.y, light.z, group->state[k].path};
+        shaded[k].shadow.wanted = true, shaded[k].shadow.light = sample;
+        shaded[k].shadow.ray = make_ray(lane_vector16(&group->lanes, ROW_LIST_FROM, k), lane_vector16(&seen, ROW_TOWARDS_LISTED, k), 1.0f);
+    }
 }
 #endif
 
@@ -119,33 +191,48 @@ static inline void shade_rays16(const Step* step, SCENE_PARAMETERS, global RayQu
     LastTriangle last = {CLARAY_MISS, (float3)(0.0f), CLARAY_NO_MAP, (float4)(0.0f)};
     HitGroup group;
     float3 gathered[SLOTS_AT_ONCE];
-    group.scattering = group.picked = 0;
-    for (uint k = 0; k < SLOTS_AT_ONCE; ++k) {
-        const uint i = begin + min(k, count - 1);
-        group.state[k] = state_of_ray(states_of_queue(queue, room), depth, i);
-        if (k >= count) continue;
-        group.ray[k] = queued_ray(&rays_of_queue(queue)[i]);
+    const bool ends = !LIGHT_GRID && depth + 1 >= step->waves;  // no path goes on
+    group.scattering = group.picked = group.plain = 0;
+    for (uint k = 0; k < SLOTS_AT_ONCE; ++k)
+        group.state[k] = state_of_ray(states_of_queue(queue, room), depth, begin + min(k, count - 1));
+    const bool plain = PLAIN_SIXTEEN && depth + 1 >= step->waves && lights.data.grid_probability > 0.0f;  // hardly a lane scatters
+    draw_samples16(step, TABLE(uint, listed_pixels), AT_LIGHT, AT_LIGHT + 1, !plain, &group);
+    for (uint k = 0; k < count; ++k) {
+        group.ray[k] = queued_ray(&rays_of_queue(queue)[begin + k]);
         shaded[k].next.wanted = shaded[k].shadow.wanted = false;
-        shaded[k].time = time_in_queue(queue, room, i);
-        const RayCone cone = cone_of_ray(frame, depth, queue, room, i);
-        if (find_point(&last, step, &lights, depth, SCENE, &group.ray[k], hits[i], shaded[k].time, cone, shading_normals, &group.state[k],
-                       &gathered[k], &group.at[k]))
-            group.scattering |= 1u << k;
+        shaded[k].time = time_in_queue(queue, room, begin + k);
+        gathered[k] = (float3)(0.0f);
     }
-    draw_samples16(step, TABLE(uint, listed_pixels), &group);
+    uint others = (1u << count) - 1u;
+#if PLAIN_SIXTEEN
+    if (plain) others &= ~keep_plain16(frame, &lights.data, SCENE, hits, begin, others, &group);
+#endif
+    for (uint left = others; left != 0; left &= left - 1) {
+        const uint k = lowest_bit(left), i = begin + k;
+        const RayCone cone = cone_of_ray(frame, depth, queue, room, i);
+        if (!find_point(&last, step, &lights, depth, SCENE, &group.ray[k], hits[i], shaded[k].time, cone, shading_normals, &group.state[k],
+                        &gathered[k], &group.at[k]))
+            continue;
+#if LIGHT_LISTS
+        if (keep_plain(&lights.data, &group.at[k], &group, k) && ends) continue;
+#endif
+        group.scattering |= 1u << k;
+    }
+    if (group.scattering != 0)
+        draw_samples16(step, TABLE(uint, listed_pixels), plain ? AT_LIGHT : AT_LIGHT + 1, LOBES ? 4 : 3, true, &group);
     for (uint left = group.scattering; left != 0; left &= left - 1) {
         const uint k = lowest_bit(left);
         const float3 outgoing = -(float3)(group.ray[k].dx, group.ray[k].dy, group.ray[k].dz);
         prepare_shading(frame, SCENE, &group.samples[k], outgoing, &group.at[k], &group.lobe[k]);
     }
 #if LIGHT_LISTS
-    if (lights.data.grid_probability > 0.0f) pick_lights16(&lights, &group);
+    if (lights.data.grid_probability > 0.0f) pick_lights16(&lights, &group, shaded);
 #endif
     for (uint k = 0; k < count; ++k) {
         if (group.scattering & 1u << k)
             shade_surface_at(step, depth, SCENE, &lights, group.ray[k], group.state[k], &group.samples[k], group.lobe[k],
                              group.picked & 1u << k ? &group.listed[k] : 0, &group.at[k], shading_normals, &gathered[k], &shaded[k].next,
-                             &shaded[k].shadow);
+                             group.plain & 1u << k ? 0 : &shaded[k].shadow);
 #if MIPMAPS
         const RayCone cone = cone_of_ray(frame, depth, queue, room, begin + k);
         if (shaded[k].next.wanted) shaded[k].next.cone = scattered_cone(cone, hits[begin + k].t, fabs(shaded[k].next.state.pdf));

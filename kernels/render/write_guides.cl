@@ -5,6 +5,9 @@
 #include "render/first_ray.clh"
 #include "render/queue.clh"
 #include "render/shade_hit.clh"
+#if CLARAY_CPU
+#include "math/vector_sixteen.clh"
+#endif
 
 #define LEAST_ALBEDO 0.02f  // darker surfaces count as this, so that light that their coats reflect is finite per albedo
 #ifndef MOST_MIRRORS
@@ -27,6 +30,30 @@ static inline Batch sample_of(const GuideStep* guide, uint ray, global const uin
     return one;
 }
 
+#if CLARAY_CPU
+/// Camera rays: `samples` of each pixel, from the first sample on. Sixteen per work-item, as in generate_rays.cl.
+kernel void guide_rays(GuideStep guide, global const uint* list, global Ray* rays, global float* times) {
+    const uint begin = 16u * (uint)get_global_id(0), count = guide.step.capacity, of_each = guide.step.batch.samples;
+    if (begin >= count) return;
+    uint pixel[16], number[16], seed[16];
+    float x[16], y[16];
+    for (uint i = 0; i < 16; ++i) {
+        const uint ray = min(begin + i, count - 1);
+        pixel[i] = guided_pixel(&guide, ray / of_each, list), number[i] = ray % of_each;
+    }
+    const uint16 seeds = hash_words_of_16(vload16(0, pixel), (uint16)(guide.step.frame.seed));
+    const SamplePairs16 drawn = sample_pair_of_16(SAMPLER, seeds, vload16(0, number), (uint16)(DIMENSION_FILM));
+    vstore16(seeds, 0, seed), vstore16(unit_floats16(drawn.x), 0, x), vstore16(unit_floats16(drawn.y), 0, y);
+    for (uint i = 0; i < min(16u, count - begin); ++i) {
+        const PathSamples samples = {seed[i], number[i]};
+        float time = 0.0f;
+        store_ray(&rays[begin + i], ray_at_random_time(&guide.step.frame, pixel[i], (float2)(x[i], y[i]), samples, &time));
+#if INSTANCE_MOTION
+        times[begin + i] = time;
+#endif
+    }
+}
+#else
 /// Camera rays: `samples` of each pixel, from the first sample on.
 kernel void guide_rays(GuideStep guide, global const uint* list, global Ray* rays, global float* times) {
     const uint i = get_global_id(0);
@@ -37,6 +64,7 @@ kernel void guide_rays(GuideStep guide, global const uint* list, global Ray* ray
     times[i] = time;
 #endif
 }
+#endif
 
 static inline float3 albedo_there(const ShadingPoint* at) { return fmax(albedo_of(&at->material), LEAST_ALBEDO); }
 

@@ -58,9 +58,8 @@ const char* grid_kernels = R"(
                      global const float* random, uint count, global uint* light, global float* probability) {
         const uint i = get_global_id(0);
         if (i >= count) return;
-        float share;
-        light[i] = pick_from_lists(grid, lights, (float3)(x, y, z), (float3)(0.0f, 1.0f, 0.0f), random[i], &share);
-        probability[i] = share;
+        const ListPick pick = pick_from_lists(grid, lights, (float3)(x, y, z), (float3)(0.0f, 1.0f, 0.0f), random[i]);
+        light[i] = pick.light, probability[i] = pick.probability;
     })";
 
 /// Also of points on the borders of cells and outside the grid.
@@ -147,9 +146,7 @@ const char* kernel_of_sixteen = R"(
         uint wanted = 0;
         for (uint k = 0; k < 16; ++k) {
             const float3 from = vload3(2 * (first + k), places), normal = vload3(2 * (first + k) + 1, places);
-            ListPick pick = {0u, 0.0f};
-            pick.light = pick_from_lists(grid, lights, from, normal, random[first + k], &pick.probability);
-            alone[first + k] = pick;
+            alone[first + k] = pick_from_lists(grid, lights, from, normal, random[first + k]);
             keep_vector16(from, &lanes, ROW_LIST_FROM, k), keep_vector16(normal, &lanes, ROW_LIST_NORMAL, k);
             lanes.value[ROW_LIST_RANDOM][k] = random[first + k];
             if (k % 5 != 4) wanted |= 1u << k;
@@ -161,6 +158,7 @@ const char* kernel_of_sixteen = R"(
 struct ListPick {
     std::uint32_t light;
     float probability;
+    float irradiance;
 };
 
 /// Sixteen surfaces in one cell, in several, and in cells whose lists are too long for them
@@ -194,6 +192,7 @@ TEST(LightLists, SixteenPickAsOne) {
             others += one[i].light != sixteen[i].light;  // rounding may move the border between two lights
             if (one[i].light != sixteen[i].light) continue;
             EXPECT_NEAR(one[i].probability, sixteen[i].probability, 1e-4f) << i;
+            EXPECT_NEAR(one[i].irradiance, sixteen[i].irradiance, 1e-4f * one[i].irradiance) << i;
         }
         EXPECT_GT(lit, points / 8);
         EXPECT_LE(others, points / 1000) << count << " lights";
@@ -228,6 +227,33 @@ TEST(LightLists, LightsADiffuseFloorWithoutNoise) {
     for (int k = 0; k < 3; ++k) EXPECT_NEAR(found[k] / expected[k], 1, 0.02);
     const auto luminance = [](const glm::dvec3& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; };
     EXPECT_NEAR(luminance(found) / luminance(expected), 1, 1e-4);
+}
+
+/// On CPUs lights of Lambertian surfaces are sampled for sixteen of them at once, and the surfaces at the ends of paths
+/// found so, too. Oren-Nayar surfaces without roughness reflect the same light and are shaded one by one.
+TEST(LightLists, SixteenDiffuseSurfacesReflectAsOne) {
+    Scene scene = lit_floor(300, 2.f);
+    scene.meshes.push_back(square(2.f, 0.5f));
+    scene.meshes[1].normals = {{-0.8f, 0.6f, 0}, {0, 1, 0}, {0, 0, 0}, {0, 0.8f, -0.6f}};
+    scene.camera = narrow_camera({3, 6, 4}, {0, 0, 0});
+    scene.camera->vertical_fov = 1.2f;
+    const auto image_of = [&](MaterialKind kind, unsigned depth) {
+        scene.materials[0].kind = kind, scene.materials[0].roughness = 0;
+        Renderer renderer(device(), scene, {.width = 64, .height = 48, .spp = 2, .max_depth = depth});
+        (void)renderer.render();
+        return renderer.image();
+    };
+    for (const unsigned depth : {1u, 2u}) {
+        const std::vector<glm::vec3> sixteen = image_of(MaterialKind::lambert, depth);
+        const std::vector<glm::vec3> one = image_of(MaterialKind::oren_nayar, depth);
+        unsigned lit = 0, others = 0;
+        for (std::size_t i = 0; i < one.size(); ++i) {
+            lit += one[i].y > 0;
+            others += glm::length(one[i] - sixteen[i]) > 1e-3f * glm::length(one[i]);  // another light, by rounding
+        }
+        EXPECT_GT(lit, one.size() / 2);
+        EXPECT_LE(others, one.size() / 500) << "depth " << depth;
+    }
 }
 
 /// Beside lights of all other kinds: each group has its numbers.
