@@ -7,6 +7,7 @@ namespace claray {
 
 void validate_materials(const Scene& scene);
 void validate_meshes(const Scene& scene);
+void validate_primitives(const Scene& scene);
 void validate_instances(const Scene& scene);
 void validate_lights(const Scene& scene);
 void validate_sky(const Scene& scene);
