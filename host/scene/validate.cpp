@@ -353,6 +353,8 @@ void validate_primitives(const Scene& scene) {
     });
 }
 
+bool may_be_on_primitives(const Material& material) { return fault_on_primitives(material, true).empty(); }
+
 void validate_instances(const Scene& scene) {
     check_each(scene.instances, "instance", [&](const MeshInstance& instance, std::size_t i, const char* kind) {
         check_instance(instance, Check(name_of(kind, {}, i)), scene.meshes.size());

@@ -13,4 +13,7 @@ void validate_lights(const Scene& scene);
 void validate_sky(const Scene& scene);
 void validate_camera(const Scene& scene);
 
+/// Whether primitives of any kind can have the material.
+[[nodiscard]] bool may_be_on_primitives(const Material& material);
+
 }  // namespace claray

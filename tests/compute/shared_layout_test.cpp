@@ -9,6 +9,7 @@
 #include "claray/shared/denoise.h"
 #include "claray/shared/instance.h"
 #include "claray/shared/path.h"
+#include "claray/shared/primitives.h"
 #include "claray/shared/scene.h"
 #include "claray/shared/texture.h"
 #include "claray/shared/types.h"
@@ -75,6 +76,8 @@ const Field fields[] = {
     FIELD(InstanceHit, v),
     FIELD(InstanceHit, geometry),
     FIELD(InstanceHit, instance),
+    FIELD(PrimitiveStore, data),
+    FIELD(PrimitiveStore, colors),
     FIELD(Guide, glow_b),
     FIELD(Guide, nearness),
     FIELD(Sight, normal_x),
