@@ -157,7 +157,7 @@ const Field fields[] = {
 /// A kernel that writes offset and size of every field's struct.
 std::string layout_kernel() {
     std::ostringstream source;
-    for (const char* header : {"types", "bvh_node", "instance", "scene", "path", "texture", "denoise"})
+    for (const char* header : {"types", "bvh_node", "instance", "scene", "path", "texture", "primitives", "denoise"})
         source << "#include \"claray/shared/" << header << ".h\"\n";
     source << "kernel void layout(global uint2* out) {\n";
     std::size_t i = 0;

@@ -29,6 +29,7 @@ constexpr std::array counted_scenes = {
     CountedScene{"curves", 1, scenes::curves},   CountedScene{"ball", 8, scenes::ball}};
 
 constexpr std::size_t most_triangles = 100'000'000;
+// host/cli/scenes.cpp describes them in this order.
 constexpr std::array names = {"cornell",     "spheres",   "crate",  "hills", "waves",  "statues",  "effects",
                               "effect:NAME", "terrain:N", "soup:N", "fan:N", "hair:N", "curves:N", "ball:N"};
 

@@ -69,15 +69,15 @@ private:
     bool left_ = false;
 };
 
-/// A B-spline through both ends of the strand, with a control point at every third step. Its tube is as thick as the
-/// ribbon looks in the mean over all sides.
+/// A B-spline from the strand's root, with a control point at every third step. Its tube is as thick as the ribbon looks
+/// in the mean over all sides.
 void add_curve(PrimitiveSet& set, std::size_t triangles, float half_width, Random& random) {
     const std::uint32_t material = random.below(shades);
     const float radius = half_width * float(2 / std::numbers::pi);
     Strand strand(find_root(random), random);
     std::vector<glm::vec3> places;
     for (std::size_t i = 0; i < triangles + 2; ++i) {
-        if (i % 3 == 0 || i == triangles + 1) places.push_back(strand.at());
+        if (i % 3 == 0 || (i == triangles + 1 && places.size() == 1)) places.push_back(strand.at());
         (void)strand.next(half_width);
     }
     // The control points before and behind an end, mirrored at it, make the curve reach it.
