@@ -49,6 +49,19 @@ Scene all_kinds() {
     return scene;
 }
 
+/// The same scene with all kinds: those that it lacks are out of sight, so that one set of kernels serves several
+/// tests.
+Scene with_all_kinds(Scene scene) {
+    for (PrimitiveSet other : all_kinds().primitives) {
+        const auto same = [&](const PrimitiveSet& set) { return set.kind == other.kind; };
+        if (std::any_of(scene.primitives.begin(), scene.primitives.end(), same)) continue;
+        for (std::size_t i = 0; i < other.points.size(); ++i)
+            if (other.kind != Kind::discs || i % 2 == 0) other.points[i].y -= 30;
+        scene.primitives.push_back(other);
+    }
+    return scene;
+}
+
 /// What a ray along -z from z = 10 meets.
 struct Seen {
     double z = -1e30;
@@ -121,7 +134,8 @@ TEST(ScenePrimitives, AreSeenExactly) {
 Scene as_triangles(Scene scene) {
     for (const PrimitiveSet& set : scene.primitives)
         for (const glm::vec4& ball : set.points)
-            scene.meshes.push_back(scenes::make_sphere(glm::vec3(ball), ball.w, 5, set.materials[0]));
+            if (set.kind == Kind::spheres)
+                scene.meshes.push_back(scenes::make_sphere(glm::vec3(ball), ball.w, 5, set.materials[0]));
     scene.primitives.clear();
     return scene;
 }
@@ -140,7 +154,7 @@ Scene balls_on_a_floor() {
     for (glm::vec3& p : roof.positions) p += glm::vec3(1.f, 0.f, 1.5f);
     scene.meshes.push_back(roof);
     scene.camera = Camera{{0.f, 1.f, 6.f}, {0.f, -0.6f, 0.f}, {0.f, 1.f, 0.f}, 35.f};
-    return scene;
+    return with_all_kinds(scene);
 }
 
 double largest_difference(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b, unsigned width) {
@@ -184,6 +198,7 @@ TEST(ScenePrimitives, ShadeTrianglesAndAreShadedByThem) {
         if (kind == Kind::cylinders) points.emplace_back(0, 0.3f, 0, 1);
         if (kind == Kind::bezier_curves) points = {at(-1, 0, 0), at(-0.3f, 0, 0), at(0.3f, 0, 0), at(1, 0, 0)};
         scene.primitives = {set_of(kind, points, 1)};
+        scene = with_all_kinds(scene);
         const float top = kind == Kind::discs ? 0.f : 0.3f;
         EXPECT_EQ(light_at(scene, {0, -1.5f, 0}), 0.f) << "below " << int(kind);
         EXPECT_GT(light_at(scene, {2.4f, -1.5f, 0}), 0.05f);

@@ -1,4 +1,5 @@
-// One scene that uses every effect at once, except the sky, which an environment replaces.
+// One scene that uses every effect at once, except the sky, which an environment replaces, and primitives, without
+// which it starts quickly.
 #include <algorithm>
 
 #include "host/scene/builtin/builtin.hpp"
@@ -135,10 +136,6 @@ Scene effects() {
     add_rectangles(scene);
     add_lights(scene);
     add_instances(scene);
-    const auto plain = std::uint32_t(scene.materials.size());
-    scene.materials.push_back(lambert("twigs", {0.45f, 0.3f, 0.15f}));
-    scene.materials.push_back(lambert("eggs", {0.75f, 0.8f, 0.7f}));
-    add_nest(scene, {0.2f, 0.f, 1.55f}, 0.3f, plain, plain + 1);
     Camera camera{{0.3f, 2.f, 4.8f}, {0.f, 0.55f, -0.2f}, {0.f, 1.f, 0.f}, 40.f};
     camera.aperture_radius = 0.03f;
     camera.position_end = camera.position + glm::vec3(0.01f, 0.f, 0.f);
