@@ -1,5 +1,5 @@
 // The primitives of a scene on the device: one structure for each kind, over data that share a buffer with what shading
-// reads (claray/shared/primitives.h).
+// reads (claray/shared/scene.h).
 #pragma once
 
 #include "claray/primitives/primitives.hpp"

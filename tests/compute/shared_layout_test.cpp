@@ -9,7 +9,6 @@
 #include "claray/shared/denoise.h"
 #include "claray/shared/instance.h"
 #include "claray/shared/path.h"
-#include "claray/shared/primitives.h"
 #include "claray/shared/scene.h"
 #include "claray/shared/texture.h"
 #include "claray/shared/types.h"
@@ -157,7 +156,7 @@ const Field fields[] = {
 /// A kernel that writes offset and size of every field's struct.
 std::string layout_kernel() {
     std::ostringstream source;
-    for (const char* header : {"types", "bvh_node", "instance", "scene", "path", "texture", "primitives", "denoise"})
+    for (const char* header : {"types", "bvh_node", "instance", "scene", "path", "texture", "denoise"})
         source << "#include \"claray/shared/" << header << ".h\"\n";
     source << "kernel void layout(global uint2* out) {\n";
     std::size_t i = 0;

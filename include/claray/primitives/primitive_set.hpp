@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "claray/mesh.hpp"
-#include "claray/shared/primitives.h"
+#include "claray/shared/scene.h"
 
 namespace claray {
 
