@@ -125,11 +125,7 @@ BvhStatistics Bvh::statistics() const {
     statistics.references = header.valid - statistics.triangles;
     statistics.culled = header.culled;
     statistics.height = header.height;
-    statistics.bytes = sizeof(BvhHeader);
-    if (layout() == Layout::wide)
-        statistics.bytes += header.wide_nodes * sizeof(WideNode) + header.wide_blocks * state_->block_bytes();
-    else
-        statistics.bytes += state_->nodes.bytes() + state_->leaves.bytes();
+    statistics.bytes = state_->tree_bytes(header);
     statistics.sah_cost = state_->sah_cost();
     return statistics;
 }

@@ -39,6 +39,11 @@ struct Bvh::State {
     [[nodiscard]] std::size_t block_bytes() const {
         return leaf_shape == LeafShape::triangle ? sizeof(TriangleBlock) : sizeof(PrimitiveBlock);
     }
+    /// Of what a traversal reads.
+    [[nodiscard]] std::uint64_t tree_bytes(const BvhHeader& of) const {
+        if (layout == Layout::binary) return sizeof(BvhHeader) + nodes.bytes() + leaves.bytes();
+        return sizeof(BvhHeader) + of.wide_nodes * sizeof(WideNode) + of.wide_blocks * block_bytes();
+    }
     /// Largest number of triangles per leaf of the binary tree; 1 for the wide tree, which forms its own leaves.
     [[nodiscard]] std::uint32_t leaf_limit() const { return layout == Layout::binary ? config.max_leaf_triangles : 1; }
 

@@ -24,6 +24,7 @@ constexpr const char* descriptions[] = {
     "N random triangles, the hardest input for a tree",
     "N triangles in fans, each around one vertex",
     "strands of hair, N long thin triangles in total",
+    "the strands of hair:N as round curves, about N / 3 of them",
     "a ball of N triangles with a highlight, for shading models",
 };
 

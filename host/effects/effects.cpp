@@ -52,6 +52,7 @@ constexpr std::array rows = {
     EffectRow{Effect::orthographic, "orthographic", "ORTHOGRAPHIC", 0, generate | shade},
     EffectRow{Effect::instances, "instances", nullptr, 0, 0},
     EffectRow{Effect::instance_motion, "instance-motion", nullptr, 0, 0},
+    EffectRow{Effect::primitives, "primitives", nullptr, 0, 0},
     EffectRow{Effect::vertex_colors, "vertex-colors", "VERTEX_COLORS", 0, shade | aovs},
     EffectRow{Effect::textures, "textures", "TEXTURES", 0, shade | aovs},
     EffectRow{Effect::mip_maps, "mip-maps", "MIPMAPS", 0, shade | aovs},

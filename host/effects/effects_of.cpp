@@ -62,6 +62,9 @@ public:
             call_(Effect::instances, "instance", {}, i);
             if (moves(scene_.instances[i])) call_(Effect::instance_motion, "instance", {}, i);
         }
+        for (std::size_t i = 0; i < scene_.primitives.size(); ++i)
+            if (primitive_count(scene_.primitives[i]) > 0)
+                call_(Effect::primitives, "primitive set", scene_.primitives[i].name, i);
     }
 
 private:
@@ -70,6 +73,11 @@ private:
         for (const Mesh& mesh : scene_.meshes) {
             if (mesh.materials.empty() && !mesh.triangles.empty() && !used.empty()) used[0] = true;
             for (const std::uint32_t material : mesh.materials)
+                if (material < used.size()) used[material] = true;
+        }
+        for (const PrimitiveSet& set : scene_.primitives) {
+            if (set.materials.empty() && primitive_count(set) > 0 && !used.empty()) used[0] = true;
+            for (const std::uint32_t material : set.materials)
                 if (material < used.size()) used[material] = true;
         }
         return used;
@@ -232,6 +240,7 @@ Scene without_effects(Scene scene, EffectSet effects) {
     for (MeshInstance& instance : scene.instances)
         if (lost(Effect::instance_motion)) instance.transform_end = {};
     if (lost(Effect::instances)) scene.instances.clear();
+    if (lost(Effect::primitives)) scene.primitives.clear();
     return scene;
 }
 

@@ -148,6 +148,11 @@ Scene scene_calling_for(EffectSet effects) {
             second.transform[3].x = 3.f;
             if (effects.has(Effect::instance_motion)) second.transform_end = glm::mat4(1.f);
         }
+    if (effects.has(Effect::primitives)) {
+        PrimitiveSet& ball = scene.primitives.emplace_back();
+        ball.points = {{0.f, 0.5f, 0.f, 0.25f}}, ball.materials = {std::uint32_t(scene.materials.size())};
+        scene.materials.emplace_back();  // without maps
+    }
     return scene;
 }
 

@@ -7,6 +7,7 @@
 #include <unordered_set>
 
 #include "host/scene/builtin/shapes.hpp"
+#include "host/scene/validate.hpp"
 
 namespace claray {
 namespace {
@@ -19,6 +20,19 @@ struct PlaceHash {
     }
 };
 
+/// Calls sphere(vertex, material) and tube(vertex, vertex, material). Places that several strokes share get one sphere.
+template <class Sphere, class Tube>
+void for_each_part(const Strokes& strokes, const Sphere& sphere, const Tube& tube) {
+    std::unordered_set<glm::vec3, PlaceHash> places;
+    for (std::size_t i = 0; i < strokes.triangles.size(); ++i) {
+        const std::uint32_t a = strokes.triangles[i].x, b = strokes.triangles[i].y;
+        const std::uint32_t material = strokes.materials.empty() ? 0 : strokes.materials[i];
+        for (const std::uint32_t end : {a, b})
+            if (places.insert(strokes.positions[end]).second) sphere(end, material);
+        if (strokes.positions[a] != strokes.positions[b]) tube(a, b, material);
+    }
+}
+
 class Solids {
 public:
     Solids(const Strokes& strokes, float radius)
@@ -30,16 +44,17 @@ public:
         solid_.mask = strokes.mask;
     }
 
-    /// Places that several strokes share get one sphere.
     Mesh take() {
-        std::unordered_set<glm::vec3, PlaceHash> places;
-        for (std::size_t i = 0; i < strokes_.triangles.size(); ++i) {
-            const std::uint32_t a = strokes_.triangles[i].x, b = strokes_.triangles[i].y;
-            material_ = strokes_.materials.empty() ? 0 : strokes_.materials[i];
-            for (const std::uint32_t end : {a, b})
-                if (places.insert(strokes_.positions[end]).second) add_sphere(end);
-            if (strokes_.positions[a] != strokes_.positions[b]) add_tube(a, b);
-        }
+        for_each_part(
+            strokes_,
+            [&](std::uint32_t at, std::uint32_t material) {
+                material_ = material;
+                add_sphere(at);
+            },
+            [&](std::uint32_t a, std::uint32_t b, std::uint32_t material) {
+                material_ = material;
+                add_tube(a, b);
+            });
         return std::move(solid_);
     }
 
@@ -86,7 +101,54 @@ private:
     Mesh solid_;
 };
 
+bool suits_primitives(const Material& m, bool has_holes) {
+    const bool shines = m.emission != glm::vec3(0.f), opaque = m.alpha_mode == AlphaMode::opaque;
+    return !shines && (opaque || !has_holes) && may_be_on_primitives(m);
+}
+
+/// One set of its kind, with the colours of the strokes' vertices at the ends of each primitive.
+PrimitiveSet empty_set(const Strokes& strokes, PrimitiveSet::Kind kind) {
+    PrimitiveSet set;
+    set.name = strokes.name, set.kind = kind;
+    return set;
+}
+
+void add_colors(PrimitiveSet& set, const Strokes& strokes, std::uint32_t a, std::uint32_t b) {
+    if (strokes.colors.empty()) return;
+    set.colors.emplace_back(strokes.colors[a]);
+    set.colors.emplace_back(strokes.colors[b]);
+}
+
 }  // namespace
+
+bool suit_primitives(const Strokes& strokes, const std::vector<Material>& materials) {
+    const bool holes =
+        std::any_of(strokes.colors.begin(), strokes.colors.end(), [](const glm::vec4& c) { return c.w < 1.f; });
+    if (strokes.materials.empty()) return suits_primitives(materials.at(0), holes);
+    return std::all_of(strokes.materials.begin(), strokes.materials.end(),
+                       [&](std::uint32_t material) { return suits_primitives(materials.at(material), holes); });
+}
+
+std::vector<PrimitiveSet> primitive_strokes(const Strokes& strokes, float radius) {
+    PrimitiveSet spheres = empty_set(strokes, PrimitiveSet::Kind::spheres),
+                 tubes = empty_set(strokes, PrimitiveSet::Kind::cylinders);
+    for_each_part(
+        strokes,
+        [&](std::uint32_t at, std::uint32_t material) {
+            spheres.points.emplace_back(strokes.positions[at], radius);
+            spheres.materials.push_back(material);
+            add_colors(spheres, strokes, at, at);
+        },
+        [&](std::uint32_t a, std::uint32_t b, std::uint32_t material) {
+            tubes.points.emplace_back(strokes.positions[a], radius);
+            tubes.points.emplace_back(strokes.positions[b], 0.f);  // open, because spheres close it
+            tubes.materials.push_back(material);
+            add_colors(tubes, strokes, a, b);
+        });
+    std::vector<PrimitiveSet> sets = {std::move(spheres)};
+    if (!tubes.points.empty()) sets.push_back(std::move(tubes));
+    return sets;
+}
 
 float stroke_radius(const Bounds& bounds, std::size_t strokes) {
     const float diagonal = bounds.empty() ? 0.f : glm::length(bounds.extent());

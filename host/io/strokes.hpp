@@ -1,7 +1,7 @@
-// Points and lines as surfaces that rays can meet: spheres and tubes.
+// Points and lines as surfaces that rays can meet: spheres and tubes, as primitives or as triangles.
 #pragma once
 
-#include "claray/mesh.hpp"
+#include "claray/scene.hpp"
 
 namespace claray {
 
@@ -15,5 +15,12 @@ using Strokes = Mesh;
 /// A sphere for each vertex that a stroke has and a tube for each segment, with the vertices' coordinates and colours
 /// and the strokes' materials. The more there are, the coarser they are.
 [[nodiscard]] Mesh solid_strokes(const Strokes& strokes, float radius);
+
+/// Whether primitives show the strokes as well as triangles: their materials have no maps, let no ray through, and are
+/// no lamps, which would not be sampled as lights.
+[[nodiscard]] bool suit_primitives(const Strokes& strokes, const std::vector<Material>& materials);
+
+/// The same spheres and tubes as primitives, exactly round.
+[[nodiscard]] std::vector<PrimitiveSet> primitive_strokes(const Strokes& strokes, float radius);
 
 }  // namespace claray

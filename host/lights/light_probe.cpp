@@ -240,9 +240,65 @@ ProbedRow probe_row(const Probe& probe, const CameraData& camera, unsigned row) 
     return found;
 }
 
+/// Adds a tube of four sides.
+void add_tube(Mesh& mesh, const glm::vec4& a, const glm::vec3& b, std::uint32_t material) {
+    const glm::vec3 begin(a), along = b - begin;
+    const glm::vec3 other = std::abs(along.x) < std::abs(along.y) ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
+    const glm::vec3 u = glm::normalize(glm::cross(along, other)), v = glm::normalize(glm::cross(along, u));
+    const auto first = std::uint32_t(mesh.positions.size());
+    for (const glm::vec3& side : {u, v, -u, -v})
+        mesh.positions.insert(mesh.positions.end(), {begin + a.w * side, b + a.w * side});
+    for (std::uint32_t i = 0; i < 4; ++i) {
+        const std::uint32_t here = first + 2 * i, next = first + 2 * ((i + 1) % 4);
+        mesh.triangles.insert(mesh.triangles.end(), {{here, next, next + 1}, {here, next + 1, here + 1}});
+    }
+    mesh.materials.insert(mesh.materials.end(), 8, material);
+}
+
+void add_octahedron(Mesh& mesh, const glm::vec4& ball, std::uint32_t material) {
+    const auto first = std::uint32_t(mesh.positions.size());
+    for (int axis = 0; axis < 3; ++axis)
+        for (const float side : {ball.w, -ball.w}) {
+            mesh.positions.emplace_back(ball);
+            mesh.positions.back()[axis] += side;
+        }
+    for (std::uint32_t corner = 0; corner < 8; ++corner) {
+        const std::uint32_t x = corner & 1, y = corner >> 1 & 1, z = corner >> 2;
+        const glm::uvec3 face(first + x, first + 2 + y, first + 4 + z);
+        mesh.triangles.push_back((x + y + z) % 2 == 0 ? face : glm::uvec3(face.x, face.z, face.y));
+    }
+    mesh.materials.insert(mesh.materials.end(), 8, material);
+}
+
+/// Few triangles in the place of each primitive, for rays of the host. A disc counts as a ball.
+Mesh stand_ins(const PrimitiveSet& set) {
+    Mesh mesh;
+    for (std::size_t i = 0; i < primitive_count(set); ++i) {
+        const std::uint32_t material = set.materials.empty() ? 0 : set.materials[i];
+        const glm::vec4* points = &set.points[are_curves(set) ? set.segments[i] : points_per_primitive(set.kind) * i];
+        if (set.kind == PrimitiveSet::Kind::cylinders)
+            add_tube(mesh, points[0], glm::vec3(points[1]), material);
+        else if (are_curves(set))
+            add_tube(mesh, points[1], glm::vec3(points[2]), material);
+        else
+            add_octahedron(mesh, points[0], material);
+    }
+    return mesh;
+}
+
+Scene with_stand_ins(Scene scene) {
+    for (const PrimitiveSet& set : scene.primitives) {
+        if (!scene.instances.empty()) scene.instances.push_back({std::uint32_t(scene.meshes.size())});
+        scene.meshes.push_back(stand_ins(set));
+    }
+    scene.primitives.clear();
+    return scene;
+}
+
 }  // namespace
 
 LightProbe probe_light(const Scene& scene, const Camera& camera, float aspect) {
+    if (!scene.primitives.empty()) return probe_light(with_stand_ins(scene), camera, aspect);
     const Probe probe(scene);
     const CameraData view = camera_data(camera, aspect);
     std::vector<ProbedRow> rows(side);

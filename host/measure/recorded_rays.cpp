@@ -37,7 +37,11 @@ void check_scene_is_there(const std::string& name) {
 std::vector<Mesh> load_meshes(const std::string& name) {
     if (!name.ends_with(".scn")) {
         Warnings warnings;
-        return world_meshes(load_scene(name, warnings));
+        const Scene scene = load_scene(name, warnings);
+        if (triangle_count(scene) == 0 && !scene.primitives.empty())
+            throw Error(ErrorKind::user, "'" + name + "' has primitives only, and no triangle to measure",
+                        "use a scene of triangles; bench_primitives measures primitives");
+        return world_meshes(scene);
     }
     const std::vector<std::uint32_t> words = read_words(name);
     const std::size_t points_begin = end_of(name, words, 0, header, 1);

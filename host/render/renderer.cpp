@@ -110,11 +110,12 @@ bool host_builds(const Device& device, const Scene& scene) {
     return triangles <= most_triangles_by_host && (scene.instances.empty() || device.info().fp64);
 }
 
-/// A tree of trees is replaced only if the host built it, and trees in parts never.
+/// A tree of trees is replaced only if the host built it, and trees in parts never. Quick kernels know no primitives.
 KernelPlan plan_for(const Device& device, const Scene& scene, EffectSet effects, const RenderConfig& config,
                     unsigned parts) {
     KernelPlan plan = plan_kernels(device, effects, config);
-    if (parts == 1 && (scene.instances.empty() || host_builds(device, scene))) return plan;
+    const bool replaceable = parts == 1 && (scene.instances.empty() || host_builds(device, scene));
+    if (replaceable && scene.primitives.empty()) return plan;
     return {KernelStart::own, plan.last, plan.last};
 }
 

@@ -47,7 +47,7 @@ struct SceneShape {
         std::size_t vertices = 0, triangles = 0, normals = 0;
     };
     std::vector<MeshSize> meshes;
-    std::size_t materials = 0;
+    std::size_t materials = 0, primitives = 0;
     std::vector<MeshInstance> instances;
     std::vector<InstancePlace> places;        // of the instances in the placed scene
     TriangleNumbers numbers;                  // of the placed scene's triangles in the user's

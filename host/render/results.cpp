@@ -51,6 +51,7 @@ RenderStatistics Renderer::statistics() const {
     RenderStatistics statistics;
     statistics.build_milliseconds = state.build_milliseconds;
     statistics.bvh = state.structure.statistics();
+    statistics.primitives = std::uint32_t(state.shape.primitives);
     statistics.camera = state.rays(trace_camera_name, totals.camera);
     statistics.bounce = state.rays(trace_bounce_name, totals.bounce);
     statistics.shadow = state.rays(trace_shadow_name, totals.shadow);

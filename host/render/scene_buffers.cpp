@@ -24,12 +24,15 @@ std::vector<glm::vec3> all_normals(const Scene& scene) {
     return any ? of_all_meshes(scene, &Mesh::normals) : std::vector<glm::vec3>();
 }
 
+/// Of triangles, then of primitives: by their numbers in hits.
 std::vector<std::uint32_t> all_triangle_materials(const Scene& scene) {
     std::vector<std::uint32_t> materials;
     for (const Mesh& mesh : scene.meshes) {
         materials.insert(materials.end(), mesh.materials.begin(), mesh.materials.end());
         if (mesh.materials.empty()) materials.resize(materials.size() + mesh.triangles.size(), 0);
     }
+    const std::vector<std::uint32_t> of_primitives = materials_of_primitives(scene);
+    materials.insert(materials.end(), of_primitives.begin(), of_primitives.end());
     return materials;
 }
 

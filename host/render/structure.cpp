@@ -90,6 +90,7 @@ Structure::Instances Structure::instances_of(const Scene& scene, std::size_t bak
 Structure::Structure(const Device& device, const Scene& scene, std::size_t baked, const Bvh::Config& config,
                      bool by_host, unsigned parts)
     : baked_(baked) {
+    if (primitive_count(scene) > 0) primitives_ = std::make_shared<ScenePrimitives>(device, scene);
     if (parts > 1) {
         build_parts(device, scene, config, parts);
         return;
@@ -206,6 +207,7 @@ void Structure::move_instances(std::span<const std::pair<std::uint32_t, MeshInst
 Structure Structure::rebuilt(const Bvh::Config& config) const {
     Structure other;
     other.triangles_ = triangles_;
+    other.primitives_ = primitives_;
     other.baked_ = baked_, other.empty_instances_ = empty_instances_;
     if (!instanced_) {
         other.bvh_ = Bvh::build(device(), triangles_, config);
@@ -221,6 +223,12 @@ Structure Structure::rebuilt(const Bvh::Config& config) const {
 }
 
 BvhStatistics Structure::statistics() const {
+    BvhStatistics statistics = statistics_of_triangles();
+    if (primitives_) statistics.bytes += primitives_->bytes();
+    return statistics;
+}
+
+BvhStatistics Structure::statistics_of_triangles() const {
     if (!instanced_ && !parts_) return bvh_.statistics();
     BvhStatistics statistics = bottoms_;
     if (parts_) return statistics;
@@ -234,14 +242,18 @@ BvhStatistics Structure::statistics() const {
 const Device& Structure::device() const { return instanced_ ? instanced_->device() : bvh_.device(); }
 
 Defines Structure::defines() const {
-    return {{"INSTANCES", instanced_ ? "1" : "0"}, {"INSTANCE_MOTION", moves() ? "1" : "0"}};
+    Defines defines = {{"INSTANCES", instanced_ ? "1" : "0"}, {"INSTANCE_MOTION", moves() ? "1" : "0"}};
+    if (primitives_) defines.push_back(primitives_->define());
+    return defines;
 }
 
 void Structure::bind(Kernel& kernel, unsigned& index) const {
-    if (!instanced_) return;
-    kernel.set(index, arg("instances", instanced_->instances()));
-    kernel.set(index, arg("instance_ends", instanced_->ends()));
-    kernel.set(index, instanced_->placed());
+    if (instanced_) {
+        kernel.set(index, arg("instances", instanced_->instances()));
+        kernel.set(index, arg("instance_ends", instanced_->ends()));
+        kernel.set(index, instanced_->placed());
+    }
+    if (primitives_) kernel.set(index, arg("primitive_store", primitives_->store()));
 }
 
 SceneHits::SceneHits(const Structure& structure, std::size_t count) {
@@ -260,20 +272,27 @@ SceneQuery::SceneQuery(const Structure& structure, QueryKernel::Kind kind, const
         of_instances_ = InstanceQuery(*structure.instanced(), kind, options, name);
     else
         of_triangles_ = QueryKernel(structure.bvh(), kind, options, name, file);
+    if (structure.primitives()) of_primitives_.emplace(*structure.primitives(), kind, instanced_, name);
 }
 
 void SceneQuery::closest(const Buffer<Ray>& rays, SceneHits& hits, std::uint32_t capacity,
                          const Buffer<std::uint32_t>& count, const Buffer<float>& times) {
-    if (of_parts_) return of_parts_->closest(rays, hits, capacity, count, times);
-    instanced_ ? of_instances_.run(rays, hits.of_instances, capacity, count, times)
-               : of_triangles_.run(rays, hits.of_triangles, capacity, count);
+    if (of_parts_)
+        of_parts_->closest(rays, hits, capacity, count, times);
+    else
+        instanced_ ? of_instances_.run(rays, hits.of_instances, capacity, count, times)
+                   : of_triangles_.run(rays, hits.of_triangles, capacity, count);
+    if (of_primitives_) of_primitives_->closest(rays, hits, capacity, count);
 }
 
 void SceneQuery::any(const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded, std::uint32_t capacity,
                      const Buffer<std::uint32_t>& count, const Buffer<float>& times) {
-    if (of_parts_) return of_parts_->any(rays, occluded, capacity, count, times);
-    instanced_ ? of_instances_.run(rays, occluded, capacity, count, times)
-               : of_triangles_.run(rays, occluded, capacity, count);
+    if (of_parts_)
+        of_parts_->any(rays, occluded, capacity, count, times);
+    else
+        instanced_ ? of_instances_.run(rays, occluded, capacity, count, times)
+                   : of_triangles_.run(rays, occluded, capacity, count);
+    if (of_primitives_) of_primitives_->any(rays, occluded, capacity, count);
 }
 
 }  // namespace claray

@@ -1,4 +1,5 @@
-// The acceleration structure of a scene: one tree over all triangles, or a tree of trees if the scene has instances.
+// The acceleration structure of a scene: one tree over all triangles, or a tree of trees if the scene has instances;
+// and trees over its primitives.
 #pragma once
 
 #include <optional>
@@ -7,6 +8,7 @@
 
 #include "claray/instances.hpp"
 #include "claray/shared/path.h"
+#include "host/primitives/scene_primitives.hpp"
 #include "host/scene/placement.hpp"
 #include "host/trace/instance_query.hpp"
 #include "host/trace/query_kernel.hpp"
@@ -48,19 +50,23 @@ public:
     [[nodiscard]] const std::optional<InstancedBvh>& instanced() const { return instanced_; }
     /// Null if the scene is not split. A structure in parts cannot be moved or rebuilt.
     [[nodiscard]] const std::shared_ptr<SceneParts>& parts() const { return parts_; }
-    /// Whether kernels may traverse `bvh()`, in the binary layout.
-    [[nodiscard]] bool is_one_binary_tree() const { return !instanced_ && !parts_ && bvh_.layout() == Layout::binary; }
+    /// Null if the scene has none.
+    [[nodiscard]] const std::shared_ptr<ScenePrimitives>& primitives() const { return primitives_; }
+    /// Whether kernels may traverse `bvh()`, in the binary layout, and find everything in it.
+    [[nodiscard]] bool is_one_binary_tree() const {
+        return !instanced_ && !parts_ && !primitives_ && bvh_.layout() == Layout::binary;
+    }
     /// See Bvh::set_cutouts.
     void set_cutouts(const Buffer<std::uint32_t>& store);
     [[nodiscard]] bool moves() const { return instanced_ && instanced_->ends().allocated(); }
     /// For one tree; for a tree of trees: triangles and bytes of all levels, the largest height that a ray descends,
-    /// and the top level's cost. Blocks.
+    /// and the top level's cost. The bytes include those of primitives. Blocks.
     [[nodiscard]] BvhStatistics statistics() const;
     /// Number of culled triangles.
     [[nodiscard]] std::uint32_t culled() const { return instanced_ || parts_ ? bottoms_.culled : bvh_.header().culled; }
     /// Macros of kernels that read hits.
     [[nodiscard]] Defines defines() const;
-    /// Binds INSTANCE_PARAMETERS of shade/instance.clh.
+    /// Binds INSTANCE_PARAMETERS of shade/instance.clh and PRIMITIVE_PARAMETERS of shade/scene.clh.
     void bind(Kernel& kernel, unsigned& index) const;
 
 private:
@@ -68,10 +74,12 @@ private:
     [[nodiscard]] static Instances instances_of(const Scene& scene, std::size_t baked,
                                                 const std::vector<std::uint32_t>& bottoms,
                                                 const std::vector<std::uint32_t>& first_triangles);
+    [[nodiscard]] BvhStatistics statistics_of_triangles() const;
     void build_parts(const Device& device, const Scene& scene, const Bvh::Config& config, unsigned parts);
     void check_placed() const;
 
     std::shared_ptr<SceneParts> parts_;
+    std::shared_ptr<ScenePrimitives> primitives_;
     Bvh bvh_;
     std::optional<InstancedBvh> instanced_;
     std::vector<Bvh> by_host_;  // its bottom levels, if the host built them
@@ -104,7 +112,7 @@ struct ShadowLight {
     void bind(Kernel& kernel, unsigned& index) const { kernel.set(index, light), kernel.set(index, radiance); }
 };
 
-/// A query of either kind.
+/// A query of either kind, and of the primitives.
 class SceneQuery {
 public:
     SceneQuery() = default;
@@ -115,7 +123,7 @@ public:
     /// `times` of the rays, if something moves. The rays' tmax is lost if the scene is in parts.
     void closest(const Buffer<Ray>& rays, SceneHits& hits, std::uint32_t capacity, const Buffer<std::uint32_t>& count,
                  const Buffer<float>& times);
-    /// For the file render/trace_shadow_rays.cl.
+    /// For the file render/trace_shadow_rays.cl, of scenes without primitives.
     void shadow(const Buffer<Ray>& rays, const ShadowLight& light, std::uint32_t capacity,
                 const Buffer<std::uint32_t>& count) {
         of_triangles_.run(rays, light, capacity, count);
@@ -128,6 +136,7 @@ private:
     QueryKernel of_triangles_;
     InstanceQuery of_instances_;
     std::shared_ptr<PartsQuery> of_parts_;
+    std::optional<PrimitivesQuery> of_primitives_;
 };
 
 }  // namespace claray

@@ -39,9 +39,10 @@ void check_changes(const Scene& scene, const SceneChanges& changes, const SceneS
     if (changes.vertices) check_meshes(scene, shape);
     if (changes.instances) check_equal(scene.instances.size(), shape.instances.size(), "instances");
     if (changes.materials) check_equal(scene.materials.size(), shape.materials, "materials");
+    check_equal(primitive_count(scene), shape.primitives, "primitives");
     if (changes.camera) validate_camera(scene);
     if (changes.lights) validate_lights(scene);
-    if (changes.materials) validate_materials(scene);
+    if (changes.materials) validate_materials(scene), validate_primitives(scene);
     if (changes.sky) validate_sky(scene);
     if (changes.instances) validate_instances(scene);
     if (changes.vertices) validate_meshes(scene);
@@ -72,7 +73,11 @@ bool is_mirror(const glm::mat4& transform) { return glm::determinant(glm::dmat3(
 }  // namespace
 
 SceneShape::SceneShape(const Scene& scene, const Scene& placed, std::vector<InstancePlace> of, TriangleNumbers ofs)
-    : materials(scene.materials.size()), instances(scene.instances), places(std::move(of)), numbers(std::move(ofs)) {
+    : materials(scene.materials.size()),
+      primitives(primitive_count(scene)),
+      instances(scene.instances),
+      places(std::move(of)),
+      numbers(std::move(ofs)) {
     for (const Mesh& mesh : scene.meshes)
         meshes.push_back({mesh.positions.size(), mesh.triangles.size(), mesh.normals.size()});
     std::size_t vertices = 0;

@@ -9,6 +9,18 @@ Bounds bounds_of(const Mesh& mesh) {
     return bounds;
 }
 
+/// Every kind is inside of the balls around its points; the second points of discs are normals.
+Bounds bounds_of(const PrimitiveSet& set) {
+    Bounds bounds;
+    const bool discs = set.kind == PrimitiveSet::Kind::discs, cylinders = set.kind == PrimitiveSet::Kind::cylinders;
+    for (std::size_t i = 0; i < set.points.size(); i += discs ? 2 : 1) {
+        const glm::vec3 center(set.points[i]), reach(cylinders ? set.points[i - i % 2].w : set.points[i].w);
+        for (const glm::vec3& p : {center - reach, center + reach})
+            if (!glm::any(glm::isnan(p)) && !glm::any(glm::isinf(p))) bounds.grow(p);
+    }
+    return bounds;
+}
+
 namespace {
 
 /// Of a box that is placed in the world: that of its corners.
@@ -35,6 +47,8 @@ Bounds bounds_of(const Scene& scene) {
         grow(bounds, parts[instance.mesh], instance.transform);
         if (instance.transform_end) grow(bounds, parts[instance.mesh], *instance.transform_end);
     }
+    for (const PrimitiveSet& set : scene.primitives)
+        if (const Bounds part = bounds_of(set); !part.empty()) bounds.grow(part.lo), bounds.grow(part.hi);
     return bounds;
 }
 

@@ -19,6 +19,12 @@ void visit_members(T& mesh, const Visit& visit) {
     visit(name, positions, normals, uvs, uvs1, tangents, colors, triangles, materials, mask);
 }
 
+template <IsOf<PrimitiveSet> T, class Visit>
+void visit_members(T& set, const Visit& visit) {
+    auto& [name, kind, points, segments, colors, materials] = set;
+    visit(name, kind, points, segments, colors, materials);
+}
+
 template <IsOf<Texture> T, class Visit>
 void visit_members(T& texture, const Visit& visit) {
     auto& [name, width, height, channels, format, bytes, floats, wrap_u, wrap_v, filter] = texture;
@@ -34,8 +40,8 @@ void visit_members(T& light, const Visit& visit) {
 
 template <IsOf<Scene> T, class Visit>
 void visit_members(T& scene, const Visit& visit) {
-    auto& [name, meshes, instances, materials, textures, lights, sky, environment, camera] = scene;
-    visit(name, meshes, instances, materials, textures, lights, sky, environment, camera);
+    auto& [name, meshes, instances, primitives, materials, textures, lights, sky, environment, camera] = scene;
+    visit(name, meshes, instances, primitives, materials, textures, lights, sky, environment, camera);
 }
 
 template <IsOf<Material> T, class Visit>

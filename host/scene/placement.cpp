@@ -31,6 +31,7 @@ std::vector<std::uint32_t> first_triangles_of(const Scene& scene) {
 Scene without_meshes(const Scene& scene) {
     Scene copy;
     copy.name = scene.name;
+    copy.primitives = scene.primitives;
     copy.materials = scene.materials;
     copy.textures = scene.textures;
     copy.lights = scene.lights;
@@ -58,7 +59,7 @@ void TriangleNumbers::add(std::uint32_t first, std::size_t triangles) {
 }
 
 std::uint32_t TriangleNumbers::number_there(std::uint32_t triangle) const {
-    if (triangle == CLARAY_MISS) return triangle;
+    if (triangle == CLARAY_MISS || triangle >= next_) return triangle;
     const auto mesh = std::size_t(std::upper_bound(here_.begin(), here_.end(), triangle) - here_.begin()) - 1;
     return there_[mesh] + (triangle - here_[mesh]);
 }

@@ -12,7 +12,7 @@ public:
     /// Adds the next mesh, with this many triangles; its first triangle has the number `first` in the other scene.
     void add(std::uint32_t first, std::size_t triangles);
     [[nodiscard]] bool empty() const { return there_.empty(); }
-    /// CLARAY_MISS is kept.
+    /// CLARAY_MISS is kept, and so are the numbers of primitives, which follow the triangles.
     [[nodiscard]] std::uint32_t number_there(std::uint32_t triangle) const;
 
 private:

@@ -108,7 +108,9 @@ void check_texture_use(const TextureUse& use, const Check& check, const std::str
                "the transform of its " + name + " is not finite", "correct the value");
 }
 
-void check_maps(const Material& material, const Check& check, std::size_t textures) {
+/// Calls visit(map, its name).
+template <class Visit>
+void for_each_map(const Material& material, const Visit& visit) {
     const std::pair<const TextureUse*, const char*> maps[] = {
         {&material.albedo_map, "albedo map"},
         {&material.emission_map, "emission map"},
@@ -130,7 +132,7 @@ void check_maps(const Material& material, const Check& check, std::size_t textur
         {&material.height_map, "height map"},
         {&material.light_map, "light map"},
     };
-    for (const auto& [use, name] : maps) check_texture_use(*use, check, name, textures);
+    for (const auto& [use, name] : maps) visit(*use, name);
 }
 
 void check_material(const Material& material, const Check& check, std::size_t textures) {
@@ -170,7 +172,8 @@ void check_material(const Material& material, const Check& check, std::size_t te
 #define CLARAY_ROW(name, text, standard, kind) check.kind(kind(material.name), text);
     CLARAY_BSDF_PARAMETERS(CLARAY_ROW)
 #undef CLARAY_ROW
-    check_maps(material, check, textures);
+    for_each_map(material,
+                 [&](const TextureUse& use, const char* name) { check_texture_use(use, check, name, textures); });
 }
 
 /// `radiance`: no texel may be negative.
@@ -273,6 +276,57 @@ void check_instance(const MeshInstance& instance, const Check& check, std::size_
     if (instance.transform_end) check_transform(*instance.transform_end, check, " when the shutter closes");
 }
 
+/// Why primitives cannot have the material; empty if they can.
+std::string fault_on_primitives(const Material& material, bool curves) {
+    bool maps = false;
+    for_each_map(material, [&](const TextureUse& use, const char*) { maps = maps || use.used(); });
+    if (maps) return "has a texture, but primitives have no texture coordinates";
+    if (material.alpha_mode != AlphaMode::opaque && material.opacity < 1.f) return "lets rays through (opacity)";
+    const bool transmits_light = transmits(material.kind) || material.transmission > 0.f;
+    if (curves && transmits_light && !material.thin_walled) return "transmits light, but curves have no inside";
+    return {};
+}
+
+void check_points_of(const PrimitiveSet& set, const Check& check) {
+    if (!are_curves(set)) {
+        const std::size_t each = points_per_primitive(set.kind);
+        check.that(set.points.size() % each == 0,
+                   to_string(set.points.size()) + " points, but its primitives have " + to_string(each) + " each",
+                   "give whole primitives");
+        check.that(set.segments.empty(), "it has segments, but is not of curves", "leave them out");
+    }
+    for (std::size_t i = 0; i < set.segments.size(); ++i)
+        if (std::size_t(set.segments[i]) + 4 > set.points.size())
+            check.that(false,
+                       "segment " + to_string(i) + " begins at control point " + to_string(set.segments[i]) + " of " +
+                           to_string(set.points.size()),
+                       "a segment has four control points in a row");
+}
+
+void check_primitives(const PrimitiveSet& set, const Check& check, const std::vector<Material>& materials) {
+    check.that(std::uint32_t(set.kind) < CLARAY_PRIMITIVE_KINDS, "unknown kind", "use a PrimitiveSet::Kind");
+    check_points_of(set, check);
+    const std::size_t count = primitive_count(set);
+    check_length(check, "colours", set.colors.size(), 2 * count, "ends of primitives");
+    check_length(check, "materials", set.materials.size(), count, "primitives");
+    for (std::size_t i = 0; i < set.colors.size(); ++i)
+        if (!share(set.colors[i])) check.that(false, "colour " + to_string(i) + " is not in 0..1", "correct the value");
+    std::vector<bool> checked(materials.size());
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t material = set.materials.empty() ? 0 : set.materials[i];
+        if (material >= materials.size())
+            check.that(false,
+                       "primitive " + to_string(i) + " refers to material " + to_string(material) + " of " +
+                           to_string(materials.size()),
+                       "add the material to the scene");
+        if (checked[material]) continue;
+        checked[material] = true;
+        const std::string fault = fault_on_primitives(materials[material], are_curves(set));
+        check.that(fault.empty(), "its " + name_of("material", materials[material].name, material) + " " + fault,
+                   "give it another material, or use triangles");
+    }
+}
+
 template <class Things, class Call>
 void check_each(const Things& things, const char* kind, const Call& check) {
     for (std::size_t i = 0; i < things.size(); ++i) check(things[i], i, kind);
@@ -291,6 +345,15 @@ void validate_meshes(const Scene& scene) {
         check_mesh(mesh, Check(name_of(kind, mesh.name, i)), scene.materials.size());
     });
 }
+
+/// Also after a change of materials.
+void validate_primitives(const Scene& scene) {
+    check_each(scene.primitives, "primitive set", [&](const PrimitiveSet& set, std::size_t i, const char* kind) {
+        check_primitives(set, Check(name_of(kind, set.name, i)), scene.materials);
+    });
+}
+
+bool may_be_on_primitives(const Material& material) { return fault_on_primitives(material, true).empty(); }
 
 void validate_instances(const Scene& scene) {
     check_each(scene.instances, "instance", [&](const MeshInstance& instance, std::size_t i, const char* kind) {
@@ -318,6 +381,7 @@ void validate(const Scene& scene) {
     });
     validate_materials(scene);
     validate_meshes(scene);
+    validate_primitives(scene);
     validate_instances(scene);
     validate_lights(scene);
     validate_sky(scene);

@@ -31,6 +31,10 @@ std::vector<bool> used_materials(const Scene& scene) {
         if (mesh.materials.empty() && !mesh.triangles.empty()) used[0] = true;
         for (const std::uint32_t material : mesh.materials) used[material] = true;
     }
+    for (const PrimitiveSet& set : scene.primitives) {
+        if (set.materials.empty() && primitive_count(set) > 0) used[0] = true;
+        for (const std::uint32_t material : set.materials) used[material] = true;
+    }
     return used;
 }
 

@@ -14,7 +14,7 @@ namespace claray {
 [[nodiscard]] TextureUseData data_of(const TextureUse& use, std::uint32_t texture);
 [[nodiscard]] glm::vec2 transformed(const TextureUse& use, const glm::vec2& uv);
 
-/// For every material, whether a triangle has it.
+/// For every material, whether a triangle or a primitive has it.
 [[nodiscard]] std::vector<bool> used_materials(const Scene& scene);
 
 /// One array for the vertices of all meshes; `none` for meshes without data.

@@ -303,6 +303,13 @@ std::string View::pick(const ViewCommand& command) {
         return "no surface there";
     }
     held_ = point_at(pixel, aovs.depth[pixel]);
+    std::size_t triangles = 0;
+    for (const Mesh& mesh : scene_.meshes) triangles += mesh.triangles.size();
+    if (aovs.primitive[pixel] >= triangles) {
+        selected_.reset();
+        return "primitive " + std::to_string(aovs.primitive[pixel] - triangles) +
+               ", which cannot be changed, distance " + printed("%.6g", double(aovs.depth[pixel]));
+    }
     selected_ = selection_of(scene_, aovs.primitive[pixel], held_);
     const Material& material = scene_.materials[selected_->material];
     return "mesh " + name_of(scene_.meshes[selected_->mesh].name, selected_->mesh) + ", triangle " +

@@ -47,6 +47,7 @@ enum class Effect : std::uint8_t {
     iridescence,
     layered_coat,
     orthographic,
+    primitives,
 #define CLARAY_ROW(name, NAME, text, transmits, lobes, rough) name,
     CLARAY_BSDFS(CLARAY_ROW)
 #undef CLARAY_ROW
@@ -84,7 +85,8 @@ private:
 [[nodiscard]] std::span<const Effect> all_effects();
 /// Returns the same effects as a set.
 [[nodiscard]] EffectSet known_effects();
-/// Returns the effects of the generic kernels: all except instances, which have their own kernels.
+/// Returns the effects of the generic kernels: all except instances and primitives, which have
+/// kernels of their own.
 [[nodiscard]] EffectSet full_effects();
 /// Returns the names, separated by commas: "lambert, point-lights". Returns "nothing" for an empty set.
 [[nodiscard]] std::string to_string(EffectSet effects);

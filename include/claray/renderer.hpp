@@ -176,6 +176,7 @@ struct RenderStatistics {
     bool own_kernels = false;       ///< whether they are in use
     double build_milliseconds = 0;  ///< device time of building the acceleration structure
     BvhStatistics bvh;
+    std::uint32_t primitives = 0;     ///< of the scene's PrimitiveSets
     RayCount camera, bounce, shadow;  ///< times of tracing only; 0 if unknown, as for `in_paths`
     /// Rays of the above that were traced by a kernel which processes whole paths, and its time. Used on GPUs for
     /// scenes with few effects and short paths.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "claray/mesh.hpp"
+#include "claray/primitives/primitive_set.hpp"
 #include "claray/shared/scene.h"
 #include "claray/texture.hpp"
 
@@ -232,7 +233,8 @@ struct MeshInstance {
 struct Scene {
     std::string name;
     std::vector<Mesh> meshes;
-    std::vector<MeshInstance> instances;  ///< empty: every mesh once, without transform
+    std::vector<MeshInstance> instances;   ///< empty: every mesh once, without transform
+    std::vector<PrimitiveSet> primitives;  ///< in the world; they have no instances
     std::vector<Material> materials;
     std::vector<Texture> textures;
     std::vector<Light> lights;
@@ -241,7 +243,8 @@ struct Scene {
     std::optional<Camera> camera;  ///< empty: use `automatic_camera`
 };
 
-/// Returns the box of all placed meshes, including the ends of motion. For a rotated mesh: the box of its rotated box.
+/// Returns the box of all placed meshes, including the ends of motion, and of all primitives. For a rotated mesh: the
+/// box of its rotated box.
 [[nodiscard]] Bounds bounds_of(const Scene& scene);
 /// Returns the number of triangles of all placed meshes.
 [[nodiscard]] std::size_t triangle_count(const Scene& scene);
@@ -270,7 +273,8 @@ struct Scene {
 void validate(const Scene& scene);
 
 /// Returns a built-in scene: "cornell", "spheres", "crate", "hills", "effects" (all effects), "effect:NAME" (one
-/// effect, by its name in `claray explain`), "terrain:N", "soup:N", "fan:N", "hair:N", "ball:N" (N triangles). Returns
+/// effect, by its name in `claray explain`), "terrain:N", "soup:N", "fan:N", "hair:N", "ball:N" (N triangles),
+/// "curves:N" (the strands of "hair:N" as curves). Returns
 /// no scene for an unknown name. Throws ErrorKind::usage for an invalid N.
 [[nodiscard]] std::optional<Scene> builtin_scene(const std::string& name);
 [[nodiscard]] std::span<const char* const> builtin_scene_names();

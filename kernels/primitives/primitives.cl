@@ -36,6 +36,42 @@ static inline Hit trace_primitives(CLARAY_BVH_PARAMETERS, global const float* da
     return hit;
 }
 
+/// Second passes of queries of triangles: `hits` and `occluded` hold what rays meet among triangles. The numbers of primitives begin at
+/// `lowest`. At equal distances the triangle stays.
+#ifndef INSTANCES
+#define INSTANCES 0  // 1: the hits are InstanceHits
+#endif
+#if INSTANCES
+#include "claray/shared/instance.h"
+#define FOUND_HIT InstanceHit
+#else
+#define FOUND_HIT Hit
+#endif
+
+kernel QUERY_GROUP
+void nearer_primitive(CLARAY_BVH_PARAMETERS, global const float* data, uint primitives, global const Ray* rays, uint capacity,
+                      global const uint* count, uint lowest, global FOUND_HIT* hits) {
+    FOR_EACH_RAY(i, rays_to_trace(capacity, count)) {
+        Ray ray = rays[i];
+        ray.tmax = hits[i].t;
+        const Hit hit = trace_primitives(CLARAY_BVH, data, primitives, ray, false);
+        if (hit.primitive == CLARAY_MISS || (hit.t == ray.tmax && hits[i].primitive != CLARAY_MISS)) continue;
+        hits[i].t = hit.t, hits[i].u = hit.u, hits[i].v = hit.v;
+        hits[i].primitive = lowest + hit.primitive, hits[i].geometry = CLARAY_MISS;
+#if INSTANCES
+        hits[i].instance = CLARAY_MISS;
+#endif
+    }
+}
+
+kernel QUERY_GROUP
+void occluding_primitive(CLARAY_BVH_PARAMETERS, global const float* data, uint primitives, global const Ray* rays, uint capacity,
+                         global const uint* count, global uchar* occluded) {
+    FOR_EACH_RAY(i, rays_to_trace(capacity, count)) {
+        if (!occluded[i] && trace_primitives(CLARAY_BVH, data, primitives, rays[i], true).primitive != CLARAY_MISS) occluded[i] = 1;
+    }
+}
+
 kernel QUERY_GROUP
 void closest_primitive(CLARAY_BVH_PARAMETERS, global const float* data, uint primitives, global const Ray* rays, uint count,
                        global const uint* order, global Hit* hits) {

@@ -14,7 +14,7 @@
 
 /// 1: shade_sixteen.clh shades the hits.
 #define SHADE_SIXTEEN                                                                                                      \
-    (SIXTEEN && CLARAY_CPU && MATERIALS == 1u << CLARAY_LAMBERT && !NORMALS && !TEXTURES && !MIPMAPS && !INSTANCES && !BAKE && !SHADING && \
+    (SIXTEEN && CLARAY_CPU && MATERIALS == 1u << CLARAY_LAMBERT && !NORMALS && !TEXTURES && !MIPMAPS && !INSTANCES && !PRIMITIVES && !BAKE && !SHADING && \
      !VERTEX_COLORS && !ENVIRONMENT && LIGHT_KINDS_USED == POINT_LIGHTS && !LIGHT_FALLOFF && !ABSORPTION &&                 \
      !(TRIANGLE_LIGHTS && POINT_LIGHTS))
 /// 1: hits are shaded in groups, one stage after the other. Without optimization PoCL takes minutes to compile this.

@@ -101,11 +101,11 @@ static inline void see(Batch one, const FrameData* frame, SCENE_PARAMETERS, uint
         glow = radiance_beyond(frame, &lights, direction, state);
     } else {
         ShadingPoint at;
-        find_surface(0, frame, SCENE, found, hit, depth, time, outgoing, &at);
+        find_surface(0, frame, SCENE, found, hit, depth, time, ray, &at);
 #if TEXTURES
         MapValues maps = {false, (float3)(0.0f)};
         const RayCone cone = camera_cone(frame);
-        if (textures)
+        if (textures && !IS_PRIMITIVE(hit))
             maps = apply_maps(0, textures, TABLE(uint, triangle_materials)[hit.primitive], indices, hit, outgoing,
                               cone.width + cone.spread * hit.t, &at.surface, &at.material);
 #endif

@@ -75,6 +75,8 @@ const Field fields[] = {
     FIELD(InstanceHit, v),
     FIELD(InstanceHit, geometry),
     FIELD(InstanceHit, instance),
+    FIELD(PrimitiveStore, data),
+    FIELD(PrimitiveStore, colors),
     FIELD(Guide, glow_b),
     FIELD(Guide, nearness),
     FIELD(Sight, normal_x),

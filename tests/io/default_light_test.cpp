@@ -128,6 +128,21 @@ TEST_F(DefaultLight, LightsThatReachTheSceneStayAlone) {
     expect_as_it_is();
 }
 
+/// Points and lines are primitives, which rays of the host do not meet.
+TEST_F(DefaultLight, LightsThatReachPointsAndLinesStayAlone) {
+    builder.root["nodes"] = json::array(), builder.root["meshes"] = json::array();
+    for (const int mode : {0, 3}) {
+        add({0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0.5f}, {0, 1, 2, 3});
+        builder.root["meshes"].back()["primitives"][0]["mode"] = mode;
+    }
+    EXPECT_GT(load().sky.zenith.y, 0.f);
+    EXPECT_EQ(warnings[warnings.size() - 1], "the file has no light: added a pale sky as light");
+    add_light("point", 30, {0, 3, 6});
+    const Scene scene = load();
+    EXPECT_EQ(scene.primitives.size(), 3u);
+    EXPECT_EQ(scene.sky.zenith, glm::vec3(0.f)) << warnings[warnings.size() - 1];
+}
+
 TEST_F(DefaultLight, ASunStaysAlone) {
     add_light("directional", 3, {0, 0, 0});
     expect_as_it_is();

@@ -126,8 +126,9 @@ TEST(Effects, HaveBuiltInScenes) {
     }
     const Scene all = *builtin_scene("effects");
     validate(all);
-    // An environment is in the sky's place, and a perspective camera in that of the orthographic one.
-    const EffectSet replaced = {Effect::sky, Effect::orthographic};
+    // An environment is in the sky's place, a perspective camera in that of the orthographic one, and no quick kernels
+    // know primitives.
+    const EffectSet replaced = {Effect::sky, Effect::orthographic, Effect::primitives};
     EXPECT_EQ(effects_of(all), known_effects() - replaced);
     expect_picture(all);
     EXPECT_TRUE(throws_error(ErrorKind::usage, "mirror", [] { (void)builtin_scene("effect:stars"); }));

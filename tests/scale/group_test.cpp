@@ -57,6 +57,12 @@ TEST_F(Groups, MakeTheImageOfOneDeviceBitForBit) {
     }
 }
 
+TEST_F(Groups, ShareScenesOfPrimitives) {
+    scene_ = *builtin_scene("curves:500");
+    config_.spp = 9;
+    EXPECT_TRUE(same(of_several(2, config_), of_one(config_)));
+}
+
 TEST_F(Groups, StopAtTheSameErrorAndNoise) {
     config_.spp = 4096;
     for (const auto& [error, noise] : {std::pair(0.2, 0.), {0., 0.1}}) {

@@ -112,6 +112,25 @@ TEST(BuiltinScenes, CountIsExact) {
     for (std::size_t i = 0; i < 8; ++i) EXPECT_EQ(statues.meshes[i].triangles.size(), 100'000u);
 }
 
+TEST(BuiltinScenes, CurvesAreTheStrandsOfHair) {
+    for (const std::size_t count : {1, 2, 48, 49, 1000}) {
+        const std::string n = ":" + std::to_string(count);
+        const Scene hair = make("hair" + n), curves = make("curves" + n);
+        EXPECT_EQ(triangle_count(curves), 0u);
+        const PrimitiveSet& set = curves.primitives.at(0);
+        EXPECT_LE(primitive_count(set), count / 3 + 2 * (count / 48 + 1));
+        EXPECT_EQ(set.materials.size(), primitive_count(set));
+        // The ribbons' border is within their half width of the curves' control points; an end's mirror image is a step
+        // off.
+        const Bounds of_hair = bounds_of(hair), of_curves = bounds_of(curves);
+        for (int k = 0; k < 3; ++k) {
+            EXPECT_NEAR(of_hair.lo[k], of_curves.lo[k], 0.15f) << n;
+            EXPECT_NEAR(of_hair.hi[k], of_curves.hi[k], 0.15f) << n;
+        }
+        EXPECT_EQ(hair.materials.size(), curves.materials.size());
+    }
+}
+
 TEST(BuiltinScenes, SameTrianglesOnEverySystem) {
     // Made by + - * / and square roots only, which IEEE 754 defines to the last bit. A change of these numbers changes
     // every measurement made with the scenes.
@@ -129,7 +148,7 @@ TEST(BuiltinScenes, NamesAreListedAndKnown) {
         EXPECT_TRUE(builtin_scene(name)) << name;
         ++known;
     }
-    EXPECT_EQ(known, 13u);
+    EXPECT_EQ(known, 14u);
     for (const std::string name : {"", "teapot", "cornell:3", "Cornell", "soups:3", "a/fan:3", "mesh.obj"})
         EXPECT_FALSE(builtin_scene(name)) << name;
 }

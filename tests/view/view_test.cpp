@@ -120,6 +120,14 @@ TEST(View, IsTheRenderersPicture) {
     EXPECT_EQ(pixels(view), rendered(two_spheres(), smaller));
 }
 
+TEST(View, TellsPrimitivesButSelectsNone) {
+    Scene scene = two_spheres();
+    scene.primitives.emplace_back().points = {{0, 0, 0, 5}};
+    View view(device(), scene, small_view);
+    EXPECT_NE(run(view, "pick 16 8").find("primitive 0, which cannot be changed"), std::string::npos);
+    EXPECT_TRUE(throws_error(ErrorKind::user, "nothing is selected", [&] { run(view, "material albedo 1 0 0"); }));
+}
+
 TEST(View, EditsAreThoseOfAFreshRenderer) {
     View view(device(), two_spheres(), small_view);
     const auto first = pixels(view);

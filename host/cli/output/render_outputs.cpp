@@ -161,6 +161,7 @@ void print_statistics(const Device& device, const RenderStatistics& s, double se
     std::printf("build         %.2f ms, %u triangles (%u culled), height %u, SAH cost %.1f, %.1f MB\n",
                 s.build_milliseconds, s.bvh.triangles, s.bvh.culled, s.bvh.height, s.bvh.sah_cost,
                 double(s.bvh.bytes) * 1e-6);
+    if (s.primitives > 0) std::printf("primitives    %u, in trees of their own\n", s.primitives);
     std::printf("effects       %s\n", to_string(s.effects).c_str());
     print_rays("camera rays", s.camera);
     print_rays("bounce rays", s.bounce);
@@ -309,6 +310,7 @@ void print_as_json(const Device& device, const Renderer& renderer, const RenderO
         {"build",
          {{"milliseconds", s.build_milliseconds},
           {"triangles", s.bvh.triangles},
+          {"primitives", s.primitives},
           {"culled", s.bvh.culled},
           {"height", s.bvh.height},
           {"sah_cost", s.bvh.sah_cost},

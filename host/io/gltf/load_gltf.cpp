@@ -330,6 +330,10 @@ void Loader::add_strokes() {
         throw Error(ErrorKind::usage, "invalid stroke radius " + to_string(radius), "give a finite radius, 0 or more");
     if (radius == 0.f) return warn_if(strokes_.size(), "primitives of points or lines are left out, as requested");
     for (const Strokes& strokes : strokes_) {
+        if (suit_primitives(strokes, scene_.materials)) {
+            for (PrimitiveSet& set : primitive_strokes(strokes, radius)) scene_.primitives.push_back(std::move(set));
+            continue;
+        }
         if (!scene_.instances.empty())
             scene_.instances.push_back({std::uint32_t(scene_.meshes.size()), glm::mat4(1.f), {}});
         scene_.meshes.push_back(solid_strokes(strokes, radius));
@@ -353,7 +357,7 @@ Scene load_gltf_without_light(const std::filesystem::path& path, Warnings& warni
     GltfFile file = read_gltf(path, warnings);
     pose(file, options, warnings);
     Loader(file, options, scene, warnings).load();
-    if (scene.meshes.empty())
+    if (scene.meshes.empty() && scene.primitives.empty())
         file.fail("it contains no triangle", "claray needs a mesh that is used by a node of the scene");
     try {
         validate(scene);

@@ -27,7 +27,8 @@ std::string key_of(const Device& device, const KernelChoice& choice, const Rende
                    const std::string& part) {
     const DeviceInfo& info = device.info();
     const bool lit = !(choice.effects & sampled_lights).empty();
-    const EffectSet structure = choice.effects & EffectSet{Effect::instances, Effect::instance_motion};
+    const EffectSet structure =
+        choice.effects & EffectSet{Effect::instances, Effect::instance_motion, Effect::primitives};
     const EffectSet effects =
         part != "trace" ? choice.effects : structure | effects_of_stage(choice.effects, Stage::trace);
     const Builder builder = builder_for(config.bvh.builder, device, structure.has(Effect::instances));
@@ -85,8 +86,9 @@ KernelPlan plan_kernels(const Device& device, EffectSet effects, const RenderCon
     const KernelChoice generic = {full_effects(), own.layout};
     const KernelChoice quick = {own.effects, config.bvh.layout == Layout::automatic ? Layout::binary : own.layout};
     const bool can_trace = load_cached_program(key_of(device, own, config, "trace")).has_value();
-    const bool instances = effects.has(Effect::instances);  // the generic kernels do not support instances
-    if (!instances && generic != own && are_cached(device, generic, config))
+    // The generic kernels support neither.
+    const bool special = effects.has(Effect::instances) || effects.has(Effect::primitives);
+    if (!special && generic != own && are_cached(device, generic, config))
         plan.start = KernelStart::generic, plan.first = generic;
     else if (quick != own && !can_trace)
         plan.start = KernelStart::quick, plan.first = quick;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "host/compute/memory.hpp"
+#include "host/primitives/scene_primitives.hpp"
 
 namespace claray {
 namespace {
@@ -40,7 +41,7 @@ std::uint64_t bytes_besides_trees(const Scene& scene) {
                  sizeof(glm::vec3) * mesh.colors.size() + (sizeof(glm::uvec3) + 4) * mesh.triangles.size();
     for (const Texture& texture : scene.textures) bytes += (texture.bytes.size() + 4 * texture.floats.size()) * 4 / 3;
     for (const Texture& image : scene.environment.images) bytes += 2 * (image.bytes.size() + 4 * image.floats.size());
-    return bytes + 3 * sizeof(Instance) * scene.instances.size();
+    return bytes + 3 * sizeof(Instance) * scene.instances.size() + bytes_of_primitives(scene);
 }
 
 std::size_t triangles_of(const Scene& scene) {

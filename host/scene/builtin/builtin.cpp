@@ -23,13 +23,15 @@ struct CountedScene {
     std::size_t least;
     Scene (*make)(std::size_t);
 };
-constexpr std::array counted_scenes = {CountedScene{"terrain", 1, scenes::terrain},
-                                       CountedScene{"soup", 1, scenes::soup}, CountedScene{"fan", 3, scenes::fan},
-                                       CountedScene{"hair", 1, scenes::hair}, CountedScene{"ball", 8, scenes::ball}};
+constexpr std::array counted_scenes = {
+    CountedScene{"terrain", 1, scenes::terrain}, CountedScene{"soup", 1, scenes::soup},
+    CountedScene{"fan", 3, scenes::fan},         CountedScene{"hair", 1, scenes::hair},
+    CountedScene{"curves", 1, scenes::curves},   CountedScene{"ball", 8, scenes::ball}};
 
 constexpr std::size_t most_triangles = 100'000'000;
-constexpr std::array names = {"cornell",     "spheres",   "crate",  "hills", "waves",  "statues", "effects",
-                              "effect:NAME", "terrain:N", "soup:N", "fan:N", "hair:N", "ball:N"};
+// host/cli/scenes.cpp describes them in this order.
+constexpr std::array names = {"cornell",     "spheres",   "crate",  "hills", "waves",  "statues",  "effects",
+                              "effect:NAME", "terrain:N", "soup:N", "fan:N", "hair:N", "curves:N", "ball:N"};
 
 std::size_t parse_count(const CountedScene& scene, std::string_view text) {
     std::size_t count = 0;

@@ -18,6 +18,7 @@ namespace claray::scenes {
 [[nodiscard]] Scene soup(std::size_t count);
 [[nodiscard]] Scene fan(std::size_t count);
 [[nodiscard]] Scene hair(std::size_t count);
+[[nodiscard]] Scene curves(std::size_t count);
 [[nodiscard]] Scene ball(std::size_t count);
 
 }  // namespace claray::scenes

@@ -1,4 +1,5 @@
-// One scene that uses every effect at once, except the sky, which an environment replaces.
+// One scene that uses every effect at once, except the sky, which an environment replaces, and primitives, without
+// which it starts quickly.
 #include <algorithm>
 
 #include "host/scene/builtin/builtin.hpp"

@@ -73,6 +73,13 @@ void make_instance_move(Scene& scene) {
     scene.instances[ball_material].transform_end = end;
 }
 
+/// A nest of curves with eggs, in the ball's place, on a disc.
+void make_primitives(Scene& scene) {
+    scene.meshes.erase(scene.meshes.begin() + ball_material);
+    scene.camera->target.y -= 0.2f;
+    add_nest(scene, {-0.35f, 0.f, 0.f}, 0.8f, ball_material, block_material);
+}
+
 /// Small lights of many colours in rows above the floor, none of them in the ball or close to it.
 void make_many_lights(Scene& scene) {
     scene.sky = {};
@@ -254,6 +261,7 @@ constexpr std::array alone = {
     Alone{"orthographic", [](Scene& s) { s.camera->orthographic_height = 3.2f; }},
     Alone{"instances", make_instances},
     Alone{"instance-motion", make_instance_move},
+    Alone{"primitives", make_primitives},
 };
 
 bool has_own_scene(const MaterialKindRow& row) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/base/random.hpp"
 #include "host/scene/builtin/noise.hpp"
 #include "host/scene/builtin/shapes.hpp"
 
@@ -23,7 +24,46 @@ glm::vec3 encoded_normal(double slope_u, double slope_v) {
     return {float(0.5 - 0.5 * slope_u / length), float(0.5 + 0.5 * slope_v / length), float(0.5 + 0.5 / length)};
 }
 
+PrimitiveSet& add_set(Scene& scene, const char* name, PrimitiveSet::Kind kind) {
+    PrimitiveSet& set = scene.primitives.emplace_back();
+    set.name = name, set.kind = kind;
+    return set;
+}
+
+/// Curves that wind around the place, each by two thirds of a turn.
+void add_twigs(PrimitiveSet& set, const glm::vec3& place, float radius) {
+    constexpr std::uint32_t twigs = 90, points = 9;
+    Random random(5);
+    for (std::uint32_t twig = 0; twig < twigs; ++twig) {
+        const float begin = random.uniform(0.f, 6.28f), height = random.uniform(), bulge = random.uniform(0.7f, 1.f);
+        for (std::uint32_t i = 0; i < points; ++i) {
+            const float angle = begin + 0.55f * float(i), wide = radius * (bulge + 0.08f * random.uniform());
+            const float y = radius * (0.05f + 0.4f * height + 0.08f * random.uniform());
+            const float thick = 0.018f * radius * (i == 0 || i + 1 == points ? 0.5f : 1.f);
+            set.points.emplace_back(place + glm::vec3(wide * std::cos(angle), y, wide * std::sin(angle)), thick);
+            if (i + 4 <= points) set.segments.push_back(points * twig + i);
+        }
+    }
+}
+
 }  // namespace
+
+void add_nest(Scene& scene, const glm::vec3& place, float radius, std::uint32_t twigs, std::uint32_t eggs) {
+    const auto at = [&](float x, float y, float z, float w) {
+        return glm::vec4(place + radius * glm::vec3(x, y, z), radius * w);
+    };
+    PrimitiveSet& spheres = add_set(scene, "eggs", PrimitiveSet::Kind::spheres);
+    spheres.points = {at(-0.3f, 0.27f, 0.1f, 0.26f), at(0.25f, 0.25f, 0.25f, 0.24f), at(0.05f, 0.25f, -0.3f, 0.24f)};
+    spheres.materials.assign(3, eggs);
+    PrimitiveSet& disc = add_set(scene, "bottom", PrimitiveSet::Kind::discs);
+    disc.points = {at(0.f, 0.02f, 0.f, 0.85f), {0.f, 1.f, 0.f, 0.f}}, disc.materials = {twigs};
+    PrimitiveSet& sticks = add_set(scene, "stick", PrimitiveSet::Kind::cylinders);
+    sticks.points = {at(-0.3f, 0.1f, 0.5f, 0.05f), {glm::vec3(at(-1.2f, 1.1f, 0.2f, 0.f)), 1.f}};
+    sticks.materials = {twigs};
+    PrimitiveSet& curves = add_set(scene, "twigs", PrimitiveSet::Kind::curves);
+    add_twigs(curves, place, radius);
+    curves.materials.assign(curves.segments.size(), twigs);
+}
 
 Mesh textured_rectangle(const glm::vec3& center, const glm::vec3& u, const glm::vec3& v, std::uint32_t material) {
     Mesh mesh;

@@ -21,6 +21,9 @@ enum StageMaterial : std::uint32_t { floor_material, ball_material, block_materi
 [[nodiscard]] Mesh textured_rectangle(const glm::vec3& center, const glm::vec3& u, const glm::vec3& v,
                                       std::uint32_t material);
 
+/// Primitives of all kinds, on the floor: a disc, twigs around its border, and spheres and a cylinder on it.
+void add_nest(Scene& scene, const glm::vec3& place, float radius, std::uint32_t twigs, std::uint32_t eggs);
+
 /// Colours at the vertices: red, green and blue by where they are in the mesh' box.
 void paint(Mesh& mesh);
 

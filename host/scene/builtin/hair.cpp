@@ -1,8 +1,9 @@
 // Strands on a head, each a ribbon of long thin triangles that fall this way and that: N triangles in all, for
 // measuring. Boxes of such triangles are mostly empty and overlap their neighbours', which is what splitting and
-// clustering are for.
+// clustering are for. The same strands as curves.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "host/base/random.hpp"
 #include "host/scene/builtin/builtin.hpp"
@@ -38,6 +39,7 @@ public:
     Strand(const glm::vec3& root, Random& random)
         : random_(random), at_(root), along_(unit(root + 0.3f * random.in_cube())), side_(across(random.in_cube())) {}
 
+    [[nodiscard]] const glm::vec3& at() const { return at_; }
     /// A point of the ribbon's border, left and right by turns, then a step onwards.
     glm::vec3 next(float half_width) {
         left_ = !left_;
@@ -67,6 +69,27 @@ private:
     bool left_ = false;
 };
 
+/// A B-spline from the strand's root, with a control point at every third step. Its tube is as thick as the ribbon looks
+/// in the mean over all sides.
+void add_curve(PrimitiveSet& set, std::size_t triangles, float half_width, Random& random) {
+    const std::uint32_t material = random.below(shades);
+    const float radius = half_width * float(2 / std::numbers::pi);
+    Strand strand(find_root(random), random);
+    std::vector<glm::vec3> places;
+    for (std::size_t i = 0; i < triangles + 2; ++i) {
+        if (i % 3 == 0 || (i == triangles + 1 && places.size() == 1)) places.push_back(strand.at());
+        (void)strand.next(half_width);
+    }
+    // The control points before and behind an end, mirrored at it, make the curve reach it.
+    places.insert(places.begin(), 2.f * places[0] - places[1]);
+    places.push_back(2.f * places.back() - places[places.size() - 2]);
+    for (std::size_t i = 0; i + 3 < places.size(); ++i) {
+        set.segments.push_back(std::uint32_t(set.points.size() + i));
+        set.materials.push_back(material);
+    }
+    for (const glm::vec3& p : places) set.points.emplace_back(p, radius);
+}
+
 void add_strand(Mesh& mesh, std::size_t triangles, float half_width, Random& random) {
     const std::uint32_t material = random.below(shades);
     Strand strand(find_root(random), random);
@@ -81,22 +104,46 @@ void add_strand(Mesh& mesh, std::size_t triangles, float half_width, Random& ran
 
 }  // namespace
 
-Scene hair(std::size_t count) {
+namespace {
+
+std::size_t strands_of(std::size_t triangles) { return (triangles + triangles_a_strand - 1) / triangles_a_strand; }
+
+/// More strands are thinner, so that they cover the head equally densely for any N.
+float half_width_of(std::size_t triangles) {
+    return float(std::min(0.01, 0.1 / std::sqrt(double(strands_of(triangles)))));
+}
+
+/// All but the strands.
+Scene bald_head() {
     Scene scene;
     scene.materials = {lambert("dark", {0.1f, 0.045f, 0.02f}), lambert("chestnut", {0.22f, 0.09f, 0.035f}),
                        lambert("copper", {0.42f, 0.17f, 0.06f}), lambert("gold", {0.55f, 0.33f, 0.13f})};
     static_assert(shades == 4);
-    const std::size_t strands = (count + triangles_a_strand - 1) / triangles_a_strand;
-    Mesh mesh = named_mesh("hair", count + 2 * strands, count);
-    // More strands are thinner, so that they cover the head equally densely for any N.
-    const auto half_width = float(std::min(0.01, 0.1 / std::sqrt(double(strands))));
-    Random random(37);
-    for (std::size_t done = 0; done < count; done += triangles_a_strand)
-        add_strand(mesh, std::min(triangles_a_strand, count - done), half_width, random);
-    scene.meshes.push_back(std::move(mesh));
     scene.lights = {point_light({-3.f, 4.f, 4.f}, {60.f, 55.f, 48.f})};
     scene.sky = {{0.8f, 0.82f, 0.85f}, {0.5f, 0.6f, 0.8f}};
     scene.camera = Camera{{2.2f, 0.7f, 4.6f}, {0.f, -0.25f, 0.f}, {0.f, 1.f, 0.f}, 46.f};
+    return scene;
+}
+
+}  // namespace
+
+Scene hair(std::size_t count) {
+    Scene scene = bald_head();
+    Mesh mesh = named_mesh("hair", count + 2 * strands_of(count), count);
+    Random random(37);
+    for (std::size_t done = 0; done < count; done += triangles_a_strand)
+        add_strand(mesh, std::min(triangles_a_strand, count - done), half_width_of(count), random);
+    scene.meshes.push_back(std::move(mesh));
+    return scene;
+}
+
+Scene curves(std::size_t count) {
+    Scene scene = bald_head();
+    PrimitiveSet& set = scene.primitives.emplace_back();
+    set.name = "hair", set.kind = PrimitiveSet::Kind::curves;
+    Random random(37);
+    for (std::size_t done = 0; done < count; done += triangles_a_strand)
+        add_curve(set, std::min(triangles_a_strand, count - done), half_width_of(count), random);
     return scene;
 }
 

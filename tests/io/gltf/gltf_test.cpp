@@ -115,8 +115,57 @@ double farthest(const Mesh& solid, const std::vector<std::pair<glm::vec3, glm::v
 /// The triangles of `count` spheres and tubes apart from each other.
 std::size_t triangles_of(std::size_t spheres, std::size_t tubes) { return spheres * 320 + tubes * 32; }
 
+/// A material that points and lines show as triangles: their light is sampled.
+const json lamp = {{"emissiveFactor", {1, 1, 1}}};
+
+/// Checks that each set holds these points with the radius.
+void expect_points(const PrimitiveSet& set, PrimitiveSet::Kind kind, const std::vector<glm::vec3>& points,
+                   float radius) {
+    EXPECT_EQ(set.kind, kind);
+    ASSERT_EQ(set.points.size(), points.size());
+    const bool tubes = kind == PrimitiveSet::Kind::cylinders;
+    for (std::size_t i = 0; i < points.size(); ++i)
+        EXPECT_EQ(set.points[i], glm::vec4(points[i], tubes && i % 2 == 1 ? 0.f : radius)) << i;
+}
+
+TEST_F(Gltf, PointsAndLinesArePrimitives) {
+    builder.triangle();
+    primitive()["attributes"]["POSITION"] = builder.accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0});
+    primitive()["attributes"]["COLOR_0"] = builder.accessor<float>("VEC3", {1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 1, 1});
+    builder.root["nodes"][0]["scale"] = {3, 1, -1};
+    const glm::vec3 a(0, 0, 0), b(3, 0, 0), c(3, 1, 0), d(0, 1, 0);
+    const std::vector<glm::vec3> tubes[] = {{}, {a, b, c, d}, {a, b, b, c, c, d, d, a}, {a, b, b, c, c, d}};
+    for (int mode = 0; mode < 4; ++mode) {
+        SCOPED_TRACE(mode);
+        primitive()["mode"] = mode;
+        const Scene scene = load({.stroke_radius = 0.125f});
+        validate(scene);
+        EXPECT_TRUE(scene.meshes.empty());
+        ASSERT_EQ(scene.primitives.size(), mode == 0 ? 1u : 2u);
+        expect_points(scene.primitives[0], PrimitiveSet::Kind::spheres, {a, b, c, d}, 0.125f);
+        EXPECT_EQ(scene.primitives[0].colors[0], glm::vec3(1, 0, 0));
+        EXPECT_EQ(warned("1 primitives of points or lines are shown"), 1u);
+        if (mode == 0) continue;
+        expect_points(scene.primitives[1], PrimitiveSet::Kind::cylinders, tubes[mode], 0.125f);
+        EXPECT_EQ(scene.primitives[1].colors[1], glm::vec3(0, 1, 0));
+    }
+    const float expected = std::sqrt(10.f) / 400;
+    EXPECT_NEAR(load().primitives.at(0).points[0].w, expected, 1e-6f);
+    builder.root["materials"] = {
+        {{"alphaMode", "BLEND"}, {"pbrMetallicRoughness", {{"baseColorFactor", {1, 1, 1, 0.5}}}}}};
+    primitive()["material"] = 0;
+    EXPECT_TRUE(load().primitives.empty()) << "rays pass through";
+    builder.root["materials"] = {{{"alphaMode", "BLEND"}}};
+    EXPECT_EQ(load().primitives.size(), 2u);
+    primitive()["attributes"]["COLOR_0"] =
+        builder.accessor<float>("VEC4", {1, 0, 0, 1, 0, 1, 0, 0.5f, 0, 0, 1, 1, 1, 1, 1, 1});
+    EXPECT_TRUE(load().primitives.empty()) << "rays pass through one end";
+}
+
 TEST_F(Gltf, PointsAndLinesAreSpheresAndTubes) {
     builder.triangle();
+    builder.root["materials"] = {lamp};
+    primitive()["material"] = 0;
     primitive()["attributes"]["POSITION"] = builder.accessor<float>("VEC3", {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0});
     builder.root["nodes"][0]["scale"] = {3, 1, -1};  // they are round all the same
     const glm::vec3 a(0, 0, 0), b(3, 0, 0), c(3, 1, 0), d(0, 1, 0);
@@ -148,8 +197,9 @@ TEST_F(Gltf, PointsAndLinesAreSpheresAndTubes) {
 /// Beside triangles that are placed twice.
 TEST_F(Gltf, PointsAndLinesOfInstances) {
     builder.triangle();
+    builder.root["materials"] = {lamp};
     json points = primitive();
-    points["mode"] = 0;
+    points["mode"] = 0, points["material"] = 0;
     points["attributes"]["COLOR_0"] = builder.accessor<float>("VEC3", {1, 0, 0, 0, 1, 0, 0, 0, 1});
     builder.root["meshes"][0]["primitives"].push_back(points);
     builder.push("nodes", {{"mesh", 0}, {"translation", {5, 0, 0}}});
@@ -168,6 +218,13 @@ TEST_F(Gltf, PointsAndLinesOfInstances) {
     EXPECT_EQ(scene.meshes[2].colors.at(0), glm::vec4(1, 0, 0, 1));
     EXPECT_EQ(load({.stroke_radius = 0.f}).instances.size(), 2u);
     EXPECT_EQ(warned("left out, as requested"), 1u);
+    builder.root["materials"] = {json::object()};
+    const Scene round = load({.stroke_radius = 0.1f});
+    validate(round);
+    EXPECT_EQ(round.instances.size(), 2u);
+    ASSERT_EQ(round.primitives.size(), 2u) << "in the world";
+    expect_points(round.primitives[0], PrimitiveSet::Kind::spheres, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, 0.1f);
+    expect_points(round.primitives[1], PrimitiveSet::Kind::spheres, {x, {6, 0, 0}, {5, 1, 0}}, 0.1f);
 }
 
 TEST_F(Gltf, AttributesOfEveryType) {
