@@ -73,6 +73,7 @@ TEST_F(Groups, StopAtTheSameErrorAndNoise) {
 
 /// After an interruption one device and several continue with the same bits.
 TEST_F(Groups, ContinueFromCheckpoints) {
+    config_.spp = 400;  // more than the orders on the way when it is interrupted
     const std::vector<glm::vec3> expected = of_one(config_);
     config_.checkpoint = folder_ / "c", config_.report_seconds = 0;
     RenderConfig resumed = config_;
