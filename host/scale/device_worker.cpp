@@ -58,11 +58,10 @@ std::optional<DeviceWorker::Job> DeviceWorker::next_job() {
     return job;
 }
 
-/// On GPUs through page-locked memory of their own: an H200 copies to other memory, also to that which another GPU has
-/// locked, at 1.4 instead of 50 GB/s.
+/// Through memory of its own, which is page-locked on GPUs: an H200 copies to other memory, also to that which another
+/// GPU has locked, at 1.4 instead of 50 GB/s.
 void DeviceWorker::read_sums(const Film::SumsSpan& to, std::uint32_t first) {
     const Film& film = renderer_->state().film;
-    if (device_.info().type != DeviceType::gpu) return film.read_sums(to, first);
     if (!staging_) staging_.emplace(&device_, most_staged_pixels, tells_error(config_), Film::Sums());
     for (std::size_t at = 0; at < to.pixels.size(); at += most_staged_pixels) {
         const std::size_t pixels = std::min<std::size_t>(most_staged_pixels, to.pixels.size() - at);

@@ -5,11 +5,12 @@
 
 namespace claray {
 
-GroupSums::GroupSums(const Device* gpu, std::size_t pixels, bool odd, const Film::Sums& from) {
+GroupSums::GroupSums(const Device* device, std::size_t pixels, bool odd, const Film::Sums& from) {
     const std::size_t bytes = pixels * (sizeof(FilmPixel) + (odd ? sizeof(ColorSum) : 0));
     std::uint8_t* memory = nullptr;
-    if (gpu != nullptr) try {
-            fast_.emplace(gpu->with_new_queue(), bytes);  // whose commands do not wait for those of the device's set-up
+    if (device != nullptr) try {
+            fast_.emplace(device->with_new_queue(),
+                          bytes);  // whose commands do not wait for those of the device's set-up
             memory = fast_->data();
         } catch (const Error&) {  // page-locked memory is scarce
             fast_.reset();

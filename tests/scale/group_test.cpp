@@ -55,6 +55,11 @@ TEST_F(Groups, MakeTheImageOfOneDeviceBitForBit) {
         EXPECT_TRUE(same(of_several(count, config_), expected)) << count << " devices";
         EXPECT_EQ(reached_.spp, config_.spp);
     }
+    const RenderConfig large{.width = 640, .height = 480, .spp = 8};  // whose sums are copied in pieces
+    RenderGroup group(several(2), scene_, large);
+    wait_for_all(group);
+    group.render();
+    EXPECT_TRUE(same(group.renderer().image(), of_one(large)));
 }
 
 TEST_F(Groups, StopAtTheSameErrorAndNoise) {
