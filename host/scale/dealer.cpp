@@ -13,6 +13,9 @@ constexpr double least_piece_seconds = 2e-3;
 /// A piece is this part of the time so far and of the remaining time: workers have a few in advance, and others join
 /// late or end early.
 constexpr double share_at_ends = 4;
+/// Small pieces on GPUs are slow, since they start as many kernels as large ones do: an H200
+/// needs 5 ms for half a million paths inside sponza, and 57 ms for 16 million.
+constexpr double seconds_worth_starting = 0.02;
 constexpr double remembered_passes = 2;  // in the measured speed: parts of an image differ in cost
 constexpr double unequal = 0.1;          // share of the time left by which workers may end earlier than others
 constexpr unsigned most_tries = 16;      // to find a worker that is behind: an order must not take long
@@ -205,7 +208,8 @@ double Dealer::paths_of_piece(const Worker& worker, double seconds_left) const {
     const double seconds =
         std::clamp(std::min(from_end / share_at_ends, seconds_left / 2), least_piece_seconds, piece_seconds);
     const double paths = std::min({worker.speed() * seconds, 4. * worker.last_paths, double(worker.most_paths)});
-    return seconds_left / 2 < seconds ? paths : std::max(paths, double(worker.first_paths));  // which are fast enough
+    const double worth_starting = std::min(4. * worker.first_paths, worker.speed() * seconds_worth_starting);
+    return seconds_left / 2 < seconds ? paths : std::max({paths, double(worker.first_paths), worth_starting});
 }
 
 template <class Visit>

@@ -41,6 +41,7 @@ private:
     void run();
     void set_up();
     [[nodiscard]] double measure_handover();
+    void read_sums(const Film::SumsSpan& to, std::uint32_t first);
     [[nodiscard]] std::optional<Job> next_job();
     void start(const Job& job);
     void render(const Batch& batch);
@@ -54,6 +55,7 @@ private:
     std::size_t number_;
     const GroupSums* shared_;
     std::optional<Renderer> renderer_;
+    std::optional<GroupSums> staging_;
     std::uint64_t samples_ = 0;
     std::deque<Running> running_;
     Clock::time_point last_done_;

@@ -5,13 +5,12 @@
 
 namespace claray {
 
-GroupSums::GroupSums(const std::vector<Device>& devices, std::size_t pixels, bool odd, const Film::Sums& from) {
+GroupSums::GroupSums(const Device* device, std::size_t pixels, bool odd, const Film::Sums& from) {
     const std::size_t bytes = pixels * (sizeof(FilmPixel) + (odd ? sizeof(ColorSum) : 0));
-    const auto gpu = std::find_if(devices.begin(), devices.end(),
-                                  [](const Device& device) { return device.info().type == DeviceType::gpu; });
     std::uint8_t* memory = nullptr;
-    if (gpu != devices.end()) try {
-            fast_.emplace(gpu->with_new_queue(), bytes);  // whose commands do not wait for those of the device's set-up
+    if (device != nullptr) try {
+            fast_.emplace(device->with_new_queue(),
+                          bytes);  // whose commands do not wait for those of the device's set-up
             memory = fast_->data();
         } catch (const Error&) {  // page-locked memory is scarce
             fast_.reset();

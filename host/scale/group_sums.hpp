@@ -8,12 +8,12 @@
 
 namespace claray {
 
-/// In memory to which a GPU of the group copies fast, if there is one.
 class GroupSums {
 public:
     GroupSums() = default;
-    /// Zeros, or `from` where it has sums. `odd`: whether there are sums of samples of odd index.
-    GroupSums(const std::vector<Device>& devices, std::size_t pixels, bool odd, const Film::Sums& from);
+    /// Zeros, or `from` where it has sums. `odd`: whether there are sums of samples of odd index. `device`: which
+    /// copies to this memory fast, or null.
+    GroupSums(const Device* device, std::size_t pixels, bool odd, const Film::Sums& from);
 
     /// Those of `pixels` pixels from `first` on. The caller takes care that nobody else writes them.
     [[nodiscard]] Film::SumsSpan at(std::size_t first, std::size_t pixels) const;

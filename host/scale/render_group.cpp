@@ -77,7 +77,7 @@ RenderGroup::State::State(const std::vector<Device>& devices, const Scene& of, c
         add([&](Inbox& in, std::size_t number) {
             return std::make_unique<DeviceWorker>(device, scene, config, in, number, &sums);
         });
-    sums = GroupSums(devices, std::size_t(config.width) * config.height, tells_error(config), start.sums);
+    sums = GroupSums(nullptr, std::size_t(config.width) * config.height, tells_error(config), start.sums);
 }
 
 void RenderGroup::State::add(const std::function<std::unique_ptr<Worker>(Inbox&, std::size_t)>& make) {

@@ -55,6 +55,11 @@ TEST_F(Groups, MakeTheImageOfOneDeviceBitForBit) {
         EXPECT_TRUE(same(of_several(count, config_), expected)) << count << " devices";
         EXPECT_EQ(reached_.spp, config_.spp);
     }
+    const RenderConfig large{.width = 640, .height = 480, .spp = 4};  // whose sums are copied in pieces
+    RenderGroup group(several(2), scene_, large);
+    wait_for_all(group);
+    group.render();
+    EXPECT_TRUE(same(group.renderer().image(), of_one(large)));
 }
 
 TEST_F(Groups, ShareScenesOfPrimitives) {
@@ -79,6 +84,7 @@ TEST_F(Groups, StopAtTheSameErrorAndNoise) {
 
 /// After an interruption one device and several continue with the same bits.
 TEST_F(Groups, ContinueFromCheckpoints) {
+    config_.spp = 200;  // more than the orders on the way when it is interrupted
     const std::vector<glm::vec3> expected = of_one(config_);
     config_.checkpoint = folder_ / "c", config_.report_seconds = 0;
     RenderConfig resumed = config_;
