@@ -4,6 +4,7 @@
 #define BLEND_RADIUS 3
 #define BLEND_PIXELS ((2 * BLEND_RADIUS + 1) * (2 * BLEND_RADIUS + 1))
 #define DETAIL 4.0f
+#define COMMON_DETAIL 0.3f  // as at borders of two surfaces
 #define REMOVED 0.75f  // variances are maxima of two estimates, and therefore too large
 
 /// The variance that albedo and glow of few rays bring into filtered light; the pixel's own samples have none of it.
@@ -16,7 +17,7 @@ static inline float variance_of_guide(const Guide* g, float3 filtered) {
 /// smaller than a pixel from noise, and neighbours have others. With few samples noise is worse.
 static inline float share_beside_details(const Guide* g, float doubt) {
     const float3 normal = (float3)(g->normal_x, g->normal_y, g->normal_z);
-    return clamp(1.0f - DETAIL * (1.0f - dot(normal, normal)) * (1.0f - doubt / CLARAY_MOST_DOUBT), 0.0f, 1.0f);
+    return clamp(1.0f - DETAIL * fmax(1.0f - COMMON_DETAIL - dot(normal, normal), 0.0f) * (1.0f - doubt / CLARAY_MOST_DOUBT), 0.0f, 1.0f);
 }
 
 /// The share of the filtered light in the mixture of least expected squared error, which is E[noise removed] / E[change], the changes
