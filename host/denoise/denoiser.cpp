@@ -12,7 +12,7 @@ constexpr std::uint32_t most_frames = 32;  // of a history; longer ones gain lit
 
 /// The variances of two halves of few samples are too small more often than too large: they count more than once. Those
 /// of many samples are rather too large, since the halves of a Sobol sequence complete each other (docs/accuracy.md).
-float doubt_of(std::uint32_t spp) { return 1.25f / (1 + float(spp) * float(spp) / 1024); }
+float doubt_of(std::uint32_t spp) { return CLARAY_MOST_DOUBT / (1 + float(spp) * float(spp) / 1024); }
 
 }  // namespace
 
@@ -32,9 +32,7 @@ Denoiser::Denoiser(const Device& device, std::uint32_t width, std::uint32_t heig
     image_ = Buffer<float>(device, 3 * pixels);
 }
 
-Range Denoiser::range_of_runs() const {
-    return cpu_ ? Range{std::size_t((width_ + 15) / 16) * height_, 4} : range();
-}
+Range Denoiser::range_of_runs() const { return cpu_ ? Range{std::size_t((width_ + 15) / 16) * height_, 4} : range(); }
 
 const Buffer<float>& Denoiser::denoise(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides, std::uint32_t spp) {
     prepare(film, guides, spp);

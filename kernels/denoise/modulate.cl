@@ -3,12 +3,21 @@
 
 #define BLEND_RADIUS 3
 #define BLEND_PIXELS ((2 * BLEND_RADIUS + 1) * (2 * BLEND_RADIUS + 1))
+#define DETAIL 4.0f
+#define COMMON_DETAIL 0.3f  // as at borders of two surfaces
 #define REMOVED 0.75f  // variances are maxima of two estimates, and therefore too large
 
 /// The variance that albedo and glow of few rays bring into filtered light; the pixel's own samples have none of it.
 static inline float variance_of_guide(const Guide* g, float3 filtered) {
     const float bright = luminance(filtered), scale = luminance((float3)(g->albedo_r, g->albedo_g, g->albedo_b));
     return (g->albedo_variance * bright * bright + g->glow_variance) / (scale * scale);
+}
+
+/// What is left of that share where the pixel's rays met surfaces of different normals, whose mean is short: the filter cannot tell details
+/// smaller than a pixel from noise, and neighbours have others. With few samples noise is worse.
+static inline float share_beside_details(const Guide* g, float doubt) {
+    const float3 normal = (float3)(g->normal_x, g->normal_y, g->normal_z);
+    return clamp(1.0f - DETAIL * fmax(1.0f - COMMON_DETAIL - dot(normal, normal), 0.0f) * (1.0f - doubt / CLARAY_MOST_DOUBT), 0.0f, 1.0f);
 }
 
 /// The share of the filtered light in the mixture of least expected squared error, which is E[noise removed] / E[change], the changes
@@ -43,8 +52,9 @@ kernel void modulate(FilterStep step, uint single, float doubt, global const flo
     const uint i = get_global_id(0);
     if (i >= step.width * step.height) return;
     const bool lit = has_light(noisy[i]);
-    const float share = single || !lit ? 1.0f : share_of_filtered(step, i, doubt, noisy, filtered, kept, guides);
     const Guide g = guides[i];
+    float share = 1.0f;
+    if (!single && lit) share = share_beside_details(&g, doubt) * share_of_filtered(step, i, doubt, noisy, filtered, kept, guides);
     const float3 light = mix(noisy[i].xyz, filtered[i].xyz, share);
     const float3 albedo = lit ? (float3)(g.albedo_r, g.albedo_g, g.albedo_b) : (float3)(1.0f);
     vstore3(light * albedo + (float3)(g.glow_r, g.glow_g, g.glow_b), i, image);

@@ -216,6 +216,17 @@ TEST(Denoiser, MixesByNoiseOverChange) {
                     << variance << ' ' << kept << ' ' << doubt;
 }
 
+/// Where a pixel's rays meet surfaces of different normals, many samples are filtered less.
+TEST(Denoiser, KeepsDetailsSmallerThanAPixel) {
+    Guide guide = flat_guide(0.5f, 3, 0.2f);
+    guide.normal_x = 0, guide.normal_y = 0, guide.normal_z = 0.8f;
+    for (const float doubt : {1.25f, 0.25f, 0.f})
+        EXPECT_NEAR(share_of({1, 1, 1, 4}, {2, 2, 2, 0}, guide, 0, doubt), 1 - 4 * 0.06 * (1 - doubt / 1.25), 1e-5)
+            << doubt;
+    guide.normal_z = 0;
+    EXPECT_NEAR(share_of({1, 1, 1, 4}, {2, 2, 2, 0}, guide, 0, 0), 0, 1e-6);
+}
+
 /// Of two colours of the same luminance.
 TEST(Denoiser, AChangeOfColorAloneIsAChange) {
     EXPECT_LT(share_of({1, 1, 1, 1e-4f}, {2, 1 - 0.2126f / 0.7152f, 1, 0}, flat_guide(0.5f, 0, 0.2f)), 2e-3);
