@@ -104,6 +104,25 @@ TEST(Batch, RaysToAPointAndParallelRays) {
     EXPECT_GT(expect_same_as_alone(bvh, towards_sun), 0.1);
 }
 
+// The lines of most packets meet in a light, but not in that of the packet before; those of others nearly meet there.
+// Some rays end beyond their light, and some begin there.
+TEST(Batch, RaysToSeveralLights) {
+    const Bvh bvh = build(soup(5000, 0.1f, 5));
+    const glm::vec3 lights[] = {{0.7f, 5.f, 0.9f}, {0.72f, 5.f, 0.9f}, {-3.f, 4.f, 2.f}, {0.1f, 0.2f, 0.3f}};
+    std::vector<Ray> rays;
+    Random random(31);
+    for (unsigned y = 0; y < 64; ++y)
+        for (unsigned x = 0; x < 96; ++x) {
+            const glm::vec3 from(float(x) / 48 - 1, -1.2f, float(y) / 32 - 1);
+            glm::vec3 light = lights[(x / 24 + y / 16) % 4];
+            if (y % 8 == 0) light += 0.01f * random.in_cube(1.f);
+            const float end = y % 16 < 12 ? 0.9999f : 3.f;
+            rays.push_back(y % 16 < 14 ? make_ray(from, light - from, 0.f, end)
+                                       : make_ray(light, from - light, 0.f, end));
+        }
+    EXPECT_GT(expect_same_as_alone(bvh, rays), 0.1);
+}
+
 TEST(Batch, RandomRaysHitAsAlone) {
     const Bvh bvh = build(soup(20'011, 0.05f, 6));
     EXPECT_GT(expect_same_as_alone(bvh, random_rays(50'021, 1.5f, 1.f, 7)), 0.1);
