@@ -4,8 +4,8 @@ set(kind_cpu -DCLARAY_CPU=1)
 set(kind_gpu -DCLARAY_CPU=0)
 set(kind_nvidia -DCLARAY_CPU=0 -DCLARAY_NVIDIA=1 --target=nvptx64-unknown-nvcl -Dasm=__asm__  # C99 reserves no `asm`
     -DRAY_QUEUE=1)
-set(kind_effects -DCLARAY_CPU=1 -DCLARAY_INSTANCE_MOTION=1 -DINSTANCES=1 -DINSTANCE_MOTION=1)  # what is off unless told
-set(kind_nvidia_coherent ${kind_nvidia} -DCOHERENT=1)
+set(kind_effects -DCLARAY_CPU=1 -DCLARAY_INSTANCE_MOTION=1 -DINSTANCES=1 -DINSTANCE_MOTION=1 -DPRIMITIVES=31)  # what is off unless told
+set(kind_nvidia_coherent ${kind_nvidia} -DCOHERENT=1 -DPRIMITIVES=31)
 set(kind_cutouts ${kind_nvidia_coherent} -DCLARAY_CUTOUTS=1)
 set(kind_diffuse -DCLARAY_CPU=1 -DMATERIALS=1 -DNORMALS=0 -DTEXTURES=0 -DMIPMAPS=0 -DENVIRONMENT=0 -DLIGHT_TREE=0  # by sixteen
     -DSPOT_LIGHTS=0 -DDIRECTIONAL_LIGHTS=0 -DLIGHT_FALLOFF=0 -DABSORPTION=0)

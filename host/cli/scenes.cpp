@@ -18,7 +18,7 @@ constexpr const char* descriptions[] = {
     "hills with firs around a mirroring lake",
     "hills of sines that shine, for shading models",
     "eight statues of 100,000 triangles each, for heat maps",
-    "every effect at once",
+    "every effect but primitives at once",
     "one effect, by its name in claray explain: effect:mirror",
     "mountains and bushes, N triangles in total",
     "N random triangles, the hardest input for a tree",

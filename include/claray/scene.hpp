@@ -272,10 +272,10 @@ struct Scene {
 /// finite are culled and counted when the structure is built.
 void validate(const Scene& scene);
 
-/// Returns a built-in scene: "cornell", "spheres", "crate", "hills", "effects" (all effects), "effect:NAME" (one
+/// Returns a built-in scene: "cornell", "spheres", "crate", "hills", "effects" (all but primitives), "effect:NAME" (one
 /// effect, by its name in `claray explain`), "terrain:N", "soup:N", "fan:N", "hair:N", "ball:N" (N triangles),
-/// "curves:N" (the strands of "hair:N" as curves). Returns
-/// no scene for an unknown name. Throws ErrorKind::usage for an invalid N.
+/// "curves:N" (the strands of "hair:N" as curves). Returns no scene for an unknown name. Throws ErrorKind::usage for an
+/// invalid N.
 [[nodiscard]] std::optional<Scene> builtin_scene(const std::string& name);
 [[nodiscard]] std::span<const char* const> builtin_scene_names();
 

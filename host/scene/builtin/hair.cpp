@@ -69,8 +69,8 @@ private:
     bool left_ = false;
 };
 
-/// A B-spline from the strand's root, with a control point at every third step. Its tube is as thick as the ribbon looks
-/// in the mean over all sides.
+/// A B-spline from the strand's root, with a control point at every third step. Its tube is as thick as the ribbon
+/// looks in the mean over all sides.
 void add_curve(PrimitiveSet& set, std::size_t triangles, float half_width, Random& random) {
     const std::uint32_t material = random.below(shades);
     const float radius = half_width * float(2 / std::numbers::pi);

@@ -130,6 +130,53 @@ TEST(ScenePrimitives, AreSeenExactly) {
     for (unsigned number = 2; number < 7; ++number) EXPECT_GT(pixels[number], 100u) << number;
 }
 
+TEST(ScenePrimitives, AreHiddenByTrianglesBeforeThem) {
+    Scene scene = all_kinds();
+    const Aovs open = Renderer(device(), scene, {.width = 64, .height = 64}).aovs();
+    Mesh& curtain = scene.meshes.emplace_back();  // before the left half
+    curtain.positions = {{-3, -3, 5}, {0, -3, 5}, {0, 3, 5}, {-3, 3, 5}};
+    curtain.triangles = {{0, 1, 2}, {0, 2, 3}};
+    const Aovs half = Renderer(device(), scene, {.width = 64, .height = 64}).aovs();
+    for (unsigned i = 0; i < 64 * 64; ++i) {
+        if (i % 64 < 32) {
+            ASSERT_TRUE(half.primitive[i] == 2 || half.primitive[i] == 3) << i;
+            ASSERT_EQ(half.depth[i], 5.f);
+        } else if (open.primitive[i] != CLARAY_MISS) {
+            ASSERT_EQ(half.primitive[i], open.primitive[i] + 2) << i;
+        }
+    }
+}
+
+/// The normal of a thick bent curve points away from the nearest point of its centre line, but for the bend of a piece.
+TEST(ScenePrimitives, BentCurvesHaveTheNormalsOfTheirPieces) {
+    Scene scene = all_kinds();
+    const glm::dvec2 p[] = {{-1, -1}, {-1, 0.6}, {1, 0.6}, {1, -1}};
+    scene.meshes.clear(), scene.primitives.resize(1);
+    for (int i = 0; i < 4; ++i) scene.primitives[0].points[i] = glm::vec4(p[i], 0, 0.25f);
+    scene = with_all_kinds(scene);
+    constexpr unsigned side = 64;
+    const Aovs aovs = Renderer(device(), scene, {.width = side, .height = side}).aovs();
+    double most = 0, sum = 0;
+    unsigned seen = 0;
+    for (unsigned i = 0; i < side * side; ++i) {
+        if (aovs.primitive[i] == CLARAY_MISS) continue;
+        const glm::dvec3 at(3 * ((i % side + 0.5) / side - 0.5), 3 * (0.5 - (i / side + 0.5) / side),
+                            10 - aovs.depth[i]);
+        glm::dvec3 nearest(1e30);
+        for (int k = 0; k <= 1000; ++k) {
+            const double s = k * 1e-3, r = 1 - s;
+            const glm::dvec2 c = r * r * r * p[0] + 3 * r * r * s * p[1] + 3 * r * s * s * p[2] + s * s * s * p[3];
+            const glm::dvec3 from = at - glm::dvec3(c, 0);
+            if (glm::dot(from, from) < glm::dot(nearest, nearest)) nearest = from;
+        }
+        const double difference = glm::length(glm::normalize(nearest) - glm::dvec3(aovs.normal[i]));
+        most = std::max(most, difference), sum += difference, ++seen;
+    }
+    EXPECT_GT(seen, 500u);
+    EXPECT_LT(most, 0.16);
+    EXPECT_LT(sum / seen, 0.04) << most;
+}
+
 /// The balls and tubes of a scene as triangles so fine that no pixel shows their edges.
 Scene as_triangles(Scene scene) {
     for (const PrimitiveSet& set : scene.primitives)
