@@ -191,7 +191,6 @@ static inline void shade_rays16(const Step* step, SCENE_PARAMETERS, global RayQu
     LastTriangle last = {CLARAY_MISS, (float3)(0.0f), CLARAY_NO_MAP, (float4)(0.0f)};
     HitGroup group;
     float3 gathered[SLOTS_AT_ONCE];
-    const bool ends = !LIGHT_GRID && depth + 1 >= step->waves;  // no path goes on
     group.scattering = group.picked = group.plain = 0;
     for (uint k = 0; k < SLOTS_AT_ONCE; ++k)
         group.state[k] = state_of_ray(states_of_queue(queue, room), depth, begin + min(k, count - 1));
@@ -214,6 +213,7 @@ static inline void shade_rays16(const Step* step, SCENE_PARAMETERS, global RayQu
                         &gathered[k], &group.at[k]))
             continue;
 #if LIGHT_LISTS
+        const bool ends = !LIGHT_GRID && depth + 1 >= step->waves;  // no path goes on
         if (keep_plain(&lights.data, &group.at[k], &group, k) && ends) continue;
 #endif
         group.scattering |= 1u << k;
