@@ -69,7 +69,7 @@ TEST(Accuracy, WritesAPipeOnce) {
 /// The two CPU devices of PoCL stand for several devices.
 TEST(Accuracy, NamesTheDeviceOfEachStudy) {
     const ProcessResult result = run_claray({"accuracy", "cornell", "--size", "12x12", "--spp", "2", "--runs", "1",
-                                             "--only", "sampling", "--device", "all", "--json", "-q"},
+                                             "--only", "sums", "--device", "all", "--json", "-q"},
                                             {{"POCL_DEVICES", "basic pthread"}});
     ASSERT_EQ(result.exit_code, 0) << result.errors;
     const auto study = nlohmann::json::parse(result.output).at("studies").at(0);
