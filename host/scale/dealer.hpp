@@ -34,8 +34,8 @@ struct PixelRun {
 /// The image is divided into bands of consecutive pixels. A worker that has rendered samples of a band holds its sums
 /// and goes on with it, so that the samples of a pixel are added in their order and seldom move. A worker that is ahead
 /// of another one takes bands over from it, as many as its measured speed is worth; they are its own from then on, so
-/// that it does not ask twice. Pieces of work take about 0.1 s,
-/// and an eighth of the time so far at the beginning, and of the remaining time near the end.
+/// that it does not ask twice. Pieces of work take about 0.1 s, and a quarter of the time so far at the beginning and
+/// of the remaining time near the end.
 class Dealer {
 public:
     /// `runs` cover all pixels of the image; the caller knows the sums of those that have samples. Passes grow as in

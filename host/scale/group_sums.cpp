@@ -9,8 +9,8 @@ GroupSums::GroupSums(const Device* device, std::size_t pixels, bool odd, const F
     const std::size_t bytes = pixels * (sizeof(FilmPixel) + (odd ? sizeof(ColorSum) : 0));
     std::uint8_t* memory = nullptr;
     if (device != nullptr) try {
-            fast_.emplace(device->with_new_queue(),
-                          bytes);  // whose commands do not wait for those of the device's set-up
+            // Commands of a new queue do not wait for those of the device's set-up.
+            fast_.emplace(device->with_new_queue(), bytes);
             memory = fast_->data();
         } catch (const Error&) {  // page-locked memory is scarce
             fast_.reset();
