@@ -10,15 +10,22 @@ namespace {
 constexpr std::uint32_t least_pixels = 16;  // in a band
 constexpr double piece_seconds = 0.1;
 constexpr double least_piece_seconds = 2e-3;
-/// A piece is this part of the time so far and of the remaining time: workers have a few in advance, and others join
-/// late or end early.
-constexpr double share_at_ends = 4;
+/// Near the end a piece is this part of the remaining time, since workers have a few in advance. While others are
+/// expected, it is also this part of the time so far: one that joins waits for the pieces of those that hold all
+/// pixels.
+constexpr double share_at_end = 3, share_at_begin = 4;
+/// A piece has at most so many times the paths of the one before: speed is not yet known well.
+constexpr double growth = 4;
 /// Small pieces on GPUs are slow, since they start as many kernels as large ones do: an H200
 /// needs 5 ms for half a million paths inside sponza, and 57 ms for 16 million.
 constexpr double seconds_worth_starting = 0.02;
+constexpr double first_pieces_worth_starting = 8;
+/// The first passes are so short that a piece may have all of them, up to so many samples per pixel.
+constexpr double short_passes = 16;
 constexpr double remembered_passes = 2;  // in the measured speed: parts of an image differ in cost
 constexpr double unequal = 0.1;          // share of the time left by which workers may end earlier than others
-constexpr unsigned most_tries = 16;      // to find a worker that is behind: an order must not take long
+constexpr std::uint32_t most_pixels_of_sums = 1 << 16;  // of an order for sums: the worker holds a copy of them
+constexpr unsigned most_tries = 16;                     // to find a worker that is behind: an order must not take long
 /// A worker renders ahead of the others up to twice their samples and these.
 constexpr std::uint32_t samples_ahead = 32;
 
@@ -130,7 +137,6 @@ Dealer::Dealer(const std::vector<PixelRun>& runs, std::uint32_t largest_pass, st
         for (std::uint32_t at = 0; at < run.pixels; at += size) {
             const std::uint32_t pixels = std::min(size, run.pixels - at);
             bands_.push_back({run.first + at, pixels, run.samples, run.samples, run.samples});
-            bands_.back().asked = run.samples > 0;
         }
         ordered_ += std::uint64_t(run.pixels) * run.samples;
     }
@@ -141,6 +147,7 @@ Dealer::Dealer(const std::vector<PixelRun>& runs, std::uint32_t largest_pass, st
 int Dealer::add(std::uint32_t first_paths, std::uint32_t most_paths, double handover) {
     workers_.push_back({std::max(1u, first_paths), std::max(1u, most_paths), handover});
     ++without_bands_;
+    all_had_shares_ = false;
     return int(workers_.size()) - 1;
 }
 
@@ -200,15 +207,28 @@ double Dealer::seconds_to_limit() const {
     return double(std::uint64_t(pixels_) * limit_ - ordered_) / std::max(speed_, 1.);
 }
 
+/// Half of what their speeds are worth at least. What was so once remains so until another one joins: looking at all
+/// for each order would take long with hundreds of ranks.
+bool Dealer::all_have_shares() {
+    const auto has_share = [&](const Worker& worker) {
+        const double pixels = double(worker.pixels + worker.coming_pixels);
+        return worker.is_lost || (worker.speed() > 0 && pixels * speed_ >= 0.5 * pixels_ * worker.speed());
+    };
+    if (!all_had_shares_ && workers_.size() >= expected_)
+        all_had_shares_ = std::all_of(workers_.begin(), workers_.end(), has_share);
+    return all_had_shares_;
+}
+
 double Dealer::seconds_so_far() const { return double(done_ - done_before_) / std::max(speed_, 1.); }
 
-double Dealer::paths_of_piece(const Worker& worker, double seconds_left) const {
+double Dealer::paths_of_piece(const Worker& worker, double seconds_left) {
     if (worker.speed() == 0 || worker.first_paths == worker.most_paths) return worker.first_paths;
-    const double from_end = std::min(seconds_so_far(), seconds_to_limit());
-    const double seconds =
-        std::clamp(std::min(from_end / share_at_ends, seconds_left / 2), least_piece_seconds, piece_seconds);
-    const double paths = std::min({worker.speed() * seconds, 4. * worker.last_paths, double(worker.most_paths)});
-    const double worth_starting = std::min(4. * worker.first_paths, worker.speed() * seconds_worth_starting);
+    double most = std::min(seconds_to_limit() / share_at_end, seconds_left / 2);
+    if (!all_have_shares()) most = std::min(most, seconds_so_far() / share_at_begin);
+    const double seconds = std::clamp(most, least_piece_seconds, piece_seconds);
+    const double paths = std::min({worker.speed() * seconds, growth * worker.last_paths, double(worker.most_paths)});
+    const double worth_starting =
+        std::min(first_pieces_worth_starting * worker.first_paths, worker.speed() * seconds_worth_starting);
     return seconds_left / 2 < seconds ? paths : std::max({paths, double(worker.first_paths), worth_starting});
 }
 
@@ -221,11 +241,12 @@ void Dealer::for_bands_of(const Batch& batch, const Visit& visit) {
 
 /// Whole passes more for few pixels, since short batches are slow; at most half as many samples again as they have.
 std::uint32_t Dealer::longer(const Batch& piece, double paths) const {
-    const std::uint32_t end = piece.first_sample + piece.samples;
-    const double most = std::min(1.5 * piece.first_sample, piece.first_sample + paths / piece.pixels);
-    if (most < end + largest_pass_ || end != end_of_pass(end)) return piece.samples;
-    const auto passes = std::uint32_t((most - end) / largest_pass_);
-    return std::min(limit_, end + passes * largest_pass_) - piece.first_sample;
+    std::uint32_t end = piece.first_sample + piece.samples;
+    if (end != end_of_pass(end)) return piece.samples;
+    const double most =
+        std::min(std::max(short_passes, 1.5 * piece.first_sample), piece.first_sample + paths / piece.pixels);
+    for (std::uint32_t next = end_of_pass(end + 1); next <= most; next = end_of_pass(end + 1)) end = next;
+    return std::min(limit_, end) - piece.first_sample;
 }
 
 Order Dealer::piece_from(Index b, int worker, double paths) {
@@ -264,7 +285,8 @@ std::optional<Order> Dealer::next(int number, double seconds_left) {
         worker.gives.pop_front();
         return give;
     }
-    if (!pays(worker, seconds_left)) return std::nullopt;
+    const bool is_measured = worker.speed() > 0 || worker.last_paths == 0 || worker.first_paths == worker.most_paths;
+    if (!is_measured || !pays(worker, seconds_left)) return std::nullopt;
     const Index band = first_band_for(number);
     const bool any = band != bands_.size();
     ask_others(number, any ? bands_[band].ordered : limit_);
@@ -327,14 +349,16 @@ void Dealer::ask(int holder, int taker, double samples) {
 void Dealer::order_to_give(Index b, int taker) {
     const Band& band = bands_[b];
     Worker& worker = workers_[std::size_t(band.holder)];
-    if (worker.gives.empty() || worker.gives.back().batch.first_pixel != band.first + band.pixels) {
-        worker.gives.push_back({Order::Kind::give, {band.first + band.pixels, 0, 0, 0, 0}, false, true});
+    const auto goes_on = [&](const Batch& last) {
+        return last.first_pixel == band.first + band.pixels && last.pixels + band.pixels <= most_pixels_of_sums;
+    };
+    if (worker.gives.empty() || !goes_on(worker.gives.back().batch)) {
+        worker.gives.push_back({Order::Kind::give, {band.first + band.pixels, 0, 0, 0, 0}});
         ++worker.giving;
     }
-    Order& give = worker.gives.back();
-    give.batch.first_pixel = band.first, give.batch.pixels += band.pixels;
-    give.is_first = give.is_first && !band.asked;
-    change(b, [&](Band& leaving) { leaving.leaves = leaving.asked = true, leaving.taker = taker; });
+    Batch& give = worker.gives.back().batch;
+    give.first_pixel = band.first, give.pixels += band.pixels;
+    change(b, [&](Band& leaving) { leaving.leaves = true, leaving.taker = taker; });
 }
 
 std::vector<Order> Dealer::handovers(int number) {
@@ -343,14 +367,14 @@ std::vector<Order> Dealer::handovers(int number) {
     std::vector<Order> orders(worker.gives.begin(), worker.gives.end());
     worker.gives.clear();
     for (const Index b : worker.bands) {
-        Band& band = bands_[b];
+        const Band& band = bands_[b];
         if (band.known == band.ordered) continue;
-        const bool goes_on =
-            std::ssize(orders) > given && orders.back().batch.first_pixel + orders.back().batch.pixels == band.first;
-        if (!goes_on) orders.push_back({Order::Kind::read, {band.first, 0, 0, 0, 0}, false, true});
+        const auto goes_on = [&](const Batch& last) {
+            return last.first_pixel + last.pixels == band.first && last.pixels + band.pixels <= most_pixels_of_sums;
+        };
+        if (std::ssize(orders) == given || !goes_on(orders.back().batch))
+            orders.push_back({Order::Kind::read, {band.first, 0, 0, 0, 0}});
         orders.back().batch.pixels += band.pixels;
-        orders.back().is_first = orders.back().is_first && !band.asked;
-        band.asked = true;
     }
     return orders;
 }
@@ -399,7 +423,7 @@ void Dealer::lost(int number) {
             done_ -= std::uint64_t(band.pixels) * (band.done - band.known);
             band.ordered = band.done = band.known;
             band.holder = band.taker = nobody;
-            band.leaves = band.is_away = false, band.asked = band.known > 0;
+            band.leaves = band.is_away = false;
         });
     }
     --without_bands_;

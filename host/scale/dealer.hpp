@@ -23,7 +23,6 @@ struct Order {
     Kind kind = Kind::render;
     Batch batch = {};
     bool brings_sums = false;  ///< of `render`: the sums so far of these pixels come with the order
-    bool is_first = false;     ///< of the others: the caller knows no sums of these pixels yet
 };
 
 /// Pixels with equal numbers of samples.
@@ -34,8 +33,8 @@ struct PixelRun {
 /// The image is divided into bands of consecutive pixels. A worker that has rendered samples of a band holds its sums
 /// and goes on with it, so that the samples of a pixel are added in their order and seldom move. A worker that is ahead
 /// of another one takes bands over from it, as many as its measured speed is worth; they are its own from then on, so
-/// that it does not ask twice. Pieces of work take about 0.1 s, and a quarter of the time so far at the beginning and
-/// of the remaining time near the end.
+/// that it does not ask twice. A worker's first piece measures its speed. The others take about 0.1 s, and half of the
+/// remaining time near the end.
 class Dealer {
 public:
     /// `runs` cover all pixels of the image; the caller knows the sums of those that have samples. Passes grow as in
@@ -46,6 +45,8 @@ public:
     /// `most_paths`; if both are equal, all have as many. `handover`: seconds to hand over the sums of a pixel in the
     /// end; the worker gets work only if that ends the render sooner. There must be a worker for which it is 0.
     int add(std::uint32_t first_paths, std::uint32_t most_paths, double handover = 0);
+    /// So many workers will have been added. Until then pieces at the beginning are shorter.
+    void expect(unsigned workers) { expected_ = workers; }
     /// No pixel gets more samples than this; never less than before.
     void set_limit(std::uint32_t samples);
     /// The next order for a worker; none if it has to wait for others. `seconds_left`: pieces take at most half of it.
@@ -87,7 +88,6 @@ private:
         int taker = nobody;    // to whom it leaves
         bool leaves = false;   // the holder is to give it
         bool is_away = false;  // the caller has its sums, and not yet the holder
-        bool asked = false;    // for its sums
     };
     /// Bands of equal numbers of samples that nobody holds, as runs of neighbours.
     class Runs {
@@ -140,9 +140,10 @@ private:
     [[nodiscard]] double samples_left(const Worker& worker) const {
         return double(worker.pixels + worker.coming_pixels) * limit_ - double(worker.ordered + worker.coming_ordered);
     }
-    [[nodiscard]] double paths_of_piece(const Worker& worker, double seconds_left) const;
+    [[nodiscard]] double paths_of_piece(const Worker& worker, double seconds_left);
     /// How many of the free pixels the worker may take.
     [[nodiscard]] std::uint32_t share_of_free(const Worker& worker) const;
+    [[nodiscard]] bool all_have_shares();
     [[nodiscard]] double seconds_so_far() const;
     [[nodiscard]] double seconds_to_limit() const;
     [[nodiscard]] std::uint32_t longer(const Batch& piece, double paths) const;
@@ -161,6 +162,8 @@ private:
     double speed_ = 0;                      // of all workers
     std::uint32_t free_pixels_ = 0;         // that nobody holds
     unsigned without_bands_ = 0;            // workers that hold none
+    unsigned expected_ = 0;                 // workers
+    bool all_had_shares_ = false;
     std::vector<Band> bands_;
     std::vector<Worker> workers_;
     std::set<std::pair<double, int>> by_seconds_;  // workers that may be asked for bands, by their time up to the limit

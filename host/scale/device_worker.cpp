@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t most_running = 2;    // orders on the device
 constexpr std::uint32_t most_batches = 8;  // of an order: more would delay what comes next
-constexpr std::uint32_t most_staged_pixels = 1 << 16;
+constexpr std::uint32_t pixels_of_trial = 1 << 16;
 
 /// The group decides when a render ends and saves its progress.
 RenderConfig config_of_part(RenderConfig config) {
@@ -58,29 +58,25 @@ std::optional<DeviceWorker::Job> DeviceWorker::next_job() {
     return job;
 }
 
-/// Through memory of its own, which is page-locked on GPUs: an H200 copies to other memory, also to that which another
-/// GPU has locked, at 1.4 instead of 50 GB/s.
-void DeviceWorker::read_sums(const Film::SumsSpan& to, std::uint32_t first) {
-    const Film& film = renderer_->state().film;
-    if (!staging_) staging_.emplace(&device_, most_staged_pixels, tells_error(config_), Film::Sums());
-    for (std::size_t at = 0; at < to.pixels.size(); at += most_staged_pixels) {
-        const std::size_t pixels = std::min<std::size_t>(most_staged_pixels, to.pixels.size() - at);
-        const Film::SumsSpan part = staging_->at(0, pixels);
-        film.read_sums(part, first + std::uint32_t(at));
-        std::copy(part.pixels.begin(), part.pixels.end(), to.pixels.begin() + std::ptrdiff_t(at));
-        std::copy(part.odd.begin(), part.odd.end(), to.odd.begin() + std::ptrdiff_t(at));
-    }
+/// Into memory of its own: a device that fails while it reads must not spoil earlier sums. It is page-locked on GPUs,
+/// since an H200 copies to other memory, also to that which another GPU has locked, at 1.4 instead of 50 GB/s.
+Film::SumsSpan DeviceWorker::read_sums(std::uint32_t first, std::uint32_t pixels) {
+    if (!staging_ || staging_->pixels() < pixels)
+        staging_.emplace(&device_, pixels, tells_error(config_), Film::Sums());
+    const Film::SumsSpan sums = staging_->at(0, pixels);
+    renderer_->state().film.read_sums(sums, first);
+    return sums;
 }
 
 /// Seconds for the sums of a pixel from this device to another one: the least of some copies, since the first one
 /// allocates, and others may be interrupted.
 double DeviceWorker::measure_handover() {
-    const std::uint32_t pixels = std::min(renderer_->state().pixels(), most_staged_pixels);
+    const std::uint32_t pixels = std::min(renderer_->state().pixels(), pixels_of_trial);
     const GroupSums some(nullptr, pixels, tells_error(config_), {});
     double least = 1e9;
     for (int copy = 0; copy < 4; ++copy) {
         const Clock::time_point begin = Clock::now();
-        read_sums(some.at(0, pixels), 0);
+        some.write(0, read_sums(0, pixels));
         least = std::min(least, seconds_since(begin));
     }
     return 2 * least / pixels;  // from the device, and to the other one
@@ -141,14 +137,11 @@ void DeviceWorker::start(const Job& job) {
         return;
     }
     while (!running_.empty()) wait_for_oldest();
-    if (shared_ != nullptr && job.order.is_first) {
-        read_sums(shared_->at(batch.first_pixel, batch.pixels), batch.first_pixel);
-        return report_done(job.sent);
-    }
-    Film::Sums sums;  // a device that fails while it reads must not spoil earlier sums
-    sums.pixels.resize(batch.pixels), sums.odd.resize(tells_error(config_) ? batch.pixels : 0);
-    read_sums({sums.pixels, sums.odd}, batch.first_pixel);
-    report_done(job.sent, std::move(sums));
+    const Film::SumsSpan read = read_sums(batch.first_pixel, batch.pixels);
+    if (shared_ == nullptr)
+        return report_done(job.sent, {{read.pixels.begin(), read.pixels.end()}, {read.odd.begin(), read.odd.end()}});
+    shared_->write(batch.first_pixel, read);
+    report_done(job.sent);
 }
 
 /// In batches for which the renderer has room; each pixel's samples in their order.

@@ -13,7 +13,7 @@ namespace claray {
 class DeviceWorker final : public Worker {
 public:
     /// Builds a Renderer in the thread and reports to `inbox` as `number`. `shared`: where orders that bring sums find
-    /// them, and where the first sums of pixels go; if it is null, they come with the orders and go with the reports.
+    /// them, and where sums go; if it is null, they come with the orders and go with the reports.
     /// All of these must outlive it.
     DeviceWorker(const Device& device, const Scene& scene, const RenderConfig& config, Inbox& inbox, std::size_t number,
                  const GroupSums* shared = nullptr);
@@ -41,7 +41,8 @@ private:
     void run();
     void set_up();
     [[nodiscard]] double measure_handover();
-    void read_sums(const Film::SumsSpan& to, std::uint32_t first);
+    /// Valid until the next call.
+    [[nodiscard]] Film::SumsSpan read_sums(std::uint32_t first, std::uint32_t pixels);
     [[nodiscard]] std::optional<Job> next_job();
     void start(const Job& job);
     void render(const Batch& batch);

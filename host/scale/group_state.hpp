@@ -48,6 +48,7 @@ struct RenderGroup::State {
     void take_report(std::chrono::microseconds patience);
     void take_done(Member& member, Report& report);
     void join_dealing(Member& member);
+    void expect_members();
     void drop(Member& member, const Report& report);
     void wait_for_lead();
     void wait_for_orders();

@@ -29,7 +29,7 @@ Film::SumsSpan GroupSums::at(std::size_t first, std::size_t pixels) const {
     return {pixels_.subspan(first, pixels), odd_.empty() ? odd_ : odd_.subspan(first, pixels)};
 }
 
-void GroupSums::write(std::size_t first, const Film::Sums& sums) const {
+void GroupSums::write(std::size_t first, const Film::ConstSumsSpan& sums) const {
     std::copy(sums.pixels.begin(), sums.pixels.end(), pixels_.begin() + std::ptrdiff_t(first));
     if (!odd_.empty()) std::copy(sums.odd.begin(), sums.odd.end(), odd_.begin() + std::ptrdiff_t(first));
 }

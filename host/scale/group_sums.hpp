@@ -15,9 +15,10 @@ public:
     /// copies to this memory fast, or null.
     GroupSums(const Device* device, std::size_t pixels, bool odd, const Film::Sums& from);
 
+    [[nodiscard]] std::size_t pixels() const { return pixels_.size(); }
     /// Those of `pixels` pixels from `first` on. The caller takes care that nobody else writes them.
     [[nodiscard]] Film::SumsSpan at(std::size_t first, std::size_t pixels) const;
-    void write(std::size_t first, const Film::Sums& sums) const;
+    void write(std::size_t first, const Film::ConstSumsSpan& sums) const;
     [[nodiscard]] Film::Sums copy(std::size_t first, std::size_t pixels) const;
 
 private:

@@ -101,6 +101,13 @@ void RenderGroup::State::begin_dealing() {
                    std::max(4096u, 16 * std::uint32_t(members.size())));
     for (Member& member : members)
         if (member.is_ready && !member.has_failed) join_dealing(member);
+    expect_members();
+}
+
+void RenderGroup::State::expect_members() {
+    dealer->expect(unsigned(std::count_if(members.begin(), members.end(), [](const Member& member) {
+        return member.number >= 0 || !member.has_failed;
+    })));
 }
 
 void RenderGroup::State::join_dealing(Member& member) {
@@ -235,6 +242,7 @@ void RenderGroup::State::drop(Member& member, const Report& report) {
     member.has_failed = true, member.failure = report.what;
     member.orders.clear();
     if (member.number >= 0) dealer->lost(member.number);
+    if (dealer) expect_members();
     const auto works = [](const Member& other) { return other.device != nullptr && !other.has_failed; };
     const auto next = std::find_if(members.begin(), members.end(), works);
     if (next == members.end()) {

@@ -21,6 +21,7 @@ public:
           dealer_({{0, pixels, 0}}, 16) {
         held_.assign(speeds_.size(), std::vector<std::uint32_t>(pixels));
         for (std::size_t w = 0; w + 1 < speeds_.size() || (last_begins == 0 && w < speeds_.size()); ++w) add();
+        dealer_.expect(unsigned(speeds_.size()));
         dealer_.set_limit(spp);
     }
 
