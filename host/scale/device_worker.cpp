@@ -9,7 +9,6 @@
 namespace claray {
 namespace {
 
-constexpr std::size_t most_running = 2;    // orders on the device
 constexpr std::uint32_t most_batches = 8;  // of an order: more would delay what comes next
 constexpr std::uint32_t pixels_of_trial = 1 << 16;
 
@@ -48,11 +47,10 @@ void DeviceWorker::carry_out(const Order& order, Film::Sums sums) {
     arrived_.notify_one();
 }
 
-/// Waits only while nothing runs on the device.
 std::optional<DeviceWorker::Job> DeviceWorker::next_job() {
     std::unique_lock lock(mutex_);
-    if (running_.empty()) arrived_.wait(lock, [&] { return ends_ || !jobs_.empty(); });
-    if (ends_ || jobs_.empty()) return std::nullopt;
+    arrived_.wait(lock, [&] { return ends_ || !jobs_.empty(); });
+    if (ends_) return std::nullopt;
     Job job = std::move(jobs_.front());
     jobs_.pop_front();
     return job;
@@ -104,14 +102,8 @@ void DeviceWorker::run() {
     Report failure{number_, Report::Kind::failed};
     try {
         set_up();
-        for (;;) {
-            const std::optional<Job> job = next_job();
-            if (job)
-                start(*job);
-            else if (running_.empty())
-                return;
-            if (!job || running_.size() >= most_running) wait_for_oldest();
-        }
+        while (const std::optional<Job> job = next_job()) carry_out(*job);
+        return;
     } catch (const Error& error) {
         failure.error = error.kind(), failure.what = error.what();
     } catch (const std::bad_alloc&) {
@@ -119,11 +111,12 @@ void DeviceWorker::run() {
     } catch (const std::exception& error) {
         failure.what = error.what();
     }
-    running_.clear();
     inbox_.post(std::move(failure));
 }
 
-void DeviceWorker::start(const Job& job) {
+/// One order after the other: while a batch is traced, the host reads how many rays are left, so that the next order
+/// would delay the report of this one, which tells its speed, until its own end.
+void DeviceWorker::carry_out(const Job& job) {
     Film& film = renderer_->state().film;
     const Batch& batch = job.order.batch;
     if (job.order.kind == Order::Kind::render) {
@@ -132,11 +125,9 @@ void DeviceWorker::start(const Job& job) {
         else if (job.order.brings_sums)
             film.set_sums(job.sums, batch.first_pixel);
         render(batch);
-        running_.push_back({Mark(device_), job.sent});
-        device_.queue().flush();
-        return;
+        Mark(device_).wait();
+        return report_done(job.sent);
     }
-    while (!running_.empty()) wait_for_oldest();
     const Film::SumsSpan read = read_sums(batch.first_pixel, batch.pixels);
     if (shared_ == nullptr)
         return report_done(job.sent, {{read.pixels.begin(), read.pixels.end()}, {read.odd.begin(), read.odd.end()}});
@@ -155,13 +146,6 @@ void DeviceWorker::render(const Batch& all) {
     }
     samples_ += std::uint64_t(all.pixels) * all.samples;
     state.choose_kernels(samples_ >= state.pixels());
-}
-
-void DeviceWorker::wait_for_oldest() {
-    running_.front().end.wait();
-    const Clock::time_point sent = running_.front().sent;
-    running_.pop_front();
-    report_done(sent);
 }
 
 void DeviceWorker::report_done(Clock::time_point sent, Film::Sums sums) {

@@ -33,10 +33,6 @@ private:
         Film::Sums sums;
         Clock::time_point sent;
     };
-    struct Running {
-        Mark end;
-        Clock::time_point sent;
-    };
 
     void run();
     void set_up();
@@ -44,9 +40,8 @@ private:
     /// Valid until the next call.
     [[nodiscard]] Film::SumsSpan read_sums(std::uint32_t first, std::uint32_t pixels);
     [[nodiscard]] std::optional<Job> next_job();
-    void start(const Job& job);
+    void carry_out(const Job& job);
     void render(const Batch& batch);
-    void wait_for_oldest();
     void report_done(Clock::time_point sent, Film::Sums sums = {});
 
     Device device_;
@@ -58,7 +53,6 @@ private:
     std::optional<Renderer> renderer_;
     std::optional<GroupSums> staging_;
     std::uint64_t samples_ = 0;
-    std::deque<Running> running_;
     Clock::time_point last_done_;
 
     std::mutex mutex_;
