@@ -123,6 +123,38 @@ TEST(Batch, RaysToSeveralLights) {
     EXPECT_GT(expect_same_as_alone(bvh, rays), 0.1);
 }
 
+// A packet's occluder is tried first by the next: two large triangles, whose shadow ends within packets. Every second
+// ray passes near or through their edges. Then ranges that end or begin at the hit, or at the next number beside it.
+TEST(Batch, RaysThatAlmostHitTheLastOccluder) {
+    Mesh mesh = soup(2000, 0.02f, 33);
+    const auto first = std::uint32_t(mesh.positions.size());
+    const glm::vec3 corners[] = {{-0.8f, 1.1f, -0.7f}, {0.9f, 1.2f, -0.6f}, {0.7f, 1.3f, 0.8f}, {-0.6f, 1.15f, 0.9f}};
+    mesh.positions.insert(mesh.positions.end(), std::begin(corners), std::end(corners));
+    mesh.triangles.emplace_back(first, first + 1, first + 2), mesh.triangles.emplace_back(first, first + 2, first + 3);
+    const Bvh bvh = build(mesh);
+    const glm::vec3 light(0.3f, 6.f, 0.2f);
+    std::vector<Ray> rays;
+    for (unsigned y = 0; y < 64; ++y)
+        for (unsigned x = 0; x < 96; ++x) {
+            const glm::vec3 from(float(x) / 48 - 1, -1.2f, float(y) / 32 - 1);
+            const glm::vec3 *a = &corners[x % 4], *b = &corners[(x + 1 + y % 2) % 4];
+            const glm::vec3 on_edge = *a + float(y) / 64 * (*b - *a), behind = light + 1.5f * (on_edge - light);
+            rays.push_back(x % 2 == 0 ? make_ray(from, light - from, 0.f, 0.9999f)
+                                      : make_ray(behind, light - behind, 0.f, 1.f));
+        }
+    EXPECT_GT(expect_same_as_alone(bvh, rays), 0.3);
+    const std::vector<Hit> hits = alone(bvh, rays);
+    for (const int variant : {0, 1, 2, 3}) {
+        std::vector<Ray> ranged = rays;
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            if (hits[i].primitive == CLARAY_MISS || i % 64 < 24) continue;  // so that packets have an occluder
+            const float t = hits[i].t, less = std::nextafter(t, 0.f);
+            (variant < 2 ? ranged[i].tmax : ranged[i].tmin) = variant % 2 == 0 ? t : less;
+        }
+        expect_same_as_alone(bvh, ranged);
+    }
+}
+
 TEST(Batch, RandomRaysHitAsAlone) {
     const Bvh bvh = build(soup(20'011, 0.05f, 6));
     EXPECT_GT(expect_same_as_alone(bvh, random_rays(50'021, 1.5f, 1.f, 7)), 0.1);
