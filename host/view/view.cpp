@@ -15,9 +15,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr float most_pixels_a_side = 16384;
-constexpr double least_share = 0.25;    // of a frame's time that is spent on sampling
-constexpr double share_of_first = 0.7;  // of the same, in the first frame after a change
-constexpr int noise_radius = 2;         // of the square of pixels over which the error map takes the mean
+constexpr double least_share = 0.2;  // of a frame's time that is spent on sampling
+constexpr int noise_radius = 2;      // of the square of pixels over which the error map takes the mean
 
 [[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
     throw Error(ErrorKind::user, what, remedy);
@@ -150,11 +149,12 @@ void View::preview() {
 }
 
 /// The time that the picture of the last frame and its display took is not available for sampling. The first frame
-/// after a change comes sooner, since the batches that run when the time is over still have to end.
+/// after a change takes the least time, since it is an answer; the batches that run when the time is over still have to
+/// end.
 void View::sample_frame() {
     const double others = std::chrono::duration<double>(Clock::now() - sampled_at_).count();
-    const double share = spp_ == 0 ? share_of_first : 1;
-    render(std::max(share * config_.frame_seconds - others, least_share * config_.frame_seconds));
+    const double least = least_share * config_.frame_seconds;
+    render(spp_ == 0 ? least : std::max(config_.frame_seconds - others, least));
     sampled_at_ = Clock::now();
 }
 

@@ -92,25 +92,44 @@ static inline FilmPixel summed_pixel(Batch batch, global const uint* tables, uin
     return pixel;
 }
 
+/// Counts the samples that batches which begin their pixels leave out. They are few.
+static inline void count_dropped(FilmPixel pixel, uint begins, volatile global uint* dropped) {
+    if (begins && pixel.dropped != 0u) atomic_add(dropped, pixel.dropped);
+}
+
 #if CLARAY_CPU
+/// The pixel with one sample, whose sums need no rounding.
+static inline FilmPixel pixel_of_one(float3 sample, float limit, bool odd) {
+    const bool counts = can_be_summed(sample);
+    const float3 c = counts ? clamped(sample, limit) : (float3)(0.0f);
+    const uint one = counts ? 1u : 0u;
+    const FilmPixel pixel = {{c.x, c.y, c.z, 0.0f, 0.0f, 0.0f}, odd ? luminance(c) : 0.0f, 0.0f, one, odd ? one : 0u, 1u - one};
+    return pixel;
+}
+
 kernel void accumulate_film(Batch batch, global const uint* tables, uint listed, uint begins, float limit,
-                            global const float* radiance, global FilmPixel* film) {
+                            global const float* radiance, global FilmPixel* film, volatile global uint* dropped) {
     const uint i = get_global_id(0);
     if (i >= batch.pixels || !is_first_entry(batch, tables, listed, i)) return;
     const uint at = film_pixel(batch, tables, listed, i);
-    film[at] = summed_pixel(batch, tables, listed, begins, limit, radiance, film, i, at);
+    const bool one = CLARAY_TEXTBOOK_SUMS ? false : begins && batch.samples == 1u && !batch.listed;
+    const FilmPixel pixel = one ? pixel_of_one(vload3(i, radiance), limit, batch.first_sample & 1u)
+                                : summed_pixel(batch, tables, listed, begins, limit, radiance, film, i, at);
+    count_dropped(pixel, begins, dropped);
+    film[at] = pixel;
 }
 #else
 /// A group stores its neighbouring pixels word by word out of local memory. If each item stored its own eleven words, each of the
 /// eleven stores would touch all the sectors of the group's pixels.
 kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
 void accumulate_film(Batch batch, global const uint* tables, uint listed, uint begins, float limit, global const float* radiance,
-                     global FilmPixel* film) {
+                     global FilmPixel* film, volatile global uint* dropped) {
     local FilmPixel pixels[GROUP_SIZE];
     const uint i = get_global_id(0), own = get_local_id(0), first = i - own;
     if (i < batch.pixels && is_first_entry(batch, tables, listed, i)) {
         const uint at = film_pixel(batch, tables, listed, i);
         pixels[own] = summed_pixel(batch, tables, listed, begins, limit, radiance, film, i, at);
+        count_dropped(pixels[own], begins, dropped);
         if (batch.listed) film[at] = pixels[own];
     }
     if (batch.listed || first >= batch.pixels) return;

@@ -5,9 +5,6 @@
 #include "render/first_ray.clh"
 #include "render/queue.clh"
 #include "render/shade_hit.clh"
-#if CLARAY_CPU
-#include "math/vector_sixteen.clh"
-#endif
 
 #define LEAST_ALBEDO 0.02f  // darker surfaces count as this, so that light that their coats reflect is finite per albedo
 #ifndef MOST_MIRRORS
@@ -35,23 +32,13 @@ static inline Batch sample_of(const GuideStep* guide, uint ray, global const uin
 kernel void guide_rays(GuideStep guide, global const uint* list, global Ray* rays, global float* times) {
     const uint begin = 16u * (uint)get_global_id(0), count = guide.step.capacity, of_each = guide.step.batch.samples;
     if (begin >= count) return;
-    uint pixel[16], number[16], seed[16];
-    float x[16], y[16];
-    for (uint i = 0; i < 16; ++i) {
-        const uint ray = min(begin + i, count - 1);
-        pixel[i] = guided_pixel(&guide, ray / of_each, list), number[i] = ray % of_each;
-    }
-    const uint16 seeds = hash_words_of_16(vload16(0, pixel), (uint16)(guide.step.frame.seed));
-    const SamplePairs16 drawn = sample_pair_of_16(SAMPLER, seeds, vload16(0, number), (uint16)(DIMENSION_FILM));
-    vstore16(seeds, 0, seed), vstore16(unit_floats16(drawn.x), 0, x), vstore16(unit_floats16(drawn.y), 0, y);
-    for (uint i = 0; i < min(16u, count - begin); ++i) {
-        const PathSamples samples = {seed[i], number[i]};
-        float time = 0.0f;
-        store_ray(&rays[begin + i], ray_at_random_time(&guide.step.frame, pixel[i], (float2)(x[i], y[i]), samples, &time));
-#if INSTANCE_MOTION
-        times[begin + i] = time;
-#endif
-    }
+    uint pixel[16];
+    const uint16 lanes = (uint16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
+    const uint16 rays_here = min(begin + lanes, (uint16)(count - 1)), elements = quotients16(rays_here, of_each);
+    vstore16(elements, 0, pixel);
+    for (uint i = 0; i < 16; ++i) pixel[i] = guided_pixel(&guide, pixel[i], list);
+    const uint16 pixels = vload16(0, pixel), seeds = hash_words_of_16(pixels, (uint16)(guide.step.frame.seed));
+    store_first_rays16(&guide.step.frame, pixels, seeds, rays_here - elements * of_each, 0u, min(16u, count - begin), rays + begin, times + begin);
 }
 #else
 /// Camera rays: `samples` of each pixel, from the first sample on.

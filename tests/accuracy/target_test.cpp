@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "host/accuracy/late_frames.hpp"
+#include "host/accuracy/pick_samples.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/tuning.hpp"
@@ -261,6 +262,24 @@ TEST(RenderFrames, TwoLateOnesWithinFiftyLightenTheNext) {
     for (int i = 0; i < 49; ++i) EXPECT_FALSE(frames.lighten_after(0.0094));
     EXPECT_FALSE(frames.lighten_after(0.02));
     EXPECT_TRUE(frames.lighten_after(0.0096));
+}
+
+/// Against all numbers of samples, for frames whose own time is none, small and nearly all.
+TEST(RenderFrames, TakeAsManySamplesAsFit) {
+    for (const double own : {0.0, 1.0, 9.0})
+        for (const double each : {0.004, 0.05, 0.3, 1.0, 6.0})
+            for (const unsigned most : {1u, 2u, 7u, 1024u}) {
+                if (own + each > 10) continue;
+                unsigned measured = 0, best = 1;
+                const auto time_of = [&](unsigned spp) { return ++measured, own + each * spp; };
+                const PickedSamples picked = pick_samples(own + each, most, 10, time_of);
+                for (unsigned spp = 2; spp <= most && own + each * spp <= 10; ++spp) best = spp;
+                EXPECT_LE(picked.spp, best) << own << ' ' << each << ' ' << most;
+                EXPECT_GE(picked.spp + 1 + picked.spp / 32, best) << own << ' ' << each << ' ' << most;
+                EXPECT_TRUE(picked.spp == best || best >= 33) << own << ' ' << each << ' ' << most;
+                EXPECT_DOUBLE_EQ(picked.seconds, own + each * picked.spp);
+                EXPECT_LE(measured, 8u) << "each takes nine frames";
+            }
 }
 
 /// A rate at which one sample of every pixel takes too long: cheaper frames are made, and enlarged.

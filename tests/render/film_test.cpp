@@ -148,6 +148,44 @@ TEST(Film, NoiseIsUnknownAfterOneSample) {
     EXPECT_EQ(film.noise().relative, 0.0);
 }
 
+/// A pixel that begins with one sample is not summed; one that was begun without samples is.
+TEST(Film, OneSampleIsTheSumOfItself) {
+    const std::uint32_t pixels = 77;
+    const float inf = std::numeric_limits<float>::infinity();
+    std::vector<float> values = random_radiance(pixels, 1, 3);
+    values[3] = NAN, values[7] = inf, values[3 * 70 + 2] = -2e30f, values[12] = -3, values[15] = 0, values[16] = 1e-40f;
+    const Buffer<float> radiance(device(), values);
+    for (const std::uint32_t number : {0u, 1u}) {
+        for (const float limit : {0.f, 2.f}) {
+            Film one(device(), pixels, false, limit), summed(device(), pixels, false, limit);
+            (void)summed.pixels();
+            for (Film* film : {&one, &summed}) film->accumulate({0, pixels, number, 1, 0}, radiance);
+            const Film::Sums a = one.sums(), b = summed.sums();
+            EXPECT_EQ(std::memcmp(a.pixels.data(), b.pixels.data(), pixels * sizeof(FilmPixel)), 0) << number;
+            EXPECT_EQ(one.noise().dropped, 3u);
+            EXPECT_EQ(summed.noise().dropped, 3u);
+        }
+    }
+}
+
+/// Without a look at the pixels as long as they have one sample each.
+TEST(Film, CountsDroppedSamplesOfFrames) {
+    const std::uint32_t pixels = 70;
+    std::vector<float> values = random_radiance(pixels, 1, 4);
+    values[0] = values[100] = values[101] = NAN;
+    const Buffer<float> bad(device(), values), good(device(), random_radiance(pixels, 1, 5));
+    Film film(device(), pixels);
+    film.accumulate({0, 40, 0, 1, 0}, bad);
+    EXPECT_EQ(film.noise().dropped, 2u);
+    film.clear();
+    EXPECT_EQ(film.noise().dropped, 0u);
+    film.accumulate({0, pixels, 0, 1, 0}, good);
+    EXPECT_EQ(film.noise().dropped, 0u);
+    film.accumulate({0, pixels, 1, 1, 0}, bad);
+    EXPECT_EQ(film.noise().dropped, 2u);
+    EXPECT_GT(film.noise().relative, 0.0);
+}
+
 /// Images with known expectation, and a sample of one of their pixels.
 struct SyntheticImage {
     const char* name;

@@ -5,6 +5,7 @@
 
 #include "host/accuracy/forecast.hpp"
 #include "host/accuracy/late_frames.hpp"
+#include "host/accuracy/pick_samples.hpp"
 #include "host/accuracy/study.hpp"
 #include "host/base/percentile.hpp"
 
@@ -118,24 +119,6 @@ double pick_depth(Frames& frames, double budget) {
     return seconds;
 }
 
-/// Samples are cheaper together: doubles their number until they do not fit, and then searches between. `seconds`: the
-/// time of one, and then of those picked.
-void pick_samples(Frames& frames, unsigned most, double budget, double& seconds) {
-    unsigned fits = 1, too_many = 0;
-    while (seconds < 0.8 * budget) {
-        const auto by_time = unsigned(std::min(fits * budget / seconds, double(most)));
-        const unsigned next = too_many == 0 ? std::min(std::max(2 * fits, by_time), most) : (fits + too_many) / 2;
-        if (next == fits) break;
-        frames.spp = next;
-        const double time = frames.slowest();
-        if (time <= budget)
-            fits = next, seconds = time;
-        else
-            too_many = next;
-    }
-    frames.spp = fits;
-}
-
 constexpr const char* complete_name = "complete";
 
 /// A way to make frames.
@@ -189,8 +172,12 @@ public:
     void take_samples(Way& way) const {
         use(way);
         way.one = way.seconds;
-        pick_samples(*way.frames, std::min(config_.spp, most_spp), share * budget_, way.seconds);
-        way.spp = way.frames->spp;
+        const PickedSamples picked =
+            pick_samples(way.one, std::min(config_.spp, most_spp), share * budget_, [&](unsigned spp) {
+                way.frames->spp = spp;
+                return way.frames->slowest();
+            });
+        way.frames->spp = way.spp = picked.spp, way.seconds = picked.seconds;
     }
 
     /// Makes the frames those of this way, since ways may share a renderer.

@@ -27,6 +27,7 @@ Film::Film(const Device& device, std::uint32_t pixels, bool tells_error, float s
       items_(items_for(device, pixels)),
       pixels_(device, pixels),
       odd_(device, tells_error ? pixels : 1),
+      dropped_(device, 1),
       sums_(device, (items_ + group_ - 1) / group_),
       kernels_(device) {
     clear();
@@ -50,6 +51,7 @@ void Film::accumulate(const Batch& batch, const Buffer<float>& radiance, const B
         begun_ += batch.pixels;
     else if (batch.listed || batch.first_pixel + batch.pixels > begun_)
         begin_all();
+    has_single_samples_ = has_single_samples_ && begins && batch.samples == 1;
     add(batch, radiance, tables, listed, begins);
     forget_look();
 }
@@ -57,7 +59,8 @@ void Film::accumulate(const Batch& batch, const Buffer<float>& radiance, const B
 void Film::add(const Batch& batch, const Buffer<float>& radiance, const Buffer<std::uint32_t>& tables,
                std::uint32_t listed, bool begins) const {
     const auto flag = std::uint32_t(begins);
-    kernels_.accumulate.run({batch.pixels, 64}, batch, tables, listed, flag, sample_clamp_, radiance, pixels_);
+    kernels_.accumulate.run({batch.pixels, 64}, batch, arg("tables", tables), listed, flag, sample_clamp_, radiance,
+                            pixels_, arg("dropped", dropped_));
     if (tells_error_)
         accumulate_odd_.run({batch.pixels, 64}, batch, tables, listed, flag, sample_clamp_, radiance, odd_);
 }
@@ -74,6 +77,8 @@ void Film::forget_look() {
 
 void Film::clear() {
     begun_ = 0;
+    has_single_samples_ = true;
+    dropped_.fill(0);
     forget_look();
 }
 
@@ -91,6 +96,7 @@ void Film::read_sums(const SumsSpan& to, std::uint32_t first) const {
 
 void Film::set_sums(const ConstSumsSpan& sums, std::uint32_t first) {
     begin_all();
+    has_single_samples_ = false;
     pixels_.write(sums.pixels, first);
     if (tells_error_) odd_.write(sums.odd, first);
     forget_look();
@@ -121,7 +127,7 @@ std::vector<glm::vec3> Film::image(const ImageSizes& size) const {
 }
 
 void Film::look() const {
-    if (totals_ || looks_) return;
+    if (totals_ || looks_ || has_single_samples_) return;
     measure();
     looks_ = true;
 }
@@ -148,7 +154,7 @@ Film::Totals Film::measured() const {
 /// again in another unit, with which the next look begins.
 const Film::Totals& Film::totals() const {
     if (totals_) return *totals_;
-    look();
+    if (!looks_) measure();
     totals_ = measured();
     looks_ = false;
     const double mean = totals_->luminance / totals_->noise_pixels;
@@ -160,7 +166,9 @@ const Film::Totals& Film::totals() const {
     return *totals_;
 }
 
+/// A frame of one sample per pixel has no noise to measure: looking at all pixels would take longer than their sums.
 Film::Noise Film::noise() const {
+    if (has_single_samples_) return {0, dropped_.read()[0]};
     const Totals& total = totals();
     Noise noise;
     noise.dropped = total.dropped;

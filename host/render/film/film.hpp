@@ -120,6 +120,8 @@ private:
     Buffer<FilmPixel> pixels_;
     Buffer<ColorSum> odd_;
     Buffer<FilmSums> sums_;
+    Buffer<std::uint32_t> dropped_;                // samples, of batches that begin their pixels
+    bool has_single_samples_ = true;               // no pixel has more than one sample
     mutable Buffer<float> image_;                  // once it was asked for
     mutable std::shared_ptr<HostMemory> on_host_;  // likewise
     mutable std::uint64_t room_on_host_ = 0;       // bytes
