@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numeric>
+#include <optional>
 
+#include "host/accuracy/image_error.hpp"
 #include "host/compute/device_state.hpp"
 
 namespace claray {
@@ -87,18 +90,22 @@ MacroScope::MacroScope(const Device& device, const std::vector<Macro>& macros)
 }
 MacroScope::~MacroScope() { device_.state().tuning = before_; }
 
-Rendered render_image(const Device& device, const Scene& scene, RenderConfig config) {
-    config.seconds = config.noise = 0;
-    Renderer renderer(device, scene, config);
-    const RenderProgress reached = renderer.render();
-    return {renderer.image(), reached.seconds};
+RenderMethod render_with(const Device& device, const Scene& scene, const RenderConfig& with,
+                         std::vector<MacroScope::Macro> macros) {
+    RenderConfig config = with;
+    config.seconds = config.noise = config.error = 0;
+    const auto renderer = std::make_shared<std::optional<Renderer>>();
+    return [=, &scene, macros = std::move(macros)](std::uint32_t seed, unsigned spp) {
+        const MacroScope scope(device, macros);
+        if (!*renderer) renderer->emplace(device, scene, config).settle();
+        (*renderer)->restart(seed, spp);
+        const double seconds = (*renderer)->render().seconds;
+        return Rendered{(*renderer)->image(), seconds};
+    };
 }
 
-RenderMethod render_with(const Device& device, const Scene& scene, std::vector<MacroScope::Macro> macros) {
-    return [&scene, device, macros = std::move(macros)](const RenderConfig& config) {
-        const MacroScope scope(device, macros);
-        return render_image(device, scene, config);
-    };
+Rendered render_image(const Device& device, const Scene& scene, const RenderConfig& config) {
+    return render_with(device, scene, config)(config.seed, config.spp);
 }
 
 ReferenceImage reference_for(Study& study, const Device& device, const Scene& scene, const StudyOptions& options,
@@ -123,11 +130,7 @@ void sweep_samples(Study& study, const StudyOptions& options, unsigned most_spp,
     double samples = 0;
     const double all = double(options.runs) * double(methods.size()) * (2 * spp.back() - spp.front());
     bool goes_on = true;
-    for (const ImageMethod& method : methods) {  // compiles its kernels
-        RenderConfig config = options.config;
-        config.spp = 1;
-        (void)method.render(config);
-    }
+    for (const ImageMethod& method : methods) (void)method.render(options.config.seed, 1);  // loads its kernels
     for (unsigned round = 0; round < options.runs && goes_on; ++round)
         for (std::size_t i = 0; i < spp.size() && goes_on; ++i) {
             if (has_taken(runs, i, options.most_seconds)) {
@@ -136,10 +139,8 @@ void sweep_samples(Study& study, const StudyOptions& options, unsigned most_spp,
             }
             for (std::size_t m = 0; m < methods.size() && goes_on; ++m) {
                 samples += spp[i];
-                RenderConfig config = options.config;
-                config.spp = spp[i], config.seed = options.config.seed + round;
-                const Rendered done = methods[m].render(config);
-                runs[m][i].errors.push_back(judge(done.image, config));
+                const Rendered done = methods[m].render(options.config.seed + round, spp[i]);
+                runs[m][i].errors.push_back(judge(done.image));
                 runs[m][i].seconds.push_back(done.seconds);
                 goes_on = !progress || progress(samples / all, methods[m].name + ", run " + std::to_string(round + 1) +
                                                                    " of " + std::to_string(options.runs));
@@ -153,10 +154,11 @@ ReferenceImage sweep_to_reference(Study& study, const Device& device, const Scen
                                   unsigned most_spp, const std::vector<ImageMethod>& methods,
                                   const AccuracyProgress& progress) {
     const ReferenceImage reference = reference_for(study, device, scene, options, options.most_spp, progress);
+    const ErrorAgainst error_of(reference.pixels, options.config.width);
     sweep_samples(
         study, options, most_spp, methods,
-        [&](const std::vector<glm::vec3>& image, const RenderConfig& config) {
-            ImageError error = image_error(image, reference.pixels, config.width);
+        [&](const std::vector<glm::vec3>& image) {
+            ImageError error = error_of(image);
             error.rmse = without_floor(error.rmse, reference.uncertainty);
             return error;
         },

@@ -1,6 +1,7 @@
 // Study of shading models: flat and Gouraud shading of a ball against Phong shading, over its number of triangles.
 #include <string>
 
+#include "host/accuracy/image_error.hpp"
 #include "host/accuracy/studies/image_sweep.hpp"
 
 namespace claray {
@@ -22,13 +23,15 @@ Study study_shading(const Device& device, const Scene&, const StudyOptions& opti
             const Scene ball = *builtin_scene("ball:" + std::to_string(count));
             config.approximate = {.tile_sum = true};
             const Rendered phong = render_image(device, ball, config);
+            const ErrorAgainst error_of(phong.image, config.width);
             config.approximate = model;
+            const RenderMethod render = render_with(device, ball, config);
             StudyPoint point;
             point.method = name, point.setting = setting, point.value = double(count), point.runs = options.runs;
             std::vector<double> seconds, ratios;
             for (unsigned run = 0; run < std::max(options.runs, 1u); ++run) {
-                const Rendered seen = render_image(device, ball, config);
-                point.errors = image_error(seen.image, phong.image, config.width);
+                const Rendered seen = render(config.seed, config.spp);
+                if (run == 0) point.errors = error_of(seen.image);
                 seconds.push_back(seen.seconds), ratios.push_back(seen.seconds / phong.seconds);
             }
             const double error = point.errors.rmse;  // the samples are the same: no noise

@@ -1,0 +1,55 @@
+#include "host/accuracy/rehearsal.hpp"
+
+#include <algorithm>
+
+namespace claray {
+namespace {
+
+/// More threads of one process do not speed up the compiler of NVIDIA's driver (docs/notebook.md).
+unsigned threads_on(const Device& device) {
+    return device.info().type == DeviceType::gpu ? std::clamp(std::thread::hardware_concurrency(), 1u, 5u) : 0;
+}
+
+/// The size of the image stays: which kernels a render uses depends on it.
+StudyOptions shortened(const NamedStudy& study, StudyOptions options) {
+    constexpr unsigned spp = 8, rays = 1024, side = 16;
+    options.first_spp = options.most_spp = std::min(options.most_spp, spp);
+    options.single_spp = options.compared_spp = 0;
+    options.runs = 1, options.rays = rays, options.reference_factor = 1;
+    options.least_seconds = 0, options.most_seconds = 1e-9;
+    options.references.clear(), options.measured = {};
+    if (!study.samples) options.config.width = options.config.height = side;
+    return options;
+}
+
+}  // namespace
+
+Rehearsal::Rehearsal(const Device& device, const Scene& scene, const StudyOptions& options,
+                     std::vector<NamedStudy> studies)
+    : studies_(std::move(studies)), devices_(device) {
+    const std::size_t threads = std::min<std::size_t>(threads_on(device), studies_.size());
+    for (std::size_t i = 0; i < threads; ++i) threads_.emplace_back([this, &scene, options] { work(scene, options); });
+}
+
+Rehearsal::~Rehearsal() {
+    ends_ = true;
+    for (std::thread& thread : threads_) thread.join();
+}
+
+void Rehearsal::work(const Scene& scene, const StudyOptions& options) {
+    const std::optional<Device> device = devices_.take();
+    if (!device) return;
+    const AccuracyProgress progress = [&](double, const std::string&) {
+        if (ends_) throw Error(ErrorKind::user, "the rehearsal ends");
+        return true;
+    };
+    for (std::size_t i; !ends_ && (i = next_++) < studies_.size();) try {
+            const NamedStudy& study = studies_[i];
+            const StudyOptions brief = shortened(study, options);
+            (void)(study.run ? study.run(*device, scene, brief, progress)
+                             : study.run_with_maps(*device, scene, brief, progress, nullptr));
+        } catch (const Error&) {  // the study itself will tell
+        }
+}
+
+}  // namespace claray
