@@ -39,6 +39,8 @@ public:
     [[nodiscard]] std::span<const glm::vec3> radiance(const ImageSizes& size) const;
     /// A copy of it.
     [[nodiscard]] std::vector<glm::vec3> image(const ImageSizes& size) const;
+    /// Into memory of that size.
+    void image(const ImageSizes& size, std::span<glm::vec3> to) const;
     /// In the film's own size.
     [[nodiscard]] std::vector<glm::vec3> image() const { return image({count_, 1, count_, 1}); }
 
