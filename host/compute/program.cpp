@@ -153,8 +153,8 @@ cl::Program compile_from_source(const Device& device, const KernelSource& main, 
 /// fails: compile_from_source reports the reason.
 std::optional<cl::Program> compile_by_one_call(const Device& device, const KernelSource& main,
                                                const std::string& options) {
-    if (device.tuning("compute/programs", "ONE_CALL") == 0 || options.find(limit_registers) != std::string::npos)
-        return {};
+    const unsigned one_call = device.tuning("compute/programs", "ONE_CALL");
+    if (one_call == 0 || (one_call == 1 && options.find(limit_registers) != std::string::npos)) return {};
     const HeaderFolder headers(headers_apart(main.text));
     if (headers.path().empty()) return {};
     cl::Program program(device.context(), name_line(device, main) + with_names_apart(main.text));
@@ -239,6 +239,10 @@ cl::Program compile(const Device& device, const KernelSource& main, const std::s
                                                         : std::vector<std::vector<unsigned char>>(1);
     const std::string parameters = parameters_of(program);
     remember_parameters(device, program, parameters);
+    // NVIDIA's driver keeps the machine code of a linked program under another key than that of its binary, which the
+    // next process would assemble again.
+    if (!by_one_call && device.tuning("compute/programs", "ONE_CALL") != 0 && !binaries.empty() && !binaries[0].empty())
+        (void)build_from_binary(device, binaries[0]);
     const std::string error =
         binaries.empty() ? "" : store_cached_program(identity, with_parameters(parameters, binaries[0]));
     if (!error.empty()) statistics.change([&](CompileStatistics& s) { s.cache_error = error; });

@@ -102,6 +102,8 @@ private:
         double variance = 0, squares = 0, value = 0, pixels = 0;
         std::uint64_t dropped = 0;
     };
+    /// Page-locked memory of at least this size.
+    [[nodiscard]] const HostMemory& on_host(std::size_t bytes) const;
     void load_odd();
     void add(const Batch& batch, const Buffer<float>& radiance, const Buffer<std::uint32_t>& tables,
              std::uint32_t listed, bool begins) const;
