@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <mutex>
 #include <thread>
 #include <vector>
 
@@ -16,18 +17,25 @@ namespace claray {
 class Rehearsal {
 public:
     /// The scene must outlive it.
-    Rehearsal(const Device& device, const Scene& scene, const StudyOptions& options, std::vector<NamedStudy> studies);
+    Rehearsal(const Device& device, const Scene& scene, const StudyOptions& options, std::vector<NamedStudy> studies)
+        : Rehearsal(device, scene, options, std::move(studies), threads_on(device)) {}
+    Rehearsal(const Device& device, const Scene& scene, const StudyOptions& options, std::vector<NamedStudy> studies,
+              unsigned threads);
     ~Rehearsal();
+    /// Until all studies are rehearsed. Several threads may call it.
+    void wait();
     Rehearsal(const Rehearsal&) = delete;
     Rehearsal& operator=(const Rehearsal&) = delete;
 
 private:
+    [[nodiscard]] static unsigned threads_on(const Device& device);
     void work(const Scene& scene, const StudyOptions& options);
 
     std::vector<NamedStudy> studies_;
     verify::Devices devices_;
     std::atomic<std::size_t> next_ = 0;
     std::atomic<bool> ends_ = false;
+    std::mutex joining_;
     std::vector<std::thread> threads_;
 };
 

@@ -167,26 +167,22 @@ void print_as_json(const std::vector<Study>& studies, const AccuracyOptions& o, 
     print_json(report);
 }
 
-/// Those that render the scene come first: they begin with a reference, which is not timed, so that other kernels can
-/// be compiled meanwhile.
-std::vector<std::size_t> order_of(const std::vector<NamedStudy>& studies) {
+/// As the user gave them. Of all studies, those that render the scene come first: they begin with a reference, which is
+/// not timed, so that other kernels can be compiled meanwhile.
+std::vector<std::size_t> order_of(const std::vector<NamedStudy>& studies, bool all) {
     std::vector<std::size_t> order(studies.size());
     std::iota(order.begin(), order.end(), std::size_t(0));
-    std::stable_partition(order.begin(), order.end(), [&](std::size_t i) { return studies[i].samples; });
+    if (all) std::stable_partition(order.begin(), order.end(), [&](std::size_t i) { return studies[i].samples; });
     return order;
-}
-
-std::vector<NamedStudy> in_order(const std::vector<NamedStudy>& studies) {
-    std::vector<NamedStudy> ordered;
-    for (const std::size_t i : order_of(studies)) ordered.push_back(studies[i]);
-    return ordered;
 }
 
 /// Each device takes the next study when it is done with one. An error on one device ends them all.
 void run_studies(const std::vector<NamedStudy>& chosen, const std::vector<Device>& devices, const Scene& scene,
                  const AccuracyOptions& o, StudyFiles& files) {
-    const std::vector<std::size_t> order = order_of(chosen);
-    const Rehearsal rehearsal(devices.front(), scene, o.study, in_order(chosen));
+    const std::vector<std::size_t> order = order_of(chosen, o.only.empty());
+    std::vector<NamedStudy> in_order;
+    for (const std::size_t i : order) in_order.push_back(chosen[i]);
+    Rehearsal rehearsal(devices.front(), scene, o.study, std::move(in_order));
     std::atomic<std::size_t> next = 0;
     std::mutex failing;
     std::exception_ptr failure;
@@ -203,6 +199,10 @@ void run_studies(const std::vector<NamedStudy>& chosen, const std::vector<Device
             return show(share, what);
         };
         StudyOptions options = o.study;
+        if (i == order.front() && chosen[i].samples)
+            options.before_timing = [&] { rehearsal.wait(); };
+        else
+            rehearsal.wait();
         options.measured = [&, i](const Study& so_far) { files.update(i, with_device(so_far)); };
         std::vector<ErrorMap> maps;
         const NamedStudy& study = chosen[i];

@@ -193,10 +193,10 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
     const double settings =
         double(std::size(depths) + std::size(clamps) + std::size(reaches) + 1 + approximated.size());
     bool goes_on = true;
-    const auto add = [&](const char* method, const std::string& setting, double value, const RenderConfig& how,
-                         const std::vector<MacroScope::Macro>& macros) {
+    const auto add_images = [&](const char* method, const std::string& setting, double value,
+                                const RenderMethod& render) {
         if (!goes_on) return;
-        const Renders renders = render_independently(render_with(device, scene, how, macros), how.spp, options);
+        const Renders renders = render_independently(render, config.spp, options);
         const StudyPoint point = bias_point(method, setting, value, renders, reference);
         if (point.failure.empty())
             study.findings.push_back(std::string(method) + ", " + setting +
@@ -205,12 +205,14 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
         if (options.measured) options.measured(study);
         goes_on = !rest || rest(double(study.points.size()) / settings, setting);
     };
-    for (const unsigned depth : depths) {
-        RenderConfig how = config;
-        how.max_depth = depth;
-        add("path depth", printed(depth == default_max_depth ? "depth %u (default)" : "depth %u", depth), depth, how,
-            {});
-    }
+    const auto add = [&](const char* method, const std::string& setting, double value, const RenderConfig& how,
+                         const std::vector<MacroScope::Macro>& macros) {
+        add_images(method, setting, value, render_with(device, scene, how, macros));
+    };
+    KeptRenderer of_all_depths(device, scene, config);
+    for (const unsigned depth : depths)
+        add_images("path depth", printed(depth == default_max_depth ? "depth %u (default)" : "depth %u", depth), depth,
+                   [&](std::uint32_t seed, unsigned spp) { return of_all_depths.render(seed, spp, depth); });
     const double mean = mean_of(reference.pixels);
     for (const double clamp : clamps) {
         RenderConfig how = config;

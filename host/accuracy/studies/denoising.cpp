@@ -6,6 +6,7 @@
 
 #include "host/accuracy/studies/bias.hpp"
 #include "host/accuracy/studies/image_sweep.hpp"
+#include "host/render/renderer_state.hpp"
 
 namespace claray {
 namespace {
@@ -18,7 +19,7 @@ RenderMethod denoise_with(const Device& device, const Scene& scene, const StudyO
     RenderConfig config = options.config;
     config.spp = std::max(options.most_spp, spp_of_blur), config.seconds = config.noise = 0;
     const auto renderer = std::make_shared<Renderer>(device, scene, config);
-    renderer->settle();
+    renderer->state().settle();
     return [renderer, kind](std::uint32_t seed, unsigned spp) {
         using Clock = std::chrono::steady_clock;
         renderer->restart(seed, spp);

@@ -100,6 +100,7 @@ Study study_gamma(const Device& device, const Scene& scene, const StudyOptions& 
     for (std::size_t groups = 2; groups < most; groups *= 2) steps.push_back(groups);
     steps.push_back(most);
     std::vector<GammaErrors> errors(steps.size());
+    begin_timing(options);
     std::vector<double> seconds;
     double taken = 0;
     for (unsigned run = 0; run < options.runs; ++run) {

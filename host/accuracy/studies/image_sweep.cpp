@@ -4,10 +4,9 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
-#include <optional>
 
 #include "host/accuracy/image_error.hpp"
-#include "host/compute/device_state.hpp"
+#include "host/render/renderer_state.hpp"
 
 namespace claray {
 namespace {
@@ -55,10 +54,10 @@ void tell_measured(const Study& study, const StudyOptions& options, const std::v
     options.measured(so_far);
 }
 
-/// The squares of both errors add up, since image and reference are independent. Errors below the reference's own are
-/// not known.
+/// The squares of both errors add up, since image and reference are independent. Errors below half of the reference's
+/// own are not known.
 double without_floor(double rmse, double floor) {
-    return rmse > floor ? std::sqrt(std::max(rmse * rmse - floor * floor, floor * floor)) : rmse;
+    return rmse > floor ? std::sqrt(std::max(rmse * rmse - floor * floor, floor * floor / 4)) : rmse;
 }
 
 /// Whether a setting has taken `most` seconds by the mean of all methods. Methods have equally many runs, since some
@@ -90,18 +89,24 @@ MacroScope::MacroScope(const Device& device, const std::vector<Macro>& macros)
 }
 MacroScope::~MacroScope() { device_.state().tuning = before_; }
 
-RenderMethod render_with(const Device& device, const Scene& scene, const RenderConfig& with,
+KeptRenderer::KeptRenderer(const Device& device, const Scene& scene, const RenderConfig& config,
+                           std::vector<MacroScope::Macro> macros)
+    : device_(device), scene_(scene), config_(config), macros_(std::move(macros)) {
+    config_.seconds = config_.noise = config_.error = 0;
+}
+
+Rendered KeptRenderer::render(std::uint32_t seed, unsigned spp, unsigned max_depth) {
+    const MacroScope scope(device_, macros_);
+    if (!renderer_) renderer_.emplace(device_, scene_, config_).state().settle();
+    renderer_->restart(seed, spp, max_depth);
+    const double seconds = renderer_->render().seconds;
+    return {renderer_->image(), seconds};
+}
+
+RenderMethod render_with(const Device& device, const Scene& scene, const RenderConfig& config,
                          std::vector<MacroScope::Macro> macros) {
-    RenderConfig config = with;
-    config.seconds = config.noise = config.error = 0;
-    const auto renderer = std::make_shared<std::optional<Renderer>>();
-    return [=, &scene, macros = std::move(macros)](std::uint32_t seed, unsigned spp) {
-        const MacroScope scope(device, macros);
-        if (!*renderer) renderer->emplace(device, scene, config).settle();
-        (*renderer)->restart(seed, spp);
-        const double seconds = (*renderer)->render().seconds;
-        return Rendered{(*renderer)->image(), seconds};
-    };
+    return [kept = std::make_shared<KeptRenderer>(device, scene, config, std::move(macros))](
+               std::uint32_t seed, unsigned spp) { return kept->render(seed, spp); };
 }
 
 Rendered render_image(const Device& device, const Scene& scene, const RenderConfig& config) {
@@ -115,10 +120,12 @@ ReferenceImage reference_for(Study& study, const Device& device, const Scene& sc
         reference_image(device, scene, options.config,
                         {.least_spp = factor * spp,
                          .render_spp = std::clamp(ReferenceOptions{}.render_spp, spp, factor * spp),
+                         .least_renders = options.reference_renders,
                          .seed = options.reference_seed,
                          .folder = options.references},
                         scaled(progress, 0, reference_share));
     study.floor = reference.uncertainty, study.reference_spp = reference.spp;
+    begin_timing(options);
     return reference;
 }
 
@@ -131,6 +138,7 @@ void sweep_samples(Study& study, const StudyOptions& options, unsigned most_spp,
     const double all = double(options.runs) * double(methods.size()) * (2 * spp.back() - spp.front());
     bool goes_on = true;
     for (const ImageMethod& method : methods) (void)method.render(options.config.seed, 1);  // loads its kernels
+    begin_timing(options);
     for (unsigned round = 0; round < options.runs && goes_on; ++round)
         for (std::size_t i = 0; i < spp.size() && goes_on; ++i) {
             if (has_taken(runs, i, options.most_seconds)) {

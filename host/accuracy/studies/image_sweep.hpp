@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 
 #include "host/accuracy/study.hpp"
 
@@ -31,11 +32,26 @@ private:
     std::map<std::string, unsigned> before_;  // Device::State::tuning
 };
 
+/// Renders with the settings of `config`, up to its number of samples, by kernels with these values of macros. The
+/// first render makes a renderer and loads its kernels. The scene must outlive it.
+class KeptRenderer {
+public:
+    KeptRenderer(const Device& device, const Scene& scene, const RenderConfig& config,
+                 std::vector<MacroScope::Macro> macros = {});
+    /// `max_depth`: 0 for that of the configuration, which is the largest.
+    [[nodiscard]] Rendered render(std::uint32_t seed, unsigned spp, unsigned max_depth = 0);
+
+private:
+    Device device_;
+    const Scene& scene_;
+    RenderConfig config_;
+    std::vector<MacroScope::Macro> macros_;
+    std::optional<Renderer> renderer_;
+};
+
 /// Renders with this seed and so many samples per pixel.
 using RenderMethod = std::function<Rendered(std::uint32_t seed, unsigned spp)>;
-/// Renders with the settings of `config`, up to its number of samples, by kernels with these values of macros. The
-/// first render makes a renderer and loads its kernels; it is kept until the last copy of the method is gone. The scene
-/// must outlive the method.
+/// By a renderer that is kept until the last copy of the method is gone.
 [[nodiscard]] RenderMethod render_with(const Device& device, const Scene& scene, const RenderConfig& config,
                                        std::vector<MacroScope::Macro> macros = {});
 /// One image with all samples of `config.spp`.
@@ -48,6 +64,11 @@ struct ImageMethod {
 };
 
 using ImageJudge = std::function<ImageError(const std::vector<glm::vec3>&)>;
+
+/// Before the first image that is timed.
+inline void begin_timing(const StudyOptions& options) {
+    if (options.before_timing) options.before_timing();
+}
 
 /// Samples per pixel in studies without a sweep of samples.
 [[nodiscard]] inline unsigned single_spp(const StudyOptions& options) {
