@@ -67,6 +67,7 @@ std::vector<Task> tasks_of(Renderer& renderer, Scene& scene) {
     if (!scene.instances.empty()) tasks.push_back({"instances", update({.instances = true})});
     tasks.push_back({"picture", [&] { (void)renderer.picture(); }});
     tasks.push_back({"image", [&] { (void)renderer.image(); }});
+    tasks.push_back({"image, kept memory", [&, to = renderer.image()]() mutable { renderer.image(to); }});
     tasks.push_back({"radiance", [&] { (void)renderer.radiance(); }});
     tasks.push_back({"aovs", [&] { (void)renderer.aovs(); }});
     tasks.push_back({"frame after camera", frame({.camera = true})});

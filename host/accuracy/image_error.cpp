@@ -1,8 +1,11 @@
 // Measures of the difference of two images.
+#include "host/accuracy/image_error.hpp"
+
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
-#include "claray/accuracy.hpp"
 #include "host/accuracy/pixels.hpp"
 #include "host/base/in_parallel.hpp"
 
@@ -90,44 +93,67 @@ Image blurred(const Image& image, unsigned width) {
 /// The image as perceived: exposed, blurred, in a space whose distances are perceived differences.
 Image seen(std::span<const glm::vec3> image, float exposure, unsigned width) {
     Image opponent(image.size());
-    std::transform(image.begin(), image.end(), opponent.begin(),
-                   [&](const glm::vec3& p) { return opponent_of(glm::clamp(p * exposure, 0.f, 1.f)); });
+    const auto in_rows = [&](const auto& change) {
+        in_parallel(image.size() / width, [&](std::size_t row) {
+            for (std::size_t i = row * width; i < (row + 1) * width; ++i) change(i);
+        });
+    };
+    in_rows([&](std::size_t i) { opponent[i] = opponent_of(glm::clamp(image[i] * exposure, 0.f, 1.f)); });
     Image result = blurred(opponent, width);
-    for (glm::vec3& p : result) p = lab_of(glm::clamp(rgb_of_opponent(p), 0.f, 1.f));
+    in_rows([&](std::size_t i) { result[i] = lab_of(glm::clamp(rgb_of_opponent(result[i]), 0.f, 1.f)); });
     return result;
 }
 
-double perceptual_error(std::span<const glm::vec3> image, std::span<const glm::vec3> reference, unsigned width,
-                        double mean) {
-    const float exposure = float(0.3 / mean), farthest = distance(lab_of({0, 1, 0}), lab_of({0, 0, 1}));
-    const Image a = seen(image, exposure, width), b = seen(reference, exposure, width);
+/// FLIP's map of large distances to the rest of the scale.
+float compressed(float distance) {
     constexpr float knee = 0.4f, at_knee = 0.95f;
-    double sum = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        const float d = distance(a[i], b[i]) / farthest;
-        sum += d < knee ? d * at_knee / knee : at_knee + (d - knee) / (1 - knee) * (1 - at_knee);
-    }
-    return sum / double(a.size());
+    return distance < knee ? distance * at_knee / knee : at_knee + (distance - knee) / (1 - knee) * (1 - at_knee);
 }
 
 }  // namespace
 
-ImageError image_error(std::span<const glm::vec3> image, std::span<const glm::vec3> reference, unsigned width) {
-    if (image.size() != reference.size() || image.empty() || width == 0 || image.size() % width != 0)
+ErrorAgainst::ErrorAgainst(std::vector<glm::vec3> reference, unsigned width)
+    : reference_(std::move(reference)), width_(width) {
+    if (reference_.empty() || width == 0 || reference_.size() % width != 0)
+        throw Error(ErrorKind::usage, "cannot compare with an image of " + std::to_string(reference_.size()) +
+                                          " pixels in rows of " + std::to_string(width));
+    mean_ = std::max(mean_of(reference_), 1e-30);
+    seen_ = seen(reference_, float(0.3 / mean_), width);
+}
+
+ImageError ErrorAgainst::operator()(std::span<const glm::vec3> image) const {
+    if (image.size() != reference_.size())
         throw Error(ErrorKind::usage, "cannot compare an image of " + std::to_string(image.size()) +
-                                          " pixels with one of " + std::to_string(reference.size()) + " in rows of " +
-                                          std::to_string(width));
-    const double mean = std::max(mean_of(reference), 1e-30), least = 0.01 * mean;
-    double squares = 0, relative = 0;
-    for (std::size_t i = 0; i < image.size(); ++i)
-        for (int c = 0; c < 3; ++c) {
-            const double difference = double(image[i][c]) - double(reference[i][c]);
-            const double scaled = difference / (double(reference[i][c]) + least);
-            squares += difference * difference;
-            relative += scaled * scaled;
+                                          " pixels with one of " + std::to_string(reference_.size()));
+    const Image perceived = seen(image, float(0.3 / mean_), width_);
+    const float farthest = distance(lab_of({0, 1, 0}), lab_of({0, 0, 1}));
+    const double least = 0.01 * mean_;
+    struct Sums {
+        double squares = 0, relative = 0, perceptual = 0;
+        Sums operator+(const Sums& s) const {
+            return {squares + s.squares, relative + s.relative, perceptual + s.perceptual};
         }
-    const double count = 3.0 * double(image.size());
-    return {std::sqrt(squares / count) / mean, relative / count, perceptual_error(image, reference, width, mean)};
+    };
+    std::vector<Sums> rows(image.size() / width_);
+    in_parallel(rows.size(), [&](std::size_t row) {
+        Sums& sums = rows[row];
+        for (std::size_t i = row * width_; i < (row + 1) * width_; ++i) {
+            for (int c = 0; c < 3; ++c) {
+                const double difference = double(image[i][c]) - double(reference_[i][c]);
+                const double scaled = difference / (double(reference_[i][c]) + least);
+                sums.squares += difference * difference;
+                sums.relative += scaled * scaled;
+            }
+            sums.perceptual += double(compressed(distance(perceived[i], seen_[i]) / farthest));
+        }
+    });
+    const Sums all = std::accumulate(rows.begin(), rows.end(), Sums());
+    const double pixels = double(image.size());
+    return {std::sqrt(all.squares / (3 * pixels)) / mean_, all.relative / (3 * pixels), all.perceptual / pixels};
+}
+
+ImageError image_error(std::span<const glm::vec3> image, std::span<const glm::vec3> reference, unsigned width) {
+    return ErrorAgainst({reference.begin(), reference.end()}, width)(image);
 }
 
 }  // namespace claray

@@ -7,6 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "host/base/in_parallel.hpp"
+
 namespace claray {
 
 /// Of all channels of all pixels.
@@ -24,15 +26,16 @@ namespace claray {
         x = std::clamp(x, 0, int(from_width) - 1), y = std::clamp(y, 0, int(from_height) - 1);
         return image[std::size_t(y) * from_width + std::size_t(x)];
     };
-    for (unsigned y = 0; y < height; ++y)
+    in_parallel(height, [&](std::size_t y) {
         for (unsigned x = 0; x < width; ++x) {
             const float fx = (float(x) + 0.5f) * float(from_width) / float(width) - 0.5f;
             const float fy = (float(y) + 0.5f) * float(from_height) / float(height) - 0.5f;
             const int x0 = int(std::floor(fx)), y0 = int(std::floor(fy));
-            large[std::size_t(y) * width + x] =
+            large[y * width + x] =
                 glm::mix(glm::mix(at(x0, y0), at(x0 + 1, y0), fx - float(x0)),
                          glm::mix(at(x0, y0 + 1), at(x0 + 1, y0 + 1), fx - float(x0)), fy - float(y0));
         }
+    });
     return large;
 }
 

@@ -12,7 +12,6 @@
 namespace claray {
 namespace {
 
-constexpr std::uint32_t least_renders = 4;  // for an estimate of their spread
 constexpr char magic[16] = "claray ref. 1\n";
 constexpr std::chrono::seconds between_saves(5);
 
@@ -122,6 +121,7 @@ ReferenceImage reference_image(const Device& device, const Scene& scene, const R
         make_folder(options.folder);
         if (std::optional<Sums> kept = load(path, values)) sums = std::move(*kept);
     }
+    const unsigned least_renders = std::max(options.least_renders, 2u);
     auto saved = std::chrono::steady_clock::now();
     bool changed = false;
     const auto save = [&] {

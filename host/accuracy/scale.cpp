@@ -4,16 +4,18 @@
 #include <cmath>
 
 #include "claray/accuracy.hpp"
+#include "host/render/renderer_state.hpp"
 
 namespace claray {
 namespace {
 
 // Of a setting: a hundred times what a GPU takes to start the kernels of a path. Machines are faster at times.
-constexpr double seconds_of_setting = 0.02, aimed_at = 1.2 * seconds_of_setting;
+constexpr double seconds_of_setting = 0.02, aimed_at = 1.1 * seconds_of_setting;
 constexpr unsigned samples_span = 128;  // two decades
 constexpr unsigned most_scaled_side = 1024, most_first_spp = 65536 / samples_span;
 constexpr double repeated_for = 5 * seconds_of_setting;
-constexpr unsigned factor_of_reference = 4;  // its own error is known and taken off
+constexpr unsigned factor_of_reference = 2;  // its own error is known and taken off
+constexpr unsigned compared_span = 16, single_span = 4;
 constexpr std::size_t most_rays = 1u << 21;
 
 /// Renders of one scene with kernels that are loaded.
@@ -21,14 +23,14 @@ class Pilot {
 public:
     Pilot(const Device& device, const Scene& scene, RenderConfig config, unsigned most_samples)
         : renderer_(device, scene, with_samples(config, most_samples)) {
-        renderer_.settle();
+        renderer_.state().settle();
     }
 
-    /// The shorter of two times: the first render of a size may load a kernel.
+    /// The shortest of three times: the first render of a size may load a kernel.
     double seconds(unsigned width, unsigned height, unsigned spp) {
         renderer_.resize(width, height);
         double least = 0;
-        for (std::uint32_t seed = 1; seed <= 2; ++seed) {
+        for (std::uint32_t seed = 1; seed <= 3; ++seed) {
             renderer_.restart(seed, spp);
             const double seconds = renderer_.render().seconds;
             least = seed == 1 ? seconds : std::min(least, seconds);
@@ -78,8 +80,9 @@ StudyOptions at_scale(const Device& device, const Scene& scene, StudyOptions opt
     options.first_spp = spp;
     options.least_seconds = seconds_of_setting, options.most_seconds = repeated_for;
     if (!keep_spp) {
-        options.most_spp = samples_span * spp, options.compared_spp = 16 * spp, options.single_spp = 4 * spp;
-        options.reference_factor = factor_of_reference;
+        options.most_spp = samples_span * spp, options.compared_spp = compared_span * spp,
+        options.single_spp = single_span * spp;
+        options.reference_factor = options.reference_renders = factor_of_reference;
     }
     const std::size_t samples = std::size_t(width) * height * spp;
     if (!keep_rays) options.rays = std::clamp(std::bit_floor(samples), options.rays, std::max(options.rays, most_rays));

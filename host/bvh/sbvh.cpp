@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "host/compute/joint_program.hpp"
+
 namespace claray {
 namespace {
 
@@ -38,6 +40,7 @@ Sbvh::Sbvh(const Device& device, std::uint32_t count, double budget, unsigned le
     states_ = Buffer<std::uint32_t>(device, words_of_large_node * large_nodes);
     bins_ = Buffer<std::uint32_t>(device, words_of_bins * large_nodes);
     chunks_ = Buffer<std::uint32_t>(device, words_of_chunk * (capacity() / chunk_ + large_nodes));
+    compile_side_by_side(device, [&] { load_kernels(device, leaf_block); });
     load_kernels(device, leaf_block);
 }
 

@@ -11,13 +11,16 @@
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <sstream>
 #include <thread>
 
+#include "host/accuracy/rehearsal.hpp"
 #include "host/accuracy/study.hpp"
 #include "host/accuracy/study_list.hpp"
 #include "host/base/file.hpp"
 #include "host/base/folders.hpp"
+#include "host/base/seconds_since.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/options/option_rules.hpp"
 #include "host/cli/options/render_options.hpp"
@@ -102,6 +105,7 @@ void print_study(const Study& study) {
     }
     print_table(rows, 2);
     for (const std::string& finding : study.findings) std::printf("%s\n", finding.c_str());
+    std::printf("the study took %s\n", told_time(study.took).c_str());
 }
 
 /// A row per point: its error by both references.
@@ -156,21 +160,37 @@ void print_as_json(const std::vector<Study>& studies, const AccuracyOptions& o, 
                                      {"cost", study.cost},
                                      {"floor", study.floor},
                                      {"reference_spp", study.reference_spp},
+                                     {"took", study.took},
                                      {"findings", study.findings},
                                      {"points", points}});
     }
     print_json(report);
 }
 
+/// As the user gave them. Of all studies, those that render the scene come first: they begin with a reference, which is
+/// not timed, so that other kernels can be compiled meanwhile.
+std::vector<std::size_t> order_of(const std::vector<NamedStudy>& studies, bool all) {
+    std::vector<std::size_t> order(studies.size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    if (all) std::stable_partition(order.begin(), order.end(), [&](std::size_t i) { return studies[i].samples; });
+    return order;
+}
+
 /// Each device takes the next study when it is done with one. An error on one device ends them all.
 void run_studies(const std::vector<NamedStudy>& chosen, const std::vector<Device>& devices, const Scene& scene,
                  const AccuracyOptions& o, StudyFiles& files) {
+    const std::vector<std::size_t> order = order_of(chosen, o.only.empty());
+    std::vector<NamedStudy> in_order;
+    for (const std::size_t i : order) in_order.push_back(chosen[i]);
+    Rehearsal rehearsal(devices.front(), scene, o.study, std::move(in_order));
     std::atomic<std::size_t> next = 0;
     std::mutex failing;
     std::exception_ptr failure;
     const auto run = [&](const Device& device, std::size_t i) {
+        const auto begin = std::chrono::steady_clock::now();
         const auto with_device = [&](Study study) {
             study.device = device.info().name, study.driver = device.info().driver;
+            study.took = seconds_since(begin);
             return study;
         };
         const AccuracyProgress show = show_progress(chosen[i].name, o.quiet);
@@ -179,17 +199,22 @@ void run_studies(const std::vector<NamedStudy>& chosen, const std::vector<Device
             return show(share, what);
         };
         StudyOptions options = o.study;
+        if (i == order.front() && chosen[i].samples)
+            options.before_timing = [&] { rehearsal.wait(); };
+        else
+            rehearsal.wait();
         options.measured = [&, i](const Study& so_far) { files.update(i, with_device(so_far)); };
         std::vector<ErrorMap> maps;
         const NamedStudy& study = chosen[i];
-        Study done =
+        Study done = with_device(
             study.run ? study.run(device, scene, options, progress)
-                      : study.run_with_maps(device, scene, options, progress, o.files.maps.empty() ? nullptr : &maps);
-        files.finish(i, with_device(std::move(done)), std::move(maps));
+                      : study.run_with_maps(device, scene, options, progress, o.files.maps.empty() ? nullptr : &maps));
+        if (!o.quiet) std::fprintf(stderr, "%s: took %s\n", study.name, told_time(done.took).c_str());
+        files.finish(i, std::move(done), std::move(maps));
     };
     const auto work = [&](const Device& device) {
         try {
-            for (std::size_t i = next++; i < chosen.size(); i = next++) run(device, i);
+            for (std::size_t i = next++; i < chosen.size(); i = next++) run(device, order[i]);
         } catch (...) {
             const std::lock_guard lock(failing);
             if (!failure) failure = std::current_exception();

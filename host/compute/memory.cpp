@@ -36,6 +36,20 @@ HostMemory::HostMemory(const Device& device, std::size_t bytes) try {
     throw_device_error(device, "allocate host memory", error);
 }
 
+std::vector<cl::Event> HostMemory::read_in_parts(const Device& device, const cl::Buffer& from, std::size_t bytes,
+                                                 std::size_t parts) const try {
+    std::vector<cl::Event> events(parts);
+    for (std::size_t part = 0; part < parts; ++part) {
+        const std::size_t begin = begin_of_part(bytes, parts, part), end = begin_of_part(bytes, parts, part + 1);
+        device.queue().enqueueReadBuffer(from, CL_FALSE, begin, end - begin, data_.get() + begin, nullptr,
+                                         &events[part]);
+    }
+    device.queue().flush();
+    return events;
+} catch (const cl::Error& error) {
+    throw_device_error(device, "read a buffer", error);
+}
+
 std::uint64_t bytes_in_use(const Device& device) { return *device.state().in_use; }
 
 std::uint64_t bytes_available(const Device& device) {

@@ -28,7 +28,7 @@ constexpr unsigned most_layers = 32;     // transparent surfaces along a ray
 enum class Through { openings, glass };
 
 /// A point for which light is estimated.
-struct Sight {
+struct ProbeSight {
     glm::dvec3 point, normal;  // normal on the viewer's side
     bool glows = false;        // emits visible light
 };
@@ -45,10 +45,10 @@ public:
         for (const PunctualLight& light : lights_.punctual) last_numbers_.push_back(light.cumulative);
     }
 
-    [[nodiscard]] std::optional<Sight> look(const glm::dvec3& origin, const glm::dvec3& direction) const;
+    [[nodiscard]] std::optional<ProbeSight> look(const glm::dvec3& origin, const glm::dvec3& direction) const;
     [[nodiscard]] std::size_t lights() const { return lights_.size(); }
     /// Luminance of a grey surface there, lit by the lights and by surfaces that they light.
-    [[nodiscard]] double lit_grey(const Sight& sight, scenes::Random& random, unsigned& open) const;
+    [[nodiscard]] double lit_grey(const ProbeSight& sight, scenes::Random& random, unsigned& open) const;
 
 private:
     [[nodiscard]] const Material& material_of(const HostHit& hit) const {
@@ -61,10 +61,10 @@ private:
     [[nodiscard]] bool passes(const HostHit& hit, const glm::dvec3& direction, Through through) const;
     [[nodiscard]] std::optional<HostHit> stop_of(const glm::dvec3& origin, const glm::dvec3& direction, double distance,
                                                  Through through) const;
-    [[nodiscard]] double irradiance(const Sight& sight, scenes::Random& random) const;
-    [[nodiscard]] double from_light(std::size_t light, const Sight& sight, scenes::Random& random) const;
-    [[nodiscard]] double from_lamp(const TriangleLight& light, const Sight& sight, scenes::Random& random) const;
-    [[nodiscard]] double from_punctual(const PunctualLight& light, const Sight& sight) const;
+    [[nodiscard]] double irradiance(const ProbeSight& sight, scenes::Random& random) const;
+    [[nodiscard]] double from_light(std::size_t light, const ProbeSight& sight, scenes::Random& random) const;
+    [[nodiscard]] double from_lamp(const TriangleLight& light, const ProbeSight& sight, scenes::Random& random) const;
+    [[nodiscard]] double from_punctual(const PunctualLight& light, const ProbeSight& sight) const;
 
     const Scene& scene_;
     HostRays rays_;
@@ -129,16 +129,16 @@ std::optional<HostHit> Probe::stop_of(const glm::dvec3& origin, const glm::dvec3
 }
 
 /// The surface that the camera sees along a ray; glass before an empty background counts as a surface.
-std::optional<Sight> Probe::look(const glm::dvec3& origin, const glm::dvec3& direction) const {
+std::optional<ProbeSight> Probe::look(const glm::dvec3& origin, const glm::dvec3& direction) const {
     std::optional<HostHit> hit = stop_of(origin, direction, endless, Through::openings);
     if (!hit) return {};
     if (const auto behind = stop_of(origin, direction, endless, Through::glass)) hit = behind;
     const glm::dvec3 normal = glm::dot(hit->normal, direction) > 0 ? -hit->normal : hit->normal;
-    return Sight{origin + hit->distance * direction + nudge_ * normal, normal, glows_at(*hit)};
+    return ProbeSight{origin + hit->distance * direction + nudge_ * normal, normal, glows_at(*hit)};
 }
 
 /// Light from a random point of an emissive triangle, on the sides on which it emits.
-double Probe::from_lamp(const TriangleLight& light, const Sight& sight, scenes::Random& random) const {
+double Probe::from_lamp(const TriangleLight& light, const ProbeSight& sight, scenes::Random& random) const {
     const glm::dvec3 e1(light.e1x, light.e1y, light.e1z), e2(light.e2x, light.e2y, light.e2z);
     double u = random.uniform(), v = random.uniform();
     if (u + v > 1) u = 1 - u, v = 1 - v;
@@ -154,7 +154,7 @@ double Probe::from_lamp(const TriangleLight& light, const Sight& sight, scenes::
 }
 
 /// As in kernels/lights/kinds.clh.
-double Probe::from_punctual(const PunctualLight& light, const Sight& sight) const {
+double Probe::from_punctual(const PunctualLight& light, const ProbeSight& sight) const {
     const double intensity = luminance({light.intensity_r, light.intensity_g, light.intensity_b});
     const glm::dvec3 axis(light.direction_x, light.direction_y, light.direction_z);
     const LightTraits& kind = *traits_of(LightKind(light.kind));
@@ -177,14 +177,14 @@ double Probe::from_punctual(const PunctualLight& light, const Sight& sight) cons
     return stop_of(sight.point, way, kind.far ? endless : 1.0, Through::openings) ? 0 : arriving * cosine;
 }
 
-double Probe::from_light(std::size_t light, const Sight& sight, scenes::Random& random) const {
+double Probe::from_light(std::size_t light, const ProbeSight& sight, scenes::Random& random) const {
     const std::size_t lamps = lights_.triangles.size();
     return light < lamps ? from_lamp(lights_.triangles[light], sight, random)
                          : from_punctual(lights_.punctual[light - lamps], sight);
 }
 
 /// Luminance of the irradiance; an estimate if there are many lights.
-double Probe::irradiance(const Sight& sight, scenes::Random& random) const {
+double Probe::irradiance(const ProbeSight& sight, scenes::Random& random) const {
     const std::size_t count = last_numbers_.size();
     double sum = 0;
     if (count <= most_lights) {
@@ -207,7 +207,7 @@ glm::dvec3 scattered(const glm::dvec3& normal, scenes::Random& random) {
     return glm::normalize(normal + 0.999 * in_ball / std::max(glm::length(in_ball), 1e-9));
 }
 
-double Probe::lit_grey(const Sight& sight, scenes::Random& random, unsigned& open) const {
+double Probe::lit_grey(const ProbeSight& sight, scenes::Random& random, unsigned& open) const {
     constexpr double grey = 0.5;
     double arriving = irradiance(sight, random);
     for (unsigned i = 0; i < bounces; ++i) {
@@ -231,8 +231,9 @@ ProbedRow probe_row(const Probe& probe, const CameraData& camera, unsigned row) 
         const glm::dvec3 aside = x * glm::dvec3(camera.right_x, camera.right_y, camera.right_z) +
                                  y * glm::dvec3(camera.up_x, camera.up_y, camera.up_z);
         const glm::dvec3 position(camera.x, camera.y, camera.z);
-        const std::optional<Sight> sight = camera.orthographic ? probe.look(position + aside, forward)
-                                                               : probe.look(position, glm::normalize(forward + aside));
+        const std::optional<ProbeSight> sight = camera.orthographic
+                                                    ? probe.look(position + aside, forward)
+                                                    : probe.look(position, glm::normalize(forward + aside));
         if (!sight) continue;
         const bool lit = probe.lit_grey(*sight, random, found.open) >= visible_luminance;
         found.seen += 1, found.lit += lit, found.visible += lit || sight->glows;

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <map>
+#include <optional>
 
 #include "host/effects/effects.hpp"
 #include "host/measure/measure.hpp"
@@ -32,46 +34,104 @@ double milliseconds_of_frame(const Device& device, Renderer& renderer) {
     return total / spp;
 }
 
+/// Compiles kernels once more for their times: on GPUs in a thread and a context of its own, one after the other, while
+/// the caller's kernels are compiled and run; on CPUs, which would run them more slowly meanwhile, when a time is asked
+/// for.
+class BuildTimes {
+public:
+    explicit BuildTimes(const Device& device) : device_(device), beside_(device.info().type == DeviceType::gpu) {}
+    ~BuildTimes() {
+        if (beside_ && last_.valid()) last_.wait();
+    }
+    BuildTimes(const BuildTimes&) = delete;
+    BuildTimes& operator=(const BuildTimes&) = delete;
+
+    /// Compiled once for every set of macros.
+    std::shared_future<BuildReport> of(const std::string& file, const Defines& defines) {
+        std::string key = file;
+        for (const auto& [name, value] : defines) key += ' ' + name + '=' + value;
+        std::shared_future<BuildReport>& report = reports_[key];
+        if (report.valid()) return report;
+        const auto build = [this, before = last_, file, defines] {
+            if (!beside_) return report_build(device_, file, defines);
+            if (before.valid()) before.wait();
+            if (!own_context_) own_context_ = Device::open(std::to_string(device_.info().index));
+            return report_build(*own_context_, file, defines);
+        };
+        report = std::async(beside_ ? std::launch::async : std::launch::deferred, build).share();
+        return last_ = report;
+    }
+
+private:
+    Device device_;
+    bool beside_;
+    std::optional<Device> own_context_;
+    std::map<std::string, std::shared_future<BuildReport>> reports_;
+    std::shared_future<BuildReport> last_;
+};
+
+/// The builds of one variant.
+struct VariantBuilds {
+    std::vector<std::shared_future<BuildReport>> all;
+    std::shared_future<BuildReport> shading;  ///< if it is among them
+
+    void tell(Variant& variant) const {
+        for (const std::shared_future<BuildReport>& report : all)
+            variant.compile_milliseconds += report.get().milliseconds;
+        if (!shading.valid()) return;
+        variant.registers = shading.get().registers, variant.spill_bytes = shading.get().spill_bytes;
+    }
+};
+
+/// A variant beside the scene's own kernels.
+struct Comparison {
+    Variant variant;  ///< without its builds
+    double ratio = 1;
+    bool noise = false;
+    VariantBuilds builds, own_builds;  ///< of the concerned kernels
+};
+
 class Explainer {
 public:
     Explainer(const Device& device, const Scene& scene, const RenderConfig& config, const ExplainOptions& options)
-        : device_(device), scene_(scene), config_(config), options_(options) {
+        : device_(device), scene_(scene), config_(config), options_(options), times_(device) {
         config_.spp = spp_on(device, config);
         config_.compiler.clear();
     }
 
     /// Compares a variant with the scene's own kernels.
-    Variant compare_with_own(const EffectOverrides& overrides, EffectSet concerned, double& ratio, bool& noise) {
+    Comparison compare_with_own(const EffectOverrides& overrides, EffectSet concerned) {
         RenderConfig config = config_;
         config.effects = overrides;
-        Renderer own(device_, scene_, config_), other(device_, scene_, config);
+        Renderer own(device_, scene_, config_);
+        own_effects_ = own.statistics().effects;
+        const VariantBuilds own_builds = builds_of(own_effects_, concerned);
+        own_builds_ = builds_of(own_effects_, full_effects());
+        Renderer other(device_, scene_, config);
+        const VariantBuilds builds = builds_of(other.statistics().effects | overrides.add, concerned);
         const PairedTimes times = compare(device_, own, other, options_.rounds);
         own_times_.push_back(times.first);
         own_bytes_ = own.statistics().device_bytes;
-        own_effects_ = own.statistics().effects;
-        ratio = times.ratio, noise = times.noise;
-        Variant variant = compiled(other.statistics().effects | overrides.add, concerned);
+        Variant variant;
         variant.milliseconds = times.second, variant.bytes = other.statistics().device_bytes;
-        return variant;
+        return {variant, times.ratio, times.noise, builds, own_builds};
     }
 
     /// Its time, and by how much it changes the image.
-    [[nodiscard]] ExplainedApproximation compare_with_truth(const Approximations& approximate) const {
+    [[nodiscard]] ExplainedApproximation compare_with_truth(const Approximations& approximate) {
         RenderConfig config = config_;
         config.approximate = approximate;
         Renderer own(device_, scene_, config_), other(device_, scene_, config);
         const PairedTimes times = compare(device_, own, other, options_.rounds);
-        return {approximate, times.ratio, times.noise, difference(image_of(config), image_of(config_))};
+        if (truth_.empty()) truth_ = image_of(config_);
+        return {approximate, times.ratio, times.noise, difference(image_of(config), truth_)};
     }
 
-    [[nodiscard]] Variant own() {
-        Variant variant = compiled(own_effects_, full_effects());
+    [[nodiscard]] Variant own() const {
+        Variant variant;
+        own_builds_.tell(variant);
         variant.milliseconds = median(own_times_), variant.bytes = own_bytes_;
         return variant;
-    }
-    /// Compile time of those of the scene's own kernels that contain these effects.
-    [[nodiscard]] double own_compilation(EffectSet concerned) {
-        return compiled(own_effects_, concerned).compile_milliseconds;
     }
 
 private:
@@ -93,10 +153,10 @@ private:
         return sum > 0 ? std::sqrt(squares / values) / (sum / values) : 0;
     }
 
-    /// Compiles the kernels that contain one of the concerned effects.
-    Variant compiled(EffectSet effects, EffectSet concerned) {
-        Variant variant;
-        if (!options_.compile_times) return variant;
+    /// The kernels that contain one of the concerned effects.
+    VariantBuilds builds_of(EffectSet effects, EffectSet concerned) {
+        VariantBuilds builds;
+        if (!options_.compile_times) return builds;
         const std::pair<Stage, const char*> files[] = {{Stage::generate, "render/generate_rays.cl"},
                                                        {Stage::trace, "trace/closest_hit.cl"},
                                                        {Stage::trace, "trace/any_hit.cl"},
@@ -106,13 +166,12 @@ private:
                 return concerned.has(effect) && concerns(effect, at);
             };
             if (!std::any_of(all_effects().begin(), all_effects().end(), is_part)) continue;
-            const BuildReport& report = build(file, defines_for(effects, stage));
-            variant.compile_milliseconds += report.milliseconds;
-            if (stage == Stage::shade) variant.registers = report.registers, variant.spill_bytes = report.spill_bytes;
+            builds.all.push_back(times_.of(file, defines_for(effects, stage)));
+            if (stage == Stage::shade) builds.shading = builds.all.back();
             if (std::string(file) == "trace/closest_hit.cl" && wide() && has_cutouts(effects))
-                variant.compile_milliseconds += build("trace/cutouts.cl", {{"CLARAY_WIDE", "1"}}).milliseconds;
+                builds.all.push_back(times_.of("trace/cutouts.cl", {{"CLARAY_WIDE", "1"}}));
         }
-        return variant;
+        return builds;
     }
 
     [[nodiscard]] bool wide() const { return device_.tuning("trace/closest_hit", "WIDE") != 0; }
@@ -124,23 +183,16 @@ private:
         return {{"CLARAY_WIDE", wide() ? "1" : "0"}, {"CLARAY_CUTOUTS", !wide() && has_cutouts(effects) ? "1" : "0"}};
     }
 
-    /// Compiled once for every set of macros.
-    const BuildReport& build(const std::string& file, const Defines& defines) {
-        std::string key = file;
-        for (const auto& [name, value] : defines) key += ' ' + name + '=' + value;
-        const auto found = builds_.find(key);
-        if (found != builds_.end()) return found->second;
-        return builds_.emplace(key, report_build(device_, file, defines)).first->second;
-    }
-
-    std::map<std::string, BuildReport> builds_;
     Device device_;
     const Scene& scene_;
     RenderConfig config_;
     ExplainOptions options_;
+    BuildTimes times_;
     std::vector<double> own_times_;
     std::uint64_t own_bytes_ = 0;
     EffectSet own_effects_;
+    VariantBuilds own_builds_;
+    std::vector<glm::vec3> truth_;  // the image without approximations
 };
 
 }  // namespace
@@ -205,19 +257,18 @@ Explanation explain(const Device& device, const Scene& scene, const RenderConfig
     plain.effects = {};
     Explainer explainer(device, explained, plain, options);
     Explanation explanation;
+    std::vector<Comparison> compared;  // of everything, if that is measured, and of the rows that are not fixed
     if (options.everything) {
         tell("everything compiled in");
-        explanation.full = explainer.compare_with_own({full_effects(), {}}, full_effects(), explanation.full_ratio,
-                                                      explanation.full_noise);
+        compared.push_back(explainer.compare_with_own({full_effects(), {}}, full_effects()));
     }
-    for (ExplainedEffect& row : rows) {
+    for (const ExplainedEffect& row : rows) {
         if (row.fixed) continue;
         const Effect effect = row.effect;
         tell(std::string(row.called_for ? "without " : "with ") + name_of(effect));
         const EffectOverrides overrides =
             row.called_for ? EffectOverrides{{}, {effect}} : EffectOverrides{{effect}, {}};
-        row.other = explainer.compare_with_own(overrides, {effect}, row.ratio, row.noise);
-        row.own_compile_milliseconds = explainer.own_compilation({effect});
+        compared.push_back(explainer.compare_with_own(overrides, {effect}));
     }
     for (const Approximations& approximate : approximations) {
         tell(to_string(approximate));
@@ -225,9 +276,20 @@ Explanation explain(const Device& device, const Scene& scene, const RenderConfig
     }
     // Ratios of pairs are more reliable than separate times, since the machine may have been busy during one of them.
     explanation.own = explainer.own();
-    explanation.full.milliseconds = explanation.own.milliseconds * explanation.full_ratio;
-    for (ExplainedEffect& row : rows)
-        if (!row.fixed) row.other.milliseconds = explanation.own.milliseconds * row.ratio;
+    auto next = compared.begin();
+    const auto take = [&](Variant& variant, double& ratio, bool& noise) {
+        variant = next->variant, ratio = next->ratio, noise = next->noise;
+        variant.milliseconds = explanation.own.milliseconds * ratio;
+        next->builds.tell(variant);
+    };
+    if (options.everything) take(explanation.full, explanation.full_ratio, explanation.full_noise), ++next;
+    for (ExplainedEffect& row : rows) {
+        if (row.fixed) continue;
+        take(row.other, row.ratio, row.noise);
+        Variant own;
+        next++->own_builds.tell(own);
+        row.own_compile_milliseconds = own.compile_milliseconds;
+    }
     explanation.effects = std::move(rows);
     return explanation;
 }

@@ -443,20 +443,23 @@ void Renderer::restart(std::uint32_t seed, unsigned spp, unsigned max_depth) {
 }
 
 void Renderer::settle() {
-    State& state = *state_;
-    state.refuse_with_checkpoints("a render that writes checkpoints cannot discard samples");
-    state.discard_samples();
-    state.sample_all_pixels();
-    if (state.first_pixel_seconds == 0) state.first_pixel();
-    if (!state.own_kernels) state.take_over();
-    state.use_path_kernel(0);
-    state.structure.prepare_to_follow();
+    state_->settle();
+    state_->structure.prepare_to_follow();
+}
+
+void Renderer::State::settle() {
+    refuse_with_checkpoints("a render that writes checkpoints cannot discard samples");
+    discard_samples();
+    sample_all_pixels();
+    if (first_pixel_seconds == 0) first_pixel();
+    if (!own_kernels) take_over();
+    use_path_kernel(0);
     for (int i = 0; i < 2; ++i) {  // drivers compile kernels again for the size of their groups
-        state.discard_samples();
-        state.sample_all_pixels();
-        (void)state.film.noise();
+        discard_samples();
+        sample_all_pixels();
+        (void)film.noise();
     }
-    state.discard_samples();
+    discard_samples();
 }
 
 void Renderer::resize(unsigned width, unsigned height) {

@@ -90,6 +90,8 @@ struct Renderer::State {
     void use_path_kernel(double patience);
     void follow_light();
     void sample_all_pixels();
+    /// As Renderer::settle, without the kernels that move surfaces.
+    void settle();
     void look_through(const Camera& view);
     [[nodiscard]] ToneMapper& mapper_of(std::uint32_t image_pixels);
     /// 0 stands for the size of the film.

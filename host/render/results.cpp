@@ -10,6 +10,14 @@ std::vector<glm::vec3> Renderer::image(unsigned width, unsigned height) const {
     return state_->film.image(state_->sizes(width, height));
 }
 
+void Renderer::image(std::span<glm::vec3> to, unsigned width, unsigned height) const {
+    const ImageSizes size = state_->sizes(width, height);
+    if (const std::size_t pixels = std::size_t(size.image_width) * size.image_height; to.size() != pixels)
+        throw Error(claray::ErrorKind::usage, "an image of " + std::to_string(pixels) +
+                                                  " pixels does not fit into memory for " + std::to_string(to.size()));
+    state_->film.image(size, to);
+}
+
 std::span<const glm::vec3> Renderer::radiance(unsigned width, unsigned height) const {
     return state_->film.radiance(state_->sizes(width, height));
 }

@@ -35,6 +35,7 @@ struct ReferenceOptions {
     double uncertainty = 0;            ///< if > 0: continue until this uncertainty is reached, too
     unsigned most_spp = 1u << 20;      ///< upper limit of samples per pixel
     unsigned render_spp = 256;         ///< samples per pixel of each of its renders
+    unsigned least_renders = 4;        ///< at least 2, whose spread tells the uncertainty
     std::uint32_t seed = 0x7e000000u;  ///< seed of the first render, far from the seeds that studies use
     /// Folder in which the reference is saved and from which it is continued; empty: do not save. The file name
     /// identifies scene, settings and device.
@@ -81,6 +82,7 @@ struct Study {
     unsigned reference_spp = 0;
     std::vector<std::string> findings;  ///< conclusions in words: slopes, plateaus, the best method by range
     std::string device, driver;         ///< for plots and tables; studies leave them empty
+    double took = 0;                    ///< seconds of the whole study, compiling included; likewise
 };
 
 struct StudyOptions {
@@ -96,7 +98,10 @@ struct StudyOptions {
     Approximations approximations = all_approximations();  ///< measured by study_bias, each alone
     std::filesystem::path references = {};                 ///< see ReferenceOptions::folder
     unsigned reference_factor = 64;                        ///< samples of a reference per sample of the largest setting
+    unsigned reference_renders = 4;                        ///< at least so many renders make a reference
     std::uint32_t reference_seed = ReferenceOptions{}.seed;
+    /// Called after a reference, before renders are timed: may wait for what would disturb them.
+    std::function<void()> before_timing = {};
     /// Receives an unfinished study whenever a study of images has measured more of its points. Findings are missing.
     std::function<void(const Study& so_far)> measured = {};
 };

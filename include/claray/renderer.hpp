@@ -275,6 +275,9 @@ public:
     [[nodiscard]] std::vector<glm::vec3> image() const { return image(0, 0); }
     /// The same in another size, interpolated bilinearly on the device; 0: as rendered.
     [[nodiscard]] std::vector<glm::vec3> image(unsigned width, unsigned height) const;
+    /// The same into memory of the caller, which has width x height pixels. Faster than a new vector of a large image,
+    /// whose pages the system first has to provide. Throws ErrorKind::usage for another number of pixels.
+    void image(std::span<glm::vec3> to, unsigned width = 0, unsigned height = 0) const;
     /// Returns the image without a copy, for programs that need it in every frame. The memory belongs to the renderer
     /// and holds the image until the next call of this or of `image`. Blocks.
     [[nodiscard]] std::span<const glm::vec3> radiance(unsigned width = 0, unsigned height = 0) const;

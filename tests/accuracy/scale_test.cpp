@@ -24,6 +24,7 @@ TEST(Scale, GrowsSamplesWhereTheSizeIsGiven) {
     EXPECT_EQ(scaled.most_spp, 128 * scaled.first_spp) << "two decades";
     EXPECT_EQ(scaled.single_spp, 4 * scaled.first_spp);
     EXPECT_EQ(scaled.compared_spp, 16 * scaled.first_spp);
+    EXPECT_EQ(scaled.reference_renders, scaled.reference_factor) << "each of as many samples as the largest setting";
     EXPECT_GE(scaled.most_seconds, scaled.least_seconds);
     EXPECT_EQ(scaled.rays, given.rays);
 }

@@ -18,7 +18,7 @@ file(REMOVE_RECURSE "${WORK_DIR}")
 if(SHARED)
     set(whole "${WORK_DIR}/as_subdirectory")
     run(${CMAKE_COMMAND} -S "${consumer}" -B "${whole}" ${options} "-DCLARAY_SOURCE_DIR=${SOURCE_DIR}" -DBUILD_SHARED_LIBS=ON
-        -DCLARAY_INSTALL=ON -DCLARAY_QUICK_BUILD=ON)
+        -DCLARAY_INSTALL=ON -DCLARAY_QUICK_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=24)  # in two thirds of the time of 8
     run(${CMAKE_COMMAND} --build "${whole}" --parallel 2)
     run("${whole}/consumer")
     run(${CMAKE_COMMAND} --install "${whole}" --prefix "${prefix}")

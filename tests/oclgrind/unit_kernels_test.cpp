@@ -4,21 +4,32 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <random>
 
 #include "claray/instances.hpp"
 #include "host/sort/radix_sort.hpp"
+#include "host/verify/run.hpp"
 
 namespace claray::test {
 namespace {
 
-// Every test opens a device of its own: Oclgrind's must be closed before the statics of its compiler are destroyed.
+/// One device for all tests, since Oclgrind's compiler takes most of their time. It must be closed before the statics
+/// of that compiler are destroyed.
+class OneDevice : public testing::Environment {
+public:
+    void SetUp() override {
+        device_ = Device::open();
+        device_->set_tuning("sort/bucket_sort", "BUCKET_BITS", 5);  // or most time would go into empty buckets
+    }
+    void TearDown() override { device_.reset(); }
+    [[nodiscard]] const Device& device() const { return *device_; }
 
-Device open_device() {
-    Device device = Device::open();
-    device.set_tuning("sort/bucket_sort", "BUCKET_BITS", 5);  // or most time would go into empty buckets
-    return device;
-}
+private:
+    std::optional<Device> device_;
+};
+
+const OneDevice& one = static_cast<const OneDevice&>(*testing::AddGlobalTestEnvironment(new OneDevice));
 
 /// `count` triangles in the unit cube; every tenth is junk that the build must leave out.
 Mesh soup(std::size_t count) {
@@ -59,7 +70,7 @@ void sort_all(const Device& device, bool onesweep) {
 }
 
 TEST(UnitKernels, SortBothSchedules) {
-    const Device device = open_device();
+    const Device& device = one.device();
     std::printf("on %s\n", device.info().name.c_str());
     for (const bool onesweep : {false, true}) {
         sort_all<std::uint32_t>(device, onesweep);
@@ -70,7 +81,7 @@ TEST(UnitKernels, SortBothSchedules) {
 class UnitKernelsOnLayout : public testing::TestWithParam<Layout> {};
 
 TEST_P(UnitKernelsOnLayout, BuildRefitAndTrace) {
-    const Device device = open_device();
+    const Device& device = one.device();
     const std::vector<Ray> rays = rays_through_the_cube(65);
     for (const unsigned bits : {30u, 63u})
         for (const std::size_t count : {0u, 1u, 2u, 3u, 130u}) {
@@ -98,10 +109,10 @@ TEST_P(UnitKernelsOnLayout, BuildRefitAndTrace) {
 
 /// Both builders by both schedules: every leaf climbs by itself, or one work-item joins a range.
 TEST(UnitKernels, BuildBySchedule) {
-    const Device device = open_device();
+    const Device& device = one.device();
     for (const unsigned ranges : {0u, 5u}) {
-        device.set_tuning("bvh/serial", "RANGES_PER_UNIT", ranges);
-        device.set_tuning("bvh/serial", "RANGE_LEAVES", 1);
+        const verify::ScopedTuning schedule(device, "bvh/serial", "RANGES_PER_UNIT", ranges);
+        const verify::ScopedTuning leaves(device, "bvh/serial", "RANGE_LEAVES", 1);
         for (const Builder builder : {Builder::fast, Builder::balanced, Builder::high})
             for (const std::size_t count : {2u, 70u}) {
                 const Mesh mesh = soup(count);
@@ -113,7 +124,7 @@ TEST(UnitKernels, BuildBySchedule) {
 }
 
 TEST_P(UnitKernelsOnLayout, PlaceAndTraceInstances) {
-    const Device device = open_device();
+    const Device& device = one.device();
     const std::vector<Ray> rays = rays_through_the_cube(65);
     std::vector<Bvh> bottoms;
     for (const std::size_t count : {20u, 0u, 3u}) {

@@ -214,6 +214,19 @@ TEST(Renderer, ReportsProgressAndStopsWhenAsked) {
     EXPECT_LT(progress.spp, 1'000'000u);
 }
 
+TEST(Renderer, WritesItsImageIntoMemoryOfTheCaller) {
+    const Scene scene = *builtin_scene("cornell");
+    Renderer renderer(device(), scene, {.width = 641, .height = 480, .spp = 1});  // several parts
+    renderer.render();
+    for (const auto& [width, height] : {std::pair{641u, 480u}, std::pair{7u, 5u}}) {
+        std::vector<glm::vec3> image(std::size_t(width) * height, glm::vec3(-1));
+        renderer.image(image, width, height);
+        EXPECT_EQ(image, renderer.image(width, height));
+    }
+    std::vector<glm::vec3> small(641 * 479);
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "307680 pixels does not fit", [&] { renderer.image(small); }));
+}
+
 TEST(Renderer, ScenesWithoutLightsTraceNoShadowRays) {
     Scene scene;
     scene.materials = {lambert(0.5f)};

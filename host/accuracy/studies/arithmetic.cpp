@@ -1,9 +1,11 @@
 // Studies of arithmetic: fast math, and the precision of sums of samples.
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include <glm/gtc/packing.hpp>
 
+#include "host/accuracy/image_error.hpp"
 #include "host/accuracy/studies/image_sweep.hpp"
 #include "host/measure/measure.hpp"
 #include "host/render/film/film.hpp"
@@ -90,15 +92,17 @@ Study study_arithmetic(const Device& device, const Scene& scene, const StudyOpti
     study.error = "RMS difference / mean";
     // One kernel per stage for all: strict images alone could use the kernel for whole paths, which is faster.
     const MacroScope stages(device, {{"render/trace_paths", "MOST_EFFECTS", 0}});
-    std::vector<glm::vec3> strict;  // of the configuration that is at hand
-    const auto with = [&](const Macros& macros) { return render_with(device, scene, macros); };
-    const auto render_strict = [&](const RenderConfig& config) {
-        Rendered done = render_image(device, scene, config);
-        strict = done.image;
+    std::optional<ErrorAgainst> strict;  // the image of the same samples
+    const RenderConfig config = with_spp(options, compared_spp(options));
+    const auto with = [&](const Macros& macros) { return render_with(device, scene, config, macros); };
+    const RenderMethod render = with({});
+    const auto render_strict = [&](std::uint32_t seed, unsigned spp) {
+        Rendered done = render(seed, spp);
+        strict.emplace(done.image, config.width);
         return done;
     };
-    const auto render_half = [&](const RenderConfig& config) {
-        Rendered done = render_image(device, scene, config);
+    const auto render_half = [&](std::uint32_t seed, unsigned spp) {
+        Rendered done = render(seed, spp);
         for (glm::vec3& c : done.image) c = glm::unpackHalf(glm::packHalf(c));
         return done;
     };
@@ -110,10 +114,7 @@ Study study_arithmetic(const Device& device, const Scene& scene, const StudyOpti
                                               {"sums in half", with(sums_in_half)}};
     sweep_samples(
         study, options, compared_spp(options), methods,
-        [&](const std::vector<glm::vec3>& image, const RenderConfig& config) {
-            return image_error(image, strict, config.width);
-        },
-        progress);
+        [&](const std::vector<glm::vec3>& image) { return (*strict)(image); }, progress);
     judge_arithmetic(study, methods);
     return study;
 }

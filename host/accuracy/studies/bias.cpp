@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "host/accuracy/pixels.hpp"
+#include "host/base/in_parallel.hpp"
 
 namespace claray {
 namespace {
@@ -21,12 +22,16 @@ SquaredBias squared_bias(const std::vector<std::vector<glm::vec3>>& images, cons
     const std::size_t n = images.size(), pixels = reference.pixels.size();
     std::vector<double> sum_with(n);  // of products with all others
     double sum = 0;
+    std::vector<double> products(n * n);
+    in_parallel(n * n, [&](std::size_t pair) {
+        const std::size_t i = pair / n, j = pair % n;
+        if (i >= j) return;
+        for (std::size_t p = 0; p < pixels; ++p)
+            products[pair] += double(glm::dot(images[i][p] - reference.pixels[p], images[j][p] - reference.pixels[p]));
+    });
     for (std::size_t i = 0; i < n; ++i)
         for (std::size_t j = i + 1; j < n; ++j) {
-            double product = 0;
-            for (std::size_t p = 0; p < pixels; ++p)
-                product += double(glm::dot(images[i][p] - reference.pixels[p], images[j][p] - reference.pixels[p]));
-            product /= 3.0 * double(pixels) * mean * mean;
+            const double product = products[i * n + j] / (3.0 * double(pixels) * mean * mean);
             sum += product, sum_with[i] += product, sum_with[j] += product;
         }
     const double count = double(n), pairs = count * (count - 1) / 2, pairs_without_one = (count - 1) * (count - 2) / 2;
@@ -84,7 +89,8 @@ private:
     [[nodiscard]] glm::dvec3 mean_of_image(const std::vector<MacroScope::Macro>& macros,
                                            const RenderConfig& config) const {
         glm::dvec3 sum(0);
-        const std::vector<glm::vec3> image = render_with(device_, scene_, macros)(config).image;
+        const std::vector<glm::vec3> image =
+            render_with(device_, scene_, config, macros)(config.seed, config.spp).image;
         for (const glm::vec3& pixel : image) sum += glm::dvec3(pixel);
         return sum / double(image.size());
     }
@@ -97,14 +103,13 @@ private:
 
 }  // namespace
 
-Renders render_independently(const RenderMethod& method, RenderConfig config, const StudyOptions& options) {
+Renders render_independently(const RenderMethod& method, unsigned spp, const StudyOptions& options) {
     constexpr unsigned least = 4;  // pairs without one render tell the spread
     Renders renders;
     double seconds = 0;
     for (unsigned i = 0; i < std::max(2 * options.runs, least); ++i) {
         if (i >= least && options.most_seconds > 0 && seconds >= options.most_seconds) break;
-        ++config.seed;
-        Rendered done = method(config);
+        Rendered done = method(options.config.seed + 1 + i, spp);
         seconds += done.seconds;
         renders.images.push_back(std::move(done.image)), renders.seconds.push_back(done.seconds);
     }
@@ -188,10 +193,10 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
     const double settings =
         double(std::size(depths) + std::size(clamps) + std::size(reaches) + 1 + approximated.size());
     bool goes_on = true;
-    const auto add = [&](const char* method, const std::string& setting, double value, const RenderConfig& how,
-                         const std::vector<MacroScope::Macro>& macros) {
+    const auto add_images = [&](const char* method, const std::string& setting, double value,
+                                const RenderMethod& render) {
         if (!goes_on) return;
-        const Renders renders = render_independently(render_with(device, scene, macros), how, options);
+        const Renders renders = render_independently(render, config.spp, options);
         const StudyPoint point = bias_point(method, setting, value, renders, reference);
         if (point.failure.empty())
             study.findings.push_back(std::string(method) + ", " + setting +
@@ -200,12 +205,14 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
         if (options.measured) options.measured(study);
         goes_on = !rest || rest(double(study.points.size()) / settings, setting);
     };
-    for (const unsigned depth : depths) {
-        RenderConfig how = config;
-        how.max_depth = depth;
-        add("path depth", printed(depth == default_max_depth ? "depth %u (default)" : "depth %u", depth), depth, how,
-            {});
-    }
+    const auto add = [&](const char* method, const std::string& setting, double value, const RenderConfig& how,
+                         const std::vector<MacroScope::Macro>& macros) {
+        add_images(method, setting, value, render_with(device, scene, how, macros));
+    };
+    KeptRenderer of_all_depths(device, scene, config);
+    for (const unsigned depth : depths)
+        add_images("path depth", printed(depth == default_max_depth ? "depth %u (default)" : "depth %u", depth), depth,
+                   [&](std::uint32_t seed, unsigned spp) { return of_all_depths.render(seed, spp, depth); });
     const double mean = mean_of(reference.pixels);
     for (const double clamp : clamps) {
         RenderConfig how = config;

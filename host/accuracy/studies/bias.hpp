@@ -10,9 +10,9 @@ struct Renders {
     std::vector<std::vector<glm::vec3>> images;
     std::vector<double> seconds;
 };
-/// Renders 2 `runs` images with seeds from `config.seed` + 1 on, fewer if they take `most_seconds`, at least 4.
-[[nodiscard]] Renders render_independently(const RenderMethod& method, RenderConfig config,
-                                           const StudyOptions& options);
+/// Renders 2 `runs` images of `spp` samples per pixel, fewer if they take `most_seconds`, at least 4. Their seeds
+/// follow that of the configuration.
+[[nodiscard]] Renders render_independently(const RenderMethod& method, unsigned spp, const StudyOptions& options);
 
 /// A point whose error is the renders' bias against the reference; it fails if the bias is not above the noise.
 [[nodiscard]] StudyPoint bias_point(const std::string& method, const std::string& setting, double value,

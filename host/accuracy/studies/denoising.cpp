@@ -6,6 +6,7 @@
 
 #include "host/accuracy/studies/bias.hpp"
 #include "host/accuracy/studies/image_sweep.hpp"
+#include "host/render/renderer_state.hpp"
 
 namespace claray {
 namespace {
@@ -17,9 +18,11 @@ constexpr unsigned spp_of_blur = 16;
 RenderMethod denoise_with(const Device& device, const Scene& scene, const StudyOptions& options, DenoiserKind kind) {
     RenderConfig config = options.config;
     config.spp = std::max(options.most_spp, spp_of_blur), config.seconds = config.noise = 0;
-    return [renderer = std::make_shared<Renderer>(device, scene, config), kind](const RenderConfig& wanted) {
+    const auto renderer = std::make_shared<Renderer>(device, scene, config);
+    renderer->state().settle();
+    return [renderer, kind](std::uint32_t seed, unsigned spp) {
         using Clock = std::chrono::steady_clock;
-        renderer->restart(wanted.seed, wanted.spp);
+        renderer->restart(seed, spp);
         const double sampling = renderer->render().seconds;
         const Clock::time_point begin = Clock::now();
         std::vector<glm::vec3> image = renderer->denoised(kind);
@@ -29,15 +32,13 @@ RenderMethod denoise_with(const Device& device, const Scene& scene, const StudyO
 
 /// The error that the denoised images of different seeds have in common is blur; the rest is noise.
 void tell_blur(Study& study, const ImageMethod& method, const StudyOptions& options, const ReferenceImage& reference) {
-    RenderConfig config = options.config;
-    config.spp = std::clamp(spp_of_blur, std::min(options.first_spp, options.most_spp), options.most_spp);
+    const unsigned spp = std::clamp(spp_of_blur, std::min(options.first_spp, options.most_spp), options.most_spp);
     const StudyPoint blur =
-        bias_point(method.name, "", 0, render_independently(method.render, config, options), reference);
-    study.findings.push_back(
-        method.name +
-        (blur.failure.empty()
-             ? printed(": blurs by %.3g %% of the mean at %u samples per pixel", 100 * blur.error.median, config.spp)
-             : printed(": no blur above the noise at %u samples per pixel", config.spp)));
+        bias_point(method.name, "", 0, render_independently(method.render, spp, options), reference);
+    study.findings.push_back(method.name + (blur.failure.empty()
+                                                ? printed(": blurs by %.3g %% of the mean at %u samples per pixel",
+                                                          100 * blur.error.median, spp)
+                                                : printed(": no blur above the noise at %u samples per pixel", spp)));
 }
 
 const StudyPoint* point_of(const Study& study, const std::string& method, double spp) {
@@ -79,7 +80,7 @@ Study study_denoising(const Device& device, const Scene& scene, const StudyOptio
     Study study;
     study.name = "denoising", study.title = "Denoisers", study.error = "RMSE / mean";
     const std::string plain = "samples alone";
-    std::vector<ImageMethod> methods = {{plain, render_with(device, scene)},
+    std::vector<ImageMethod> methods = {{plain, render_with(device, scene, with_spp(options, compared_spp(options)))},
                                         {"claray", denoise_with(device, scene, options, DenoiserKind::claray)}};
     if (picked_denoiser(DenoiserKind::automatic) == DenoiserKind::oidn)
         methods.push_back({"Open Image Denoise", denoise_with(device, scene, options, DenoiserKind::oidn)});

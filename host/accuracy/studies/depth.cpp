@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "host/accuracy/studies/depth.hpp"
+#include "host/base/in_parallel.hpp"
 #include "host/measure/rays.hpp"
 
 namespace claray {
@@ -76,15 +77,16 @@ PixelBox pixels_of_triangle(const PinholeImage& image, const glm::dvec3 (&corner
 }
 
 /// The triangle at the pixels that it covers, by the signs of the volumes that its edges span with the ray (Olano and
-/// Greer 1997, "Triangle scan conversion using 2D homogeneous coordinates"), on both sides.
+/// Greer 1997, "Triangle scan conversion using 2D homogeneous coordinates"), on both sides. Only in the rows from
+/// rows.x to before rows.y.
 void rasterise(const PinholeImage& image, std::span<const Ray> rays, const glm::dvec3 (&corners)[3],
-               std::uint32_t triangle, std::vector<DepthFragment>& fragments) {
+               std::uint32_t triangle, glm::uvec2 rows, std::vector<DepthFragment>& fragments) {
     const auto& [a, b, c] = corners;
     const glm::dvec3 edges[3] = {glm::cross(a, b), glm::cross(b, c), glm::cross(c, a)};
     const double volume = glm::dot(a, edges[1]);
     if (!std::isfinite(volume)) return;
     const PixelBox box = pixels_of_triangle(image, corners);
-    for (unsigned y = box.y0; y < box.y1; ++y)
+    for (unsigned y = std::max(box.y0, rows.x); y < std::min(box.y1, rows.y); ++y)
         for (unsigned x = box.x0; x < box.x1; ++x) {
             const std::uint32_t pixel = y * image.width + x;
             const glm::dvec3 ray(rays[pixel].dx, rays[pixel].dy, rays[pixel].dz);
@@ -175,17 +177,23 @@ StudyPoint point_of_format(const DepthFormat& format, double ratio, const DepthV
 std::vector<DepthFragment> rasterised(const Camera& camera, std::span<const Mesh> meshes, std::span<const Ray> rays,
                                       unsigned width, unsigned height) {
     const PinholeImage image(camera_data(camera, float(width) / float(height)), width, height);
+    constexpr unsigned rows_of_band = 32;
+    std::vector<std::vector<DepthFragment>> bands((height + rows_of_band - 1) / rows_of_band);
+    in_parallel(bands.size(), [&](std::size_t band) {
+        const unsigned first = unsigned(band) * rows_of_band;
+        std::uint32_t triangle = 0;
+        for (const Mesh& mesh : meshes)
+            for (const glm::uvec3& t : mesh.triangles) {
+                const glm::dvec3 corners[3] = {glm::dvec3(mesh.positions[t.x]) - image.eye,
+                                               glm::dvec3(mesh.positions[t.y]) - image.eye,
+                                               glm::dvec3(mesh.positions[t.z]) - image.eye};
+                rasterise(image, rays, corners, triangle++, {first, first + rows_of_band}, bands[band]);
+            }
+        std::stable_sort(bands[band].begin(), bands[band].end(),
+                         [](const DepthFragment& a, const DepthFragment& b) { return a.pixel < b.pixel; });
+    });
     std::vector<DepthFragment> fragments;
-    std::uint32_t triangle = 0;
-    for (const Mesh& mesh : meshes)
-        for (const glm::uvec3& t : mesh.triangles) {
-            const glm::dvec3 corners[3] = {glm::dvec3(mesh.positions[t.x]) - image.eye,
-                                           glm::dvec3(mesh.positions[t.y]) - image.eye,
-                                           glm::dvec3(mesh.positions[t.z]) - image.eye};
-            rasterise(image, rays, corners, triangle++, fragments);
-        }
-    std::stable_sort(fragments.begin(), fragments.end(),
-                     [](const DepthFragment& a, const DepthFragment& b) { return a.pixel < b.pixel; });
+    for (const std::vector<DepthFragment>& band : bands) fragments.insert(fragments.end(), band.begin(), band.end());
     return fragments;
 }
 
@@ -212,16 +220,20 @@ Study study_depth(const Device& device, const Scene& scene, const StudyOptions& 
         compare_with_hits(device, meshes, rays, {c.forward_x, c.forward_y, c.forward_z}, fragments));
     double far = 0;
     for (const DepthFragment& f : fragments) far = std::max(far, f.z);
+    std::vector<DepthVerdict> verdicts(std::size(depth_formats) * std::size(far_over_near));
+    in_parallel(verdicts.size(), [&](std::size_t i) {
+        const double ratio = far_over_near[i % std::size(far_over_near)];
+        verdicts[i] =
+            judge_format(depth_formats[i / std::size(far_over_near)], fragments, far / ratio, far, rays.size());
+    });
     for (const DepthFormat& format : depth_formats)
         for (const double ratio : far_over_near) {
-            const DepthVerdict verdict = judge_format(format, fragments, far / ratio, far, rays.size());
+            const DepthVerdict& verdict = verdicts[study.points.size()];
             study.points.push_back(point_of_format(format, ratio, verdict));
             std::string name = printed("depth-%s-%.0e", format.name, ratio);
             std::replace(name.begin(), name.end(), ' ', '-');
             if (maps) maps->push_back({name, verdict.map});
-            if (progress)
-                progress(double(study.points.size()) / double(std::size(depth_formats) * std::size(far_over_near)),
-                         name);
+            if (progress) progress(double(study.points.size()) / double(verdicts.size()), name);
         }
     mark_front(study.points);
     return study;

@@ -41,11 +41,8 @@ Study study_effects(const Device& device, const Scene& scene, const StudyOptions
     study.error = "bias without it, RMS / mean", study.sweeps = false;
     const ReferenceImage reference = reference_for(study, device, scene, options, options.most_spp, progress);
     const AccuracyProgress rest = scaled(progress, reference_share, 1);
-    RenderConfig config = options.config;
-    config.spp = single_spp(options);
-    const RenderMethod method = render_with(device, scene);
-    (void)method({.width = config.width, .height = config.height, .spp = 1});  // compiles the kernels
-    const Renders whole = render_independently(method, config, options);
+    const RenderConfig config = with_spp(options, single_spp(options));
+    const Renders whole = render_independently(render_with(device, scene, config), config.spp, options);
     const double seconds = spread_of(whole.seconds).median;
     StudyPoint all;
     all.method = "all effects", all.setting = "nothing left out", all.runs = unsigned(whole.images.size());
@@ -57,10 +54,7 @@ Study study_effects(const Device& device, const Scene& scene, const StudyOptions
         const std::string name = name_of(effect);
         RenderConfig without = config;
         without.effects.remove.add(effect);
-        without.spp = 1;
-        (void)method(without);
-        without.spp = config.spp;
-        const Renders renders = render_independently(method, without, options);
+        const Renders renders = render_independently(render_with(device, scene, without), without.spp, options);
         StudyPoint point = bias_point("left out", name, 0, renders, reference);
         const double saved = 100 * (1 - point.seconds.median / seconds);
         point.facts = {{"time saved, %", saved}};

@@ -21,21 +21,22 @@ Study study_filtering(const Device& device, const Scene& scene, const StudyOptio
     study.error = "RMSE / mean";
     const Scene point = filtered(scene, Filter::nearest), bilinear = filtered(scene, Filter::bilinear),
                 trilinear = filtered(scene, Filter::trilinear);
+    const RenderConfig whole = with_spp(options, compared_spp(options));
     const auto smaller = [&](unsigned divisor) {
-        return [&device, &bilinear, divisor](RenderConfig config) {
-            const unsigned width = config.width, height = config.height;
-            config.width = std::max(1u, width / divisor), config.height = std::max(1u, height / divisor);
-            Rendered done = render_image(device, bilinear, config);
-            done.image = enlarged(done.image, config.width, config.height, width, height);
+        RenderConfig config = whole;
+        config.width = std::max(1u, whole.width / divisor), config.height = std::max(1u, whole.height / divisor);
+        return [config, whole, render = render_with(device, bilinear, config)](std::uint32_t seed, unsigned spp) {
+            Rendered done = render(seed, spp);
+            done.image = enlarged(done.image, config.width, config.height, whole.width, whole.height);
             return done;
         };
     };
-    std::vector<ImageMethod> methods = {{"bilinear", render_with(device, bilinear)}};
+    std::vector<ImageMethod> methods = {{"bilinear", render_with(device, bilinear, whole)}};
     if (scene.textures.empty())
         methods[0].name = "all pixels", study.findings.emplace_back("the scene has no texture to filter");
     else
-        methods.insert(methods.end(),
-                       {{"nearest", render_with(device, point)}, {"trilinear", render_with(device, trilinear)}});
+        methods.insert(methods.end(), {{"nearest", render_with(device, point, whole)},
+                                       {"trilinear", render_with(device, trilinear, whole)}});
     methods.insert(methods.end(), {{"a quarter of the pixels", smaller(2)}, {"a 16th of the pixels", smaller(4)}});
     sweep_to_reference(study, device, bilinear, options, compared_spp(options), methods, progress);
     for (const ImageMethod& method : methods) {

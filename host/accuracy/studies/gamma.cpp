@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/accuracy/image_error.hpp"
 #include "host/accuracy/pixels.hpp"
 #include "host/accuracy/studies/image_sweep.hpp"
 #include "host/base/color.hpp"
+#include "host/base/in_parallel.hpp"
 
 namespace claray {
 namespace {
@@ -44,16 +46,19 @@ Scene with_group(Scene scene, const LightSources& sources, std::size_t group, st
 /// Every `step`-th image is added up as light; the sums are added up as values of the curve.
 std::vector<glm::vec3> added_as_values(const std::vector<std::vector<glm::vec3>>& images, std::size_t step) {
     std::vector<glm::vec3> image(images[0].size());
-    for (std::size_t p = 0; p < image.size(); ++p)
-        for (int c = 0; c < 3; ++c) {
-            double values = 0;
-            for (std::size_t first = 0; first < step; ++first) {
-                double light = 0;
-                for (std::size_t i = first; i < images.size(); i += step) light += double(images[i][p][c]);
-                values += encoded(light);
+    constexpr std::size_t together = 1024;
+    in_parallel((image.size() + together - 1) / together, [&](std::size_t piece) {
+        for (std::size_t p = piece * together; p < std::min((piece + 1) * together, image.size()); ++p)
+            for (int c = 0; c < 3; ++c) {
+                double values = 0;
+                for (std::size_t first = 0; first < step; ++first) {
+                    double light = 0;
+                    for (std::size_t i = first; i < images.size(); i += step) light += double(images[i][p][c]);
+                    values += encoded(light);
+                }
+                image[p][c] = float(decode_srgb(values));
             }
-            image[p][c] = float(decode_srgb(values));
-        }
+    });
     return image;
 }
 
@@ -86,20 +91,24 @@ Study study_gamma(const Device& device, const Scene& scene, const StudyOptions& 
         study.findings.emplace_back("the scene has one light source: there is nothing to add");
         return study;
     }
-    RenderConfig config = options.config;
-    config.spp = single_spp(options);
+    const RenderConfig config = with_spp(options, single_spp(options));
+    std::vector<Scene> scenes;
+    std::vector<RenderMethod> methods;
+    for (std::size_t group = 0; group < most; ++group) scenes.push_back(with_group(scene, sources, group, most));
+    for (const Scene& lit : scenes) methods.push_back(render_with(device, lit, config));
     std::vector<std::size_t> steps;
     for (std::size_t groups = 2; groups < most; groups *= 2) steps.push_back(groups);
     steps.push_back(most);
     std::vector<GammaErrors> errors(steps.size());
+    begin_timing(options);
     std::vector<double> seconds;
     double taken = 0;
-    for (unsigned run = 0; run < options.runs; ++run, ++config.seed) {
+    for (unsigned run = 0; run < options.runs; ++run) {
         if (run > 0 && options.most_seconds > 0 && taken >= options.most_seconds) break;
         std::vector<std::vector<glm::vec3>> images;
         double all_seconds = 0;
         for (std::size_t group = 0; group < most; ++group) {
-            Rendered done = render_image(device, with_group(scene, sources, group, most), config);
+            Rendered done = methods[group](config.seed + run, config.spp);
             images.push_back(std::move(done.image)), all_seconds += done.seconds;
             const double part = double(run * most + group + 1) / double(options.runs * most);
             if (progress && !progress(part, printed("group %zu of %zu", group + 1, most))) return study;
@@ -108,9 +117,10 @@ Study study_gamma(const Device& device, const Scene& scene, const StudyOptions& 
         std::vector<glm::vec3> whole = images[0];
         for (std::size_t i = 1; i < most; ++i)
             for (std::size_t p = 0; p < whole.size(); ++p) whole[p] += images[i][p];
+        const ErrorAgainst error_of(whole, config.width);
         for (std::size_t i = 0; i < steps.size(); ++i) {
             const std::vector<glm::vec3> values = added_as_values(images, steps[i]);
-            const ImageError error = image_error(values, whole, config.width);
+            const ImageError error = error_of(values);
             errors[i].rmse.push_back(error.rmse), errors[i].relmse.push_back(error.relmse);
             errors[i].perceptual.push_back(error.perceptual);
             errors[i].brightness.push_back(mean_of(values) / std::max(mean_of(whole), 1e-30));

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numeric>
 
-#include "host/compute/device_state.hpp"
+#include "host/accuracy/image_error.hpp"
+#include "host/render/renderer_state.hpp"
 
 namespace claray {
 namespace {
@@ -52,10 +54,10 @@ void tell_measured(const Study& study, const StudyOptions& options, const std::v
     options.measured(so_far);
 }
 
-/// The squares of both errors add up, since image and reference are independent. Errors below the reference's own are
-/// not known.
+/// The squares of both errors add up, since image and reference are independent. Errors below half of the reference's
+/// own are not known.
 double without_floor(double rmse, double floor) {
-    return rmse > floor ? std::sqrt(std::max(rmse * rmse - floor * floor, floor * floor)) : rmse;
+    return rmse > floor ? std::sqrt(std::max(rmse * rmse - floor * floor, floor * floor / 4)) : rmse;
 }
 
 /// Whether a setting has taken `most` seconds by the mean of all methods. Methods have equally many runs, since some
@@ -87,18 +89,28 @@ MacroScope::MacroScope(const Device& device, const std::vector<Macro>& macros)
 }
 MacroScope::~MacroScope() { device_.state().tuning = before_; }
 
-Rendered render_image(const Device& device, const Scene& scene, RenderConfig config) {
-    config.seconds = config.noise = 0;
-    Renderer renderer(device, scene, config);
-    const RenderProgress reached = renderer.render();
-    return {renderer.image(), reached.seconds};
+KeptRenderer::KeptRenderer(const Device& device, const Scene& scene, const RenderConfig& config,
+                           std::vector<MacroScope::Macro> macros)
+    : device_(device), scene_(scene), config_(config), macros_(std::move(macros)) {
+    config_.seconds = config_.noise = config_.error = 0;
 }
 
-RenderMethod render_with(const Device& device, const Scene& scene, std::vector<MacroScope::Macro> macros) {
-    return [&scene, device, macros = std::move(macros)](const RenderConfig& config) {
-        const MacroScope scope(device, macros);
-        return render_image(device, scene, config);
-    };
+Rendered KeptRenderer::render(std::uint32_t seed, unsigned spp, unsigned max_depth) {
+    const MacroScope scope(device_, macros_);
+    if (!renderer_) renderer_.emplace(device_, scene_, config_).state().settle();
+    renderer_->restart(seed, spp, max_depth);
+    const double seconds = renderer_->render().seconds;
+    return {renderer_->image(), seconds};
+}
+
+RenderMethod render_with(const Device& device, const Scene& scene, const RenderConfig& config,
+                         std::vector<MacroScope::Macro> macros) {
+    return [kept = std::make_shared<KeptRenderer>(device, scene, config, std::move(macros))](
+               std::uint32_t seed, unsigned spp) { return kept->render(seed, spp); };
+}
+
+Rendered render_image(const Device& device, const Scene& scene, const RenderConfig& config) {
+    return render_with(device, scene, config)(config.seed, config.spp);
 }
 
 ReferenceImage reference_for(Study& study, const Device& device, const Scene& scene, const StudyOptions& options,
@@ -108,10 +120,12 @@ ReferenceImage reference_for(Study& study, const Device& device, const Scene& sc
         reference_image(device, scene, options.config,
                         {.least_spp = factor * spp,
                          .render_spp = std::clamp(ReferenceOptions{}.render_spp, spp, factor * spp),
+                         .least_renders = options.reference_renders,
                          .seed = options.reference_seed,
                          .folder = options.references},
                         scaled(progress, 0, reference_share));
     study.floor = reference.uncertainty, study.reference_spp = reference.spp;
+    begin_timing(options);
     return reference;
 }
 
@@ -123,11 +137,8 @@ void sweep_samples(Study& study, const StudyOptions& options, unsigned most_spp,
     double samples = 0;
     const double all = double(options.runs) * double(methods.size()) * (2 * spp.back() - spp.front());
     bool goes_on = true;
-    for (const ImageMethod& method : methods) {  // compiles its kernels
-        RenderConfig config = options.config;
-        config.spp = 1;
-        (void)method.render(config);
-    }
+    for (const ImageMethod& method : methods) (void)method.render(options.config.seed, 1);  // loads its kernels
+    begin_timing(options);
     for (unsigned round = 0; round < options.runs && goes_on; ++round)
         for (std::size_t i = 0; i < spp.size() && goes_on; ++i) {
             if (has_taken(runs, i, options.most_seconds)) {
@@ -136,10 +147,8 @@ void sweep_samples(Study& study, const StudyOptions& options, unsigned most_spp,
             }
             for (std::size_t m = 0; m < methods.size() && goes_on; ++m) {
                 samples += spp[i];
-                RenderConfig config = options.config;
-                config.spp = spp[i], config.seed = options.config.seed + round;
-                const Rendered done = methods[m].render(config);
-                runs[m][i].errors.push_back(judge(done.image, config));
+                const Rendered done = methods[m].render(options.config.seed + round, spp[i]);
+                runs[m][i].errors.push_back(judge(done.image));
                 runs[m][i].seconds.push_back(done.seconds);
                 goes_on = !progress || progress(samples / all, methods[m].name + ", run " + std::to_string(round + 1) +
                                                                    " of " + std::to_string(options.runs));
@@ -153,10 +162,11 @@ ReferenceImage sweep_to_reference(Study& study, const Device& device, const Scen
                                   unsigned most_spp, const std::vector<ImageMethod>& methods,
                                   const AccuracyProgress& progress) {
     const ReferenceImage reference = reference_for(study, device, scene, options, options.most_spp, progress);
+    const ErrorAgainst error_of(reference.pixels, options.config.width);
     sweep_samples(
         study, options, most_spp, methods,
-        [&](const std::vector<glm::vec3>& image, const RenderConfig& config) {
-            ImageError error = image_error(image, reference.pixels, config.width);
+        [&](const std::vector<glm::vec3>& image) {
+            ImageError error = error_of(image);
             error.rmse = without_floor(error.rmse, reference.uncertainty);
             return error;
         },

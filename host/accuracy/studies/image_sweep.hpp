@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 
 #include "host/accuracy/study.hpp"
 
@@ -12,8 +13,6 @@ struct Rendered {
     std::vector<glm::vec3> image;
     double seconds = 0;  ///< of sampling only
 };
-/// With all samples of `config.spp`.
-[[nodiscard]] Rendered render_image(const Device& device, const Scene& scene, RenderConfig config);
 
 /// Compiles kernels with other values of macros until the end of the scope.
 class MacroScope {
@@ -33,19 +32,43 @@ private:
     std::map<std::string, unsigned> before_;  // Device::State::tuning
 };
 
-using RenderMethod = std::function<Rendered(const RenderConfig&)>;
-/// Renders the scene by kernels with these values of macros. The scene must outlive the method.
-[[nodiscard]] RenderMethod render_with(const Device& device, const Scene& scene,
-                                       std::vector<MacroScope::Macro> macros = {});
+/// Renders with the settings of `config`, up to its number of samples, by kernels with these values of macros. The
+/// first render makes a renderer and loads its kernels. The scene must outlive it.
+class KeptRenderer {
+public:
+    KeptRenderer(const Device& device, const Scene& scene, const RenderConfig& config,
+                 std::vector<MacroScope::Macro> macros = {});
+    /// `max_depth`: 0 for that of the configuration, which is the largest.
+    [[nodiscard]] Rendered render(std::uint32_t seed, unsigned spp, unsigned max_depth = 0);
 
-/// A curve of a plot: how an image is made from a configuration.
+private:
+    Device device_;
+    const Scene& scene_;
+    RenderConfig config_;
+    std::vector<MacroScope::Macro> macros_;
+    std::optional<Renderer> renderer_;
+};
+
+/// Renders with this seed and so many samples per pixel.
+using RenderMethod = std::function<Rendered(std::uint32_t seed, unsigned spp)>;
+/// By a renderer that is kept until the last copy of the method is gone.
+[[nodiscard]] RenderMethod render_with(const Device& device, const Scene& scene, const RenderConfig& config,
+                                       std::vector<MacroScope::Macro> macros = {});
+/// One image with all samples of `config.spp`.
+[[nodiscard]] Rendered render_image(const Device& device, const Scene& scene, const RenderConfig& config);
+
+/// A curve of a plot.
 struct ImageMethod {
     std::string name;
     RenderMethod render;
 };
 
-/// The error of an image that was made with a configuration.
-using ImageJudge = std::function<ImageError(const std::vector<glm::vec3>&, const RenderConfig&)>;
+using ImageJudge = std::function<ImageError(const std::vector<glm::vec3>&)>;
+
+/// Before the first image that is timed.
+inline void begin_timing(const StudyOptions& options) {
+    if (options.before_timing) options.before_timing();
+}
 
 /// Samples per pixel in studies without a sweep of samples.
 [[nodiscard]] inline unsigned single_spp(const StudyOptions& options) {
@@ -55,6 +78,12 @@ using ImageJudge = std::function<ImageError(const std::vector<glm::vec3>&, const
 /// The largest number of samples per pixel in sweeps that compare other methods than samplers.
 [[nodiscard]] inline unsigned compared_spp(const StudyOptions& options) {
     return options.compared_spp == 0 ? options.most_spp : std::min(options.compared_spp, options.most_spp);
+}
+
+[[nodiscard]] inline RenderConfig with_spp(const StudyOptions& options, unsigned spp) {
+    RenderConfig config = options.config;
+    config.spp = spp;
+    return config;
 }
 
 /// `first_spp`, twice as many ... `most_spp` samples per pixel by each method, `runs` times with different seeds or

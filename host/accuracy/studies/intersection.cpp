@@ -162,7 +162,7 @@ Study study_rays(const Device& device, const RaySet& set, const StudyOptions& op
         return study;
     }
     const std::vector<RayVariant> variants = all_variants();
-    const unsigned rounds = std::max(options.runs, 1u);
+    const unsigned rounds = rounds_of(options);
     const std::vector<TracedVariant> traced = trace_variants(device, set.meshes, set.rays, variants, options, progress);
     const Truth truth(set);
     for (std::size_t i = 0; i < variants.size(); ++i)
@@ -232,8 +232,10 @@ Study study_nodes(const Device& device, const Scene& scene, const StudyOptions& 
     const std::vector<Ray> rays = rays_of_scene(device, scene, meshes, options.rays);
     std::vector<RayVariant> variants;
     for (const unsigned bits : {32u, 16u, 8u})
-        variants.push_back(
-            {.method = "binary tree", .setting = std::to_string(bits) + " bits a plane", .node_bits = bits});
+        variants.push_back({.method = "binary tree",
+                            .setting = std::to_string(bits) + " bits a plane",
+                            .node_bits = bits,
+                            .counts_boxes = true});
     const auto traced = trace_variants(device, meshes, rays, variants, options, progress);
     for (std::size_t i = 0; i < variants.size(); ++i) {
         StudyPoint point;

@@ -25,7 +25,7 @@ public:
     [[nodiscard]] std::vector<Hit> hits() const { return hits_.read(); }
 
     [[nodiscard]] double boxes_a_ray() {
-        if (variant_.shipped || rays_.size() == 0) return 0;
+        if (!variant_.counts_boxes || rays_.size() == 0) return 0;
         const Buffer<Visits> visits(binary_.device(), rays_.size());
         run(load(1), visits);
         double sum = 0;
@@ -91,7 +91,7 @@ unsigned repeats_of(const Device& device, Tracer& tracer, double least_seconds) 
 std::vector<TracedVariant> trace_variants(const Device& device, std::span<const Mesh> meshes, std::span<const Ray> rays,
                                           const std::vector<RayVariant>& variants, const StudyOptions& options,
                                           const AccuracyProgress& progress) {
-    const unsigned rounds = std::max(options.runs, 1u);
+    const unsigned rounds = rounds_of(options);
     const Bvh binary = Bvh::build(device, meshes, {.builder = Builder::balanced, .layout = Layout::binary});
     const Bvh shipped = Bvh::build(device, binary.triangles(), {.builder = Builder::balanced});
     const Buffer<Ray> device_rays(device, rays);

@@ -24,9 +24,8 @@ void judge_sampling(Study& study, const ImageMethod& with, const StudyOptions& o
     const std::size_t tail = samples.size() - 3;
     const double end = log_log_slope(std::span(samples).subspan(tail), std::span(errors).subspan(tail));
     if (end <= -0.25) return;
-    RenderConfig config = options.config;
-    config.spp = unsigned(samples.back());
-    const StudyPoint bias = bias_point(method, "", 0, render_independently(with.render, config, options), reference);
+    const Renders renders = render_independently(with.render, unsigned(samples.back()), options);
+    const StudyPoint bias = bias_point(method, "", 0, renders, reference);
     study.findings.push_back(
         method +
         (bias.failure.empty()
@@ -83,10 +82,9 @@ Study study_sampling(const Device& device, const Scene& scene, const StudyOption
     Study study;
     study.name = "sampling", study.title = "Samples per pixel", study.error = "RMSE / mean";
     const auto by = [&](Sampler sampler, bool adaptive = false) {
-        return [&device, &scene, sampler, adaptive](RenderConfig config) {
-            config.sampler = sampler, config.adaptive = adaptive;
-            return render_image(device, scene, config);
-        };
+        RenderConfig config = with_spp(options, options.most_spp);
+        config.sampler = sampler, config.adaptive = adaptive;
+        return render_with(device, scene, config);
     };
     sweep(study, device, scene, options, options.most_spp,
           {{"Sobol", by(Sampler::sobol)},
@@ -101,18 +99,18 @@ Study study_techniques(const Device& device, const Scene& scene, const StudyOpti
     Study study;
     study.name = "techniques", study.title = "Light sampling, BSDF sampling, Russian roulette";
     study.error = "RMSE / mean";
+    RenderConfig config = with_spp(options, compared_spp(options));
     const auto with = [&](const char* macro, unsigned value) {
-        return render_with(device, scene, {{"render/shade_surface", macro, value}});
+        return render_with(device, scene, config, {{"render/shade_surface", macro, value}});
     };
     std::vector<ImageMethod> methods = {{"claray", with("TECHNIQUES", 3)},
                                         {"lights alone", with("TECHNIQUES", 1)},
                                         {"BSDFs alone", with("TECHNIQUES", 2)},
                                         {"no roulette", with("ROULETTE_DEPTH", 1u << 20)}};
-    if (effects_of(scene).has(Effect::many_lights))
-        methods.push_back({"lights by power", [&](RenderConfig config) {
-                               config.effects.remove.add(Effect::many_lights);
-                               return render_image(device, scene, config);
-                           }});
+    if (effects_of(scene).has(Effect::many_lights)) {
+        config.effects.remove.add(Effect::many_lights);
+        methods.push_back({"lights by power", render_with(device, scene, config)});
+    }
     sweep(study, device, scene, options, compared_spp(options), methods, progress);
     return study;
 }

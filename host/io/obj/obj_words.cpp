@@ -9,7 +9,7 @@
 namespace claray {
 namespace {
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
@@ -33,9 +33,9 @@ bool parse_index(const char*& p, const char* end, int& index) {
 
 std::string_view next_word(std::string_view& line) {
     std::size_t begin = 0;
-    while (begin < line.size() && is_blank(line[begin])) ++begin;
+    while (begin < line.size() && is_space(line[begin])) ++begin;
     std::size_t end = begin;
-    while (end < line.size() && !is_blank(line[end])) ++end;
+    while (end < line.size() && !is_space(line[end])) ++end;
     const std::string_view word = line.substr(begin, end - begin);
     line.remove_prefix(end);
     return word.starts_with('#') ? line = {} : word;

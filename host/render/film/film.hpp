@@ -39,6 +39,8 @@ public:
     [[nodiscard]] std::span<const glm::vec3> radiance(const ImageSizes& size) const;
     /// A copy of it.
     [[nodiscard]] std::vector<glm::vec3> image(const ImageSizes& size) const;
+    /// Into memory of that size.
+    void image(const ImageSizes& size, std::span<glm::vec3> to) const;
     /// In the film's own size.
     [[nodiscard]] std::vector<glm::vec3> image() const { return image({count_, 1, count_, 1}); }
 
@@ -100,6 +102,8 @@ private:
         double variance = 0, squares = 0, value = 0, pixels = 0;
         std::uint64_t dropped = 0;
     };
+    /// Page-locked memory of at least this size.
+    [[nodiscard]] const HostMemory& on_host(std::size_t bytes) const;
     void load_odd();
     void add(const Batch& batch, const Buffer<float>& radiance, const Buffer<std::uint32_t>& tables,
              std::uint32_t listed, bool begins) const;

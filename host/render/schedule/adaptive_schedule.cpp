@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -15,6 +16,7 @@ constexpr std::uint64_t parts_per_round = 4;
 /// found in the end.
 constexpr std::uint64_t least_share = 8;
 constexpr std::uint32_t most_samples = 1u << 30;
+constexpr std::size_t tiles_per_left_out = 100;
 
 std::uint32_t tiles_along(std::uint32_t side) { return (side + tile_side - 1) / tile_side; }
 
@@ -59,13 +61,19 @@ std::vector<double> AdaptiveSchedule::smoothed(const std::vector<float>& varianc
 }
 
 /// If the squared error of n samples falls like 1/n, the best numbers of samples are proportional to the square roots.
+/// Not of the tiles with the largest variances: those that have most of the error alone, such as the edge of a lamp,
+/// converge faster, or have met a firefly.
 double AdaptiveSchedule::gain(const std::vector<float>& variances) const {
-    double squares = 0, roots = 0;
+    const std::size_t left_out = variances.size() / tiles_per_left_out;
+    std::vector<float> largest = variances;
+    std::nth_element(largest.begin(), largest.begin() + std::ptrdiff_t(left_out), largest.end(), std::greater());
+    double squares = 0, roots = 0, all = 0;
     for (std::uint32_t t = 0; t < variances.size(); ++t) {
-        squares += double(variances[t]) * pixels_of(t);
+        if (variances[t] > largest[left_out]) continue;
+        squares += double(variances[t]) * pixels_of(t), all += pixels_of(t);
         roots += std::sqrt(double(variances[t])) * pixels_of(t);
     }
-    return roots > 0 ? squares * double(pixels()) / (roots * roots) : 1;
+    return roots > 0 ? squares * all / (roots * roots) : 1;
 }
 
 /// Marks the tiles of the next round. The squared error of n samples falls like 1/n or faster, so that doubling a tile

@@ -24,7 +24,8 @@ public:
     };
 
     /// `spp`: mean samples per pixel at the end. `paths_in_flight`: see Schedule. `least_gain`: rounds begin where the
-    /// best distribution of samples has this many times less squared error than the same number everywhere.
+    /// best distribution of samples has this many times less squared error than the same number everywhere, in 99 of
+    /// 100 tiles.
     AdaptiveSchedule(std::uint32_t width, std::uint32_t height, std::uint32_t spp, std::uint32_t paths_in_flight,
                      bool adaptive, double least_gain = 1.3);
 
@@ -74,7 +75,7 @@ private:
     [[nodiscard]] std::uint32_t least_samples() const;
     [[nodiscard]] std::uint64_t pixels() const { return std::uint64_t(width_) * height_; }
     [[nodiscard]] std::vector<double> smoothed(const std::vector<float>& variances) const;
-    /// By how much the best distribution of all samples would lower the squared error.
+    /// By how much the best distribution of all samples would lower the squared error of nearly all tiles.
     [[nodiscard]] double gain(const std::vector<float>& variances) const;
     void choose(const std::vector<double>& variances);
     /// The samples per pixel up to which the whole image is sampled before the next plan.

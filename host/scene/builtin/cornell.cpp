@@ -8,7 +8,7 @@
 namespace claray::scenes {
 namespace {
 
-enum : std::uint32_t { white, red, green, light };
+enum : std::uint32_t { white_wall, red_wall, green_wall, ceiling_lamp };
 
 using Rectangle = std::array<glm::vec3, 4>;
 
@@ -25,7 +25,7 @@ void add_ceiling(Scene& scene, const Rectangle& ceiling, const Rectangle& openin
     Mesh mesh = named_mesh("ceiling");
     for (std::size_t i = 0; i < 4; ++i) {
         const std::size_t next = (i + 1) % 4;
-        add_quad(mesh, ceiling[i], ceiling[next], opening[next], opening[i], white);
+        add_quad(mesh, ceiling[i], ceiling[next], opening[next], opening[i], white_wall);
     }
     scene.meshes.push_back(std::move(mesh));
 }
@@ -33,10 +33,10 @@ void add_ceiling(Scene& scene, const Rectangle& ceiling, const Rectangle& openin
 // A block without its bottom; `top` is counter-clockwise seen from above.
 void add_block(Scene& scene, const char* name, const Rectangle& top) {
     Mesh mesh = named_mesh(name);
-    add_quad(mesh, top[0], top[1], top[2], top[3], white);
+    add_quad(mesh, top[0], top[1], top[2], top[3], white_wall);
     for (std::size_t i = 0; i < 4; ++i) {
         const glm::vec3 a = top[i], b = top[(i + 1) % 4];
-        add_quad(mesh, b, a, {a.x, 0.f, a.z}, {b.x, 0.f, b.z}, white);
+        add_quad(mesh, b, a, {a.x, 0.f, a.z}, {b.x, 0.f, b.z}, white_wall);
     }
     scene.meshes.push_back(std::move(mesh));
 }
@@ -53,12 +53,12 @@ Scene cornell() {
                                millimetres(0, 548.8f, 559.2f), millimetres(0, 548.8f, 0)};
     const Rectangle panel = {millimetres(343, 548.8f, 227), millimetres(343, 548.8f, 332),
                              millimetres(213, 548.8f, 332), millimetres(213, 548.8f, 227)};
-    add_wall(scene, "floor", floor, white);
+    add_wall(scene, "floor", floor, white_wall);
     add_ceiling(scene, ceiling, panel);
-    add_wall(scene, "lamp", panel, light);
-    add_wall(scene, "back wall", {floor[3], floor[2], ceiling[2], ceiling[1]}, white);
-    add_wall(scene, "right wall", {floor[2], floor[1], ceiling[3], ceiling[2]}, green);
-    add_wall(scene, "left wall", {floor[0], floor[3], ceiling[1], ceiling[0]}, red);
+    add_wall(scene, "lamp", panel, ceiling_lamp);
+    add_wall(scene, "back wall", {floor[3], floor[2], ceiling[2], ceiling[1]}, white_wall);
+    add_wall(scene, "right wall", {floor[2], floor[1], ceiling[3], ceiling[2]}, green_wall);
+    add_wall(scene, "left wall", {floor[0], floor[3], ceiling[1], ceiling[0]}, red_wall);
     add_block(
         scene, "short block",
         {millimetres(130, 165, 65), millimetres(82, 165, 225), millimetres(240, 165, 272), millimetres(290, 165, 114)});

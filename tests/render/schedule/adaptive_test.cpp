@@ -121,6 +121,20 @@ TEST(AdaptiveSchedule, SamplesTheWholeImageWhileTheErrorIsSpreadEvenly) {
     }
 }
 
+/// Fireflies and the edge of a lamp are in few tiles, glass is in many.
+TEST(AdaptiveSchedule, BeginsNoRoundsForFewTiles) {
+    for (const auto& [bright, begins] : {std::pair{4u, false}, std::pair{40u, true}}) {
+        AdaptiveSchedule schedule(160, 160, 256, 100'000, true);
+        std::vector<float> variances(400, 1.f);
+        std::fill_n(variances.begin() + 77, bright, 1e4f);
+        while (!schedule.finished() && !schedule.has_rounds()) {
+            if (schedule.wants_plan()) schedule.plan(variances);
+            if (!schedule.finished()) (void)schedule.next();
+        }
+        EXPECT_EQ(schedule.has_rounds(), begins) << bright;
+    }
+}
+
 /// render/measure_film.cl
 TEST(AdaptiveSchedule, IsListedOnTheDevice) {
     AdaptiveSchedule schedule(width, height, 300, 1000, true);

@@ -105,16 +105,20 @@ std::unique_ptr<StudiedTree> karras_tree(const TreeStage& stage) {
 }
 
 std::unique_ptr<StudiedTree> cell_tree(const TreeStage& stage, const char* method, unsigned split_axes,
-                                       CellTree (*build)(std::span<const LeafTriangle>), unsigned rounds) {
+                                       CellTree (*build)(std::span<const LeafTriangle>), unsigned rounds,
+                                       double most_seconds) {
     auto tree = tree_on(stage, method);
     StudiedTree* t = tree.get();
     const std::vector<LeafTriangle> leaves = stage.reference.leaves().read();
     const std::size_t valid = stage.reference.header().valid;
     CellTree cells;
+    double seconds = 0;
     for (unsigned i = 0; i < std::clamp(rounds, 1u, most_host_builds); ++i) {
+        if (i > 0 && most_seconds > 0 && seconds >= most_seconds) break;
         const auto begin = std::chrono::steady_clock::now();
         cells = build(std::span(leaves).first(valid));
         t->host_builds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+        seconds += t->host_builds.back();
     }
     t->listed = double(cells.lists.size()) / std::max(1.0, double(valid));
     const unsigned stack = cells.height * ((1u << split_axes) - 1) + 1;
@@ -234,8 +238,8 @@ Study study_trees(const Device& device, const Scene& scene, const StudyOptions& 
     const Bvh reference = Bvh::build(device, meshes, {.builder = Builder::fast, .layout = Layout::binary});
     const TreeStage stage{device, rays, reference.triangles(), reference};
     std::vector<std::unique_ptr<StudiedTree>> trees;
-    trees.push_back(cell_tree(stage, "octree", 3, build_octree, rounds));
-    trees.push_back(cell_tree(stage, "k-d tree", 1, build_kd_tree, rounds));
+    trees.push_back(cell_tree(stage, "octree", 3, build_octree, rounds, options.most_seconds));
+    trees.push_back(cell_tree(stage, "k-d tree", 1, build_kd_tree, rounds, options.most_seconds));
     trees.push_back(karras_tree(stage));
     const std::size_t apetrei = trees.size();
     trees.push_back(bvh_tree(stage, "LBVH, Apetrei", Builder::fast));

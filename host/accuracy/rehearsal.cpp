@@ -1,0 +1,61 @@
+#include "host/accuracy/rehearsal.hpp"
+
+#include <algorithm>
+
+namespace claray {
+namespace {
+
+/// The size of the image stays: which kernels a render uses depends on it.
+StudyOptions shortened(const NamedStudy& study, StudyOptions options) {
+    constexpr unsigned spp = 8, rays = 1024, side = 16;
+    options.first_spp = options.most_spp = std::min(options.most_spp, spp);
+    options.single_spp = options.compared_spp = 0;
+    options.runs = 1, options.rays = rays, options.reference_factor = 1, options.reference_renders = 2;
+    options.least_seconds = 0, options.most_seconds = 1e-9;
+    options.references.clear(), options.before_timing = {}, options.measured = {};
+    if (!study.samples) options.config.width = options.config.height = side;
+    return options;
+}
+
+}  // namespace
+
+/// More threads of one process do not speed up the compiler of NVIDIA's driver (docs/notebook.md).
+unsigned Rehearsal::threads_on(const Device& device) {
+    return device.info().type == DeviceType::gpu ? std::clamp(std::thread::hardware_concurrency(), 1u, 5u) : 0;
+}
+
+Rehearsal::Rehearsal(const Device& device, const Scene& scene, const StudyOptions& options,
+                     std::vector<NamedStudy> studies, unsigned threads)
+    : studies_(std::move(studies)), devices_(device) {
+    for (std::size_t i = 0; i < std::min<std::size_t>(threads, studies_.size()); ++i)
+        threads_.emplace_back([this, &scene, options] { work(scene, options); });
+}
+
+Rehearsal::~Rehearsal() {
+    ends_ = true;
+    wait();
+}
+
+void Rehearsal::wait() {
+    const std::lock_guard lock(joining_);
+    for (std::thread& thread : threads_) thread.join();
+    threads_.clear();
+}
+
+void Rehearsal::work(const Scene& scene, const StudyOptions& options) {
+    const std::optional<Device> device = devices_.take();
+    if (!device) return;
+    const AccuracyProgress progress = [&](double, const std::string&) {
+        if (ends_) throw Error(ErrorKind::user, "the rehearsal ends");
+        return true;
+    };
+    for (std::size_t i; !ends_ && (i = next_++) < studies_.size();) try {
+            const NamedStudy& study = studies_[i];
+            const StudyOptions brief = shortened(study, options);
+            (void)(study.run ? study.run(*device, scene, brief, progress)
+                             : study.run_with_maps(*device, scene, brief, progress, nullptr));
+        } catch (const Error&) {  // the study itself will tell
+        }
+}
+
+}  // namespace claray

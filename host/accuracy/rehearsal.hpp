@@ -1,0 +1,42 @@
+// Kernels of studies, compiled while earlier studies run.
+#pragma once
+
+#include <atomic>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "host/accuracy/study_list.hpp"
+#include "host/verify/run.hpp"
+
+namespace claray {
+
+/// Runs studies with next to no samples and rays in threads with contexts of their own: drivers compile the programs of
+/// one context one after the other. The studies then find their kernels in the cache. Only on GPUs, where compiling is
+/// not the device's own work. Ends with its object; errors are left to the studies.
+class Rehearsal {
+public:
+    /// The scene must outlive it.
+    Rehearsal(const Device& device, const Scene& scene, const StudyOptions& options, std::vector<NamedStudy> studies)
+        : Rehearsal(device, scene, options, std::move(studies), threads_on(device)) {}
+    Rehearsal(const Device& device, const Scene& scene, const StudyOptions& options, std::vector<NamedStudy> studies,
+              unsigned threads);
+    ~Rehearsal();
+    /// Until all studies are rehearsed. Several threads may call it.
+    void wait();
+    Rehearsal(const Rehearsal&) = delete;
+    Rehearsal& operator=(const Rehearsal&) = delete;
+
+private:
+    [[nodiscard]] static unsigned threads_on(const Device& device);
+    void work(const Scene& scene, const StudyOptions& options);
+
+    std::vector<NamedStudy> studies_;
+    verify::Devices devices_;
+    std::atomic<std::size_t> next_ = 0;
+    std::atomic<bool> ends_ = false;
+    std::mutex joining_;
+    std::vector<std::thread> threads_;
+};
+
+}  // namespace claray
