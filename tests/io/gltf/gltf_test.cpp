@@ -157,6 +157,10 @@ TEST_F(Gltf, PointsAndLinesArePrimitives) {
     EXPECT_TRUE(load().primitives.empty()) << "rays pass through";
     builder.root["materials"] = {{{"alphaMode", "BLEND"}}};
     EXPECT_EQ(load().primitives.size(), 2u);
+    builder.root["materials"].insert(builder.root["materials"].begin(), json::object());
+    primitive()["material"] = 1;
+    for (const PrimitiveSet& set : load().primitives)
+        EXPECT_EQ(set.materials, std::vector<std::uint32_t>(primitive_count(set), 1)) << set.name;
     primitive()["attributes"]["COLOR_0"] =
         builder.accessor<float>("VEC4", {1, 0, 0, 1, 0, 1, 0, 0.5f, 0, 0, 1, 1, 1, 1, 1, 1});
     EXPECT_TRUE(load().primitives.empty()) << "rays pass through one end";
