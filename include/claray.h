@@ -272,6 +272,24 @@ CLARAY_API void claray_primitives_release(claray_primitives* primitives);
 /* A file (.obj, .ply, .stl, .gltf, .glb) or a built-in scene, such as "cornell". */
 CLARAY_API claray_status claray_scene_load(const char* name_or_path, claray_scene** scene);
 CLARAY_API size_t claray_scene_triangle_count(const claray_scene* scene);
+
+typedef struct claray_primitive_set {
+    size_t struct_size;
+    const char* kind;         /* "spheres", "discs", "cylinders", "curves" (B-splines), "bezier curves", or the same
+                               * after "flat " */
+    const float* points;      /* 4 floats for each point; as of claray_primitives_build and claray_curves_build */
+    size_t point_count;       /* one for each sphere, two for each disc or cylinder; control points of curves */
+    const uint32_t* segments; /* of curves: the first control point of each; else NULL */
+    size_t segment_count;
+    const float* colors;       /* NULL, or 2 RGB for each primitive, at both ends, that multiply the albedo; 0..1 */
+    const uint32_t* materials; /* one of the scene for each primitive; NULL: all get a new one, white and diffuse */
+} claray_primitive_set;
+
+/* Adds primitives, in world space, which are rendered as they are. Copies the arrays. Materials
+ * must have no texture and no opacity. A scattered ray finds light that primitives emit, a light sample does not.
+ * Structures of the scene (claray_bvh_scene_build) are over its meshes alone. */
+CLARAY_API claray_status claray_scene_add_primitives(claray_scene* scene, const claray_primitive_set* set);
+CLARAY_API size_t claray_scene_primitive_count(const claray_scene* scene);
 CLARAY_API void claray_scene_release(claray_scene* scene);
 
 typedef struct claray_render_config {

@@ -1,7 +1,8 @@
 // Round curves beside Embree 3's in one process, by turns: bench_peers_curves [--strands hair | fur | grass | curls]
-// [--device D] [--triangles N] [--every N] [--width W --height H] [--repeat N] [--threads T] [--csv FILE]. The curves
-// are B-splines: the strands of the scene hair:N with a control point at every third place along a strand, or as many
-// segments that stand on a ball (fur), bend over a field (grass) or wind around falling lines (curls).
+// [--device D] [--triangles N] [--every N] [--width W --height H] [--repeat N] [--threads T] [--explain N] [--csv
+// FILE]. The curves are B-splines: the strands of the scene hair:N with a control point at every third place along a
+// strand, or as many segments that stand on a ball (fur), bend over a field (grass) or wind around falling lines
+// (curls).
 #include <embree3/rtcore.h>
 
 #include <atomic>
@@ -11,10 +12,12 @@
 #include <random>
 #include <thread>
 
+#include "bench/peers/curve_differences.hpp"
 #include "bench/support.hpp"
 #include "claray/primitives/curves.hpp"
 
 using namespace claray;
+using measure::Strands;
 
 namespace {
 
@@ -24,12 +27,8 @@ struct Options {
     std::uint32_t every = 3;
     unsigned width = 640, height = 480, threads = 2;
     int repeat = 5;
+    std::size_t explain = 0;
     Bvh::Config bvh{.builder = Builder::binned};
-};
-
-struct Strands {
-    std::vector<glm::vec4> points;
-    std::vector<std::uint32_t> segments;
 };
 
 /// The centre lines of the ribbons of a mesh of hair: the middles between neighbouring vertices, which lie on the left
@@ -199,8 +198,32 @@ std::vector<Ray> bounces(const std::vector<Ray>& rays, const Primitives& curves)
     return bounced;
 }
 
+/// Of rays whose hits differ, says of at most `most`, taken at equal steps, why.
+void print_reasons(const Strands& strands, const std::vector<Ray>& rays, const std::vector<float>& claray,
+                   const std::vector<float>& embree, std::size_t most) {
+    std::vector<std::size_t> differing;
+    for (std::size_t i = 0; i < rays.size(); ++i)
+        if (measure::differ(claray[i], embree[i])) differing.push_back(i);
+    const std::size_t count = std::min(most, differing.size());
+    std::vector<Ray> of_rays(count);
+    std::vector<float> of_claray(count), of_embree(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t at = differing[i * differing.size() / count];
+        of_rays[i] = rays[at], of_claray[i] = claray[at], of_embree[i] = embree[at];
+    }
+    const measure::Differences why = measure::explain(strands, of_rays, of_claray, of_embree);
+    std::printf(
+        "  of %zu that differ: %zu begin inside a curve, %zu meet the end of a strand, %zu are near each other\n",
+        count, why.begin_inside, why.at_ends, why.near);
+    const auto print = [](const char* name, const measure::Right& right) {
+        std::printf("    %-7s right by float64: %zu claray, %zu Embree, %zu both, %zu neither\n", name, right.claray,
+                    right.embree, right.both, right.neither);
+    };
+    print("graze:", why.graze), print("others:", why.others);
+}
+
 void compare(const char* kind, const std::vector<Ray>& rays, const Primitives& ours, const EmbreeCurves& peer,
-             const Bvh& ribbons, const Options& options, measure::Csv& csv) {
+             const Bvh& ribbons, const Strands& strands, const Options& options, measure::Csv& csv) {
     const Device& device = ours.device();
     const Buffer<Ray> on_device(device, rays);
     Buffer<Hit> hits(device, rays.size()), of_ribbons(device, rays.size());
@@ -221,17 +244,18 @@ void compare(const char* kind, const std::vector<Ray>& rays, const Primitives& o
         if (i >= 0) mine.push_back(a), theirs.push_back(b), triangles.push_back(c);
     }
     const std::vector<Hit> found = hits.read();
+    std::vector<float> own(rays.size());
     std::size_t differ = 0, hit = 0;
     for (std::size_t i = 0; i < rays.size(); ++i) {
         const bool here = found[i].primitive != CLARAY_MISS;
-        hit += here;
-        differ +=
-            here != std::isfinite(distances[i]) || (here && std::fabs(found[i].t - distances[i]) > 1e-3f * found[i].t);
+        own[i] = here ? found[i].t : INFINITY;
+        hit += here, differ += measure::differ(own[i], distances[i]);
     }
     const double a = measure::median(mine), b = measure::median(theirs), c = measure::median(triangles);
     std::printf(
         "  %-8s %8zu rays, %zu hit: claray %8.1f ms, Embree %s %8.1f ms, ratio %.2f, %zu differ; triangles %.1f ms\n",
         kind, rays.size(), hit, a, RTC_VERSION_STRING, b, b / a, differ, c);
+    if (options.explain != 0) print_reasons(strands, rays, own, distances, options.explain);
     csv.row(options.strands, kind, rays.size(), a, b, b / a, differ, c);
 }
 
@@ -249,6 +273,7 @@ int main(int argc, char** argv) try {
     app.add_option("--height", options.height);
     app.add_option("--repeat", options.repeat);
     app.add_option("--threads", options.threads, "threads of Embree");
+    app.add_option("--explain", options.explain, "of so many rays that differ, say why, by float64");
     measure::add_bvh_options(app, options.bvh);
     app.add_option("--csv", options.csv);
     CLI11_PARSE(app, argc, argv);
@@ -280,8 +305,8 @@ int main(int argc, char** argv) try {
     measure::Csv csv(
         options.csv, device,
         "scene,kind,rays,milliseconds,embree_milliseconds,claray_is_faster_by,differences,triangles_milliseconds");
-    compare("primary", primary, curves, peer, ribbons, options, csv);
-    compare("bounce", bounces(primary, curves), curves, peer, ribbons, options, csv);
+    compare("primary", primary, curves, peer, ribbons, strands, options, csv);
+    compare("bounce", bounces(primary, curves), curves, peer, ribbons, strands, options, csv);
     csv.write();
 } catch (const std::exception& error) {
     std::fprintf(stderr, "bench_peers_curves: error: %s\n", error.what());

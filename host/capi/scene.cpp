@@ -4,6 +4,8 @@
 #include "claray/io.hpp"
 #include "claray/renderer.hpp"
 #include "host/capi/capi.hpp"
+#include "host/primitives/scene_primitives.hpp"
+#include "host/scene/validate.hpp"
 
 using namespace claray;
 using namespace claray::capi;
@@ -35,6 +37,30 @@ claray_progress progress_of(const RenderProgress& p) {
     return progress;
 }
 
+template <class T>
+std::vector<T> copied(const void* data, std::size_t count, const char* name) {
+    const std::span<const T> given = array(static_cast<const T*>(data), count, name);
+    return {given.begin(), given.end()};
+}
+
+PrimitiveSet set_of(const claray_primitive_set& given, std::uint32_t new_material) {
+    PrimitiveSet set;
+    const std::string kind = &required(given.kind, "set.kind");
+    const auto* row = std::find_if(std::begin(primitive_kind_names), std::end(primitive_kind_names),
+                                   [&](const PrimitiveKindName& known) { return kind == known.name; });
+    if (row == std::end(primitive_kind_names))
+        throw Error(ErrorKind::usage, "set.kind is '" + kind + "'",
+                    "use spheres, discs, cylinders, curves, bezier curves, flat curves or flat bezier curves");
+    set.kind = row->kind;
+    set.points = copied<glm::vec4>(given.points, given.point_count, "set.points");
+    set.segments = copied<std::uint32_t>(given.segments, given.segment_count, "set.segments");
+    const std::size_t count = primitive_count(set);
+    if (given.colors) set.colors = copied<glm::vec3>(given.colors, 2 * count, "set.colors");
+    if (given.materials) set.materials = copied<std::uint32_t>(given.materials, count, "set.materials");
+    if (!given.materials) set.materials.assign(count, new_material);
+    return set;
+}
+
 }  // namespace
 
 claray_status claray_scene_load(const char* name_or_path, claray_scene** scene) {
@@ -46,6 +72,22 @@ claray_status claray_scene_load(const char* name_or_path, claray_scene** scene) 
 }
 
 size_t claray_scene_triangle_count(const claray_scene* scene) { return scene ? triangle_count(scene->scene) : 0; }
+
+claray_status claray_scene_add_primitives(claray_scene* scene, const claray_primitive_set* set) {
+    return guarded([&] {
+        Scene& to = required(scene, "scene").scene;
+        const claray_primitive_set given = versioned(&required(set, "set"), "set");
+        Scene check;  // so that a fault leaves the scene as it was
+        check.materials = to.materials;
+        check.primitives = {set_of(given, std::uint32_t(to.materials.size()))};
+        if (given.materials == nullptr) check.materials.emplace_back().albedo = glm::vec3(1.f);
+        validate_primitives(check);
+        to.materials = std::move(check.materials);
+        to.primitives.push_back(std::move(check.primitives[0]));
+    });
+}
+
+size_t claray_scene_primitive_count(const claray_scene* scene) { return scene ? primitive_count(scene->scene) : 0; }
 void claray_scene_release(claray_scene* scene) { delete scene; }
 
 claray_status claray_renderer_create(claray_device* device, const claray_scene* scene,

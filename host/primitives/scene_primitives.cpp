@@ -1,7 +1,6 @@
 #include "host/primitives/scene_primitives.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
 
 #include "claray/primitives/curves.hpp"
@@ -20,14 +19,16 @@ void for_each_set(const Scene& scene, std::uint32_t kind, const Visit& visit) {
         if (std::uint32_t(set.kind) == kind) visit(set);
 }
 
+bool is_flat(std::uint32_t kind) { return kind == CLARAY_FLAT_CURVES || kind == CLARAY_FLAT_BEZIER_CURVES; }
+bool is_bezier(std::uint32_t kind) { return kind == CLARAY_BEZIER_CURVES || kind == CLARAY_FLAT_BEZIER_CURVES; }
+
 PrimitiveKind text_of(std::uint32_t kind) {
     switch (kind) {
         case CLARAY_SPHERES: return sphere_kind();
         case CLARAY_DISCS: return disc_kind();
         case CLARAY_CYLINDERS: return cylinder_kind();
-        case CLARAY_CURVES: return curve_kind(CurveBasis::bspline, CurveShape::round);
     }
-    return curve_kind(CurveBasis::bezier, CurveShape::round);
+    return curve_kind(is_flat(kind) ? CurveShape::flat : CurveShape::round);
 }
 
 Builder builder_of(std::uint32_t kind) { return kind >= CLARAY_CURVES ? Builder::binned : Builder::balanced; }
@@ -36,24 +37,13 @@ void append(std::vector<float>& words, const std::vector<glm::vec4>& points) {
     for (const glm::vec4& p : points) words.insert(words.end(), {p.x, p.y, p.z, p.w});
 }
 
-/// The data of all curves of a kind: see kernels/primitives/curves.clh.
-void append_curves(const Scene& scene, std::uint32_t kind, std::vector<float>& words) {
-    std::vector<std::uint32_t> segments;
-    std::uint32_t points = 0;
-    const std::size_t header = words.size();
-    words.resize(header + 4);
-    for_each_set(scene, kind, [&](const PrimitiveSet& set) {
-        append(words, set.points);
-        for (const std::uint32_t segment : set.segments) segments.push_back(points + segment);
-        points += std::uint32_t(set.points.size());
-    });
-    words[header] = std::bit_cast<float>(points);
-    for (const std::uint32_t segment : segments) words.push_back(std::bit_cast<float>(segment));
-}
-
 void append_kind(const Scene& scene, std::uint32_t kind, std::vector<float>& words) {
-    if (kind >= CLARAY_CURVES) return append_curves(scene, kind, words);
-    for_each_set(scene, kind, [&](const PrimitiveSet& set) { append(words, set.points); });
+    for_each_set(scene, kind, [&](const PrimitiveSet& set) {
+        if (!are_curves(set)) return append(words, set.points);
+        const std::vector<float> data =
+            curve_data(set.points, set.segments, is_bezier(kind) ? CurveBasis::bezier : CurveBasis::bspline);
+        words.insert(words.end(), data.begin(), data.end());
+    });
 }
 
 void append_colors(const Scene& scene, std::vector<float>& words) {
@@ -132,8 +122,8 @@ std::size_t primitive_count(const Scene& scene) {
 std::uint64_t bytes_of_primitives(const Scene& scene) {
     std::uint64_t bytes = 0;
     for (const PrimitiveSet& set : scene.primitives)
-        bytes += sizeof(glm::vec4) * set.points.size() + sizeof(glm::vec3) * set.colors.size() +
-                 bytes_per_primitive * primitive_count(set);
+        bytes += sizeof(glm::vec4) * (are_curves(set) ? 4 * set.segments.size() : set.points.size()) +
+                 sizeof(glm::vec3) * set.colors.size() + bytes_per_primitive * primitive_count(set);
     return bytes;
 }
 

@@ -353,6 +353,19 @@ void validate_primitives(const Scene& scene) {
     });
 }
 
+std::optional<std::string> warning_of_lamps(const Scene& scene) {
+    for (std::size_t i = 0; i < scene.primitives.size(); ++i) {
+        const PrimitiveSet& set = scene.primitives[i];
+        for (std::size_t k = 0; k < primitive_count(set); ++k) {
+            const std::uint32_t material = set.materials.empty() ? 0 : set.materials[k];
+            if (material < scene.materials.size() && scene.materials[material].emission != glm::vec3(0.f))
+                return name_of("primitive set", set.name, i) +
+                       " emits light, which is found by scattered rays only: use triangles for lamps";
+        }
+    }
+    return {};
+}
+
 bool may_be_on_primitives(const Material& material) { return fault_on_primitives(material, true).empty(); }
 
 void validate_instances(const Scene& scene) {

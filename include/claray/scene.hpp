@@ -272,6 +272,9 @@ struct Scene {
 /// finite are culled and counted when the structure is built.
 void validate(const Scene& scene);
 
+/// Returns a line about primitives that emit light, which only scattered rays find; nothing if there are none.
+[[nodiscard]] std::optional<std::string> warning_of_lamps(const Scene& scene);
+
 /// Returns a built-in scene: "cornell", "spheres", "crate", "hills", "effects" (all but primitives), "effect:NAME" (one
 /// effect, by its name in `claray explain`), "terrain:N", "soup:N", "fan:N", "hair:N", "ball:N" (N triangles),
 /// "curves:N" (the strands of "hair:N" as curves). Returns no scene for an unknown name. Throws ErrorKind::usage for an

@@ -32,6 +32,41 @@ def _places(name: str, value: Any, count: int | None = None) -> NDArray[np.float
     return places
 
 
+def sphere_rows(centers: ArrayLike, radii: ArrayLike) -> NDArray[np.float32]:
+    """(N, 4): centre and radius."""
+    places = _places("centers", centers)
+    return np.column_stack([places, _radii("radii", radii, len(places))])
+
+
+def disc_rows(centers: ArrayLike, normals: ArrayLike, radii: ArrayLike, holes: ArrayLike = 0.0) -> NDArray[np.float32]:
+    """(N, 8): centre and radius, normal and radius of the hole."""
+    places = _places("centers", centers)
+    count = len(places)
+    return np.column_stack([places, _radii("radii", radii, count), _places("normals", normals, count), _radii("holes", holes, count)])
+
+
+def cylinder_rows(starts: ArrayLike, ends: ArrayLike, radii: ArrayLike, capped: bool) -> NDArray[np.float32]:
+    """(N, 8): start and radius, end and whether discs close the ends."""
+    places = _places("starts", starts)
+    count = len(places)
+    return np.column_stack([places, _radii("radii", radii, count), _places("ends", ends, count), np.full(count, bool(capped), np.float32)])
+
+
+def curve_arrays(points: ArrayLike, radii: ArrayLike, segments: ArrayLike | None, basis: str) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
+    """(P, 4): place and radius of each control point; and the first control point of each segment."""
+    check_choice("basis", basis, ("bspline", "bezier"))
+    places = as_array("points", points)
+    if segments is None:
+        first = _segments_of_curves(places, 1 if basis == "bspline" else 3)
+    else:
+        rows = as_array("segments", segments)
+        first = indices("segments", rows[:, None] if rows.ndim == 1 else rows, 1, max(0, len(places) - 3),
+                        f"points, of which a segment needs four in a row, {len(places)} rows and")[:, 0]
+    if len(first) == 0:
+        raise UsageError("segments: empty; at least one segment is needed")
+    return _control_points(points, radii), first
+
+
 class Primitives:
     """A structure over primitives of one kind. Queries take it as a Bvh: hits['primitive'] is the index of the primitive.
 
@@ -46,7 +81,7 @@ class Primitives:
     numbers are errors. name: for messages of the compiler. device: a Device; None: default_device(). builder: as of Bvh.
 
     Primitives whose box is not finite are left out: see `culled`. A text that does not compile raises DeviceError. The
-    path tracer does not render primitives.
+    path tracer renders those of a Scene (Scene.add_spheres and others).
     """
 
     def __init__(self, source: str, data: ArrayLike, *, name: str = "primitives", device: Device | None = None,
@@ -65,8 +100,8 @@ class Primitives:
             raise UsageError(f"data: has shape {array.shape}; it must be (N, K) with N and K of at least 1")
         return finite("data", floats("data", array, array.shape[1]))
 
-    def _hold(self, device: Device, native: Any, pack: Callable[..., NDArray[np.float32]], first: int = 0) -> None:
-        self._device, self._native, self._pack, self._first = device, native, pack, first
+    def _hold(self, device: Device, native: Any, pack: Callable[..., NDArray[np.float32]]) -> None:
+        self._device, self._native, self._pack = device, native, pack
         self._queries: dict[Any, Query] = {}
 
     @classmethod
@@ -82,11 +117,7 @@ class Primitives:
     def spheres(cls, centers: ArrayLike, radii: ArrayLike, *, device: Device | None = None, builder: str = "balanced") -> Primitives:
         """Spheres. centers: (N, 3). radii: (N,), or one number. Hits are solved in float64."""
 
-        def pack(centers: ArrayLike, radii: ArrayLike) -> NDArray[np.float32]:
-            places = _places("centers", centers)
-            return np.column_stack([places, _radii("radii", radii, len(places))])
-
-        return cls._built_in("spheres", device, builder, pack, centers, radii)
+        return cls._built_in("spheres", device, builder, sphere_rows, centers, radii)
 
     @classmethod
     def discs(cls, centers: ArrayLike, normals: ArrayLike, radii: ArrayLike, holes: ArrayLike = 0.0, *, device: Device | None = None,
@@ -94,13 +125,7 @@ class Primitives:
         """Discs. centers, normals: (N, 3), normals of any length. radii, holes: (N,), or one number: outer and inner
         radius. hits['u'] is the distance from the centre. A ray in the disc's plane misses it."""
 
-        def pack(centers: ArrayLike, normals: ArrayLike, radii: ArrayLike, holes: ArrayLike = 0.0) -> NDArray[np.float32]:
-            places = _places("centers", centers)
-            count = len(places)
-            return np.column_stack([places, _radii("radii", radii, count), _places("normals", normals, count),
-                                    _radii("holes", holes, count)])
-
-        return cls._built_in("discs", device, builder, pack, centers, normals, radii, holes)
+        return cls._built_in("discs", device, builder, disc_rows, centers, normals, radii, holes)
 
     @classmethod
     def cylinders(cls, starts: ArrayLike, ends: ArrayLike, radii: ArrayLike, *, capped: bool = True, device: Device | None = None,
@@ -109,17 +134,14 @@ class Primitives:
         ends. hits['u'] is the place along the axis, 0 to 1."""
 
         def pack(starts: ArrayLike, ends: ArrayLike, radii: ArrayLike) -> NDArray[np.float32]:
-            places = _places("starts", starts)
-            count = len(places)
-            return np.column_stack([places, _radii("radii", radii, count), _places("ends", ends, count),
-                                    np.full(count, bool(capped), np.float32)])
+            return cylinder_rows(starts, ends, radii, capped)
 
         return cls._built_in("cylinders", device, builder, pack, starts, ends, radii)
 
     @classmethod
     def curves(cls, points: ArrayLike, radii: ArrayLike, segments: ArrayLike | None = None, *,
                basis: Literal["bspline", "bezier"] = "bspline", shape: Literal["round", "flat"] = "round",
-               device: Device | None = None, builder: str = "balanced") -> Primitives:
+               device: Device | None = None, builder: str = "binned") -> Primitives:
         """Cubic curves: hair, grass, wires. The primitives are their segments, of four control points each.
 
         points: (P, 3) control points, and segments: (S,) the index of the first control point of each segment; or, without
@@ -128,28 +150,22 @@ class Primitives:
         shape: "round" (the hull of spheres along the curve, seen from outside only) or "flat" (a ribbon that faces every
         ray; hits['v'] is the place across it, -1 to 1). hits['u'] is the place along the segment, 0 to 1.
         """
-        check_choice("basis", basis, ("bspline", "bezier"))
         check_choice("shape", shape, ("round", "flat"))
-        places = as_array("points", points)
-        if segments is None:
-            first = _segments_of_curves(places, 1 if basis == "bspline" else 3)
-        else:
-            rows = as_array("segments", segments)
-            first = indices("segments", rows[:, None] if rows.ndim == 1 else rows, 1, max(0, len(places) - 3),
-                            f"points, of which a segment needs four in a row, {len(places)} rows and")[:, 0]
-        if len(first) == 0:
-            raise UsageError("segments: empty; a structure needs at least one segment")
-        on, made = device or default_device(), cls.__new__(cls)
-        made._hold(on, _native.NativePrimitives.curves(on._native, _control_points(points, radii), first, basis == "bezier",
-                                                       shape == "flat", builder), _control_points, 4)
-        return made
+        controls, first = curve_arrays(points, radii, segments, basis)
+
+        def pack(points: ArrayLike, radii: ArrayLike) -> NDArray[np.float32]:
+            moved = _control_points(points, radii)
+            if len(moved) != len(controls):
+                raise UsageError(f"points: has {len(moved)} rows, and the curves have {len(controls)}")
+            return _native.curve_data(moved, first, basis == "bezier")
+
+        return cls._built_in(shape, device, builder, pack, points, radii)
 
     def _move(self, arrays: tuple[ArrayLike, ...], rebuild: bool) -> None:
-        numbers = self._pack(*arrays)
-        room = self._native.floats() - self._first - (self.count if self._first else 0)  # curves: segments come last
+        numbers, room = self._pack(*arrays), self._native.floats()
         if numbers.size != room:
             raise UsageError(f"arrays: hold {numbers.size} numbers, and the structure has {room}")
-        self._native.move(numbers.ravel(), self._first, rebuild)
+        self._native.move(numbers.ravel(), rebuild)
 
     def refit(self, *arrays: ArrayLike) -> None:
         """Changes the primitives, by the arrays with which they were made, and keeps the tree: fast, but queries get

@@ -40,6 +40,7 @@ class Renderer:
         if not isinstance(scene, Scene):
             raise UsageError(f"scene: is a {type(scene).__name__}; use a claray.Scene")
         scene._warn_of_added_light()
+        scene._warn_of_lamps()
         config = config_of({"width": width, "height": height, "spp": spp, **options})
         self._native = _native.NativeRenderer.make((device or default_device())._native, scene._native, config)
         self._rendered = False

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import warnings
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import finite, floats, indices
+from ._arrays import as_array, check_choice, finite, floats, indices, words
+from ._primitives import curve_arrays, cylinder_rows, disc_rows, sphere_rows
 from .errors import UsageError
 
 
@@ -51,7 +52,7 @@ def Camera(**properties: Any) -> Any:
 
 
 class Scene:
-    """Meshes, materials, lights, sky and camera. An empty scene; load() makes one from a file."""
+    """Meshes, primitives, materials, lights, sky and camera. An empty scene; load() makes one from a file."""
 
     def __init__(self) -> None:
         self._native = _native.NativeScene()
@@ -91,6 +92,59 @@ class Scene:
                 raise UsageError(f"{key}: has {len(array)} rows, but vertices has {len(points)}")
         return self._native.add_mesh(name, points, faces, directions, places, material, mask)
 
+    def _add_primitives(self, kind: str, points: NDArray[np.float32], segments: NDArray[np.uint32] | None, material: ArrayLike,
+                        colors: ArrayLike | None, name: str) -> int:
+        count = len(segments) if segments is not None else points.size // (4 if kind == "spheres" else 8)
+        numbers = as_array("material", material)
+        of_each = words("material", np.broadcast_to(numbers, (count,)) if numbers.ndim == 0 else numbers, count)
+        tints = np.empty((0, 3), np.float32)
+        if colors is not None:
+            given = as_array("colors", colors)
+            if given.ndim < 2:
+                given = np.broadcast_to(given, (count, 3))
+            if given.shape not in ((count, 3), (count, 2, 3)):
+                raise UsageError(f"colors: has shape {given.shape}; it must be (3,), ({count}, 3) or ({count}, 2, 3)")
+            tints = finite("colors", floats("colors", (np.repeat(given, 2, axis=0) if given.ndim == 2 else given).reshape(-1, 3), 3))
+        first = np.empty(0, np.uint32) if segments is None else segments
+        return self._native.add_primitives(kind, name, points.reshape(-1, 4), first, of_each, tints)
+
+    def add_spheres(self, centers: ArrayLike, radii: ArrayLike, *, material: ArrayLike = 0, colors: ArrayLike | None = None,
+                    name: str = "") -> int:
+        """Adds spheres, which are traced as they are, and returns the number of their set. centers, radii: as of
+        Primitives.spheres. material: a number from add_material, or one for each. colors: linear RGB that multiplies the
+        albedo, (3,), or (N, 3) for each.
+
+        Materials of primitives have no textures and no opacity. An emissive one shines, but lights are not sampled on
+        primitives: use a mesh for lamps.
+        """
+        return self._add_primitives("spheres", sphere_rows(centers, radii), None, material, colors, name)
+
+    def add_discs(self, centers: ArrayLike, normals: ArrayLike, radii: ArrayLike, holes: ArrayLike = 0.0, *, material: ArrayLike = 0,
+                  colors: ArrayLike | None = None, name: str = "") -> int:
+        """Adds discs as of Primitives.discs. material, colors: as of add_spheres."""
+        return self._add_primitives("discs", disc_rows(centers, normals, radii, holes), None, material, colors, name)
+
+    def add_cylinders(self, starts: ArrayLike, ends: ArrayLike, radii: ArrayLike, *, capped: bool = True, material: ArrayLike = 0,
+                      colors: ArrayLike | None = None, name: str = "") -> int:
+        """Adds cylinders as of Primitives.cylinders. material, colors: as of add_spheres; colors may be (N, 2, 3), at
+        both ends."""
+        return self._add_primitives("cylinders", cylinder_rows(starts, ends, radii, capped), None, material, colors, name)
+
+    def add_curves(self, points: ArrayLike, radii: ArrayLike, segments: ArrayLike | None = None, *,
+                   basis: Literal["bspline", "bezier"] = "bspline", shape: Literal["round", "flat"] = "round", material: ArrayLike = 0,
+                   colors: ArrayLike | None = None, name: str = "") -> int:
+        """Adds curves as of Primitives.curves. material, colors: as of add_spheres, for each segment; colors may be
+        (S, 2, 3), at both ends. Their materials do not transmit light, unless they are thin-walled."""
+        check_choice("shape", shape, ("round", "flat"))
+        controls, first = curve_arrays(points, radii, segments, basis)
+        kind = ("flat " if shape == "flat" else "") + ("curves" if basis == "bspline" else "bezier curves")
+        return self._add_primitives(kind, controls, first, material, colors, name)
+
+    @property
+    def primitive_count(self) -> int:
+        """The number of spheres, discs, cylinders and segments of curves."""
+        return self._native.primitive_count()
+
     @property
     def meshes(self) -> list[dict[str, Any]]:
         """The meshes: name, and read-only views 'vertices' (V, 3), 'triangles' (T, 3), 'normals', 'uvs', 'materials'."""
@@ -111,7 +165,7 @@ class Scene:
 
     @property
     def bounds(self) -> NDArray[np.float64]:
-        """The box of all placed meshes: (2, 3), lowest and highest corner."""
+        """The box of all placed meshes and primitives: (2, 3), lowest and highest corner."""
         return np.array(self._native.bounds())
 
     @property
@@ -159,11 +213,16 @@ class Scene:
             warnings.warn(self._added_light + "; choose other light by Scene.sky or Scene.add_light", stacklevel=3)
         self._added_light = None
 
+    def _warn_of_lamps(self) -> None:
+        if line := self._native.warning_of_lamps():
+            warnings.warn(line, stacklevel=3)
+
     def copy(self) -> Scene:
         return Scene._of(self._native.copy(), self._added_light)
 
     def __repr__(self) -> str:
-        return f"<claray.Scene '{self._native.name}' of {self._native.mesh_count()} meshes, {self.triangle_count} triangles>"
+        return f"<claray.Scene '{self._native.name}' of {self._native.mesh_count()} meshes, {self.triangle_count} triangles, " \
+               f"{self.primitive_count} primitives>"
 
 
 def load(name_or_path: str | os.PathLike[str], **choices: Any) -> Scene:

@@ -14,6 +14,7 @@ namespace {
 using Floats = Input<float, nb::shape<-1>>;
 
 PrimitiveKind own_kind(const std::string& name) {
+    if (name == "round" || name == "flat") return curve_kind(name == "flat" ? CurveShape::flat : CurveShape::round);
     return name == "discs" ? disc_kind() : name == "cylinders" ? cylinder_kind() : sphere_kind();
 }
 
@@ -35,22 +36,20 @@ PyPrimitives build_text(const PyDevice& device, const std::string& name, const s
     return build_kind(device, {name, source, 0}, data, count, config_of(builder));
 }
 
-PyPrimitives curves(const PyDevice& device, const Input<float, nb::shape<-1, 4>>& points,
-                    const Input<std::uint32_t, nb::shape<-1>>& segments, bool bezier, bool flat,
-                    const std::string& builder) {
-    return without_gil(device, [&] {
-        return PyPrimitives{device,
-                            build_curves(device.device, span_of<glm::vec4>(points, 4), span_of<std::uint32_t>(segments),
-                                         bezier ? CurveBasis::bezier : CurveBasis::bspline,
-                                         flat ? CurveShape::flat : CurveShape::round, config_of(builder))};
-    });
+/// 16 floats for each segment.
+nb::object data_of_curves(const Input<float, nb::shape<-1, 4>>& points,
+                          const Input<std::uint32_t, nb::shape<-1>>& segments, bool bezier) {
+    std::vector<float> data = curve_data(span_of<glm::vec4>(points, 4), span_of<std::uint32_t>(segments),
+                                         bezier ? CurveBasis::bezier : CurveBasis::bspline);
+    const std::size_t rows = data.size() / 16;
+    return array_of<float>(std::move(data), {rows, 16});
 }
 
-/// Writes to the data from `first` on, and follows it.
-void move(PyPrimitives& self, const Floats& data, std::size_t first, bool rebuild) {
+/// Replaces the data, and follows it.
+void move(PyPrimitives& self, const Floats& data, bool rebuild) {
     without_gil(self.device, [&] {
         Buffer<float> floats = self.primitives.data();
-        floats.write(span_of<float>(data), first);
+        floats.write(span_of<float>(data));
         rebuild ? self.primitives.rebuild() : self.primitives.refit();
     });
 }
@@ -58,10 +57,10 @@ void move(PyPrimitives& self, const Floats& data, std::size_t first, bool rebuil
 }  // namespace
 
 void bind_primitives(nb::module_& module) {
+    module.def("curve_data", &data_of_curves);
     nb::class_<PyPrimitives>(module, "NativePrimitives")
         .def_static("build", &build)
         .def_static("build_text", &build_text)
-        .def_static("curves", &curves)
         .def("move", &move)
         .def("floats", [](const PyPrimitives& self) { return self.primitives.data().size(); })
         .def("culled",

@@ -9,6 +9,7 @@
 #include "arrays.hpp"
 #include "claray/io.hpp"
 #include "host/io/default_light.hpp"
+#include "host/primitives/scene_primitives.hpp"
 #include "vectors.hpp"
 
 namespace claray::python {
@@ -16,6 +17,7 @@ namespace {
 
 using Vertices = Input<float, nb::shape<-1, 3>>;
 using Triangles = Input<std::uint32_t, nb::shape<-1, 3>>;
+using Words = Input<std::uint32_t, nb::shape<-1>>;
 using Uvs = Input<float, nb::shape<-1, 2>>;
 
 template <class T, class Array>
@@ -51,6 +53,30 @@ std::size_t add_mesh(Scene& scene, const std::string& name, const Vertices& vert
     return scene.meshes.size() - 1;
 }
 
+template <class Kind, class Rows>
+Kind kind_of(const char* what, const std::string& name, const Rows& rows) {
+    std::string names;
+    for (const auto& row : rows) {
+        if (name == row.name) return row.kind;
+        names += std::string(names.empty() ? "" : ", ") + row.name;
+    }
+    throw Error(ErrorKind::usage, std::string(what) + ": unknown kind '" + name + "'", "use one of " + names);
+}
+
+std::size_t add_primitives(Scene& scene, const std::string& kind, const std::string& name,
+                           const Input<float, nb::shape<-1, 4>>& points, const Words& segments, const Words& materials,
+                           const Vertices& colors) {
+    PrimitiveSet set;
+    set.name = name;
+    set.kind = kind_of<PrimitiveSet::Kind>("primitives", kind, primitive_kind_names);
+    set.points = copy_of<glm::vec4>(points, 4);
+    set.segments = copy_of<std::uint32_t>(segments, 1);
+    set.materials = copy_of<std::uint32_t>(materials, 1);
+    set.colors = copy_of<glm::vec3>(colors, 3);
+    scene.primitives.push_back(std::move(set));
+    return scene.primitives.size() - 1;
+}
+
 /// Arrays over the mesh's own memory.
 nb::dict mesh_at(nb::handle self, std::size_t index) {
     const Scene& scene = nb::cast<const Scene&>(self);
@@ -82,16 +108,6 @@ nb::tuple placements_of(const Scene& scene) {
         append(end, instance.transform_end.value_or(instance.transform));
     }
     return nb::make_tuple(meshes, begin, end);
-}
-
-template <class Kind, class Rows>
-Kind kind_of(const char* what, const std::string& name, const Rows& rows) {
-    std::string names;
-    for (const auto& row : rows) {
-        if (name == row.name) return row.kind;
-        names += std::string(names.empty() ? "" : ", ") + row.name;
-    }
-    throw Error(ErrorKind::usage, std::string(what) + ": unknown kind '" + name + "'", "use one of " + names);
 }
 
 void bind_material(nb::module_& module) {
@@ -187,6 +203,9 @@ void bind_scene(nb::module_& module) {
             "camera", [](const Scene& s) { return camera_of(s); },
             [](Scene& s, const Camera& camera) { s.camera = camera; })
         .def("add_mesh", &add_mesh)
+        .def("add_primitives", &add_primitives)
+        .def("primitive_count", [](const Scene& s) { return primitive_count(s); })
+        .def("warning_of_lamps", [](const Scene& s) { return warning_of_lamps(s); })
         .def("placements", &placements_of)
         .def("mesh_count", [](const Scene& s) { return s.meshes.size(); })
         .def("mesh_at", [](nb::handle_t<Scene> self, std::size_t index) { return mesh_at(self, index); })

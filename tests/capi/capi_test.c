@@ -496,6 +496,44 @@ static void test_render(claray_device* device) {
     claray_bvh_release(bvh);
 }
 
+/* A black ball and a black line before the camera hide what is behind them. */
+static void test_scene_primitives(claray_device* device) {
+    const float ball[4] = {0.278f, 0.273f, -0.3f, 0.05f}, black[6] = {0};
+    const float line[16] = {0, 0.4f, 0, 0.04f, 0.2f, 0.4f, 0, 0.04f, 0.4f, 0.4f, 0, 0.04f, 0.6f, 0.4f, 0, 0.04f};
+    const uint32_t first = 0, unknown = 99;
+    claray_primitive_set balls = {0}, lines = {0};
+    claray_render_config config = {0};
+    claray_scene* scene = NULL;
+    claray_renderer* renderer = NULL;
+    float image[3 * 25 * 25];
+    config.struct_size = sizeof config;
+    config.width = 25, config.height = 25, config.spp = 4;
+    balls.struct_size = lines.struct_size = sizeof balls;
+    balls.kind = "spheres", balls.points = ball, balls.point_count = 1, balls.colors = black;
+    lines.kind = "bezier curves", lines.points = line, lines.point_count = 4, lines.segments = &first;
+    lines.segment_count = 1, lines.colors = black;
+    EXPECT(claray_scene_load("cornell", &scene) == CLARAY_OK && claray_scene_primitive_count(scene) == 0);
+    EXPECT(claray_scene_add_primitives(scene, &balls) == CLARAY_OK);
+    EXPECT(claray_scene_add_primitives(scene, &lines) == CLARAY_OK && claray_scene_primitive_count(scene) == 2);
+    EXPECT(claray_renderer_create(device, scene, &config, &renderer) == CLARAY_OK);
+    EXPECT(claray_renderer_render(renderer, NULL, NULL, NULL) == CLARAY_OK);
+    EXPECT(claray_renderer_image(renderer, image, 3 * 25 * 25) == CLARAY_OK);
+    EXPECT(image[3 * (12 * 25 + 12)] == 0 && image[3 * (18 * 25 + 12)] > 0.01f);
+    float least = 1;
+    for (int y = 4; y < 10; ++y)
+        if (image[3 * (y * 25 + 4)] < least) least = image[3 * (y * 25 + 4)];
+    EXPECT(least < 0.01f);
+    balls.materials = &unknown;
+    EXPECT_ERROR(claray_scene_add_primitives(scene, &balls), CLARAY_ERROR_INPUT, "material 99");
+    balls.kind = "cubes";
+    EXPECT_ERROR(claray_scene_add_primitives(scene, &balls), CLARAY_ERROR_USAGE, "set.kind is 'cubes'");
+    balls.kind = "spheres", balls.points = NULL;
+    EXPECT_ERROR(claray_scene_add_primitives(scene, &balls), CLARAY_ERROR_USAGE, "set.points is NULL");
+    EXPECT_ERROR(claray_scene_add_primitives(NULL, &balls), CLARAY_ERROR_USAGE, "scene is NULL");
+    EXPECT(claray_scene_primitive_count(scene) == 2 && claray_scene_primitive_count(NULL) == 0);
+    claray_renderer_release(renderer), claray_scene_release(scene);
+}
+
 int main(void) {
     claray_device* device = NULL;
     EXPECT(strcmp(claray_last_error(), "") == 0);
@@ -518,6 +556,7 @@ int main(void) {
     test_wrong_choices(device);
     test_errors(device);
     test_render(device);
+    test_scene_primitives(device);
     EXPECT(claray_device_finish(device) == CLARAY_OK);
     claray_device_release(device);
     claray_device_release(NULL), claray_bvh_release(NULL), claray_query_release(NULL);

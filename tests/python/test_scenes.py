@@ -37,6 +37,44 @@ def test_images_show_and_save_themselves(tmp_path):
     assert (image * 2).to_bytes().mean() > shown.mean()
 
 
+def test_scenes_of_primitives_show_their_colours():
+    """Convex and alone under a white sky, so that every pixel is the albedo."""
+    scene = claray.Scene()
+    white, grey = scene.add_material(albedo=(1, 1, 1)), scene.add_material(albedo=(0.5, 0.5, 0.5))
+    scene.sky = (1, 1, 1), (1, 1, 1)
+    assert scene.add_spheres([[-4, 0, 0], [-2, 0, 0]], 0.6, colors=[[0.2, 0.4, 0.6], [0.8, 0.6, 0.4]], material=[white, grey]) == 0
+    assert scene.add_discs([[0, 0, 0]], [[0, 0, 1]], 0.6, 0.25, colors=(0.3, 0.2, 0.1), material=white) == 1
+    scene.add_cylinders([[2, -1, 0]], [[2, 1, 0]], 0.5, colors=[[[1, 0, 0], [0, 0, 1]]], material=white)
+    scene.add_curves([[[4, y, 0] for y in (-1, -0.5, 0.5, 1)]], 0.5, basis="bezier", material=grey)
+    scene.add_curves([[[x, 2, 0] for x in (-3, -1, 1, 3, 5)]], 0.4, material=[white, grey])
+    assert scene.primitive_count == 7 and "7 primitives" in repr(scene) and scene.bounds[1][1] >= 2.4
+    scene.camera = claray.Camera(position=(0, 0, 10), target=(0, 0, 0), orthographic_height=6)
+    image = claray.render(scene, width=120, height=60, spp=4)
+    seen = {(-4, 0): (0.2, 0.4, 0.6), (-2, 0): (0.4, 0.3, 0.2), (0, 0): (1, 1, 1), (0, 0.4): (0.3, 0.2, 0.1), (4, 0): (0.5, 0.5, 0.5),
+            (0, 2): (1, 1, 1), (2, 2): (0.5, 0.5, 0.5)}
+    for (x, y), color in seen.items():
+        assert np.allclose(image[int(30 - 10 * y), int(60 + 10 * x)], color, atol=1e-3), (x, y)
+    begin, end = image[30 + 8, 60 + 20], image[30 - 8, 60 + 20]
+    assert begin[0] > 0.85 and begin[2] < 0.15 and end[0] < 0.15 and end[2] > 0.85
+    with pytest.raises(claray.UsageError, match="colors: has shape"):
+        scene.add_spheres([[0, 0, 0]], 1, colors=[[1, 1, 1], [1, 1, 1]])
+    with pytest.raises(claray.UsageError, match="material: has shape"):
+        scene.add_spheres([[0, 0, 0]], 1, material=[0, 1])
+    with pytest.raises(claray.UsageError, match="segments: holds the index 9"):
+        scene.add_curves([[0, 0, 0]] * 5, 1, [9])
+    assert scene.primitive_count == 7
+    scene.add_spheres([[0, 0, 0]], 1, material=9)
+    with pytest.raises(claray.InputError, match="primitive set 5.*material 9 of 2"):
+        claray.Renderer(scene, width=4, height=4)
+
+
+def test_lamps_of_primitives_are_warned_of():
+    scene = claray.Scene()
+    scene.add_spheres([[0, 0, 0]], 1, material=scene.add_material(emission=(1, 1, 1)), name="bulbs")
+    with pytest.warns(UserWarning, match="'bulbs' emits light"):
+        claray.Renderer(scene, width=4, height=4)
+
+
 def test_added_light_is_told_where_it_is_seen(tmp_path, recwarn):
     (tmp_path / "dark.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     scene = claray.load(tmp_path / "dark.obj")

@@ -156,6 +156,23 @@ TEST_P(CurvesTest, HitsDoNotDependOnTheTree) {
     }
 }
 
+TEST_P(CurvesTest, MoveWithTheirData) {
+    Tufts tufts = random_strands(30, 4, basis(), 9);
+    Primitives curves = build(tufts);
+    for (glm::vec4& p : tufts.points) p += glm::vec4(0.25f, 0, 0, 0.01f);
+    const std::vector<Ray> rays = random_rays(1001, 4.f, 1.f, 10);
+    const std::vector<Hit> expected = closest_hit(build(tufts), rays);
+    Buffer<float>(curves.data()).write(curve_data(tufts.points, tufts.segments, basis()));
+    for (const bool anew : {false, true}) {
+        anew ? curves.rebuild() : curves.refit();
+        const std::vector<Hit> hits = closest_hit(curves, rays);
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            ASSERT_EQ(hits[i].primitive, expected[i].primitive) << i;
+            ASSERT_EQ(hits[i].t, expected[i].t) << i;
+        }
+    }
+}
+
 /// Rays at the centre line, also exactly at the joints of segments and of their pieces, hit.
 TEST_P(CurvesTest, HaveWatertightJoints) {
     const Tufts tufts = random_strands(40, 6, basis(), 5);

@@ -11,9 +11,10 @@
 
 namespace claray {
 
-/// Primitives of one kind, in world space. They are traced as they are, not as triangles. Curves are seen from outside
-/// only, the other kinds from both sides. Their materials have no maps and no opacity; those of curves do not transmit
-/// light. Lights are not sampled on primitives: an emissive material shines, but is found by scattered rays only.
+/// Primitives of one kind, in world space. They are traced as they are, not as triangles. Round curves are seen from
+/// outside only, the other kinds from both sides. Their materials have no maps and no opacity; those of curves do not
+/// transmit light. Lights are not sampled on primitives: an emissive material shines, but is found by scattered rays
+/// only.
 struct PrimitiveSet {
     enum class Kind : std::uint32_t {
         spheres = CLARAY_SPHERES,
@@ -21,6 +22,8 @@ struct PrimitiveSet {
         cylinders = CLARAY_CYLINDERS,
         curves = CLARAY_CURVES,                ///< round uniform cubic B-splines
         bezier_curves = CLARAY_BEZIER_CURVES,  ///< round cubic Bezier curves
+        flat_curves = CLARAY_FLAT_CURVES,      ///< ribbons along B-splines that face every ray
+        flat_bezier_curves = CLARAY_FLAT_BEZIER_CURVES,
     };
     std::string name;
     Kind kind = Kind::spheres;
@@ -36,9 +39,20 @@ struct PrimitiveSet {
     std::vector<std::uint32_t> materials;  ///< per primitive, indices into Scene::materials; empty: material 0
 };
 
-[[nodiscard]] inline bool are_curves(const PrimitiveSet& set) {
-    return set.kind == PrimitiveSet::Kind::curves || set.kind == PrimitiveSet::Kind::bezier_curves;
-}
+struct PrimitiveKindName {
+    PrimitiveSet::Kind kind;
+    const char* name;
+};
+inline constexpr PrimitiveKindName primitive_kind_names[] = {
+    {PrimitiveSet::Kind::spheres, "spheres"},
+    {PrimitiveSet::Kind::discs, "discs"},
+    {PrimitiveSet::Kind::cylinders, "cylinders"},
+    {PrimitiveSet::Kind::curves, "curves"},
+    {PrimitiveSet::Kind::bezier_curves, "bezier curves"},
+    {PrimitiveSet::Kind::flat_curves, "flat curves"},
+    {PrimitiveSet::Kind::flat_bezier_curves, "flat bezier curves"}};
+
+[[nodiscard]] inline bool are_curves(const PrimitiveSet& set) { return set.kind >= PrimitiveSet::Kind::curves; }
 /// Points of a primitive that is not a curve.
 [[nodiscard]] inline std::size_t points_per_primitive(PrimitiveSet::Kind kind) {
     return kind == PrimitiveSet::Kind::spheres ? 1 : 2;

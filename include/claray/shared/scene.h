@@ -203,16 +203,18 @@ CLARAY_LAYOUT(SkyData, 24)
 #define CLARAY_CYLINDERS 2u
 #define CLARAY_CURVES 3u
 #define CLARAY_BEZIER_CURVES 4u
-#define CLARAY_PRIMITIVE_KINDS 5u
+#define CLARAY_FLAT_CURVES 5u
+#define CLARAY_FLAT_BEZIER_CURVES 6u
+#define CLARAY_PRIMITIVE_KINDS 7u
 
 /// The beginning of the buffer that holds the primitives of a scene. Their numbers in hits follow those of the
 /// triangles, kind after kind.
 typedef struct PrimitiveStore {
-    uint first[6];  // number of the first primitive of each kind, and one more than the last number
-    uint data[5];   // the word where the data of each kind begins, in the form of kernels/primitives
+    uint first[8];  // number of the first primitive of each kind, and one more than the last number
+    uint data[7];   // the word where the data of each kind begins, in the form of kernels/primitives
     uint colors;    // the word where the colours begin, 0: none. Six floats per primitive: RGB at u = 0 and at u = 1
 } PrimitiveStore;
-CLARAY_LAYOUT(PrimitiveStore, 48)
+CLARAY_LAYOUT(PrimitiveStore, 64)
 
 CLARAY_SHARED_END
 

@@ -157,6 +157,14 @@ TEST_F(Gltf, PointsAndLinesArePrimitives) {
     EXPECT_TRUE(load().primitives.empty()) << "rays pass through";
     builder.root["materials"] = {{{"alphaMode", "BLEND"}}};
     EXPECT_EQ(load().primitives.size(), 2u);
+    builder.root["materials"].push_back(json::object());
+    json second = primitive();
+    second["material"] = 1;
+    builder.root["meshes"][0]["primitives"].push_back(second);
+    const Scene both = load();
+    ASSERT_EQ(both.primitives.size(), 4u);
+    for (std::uint32_t i = 0; i < 4; ++i) EXPECT_EQ(both.primitives[i].materials[0], i / 2) << i;
+    builder.root["meshes"][0]["primitives"].erase(1);
     primitive()["attributes"]["COLOR_0"] =
         builder.accessor<float>("VEC4", {1, 0, 0, 1, 0, 1, 0, 0.5f, 0, 0, 1, 1, 1, 1, 1, 1});
     EXPECT_TRUE(load().primitives.empty()) << "rays pass through one end";

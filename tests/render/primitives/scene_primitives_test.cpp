@@ -193,6 +193,45 @@ std::vector<glm::vec3> rendered(const Scene& scene, const RenderConfig& config) 
     return renderer.image();
 }
 
+/// A straight ribbon of flat curves alone, before the camera of all_kinds().
+Scene ribbon() {
+    Scene scene = all_kinds();
+    scene.primitives.resize(1);
+    scene.primitives[0].kind = Kind::flat_bezier_curves;
+    scene.meshes.clear();
+    return scene;
+}
+
+/// It faces every ray: to the next one, too, it turns, which must not meet it again.
+TEST(ScenePrimitives, FlatCurvesFaceTheRay) {
+    Scene scene = ribbon();
+    scene.sky = {};
+    constexpr unsigned side = 96;
+    const RenderConfig config{.width = side, .height = side, .spp = 16, .max_depth = 1};
+    const Aovs aovs = Renderer(device(), scene, config).aovs();
+    const std::vector<glm::vec3> image = rendered(scene, config);
+    const glm::dvec3 a(scene.primitives[0].points[0]), b(scene.primitives[0].points[3]), axis = glm::normalize(b - a);
+    const glm::dvec3 normal = glm::normalize(glm::dvec3(0, 0, 1) - axis.z * axis), light(2, 3, 6);
+    unsigned seen = 0;
+    for (unsigned i = 0; i < side * side; ++i) {
+        const double x = 3 * ((i % side + 0.5) / side - 0.5), y = 3 * (0.5 - (i / side + 0.5) / side);
+        const double s = (x - a.x) / (b.x - a.x), off = std::abs(y - a.y);
+        if (aovs.primitive[i] != CLARAY_MISS) {
+            EXPECT_LT(off, 0.2 + 1e-6);
+            EXPECT_TRUE(s > -0.14 && s < 1.14) << s;
+        }
+        if (s < 0.02 || s > 0.98 || off > 0.17) continue;  // the middle, without the half circles
+        ASSERT_EQ(aovs.primitive[i], 0u) << x << ' ' << y;
+        EXPECT_NEAR(aovs.depth[i], 10 - (a.z + s * (b.z - a.z)), 2e-6);
+        EXPECT_LT(glm::length(glm::dvec3(aovs.normal[i]) - normal), 2e-6);
+        const glm::dvec3 to = light - (glm::dvec3(x, y, 10 - aovs.depth[i]) + 0.2 * normal);
+        const double expected = 0.75 / std::numbers::pi * 40 * glm::dot(normal, to) / std::pow(glm::length(to), 3);
+        EXPECT_NEAR(image[i].x, expected, 0.01 * expected) << x << ' ' << y;
+        ++seen;
+    }
+    EXPECT_GT(seen, 300u);
+}
+
 /// Balls on a floor, before a wall of triangles that shades some of them, under a lamp and a sky.
 Scene balls_on_a_floor() {
     Scene scene = all_kinds();
@@ -328,6 +367,12 @@ TEST(ScenePrimitives, VanishInAFurnace) {
     scene.camera->target = scene.camera->target * 1e-4f + 10.f;
     scene.camera->orthographic_height *= 1e-4f;
     EXPECT_NEAR(mean(rendered(scene, config)).x, 1, 2e-3) << "far away";
+    scene = ribbon();
+    scene.primitives.push_back(set_of(Kind::flat_bezier_curves,
+                                      {{-1, -1, 0, 0.1f}, {-1, 0, 0.5f, 0.2f}, {1, 0, 0.5f, 0.2f}, {1, -1, 0, 0.3f}}));
+    scene.lights.clear(), scene.sky = {glm::vec3(1.f), glm::vec3(1.f)};
+    for (Material& m : scene.materials) m.albedo = glm::vec3(1.f);
+    EXPECT_NEAR(mean(rendered(scene, config)).x, 1, 1e-3) << "ribbons";
     // Glass, from inside, too.
     scene = all_kinds();
     scene.primitives.erase(scene.primitives.begin());
@@ -414,6 +459,7 @@ TEST(ScenePrimitives, AreValidated) {
     EXPECT_TRUE(refused([](S& s) { s.primitives[1].colors.resize(2); }, "2 colours for 4"));
     EXPECT_TRUE(refused([](S& s) { s.primitives[1].colors.assign(4, glm::vec3(2)); }, "colour 0 is not in 0..1"));
     EXPECT_TRUE(refused([](S& s) { s.primitives[1].kind = Kind(9); }, "unknown kind"));
+    EXPECT_TRUE(refused([](S& s) { s.primitives[1].kind = Kind::flat_curves; }, "materials for 0 primitives"));
     EXPECT_TRUE(refused([](S& s) { s.materials[2].kind = MaterialKind::glass; }, "curves have no inside"));
     const auto transparent = [](S& s) { s.materials[1].alpha_mode = AlphaMode::blend, s.materials[1].opacity = 0.5f; };
     EXPECT_TRUE(refused(transparent, "lets rays through"));
