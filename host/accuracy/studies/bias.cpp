@@ -176,8 +176,7 @@ std::string name_of(const RenderConfig& how) {
 Study study_bias(const Device& device, const Scene& scene, const StudyOptions& options,
                  const AccuracyProgress& progress) {
     Study study;
-    study.name = "bias",
-    study.title = "Bias of short paths, clamped samples and approximations";
+    study.name = "bias", study.title = "Bias of short paths, clamped samples and approximations";
     study.error = "bias, RMS / mean";
     constexpr unsigned reference_depth = 1024, depths[] = {1, 2, 3, 4, 6, 8, 12, 16, 32, default_max_depth};
     constexpr double clamps[] = {1000, 100, 30, 10, 3, 1};
