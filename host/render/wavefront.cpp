@@ -370,8 +370,7 @@ void Wavefront::trace_stages(const Batch& batch, bool arrived, std::uint32_t fir
     for (std::uint32_t depth = first_depth; depth < all && limit != 0; ++depth) {
         bounce(batch, depth, limit, arrived && depth == 0);
         const bool looks = scene_.structure.parts() || (depth + 1) % bounces_per_look_ == 0;
-        if (looks && depth + 1 < all)
-            limit = lengths_[(depth + 1) % CLARAY_RAY_QUEUES].read()[0];
+        if (looks && depth + 1 < all) limit = lengths_[(depth + 1) % CLARAY_RAY_QUEUES].read()[0];
         if (finish_kernel_ && limit != 0 && limit <= most_last_paths_ && depth + 1 < all) {
             trace_last_paths(batch, depth + 1, limit);
             break;

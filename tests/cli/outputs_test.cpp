@@ -53,7 +53,8 @@ TEST_F(Outputs, TwoNamesOfOneFileAreRefused) {
     refuse(a, {"--trace", path("sub/../a.png")}, "--output and --trace are the same file");
     refuse(a, {"--trace", path("dangling")}, "--output and --trace are the same file");
     refuse(path("sub/b.png"), {"--trace", path("way/b.png")}, "--output and --trace are the same file");
-    refuse(a, {"--trace", path("link.json"), "--checkpoint", path("there.json")}, "--checkpoint and --trace are the same file");
+    refuse(a, {"--trace", path("link.json"), "--checkpoint", path("there.json")},
+           "--checkpoint and --trace are the same file");
     refuse(a, {"--trace", path("a.depth.png"), "--aov", "depth"}, "--trace and --aov depth are the same file");
     refuse(path("a.depth.pfm"), {"--aov", "normal", "--checkpoint", path("a.depth.normal.pfm")},
            "--aov normal are the same file");
@@ -113,7 +114,8 @@ TEST_F(Outputs, OneFullDiskLosesNothingElse) {
     EXPECT_TRUE(failed_with(printed, 1, "cannot write to standard output: No space left on device"));
     EXPECT_TRUE(is_png("b.png"));
     EXPECT_TRUE(failed_with(run_claray(small("/dev/full")), 2, "unknown image format"));
-    EXPECT_TRUE(failed_with(run_claray(small(path("c.png"), {"--trace", path("")})), 1, "Is a directory; give the name of a file"));
+    EXPECT_TRUE(failed_with(run_claray(small(path("c.png"), {"--trace", path("")})), 1,
+                            "Is a directory; give the name of a file"));
 }
 
 }  // namespace

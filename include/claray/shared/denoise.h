@@ -27,7 +27,7 @@ CLARAY_LAYOUT(Guide, 96)
 
 #define CLARAY_EDGE_CLASSES 16u  // of pixels by the difference of their glow from that nearby
 
-#define CLARAY_MOST_DOUBT 1.25f     // how many times variances count beyond once, if samples are few
+#define CLARAY_MOST_DOUBT 1.25f  // how many times variances count beyond once, if samples are few
 
 /// What one camera ray sees: through mirrors and smooth glass, which scatter it in one direction, and by almost
 /// mirrors.

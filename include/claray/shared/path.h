@@ -51,8 +51,8 @@ typedef struct SceneTables {
 } SceneTables;
 CLARAY_LAYOUT(SceneTables, 64)
 
-/// For studies: a ray that a rough surface scatters ends after `reach` and brings this radiance from there; a surface before reflects
-/// it once.
+/// For studies: a ray that a rough surface scatters ends after `reach` and brings this radiance from there; a surface
+/// before reflects it once.
 typedef struct AmbientData {
     float radiance_r, radiance_g, radiance_b, reach;
 } AmbientData;

@@ -12,8 +12,8 @@ typedef struct ImageSizes {
 } ImageSizes;
 CLARAY_LAYOUT(ImageSizes, 16)
 
-// A cell of the table is a float's exponent and the eight leading bits of its mantissa, from 2^-13 to 1: values below 2^-13
-// are black.
+// A cell of the table is a float's exponent and the eight leading bits of its mantissa, from 2^-13 to 1: values below
+// 2^-13 are black.
 #define CLARAY_SRGB_SHIFT 15u
 #define CLARAY_SRGB_LEAST (0x39000000u >> CLARAY_SRGB_SHIFT)
 #define CLARAY_SRGB_CELLS 3328u

@@ -7,7 +7,7 @@
 CLARAY_SHARED_BEGIN
 
 #define CLARAY_TILE 16u                // pixels per side
-#define CLARAY_TILE_BLOCK 4u                // tiles per side of a block
+#define CLARAY_TILE_BLOCK 4u           // tiles per side of a block
 #define CLARAY_ALL_LIGHTS 0xffffffffu  // instead of a list's length: it would have been too long
 
 /// The tiles that cover the rows of a batch. Blocks of tiles are numbered in the same way, row by row.
