@@ -275,8 +275,8 @@ CLARAY_API size_t claray_scene_triangle_count(const claray_scene* scene);
 
 typedef struct claray_primitive_set {
     size_t struct_size;
-    const char* kind;         /* "spheres", "discs", "cylinders", "curves" (B-splines), "bezier curves", or the same
-                               * after "flat " */
+    const char* kind;         /* "spheres", "discs", "cylinders", "curves" (B-splines), "bezier curves", "flat curves" or
+                               * "flat bezier curves" */
     const float* points;      /* 4 floats for each point; as of claray_primitives_build and claray_curves_build */
     size_t point_count;       /* one for each sphere, two for each disc or cylinder; control points of curves */
     const uint32_t* segments; /* of curves: the first control point of each; else NULL */
@@ -289,6 +289,7 @@ typedef struct claray_primitive_set {
  * must have no texture and no opacity. A scattered ray finds light that primitives emit, a light sample does not.
  * Structures of the scene (claray_bvh_scene_build) are over its meshes alone. */
 CLARAY_API claray_status claray_scene_add_primitives(claray_scene* scene, const claray_primitive_set* set);
+/* Of all sets that were added. */
 CLARAY_API size_t claray_scene_primitive_count(const claray_scene* scene);
 CLARAY_API void claray_scene_release(claray_scene* scene);
 

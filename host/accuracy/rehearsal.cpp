@@ -1,9 +1,13 @@
 #include "host/accuracy/rehearsal.hpp"
 
 #include <algorithm>
+#include <chrono>
+#include <exception>
 
 namespace claray {
 namespace {
+
+constexpr std::chrono::milliseconds between_looks{20};
 
 /// The size of the image stays: which kernels a render uses depends on it.
 StudyOptions shortened(const NamedStudy& study, StudyOptions options) {
@@ -27,8 +31,12 @@ unsigned Rehearsal::threads_on(const Device& device) {
 Rehearsal::Rehearsal(const Device& device, const Scene& scene, const StudyOptions& options,
                      std::vector<NamedStudy> studies, unsigned threads)
     : studies_(std::move(studies)), devices_(device) {
-    for (std::size_t i = 0; i < std::min<std::size_t>(threads, studies_.size()); ++i)
-        threads_.emplace_back([this, &scene, options] { work(scene, options); });
+    at_work_ = unsigned(std::min<std::size_t>(threads, studies_.size()));
+    for (unsigned i = 0, all = at_work_; i < all; ++i)
+        threads_.emplace_back([this, &scene, options] {
+            work(scene, options);
+            --at_work_;
+        });
 }
 
 Rehearsal::~Rehearsal() {
@@ -36,13 +44,19 @@ Rehearsal::~Rehearsal() {
     wait();
 }
 
-void Rehearsal::wait() {
+void Rehearsal::wait(const std::function<void()>& look) {
+    for (; look && at_work_ > 0; std::this_thread::sleep_for(between_looks)) try {
+            look();
+        } catch (...) {
+            ends_ = true;
+            throw;
+        }
     const std::lock_guard lock(joining_);
     for (std::thread& thread : threads_) thread.join();
     threads_.clear();
 }
 
-void Rehearsal::work(const Scene& scene, const StudyOptions& options) {
+void Rehearsal::work(const Scene& scene, const StudyOptions& options) try {
     const std::optional<Device> device = devices_.take();
     if (!device) return;
     const AccuracyProgress progress = [&](double, const std::string&) {
@@ -54,8 +68,9 @@ void Rehearsal::work(const Scene& scene, const StudyOptions& options) {
             const StudyOptions brief = shortened(study, options);
             (void)(study.run ? study.run(*device, scene, brief, progress)
                              : study.run_with_maps(*device, scene, brief, progress, nullptr));
-        } catch (const Error&) {  // the study itself will tell
+        } catch (const std::exception&) {  // the study itself will tell
         }
+} catch (const std::exception&) {  // no device to rehearse on
 }
 
 }  // namespace claray

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <functional>
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -22,8 +23,9 @@ public:
     Rehearsal(const Device& device, const Scene& scene, const StudyOptions& options, std::vector<NamedStudy> studies,
               unsigned threads);
     ~Rehearsal();
-    /// Until all studies are rehearsed. Several threads may call it.
-    void wait();
+    /// Waits until all studies are rehearsed, and calls `look` meanwhile: what it throws ends the rehearsal and is
+    /// thrown again. Several threads may call it.
+    void wait(const std::function<void()>& look = {});
     Rehearsal(const Rehearsal&) = delete;
     Rehearsal& operator=(const Rehearsal&) = delete;
 
@@ -35,6 +37,7 @@ private:
     verify::Devices devices_;
     std::atomic<std::size_t> next_ = 0;
     std::atomic<bool> ends_ = false;
+    std::atomic<unsigned> at_work_ = 0;  // threads
     std::mutex joining_;
     std::vector<std::thread> threads_;
 };

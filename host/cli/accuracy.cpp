@@ -199,10 +199,11 @@ void run_studies(const std::vector<NamedStudy>& chosen, const std::vector<Device
             return show(share, what);
         };
         StudyOptions options = o.study;
+        const auto wait = [&] { rehearsal.wait([&] { (void)progress(0, "compiling kernels"); }); };
         if (i == order.front() && chosen[i].samples)
-            options.before_timing = [&] { rehearsal.wait(); };
+            options.before_timing = wait;
         else
-            rehearsal.wait();
+            wait();
         options.measured = [&, i](const Study& so_far) { files.update(i, with_device(so_far)); };
         std::vector<ErrorMap> maps;
         const NamedStudy& study = chosen[i];

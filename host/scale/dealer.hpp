@@ -33,8 +33,8 @@ struct PixelRun {
 /// The image is divided into bands of consecutive pixels. A worker that has rendered samples of a band holds its sums
 /// and goes on with it, so that the samples of a pixel are added in their order and seldom move. A worker that is ahead
 /// of another one takes bands over from it, as many as its measured speed is worth; they are its own from then on, so
-/// that it does not ask twice. A worker's first piece measures its speed. The others take about 0.1 s, and half of the
-/// remaining time near the end.
+/// that it does not ask twice. A worker's first piece measures its speed. The others take about 0.1 s, a third of the
+/// remaining time near the end, and at most a quarter of the time so far until each worker has its share.
 class Dealer {
 public:
     /// `runs` cover all pixels of the image; the caller knows the sums of those that have samples. Passes grow as in
@@ -45,7 +45,7 @@ public:
     /// `most_paths`; if both are equal, all have as many. `handover`: seconds to hand over the sums of a pixel in the
     /// end; the worker gets work only if that ends the render sooner. There must be a worker for which it is 0.
     int add(std::uint32_t first_paths, std::uint32_t most_paths, double handover = 0);
-    /// So many workers will have been added. Until then pieces at the beginning are shorter.
+    /// The number of workers that will be added in all. Until then pieces at the beginning are shorter.
     void expect(unsigned workers) { expected_ = workers; }
     /// No pixel gets more samples than this; never less than before.
     void set_limit(std::uint32_t samples);

@@ -82,7 +82,7 @@ struct Study {
     unsigned reference_spp = 0;
     std::vector<std::string> findings;  ///< conclusions in words: slopes, plateaus, the best method by range
     std::string device, driver;         ///< for plots and tables; studies leave them empty
-    double took = 0;                    ///< seconds of the whole study, compiling included; likewise
+    double took = 0;  ///< seconds of the whole study, compiling included; set by the program, 0 from a study
 };
 
 struct StudyOptions {

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <thread>
+
 #include "tests/support/device.hpp"
 #include "tests/support/process.hpp"
 
@@ -25,11 +28,35 @@ TEST(Rehearsal, LeavesNothingToCompile) {
     EXPECT_EQ(compile_statistics().compiled, rehearsed);
 }
 
-TEST(Rehearsal, EndsWithItsObjectAndLeavesErrorsToTheStudies) {
+std::atomic<bool> began = false, was_ended = false;
+
+Study study_without_end(const Device&, const Scene&, const StudyOptions&, const AccuracyProgress& progress) try {
+    for (began = true;;) (void)progress(0, "");
+} catch (const Error&) {
+    was_ended = true;
+    throw;
+}
+
+TEST(Rehearsal, EndsWithItsObject) {
+    const Scene scene = *builtin_scene("cornell");
+    {
+        const Rehearsal rehearsal(device(), scene, {}, {{"endless", study_without_end}}, 1);
+        while (!began) std::this_thread::yield();
+    }
+    EXPECT_TRUE(was_ended.exchange(false));
+}
+
+TEST(Rehearsal, EndsIfALookThrows) {
+    const Scene scene = *builtin_scene("cornell");
+    Rehearsal rehearsal(device(), scene, {}, {{"endless", study_without_end}}, 1);
+    EXPECT_THROW(rehearsal.wait([] { throw Error(ErrorKind::user, "interrupted"); }), Error);
+    rehearsal.wait();
+}
+
+TEST(Rehearsal, LeavesErrorsToTheStudies) {
     Scene dark = *builtin_scene("cornell");
     for (Material& material : dark.materials) material.emission = glm::vec3(0.f);
     const StudyOptions options{.config = {.width = 8, .height = 8}, .most_spp = 1u << 20};
-    { const Rehearsal ends(device(), dark, options, {{"sampling", study_sampling}}, 1); }
     Rehearsal waits(device(), dark, options, {{"sampling", study_sampling}}, 1);
     waits.wait();
     waits.wait();

@@ -134,6 +134,35 @@ TEST(Dealer, KeepsWorkersOfAllSpeedsBusy) {
     }
 }
 
+TEST(Dealer, GivesOnePieceUntilTheSpeedIsKnown) {
+    Dealer dealer({{0, 10'000, 0}}, 16);
+    dealer.add(1000, 1u << 20);
+    dealer.set_limit(64);
+    const std::optional<Order> first = dealer.next(0, 1e9);
+    ASSERT_TRUE(first);
+    EXPECT_LE(first->batch.pixels, 1000u);
+    EXPECT_FALSE(dealer.next(0, 1e9));
+    dealer.done(0, *first, 1e-3);
+    EXPECT_TRUE(dealer.next(0, 1e9));
+    EXPECT_TRUE(dealer.next(0, 1e9));
+}
+
+/// Workers hold a copy of the sums of an order.
+TEST(Dealer, AsksForFewSumsAtATime) {
+    constexpr std::uint32_t pixels = 300'000, most = 1u << 16;
+    Dealer dealer({{0, pixels, 0}}, 16);
+    dealer.add(pixels, 1u << 24);
+    dealer.set_limit(1);
+    dealer.done(0, *dealer.next(0, 1e9), 1e-3);
+    std::uint32_t next = 0;
+    for (const Order& order : dealer.handovers(0)) {
+        EXPECT_EQ(order.batch.first_pixel, next);
+        EXPECT_LE(order.batch.pixels, most);
+        next += order.batch.pixels;
+    }
+    EXPECT_EQ(next, pixels);
+}
+
 /// Nobody waits for another one's first samples, although one could begin with the whole image.
 TEST(Dealer, GivesAllSomethingAtFirst) {
     constexpr std::uint32_t pixels = 61 * 43;

@@ -65,7 +65,7 @@ struct ImageMethod {
 
 using ImageJudge = std::function<ImageError(const std::vector<glm::vec3>&)>;
 
-/// Before the first image that is timed.
+/// Call before the first timed image.
 inline void begin_timing(const StudyOptions& options) {
     if (options.before_timing) options.before_timing();
 }
