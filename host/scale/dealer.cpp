@@ -14,6 +14,9 @@ constexpr double least_piece_seconds = 2e-3;
 /// expected, it is also this part of the time so far: one that joins waits for the pieces of those that hold all
 /// pixels.
 constexpr double share_at_end = 3, share_at_begin = 4;
+/// Workers whose first piece is a smaller part of the image, such as CPUs, keep to short pieces: four ranks on two
+/// cores are 3 % faster so.
+constexpr std::uint32_t part_of_cheap_start = 16;
 /// A piece has at most so many times the paths of the one before: speed is not yet known well.
 constexpr double growth = 4;
 /// Small pieces on GPUs are slow, since they start as many kernels as large ones do: an H200
@@ -224,7 +227,8 @@ double Dealer::seconds_so_far() const { return double(done_ - done_before_) / st
 double Dealer::paths_of_piece(const Worker& worker, double seconds_left) {
     if (worker.speed() == 0 || worker.first_paths == worker.most_paths) return worker.first_paths;
     double most = std::min(seconds_to_limit() / share_at_end, seconds_left / 2);
-    if (!all_have_shares()) most = std::min(most, seconds_so_far() / share_at_begin);
+    const bool starts_cheaply = worker.first_paths < pixels_ / part_of_cheap_start;
+    if (starts_cheaply || !all_have_shares()) most = std::min(most, seconds_so_far() / share_at_begin);
     const double seconds = std::clamp(most, least_piece_seconds, piece_seconds);
     const double paths = std::min({worker.speed() * seconds, growth * worker.last_paths, double(worker.most_paths)});
     const double worth_starting =
