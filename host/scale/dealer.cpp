@@ -10,8 +10,8 @@ namespace {
 constexpr std::uint32_t least_pixels = 16;  // in a band
 constexpr double piece_seconds = 0.1;
 constexpr double least_piece_seconds = 2e-3;
-/// Near the end a piece is this part of the remaining time, since workers have a few in advance. While others are
-/// expected, it is also this part of the time so far: one that joins waits for the pieces of those that hold all
+/// Near the end a piece is this part of the remaining time, since workers have a few in advance. Until all workers have
+/// their share, it is also this part of the time so far: one that joins waits for the pieces of those that hold all
 /// pixels.
 constexpr double share_at_end = 3, share_at_begin = 4;
 /// Workers whose first piece is a smaller part of the image, such as CPUs, keep to short pieces: four ranks on two
