@@ -188,8 +188,8 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
 /// batches.
 void Wavefront::make_room(std::uint32_t paths) {
     if (paths <= rays_[0].size()) return;
-    const std::uint32_t wanted =
-        std::min(capacity_, std::max<std::uint32_t>(paths, 2 * std::uint32_t(rays_[0].size())));
+    // Each time GPUs take milliseconds.
+    const std::uint32_t wanted = rays_[0].size() == 0 ? paths : std::max(paths, capacity_);
     const std::size_t room = (wanted + CLARAY_QUEUE_ROOM - 1) / CLARAY_QUEUE_ROOM * std::size_t(CLARAY_QUEUE_ROOM);
     const bool moves = scene_.structure.moves();
     constexpr std::size_t word = sizeof(std::uint32_t);

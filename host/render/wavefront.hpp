@@ -141,10 +141,10 @@ public:
     /// Resets the counters; asynchronous.
     void reset_totals();
     [[nodiscard]] std::uint64_t bytes() const;
+    /// Allocates what this many paths need, at most `capacity()`; `trace` does so itself.
+    void make_room(std::uint32_t paths);
 
 private:
-    /// For this many paths, at most `capacity()`.
-    void make_room(std::uint32_t paths);
     void generate(const Batch& batch, bool centers);
     void trace_paths(const Batch& batch);
     void sum_tiles(const Batch& batch);

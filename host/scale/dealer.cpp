@@ -10,6 +10,8 @@ namespace {
 constexpr std::uint32_t least_pixels = 16;  // in a band
 constexpr double piece_seconds = 0.1;
 constexpr double least_piece_seconds = 2e-3;
+/// Of a worker's first pieces an image is long, so that the worker begins before the speed of others is known.
+constexpr double first_pieces_of_long_render = 256;
 /// Near the end a piece is this part of the remaining time, since workers have a few in advance. Until all workers have
 /// their share, it is also this part of the time so far: one that joins waits for the pieces of those that hold all
 /// pixels.
@@ -27,6 +29,9 @@ constexpr double first_pieces_worth_starting = 8;
 constexpr double short_passes = 16;
 constexpr double remembered_passes = 2;  // in the measured speed: parts of an image differ in cost
 constexpr double unequal = 0.1;          // share of the time left by which workers may end earlier than others
+/// While the time so far is less than this part of the time left, speeds are not known well. What is moved later costs
+/// no more.
+constexpr double begin_of_render = 1. / 3;
 constexpr std::uint32_t most_pixels_of_sums = 1 << 16;  // of an order for sums: the worker holds a copy of them
 constexpr unsigned most_tries = 16;                     // to find a worker that is behind: an order must not take long
 /// A worker renders ahead of the others up to twice their samples and these.
@@ -170,13 +175,15 @@ std::uint32_t Dealer::end_of_pass(std::uint32_t samples) const {
 }
 
 /// With others of speed V and this one of speed s, the samples W that are left take W / (V + s) instead of W / V, and
-/// the share s / (V + s) of the pixels is handed over. So s does not matter. The speed of the others must be known.
+/// the share s / (V + s) of the pixels is handed over. So s does not matter. Until V is known only long renders pay.
 bool Dealer::pays(const Worker& worker, double seconds_left) const {
     if (worker.handover == 0 || worker.pixels + worker.coming_pixels > 0) return true;
     const double others = speed_ - worker.speed();
     const auto begins = [](const Worker& other) { return !other.is_lost && other.handover == 0; };
-    if (others < 1) return std::none_of(workers_.begin(), workers_.end(), begins);
     const auto left = double(std::uint64_t(pixels_) * limit_ - ordered_);
+    if (others < 1)
+        return left > first_pieces_of_long_render * worker.first_paths ||
+               std::none_of(workers_.begin(), workers_.end(), begins);
     return std::min(left / others, seconds_left) > worker.handover * pixels_;
 }
 
@@ -186,7 +193,8 @@ Dealer::Index Dealer::first_band_for(int number) const {
     const std::uint32_t held = worker.by_samples.empty() ? limit_ : worker.by_samples.begin()->first;
     const std::uint32_t free = free_.empty() ? limit_ : free_.begin()->first;
     if (std::min(held, free) >= limit_) return Index(bands_.size());
-    return held <= free ? worker.by_samples.begin()->second : free_band_for(number, free);
+    const bool leaves_free = held < limit_ && equal_share_left(worker) == 0;
+    return held <= free || leaves_free ? worker.by_samples.begin()->second : free_band_for(number, free);
 }
 
 /// Goes on behind the worker's last piece, or else in the middle of the longest run of free bands, so that the bands of
@@ -203,7 +211,16 @@ Dealer::Index Dealer::free_band_for(int worker, std::uint32_t samples) const {
 /// The others that hold none need some too: else they would wait until another worker gives bands.
 std::uint32_t Dealer::share_of_free(const Worker& worker) const {
     const unsigned others = without_bands_ - (worker.pixels == 0);
-    return free_pixels_ / (others + 1);
+    const std::uint32_t fair = free_pixels_ / (others + 1), equal = equal_share_left(worker);
+    return equal > 0 ? std::min(fair, equal) : fair;
+}
+
+/// Pixels that the worker may take while others render their first piece: two like it share the image without giving
+/// each other any.
+std::uint32_t Dealer::equal_share_left(const Worker& worker) const {
+    const auto share = std::uint32_t(pixels_ / std::max(1u, at_work_));
+    if (measured_ >= at_work_) return pixels_;
+    return worker.pixels < share - share / 8 ? share - std::uint32_t(worker.pixels) : 0;
 }
 
 double Dealer::seconds_to_limit() const {
@@ -221,6 +238,8 @@ bool Dealer::all_have_shares() {
         all_had_shares_ = std::all_of(workers_.begin(), workers_.end(), has_share);
     return all_had_shares_;
 }
+
+bool Dealer::begins() const { return seconds_so_far() < begin_of_render * seconds_to_limit(); }
 
 double Dealer::seconds_so_far() const { return double(done_ - done_before_) / std::max(speed_, 1.); }
 
@@ -293,18 +312,26 @@ std::optional<Order> Dealer::next(int number, double seconds_left) {
     if (!is_measured || !pays(worker, seconds_left)) return std::nullopt;
     const Index band = first_band_for(number);
     const bool any = band != bands_.size();
-    ask_others(number, any ? bands_[band].ordered : limit_);
-    if (!any || bands_[band].ordered > 2 * std::uint64_t(least_ordered()) + samples_ahead) return std::nullopt;
+    const bool waits = !any || bands_[band].ordered > 2 * std::uint64_t(least_ordered()) + samples_ahead;
+    if (waits || !begins()) ask_others(number, any ? bands_[band].ordered : limit_);
+    if (waits) return std::nullopt;
     const Order order = piece_from(band, number, paths_of_piece(worker, seconds_left));
+    if (worker.last_paths == 0) ++at_work_;
     worker.last_paths = std::uint32_t(std::min<std::uint64_t>(paths_of(order.batch), worker.most_paths));
     return order;
+}
+
+/// To render its samples and to hand over the sums of its pixels. Its speed must be known.
+double Dealer::seconds_to_end(const Worker& worker) const {
+    const double pixels = double(worker.pixels + worker.coming_pixels);
+    return samples_left(worker) / worker.speed() + worker.handover * pixels;
 }
 
 void Dealer::sort_in(int number) {
     Worker& worker = workers_[std::size_t(number)];
     if (worker.seconds_left >= 0) by_seconds_.erase({worker.seconds_left, number});
     const bool may_be_asked = !worker.is_lost && worker.giving == 0 && worker.speed() > 0;
-    worker.seconds_left = may_be_asked ? samples_left(worker) / worker.speed() : -1;
+    worker.seconds_left = may_be_asked ? seconds_to_end(worker) : -1;
     if (may_be_asked) by_seconds_.emplace(worker.seconds_left, number);
 }
 
@@ -313,7 +340,7 @@ void Dealer::sort_in(int number) {
 void Dealer::ask_others(int number, std::uint32_t level) {
     const Worker& worker = workers_[std::size_t(number)];
     if (worker.speed() == 0 && worker.pixels + worker.coming_pixels > 0) return;  // whether it needs more is unknown
-    const double own = worker.speed() > 0 ? samples_left(worker) / worker.speed() : 0;
+    const double own = worker.speed() > 0 ? seconds_to_end(worker) : 0;
     int slowest = nobody;
     unsigned tries = most_tries;
     for (auto at = by_seconds_.rbegin(); at != by_seconds_.rend() && tries-- > 0 && slowest == nobody; ++at) {
@@ -324,11 +351,12 @@ void Dealer::ask_others(int number, std::uint32_t level) {
         if (w != number && is_behind) slowest = w;
     }
     if (slowest == nobody) return;
-    const double all = samples_left(workers_[std::size_t(slowest)]);
-    if (worker.speed() == 0)  // as many pixels as a first piece has paths, until its speed is known
-        return ask(slowest, number, std::min(all / 2, double(worker.first_paths) * (limit_ - least_ordered())));
-    const double share = worker.speed() / (worker.speed() + speed(slowest));
-    ask(slowest, number, share * (all + samples_left(worker)) - samples_left(worker));
+    if (worker.speed() == 0) {  // as many pixels as a first piece has paths, until its speed is known
+        const double half = samples_left(workers_[std::size_t(slowest)]) / 2;
+        return ask(slowest, number, std::min(half, double(worker.first_paths) * (limit_ - least_ordered())));
+    }
+    const double later = seconds_to_end(workers_[std::size_t(slowest)]) - own;
+    ask(slowest, number, later / (1 / worker.speed() + 1 / speed(slowest)));
 }
 
 /// From the end, since workers begin at the front.
@@ -365,6 +393,20 @@ void Dealer::order_to_give(Index b, int taker) {
     change(b, [&](Band& leaving) { leaving.leaves = true, leaving.taker = taker; });
 }
 
+std::optional<Order> Dealer::read_finished(int number) {
+    std::deque<Index>& finished = workers_[std::size_t(number)].finished;
+    Order read{Order::Kind::read, {}};
+    for (; !finished.empty(); finished.pop_front()) {
+        const Band& band = bands_[finished.front()];
+        if (band.holder != number || band.leaves || band.done < limit_ || band.known == band.done) continue;
+        if (read.batch.pixels == 0) read.batch.first_pixel = band.first;
+        const bool goes_on = read.batch.first_pixel + read.batch.pixels == band.first;
+        if (!goes_on || (read.batch.pixels > 0 && read.batch.pixels + band.pixels > most_pixels_of_sums)) break;
+        read.batch.pixels += band.pixels;
+    }
+    return read.batch.pixels > 0 ? std::optional(read) : std::nullopt;
+}
+
 std::vector<Order> Dealer::handovers(int number) {
     Worker& worker = workers_[std::size_t(number)];
     const auto given = std::ssize(worker.gives);
@@ -389,10 +431,12 @@ void Dealer::done(int number, const Order& order, double seconds) {
         for_bands_of(order.batch, [&](Index b) {
             discount(done_counts_, bands_[b].done);
             count(done_counts_, bands_[b].done += order.batch.samples);
+            if (bands_[b].done == limit_) worker.finished.push_back(b);
         });
         done_ += paths_of(order.batch), worker.all += paths_of(order.batch);
         const double window = remembered_passes * largest_pass_ * pixels_ / double(workers_.size());
         const double kept = std::max(0.5, 1 - double(paths_of(order.batch)) / window);
+        if (worker.speed() == 0) ++measured_;
         speed_ -= worker.speed();
         worker.samples = kept * worker.samples + double(paths_of(order.batch));
         worker.seconds = kept * worker.seconds + std::max(seconds, 1e-9);
@@ -417,6 +461,8 @@ void Dealer::lost(int number) {
     worker.gives.clear(), worker.giving = 0;
     if (worker.is_lost) return;
     speed_ -= worker.speed();
+    if (worker.last_paths > 0) --at_work_;
+    if (worker.speed() > 0) --measured_;
     worker.is_lost = true;
     sort_in(number);
     for (Index b = 0; b < bands_.size(); ++b) {

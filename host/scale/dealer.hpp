@@ -51,6 +51,9 @@ public:
     void set_limit(std::uint32_t samples);
     /// The next order for a worker; none if it has to wait for others. `seconds_left`: pieces take at most half of it.
     [[nodiscard]] std::optional<Order> next(int worker, double seconds_left);
+    /// An order for the sums of pixels that the worker has brought to the limit and the caller does not know; none if
+    /// there are none. For a worker that `next` gave nothing to do.
+    [[nodiscard]] std::optional<Order> read_finished(int worker);
     /// Orders for the sums of all pixels that this worker holds and the caller does not know.
     [[nodiscard]] std::vector<Order> handovers(int worker);
     /// Must be called for each order of a worker when it is done, in order. The caller keeps the sums of `read` and
@@ -111,9 +114,10 @@ private:
         std::uint32_t last_paths = 0;
         double samples = 0, seconds = 0;  // recent ones
         std::uint64_t all = 0;
-        std::deque<Order> gives = {};  // to be sent
-        unsigned giving = 0;           // sent or to be sent
-        Index next_band = 0;           // behind its last piece
+        std::deque<Order> gives = {};     // to be sent
+        std::deque<Index> finished = {};  // bands that reached the limit; some have left or are known since
+        unsigned giving = 0;              // sent or to be sent
+        Index next_band = 0;              // behind its last piece
         bool is_lost = false;
         // Bands that it holds and that do not leave.
         std::set<Index> bands = {};
@@ -140,10 +144,13 @@ private:
     [[nodiscard]] double samples_left(const Worker& worker) const {
         return double(worker.pixels + worker.coming_pixels) * limit_ - double(worker.ordered + worker.coming_ordered);
     }
+    [[nodiscard]] double seconds_to_end(const Worker& worker) const;
     [[nodiscard]] double paths_of_piece(const Worker& worker, double seconds_left);
     /// How many of the free pixels the worker may take.
     [[nodiscard]] std::uint32_t share_of_free(const Worker& worker) const;
+    [[nodiscard]] std::uint32_t equal_share_left(const Worker& worker) const;
     [[nodiscard]] bool all_have_shares();
+    [[nodiscard]] bool begins() const;
     [[nodiscard]] double seconds_so_far() const;
     [[nodiscard]] double seconds_to_limit() const;
     [[nodiscard]] std::uint32_t longer(const Batch& piece, double paths) const;
@@ -162,6 +169,7 @@ private:
     double speed_ = 0;                      // of all workers
     std::uint32_t free_pixels_ = 0;         // that nobody holds
     unsigned without_bands_ = 0;            // workers that hold none
+    unsigned measured_ = 0, at_work_ = 0;   // workers whose speed is known, and that have had an order
     unsigned expected_ = 0;                 // workers
     bool all_had_shares_ = false;
     std::vector<Band> bands_;

@@ -22,7 +22,7 @@ public:
 
     [[nodiscard]] const std::string& name() const override { return device_.info().name; }
     void carry_out(const Order& order, Film::Sums sums) override;
-    [[nodiscard]] std::size_t most_orders() const override { return 3; }
+    [[nodiscard]] std::size_t most_orders() const override { return 2; }
     /// Must be used only when the worker is ready and has no order.
     [[nodiscard]] Renderer& renderer() { return *renderer_; }
 

@@ -51,12 +51,14 @@ struct RenderGroup::State {
     void expect_members();
     void drop(Member& member, const Report& report);
     void wait_for_lead();
-    void wait_for_orders();
+    void wait_for_orders(std::uint32_t first = 0, std::uint32_t pixels = ~0u);
+    [[nodiscard]] std::size_t failures() const;
     [[nodiscard]] bool asked_for_sums() const;
 
     // Sums.
     void ask_for_sums(bool of_lead);
     void gather(bool of_lead);
+    [[nodiscard]] bool fill_film();
     [[nodiscard]] RenderProgress hand_over();
     void keep_now_and_then();
     void save_checkpoint();

@@ -21,6 +21,9 @@ constexpr double seconds_between_sums = 30;
 /// reports.
 constexpr unsigned most_refused = 8;
 
+/// Of the lead's film: the next ones are read while it takes these.
+constexpr std::uint32_t pixels_at_once = 1 << 16;
+
 /// At the end of an interrupted render, since launchers kill a program that does not end at once: Open MPI after 1 s.
 constexpr double seconds_to_hand_over = 0.5;
 
@@ -77,7 +80,10 @@ RenderGroup::State::State(const std::vector<Device>& devices, const Scene& of, c
         add([&](Inbox& in, std::size_t number) {
             return std::make_unique<DeviceWorker>(device, scene, config, in, number, &sums);
         });
-    sums = GroupSums(nullptr, std::size_t(config.width) * config.height, tells_error(config), start.sums);
+    // An H200 fills its film three times as fast from memory that it has page-locked.
+    const bool is_gpu = devices.front().info().type == DeviceType::gpu;
+    sums = GroupSums(is_gpu ? &devices.front() : nullptr, std::size_t(config.width) * config.height,
+                     tells_error(config), start.sums);
 }
 
 void RenderGroup::State::add(const std::function<std::unique_ptr<Worker>(Inbox&, std::size_t)>& make) {
@@ -196,7 +202,9 @@ void RenderGroup::State::deal() {
         next_dealt = (next_dealt + 1) % members.size();
         Member& member = members[next_dealt];
         if (!member.takes_orders() || member.orders.size() >= member.worker->most_orders()) continue;
-        if (const std::optional<Order> order = dealer->next(member.number, seconds_left())) {
+        std::optional<Order> order = dealer->next(member.number, seconds_left());
+        if (!order && next_dealt != led_by) order = dealer->read_finished(member.number);
+        if (order) {
             send(member, *order);
             left = members.size() + 1;
         } else {
@@ -256,8 +264,14 @@ void RenderGroup::State::drop(Member& member, const Report& report) {
     if (tell) tell(member.worker->name() + " is dropped and the others go on: " + report.what);
 }
 
-void RenderGroup::State::wait_for_orders() {
-    const auto is_busy = [](const Member& member) { return !member.orders.empty(); };
+/// Waits until no member has an order for any of these pixels.
+void RenderGroup::State::wait_for_orders(std::uint32_t first, std::uint32_t pixels) {
+    const auto concerns = [&](const Order& order) {
+        return order.batch.first_pixel < first + pixels && first < order.batch.first_pixel + order.batch.pixels;
+    };
+    const auto is_busy = [&](const Member& member) {
+        return std::any_of(member.orders.begin(), member.orders.end(), concerns);
+    };
     const Clock::time_point since = Clock::now();
     while (std::any_of(members.begin(), members.end(), is_busy)) {
         take_report(patience);
@@ -267,6 +281,11 @@ void RenderGroup::State::wait_for_orders() {
                 drop(members[m],
                      {m, Report::Kind::failed, 0, 0, 0, 0, {}, ErrorKind::user, "its last samples came too late"});
     }
+}
+
+std::size_t RenderGroup::State::failures() const {
+    return std::size_t(
+        std::count_if(members.begin(), members.end(), [](const Member& member) { return member.has_failed; }));
 }
 
 bool RenderGroup::State::asked_for_sums() const {
@@ -286,11 +305,23 @@ void RenderGroup::State::ask_for_sums(bool of_lead) {
 void RenderGroup::State::gather(bool of_lead) {
     wait_for_orders();
     ask_for_sums(of_lead);
+    while (!fill_film()) wait_for_orders();
     wait_for_orders();
+}
+
+/// Writes what the others have rendered to the lead's film, while they still read it. Returns false if a member failed,
+/// so that the film must be filled anew.
+bool RenderGroup::State::fill_film() {
     wait_for_lead();
-    Film& film = lead().renderer().state().film;
+    const std::size_t failed = failures();
     for (const PixelRun& run : dealer->held_by_others(members[led_by].number))
-        film.set_sums(sums.at(run.first, run.pixels), run.first);
+        for (std::uint32_t at = 0; at < run.pixels; at += pixels_at_once) {
+            const std::uint32_t pixels = std::min(pixels_at_once, run.pixels - at);
+            wait_for_orders(run.first + at, pixels);
+            if (failures() != failed) return false;
+            lead().renderer().state().film.set_sums(sums.at(run.first + at, pixels), run.first + at);
+        }
+    return true;
 }
 
 namespace {

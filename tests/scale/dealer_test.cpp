@@ -82,7 +82,8 @@ private:
     void deal(int w) {
         Worker& worker = workers_[std::size_t(w)];
         while (!worker.is_lost && worker.orders.size() < 3) {
-            const std::optional<Order> order = dealer_.next(w, 1e9);
+            std::optional<Order> order = dealer_.next(w, 1e9);
+            if (!order && w > 0) order = dealer_.read_finished(w);
             if (!order) return;
             if (worker.orders.empty()) worker.end = now_ + seconds_of(*order, std::size_t(w));
             worker.orders.push_back(*order);
@@ -117,6 +118,28 @@ private:
     double now_ = 0;
     Dealer dealer_;
 };
+
+/// A worker that has nothing to render hands over the sums of what it has finished, each pixel's once.
+TEST(Dealer, AsksForTheSumsOfFinishedPixelsOnce) {
+    constexpr std::uint32_t pixels = 300'000;
+    Dealer dealer({{0, pixels, 0}}, 16);
+    dealer.add(pixels, 1u << 24);
+    for (const std::uint32_t limit : {1u, 2u}) {
+        dealer.set_limit(limit);
+        const Order render = *dealer.next(0, 1e9);
+        EXPECT_FALSE(dealer.read_finished(0)) << "nothing is finished";
+        dealer.done(0, render, 1e-3);
+        std::uint32_t next = 0;
+        while (const std::optional<Order> order = dealer.read_finished(0)) {
+            EXPECT_EQ(order->kind, Order::Kind::read);
+            EXPECT_EQ(order->batch.first_pixel, next);
+            next += order->batch.pixels;
+            dealer.done(0, *order, 1e-3);
+        }
+        EXPECT_EQ(next, pixels);
+        EXPECT_TRUE(dealer.handovers(0).empty());
+    }
+}
 
 TEST(Dealer, KeepsWorkersOfAllSpeedsBusy) {
     constexpr std::uint32_t pixels = 480 * 270;
@@ -205,6 +228,23 @@ TEST(Dealer, LeavesOutWorkersThatDoNotPay) {
     EXPECT_FALSE(works(16, 1e8, 1e9)) << "2 ms";
     EXPECT_FALSE(works(16, 1e6, 5e-3)) << "the time is up before";
     EXPECT_TRUE(works(16, 1e8, 1e9, true)) << "nobody else is there";
+}
+
+/// They take equal parts until their speeds are known, so that none of them gives much of it to the other.
+TEST(Dealer, LetsAllBeginALongRender) {
+    constexpr std::uint32_t pixels = 10'000;
+    Dealer dealer({{0, pixels, 0}}, 16);
+    dealer.add(1000, 1u << 20), dealer.add(1000, 1u << 20, 1e-6);
+    dealer.set_limit(64);
+    const Order first = *dealer.next(0, 1e9);
+    ASSERT_TRUE(dealer.next(1, 1e9)) << "before the speed of the other one is known";
+    std::uint32_t taken = 0;
+    for (Order order = first; order.batch.samples > 0;) {
+        if (order.batch.first_sample == 0) taken += order.batch.pixels;
+        dealer.done(0, order, 1e-3);
+        order = dealer.next(0, 1e9).value_or(Order());
+    }
+    EXPECT_LE(taken, pixels / 2 + 16);
 }
 
 TEST(Dealer, RendersAgainWhatIsLost) {
