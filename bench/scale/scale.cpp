@@ -105,7 +105,10 @@ private:
     void deal(std::size_t r) {
         Rank& rank = ranks_[r];
         while (rank.orders.size() < most_orders) {
-            const auto order = on_rank_0([&] { return dealer_.next(int(r), 1e9); });
+            const auto order = on_rank_0([&] {
+                const std::optional<Order> next = dealer_.next(int(r), 1e9);
+                return next || r == 0 ? next : dealer_.read_finished(int(r));
+            });
             if (!order) {
                 if (rank.orders.empty()) idle_.push_back(r);
                 return;
@@ -159,7 +162,7 @@ Curve simulate(Setting setting, unsigned spp, const std::vector<unsigned>& count
 
 /// Efficiency over the ranks, whose axis is logarithmic.
 std::string plot(const std::vector<Curve>& curves, unsigned most_ranks) {
-    constexpr double width = 760, height = 420, left = 70, right = 150, top = 30, bottom = 60;
+    constexpr double width = 760, height = 420, left = 70, right = 180, top = 30, bottom = 60;
     constexpr const char *ink = "#222", *pale = "#666", *grid = "#e4e4e4";
     constexpr std::array colors = {"#0072b2", "#d55e00", "#009e73", "#cc79a7"};  // Okabe and Ito 2008
     const auto x = [&](unsigned ranks) {
