@@ -1,5 +1,5 @@
-// The passes of the denoiser against float64: denoise/demodulate.cl, denoise/estimate_variance.cl,
-// denoise/filter_light.cl and denoise/modulate.cl.
+// The passes of the denoiser against float64: denoise/demodulate.cl, denoise/reject_outliers.cl,
+// denoise/estimate_variance.cl, denoise/filter_light.cl and denoise/modulate.cl.
 #include "host/denoise/denoiser.hpp"
 
 #include <gtest/gtest.h>
@@ -134,6 +134,89 @@ TEST(Denoiser, FirefliesAreSpread) {
     EXPECT_GT(sum_after - without, 0.5 * (sum_before - without));
     EXPECT_LT(sum_after - without, 1.1 * (sum_before - without));
     EXPECT_LT(largest, 2) << "the firefly was " << before[3 * (11 * width + 18)];
+}
+
+/// Random light on surfaces of random albedo, some of which has no surface and some of which is far brighter.
+struct LightWithOutliers {
+    std::vector<Float4> light;
+    std::vector<float> weights;
+};
+LightWithOutliers light_with_outliers() {
+    Random random(31);
+    LightWithOutliers made;
+    for (std::uint32_t i = 0; i < width * height; ++i) {
+        const float bright = random.uniform() < 0.05f ? 50 : 1 + random.uniform(), variance = 40 * random.uniform();
+        const bool lit = random.uniform() < 0.9f;
+        made.light.push_back({bright, 0.5f * bright, 2 * bright, lit ? variance : -1});
+        made.weights.push_back(lit ? 0.1f + random.uniform() : 0);
+    }
+    for (const std::uint32_t corner : {0u, width - 1, width * height - 1}) made.light[corner] = {90, 90, 90, 1e4f};
+    for (const std::uint32_t corner : {0u, width - 1, width * height - 1}) made.weights[corner] = 0.5f;
+    return made;
+}
+
+double luminance_of(const Float4& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
+
+/// The share of a pixel's light beyond twice that of each of the 24 pixels around, or beyond their radiance on a darker
+/// surface; with a variance at most one standard deviation.
+double outlying_share(const LightWithOutliers& of, int x, int y, bool single) {
+    const std::size_t here = std::size_t(y * int(width) + x);
+    if (of.light[here].w < 0) return 0;
+    double most = 0;
+    for (int v = std::max(y - 2, 0); v <= std::min(y + 2, int(height) - 1); ++v)
+        for (int u = std::max(x - 2, 0); u <= std::min(x + 2, int(width) - 1); ++u) {
+            const std::size_t there = std::size_t(v * int(width) + u);
+            if (there == here || of.light[there].w < 0) continue;
+            const double darker = std::max(1.0, double(of.weights[there]) / double(of.weights[here]));
+            most = std::max(most, luminance_of(of.light[there]) * darker);
+        }
+    const double own = luminance_of(of.light[here]), excess = std::max(own - 2 * most, 0.0);
+    return (single ? excess : std::min(excess, std::sqrt(double(of.light[here].w)))) / own;
+}
+
+TEST(Denoiser, OutliersAreBoundedByTheirNeighbours) {
+    Kernel reject = load_kernel(device(), "denoise/reject_outliers.cl", "reject_outliers");
+    const LightWithOutliers made = light_with_outliers();
+    const std::size_t pixels = width * height;
+    const Buffer<Float4> result(device(), pixels), rejected(device(), pixels);
+    const bool cpu = device().info().type == DeviceType::cpu;
+    for (const bool single : {false, true}) {
+        reject.run({cpu ? (width + 15) / 16 * height : pixels, 1}, FilterStep{width, height, 1}, std::uint32_t(single),
+                   arg("light", Buffer<Float4>(device(), made.light)),
+                   arg("weights", Buffer<float>(device(), made.weights)), arg("result", result),
+                   arg("rejected", rejected));
+        const std::vector<Float4> left = result.read(), lost = rejected.read();
+        unsigned outliers = 0;
+        for (std::size_t i = 0; i < pixels; ++i) {
+            const double share = outlying_share(made, int(i % width), int(i / width), single);
+            const Float4& before = made.light[i];
+            const double factor = 1 - share, tolerance = 1e-4;
+            ASSERT_NEAR(left[i].z, factor * double(before.z), tolerance) << i;
+            ASSERT_NEAR(left[i].w, factor * factor * double(before.w), tolerance * (1 + double(before.w))) << i;
+            ASSERT_NEAR(lost[i].x, share * double(before.x * made.weights[i]), tolerance) << i;
+            outliers += share > 0;
+        }
+        EXPECT_GT(outliers, 8u) << single;
+    }
+}
+
+/// A firefly on a surface that no neighbour has: the filter finds nothing to mix it with.
+TEST(Denoiser, AFireflyUnlikeAllNeighboursIsBounded) {
+    constexpr std::size_t alone = 11 * width + 18;
+    Wall scene = wall();
+    for (std::size_t i = 0; i < scene.guides.size(); ++i) {
+        const float turn = 3 * float(i);  // every pixel has a normal of its own
+        scene.guides[i] = flat_guide(0.5f, 0, 0.2f), scene.light[i] = 1;
+        scene.guides[i].normal_x = std::cos(turn), scene.guides[i].normal_y = std::sin(turn);
+        scene.guides[i].normal_z = 0;
+    }
+    for (const unsigned spp : {4u, 64u}) {
+        std::vector<FilmPixel> film = sampled(scene, spp, 0.3, 3);
+        PixelSamples bright;
+        for (unsigned s = 0; s < spp; ++s) bright.add(glm::dvec3(s == 1 ? 20 * spp : 0.5));
+        film[alone] = bright.pixel();
+        EXPECT_LT(denoised(film, scene.guides, spp)[3 * alone], 1.5f) << spp << " samples: the firefly was 20";
+    }
 }
 
 /// One pass of the wavelet in float64, from the formulas of Dammertz et al.; on one surface, since surfaces have tests
