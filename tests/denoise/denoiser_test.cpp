@@ -272,19 +272,42 @@ TEST(Denoiser, AWaveletPassIsThatOfFloat64) {
     }
 }
 
-/// How much of `filtered` the last pass takes, where noise, changes and guides are the same everywhere.
-double share_of(const Float4& noisy, const Float4& filtered, const Guide& guide, float kept = 0, float doubt = 1.25f) {
+/// The image of the last pass, where guides and the share of kept noise are the same everywhere.
+std::vector<float> modulated(const std::vector<Float4>& noisy, const std::vector<Float4>& filtered, const Guide& guide,
+                             float kept, float doubt, bool single = false) {
     Kernel modulate = load_kernel(device(), "denoise/modulate.cl", "modulate");
     const std::size_t pixels = width * height;
     const Buffer<float> image(device(), 3 * pixels);
-    modulate.run({pixels, 64}, FilterStep{width, height, 1}, 0u, doubt,
-                 arg("noisy", Buffer<Float4>(device(), std::vector<Float4>(pixels, noisy))),
-                 arg("filtered", Buffer<Float4>(device(), std::vector<Float4>(pixels, filtered))),
+    modulate.run({pixels, 64}, FilterStep{width, height, 1}, std::uint32_t(single), doubt,
+                 arg("noisy", Buffer<Float4>(device(), noisy)), arg("filtered", Buffer<Float4>(device(), filtered)),
                  arg("kept", Buffer<float>(device(), std::vector<float>(pixels, kept))),
                  Buffer<Guide>(device(), std::vector<Guide>(pixels, guide)), arg("image", image));
-    const std::vector<float> values = image.read();
+    return image.read();
+}
+
+/// How much of `filtered` the last pass takes, where noise and changes are the same everywhere.
+double share_of(const Float4& noisy, const Float4& filtered, const Guide& guide, float kept = 0, float doubt = 1.25f) {
+    const std::size_t pixels = width * height;
+    const std::vector<float> values =
+        modulated(std::vector(pixels, noisy), std::vector(pixels, filtered), guide, kept, doubt);
     for (const std::size_t i : {std::size_t(0), 3 * (pixels - 1)}) EXPECT_EQ(values[i], values[3 * (pixels / 2)]);
     return (double(values[0] - guide.glow_r) / double(guide.albedo_r) - double(noisy.x)) / double(filtered.x - noisy.x);
+}
+
+/// Of a pixel that the filter left as it was, the last pass leaves twice its neighbours, or takes one deviation away.
+TEST(Denoiser, BoundsWhatTheFilterLeft) {
+    const std::size_t pixels = width * height;
+    for (const std::size_t at : {std::size_t(0), pixels / 2 + 3, pixels - 1})
+        for (const float deviation : {0.f, 10.f, 60.f}) {
+            std::vector<Float4> light(pixels, {1, 1, 1, 0});
+            light[at] = {50, 50, 50, deviation * deviation};
+            const Guide guide = flat_guide(0.5f, 3, 0.2f);
+            for (const bool single : {false, true}) {
+                const double bounded = single ? 2 : 50 - std::min(double(deviation), 48.0);
+                EXPECT_NEAR(modulated(light, light, guide, 1, 0, single)[3 * at], 0.5 * bounded + 3, 1e-4)
+                    << at << ' ' << deviation << ' ' << single;
+            }
+        }
 }
 
 /// The mixture with the least expected error: three quarters of the variance that the filter removed, and `doubt` times
