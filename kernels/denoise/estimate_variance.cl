@@ -59,7 +59,8 @@ kernel void estimate_variance(FilterStep step, uint single, global const float4*
     read_pairs16(step, gloss, run.x, run.y, &glossy, &gloss_variance);
     const float16 mean = first / total, of_mean = variance / total;
     const float16 own = luminances16(here.v) - glossy - mean, spread = fmax(second / total - mean * mean, 0.0f);
-    const float16 noise = single ? SINGLE_DOUBT * fmax(spread, own * own) : fmax(fmax(of_mean, here.w - gloss_variance), fmin(own * own, 4.0f * of_mean));
+    const float16 given = luminances16(handed) / total;
+    const float16 noise = single ? SINGLE_DOUBT * fmax(spread, own * own) + given * given : fmax(fmax(of_mean, here.w - gloss_variance), fmin(own * own, 4.0f * of_mean));
     const Pixels16 known = {selected16(here.v, plus16(here.v, scaled16(1.0f / total, handed)), here.w >= 0.0f), select(here.w, vload16(0, trust) * (noise + gloss_variance), here.w >= 0.0f)};
     write_pixels16(run, known, result);
 }
@@ -94,8 +95,10 @@ kernel void estimate_variance(FilterStep step, uint single, global const float4*
     const float mean = first / total;
     const float own = luminance(here.xyz) - gloss[i].x - mean, spread = fmax(second / total - mean * mean, 0.0f);
     // Bright samples in both halves hide the noise of a pixel: what is far from the mean nearby counts as noisy, to a degree.
+    // What a pixel gets from outliers is as uncertain as it is large; with more samples the variance around tells it.
+    const float given = luminance(handed) / total;
     const float noise = fmax(fmax(variance / total, here.w - gloss[i].y), fmin(own * own, 4.0f * variance / total));
     const float trusted = mix(1.0f, MIRROR_TRUST, guides[i].mirrored);
-    result[i] = (float4)(here.xyz + handed / total, trusted * ((single ? SINGLE_DOUBT * fmax(spread, own * own) : noise) + gloss[i].y));
+    result[i] = (float4)(here.xyz + handed / total, trusted * ((single ? SINGLE_DOUBT * fmax(spread, own * own) + given * given : noise) + gloss[i].y));
 }
 #endif
