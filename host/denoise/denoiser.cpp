@@ -21,6 +21,7 @@ Denoiser::Denoiser(const Device& device, std::uint32_t width, std::uint32_t heig
       height_(height),
       cpu_(device.info().type == DeviceType::cpu),
       demodulate_(load_kernel(device, "denoise/demodulate.cl", "demodulate")),
+      reject_(load_kernel(device, "denoise/reject_outliers.cl", "reject_outliers")),
       estimate_(load_kernel(device, "denoise/estimate_variance.cl", "estimate_variance")),
       filter_(load_kernel(device, "denoise/filter_light.cl", "filter_light")),
       modulate_(load_kernel(device, "denoise/modulate.cl", "modulate")) {
@@ -40,11 +41,14 @@ const Buffer<float>& Denoiser::denoise(const Buffer<FilmPixel>& film, const Buff
 }
 
 void Denoiser::prepare(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides, std::uint32_t spp) {
-    demodulate_.run(range(), step(), film, guides, arg("light", raw_), arg("surfaces", surfaces_),
+    const Buffer<Float4>&sampled = noisy_, &rejected = filtered_[0];  // until those have their own contents
+    demodulate_.run(range(), step(), film, guides, arg("light", sampled), arg("surfaces", surfaces_),
                     arg("weights", weights_), gloss_);
-    estimate_.run(range_of_runs(), step(), std::uint32_t(spp < 2), arg("light", raw_), arg("surfaces", surfaces_),
-                  arg("weights", weights_), arg("gloss", gloss_), guides, arg("slopes", slopes_),
-                  arg("result", noisy_));
+    reject_.run(range_of_runs(), step(), std::uint32_t(spp < 2), arg("light", sampled), arg("weights", weights_),
+                arg("result", raw_), arg("rejected", rejected));
+    estimate_.run(range_of_runs(), step(), std::uint32_t(spp < 2), arg("light", raw_), arg("rejected", rejected),
+                  arg("surfaces", surfaces_), arg("weights", weights_), arg("gloss", gloss_), guides,
+                  arg("slopes", slopes_), arg("result", noisy_));
 }
 
 const Buffer<float>& Denoiser::filter(const Buffer<Float4>& light, const Buffer<Float4>& noisy,

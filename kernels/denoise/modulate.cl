@@ -46,6 +46,19 @@ static inline float share_of_filtered(FilterStep step, uint i, float doubt, glob
     return (change > warranted ? warranted / change : 1.0f) * own / (own + of_guides);
 }
 
+/// The light of a pixel that has found nothing alike to be filtered with, and is brighter than the filtered light of all its neighbours.
+static inline float3 bounded_light(FilterStep step, uint i, uint single, float3 light, float variance, global const float4* filtered) {
+    const int x = (int)(i % step.width), y = (int)(i / step.width);
+    float most = 0.0f;
+    for (int dy = -OUTLIER_RADIUS; dy <= OUTLIER_RADIUS; ++dy)
+        for (int dx = -OUTLIER_RADIUS; dx <= OUTLIER_RADIUS; ++dx) {
+            const uint at = neighbour(step, x + dx, y + dy);
+            if (at != i && has_light(filtered[at])) most = fmax(most, luminance(filtered[at].xyz));
+        }
+    const float own = luminance(light), removed = unsupported(own, most, variance, single);
+    return removed > 0.0f ? light * (1.0f - removed / own) : light;
+}
+
 /// `noisy`: the pixels and their variances. `single`: those are no estimates, and all is taken from `filtered`.
 kernel void modulate(FilterStep step, uint single, float doubt, global const float4* noisy, global const float4* filtered,
                      global const float* kept, global const Guide* guides, global float* image) {
@@ -55,7 +68,8 @@ kernel void modulate(FilterStep step, uint single, float doubt, global const flo
     const Guide g = guides[i];
     float share = 1.0f;
     if (!single && lit) share = share_beside_details(&g, doubt) * share_of_filtered(step, i, doubt, noisy, filtered, kept, guides);
-    const float3 light = mix(noisy[i].xyz, filtered[i].xyz, share);
+    float3 light = mix(noisy[i].xyz, filtered[i].xyz, share);
+    if (lit) light = bounded_light(step, i, single, light, noisy[i].w, filtered);
     const float3 albedo = lit ? (float3)(g.albedo_r, g.albedo_g, g.albedo_b) : (float3)(1.0f);
     vstore3(light * albedo + (float3)(g.glow_r, g.glow_g, g.glow_b), i, image);
 }

@@ -1,5 +1,5 @@
-// The passes of the denoiser against float64: denoise/demodulate.cl, denoise/estimate_variance.cl,
-// denoise/filter_light.cl and denoise/modulate.cl.
+// The passes of the denoiser against float64: denoise/demodulate.cl, denoise/reject_outliers.cl,
+// denoise/estimate_variance.cl, denoise/filter_light.cl and denoise/modulate.cl.
 #include "host/denoise/denoiser.hpp"
 
 #include <gtest/gtest.h>
@@ -136,6 +136,90 @@ TEST(Denoiser, FirefliesAreSpread) {
     EXPECT_LT(largest, 2) << "the firefly was " << before[3 * (11 * width + 18)];
 }
 
+/// Random light on surfaces of random albedo, some of which has no surface and some of which is far brighter.
+struct LightWithOutliers {
+    std::vector<Float4> light;
+    std::vector<float> weights;
+};
+LightWithOutliers light_with_outliers() {
+    Random random(31);
+    LightWithOutliers made;
+    for (std::uint32_t i = 0; i < width * height; ++i) {
+        const float bright = random.uniform() < 0.05f ? 50 : 1 + random.uniform(), variance = 1600 * random.uniform();
+        const bool lit = random.uniform() < 0.9f;
+        made.light.push_back({bright, 0.5f * bright, 2 * bright, lit ? variance : -1});
+        made.weights.push_back(lit ? 0.1f + random.uniform() : 0);
+    }
+    for (const std::uint32_t corner : {0u, width - 1, width * height - 1}) made.light[corner] = {90, 90, 90, 1e4f};
+    for (const std::uint32_t corner : {0u, width - 1, width * height - 1}) made.weights[corner] = 0.5f;
+    return made;
+}
+
+double luminance_of(const Float4& c) { return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z; }
+
+/// The share of a pixel's light beyond twice that of each of the 24 pixels around, or beyond their radiance on a darker
+/// surface; with a variance all up to 1.5 standard deviations, and nothing from 3 on.
+double outlying_share(const LightWithOutliers& of, int x, int y, bool single) {
+    const std::size_t here = std::size_t(y * int(width) + x);
+    if (of.light[here].w < 0) return 0;
+    double most = 0;
+    for (int v = std::max(y - 2, 0); v <= std::min(y + 2, int(height) - 1); ++v)
+        for (int u = std::max(x - 2, 0); u <= std::min(x + 2, int(width) - 1); ++u) {
+            const std::size_t there = std::size_t(v * int(width) + u);
+            if (there == here || of.light[there].w < 0) continue;
+            const double darker = std::max(1.0, double(of.weights[there]) / double(of.weights[here]));
+            most = std::max(most, luminance_of(of.light[there]) * darker);
+        }
+    const double own = luminance_of(of.light[here]), excess = std::max(own - 2 * most, 0.0);
+    const double explained = 3 * std::sqrt(double(of.light[here].w)) - excess;
+    return (single ? excess : std::clamp(explained, 0.0, excess)) / own;
+}
+
+TEST(Denoiser, OutliersAreBoundedByTheirNeighbours) {
+    Kernel reject = load_kernel(device(), "denoise/reject_outliers.cl", "reject_outliers");
+    const LightWithOutliers made = light_with_outliers();
+    const std::size_t pixels = width * height;
+    const Buffer<Float4> result(device(), pixels), rejected(device(), pixels);
+    const bool cpu = device().info().type == DeviceType::cpu;
+    for (const bool single : {false, true}) {
+        reject.run({cpu ? (width + 15) / 16 * height : pixels, 1}, FilterStep{width, height, 1}, std::uint32_t(single),
+                   arg("light", Buffer<Float4>(device(), made.light)),
+                   arg("weights", Buffer<float>(device(), made.weights)), arg("result", result),
+                   arg("rejected", rejected));
+        const std::vector<Float4> left = result.read(), lost = rejected.read();
+        unsigned outliers = 0;
+        for (std::size_t i = 0; i < pixels; ++i) {
+            const double share = outlying_share(made, int(i % width), int(i / width), single);
+            const Float4& before = made.light[i];
+            const double factor = 1 - share, tolerance = 1e-4;
+            ASSERT_NEAR(left[i].z, factor * double(before.z), tolerance) << i;
+            ASSERT_NEAR(left[i].w, factor * factor * double(before.w), tolerance * (1 + double(before.w))) << i;
+            ASSERT_NEAR(lost[i].x, share * double(before.x * made.weights[i]), tolerance) << i;
+            outliers += share > 0;
+        }
+        EXPECT_GT(outliers, 8u) << single;
+    }
+}
+
+/// A firefly on a surface that no neighbour has: the filter finds nothing to mix it with.
+TEST(Denoiser, AFireflyUnlikeAllNeighboursIsBounded) {
+    constexpr std::size_t alone = 11 * width + 18;
+    Wall scene = wall();
+    for (std::size_t i = 0; i < scene.guides.size(); ++i) {
+        const float turn = 3 * float(i);  // every pixel has a normal of its own
+        scene.guides[i] = flat_guide(0.5f, 0, 0.2f), scene.light[i] = 1;
+        scene.guides[i].normal_x = std::cos(turn), scene.guides[i].normal_y = std::sin(turn);
+        scene.guides[i].normal_z = 0;
+    }
+    for (const unsigned spp : {4u, 64u}) {
+        std::vector<FilmPixel> film = sampled(scene, spp, 0.3, 3);
+        PixelSamples bright;
+        for (unsigned s = 0; s < spp; ++s) bright.add(glm::dvec3(s == 1 ? 20 * spp : 0.5));
+        film[alone] = bright.pixel();
+        EXPECT_LT(denoised(film, scene.guides, spp)[3 * alone], 1.5f) << spp << " samples: the firefly was 20";
+    }
+}
+
 /// One pass of the wavelet in float64, from the formulas of Dammertz et al.; on one surface, since surfaces have tests
 /// of their own.
 double filtered_here(const std::vector<double>& light, const std::vector<double>& variance, int x, int y, int spacing) {
@@ -189,19 +273,43 @@ TEST(Denoiser, AWaveletPassIsThatOfFloat64) {
     }
 }
 
-/// How much of `filtered` the last pass takes, where noise, changes and guides are the same everywhere.
-double share_of(const Float4& noisy, const Float4& filtered, const Guide& guide, float kept = 0, float doubt = 1.25f) {
+/// The image of the last pass, where guides and the share of kept noise are the same everywhere.
+std::vector<float> modulated(const std::vector<Float4>& noisy, const std::vector<Float4>& filtered, const Guide& guide,
+                             float kept, float doubt, bool single = false) {
     Kernel modulate = load_kernel(device(), "denoise/modulate.cl", "modulate");
     const std::size_t pixels = width * height;
     const Buffer<float> image(device(), 3 * pixels);
-    modulate.run({pixels, 64}, FilterStep{width, height, 1}, 0u, doubt,
-                 arg("noisy", Buffer<Float4>(device(), std::vector<Float4>(pixels, noisy))),
-                 arg("filtered", Buffer<Float4>(device(), std::vector<Float4>(pixels, filtered))),
+    modulate.run({pixels, 64}, FilterStep{width, height, 1}, std::uint32_t(single), doubt,
+                 arg("noisy", Buffer<Float4>(device(), noisy)), arg("filtered", Buffer<Float4>(device(), filtered)),
                  arg("kept", Buffer<float>(device(), std::vector<float>(pixels, kept))),
                  Buffer<Guide>(device(), std::vector<Guide>(pixels, guide)), arg("image", image));
-    const std::vector<float> values = image.read();
+    return image.read();
+}
+
+/// How much of `filtered` the last pass takes, where noise and changes are the same everywhere.
+double share_of(const Float4& noisy, const Float4& filtered, const Guide& guide, float kept = 0, float doubt = 1.25f) {
+    const std::size_t pixels = width * height;
+    const std::vector<float> values =
+        modulated(std::vector(pixels, noisy), std::vector(pixels, filtered), guide, kept, doubt);
     for (const std::size_t i : {std::size_t(0), 3 * (pixels - 1)}) EXPECT_EQ(values[i], values[3 * (pixels / 2)]);
     return (double(values[0] - guide.glow_r) / double(guide.albedo_r) - double(noisy.x)) / double(filtered.x - noisy.x);
+}
+
+/// Of a pixel that the filter left as it was, the last pass leaves twice its neighbours, unless noise does not explain
+/// it.
+TEST(Denoiser, BoundsWhatTheFilterLeft) {
+    const std::size_t pixels = width * height;
+    for (const std::size_t at : {std::size_t(0), pixels / 2 + 3, pixels - 1})
+        for (const float deviation : {0.f, 10.f, 20.f, 60.f}) {
+            std::vector<Float4> light(pixels, {1, 1, 1, 0});
+            light[at] = {50, 50, 50, deviation * deviation};
+            const Guide guide = flat_guide(0.5f, 3, 0.2f);
+            for (const bool single : {false, true}) {
+                const double bounded = single ? 2 : 50 - std::clamp(3 * double(deviation) - 48, 0.0, 48.0);
+                EXPECT_NEAR(modulated(light, light, guide, 1, 0, single)[3 * at], 0.5 * bounded + 3, 1e-4)
+                    << at << ' ' << deviation << ' ' << single;
+            }
+        }
 }
 
 /// The mixture with the least expected error: three quarters of the variance that the filter removed, and `doubt` times
