@@ -56,6 +56,7 @@ Guides::Guides(const Device& device, const SceneBuffers& scene, Sampler sampler)
     : device_(device),
       scene_(scene),
       capacity_(std::max(most_at_edges, device.tuning("render/wavefront", "PATHS"))),
+      bounces_per_look_(std::max(1u, device.tuning("render/wavefront", "BOUNCES_PER_LOOK"))),
       query_(scene.structure, QueryKernel::Kind::closest, camera_rays(scene), "trace_guide_rays"),
       counts_(device, CLARAY_EDGE_CLASSES),
       ends_(device, CLARAY_EDGE_CLASSES) {
@@ -90,6 +91,7 @@ void Guides::make_room(std::size_t rays) {
     if (sights_.allocated() && sights_.size() >= rays) return;
     for (int i = 0; i < 2; ++i) {
         rays_[i] = Buffer<Ray>(device_, rays), numbers_[i] = Buffer<std::uint32_t>(device_, 1 + rays);
+        lengths_[i] = Buffer<std::uint32_t>(numbers_[i], 0, 1);
         if (scene_.structure.moves()) times_[i] = Buffer<float>(device_, rays);
     }
     hits_ = SceneHits(scene_.structure, rays);
@@ -114,16 +116,15 @@ void Guides::see(GuideStep guide) {
     std::uint32_t& count = guide.step.capacity;
     const bool cpu = device_.info().type == DeviceType::cpu;
     start_.run({cpu ? (count + 15) / 16 : count, 64}, guide, list_, rays_[0], times_[0]);
-    numbers_[0].write(std::span<const std::uint32_t>(&count, 1));
-    for (; count != 0; ++guide.step.depth) {
+    lengths_[0].fill(count);
+    while (count != 0) {
         const int in = guide.step.depth % 2, out = 1 - in;
         query_.closest(rays_[in], hits_, count, numbers_[in], times_[in]);
-        constexpr std::uint32_t none = 0;
-        numbers_[out].write(std::span<const std::uint32_t>(&none, 1));
+        lengths_[out].fill(0);
         see_.run({count, 64}, guide, arg("list", list_), scene_, arg("rays", rays_[in]), hits_,
                  arg("numbers", numbers_[in]), sights_, arg("next_rays", rays_[out]), arg("next_times", times_[out]),
                  arg("next_numbers", numbers_[out]));
-        numbers_[out].read(std::span<std::uint32_t>(&count, 1));
+        if (++guide.step.depth % bounces_per_look_ == 0) lengths_[out].read(std::span<std::uint32_t>(&count, 1));
     }
 }
 

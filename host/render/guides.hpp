@@ -28,12 +28,13 @@ private:
 
     Device device_;
     SceneBuffers scene_;
-    std::uint32_t capacity_;
+    std::uint32_t capacity_, bounces_per_look_;
     Kernel start_, see_, write_, find_edges_, list_edges_;
     SceneQuery query_;
     Buffer<Ray> rays_[2];  // by depth
     Buffer<float> times_[2];
     Buffer<std::uint32_t> numbers_[2];  // how many rays there are, and the camera ray of each from depth 1 on
+    Buffer<std::uint32_t> lengths_[2];  // the first element of these
     SceneHits hits_;
     Buffer<Sight> sights_;
     Buffer<std::uint8_t> classes_;

@@ -132,7 +132,7 @@ static inline void see(Batch one, const FrameData* frame, SCENE_PARAMETERS, uint
 kernel void see_surfaces(GuideStep guide, global const uint* list, SCENE_PARAMETERS, global const Ray* rays,
                          global const SceneHit* hits, global const uint* numbers, global Sight* sights, global Ray* next_rays, global float* next_times, global uint* next_numbers) {
     const uint i = get_global_id(0), depth = guide.step.depth;
-    if (i >= guide.step.capacity) return;
+    if (i >= guide.step.capacity || i >= numbers[0]) return;
     const uint ray = depth == 0u ? i : numbers[1 + i];
     Sight sight = {1.0f, 1.0f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0u};
     if (depth != 0u) sight = sights[ray];
