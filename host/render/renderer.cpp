@@ -259,12 +259,12 @@ PathKernelChoice Renderer::State::choose_path_kernel() const {
 /// long, which at worst doubles the time.
 void Renderer::State::use_path_kernel(double patience) {
     const double seconds = seconds_since(first_begin);
-    if (seconds >= patience / 16) load_path_kernel(seconds >= patience);
+    if (seconds >= patience / 16) adopt_path_kernel(seconds >= patience);
 }
 
 /// Decides once, when every pixel was sampled by the scene's own kernels, whether one kernel traces whole paths from
 /// then on, or the last ones of each batch.
-void Renderer::State::load_path_kernel(bool may_compile) {
+void Renderer::State::adopt_path_kernel(bool may_compile) {
     if (path_kernel && path_kernel->is_loaded) return;
     if (!path_kernel) path_kernel = choose_path_kernel();
     if (!path_kernel->is_cached && !may_compile) return;
@@ -457,7 +457,7 @@ void Renderer::load_compiled_kernels() {
     if (state.first_pixel_seconds == 0 || state.spp() == 0) return;
     if (!state.own_kernels) state.take_over_when_compiled();
     if (!state.own_kernels) return;
-    state.load_path_kernel(false);
+    state.adopt_path_kernel(false);
     state.warm_up();
 }
 
