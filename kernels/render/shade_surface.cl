@@ -25,7 +25,6 @@
 #if SHADE_GROUPS
 #include "lights/light_lists_sixteen.clh"
 #include "shade/surface_sixteen.clh"
-#include "trace/packets/columns.clh"
 #endif
 /// 1: surfaces of plain materials that no path leaves are found by vectors.
 #if SHADE_GROUPS && LIGHT_LISTS && !TEXTURES && !INSTANCES && !VERTEX_COLORS && !ABSORPTION && !AMBIENT && !BAKE && !SHADING && !LIGHT_GRID
@@ -66,14 +65,6 @@ static inline RayCone cone_of_ray(const FrameData* frame, uint depth, global Ray
 #endif
     return camera_cone(frame);
 }
-
-/// The shadow rays of some lanes, as they are stored in the queue.
-typedef struct ShadowRows {
-    uint lanes;
-#if SHADE_GROUPS
-    uint16 from[4], towards[4], light[4];
-#endif
-} ShadowRows;
 
 #if SHADE_GROUPS
 /// Hits that are shaded together, one stage after the other for all of them.
@@ -172,7 +163,7 @@ static inline uint keep_plain16(const FrameData* frame, const LightsData* lights
 #endif
 
 /// Picks lights for the surfaces that ask the lists, and samples those of plain ones.
-static inline void pick_lights16(const Lights* lights, HitGroup* group, ShadowRows* shadows) {
+static inline void pick_lights16(const Lights* lights, HitGroup* group, ShadedRay* shaded) {
     for (uint left = group->scattering & ~group->plain; left != 0; left &= left - 1) {
         const uint k = lowest_bit(left);
         const Surface* surface = &group->at[k].surface;
@@ -182,21 +173,20 @@ static inline void pick_lights16(const Lights* lights, HitGroup* group, ShadowRo
     global const PunctualLight* ranged = lights->punctual + lights->data.first_ranged;
     pick_from_lists16(lights->lists, ranged, &group->lanes, group->picked, group->listed);
     Lanes16 seen;
-    shadows->lanes = light_from_picks16(ranged, lights->data.grid_probability, &group->lanes, group->plain, group->listed, &seen);
-    uint paths[16];
-    for (uint k = 0; k < 16; ++k) paths[k] = group->state[k].path;
-    const Vectors from = lane_vectors16(&group->lanes, ROW_LIST_FROM), towards = lane_vectors16(&seen, ROW_TOWARDS_LISTED);
-    const Vectors light = lane_vectors16(&seen, ROW_LISTED_LIGHT);
-    const uint16 reach = as_uint16((float16)(1.0f));
-    rows_of_columns16(as_uint16(from.x), as_uint16(from.y), as_uint16(from.z), (uint16)(0), shadows->from);
-    rows_of_columns16(as_uint16(towards.x), as_uint16(towards.y), as_uint16(towards.z), reach, shadows->towards);
-    rows_of_columns16(as_uint16(light.x), as_uint16(light.y), as_uint16(light.z), vload16(0, paths), shadows->light);
+    uint wanted = light_from_picks16(ranged, lights->data.grid_probability, &group->lanes, group->plain, group->listed, &seen);
+    for (; wanted != 0; wanted &= wanted - 1) {
+        const uint k = lowest_bit(wanted);
+        const float3 light = lane_vector16(&seen, ROW_LISTED_LIGHT, k);
+        const LightSample sample = {light.x, light.y, light.z, group->state[k].path};
+        shaded[k].shadow.wanted = true, shaded[k].shadow.light = sample;
+        shaded[k].shadow.ray = make_ray(lane_vector16(&group->lanes, ROW_LIST_FROM, k), lane_vector16(&seen, ROW_TOWARDS_LISTED, k), 1.0f);
+    }
 }
 #endif
 
 /// Shades the `count` rays of the queue with the numbers `rays`, at most 16.
 static inline void shade_rays16(const Step* step, SCENE_PARAMETERS, global RayQueue* queue, global const SceneHit* hits, const uint* rays,
-                                uint count, global float* radiance, ShadedRay* shaded, ShadowRows* shadows) {
+                                uint count, global float* radiance, ShadedRay* shaded) {
     const FrameData* frame = &step->frame;
     const uint depth = step->depth, room = step->room;
     global float* shading_normals = radiance + 3 * (size_t)room;
@@ -239,7 +229,7 @@ static inline void shade_rays16(const Step* step, SCENE_PARAMETERS, global RayQu
         prepare_shading(frame, SCENE, &group.samples[k], outgoing, &group.at[k], &group.lobe[k]);
     }
 #if LIGHT_LISTS
-    if (lights.data.grid_probability > 0.0f) pick_lights16(&lights, &group, shadows);
+    if (lights.data.grid_probability > 0.0f) pick_lights16(&lights, &group, shaded);
 #endif
     for (uint k = 0; k < count; ++k) {
         if (group.scattering & 1u << k)
@@ -268,12 +258,11 @@ static inline void shade_ray(const Step* step, SCENE_PARAMETERS, global RayQueue
 }
 #endif
 
-/// Shades the `count` rays of the queue with the numbers `rays`. `shadows` receives shadow rays that `shaded` lacks.
+/// Shades the `count` rays of the queue with the numbers `rays`.
 static inline void shade_rays(const Step* step, SCENE_PARAMETERS, global RayQueue* queue, global const SceneHit* hits, const uint* rays,
-                              uint count, global float* radiance, ShadedRay* shaded, ShadowRows* shadows) {
-    shadows->lanes = 0;
+                              uint count, global float* radiance, ShadedRay* shaded) {
 #if SHADE_GROUPS
-    shade_rays16(step, SCENE, queue, hits, rays, count, radiance, shaded, shadows);
+    shade_rays16(step, SCENE, queue, hits, rays, count, radiance, shaded);
 #else
     for (uint k = 0; k < count; ++k) shade_ray(step, SCENE, queue, hits, rays[k], radiance, &shaded[k]);
 #endif
@@ -312,17 +301,6 @@ static inline void store_shadow(const ShadedRay* shaded, global ShadowQueue* que
     times_of_shadows(queue, room)[slot] = shaded->time;
 #endif
 }
-
-#if SHADE_GROUPS
-static inline void store_shadow_row(const ShadowRows* rows, uint lane, float time, global ShadowQueue* queue, uint room, uint slot) {
-    global uint4* halves = (global uint4*)&rays_of_shadows(queue)[slot];
-    halves[0] = row_of_lane(rows->from, lane), halves[1] = row_of_lane(rows->towards, lane);
-    *(global uint4*)&light_of_shadows(queue, room)[slot] = row_of_lane(rows->light, lane);
-#if INSTANCE_MOTION
-    times_of_shadows(queue, room)[slot] = time;
-#endif
-}
-#endif
 #endif
 
 /// Shades the rays of `queue`, which met `depth` surfaces before this one. Fills the next queue and, under LIGHTS, the queue of
@@ -353,11 +331,10 @@ void shade_surface(Step step, SCENE_PARAMETERS, global QueueLength* lengths, glo
     for (uint i = begin; i < end; i += SLOTS_AT_ONCE) {
         ShadedRay shaded[SLOTS_AT_ONCE];
         const uint count = min(SLOTS_AT_ONCE, end - i);
+        uint rays = 0, shadows = 0;
         uint numbers[SLOTS_AT_ONCE];
-        ShadowRows rows;
         number_rays16(&step, i, all, numbers);
-        shade_rays(&step, SCENE, queue, hits, numbers, count, radiance, shaded, &rows);
-        uint rays = 0, shadows = popcount(rows.lanes);
+        shade_rays(&step, SCENE, queue, hits, numbers, count, radiance, shaded);
         for (uint k = 0; k < count; ++k) rays += shaded[k].next.wanted, shadows += shaded[k].shadow.wanted;
         uint slot = rays ? atomic_add(next_length, rays) : 0u;
         for (uint k = 0; k < count; ++k)
@@ -366,12 +343,6 @@ void shade_surface(Step step, SCENE_PARAMETERS, global QueueLength* lengths, glo
         slot = shadows ? atomic_add(shadow_length, shadows) : 0u;
         for (uint k = 0; k < count; ++k)
             if (shaded[k].shadow.wanted) store_shadow(&shaded[k], shadow_queue, room, slot++);
-#if SHADE_GROUPS
-        for (uint lanes = rows.lanes; lanes != 0; lanes &= lanes - 1) {
-            const uint k = lowest_bit(lanes);
-            store_shadow_row(&rows, k, shaded[k].time, shadow_queue, room, slot++);
-        }
-#endif
 #endif
     }
 #else
@@ -379,8 +350,7 @@ void shade_surface(Step step, SCENE_PARAMETERS, global QueueLength* lengths, glo
     ShadedRay shaded;
     shaded.next.wanted = shaded.shadow.wanted = false;
     const uint number = get_global_id(0);
-    ShadowRows none;
-    if (number < all) shade_rays(&step, SCENE, queue, hits, &number, 1u, radiance, &shaded, &none);
+    if (number < all) shade_rays(&step, SCENE, queue, hits, &number, 1u, radiance, &shaded);
     const uint slot = reserve_slot(next_length, shaded.next.wanted, scratch);
     if (shaded.next.wanted) store_next(&shaded, next_queue, room, slot);
 #if LIGHTS
