@@ -255,14 +255,19 @@ PathKernelChoice Renderer::State::choose_path_kernel() const {
     return choice;
 }
 
-/// Decides once, when every pixel was sampled by the scene's own kernels, whether one kernel traces whole paths from
-/// then on, or the last ones of each batch. Loading it takes as long as a short render, and compiling it longer; so it
-/// waits until rendering took as long, which at worst doubles the time.
+/// Loading the kernel takes as long as a short render, and compiling it longer; so it waits until rendering took as
+/// long, which at worst doubles the time.
 void Renderer::State::use_path_kernel(double patience) {
     const double seconds = seconds_since(first_begin);
-    if ((path_kernel && path_kernel->is_loaded) || seconds < patience / 16) return;
+    if (seconds >= patience / 16) adopt_path_kernel(seconds >= patience);
+}
+
+/// Decides once, when every pixel was sampled by the scene's own kernels, whether one kernel traces whole paths from
+/// then on, or the last ones of each batch.
+void Renderer::State::adopt_path_kernel(bool may_compile) {
+    if (path_kernel && path_kernel->is_loaded) return;
     if (!path_kernel) path_kernel = choose_path_kernel();
-    if (!path_kernel->is_cached && seconds < patience) return;
+    if (!path_kernel->is_cached && !may_compile) return;
     path_kernel->is_loaded = true;
     if (path_kernel->name.empty()) return;
     Kernel kernel = load_path_kernel(buffers, config.sampler, plan.last.effects, path_kernel->name,
@@ -445,6 +450,15 @@ void Renderer::restart(std::uint32_t seed, unsigned spp, unsigned max_depth) {
 void Renderer::settle() {
     state_->settle();
     state_->structure.prepare_to_follow();
+}
+
+void Renderer::load_compiled_kernels() {
+    State& state = *state_;
+    if (state.first_pixel_seconds == 0 || state.spp() == 0) return;
+    if (!state.own_kernels) state.take_over_when_compiled();
+    if (!state.own_kernels) return;
+    state.adopt_path_kernel(false);
+    state.warm_up();
 }
 
 void Renderer::State::settle() {

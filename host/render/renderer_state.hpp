@@ -88,6 +88,7 @@ struct Renderer::State {
     [[nodiscard]] PathKernelChoice choose_path_kernel() const;
     /// `patience`: seconds of rendering before the kernel that follows paths may be compiled.
     void use_path_kernel(double patience);
+    void adopt_path_kernel(bool may_compile);
     void follow_light();
     void sample_all_pixels();
     /// As Renderer::settle, without the kernels that move surfaces.

@@ -78,13 +78,17 @@ Image image_of(const Aovs& aovs, const std::string& shows, unsigned width, unsig
 
 }  // namespace
 
+/// The first picture is made at once, so that no answer to a command waits for what drivers do at a kernel's first run.
 View::View(const Device& device, Scene scene, const ViewConfig& config)
     : scene_(with_camera(std::move(scene), config.render)),
       config_(reporting_in_frames(config)),
       home_(*scene_.camera),
       renderer_(std::make_unique<Renderer>(device, scene_, config_.render)),
       preview_(config_.answer_seconds),
-      time_(config.animation.time) {}
+      time_(config.animation.time) {
+    (void)shown();
+    renderer_->load_compiled_kernels();
+}
 
 float View::size() const {
     const Bounds bounds = bounds_of(scene_);

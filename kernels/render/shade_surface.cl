@@ -36,6 +36,9 @@
 /// Rays that an item shades together, and for which it reserves room in the queues at once on CPUs. One atomic operation per ray,
 /// on a counter and on cache lines of queues that two cores share, took a third of the time of shading.
 #define SLOTS_AT_ONCE 16u
+#ifndef STRIP_ROWS
+#define STRIP_ROWS 32u
+#endif
 
 typedef struct ShadedRay {
     NextRay next;
@@ -131,13 +134,13 @@ static inline bool keep_plain(const LightsData* lights, const ShadingPoint* at, 
 
 #if PLAIN_SIXTEEN
 /// keep_plain by vectors, for the lanes of a mask. Returns the lanes that were kept.
-static inline uint keep_plain16(const FrameData* frame, const LightsData* lights, SCENE_PARAMETERS, global const SceneHit* hits, uint begin, uint lanes,
+static inline uint keep_plain16(const FrameData* frame, const LightsData* lights, SCENE_PARAMETERS, global const SceneHit* hits, const uint* rays, uint lanes,
                                 HitGroup* group) {
     global const float* normals = TABLE(float, normals);
     Met16 met = {{{{0.0f}}}, {{{0.0f}}}};
     for (uint left = lanes; left != 0; left &= left - 1) {
         const uint k = lowest_bit(left);
-        const SceneHit hit = hits[begin + k];
+        const SceneHit hit = hits[rays[k]];
         const PathState* state = &group->state[k];
         if (hit.primitive == CLARAY_MISS || !asks_lists(lights, group, k) || (state->pdf != 0.0f && lights->hot_spots != 0)) continue;
         global const MaterialData* material = &TABLE(MaterialData, materials)[TABLE(uint, triangle_materials)[hit.primitive]];
@@ -181,8 +184,8 @@ static inline void pick_lights16(const Lights* lights, HitGroup* group, ShadedRa
 }
 #endif
 
-/// Shades `count` rays of the queue from `begin` on, at most 16.
-static inline void shade_rays16(const Step* step, SCENE_PARAMETERS, global RayQueue* queue, global const SceneHit* hits, uint begin,
+/// Shades the `count` rays of the queue with the numbers `rays`, at most 16.
+static inline void shade_rays16(const Step* step, SCENE_PARAMETERS, global RayQueue* queue, global const SceneHit* hits, const uint* rays,
                                 uint count, global float* radiance, ShadedRay* shaded) {
     const FrameData* frame = &step->frame;
     const uint depth = step->depth, room = step->room;
@@ -193,21 +196,21 @@ static inline void shade_rays16(const Step* step, SCENE_PARAMETERS, global RayQu
     float3 gathered[SLOTS_AT_ONCE];
     group.scattering = group.picked = group.plain = 0;
     for (uint k = 0; k < SLOTS_AT_ONCE; ++k)
-        group.state[k] = state_of_ray(states_of_queue(queue, room), depth, begin + min(k, count - 1));
+        group.state[k] = state_of_ray(states_of_queue(queue, room), depth, rays[min(k, count - 1)]);
     const bool plain = PLAIN_SIXTEEN && depth + 1 >= step->waves && lights.data.grid_probability > 0.0f;  // hardly a lane scatters
     draw_samples16(step, TABLE(uint, listed_pixels), AT_LIGHT, AT_LIGHT + 1, !plain, &group);
     for (uint k = 0; k < count; ++k) {
-        group.ray[k] = queued_ray(&rays_of_queue(queue)[begin + k]);
+        group.ray[k] = queued_ray(&rays_of_queue(queue)[rays[k]]);
         shaded[k].next.wanted = shaded[k].shadow.wanted = false;
-        shaded[k].time = time_in_queue(queue, room, begin + k);
+        shaded[k].time = time_in_queue(queue, room, rays[k]);
         gathered[k] = (float3)(0.0f);
     }
     uint others = (1u << count) - 1u;
 #if PLAIN_SIXTEEN
-    if (plain) others &= ~keep_plain16(frame, &lights.data, SCENE, hits, begin, others, &group);
+    if (plain) others &= ~keep_plain16(frame, &lights.data, SCENE, hits, rays, others, &group);
 #endif
     for (uint left = others; left != 0; left &= left - 1) {
-        const uint k = lowest_bit(left), i = begin + k;
+        const uint k = lowest_bit(left), i = rays[k];
         const RayCone cone = cone_of_ray(frame, depth, queue, room, i);
         if (!find_point(&last, step, &lights, depth, SCENE, &group.ray[k], hits[i], shaded[k].time, cone, shading_normals, &group.state[k],
                         &gathered[k], &group.at[k]))
@@ -234,8 +237,8 @@ static inline void shade_rays16(const Step* step, SCENE_PARAMETERS, global RayQu
                              group.picked & 1u << k ? &group.listed[k] : 0, &group.at[k], shading_normals, &gathered[k], &shaded[k].next,
                              group.plain & 1u << k ? 0 : &shaded[k].shadow);
 #if MIPMAPS
-        const RayCone cone = cone_of_ray(frame, depth, queue, room, begin + k);
-        if (shaded[k].next.wanted) shaded[k].next.cone = scattered_cone(cone, hits[begin + k].t, fabs(shaded[k].next.state.pdf));
+        const RayCone cone = cone_of_ray(frame, depth, queue, room, rays[k]);
+        if (shaded[k].next.wanted) shaded[k].next.cone = scattered_cone(cone, hits[rays[k]].t, fabs(shaded[k].next.state.pdf));
 #endif
         add_gathered(gathered[k], group.state[k].path, radiance);
     }
@@ -255,15 +258,30 @@ static inline void shade_ray(const Step* step, SCENE_PARAMETERS, global RayQueue
 }
 #endif
 
-/// Shades `count` rays of the queue from `begin` on.
-static inline void shade_rays(const Step* step, SCENE_PARAMETERS, global RayQueue* queue, global const SceneHit* hits, uint begin,
+/// Shades the `count` rays of the queue with the numbers `rays`.
+static inline void shade_rays(const Step* step, SCENE_PARAMETERS, global RayQueue* queue, global const SceneHit* hits, const uint* rays,
                               uint count, global float* radiance, ShadedRay* shaded) {
 #if SHADE_GROUPS
-    shade_rays16(step, SCENE, queue, hits, begin, count, radiance, shaded);
+    shade_rays16(step, SCENE, queue, hits, rays, count, radiance, shaded);
 #else
-    for (uint k = 0; k < count; ++k) shade_ray(step, SCENE, queue, hits, begin + k, radiance, &shaded[k]);
+    for (uint k = 0; k < count; ++k) shade_ray(step, SCENE, queue, hits, rays[k], radiance, &shaded[k]);
 #endif
 }
+
+#if CLARAY_CPU
+/// The numbers of the rays that are shaded `begin`-th and next. Camera rays with one sample per pixel are shaded in squares of 4x4 pixels,
+/// which share more cells of lights and triangles than rows, and squares in strips, so that rays that follow each other in the next
+/// queues begin close together.
+static inline void number_rays16(const Step* step, uint begin, uint all, uint* rays) {
+    const Batch* batch = &step->batch;
+    const uint width = max(step->frame.width, 1u), strip = STRIP_ROWS * width, first = begin - begin % strip;
+    const uint rows = min((all - first) / width, (uint)STRIP_ROWS) & ~3u;
+    const bool square = step->depth == 0 && batch->samples == 1 && !batch->listed && width % 4 == 0 && begin - first < rows * width;
+    const uint number = square ? (begin - first) / 16 : 0, column = square ? number / (rows / 4) : 0;
+    const uint corner = first + 4 * ((number - column * (rows / 4)) * width + column);
+    for (uint k = 0; k < 16; ++k) rays[k] = square ? corner + k / 4 * width + k % 4 : begin + k;
+}
+#endif
 
 static inline void store_next(const ShadedRay* shaded, global RayQueue* queue, uint room, uint slot) {
     store_ray(&rays_of_queue(queue)[slot], shaded->next.ray);
@@ -314,7 +332,9 @@ void shade_surface(Step step, SCENE_PARAMETERS, global QueueLength* lengths, glo
         ShadedRay shaded[SLOTS_AT_ONCE];
         const uint count = min(SLOTS_AT_ONCE, end - i);
         uint rays = 0, shadows = 0;
-        shade_rays(&step, SCENE, queue, hits, i, count, radiance, shaded);
+        uint numbers[SLOTS_AT_ONCE];
+        number_rays16(&step, i, all, numbers);
+        shade_rays(&step, SCENE, queue, hits, numbers, count, radiance, shaded);
         for (uint k = 0; k < count; ++k) rays += shaded[k].next.wanted, shadows += shaded[k].shadow.wanted;
         uint slot = rays ? atomic_add(next_length, rays) : 0u;
         for (uint k = 0; k < count; ++k)
@@ -329,7 +349,8 @@ void shade_surface(Step step, SCENE_PARAMETERS, global QueueLength* lengths, glo
     local uint scratch[2];
     ShadedRay shaded;
     shaded.next.wanted = shaded.shadow.wanted = false;
-    if (get_global_id(0) < all) shade_rays(&step, SCENE, queue, hits, get_global_id(0), 1u, radiance, &shaded);
+    const uint number = get_global_id(0);
+    if (number < all) shade_rays(&step, SCENE, queue, hits, &number, 1u, radiance, &shaded);
     const uint slot = reserve_slot(next_length, shaded.next.wanted, scratch);
     if (shaded.next.wanted) store_next(&shaded, next_queue, room, slot);
 #if LIGHTS

@@ -65,7 +65,7 @@ std::vector<glm::vec3> image_of_all_lights(const Scene& scene, const RenderConfi
 }
 
 TEST(TileSum, ListsGiveTheSumOverAllLightsBitForBit) {
-    for (const unsigned lights : {1u, 300u}) {
+    for (const unsigned lights : {1u, 17u, 300u}) {
         const Scene scene = lit_scene(lights);
         const std::vector<glm::vec3> all = image_of_all_lights(scene, sums);
         EXPECT_TRUE(same_bits(render_by_own_kernels(scene, sums), all)) << lights;
@@ -81,6 +81,15 @@ TEST(TileSum, ListsThatBecomeTooLongChangeNothing) {
         const ScopedTuning blocks("deferred/list_lights", "MOST_PER_BLOCK", most);
         EXPECT_TRUE(same_bits(render_by_own_kernels(scene, sums), all)) << most;
     }
+}
+
+/// A group of a GPU adds up its list once per 8,192 lights of a block.
+TEST(TileSum, ListsOfThousandsOfLightsGiveTheSumOverAll) {
+    Scene scene = lit_scene(9000);
+    for (Light& light : scene.lights) light.range *= 0.2f;
+    RenderConfig small = sums;
+    small.width = 24, small.height = 18, small.spp = 1;
+    EXPECT_TRUE(same_bits(render_by_own_kernels(scene, small), image_of_all_lights(scene, small)));
 }
 
 TEST(TileSum, BatchesOfAnySizeMakeTheSameImage) {

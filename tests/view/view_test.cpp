@@ -120,6 +120,19 @@ TEST(View, IsTheRenderersPicture) {
     EXPECT_EQ(pixels(view), rendered(two_spheres(), smaller));
 }
 
+/// What drivers do at the first run of a kernel delays no answer.
+TEST(View, HasAPictureBeforeTheFirstCommand) {
+    const auto pictures = [] {
+        const auto all = device().profiler().summary();
+        return all.contains("tone_map") ? all.at("tone_map").count : 0;
+    };
+    const auto before = pictures();
+    View view(device(), two_spheres(), small_view);
+    EXPECT_EQ(pictures(), before + 1);
+    EXPECT_GE(view.next_frame().spp, 1u);
+    EXPECT_EQ(pixels(view), rendered(two_spheres()));
+}
+
 TEST(View, TellsPrimitivesButSelectsNone) {
     Scene scene = two_spheres();
     scene.primitives.emplace_back().points = {{0, 0, 0, 5}};

@@ -24,8 +24,9 @@ private:
 
     Device device_;
     std::uint32_t most_per_tile_, most_per_block_;
-    Kernel bound_, list_, sum_;
-    Buffer<TileBox> boxes_;
+    Kernel bound_, bound_lights_, list_for_blocks_, list_for_tiles_, sum_;
+    Buffer<TileBoxes> boxes_;
+    Buffer<float> light_bounds_;
     Buffer<std::uint32_t> block_lists_, lists_;
 };
 
