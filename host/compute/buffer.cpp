@@ -4,7 +4,36 @@
 #include "host/compute/device_state.hpp"
 #include "host/compute/memory.hpp"
 
+#include <cstdlib>
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
+
 namespace claray::detail {
+namespace {
+
+/// On CPUs a large buffer lies in pages of 2 MiB, where the system has them: else rays in any order wait for the tables
+/// of 4 KiB pages. Embree asks for them, too.
+cl::Buffer make_buffer(const Device& device, std::size_t bytes) {
+#if defined(__linux__)
+    constexpr std::size_t page = std::size_t(2) << 20;
+    void* memory = nullptr;
+    if (device.info().type == DeviceType::cpu && bytes >= 2 * page && posix_memalign(&memory, page, bytes) == 0) {
+        static_cast<void>(madvise(memory, bytes / page * page, MADV_HUGEPAGE));  // only advice
+        try {
+            cl::Buffer buffer(device.context(), CL_MEM_READ_WRITE | CL_MEM_USE_HOST_PTR, bytes, memory);
+            buffer.setDestructorCallback([](cl_mem, void* of) { std::free(of); }, memory);
+            return buffer;
+        } catch (const cl::Error&) {
+            std::free(memory);
+            throw;
+        }
+    }
+#endif
+    return {device.context(), CL_MEM_READ_WRITE, bytes};
+}
+
+}  // namespace
 
 std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes) {
     const DeviceInfo& info = device.info();
@@ -25,7 +54,7 @@ std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes) {
     try {
         fail_if_asked(device.state().failing_allocation, CL_MEM_OBJECT_ALLOCATION_FAILURE);
         // The driver decides about sizes above CL_DEVICE_MAX_MEM_ALLOC_SIZE.
-        auto made = std::make_unique<cl::Buffer>(device.context(), CL_MEM_READ_WRITE, bytes);
+        auto made = std::make_unique<cl::Buffer>(make_buffer(device, bytes));
         *in_use += bytes;
         return {made.release(), [in_use, bytes](const cl::Buffer* buffer) {
                     *in_use -= bytes;

@@ -34,7 +34,7 @@ void begin_large(global const WideTask* tasks, global LargeNode* states, global 
         chunk->node = node, chunk->number = i;
     }
     global uint* bins = node_bins + (size_t)node * WORDS_OF_BINS;
-    for (uint i = ITEM; i < WORDS_OF_BINS; i += GROUP) bins[i] = cleared_bin_word(i);
+    for (uint i = ITEM; i < WORDS_OF_BINS; i += GROUP) bins[i] = cleared_bin_key(i);
     global LargeNode* state = &states[node];
     for (uint i = ITEM; i < 2 * EXTENT_WORDS; i += GROUP) state->sides[i] = is_minimum(i) ? 0xffffffffu : 0;
     for (uint i = ITEM; i < 4; i += GROUP) state->counts[i] = 0;
@@ -43,11 +43,11 @@ void begin_large(global const WideTask* tasks, global LargeNode* states, global 
 /// The group adds its bins to those of the node.
 static inline void publish_bins(volatile global uint* to, local const uint* from) {
     for (uint i = ITEM; i < WORDS_OF_BINS; i += GROUP) {
-        const uint value = from[i];
-        if (value == cleared_bin_word(i)) continue;
-        if (i >= BINS_OF_ALL_AXES * BOX_WORDS) atomic_add(&to[i], value);
-        else if (i % BOX_WORDS < MAXIMA) atomic_min(&to[i], value);
-        else atomic_max(&to[i], value);
+        const uint key = bin_key(i, from[i]);
+        if (key == cleared_bin_key(i)) continue;
+        if (!is_word_of_box(i)) atomic_add(&to[i], key);
+        else if (is_word_of_minima(i)) atomic_min(&to[i], key);
+        else atomic_max(&to[i], key);
     }
 }
 
@@ -81,8 +81,8 @@ void choose_large(global const WideTask* tasks, global LargeNode* states, global
     global LargeNode* state = &states[node];
     global uint* bins_of_node = node_bins + (size_t)node * WORDS_OF_BINS;
     for (uint i = ITEM; i < WORDS_OF_BINS; i += GROUP) {
-        words[i] = bins_of_node[i];
-        bins_of_node[i] = cleared_bin_word(i);
+        words[i] = bin_word(i, bins_of_node[i]);
+        bins_of_node[i] = cleared_bin_key(i);
     }
     const SplitTask task = tasks[node].task;
     const Extent extent = load_extent(tasks[node].extent);

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
 #include <numeric>
 
 #include "tests/support/device.hpp"
@@ -42,6 +45,32 @@ TEST(Buffers, FillSetsEveryWord) {
     Buffer<std::uint64_t> buffer(device(), 3);
     buffer.fill(0xdeadbeefu);
     EXPECT_EQ(buffer.read(), std::vector<std::uint64_t>(3, 0xdeadbeefdeadbeefull));
+}
+
+/// The flags of the mapping of this process that contains the address (Linux, proc_pid_smaps(5)).
+std::string mapping_flags(const void* address) {
+    std::ifstream maps("/proc/self/smaps");
+    bool inside = false;
+    for (std::string line; std::getline(maps, line);) {
+        unsigned long long begin = 0, end = 0;
+        if (std::sscanf(line.c_str(), "%llx-%llx ", &begin, &end) == 2)
+            inside = begin <= std::uintptr_t(address) && std::uintptr_t(address) < end;
+        else if (inside && line.starts_with("VmFlags:"))
+            return line;
+    }
+    return {};
+}
+
+TEST(Buffers, LargeOnesAskForHugePagesOnCpus) {
+    if (device().info().type != DeviceType::cpu) GTEST_SKIP() << "the memory of CPUs only";
+    if (!std::filesystem::exists("/sys/kernel/mm/transparent_hugepage")) GTEST_SKIP() << "this system has none";
+    const Buffer<std::uint8_t> buffer(device(), std::vector<std::uint8_t>(std::size_t(9) << 20, 7));
+    void* const mapped = device().queue().enqueueMapBuffer(buffer.memory(), CL_TRUE, CL_MAP_READ, 0, buffer.bytes());
+    const std::string flags = mapping_flags(static_cast<const char*>(mapped) + (std::size_t(3) << 20));
+    device().queue().enqueueUnmapMemObject(buffer.memory(), mapped);
+    device().finish();
+    EXPECT_NE(flags.find(" hg"), std::string::npos) << flags;
+    EXPECT_EQ(buffer.read(), std::vector<std::uint8_t>(buffer.size(), 7));
 }
 
 TEST(Buffers, ReserveGrowsAndNeverShrinks) {
