@@ -232,6 +232,8 @@ std::string draw_legend(const std::vector<std::string>& methods, const std::stri
 
 }  // namespace
 
+bool has_plot(const Study& study) { return std::any_of(study.points.begin(), study.points.end(), is_drawn); }
+
 std::string svg_of(const Study& study, const std::string& subtitle) {
     std::vector<double> errors, seconds;
     bool some_are_zero = false;
@@ -277,13 +279,13 @@ std::string html_of(const std::vector<Study>& studies, const std::string& title,
         html += "</ul>\n";
     }
     for (const Study& study : studies) {
-        html += "<h2>" + escaped(study.title) + "</h2>\n" + svg_of(study, subtitle);
+        html += "<h2>" + escaped(study.title) + "</h2>\n" + (has_plot(study) ? svg_of(study, subtitle) : "");
         if (study.reference_spp != 0)
             html += "<p>Reference: " + std::to_string(study.reference_spp) + " samples per pixel, its own error " +
                     printed("%.3g", study.floor) + " of the mean, estimated from the spread of its renders.</p>\n";
         html += "<ul>\n";
         for (const std::string& finding : study.findings) html += "<li>" + escaped(finding) + "</li>\n";
-        html += "</ul>\n" + table_of(study);
+        html += "</ul>\n" + (study.points.empty() ? "" : table_of(study));
     }
     return html + "</body></html>\n";
 }

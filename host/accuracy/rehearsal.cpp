@@ -4,6 +4,9 @@
 #include <chrono>
 #include <exception>
 
+#include "host/accuracy/studies/kept_renderer.hpp"
+#include "host/compute/memory.hpp"
+
 namespace claray {
 namespace {
 
@@ -23,9 +26,14 @@ StudyOptions shortened(const NamedStudy& study, StudyOptions options) {
 
 }  // namespace
 
+unsigned Rehearsal::threads_within_memory(const Device& device, const Scene& scene, unsigned threads) {
+    return unsigned(std::min<std::uint64_t>(threads, bytes_available(device) / 2 / bytes_of_renderer(device, scene)));
+}
+
 /// More threads of one process do not speed up the compiler of NVIDIA's driver (docs/notebook.md).
-unsigned Rehearsal::threads_on(const Device& device) {
-    return device.info().type == DeviceType::gpu ? std::clamp(std::thread::hardware_concurrency(), 1u, 5u) : 0;
+unsigned Rehearsal::threads_on(const Device& device, const Scene& scene) {
+    if (device.info().type != DeviceType::gpu) return 0;
+    return threads_within_memory(device, scene, std::clamp(std::thread::hardware_concurrency(), 1u, 5u));
 }
 
 Rehearsal::Rehearsal(const Device& device, const Scene& scene, const StudyOptions& options,
@@ -59,6 +67,7 @@ void Rehearsal::wait(const std::function<void()>& look) {
 void Rehearsal::work(const Scene& scene, const StudyOptions& options) try {
     const std::optional<Device> device = devices_.take();
     if (!device) return;
+    device->set_tuning("accuracy/renderers", "MEMORY_PERCENT", 0);  // one at a time
     const AccuracyProgress progress = [&](double, const std::string&) {
         if (ends_) throw Error(ErrorKind::user, "the rehearsal ends");
         return true;

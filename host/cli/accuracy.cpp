@@ -81,6 +81,12 @@ AccuracyProgress show_progress(const std::string& study, bool quiet) {
 }
 
 void print_study(const Study& study) {
+    if (study.points.empty()) {
+        std::printf("\n%s: no points", study.name.c_str());
+        for (const std::string& finding : study.findings) std::printf(": %s", finding.c_str());
+        std::printf("\n");
+        return;
+    }
     std::printf("\n%s: %s against %s", study.title.c_str(), study.error.c_str(), study.cost.c_str());
     std::printf(", on %s, driver %s", study.device.c_str(), study.driver.c_str());
     if (study.reference_spp != 0)

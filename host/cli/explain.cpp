@@ -258,7 +258,7 @@ void explain(const ExplainOptions& options) {
     const Device device = open_device(options.device);
     if (!options.json) print_called_for(measure::effects_to_explain(scene, config, measure.only), options, device);
     const Explanation explanation = measure::explain(device, scene, config, measure, [&](const std::string& what) {
-        if (!options.quiet) std::fprintf(stderr, "measuring %s\n", what.c_str());
+        if (!options.quiet) std::fprintf(stderr, "%s\n", what.c_str());
     });
     options.json ? print_as_json(explanation, options, device) : print_text(explanation, options);
     if (!options.svg.empty()) write_svg(explanation, options, device);

@@ -384,6 +384,7 @@ BuildReport report_build(const Device& device, const std::string& file, const De
     BuildReport report;
     const auto begin = std::chrono::steady_clock::now();
     const cl::Program program = compile_from_source(device, source, options, &log);
+    statistics.change([](CompileStatistics& s) { ++s.compiled; });
     (void)program.getInfo<CL_PROGRAM_BINARIES>();  // PoCL generates machine code only on request
     report.milliseconds = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     read_build_log(log, report);

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include "host/base/format.hpp"
 #include "host/effects/effects.hpp"
 #include "host/measure/measure.hpp"
 
@@ -34,18 +35,19 @@ double milliseconds_of_frame(const Device& device, Renderer& renderer) {
     return total / spp;
 }
 
-/// Compiles kernels once more for their times: on GPUs in a thread and a context of its own, one after the other, while
-/// the caller's kernels are compiled and run; on CPUs, which would run them more slowly meanwhile, when a time is asked
-/// for.
+/// Compiles kernels once more for their times: `beside` in a thread and a context of its own, one after the other,
+/// while the caller's kernels are compiled; else, as on CPUs, whose cores do both, when a time is asked for.
 class BuildTimes {
 public:
-    explicit BuildTimes(const Device& device) : device_(device), beside_(device.info().type == DeviceType::gpu) {}
-    ~BuildTimes() {
-        if (beside_ && last_.valid()) last_.wait();
-    }
+    BuildTimes(const Device& device, bool beside) : device_(device), beside_(beside) {}
+    ~BuildTimes() { wait(); }
     BuildTimes(const BuildTimes&) = delete;
     BuildTimes& operator=(const BuildTimes&) = delete;
 
+    /// Until none compiles beside the caller.
+    void wait() const {
+        if (beside_ && last_.valid()) last_.wait();
+    }
     /// Compiled once for every set of macros.
     std::shared_future<BuildReport> of(const std::string& file, const Defines& defines) {
         std::string key = file;
@@ -85,36 +87,50 @@ struct VariantBuilds {
 
 /// A variant beside the scene's own kernels.
 struct Comparison {
-    Variant variant;  ///< without its builds
+    EffectOverrides overrides;
+    Variant variant = {};  ///< without its builds
     double ratio = 1;
     bool noise = false;
-    VariantBuilds builds, own_builds;  ///< of the concerned kernels
+    VariantBuilds builds = {}, own_builds = {};  ///< of the concerned kernels
 };
 
 class Explainer {
 public:
     Explainer(const Device& device, const Scene& scene, const RenderConfig& config, const ExplainOptions& options)
-        : device_(device), scene_(scene), config_(config), options_(options), times_(device) {
+        : device_(device),
+          scene_(scene),
+          config_(config),
+          options_(options),
+          times_(device, options.compile_beside.value_or(device.info().type == DeviceType::gpu)) {
         config_.spp = spp_on(device, config);
         config_.compiler.clear();
     }
 
-    /// Compares a variant with the scene's own kernels.
-    Comparison compare_with_own(const EffectOverrides& overrides, EffectSet concerned) {
-        RenderConfig config = config_;
-        config.effects = overrides;
-        Renderer own(device_, scene_, config_);
-        own_effects_ = own.statistics().effects;
-        const VariantBuilds own_builds = builds_of(own_effects_, concerned);
+    /// Compiles all kernels of a variant, and of the scene's own; call it for all variants before `compare_with_own`.
+    Comparison prepare(const EffectOverrides& overrides, EffectSet concerned) {
+        own_effects_ = compiled(config_);
+        Comparison comparison{overrides};
+        comparison.own_builds = builds_of(own_effects_, concerned);
         own_builds_ = builds_of(own_effects_, full_effects());
-        Renderer other(device_, scene_, config);
-        const VariantBuilds builds = builds_of(other.statistics().effects | overrides.add, concerned);
+        comparison.builds = builds_of(compiled(with(overrides)) | overrides.add, concerned);
+        return comparison;
+    }
+    void prepare(const Approximations& approximate) {
+        RenderConfig config = config_;
+        config.approximate = approximate;
+        (void)compiled(config_), (void)compiled(config);
+    }
+    /// Until nothing is compiled any more: that would slow down what is measured.
+    void wait_for_builds() const { times_.wait(); }
+
+    void compare_with_own(Comparison& comparison) {
+        Renderer own(device_, scene_, config_), other(device_, scene_, with(comparison.overrides));
         const PairedTimes times = compare(device_, own, other, options_.rounds);
         own_times_.push_back(times.first);
         own_bytes_ = own.statistics().device_bytes;
-        Variant variant;
-        variant.milliseconds = times.second, variant.bytes = other.statistics().device_bytes;
-        return {variant, times.ratio, times.noise, builds, own_builds};
+        comparison.variant.milliseconds = times.second;
+        comparison.variant.bytes = other.statistics().device_bytes;
+        comparison.ratio = times.ratio, comparison.noise = times.noise;
     }
 
     /// Its time, and by how much it changes the image.
@@ -135,6 +151,19 @@ public:
     }
 
 private:
+    [[nodiscard]] RenderConfig with(const EffectOverrides& overrides) const {
+        RenderConfig config = config_;
+        config.effects = overrides;
+        return config;
+    }
+
+    /// Compiles the kernels of a render, and returns its effects.
+    [[nodiscard]] EffectSet compiled(const RenderConfig& config) const {
+        Renderer renderer(device_, scene_, config);
+        renderer.settle();
+        return renderer.statistics().effects;
+    }
+
     [[nodiscard]] std::vector<glm::vec3> image_of(RenderConfig config) const {
         config.spp = std::max(config.spp, 64u);
         Renderer renderer(device_, scene_, config);
@@ -243,13 +272,10 @@ Explanation explain(const Device& device, const Scene& scene, const RenderConfig
     std::vector<ExplainedEffect> rows = effects_to_explain(scene, config, options.only);
     const auto fixed = std::count_if(rows.begin(), rows.end(), [](const ExplainedEffect& row) { return row.fixed; });
     const std::vector<Approximations> approximations = approximations_for(scene, options.approximations);
-    std::size_t told = 0;
-    const auto tell = [&](const std::string& what) {
-        if (!progress) return;
-        progress(
-            what + " (" + std::to_string(++told) + " of " +
-            std::to_string(rows.size() + (options.everything ? 1 : 0) - std::size_t(fixed) + approximations.size()) +
-            ")");
+    std::size_t told = 0, all = rows.size() + (options.everything ? 1 : 0) - std::size_t(fixed) + approximations.size();
+    const auto tell = [&](const char* step, const std::string& what) {
+        if (progress) progress(printed("%s %s (%zu of %zu)", step, what.c_str(), ++told, all));
+        if (told == all) told = 0;
     };
     const Scene stripped = config.effects.remove.empty() ? Scene() : without_effects(scene, config.effects.remove);
     const Scene& explained = config.effects.remove.empty() ? scene : stripped;
@@ -257,37 +283,49 @@ Explanation explain(const Device& device, const Scene& scene, const RenderConfig
     plain.effects = {};
     Explainer explainer(device, explained, plain, options);
     Explanation explanation;
-    std::vector<Comparison> compared;  // of everything, if that is measured, and of the rows that are not fixed
-    if (options.everything) {
-        tell("everything compiled in");
-        compared.push_back(explainer.compare_with_own({full_effects(), {}}, full_effects()));
-    }
+    struct Named {
+        std::string name;
+        Comparison comparison;
+    };
+    std::vector<Named> compared;  // of everything, if that is measured, and of the rows that are not fixed
+    const auto prepare = [&](const std::string& name, const EffectOverrides& overrides, EffectSet concerned) {
+        tell("compiling kernels", name);
+        compared.push_back({name, explainer.prepare(overrides, concerned)});
+    };
+    if (options.everything) prepare("with everything compiled in", {full_effects(), {}}, full_effects());
     for (const ExplainedEffect& row : rows) {
         if (row.fixed) continue;
-        const Effect effect = row.effect;
-        tell(std::string(row.called_for ? "without " : "with ") + name_of(effect));
         const EffectOverrides overrides =
-            row.called_for ? EffectOverrides{{}, {effect}} : EffectOverrides{{effect}, {}};
-        compared.push_back(explainer.compare_with_own(overrides, {effect}));
+            row.called_for ? EffectOverrides{{}, {row.effect}} : EffectOverrides{{row.effect}, {}};
+        prepare(std::string(row.called_for ? "without " : "with ") + name_of(row.effect), overrides, {row.effect});
     }
     for (const Approximations& approximate : approximations) {
-        tell(to_string(approximate));
+        tell("compiling kernels for", to_string(approximate));
+        explainer.prepare(approximate);
+    }
+    explainer.wait_for_builds();
+    for (auto& [name, comparison] : compared) {
+        tell("measuring", name);
+        explainer.compare_with_own(comparison);
+    }
+    for (const Approximations& approximate : approximations) {
+        tell("measuring", to_string(approximate));
         explanation.approximations.push_back(explainer.compare_with_truth(approximate));
     }
     // Ratios of pairs are more reliable than separate times, since the machine may have been busy during one of them.
     explanation.own = explainer.own();
     auto next = compared.begin();
     const auto take = [&](Variant& variant, double& ratio, bool& noise) {
-        variant = next->variant, ratio = next->ratio, noise = next->noise;
+        variant = next->comparison.variant, ratio = next->comparison.ratio, noise = next->comparison.noise;
         variant.milliseconds = explanation.own.milliseconds * ratio;
-        next->builds.tell(variant);
+        next->comparison.builds.tell(variant);
     };
     if (options.everything) take(explanation.full, explanation.full_ratio, explanation.full_noise), ++next;
     for (ExplainedEffect& row : rows) {
         if (row.fixed) continue;
         take(row.other, row.ratio, row.noise);
         Variant own;
-        next++->own_builds.tell(own);
+        next++->comparison.own_builds.tell(own);
         row.own_compile_milliseconds = own.compile_milliseconds;
     }
     explanation.effects = std::move(rows);

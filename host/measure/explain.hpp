@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 
 #include "claray/renderer.hpp"
 #include "host/compute/build_report.hpp"
@@ -51,10 +52,12 @@ struct ExplainOptions {
     bool everything = true;                                ///< also measure kernels of all effects, compiled in
     int rounds = 7;                                        ///< pairs of short renders that are compared for each
     bool compile_times = true;                             ///< compile all kernels once more for their time
+    std::optional<bool> compile_beside = {};               ///< in a context of their own; by default on GPUs
 };
 /// The rows of an explanation before measuring: which effects the scene uses, and where.
 [[nodiscard]] std::vector<ExplainedEffect> effects_to_explain(const Scene& scene, const RenderConfig& config,
                                                               EffectSet only);
+/// Compiles all kernels before it measures. `progress` receives what it does next.
 [[nodiscard]] Explanation explain(const Device& device, const Scene& scene, const RenderConfig& config,
                                   const ExplainOptions& options,
                                   const std::function<void(const std::string&)>& progress = {});

@@ -447,6 +447,13 @@ void Renderer::restart(std::uint32_t seed, unsigned spp, unsigned max_depth) {
     state.discard_samples();
 }
 
+void Renderer::State::extend(unsigned spp) {
+    if (config.adaptive) throw Error(claray::ErrorKind::usage, "adaptive sampling cannot be extended", "restart it");
+    config.spp = std::clamp(spp, config.spp, most_spp), path_kernel.reset();
+    schedule.extend(config.spp);
+    begin.reset();
+}
+
 void Renderer::settle() {
     state_->settle();
     state_->structure.prepare_to_follow();

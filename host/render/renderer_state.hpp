@@ -93,6 +93,9 @@ struct Renderer::State {
     void sample_all_pixels();
     /// As Renderer::settle, without the kernels that move surfaces.
     void settle();
+    /// Continues up to so many samples per pixel, at most those that the renderer was made for; seconds count from
+    /// here. Not with adaptive sampling, whose rounds depend on the number of samples at the end.
+    void extend(unsigned spp);
     void look_through(const Camera& view);
     [[nodiscard]] ToneMapper& mapper_of(std::uint32_t image_pixels);
     /// 0 stands for the size of the film.

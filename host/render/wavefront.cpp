@@ -28,7 +28,7 @@ constexpr std::uint64_t bytes_per_path = 2 * (sizeof(Ray) + sizeof(PathState) + 
 /// At most a 16th of the device's memory, and no buffer larger than it allows.
 std::uint32_t choose_capacity(const Device& device, std::uint64_t most_paths) {
     const std::uint64_t tuned = std::max(1u, device.tuning("render/wavefront", "PATHS"));
-    const std::uint64_t memory = device.info().memory / 16 / bytes_per_path;
+    const std::uint64_t memory = device.info().memory / share_of_wavefront / bytes_per_path;
     const std::uint64_t allocation = device.info().max_allocation / sizeof(Ray);
     return std::uint32_t(std::max<std::uint64_t>(1, std::min({tuned, most_paths, memory, allocation})));
 }

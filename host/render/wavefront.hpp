@@ -74,6 +74,9 @@ struct WavefrontKernels {
 [[nodiscard]] Kernel load_path_kernel(const SceneBuffers& scene, Sampler sampler, EffectSet effects,
                                       const std::string& name, PathTask task);
 
+/// Its queues take at most so large a part of the device's memory.
+constexpr std::uint64_t share_of_wavefront = 16;
+
 class Wavefront {
 public:
     Wavefront(const Device& device, const SceneBuffers& scene, const FrameData& frame, WavefrontKernels kernels,

@@ -66,6 +66,23 @@ TEST(Accuracy, WritesAPipeOnce) {
     EXPECT_EQ(std::count(result.errors.begin(), result.errors.end(), '\n'), 1 + 6 + 3) << result.errors;
 }
 
+TEST(Accuracy, WritesNoPlotOfNothing) {
+    const TemporaryFolder folder;
+    const std::filesystem::path html = folder / "a.html";
+    const ProcessResult result =
+        run_claray({"accuracy", "cornell", "--size", "8x8", "--spp", "2", "--runs", "1", "--only", "gamma,sums",
+                    "--rays", "1024", "--svgs", (folder / "plots").string(), "--html", html.string(), "-q"});
+    ASSERT_EQ(result.exit_code, 0) << result.errors;
+    EXPECT_NE(result.output.find("\ngamma: no points: the scene has one light source: there is nothing to add\n"),
+              std::string::npos)
+        << result.output;
+    EXPECT_FALSE(std::filesystem::exists(folder / "plots" / "gamma.svg"));
+    EXPECT_TRUE(std::filesystem::exists(folder / "plots" / "sums.svg"));
+    const std::string page = read_file(html);
+    EXPECT_EQ(page.find("<svg"), page.rfind("<svg")) << "of the other study";
+    EXPECT_EQ(page.find("<table"), page.rfind("<table"));
+}
+
 /// The two CPU devices of PoCL stand for several devices.
 TEST(Accuracy, NamesTheDeviceOfEachStudy) {
     const ProcessResult result = run_claray({"accuracy", "cornell", "--size", "12x12", "--spp", "2", "--runs", "1",

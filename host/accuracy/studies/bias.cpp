@@ -178,13 +178,13 @@ Study study_bias(const Device& device, const Scene& scene, const StudyOptions& o
     Study study;
     study.name = "bias", study.title = "Bias of short paths, clamped samples and approximations";
     study.error = "bias, RMS / mean";
-    constexpr unsigned reference_depth = 1024, depths[] = {1, 2, 3, 4, 6, 8, 12, 16, 32, default_max_depth};
+    constexpr unsigned depths[] = {1, 2, 3, 4, 6, 8, 12, 16, 32, default_max_depth};
     constexpr double clamps[] = {1000, 100, 30, 10, 3, 1};
     constexpr float reaches[] = {0, 1 / 32.f, 1 / 8.f, 1 / 2.f};  // shares of the scene's size
+    // With the default depth it is the reference of all studies, whose paths lose almost no light.
     StudyOptions deep = options;
-    deep.config.max_depth = reference_depth;
-    const ReferenceImage reference =
-        reference_for(study, device, scene, deep, std::max(single_spp(options), compared_spp(options)), progress);
+    deep.config.max_depth = std::max(options.config.max_depth, default_max_depth);
+    const ReferenceImage reference = reference_for(study, device, scene, deep, options.most_spp, progress);
     RenderConfig config = deep.config;
     const AccuracyProgress rest = scaled(progress, reference_share, 1);
     config.spp = single_spp(options);

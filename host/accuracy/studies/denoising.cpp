@@ -6,26 +6,20 @@
 
 #include "host/accuracy/studies/bias.hpp"
 #include "host/accuracy/studies/image_sweep.hpp"
-#include "host/render/renderer_state.hpp"
 
 namespace claray {
 namespace {
 
 constexpr unsigned spp_of_blur = 16;
 
-/// The renderer is kept from render to render, since its first denoised image loads kernels. Seconds are those of
-/// sampling and of denoising.
+/// Seconds are those of sampling and of denoising.
 RenderMethod denoise_with(const Device& device, const Scene& scene, const StudyOptions& options, DenoiserKind kind) {
-    RenderConfig config = options.config;
-    config.spp = std::max(options.most_spp, spp_of_blur), config.seconds = config.noise = 0;
-    const auto renderer = std::make_shared<Renderer>(device, scene, config);
-    renderer->state().settle();
-    return [renderer, kind](std::uint32_t seed, unsigned spp) {
+    const RenderConfig config = with_spp(options, std::max(compared_spp(options), spp_of_blur));
+    return [kept = std::make_shared<KeptRenderer>(device, scene, config), kind](std::uint32_t seed, unsigned spp) {
         using Clock = std::chrono::steady_clock;
-        renderer->restart(seed, spp);
-        const double sampling = renderer->render().seconds;
+        const double sampling = kept->render(seed, spp).seconds;
         const Clock::time_point begin = Clock::now();
-        std::vector<glm::vec3> image = renderer->denoised(kind);
+        std::vector<glm::vec3> image = kept->renderer()->denoised(kind);
         return Rendered{std::move(image), sampling + std::chrono::duration<double>(Clock::now() - begin).count()};
     };
 }

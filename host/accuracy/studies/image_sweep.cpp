@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <numeric>
 
 #include "host/accuracy/image_error.hpp"
-#include "host/render/renderer_state.hpp"
 
 namespace claray {
 namespace {
@@ -83,36 +81,6 @@ void tell_cut_off(Study& study, const Device& device, const Scene& scene, Render
 
 }  // namespace
 
-MacroScope::MacroScope(const Device& device, const std::vector<Macro>& macros)
-    : device_(device), before_(device.state().tuning) {
-    for (const Macro& macro : macros) device_.set_tuning(macro.kernel, macro.name, macro.value);
-}
-MacroScope::~MacroScope() { device_.state().tuning = before_; }
-
-KeptRenderer::KeptRenderer(const Device& device, const Scene& scene, const RenderConfig& config,
-                           std::vector<MacroScope::Macro> macros)
-    : device_(device), scene_(scene), config_(config), macros_(std::move(macros)) {
-    config_.seconds = config_.noise = config_.error = 0;
-}
-
-Rendered KeptRenderer::render(std::uint32_t seed, unsigned spp, unsigned max_depth) {
-    const MacroScope scope(device_, macros_);
-    if (!renderer_) renderer_.emplace(device_, scene_, config_).state().settle();
-    renderer_->restart(seed, spp, max_depth);
-    const double seconds = renderer_->render().seconds;
-    return {renderer_->image(), seconds};
-}
-
-RenderMethod render_with(const Device& device, const Scene& scene, const RenderConfig& config,
-                         std::vector<MacroScope::Macro> macros) {
-    return [kept = std::make_shared<KeptRenderer>(device, scene, config, std::move(macros))](
-               std::uint32_t seed, unsigned spp) { return kept->render(seed, spp); };
-}
-
-Rendered render_image(const Device& device, const Scene& scene, const RenderConfig& config) {
-    return render_with(device, scene, config)(config.seed, config.spp);
-}
-
 ReferenceImage reference_for(Study& study, const Device& device, const Scene& scene, const StudyOptions& options,
                              unsigned spp, const AccuracyProgress& progress) {
     const unsigned factor = options.reference_factor;
@@ -137,7 +105,8 @@ void sweep_samples(Study& study, const StudyOptions& options, unsigned most_spp,
     double samples = 0;
     const double all = double(options.runs) * double(methods.size()) * (2 * spp.back() - spp.front());
     bool goes_on = true;
-    for (const ImageMethod& method : methods) (void)method.render(options.config.seed, 1);  // loads its kernels
+    for (const ImageMethod& method : methods)  // loads its kernels; no measured render continues it
+        (void)method.render(options.config.seed + options.runs, 1);
     begin_timing(options);
     for (unsigned round = 0; round < options.runs && goes_on; ++round)
         for (std::size_t i = 0; i < spp.size() && goes_on; ++i) {

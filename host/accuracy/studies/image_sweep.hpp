@@ -2,60 +2,11 @@
 #pragma once
 
 #include <algorithm>
-#include <map>
-#include <optional>
 
+#include "host/accuracy/studies/kept_renderer.hpp"
 #include "host/accuracy/study.hpp"
 
 namespace claray {
-
-struct Rendered {
-    std::vector<glm::vec3> image;
-    double seconds = 0;  ///< of sampling only
-};
-
-/// Compiles kernels with other values of macros until the end of the scope.
-class MacroScope {
-public:
-    struct Macro {
-        const char* kernel;
-        const char* name;
-        unsigned value;
-    };
-    MacroScope(const Device& device, const std::vector<Macro>& macros);
-    ~MacroScope();
-    MacroScope(const MacroScope&) = delete;
-    MacroScope& operator=(const MacroScope&) = delete;
-
-private:
-    Device device_;
-    std::map<std::string, unsigned> before_;  // Device::State::tuning
-};
-
-/// Renders with the settings of `config`, up to its number of samples, by kernels with these values of macros. The
-/// first render makes a renderer and loads its kernels. The scene must outlive it.
-class KeptRenderer {
-public:
-    KeptRenderer(const Device& device, const Scene& scene, const RenderConfig& config,
-                 std::vector<MacroScope::Macro> macros = {});
-    /// `max_depth`: 0 for that of the configuration, which is the largest.
-    [[nodiscard]] Rendered render(std::uint32_t seed, unsigned spp, unsigned max_depth = 0);
-
-private:
-    Device device_;
-    const Scene& scene_;
-    RenderConfig config_;
-    std::vector<MacroScope::Macro> macros_;
-    std::optional<Renderer> renderer_;
-};
-
-/// Renders with this seed and so many samples per pixel.
-using RenderMethod = std::function<Rendered(std::uint32_t seed, unsigned spp)>;
-/// By a renderer that is kept until the last copy of the method is gone.
-[[nodiscard]] RenderMethod render_with(const Device& device, const Scene& scene, const RenderConfig& config,
-                                       std::vector<MacroScope::Macro> macros = {});
-/// One image with all samples of `config.spp`.
-[[nodiscard]] Rendered render_image(const Device& device, const Scene& scene, const RenderConfig& config);
 
 /// A curve of a plot.
 struct ImageMethod {

@@ -12,16 +12,18 @@ constexpr std::pair<const char*, Approximations> models[] = {{"flat", {.tile_sum
                                                              {"gouraud", {.tile_sum = true, .gouraud = true}}};
 
 StudyPoint point_of_model(const char* name, unsigned count, const Rendered& phong, const RenderConfig& config,
-                          const RenderMethod& render, unsigned runs) {
+                          const RenderMethod& render, const StudyOptions& options) {
     StudyPoint point;
     point.method = name, point.setting = std::to_string(count) + " triangles", point.value = double(count);
-    point.runs = std::max(runs, 1u);
     std::vector<double> seconds, ratios;
-    for (unsigned run = 0; run < point.runs; ++run) {
+    double taken = 0;
+    for (unsigned run = 0; run < std::max(options.runs, 1u); ++run) {
+        if (run > 0 && options.most_seconds > 0 && taken >= options.most_seconds) break;
         const Rendered seen = render(config.seed, config.spp);
         if (run == 0) point.errors = image_error(seen.image, phong.image, config.width);
-        seconds.push_back(seen.seconds), ratios.push_back(seen.seconds / phong.seconds);
+        seconds.push_back(seen.seconds), ratios.push_back(seen.seconds / phong.seconds), taken += seen.seconds;
     }
+    point.runs = unsigned(seconds.size());
     const double error = point.errors.rmse;  // the samples are the same: no noise
     point.error = {error, error, error}, point.seconds = spread_of(seconds);
     point.facts = {{"time / Phong's", spread_of(ratios).median}};
@@ -35,8 +37,7 @@ Study study_shading(const Device& device, const Scene&, const StudyOptions& opti
     study.name = "shading", study.title = "Shading models: a ball (ball:N) against Phong shading of the same triangles";
     study.error = "RMSE / mean";
     RenderConfig config = options.config;
-    // Camera rays alone take half as long as paths.
-    config.spp = options.single_spp == 0 ? std::min(options.most_spp, 16u) : 2 * options.single_spp;
+    config.spp = options.single_spp == 0 ? std::min(options.most_spp, 16u) : options.single_spp;
     begin_timing(options);
     std::vector<StudyPoint> points[std::size(models)];
     for (std::size_t i = 0; i < std::size(counts); ++i) {
@@ -45,8 +46,8 @@ Study study_shading(const Device& device, const Scene&, const StudyOptions& opti
         const Rendered phong = render_image(device, ball, config);
         for (std::size_t m = 0; m < std::size(models); ++m) {
             config.approximate = models[m].second;
-            points[m].push_back(point_of_model(models[m].first, counts[i], phong, config,
-                                               render_with(device, ball, config), options.runs));
+            points[m].push_back(
+                point_of_model(models[m].first, counts[i], phong, config, render_with(device, ball, config), options));
         }
         if (progress && !progress(double(i + 1) / double(std::size(counts)), points[0].back().setting)) break;
     }

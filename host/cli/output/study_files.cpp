@@ -53,9 +53,11 @@ void StudyFiles::write_plots(Writes& writes) const {
         writes.attempt([&] { write_file(path, text); });
     };
     if (!paths_.html.empty()) write(paths_.html, html_of(all, "Accuracy against time: " + scene_, subtitle_));
-    if (!paths_.svg.empty() && !all.empty()) write(paths_.svg, svg_of(all.front(), subtitle_));
-    if (!paths_.svgs.empty())
-        for (const Study& study : all) write(paths_.svgs / (study.name + ".svg"), svg_of(study, subtitle_));
+    for (const Study& study : all) {
+        if (!has_plot(study)) continue;
+        if (!paths_.svg.empty()) write(paths_.svg, svg_of(study, subtitle_));  // the only study
+        if (!paths_.svgs.empty()) write(paths_.svgs / (study.name + ".svg"), svg_of(study, subtitle_));
+    }
 }
 
 /// As values and in false colours.

@@ -12,7 +12,7 @@
 
 namespace claray::cli {
 
-/// Paths that are empty are not written.
+/// Paths that are empty are not written, nor plots without points.
 struct StudyPaths {
     std::filesystem::path csv, html, svg;
     std::filesystem::path svgs, maps;  ///< folders

@@ -52,6 +52,10 @@ std::size_t triangles_of(const Scene& scene) {
 
 }  // namespace
 
+std::uint64_t ample_bytes_of(const Scene& scene) {
+    return bytes_besides_trees(scene) + triangles_of(scene) * ample_bytes;
+}
+
 SceneParts::SceneParts(const Device& device, const Scene& scene, const std::vector<SceneObject>& objects,
                        const std::vector<PlacedObject>& instances, bool any_moves, const TriangleBuffers& triangles,
                        unsigned parts, const Bvh::Config& config)
@@ -141,8 +145,7 @@ void SceneParts::fetch(Part& part) {
 unsigned parts_needed(const Device& device, const Scene& scene, const Bvh::Config& config) {
     const std::size_t triangles = triangles_of(scene);
     const std::uint64_t resident = bytes_besides_trees(scene), available = bytes_available(device);
-    if (resident + triangles * ample_bytes <= available && triangles * ample_buffer <= device.info().max_allocation)
-        return 1;
+    if (ample_bytes_of(scene) <= available && triangles * ample_buffer <= device.info().max_allocation) return 1;
     const bool placed = !scene.instances.empty();
     // Bottom levels are copied behind each other.
     const auto bytes_of = [&](std::size_t count) {

@@ -64,6 +64,9 @@ private:
     bool backwards_ = true;
 };
 
+/// An upper limit of the bytes that the scene takes on a device while its tree is built, without queues and images.
+[[nodiscard]] std::uint64_t ample_bytes_of(const Scene& scene);
+
 /// The number of parts in which a scene is to be split, so that the device's memory holds one of them beside what
 /// cannot be split: vertices, materials, textures and queues. 1: the whole scene fits. Throws ErrorKind::device if no
 /// number is enough.

@@ -52,6 +52,8 @@ public:
     [[nodiscard]] std::uint32_t complete_passes_spp() const;
     [[nodiscard]] std::uint64_t samples() const;
     [[nodiscard]] bool between_passes() const { return pending_.empty() && !in_round() && uniform_.between_passes(); }
+    /// Continues up to more samples per pixel; not with adaptive sampling.
+    void extend(std::uint32_t spp) { spp_ = spp, budget_ = pixels() * spp, uniform_.extend(spp); }
     void limit_pass(std::uint32_t samples) { uniform_.limit_pass(samples); }
     /// Samples per pixel of the current pass of the whole image, or of the next one.
     [[nodiscard]] std::uint32_t pass_samples() const { return uniform_.pass_samples(); }
