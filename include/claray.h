@@ -275,10 +275,10 @@ CLARAY_API size_t claray_scene_triangle_count(const claray_scene* scene);
 
 typedef struct claray_primitive_set {
     size_t struct_size;
-    const char* kind;         /* "spheres", "discs", "cylinders", "curves" (B-splines), "bezier curves", "flat curves" or
-                               * "flat bezier curves" */
-    const float* points;      /* 4 floats for each point; as of claray_primitives_build and claray_curves_build */
-    size_t point_count;       /* one for each sphere, two for each disc or cylinder; control points of curves */
+    const char* kind;    /* "spheres", "discs", "cylinders", "curves" (B-splines), "bezier curves", "flat curves" or
+                          * "flat bezier curves" */
+    const float* points; /* 4 floats for each point; as of claray_primitives_build and claray_curves_build */
+    size_t point_count;  /* one for each sphere, two for each disc or cylinder; control points of curves */
     const uint32_t* segments; /* of curves: the first control point of each; else NULL */
     size_t segment_count;
     const float* colors;       /* NULL, or 2 RGB for each primitive, at both ends, that multiply the albedo; 0..1 */

@@ -9,7 +9,7 @@ namespace {
 std::vector<glm::vec3> by_claray(const NoisyFilm& film) {
     Denoiser denoiser(film.pixels.device(), film.width, film.height);
     std::vector<glm::vec3> image(film.pixels.size());
-    denoiser.denoise(film.pixels, film.guides, film.spp).read(std::span(&image[0].x, 3 * image.size()));
+    film.read(denoiser.denoise(film.pixels, film.guides, film.spp), image);
     return image;
 }
 

@@ -32,9 +32,10 @@ std::vector<glm::vec3> Renderer::denoised(DenoiserKind kind) const {
     const State& state = *state_;
     const Buffer<FilmPixel>& film = state.film.pixels();
     Guides guides(state.device, state.buffers, state.config.sampler);
-    return denoised_image({state.config.width, state.config.height, film,
-                           guides.trace(state.wavefront.frame(), film, state.spp()), state.spp()},
-                          kind);
+    return denoised_image(
+        {state.config.width, state.config.height, film, guides.trace(state.wavefront.frame(), film, state.spp()),
+         state.spp(), [&](const Buffer<float>& from, std::span<glm::vec3> to) { state.film.read(from, to); }},
+        kind);
 }
 
 std::span<const std::uint8_t> Renderer::denoised_picture(const PictureConfig& picture) {

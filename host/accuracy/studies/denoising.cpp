@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <memory>
 
 #include "host/accuracy/studies/bias.hpp"
@@ -12,16 +13,22 @@ namespace {
 
 constexpr unsigned spp_of_blur = 16;
 
-/// Seconds are those of sampling and of denoising.
-RenderMethod denoise_with(const Device& device, const Scene& scene, const StudyOptions& options, DenoiserKind kind) {
-    const RenderConfig config = with_spp(options, std::max(compared_spp(options), spp_of_blur));
-    return [kept = std::make_shared<KeptRenderer>(device, scene, config), kind](std::uint32_t seed, unsigned spp) {
+/// Seconds are those of sampling, and of `finish`, which brings the image to the host.
+RenderMethod finish_with(const Device& device, const Scene& scene, const RenderConfig& config,
+                         std::function<std::vector<glm::vec3>(const Renderer&)> finish) {
+    return [kept = std::make_shared<KeptRenderer>(device, scene, config), finish = std::move(finish)](
+               std::uint32_t seed, unsigned spp) {
         using Clock = std::chrono::steady_clock;
         const double sampling = kept->render(seed, spp).seconds;
         const Clock::time_point begin = Clock::now();
-        std::vector<glm::vec3> image = kept->renderer()->denoised(kind);
+        std::vector<glm::vec3> image = finish(*kept->renderer());
         return Rendered{std::move(image), sampling + std::chrono::duration<double>(Clock::now() - begin).count()};
     };
+}
+
+RenderMethod denoise_with(const Device& device, const Scene& scene, const StudyOptions& options, DenoiserKind kind) {
+    const RenderConfig config = with_spp(options, std::max(compared_spp(options), spp_of_blur));
+    return finish_with(device, scene, config, [kind](const Renderer& renderer) { return renderer.denoised(kind); });
 }
 
 /// The error that the denoised images of different seeds have in common is blur; the rest is noise.
@@ -74,7 +81,8 @@ Study study_denoising(const Device& device, const Scene& scene, const StudyOptio
     Study study;
     study.name = "denoising", study.title = "Denoisers", study.error = "RMSE / mean";
     const std::string plain = "samples alone";
-    std::vector<ImageMethod> methods = {{plain, render_with(device, scene, with_spp(options, compared_spp(options)))},
+    std::vector<ImageMethod> methods = {{plain, finish_with(device, scene, with_spp(options, compared_spp(options)),
+                                                            [](const Renderer& renderer) { return renderer.image(); })},
                                         {"claray", denoise_with(device, scene, options, DenoiserKind::claray)}};
     if (picked_denoiser(DenoiserKind::automatic) == DenoiserKind::oidn)
         methods.push_back({"Open Image Denoise", denoise_with(device, scene, options, DenoiserKind::oidn)});

@@ -130,9 +130,10 @@ std::vector<glm::vec3> Film::image(const ImageSizes& size) const {
     return {pixels.begin(), pixels.end()};
 }
 
+void Film::image(const ImageSizes& size, std::span<glm::vec3> to) const { read(resolve(size), to); }
+
 /// By several threads, since one alone copies more slowly than a GPU writes; each copies what has arrived.
-void Film::image(const ImageSizes& size, std::span<glm::vec3> to) const {
-    const Buffer<float>& image = resolve(size);
+void Film::read(const Buffer<float>& image, std::span<glm::vec3> to) const {
     const HostMemory& from = on_host(image.bytes());
     constexpr std::size_t most_parts = 8, least_bytes = 1u << 20;  // a thread starts in the time of some 100 kB
     const std::size_t bytes = to.size_bytes(), parts = std::clamp<std::size_t>(bytes / least_bytes, 1, most_parts);

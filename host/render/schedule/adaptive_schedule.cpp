@@ -61,8 +61,8 @@ std::vector<double> AdaptiveSchedule::smoothed(const std::vector<float>& varianc
 }
 
 /// If the squared error of n samples falls like 1/n, the best numbers of samples are proportional to the square roots.
-/// Leaves out the tiles with the largest variances: those that have most of the error alone, such as the edge of a lamp,
-/// converge faster, or have met a firefly.
+/// Leaves out the tiles with the largest variances: those that have most of the error alone, such as the edge of a
+/// lamp, converge faster, or have met a firefly.
 double AdaptiveSchedule::gain(const std::vector<float>& variances) const {
     const std::size_t left_out = variances.size() / tiles_per_left_out;
     std::vector<float> largest = variances;
