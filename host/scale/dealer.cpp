@@ -179,11 +179,11 @@ std::uint32_t Dealer::end_of_pass(std::uint32_t samples) const {
 bool Dealer::pays(const Worker& worker, double seconds_left) const {
     if (worker.handover == 0 || worker.pixels + worker.coming_pixels > 0) return true;
     const double others = speed_ - worker.speed();
-    const auto begins = [](const Worker& other) { return !other.is_lost && other.handover == 0; };
+    const auto keeps_sums = [](const Worker& other) { return !other.is_lost && other.handover == 0; };
     const auto left = double(std::uint64_t(pixels_) * limit_ - ordered_);
     if (others < 1)
         return left > first_pieces_of_long_render * worker.first_paths ||
-               std::none_of(workers_.begin(), workers_.end(), begins);
+               std::none_of(workers_.begin(), workers_.end(), keeps_sums);
     return std::min(left / others, seconds_left) > worker.handover * pixels_;
 }
 
