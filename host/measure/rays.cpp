@@ -100,7 +100,7 @@ std::vector<Ray> shuffled(std::vector<Ray> rays, const std::vector<Ray>& more, P
 }
 
 RaySets make_rays(const Device& device, const Scene& scene, const std::vector<View>& views, unsigned width,
-                  unsigned height) {
+                  unsigned height, bool tiles) {
     RaySets sets;
     std::vector<glm::uvec3> triangles;
     std::vector<glm::vec3> positions;
@@ -114,7 +114,7 @@ RaySets make_rays(const Device& device, const Scene& scene, const std::vector<Vi
     const Bvh bvh = Bvh::build(device, scene.meshes);
     Pcg random;
     for (const View& view : views) {
-        std::vector<Ray> rays = primary_rays(view.camera, width, height, false);
+        std::vector<Ray> rays = primary_rays(view.camera, width, height, tiles);
         for (Ray& ray : rays) {
             const glm::vec3 d = glm::normalize(glm::vec3(ray.dx, ray.dy, ray.dz));
             ray.dx = d.x, ray.dy = d.y, ray.dz = d.z;

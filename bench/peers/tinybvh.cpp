@@ -1,0 +1,218 @@
+// claray against tinybvh's OpenCL kernels on one GPU, on the same triangles and rays, taking turns:
+// bench_peers_tinybvh [--device D] [--builder B] [--repeat N] [--width W --height H] [--inside] [--kinds primary,...]
+// [--csv FILE] SCENE... The peer gets what it likes best: three trees by its builders on the host (surface area
+// heuristic, spatial splits by 8 and by 32 bins), nodes of two children, which its notes and PEERS call its fastest,
+// and rays of 32 instead of 64 bytes. claray gets its defaults, and in a second column the hints that its renderer
+// gives. Medians of OpenCL event times.
+#define TINYBVH_IMPLEMENTATION
+#include "tiny_bvh.h"
+// (its header comes first: it checks macros that others define)
+#include <cmath>
+#include <cstdio>
+
+#include "bench/peers/rays.hpp"
+
+using namespace claray;
+
+namespace {
+
+// What its batch kernels do, for any-hit rays, too, and with the length of the ray.
+constexpr const char* kernels = R"(
+struct BVHNode { float4 lmin, lmax, rmin, rmax; };
+struct Ray { float4 O, D, rD, hit; };
+#define STACK_SIZE 32
+#include "traverse_bvh2.cl"
+float3 reciprocal(float3 d) { return select((float3)(1e30f), 1 / d, fabs(d) > 1e-12f); }  // as its host computes it
+kernel void closest(global const struct BVHNode* nodes, global const uint* idx, global const float4* corners,
+                    global const float4* rays, global float4* hits) {
+    const uint i = get_global_id(0);
+    const float4 o = rays[2 * i], d = rays[2 * i + 1];
+    hits[i] = traverse_ailalaine(nodes, idx, corners, 0, o.xyz, d.xyz, reciprocal(d.xyz), d.w, 0);
+}
+kernel void occlusion(global const struct BVHNode* nodes, global const uint* idx, global const float4* corners,
+                global const float4* rays, global uchar* occluded) {
+    const uint i = get_global_id(0);
+    const float4 o = rays[2 * i], d = rays[2 * i + 1];
+    occluded[i] = isoccluded_ailalaine(nodes, idx, corners, 0, o.xyz, d.xyz, reciprocal(d.xyz), d.w);
+}
+)";
+
+struct Options {
+    std::string selector, csv_path, folder = CLARAY_TINYBVH_DIR;
+    Bvh::Config bvh;
+    unsigned width = 1920, height = 1080;
+    int repeat = 11;
+    bool inside = false;
+    std::string kinds = "primary,shadow,bounce";
+    std::vector<std::string> scenes = {"terrain:1000000"};
+};
+
+/// One of its trees on the device.
+struct PeerTree {
+    std::string name;
+    cl::Buffer nodes, indices, corners;
+};
+
+template <class T>
+cl::Buffer upload(const Device& device, const T* data, std::size_t count) {
+    return {device.context(), CL_MEM_READ_ONLY | CL_MEM_COPY_HOST_PTR, count * sizeof(T), const_cast<T*>(data)};
+}
+
+std::vector<PeerTree> peer_trees(const Device& device, const std::vector<Mesh>& meshes) {
+    std::vector<tinybvh::bvhvec4> corners;
+    for (const Mesh& mesh : meshes)
+        for (const glm::uvec3& t : mesh.triangles)
+            for (int k = 0; k < 3; ++k) {
+                const glm::vec3& p = mesh.positions[t[k]];
+                corners.emplace_back(p.x, p.y, p.z, 0.f);
+            }
+    const auto make = [&](const char* name, unsigned bins) {
+        tinybvh::BVH tree;
+        if (bins) tree.hqbvhbins = bins;
+        const auto count = std::uint32_t(corners.size() / 3);
+        bins ? tree.BuildHQ(corners.data(), count) : tree.Build(corners.data(), count);
+        tinybvh::BVH_GPU form;
+        form.ConvertFrom(tree);
+        return PeerTree{name, upload(device, form.bvhNode, form.usedNodes), upload(device, tree.primIdx, tree.idxCount),
+                        upload(device, corners.data(), corners.size())};
+    };
+    return {make("SAH", 0), make("SBVH, 8 bins", 8), make("SBVH, 32 bins", 32)};
+}
+
+struct Runner {
+    std::string name;
+    std::function<void()> run;
+    std::function<std::size_t()> differences;
+};
+
+/// Rays on which the two disagree: whether there is a hit, or where.
+std::size_t differences(const std::vector<Hit>& ours, const std::vector<cl_float4>& theirs, std::span<const Ray> rays) {
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < ours.size(); ++i) {
+        const bool hit = ours[i].primitive != CLARAY_MISS, peer_hit = theirs[i].s[0] < rays[i].tmax;
+        count += hit != peer_hit || (hit && std::fabs(ours[i].t - theirs[i].s[0]) > 1e-3f * ours[i].t);
+    }
+    return count;
+}
+
+/// Both ask for the same rays; the results stay on the device until `differences` reads them.
+void compare_rays(const std::string& scene, const std::string& kind, const std::vector<Ray>& rays, const Bvh& bvh,
+                  const std::vector<PeerTree>& trees, const cl::Program& program, const Options& options,
+                  measure::Csv& csv) {
+    const Device& device = bvh.device();
+    const bool any = kind == "shadow";
+    const Buffer<Ray> device_rays(device, rays);
+    Buffer<Hit> hits(device, any ? 0 : rays.size());
+    Buffer<std::uint8_t> occluded(device, any ? rays.size() : 0);
+    const auto ours = [&](Coherence coherence) {
+        QueryOptions query;
+        query.coherence = coherence;
+        any ? any_hit(bvh, device_rays, occluded) : closest_hit(bvh, device_rays, hits, query);
+    };
+    std::vector<Runner> runners = {
+        {"claray", [&] { ours(Coherence::automatic); }, [] { return std::size_t(0); }},
+        {"claray with hints", [&] { ours(kind == "primary" ? Coherence::coherent : Coherence::incoherent); },
+         [] { return std::size_t(0); }}};
+    const cl::Buffer peer_hits(device.context(), CL_MEM_READ_WRITE, rays.size() * (any ? 1 : sizeof(cl_float4)));
+    for (const PeerTree& tree : trees) {
+        cl::Kernel kernel(program, any ? "occlusion" : "closest");
+        kernel.setArg(0, tree.nodes), kernel.setArg(1, tree.indices), kernel.setArg(2, tree.corners);
+        kernel.setArg(3, device_rays.memory()), kernel.setArg(4, peer_hits);
+        runners.push_back({tree.name,
+                           [&device, &rays, kernel] {
+                               device.profiler().record("peer", [&](cl::Event* event) {
+                                   device.queue().enqueueNDRangeKernel(kernel, {}, cl::NDRange(rays.size()),
+                                                                       cl::NullRange, nullptr, event);
+                               });
+                           },
+                           [&] {
+                               std::vector<std::uint8_t> bytes(rays.size());
+                               std::vector<cl_float4> found(any ? 0 : rays.size());
+                               void* to = any ? static_cast<void*>(bytes.data()) : found.data();
+                               device.queue().enqueueReadBuffer(peer_hits, CL_TRUE, 0,
+                                                                rays.size() * (any ? 1 : sizeof(cl_float4)), to);
+                               if (!any) return differences(hits.read(), found, rays);
+                               const std::vector<std::uint8_t> answers = occluded.read();
+                               std::size_t count = 0;
+                               for (std::size_t i = 0; i < bytes.size(); ++i)
+                                   count += (bytes[i] != 0) != (answers[i] != 0);
+                               return count;
+                           }});
+    }
+    std::vector<std::function<void()>> tasks;
+    for (const Runner& runner : runners) tasks.push_back(runner.run);
+    const std::vector<measure::Timing> timings = measure::measure_rounds(device, options.repeat, tasks);
+    double best = 1e300;
+    for (std::size_t i = 2; i < runners.size(); ++i) best = std::min(best, timings[i].milliseconds());
+    std::printf("  %-8s %8zu rays:", kind.c_str(), rays.size());
+    for (std::size_t i = 0; i < runners.size(); ++i) {
+        const double ms = timings[i].milliseconds();
+        runners[i].run();
+        device.finish();
+        const std::size_t wrong = runners[i].differences();
+        csv.row(scene, kind, '"' + runners[i].name + '"', rays.size(), double(rays.size()) * 1e-3 / ms, best / ms,
+                wrong);
+        std::printf(" %s %.0f", runners[i].name.c_str(), double(rays.size()) * 1e-3 / ms);
+        if (i < 2)
+            std::printf(" (%.2f of its best)", best / ms);
+        else
+            std::printf(" (%zu differ)", wrong);
+    }
+    std::printf("\n");
+    std::fflush(stdout);
+}
+
+void compare_scene(const std::string& name, const Device& device, const cl::Program& program, const Options& options,
+                   measure::Csv& csv) {
+    Scene scene;
+    scene.meshes = measure::load_meshes(name);
+    std::printf("%s%s, %zu triangles; Mrays/s\n", name.c_str(), options.inside ? ", inside" : "",
+                triangle_count(scene));
+    const std::filesystem::path recorded = std::filesystem::path(name).replace_extension(".ray");
+    const std::vector<measure::View> views =
+        options.inside ? measure::views_from_inside(device, scene) : measure::three_views(name, scene);
+    const measure::RaySets sets = std::filesystem::exists(recorded)
+                                      ? measure::read_rays(recorded)
+                                      : measure::make_rays(device, scene, views, options.width, options.height, true);
+    const Bvh bvh = Bvh::build(device, scene.meshes, options.bvh);
+    const std::vector<PeerTree> trees = peer_trees(device, scene.meshes);
+    const std::string short_name = std::filesystem::path(name).stem().string() + (options.inside ? " inside" : "");
+    const std::pair<std::string, const std::vector<Ray>*> kinds[] = {
+        {"primary", &sets.primary}, {"shadow", &sets.shadow}, {"bounce", &sets.bounce}};
+    for (const auto& [kind, rays] : kinds)
+        if (options.kinds.find(kind) != std::string::npos)
+            compare_rays(short_name, kind, *rays, bvh, trees, program, options, csv);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+    CLI::App app("Compares claray with tinybvh's OpenCL kernels in one process");
+    Options options;
+    app.add_option("--device", options.selector);
+    measure::add_bvh_options(app, options.bvh);
+    app.add_option("--repeat", options.repeat);
+    app.add_option("--width", options.width, "of each of three views");
+    app.add_option("--height", options.height);
+    app.add_flag("--inside", options.inside, "views from within, for interiors");
+    app.add_option("--kinds", options.kinds, "primary, shadow, bounce, separated by commas");
+    app.add_option("--tinybvh", options.folder, "folder of its kernels");
+    app.add_option("--csv", options.csv_path);
+    app.add_option("scenes", options.scenes);
+    CLI11_PARSE(app, argc, argv);
+    const Device device = Device::open(options.selector);
+    std::printf("%s, driver %s; medians of %d by OpenCL events\n", device.info().name.c_str(),
+                device.info().driver.c_str(), options.repeat);
+    cl::Program program(device.context(), std::string(kernels));
+    const std::string build =
+        "-cl-std=CL2.0 -cl-strict-aliasing -cl-fast-relaxed-math -cl-single-precision-constant "
+        "-I " +
+        options.folder;
+    if (program.build(build.c_str()) != CL_SUCCESS) throw std::runtime_error("tinybvh's kernels do not compile");
+    measure::Csv csv(options.csv_path, device, "scene,kind,who,count,mrays_per_second,over_best_peer,differences");
+    for (const std::string& name : options.scenes) compare_scene(name, device, program, options, csv);
+    csv.write();
+} catch (const std::exception& error) {
+    std::fprintf(stderr, "bench_peers_tinybvh: error: %s\n", error.what());
+    return 1;
+}
