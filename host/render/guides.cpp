@@ -4,13 +4,15 @@
 #include <array>
 #include <cmath>
 
+#include "host/render/wavefront.hpp"
+
 namespace claray {
 namespace {
 
 constexpr std::uint32_t samples_of_all = 4;  // camera rays of every pixel
 constexpr std::uint32_t most_at_edges = 4096;
 /// Rays at edges, per pixel of the image.
-std::uint64_t edge_rays_per_pixel(std::uint32_t spp) { return 2 + spp / 8; }
+std::uint64_t edge_rays_per_pixel(std::uint32_t spp) { return getenv("EDGE") ? atoi(getenv("EDGE")) : 2 + spp / 8; }
 constexpr const char* file = "render/write_guides.cl";
 
 Defines defines_for(const SceneBuffers& scene, Sampler sampler) {
@@ -50,12 +52,21 @@ EdgeCounts share_rays(const EdgeCounts& pixels, double rays, std::uint32_t too_f
     return samples;
 }
 
+/// At most a 16th of the device's memory, as the wavefront, but the most rays of one pixel.
+std::uint32_t choose_capacity(const Device& device) {
+    constexpr std::uint64_t bytes_per_ray =
+        2 * (sizeof(Ray) + sizeof(float) + sizeof(std::uint32_t)) + sizeof(InstanceHit) + sizeof(Sight);
+    const std::uint64_t tuned = device.tuning("render/wavefront", "PATHS");
+    const std::uint64_t memory = device.info().memory / share_of_wavefront / bytes_per_ray;
+    return std::uint32_t(std::max<std::uint64_t>(most_at_edges, std::min(tuned, memory)));
+}
+
 }  // namespace
 
 Guides::Guides(const Device& device, const SceneBuffers& scene, Sampler sampler)
     : device_(device),
       scene_(scene),
-      capacity_(std::max(most_at_edges, device.tuning("render/wavefront", "PATHS"))),
+      capacity_(choose_capacity(device)),
       bounces_per_look_(std::max(1u, device.tuning("render/wavefront", "BOUNCES_PER_LOOK"))),
       query_(scene.structure, QueryKernel::Kind::closest, camera_rays(scene), "trace_guide_rays"),
       counts_(device, CLARAY_EDGE_CLASSES),
@@ -85,6 +96,13 @@ const Buffer<Guide>& Guides::trace(const FrameData& frame, const Buffer<FilmPixe
     for (std::size_t i = 0; i < counts.size(); ++i)
         if (samples[i] > 0) trace_pixels(frame, film, {starts[i], counts[i]}, samples[i], true);
     return guides_;
+}
+
+std::uint64_t Guides::bytes() const {
+    std::uint64_t bytes = hits_.bytes() + sights_.bytes() + classes_.bytes() + list_.bytes() + counts_.bytes() +
+                          ends_.bytes() + guides_.bytes();
+    for (int i = 0; i < 2; ++i) bytes += rays_[i].bytes() + times_[i].bytes() + numbers_[i].bytes();
+    return bytes;
 }
 
 void Guides::make_room(std::size_t rays) {

@@ -13,6 +13,8 @@ public:
 
     /// One guide per pixel of the frame, for a film of `spp` samples per pixel. Blocks.
     [[nodiscard]] const Buffer<Guide>& trace(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t spp);
+    /// Of the device, besides those of the scene.
+    [[nodiscard]] std::uint64_t bytes() const;
 
 private:
     struct Elements {

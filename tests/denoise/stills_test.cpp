@@ -6,6 +6,7 @@
 #include "claray/renderer.hpp"
 #include "claray/scene.hpp"
 #include "claray/shared/denoise.h"
+#include "host/compute/memory.hpp"
 #include "host/denoise/oidn.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
@@ -202,6 +203,52 @@ TEST(DenoisedStills, GuidesTellTheVarianceThatTheFilmHasNot) {
     EXPECT_NEAR(some.albedo_variance, 0.01 / 3, 1e-6);
     EXPECT_NEAR(some.glow_variance, 4. / 3, 1e-5);
     EXPECT_EQ(some.gloss_variance, 0);
+}
+
+/// Their device has its own count of memory.
+TEST(DenoisedStills, KeepTheirMemoryUntilItIsReleased) {
+    const Device own = Device::open(std::to_string(device().info().index));
+    Renderer renderer(own, *builtin_scene("cornell"), {.width = side, .height = side, .spp = 4});
+    (void)renderer.render();
+    const Image noisy = renderer.image();
+    const auto counted = [&] { return renderer.statistics().device_bytes; };
+    const std::uint64_t counted_before = counted(), before = bytes_in_use(own);
+    const Image first = renderer.denoised(DenoiserKind::claray);
+    EXPECT_GT(bytes_in_use(own), before);
+    EXPECT_EQ(counted() - counted_before, bytes_in_use(own) - before) << "statistics count all of it";
+    own.profiler().reset();
+    fail_allocation(own, 1);
+    EXPECT_EQ(renderer.denoised(DenoiserKind::claray), first) << "nothing is made twice";
+    fail_allocation(own, 0);
+    renderer.release_denoiser();
+    EXPECT_EQ(bytes_in_use(own), before);
+    EXPECT_EQ(counted(), counted_before);
+    EXPECT_EQ(renderer.denoised(DenoiserKind::claray), first);
+    EXPECT_EQ(renderer.image(), noisy);
+}
+
+/// What is kept from one denoised image to the next does not outlive its scene and its size.
+TEST(DenoisedStills, AreThoseOfANewRendererAfterChanges) {
+    Scene scene = lamp_and_mirror();
+    const RenderConfig config{.width = side, .height = side, .spp = 4, .seed = 3};
+    const auto anew = [&](unsigned width) {
+        RenderConfig wide = config;
+        wide.width = width;
+        Renderer renderer(device(), scene, wide);
+        (void)renderer.render();
+        return renderer.denoised(DenoiserKind::claray);
+    };
+    Renderer renderer(device(), scene, config);
+    (void)renderer.render();
+    EXPECT_EQ(renderer.denoised(DenoiserKind::claray), anew(side));
+    scene.materials[1].albedo = {0.2f, 0.5f, 0.9f};
+    for (glm::vec3& position : scene.meshes[1].positions) position.y -= 0.3f;
+    renderer.update(scene, {.materials = true, .vertices = true});
+    (void)renderer.render();
+    EXPECT_EQ(renderer.denoised(DenoiserKind::claray), anew(side));
+    renderer.resize(side + 9, side);
+    (void)renderer.render();
+    EXPECT_EQ(renderer.denoised(DenoiserKind::claray), anew(side + 9));
 }
 
 TEST(DenoisedStills, AnAbsentLibraryIsNamed) {
