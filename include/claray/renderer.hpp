@@ -288,8 +288,8 @@ public:
     /// as write_image stores. The memory belongs to the renderer and holds the picture until the next call. Blocks.
     [[nodiscard]] std::span<const std::uint8_t> picture(const PictureConfig& config = {}) const;
     /// Returns the mean linear radiance so far without most of its noise, see docs/denoise.md. The samples are kept.
-    /// Blocks. Throws ErrorKind::user for a denoiser that is not installed. The first call takes memory of the device and
-    /// loads kernels, which the renderer keeps for the next calls, as long as size and scene stay.
+    /// Blocks. Throws ErrorKind::user for a denoiser that is not installed. The first call takes memory of the device
+    /// and loads kernels, which the renderer keeps for the next calls, as long as size and scene stay.
     [[nodiscard]] std::vector<glm::vec3> denoised(DenoiserKind kind = DenoiserKind::automatic) const;
     /// Returns the same as a picture, for frames that are shown one after the other: if `update` changes the camera or
     /// moves objects, light of the pictures before is used again where it fits (docs/denoise.md). By claray's own

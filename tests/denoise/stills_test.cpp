@@ -182,12 +182,12 @@ Guide guide_of(const std::vector<glm::vec3>& rays, std::uint32_t in_film) {
         sights.push_back(sight);
     }
     GuideStep step{};
-    step.step.batch.pixels = 1, step.step.batch.samples = std::uint32_t(rays.size());
+    step.step.batch.pixels = 1, step.run_count = 1, step.runs[0].samples = std::uint32_t(rays.size());
     FilmPixel pixel{};
     pixel.count = in_film;
     const Buffer<Guide> guide(device(), 1);
     load_kernel(device(), "render/write_guides.cl", "write_guides")
-        .run({1, 1}, step, Buffer<std::uint32_t>(device(), 1), Buffer<FilmPixel>(device(), std::vector{pixel}),
+        .run({1, 1}, step, Buffer<std::uint32_t>(device(), 2), Buffer<FilmPixel>(device(), std::vector{pixel}),
              Buffer<Sight>(device(), sights), guide);
     return guide.read()[0];
 }
