@@ -17,7 +17,7 @@ constexpr double share_of_first_pass = 0.25;
 std::uint32_t too_few(std::uint32_t spp) { return spp <= samples_of_all ? samples_of_all : spp + samples_of_all; }
 constexpr std::uint32_t most_at_edges = 4096;
 /// Rays at edges, per pixel of the image.
-double edge_rays_per_pixel(std::uint32_t spp) { return 1 + 3 * spp / 16.0; }
+double edge_rays_per_pixel(std::uint32_t spp) { return 1 + spp / 8.0; }
 constexpr const char* file = "render/write_guides.cl";
 
 Defines defines_for(const SceneBuffers& scene, Sampler sampler) {
