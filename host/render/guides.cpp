@@ -94,7 +94,7 @@ const Buffer<Guide>& Guides::trace(const FrameData& frame, const Buffer<FilmPixe
     trace_runs(frame, film, {{pixels, samples_of_all}}, 0, false);
     const double rays = double(pixels) * edge_rays_per_pixel(spp);
     const double first = trace_edges(frame, film, share_of_first_pass * rays, spp);
-    (void)trace_edges(frame, film, rays - first, spp);
+    if (first > 0) (void)trace_edges(frame, film, rays - first, spp);  // else no pixel has noise: nothing changed
     return guides_;
 }
 
