@@ -40,6 +40,11 @@ const Buffer<float>& Denoiser::denoise(const Buffer<FilmPixel>& film, const Buff
     return filter(noisy_, raw_, guides, spp);
 }
 
+std::uint64_t Denoiser::bytes() const {
+    return raw_.bytes() + noisy_.bytes() + filtered_[0].bytes() + filtered_[1].bytes() + surfaces_.bytes() +
+           slopes_.bytes() + gloss_.bytes() + weights_.bytes() + kept_.bytes() + image_.bytes();
+}
+
 void Denoiser::prepare(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides, std::uint32_t spp) {
     const Buffer<Float4>&sampled = noisy_, &rejected = filtered_[0];  // until those have their own contents
     demodulate_.run(range(), step(), film, guides, arg("light", sampled), arg("surfaces", surfaces_),
@@ -73,6 +78,11 @@ FrameDenoiser::FrameDenoiser(const Device& device, std::uint32_t width, std::uin
     for (Buffer<Float4>* buffer : {&old_light_, &old_surfaces_, &history_, &blended_})
         *buffer = Buffer<Float4>(device, pixels);
     for (Buffer<float>* buffer : {&old_ages_, &ages_, &history_ages_}) *buffer = Buffer<float>(device, pixels);
+}
+
+std::uint64_t FrameDenoiser::bytes() const {
+    return Denoiser::bytes() + old_light_.bytes() + old_surfaces_.bytes() + history_.bytes() + blended_.bytes() +
+           old_ages_.bytes() + ages_.bytes() + history_ages_.bytes();
 }
 
 void FrameDenoiser::keep_frame() {

@@ -25,6 +25,8 @@ public:
     /// the film. Asynchronous.
     [[nodiscard]] const Buffer<float>& denoise(const Buffer<FilmPixel>& film, const Buffer<Guide>& guides,
                                                std::uint32_t spp);
+    /// Of the device.
+    [[nodiscard]] std::uint64_t bytes() const;
 
 protected:
     /// Writes `raw_`, `noisy_`, `surfaces_`, `slopes_`.
@@ -56,6 +58,7 @@ public:
                                                const Buffer<Guide>& guides, std::uint32_t spp, bool continues = false);
     /// Forgets the frames before, for example if materials or lights were replaced.
     void forget() { films_ = 0; }
+    [[nodiscard]] std::uint64_t bytes() const;
 
 private:
     /// Makes the last frame the one before.

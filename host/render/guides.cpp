@@ -4,13 +4,20 @@
 #include <array>
 #include <cmath>
 
+#include "host/render/wavefront.hpp"
+
 namespace claray {
 namespace {
 
 constexpr std::uint32_t samples_of_all = 4;  // camera rays of every pixel
+/// Rays at edges are traced in two passes: the first tells where the noise is.
+constexpr double share_of_first_pass = 0.25;
+/// Rays of each pixel at edges. With few samples they all add to those before; else they replace them, and rays that
+/// are fewer than the film's samples do not pay.
+std::uint32_t too_few(std::uint32_t spp) { return spp <= samples_of_all ? samples_of_all : spp + samples_of_all; }
 constexpr std::uint32_t most_at_edges = 4096;
 /// Rays at edges, per pixel of the image.
-std::uint64_t edge_rays_per_pixel(std::uint32_t spp) { return 2 + spp / 8; }
+double edge_rays_per_pixel(std::uint32_t spp) { return 1 + spp / 8.0; }
 constexpr const char* file = "render/write_guides.cl";
 
 Defines defines_for(const SceneBuffers& scene, Sampler sampler) {
@@ -31,17 +38,19 @@ QueryOptions camera_rays(const SceneBuffers& scene) {
 
 using EdgeCounts = std::array<std::uint32_t, CLARAY_EDGE_CLASSES>;
 
-/// Rays for each pixel of a class: in proportion to its difference, since that is the noise of one ray. Classes for
-/// which there would be `too_few` get none.
+/// Rays for each pixel of a class: in proportion to the deviation of one ray, which gives the least squared error.
+/// Classes for which there would be `too_few` get none.
 EdgeCounts share_rays(const EdgeCounts& pixels, double rays, std::uint32_t too_few) {
     EdgeCounts samples{};
     for (std::size_t lowest = 0; lowest < pixels.size(); ++lowest) {
         double sum = 0, left = rays;
-        for (std::size_t i = lowest; i < pixels.size(); ++i) sum += pixels[i] * std::pow(4.0, double(i));
+        for (std::size_t i = lowest; i < pixels.size(); ++i) sum += pixels[i] * std::exp2(0.5 * double(i));
         for (std::size_t i = pixels.size(); i-- > lowest;) {
-            const double weight = std::pow(4.0, double(i));
-            samples[i] = pixels[i] == 0 ? 0 : std::uint32_t(std::min(double(most_at_edges), left * weight / sum));
-            left -= double(samples[i]) * pixels[i], sum -= weight * pixels[i];
+            const double weight = std::exp2(0.5 * double(i));
+            if (pixels[i] == 0) continue;
+            const double each = std::min(double(most_at_edges), left * weight / sum);
+            samples[i] = std::uint32_t(each);
+            left -= each * pixels[i], sum -= weight * pixels[i];
         }
         while (lowest < pixels.size() && pixels[lowest] == 0) ++lowest;
         if (lowest == pixels.size() || samples[lowest] > too_few) break;
@@ -50,16 +59,26 @@ EdgeCounts share_rays(const EdgeCounts& pixels, double rays, std::uint32_t too_f
     return samples;
 }
 
+/// At most a 16th of the device's memory, as the wavefront, but the most rays of one pixel.
+std::uint32_t choose_capacity(const Device& device) {
+    constexpr std::uint64_t bytes_per_ray =
+        2 * (sizeof(Ray) + sizeof(float) + sizeof(std::uint32_t)) + sizeof(InstanceHit) + sizeof(Sight);
+    const std::uint64_t tuned = device.tuning("render/wavefront", "PATHS");
+    const std::uint64_t memory = device.info().memory / share_of_wavefront / bytes_per_ray;
+    return std::uint32_t(std::max<std::uint64_t>(most_at_edges, std::min(tuned, memory)));
+}
+
 }  // namespace
 
 Guides::Guides(const Device& device, const SceneBuffers& scene, Sampler sampler)
     : device_(device),
       scene_(scene),
-      capacity_(std::max(most_at_edges, device.tuning("render/wavefront", "PATHS"))),
+      capacity_(choose_capacity(device)),
       bounces_per_look_(std::max(1u, device.tuning("render/wavefront", "BOUNCES_PER_LOOK"))),
       query_(scene.structure, QueryKernel::Kind::closest, camera_rays(scene), "trace_guide_rays"),
       counts_(device, CLARAY_EDGE_CLASSES),
       ends_(device, CLARAY_EDGE_CLASSES) {
+    for (Buffer<std::uint32_t>& ray_count : ray_counts_) ray_count = Buffer<std::uint32_t>(device, 1);
     const Defines defines = defines_for(scene, sampler);
     start_ = load_kernel(device, file, "guide_rays", defines);
     see_ = load_kernel(device, file, "see_surfaces", defines);
@@ -70,61 +89,95 @@ Guides::Guides(const Device& device, const SceneBuffers& scene, Sampler sampler)
 
 const Buffer<Guide>& Guides::trace(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t spp) {
     const std::uint32_t pixels = frame.width * frame.height;
-    guides_.reserve(device_, pixels), list_.reserve(device_, pixels), classes_.reserve(device_, pixels);
-    trace_pixels(frame, film, {0, pixels}, samples_of_all, false);
+    guides_.reserve(device_, pixels), list_.reserve(device_, 2 * std::size_t(pixels)),
+        classes_.reserve(device_, pixels);
+    trace_runs(frame, film, {{pixels, samples_of_all}}, 0, false);
+    const double rays = double(pixels) * edge_rays_per_pixel(spp);
+    const double first = trace_edges(frame, film, share_of_first_pass * rays, spp);
+    if (first > 0) (void)trace_edges(frame, film, rays - first, spp);  // else no pixel has noise: nothing changed
+    return guides_;
+}
+
+double Guides::trace_edges(const FrameData& frame, const Buffer<FilmPixel>& film, double most_rays, std::uint32_t spp) {
+    const std::uint32_t pixels = frame.width * frame.height;
     counts_.fill(0);
     find_edges_.run({pixels, 64}, frame.width, frame.height, guides_, classes_, counts_);
     EdgeCounts counts{}, starts{};
     counts_.read(std::span(counts));
     for (std::size_t i = 1; i < counts.size(); ++i) starts[i] = starts[i - 1] + counts[i - 1];
-    const double rays = double(pixels) * double(edge_rays_per_pixel(spp));
-    const EdgeCounts samples = share_rays(counts, rays, std::max(spp + spp / 2, 2 * samples_of_all));
-    if (samples == EdgeCounts{}) return guides_;
+    const EdgeCounts samples = share_rays(counts, most_rays, too_few(spp));
+    if (samples == EdgeCounts{}) return 0;
     ends_.write(std::span<const std::uint32_t>(starts));
-    list_edges_.run({pixels, 64}, pixels, classes_, arg("list", list_), arg("ends", ends_));
-    for (std::size_t i = 0; i < counts.size(); ++i)
-        if (samples[i] > 0) trace_pixels(frame, film, {starts[i], counts[i]}, samples[i], true);
-    return guides_;
+    list_edges_.run({pixels, 64}, pixels, film, guides_, classes_, arg("list", list_), arg("ends", ends_));
+    std::vector<Run> runs;
+    std::uint32_t without = 0;  // pixels of the lowest classes
+    double rays = 0;
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+        rays += double(samples[i]) * counts[i];
+        samples[i] > 0 ? runs.push_back({counts[i], samples[i]}) : void(without += counts[i]);
+    }
+    trace_runs(frame, film, runs, without, true);
+    return rays;
+}
+
+std::uint64_t Guides::bytes() const {
+    std::uint64_t bytes = hits_.bytes() + sights_.bytes() + classes_.bytes() + list_.bytes() + counts_.bytes() +
+                          ends_.bytes() + guides_.bytes();
+    for (int i = 0; i < 2; ++i) bytes += rays_[i].bytes() + times_[i].bytes() + numbers_[i].bytes();
+    for (const Buffer<std::uint32_t>& ray_count : ray_counts_) bytes += ray_count.bytes();
+    return bytes;
 }
 
 void Guides::make_room(std::size_t rays) {
     if (sights_.allocated() && sights_.size() >= rays) return;
     for (int i = 0; i < 2; ++i) {
-        rays_[i] = Buffer<Ray>(device_, rays), numbers_[i] = Buffer<std::uint32_t>(device_, 1 + rays);
-        lengths_[i] = Buffer<std::uint32_t>(numbers_[i], 0, 1);
+        rays_[i] = Buffer<Ray>(device_, rays), numbers_[i] = Buffer<std::uint32_t>(device_, rays);
         if (scene_.structure.moves()) times_[i] = Buffer<float>(device_, rays);
     }
     hits_ = SceneHits(scene_.structure, rays);
     sights_ = Buffer<Sight>(device_, rays);
 }
 
-void Guides::trace_pixels(const FrameData& frame, const Buffer<FilmPixel>& film, Elements range, std::uint32_t samples,
-                          bool listed) {
-    const std::uint32_t at_once = std::min(range.count, std::max(1u, capacity_ / samples)),
-                        end = range.first + range.count;
-    make_room(std::size_t(at_once) * samples);
-    for (std::uint32_t first = range.first; first < end; first += at_once) {
-        const std::uint32_t pixels = std::min(at_once, end - first);
-        const Batch batch{first, pixels, 0, samples, 0};
-        const GuideStep guide{{batch, frame, 0, pixels * samples, 0, 0}, std::uint32_t(listed)};
+/// As many pixels at a time as there is room for.
+void Guides::trace_runs(const FrameData& frame, const Buffer<FilmPixel>& film, const std::vector<Run>& runs,
+                        std::uint32_t first_pixel, bool listed) {
+    std::uint64_t all = 0;
+    for (const Run& run : runs) all += std::uint64_t(run.pixels) * run.samples;
+    make_room(std::min<std::uint64_t>(all, capacity_));
+    GuideStep guide{{{first_pixel, 0, 0, 0, 0}, frame, 0, 0, 0, 0}, std::uint32_t(listed), 0, {}};
+    Batch& batch = guide.step.batch;
+    const auto trace_batch = [&] {
         see(guide);
-        write_.run({pixels, 64}, guide, list_, film, sights_, guides_);
-    }
+        write_.run({batch.pixels, 64}, guide, list_, film, sights_, guides_);
+        batch.first_pixel += batch.pixels, batch.pixels = 0, guide.step.capacity = 0, guide.run_count = 0;
+    };
+    for (const Run& run : runs)
+        for (std::uint32_t left = run.pixels; left != 0;) {
+            const std::uint32_t pixels = std::min(left, (capacity_ - guide.step.capacity) / run.samples);
+            if (pixels == 0) {
+                trace_batch();
+                continue;
+            }
+            guide.runs[guide.run_count++] = {batch.pixels, guide.step.capacity, run.samples};
+            batch.pixels += pixels, guide.step.capacity += pixels * run.samples, left -= pixels;
+        }
+    if (batch.pixels != 0) trace_batch();
 }
 
 void Guides::see(GuideStep guide) {
     std::uint32_t& count = guide.step.capacity;
     const bool cpu = device_.info().type == DeviceType::cpu;
-    start_.run({cpu ? (count + 15) / 16 : count, 64}, guide, list_, rays_[0], times_[0]);
-    lengths_[0].fill(count);
+    start_.run({cpu ? (count + 15) / 16 : count, 64}, guide, arg("list", list_), arg("rays", rays_[0]),
+               arg("times", times_[0]), arg("ray_count", ray_counts_[0]), arg("next_count", ray_counts_[1]));
     while (count != 0) {
-        const int in = guide.step.depth % 2, out = 1 - in;
-        query_.closest(rays_[in], hits_, count, numbers_[in], times_[in]);
-        lengths_[out].fill(0);
+        const std::uint32_t depth = guide.step.depth, in = depth % 2, out = 1 - in;
+        const Buffer<std::uint32_t>&ray_count = ray_counts_[depth % 3], &next_count = ray_counts_[(depth + 1) % 3];
+        query_.closest(rays_[in], hits_, count, ray_count, times_[in]);
         see_.run({count, 64}, guide, arg("list", list_), scene_, arg("rays", rays_[in]), hits_,
                  arg("numbers", numbers_[in]), sights_, arg("next_rays", rays_[out]), arg("next_times", times_[out]),
-                 arg("next_numbers", numbers_[out]));
-        if (++guide.step.depth % bounces_per_look_ == 0) lengths_[out].read(std::span<std::uint32_t>(&count, 1));
+                 arg("next_numbers", numbers_[out]), arg("ray_count", ray_count), arg("next_count", next_count),
+                 arg("count_after_next", ray_counts_[(depth + 2) % 3]));
+        if (++guide.step.depth % bounces_per_look_ == 0) next_count.read(std::span<std::uint32_t>(&count, 1));
     }
 }
 

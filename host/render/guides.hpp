@@ -1,6 +1,8 @@
 // Guides of the denoiser: traces the camera rays of a film again and keeps what they meet first.
 #pragma once
 
+#include <vector>
+
 #include "claray/renderer.hpp"
 #include "claray/shared/denoise.h"
 #include "host/render/scene_buffers.hpp"
@@ -13,14 +15,19 @@ public:
 
     /// One guide per pixel of the frame, for a film of `spp` samples per pixel. Blocks.
     [[nodiscard]] const Buffer<Guide>& trace(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t spp);
+    /// Of the device, besides those of the scene.
+    [[nodiscard]] std::uint64_t bytes() const;
 
 private:
-    struct Elements {
-        std::uint32_t first, count;
+    /// Traces further rays of the pixels with the most noise. Returns their number.
+    [[nodiscard]] double trace_edges(const FrameData& frame, const Buffer<FilmPixel>& film, double most_rays,
+                                     std::uint32_t spp);
+    struct Run {
+        std::uint32_t pixels, samples;  // of each
     };
-    /// These pixels of the image, or of the list.
-    void trace_pixels(const FrameData& frame, const Buffer<FilmPixel>& film, Elements range, std::uint32_t samples,
-                      bool listed);
+    /// Traces consecutive pixels of the image, or of the list.
+    void trace_runs(const FrameData& frame, const Buffer<FilmPixel>& film, const std::vector<Run>& runs,
+                    std::uint32_t first_pixel, bool listed);
 
     void make_room(std::size_t rays);
     /// Follows the camera rays of a batch to the first rough surface. Blocks.
@@ -33,8 +40,8 @@ private:
     SceneQuery query_;
     Buffer<Ray> rays_[2];  // by depth
     Buffer<float> times_[2];
-    Buffer<std::uint32_t> numbers_[2];  // how many rays there are, and the camera ray of each from depth 1 on
-    Buffer<std::uint32_t> lengths_[2];  // the first element of these
+    Buffer<std::uint32_t> numbers_[2];     // the camera ray of each from depth 1 on
+    Buffer<std::uint32_t> ray_counts_[3];  // how many rays there are, of this depth, the next and the one after
     SceneHits hits_;
     Buffer<Sight> sights_;
     Buffer<std::uint8_t> classes_;

@@ -283,6 +283,7 @@ void Renderer::State::adopt(const Structure& other, EffectSet effects) {
     wavefront.take_over(structure, load_kernels(effects));
     path_kernel.reset();
     aovs.reset(), gbuffer.reset();
+    if (denoising) denoising->drop_guides();
     film.reload_kernels();
 }
 
@@ -319,12 +320,17 @@ AovStage& Renderer::State::aov_stage() {
     return *aovs;
 }
 
+DenoisingStage& Renderer::State::denoising_stage() {
+    if (!denoising) denoising.emplace(config);
+    return *denoising;
+}
+
 void Renderer::State::discard_samples() {
     schedule = new_schedule();
     film.clear();
     looks = {}, last_error = {}, last_error_spp = 0;
     begin.reset();
-    if (frames) frames->start_film();
+    if (denoising) denoising->start_film();
 }
 
 /// Drivers compile or load kernels when they first run, which does not count as time for samples.
@@ -495,7 +501,7 @@ void Renderer::resize(unsigned width, unsigned height) {
     state.look_through(state.camera);
     state.film = Film(state.device, state.pixels(), tells_error(state.config), state.config.sample_clamp);
     state.pace = Pace(state.first_paths(), state.wavefront.capacity());
-    state.path_kernel.reset(), state.aovs.reset(), state.gbuffer.reset(), state.frames.reset();
+    state.path_kernel.reset(), state.aovs.reset(), state.gbuffer.reset(), state.denoising.reset();
     state.light_cut_off.reset();
     state.discard_samples();
 }

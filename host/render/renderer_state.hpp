@@ -12,7 +12,7 @@
 #include "host/render/aovs.hpp"
 #include "host/render/checkpoint/checkpoint.hpp"
 #include "host/render/deferred/gbuffer.hpp"
-#include "host/render/denoised_frames.hpp"
+#include "host/render/denoising_stage.hpp"
 #include "host/render/film/film.hpp"
 #include "host/render/film/tone_map.hpp"
 #include "host/render/in_flight.hpp"
@@ -103,6 +103,8 @@ struct Renderer::State {
     void adopt(const Structure& other, EffectSet effects);
     void save_checkpoint();
     [[nodiscard]] AovStage& aov_stage();
+    [[nodiscard]] DenoisingStage& denoising_stage();
+    [[nodiscard]] DenoisingStage::Noisy noisy() const { return {buffers, wavefront.frame(), film.pixels(), spp()}; }
     void discard_samples();
 
     // update.cpp
@@ -165,7 +167,7 @@ struct Renderer::State {
     std::optional<ToneMapper> tone_mapper;  // once a picture was asked for
     std::optional<AovStage> aovs;           // once they were asked for
     std::optional<GBufferStage> gbuffer;
-    std::optional<DenoisedFrames> frames;  // once a denoised picture was asked for
+    std::optional<DenoisingStage> denoising;  // once a denoised image was asked for
     AdaptiveSchedule schedule;
     Pace pace;
     RenderIdentity identity;  // for checkpoints

@@ -1,6 +1,5 @@
 // What a renderer gives: images and pictures, statistics, voxels, AOVs.
 #include "host/denoise/denoised_image.hpp"
-#include "host/render/guides.hpp"
 #include "host/render/parts/scene_parts.hpp"
 #include "host/render/renderer_state.hpp"
 
@@ -29,21 +28,23 @@ std::span<const std::uint8_t> Renderer::picture(const PictureConfig& config) con
 }
 
 std::vector<glm::vec3> Renderer::denoised(DenoiserKind kind) const {
-    const State& state = *state_;
-    const Buffer<FilmPixel>& film = state.film.pixels();
-    Guides guides(state.device, state.buffers, state.config.sampler);
-    return denoised_image(
-        {state.config.width, state.config.height, film, guides.trace(state.wavefront.frame(), film, state.spp()),
-         state.spp(), [&](const Buffer<float>& from, std::span<glm::vec3> to) { state.film.read(from, to); }},
-        kind);
+    State& state = *state_;
+    DenoisingStage& stage = state.denoising_stage();
+    if (picked_denoiser(kind) == DenoiserKind::oidn)
+        return denoised_by_oidn({state.config.width, state.config.height, state.film.pixels().read(),
+                                 stage.guides_of(state.noisy()).read()});
+    std::vector<glm::vec3> image(state.pixels());
+    state.film.read(stage.still(state.noisy()), image);
+    return image;
 }
 
 std::span<const std::uint8_t> Renderer::denoised_picture(const PictureConfig& picture) {
     State& state = *state_;
-    if (!state.frames) state.frames.emplace(state.device, state.buffers, state.config);
-    const Buffer<float>& image = state.frames->next(state.wavefront.frame(), state.film.pixels(), state.spp());
+    const Buffer<float>& image = state.denoising_stage().next_frame(state.noisy());
     return state.mapper_of(state.pixels()).map(image, picture);
 }
+
+void Renderer::release_denoiser() { state_->denoising.reset(); }
 
 std::vector<float> Renderer::noise_map() const {
     std::vector<float> variances = state_->film.noise_map();
@@ -69,6 +70,7 @@ RenderStatistics Renderer::statistics() const {
         for (RayCount* count : {&statistics.camera, &statistics.bounce, &statistics.shadow}) count->milliseconds = 0;
     statistics.device_bytes =
         statistics.bvh.bytes + state.buffers.bytes() + state.wavefront.bytes() + state.film.bytes();
+    if (state.denoising) statistics.device_bytes += state.denoising->bytes();
     statistics.first_pixel_seconds = state.first_pixel_seconds;
     statistics.first_pixel_processor_seconds = state.first_pixel_processor_seconds;
     statistics.start = state.plan.start;

@@ -194,7 +194,7 @@ void Renderer::update(const Scene& scene, const SceneChanges& changes) {
     const EffectSet removed = state.config.effects.remove;
     removed.empty() ? state.update(scene, changes) : state.update(without_effects(scene, removed), changes);
     state.light_cut_off.reset();
-    if (state.frames) state.frames->follow(state.buffers, changes);
+    if (state.denoising) state.denoising->follow(state.buffers, changes);
     state.discard_samples();
 }
 

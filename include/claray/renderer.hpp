@@ -288,12 +288,15 @@ public:
     /// as write_image stores. The memory belongs to the renderer and holds the picture until the next call. Blocks.
     [[nodiscard]] std::span<const std::uint8_t> picture(const PictureConfig& config = {}) const;
     /// Returns the mean linear radiance so far without most of its noise, see docs/denoise.md. The samples are kept.
-    /// Blocks. Throws ErrorKind::user for a denoiser that is not installed.
+    /// Blocks. Throws ErrorKind::user for a denoiser that is not installed. The first call takes memory of the device
+    /// and loads kernels, which the renderer keeps for the next calls, as long as size and scene stay.
     [[nodiscard]] std::vector<glm::vec3> denoised(DenoiserKind kind = DenoiserKind::automatic) const;
     /// Returns the same as a picture, for frames that are shown one after the other: if `update` changes the camera or
     /// moves objects, light of the pictures before is used again where it fits (docs/denoise.md). By claray's own
     /// denoiser, at the speed of a frame. The memory is that of `picture`. Blocks.
     [[nodiscard]] std::span<const std::uint8_t> denoised_picture(const PictureConfig& config = {});
+    /// Gives back what `denoised` and `denoised_picture` keep. The next picture uses no light of those before.
+    void release_denoiser();
     /// Returns the variance of each pixel's mean luminance over the square of the image's mean luminance: the mean over
     /// pixels with two samples or more is RenderProgress::noise squared. 0 for other pixels. Blocks.
     [[nodiscard]] std::vector<float> noise_map() const;

@@ -43,13 +43,14 @@ kernel void filter_light(FilterStep step, global const float4* light, global con
             const float16 difference = luminances16(there.v) - own;
             const float16 apart = surface_distances16(surface, slope_x, slope_y, inverse_tolerance, other, (float)(dx * spacing), (float)(dy * spacing));
             const float16 brighter = difference * difference / (LIGHT_TOLERANCE * (here.w + there.w) + 1e-30f);
-            const float16 near = select(none, read_values16(step, weights, x, y) * (spline[abs(dx)] * spline[abs(dy)]), there.w >= 0.0f);
-            const float16 weight = near * fadings16(apart + brighter);
+            const float16 near = read_values16(step, weights, x, y) * (spline[abs(dx)] * spline[abs(dy)]);
+            const int16 lit_there = there.w >= 0.0f;  // where not, `brighter` may be -INFINITY
+            const float16 weight = select(none, near * fadings16(apart + brighter), lit_there);
             total += weight;
             first += weight * difference, second += weight * difference * difference;
             sum.v = plus16(sum.v, scaled16(weight, there.v)), sum.w += weight * weight * there.w;
             if (step.spacing != 1u) continue;
-            const float16 any = near * fadings16(brighter);
+            const float16 any = select(none, near * fadings16(brighter), lit_there);
             any_total += any;
             any_sum.v = plus16(any_sum.v, scaled16(any, there.v)), any_sum.w += any * any * there.w;
         }

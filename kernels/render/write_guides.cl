@@ -14,36 +14,56 @@
 #define GLOSSY_DENSITY 1.0f  // per steradian: directions sampled with more than this come from an almost mirror
 #endif
 
-/// The pixel of element i of a batch: consecutive pixels, or consecutive elements of a list.
-static inline uint guided_pixel(const GuideStep* guide, uint i, global const uint* list) {
+#ifndef LEAST_NOISE
+#define LEAST_NOISE 0.1f  // of a ray's glow, over the brightest nearby
+#endif
+#define FEW_RAYS 4.0f
+
+/// The pixel of element i of a batch, and its first sample to trace: consecutive pixels, or consecutive elements of a list.
+static inline uint2 guided_pixel(const GuideStep* guide, uint i, global const uint* list) {
     const uint element = guide->step.batch.first_pixel + i;
-    return guide->listed ? list[element] : element;
+    return guide->listed ? vload2(element, list) : (uint2)(element, 0u);
+}
+
+/// The run of a ray of the batch.
+static inline GuideRun run_of_ray(const GuideStep* guide, uint ray) {
+    uint run = guide->run_count - 1u;
+    while (run != 0u && ray < guide->runs[run].first_ray) --run;
+    return guide->runs[run];
 }
 
 /// The sample of a camera ray, as a batch of its own.
 static inline Batch sample_of(const GuideStep* guide, uint ray, global const uint* list) {
-    const uint samples = guide->step.batch.samples;
-    const Batch one = {guided_pixel(guide, ray / samples, list), 1u, ray % samples, 1u, 0u};
+    const GuideRun run = run_of_ray(guide, ray);
+    const uint within = ray - run.first_ray, pixel = within / run.samples;
+    const uint2 from = guided_pixel(guide, run.first_pixel + pixel, list);
+    const Batch one = {from.x, 1u, from.y + within - pixel * run.samples, 1u, 0u};
     return one;
 }
 
 #if CLARAY_CPU
-/// Camera rays: `samples` of each pixel, from the first sample on. Sixteen per work-item, as in generate_rays.cl.
-kernel void guide_rays(GuideStep guide, global const uint* list, global Ray* rays, global float* times) {
-    const uint begin = 16u * (uint)get_global_id(0), count = guide.step.capacity, of_each = guide.step.batch.samples;
-    if (begin >= count) return;
-    uint pixel[16];
-    const uint16 lanes = (uint16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-    const uint16 rays_here = min(begin + lanes, (uint16)(count - 1)), elements = quotients16(rays_here, of_each);
-    vstore16(elements, 0, pixel);
-    for (uint i = 0; i < 16; ++i) pixel[i] = guided_pixel(&guide, pixel[i], list);
+/// Camera rays of each pixel. Sixteen per work-item, as in generate_rays.cl. `ray_count` and `next_count`: the
+/// numbers of rays of the first two depths.
+kernel void guide_rays(GuideStep guide, global const uint* list, global Ray* rays, global float* times, global uint* ray_count,
+                       global uint* next_count) {
+    const uint begin = 16u * (uint)get_global_id(0), all = guide.step.capacity;
+    if (begin == 0u) *ray_count = all, *next_count = 0u;
+    if (begin >= all) return;
+    uint pixel[16], number[16];
+    const uint count = min(16u, all - begin);
+    for (uint i = 0; i < 16; ++i) {
+        const Batch one = sample_of(&guide, begin + min(i, count - 1u), list);
+        pixel[i] = one.first_pixel, number[i] = one.first_sample;
+    }
     const uint16 pixels = vload16(0, pixel), seeds = hash_words_of_16(pixels, (uint16)(guide.step.frame.seed));
-    store_first_rays16(&guide.step.frame, pixels, seeds, rays_here - elements * of_each, 0u, min(16u, count - begin), rays + begin, times + begin);
+    store_first_rays16(&guide.step.frame, pixels, seeds, vload16(0, number), 0u, count, rays + begin, times + begin);
 }
 #else
-/// Camera rays: `samples` of each pixel, from the first sample on.
-kernel void guide_rays(GuideStep guide, global const uint* list, global Ray* rays, global float* times) {
+/// Camera rays of each pixel. `ray_count` and `next_count`: the numbers of rays of the first two depths.
+kernel void guide_rays(GuideStep guide, global const uint* list, global Ray* rays, global float* times, global uint* ray_count,
+                       global uint* next_count) {
     const uint i = get_global_id(0);
+    if (i == 0u) *ray_count = guide.step.capacity, *next_count = 0u;
     if (i >= guide.step.capacity) return;
     float time = 0.0f;
     store_ray(&rays[i], first_ray(sample_of(&guide, i, list), &guide.step.frame, 0, 0u, &time));
@@ -127,16 +147,18 @@ static inline void see(Batch one, const FrameData* frame, SCENE_PARAMETERS, uint
     sight->throughput_b = next->state.throughput_b;
 }
 
-/// `numbers`: the number of rays, and from depth 1 on the index of each among the camera rays. Rays that go on are appended to the
-/// `next` ones, whose number is 0 before.
+/// `numbers`: from depth 1 on the index of each ray among the camera rays. Rays that go on are appended to the `next` ones. `ray_count`:
+/// how many there are; `next_count` is 0 before, and `count_after_next` is made 0.
 kernel void see_surfaces(GuideStep guide, global const uint* list, SCENE_PARAMETERS, global const Ray* rays,
-                         global const SceneHit* hits, global const uint* numbers, global Sight* sights, global Ray* next_rays, global float* next_times, global uint* next_numbers) {
+                         global const SceneHit* hits, global const uint* numbers, global Sight* sights, global Ray* next_rays, global float* next_times,
+                         global uint* next_numbers, global const uint* ray_count, global uint* next_count, global uint* count_after_next) {
     const uint i = get_global_id(0), depth = guide.step.depth;
-    if (i >= guide.step.capacity || i >= numbers[0]) return;
-    const uint ray = depth == 0u ? i : numbers[1 + i];
+    if (i == 0u) *count_after_next = 0u;
+    if (i >= guide.step.capacity || i >= *ray_count) return;
+    const uint ray = depth == 0u ? i : numbers[i];
+    const Batch one = sample_of(&guide, ray, list);
     Sight sight = {1.0f, 1.0f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0u};
     if (depth != 0u) sight = sights[ray];
-    const Batch one = sample_of(&guide, ray, list);
     float time = 0.0f;
 #if INSTANCE_MOTION
     time = time_of(samples_of(one, 0, 0u, guide.step.frame.seed));
@@ -145,9 +167,9 @@ kernel void see_surfaces(GuideStep guide, global const uint* list, SCENE_PARAMET
     see(one, &guide.step.frame, SCENE, depth, queued_ray(&rays[i]), hits[i], time, &sight, &next);
     sights[ray] = sight;
     if (!next.wanted) return;
-    const uint slot = atomic_inc(next_numbers);
+    const uint slot = atomic_inc(next_count);
     store_ray(&next_rays[slot], next.ray);
-    next_numbers[1 + slot] = ray;
+    next_numbers[slot] = ray;
 #if INSTANCE_MOTION
     next_times[slot] = time;
 #endif
@@ -159,27 +181,46 @@ static inline float3 variances_of_means(float3 sums, float3 squares, uint n) {
     return n < 2 ? means * means : fmax(squares / (float)n - means * means, 0.0f) / (float)(n - 1);
 }
 
+/// Adds further rays to those of `all`. The film's samples were all among the first ones.
+static inline void merge_guides(Guide* all, const Guide* more) {
+    const float share = (float)more->rays / (float)(all->rays + more->rays), rest = 1.0f - share;
+#define MIXED(member) all->member = mix(all->member, more->member, share)
+    const float shift = luminance((float3)(more->glow_r + more->gloss_r, more->glow_g + more->gloss_g, more->glow_b + more->gloss_b) -
+                                  (float3)(all->glow_r + all->gloss_r, all->glow_g + all->gloss_g, all->glow_b + all->gloss_b));
+    MIXED(ray_variance), all->ray_variance += share * rest * shift * shift;
+    MIXED(albedo_r), MIXED(albedo_g), MIXED(albedo_b);
+    MIXED(glow_r), MIXED(glow_g), MIXED(glow_b);
+    MIXED(gloss_r), MIXED(gloss_g), MIXED(gloss_b);
+    MIXED(mirrored), MIXED(normal_x), MIXED(normal_y), MIXED(normal_z), MIXED(nearness);
+#undef MIXED
+    all->gloss_variance = rest * rest * all->gloss_variance + share * share * more->gloss_variance;
+    all->rays += more->rays;
+}
+
 /// One pixel per item. If the film has more samples than were traced here, both means are over all that were.
 kernel void write_guides(GuideStep step, global const uint* list, global const FilmPixel* film, global const Sight* sights,
                          global Guide* guides) {
     const uint i = get_global_id(0);
-    const Batch batch = step.step.batch;
-    if (i >= batch.pixels) return;
-    const uint pixel = guided_pixel(&step, i, list);
-    const uint in_film = film[pixel].count + film[pixel].dropped;
-    const uint sampled = in_film == 0u || in_film > batch.samples ? batch.samples : in_film;
+    if (i >= step.step.batch.pixels) return;
+    uint run = step.run_count - 1u;
+    while (run != 0u && i < step.runs[run].first_pixel) --run;
+    const uint samples = step.runs[run].samples, first = step.runs[run].first_ray + (i - step.runs[run].first_pixel) * samples;
+    const uint2 pixel = guided_pixel(&step, i, list);
+    const uint in_film = film[pixel.x].count + film[pixel.x].dropped;
+    const bool all_traced = in_film <= samples || pixel.y != 0u;
+    const uint sampled = in_film == 0u || !all_traced ? samples : in_film;
     float3 albedo = (float3)(0.0f), glow = (float3)(0.0f), gloss = (float3)(0.0f), normal = (float3)(0.0f);
-    float nearness = 0.0f, odd = 0.0f, mirrored = 0.0f;
+    float nearness = 0.0f, odd = 0.0f, mirrored = 0.0f, both = 0.0f;
     float3 sums = (float3)(0.0f), squares = (float3)(0.0f);  // of the luminances of albedo, glow and gloss
     Guide guide;
-    for (uint s = 0; s < batch.samples; ++s) {
-        const Sight sight = sights[i * batch.samples + s];
+    for (uint s = 0; s < samples; ++s) {
+        const Sight sight = sights[first + s];
         const float3 one_albedo = (float3)(sight.albedo_r, sight.albedo_g, sight.albedo_b);
         const float3 one_glow = (float3)(sight.glow_r, sight.glow_g, sight.glow_b);
         const float3 one_gloss = (float3)(sight.gloss_r, sight.gloss_g, sight.gloss_b);
         albedo += one_albedo, glow += one_glow, gloss += one_gloss;
         const float3 bright = (float3)(luminance(one_albedo), luminance(one_glow), luminance(one_gloss));
-        sums += bright, squares += bright * bright;
+        sums += bright, squares += bright * bright, both += (bright.y + bright.z) * (bright.y + bright.z);
         if (s < sampled && s % 2 != 0) odd += bright.y + bright.z;
         normal += (float3)(sight.normal_x, sight.normal_y, sight.normal_z);
         nearness += sight.nearness, mirrored += sight.passed ? 1.0f : 0.0f;
@@ -191,43 +232,58 @@ kernel void write_guides(GuideStep step, global const uint* list, global const F
         const float odds = (float)(sampled / 2);
         guide.glow_difference = sampled < 2 || sampled != in_film ? 0.0f : (luminance(all) - odd) / ((float)sampled - odds) - odd / odds;
     }
-    const float share = 1.0f / (float)batch.samples;
+    const float share = 1.0f / (float)samples;
     guide.albedo_r = share * albedo.x, guide.albedo_g = share * albedo.y, guide.albedo_b = share * albedo.z;
     guide.glow_r = share * glow.x, guide.glow_g = share * glow.y, guide.glow_b = share * glow.z;
     guide.gloss_r = share * gloss.x, guide.gloss_g = share * gloss.y, guide.gloss_b = share * gloss.z;
-    const bool all_traced = in_film <= batch.samples;
-    const float3 variances = variances_of_means(sums, squares, batch.samples);
+    const float3 variances = variances_of_means(sums, squares, samples);
+    const float mean = share * (sums.y + sums.z);
     guide.albedo_variance = all_traced ? 0.0f : variances.x, guide.glow_variance = all_traced ? 0.0f : variances.y;
     guide.gloss_variance = all_traced ? variances.z : 0.0f;
     guide.normal_x = share * normal.x, guide.normal_y = share * normal.y, guide.normal_z = share * normal.z;
     guide.nearness = share * nearness, guide.mirrored = share * mirrored;
-    guides[pixel] = guide;
+    guide.ray_variance = fmax(share * both - mean * mean, 0.0f), guide.rays = samples;
+    if (pixel.y == 0u) {
+        guides[pixel.x] = guide;
+        return;
+    }
+    Guide all = guides[pixel.x];
+    merge_guides(&all, &guide);
+    guides[pixel.x] = all;
 }
 
-/// Sorts the pixels whose glow differs from a neighbour's into classes by the difference, a factor of 4 each: borders of lamps and of
-/// the sky, where the film's noise is that of coverage, and highlights. `counts`, of the pixels in each class, are 0 before.
+/// Sorts the pixels by the variance of one ray's glow, a factor of 2 to a class: borders of lamps and of the sky, where the film's noise is
+/// that of coverage, and highlights. `counts`, of the pixels in each class, are 0 before.
 kernel void find_edges(uint width, uint height, global const Guide* guides, global uchar* classes, global uint* counts) {
     const uint i = get_global_id(0);
     if (i >= width * height) return;
     const int x = (int)(i % width), y = (int)(i / width);
-    float least = INFINITY, most = 0.0f;
+    float variance = 0.0f, most = 0.0f, first = 0.0f, second = 0.0f;
     for (int dy = -1; dy <= 1; ++dy)
         for (int dx = -1; dx <= 1; ++dx) {
             const int at = clamp(y + dy, 0, (int)height - 1) * (int)width + clamp(x + dx, 0, (int)width - 1);
             const Guide g = guides[at];
-            const float glow = g.glow_r + g.glow_g + g.glow_b + g.gloss_r + g.gloss_g + g.gloss_b;
-            least = fmin(least, glow), most = fmax(most, glow);
+            const float glow = luminance((float3)(g.glow_r + g.gloss_r, g.glow_g + g.gloss_g, g.glow_b + g.gloss_b));
+            variance += g.ray_variance / 9.0f, first += glow / 9.0f, second += glow * glow / 9.0f;
+            most = fmax(most, glow);
         }
-    const float difference = most - least;
-    const bool is_edge = difference > 0.125f * most;  // a slow gradient, as in the sky, is none
-    const int exponent = (int)(as_uint(difference) >> 23) - 127;
-    const uchar class = is_edge ? (uchar)clamp(exponent / 2 + (int)CLARAY_EDGE_CLASSES / 2, 0, (int)CLARAY_EDGE_CLASSES - 1) : (uchar)CLARAY_EDGE_CLASSES;
+    // Few rays may have missed what others nearby have met, and all of them a border between two pixels. The part of the pixel beyond that
+    // border becomes smaller with the number of rays, too.
+    const float missed = fmin(FEW_RAYS / (float)guides[i].rays, 1.0f);
+    variance = mix(guides[i].ray_variance, variance + missed * fmax(second - first * first, 0.0f), missed);
+    const bool is_edge = variance > LEAST_NOISE * LEAST_NOISE * most * most;  // a slow gradient, as in the sky, is none
+    const int exponent = (int)(as_uint(variance) >> 23) - 127;
+    const uchar class = is_edge ? (uchar)clamp(exponent + (int)CLARAY_EDGE_CLASSES / 2, 0, (int)CLARAY_EDGE_CLASSES - 1) : (uchar)CLARAY_EDGE_CLASSES;
     classes[i] = class;
     if (is_edge) atomic_inc(&counts[class]);
 }
 
-/// Lists the edges by class, in any order. `ends`: where the next pixel of each class goes.
-kernel void list_edges(uint pixels, global const uchar* classes, global uint* list, global uint* ends) {
+/// Lists the edges by class, in any order, and from which sample on they are traced: further ones if all of the film's were traced. `ends`:
+/// where the next pixel of each class goes.
+kernel void list_edges(uint pixels, global const FilmPixel* film, global const Guide* guides, global const uchar* classes, global uint* list,
+                       global uint* ends) {
     const uint i = get_global_id(0);
-    if (i < pixels && classes[i] < CLARAY_EDGE_CLASSES) list[atomic_inc(&ends[classes[i]])] = i;
+    if (i >= pixels || classes[i] >= CLARAY_EDGE_CLASSES) return;
+    const uint rays = guides[i].rays;
+    vstore2((uint2)(i, film[i].count + film[i].dropped <= rays ? rays : 0u), atomic_inc(&ends[classes[i]]), list);
 }

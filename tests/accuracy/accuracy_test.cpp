@@ -308,6 +308,7 @@ TEST(ErrorCheck, FindsReportedErrorsTrue) {
     EXPECT_LT(bad.within, bad.points);
 }
 
+/// accuracy/trace_variant.cl
 TEST(Study, OfHardRaysFindsTheTextbooksLeaksAndNoneOfClarays) {
     StudyOptions options{.runs = 1, .rays = 20'000};
     const Study study = study_hard_rays(device(), small_scene(), options);
@@ -349,6 +350,7 @@ TEST(Study, OfTheScenesRaysMeasuresDistances) {
     EXPECT_TRUE(std::any_of(study.points.begin(), study.points.end(), exact));
 }
 
+/// accuracy/quantize_nodes.cl
 TEST(Study, OfNodesKeepsAllHitsInFewerBytes) {
     StudyOptions options{.runs = 1, .rays = 8192};
     const Study study = study_nodes(device(), *builtin_scene("terrain:2000"), options);

@@ -273,6 +273,23 @@ TEST(Denoiser, AWaveletPassIsThatOfFloat64) {
     }
 }
 
+/// The variance of a pixel that no ray met a surface in is -1, and that of its neighbour makes it almost 0.
+TEST(Denoiser, PixelsWithoutASurfaceWeighNothing) {
+    const std::size_t pixels = width * height;
+    std::vector<Float4> packed(pixels, {1, 1, 1, 0.99999f});
+    constexpr std::size_t unlit = 11 * width + 20;
+    packed[unlit] = {9, 9, 9, -1};
+    const Buffer<Float4> result(device(), pixels);
+    load_kernel(device(), "denoise/filter_light.cl", "filter_light")
+        .run({pixels, 64}, FilterStep{width, height, 1}, arg("light", Buffer<Float4>(device(), packed)),
+             arg("surfaces", Buffer<Float4>(device(), std::vector<Float4>(pixels, {0, 0, 1, 0.2f}))),
+             arg("weights", Buffer<float>(device(), std::vector<float>(pixels, 0.7f))),
+             Buffer<Float2>(device(), std::vector<Float2>(pixels)), arg("result", result),
+             arg("kept", Buffer<float>(device(), pixels)));
+    const std::vector<Float4> values = result.read();
+    for (std::size_t i = 0; i < pixels; ++i) ASSERT_NEAR(values[i].x, i == unlit ? 9 : 1, 1e-5) << i;
+}
+
 /// The image of the last pass, where guides and the share of kept noise are the same everywhere.
 std::vector<float> modulated(const std::vector<Float4>& noisy, const std::vector<Float4>& filtered, const Guide& guide,
                              float kept, float doubt, bool single = false) {

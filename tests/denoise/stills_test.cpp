@@ -6,6 +6,7 @@
 #include "claray/renderer.hpp"
 #include "claray/scene.hpp"
 #include "claray/shared/denoise.h"
+#include "host/compute/memory.hpp"
 #include "host/denoise/oidn.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
@@ -172,23 +173,78 @@ TEST(DenoisedStills, BordersOfColorsAreNotWorseWithManySamples) {
 }
 
 /// The guide of a pixel from rays of these luminances of albedo, glow and gloss, for a film of `in_film` samples.
-Guide guide_of(const std::vector<glm::vec3>& rays, std::uint32_t in_film) {
+/// `before`: of earlier rays, to which these are added.
+Guide guide_of(const std::vector<glm::vec3>& rays, std::uint32_t in_film, const Guide& before = {}) {
     std::vector<Sight> sights;
     for (const glm::vec3& ray : rays) {
         Sight sight{};
-        sight.albedo_r = sight.albedo_g = sight.albedo_b = ray.x;
+        sight.albedo_r = sight.albedo_g = sight.albedo_b = ray.x, sight.normal_z = ray.x;
         sight.glow_r = sight.glow_g = sight.glow_b = ray.y, sight.gloss_r = sight.gloss_g = sight.gloss_b = ray.z;
         sights.push_back(sight);
     }
     GuideStep step{};
-    step.step.batch.pixels = 1, step.step.batch.samples = std::uint32_t(rays.size());
+    step.step.batch.pixels = 1, step.listed = 1, step.run_count = 1, step.runs[0].samples = std::uint32_t(rays.size());
     FilmPixel pixel{};
     pixel.count = in_film;
-    const Buffer<Guide> guide(device(), 1);
+    const Buffer<Guide> guide(device(), std::vector{before});
     load_kernel(device(), "render/write_guides.cl", "write_guides")
-        .run({1, 1}, step, Buffer<std::uint32_t>(device(), 1), Buffer<FilmPixel>(device(), std::vector{pixel}),
-             Buffer<Sight>(device(), sights), guide);
+        .run({1, 1}, step, Buffer<std::uint32_t>(device(), std::vector<std::uint32_t>{0, before.rays}),
+             Buffer<FilmPixel>(device(), std::vector{pixel}), Buffer<Sight>(device(), sights), guide);
     return guide.read()[0];
+}
+
+TEST(Guides, OfFurtherRaysAreThoseOfAllRays) {
+    const std::vector<glm::vec3> rays = {{0.1f, 0, 1}, {0.3f, 4, 2}, {0.2f, 1, 0}, {0.7f, 8, 3}, {0.5f, 2, 9}};
+    const Guide first = guide_of({rays.begin(), rays.begin() + 2}, 2), all = guide_of(rays, 2);
+    const Guide both = guide_of({rays.begin() + 2, rays.end()}, 2, first);
+    EXPECT_EQ(both.rays, 5u);
+    EXPECT_NEAR(both.albedo_g, all.albedo_g, 1e-6);
+    EXPECT_NEAR(both.glow_b, all.glow_b, 1e-5);
+    EXPECT_NEAR(both.gloss_r, all.gloss_r, 1e-5);
+    EXPECT_NEAR(both.normal_z, all.normal_z, 1e-6);
+    EXPECT_NEAR(both.ray_variance, all.ray_variance, 1e-4);
+    EXPECT_NEAR(all.ray_variance, 20, 1e-3) << "of 1, 6, 1, 11, 11";
+    EXPECT_EQ(both.sampled_glow_r, all.sampled_glow_r) << "the film's samples are the first rays";
+    EXPECT_EQ(both.glow_difference, all.glow_difference);
+}
+
+/// The classes of a row of pixels with these guides.
+std::vector<std::uint8_t> classes_of(const std::vector<Guide>& guides) {
+    const auto width = std::uint32_t(guides.size());
+    const Buffer<std::uint8_t> classes(device(), guides.size());
+    Buffer<std::uint32_t> counts(device(), CLARAY_EDGE_CLASSES);
+    counts.fill(0);
+    load_kernel(device(), "render/write_guides.cl", "find_edges")
+        .run({guides.size(), 64}, width, 1u, Buffer<Guide>(device(), guides), classes, counts);
+    return classes.read();
+}
+
+/// Four rays of each of two neighbours, one of which sees a lamp and the other does not, may have missed the border
+/// between them. Many rays have not.
+TEST(Guides, PixelsBesideABorderGetMoreRays) {
+    constexpr std::uint8_t none = CLARAY_EDGE_CLASSES;
+    std::vector<Guide> row(8);
+    for (std::size_t i = 0; i < row.size(); ++i)
+        row[i].rays = 4, row[i].glow_r = row[i].glow_g = row[i].glow_b = i < 4 ? 0 : 16;
+    std::vector<std::uint8_t> classes = classes_of(row);
+    for (std::size_t i = 0; i < row.size(); ++i) EXPECT_EQ(classes[i] == none, i != 3 && i != 4) << i;
+    row[4].rays = 400;
+    classes = classes_of(row);
+    EXPECT_NE(classes[3], none);
+    EXPECT_EQ(classes[4], none);
+}
+
+/// Classes are by the variance of a ray, a factor of 2 each: of the pixel's own if it has many, of its neighbours if
+/// not.
+TEST(Guides, PixelsAreSortedByTheNoiseOfARay) {
+    std::vector<Guide> row(9);
+    for (Guide& guide : row) guide.rays = 4000, guide.ray_variance = 3;
+    EXPECT_EQ(classes_of(row)[4], CLARAY_EDGE_CLASSES / 2 + 1);
+    row[4].ray_variance = 3 * 64;
+    EXPECT_EQ(classes_of(row)[4], CLARAY_EDGE_CLASSES / 2 + 7);
+    EXPECT_EQ(classes_of(row)[3], CLARAY_EDGE_CLASSES / 2 + 1);
+    row[3].rays = 4;
+    EXPECT_EQ(classes_of(row)[3], CLARAY_EDGE_CLASSES / 2 + 6) << "the mean of 3, 3 and 192";
 }
 
 /// Rays that are all of the film's samples have its albedo and glow. Some of its samples have less noise than they, and
@@ -202,6 +258,51 @@ TEST(DenoisedStills, GuidesTellTheVarianceThatTheFilmHasNot) {
     EXPECT_NEAR(some.albedo_variance, 0.01 / 3, 1e-6);
     EXPECT_NEAR(some.glow_variance, 4. / 3, 1e-5);
     EXPECT_EQ(some.gloss_variance, 0);
+}
+
+/// Their device has its own count of memory.
+TEST(DenoisedStills, KeepTheirMemoryUntilItIsReleased) {
+    const Device own = Device::open(std::to_string(device().info().index));
+    Renderer renderer(own, *builtin_scene("cornell"), {.width = side, .height = side, .spp = 4});
+    (void)renderer.render();
+    const Image noisy = renderer.image();
+    const auto counted = [&] { return renderer.statistics().device_bytes; };
+    const std::uint64_t counted_before = counted(), before = bytes_in_use(own);
+    const Image first = renderer.denoised(DenoiserKind::claray);
+    EXPECT_GT(bytes_in_use(own), before);
+    EXPECT_EQ(counted() - counted_before, bytes_in_use(own) - before) << "statistics count all of it";
+    fail_allocation(own, 1);
+    EXPECT_EQ(renderer.denoised(DenoiserKind::claray), first) << "nothing is made twice";
+    fail_allocation(own, 0);
+    renderer.release_denoiser();
+    EXPECT_EQ(bytes_in_use(own), before);
+    EXPECT_EQ(counted(), counted_before);
+    EXPECT_EQ(renderer.denoised(DenoiserKind::claray), first);
+    EXPECT_EQ(renderer.image(), noisy);
+}
+
+/// What is kept from one denoised image to the next does not outlive its scene and its size.
+TEST(DenoisedStills, AreThoseOfANewRendererAfterChanges) {
+    Scene scene = lamp_and_mirror();
+    const RenderConfig config{.width = side, .height = side, .spp = 4, .seed = 3};
+    const auto anew = [&](unsigned width) {
+        RenderConfig wide = config;
+        wide.width = width;
+        Renderer renderer(device(), scene, wide);
+        (void)renderer.render();
+        return renderer.denoised(DenoiserKind::claray);
+    };
+    Renderer renderer(device(), scene, config);
+    (void)renderer.render();
+    EXPECT_EQ(renderer.denoised(DenoiserKind::claray), anew(side));
+    scene.materials[1].albedo = {0.2f, 0.5f, 0.9f};
+    for (glm::vec3& position : scene.meshes[1].positions) position.y -= 0.3f;
+    renderer.update(scene, {.materials = true, .vertices = true});
+    (void)renderer.render();
+    EXPECT_EQ(renderer.denoised(DenoiserKind::claray), anew(side));
+    renderer.resize(side + 9, side);
+    (void)renderer.render();
+    EXPECT_EQ(renderer.denoised(DenoiserKind::claray), anew(side + 9));
 }
 
 TEST(DenoisedStills, AnAbsentLibraryIsNamed) {

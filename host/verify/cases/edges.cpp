@@ -37,7 +37,7 @@ void aim_at(Run& run, bool along_edges) {
         const Bvh binary = build(run, mesh, {.layout = Layout::binary}),
                   wide = build(run, mesh, {.layout = Layout::wide});
         Kernel aim = load_kernel(run.device(), "verify/edge_rays.cl", "edge_rays");
-        Tally missed[2], not_any[2], twice;
+        Tally missed[2], not_any[2], twice, aimed;
         for (std::uint64_t begin = 0; begin < total; begin += batch) {
             const auto count = std::uint32_t(std::min(batch, total - begin));
             const Buffer<Ray> rays(run.device(), count);
@@ -52,7 +52,10 @@ void aim_at(Run& run, bool along_edges) {
                 closest_hit(bvh, rays, hits);
                 any_hit(bvh, rays, occluded);
                 const std::uint64_t before[2] = {missed[l].wrong, not_any[l].wrong};
-                for (const Hit& hit : hits.read()) missed[l].add(hit.primitive != CLARAY_MISS);
+                for (const Hit& hit : hits.read()) {
+                    missed[l].add(hit.primitive != CLARAY_MISS);
+                    if (offset == glm::vec3(0)) aimed.add(std::min({hit.u, hit.v, 1 - hit.u - hit.v}) < 1e-4f);
+                }
                 for (const std::uint8_t any : occluded.read()) not_any[l].add(any == 1);
                 if (host.empty() && missed[l].wrong + not_any[l].wrong > before[0] + before[1]) host = rays.read();
                 const std::string layout = std::string(", ") + layouts[l].name + at;
@@ -68,6 +71,7 @@ void aim_at(Run& run, bool along_edges) {
             run.check(std::string("any hits that leak, ") + layouts[l].name + at, not_any[l], "rays");
         }
         run.check("rays not claimed once" + at, twice, "rays");
+        if (offset == glm::vec3(0)) run.check("rays that hit no edge" + at, aimed, "rays");
     }
 }
 

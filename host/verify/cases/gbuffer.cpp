@@ -52,15 +52,23 @@ PackedDirections pack_on_device(const Run& run, const std::vector<float>& direct
     return {codes.read(), restored.read()};
 }
 
+std::vector<float> unpack_on_host(const std::vector<std::uint32_t>& codes, bool spherical) {
+    std::vector<float> directions;
+    for (const std::uint32_t code : codes) {
+        const UnitVector got = spherical ? claray_unpack_spherical(code) : claray_unpack_octahedral(code);
+        directions.insert(directions.end(), {got.x, got.y, got.z});
+    }
+    return directions;
+}
+
 PackedDirections pack_on_host(const std::vector<float>& directions, bool spherical) {
     PackedDirections packed;
     for (std::size_t i = 0; i < directions.size(); i += 3) {
         const UnitVector n = {directions[i], directions[i + 1], directions[i + 2]};
         const std::uint32_t code = spherical ? claray_pack_spherical(n) : claray_pack_octahedral(n);
-        const UnitVector got = spherical ? claray_unpack_spherical(code) : claray_unpack_octahedral(code);
         packed.codes.push_back(code);
-        packed.restored.insert(packed.restored.end(), {got.x, got.y, got.z});
     }
+    packed.restored = unpack_on_host(packed.codes, spherical);
     return packed;
 }
 
@@ -96,6 +104,9 @@ void packed_normals(Run& run) {
                   largest_angle(run, "device", directions, device.restored), bound, "degrees");
         run.check("largest error of " + name + " codes, host", count,
                   largest_angle(run, "host", directions, host.restored), bound, "degrees");
+        run.check("largest error of " + name + " codes of the device, read by the host", count,
+                  largest_angle(run, "read by the host", directions, unpack_on_host(device.codes, spherical)), bound,
+                  "degrees");
         const PackedDirections again = pack_on_device(run, device.restored, spherical);
         run.check("drift of " + name + " codes that are packed again", count,
                   largest_angle(run, "packed again", device.restored, again.restored), 1e-4, "degrees");

@@ -22,10 +22,12 @@ typedef struct Guide {
     float mirrored;                        // share of the rays that mirrors, glass and almost mirrors passed on
     float normal_x, normal_y, normal_z;    // shading normal on the camera's side; its mean is shorter than 1 at edges
     float nearness;                        // 1 / distance from the camera; 0 beyond all surfaces
+    float ray_variance;                    // of the luminance of one ray's glow and gloss
+    uint rays;                             // that were traced
 } Guide;
-CLARAY_LAYOUT(Guide, 96)
+CLARAY_LAYOUT(Guide, 104)
 
-#define CLARAY_EDGE_CLASSES 16u  // of pixels by the difference of their glow from that nearby
+#define CLARAY_EDGE_CLASSES 64u  // of pixels by the noise of their glow
 
 #define CLARAY_MOST_DOUBT 1.25f  // how many times variances count beyond once, if samples are few
 
@@ -45,13 +47,21 @@ CLARAY_LAYOUT(Sight, 72)
 #define CLARAY_BY_MIRROR 1u
 #define CLARAY_BY_GLOSS 2u
 
+/// Pixels of a batch with the same number of rays each, from this pixel and this ray of the batch on.
+typedef struct GuideRun {
+    uint first_pixel, first_ray, samples;
+} GuideRun;
+CLARAY_LAYOUT(GuideRun, 12)
+
 /// Scalar parameters of the stages that trace guides. `step.batch` counts pixels of a list if `listed` is 1;
 /// `step.depth` is the number of mirrors that the rays have met, and `step.capacity` the number of rays.
 typedef struct GuideStep {
     Step step;
     uint listed;
+    uint run_count;
+    GuideRun runs[CLARAY_EDGE_CLASSES];
 } GuideStep;
-CLARAY_LAYOUT(GuideStep, 348)
+CLARAY_LAYOUT(GuideStep, 1120)
 
 /// Scalar parameters of a filter pass.
 typedef struct FilterStep {
