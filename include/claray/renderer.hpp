@@ -245,6 +245,9 @@ public:
     /// continues. Returns the progress reached. A checkpoint that cannot be written does not stop the render: see
     /// `checkpoint_error`.
     RenderProgress render(const std::function<bool(const RenderProgress&)>& progress = {});
+    /// The same for at most so many seconds from now, but not before every pixel has a sample. The last batches are as
+    /// small as the time that is left.
+    RenderProgress render_for(double seconds, const std::function<bool(const RenderProgress&)>& progress = {});
 
     /// Discards all samples and restarts with another seed. `spp` and `max_depth` replace those of the configuration
     /// unless they are 0; they must not be larger. Compiled kernels, the tree and the measured speed of the device are
