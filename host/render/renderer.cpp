@@ -469,12 +469,12 @@ void Renderer::settle() {
     state_->structure.prepare_to_follow();
 }
 
-void Renderer::load_compiled_kernels() {
+void Renderer::load_kernels() {
     State& state = *state_;
     if (state.first_pixel_seconds == 0 || state.spp() == 0) return;
     if (!state.own_kernels) state.take_over_when_compiled();
     if (!state.own_kernels) return;
-    state.adopt_path_kernel(false);
+    state.adopt_path_kernel(true);
     state.warm_up();
 }
 

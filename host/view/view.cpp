@@ -74,7 +74,8 @@ Image image_of(const Aovs& aovs, const std::string& shows, unsigned width, unsig
 
 }  // namespace
 
-/// The first picture is made at once, so that no answer to a command waits for what drivers do at a kernel's first run.
+/// The first picture is made at once, so that no answer to a command waits for a kernel to be compiled, or for what drivers do
+/// at its first run.
 View::View(const Device& device, Scene scene, const ViewConfig& config)
     : scene_(with_camera(std::move(scene), config.render)),
       config_(config),
@@ -83,7 +84,7 @@ View::View(const Device& device, Scene scene, const ViewConfig& config)
       preview_(config_.answer_seconds),
       time_(config.animation.time) {
     (void)shown();
-    renderer_->load_compiled_kernels();
+    renderer_->load_kernels();
 }
 
 float View::size() const {

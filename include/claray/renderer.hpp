@@ -266,9 +266,10 @@ public:
     /// Otherwise they are loaded while rendering, when that pays. Discards all samples. Throws ErrorKind::usage for a
     /// render that writes checkpoints.
     void settle();
-    /// Loads now what later renders would load while they run, as far as it was compiled before, and runs it once.
-    /// Keeps all samples. Without effect before the first sample of every pixel.
-    void load_compiled_kernels();
+    /// Loads now what later renders would load or compile while they run, and runs it once. Keeps all samples. Without
+    /// effect before the first sample of every pixel, and before the scene's own kernels are compiled (see
+    /// RenderConfig::compiler).
+    void load_kernels();
     /// Discards all samples and makes the images this large. The view keeps its height and becomes wider or narrower.
     /// Only what is stored per pixel is allocated anew. Throws ErrorKind::usage for a size out of range, with
     /// checkpoints or with adaptive sampling.

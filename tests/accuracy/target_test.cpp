@@ -4,12 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "host/accuracy/late_frames.hpp"
 #include "host/accuracy/pick_samples.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/process.hpp"
 #include "tests/support/tuning.hpp"
 
 namespace claray::test {
@@ -249,6 +252,19 @@ TEST(RenderFrames, PicksWhatFitsAndSaysSo) {
                              [&] { (void)render_frames(device(), scene, config, {.fps = 1e6, .frames = 1}); }));
     EXPECT_TRUE(throws_error(ErrorKind::usage, "must be greater than 0",
                              [&] { (void)render_frames(device(), scene, config, {.fps = NAN, .frames = 1}); }));
+}
+
+TEST(RenderFrames, StartNoCompilerBesideThem) {
+    const TemporaryFolder folder;
+    const std::filesystem::path told = folder.path() / "told";
+    const ScopedEnvironment empty("CLARAY_CACHE_DIR", (folder.path() / "cache").string());
+    const std::filesystem::path script = folder.file("compiler", "#!/bin/sh\necho started > '" + told.string() + "'\n");
+    std::filesystem::permissions(script, std::filesystem::perms::owner_all);
+    const RenderConfig config{.width = 12, .height = 12, .spp = 1, .compiler = script.string()};
+    const FramesReport report = render_frames(device(), *builtin_scene("cornell"), config, {.fps = 0.1, .frames = 1});
+    EXPECT_EQ(report.seconds.size(), 1u);
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));  // in which one would tell
+    EXPECT_FALSE(std::filesystem::exists(told));
 }
 
 /// A frame is late from 95 % of its time on, so that frames get lighter before the rate is missed; one late frame alone

@@ -84,6 +84,17 @@ TEST(WholePaths, HeedMacrosOfShading) {
     EXPECT_NE(image_by(99, 1), image_by(99, 3));
 }
 
+/// Without it they would be compiled after the patience.
+TEST(WholePaths, AreCompiledBeforehandIfAsked) {
+    for (const bool asks : {false, true}) {
+        Renderer renderer(following(99, 100'000, 3'600'000), scene_named("cornell"), small_config());
+        (void)renderer.render_for(0);
+        if (asks) renderer.load_kernels();
+        (void)renderer.render();
+        EXPECT_EQ(renderer.statistics().in_paths.rays > 0, asks);
+    }
+}
+
 /// The last paths of each batch, by render/finish_paths.cl.
 TEST(LastPaths, MakeTheSameImage) {
     for (const char* name : {"cornell", "effect:glass", "effect:sky", "effect:mip-maps", "effect:cut-outs",
