@@ -8,6 +8,7 @@
 #include "claray/io.hpp"
 #include "claray/renderer.hpp"
 #include "tests/support/device.hpp"
+#include "tests/support/process.hpp"
 
 namespace claray::test {
 namespace {
@@ -86,6 +87,8 @@ TEST(WholePaths, HeedMacrosOfShading) {
 
 /// Without it they would be compiled after the patience.
 TEST(WholePaths, AreCompiledBeforehandIfAsked) {
+    const TemporaryFolder folder;
+    const ScopedEnvironment empty("CLARAY_CACHE_DIR", folder.path().string());
     for (const bool asks : {false, true}) {
         Renderer renderer(following(99, 100'000, 3'600'000), scene_named("cornell"), small_config());
         (void)renderer.render_for(0);
