@@ -17,7 +17,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr float most_pixels_a_side = 16384;
 constexpr double least_share = 0.25;  // of a frame's time that is spent on sampling
-constexpr int noise_radius = 2;      // of the square of pixels over which the error map takes the mean
+constexpr int noise_radius = 2;       // of the square of pixels over which the error map takes the mean
 
 [[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
     throw Error(ErrorKind::user, what, remedy);
@@ -74,8 +74,8 @@ Image image_of(const Aovs& aovs, const std::string& shows, unsigned width, unsig
 
 }  // namespace
 
-/// The first picture is made at once, so that no answer to a command waits for a kernel to be compiled, or for what drivers do
-/// at its first run.
+/// The first picture is made at once, so that no answer to a command waits for a kernel to be compiled, or for what
+/// drivers do at its first run.
 View::View(const Device& device, Scene scene, const ViewConfig& config)
     : scene_(with_camera(std::move(scene), config.render)),
       config_(config),

@@ -109,8 +109,9 @@ struct FramesConfig {
 
 /// Chooses the samples per pixel so that a frame takes at most 1 / fps, and renders the frames. `config.spp` and
 /// `config.max_depth` are upper limits. If one sample per pixel takes too long, measures shorter paths, smaller images
-/// and approximations, and chooses that of the least error. If one fits but not two, approximations compete with it. `progress` is called after every frame; return false to
-/// stop. Throws ErrorKind::user, naming the closest rate, if the rate cannot be reached.
+/// and approximations, and chooses that of the least error. If one fits but not two, approximations compete with it.
+/// `progress` is called after every frame; return false to stop. Throws ErrorKind::user, naming the closest rate, if
+/// the rate cannot be reached.
 [[nodiscard]] FramesReport render_frames(const Device& device, const Scene& scene, const RenderConfig& config,
                                          const FramesConfig& frames,
                                          const std::function<bool(unsigned done)>& progress = {},

@@ -224,8 +224,8 @@ TEST(ViewPreview, ComesFirstAndLeavesNoTrace) {
     EXPECT_EQ(view.next_frame().spp, 1u) << "a paused view shows the first samples of the complete image";
 }
 
-/// Large batches, as GPUs have: only the time that is left makes them small. Of several answers the fastest counts, since
-/// other work may delay any.
+/// Large batches, as GPUs have: only the time that is left makes them small. Of several answers the fastest counts,
+/// since other work may delay any.
 TEST(View, BeginsNoBatchThatEndsTooLate) {
     constexpr double for_samples = 0.2;  // seconds: a quarter of a frame's time
     const ScopedTuning most("render/wavefront", "PATHS", 1u << 22);

@@ -247,8 +247,8 @@ private:
     CameraPath path_;
 };
 
-/// The most samples that fit, up to `most`, or a cheaper way: a single sample of full depth has more noise than some of these lack
-/// light.
+/// The most samples that fit, up to `most`, or a cheaper way: a single sample of full depth has more noise than some of
+/// these lack light.
 Way pick(const Ways& ways, unsigned most, double budget, const MeasuringProgress& measuring,
          std::vector<std::string>& picks) {
     Way way = ways.complete();
