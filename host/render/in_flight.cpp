@@ -1,5 +1,7 @@
 #include "host/render/in_flight.hpp"
 
+#include <chrono>
+
 #include "host/compute/device_error.hpp"
 
 namespace claray {
@@ -17,6 +19,12 @@ Mark::Mark(const Device& device) : device_(device) {
 
 void Mark::wait() const try { event_.wait(); } catch (const cl::Error& error) {
     throw_device_error(device_, "render", error);
+}
+
+double Mark::milliseconds() const try {
+    return 1e-6 * double(event_.getProfilingInfo<CL_PROFILING_COMMAND_END>());
+} catch (const cl::Error&) {  // the queue belongs to a program that measures nothing
+    return 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 std::uint64_t InFlight::paths() const {
@@ -39,9 +47,9 @@ void InFlight::submitted(std::uint32_t paths) try {
 
 void InFlight::wait_for_oldest() {
     batches_.front().done.wait();
-    const auto now = std::chrono::steady_clock::now();
-    if (before_) pace_.took(batches_.front().paths, 1e3 * std::chrono::duration<double>(now - *before_).count());
-    before_ = now;
+    const double ended = batches_.front().done.milliseconds();
+    if (before_) pace_.took(batches_.front().paths, ended - *before_);
+    before_ = ended;
     batches_.pop_front();
 }
 

@@ -1,7 +1,6 @@
 // Batches that are enqueued on the device and may not have finished yet.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -17,6 +16,8 @@ public:
     explicit Mark(const Device& device);
     /// Waits until these commands are done.
     void wait() const;
+    /// When they were done, by a clock of the device. After `wait`.
+    [[nodiscard]] double milliseconds() const;
 
 private:
     Device device_;
@@ -24,7 +25,7 @@ private:
 };
 
 /// The enqueued batches. Keeps the host from running far ahead of the device, so that a stop takes effect soon, and
-/// reports times to the Pace.
+/// reports times to the Pace: by the device's clock, since the host may see the end of a batch late.
 class InFlight {
 public:
     InFlight(const Device& device, Pace& pace) : device_(device), pace_(pace) {}
@@ -47,7 +48,7 @@ private:
     Device device_;
     Pace& pace_;
     std::deque<Submitted> batches_;
-    std::optional<std::chrono::steady_clock::time_point> before_;  // when the previous batch ended
+    std::optional<double> before_;  // when the previous batch ended
 };
 
 }  // namespace claray

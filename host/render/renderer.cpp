@@ -343,17 +343,22 @@ void Renderer::State::warm_up() {
     wavefront.reset_totals();
 }
 
+/// Until the first of both limits is reached; infinite without one.
+double Renderer::State::seconds_left() const {
+    const double left = call_seconds - seconds_since(call_begin);
+    return config.seconds > 0 ? std::min(left, config.seconds - seconds_since(*begin)) : left;
+}
+
 /// As many paths as fit in half of the time between two reports. Near a time limit, as fit in half of the remaining
 /// time, because machines slow down without warning. Every pixel gets a sample in any case.
 std::uint32_t Renderer::State::paths_of_next_batch(InFlight& in_flight) const {
     if (parts_take_turns()) return wavefront.capacity();  // copying them takes as long for a few paths
     if (schedule.complete_passes_spp() == 0) return pace.paths();
     const double to_report = std::max(1.0, 1e3 * config.report_seconds / 2);
-    if (!(config.seconds > 0)) return pace.paths_within(to_report);
-    const auto left = [&] {
-        return 1e3 * (config.seconds - seconds_since(*begin)) - pace.milliseconds_of(in_flight.paths());
-    };
-    const double least = least_milliseconds(config.seconds);
+    const double limit = config.seconds > 0 ? std::min(config.seconds, call_seconds) : call_seconds;
+    if (!std::isfinite(limit)) return pace.paths_within(to_report);
+    const auto left = [&] { return 1e3 * seconds_left() - pace.milliseconds_of(in_flight.paths()); };
+    const double least = least_milliseconds(limit);
     if (left() < least) in_flight.drain();  // the estimate may be too long
     return pace.paths_within(std::min(to_report, std::max(left() / 2, least)));
 }
@@ -415,7 +420,12 @@ Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig&
 }
 
 RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>& progress) {
+    return render_for(std::numeric_limits<double>::infinity(), progress);
+}
+
+RenderProgress Renderer::render_for(double seconds, const std::function<bool(const RenderProgress&)>& progress) {
     State& state = *state_;
+    state.call_seconds = seconds, state.call_begin = Clock::now();
     if (!state.begin && state.config.seconds > 0) state.warm_up();
     state.follow_light();
     if (!state.begin) state.begin = Clock::now();
@@ -465,12 +475,12 @@ void Renderer::settle() {
     state_->structure.prepare_to_follow();
 }
 
-void Renderer::load_compiled_kernels() {
+void Renderer::load_kernels() {
     State& state = *state_;
     if (state.first_pixel_seconds == 0 || state.spp() == 0) return;
     if (!state.own_kernels) state.take_over_when_compiled();
     if (!state.own_kernels) return;
-    state.adopt_path_kernel(false);
+    state.adopt_path_kernel(true);
     state.warm_up();
 }
 

@@ -131,6 +131,7 @@ struct Renderer::State {
     auto timed(const Measure& measure);
     [[nodiscard]] bool target_met();
     [[nodiscard]] bool limit_reached();
+    [[nodiscard]] double seconds_left() const;
     [[nodiscard]] double optimism() const;           // factor of errors that the film underestimates
     [[nodiscard]] double noise_over_halves() const;  // noise over that of the halves
     [[nodiscard]] bool error_met();
@@ -173,6 +174,8 @@ struct Renderer::State {
     RenderIdentity identity;  // for checkpoints
     std::string checkpoint_error;
     std::optional<Clock::time_point> begin;
+    double call_seconds = 0;                         // that this call of Renderer::render_for may take
+    Clock::time_point call_begin;                    // of that call
     Clock::time_point first_begin;                   // of all frames
     double patience = path_kernel_patience(device);  // seconds of rendering before it may be compiled
     ErrorLooks looks;                                // at the error

@@ -60,7 +60,7 @@ bool Renderer::State::target_met() {
 bool Renderer::State::limit_reached() {
     if (schedule.finished()) return true;
     const unsigned spp = schedule.complete_passes_spp();
-    if (config.seconds > 0 && spp > 0 && begin && seconds_since(*begin) >= config.seconds) return true;
+    if (spp > 0 && seconds_left() <= 0) return true;
     if (!schedule.between_passes()) return false;
     if (config.error > 0 && error_met()) return true;
     if (!(config.noise > 0) || spp < least_spp_for_noise) return false;

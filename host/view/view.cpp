@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/base/format.hpp"
+#include "host/base/seconds_since.hpp"
 #include "host/view/camera_control.hpp"
 
 namespace claray::view {
@@ -15,8 +16,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr float most_pixels_a_side = 16384;
-constexpr double least_share = 0.2;  // of a frame's time that is spent on sampling
-constexpr int noise_radius = 2;      // of the square of pixels over which the error map takes the mean
+constexpr double least_share = 0.25;  // of a frame's time that is spent on sampling
+constexpr int noise_radius = 2;       // of the square of pixels over which the error map takes the mean
 
 [[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
     throw Error(ErrorKind::user, what, remedy);
@@ -25,11 +26,6 @@ constexpr int noise_radius = 2;      // of the square of pixels over which the e
 Scene with_camera(Scene scene, const RenderConfig& config) {
     scene.camera = camera_of(scene, float(config.width) / float(config.height));
     return scene;
-}
-
-ViewConfig reporting_in_frames(ViewConfig config) {
-    config.render.report_seconds = least_share * config.frame_seconds;
-    return config;
 }
 
 bool have_same_vertices(const Scene& a, const Scene& b) {
@@ -78,16 +74,17 @@ Image image_of(const Aovs& aovs, const std::string& shows, unsigned width, unsig
 
 }  // namespace
 
-/// The first picture is made at once, so that no answer to a command waits for what drivers do at a kernel's first run.
+/// The first picture is made at once, so that no answer to a command waits for a kernel to be compiled, or for what
+/// drivers do at its first run.
 View::View(const Device& device, Scene scene, const ViewConfig& config)
     : scene_(with_camera(std::move(scene), config.render)),
-      config_(reporting_in_frames(config)),
+      config_(config),
       home_(*scene_.camera),
       renderer_(std::make_unique<Renderer>(device, scene_, config_.render)),
       preview_(config_.answer_seconds),
       time_(config.animation.time) {
     (void)shown();
-    renderer_->load_compiled_kernels();
+    renderer_->load_kernels();
 }
 
 float View::size() const {
@@ -125,17 +122,13 @@ Renderer& View::complete_renderer() {
 /// Frames that are denoised together have samples of their own: equal ones would have the same noise.
 void View::render(double seconds) {
     const Clock::time_point begin = Clock::now();
-    const auto passed = [&] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
     Renderer& renderer = complete_renderer();
-    const bool is_first = spp_ == 0;
-    if (is_first && denoises_) renderer.restart(++seed_);
-    std::optional<double> first;
-    const auto goes_on = [&](const RenderProgress& progress) {
-        if (progress.spp > 0 && !first) first = passed();
-        return progress.spp == 0 || passed() < seconds;
-    };
-    spp_ = renderer.render(goes_on).spp;
-    if (is_first && first) preview_.complete_took(*first);
+    if (spp_ == 0) {
+        if (denoises_) renderer.restart(++seed_);
+        spp_ = renderer.render_for(0).spp;  // one sample for every pixel
+        preview_.complete_took(seconds_since(begin));
+    }
+    if (const double left = seconds - seconds_since(begin); left > 0) spp_ = renderer.render_for(left).spp;
 }
 
 bool View::wants_preview() const { return !paused_ && !denoises_ && shows_ == "image" && preview_.is_smaller(); }
@@ -147,16 +140,14 @@ void View::preview() {
     renderer_->resize(unsigned(std::ceil(scale * config_.render.width)),
                       unsigned(std::ceil(scale * config_.render.height)));
     previewing_ = true;
-    (void)renderer_->render([](const RenderProgress& progress) { return progress.spp == 0; });
-    spp_ = 1;
-    preview_.preview_took(std::chrono::duration<double>(Clock::now() - begin).count());
+    spp_ = renderer_->render_for(0).spp;
+    preview_.preview_took(seconds_since(begin));
 }
 
 /// The time that the picture of the last frame and its display took is not available for sampling. The first frame
-/// after a change takes the least time, since it is an answer; the batches that run when the time is over still have to
-/// end.
+/// after a change takes the least time, since it is an answer.
 void View::sample_frame() {
-    const double others = std::chrono::duration<double>(Clock::now() - sampled_at_).count();
+    const double others = seconds_since(sampled_at_);
     const double least = least_share * config_.frame_seconds;
     render(spp_ == 0 ? least : std::max(config_.frame_seconds - others, least));
     sampled_at_ = Clock::now();

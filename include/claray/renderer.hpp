@@ -245,6 +245,9 @@ public:
     /// continues. Returns the progress reached. A checkpoint that cannot be written does not stop the render: see
     /// `checkpoint_error`.
     RenderProgress render(const std::function<bool(const RenderProgress&)>& progress = {});
+    /// The same for at most so many seconds from now, but not before every pixel has a sample. The last batches are as
+    /// small as the time that is left.
+    RenderProgress render_for(double seconds, const std::function<bool(const RenderProgress&)>& progress = {});
 
     /// Discards all samples and restarts with another seed. `spp` and `max_depth` replace those of the configuration
     /// unless they are 0; they must not be larger. Compiled kernels, the tree and the measured speed of the device are
@@ -263,9 +266,10 @@ public:
     /// Otherwise they are loaded while rendering, when that pays. Discards all samples. Throws ErrorKind::usage for a
     /// render that writes checkpoints.
     void settle();
-    /// Loads now what later renders would load while they run, as far as it was compiled before, and runs it once.
-    /// Keeps all samples. Without effect before the first sample of every pixel.
-    void load_compiled_kernels();
+    /// Loads now what later renders would load or compile while they run, and runs it once. Keeps all samples. Without
+    /// effect before the first sample of every pixel, and before the scene's own kernels are compiled (see
+    /// RenderConfig::compiler).
+    void load_kernels();
     /// Discards all samples and makes the images this large. The view keeps its height and becomes wider or narrower.
     /// Only what is stored per pixel is allocated anew. Throws ErrorKind::usage for a size out of range, with
     /// checkpoints or with adaptive sampling.

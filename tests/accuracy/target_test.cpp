@@ -4,12 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "host/accuracy/late_frames.hpp"
 #include "host/accuracy/pick_samples.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/process.hpp"
 #include "tests/support/tuning.hpp"
 
 namespace claray::test {
@@ -251,6 +254,19 @@ TEST(RenderFrames, PicksWhatFitsAndSaysSo) {
                              [&] { (void)render_frames(device(), scene, config, {.fps = NAN, .frames = 1}); }));
 }
 
+TEST(RenderFrames, StartNoCompilerBesideThem) {
+    const TemporaryFolder folder;
+    const std::filesystem::path told = folder.path() / "told";
+    const ScopedEnvironment empty("CLARAY_CACHE_DIR", (folder.path() / "cache").string());
+    const std::filesystem::path script = folder.file("compiler", "#!/bin/sh\necho started > '" + told.string() + "'\n");
+    std::filesystem::permissions(script, std::filesystem::perms::owner_all);
+    const RenderConfig config{.width = 12, .height = 12, .spp = 1, .compiler = script.string()};
+    const FramesReport report = render_frames(device(), *builtin_scene("cornell"), config, {.fps = 0.1, .frames = 1});
+    EXPECT_EQ(report.seconds.size(), 1u);
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));  // in which one would tell
+    EXPECT_FALSE(std::filesystem::exists(told));
+}
+
 /// A frame is late from 95 % of its time on, so that frames get lighter before the rate is missed; one late frame alone
 /// changes nothing.
 TEST(RenderFrames, TwoLateOnesWithinFiftyLightenTheNext) {
@@ -301,6 +317,31 @@ TEST(RenderFrames, AreCheaperWhereOneSampleTakesTooLong) {
     EXPECT_NE(std::find_if(cheaper.picks.begin(), cheaper.picks.end(),
                            [](const std::string& pick) { return pick.starts_with("chosen: "); }),
               cheaper.picks.end());
+}
+
+/// Rates at which one sample of full depth fits, but perhaps not two: how often depends on the machine.
+TEST(RenderFrames, OneSampleCompetesWithApproximations) {
+    const Scene scene = *builtin_scene("cornell");
+    const RenderConfig config{.width = 96, .height = 96, .spp = 8};
+    const auto has = [](const FramesReport& report, const std::string& text) {
+        return std::any_of(report.picks.begin(), report.picks.end(),
+                           [&](const std::string& pick) { return pick.find(text) != std::string::npos; });
+    };
+    RenderConfig single = config;
+    single.spp = 1;
+    const FramesReport one = render_frames(device(), scene, single, {.fps = 0.5, .frames = 5});
+    EXPECT_EQ(one.error, 0.0) << "no more was asked for";
+    for (const double frames_of_one : {1.3, 1.5, 1.7}) {
+        FramesReport report;
+        try {
+            report = render_frames(device(), scene, config, {.fps = 1 / (frames_of_one * one.median), .frames = 1});
+        } catch (const Error&) {
+            continue;  // the machine became too slow
+        }
+        if (!has(report, "samples: 1 per pixel")) continue;
+        EXPECT_GT(report.error, 0.0);
+        EXPECT_TRUE(has(report, "light-grid: a frame of ")) << "measured";
+    }
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "host/base/seconds_since.hpp"
 #include "tests/render/scenes.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
@@ -197,6 +198,17 @@ TEST(Renderer, StopsAtTheTimeLimit) {
     EXPECT_LE(late, 1u) << "no pass begins after the limit";
     EXPECT_GE(progress.spp, 1u);
     EXPECT_LT(progress.spp, 1'000'000u);
+}
+
+TEST(Renderer, RendersForATime) {
+    Renderer renderer(device(), *builtin_scene("cornell"), {.width = 64, .height = 64, .spp = 1'000'000});
+    EXPECT_EQ(renderer.render_for(0).spp, 1u) << "every pixel has a sample";
+    const auto begin = std::chrono::steady_clock::now();
+    const unsigned spp = renderer.render_for(0.3).spp;
+    EXPECT_GE(seconds_since(begin), 0.3);
+    EXPECT_GT(spp, 1u);
+    EXPECT_LT(spp, 1'000'000u);
+    EXPECT_EQ(renderer.render_for(0).spp, spp) << "no time, no further samples";
 }
 
 TEST(Renderer, ReportsProgressAndStopsWhenAsked) {

@@ -8,6 +8,7 @@
 #include "claray/io.hpp"
 #include "claray/renderer.hpp"
 #include "tests/support/device.hpp"
+#include "tests/support/process.hpp"
 
 namespace claray::test {
 namespace {
@@ -82,6 +83,19 @@ TEST(WholePaths, HeedMacrosOfShading) {
     };
     EXPECT_EQ(image_by(99, 1), image_by(0, 1));
     EXPECT_NE(image_by(99, 1), image_by(99, 3));
+}
+
+/// Without it they would be compiled after the patience.
+TEST(WholePaths, AreCompiledBeforehandIfAsked) {
+    const TemporaryFolder folder;
+    const ScopedEnvironment empty("CLARAY_CACHE_DIR", folder.path().string());
+    for (const bool asks : {false, true}) {
+        Renderer renderer(following(99, 100'000, 3'600'000), scene_named("cornell"), small_config());
+        (void)renderer.render_for(0);
+        if (asks) renderer.load_kernels();
+        (void)renderer.render();
+        EXPECT_EQ(renderer.statistics().in_paths.rays > 0, asks);
+    }
 }
 
 /// The last paths of each batch, by render/finish_paths.cl.

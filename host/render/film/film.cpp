@@ -30,8 +30,8 @@ Film::Film(const Device& device, std::uint32_t pixels, bool tells_error, float s
       items_(items_for(device, pixels)),
       pixels_(device, pixels),
       odd_(device, tells_error ? pixels : 1),
-      dropped_(device, 1),
       sums_(device, (items_ + group_ - 1) / group_),
+      dropped_(device, 1),
       kernels_(device) {
     clear();
     load_odd();

@@ -6,6 +6,7 @@ namespace claray {
 namespace {
 constexpr std::uint32_t largest_pass = 16;  // samples per pixel, unless the whole image with more fits into one batch
 constexpr double batch_milliseconds = 100;
+constexpr double kept = 0.75;  // of the weight of earlier batches, with each further one
 }  // namespace
 
 Schedule::Schedule(std::uint32_t pixels, std::uint32_t spp, std::uint32_t paths_in_flight)
@@ -46,14 +47,14 @@ std::uint64_t Schedule::samples() const {
 }
 
 std::uint32_t Pace::paths_within(double milliseconds) const {
-    if (!(milliseconds_a_path_ > 0)) return paths_;
-    return std::uint32_t(std::clamp(milliseconds / milliseconds_a_path_, 1.0, double(paths_)));
+    if (!(milliseconds_a_path() > 0)) return paths_;
+    return std::uint32_t(std::clamp(milliseconds / milliseconds_a_path(), 1.0, double(paths_)));
 }
 
 /// A batch that took too long reduces the size at once. Only full batches can raise it: the time of small ones is
 /// mostly overhead.
 void Pace::took(std::uint32_t paths, double milliseconds) {
-    milliseconds_a_path_ = milliseconds / double(paths);
+    known_paths_ = kept * known_paths_ + double(paths), milliseconds_ = kept * milliseconds_ + milliseconds;
     const double share = batch_milliseconds / std::max(milliseconds, 1e-3);
     if (share < 1)
         paths_ = std::min(paths_, std::uint32_t(std::max(1.0, double(paths) * std::max(share, 0.125))));

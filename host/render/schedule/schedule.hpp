@@ -57,13 +57,16 @@ public:
     /// The same for a batch that must be done within this time, if the time of paths is known.
     [[nodiscard]] std::uint32_t paths_within(double milliseconds) const;
     /// The time for this many paths; 0 while it is unknown.
-    [[nodiscard]] double milliseconds_of(std::uint64_t paths) const { return double(paths) * milliseconds_a_path_; }
+    [[nodiscard]] double milliseconds_of(std::uint64_t paths) const { return double(paths) * milliseconds_a_path(); }
     /// Reports the time that a batch of this many paths took.
     void took(std::uint32_t paths, double milliseconds);
 
 private:
+    /// Of the last batches, each by its paths: a few paths into the sky tell little of the rest of the image.
+    [[nodiscard]] double milliseconds_a_path() const { return known_paths_ > 0 ? milliseconds_ / known_paths_ : 0; }
+
     std::uint32_t paths_, most_;
-    double milliseconds_a_path_ = 0;
+    double known_paths_ = 0, milliseconds_ = 0;  // of all batches, the earlier the less
 };
 
 }  // namespace claray

@@ -120,5 +120,17 @@ TEST(Pace, ScenesThatGetHarderAreCutAtOnce) {
     EXPECT_EQ(pace.paths(), 4u);
 }
 
+TEST(Pace, AFewPathsTellLittleOfTheRest) {
+    Pace pace(1'000'000, 1'000'000);
+    EXPECT_EQ(pace.paths_within(10), 1'000'000u) << "nothing is known";
+    EXPECT_EQ(pace.milliseconds_of(1000), 0.0);
+    for (int i = 0; i < 3; ++i) pace.took(100'000, 50);
+    EXPECT_NEAR(pace.milliseconds_of(1000), 0.5, 1e-9);
+    pace.took(1000, 0.01);  // into the sky
+    EXPECT_NEAR(pace.paths_within(10), 20'000, 200);
+    for (int i = 0; i < 20; ++i) pace.took(100'000, 100);
+    EXPECT_NEAR(pace.paths_within(10), 10'000, 200) << "what was long ago is forgotten";
+}
+
 }  // namespace
 }  // namespace claray::test
