@@ -1,5 +1,6 @@
-# Included by CTest once the programs are built: makes a test of every suite, or of every 16 tests of a long one, so that they share a
-# process, its device and its kernels. A failing test's name is in the output, and a crash ends no more than these.
+# Included by CTest once the programs are built: makes a test of every 16 tests, of one suite or of several short ones, so that they share
+# a process, its device and its kernels: PoCL takes 0.6 s for the first kernel that a process compiles. A test is called after its suites,
+# as in io.Mtl+io.Obj. A failing test's name is in the output, and a crash ends no more than these.
 #   claray_add_suites(FOLDER PROGRAM COST ENVIRONMENT): COST is about the CPU seconds of a test; CTest begins with the longest
 # The folder ${pocl_folders} gets PoCL's caches, one for each test.
 function(claray_add_suites folder program cost environment)
@@ -9,23 +10,28 @@ function(claray_add_suites folder program cost environment)
         return()
     endif()
     string(REPLACE "\n" ";" lines "${list}")
-    set(suite "")
+    set(name "${folder}")
+    set(tests "")
     foreach(line IN LISTS lines)
         string(REGEX REPLACE " *#.*" "" line "${line}")
         if(line MATCHES "^  (.+)$")
             list(APPEND tests "${suite}.${CMAKE_MATCH_1}")
             list(LENGTH tests count)
             if(count EQUAL 16)
-                claray_add_tests("${folder}.${suite}" "${program}" "${cost}" "${tests}" "${environment}")
+                claray_add_tests("${name}" "${program}" "${cost}" "${tests}" "${environment}")
                 set(tests "")
+                set(name "${folder}.${suite}")
             endif()
         elseif(line MATCHES "^([A-Za-z0-9_/]+)\\.$")
-            claray_add_tests("${folder}.${suite}" "${program}" "${cost}" "${tests}" "${environment}")
             set(suite "${CMAKE_MATCH_1}")
-            set(tests "")
+            if(tests)
+                string(APPEND name "+${folder}.${suite}")
+            else()
+                set(name "${folder}.${suite}")
+            endif()
         endif()
     endforeach()
-    claray_add_tests("${folder}.${suite}" "${program}" "${cost}" "${tests}" "${environment}")
+    claray_add_tests("${name}" "${program}" "${cost}" "${tests}" "${environment}")
 endfunction()
 
 # One test that runs some of a program, unless there are none. A name that is taken gets a number.
@@ -41,9 +47,11 @@ function(claray_add_tests name program cost tests environment)
         string(APPEND name ".${part}")
     endif()
     math(EXPR cost "${cost} * ${count}")
-    string(MAKE_C_IDENTIFIER "${name}" folder)
+    # Processes that share PoCL's folder compile one after the other.
+    get_property(number GLOBAL PROPERTY claray_tests)
+    math(EXPR number "0${number} + 1")
+    set_property(GLOBAL PROPERTY claray_tests ${number})
     list(JOIN tests ":" filter)
     add_test("${name}" "${program}" "--gtest_filter=${filter}")
-    # Processes that share PoCL's folder compile one after the other.
-    set_tests_properties("${name}" PROPERTIES COST ${cost} TIMEOUT 600 ENVIRONMENT "${environment};POCL_CACHE_DIR=${pocl_folders}/${folder}")
+    set_tests_properties("${name}" PROPERTIES COST ${cost} TIMEOUT 600 ENVIRONMENT "${environment};POCL_CACHE_DIR=${pocl_folders}/${number}")
 endfunction()
