@@ -1,6 +1,5 @@
-# Included by CTest once the programs are built: makes a test of every 16 tests, of one suite or of several short ones, so that they share
-# a process, its device and its kernels: PoCL takes 0.6 s for the first kernel that a process compiles. A test is called after its suites,
-# as in io.Mtl+io.Obj. A failing test's name is in the output, and a crash ends no more than these.
+# Included by CTest once the programs are built: makes a test of every suite, or of every 16 tests of a long one, so that they share a
+# process, its device and its kernels. A failing test's name is in the output, and a crash ends no more than these.
 #   claray_add_suites(FOLDER PROGRAM COST ENVIRONMENT): COST is about the CPU seconds of a test; CTest begins with the longest
 # The folder ${pocl_folders} gets PoCL's caches, one for each test.
 function(claray_add_suites folder program cost environment)
@@ -10,28 +9,23 @@ function(claray_add_suites folder program cost environment)
         return()
     endif()
     string(REPLACE "\n" ";" lines "${list}")
-    set(name "${folder}")
-    set(tests "")
+    set(suite "")
     foreach(line IN LISTS lines)
         string(REGEX REPLACE " *#.*" "" line "${line}")
         if(line MATCHES "^  (.+)$")
             list(APPEND tests "${suite}.${CMAKE_MATCH_1}")
             list(LENGTH tests count)
             if(count EQUAL 16)
-                claray_add_tests("${name}" "${program}" "${cost}" "${tests}" "${environment}")
+                claray_add_tests("${folder}.${suite}" "${program}" "${cost}" "${tests}" "${environment}")
                 set(tests "")
-                set(name "${folder}.${suite}")
             endif()
         elseif(line MATCHES "^([A-Za-z0-9_/]+)\\.$")
+            claray_add_tests("${folder}.${suite}" "${program}" "${cost}" "${tests}" "${environment}")
             set(suite "${CMAKE_MATCH_1}")
-            if(tests)
-                string(APPEND name "+${folder}.${suite}")
-            else()
-                set(name "${folder}.${suite}")
-            endif()
+            set(tests "")
         endif()
     endforeach()
-    claray_add_tests("${name}" "${program}" "${cost}" "${tests}" "${environment}")
+    claray_add_tests("${folder}.${suite}" "${program}" "${cost}" "${tests}" "${environment}")
 endfunction()
 
 # One test that runs some of a program, unless there are none. A name that is taken gets a number.
@@ -47,11 +41,9 @@ function(claray_add_tests name program cost tests environment)
         string(APPEND name ".${part}")
     endif()
     math(EXPR cost "${cost} * ${count}")
-    # Processes that share PoCL's folder compile one after the other.
-    get_property(number GLOBAL PROPERTY claray_tests)
-    math(EXPR number "0${number} + 1")
-    set_property(GLOBAL PROPERTY claray_tests ${number})
+    string(MAKE_C_IDENTIFIER "${name}" folder)
     list(JOIN tests ":" filter)
     add_test("${name}" "${program}" "--gtest_filter=${filter}")
-    set_tests_properties("${name}" PROPERTIES COST ${cost} TIMEOUT 600 ENVIRONMENT "${environment};POCL_CACHE_DIR=${pocl_folders}/${number}")
+    # Processes that share PoCL's folder compile one after the other.
+    set_tests_properties("${name}" PROPERTIES COST ${cost} TIMEOUT 600 ENVIRONMENT "${environment};POCL_CACHE_DIR=${pocl_folders}/${folder}")
 endfunction()
