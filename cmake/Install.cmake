@@ -6,13 +6,17 @@ set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/claray")
 set_target_properties(claray PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 set_target_properties(claray_io PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
                                            EXPORT_NAME io INSTALL_RPATH "$ORIGIN")
-set_target_properties(claray_verify PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
-                                               EXPORT_NAME verify INSTALL_RPATH "$ORIGIN")
-set_target_properties(claray_accuracy PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
-                                                 EXPORT_NAME accuracy INSTALL_RPATH "$ORIGIN")
+set(studying "")
+if(CLARAY_BUILD_VERIFY)
+    set(studying claray_verify claray_accuracy)
+    set_target_properties(${studying} PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+                                                 INSTALL_RPATH "$ORIGIN")
+    set_target_properties(claray_verify PROPERTIES EXPORT_NAME verify)
+    set_target_properties(claray_accuracy PROPERTIES EXPORT_NAME accuracy)
+endif()
 set_target_properties(claray_c PROPERTIES VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
                                           EXPORT_NAME c INSTALL_RPATH "$ORIGIN")
-install(TARGETS claray claray_io claray_c claray_verify claray_accuracy EXPORT claray
+install(TARGETS claray claray_io claray_c ${studying} EXPORT claray
         LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(EXPORT claray FILE claray-targets.cmake NAMESPACE claray:: DESTINATION "${package_dir}")
 export(EXPORT claray FILE "${CMAKE_CURRENT_BINARY_DIR}/claray-targets.cmake" NAMESPACE claray::)  # claray_DIR=build works, too

@@ -1,7 +1,7 @@
 # Included by CTest once the programs are built: makes a test of every suite, or of every 16 tests of a long one, so that they share a
 # process, its device and its kernels. A failing test's name is in the output, and a crash ends no more than these.
 #   claray_add_suites(FOLDER PROGRAM COST ENVIRONMENT): COST is about the CPU seconds of a test; CTest begins with the longest
-# The folder ${pocl_folders} gets PoCL's caches.
+# The folder ${pocl_folders} gets PoCL's caches, one for each test.
 function(claray_add_suites folder program cost environment)
     execute_process(COMMAND "${program}" --gtest_list_tests RESULT_VARIABLE status OUTPUT_VARIABLE list ERROR_VARIABLE error)
     if(NOT status EQUAL 0)
@@ -41,12 +41,9 @@ function(claray_add_tests name program cost tests environment)
         string(APPEND name ".${part}")
     endif()
     math(EXPR cost "${cost} * ${count}")
-    # Processes that share PoCL's folder compile one after the other: neighbours have folders of their own.
-    get_property(number GLOBAL PROPERTY claray_tests)
-    math(EXPR number "0${number} + 1")
-    set_property(GLOBAL PROPERTY claray_tests ${number})
-    math(EXPR folder "${number} % 8")
+    string(MAKE_C_IDENTIFIER "${name}" folder)
     list(JOIN tests ":" filter)
     add_test("${name}" "${program}" "--gtest_filter=${filter}")
+    # Processes that share PoCL's folder compile one after the other.
     set_tests_properties("${name}" PROPERTIES COST ${cost} TIMEOUT 600 ENVIRONMENT "${environment};POCL_CACHE_DIR=${pocl_folders}/${folder}")
 endfunction()
