@@ -91,8 +91,8 @@ struct FramesReport {
     unsigned spp = 0, max_depth = 0;  ///< chosen values, as are the following
     unsigned width = 0, height = 0;   ///< of the images that are traced, and then enlarged to the wanted size
     Approximations approximate;
-    /// If two samples of full depth for every pixel take too long, so that ways to make frames are compared: RMSE of a
-    /// frame over the mean of the image, measured against many samples; else 0.
+    /// If one sample of full depth for every pixel takes too long: RMSE of a frame over the mean of the image, measured
+    /// against many samples; else 0.
     double error = 0;
     std::vector<std::string> picks;     ///< each choice and its reason, one line each
     std::vector<double> seconds;        ///< time of each frame
@@ -109,9 +109,8 @@ struct FramesConfig {
 
 /// Chooses the samples per pixel so that a frame takes at most 1 / fps, and renders the frames. `config.spp` and
 /// `config.max_depth` are upper limits. If one sample per pixel takes too long, measures shorter paths, smaller images
-/// and approximations, and chooses that of the least error. If one fits but not two, approximations compete with it.
-/// `progress` is called after every frame; return false to stop. Throws ErrorKind::user, naming the closest rate, if
-/// the rate cannot be reached.
+/// and approximations, and chooses that of the least error. `progress` is called after every frame; return false to
+/// stop. Throws ErrorKind::user, naming the closest rate, if the rate cannot be reached.
 [[nodiscard]] FramesReport render_frames(const Device& device, const Scene& scene, const RenderConfig& config,
                                          const FramesConfig& frames,
                                          const std::function<bool(unsigned done)>& progress = {},

@@ -319,30 +319,5 @@ TEST(RenderFrames, AreCheaperWhereOneSampleTakesTooLong) {
               cheaper.picks.end());
 }
 
-/// Rates at which one sample of full depth fits, but perhaps not two: how often depends on the machine.
-TEST(RenderFrames, OneSampleCompetesWithApproximations) {
-    const Scene scene = *builtin_scene("cornell");
-    const RenderConfig config{.width = 96, .height = 96, .spp = 8};
-    const auto has = [](const FramesReport& report, const std::string& text) {
-        return std::any_of(report.picks.begin(), report.picks.end(),
-                           [&](const std::string& pick) { return pick.find(text) != std::string::npos; });
-    };
-    RenderConfig single = config;
-    single.spp = 1;
-    const FramesReport one = render_frames(device(), scene, single, {.fps = 0.5, .frames = 5});
-    EXPECT_EQ(one.error, 0.0) << "no more was asked for";
-    for (const double frames_of_one : {1.3, 1.5, 1.7}) {
-        FramesReport report;
-        try {
-            report = render_frames(device(), scene, config, {.fps = 1 / (frames_of_one * one.median), .frames = 1});
-        } catch (const Error&) {
-            continue;  // the machine became too slow
-        }
-        if (!has(report, "samples: 1 per pixel")) continue;
-        EXPECT_GT(report.error, 0.0);
-        EXPECT_TRUE(has(report, "light-grid: a frame of ")) << "measured";
-    }
-}
-
 }  // namespace
 }  // namespace claray::test

@@ -145,12 +145,11 @@ public:
     /// All pixels and the deepest paths.
     [[nodiscard]] Way complete() const { return way_of(complete_name, config_); }
 
-    /// The best of those that are cheaper than `complete`, and of that itself if it fits.
-    [[nodiscard]] Way best(const Way& complete, const MeasuringProgress& measuring,
-                           std::vector<std::string>& picks) const {
+    /// The best of those that are cheaper than `complete`.
+    [[nodiscard]] Way cheaper(const Way& complete, const MeasuringProgress& measuring,
+                              std::vector<std::string>& picks) const {
         const std::vector<glm::vec3> reference = reference_of(complete);
-        std::vector<Way> ways = {complete};
-        if (complete.seconds > share * budget_) ways = {shorter_paths(complete), smaller_image(complete)};
+        std::vector<Way> ways = {shorter_paths(complete), smaller_image(complete)};
         if (!config_.approximate.any())
             for (const Approximations& approximate : approximations_for(scene_))
                 if (is_cheaper(approximate) && (!measuring || measuring(to_string(approximate))))
@@ -247,19 +246,18 @@ private:
     CameraPath path_;
 };
 
-/// The most samples that fit, up to `most`, or a cheaper way: a single sample of full depth has more noise than some of
-/// these lack light.
-Way pick(const Ways& ways, unsigned most, double budget, const MeasuringProgress& measuring,
-         std::vector<std::string>& picks) {
+/// The most samples that fit, or a cheaper way.
+Way pick(const Ways& ways, double budget, const MeasuringProgress& measuring, std::vector<std::string>& picks) {
     Way way = ways.complete();
     const double complete = way.seconds;
-    const bool fits = way.seconds <= share * budget;
-    if (fits) ways.take_samples(way);
-    if (!fits || (way.spp == 1 && most > 1)) way = ways.best(way, measuring, picks);
+    if (way.seconds <= share * budget)
+        ways.take_samples(way);
+    else
+        way = ways.cheaper(way, measuring, picks);
     Ways::use(way);
     picks.push_back(printed("samples: %u per pixel; one sample takes %s, a frame takes %s of %s", way.spp,
                             told_time(way.one).c_str(), told_time(way.seconds).c_str(), told_time(budget).c_str()));
-    if (way.name != complete_name)
+    if (way.error > 0)
         picks.push_back(
             printed("chosen: %s, since one sample of all pixels takes %s; use a smaller --size to avoid this",
                     way.name.c_str(), told_time(complete).c_str()));
@@ -286,8 +284,7 @@ FramesReport render_frames(const Device& device, const Scene& scene, const Rende
     FramesReport report;
     if (measuring && (!measuring("kernels") || !measuring("samples that fit into a frame")))
         throw Error(ErrorKind::user, "interrupted before the first frame");
-    const Way way =
-        pick({device, scene, plan.config, budget, wanted.orbit}, plan.config.spp, budget, measuring, plan.picks);
+    const Way way = pick({device, scene, plan.config, budget, wanted.orbit}, budget, measuring, plan.picks);
     Frames& all = *way.frames;
     LateFrames late(budget);
     for (unsigned i = 1; i <= wanted.frames; ++i) {
