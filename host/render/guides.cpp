@@ -76,6 +76,7 @@ Guides::Guides(const Device& device, const SceneBuffers& scene, Sampler sampler)
       capacity_(choose_capacity(device)),
       bounces_per_look_(std::max(1u, device.tuning("render/wavefront", "BOUNCES_PER_LOOK"))),
       query_(scene.structure, QueryKernel::Kind::closest, camera_rays(scene), "trace_guide_rays"),
+      runs_(device, CLARAY_EDGE_CLASSES),
       counts_(device, CLARAY_EDGE_CLASSES),
       ends_(device, CLARAY_EDGE_CLASSES) {
     for (Buffer<std::uint32_t>& ray_count : ray_counts_) ray_count = Buffer<std::uint32_t>(device, 1);
@@ -122,7 +123,7 @@ double Guides::trace_edges(const FrameData& frame, const Buffer<FilmPixel>& film
 
 std::uint64_t Guides::bytes() const {
     std::uint64_t bytes = hits_.bytes() + sights_.bytes() + classes_.bytes() + list_.bytes() + counts_.bytes() +
-                          ends_.bytes() + guides_.bytes();
+                          ends_.bytes() + guides_.bytes() + runs_.bytes();
     for (int i = 0; i < 2; ++i) bytes += rays_[i].bytes() + times_[i].bytes() + numbers_[i].bytes();
     for (const Buffer<std::uint32_t>& ray_count : ray_counts_) bytes += ray_count.bytes();
     return bytes;
@@ -144,12 +145,16 @@ void Guides::trace_runs(const FrameData& frame, const Buffer<FilmPixel>& film, c
     std::uint64_t all = 0;
     for (const Run& run : runs) all += std::uint64_t(run.pixels) * run.samples;
     make_room(std::min<std::uint64_t>(all, capacity_));
-    GuideStep guide{{{first_pixel, 0, 0, 0, 0}, frame, 0, 0, 0, 0}, std::uint32_t(listed), 0, {}};
+    GuideStep guide{{{first_pixel, 0, 0, 0, 0}, frame, 0, 0, 0, 0}, std::uint32_t(listed), 0};
+    std::vector<GuideRun> batch_runs;
     Batch& batch = guide.step.batch;
     const auto trace_batch = [&] {
+        guide.run_count = std::uint32_t(batch_runs.size());
+        runs_.write(std::span<const GuideRun>(batch_runs));
         see(guide);
-        write_.run({batch.pixels, 64}, guide, list_, film, sights_, guides_);
-        batch.first_pixel += batch.pixels, batch.pixels = 0, guide.step.capacity = 0, guide.run_count = 0;
+        write_.run({batch.pixels, 64}, guide, runs_, list_, film, sights_, guides_);
+        batch.first_pixel += batch.pixels, batch.pixels = 0, guide.step.capacity = 0;
+        batch_runs.clear();
     };
     for (const Run& run : runs)
         for (std::uint32_t left = run.pixels; left != 0;) {
@@ -158,7 +163,7 @@ void Guides::trace_runs(const FrameData& frame, const Buffer<FilmPixel>& film, c
                 trace_batch();
                 continue;
             }
-            guide.runs[guide.run_count++] = {batch.pixels, guide.step.capacity, run.samples};
+            batch_runs.push_back({batch.pixels, guide.step.capacity, run.samples});
             batch.pixels += pixels, guide.step.capacity += pixels * run.samples, left -= pixels;
         }
     if (batch.pixels != 0) trace_batch();
@@ -167,13 +172,13 @@ void Guides::trace_runs(const FrameData& frame, const Buffer<FilmPixel>& film, c
 void Guides::see(GuideStep guide) {
     std::uint32_t& count = guide.step.capacity;
     const bool cpu = device_.info().type == DeviceType::cpu;
-    start_.run({cpu ? (count + 15) / 16 : count, 64}, guide, arg("list", list_), arg("rays", rays_[0]),
+    start_.run({cpu ? (count + 15) / 16 : count, 64}, guide, runs_, arg("list", list_), arg("rays", rays_[0]),
                arg("times", times_[0]), arg("ray_count", ray_counts_[0]), arg("next_count", ray_counts_[1]));
     while (count != 0) {
         const std::uint32_t depth = guide.step.depth, in = depth % 2, out = 1 - in;
         const Buffer<std::uint32_t>&ray_count = ray_counts_[depth % 3], &next_count = ray_counts_[(depth + 1) % 3];
         query_.closest(rays_[in], hits_, count, ray_count, times_[in]);
-        see_.run({count, 64}, guide, arg("list", list_), scene_, arg("rays", rays_[in]), hits_,
+        see_.run({count, 64}, guide, runs_, arg("list", list_), scene_, arg("rays", rays_[in]), hits_,
                  arg("numbers", numbers_[in]), sights_, arg("next_rays", rays_[out]), arg("next_times", times_[out]),
                  arg("next_numbers", numbers_[out]), arg("ray_count", ray_count), arg("next_count", next_count),
                  arg("count_after_next", ray_counts_[(depth + 2) % 3]));

@@ -45,6 +45,7 @@ private:
     SceneHits hits_;
     Buffer<Sight> sights_;
     Buffer<std::uint8_t> classes_;
+    Buffer<GuideRun> runs_;  // of the present batch
     Buffer<std::uint32_t> list_, counts_, ends_;
     Buffer<Guide> guides_;
 };

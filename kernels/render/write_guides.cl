@@ -26,15 +26,15 @@ static inline uint2 guided_pixel(const GuideStep* guide, uint i, global const ui
 }
 
 /// The run of a ray of the batch.
-static inline GuideRun run_of_ray(const GuideStep* guide, uint ray) {
+static inline GuideRun run_of_ray(const GuideStep* guide, global const GuideRun* runs, uint ray) {
     uint run = guide->run_count - 1u;
-    while (run != 0u && ray < guide->runs[run].first_ray) --run;
-    return guide->runs[run];
+    while (run != 0u && ray < runs[run].first_ray) --run;
+    return runs[run];
 }
 
 /// The sample of a camera ray, as a batch of its own.
-static inline Batch sample_of(const GuideStep* guide, uint ray, global const uint* list) {
-    const GuideRun run = run_of_ray(guide, ray);
+static inline Batch sample_of(const GuideStep* guide, global const GuideRun* runs, uint ray, global const uint* list) {
+    const GuideRun run = run_of_ray(guide, runs, ray);
     const uint within = ray - run.first_ray, pixel = within / run.samples;
     const uint2 from = guided_pixel(guide, run.first_pixel + pixel, list);
     const Batch one = {from.x, 1u, from.y + within - pixel * run.samples, 1u, 0u};
@@ -44,15 +44,15 @@ static inline Batch sample_of(const GuideStep* guide, uint ray, global const uin
 #if CLARAY_CPU
 /// Camera rays of each pixel. Sixteen per work-item, as in generate_rays.cl. `ray_count` and `next_count`: the
 /// numbers of rays of the first two depths.
-kernel void guide_rays(GuideStep guide, global const uint* list, global Ray* rays, global float* times, global uint* ray_count,
-                       global uint* next_count) {
+kernel void guide_rays(GuideStep guide, global const GuideRun* runs, global const uint* list, global Ray* rays, global float* times,
+                       global uint* ray_count, global uint* next_count) {
     const uint begin = 16u * (uint)get_global_id(0), all = guide.step.capacity;
     if (begin == 0u) *ray_count = all, *next_count = 0u;
     if (begin >= all) return;
     uint pixel[16], number[16];
     const uint count = min(16u, all - begin);
     for (uint i = 0; i < 16; ++i) {
-        const Batch one = sample_of(&guide, begin + min(i, count - 1u), list);
+        const Batch one = sample_of(&guide, runs, begin + min(i, count - 1u), list);
         pixel[i] = one.first_pixel, number[i] = one.first_sample;
     }
     const uint16 pixels = vload16(0, pixel), seeds = hash_words_of_16(pixels, (uint16)(guide.step.frame.seed));
@@ -60,13 +60,13 @@ kernel void guide_rays(GuideStep guide, global const uint* list, global Ray* ray
 }
 #else
 /// Camera rays of each pixel. `ray_count` and `next_count`: the numbers of rays of the first two depths.
-kernel void guide_rays(GuideStep guide, global const uint* list, global Ray* rays, global float* times, global uint* ray_count,
-                       global uint* next_count) {
+kernel void guide_rays(GuideStep guide, global const GuideRun* runs, global const uint* list, global Ray* rays, global float* times,
+                       global uint* ray_count, global uint* next_count) {
     const uint i = get_global_id(0);
     if (i == 0u) *ray_count = guide.step.capacity, *next_count = 0u;
     if (i >= guide.step.capacity) return;
     float time = 0.0f;
-    store_ray(&rays[i], first_ray(sample_of(&guide, i, list), &guide.step.frame, 0, 0u, &time));
+    store_ray(&rays[i], first_ray(sample_of(&guide, runs, i, list), &guide.step.frame, 0, 0u, &time));
 #if INSTANCE_MOTION
     times[i] = time;
 #endif
@@ -149,14 +149,14 @@ static inline void see(Batch one, const FrameData* frame, SCENE_PARAMETERS, uint
 
 /// `numbers`: from depth 1 on the index of each ray among the camera rays. Rays that go on are appended to the `next` ones. `ray_count`:
 /// how many there are; `next_count` is 0 before, and `count_after_next` is made 0.
-kernel void see_surfaces(GuideStep guide, global const uint* list, SCENE_PARAMETERS, global const Ray* rays,
+kernel void see_surfaces(GuideStep guide, global const GuideRun* runs, global const uint* list, SCENE_PARAMETERS, global const Ray* rays,
                          global const SceneHit* hits, global const uint* numbers, global Sight* sights, global Ray* next_rays, global float* next_times,
                          global uint* next_numbers, global const uint* ray_count, global uint* next_count, global uint* count_after_next) {
     const uint i = get_global_id(0), depth = guide.step.depth;
     if (i == 0u) *count_after_next = 0u;
     if (i >= guide.step.capacity || i >= *ray_count) return;
     const uint ray = depth == 0u ? i : numbers[i];
-    const Batch one = sample_of(&guide, ray, list);
+    const Batch one = sample_of(&guide, runs, ray, list);
     Sight sight = {1.0f, 1.0f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0u};
     if (depth != 0u) sight = sights[ray];
     float time = 0.0f;
@@ -198,13 +198,13 @@ static inline void merge_guides(Guide* all, const Guide* more) {
 }
 
 /// One pixel per item. If the film has more samples than were traced here, both means are over all that were.
-kernel void write_guides(GuideStep step, global const uint* list, global const FilmPixel* film, global const Sight* sights,
-                         global Guide* guides) {
+kernel void write_guides(GuideStep step, global const GuideRun* runs, global const uint* list, global const FilmPixel* film,
+                         global const Sight* sights, global Guide* guides) {
     const uint i = get_global_id(0);
     if (i >= step.step.batch.pixels) return;
     uint run = step.run_count - 1u;
-    while (run != 0u && i < step.runs[run].first_pixel) --run;
-    const uint samples = step.runs[run].samples, first = step.runs[run].first_ray + (i - step.runs[run].first_pixel) * samples;
+    while (run != 0u && i < runs[run].first_pixel) --run;
+    const uint samples = runs[run].samples, first = runs[run].first_ray + (i - runs[run].first_pixel) * samples;
     const uint2 pixel = guided_pixel(&step, i, list);
     const uint in_film = film[pixel.x].count + film[pixel.x].dropped;
     const bool all_traced = in_film <= samples || pixel.y != 0u;

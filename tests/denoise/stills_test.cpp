@@ -183,12 +183,13 @@ Guide guide_of(const std::vector<glm::vec3>& rays, std::uint32_t in_film, const 
         sights.push_back(sight);
     }
     GuideStep step{};
-    step.step.batch.pixels = 1, step.listed = 1, step.run_count = 1, step.runs[0].samples = std::uint32_t(rays.size());
+    step.step.batch.pixels = 1, step.listed = 1, step.run_count = 1;
     FilmPixel pixel{};
     pixel.count = in_film;
     const Buffer<Guide> guide(device(), std::vector{before});
+    const Buffer<GuideRun> runs(device(), std::vector{GuideRun{0, 0, std::uint32_t(rays.size())}});
     load_kernel(device(), "render/write_guides.cl", "write_guides")
-        .run({1, 1}, step, Buffer<std::uint32_t>(device(), std::vector<std::uint32_t>{0, before.rays}),
+        .run({1, 1}, step, runs, Buffer<std::uint32_t>(device(), std::vector<std::uint32_t>{0, before.rays}),
              Buffer<FilmPixel>(device(), std::vector{pixel}), Buffer<Sight>(device(), sights), guide);
     return guide.read()[0];
 }

@@ -58,10 +58,9 @@ CLARAY_LAYOUT(GuideRun, 12)
 typedef struct GuideStep {
     Step step;
     uint listed;
-    uint run_count;
-    GuideRun runs[CLARAY_EDGE_CLASSES];
+    uint run_count;  // of the batch; they are in a buffer, since OpenCL grants a kernel's arguments only 1,024 bytes
 } GuideStep;
-CLARAY_LAYOUT(GuideStep, 1120)
+CLARAY_LAYOUT(GuideStep, 352)
 
 /// Scalar parameters of a filter pass.
 typedef struct FilterStep {
