@@ -59,7 +59,7 @@ EdgeCounts share_rays(const EdgeCounts& pixels, double rays, std::uint32_t too_f
     return samples;
 }
 
-/// At most a 16th of the device's memory, as the wavefront, but the most rays of one pixel.
+/// At most a 16th of the device's memory, as the wavefront, but at least the most rays of one pixel.
 std::uint32_t choose_capacity(const Device& device) {
     constexpr std::uint64_t bytes_per_ray =
         2 * (sizeof(Ray) + sizeof(float) + sizeof(std::uint32_t)) + sizeof(InstanceHit) + sizeof(Sight);
@@ -94,19 +94,21 @@ const Buffer<Guide>& Guides::trace(const FrameData& frame, const Buffer<FilmPixe
         classes_.reserve(device_, pixels);
     trace_runs(frame, film, {{pixels, samples_of_all}}, 0, false);
     const double rays = double(pixels) * edge_rays_per_pixel(spp);
-    const double first = trace_edges(frame, film, share_of_first_pass * rays, spp);
-    if (first > 0) (void)trace_edges(frame, film, rays - first, spp);  // else no pixel has noise: nothing changed
+    const double first = trace_edges(frame, film, share_of_first_pass * rays, rays, spp);
+    if (first > 0 && first < rays) (void)trace_edges(frame, film, rays - first, rays - first, spp);
     return guides_;
 }
 
-double Guides::trace_edges(const FrameData& frame, const Buffer<FilmPixel>& film, double most_rays, std::uint32_t spp) {
+double Guides::trace_edges(const FrameData& frame, const Buffer<FilmPixel>& film, double wanted_rays, double most_rays,
+                           std::uint32_t spp) {
     const std::uint32_t pixels = frame.width * frame.height;
     counts_.fill(0);
     find_edges_.run({pixels, 64}, frame.width, frame.height, guides_, classes_, counts_);
     EdgeCounts counts{}, starts{};
     counts_.read(std::span(counts));
     for (std::size_t i = 1; i < counts.size(); ++i) starts[i] = starts[i - 1] + counts[i - 1];
-    const EdgeCounts samples = share_rays(counts, most_rays, too_few(spp));
+    EdgeCounts samples = share_rays(counts, wanted_rays, too_few(spp));
+    if (samples == EdgeCounts{}) samples = share_rays(counts, most_rays, too_few(spp));
     if (samples == EdgeCounts{}) return 0;
     ends_.write(std::span<const std::uint32_t>(starts));
     list_edges_.run({pixels, 64}, pixels, film, guides_, classes_, arg("list", list_), arg("ends", ends_));

@@ -19,9 +19,10 @@ public:
     [[nodiscard]] std::uint64_t bytes() const;
 
 private:
-    /// Traces further rays of the pixels with the most noise. Returns their number.
-    [[nodiscard]] double trace_edges(const FrameData& frame, const Buffer<FilmPixel>& film, double most_rays,
-                                     std::uint32_t spp);
+    /// Traces further rays of the pixels with the most noise: `wanted_rays`, or `most_rays` if so few are too few for
+    /// any of them. Returns their number.
+    [[nodiscard]] double trace_edges(const FrameData& frame, const Buffer<FilmPixel>& film, double wanted_rays,
+                                     double most_rays, std::uint32_t spp);
     struct Run {
         std::uint32_t pixels, samples;  // of each
     };

@@ -21,10 +21,10 @@ void Mark::wait() const try { event_.wait(); } catch (const cl::Error& error) {
     throw_device_error(device_, "render", error);
 }
 
-double Mark::milliseconds() const try {
+std::optional<double> Mark::milliseconds() const try {
     return 1e-6 * double(event_.getProfilingInfo<CL_PROFILING_COMMAND_END>());
 } catch (const cl::Error&) {  // the queue belongs to a program that measures nothing
-    return 1e3 * std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+    return std::nullopt;
 }
 
 std::uint64_t InFlight::paths() const {
@@ -47,8 +47,14 @@ void InFlight::submitted(std::uint32_t paths) try {
 
 void InFlight::wait_for_oldest() {
     batches_.front().done.wait();
-    const double ended = batches_.front().done.milliseconds();
-    if (before_) pace_.took(batches_.front().paths, ended - *before_);
+    const auto now = std::chrono::steady_clock::now().time_since_epoch();
+    const Ended ended{std::chrono::duration<double, std::milli>(now).count(), batches_.front().done.milliseconds()};
+    if (before_) {
+        double took = ended.by_host - before_->by_host;
+        if (ended.by_device && before_->by_device && *ended.by_device > *before_->by_device)
+            took = *ended.by_device - *before_->by_device;
+        pace_.took(batches_.front().paths, took);
+    }
     before_ = ended;
     batches_.pop_front();
 }

@@ -16,8 +16,8 @@ public:
     explicit Mark(const Device& device);
     /// Waits until these commands are done.
     void wait() const;
-    /// When they were done, by a clock of the device. After `wait`.
-    [[nodiscard]] double milliseconds() const;
+    /// When they were done, by the device's clock, if that can be asked. After `wait`.
+    [[nodiscard]] std::optional<double> milliseconds() const;
 
 private:
     Device device_;
@@ -25,7 +25,8 @@ private:
 };
 
 /// The enqueued batches. Keeps the host from running far ahead of the device, so that a stop takes effect soon, and
-/// reports times to the Pace: by the device's clock, since the host may see the end of a batch late.
+/// reports times to the Pace: by the device's clock, since the host may see the end of a batch late; by the host's if
+/// the driver tells no times of markers.
 class InFlight {
 public:
     InFlight(const Device& device, Pace& pace) : device_(device), pace_(pace) {}
@@ -48,7 +49,11 @@ private:
     Device device_;
     Pace& pace_;
     std::deque<Submitted> batches_;
-    std::optional<double> before_;  // when the previous batch ended
+    struct Ended {
+        double by_host;
+        std::optional<double> by_device;
+    };
+    std::optional<Ended> before_;  // when the previous batch ended
 };
 
 }  // namespace claray

@@ -424,8 +424,10 @@ RenderProgress Renderer::render(const std::function<bool(const RenderProgress&)>
 }
 
 RenderProgress Renderer::render_for(double seconds, const std::function<bool(const RenderProgress&)>& progress) {
+    if (std::isnan(seconds))
+        throw Error(ErrorKind::usage, "the time to render is not a number", "give seconds, or infinity for no limit");
     State& state = *state_;
-    state.call_seconds = seconds, state.call_begin = Clock::now();
+    const State::TimeOfCall time(state, seconds);
     if (!state.begin && state.config.seconds > 0) state.warm_up();
     state.follow_light();
     if (!state.begin) state.begin = Clock::now();
@@ -447,6 +449,7 @@ RenderProgress Renderer::render_for(double seconds, const std::function<bool(con
         last_report = Clock::now();
     }
     if (saves) state.save_checkpoint();
+    in_flight.drain();
     state.device.finish();
     return state.measure();
 }
@@ -506,12 +509,13 @@ void Renderer::resize(unsigned width, unsigned height) {
     if (state.config.adaptive)
         throw Error(ErrorKind::usage, "a render with adaptive sampling cannot change its size", "make a new renderer");
     if (width == state.config.width && height == state.config.height) return state.discard_samples();
+    state.aovs.reset(), state.gbuffer.reset(), state.denoising.reset();  // before more memory is taken
     state.config.width = width, state.config.height = height;
     state.wavefront.resize(width, height, std::uint64_t(state.pixels()) * state.most_spp);
     state.look_through(state.camera);
     state.film = Film(state.device, state.pixels(), tells_error(state.config), state.config.sample_clamp);
     state.pace = Pace(state.first_paths(), state.wavefront.capacity());
-    state.path_kernel.reset(), state.aovs.reset(), state.gbuffer.reset(), state.denoising.reset();
+    state.path_kernel.reset();
     state.light_cut_off.reset();
     state.discard_samples();
 }

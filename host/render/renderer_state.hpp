@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -132,6 +133,19 @@ struct Renderer::State {
     [[nodiscard]] bool target_met();
     [[nodiscard]] bool limit_reached();
     [[nodiscard]] double seconds_left() const;
+    /// Limits a call of Renderer::render_for for as long as it lasts.
+    class TimeOfCall {
+    public:
+        TimeOfCall(State& state, double seconds) : state_(state) {
+            state.call_seconds = seconds, state.call_begin = Clock::now();
+        }
+        ~TimeOfCall() { state_.call_seconds = std::numeric_limits<double>::infinity(); }
+        TimeOfCall(const TimeOfCall&) = delete;
+        TimeOfCall& operator=(const TimeOfCall&) = delete;
+
+    private:
+        State& state_;
+    };
     [[nodiscard]] double optimism() const;           // factor of errors that the film underestimates
     [[nodiscard]] double noise_over_halves() const;  // noise over that of the halves
     [[nodiscard]] bool error_met();
@@ -174,19 +188,19 @@ struct Renderer::State {
     RenderIdentity identity;  // for checkpoints
     std::string checkpoint_error;
     std::optional<Clock::time_point> begin;
-    double call_seconds = 0;                         // that this call of Renderer::render_for may take
-    Clock::time_point call_begin;                    // of that call
-    Clock::time_point first_begin;                   // of all frames
-    double patience = path_kernel_patience(device);  // seconds of rendering before it may be compiled
-    ErrorLooks looks;                                // at the error
-    Film::Error last_error;                          // the last estimate
-    std::optional<double> light_cut_off;             // once it was asked for
-    unsigned last_error_spp = 0;                     // samples per pixel at that time
-    bool compiler_asked = false;                     // false: that of another render runs
-    Clock::time_point last_asked;                    // for a compiler
-    bool error_is_new = false;                       // not reported yet
-    double measuring_seconds = 0;                    // for noise and error
-    std::map<std::string, double> before;            // the profiler's times at the start of this render
+    double call_seconds = std::numeric_limits<double>::infinity();  // that this call of Renderer::render_for may take
+    Clock::time_point call_begin;                                   // of that call
+    Clock::time_point first_begin;                                  // of all frames
+    double patience = path_kernel_patience(device);                 // seconds of rendering before it may be compiled
+    ErrorLooks looks;                                               // at the error
+    Film::Error last_error;                                         // the last estimate
+    std::optional<double> light_cut_off;                            // once it was asked for
+    unsigned last_error_spp = 0;                                    // samples per pixel at that time
+    bool compiler_asked = false;                                    // false: that of another render runs
+    Clock::time_point last_asked;                                   // for a compiler
+    bool error_is_new = false;                                      // not reported yet
+    double measuring_seconds = 0;                                   // for noise and error
+    std::map<std::string, double> before;                           // the profiler's times at the start of this render
 };
 
 }  // namespace claray

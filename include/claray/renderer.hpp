@@ -246,7 +246,8 @@ public:
     /// `checkpoint_error`.
     RenderProgress render(const std::function<bool(const RenderProgress&)>& progress = {});
     /// The same for at most so many seconds from now, but not before every pixel has a sample. The last batches are as
-    /// small as the time that is left.
+    /// small as the time that is left, as soon as the speed of batches is known. Negative is 0, infinity no limit;
+    /// throws ErrorKind::usage for NaN.
     RenderProgress render_for(double seconds, const std::function<bool(const RenderProgress&)>& progress = {});
 
     /// Discards all samples and restarts with another seed. `spp` and `max_depth` replace those of the configuration
@@ -293,7 +294,8 @@ public:
     [[nodiscard]] std::span<const std::uint8_t> picture(const PictureConfig& config = {}) const;
     /// Returns the mean linear radiance so far without most of its noise, see docs/denoise.md. The samples are kept.
     /// Blocks. Throws ErrorKind::user for a denoiser that is not installed. The first call takes memory of the device
-    /// and loads kernels, which the renderer keeps for the next calls, as long as size and scene stay.
+    /// and loads kernels. The renderer keeps them until its size changes or `release_denoiser` is called; guides
+    /// are made again if the scene changes.
     [[nodiscard]] std::vector<glm::vec3> denoised(DenoiserKind kind = DenoiserKind::automatic) const;
     /// Returns the same as a picture, for frames that are shown one after the other: if `update` changes the camera or
     /// moves objects, light of the pictures before is used again where it fits (docs/denoise.md). By claray's own

@@ -86,10 +86,11 @@ kernel void filter_light(FilterStep step, global const float4* light, global con
         for (int dx = -2; dx <= 2; ++dx) {
             const uint at = neighbour(step, x + dx * spacing, y + dy * spacing);
             const float4 there = light[at];
+            if (!has_light(there)) continue;
             const float difference = luminance(there.xyz) - own;
             const float apart = surface_distance(surface, slope, surfaces[at], (float)(dx * spacing), (float)(dy * spacing));
             const float brighter = difference * difference / (LIGHT_TOLERANCE * (here.w + there.w) + 1e-30f);
-            const float near = has_light(there) ? weights[at] * spline[abs(dx)] * spline[abs(dy)] : 0.0f;
+            const float near = weights[at] * spline[abs(dx)] * spline[abs(dy)];
             const float weight = near * fading(apart + brighter), any = near * fading(brighter);
             total += weight, any_total += any;
             first += weight * difference, second += weight * difference * difference;

@@ -10,6 +10,7 @@
 #include "host/denoise/oidn.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
+#include "tests/support/tuning.hpp"
 
 namespace claray::test {
 namespace {
@@ -207,6 +208,17 @@ TEST(Guides, OfFurtherRaysAreThoseOfAllRays) {
     EXPECT_NEAR(all.ray_variance, 20, 1e-3) << "of 1, 6, 1, 11, 11";
     EXPECT_EQ(both.sampled_glow_r, all.sampled_glow_r) << "the film's samples are the first rays";
     EXPECT_EQ(both.glow_difference, all.glow_difference);
+}
+
+TEST(Guides, AreTheSameInSmallerBatches) {
+    const auto denoised = [] {
+        Renderer renderer(device(), *builtin_scene("cornell"), {.width = 96, .height = 64, .spp = 4});
+        (void)renderer.render();
+        return renderer.denoised(DenoiserKind::claray);
+    };
+    const std::vector<glm::vec3> expected = denoised();
+    const ScopedTuning paths("render/wavefront", "PATHS", 4096);  // fewer than the four rays of each pixel
+    EXPECT_EQ(denoised(), expected);
 }
 
 /// The classes of a row of pixels with these guides.

@@ -209,6 +209,7 @@ TEST(Renderer, RendersForATime) {
     EXPECT_GT(spp, 1u);
     EXPECT_LT(spp, 1'000'000u);
     EXPECT_EQ(renderer.render_for(0).spp, spp) << "no time, no further samples";
+    EXPECT_THROW((void)renderer.render_for(std::nan("")), Error);
 }
 
 TEST(Renderer, ReportsProgressAndStopsWhenAsked) {

@@ -224,26 +224,5 @@ TEST(ViewPreview, ComesFirstAndLeavesNoTrace) {
     EXPECT_EQ(view.next_frame().spp, 1u) << "a paused view shows the first samples of the complete image";
 }
 
-/// Large batches, as GPUs have: only the time that is left makes them small. Of several answers the fastest counts,
-/// since other work may delay any.
-TEST(View, BeginsNoBatchThatEndsTooLate) {
-    constexpr double for_samples = 0.2;  // seconds: a quarter of a frame's time
-    const ScopedTuning most("render/wavefront", "PATHS", 1u << 22);
-    const ScopedTuning first("render/wavefront", "FIRST_PATHS", 1u << 22);
-    view::ViewConfig config = small_view;
-    config.frame_seconds = 4 * for_samples;
-    config.render.width = 192, config.render.height = 128, config.render.spp = 1u << 24;
-    view::View view(device(), two_spheres(), config);
-    double least = 1e9;
-    for (int i = 0; i < 4; ++i) {
-        (void)run(view, "orbit 5 0");
-        const auto begin = std::chrono::steady_clock::now();
-        EXPECT_GT(view.next_frame().spp, 1u);
-        least = std::min(least, seconds_since(begin));
-    }
-    EXPECT_GE(least, for_samples);
-    EXPECT_LE(least, 1.15 * for_samples);
-}
-
 }  // namespace
 }  // namespace claray::test
