@@ -449,7 +449,6 @@ RenderProgress Renderer::render_for(double seconds, const std::function<bool(con
         last_report = Clock::now();
     }
     if (saves) state.save_checkpoint();
-    in_flight.drain();
     state.device.finish();
     return state.measure();
 }

@@ -54,7 +54,6 @@ std::uint32_t Pace::paths_within(double milliseconds) const {
 /// A batch that took too long reduces the size at once. Only full batches can raise it: the time of small ones is
 /// mostly overhead.
 void Pace::took(std::uint32_t paths, double milliseconds) {
-    if (!(milliseconds > 0)) return;  // the clock tells nothing
     known_paths_ = kept * known_paths_ + double(paths), milliseconds_ = kept * milliseconds_ + milliseconds;
     const double share = batch_milliseconds / std::max(milliseconds, 1e-3);
     if (share < 1)
