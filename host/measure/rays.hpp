@@ -41,8 +41,8 @@ struct RaySets {
     std::vector<Ray> mixed;  ///< the primary and bounce rays in random order
 };
 
-/// Primary rays in scanline order or in tiles of 8x8 pixels; from each hit, slightly above the surface, a ray to the view's light and a
-/// cosine-distributed bounce.
+/// Primary rays in scanline order or in tiles of 8x8 pixels; from each hit, slightly above the surface, a ray to the
+/// view's light and a cosine-distributed bounce.
 [[nodiscard]] RaySets make_rays(const Device& device, const Scene& scene, const std::vector<View>& views,
                                 unsigned width, unsigned height, bool tiles = false);
 /// The same from NAME.ray: u32 'RAY1', three counts; primary, shadow and bounce rays.
