@@ -19,8 +19,8 @@
 namespace claray::test {
 namespace {
 
-/// What is known to be cached is noted for a tuning of the device. With one that no test ever had nothing is noted, while
-/// the cache still holds the kernels that other tests compiled.
+/// What is known to be cached is noted for a tuning of the device. With one that no test ever had nothing is noted,
+/// while the cache still holds the kernels that other tests compiled.
 void forget_what_is_cached() {
     static auto tuning = unsigned(std::chrono::system_clock::now().time_since_epoch().count());
     device().set_tuning("tests/kernel_choice", "RUN", tuning++);
