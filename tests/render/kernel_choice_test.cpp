@@ -19,6 +19,13 @@
 namespace claray::test {
 namespace {
 
+/// What is known to be cached is noted for a tuning of the device. With one that no test ever had nothing is noted,
+/// while the cache still holds the kernels that other tests compiled.
+void forget_what_is_cached() {
+    static auto tuning = unsigned(std::chrono::system_clock::now().time_since_epoch().count());
+    device().set_tuning("tests/kernel_choice", "RUN", tuning++);
+}
+
 class KernelChoices : public testing::Test {
 protected:
     /// The configuration with a compiler that does nothing and succeeds.
@@ -31,7 +38,10 @@ protected:
         RenderConfig here;
         return plan_kernels(device(), effects_of(scene), here).last;
     }
-    void SetUp() override { device().set_tuning("render/wavefront", "PATHS", 1200); }  // many batches
+    void SetUp() override {
+        device().set_tuning("render/wavefront", "PATHS", 1200);  // many batches
+        forget_what_is_cached();
+    }
     void TearDown() override { device().set_tuning("render/wavefront", "PATHS", paths_); }
 
     /// Renders with kernels that are replaced soon after the first batch.
@@ -53,8 +63,6 @@ protected:
     }
 
     unsigned paths_ = device().tuning("render/wavefront", "PATHS");
-    TemporaryFolder folder_;
-    ScopedEnvironment cache_{"CLARAY_CACHE_DIR", folder_.path().string()};
 };
 
 TEST_F(KernelChoices, BeginWithWhatTheCacheHolds) {
@@ -103,7 +111,7 @@ TEST_F(KernelChoices, WhatIsTracedByCachedKernelsNeedsNoQuickOnes) {
 
 TEST_F(KernelChoices, GenericKernelsGiveWayWithoutASeam) {
     for (const char* name : {"cornell", "spheres"}) {
-        const ScopedEnvironment empty("CLARAY_CACHE_DIR", (folder_ / name).string());
+        forget_what_is_cached();
         const Scene scene = *builtin_scene(name);
         remember_as_cached(device(), {full_effects(), own(scene).layout}, config());
         expect_same_image(scene, KernelStart::generic);
@@ -112,7 +120,7 @@ TEST_F(KernelChoices, GenericKernelsGiveWayWithoutASeam) {
 
 TEST_F(KernelChoices, QuickKernelsGiveWayWithoutASeam) {
     for (const char* name : {"cornell", "spheres", "effect:instances", "effect:instance-motion"}) {
-        const ScopedEnvironment empty("CLARAY_CACHE_DIR", (folder_ / name).string());
+        forget_what_is_cached();
         const Scene scene = *builtin_scene(name);
         if (own(scene).layout != Layout::wide) GTEST_SKIP() << "the device traverses the binary tree anyway";
         expect_same_image(scene, KernelStart::quick);
@@ -120,6 +128,8 @@ TEST_F(KernelChoices, QuickKernelsGiveWayWithoutASeam) {
 }
 
 TEST_F(KernelChoices, QuickKernelsAreOneProgramAndNeedNoBuilder) {
+    const TemporaryFolder folder;
+    const ScopedEnvironment empty("CLARAY_CACHE_DIR", folder.path().string());
     for (const char* name : {"crate", "effects"}) {
         const Scene scene = *builtin_scene(name);
         if (own(scene).layout != Layout::wide) GTEST_SKIP() << "the device traverses the binary tree anyway";
@@ -171,6 +181,8 @@ protected:
         }
         return false;
     }
+    TemporaryFolder folder_;
+    ScopedEnvironment cache_{"CLARAY_CACHE_DIR", folder_.path().string()};
     std::filesystem::path script_ = folder_ / "compiler", told_ = folder_ / "told", released_ = folder_ / "released";
 };
 
@@ -194,8 +206,7 @@ TEST_F(BackgroundCompiler, IsTheOnlyOne) {
 TEST(CompileKernels, MakesEveryKernelThatARenderNeeds) {
     const Scene scene = *builtin_scene("hills");
     RenderConfig config{.width = 8, .height = 8, .spp = 1};
-    const TemporaryFolder folder;
-    const ScopedEnvironment empty("CLARAY_CACHE_DIR", folder.path().string());
+    forget_what_is_cached();
     compile_kernels(device(), effects_of(scene), config);
     const unsigned before = compile_statistics().compiled + compile_statistics().from_cache;
     (void)render_by_own_kernels(scene, config);
