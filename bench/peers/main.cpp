@@ -75,10 +75,12 @@ void compare_rays(const std::string& scene, const std::string& kind, const std::
                   const std::optional<Bvh>& on_embree_tree, const measure::EmbreeScene& peer, const Options& options,
                   measure::Csv& csv) {
     const bool any = kind == "shadow", coherent = kind == "primary" || any;
-    const Buffer<Ray> device_rays(bvh.device(), rays);
+    Buffer<Ray> device_rays(bvh.device(), rays);
     Buffer<Hit> hits(bvh.device(), any ? 0 : rays.size());
     Buffer<std::uint8_t> occluded(bvh.device(), any ? rays.size() : 0);
     const auto trace = [&](const Bvh& tree, Buffer<Hit>& to_hits, Buffer<std::uint8_t>& to_occluded) {
+        device_rays.write(
+            rays);  // as Embree's rays, which a trace changes, are written anew: both are in the caches alike
         return milliseconds(options, [&] {
             any ? any_hit(tree, device_rays, to_occluded) : closest_hit(tree, device_rays, to_hits);
             tree.device().finish();

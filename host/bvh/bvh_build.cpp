@@ -281,8 +281,9 @@ void Bvh::State::refit() {
     load_refit();
     if (built_cost == 0) built_cost = sah_cost();
     arrivals.fill(0);
-    refit_.run({nodes.size(), build_group}, triangles.positions, arg("indices", triangles.indices), nodes, leaves,
-               arg("arrivals", arrivals), header);
+    const std::uint32_t group = device.tuning("bvh/refit", "GROUP_SIZE");
+    refit_.run({nodes.size(), group == 1 ? build_group : group}, triangles.positions, arg("indices", triangles.indices),
+               nodes, leaves, arg("arrivals", arrivals), header);
     if (layout == Layout::wide) run_collapse(refit_wide_, {wide_nodes.size(), 64});
 }
 

@@ -11,7 +11,7 @@
 namespace claray::verify {
 namespace {
 
-constexpr std::size_t block = 64;
+constexpr std::size_t block = Oracle::block;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 #if defined(__x86_64__) && !defined(__clang__)

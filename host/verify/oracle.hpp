@@ -30,6 +30,9 @@ public:
     /// The nearest hit at tmin < t <= tmax; of equal ones the first triangle.
     [[nodiscard]] OracleHit closest_hit(const Ray& ray) const;
     [[nodiscard]] std::vector<OracleHit> closest_hits(std::span<const Ray> rays) const;  ///< on all cores
+    static constexpr std::size_t block = 64;  ///< triangles that are tested together
+    /// Updates the nearest hit by the triangles of the block from `at`, a multiple of `block`, on.
+    void test_block(const Ray& ray, std::size_t at, OracleHit& hit) const;
     [[nodiscard]] std::size_t triangles() const { return count_; }
     /// From the ray's origin to the plane of triangle i; infinite where the plane holds the ray.
     [[nodiscard]] double distance(const Ray& ray, std::size_t i) const;
@@ -47,7 +50,6 @@ public:
 private:
     void add(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c);
     void pad();
-    void test_block(const Ray& ray, std::size_t at, OracleHit& hit) const;
 
     std::size_t count_ = 0;
     double longest_edge_ = 0;

@@ -67,7 +67,7 @@ kernel void begin_splitting(uint capacity, global const float4* references, glob
 
 /// Local memory of a group that splits a node.
 typedef struct Scratch {
-    uint bins[WORDS_OF_BINS], sides[2 * EXTENT_WORDS], counts[2];
+    uint bins[LOCAL_WORDS_OF_BINS], sides[2 * EXTENT_WORDS], counts[2];
     Candidate candidates[3];
     Split chosen;
     uint wants_planes;

@@ -56,7 +56,7 @@ kernel __attribute__((reqd_work_group_size(GROUP, 1, 1)))
 void bin_large(global const WideTask* tasks, global const LargeNode* states, global uint* node_bins, global const Chunk* chunks,
                uint chunk_size, uint by_planes, global const float4* from, global const float* positions,
                global const uint* indices) {
-    local uint words[WORDS_OF_BINS] __attribute__((aligned(64)));
+    local uint words[LOCAL_WORDS_OF_BINS] __attribute__((aligned(64)));
     const Chunk chunk = chunks[get_group_id(0)];
     const SplitTask task = tasks[chunk.node].task;
     const Grid grid = lay_grid(load_extent(tasks[chunk.node].extent));
@@ -75,7 +75,7 @@ void bin_large(global const WideTask* tasks, global const LargeNode* states, glo
 kernel __attribute__((reqd_work_group_size(GROUP, 1, 1)))
 void choose_large(global const WideTask* tasks, global LargeNode* states, global uint* node_bins, global const uint* root_extent,
                   uint by_planes) {
-    local uint words[WORDS_OF_BINS] __attribute__((aligned(64)));
+    local uint words[LOCAL_WORDS_OF_BINS] __attribute__((aligned(64)));
     local Candidate candidates[3];
     const uint node = get_group_id(0);
     global LargeNode* state = &states[node];

@@ -48,6 +48,31 @@ TEST_P(RefitTest, HitsEqualTheOracleAfterMotion) {
     }
 }
 
+/// Groups join subtrees in local memory; groups of one item climb through global memory only.
+TEST_P(RefitTest, GroupsOfAllSizesGiveTheSameBoxes) {
+    const auto with_groups = [](unsigned size) {
+        Device opened = Device::open(std::to_string(device().info().index));
+        opened.set_tuning("bvh/refit", "GROUP_SIZE", size);
+        return opened;
+    };
+    const Device climbing = with_groups(1), small = with_groups(32), large = with_groups(256);
+    for (const Builder builder : {Builder::fast, Builder::balanced, Builder::high})
+        for (const std::size_t count : {1u, 2u, 3u, 40u, 2003u}) {
+            const Mesh before = soup(count, 0.2f, count), after = moved(before);
+            std::vector<std::string> hashes;
+            for (const Device& on : {climbing, small, large}) {
+                Bvh bvh = Bvh::build(on, std::span(&before, 1), {.builder = builder, .layout = GetParam()});
+                Buffer<float> positions = bvh.triangles().positions;
+                positions.write(flat(after));
+                for (int i = 0; i < 2; ++i) bvh.refit();
+                EXPECT_TRUE(bvh.validate().ok()) << count;
+                hashes.push_back(bvh.hash());
+            }
+            EXPECT_EQ(hashes[1], hashes[0]) << count;
+            EXPECT_EQ(hashes[2], hashes[0]) << count;
+        }
+}
+
 TEST_P(RefitTest, RebuildEqualsAFreshBuild) {
     const Mesh before = soup(2003, 0.1f, 3), after = moved(before);
     Bvh bvh = Bvh::build(device(), std::span(&before, 1), {.layout = GetParam()});
