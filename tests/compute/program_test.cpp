@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "claray/shared/path.h"
 #include "claray/shared/types.h"
@@ -139,6 +140,38 @@ TEST(Program, StrictMathDoesNotContract) {
     compile_kernel(device(), source, "f").run({1}, out, a, a, c);
     EXPECT_EQ(out.read()[0], 0.f);
     EXPECT_EQ(std::fma(a, a, c), std::ldexp(1.f, -24));
+}
+
+/// The portable forms of compute/portable.clh give the same bits as those for this device.
+TEST(Program, PortableFormsGiveTheSameBits) {
+    const char* source = R"(
+        #include "math/columns_sixteen.clh"
+        kernel void f(global const uint* in, global uint* out) {
+            const uint16 a = vload16(0, in), b = vload16(1, in), c = vload16(2, in), d = vload16(3, in);
+            const Columns16 columns = transpose16(as_float16(a), as_float16(b), as_float16(c), as_float16(d));
+            vstore16(as_uint16(columns.x), 0, out), vstore16(as_uint16(columns.y), 1, out);
+            vstore16(as_uint16(columns.z), 2, out), vstore16(as_uint16(columns.w), 3, out);
+            vstore16(as_uint16(pick4(as_float4(a.lo.lo), b & 3u)), 4, out);
+            out[80] = movemask4(as_int4(a.lo.lo)), out[81] = movemask8(as_int8(b.hi)), out[82] = movemask16(as_int16(c));
+            out[83] = lowest_bit(d.x | 0x10000u);
+            uint listed[16];
+            const uint count = append16(listed, d, 0xa53cu);
+            out[84] = count;
+            for (uint i = 0; i < count; ++i) out[85 + i] = listed[i];
+        })";
+    std::mt19937 random(5);
+    std::vector<std::uint32_t> words(64);
+    for (std::uint32_t& word : words) word = std::uint32_t(random()) & 0xbfffffffu;  // no NaN: its bits may change
+    const Buffer<std::uint32_t> in(device(), words);
+    std::vector<std::uint32_t> results[2];
+    for (const bool portable : {false, true}) {
+        const Buffer<std::uint32_t> out(device(), std::vector<std::uint32_t>(100));
+        compile_kernel(device(), source, "f", {{"CLARAY_PORTABLE", portable ? "1" : "0"}}).run({1}, in, out);
+        results[portable] = out.read();
+    }
+    EXPECT_EQ(results[0], results[1]);
+    for (std::size_t i = 0; i < 64; ++i)  // columns of rows 0, 4, 8, 12; 1, 5, 9, 13; ...
+        EXPECT_EQ(results[0][i], words[16 * (i % 4) + 4 * (i % 16 / 4) + i / 16]) << i;
 }
 
 /// What two buffers that changed places would be: another type, or the other's name. Nothing is enqueued.

@@ -306,6 +306,32 @@ TEST(LightTree, PicksWhereLightIs) {
     expect_picks_where_light_is(sharp);
 }
 
+/// Of many lights with ranges, those close to a surface are picked as often as their share of the light demands, though
+/// the clusters around them are large.
+TEST(LightTree, PicksLightsWithRangesThatAreClose) {
+    const Lights lights = collect_lights(with_ranges(many(0, 100, 900), 1.5f), {.most_per_cell = 0});
+    const std::size_t size = lights.data.near;
+    const Buffer<LightNode> tree(device(), lights.tree);
+    const Buffer<LightLeaf> leaves(device(), lights.leaves);
+    const Buffer<std::uint32_t> trails(device(), trails_of(lights.tree, size));
+    const Buffer<float> probability(device(), size);
+    Kernel all = compile_kernel(device(), kernels, "probabilities");
+    for (std::size_t close = 100; close < size; close += 50) {
+        const PunctualLight& light = lights.punctual[close];
+        const glm::vec3 normal = glm::normalize(glm::vec3(1, 2, close % 3));
+        const glm::vec3 from = glm::vec3(light.x, light.y, light.z) - 0.005f * normal;
+        all.run({size}, tree, leaves, from.x, from.y, from.z, normal.x, normal.y, normal.z, trails, std::uint32_t(size),
+                probability);
+        const std::vector<float> shares = probability.read();
+        double there = 0;  // lights at the same place
+        for (std::size_t i = 0; i < size; ++i) {
+            const PunctualLight& p = lights.punctual[i];
+            if (p.x == light.x && p.y == light.y && p.z == light.z) there += shares[i];
+        }
+        EXPECT_GT(there, 0.8) << "light " << close;
+    }
+}
+
 /// Lamps whose dark side faces the point are hardly ever picked.
 TEST(LightTree, KnowsWhichSideShines) {
     Scene scene;
@@ -374,7 +400,8 @@ TEST(LightTree, PicksTheSameBitsSixteenAtOnce) {
             RenderConfig config{.width = width, .height = 17, .spp = 5, .max_depth = 4};
             const std::vector<glm::vec3> image = render_image(scene, config);
             config.effects.add = {Effect::spot_lights};
-            EXPECT_TRUE(same_bits(image, render_image(scene, config))) << width;
+            EXPECT_TRUE(same_bits(image, render_image(scene, config)))
+                << width << " pixels wide, " << with.lights.size() << " lights";
         }
 }
 
