@@ -24,6 +24,7 @@ Denoiser::Denoiser(const Device& device, std::uint32_t width, std::uint32_t heig
       reject_(load_kernel(device, "denoise/reject_outliers.cl", "reject_outliers")),
       estimate_(load_kernel(device, "denoise/estimate_variance.cl", "estimate_variance")),
       filter_(load_kernel(device, "denoise/filter_light.cl", "filter_light")),
+      measure_(load_kernel(device, "denoise/modulate.cl", "measure_changes")),
       modulate_(load_kernel(device, "denoise/modulate.cl", "modulate")) {
     const std::size_t pixels = std::size_t(width) * height;
     for (Buffer<Float4>* buffer : {&raw_, &noisy_, &filtered_[0], &filtered_[1], &surfaces_})
@@ -65,8 +66,13 @@ const Buffer<float>& Denoiser::filter(const Buffer<Float4>& light, const Buffer<
                     arg("weights", weights_), slopes_, arg("result", to), arg("kept", kept_));
         from = &to;
     }
-    modulate_.run(range(), step(), std::uint32_t(spp < 2), doubt_of(spp), arg("noisy", noisy), arg("filtered", *from),
-                  arg("kept", kept_), guides, arg("image", image_));
+    const Buffer<Float4>& changes = filtered_[passes % 2];  // which the last pass has read
+    const float doubt = doubt_of(spp);
+    if (spp >= 2)
+        measure_.run(range(), step(), doubt, arg("noisy", noisy), arg("filtered", *from), arg("kept", kept_), guides,
+                     arg("changes", changes));
+    modulate_.run(range(), step(), std::uint32_t(spp < 2), doubt, arg("noisy", noisy), arg("filtered", *from),
+                  arg("changes", changes), guides, arg("image", image_));
     return image_;
 }
 

@@ -41,7 +41,7 @@ protected:
 
     std::uint32_t width_, height_;
     bool cpu_;
-    Kernel demodulate_, reject_, estimate_, filter_, modulate_;
+    Kernel demodulate_, reject_, estimate_, filter_, measure_, modulate_;
     Buffer<Float4> raw_, noisy_, filtered_[2], surfaces_;
     Buffer<Float2> slopes_, gloss_;
     Buffer<float> weights_, kept_, image_;

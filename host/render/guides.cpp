@@ -12,9 +12,8 @@ namespace {
 constexpr std::uint32_t samples_of_all = 4;  // camera rays of every pixel
 /// Rays at edges are traced in two passes: the first tells where the noise is.
 constexpr double share_of_first_pass = 0.25;
-/// Rays of each pixel at edges. With few samples they all add to those before; else they replace them, and rays that
-/// are fewer than the film's samples do not pay.
-std::uint32_t too_few(std::uint32_t spp) { return spp <= samples_of_all ? samples_of_all : spp + samples_of_all; }
+/// Further rays of a pixel at an edge that are no more than the film's samples do not pay.
+std::uint32_t too_few(std::uint32_t spp) { return std::max(spp, samples_of_all); }
 constexpr std::uint32_t most_at_edges = 4096;
 /// Rays at edges, per pixel of the image.
 double edge_rays_per_pixel(std::uint32_t spp) { return 1 + spp / 8.0; }
@@ -111,7 +110,7 @@ double Guides::trace_edges(const FrameData& frame, const Buffer<FilmPixel>& film
     if (samples == EdgeCounts{}) samples = share_rays(counts, most_rays, too_few(spp));
     if (samples == EdgeCounts{}) return 0;
     ends_.write(std::span<const std::uint32_t>(starts));
-    list_edges_.run({pixels, 64}, pixels, film, guides_, classes_, arg("list", list_), arg("ends", ends_));
+    list_edges_.run({pixels, 64}, pixels, guides_, classes_, arg("list", list_), arg("ends", ends_));
     std::vector<Run> runs;
     std::uint32_t without = 0;  // pixels of the lowest classes
     double rays = 0;

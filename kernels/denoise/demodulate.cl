@@ -12,6 +12,14 @@ static inline float variance_of(FilmPixel p, float glow_difference) {
     return difference * difference * (even / all) * (odd / all);
 }
 
+/// Of the film's samples, those of even index minus those of odd index: the part of their difference that guides know. 0: unknown.
+static inline float glow_difference_of(FilmPixel p, const Guide* g) {
+    const uint samples = p.count + p.dropped, odds = samples / 2u;
+    if (!g->complete || odds == 0u) return 0.0f;
+    const float all = (float)samples * luminance((float3)(g->sampled_glow_r, g->sampled_glow_g, g->sampled_glow_b));
+    return (all - g->odd_glow) / (float)(samples - odds) - g->odd_glow / (float)odds;
+}
+
 /// `light`: radiance per albedo, and the variance of its luminance, from two samples on. `gloss`: the luminance of its part that
 /// almost mirrors scatter, and its variance.
 kernel void demodulate(FilterStep step, global const FilmPixel* film, global const Guide* guides, global float4* light,
@@ -26,11 +34,11 @@ kernel void demodulate(FilterStep step, global const FilmPixel* film, global con
     const float3 reflected = mean - (float3)(g.sampled_glow_r, g.sampled_glow_g, g.sampled_glow_b);
     const float scale = luminance(albedo);
     const float3 glossy = (float3)(g.gloss_r, g.gloss_g, g.gloss_b);
-    const float2 variances = (float2)(variance_of(p, g.glow_difference), g.gloss_variance) / (scale * scale);
+    const float2 variances = (float2)(variance_of(p, glow_difference_of(p, &g)), g.complete ? g.gloss_variance : 0.0f) / (scale * scale);
     const bool lit = albedo.x > 0.0f;
     light[i] = lit ? (float4)((reflected + glossy) / albedo, variances.x + variances.y) : (float4)(reflected + glossy, -1.0f);
     // Gloss of unknown variance is that of the film's own samples, and part of their variance.
-    gloss[i] = lit && g.gloss_variance > 0.0f ? (float2)(luminance(glossy / albedo), variances.y) : (float2)(0.0f);
+    gloss[i] = lit && variances.y > 0.0f ? (float2)(luminance(glossy / albedo), variances.y) : (float2)(0.0f);
     weights[i] = scale;
     surfaces[i] = (float4)(g.normal_x, g.normal_y, g.normal_z, g.nearness);
 }

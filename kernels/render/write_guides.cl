@@ -181,8 +181,8 @@ static inline float3 variances_of_means(float3 sums, float3 squares, uint n) {
     return n < 2 ? means * means : fmax(squares / (float)n - means * means, 0.0f) / (float)(n - 1);
 }
 
-/// Adds further rays to those of `all`. The film's samples were all among the first ones.
-static inline void merge_guides(Guide* all, const Guide* more) {
+/// Adds further rays to those of `all`. `of_film`: the share of these among the film's samples that are now traced.
+static inline void merge_guides(Guide* all, const Guide* more, float of_film) {
     const float share = (float)more->rays / (float)(all->rays + more->rays), rest = 1.0f - share;
 #define MIXED(member) all->member = mix(all->member, more->member, share)
     const float shift = luminance((float3)(more->glow_r + more->gloss_r, more->glow_g + more->gloss_g, more->glow_b + more->gloss_b) -
@@ -193,11 +193,17 @@ static inline void merge_guides(Guide* all, const Guide* more) {
     MIXED(gloss_r), MIXED(gloss_g), MIXED(gloss_b);
     MIXED(mirrored), MIXED(normal_x), MIXED(normal_y), MIXED(normal_z), MIXED(nearness);
 #undef MIXED
-    all->gloss_variance = rest * rest * all->gloss_variance + share * share * more->gloss_variance;
-    all->rays += more->rays;
+#define MIXED(member) all->member = mix(all->member, more->member, of_film)
+    MIXED(sampled_albedo_r), MIXED(sampled_albedo_g), MIXED(sampled_albedo_b);
+    MIXED(sampled_glow_r), MIXED(sampled_glow_g), MIXED(sampled_glow_b);
+#undef MIXED
+#define MIXED(member) all->member = rest * rest * all->member + share * share * more->member
+    MIXED(albedo_variance), MIXED(glow_variance), MIXED(gloss_variance);
+#undef MIXED
+    all->odd_glow += more->odd_glow, all->rays += more->rays, all->complete = more->complete;
 }
 
-/// One pixel per item. If the film has more samples than were traced here, both means are over all that were.
+/// One pixel per item. The film's samples come first in each pixel's sequence.
 kernel void write_guides(GuideStep step, global const GuideRun* runs, global const uint* list, global const FilmPixel* film,
                          global const Sight* sights, global Guide* guides) {
     const uint i = get_global_id(0);
@@ -206,13 +212,12 @@ kernel void write_guides(GuideStep step, global const GuideRun* runs, global con
     while (run != 0u && i < runs[run].first_pixel) --run;
     const uint samples = runs[run].samples, first = runs[run].first_ray + (i - runs[run].first_pixel) * samples;
     const uint2 pixel = guided_pixel(&step, i, list);
-    const uint in_film = film[pixel.x].count + film[pixel.x].dropped;
-    const bool all_traced = in_film <= samples || pixel.y != 0u;
-    const uint sampled = in_film == 0u || !all_traced ? samples : in_film;
+    const uint in_film = film[pixel.x].count + film[pixel.x].dropped, end = pixel.y + samples;
+    const uint end_of_film = in_film == 0u ? end : min(in_film, end), sampled = end_of_film - min(pixel.y, end_of_film);
     float3 albedo = (float3)(0.0f), glow = (float3)(0.0f), gloss = (float3)(0.0f), normal = (float3)(0.0f);
     float nearness = 0.0f, odd = 0.0f, mirrored = 0.0f, both = 0.0f;
     float3 sums = (float3)(0.0f), squares = (float3)(0.0f);  // of the luminances of albedo, glow and gloss
-    Guide guide;
+    Guide guide = {0};
     for (uint s = 0; s < samples; ++s) {
         const Sight sight = sights[first + s];
         const float3 one_albedo = (float3)(sight.albedo_r, sight.albedo_g, sight.albedo_b);
@@ -221,7 +226,7 @@ kernel void write_guides(GuideStep step, global const GuideRun* runs, global con
         albedo += one_albedo, glow += one_glow, gloss += one_gloss;
         const float3 bright = (float3)(luminance(one_albedo), luminance(one_glow), luminance(one_gloss));
         sums += bright, squares += bright * bright, both += (bright.y + bright.z) * (bright.y + bright.z);
-        if (s < sampled && s % 2 != 0) odd += bright.y + bright.z;
+        if (s < sampled && (pixel.y + s) % 2 != 0) odd += bright.y + bright.z;
         normal += (float3)(sight.normal_x, sight.normal_y, sight.normal_z);
         nearness += sight.nearness, mirrored += sight.passed ? 1.0f : 0.0f;
         if (s + 1 != sampled) continue;
@@ -229,8 +234,7 @@ kernel void write_guides(GuideStep step, global const GuideRun* runs, global con
         guide.sampled_albedo_r = share * albedo.x, guide.sampled_albedo_g = share * albedo.y, guide.sampled_albedo_b = share * albedo.z;
         const float3 all = glow + gloss;
         guide.sampled_glow_r = share * all.x, guide.sampled_glow_g = share * all.y, guide.sampled_glow_b = share * all.z;
-        const float odds = (float)(sampled / 2);
-        guide.glow_difference = sampled < 2 || sampled != in_film ? 0.0f : (luminance(all) - odd) / ((float)sampled - odds) - odd / odds;
+        guide.odd_glow = odd;
     }
     const float share = 1.0f / (float)samples;
     guide.albedo_r = share * albedo.x, guide.albedo_g = share * albedo.y, guide.albedo_b = share * albedo.z;
@@ -238,17 +242,17 @@ kernel void write_guides(GuideStep step, global const GuideRun* runs, global con
     guide.gloss_r = share * gloss.x, guide.gloss_g = share * gloss.y, guide.gloss_b = share * gloss.z;
     const float3 variances = variances_of_means(sums, squares, samples);
     const float mean = share * (sums.y + sums.z);
-    guide.albedo_variance = all_traced ? 0.0f : variances.x, guide.glow_variance = all_traced ? 0.0f : variances.y;
-    guide.gloss_variance = all_traced ? variances.z : 0.0f;
+    guide.albedo_variance = variances.x, guide.glow_variance = variances.y, guide.gloss_variance = variances.z;
     guide.normal_x = share * normal.x, guide.normal_y = share * normal.y, guide.normal_z = share * normal.z;
     guide.nearness = share * nearness, guide.mirrored = share * mirrored;
     guide.ray_variance = fmax(share * both - mean * mean, 0.0f), guide.rays = samples;
+    guide.complete = in_film <= end;
     if (pixel.y == 0u) {
         guides[pixel.x] = guide;
         return;
     }
     Guide all = guides[pixel.x];
-    merge_guides(&all, &guide);
+    merge_guides(&all, &guide, (float)sampled / (float)max(end_of_film, 1u));
     guides[pixel.x] = all;
 }
 
@@ -278,12 +282,10 @@ kernel void find_edges(uint width, uint height, global const Guide* guides, glob
     if (is_edge) atomic_inc(&counts[class]);
 }
 
-/// Lists the edges by class, in any order, and from which sample on they are traced: further ones if all of the film's were traced. `ends`:
-/// where the next pixel of each class goes.
-kernel void list_edges(uint pixels, global const FilmPixel* film, global const Guide* guides, global const uchar* classes, global uint* list,
+/// Lists the edges by class, in any order, and from which sample on they are traced. `ends`: where the next pixel of each class goes.
+kernel void list_edges(uint pixels, global const Guide* guides, global const uchar* classes, global uint* list,
                        global uint* ends) {
     const uint i = get_global_id(0);
     if (i >= pixels || classes[i] >= CLARAY_EDGE_CLASSES) return;
-    const uint rays = guides[i].rays;
-    vstore2((uint2)(i, film[i].count + film[i].dropped <= rays ? rays : 0u), atomic_inc(&ends[classes[i]]), list);
+    vstore2((uint2)(i, guides[i].rays), atomic_inc(&ends[classes[i]]), list);
 }

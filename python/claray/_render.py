@@ -64,6 +64,15 @@ class Renderer:
         name = "automatic" if denoise is True else denoise or None
         return self._native.image(name).view(Image)
 
+    def release_denoiser(self) -> None:
+        """Gives back the memory that image(denoise=...) keeps for the next image. A later image takes it again."""
+        self._native.release_denoiser()
+
+    @property
+    def device_bytes(self) -> int:
+        """Memory of the device that this renderer holds, with that of its denoiser."""
+        return self._native.device_bytes()
+
     def aovs(self) -> dict[str, NDArray[Any]]:
         """Of the first surface at each pixel's centre: 'depth' (distance, inf: nothing), 'normal', 'albedo', 'primitive'
         (MISS: nothing) and 'visits' (boxes and triangles tested), each (height, width) or (height, width, 3)."""

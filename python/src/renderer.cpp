@@ -133,6 +133,12 @@ void bind_renderer(nb::module_& module) {
                            std::uint32_t seed) { without_gil(self.device, [&] { self.renderer.restart(seed); }); })
         .def("update", &update)
         .def("image", &image, nb::arg("denoiser").none())
+        .def("release_denoiser",
+             [](PyRenderer& self) { without_gil(self.device, [&] { self.renderer.release_denoiser(); }); })
+        .def("device_bytes",
+             [](const PyRenderer& self) {
+                 return without_gil(self.device, [&] { return self.renderer.statistics().device_bytes; });
+             })
         .def("aovs", &aovs)
         .def("device", [](const PyRenderer& self) { return self.device; });
 }

@@ -296,10 +296,13 @@ std::vector<float> modulated(const std::vector<Float4>& noisy, const std::vector
     Kernel modulate = load_kernel(device(), "denoise/modulate.cl", "modulate");
     const std::size_t pixels = width * height;
     const Buffer<float> image(device(), 3 * pixels);
-    modulate.run({pixels, 64}, FilterStep{width, height, 1}, std::uint32_t(single), doubt,
-                 arg("noisy", Buffer<Float4>(device(), noisy)), arg("filtered", Buffer<Float4>(device(), filtered)),
-                 arg("kept", Buffer<float>(device(), std::vector<float>(pixels, kept))),
-                 Buffer<Guide>(device(), std::vector<Guide>(pixels, guide)), arg("image", image));
+    const Buffer<Float4> before(device(), noisy), after(device(), filtered), changes(device(), pixels);
+    const Buffer<Guide> guides(device(), std::vector<Guide>(pixels, guide));
+    load_kernel(device(), "denoise/modulate.cl", "measure_changes")
+        .run({pixels, 64}, FilterStep{width, height, 1}, doubt, arg("noisy", before), arg("filtered", after),
+             arg("kept", Buffer<float>(device(), std::vector<float>(pixels, kept))), guides, arg("changes", changes));
+    modulate.run({pixels, 64}, FilterStep{width, height, 1}, std::uint32_t(single), doubt, arg("noisy", before),
+                 arg("filtered", after), arg("changes", changes), guides, arg("image", image));
     return image.read();
 }
 
@@ -363,7 +366,9 @@ TEST(Denoiser, NoisyGuidesCountAsNoiseOfTheFilter) {
     Guide guide = flat_guide(0.5f, 3, 0.2f);
     guide.albedo_variance = 0.05f;
     EXPECT_NEAR(share_of({1, 1, 1, variance}, {2, 2, 2, 0}, guide), variance / (variance + 0.05 * 4 / 0.25), 1e-5);
-    guide.albedo_variance = 0, guide.glow_variance = 0.4f;
+    guide.complete = 1;  // then they are those of the film's samples
+    EXPECT_NEAR(share_of({1, 1, 1, variance}, {2, 2, 2, 0}, guide), 1, 1e-5);
+    guide.complete = 0, guide.albedo_variance = 0, guide.glow_variance = 0.4f;
     EXPECT_NEAR(share_of({1, 1, 1, variance}, {2, 2, 2, 0}, guide), variance / (variance + 0.4 / 0.25), 1e-5);
 }
 
@@ -377,8 +382,10 @@ TEST(Denoiser, GlossOfTheFilmIsNoFurtherNoise) {
     const Buffer<Float4> light(device(), 1), surfaces(device(), 1);
     const Buffer<float> weights(device(), 1);
     const Buffer<Float2> gloss(device(), 1);
-    for (const float variance : {0.f, 0.1f}) {
-        guide.gloss_variance = variance;
+    guide.gloss_variance = 0.1f, guide.odd_glow = 1;
+    for (const std::uint32_t complete : {0u, 1u}) {
+        const float variance = complete ? 0.1f : 0;
+        guide.complete = complete;
         demodulate.run({1, 1}, FilterStep{1, 1, 1}, Buffer<FilmPixel>(device(), std::vector{samples.pixel()}),
                        Buffer<Guide>(device(), std::vector{guide}), arg("light", light), arg("surfaces", surfaces),
                        weights, gloss);

@@ -106,6 +106,17 @@ def test_renders_stop_for_callbacks():
     assert (renderer.image() == first).all()
 
 
+def test_the_memory_of_the_denoiser_is_given_back():
+    renderer = claray.Renderer(claray.load("cornell"), width=32, height=32, spp=2)
+    renderer.render()
+    before = renderer.device_bytes
+    image = renderer.image(denoise="claray")
+    assert renderer.device_bytes > before
+    renderer.release_denoiser()
+    assert renderer.device_bytes == before
+    assert (renderer.image(denoise="claray") == image).all()
+
+
 def test_aovs_agree_with_rays():
     scene = claray.load("cornell")
     size = 16

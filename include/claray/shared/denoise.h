@@ -13,19 +13,19 @@ CLARAY_SHARED_BEGIN
 typedef struct Guide {
     float sampled_albedo_r, sampled_albedo_g, sampled_albedo_b;
     float sampled_glow_r, sampled_glow_g, sampled_glow_b;
-    float glow_difference;  // luminance of sampled_glow: samples of even index minus those of odd index; 0: unknown
+    float odd_glow;  // luminance of the glow of the film's samples of odd index, as a sum
     float albedo_r, albedo_g, albedo_b;
     float glow_r, glow_g, glow_b;
     float gloss_r, gloss_g, gloss_b;
-    float albedo_variance, glow_variance;  // of the means' luminance; 0 if all samples of the film were traced
-    float gloss_variance;                  // 0 if some were not: then gloss is that of the film, and so is its noise
-    float mirrored;                        // share of the rays that mirrors, glass and almost mirrors passed on
-    float normal_x, normal_y, normal_z;    // shading normal on the camera's side; its mean is shorter than 1 at edges
-    float nearness;                        // 1 / distance from the camera; 0 beyond all surfaces
-    float ray_variance;                    // of the luminance of one ray's glow and gloss
-    uint rays;                             // that were traced
+    float albedo_variance, glow_variance, gloss_variance;  // of the means' luminance
+    float mirrored;                      // share of the rays that mirrors, glass and almost mirrors passed on
+    float normal_x, normal_y, normal_z;  // shading normal on the camera's side; its mean is shorter than 1 at edges
+    float nearness;                      // 1 / distance from the camera; 0 beyond all surfaces
+    float ray_variance;                  // of the luminance of one ray's glow and gloss
+    uint rays;                           // that were traced
+    uint complete;  // 1: all samples of the film are among them; 0: gloss is that of the film, and so is its noise
 } Guide;
-CLARAY_LAYOUT(Guide, 104)
+CLARAY_LAYOUT(Guide, 108)
 
 #define CLARAY_EDGE_CLASSES 64u  // of pixels by the noise of their glow
 
