@@ -2,6 +2,7 @@
 #ifndef CLARAY_SHARED_PATH_H
 #define CLARAY_SHARED_PATH_H
 
+#include "claray/shared/path_guide.h"
 #include "claray/shared/scene.h"
 
 CLARAY_SHARED_BEGIN
@@ -48,8 +49,9 @@ typedef struct SceneTables {
     uint light_grid;                           // LightGrid
     uint environment_texels, environment_cdf;  // float
     uint listed_pixels;                        // uint, 2 per entry: those of the current round of adaptive sampling
+    uint guide;                                // uint, CLARAY_GUIDE_WORDS for each map of the path guide
 } SceneTables;
-CLARAY_LAYOUT(SceneTables, 64)
+CLARAY_LAYOUT(SceneTables, 68)
 
 /// For studies: a ray that a rough surface scatters ends after `reach` and brings this radiance from there; a surface
 /// before reflects it once.
@@ -68,8 +70,9 @@ typedef struct FrameData {
     uint seed;
     uint max_depth;  // largest number of surfaces that scatter a path
     SceneTables tables;
+    PathGuideData guide;
 } FrameData;
-CLARAY_LAYOUT(FrameData, 308)
+CLARAY_LAYOUT(FrameData, 348)
 
 /// Scalar parameters of a stage.
 typedef struct Step {
@@ -80,7 +83,7 @@ typedef struct Step {
     uint room;      // capacity of the queues in paths, a multiple of CLARAY_QUEUE_ROOM
     uint waves;     // number of rays after which paths are not followed: surfaces scatter no ray beyond
 } Step;
-CLARAY_LAYOUT(Step, 344)
+CLARAY_LAYOUT(Step, 384)
 
 /// With this room, every array in a queue begins at a multiple of 1024 bytes, the alignment of sub-buffers.
 #define CLARAY_QUEUE_ROOM 256u
