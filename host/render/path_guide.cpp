@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 namespace claray {
 namespace {
@@ -14,6 +12,8 @@ constexpr double uniform_share = 0.4;
 constexpr double prior_paths = 2;           // of the map's mean light, which each bin counts in addition
 constexpr std::uint64_t least_paths = 128;  // of a map that is not uniform
 constexpr std::uint32_t all = 1u << 16;
+constexpr unsigned samples_to_decide = 8, samples_to_learn = 16;  // per pixel
+constexpr const char* stem = "render/path_guide";
 
 /// Probabilities of a map's bins.
 std::array<double, bins_of_map> densities_of(std::span<const GuideBin> bins) {
@@ -68,8 +68,7 @@ void write_map(std::span<const GuideBin> bins, std::uint32_t* words) {
 bool may_guide_paths(const Device& device, const Approximations& approximate) {
     const bool as_usual = !approximate.tile_sum && !approximate.light_grid && !approximate.flat &&
                           !approximate.gouraud && !approximate.no_shadows;
-    return as_usual && device.info().type == DeviceType::cpu &&
-           device.tuning("render/path_guide", "LEAST_GAIN_PERCENT") != 0;
+    return as_usual && device.info().type == DeviceType::cpu && device.tuning(stem, "LEAST_GAIN_PERCENT") != 0;
 }
 
 std::vector<std::uint32_t> guide_maps(std::span<const GuideBin> bins) {
@@ -124,21 +123,21 @@ void PathGuide::learn(const Step& step, const Buffer<float>& radiance) {
     learn_.run({std::size_t(step.batch.pixels) * step.batch.samples, 64}, step, radiance, found_);
 }
 
+/// Maps of few paths promise less than those that guide in the end.
+bool PathGuide::promises_gain(std::span<const GuideBin> found) const {
+    return 100 * gain_of(guide_maps(sum_), found) >= device_.tuning(stem, "LEAST_GAIN_PERCENT");
+}
+
 void PathGuide::learned(unsigned samples, SceneBuffers& scene) {
     const std::vector<GuideBin> found = found_.read();
-    if (samples == 8 && std::getenv("SHOWGAIN")) std::fprintf(stderr, "gain %.3f\n", gain_of(guide_maps(sum_), found));
-    if (samples == 8 &&
-        gain_of(guide_maps(sum_), found) * 100 < device_.tuning("render/path_guide", "LEAST_GAIN_PERCENT"))
-        data_.lessons = 0;
+    if (samples == samples_to_decide && !promises_gain(found)) data_.lessons = 0;
     if (data_.lessons == 0) return;
     for (std::size_t i = 0; i < found.size(); ++i) sum_[i].squares += found[i].squares, sum_[i].paths += found[i].paths;
-    if (samples == 4) return found_.fill(0);
+    found_.fill(0);
+    if (samples < samples_to_decide) return;
     scene.tables.write(guide_maps(sum_), scene.where.guide);
     data_.guides = 1;
-    if (samples >= 16)
-        data_.lessons = 0;
-    else
-        found_.fill(0);
+    if (samples >= samples_to_learn) data_.lessons = 0;
 }
 
 }  // namespace claray

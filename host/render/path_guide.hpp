@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
+#include "claray/buffer.hpp"
 #include "claray/mesh.hpp"
 #include "claray/renderer.hpp"
 #include "claray/shared/path.h"
-#include "claray/buffer.hpp"
 #include "host/render/scene_buffers.hpp"
 
 namespace claray {
@@ -50,6 +50,7 @@ public:
 private:
     void begin(std::uint32_t floats_of_paths, double mean);
     void learned(unsigned samples, SceneBuffers& scene);
+    [[nodiscard]] bool promises_gain(std::span<const GuideBin> found) const;
 
     Device device_;
     PathGuideData data_{};

@@ -2,7 +2,12 @@
 #define PATH_GUIDE 1
 #include "render/path_guide.clh"
 
-#pragma OPENCL EXTENSION cl_khr_int64_base_atomics : enable
+/// Not every device adds 64 bits at once: whoever makes the lower half overflow carries.
+static inline void add_to_sum(volatile global uint* halves, ulong value) {
+    const uint low = (uint)value, before = atomic_add(&halves[0], low);
+    const uint high = (uint)(value >> 32) + (before + low < before ? 1u : 0u);
+    if (high != 0u) atomic_add(&halves[1], high);
+}
 
 /// For each path: the light that came from the directions in which its first surfaces sent it.
 kernel void learn_light(Step step, global const float* radiance, global GuideBin* bins) {
@@ -16,6 +21,6 @@ kernel void learn_light(Step step, global const float* radiance, global GuideBin
         if (bin == NO_BIN) continue;
         const float light = fmin((all - lesson.z * step.frame.guide.unit) / lesson.y, CLARAY_GUIDE_BRIGHTEST);
         atomic_inc(&bins[bin].paths);
-        if (light > 0.0f) atom_add(&bins[bin].squares, (ulong)(light * light * CLARAY_GUIDE_PARTS));
+        if (light > 0.0f) add_to_sum((volatile global uint*)&bins[bin].squares, (ulong)(light * light * CLARAY_GUIDE_PARTS));
     }
 }
