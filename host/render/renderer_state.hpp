@@ -18,7 +18,7 @@
 #include "host/render/film/tone_map.hpp"
 #include "host/render/in_flight.hpp"
 #include "host/render/kernels/kernel_choice.hpp"
-#include "host/render/path_guide.hpp"
+#include "host/render/guiding/path_guide.hpp"
 #include "host/render/schedule/adaptive_schedule.hpp"
 #include "host/render/wavefront.hpp"
 

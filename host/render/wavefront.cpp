@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include "host/compute/tuning.hpp"
-#include "host/render/path_guide.hpp"
+#include "host/render/guiding/path_guide.hpp"
 
 namespace claray {
 namespace {

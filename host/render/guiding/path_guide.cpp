@@ -1,4 +1,4 @@
-#include "host/render/path_guide.hpp"
+#include "host/render/guiding/path_guide.hpp"
 
 #include <algorithm>
 #include <array>
@@ -115,7 +115,7 @@ void PathGuide::begin(std::uint32_t floats_of_paths, double mean) {
     data_.lessons = floats_of_paths;
     sum_.assign(std::size_t(CLARAY_GUIDE_MAPS) * bins_of_map, {});
     found_ = Buffer<GuideBin>(device_, sum_);
-    learn_ = load_kernel(device_, "render/learn_light.cl", "learn_light");
+    learn_ = load_kernel(device_, "render/guiding/learn_light.cl", "learn_light");
 }
 
 void PathGuide::learn(const Step& step, const Buffer<float>& radiance) {

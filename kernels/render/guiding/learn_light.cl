@@ -1,6 +1,6 @@
 // Adds what the paths of a batch found to the bins of the path guide.
 #define PATH_GUIDE 1
-#include "render/path_guide.clh"
+#include "render/guiding/path_guide.clh"
 
 /// Not every device adds 64 bits at once: whoever makes the lower half overflow carries.
 static inline void add_to_sum(volatile global uint* halves, ulong value) {

@@ -1,5 +1,6 @@
-// Path guiding: maps are densities, and images keep their mean, whatever divides the samples.
-#include "host/render/path_guide.hpp"
+// Path guiding, render/guiding/learn_light.cl: maps are densities, and images keep their mean, whatever divides the
+// samples.
+#include "host/render/guiding/path_guide.hpp"
 
 #include <gtest/gtest.h>
 
@@ -75,7 +76,9 @@ TEST(PathGuide, MapsAreDensities) {
     const double even = std::exp2(32) / CLARAY_GUIDE_BINS;
     for (std::size_t i = 0; i < shares.size(); ++i) {
         EXPECT_GT(double(shares[i]), 0.39 * even) << i;
-        if (i != 13) { EXPECT_LT(shares[i], shares[13]) << i; }
+        if (i != 13) {
+            EXPECT_LT(shares[i], shares[13]) << i;
+        }
     }
 }
 
