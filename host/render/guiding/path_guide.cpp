@@ -130,7 +130,7 @@ bool PathGuide::promises_gain(std::span<const GuideBin> found) const {
 
 void PathGuide::learned(unsigned samples, SceneBuffers& scene) {
     const std::vector<GuideBin> found = found_.read();
-    if (samples == samples_to_decide && !promises_gain(found)) data_.lessons = 0;
+    if (samples >= samples_to_decide && data_.guides == 0 && !promises_gain(found)) data_.lessons = 0;
     if (data_.lessons == 0) return;
     for (std::size_t i = 0; i < found.size(); ++i) sum_[i].squares += found[i].squares, sum_[i].paths += found[i].paths;
     found_.fill(0);

@@ -15,6 +15,8 @@ namespace claray {
 
 /// Renders with fewer samples per pixel are not guided: learning would not pay.
 constexpr unsigned least_guided_spp = 32;
+/// Per pixel, which tell the unit of light.
+constexpr unsigned samples_before_learning = 2;
 
 /// Returns whether the device is set to guide paths, and the approximations permit it.
 [[nodiscard]] bool may_guide_paths(const Device& device, const Approximations& approximate);
@@ -43,8 +45,10 @@ public:
     /// Wavefront. Blocks if the maps change.
     template <class Mean>
     void advance(unsigned samples, std::uint32_t floats_of_paths, SceneBuffers& scene, const Mean& mean) {
-        if (samples == 2) begin(floats_of_paths, mean());
-        if (data_.lessons != 0 && samples > 2) learned(samples, scene);
+        if (data_.unit == 0 && samples >= samples_before_learning)
+            begin(floats_of_paths, mean());
+        else if (data_.lessons != 0)
+            learned(samples, scene);
     }
 
 private:
