@@ -16,9 +16,9 @@
 #include "host/render/denoising_stage.hpp"
 #include "host/render/film/film.hpp"
 #include "host/render/film/tone_map.hpp"
+#include "host/render/guiding/path_guide.hpp"
 #include "host/render/in_flight.hpp"
 #include "host/render/kernels/kernel_choice.hpp"
-#include "host/render/guiding/path_guide.hpp"
 #include "host/render/schedule/adaptive_schedule.hpp"
 #include "host/render/wavefront.hpp"
 
