@@ -34,6 +34,7 @@ Device with_schedule(const std::string& selector, bool of_cpus) {
     device.set_tuning("render/trace_paths", "MOST_EFFECTS", of_cpus ? 0 : 64);
     device.set_tuning("render/trace_paths", "PATIENCE_MILLISECONDS", 0);
     device.set_tuning("render/finish_paths", "MOST_PATHS_PER_UNIT", 4096);
+    device.set_tuning("render/path_guide", "LEAST_GAIN_PERCENT", of_cpus ? 1 : 0);
     return device;
 }
 
@@ -122,8 +123,8 @@ std::vector<Task> other_queries(const Device& device, const std::vector<Mesh>& m
 
 /// A scene by stages, by whole paths or with the last paths by one kernel; with an estimate of its error and its AOVs.
 Task render(const Device& device, const std::string& name, unsigned side, Layout layout, bool whole_paths,
-            unsigned parts = 1) {
-    RenderConfig config{.width = side, .height = side, .spp = 16, .error = 1e-6};
+            unsigned parts = 1, unsigned spp = 16) {
+    RenderConfig config{.width = side, .height = side, .spp = spp, .error = 1e-6};
     config.bvh.layout = layout, config.parts = parts;
     auto renderer = std::make_shared<Renderer>(device, *builtin_scene(name), config);
     return [device, renderer, whole_paths] {
@@ -188,6 +189,7 @@ std::vector<Task> tasks_of(const Device& device, const Options& options, Layout 
         for (const char* scene : {"crate", "effect:cut-outs"})
             tasks.push_back(render(device, scene, options.side, layout, whole_paths));
     tasks.push_back(render(device, "crate", options.side, layout, false, 4));
+    tasks.push_back(render(device, "cornell", options.side, layout, false, 1, 32));  // enough to guide paths
     tasks.push_back(deferred(device, options.side));
     tasks.push_back(bake(device));
     for (const Task& task : light_grids(device)) tasks.push_back(task);

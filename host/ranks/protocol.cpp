@@ -7,12 +7,12 @@ namespace {
 /// is named here.
 template <class Config, class Visit>
 void visit_config(Config& config, const Visit& visit) {
-    auto& [width, height, spp, max_depth, sample_clamp, seed, seconds, noise, error, adaptive, report_seconds, sampler,
-           bvh, parts, effects, approximate, light_grid, ambient, compiler, checkpoint, checkpoint_seconds, resume] =
-        config;
+    auto& [width, height, spp, max_depth, sample_clamp, seed, seconds, noise, error, adaptive, guide, report_seconds,
+           sampler, bvh, parts, effects, approximate, light_grid, ambient, compiler, checkpoint, checkpoint_seconds,
+           resume] = config;
     (void)compiler, (void)checkpoint, (void)checkpoint_seconds, (void)resume;
-    visit(width, height, spp, max_depth, sample_clamp, seed, seconds, noise, error, adaptive, report_seconds, sampler,
-          bvh, parts, effects, approximate, light_grid, ambient);
+    visit(width, height, spp, max_depth, sample_clamp, seed, seconds, noise, error, adaptive, guide, report_seconds,
+          sampler, bvh, parts, effects, approximate, light_grid, ambient);
 }
 
 template <class... T>

@@ -51,6 +51,8 @@ const RenderConfig& checked(const RenderConfig& config) {
     const LightGridConfig& grid = config.light_grid;
     if (config.approximate.tile_sum && config.approximate.light_grid)
         refuse("the approximations tile-sum and light-grid exclude each other", "use one of them");
+    if (config.guide && !(config.checkpoint.empty() && config.resume.empty()))
+        refuse("path guiding and checkpoints exclude each other", "use one of them");
     if (config.adaptive && config.approximate.tile_sum)
         refuse("adaptive sampling and the approximation tile-sum exclude each other", "use one of them");
     if (config.approximate.flat && config.approximate.gouraud)
@@ -166,8 +168,9 @@ Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig&
       structure(first_structure(on, scene, baked, plan, config.bvh, parts)),
       build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
       light_grid(light_grid_of(with, scene)),
+      bounds(bounds_of(scene)),
       buffers(on, scene, structure, config.effects.add, selection_of_lights(with), words_of(light_grid),
-              words_of_listed_pixels()),
+              words_of_listed_pixels(), words_of_guide()),
       wavefront(on, buffers, frame_data(scene, camera, buffers, with), load_kernels(plan.first.effects),
                 std::uint64_t(pixels()) * with.spp),
       film(on, pixels(), tells_error(with), with.sample_clamp),
@@ -363,10 +366,29 @@ std::uint32_t Renderer::State::paths_of_next_batch(InFlight& in_flight) const {
     return pace.paths_within(std::min(to_report, std::max(left() / 2, least)));
 }
 
-void Renderer::State::trace(const Batch& batch, InFlight& in_flight) {
+/// Aiming at hot spots needs the densities of directions without guiding.
+bool Renderer::State::may_guide() const {
+    return words_of_guide() > 0 && config.spp >= least_guided_spp && buffers.where.hot_spots == CLARAY_NO_TABLE &&
+           !bounds.empty();
+}
+
+/// What other rays do meanwhile is not guided.
+void Renderer::State::trace_guided(const Batch& batch) {
+    wavefront.set_guide(guide->data());
     wavefront.trace(batch);
+    guide->learn(wavefront.step_of(batch, 0, 0), wavefront.radiance());
+    wavefront.set_guide({});
+}
+
+void Renderer::State::trace(const Batch& batch, InFlight& in_flight) {
+    const bool begins = batch.first_pixel == 0 && batch.first_sample == 0 && !batch.listed;
+    if (begins) guide = may_guide() ? std::make_optional<PathGuide>(device, bounds) : std::nullopt;
+    guide ? trace_guided(batch) : wavefront.trace(batch);
     film.accumulate(batch, wavefront.radiance(), buffers.tables, buffers.where.listed_pixels);
     in_flight.submitted(batch.pixels * batch.samples);
+    if (guide && schedule.between_passes())
+        guide->advance(schedule.complete_passes_spp(), wavefront.floats_of_paths(), buffers,
+                       [&] { return film.mean_luminance(); });
 }
 
 /// A full disk must not end a render of hours: writing is tried again, and the last failure is reported.

@@ -16,6 +16,7 @@
 #include "host/render/denoising_stage.hpp"
 #include "host/render/film/film.hpp"
 #include "host/render/film/tone_map.hpp"
+#include "host/render/guiding/path_guide.hpp"
 #include "host/render/in_flight.hpp"
 #include "host/render/kernels/kernel_choice.hpp"
 #include "host/render/schedule/adaptive_schedule.hpp"
@@ -155,6 +156,11 @@ struct Renderer::State {
     void warm_up();
     [[nodiscard]] std::uint32_t paths_of_next_batch(InFlight& in_flight) const;
     void trace(const Batch& batch, InFlight& in_flight);
+    [[nodiscard]] std::uint32_t words_of_guide() const {
+        return may_guide_paths(device, config) ? CLARAY_GUIDE_MAPS * CLARAY_GUIDE_WORDS : 0;
+    }
+    [[nodiscard]] bool may_guide() const;
+    void trace_guided(const Batch& batch);
     [[nodiscard]] RayCount rays(const char* name, std::uint64_t count) const;
 
     Device device;
@@ -176,6 +182,7 @@ struct Renderer::State {
     Structure structure;
     double build_milliseconds;
     std::optional<LightGridStage> light_grid;
+    Bounds bounds;  // of the scene
     SceneBuffers buffers;
     Wavefront wavefront;
     Film film;
@@ -184,6 +191,7 @@ struct Renderer::State {
     std::optional<GBufferStage> gbuffer;
     std::optional<DenoisingStage> denoising;  // once a denoised image was asked for
     AdaptiveSchedule schedule;
+    std::optional<PathGuide> guide;  // of these samples
     Pace pace;
     RenderIdentity identity;  // for checkpoints
     std::string checkpoint_error;

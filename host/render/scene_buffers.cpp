@@ -99,7 +99,8 @@ SceneBuffers::TableWriter SceneBuffers::tables_of_lights() {
 }
 
 SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Structure& with, EffectSet added,
-                           const LightSelection& selection, std::uint32_t light_grid, std::uint32_t listed_pixels)
+                           const LightSelection& selection, std::uint32_t light_grid, std::uint32_t listed_pixels,
+                           std::uint32_t guide)
     : structure(with),
       effects(effects_of(scene)),
       on_host_(std::make_shared<Lights>(collect_lights(scene, selection))) {
@@ -112,7 +113,10 @@ SceneBuffers::SceneBuffers(const Device& device, const Scene& scene, const Struc
     end = (of_lights_ = place(found, end)).end();
     where.light_grid = light_grid > 0 ? end : CLARAY_NO_TABLE;
     where.listed_pixels = listed_pixels > 0 ? end + light_grid : CLARAY_NO_TABLE;
-    tables = Buffer<std::uint32_t>(device, std::size_t(end) + light_grid + listed_pixels);
+    where.guide =
+        guide > 0 ? std::uint32_t(TableWriter::rounded_up(end + light_grid + listed_pixels)) : CLARAY_NO_TABLE;
+    tables = Buffer<std::uint32_t>(
+        device, guide > 0 ? std::size_t(where.guide) + guide : std::size_t(end) + light_grid + listed_pixels);
     if (light_grid > 0) tables.write(std::vector<std::uint32_t>(light_grid), end);
     tables.write(meshes.words());
     tables.write(materials.words(), of_materials_.begin);

@@ -13,9 +13,10 @@ namespace claray {
 struct SceneBuffers {
     /// Uploads the data that the scene needs. `added`: effects that kernels support in addition.
     /// `light_grid`: words of the table of Approximations::light_grid, all 0. `listed_pixels`: room of
-    /// SceneTables::listed_pixels.
+    /// SceneTables::listed_pixels. `guide`: words of SceneTables::guide.
     SceneBuffers(const Device& device, const Scene& scene, const Structure& structure, EffectSet added = {},
-                 const LightSelection& selection = {}, std::uint32_t light_grid = 0, std::uint32_t listed_pixels = 0);
+                 const LightSelection& selection = {}, std::uint32_t light_grid = 0, std::uint32_t listed_pixels = 0,
+                 std::uint32_t guide = 0);
 
     Structure structure;  // shares its positions and indices
     /// Replaces the lights of all kinds in the list of claray/shared/lights.h. Nothing else is uploaded.

@@ -108,7 +108,8 @@ void Renderer::State::rebuild_scene(const Scene& scene) {
     structure = Structure(device, placed.scene, placed.baked, with_layout(config.bvh, plan.last.layout), false, parts);
     light_grid = light_grid_of(config, placed.scene);
     buffers = SceneBuffers(device, placed.scene, structure, config.effects.add, selection_of_lights(config),
-                           words_of(light_grid), words_of_listed_pixels());
+                           words_of(light_grid), words_of_listed_pixels(), words_of_guide());
+    bounds = bounds_of(placed.scene);
     shape = SceneShape(scene, placed.scene, std::move(placed.places), std::move(placed.numbers));
     wavefront.replace_scene(buffers);
     plan = plan_kernels(device, buffers.effects, config);

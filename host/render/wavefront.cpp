@@ -96,6 +96,7 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, E
         shading.emplace_back("LIGHT_GRID", "1");
         light_grid.emplace(device, defines(Stage::generate), shading);
     }
+    if (scene.where.guide != CLARAY_NO_TABLE) shading.emplace_back("PATH_GUIDE", "1");
     append(shading, defines_of(approximate));
     // On CPUs the binary tree is used for a quick start, when long compilation does not pay.
     const Structure& structure = scene.structure;
@@ -187,7 +188,11 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
 /// Short renders do not need room for all paths that a device can trace at once. The buffers hold nothing between
 /// batches.
 void Wavefront::make_room(std::uint32_t paths) {
-    if (paths <= rays_[0].size()) return;
+    if (paths <= rays_[0].size()) {
+        const std::size_t floats = floats_per_path() * rays_[0].size();
+        if (radiance_.size() < floats) radiance_ = Buffer<float>(device_, floats);
+        return;
+    }
     // Each time GPUs take milliseconds.
     const std::uint32_t wanted = rays_[0].size() == 0 ? paths : std::max(paths, capacity_);
     const std::size_t room = (wanted + CLARAY_QUEUE_ROOM - 1) / CLARAY_QUEUE_ROOM * std::size_t(CLARAY_QUEUE_ROOM);
@@ -202,7 +207,7 @@ void Wavefront::make_room(std::uint32_t paths) {
         if (moves) times_[i] = Buffer<float>(queues_[i], CLARAY_QUEUE_TIMES * word * room, room);
     }
     hits_ = SceneHits(scene_.structure, room);
-    radiance_ = Buffer<float>(device_, (scene_.where.light_tree == CLARAY_NO_TABLE ? 3 : 6) * room);
+    radiance_ = Buffer<float>(device_, floats_per_path() * room);
     if (!has_lights(scene_.lights)) return;
     shadow_queue_ = Buffer<ShadowQueue>(device_, (moves ? CLARAY_SHADOW_WORDS : CLARAY_SHADOW_TIMES) * room);
     shadow_rays_ = Buffer<Ray>(shadow_queue_, 0, room);
@@ -210,6 +215,12 @@ void Wavefront::make_room(std::uint32_t paths) {
     occluded_ = kernels_.casts_shadows ? Buffer<std::uint8_t>(device_, room)
                                        : Buffer<std::uint8_t>(device_, std::vector<std::uint8_t>(room));
     if (moves) shadow_times_ = Buffer<float>(shadow_queue_, CLARAY_SHADOW_TIMES * word * room, room);
+}
+
+std::uint32_t Wavefront::floats_of_paths() const { return scene_.where.light_tree == CLARAY_NO_TABLE ? 3 : 6; }
+
+std::size_t Wavefront::floats_per_path() const {
+    return floats_of_paths() + (frame_.guide.lessons != 0 ? 3 * CLARAY_GUIDE_LESSONS : 0);
 }
 
 Step Wavefront::step_of(const Batch& batch, std::uint32_t depth, std::uint32_t limit) const {
@@ -258,7 +269,7 @@ void Wavefront::generate(const Batch& batch, bool centers) {
 
 void Wavefront::trace(const Batch& batch) {
     make_room(batch.pixels * batch.samples);
-    if (path_kernel_ && batches_are_small(batch.pixels * batch.samples)) {
+    if (path_kernel_ && !is_guided() && batches_are_small(batch.pixels * batch.samples)) {
         trace_paths(batch);
         return;
     }
@@ -371,7 +382,7 @@ void Wavefront::trace_stages(const Batch& batch, bool arrived, std::uint32_t fir
         bounce(batch, depth, limit, arrived && depth == 0);
         const bool looks = scene_.structure.parts() || (depth + 1) % bounces_per_look_ == 0;
         if (looks && depth + 1 < all) limit = lengths_[(depth + 1) % CLARAY_RAY_QUEUES].read()[0];
-        if (finish_kernel_ && limit != 0 && limit <= most_last_paths_ && depth + 1 < all) {
+        if (finish_kernel_ && !is_guided() && limit != 0 && limit <= most_last_paths_ && depth + 1 < all) {
             trace_last_paths(batch, depth + 1, limit);
             break;
         }

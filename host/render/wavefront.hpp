@@ -117,6 +117,10 @@ public:
     /// Lambertians without emission, whatever their material.
     void trace_from(const Buffer<Hit>& points, const Batch& batch);
     [[nodiscard]] const Buffer<float>& radiance() const { return radiance_; }
+    /// For all later batches, which the stages trace; of kernels that know a path guide.
+    void set_guide(const PathGuideData& guide) { frame_.guide = guide; }
+    /// Floats of each path in `radiance()`, without the lessons of a path guide.
+    [[nodiscard]] std::uint32_t floats_of_paths() const;
     /// For PathTask::light_grid: finds out which probes the parts of cells see. Asynchronous.
     void mark_cells(const GridBox& cells);
     /// Adds the light that one round of rays finds to the probes. Asynchronous.
@@ -154,6 +158,8 @@ private:
     void trace_stages(const Batch& batch, bool arrived, std::uint32_t first_depth = 0);
     void trace_last_paths(const Batch& batch, std::uint32_t depth, std::uint32_t limit);
     [[nodiscard]] std::uint32_t waves() const;
+    [[nodiscard]] bool is_guided() const { return frame_.guide.lessons != 0 || frame_.guide.guides != 0; }
+    [[nodiscard]] std::size_t floats_per_path() const;
     void bounce(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived);
     /// `always`: also the rays that no wave follows.
     void scatter(const Batch& batch, std::uint32_t depth, std::uint32_t limit, bool arrived, bool always);

@@ -114,6 +114,11 @@ struct RenderConfig {
     /// samples; its expectation is not exactly that of a uniform render, because the error of a tile is estimated from
     /// the same samples, but the difference vanishes as samples grow. Cannot be used with Approximations::tile_sum.
     bool adaptive = false;
+    /// Paths learn from the image's first samples where light comes from, and choose directions of diffuse reflection
+    /// accordingly, where these samples promise less noise. The expectation of the image is the same. Ignored on GPUs,
+    /// below 32 samples per pixel, with hot spots and with approximations. Cannot be used by several devices or with
+    /// checkpoints.
+    bool guide = false;
     double report_seconds = 0.2;  ///< about, from one call of the `progress` of Renderer::render to the next
     Sampler sampler = Sampler::sobol;
     Bvh::Config bvh = {};  ///< Builder::automatic is `balanced` for scenes with instances

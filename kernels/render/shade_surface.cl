@@ -51,6 +51,13 @@ static inline void add_gathered(float3 gathered, uint path, global float* radian
     if (gathered.x != 0.0f || gathered.y != 0.0f || gathered.z != 0.0f) add_radiance(radiance, path, gathered);
 }
 
+/// Notes for the path guide where a path goes.
+static inline void note_next(const Step* step, uint path, const NextRay* next, global float* radiance) {
+#if PATH_GUIDE
+    if (teaches(&step->frame, step->depth)) note_bin(step, path, next->wanted ? next->bin : ENDS_HERE, throughput_of(next->state), radiance);
+#endif
+}
+
 static inline float time_in_queue(global RayQueue* queue, uint room, uint i) {
 #if INSTANCE_MOTION
     return times_of_queue(queue, room)[i];
@@ -204,6 +211,9 @@ static inline void shade_rays16(const Step* step, SCENE_PARAMETERS, global RayQu
         shaded[k].next.wanted = shaded[k].shadow.wanted = false;
         shaded[k].time = time_in_queue(queue, room, rays[k]);
         gathered[k] = (float3)(0.0f);
+#if PATH_GUIDE
+        if (teaches(frame, depth)) note_light_before(step, group.state[k].path, radiance);
+#endif
     }
     uint others = (1u << count) - 1u;
 #if PLAIN_SIXTEEN
@@ -241,6 +251,7 @@ static inline void shade_rays16(const Step* step, SCENE_PARAMETERS, global RayQu
         if (shaded[k].next.wanted) shaded[k].next.cone = scattered_cone(cone, hits[rays[k]].t, fabs(shaded[k].next.state.pdf));
 #endif
         add_gathered(gathered[k], group.state[k].path, radiance);
+        note_next(step, group.state[k].path, &shaded[k].next, radiance);
     }
 }
 #else
@@ -252,9 +263,13 @@ static inline void shade_ray(const Step* step, SCENE_PARAMETERS, global RayQueue
     const RayCone cone = cone_of_ray(&step->frame, depth, queue, room, i);
     shaded->time = time_in_queue(queue, room, i);
     float3 gathered;
+#if PATH_GUIDE
+    if (teaches(&step->frame, depth)) note_light_before(step, state.path, radiance);
+#endif
     shade_hit(step, depth, SCENE, queued_ray(&rays_of_queue(queue)[i]), hits[i], shaded->time, state, cone,
               radiance + 3 * (size_t)room, &gathered, &shaded->next, &shaded->shadow);
     add_gathered(gathered, state.path, radiance);
+    note_next(step, state.path, &shaded->next, radiance);
 }
 #endif
 
@@ -321,8 +336,11 @@ void shade_surface(Step step, SCENE_PARAMETERS, global QueueLength* lengths, glo
     const uint begin = (uint)get_global_id(0) * PATHS_PER_ITEM, end = min(begin + PATHS_PER_ITEM, all);
     Shaded16 shaded;
     for (uint i = begin; i < end; i += 16) {
-        shade_sixteen(&step, SCENE, rays_of_queue(queue), hits, states_of_queue(queue, room), i, min(16u, end - i), radiance,
-                      shading_normals, &shaded);
+        const uint16 bins = shade_sixteen(&step, SCENE, rays_of_queue(queue), hits, states_of_queue(queue, room), i, min(16u, end - i),
+                                          radiance, shading_normals, &shaded);
+#if PATH_GUIDE
+        if (teaches(&step.frame, depth)) note_bins16(&step, &shaded, min(16u, end - i), bins, radiance);
+#endif
         store_next16(&step.frame, &shaded, next_length, rays_of_queue(next_queue), states_of_queue(next_queue, room));
         store_shadows16(&shaded, shadow_length, rays_of_shadows(shadow_queue), light_of_shadows(shadow_queue, room));
     }

@@ -86,7 +86,7 @@ static inline NextRay pass_mirror(Batch one, const FrameData* frame, SCENE_PARAM
     float lobe;
     prepare_shading(frame, SCENE, &samples, -(float3)(ray.dx, ray.dy, ray.dz), at, &lobe);
     const bool delta = is_delta(&at->material);
-    next = scatter(frame, false, 0, &samples, depth, state, at, unit_float(words_at(&samples, AT_CHOICE).x), lobe);
+    next = scatter(frame, 0, false, 0, &samples, depth, state, at, unit_float(words_at(&samples, AT_CHOICE).x), lobe);
     next.wanted = next.wanted && (delta || next.state.pdf > GLOSSY_DENSITY);
     return next;
 }

@@ -162,6 +162,9 @@ TEST_F(Groups, EndInTime) {
 
 TEST_F(Groups, RefuseWhatTheyCannotShare) {
     EXPECT_TRUE(throws_error(ErrorKind::usage, "at least one device", [&] { RenderGroup({}, scene_, config_); }));
+    config_.guide = true;
+    EXPECT_TRUE(throws_error(ErrorKind::usage, "path guiding", [&] { RenderGroup(several(2), scene_, config_); }));
+    config_.guide = false;
     config_.adaptive = true;
     EXPECT_TRUE(throws_error(ErrorKind::usage, "adaptive sampling", [&] { RenderGroup(several(2), scene_, config_); }));
     EXPECT_TRUE(throws_error(ErrorKind::usage, "twice", [] { (void)Device::open_several("0,0"); }));

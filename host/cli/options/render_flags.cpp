@@ -50,6 +50,7 @@ void add_image_options(CLI::App& command, RenderOptions& o) {
 void add_quality_options(CLI::App& command, RenderOptions& o) {
     command.add_option("--spp", o.config.spp, "Samples per pixel [64]; with --time the upper limit")
         ->transform(whole_number(1, 1 << 24));
+    add_guide_flag(command, o.config.guide);
     add_approximate_option(command, o.config.approximate);
     add_shading_options(command, o.config.approximate);
     add_light_grid_options(command, o.config.light_grid);

@@ -49,6 +49,12 @@ void add_approximate_option(CLI::App& command, Approximations& approximate, cons
         ->type_name("NAME,...");
 }
 
+void add_guide_flag(CLI::App& command, bool& guide) {
+    command.add_flag("--guide", guide,
+                     "Learn where light comes from, and choose directions accordingly: less noise where the sky or lit "
+                     "walls give most of the light (CPUs, from 32 samples per pixel on)");
+}
+
 void add_shading_options(CLI::App& command, Approximations& approximate) {
     const std::vector<std::pair<std::string, int>> models = {{"flat", 0}, {"gouraud", 1}, {"phong", 2}};
     command

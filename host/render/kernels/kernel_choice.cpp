@@ -40,6 +40,7 @@ std::string key_of(const Device& device, const KernelChoice& choice, const Rende
                             int(config.bvh.max_leaf_triangles), int(config.bvh.split_budget > 0)})
         all += std::to_string(value) + '\n';
     if (config.approximate.any()) all += to_string(config.approximate) + '\n';
+    if (config.guide) all += "guided\n";
     return hash128(all + to_string(effects));
 }
 

@@ -60,7 +60,7 @@ typedef struct GuideStep {
     uint listed;
     uint run_count;  // of the batch; they are in a buffer, since OpenCL grants a kernel's arguments only 1,024 bytes
 } GuideStep;
-CLARAY_LAYOUT(GuideStep, 352)
+CLARAY_LAYOUT(GuideStep, 392)
 
 /// Scalar parameters of a filter pass.
 typedef struct FilterStep {

@@ -48,8 +48,9 @@ typedef struct SceneTables {
     uint light_grid;                           // LightGrid
     uint environment_texels, environment_cdf;  // float
     uint listed_pixels;                        // uint, 2 per entry: those of the current round of adaptive sampling
+    uint guide;                                // uint, CLARAY_GUIDE_WORDS for each map of the path guide
 } SceneTables;
-CLARAY_LAYOUT(SceneTables, 64)
+CLARAY_LAYOUT(SceneTables, 68)
 
 /// For studies: a ray that a rough surface scatters ends after `reach` and brings this radiance from there; a surface
 /// before reflects it once.
@@ -57,6 +58,40 @@ typedef struct AmbientData {
     float radiance_r, radiance_g, radiance_b, reach;
 } AmbientData;
 CLARAY_LAYOUT(AmbientData, 16)
+
+// Path guiding: maps of the light that arrives at diffuse surfaces, by which paths choose directions.
+
+/// Cells of the scene along each axis; a cell has a map for each of six directions of normals.
+#define CLARAY_GUIDE_CELLS 8u
+#define CLARAY_GUIDE_MAPS (CLARAY_GUIDE_CELLS * CLARAY_GUIDE_CELLS * CLARAY_GUIDE_CELLS * 6u)
+/// Bins of the two random numbers of a direction: columns of the first, and in each rows of the second.
+#define CLARAY_GUIDE_SIDE 8u
+#define CLARAY_GUIDE_BINS (CLARAY_GUIDE_SIDE * CLARAY_GUIDE_SIDE)
+/// Words of a map: the ends of its columns, then those of the rows of each column, in 16 bits each. The last end is
+/// 65536, which stands for itself.
+#define CLARAY_GUIDE_WORDS (CLARAY_GUIDE_SIDE / 2u * (1u + CLARAY_GUIDE_SIDE))
+/// The first surfaces of a path, which teach the maps. Each has three floats: bin, throughput behind it, and the light
+/// that its path had found before.
+#define CLARAY_GUIDE_LESSONS 3u
+
+/// What paths do with the maps.
+typedef struct PathGuideData {
+    float x, y, z;                    // corner of the cells
+    float scale_x, scale_y, scale_z;  // cells per length
+    float unit;                       // 1 / light: about the image's mean
+    uint lessons;  // where they begin in the buffer of radiance, in floats per path; 0: paths teach nothing
+    uint guides;   // 1: paths choose directions by the maps
+} PathGuideData;
+CLARAY_LAYOUT(PathGuideData, 36)
+
+/// What paths found in a bin. Sums of integers do not depend on the order of the paths.
+typedef struct GuideBin {
+    ulong squares;  // of light, in 1 / CLARAY_GUIDE_PARTS of its unit
+    uint paths, pad;
+} GuideBin;
+CLARAY_LAYOUT(GuideBin, 16)
+#define CLARAY_GUIDE_PARTS 1048576.0f
+#define CLARAY_GUIDE_BRIGHTEST 1024.0f  // the largest light that is learned: squares of a billion paths do not overflow
 
 /// Data that all paths of a render share.
 typedef struct FrameData {
@@ -68,8 +103,9 @@ typedef struct FrameData {
     uint seed;
     uint max_depth;  // largest number of surfaces that scatter a path
     SceneTables tables;
+    PathGuideData guide;
 } FrameData;
-CLARAY_LAYOUT(FrameData, 308)
+CLARAY_LAYOUT(FrameData, 348)
 
 /// Scalar parameters of a stage.
 typedef struct Step {
@@ -80,7 +116,7 @@ typedef struct Step {
     uint room;      // capacity of the queues in paths, a multiple of CLARAY_QUEUE_ROOM
     uint waves;     // number of rays after which paths are not followed: surfaces scatter no ray beyond
 } Step;
-CLARAY_LAYOUT(Step, 344)
+CLARAY_LAYOUT(Step, 384)
 
 /// With this room, every array in a queue begins at a multiple of 1024 bytes, the alignment of sub-buffers.
 #define CLARAY_QUEUE_ROOM 256u
