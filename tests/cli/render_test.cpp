@@ -189,7 +189,7 @@ class Signals : public Render, public testing::WithParamInterface<int> {};
 
 TEST_P(Signals, StopWithTheImageThatExists) {
     Process process(
-        claray_command({"render", "cornell", "-o", path("a.png"), "--size", "256x256", "--spp", "1000000", "--json"}),
+        claray_command({"render", "cornell", "-o", path("a.png"), "--size", "64x64", "--spp", "1000000", "--json"}),
         {{"CLARAY_DEVICE", std::to_string(device().info().index)}});
     wait_for_samples(process);
     process.send(GetParam());

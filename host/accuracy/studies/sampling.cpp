@@ -103,7 +103,7 @@ Study study_techniques(const Device& device, const Scene& scene, const StudyOpti
     const auto with = [&](const char* macro, unsigned value) {
         return render_with(device, scene, config, {{"render/shade_surface", macro, value}});
     };
-    std::vector<ImageMethod> methods = {{"claray", with("TECHNIQUES", 3)},
+    std::vector<ImageMethod> methods = {{"claray", render_with(device, scene, config)},
                                         {"lights alone", with("TECHNIQUES", 1)},
                                         {"BSDFs alone", with("TECHNIQUES", 2)},
                                         {"no roulette", with("ROULETTE_DEPTH", 1u << 20)}};
