@@ -5,6 +5,13 @@
 
 namespace claray {
 
+/// The time that `measure` tells, measured again if it is above `budget`: other work may have delayed a frame.
+template <class Measure>
+double undelayed(double budget, const Measure& measure) {
+    const double seconds = measure();
+    return seconds <= budget ? seconds : std::min(seconds, measure());
+}
+
 struct PickedSamples {
     unsigned spp = 1;
     double seconds = 0;  // of a frame of these

@@ -300,6 +300,18 @@ TEST(RenderFrames, TakeAsManySamplesAsFit) {
             }
 }
 
+TEST(RenderFrames, OneDelayDoesNotCountAsTheirTime) {
+    const auto measured = [](std::vector<double> seconds) {
+        return undelayed(10, [&seconds] {
+            const double first = seconds.front();
+            return seconds.erase(seconds.begin()), first;
+        });
+    };
+    EXPECT_EQ(measured({12, 9}), 9);
+    EXPECT_EQ(measured({9}), 9) << "what fits is measured once";
+    EXPECT_EQ(measured({12, 14}), 12);
+}
+
 /// A rate at which one sample of every pixel takes too long: cheaper frames are made, and enlarged. The frames are
 /// large enough that pixels take most of their time, not launches.
 TEST(RenderFrames, AreCheaperWhereOneSampleTakesTooLong) {

@@ -175,7 +175,7 @@ public:
         const PickedSamples picked =
             pick_samples(way.one, std::min(config_.spp, most_spp), share * budget_, [&](unsigned spp) {
                 way.frames->spp = spp;
-                return way.frames->slowest();
+                return undelayed(share * budget_, [&] { return way.frames->slowest(); });
             });
         way.frames->spp = way.spp = picked.spp, way.seconds = picked.seconds;
     }
@@ -190,7 +190,7 @@ private:
     [[nodiscard]] Way way_of(std::string name, const RenderConfig& config) const {
         Way way{std::move(name), std::make_shared<Frames>(device_, scene_, config, size_, path_), size_,
                 config.max_depth};
-        way.seconds = way.frames->slowest();
+        way.seconds = undelayed(share * budget_, [&] { return way.frames->slowest(); });
         return way;
     }
 
