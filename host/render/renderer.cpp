@@ -168,7 +168,7 @@ Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig&
       structure(first_structure(on, scene, baked, plan, config.bvh, parts)),
       build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
       light_grid(light_grid_of(with, scene)),
-      bounds(bounds_of(scene)),
+      bounds(words_of_guide() > 0 ? bounds_of(scene) : Bounds{}),
       buffers(on, scene, structure, config.effects.add, selection_of_lights(with), words_of(light_grid),
               words_of_listed_pixels(), words_of_guide()),
       wavefront(on, buffers, frame_data(scene, camera, buffers, with), load_kernels(plan.first.effects),
@@ -186,6 +186,7 @@ WavefrontKernels Renderer::State::load_kernels(EffectSet effects) const {
     const auto load_all = [&] {
         (void)load();
         (void)Film::Kernels(device);
+        if (words_of_guide() > 0) PathGuide::load_kernels(device);
     };
     if (!own_kernels && plan.start == KernelStart::quick)
         compile_jointly(device, load_all, number_of(effects) <= most_effects_to_optimize);

@@ -182,7 +182,7 @@ struct Renderer::State {
     Structure structure;
     double build_milliseconds;
     std::optional<LightGridStage> light_grid;
-    Bounds bounds;  // of the scene
+    Bounds bounds;  // of the scene, if paths may be guided
     SceneBuffers buffers;
     Wavefront wavefront;
     Film film;

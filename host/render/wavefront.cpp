@@ -26,10 +26,11 @@ constexpr std::uint64_t bytes_per_path = 2 * (sizeof(Ray) + sizeof(PathState) + 
                                          sizeof(Hit) + sizeof(LightSample) + sizeof(std::uint8_t) + 3 * sizeof(float);
 
 /// At most a 16th of the device's memory, and no buffer larger than it allows.
-std::uint32_t choose_capacity(const Device& device, std::uint64_t most_paths) {
+std::uint32_t choose_capacity(const Device& device, std::uint64_t most_paths, bool guided) {
+    const std::uint64_t lessons = guided ? 3 * CLARAY_GUIDE_LESSONS * sizeof(float) : 0;
     const std::uint64_t tuned = std::max(1u, device.tuning("render/wavefront", "PATHS"));
-    const std::uint64_t memory = device.info().memory / share_of_wavefront / bytes_per_path;
-    const std::uint64_t allocation = device.info().max_allocation / sizeof(Ray);
+    const std::uint64_t memory = device.info().memory / share_of_wavefront / (bytes_per_path + lessons);
+    const std::uint64_t allocation = device.info().max_allocation / (sizeof(Ray) + lessons);
     return std::uint32_t(std::max<std::uint64_t>(1, std::min({tuned, most_paths, memory, allocation})));
 }
 
@@ -173,7 +174,7 @@ Wavefront::Wavefront(const Device& device, const SceneBuffers& scene, const Fram
       paths_per_item_(paths_per_item(device)),
       most_whole_paths_(most_whole_paths(device)),
       most_last_paths_(most_last_paths(device)),
-      capacity_(choose_capacity(device, with_light_grid(most_paths, kernels))),
+      capacity_(choose_capacity(device, with_light_grid(most_paths, kernels), scene.where.guide != CLARAY_NO_TABLE)),
       kernels_(std::move(kernels)) {
     frame_.tables = scene.where;
     queue_lengths_ = Buffer<QueueLength>(device, std::vector<QueueLength>(CLARAY_RAY_QUEUES + CLARAY_SHADOW_QUEUES));
@@ -229,7 +230,7 @@ Step Wavefront::step_of(const Batch& batch, std::uint32_t depth, std::uint32_t l
 
 void Wavefront::resize(std::uint32_t width, std::uint32_t height, std::uint64_t most_paths) {
     frame_.width = width, frame_.height = height;
-    capacity_ = choose_capacity(device_, with_light_grid(most_paths, kernels_));
+    capacity_ = choose_capacity(device_, with_light_grid(most_paths, kernels_), scene_.where.guide != CLARAY_NO_TABLE);
 }
 
 void Wavefront::take_over(const Structure& structure, WavefrontKernels kernels) {

@@ -42,7 +42,8 @@ std::size_t BoxedOracle::add_node(std::span<const Corners> triangles, std::size_
     const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
     const std::size_t middle = begin + blocks / 2 * Oracle::block;
     const auto place = [&](std::uint32_t i) {
-        return triangles[i].at[0][axis] + triangles[i].at[1][axis] + triangles[i].at[2][axis];
+        const auto sum = triangles[i].at[0][axis] + triangles[i].at[1][axis] + triangles[i].at[2][axis];
+        return sum == sum ? sum : 0;  // NaN has no order; such triangles are never hit
     };
     const auto at = [&](std::size_t i) { return numbers_.begin() + std::ptrdiff_t(i); };
     std::nth_element(at(begin), at(middle), at(end), [&](auto a, auto b) { return place(a) < place(b); });

@@ -170,6 +170,7 @@ TEST_F(Ranks, RefuseWhatDiffers) {
     EXPECT_TRUE(says(both({"--spp", "0"}), 2, "--spp"));
     EXPECT_TRUE(says(both({"--time", "1us"}), 1, "is too short"));
     EXPECT_TRUE(says(both({"--adaptive"}), 2, "one device only"));
+    EXPECT_TRUE(says(both({"--guide"}), 2, "one device only"));
     EXPECT_FALSE(fs::exists(path("x.pfm")));
 }
 

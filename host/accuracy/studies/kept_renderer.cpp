@@ -71,9 +71,10 @@ void KeptRenderer::make() {
     last_ = {};
 }
 
-/// The rounds of adaptive sampling depend on the number of samples at the end.
+/// The rounds of adaptive sampling depend on the number of samples at the end, and so does path guiding.
 bool KeptRenderer::continues(std::uint32_t seed, unsigned spp, unsigned max_depth) const {
-    return !config_.adaptive && last_.spp > 0 && last_.spp < spp && last_.seed == seed && last_.max_depth == max_depth;
+    return !config_.adaptive && !config_.guide && last_.spp > 0 && last_.spp < spp && last_.seed == seed &&
+           last_.max_depth == max_depth;
 }
 
 Rendered KeptRenderer::render(std::uint32_t seed, unsigned spp, unsigned max_depth) {

@@ -15,6 +15,8 @@ constexpr std::uint32_t all = 1u << 16;
 constexpr unsigned samples_to_decide = 8, samples_to_learn = 16;  // per pixel
 constexpr const char* stem = "render/path_guide";
 
+Kernel learning(const Device& device) { return load_kernel(device, "render/guiding/learn_light.cl", "learn_light"); }
+
 /// Probabilities of a map's bins.
 std::array<double, bins_of_map> densities_of(std::span<const GuideBin> bins) {
     std::array<double, bins_of_map> density;
@@ -110,6 +112,8 @@ PathGuide::PathGuide(const Device& device, const Bounds& scene) : device_(device
     data_.scale_z = CLARAY_GUIDE_CELLS / extent.z;
 }
 
+void PathGuide::load_kernels(const Device& device) { (void)learning(device); }
+
 /// The unit is a power of two, so that it does not depend on the last bits of the mean.
 void PathGuide::begin(std::uint32_t floats_of_paths, double mean) {
     if (!(mean > 0) || !std::isfinite(mean)) return;
@@ -117,7 +121,7 @@ void PathGuide::begin(std::uint32_t floats_of_paths, double mean) {
     data_.lessons = floats_of_paths;
     sum_.assign(std::size_t(CLARAY_GUIDE_MAPS) * bins_of_map, {});
     found_ = Buffer<GuideBin>(device_, sum_);
-    learn_ = load_kernel(device_, "render/guiding/learn_light.cl", "learn_light");
+    learn_ = learning(device_);
 }
 
 void PathGuide::learn(const Step& step, const Buffer<float>& radiance) {

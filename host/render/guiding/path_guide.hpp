@@ -37,6 +37,8 @@ constexpr unsigned samples_before_learning = 2;
 class PathGuide {
 public:
     PathGuide(const Device& device, const Bounds& scene);
+    /// So that none is compiled during a render.
+    static void load_kernels(const Device& device);
 
     [[nodiscard]] const PathGuideData& data() const { return data_; }
     /// Learns from a batch that was traced by `data()`; asynchronous. `step`: of the batch.

@@ -5,6 +5,7 @@
 #include "host/compute/kernel_sources.hpp"
 #include "host/compute/program_cache.hpp"
 #include "host/effects/effects.hpp"
+#include "host/render/guiding/path_guide.hpp"
 
 namespace claray {
 namespace {
@@ -40,7 +41,7 @@ std::string key_of(const Device& device, const KernelChoice& choice, const Rende
                             int(config.bvh.max_leaf_triangles), int(config.bvh.split_budget > 0)})
         all += std::to_string(value) + '\n';
     if (config.approximate.any()) all += to_string(config.approximate) + '\n';
-    if (config.guide) all += "guided\n";
+    if (part == "all" && may_guide_paths(device, config)) all += "guided\n";
     return hash128(all + to_string(effects));
 }
 

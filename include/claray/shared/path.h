@@ -90,7 +90,7 @@ typedef struct GuideBin {
     uint paths, pad;
 } GuideBin;
 CLARAY_LAYOUT(GuideBin, 16)
-#define CLARAY_GUIDE_PARTS 1048576.0f
+#define CLARAY_GUIDE_PARTS 16384.0f
 #define CLARAY_GUIDE_BRIGHTEST 1024.0f  // the largest light that is learned: squares of a billion paths do not overflow
 
 /// Data that all paths of a render share.

@@ -42,15 +42,6 @@ Scene room_with_window() {
     return scene;
 }
 
-Scene ground_under_sky() {
-    Scene scene;
-    scene.materials = {lambert(0.5f)};
-    scene.meshes = {square(1, 0)};
-    scene.sky.horizon = scene.sky.zenith = {1, 1, 1};
-    scene.camera = narrow_camera({0, 1, 0.1f}, {0, 0, 0});
-    return scene;
-}
-
 RenderConfig guided_config() { return {.width = 128, .height = 128, .spp = 64, .max_depth = 6, .guide = true}; }
 
 std::vector<glm::vec3> render_guided(const Scene& scene, unsigned least, RenderConfig config) {
@@ -154,8 +145,25 @@ TEST(PathGuide, LeavesImagesThatItDoesNotImprove) {
         const RenderConfig config{.width = 224, .height = 224, .spp = least_guided_spp, .guide = true};
         return !same_bits(render_guided(scene, usual, config), render_guided(scene, nowhere, config));
     };
-    EXPECT_FALSE(is_guided(ground_under_sky()));
+    EXPECT_FALSE(is_guided(*builtin_scene("spheres")));
     EXPECT_TRUE(is_guided(*builtin_scene("cornell")));
+}
+
+/// The cells span the scene as it is now.
+TEST(PathGuide, FollowsMovedVertices) {
+    if (!is_guidable()) GTEST_SKIP() << "paths are guided on CPUs only";
+    const verify::ScopedTuning gain(device(), stem, least_gain, everywhere);
+    RenderConfig config = guided_config();
+    config.width = config.height = 64, config.spp = least_guided_spp;
+    const Scene small = room_with_window();
+    Scene large = small;
+    for (Mesh& mesh : large.meshes)
+        for (glm::vec3& p : mesh.positions) p *= 3;
+    Renderer moved(device(), small, config), made(device(), large, config);
+    moved.update(large, {.vertices = true});
+    moved.restart(0);
+    moved.render(), made.render();
+    EXPECT_TRUE(same_bits(moved.image(), made.image()));
 }
 
 TEST(PathGuide, LeavesShortRendersAlone) {
