@@ -175,7 +175,7 @@ public:
         const PickedSamples picked =
             pick_samples(way.one, std::min(config_.spp, most_spp), share * budget_, [&](unsigned spp) {
                 way.frames->spp = spp;
-                return undelayed(share * budget_, [&] { return way.frames->slowest(); });
+                return slowest_of(*way.frames);
             });
         way.frames->spp = way.spp = picked.spp, way.seconds = picked.seconds;
     }
@@ -190,8 +190,13 @@ private:
     [[nodiscard]] Way way_of(std::string name, const RenderConfig& config) const {
         Way way{std::move(name), std::make_shared<Frames>(device_, scene_, config, size_, path_), size_,
                 config.max_depth};
-        way.seconds = undelayed(share * budget_, [&] { return way.frames->slowest(); });
+        way.seconds = slowest_of(*way.frames);
         return way;
+    }
+
+    /// Seconds for a frame, to be compared with what is planned for.
+    [[nodiscard]] double slowest_of(Frames& frames) const {
+        return undelayed(share * budget_, [&] { return frames.slowest(); });
     }
 
     [[nodiscard]] Way shorter_paths(const Way& complete) const {
