@@ -356,11 +356,9 @@ void build_hploc(global const float* positions, global const uint* indices, glob
         if (climbing) {
             const bool right_neighbour = parent_is_right(codes, first, last, valid);
             split = right_neighbour ? last : first - 1;
-            device_fence();
-            const uint other_end = atomic_xchg(&arrivals[split], right_neighbour ? first : last);
+            const uint other_end = exchange_in_order(&arrivals[split], right_neighbour ? first : last);
             climbing = other_end != NO_ARRIVAL;
             if (climbing) {
-                device_fence();
                 if (right_neighbour) last = other_end;
                 else first = other_end;
                 const uint size = last - first + 1;

@@ -27,6 +27,12 @@ static inline void look_up(Climber* c, global const Code* codes, uint valid) {
     c->parent = c->is_left ? c->last : c->first - 1;
 }
 
+/// The same by the levels of a group's borders, which are in local memory: the border before leaf begin + i is the i-th.
+static inline void look_up_in_group(Climber* c, local const uint* level, uint begin, uint valid) {
+    c->is_left = level[c->last + 1 - begin] < level[c->first - begin];
+    c->parent = c->last - c->first + 1 == valid ? CLARAY_NO_CHILD : c->is_left ? c->last : c->first - 1;
+}
+
 static inline uint height_count(const Climber* c) {
     return (c->height << 24) | min(c->last - c->first + 1, CLARAY_COUNT_LIMIT);
 }
@@ -45,8 +51,8 @@ static inline void store_record(local Records* records, uint item, const Climber
 }
 
 /// Joins the subtree with the sibling left by `item`: writes their node and continues as that node.
-static inline void join_record(Climber* c, local const Records* records, uint item, global const Code* codes,
-                               global BvhNode* nodes, uint valid) {
+static inline void join_record(Climber* c, local const Records* records, uint item, local const uint* level,
+                               uint begin, global BvhNode* nodes, uint valid) {
     const Box mine = c->box;
     const Box other = {(float3)(records->lox[item], records->loy[item], records->loz[item]),
                        (float3)(records->hix[item], records->hiy[item], records->hiz[item])};
@@ -58,20 +64,20 @@ static inline void join_record(Climber* c, local const Records* records, uint it
     const uint leaf = is_left ? joined_leaf(mine, child, other, other_child) : joined_leaf(other, other_child, mine, child);
     if (leaf != CLARAY_NO_CHILD) {
         c->child = leaf;
-        look_up(c, codes, valid);
+        look_up_in_group(c, level, begin, valid);
         store_free_node(&nodes[index]);
         return;
     }
     c->height = 1 + max(c->height, records->height[item]);
     c->child = index;
-    look_up(c, codes, valid);
+    look_up_in_group(c, level, begin, valid);
     if (is_left) store_node(&nodes[index], mine, other, child, other_child, c->parent, height_count(c));
     else store_node(&nodes[index], other, mine, other_child, child, c->parent, height_count(c));
 }
 
 /// Climbs while both children of the parent are in the group (leaves begin .. end - 1). Returns true if it waits in the group.
 static inline bool climb_in_group(Climber* c, local Records* records, volatile local uint* arrivals, uint begin, uint end,
-                                  global const Code* codes, global BvhNode* nodes, uint valid) {
+                                  local const uint* level, global BvhNode* nodes, uint valid) {
     const uint item = get_local_id(0);
     while (c->parent != CLARAY_NO_CHILD && c->parent >= begin && c->parent + 1 < end) {
         store_record(records, item, c);
@@ -79,7 +85,7 @@ static inline bool climb_in_group(Climber* c, local Records* records, volatile l
         const uint other = atomic_xchg(&arrivals[c->parent - begin], item);
         if (other == NO_ARRIVAL) return true;
         mem_fence(CLK_LOCAL_MEM_FENCE);
-        join_record(c, records, other, codes, nodes, valid);
+        join_record(c, records, other, level, begin, nodes, valid);
     }
     return false;
 }
@@ -95,10 +101,9 @@ static inline void climb(Climber* c, volatile global uint* arrivals, global cons
         else node->child1 = c->child;
         ((global uchar*)&node->height_count)[side] = (uchar)c->height;  // one byte each until both children have arrived
 
-        device_fence();  // releases the stores to the node ...
-        const uint other_end = atomic_xchg(&arrivals[c->parent], c->is_left ? c->first : c->last);
+        // Releases the stores to the node and acquires the sibling's.
+        const uint other_end = exchange_in_order(&arrivals[c->parent], c->is_left ? c->first : c->last);
         if (other_end == NO_ARRIVAL) return;
-        device_fence();  // ... and acquires the sibling's stores
 
         if (c->is_left) c->last = other_end;
         else c->first = other_end;
@@ -127,10 +132,12 @@ void build_lbvh(global const float* positions, global const uint* indices, globa
                 global const uint* masks, global const Code* codes, global const uint* order, global BvhNode* nodes,
                 global LeafTriangle* leaves, volatile global uint* arrivals, global BvhHeader* header) {
     local Records records;
-    local uint group_arrivals[GROUP_SIZE];
+    local uint group_arrivals[GROUP_SIZE], level[GROUP_SIZE + 1];
     const uint item = get_local_id(0), leaf = get_global_id(0), valid = header->valid;
     const uint begin = leaf - item, end = min(begin + GROUP_SIZE, valid);
     group_arrivals[item] = NO_ARRIVAL;
+    if (item == 0) level[0] = border(codes, begin - 1, valid);
+    level[item + 1] = border(codes, leaf, valid);
     barrier(CLK_LOCAL_MEM_FENCE);
 
     Climber c;
@@ -141,8 +148,8 @@ void build_lbvh(global const float* positions, global const uint* indices, globa
         store_leaf(&leaves[leaf], triangle, primitive, geometries, masks);
         c.box = box_of(triangle);
         c.first = c.last = leaf, c.child = CLARAY_LEAF | leaf, c.height = 0, c.is_left = false;
-        look_up(&c, codes, valid);
-        waits = climb_in_group(&c, &records, group_arrivals, begin, end, codes, nodes, valid);
+        look_up_in_group(&c, level, begin, valid);
+        waits = climb_in_group(&c, &records, group_arrivals, begin, end, level, nodes, valid);
     }
     barrier(CLK_LOCAL_MEM_FENCE);
 

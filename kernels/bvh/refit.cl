@@ -25,18 +25,22 @@ static inline Box refit_leaves(global const float* positions, global const uint*
     return box;
 }
 
-/// Climbs through global memory: `ready` boxes of a node have been stored. A node waits for its other child, as in lbvh.cl.
+/// Climbs through global memory: `ready` boxes of a node have been stored. A node waits for its other child, as in lbvh.cl. Parents are
+/// read a level ahead, so that no level waits for memory more often than it must.
 static inline void climb(global BvhNode* nodes, uint index, uint ready, volatile global uint* arrivals, global BvhHeader* header) {
+    uint parent = nodes[index].parent, above = CLARAY_NO_CHILD;
+    bool is_first = false;
+    if (parent != CLARAY_NO_CHILD) is_first = nodes[parent].child0 == index, above = nodes[parent].parent;
     while (both_children_ready(arrivals, index, ready)) {
-        global BvhNode* node = &nodes[index];
-        const Box box = box_union(child_box(node, 0), child_box(node, 1));  // mutant: refit-union
-        const uint parent = node->parent;
+        uint4 references = (uint4)(CLARAY_NO_CHILD);  // child0, child1, parent
+        if (above != CLARAY_NO_CHILD) references = ((global const uint4*)&nodes[above])[3];
+        const Box box = box_union(child_box(&nodes[index], 0), child_box(&nodes[index], 1));  // mutant: refit-union
         if (parent == CLARAY_NO_CHILD) {
             store_header_box(header, box);
             return;
         }
-        store_child_box(&nodes[parent], nodes[parent].child0 == index ? 0 : 1, box);
-        index = parent, ready = 1;
+        store_child_box(&nodes[parent], is_first ? 0 : 1, box);
+        is_first = references.x == parent, index = parent, parent = above, above = references.z, ready = 1;
     }
 }
 
