@@ -56,7 +56,8 @@ SceneResult SceneBench::run() {
     std::vector<std::function<void()>> tasks;
     for (Bvh& bvh : bvhs_) {
         tasks.emplace_back([&bvh] { bvh.refit(); });
-        tasks.emplace_back([&bvh] { bvh.rebuild(); });  // a refit grows the boxes of triangles that the builder has split
+        tasks.emplace_back(
+            [&bvh] { bvh.rebuild(); });  // a refit grows the boxes of triangles that the builder has split
         for (DeviceRays& kind : kinds_) tasks.emplace_back([&bvh, &kind] { kind.trace(bvh); });
     }
     const std::vector<Timing> timings = measure_rounds(device_, options_.repeat, tasks);
