@@ -53,11 +53,11 @@ SceneBench::SceneBench(const Device& device, const std::string& scene, const Ben
 }
 
 SceneResult SceneBench::run() {
-    // Positions do not change, so that refitting does not change the tree.
     std::vector<std::function<void()>> tasks;
     for (Bvh& bvh : bvhs_) {
-        tasks.emplace_back([&bvh] { bvh.rebuild(); });
         tasks.emplace_back([&bvh] { bvh.refit(); });
+        tasks.emplace_back(
+            [&bvh] { bvh.rebuild(); });  // a refit grows the boxes of triangles that the builder has split
         for (DeviceRays& kind : kinds_) tasks.emplace_back([&bvh, &kind] { kind.trace(bvh); });
     }
     const std::vector<Timing> timings = measure_rounds(device_, options_.repeat, tasks);
@@ -68,8 +68,8 @@ SceneResult SceneBench::run() {
         PresetResult preset;
         preset.preset = name_of(builders, options_.presets[i]);
         preset.layout = name_of(layouts, bvhs_[i].layout());
-        preset.build = timing[0];
-        preset.refit = timing[1];
+        preset.refit = timing[0];
+        preset.build = timing[1];
         preset.statistics = bvhs_[i].statistics();
         for (std::size_t k = 0; k < kinds_.size(); ++k)
             preset.kinds.push_back({kinds_[k].name, kinds_[k].rays.size(), timing[2 + k]});

@@ -12,8 +12,7 @@ void any_hit(CLARAY_BVH_PARAMETERS, global const Ray* rays, ANSWERS_PARAMETERS, 
     trace_queue(CLARAY_BVH, &query, queue);
 #elif USE_BATCHES
     const BatchQuery query = {rays, masks, sorted, true, CULL_BACK_FACES, 0, occluded};
-    const uint item = (uint)get_global_id(0), items = (uint)get_global_size(0);
-    trace_batch(CLARAY_BVH, &query, dealt_batch(item, items) * batch, dealt_batch(item + 1, items) * batch, batch, all);
+    trace_share(CLARAY_BVH, &query, (uint)get_global_id(0), (uint)get_global_size(0), batch, all);
 #else
     FOR_EACH_RAY(i, all) {
         Visits visited = {0, 0};

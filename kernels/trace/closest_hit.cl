@@ -14,8 +14,7 @@ void closest_hit(CLARAY_BVH_PARAMETERS, global const Ray* rays, global Hit* hits
     trace_queue(CLARAY_BVH, &query, queue);
 #elif USE_BATCHES
     const BatchQuery query = {rays, masks, sorted, false, CULL_BACK_FACES, hits, 0};
-    const uint item = (uint)get_global_id(0), items = (uint)get_global_size(0);
-    trace_batch(CLARAY_BVH, &query, dealt_batch(item, items) * batch, dealt_batch(item + 1, items) * batch, batch, all);
+    trace_share(CLARAY_BVH, &query, (uint)get_global_id(0), (uint)get_global_size(0), batch, all);
 #elif !CHOOSE || COHERENT  // else the other schedule's kernel traces them
     FOR_EACH_RAY(i, all) {
         Visits visited = {0, 0};

@@ -149,6 +149,15 @@ TEST(Bench, MeasuresEveryPresetAndKind) {
     EXPECT_EQ(count(csv, ','), count(csv, '\n') * count(header, ',')) << "every row has all columns";
 }
 
+TEST(Bench, TracesTreesAsTheyAreBuilt) {
+    BenchOptions options;
+    options.presets = {Builder::high};  // splits triangles, so that a refit grows their boxes
+    options.width = 8, options.height = 8, options.repeat = 2;
+    const SceneResult result = SceneBench(test::device(), "cornell", options).run();
+    const Bvh built = Bvh::build(test::device(), load_meshes("cornell"), {.builder = Builder::high});
+    EXPECT_EQ(result.presets.at(0).statistics.sah_cost, built.statistics().sah_cost);
+}
+
 /// 100 rays per round.
 SceneResult result_of(const std::vector<double>& milliseconds) {
     PresetResult preset;

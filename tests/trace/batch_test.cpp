@@ -300,16 +300,18 @@ TEST(Batch, CountOnTheDevice) {
     const Bvh bvh = build(soup(2000, 0.2f, 18));
     const std::vector<Ray> host = camera_rays({0, 0, 3}, glm::vec3(0.f), 100, 50);
     const std::vector<Hit> expected = alone(bvh, host);
+    const Buffer<Ray> rays(device(), host);
     Buffer<Hit> hits(device(), host.size());
-    hits.fill(0x12345678u);
-    closest_hit(bvh, Buffer<Ray>(device(), host), hits, {},
-                Buffer<std::uint32_t>(device(), std::vector<std::uint32_t>{1777}));
-    const std::vector<Hit> found = hits.read();
-    for (std::size_t i = 0; i < host.size(); ++i) {
-        if (i < 1777)
-            ASSERT_TRUE(same_or_both_missed(found[i], expected[i])) << i;
-        else
-            ASSERT_EQ(found[i].geometry, 0x12345678u) << i;
+    for (const std::uint32_t count : {0u, 1u, 64u, 65u, 1777u, 4999u, 5000u, 6000u}) {
+        hits.fill(0x12345678u);
+        closest_hit(bvh, rays, hits, {}, Buffer<std::uint32_t>(device(), std::vector<std::uint32_t>{count}));
+        const std::vector<Hit> found = hits.read();
+        for (std::size_t i = 0; i < host.size(); ++i) {
+            if (i < count)
+                ASSERT_TRUE(same_or_both_missed(found[i], expected[i])) << i << " of " << count;
+            else
+                ASSERT_EQ(found[i].geometry, 0x12345678u) << i << " of " << count;
+        }
     }
 }
 
