@@ -23,8 +23,10 @@ kernel void reject_outliers(FilterStep step, uint single, global const float4* l
             const float16 bright = luminances16(there.v) * fmax(1.0f, read_values16(step, weights, x, y) / weight);
             most = fmax(most, select(none, bright, (there.w >= 0.0f) & ~is_itself16(step, run, dx, dy)));
         }
-    const float16 own = luminances16(here.v), excess = fmax(own - MOST_OVER_NEIGHBOURS * most, 0.0f);
-    const float16 removed = single ? excess : clamp(3.0f * sqrt(fmax(here.w, 0.0f)) - excess, none, excess);
+    // As in `unsupported`.
+    const float16 own = luminances16(here.v), excess = fmax(own - MOST_OVER_NEIGHBOURS * most, 0.0f), deviation = sqrt(fmax(here.w, 0.0f));
+    const float16 noise = select(none, clamp(3.0f * deviation - excess, none, excess), deviation >= LEAST_DEVIATION * own);
+    const float16 removed = single ? excess : noise;
     const float16 share = select(none, removed / own, (here.w >= 0.0f) & (removed > 0.0f)), left = 1.0f - share;
     const Pixels16 bounded = {scaled16(left, here.v), here.w * left * left}, lost = {scaled16(share * weight, here.v), none};
     write_pixels16(run, bounded, result), write_pixels16(run, lost, rejected);
