@@ -56,7 +56,7 @@ static inline bool arrive_first(LastTriangle* last, const Step* step, const Ligh
 #if SHADING
 /// The radiance of one path: the light of the points that stand for its hit. All lights are summed up, since these points may be
 /// outside the tile's box.
-static inline float3 sum_of_lit(const Step* step, const Lights* lights, SCENE_PARAMETERS, const TileGrid* tiles,
+static CLARAY_OUTLINED float3 sum_of_lit(const Step* step, const Lights* lights, SCENE_PARAMETERS, const TileGrid* tiles,
                                 global const RayQueue* queue, global const SceneHit* hits, uint path) {
     const Ray ray = queued_ray((global const Ray*)queue + path);
     const TileLights all = {0, tiles->lights};

@@ -192,7 +192,7 @@ static inline void pick_lights16(const Lights* lights, HitGroup* group, ShadedRa
 #endif
 
 /// Shades the `count` rays of the queue with the numbers `rays`, at most 16.
-static inline void shade_rays16(const Step* step, SCENE_PARAMETERS, global RayQueue* queue, global const SceneHit* hits, const uint* rays,
+static CLARAY_OUTLINED void shade_rays16(const Step* step, SCENE_PARAMETERS, global RayQueue* queue, global const SceneHit* hits, const uint* rays,
                                 uint count, global float* radiance, ShadedRay* shaded) {
     const FrameData* frame = &step->frame;
     const uint depth = step->depth, room = step->room;

@@ -92,7 +92,7 @@ static inline NextRay pass_mirror(Batch one, const FrameData* frame, SCENE_PARAM
 }
 
 /// As shade_hit, without the light that rough surfaces reflect. Adds to `sight`; `next` is wanted if the ray goes on.
-static inline void see(Batch one, const FrameData* frame, SCENE_PARAMETERS, uint depth, Ray ray, SceneHit found, float time,
+static CLARAY_OUTLINED void see(Batch one, const FrameData* frame, SCENE_PARAMETERS, uint depth, Ray ray, SceneHit found, float time,
                        Sight* sight, NextRay* next) {
     const Lights lights = lights_of(frame, SCENE);
     const float3 direction = (float3)(ray.dx, ray.dy, ray.dz), outgoing = -direction;
