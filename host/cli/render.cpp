@@ -284,7 +284,6 @@ void refuse_several(const std::vector<Device>& devices, const RenderOptions& opt
     if (options.fps > 0) refuse("--fps", "name one with --device, without mpirun");
     if (options.config.adaptive)
         refuse("--adaptive", "name one with --device, without mpirun, or leave out --adaptive");
-    if (options.config.guide) refuse("--guide", "name one with --device, without mpirun, or leave out --guide");
     if (!options.trace.empty()) refuse("--trace", "name one with --device, without mpirun, or leave out --trace");
 }
 

@@ -51,8 +51,6 @@ const RenderConfig& checked(const RenderConfig& config) {
     const LightGridConfig& grid = config.light_grid;
     if (config.approximate.tile_sum && config.approximate.light_grid)
         refuse("the approximations tile-sum and light-grid exclude each other", "use one of them");
-    if (config.guide && !(config.checkpoint.empty() && config.resume.empty()))
-        refuse("path guiding and checkpoints exclude each other", "use one of them");
     if (config.adaptive && config.approximate.tile_sum)
         refuse("adaptive sampling and the approximation tile-sum exclude each other", "use one of them");
     if (config.approximate.flat && config.approximate.gouraud)
@@ -332,6 +330,7 @@ DenoisingStage& Renderer::State::denoising_stage() {
 void Renderer::State::discard_samples() {
     schedule = new_schedule();
     film.clear();
+    guide.reset();
     looks = {}, last_error = {}, last_error_spp = 0;
     begin.reset();
     if (denoising) denoising->start_film();
@@ -369,27 +368,23 @@ std::uint32_t Renderer::State::paths_of_next_batch(InFlight& in_flight) const {
 
 /// Aiming at hot spots needs the densities of directions without guiding.
 bool Renderer::State::may_guide() const {
-    return words_of_guide() > 0 && config.spp >= least_guided_spp && buffers.where.hot_spots == CLARAY_NO_TABLE &&
-           !bounds.empty();
+    return words_of_guide() > 0 && config.spp >= least_guided_spp && PathGuide::is_for(pixels()) &&
+           buffers.where.hot_spots == CLARAY_NO_TABLE && !bounds.empty();
 }
 
-/// What other rays do meanwhile is not guided.
-void Renderer::State::trace_guided(const Batch& batch) {
-    wavefront.set_guide(guide->data());
+void Renderer::State::trace(const Batch& batch) {
+    const auto add = [&](const Batch& part) {
+        film.accumulate(part, wavefront.radiance(), buffers.tables, buffers.where.listed_pixels);
+    };
+    if (!guide && may_guide()) guide.emplace(device, bounds, pixels());
+    if (guide) return guide->trace(batch, wavefront, buffers, add);
     wavefront.trace(batch);
-    guide->learn(wavefront.step_of(batch, 0, 0), wavefront.radiance());
-    wavefront.set_guide({});
+    add(batch);
 }
 
 void Renderer::State::trace(const Batch& batch, InFlight& in_flight) {
-    const bool begins = batch.first_pixel == 0 && batch.first_sample == 0 && !batch.listed;
-    if (begins) guide = may_guide() ? std::make_optional<PathGuide>(device, bounds) : std::nullopt;
-    guide ? trace_guided(batch) : wavefront.trace(batch);
-    film.accumulate(batch, wavefront.radiance(), buffers.tables, buffers.where.listed_pixels);
+    trace(batch);
     in_flight.submitted(batch.pixels * batch.samples);
-    if (guide && schedule.between_passes())
-        guide->advance(schedule.complete_passes_spp(), wavefront.floats_of_paths(), buffers,
-                       [&] { return film.mean_luminance(); });
 }
 
 /// A full disk must not end a render of hours: writing is tried again, and the last failure is reported.

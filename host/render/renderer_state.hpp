@@ -160,7 +160,8 @@ struct Renderer::State {
         return may_guide_paths(device, config) ? CLARAY_GUIDE_MAPS * CLARAY_GUIDE_WORDS : 0;
     }
     [[nodiscard]] bool may_guide() const;
-    void trace_guided(const Batch& batch);
+    /// Adds the samples to the film. Asynchronous, unless maps for guiding are made.
+    void trace(const Batch& batch);
     [[nodiscard]] RayCount rays(const char* name, std::uint64_t count) const;
 
     Device device;

@@ -140,11 +140,7 @@ void DeviceWorker::carry_out(const Job& job) {
 void DeviceWorker::render(const Batch& all) {
     Renderer::State& state = renderer_->state();
     PendingBatches left({all});
-    while (!left.empty()) {
-        const Batch batch = left.next(state.wavefront.capacity());
-        state.wavefront.trace(batch);
-        state.film.accumulate(batch, state.wavefront.radiance());
-    }
+    while (!left.empty()) state.trace(left.next(state.wavefront.capacity()));
     samples_ += std::uint64_t(all.pixels) * all.samples;
     state.choose_kernels(samples_ >= state.pixels());
 }

@@ -28,9 +28,6 @@ constexpr std::uint32_t pixels_at_once = 1 << 16;
 constexpr double seconds_to_hand_over = 0.5;
 
 const RenderConfig& checked(const RenderConfig& config) {
-    if (config.guide)
-        throw Error(ErrorKind::usage, "path guiding cannot be shared by several devices",
-                    "use one device, or leave out guiding");
     if (config.adaptive)
         throw Error(ErrorKind::usage, "adaptive sampling cannot be shared by several devices",
                     "use one device, or leave out adaptive sampling");

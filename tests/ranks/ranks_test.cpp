@@ -83,6 +83,16 @@ TEST_F(Ranks, MakeTheImageOfOneBitForBit) {
     EXPECT_EQ(result.output.find("spp in"), result.output.rfind("spp in")) << "rank 0 alone reports";
 }
 
+TEST_F(Ranks, GuidePathsAsOne) {
+    const auto words = [&](const char* name) {
+        return Words{"--size", "160x160", "--spp", "40", "--guide", "-o", path(name)};
+    };
+    const std::string expected = image("1.pfm", alone(words("1.pfm")));
+    EXPECT_TRUE(image("2.pfm", run_process(mpirun({{2, render(words("2.pfm"))}}))) == expected);
+    const ProcessResult without = alone({"--size", "160x160", "--spp", "40", "-o", path("without.pfm")});
+    EXPECT_FALSE(image("without.pfm", without) == expected) << "nothing is guided";
+}
+
 TEST_F(Ranks, StopAtTheErrorOfOne) {
     const auto words = [&](const char* name) { return Words{"--error", "0.2", "--seed", "3", "-o", path(name)}; };
     const std::string expected = image("1.pfm", alone(words("1.pfm")));
@@ -170,7 +180,6 @@ TEST_F(Ranks, RefuseWhatDiffers) {
     EXPECT_TRUE(says(both({"--spp", "0"}), 2, "--spp"));
     EXPECT_TRUE(says(both({"--time", "1us"}), 1, "is too short"));
     EXPECT_TRUE(says(both({"--adaptive"}), 2, "one device only"));
-    EXPECT_TRUE(says(both({"--guide"}), 2, "one device only"));
     EXPECT_FALSE(fs::exists(path("x.pfm")));
 }
 

@@ -113,6 +113,21 @@ TEST_F(Groups, ContinueFromCheckpoints) {
     }
 }
 
+/// Each device learns by itself where light comes from.
+TEST_F(Groups, GuidePathsAsOneDevice) {
+    if (device().info().type != DeviceType::cpu) GTEST_SKIP() << "paths are guided on CPUs only";
+    config_.width = config_.height = 160, config_.spp = 40;
+    const std::vector<glm::vec3> without = of_one(config_);
+    config_.guide = true;
+    const std::vector<glm::vec3> expected = of_one(config_);
+    EXPECT_FALSE(same(expected, without)) << "nothing is guided";
+    EXPECT_TRUE(same(of_all(2, config_), expected));
+    config_.checkpoint = folder_ / "c", config_.report_seconds = 0;
+    RenderGroup(several(2), scene_, config_).render([](const RenderProgress& at) { return at.spp < 12; });
+    config_.resume = config_.checkpoint;
+    EXPECT_TRUE(same(of_one(config_), expected));
+}
+
 TEST_F(Groups, DropADeviceThatFails) {
     config_.spp = 150;
     const std::vector<glm::vec3> expected = of_one(config_);
@@ -162,9 +177,6 @@ TEST_F(Groups, EndInTime) {
 
 TEST_F(Groups, RefuseWhatTheyCannotShare) {
     EXPECT_TRUE(throws_error(ErrorKind::usage, "at least one device", [&] { RenderGroup({}, scene_, config_); }));
-    config_.guide = true;
-    EXPECT_TRUE(throws_error(ErrorKind::usage, "path guiding", [&] { RenderGroup(several(2), scene_, config_); }));
-    config_.guide = false;
     config_.adaptive = true;
     EXPECT_TRUE(throws_error(ErrorKind::usage, "adaptive sampling", [&] { RenderGroup(several(2), scene_, config_); }));
     EXPECT_TRUE(throws_error(ErrorKind::usage, "twice", [] { (void)Device::open_several("0,0"); }));

@@ -71,9 +71,10 @@ void KeptRenderer::make() {
     last_ = {};
 }
 
-/// The rounds of adaptive sampling depend on the number of samples at the end, and so does path guiding.
+/// The rounds of adaptive sampling depend on the number of samples at the end, and so does whether paths are guided.
 bool KeptRenderer::continues(std::uint32_t seed, unsigned spp, unsigned max_depth) const {
-    return !config_.adaptive && !config_.guide && last_.spp > 0 && last_.spp < spp && last_.seed == seed &&
+    const bool begins_to_guide = config_.guide && last_.spp < least_guided_spp && spp >= least_guided_spp;
+    return !config_.adaptive && !begins_to_guide && last_.spp > 0 && last_.spp < spp && last_.seed == seed &&
            last_.max_depth == max_depth;
 }
 

@@ -12,6 +12,7 @@
 #include "host/base/format.hpp"
 #include "host/compute/kernel_sources.hpp"
 #include "host/render/checkpoint/scene_digest.hpp"
+#include "host/render/guiding/path_guide.hpp"
 
 namespace claray {
 namespace {
@@ -150,6 +151,7 @@ RenderIdentity identity_of(const Scene& scene, const RenderConfig& config) {
     const std::string settings = std::to_string(config.seed) + ' ' + std::to_string(config.max_depth) + ' ' +
                                  std::to_string(int(config.sampler)) + ' ' + to_string(config.effects.remove) + ' ' +
                                  to_string(config.approximate) + (config.adaptive ? " adaptive" : "") +
+                                 (config.guide && config.spp >= least_guided_spp ? " guide" : "") +
                                  (config.sample_clamp > 0 ? printed(" clamp %a", double(config.sample_clamp)) : "") +
                                  (config.approximate.light_grid ? ' ' + to_string(config.light_grid) : "");
     identity.settings = digest_of(settings.data(), settings.size());
@@ -198,8 +200,10 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
     if (header.scene != identity.scene)
         file.refuse("it belongs to another scene or camera", "use the scene and the camera for which it was written");
     if (header.settings != identity.settings)
-        file.refuse("it was rendered with another seed, depth, sampler or effects, or other use of --adaptive",
-                    "use the same settings");
+        file.refuse(
+            "it was rendered with another seed, depth, sampler or effects, or other use of --adaptive or "
+            "--guide, which guides from 32 samples per pixel on",
+            "use the same settings");
     if ((header.tells_error != 0) != identity.tells_error)
         file.refuse(identity.tells_error ? "it was rendered without --error" : "it was rendered with --error",
                     identity.tells_error ? "leave out --error, or render from the start" : "add --error");

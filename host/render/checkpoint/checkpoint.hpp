@@ -21,7 +21,7 @@ struct RenderIdentity {
     std::uint32_t width = 0, height = 0;
     bool tells_error = false;
     Digest scene{};
-    Digest settings{};  // seed, depth, sampler, removed effects, adaptive sampling
+    Digest settings{};  // seed, depth, sampler, removed effects, adaptive sampling, guiding
     Digest kernels{};   // their sources
 };
 

@@ -12,10 +12,14 @@ constexpr double uniform_share = 0.4;
 constexpr double prior_paths = 2;           // of the map's mean light, which each bin counts in addition
 constexpr std::uint64_t least_paths = 128;  // of a map that is not uniform
 constexpr std::uint32_t all = 1u << 16;
-constexpr unsigned samples_to_decide = 8, samples_to_learn = 16;  // per pixel
+constexpr std::uint32_t most_pixels = 1u << 16;   // that teach, about
+constexpr std::uint32_t least_pixels = 1u << 14;  // of a smaller image there is too little to learn
+constexpr std::size_t folds = CLARAY_GUIDE_FOLDS;
 constexpr const char* stem = "render/path_guide";
 
-Kernel learning(const Device& device) { return load_kernel(device, "render/guiding/learn_light.cl", "learn_light"); }
+Kernel learning(const Device& device, const char* name) {
+    return load_kernel(device, "render/guiding/learn_light.cl", name);
+}
 
 /// Probabilities of a map's bins.
 std::array<double, bins_of_map> densities_of(std::span<const GuideBin> bins) {
@@ -65,6 +69,31 @@ void write_map(std::span<const GuideBin> bins, std::uint32_t* words) {
         write_ends(std::span(density).subspan(c * side, side), words + side / 2 * (1 + c));
 }
 
+void add_bins(std::span<const GuideBin> bins, std::span<GuideBin> sum) {
+    for (std::size_t i = 0; i < bins.size(); ++i)
+        sum[i].squares += bins[i].squares, sum[i].effect += bins[i].effect, sum[i].paths += bins[i].paths;
+}
+
+using MapBins = std::array<GuideBin, bins_of_map>;
+
+std::span<const GuideBin> bins_of(std::span<const GuideBin> found, std::size_t fold, std::size_t map) {
+    return found.subspan(fold * found.size() / folds + map * bins_of_map, bins_of_map);
+}
+
+/// Of a map, the sum of all folds but one.
+MapBins without_fold(std::span<const GuideBin> found, std::size_t fold, std::size_t map) {
+    MapBins sum{};
+    for (std::size_t k = 0; k < folds; ++k)
+        if (k != fold) add_bins(bins_of(found, k, map), sum);
+    return sum;
+}
+
+std::uint64_t paths_of(std::span<const GuideBin> bins) {
+    std::uint64_t paths = 0;
+    for (const GuideBin& bin : bins) paths += bin.paths;
+    return paths;
+}
+
 }  // namespace
 
 bool may_guide_paths(const Device& device, const RenderConfig& config) {
@@ -75,10 +104,11 @@ bool may_guide_paths(const Device& device, const RenderConfig& config) {
            device.tuning(stem, "LEAST_GAIN_PERCENT") != 0;
 }
 
-std::vector<std::uint32_t> guide_maps(std::span<const GuideBin> bins) {
-    std::vector<std::uint32_t> words(bins.size() / bins_of_map * CLARAY_GUIDE_WORDS);
-    for (std::size_t map = 0; map < bins.size() / bins_of_map; ++map)
-        write_map(bins.subspan(map * bins_of_map, bins_of_map), &words[map * CLARAY_GUIDE_WORDS]);
+std::vector<std::uint32_t> guide_maps(std::span<const GuideBin> found) {
+    const std::size_t maps = found.size() / folds / bins_of_map;
+    std::vector<std::uint32_t> words(maps * CLARAY_GUIDE_WORDS);
+    for (std::size_t map = 0; map < maps; ++map)
+        write_map(without_fold(found, folds, map), &words[map * CLARAY_GUIDE_WORDS]);
     return words;
 }
 
@@ -91,59 +121,175 @@ std::vector<std::uint64_t> shares_of_bins(std::span<const std::uint32_t> map) {
     return shares;
 }
 
-double gain_of(std::span<const std::uint32_t> maps, std::span<const GuideBin> bins) {
-    double without = 0, with = 0;
-    for (std::size_t map = 0; map < bins.size() / bins_of_map; ++map) {
-        const std::span<const GuideBin> of = bins.subspan(map * bins_of_map, bins_of_map);
-        const std::vector<std::uint64_t> shares =
-            shares_of_bins(maps.subspan(map * CLARAY_GUIDE_WORDS, CLARAY_GUIDE_WORDS));
-        for (std::size_t i = 0; i < bins_of_map; ++i) {
-            without += double(of[i].squares);
-            with += double(of[i].squares) * (double(all) * all / double(bins_of_map)) / double(shares[i]);
+GuideTrial try_guiding(std::span<const GuideBin> found) {
+    GuideTrial trial;
+    std::array<std::uint32_t, CLARAY_GUIDE_WORDS> words;
+    for (std::size_t map = 0; map < found.size() / folds / bins_of_map; ++map) {
+        if (paths_of(without_fold(found, folds, map)) < least_paths) continue;
+        double without = 0, with = 0;
+        for (std::size_t fold = 0; fold < folds; ++fold) {
+            write_map(without_fold(found, fold, map), words.data());
+            const std::vector<std::uint64_t> shares = shares_of_bins(words);
+            const std::span<const GuideBin> bins = bins_of(found, fold, map);
+            for (std::size_t i = 0; i < bins_of_map; ++i) {
+                without += double(bins[i].effect);
+                with += double(bins[i].effect) * (double(all) * all / double(bins_of_map)) / double(shares[i]);
+            }
         }
+        trial.without += without, trial.with += with;
+        trial.variance += (without - with) * (without - with);
     }
-    return with > 0 ? without / with : 1;
+    return trial;
 }
 
-PathGuide::PathGuide(const Device& device, const Bounds& scene) : device_(device) {
+bool PathGuide::is_for(std::uint32_t pixels) { return pixels >= least_pixels; }
+
+PathGuide::PathGuide(const Device& device, const Bounds& scene, std::uint32_t pixels)
+    : device_(device), pixels_(pixels), every_((pixels + most_pixels - 1) / most_pixels) {
     const glm::vec3 extent = glm::max(scene.extent(), glm::vec3(1e-30f));
     data_.x = scene.lo.x, data_.y = scene.lo.y, data_.z = scene.lo.z;
     data_.scale_x = CLARAY_GUIDE_CELLS / extent.x, data_.scale_y = CLARAY_GUIDE_CELLS / extent.y;
     data_.scale_z = CLARAY_GUIDE_CELLS / extent.z;
 }
 
-void PathGuide::load_kernels(const Device& device) { (void)learning(device); }
-
-/// The unit is a power of two, so that it does not depend on the last bits of the mean.
-void PathGuide::begin(std::uint32_t floats_of_paths, double mean) {
-    if (!(mean > 0) || !std::isfinite(mean)) return;
-    data_.unit = float(std::exp2(-std::round(std::log2(mean))));
-    data_.lessons = floats_of_paths;
-    sum_.assign(std::size_t(CLARAY_GUIDE_MAPS) * bins_of_map, {});
-    found_ = Buffer<GuideBin>(device_, sum_);
-    learn_ = learning(device_);
+void PathGuide::load_kernels(const Device& device) {
+    (void)learning(device, "learn_light"), (void)learning(device, "count_exponents");
 }
 
-void PathGuide::learn(const Step& step, const Buffer<float>& radiance) {
-    if (data_.lessons == 0) return;
-    learn_.run({std::size_t(step.batch.pixels) * step.batch.samples, 64}, step, radiance, found_);
+/// Batches of rounds of adaptive sampling number entries of a list; these have their first 16 samples.
+PathGuide::Phase PathGuide::phase_of(const Batch& batch) {
+    if (batch.listed) return last_phase;
+    return Phase(std::upper_bound(ends.begin(), ends.end(), batch.first_sample) - ends.begin());
 }
 
-/// Maps of few paths promise less than those that guide in the end.
-bool PathGuide::promises_gain(std::span<const GuideBin> found) const {
-    return 100 * gain_of(guide_maps(sum_), found) >= device_.tuning(stem, "LEAST_GAIN_PERCENT");
+void PathGuide::trace(Batch batch, Wavefront& wavefront, SceneBuffers& scene,
+                      const std::function<void(const Batch&)>& add) {
+    while (batch.samples > 0) {
+        Batch part = batch;
+        if (!batch.listed) part.samples = std::min(batch.samples, ends[phase_of(batch)] - batch.first_sample);
+        trace_part(part, wavefront, scene);
+        add(part);
+        batch.first_sample += part.samples, batch.samples -= part.samples;
+    }
 }
 
-void PathGuide::learned(unsigned samples, SceneBuffers& scene) {
-    const std::vector<GuideBin> found = found_.read();
-    if (samples >= samples_to_decide && data_.guides == 0 && !promises_gain(found)) data_.lessons = 0;
-    if (data_.lessons == 0) return;
-    for (std::size_t i = 0; i < found.size(); ++i) sum_[i].squares += found[i].squares, sum_[i].paths += found[i].paths;
-    found_.fill(0);
-    if (samples < samples_to_decide) return;
-    scene.tables.write(guide_maps(sum_), scene.where.guide);
-    data_.guides = 1;
-    if (samples >= samples_to_learn) data_.lessons = 0;
+/// What other rays do meanwhile is not guided.
+void PathGuide::trace_part(const Batch& part, Wavefront& wavefront, SceneBuffers& scene) {
+    const Phase phase = phase_of(part);
+    if (phase >= first_phase && phase > phase_) learn_all(wavefront, scene);
+    const bool teaches = phase == phase_ && phase != last_phase && follows(part);
+    wavefront.set_guide(data_for(phase, teaches, wavefront, scene));
+    wavefront.trace(part);
+    if (teaches) learn(part, wavefront), advance(part);
+    wavefront.set_guide({});
+}
+
+bool PathGuide::follows(const Batch& part) const {
+    const std::uint32_t pass = cursor_.pixel == 0 ? part.samples : cursor_.pass;
+    return part.first_pixel == cursor_.pixel && part.first_sample == cursor_.sample && part.samples == pass;
+}
+
+void PathGuide::advance(const Batch& part) {
+    cursor_.pass = part.samples, cursor_.pixel += part.pixels;
+    if (cursor_.pixel < pixels_) return;
+    cursor_.pixel = 0, cursor_.sample += cursor_.pass;
+    if (cursor_.sample == ends[phase_]) end_phase();
+}
+
+void PathGuide::learn(const Batch& part, const Wavefront& wavefront) {
+    const Step step = wavefront.step_of(part, 0, 0);
+    const Range size{std::size_t(part.pixels) * part.samples, 64};
+    if (counts_.size() == 0) {
+        learn_ = learning(device_, "learn_light"), count_ = learning(device_, "count_exponents");
+        counts_ = Buffer<std::uint32_t>(device_, std::vector<std::uint32_t>(CLARAY_GUIDE_EXPONENTS));
+    }
+    if (phase_ == unit_phase)
+        count_.run(size, step, every_, wavefront.radiance(), counts_);
+    else
+        learn_.run(size, step, every_, wavefront.radiance(), found_);
+}
+
+/// From samples that are not added to an image.
+void PathGuide::learn_all(Wavefront& wavefront, SceneBuffers& scene) {
+    forget();
+    while (phase_ != last_phase) {
+        const std::uint32_t first = phase_ == unit_phase ? 0 : ends[phase_ - 1];
+        trace_runs(first, ends[phase_] - first, wavefront, scene);
+        end_phase();
+    }
+}
+
+void PathGuide::trace_runs(std::uint32_t first_sample, std::uint32_t samples, Wavefront& wavefront,
+                           SceneBuffers& scene) {
+    const std::uint32_t at_once = std::min(samples, wavefront.capacity());
+    const std::uint32_t run = every_ == 1 ? pixels_ : CLARAY_GUIDE_RUN;
+    wavefront.set_guide(data_for(phase_, true, wavefront, scene));
+    for (std::uint32_t pixel = 0; pixel < pixels_;) {
+        if (pixel / CLARAY_GUIDE_RUN % every_ != 0) {
+            pixel += CLARAY_GUIDE_RUN;
+            continue;
+        }
+        const std::uint32_t left = std::min(run - pixel % run, pixels_ - pixel);
+        const std::uint32_t pixels = std::min(left, wavefront.capacity() / at_once);
+        for (std::uint32_t done = 0; done < samples; done += at_once) {
+            const Batch batch{pixel, pixels, first_sample + done, std::min(at_once, samples - done), 0};
+            wavefront.trace(batch);
+            learn(batch, wavefront);
+        }
+        pixel += pixels;
+    }
+    wavefront.set_guide({});
+}
+
+void PathGuide::forget() {
+    phase_ = unit_phase, on_device_ = unit_phase;
+    cursor_ = {};
+    maps_ = {};
+    if (counts_.size() > 0) counts_.fill(0);
+    if (found_.size() > 0) found_.fill(0);
+}
+
+bool PathGuide::pays() const {
+    return 100 * try_guiding(found_so_far_).least_gain() >= device_.tuning(stem, "LEAST_GAIN_PERCENT");
+}
+
+/// Blocks.
+void PathGuide::end_phase() {
+    const Phase next = Phase(phase_ + 1);
+    if (phase_ == unit_phase) {
+        phase_ = tell_unit() ? next : last_phase;
+        return;
+    }
+    add_bins(found_.read(), found_so_far_);
+    if (phase_ == first_phase || pays()) {
+        maps_[next] = guide_maps(found_so_far_);
+        found_.fill(0);
+        phase_ = next;
+    } else {
+        phase_ = last_phase;
+    }
+}
+
+/// A power of two, so that it does not depend on the last bits of the mean.
+bool PathGuide::tell_unit() {
+    const std::vector<std::uint32_t> counts = counts_.read();
+    double sum = 0, paths = 0;
+    for (std::size_t e = 0; e < counts.size(); ++e)
+        sum += e > 0 ? counts[e] * std::exp2(double(e) - 127) : 0, paths += counts[e];
+    if (!(sum > 0)) return false;
+    data_.unit = float(std::exp2(-std::round(std::log2(1.5 * sum / paths))));
+    found_so_far_.assign(folds * CLARAY_GUIDE_MAPS * bins_of_map, {});
+    if (found_.size() == 0) found_ = Buffer<GuideBin>(device_, found_so_far_);
+    return true;
+}
+
+PathGuideData PathGuide::data_for(Phase phase, bool teaches, const Wavefront& wavefront, SceneBuffers& scene) {
+    PathGuideData data = data_;
+    data.lessons = teaches && phase != unit_phase ? wavefront.floats_of_paths() : 0;
+    data.guides = maps_[phase].empty() ? 0 : 1;
+    if (data.guides != 0 && on_device_ != phase)
+        scene.tables.write(maps_[phase], scene.where.guide), on_device_ = phase;
+    return data;
 }
 
 }  // namespace claray

@@ -1,7 +1,10 @@
 // Path guiding on the host: what paths have found becomes maps by which later paths choose directions.
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -10,59 +13,83 @@
 #include "claray/renderer.hpp"
 #include "claray/shared/path.h"
 #include "host/render/scene_buffers.hpp"
+#include "host/render/wavefront.hpp"
 
 namespace claray {
 
 /// Renders with fewer samples per pixel are not guided: learning would not pay.
 constexpr unsigned least_guided_spp = 32;
-/// Per pixel, which tell the unit of light.
-constexpr unsigned samples_before_learning = 2;
 
 /// Returns whether guiding is asked for, the device is set to guide paths, and the approximations permit it.
 [[nodiscard]] bool may_guide_paths(const Device& device, const RenderConfig& config);
 
-/// The maps of all cells, CLARAY_GUIDE_WORDS each, from the bins of all maps. A map is proportional to the root of the
-/// mean squared light (Rath et al. 2020, "Variance-aware path guiding"), and in part uniform. Where too little is known
-/// it is uniform.
-[[nodiscard]] std::vector<std::uint32_t> guide_maps(std::span<const GuideBin> bins);
+/// The maps of all cells, CLARAY_GUIDE_WORDS each, from the bins of all maps, CLARAY_GUIDE_FOLDS times. A map is
+/// proportional to the root of the mean squared light (Rath et al. 2020, "Variance-aware path guiding"), and in part
+/// uniform. Where too little is known it is uniform.
+[[nodiscard]] std::vector<std::uint32_t> guide_maps(std::span<const GuideBin> found);
 /// The probabilities of a map's bins, times 2^32. Their sum is 2^32.
 [[nodiscard]] std::vector<std::uint64_t> shares_of_bins(std::span<const std::uint32_t> map);
-/// Mean squared light of the bins without over with the maps: how much less noise later paths have in one sample of
-/// their directions. 1 if there is no light.
-[[nodiscard]] double gain_of(std::span<const std::uint32_t> maps, std::span<const GuideBin> bins);
 
-/// Learns from samples 2 to 15 of each pixel. Whether the maps pay is decided after 8, by samples from which they did
-/// not learn: if not, the image is the same as without guiding. All depends on whole passes only, not on batches or
-/// time.
+/// What guiding promises for samples from which the maps did not learn: sums of the squares of what directions add to
+/// the image.
+struct GuideTrial {
+    double without = 0, with = 0;
+    double variance = 0;  ///< of the difference, if maps are independent
+    [[nodiscard]] double gain() const { return with > 0 ? without / with : 1; }
+    /// Less the standard error: a gain that a few maps have alone may be luck.
+    [[nodiscard]] double least_gain() const { return with > 0 ? (without - std::sqrt(variance)) / with : 1; }
+};
+/// Tries maps of all folds but one on this one, for each fold.
+[[nodiscard]] GuideTrial try_guiding(std::span<const GuideBin> found);
+
+/// Learns from samples 2 to 15 of each pixel, or of some pixels of a large image. After 8 samples the maps are tried on
+/// samples from which they did not learn; where they pay, later samples are guided by them, and those after 16 by
+/// better ones. So a sample depends on its pixel and number only: not on batches, on their order, nor on other devices
+/// that share the image. Who has not traced the samples that teach the maps traces them again.
 class PathGuide {
 public:
-    PathGuide(const Device& device, const Bounds& scene);
+    PathGuide(const Device& device, const Bounds& scene, std::uint32_t pixels);
     /// So that none is compiled during a render.
     static void load_kernels(const Device& device);
+    /// Whether an image of so many pixels can teach enough.
+    [[nodiscard]] static bool is_for(std::uint32_t pixels);
 
-    [[nodiscard]] const PathGuideData& data() const { return data_; }
-    /// Learns from a batch that was traced by `data()`; asynchronous. `step`: of the batch.
-    void learn(const Step& step, const Buffer<float>& radiance);
-    /// To be called between passes. `mean`: returns the image's mean luminance so far. `floats_of_paths`: see
-    /// Wavefront. Blocks if the maps change.
-    template <class Mean>
-    void advance(unsigned samples, std::uint32_t floats_of_paths, SceneBuffers& scene, const Mean& mean) {
-        if (data_.unit == 0 && samples >= samples_before_learning)
-            begin(floats_of_paths, mean());
-        else if (data_.lessons != 0)
-            learned(samples, scene);
-    }
+    /// Traces a batch by the maps for its samples and calls `add` for each part.
+    void trace(Batch batch, Wavefront& wavefront, SceneBuffers& scene, const std::function<void(const Batch&)>& add);
 
 private:
-    void begin(std::uint32_t floats_of_paths, double mean);
-    void learned(unsigned samples, SceneBuffers& scene);
-    [[nodiscard]] bool promises_gain(std::span<const GuideBin> found) const;
+    /// Samples of the same maps. Each but the last teaches those after it.
+    enum Phase : unsigned { unit_phase, unguided_phase, first_phase, last_phase };
+    static constexpr std::array<std::uint32_t, 4> ends = {2, 8, 16, ~std::uint32_t(0)};
+    [[nodiscard]] static Phase phase_of(const Batch& batch);
+    /// Where the batches that teach go on: in the image, in the order of passes.
+    struct Cursor {
+        std::uint32_t sample = 0, pass = 0, pixel = 0;
+    };
+
+    void trace_part(const Batch& part, Wavefront& wavefront, SceneBuffers& scene);
+    [[nodiscard]] bool follows(const Batch& part) const;
+    void advance(const Batch& part);
+    void learn(const Batch& part, const Wavefront& wavefront);
+    void learn_all(Wavefront& wavefront, SceneBuffers& scene);
+    void trace_runs(std::uint32_t first_sample, std::uint32_t samples, Wavefront& wavefront, SceneBuffers& scene);
+    void forget();
+    void end_phase();
+    [[nodiscard]] bool tell_unit();
+    [[nodiscard]] bool pays() const;
+    [[nodiscard]] PathGuideData data_for(Phase phase, bool teaches, const Wavefront& wavefront, SceneBuffers& scene);
 
     Device device_;
+    std::uint32_t pixels_, every_;  // runs of pixels, of which one teaches
     PathGuideData data_{};
-    Buffer<GuideBin> found_;     // by the samples since the last change of the maps
-    std::vector<GuideBin> sum_;  // by all samples before
-    Kernel learn_;
+    Phase phase_ = unit_phase;  // that the next batch teaches
+    Cursor cursor_;
+    std::array<std::vector<std::uint32_t>, 4> maps_;  // of each phase; empty: its samples are not guided
+    Phase on_device_ = unit_phase;                    // the phase whose maps the device has
+    std::vector<GuideBin> found_so_far_;              // in complete phases
+    Buffer<GuideBin> found_;                          // in this phase
+    Buffer<std::uint32_t> counts_;
+    Kernel learn_, count_;
 };
 
 }  // namespace claray

@@ -87,9 +87,16 @@ CLARAY_LAYOUT(PathGuideData, 36)
 /// What paths found in a bin. Sums of integers do not depend on the order of the paths.
 typedef struct GuideBin {
     ulong squares;  // of light, in 1 / CLARAY_GUIDE_PARTS of its unit
+    ulong effect;   // the same of what this light adds to the image
     uint paths, pad;
 } GuideBin;
-CLARAY_LAYOUT(GuideBin, 16)
+CLARAY_LAYOUT(GuideBin, 24)
+/// Samples of a pixel belong to so many parts in turn, so that maps of some parts can be tried on another one.
+#define CLARAY_GUIDE_FOLDS 3u
+/// Images of many pixels learn from some: runs of so many neighbours.
+#define CLARAY_GUIDE_RUN 2048u
+/// Paths by the exponents of their light, which tell its unit.
+#define CLARAY_GUIDE_EXPONENTS 256u
 #define CLARAY_GUIDE_PARTS 16384.0f
 #define CLARAY_GUIDE_BRIGHTEST 1024.0f  // the largest light that is learned: squares of a billion paths do not overflow
 
