@@ -18,8 +18,9 @@ struct PickedSamples {
 };
 
 /// Samples are cheaper together, since a frame takes time of its own: tries two, then as many as fit by what each
-/// further one took, and searches between those that fit and those that do not, to within a 32nd. `one`: seconds of a
-/// frame of one sample, which fits. `time_of`: of a frame of so many, measured.
+/// further one took, and searches between those that fit and those that do not, to within a 32nd. The next that could
+/// fit are measured in any case, since one slow frame makes them look too long. `one`: seconds of a frame of one
+/// sample, which fits. `time_of`: of a frame of so many, measured.
 template <class Time>
 PickedSamples pick_samples(double one, unsigned most, double budget, const Time& time_of) {
     PickedSamples fits{1, one};
@@ -28,9 +29,8 @@ PickedSamples pick_samples(double one, unsigned most, double budget, const Time&
         const double each = fits.spp > 1 ? (fits.seconds - one) / (fits.spp - 1) : one;
         const double more = each > 0 ? (budget - fits.seconds) / each : double(most);
         const unsigned last = too_many <= most ? (fits.spp + too_many) / 2 : most;
-        unsigned next = unsigned(std::min(fits.spp + more, double(last)));
-        if (fits.spp == 1) next = std::max(next, 2u);
-        if (next == fits.spp || next >= too_many) break;
+        const unsigned least = fits.spp + 1 + fits.spp / 32;
+        const unsigned next = std::max(unsigned(std::min(fits.spp + more, double(last))), least);
         const double seconds = time_of(next);
         if (seconds <= budget)
             fits = {next, seconds};

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <thread>
@@ -298,6 +299,15 @@ TEST(RenderFrames, TakeAsManySamplesAsFit) {
                 EXPECT_DOUBLE_EQ(picked.seconds, own + each * picked.spp);
                 EXPECT_LE(measured, 8u) << "each takes nine frames";
             }
+}
+
+/// By the times of three samples, of which one frame was slow, four seem to take more than 14.2 ms.
+TEST(RenderFrames, OneSlowFrameDoesNotRuleOutTheNextSample) {
+    const std::array<double, 6> milliseconds = {0, 3.72, 6.3, 10.91, 12.4, 15.1};
+    const PickedSamples picked =
+        pick_samples(milliseconds[1], 5, 14.2, [&](unsigned spp) { return milliseconds[spp]; });
+    EXPECT_EQ(picked.spp, 4u);
+    EXPECT_EQ(picked.seconds, 12.4);
 }
 
 TEST(RenderFrames, OneDelayDoesNotCountAsTheirTime) {

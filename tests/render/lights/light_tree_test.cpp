@@ -306,10 +306,10 @@ TEST(LightTree, PicksWhereLightIs) {
     expect_picks_where_light_is(sharp);
 }
 
-/// Of many lights with ranges, those close to a surface are picked as often as their share of the light demands, though
-/// the clusters around them are large.
-TEST(LightTree, PicksLightsWithRangesThatAreClose) {
-    const Lights lights = collect_lights(with_ranges(many(0, 100, 900), 1.5f), {.most_per_cell = 0});
+/// Of many lights, those close to a surface are picked as often as their share of the light demands, though the
+/// clusters around them are large.
+void expect_close_lights_are_picked(const Scene& scene) {
+    const Lights lights = collect_lights(scene, {.most_per_cell = 0});
     const std::size_t size = lights.data.near;
     const Buffer<LightNode> tree(device(), lights.tree);
     const Buffer<LightLeaf> leaves(device(), lights.leaves);
@@ -330,6 +330,12 @@ TEST(LightTree, PicksLightsWithRangesThatAreClose) {
         }
         EXPECT_GT(there, 0.8) << "light " << close;
     }
+}
+
+TEST(LightTree, PicksLightsThatAreClose) { expect_close_lights_are_picked(many(0, 100, 900)); }
+
+TEST(LightTree, PicksLightsWithRangesThatAreClose) {
+    expect_close_lights_are_picked(with_ranges(many(0, 100, 900), 1.5f));
 }
 
 /// Lamps whose dark side faces the point are hardly ever picked.
