@@ -162,16 +162,19 @@ TEST(WholePaths, LeaveLargerBatchesToTheStages) {
     some.restart(1, 2);
     (void)some.render();  // passes of one sample each
     ASSERT_GT(some.statistics().in_paths.rays, 0u);
-    const RenderStatistics before = some.statistics();
-    some.restart(0, 4), none.restart(0, 4);
-    (void)some.render(), (void)none.render();  // of 1, 1 and 2
-    const RenderStatistics after = some.statistics();
-    const std::uint64_t in_paths = after.in_paths.rays - before.in_paths.rays;
-    const std::uint64_t all = after.camera.rays + after.bounce.rays + after.shadow.rays - before.camera.rays -
-                              before.bounce.rays - before.shadow.rays;
+    std::uint64_t in_paths = 0, all = 0;
+    for (int attempt = 0; attempt < 5 && in_paths == all; ++attempt) {  // on a busy device all batches are small
+        const RenderStatistics before = some.statistics();
+        some.restart(0, 4), none.restart(0, 4);
+        (void)some.render(), (void)none.render();  // of 1, 1 and 2
+        const RenderStatistics after = some.statistics();
+        in_paths = after.in_paths.rays - before.in_paths.rays;
+        all = after.camera.rays + after.bounce.rays + after.shadow.rays - before.camera.rays - before.bounce.rays -
+              before.shadow.rays;
+        EXPECT_EQ(some.image(), none.image());
+    }
     EXPECT_GT(in_paths, 0u);
     EXPECT_LT(in_paths, all);
-    EXPECT_EQ(some.image(), none.image());
 }
 
 TEST(WholePaths, AreNotForShortRenders) {

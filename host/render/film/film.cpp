@@ -200,11 +200,6 @@ Film::Noise Film::noise() const {
     return noise;
 }
 
-double Film::mean_luminance() const {
-    const Totals& total = totals();
-    return total.noise_pixels > 0 ? total.luminance / total.noise_pixels : 0;
-}
-
 /// `name`: a kernel of measure_film.cl that writes one variance per item.
 template <class... Args>
 std::vector<float> Film::variances(const char* name, std::uint32_t items, const Args&... args) const {

@@ -81,8 +81,6 @@ public:
     };
     /// Blocks.
     [[nodiscard]] Noise noise() const;
-    /// Of the pixels that have two samples. Blocks.
-    [[nodiscard]] double mean_luminance() const;
 
     /// The variance of each pixel's mean luminance over the square of the image's mean: the root of the mean of all
     /// pixels that have two samples is Noise::relative. 0 for other pixels. Blocks.

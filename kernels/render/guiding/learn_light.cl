@@ -19,6 +19,7 @@ kernel void learn_light(Step step, uint every, global const float* radiance, glo
     const uint path = get_global_id(0);
     if (!is_chosen(&step.batch, every, path)) return;
     const float unit = step.frame.guide.unit, all = brightness_of(vload3(path, radiance)) * unit;
+    if (!isfinite(all)) return;
     const uint fold = (step.batch.first_sample + path % step.batch.samples) % CLARAY_GUIDE_FOLDS;
     bins += fold * CLARAY_GUIDE_MAPS * CLARAY_GUIDE_BINS;
     for (uint k = 0; k < CLARAY_GUIDE_LESSONS; ++k) {
@@ -26,9 +27,9 @@ kernel void learn_light(Step step, uint every, global const float* radiance, glo
         const uint bin = as_uint(lesson.x);
         if (bin == ENDS_HERE) return;
         if (bin == NO_BIN) continue;
-        const float found = fmin(all - lesson.z * unit, CLARAY_GUIDE_BRIGHTEST), light = fmin(found / lesson.y, CLARAY_GUIDE_BRIGHTEST);
         atomic_inc(&bins[bin].paths);
-        if (!(light > 0.0f)) continue;
+        if (!(all > lesson.z * unit)) continue;
+        const float found = fmin(all - lesson.z * unit, CLARAY_GUIDE_BRIGHTEST), light = fmin(found / lesson.y, CLARAY_GUIDE_BRIGHTEST);
         add_to_sum((volatile global uint*)&bins[bin].squares, (ulong)(light * light * CLARAY_GUIDE_PARTS));
         add_to_sum((volatile global uint*)&bins[bin].effect, (ulong)(found * found * CLARAY_GUIDE_PARTS));
     }
@@ -39,5 +40,5 @@ kernel void count_exponents(Step step, uint every, global const float* radiance,
     const uint path = get_global_id(0);
     if (!is_chosen(&step.batch, every, path)) return;
     const float light = brightness_of(vload3(path, radiance));
-    if (light >= 0.0f && isfinite(light)) atomic_inc(&counts[as_uint(light) >> 23]);
+    if (light >= 0.0f && isfinite(light)) atomic_inc(&counts[as_uint(light) >> 23 & 0xffu]);
 }

@@ -250,12 +250,21 @@ TEST(PathGuide, LargeImagesResumeBitForBit) {
 
 TEST(PathGuide, CheckpointsOfUnguidedRendersAreRefused) {
     const TemporaryFolder folder;
-    RenderConfig config{.width = 16, .height = 16, .spp = least_guided_spp - 1, .guide = true};
+    RenderConfig config{.width = 128, .height = 128, .spp = least_guided_spp - 1, .max_depth = 2, .guide = true};
     config.checkpoint = folder / "c";
     (void)render_image(room_with_window(), config);
     config.resume = config.checkpoint, config.spp = least_guided_spp;
     EXPECT_TRUE(throws_error(ErrorKind::user, "--guide", [&] { Renderer(device(), room_with_window(), config); }));
     config.guide = false;
+    EXPECT_EQ(Renderer(device(), room_with_window(), config).render().spp, least_guided_spp);
+}
+
+TEST(PathGuide, CheckpointsOfSmallImagesAreContinued) {
+    const TemporaryFolder folder;
+    RenderConfig config{.width = 16, .height = 16, .spp = least_guided_spp - 1, .guide = true};
+    config.checkpoint = folder / "c";
+    (void)render_image(room_with_window(), config);
+    config.resume = config.checkpoint, config.spp = least_guided_spp;
     EXPECT_EQ(Renderer(device(), room_with_window(), config).render().spp, least_guided_spp);
 }
 

@@ -57,7 +57,7 @@ const char* kernels = R"(
         const SamplePair words = {random[i], hash_word(random[i])};
         float2 rest;
         float share;
-        light[i] = pick_from_tree(tree, leaves, lights, (float3)(x, y, z), (float3)(nx, ny, nz), words, &rest, &share);
+        light[i] = pick_from_tree(tree, 1u, leaves, lights, (float3)(x, y, z), (float3)(nx, ny, nz), words, &rest, &share);
         probability[i] = share;
     }
     kernel void find(global const LightLeaf* leaves, uint lights, global const uint* numbers, uint count,
@@ -71,7 +71,7 @@ const char* kernels = R"(
         const uint i = get_global_id(0);
         if (i >= count) return;
         const uint light = leaves[i].light;
-        probability[light] = tree_probability(tree, leaves + i, (float3)(x, y, z), (float3)(nx, ny, nz), trails[light]);
+        probability[light] = tree_probability(tree, 1u, leaves + i, (float3)(x, y, z), (float3)(nx, ny, nz), trails[light]);
     })";
 
 /// All trails of a tree, by walking through it; every light must be met once.
@@ -395,6 +395,14 @@ TEST(LightTree, ChangesNoImageButItsNoise) {
         EXPECT_NEAR(means[0] / means[1], 1, 3 * std::hypot(errors[0], errors[1]) + 1e-4);
         EXPECT_LT(errors[0], share * errors[1]);
     }
+}
+
+/// Kernels that know points open no cluster of triangles either.
+TEST(LightTree, OfTrianglesIsTheSameInKernelsOfOtherScenes) {
+    Scene scene = many(200, 0, 0);
+    scene.camera = Camera{{0, 0.4f, 1.3f}, {0, 0, 0.9f}, {0, 1, 0}, 40.f};
+    const RenderConfig config{.width = 24, .height = 24, .spp = 8, .max_depth = 4};
+    EXPECT_TRUE(same_bits(render_image(scene, config), render_by_own_kernels(scene, config)));
 }
 
 /// Sixteen rays at once (lights/light_tree_sixteen.clh), where there are no spots, pick the same lights.
