@@ -7,13 +7,13 @@
 namespace claray {
 namespace {
 
-constexpr std::size_t side = CLARAY_GUIDE_SIDE, bins_of_map = CLARAY_GUIDE_BINS;
+constexpr std::size_t map_side = CLARAY_GUIDE_SIDE, bins_of_map = CLARAY_GUIDE_BINS;
 constexpr double uniform_share = 0.4;
 constexpr double prior_paths = 2;           // of the map's mean light, which each bin counts in addition
 constexpr std::uint64_t least_paths = 128;  // of a map that is not uniform
-constexpr std::uint32_t all = 1u << 16;
-constexpr std::uint32_t most_pixels = 1u << 16;   // that teach, about
-constexpr std::uint32_t least_pixels = 1u << 14;  // of a smaller image there is too little to learn
+constexpr std::uint32_t all_numbers = 1u << 16;
+constexpr std::uint32_t most_taught_pixels = 1u << 16;   // that teach, about
+constexpr std::uint32_t least_guided_pixels = 1u << 14;  // of a smaller image there is too little to learn
 constexpr std::size_t folds = CLARAY_GUIDE_FOLDS;
 constexpr const char* stem = "render/path_guide";
 
@@ -42,19 +42,20 @@ std::array<double, bins_of_map> densities_of(std::span<const GuideBin> bins) {
 void write_ends(std::span<const double> sizes, std::uint32_t* words) {
     double sum = 0, before = 0;
     for (const double size : sizes) sum += size;
-    for (std::size_t i = 0; i < side; ++i) {
+    for (std::size_t i = 0; i < map_side; ++i) {
         before += sizes[i];
-        const std::uint32_t end = i + 1 < side ? std::uint32_t(std::lround(before / sum * all)) : all - 1;
+        const std::uint32_t end =
+            i + 1 < map_side ? std::uint32_t(std::lround(before / sum * all_numbers)) : all_numbers - 1;
         words[i / 2] = i % 2 == 0 ? end : words[i / 2] | end << 16;
     }
 }
 
 /// Their sizes in 1/65536.
-std::array<std::uint32_t, side> read_sizes(const std::uint32_t* words) {
-    std::array<std::uint32_t, side> sizes;
+std::array<std::uint32_t, map_side> read_sizes(const std::uint32_t* words) {
+    std::array<std::uint32_t, map_side> sizes;
     std::uint32_t before = 0;
-    for (std::size_t i = 0; i < side; ++i) {
-        const std::uint32_t end = i + 1 < side ? words[i / 2] >> (i % 2 * 16) & 0xffffu : all;
+    for (std::size_t i = 0; i < map_side; ++i) {
+        const std::uint32_t end = i + 1 < map_side ? words[i / 2] >> (i % 2 * 16) & 0xffffu : all_numbers;
         sizes[i] = end - before, before = end;
     }
     return sizes;
@@ -62,11 +63,11 @@ std::array<std::uint32_t, side> read_sizes(const std::uint32_t* words) {
 
 void write_map(std::span<const GuideBin> bins, std::uint32_t* words) {
     const std::array<double, bins_of_map> density = densities_of(bins);
-    std::array<double, side> columns{};
-    for (std::size_t i = 0; i < bins_of_map; ++i) columns[i / side] += density[i];
+    std::array<double, map_side> columns{};
+    for (std::size_t i = 0; i < bins_of_map; ++i) columns[i / map_side] += density[i];
     write_ends(columns, words);
-    for (std::size_t c = 0; c < side; ++c)
-        write_ends(std::span(density).subspan(c * side, side), words + side / 2 * (1 + c));
+    for (std::size_t c = 0; c < map_side; ++c)
+        write_ends(std::span(density).subspan(c * map_side, map_side), words + map_side / 2 * (1 + c));
 }
 
 void add_bins(std::span<const GuideBin> bins, std::span<GuideBin> sum) {
@@ -114,9 +115,9 @@ std::vector<std::uint32_t> guide_maps(std::span<const GuideBin> found) {
 
 std::vector<std::uint64_t> shares_of_bins(std::span<const std::uint32_t> map) {
     std::vector<std::uint64_t> shares;
-    const std::array<std::uint32_t, side> columns = read_sizes(map.data());
-    for (std::size_t c = 0; c < side; ++c)
-        for (const std::uint32_t row : read_sizes(map.data() + side / 2 * (1 + c)))
+    const std::array<std::uint32_t, map_side> columns = read_sizes(map.data());
+    for (std::size_t c = 0; c < map_side; ++c)
+        for (const std::uint32_t row : read_sizes(map.data() + map_side / 2 * (1 + c)))
             shares.push_back(std::uint64_t(columns[c]) * row);
     return shares;
 }
@@ -133,7 +134,8 @@ GuideTrial try_guiding(std::span<const GuideBin> found) {
             const std::span<const GuideBin> bins = bins_of(found, fold, map);
             for (std::size_t i = 0; i < bins_of_map; ++i) {
                 without += double(bins[i].effect);
-                with += double(bins[i].effect) * (double(all) * all / double(bins_of_map)) / double(shares[i]);
+                with += double(bins[i].effect) * (double(all_numbers) * all_numbers / double(bins_of_map)) /
+                        double(shares[i]);
             }
         }
         trial.without += without, trial.with += with;
@@ -142,10 +144,10 @@ GuideTrial try_guiding(std::span<const GuideBin> found) {
     return trial;
 }
 
-bool PathGuide::is_for(std::uint32_t pixels) { return pixels >= least_pixels; }
+bool PathGuide::is_for(std::uint32_t pixels) { return pixels >= least_guided_pixels; }
 
 PathGuide::PathGuide(const Device& device, const Bounds& scene, std::uint32_t pixels)
-    : device_(device), pixels_(pixels), every_((pixels + most_pixels - 1) / most_pixels) {
+    : device_(device), pixels_(pixels), every_((pixels + most_taught_pixels - 1) / most_taught_pixels) {
     const glm::vec3 extent = glm::max(scene.extent(), glm::vec3(1e-30f));
     data_.x = scene.lo.x, data_.y = scene.lo.y, data_.z = scene.lo.z;
     data_.scale_x = CLARAY_GUIDE_CELLS / extent.x, data_.scale_y = CLARAY_GUIDE_CELLS / extent.y;
