@@ -368,8 +368,8 @@ std::uint32_t Renderer::State::paths_of_next_batch(InFlight& in_flight) const {
 
 /// Aiming at hot spots needs the densities of directions without guiding.
 bool Renderer::State::may_guide() const {
-    return words_of_guide() > 0 && config.spp >= least_guided_spp && PathGuide::is_for(pixels()) &&
-           buffers.where.hot_spots == CLARAY_NO_TABLE && !bounds.empty();
+    return words_of_guide() > 0 && PathGuide::is_for(config) && buffers.where.hot_spots == CLARAY_NO_TABLE &&
+           !bounds.empty();
 }
 
 void Renderer::State::trace(const Batch& batch) {

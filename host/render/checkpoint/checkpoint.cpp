@@ -148,14 +148,12 @@ std::string size_of(std::uint32_t width, std::uint32_t height) {
 
 RenderIdentity identity_of(const Scene& scene, const RenderConfig& config) {
     RenderIdentity identity{config.width, config.height, tells_error(config), digest_of(scene), {}, {}};
-    const std::string settings =
-        std::to_string(config.seed) + ' ' + std::to_string(config.max_depth) + ' ' +
-        std::to_string(int(config.sampler)) + ' ' + to_string(config.effects.remove) + ' ' +
-        to_string(config.approximate) + (config.adaptive ? " adaptive" : "") +
-        (config.guide && config.spp >= least_guided_spp && PathGuide::is_for(config.width * config.height) ? " guide"
-                                                                                                           : "") +
-        (config.sample_clamp > 0 ? printed(" clamp %a", double(config.sample_clamp)) : "") +
-        (config.approximate.light_grid ? ' ' + to_string(config.light_grid) : "");
+    const std::string settings = std::to_string(config.seed) + ' ' + std::to_string(config.max_depth) + ' ' +
+                                 std::to_string(int(config.sampler)) + ' ' + to_string(config.effects.remove) + ' ' +
+                                 to_string(config.approximate) + (config.adaptive ? " adaptive" : "") +
+                                 (PathGuide::is_for(config) ? " guide" : "") +
+                                 (config.sample_clamp > 0 ? printed(" clamp %a", double(config.sample_clamp)) : "") +
+                                 (config.approximate.light_grid ? ' ' + to_string(config.light_grid) : "");
     identity.settings = digest_of(settings.data(), settings.size());
     Hasher kernels;
     for (const KernelSource& source : kernel_sources()) {

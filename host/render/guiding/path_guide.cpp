@@ -144,7 +144,9 @@ GuideTrial try_guiding(std::span<const GuideBin> found) {
     return trial;
 }
 
-bool PathGuide::is_for(std::uint32_t pixels) { return pixels >= least_guided_pixels; }
+bool PathGuide::is_for(const RenderConfig& config) {
+    return config.guide && config.spp >= least_guided_spp && config.width * config.height >= least_guided_pixels;
+}
 
 PathGuide::PathGuide(const Device& device, const Bounds& scene, std::uint32_t pixels)
     : device_(device), pixels_(pixels), every_((pixels + most_taught_pixels - 1) / most_taught_pixels) {

@@ -51,8 +51,8 @@ public:
     PathGuide(const Device& device, const Bounds& scene, std::uint32_t pixels);
     /// So that none is compiled during a render.
     static void load_kernels(const Device& device);
-    /// Whether an image of so many pixels can teach enough.
-    [[nodiscard]] static bool is_for(std::uint32_t pixels);
+    /// Whether guiding is wanted, and the image has enough samples and pixels to teach it.
+    [[nodiscard]] static bool is_for(const RenderConfig& config);
 
     /// Traces a batch by the maps for its samples and calls `add` for each part.
     void trace(Batch batch, Wavefront& wavefront, SceneBuffers& scene, const std::function<void(const Batch&)>& add);
