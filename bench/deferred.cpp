@@ -1,12 +1,14 @@
 // Frames under many moving lights: device time of each kernel, in milliseconds (medians over frames):
 //   bench_deferred [--device D] [--scene NAME] [--size WIDTH HEIGHT] [--lights N] [--range METRES] [--equal]
-//                  [--camera X Y Z --target X Y Z] [--frames NAME...] [--rounds N] [--noise] [--csv FILE]
+//                  [--camera X Y Z --target X Y Z] [--frames NAME...] [--rounds N] [--csv FILE]
+//                  [--noise [--tree] [--spp N] [--depth N]]
 // Half of the lights are points, half are spots. Every frame moves all of them. The frames are
 //   tile-sum    all lights without shadows, by the lists of tiles (Approximations::tile_sum)
 //   all-lights  the same with lists of all lights
 //   pick        one light per pixel from the list of its place, with a shadow ray: the path tracer with depth 1
-// --noise prints the noise of one sample per pixel of `pick` instead. It includes the variation of light within pixels,
-// which vanishes in images of several times the size.
+// --noise prints the noise of --spp samples per pixel of paths of --depth surfaces instead: the standard deviation over
+// --rounds images, over their mean. With --tree the light tree picks, not the lists. The noise of `pick` includes the
+// variation of light within pixels, which vanishes in images of several times the size.
 #include <cstdio>
 #include <random>
 
@@ -21,7 +23,8 @@ struct Options {
     std::pair<unsigned, unsigned> size = {640, 360};
     unsigned lights = 1000;
     float range = 2.5f;
-    bool equal = false, noise = false;
+    bool equal = false, noise = false, tree = false;
+    unsigned spp = 16, depth = 1;
     std::vector<float> camera, target;
     std::vector<std::string> frames = {"tile-sum", "all-lights", "pick"};
     int rounds = 9;
@@ -99,12 +102,40 @@ private:
     std::map<std::string, std::vector<double>> times_;
 };
 
-/// From 16 samples per pixel, whose noise is a quarter.
-void print_noise(const Device& device, const Scene& scene, const Options& options) {
-    constexpr unsigned spp = 16;
-    Renderer renderer(device, scene,
-                      {.width = options.size.first, .height = options.size.second, .spp = spp, .max_depth = 1});
-    std::printf("noise of one sample per pixel: %.1f %%\n", 100 * std::sqrt(double(spp)) * renderer.render().noise);
+/// Sums of the values that images have in one channel of a pixel.
+struct Moments {
+    double sum = 0, squares = 0;
+};
+
+void print_noise(Device device, const Scene& scene, const Options& options) {
+    if (options.tree) device.set_tuning("lights/light_lists", "MOST_PER_CELL", 0);
+    Renderer renderer(
+        device, scene,
+        {.width = options.size.first, .height = options.size.second, .spp = options.spp, .max_depth = options.depth});
+    std::vector<Moments> moments;
+    std::vector<double> seconds;
+    for (int round = 0; round < options.rounds; ++round) {
+        renderer.restart(std::uint32_t(round) + 1);
+        const auto begin = std::chrono::steady_clock::now();
+        renderer.render();
+        seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count());
+        const auto image = renderer.radiance();
+        moments.resize(3 * image.size());
+        for (std::size_t i = 0; i < moments.size(); ++i) {
+            const double value = image[i / 3][int(i % 3)];
+            moments[i].sum += value, moments[i].squares += value * value;
+        }
+    }
+    const double rounds = options.rounds;
+    double mean = 0, variance = 0;
+    for (const Moments& m : moments) {
+        mean += m.sum / rounds;
+        variance += (m.squares - m.sum * m.sum / rounds) / (rounds - 1);
+    }
+    const auto values = double(moments.size());
+    const double noise = 100 * std::sqrt(variance / values) / (mean / values);
+    std::printf("noise: %.1f %% with %u spp, %.1f %% with 1; %.3f s\n", noise, options.spp,
+                std::sqrt(double(options.spp)) * noise, median_of(seconds));
 }
 
 }  // namespace
@@ -122,7 +153,10 @@ int main(int argc, char** argv) try {
     app.add_option("--target", options.target, "where it looks")->expected(3);
     app.add_option("--frames", options.frames, "which to time [tile-sum all-lights pick]")->expected(1, 3);
     app.add_option("--rounds", options.rounds);
-    app.add_flag("--noise", options.noise, "print the noise of one sample per pixel of `pick` only");
+    app.add_flag("--noise", options.noise, "print the noise of `pick` only, from --rounds images");
+    app.add_flag("--tree", options.tree, "pick by the light tree, not from lists")->needs("--noise");
+    app.add_option("--spp", options.spp, "samples per pixel [16]")->needs("--noise");
+    app.add_option("--depth", options.depth, "surfaces per path [1]")->needs("--noise");
     app.add_option("--csv", options.csv);
     CLI11_PARSE(app, argc, argv);
     Warnings warnings;

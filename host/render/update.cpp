@@ -107,7 +107,7 @@ void Renderer::State::rebuild_scene(const Scene& scene) {
         placed = place_instances(scene);
     structure = Structure(device, placed.scene, placed.baked, with_layout(config.bvh, plan.last.layout), false, parts);
     light_grid = light_grid_of(config, placed.scene);
-    buffers = SceneBuffers(device, placed.scene, structure, config.effects.add, selection_of_lights(config),
+    buffers = SceneBuffers(device, placed.scene, structure, config.effects.add, selection_of_lights(device, config),
                            words_of(light_grid), words_of_listed_pixels(), words_of_guide());
     if (words_of_guide() > 0) bounds = bounds_of(placed.scene);
     shape = SceneShape(scene, placed.scene, std::move(placed.places), std::move(placed.numbers));
