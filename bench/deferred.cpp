@@ -107,11 +107,11 @@ struct Moments {
     double sum = 0, squares = 0;
 };
 
-void print_noise(Device device, const Scene& scene, const Options& options) {
-    if (options.tree) device.set_tuning("lights/light_lists", "MOST_PER_CELL", 0);
-    Renderer renderer(
-        device, scene,
-        {.width = options.size.first, .height = options.size.second, .spp = options.spp, .max_depth = options.depth});
+void print_noise(const Device& device, const Scene& scene, const Options& options) {
+    RenderConfig config{
+        .width = options.size.first, .height = options.size.second, .spp = options.spp, .max_depth = options.depth};
+    if (options.tree) config.effects.remove = {Effect::light_lists};
+    Renderer renderer(device, scene, config);
     std::vector<Moments> moments;
     std::vector<double> seconds;
     for (int round = 0; round < options.rounds; ++round) {

@@ -43,6 +43,7 @@ constexpr std::array rows = {
 #undef CLARAY_ROW
         EffectRow{Effect::light_falloff, "light-falloff", "LIGHT_FALLOFF", 0, shade},
     EffectRow{Effect::linear_ranges, "linear-ranges", "LINEAR_RANGES", 0, shade},
+    EffectRow{Effect::light_lists, "light-lists", "LIGHT_LISTS", 0, shade},
     EffectRow{Effect::many_lights, "many-lights", "LIGHT_TREE", 0, shade},
     EffectRow{Effect::hot_spots, "hot-spots", "HOT_SPOTS", 0, shade},
     EffectRow{Effect::sky, "sky", "SKY", 0, shade},

@@ -53,6 +53,7 @@ public:
         }
         for (std::size_t i = 0; i < scene_.lights.size(); ++i)
             if (is_lit(scene_.lights[i].intensity)) visit(scene_.lights[i], i);
+        if (may_have_lists(scene_)) call_(Effect::light_lists, "scene", scene_.name, 0);
         if (near_lights(scene_) >= LightSelection{}.for_a_tree) call_(Effect::many_lights, "scene", scene_.name, 0);
         for (const HotSpotPlace& place : find_hot_spots(scene_))
             call_(Effect::hot_spots, "light", scene_.lights[place.light].name, place.light);

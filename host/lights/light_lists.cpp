@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
+#include <limits>
 
 #include "claray/mesh.hpp"
 #include "host/lights/lights.hpp"
@@ -12,15 +14,23 @@ namespace {
 
 constexpr float cell_of_range = 0.4f;  // length of a cell, of the lights' median range
 constexpr float most_cells = 1 << 18;
-constexpr std::size_t most_asked = 24;  // about, of the lists that tell their mean length
-constexpr float margin = 1e-4f;         // of a cell's length and of a range, against rounding
+constexpr std::size_t most_asked = 24;     // about, of the lists that tell their mean length
+constexpr double most_repeated = 1 << 22;  // entries of lights without a range, which are in every list
+constexpr float margin = 1e-4f;            // of a cell's length and of a range, against rounding
 
 struct Sphere {
     glm::vec3 center;
     float radius;
 };
 
-Sphere reach_of(const PunctualLight& light) { return {{light.x, light.y, light.z}, (1 + margin) * range_of(light)}; }
+constexpr float farthest = 4e18f;  // from one place to another: coordinates end at 1e18
+
+/// Where a light with a range arrives.
+Sphere reach_of(const PunctualLight& light) {
+    return {{light.x, light.y, light.z}, std::min((1 + margin) * range_of(light), farthest)};
+}
+
+bool is_limited(const PunctualLight& light) { return range_of(light) > 0; }
 
 /// Whether the sphere reaches the box.
 bool touches(const Sphere& sphere, const Bounds& box) {
@@ -42,15 +52,17 @@ LightLists grid_over(std::span<const PunctualLight> lights) {
     Bounds bounds;
     std::vector<float> ranges;
     for (const PunctualLight& light : lights) {
+        if (!is_limited(light)) continue;
         const Sphere reach = reach_of(light);
         bounds.grow(reach.center - reach.radius), bounds.grow(reach.center + reach.radius);
         ranges.push_back(reach.radius);
     }
+    if (ranges.empty()) return {0, 0, 0, 0, 0, 0, 0, std::uint32_t(lights.size())};
     const auto median = ranges.begin() + std::ptrdiff_t(ranges.size() / 2);
     std::nth_element(ranges.begin(), median, ranges.end());
     const glm::vec3 extent = bounds.extent();
-    const float volume = std::max(extent.x * extent.y * extent.z, 1e-37f);
-    const float cell = std::max(cell_of_range * *median, std::cbrt(volume / most_cells));
+    const double volume = double(extent.x) * extent.y * extent.z;
+    const float cell = std::max({cell_of_range * *median, float(std::cbrt(volume / most_cells)), 1e-37f});
     const auto cells = [&](float length) { return std::uint32_t(std::clamp(length / cell, 1.f, 1023.f)) + 1; };
     return {bounds.lo.x,     bounds.lo.y,     bounds.lo.z,     1 / cell,
             cells(extent.x), cells(extent.y), cells(extent.z), std::uint32_t(lights.size())};
@@ -79,9 +91,15 @@ bool reaches(const PunctualLight& light, const Bounds& box) {
     return touches(reach_of(light), box) && shines_into(light, {box.center(), 0.5f * glm::length(box.extent())});
 }
 
-/// Calls `visit(cell)` for every cell that the light may reach.
+std::size_t cells_of(const LightLists& grid) { return std::size_t(grid.width) * grid.height * grid.depth; }
+
+/// Calls `visit(cell)` for every cell that the light may reach; the last number is that of what is outside the grid.
 template <class Visit>
 void visit_cells(const LightLists& grid, const PunctualLight& light, const Visit& visit) {
+    if (!is_limited(light)) {
+        for (std::size_t cell = 0; cell <= cells_of(grid); ++cell) visit(cell);
+        return;
+    }
     const Sphere reach = reach_of(light);
     const float wide = margin / grid.cells_per_length;
     const glm::uvec3 lo = cell_at(grid, reach.center - reach.radius - wide);
@@ -94,13 +112,11 @@ void visit_cells(const LightLists& grid, const PunctualLight& light, const Visit
 
 constexpr std::size_t header_words = sizeof(LightLists) / sizeof(std::uint32_t);
 
-std::size_t cells_of(const LightLists& grid) { return std::size_t(grid.width) * grid.height * grid.depth; }
-
 }  // namespace
 
 std::vector<std::uint32_t> build_light_lists(std::span<const PunctualLight> lights) {
     const LightLists grid = grid_over(lights);
-    const std::size_t cells = cells_of(grid);
+    const std::size_t cells = cells_of(grid) + 1;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> entries;  // cell and light
     for (std::uint32_t i = 0; i < lights.size(); ++i)
         visit_cells(grid, lights[i], [&](std::size_t cell) { entries.emplace_back(std::uint32_t(cell), i); });
@@ -117,13 +133,17 @@ std::vector<std::uint32_t> build_light_lists(std::span<const PunctualLight> ligh
 
 double mean_list_length(std::span<const PunctualLight> lights) {
     const LightLists grid = grid_over(lights);
-    const std::size_t step = std::max<std::size_t>(1, lights.size() / most_asked);
+    std::vector<PunctualLight> limited;
+    std::copy_if(lights.begin(), lights.end(), std::back_inserter(limited), is_limited);
+    const std::size_t unlimited = lights.size() - limited.size();
+    if (double(unlimited) * double(cells_of(grid) + 1) > most_repeated) return std::numeric_limits<double>::infinity();
+    const std::size_t step = std::max<std::size_t>(1, limited.size() / most_asked);
     double entries = 0, lists = 0;
-    for (std::size_t i = 0; i < lights.size(); i += step, ++lists) {
-        const Bounds box = box_of(grid, cell_at(grid, {lights[i].x, lights[i].y, lights[i].z}));
-        for (const PunctualLight& light : lights) entries += reaches(light, box);
+    for (std::size_t i = 0; i < limited.size(); i += step, ++lists) {
+        const Bounds box = box_of(grid, cell_at(grid, {limited[i].x, limited[i].y, limited[i].z}));
+        for (const PunctualLight& light : limited) entries += reaches(light, box);
     }
-    return entries / lists;
+    return double(unlimited) + (lists > 0 ? entries / lists : 0);
 }
 
 }  // namespace claray

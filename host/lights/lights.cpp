@@ -159,23 +159,37 @@ void add_hot_spot(const HotSpotPlace& place, Lights& lights) {
                                 std::uint32_t(lights.triangles.size() + lights.punctual.size() - 1), 0, 0});
 }
 
-/// Makes the grid of the lights with a range. Returns the longest range in it; 0 if there is no grid.
+/// A range that ends far beyond the scene changes nothing in it: the window of KHR_lights_punctual rounds to 1 below a
+/// 64th of the range. Without it, the light tree opens clusters, and lists need no grid.
+PunctualLight light_within(const Lights& lights, const Light& light) {
+    PunctualLight data = punctual_light(light);
+    const double farthest = glm::length(glm::dvec3(light.position) - lights.center) + lights.radius;
+    if (!has_linear_range(light) && light.range > 256 * farthest) data.inverse_range = 0;
+    return data;
+}
+
+/// Infinite without a range.
+float reach_of(const PunctualLight& light) {
+    return range_of(light) > 0 ? range_of(light) : std::numeric_limits<float>::infinity();
+}
+
+bool has_place(const Light& light) { return !shines_far(light) && luminance(light.intensity) > 0; }
+
+/// Makes the grid of lights with a position. Returns the longest reach in it; 0 if there is no grid.
 float plant_grid(const Scene& scene, Lights& lights) {
-    std::vector<PunctualLight> ranged;
+    std::vector<PunctualLight> listed;
     for (const Light& light : scene.lights)
-        if (!shines_far(light) && light.range > 0 && luminance(light.intensity) > 0)
-            ranged.push_back(punctual_light(light));
-    std::vector<float> ranges;
-    for (const PunctualLight& light : ranged) ranges.push_back(range_of(light));
-    std::sort(ranges.begin(), ranges.end());
-    while (!ranged.empty() && lights.selection.most_per_cell > 0) {
-        if (mean_list_length(ranged) <= lights.selection.most_per_cell) {
-            lights.lists = build_light_lists(ranged);
-            return ranges.back();
-        }
-        ranges.resize(ranges.size() / 2);
-        const float longest = ranges.empty() ? 0 : ranges.back();
-        std::erase_if(ranged, [&](const PunctualLight& light) { return range_of(light) > longest; });
+        if (has_place(light)) listed.push_back(light_within(lights, light));
+    std::vector<float> reaches;
+    for (const PunctualLight& light : listed) reaches.push_back(reach_of(light));
+    std::sort(reaches.begin(), reaches.end());
+    for (; !reaches.empty() && lights.selection.most_per_cell > 0; reaches.resize(reaches.size() / 2)) {
+        const float longest = reaches.back();
+        std::erase_if(listed, [&](const PunctualLight& light) { return reach_of(light) > longest; });
+        if (listed.size() < 2) break;
+        if (mean_list_length(listed) > lights.selection.most_per_cell) continue;
+        lights.lists = build_light_lists(listed);
+        return longest;
     }
     return 0;
 }
@@ -189,12 +203,12 @@ void collect_punctual(const Scene& scene, Lights& lights) {
     enum Group { near, far, of_grid };
     const auto group_of = [&](const PunctualLight& light) {
         if (traits_of(light).far) return far;
-        return range_of(light) > 0 && range_of(light) <= longest ? of_grid : near;
+        return reach_of(light) <= longest ? of_grid : near;
     };
     for (const Group group : {near, far, of_grid}) {
-        if (group == of_grid) lights.data.first_ranged = std::uint32_t(lights.punctual.size());
+        if (group == of_grid) lights.data.first_listed = std::uint32_t(lights.punctual.size());
         for (std::size_t i = 0; i < scene.lights.size(); ++i) {
-            const PunctualLight light = punctual_light(scene.lights[i]);
+            const PunctualLight light = light_within(lights, scene.lights[i]);
             if (group_of(light) != group || !(luminance(scene.lights[i].intensity) > 0)) continue;
             lights.punctual.push_back(light);
             if (const auto place = places.find(i); place != places.end()) add_hot_spot(place->second, lights);
@@ -293,7 +307,7 @@ void collect_environment(const Scene& scene, Lights& lights) {
 /// Which of both groups matters depends on the place: each gets at least a quarter.
 double power_of_grid(const Lights& lights, double others) {
     double power = 0;
-    for (const PunctualLight& light : std::span(lights.punctual).last(lights.ranged()))
+    for (const PunctualLight& light : std::span(lights.punctual).last(lights.listed()))
         power += power_of(light, lights.radius);
     return others > 0 && power > 0 ? std::clamp(power, others / 3, 3 * others) : power;
 }
@@ -303,7 +317,7 @@ void distribute(Lights& lights) {
     const double environment = lights.environment_power, radius = lights.radius;
     std::vector<double> powers;
     for (const TriangleLight& light : lights.triangles) powers.push_back(power_of(light));
-    const auto others = std::span(lights.punctual).first(lights.punctual.size() - lights.ranged());
+    const auto others = std::span(lights.punctual).first(lights.punctual.size() - lights.listed());
     for (const PunctualLight& light : others) powers.push_back(power_of(light, radius));
     const auto far = std::size_t(
         std::count_if(others.begin(), others.end(), [](const auto& light) { return traits_of(light).far; }));
@@ -361,7 +375,7 @@ float range_of(const PunctualLight& light) {
 
 std::size_t near_lights(const Scene& scene) {
     std::size_t count = 0;
-    for (const Light& light : scene.lights) count += !shines_far(light) && luminance(light.intensity) > 0;
+    for (const Light& light : scene.lights) count += has_place(light);
     std::vector<std::size_t> of_meshes;
     for (const Mesh& mesh : scene.meshes) {
         of_meshes.push_back(0);
@@ -373,11 +387,23 @@ std::size_t near_lights(const Scene& scene) {
     return count;
 }
 
+bool may_have_lists(const Scene& scene) {
+    std::size_t limited = 0, unlimited = 0;
+    for (const Light& light : scene.lights) {
+        if (!has_place(light)) continue;
+        ++(light.range > 0 ? limited : unlimited);
+    }
+    return limited > 1 || (limited + unlimited > 1 && double(unlimited) <= LightSelection{}.most_per_cell);
+}
+
 Lights collect_lights(const Scene& scene, const LightSelection& selection) {
     Lights lights;
     lights.selection = selection;
     const Bounds bounds = bounds_of(scene);
-    if (!bounds.empty()) lights.radius = std::max(0.5 * glm::length(glm::dvec3(bounds.extent())), 1e-18);
+    if (!bounds.empty()) {
+        lights.center = bounds.center();
+        lights.radius = std::max(0.5 * glm::length(glm::dvec3(bounds.extent())), 1e-18);
+    }
     collect_environment(scene, lights);
     replace_triangle_lights(scene, lights);
     return lights;
@@ -396,7 +422,7 @@ void replace_punctual_lights(const Scene& scene, Lights& lights) {
     lights.punctual.clear(), lights.hot_spots.clear();
     lights.tree.clear(), lights.leaves.clear(), lights.trails.clear(), lights.lists.clear();
     LightsData& data = lights.data;
-    data.triangles = data.near = data.count = data.tree_last = data.grid_last = data.first_ranged = 0;
+    data.triangles = data.near = data.count = data.tree_last = data.grid_last = data.first_listed = 0;
     data.density = data.tree_probability = data.grid_probability = data.environment.probability = 0;
     collect_punctual(scene, lights);
     distribute(lights);

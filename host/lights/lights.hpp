@@ -10,9 +10,9 @@ namespace claray {
 /// How lights are picked.
 struct LightSelection {
     std::size_t for_a_tree = 16;  ///< near lights from which on a tree picks among them
-    /// Lights with a range are picked by their contributions, from the lists of a grid, if the lists are at most so
-    /// long (see mean_list_length). The lights of the longest ranges stay outside the grid until this holds. 0: no
-    /// grid.
+    /// Two or more lights with a position are picked by their contributions, from the lists of a grid, if the lists are
+    /// at most so long (see mean_list_length). The lights of the longest ranges, first those without one, stay outside
+    /// the grid until this holds. 0: no grid.
     double most_per_cell = 128;
     unsigned most_points = 1024;  ///< see mean_texel
     bool hot_spots = true;
@@ -25,19 +25,20 @@ struct Lights {
     std::vector<LightNode> tree;          // empty: lights are picked by power alone
     std::vector<LightLeaf> leaves;        // of the tree
     std::vector<LightTrail> trails;       // of triangles; only with a tree
-    std::vector<std::uint32_t> lists;  // over the last lights of `punctual`, which have a range; see build_light_lists
-    std::vector<HotSpot> hot_spots;    // of points close to surfaces
-    std::vector<std::uint32_t> lamps;  // of triangles; only with emission maps: see lights/light_triangle.clh
+    std::vector<std::uint32_t> lists;     // over the last lights of `punctual`; see build_light_lists
+    std::vector<HotSpot> hot_spots;       // of points close to surfaces
+    std::vector<std::uint32_t> lamps;     // of triangles; only with emission maps: see lights/light_triangle.clh
     std::vector<float> environment_texels, environment_cdf;
     LightsData data{};
 
+    glm::dvec3 center{0};          // of the scene
     double radius = 1;             // of the scene
     double environment_power = 0;  // 0: no environment
     LightSelection selection;      // as passed to collect_lights
 
-    [[nodiscard]] std::size_t ranged() const { return lists.empty() ? 0 : punctual.size() - data.first_ranged; }
+    [[nodiscard]] std::size_t listed() const { return lists.empty() ? 0 : punctual.size() - data.first_listed; }
     /// Number of lights for shadow rays, including the environment.
-    [[nodiscard]] std::size_t size() const { return data.count + ranged(); }
+    [[nodiscard]] std::size_t size() const { return data.count + listed(); }
 };
 
 /// Returns whether there are lights for shadow rays.
@@ -63,6 +64,8 @@ void replace_triangle_lights(const Scene& scene, Lights& lights);
 [[nodiscard]] float range_of(const PunctualLight& light);
 /// An upper bound on the number of emissive triangles, points and spots; some triangles may be impossible to hit.
 [[nodiscard]] std::size_t near_lights(const Scene& scene);
+/// Returns whether lights of the scene may be picked from lists; a few more scenes than those whose lights are.
+[[nodiscard]] bool may_have_lists(const Scene& scene);
 
 /// Instance::tag: the number of an instance's first triangle among those of all instances with emissive objects,
 /// ascending in the order of the instances; 0 for other instances. TriangleLight::primitive uses the same numbers.

@@ -136,11 +136,12 @@ Structure first_structure(const Device& device, const Scene& scene, std::size_t 
 
 }  // namespace
 
-LightSelection selection_of_lights(const Device& device, const RenderConfig& config) {
-    const auto most_per_cell = double(device.tuning("lights/light_lists", "MOST_PER_CELL"));
-    if (config.approximate.light_grid) return {.most_per_cell = most_per_cell, .hot_spots = false};
-    if (!config.approximate.tile_sum) return {.most_per_cell = most_per_cell};
-    return {.for_a_tree = std::numeric_limits<std::size_t>::max(), .most_per_cell = 0, .hot_spots = false};
+LightSelection selection_of_lights(const RenderConfig& config) {
+    LightSelection selection;
+    if (config.approximate.tile_sum) selection.for_a_tree = std::numeric_limits<std::size_t>::max();
+    if (config.approximate.tile_sum || config.effects.remove.has(Effect::light_lists)) selection.most_per_cell = 0;
+    selection.hot_spots = !config.approximate.tile_sum && !config.approximate.light_grid;
+    return selection;
 }
 
 std::optional<LightGridStage> light_grid_of(const RenderConfig& config, const Scene& scene) {
@@ -168,7 +169,7 @@ Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig&
       build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
       light_grid(light_grid_of(with, scene)),
       bounds(words_of_guide() > 0 ? bounds_of(scene) : Bounds{}),
-      buffers(on, scene, structure, config.effects.add, selection_of_lights(on, with), words_of(light_grid),
+      buffers(on, scene, structure, config.effects.add, selection_of_lights(with), words_of(light_grid),
               words_of_listed_pixels(), words_of_guide()),
       wavefront(on, buffers, frame_data(scene, camera, buffers, with), load_kernels(plan.first.effects),
                 std::uint64_t(pixels()) * with.spp),

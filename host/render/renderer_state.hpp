@@ -57,7 +57,7 @@ struct SceneShape {
 };
 
 /// How the lights are picked; sums over tiles pick none.
-[[nodiscard]] LightSelection selection_of_lights(const Device& device, const RenderConfig& config);
+[[nodiscard]] LightSelection selection_of_lights(const RenderConfig& config);
 [[nodiscard]] std::optional<LightGridStage> light_grid_of(const RenderConfig& config, const Scene& scene);
 [[nodiscard]] inline std::uint32_t words_of(const std::optional<LightGridStage>& grid) {
     return grid ? grid->words() : 0;

@@ -180,6 +180,7 @@ void SceneBuffers::move_normals(std::size_t first, std::span<const glm::vec3> no
 
 EffectSet SceneBuffers::effects_of_tables() const {
     EffectSet found;
+    if (where.light_lists != CLARAY_NO_TABLE) found.add(Effect::light_lists);
     if (where.light_tree != CLARAY_NO_TABLE) found.add(Effect::many_lights);
     if (where.hot_spots != CLARAY_NO_TABLE) found.add(Effect::hot_spots);
     return found;

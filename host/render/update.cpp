@@ -14,7 +14,7 @@ constexpr EffectSet of_lights = {
     CLARAY_LIGHT_KINDS(CLARAY_ROW)
 #undef CLARAY_ROW
         Effect::light_falloff,
-    Effect::linear_ranges, Effect::many_lights, Effect::hot_spots};
+    Effect::linear_ranges, Effect::light_lists, Effect::many_lights, Effect::hot_spots};
 
 void check_equal(std::size_t now, std::size_t before, const std::string& what) {
     if (now == before) return;
@@ -107,7 +107,7 @@ void Renderer::State::rebuild_scene(const Scene& scene) {
         placed = place_instances(scene);
     structure = Structure(device, placed.scene, placed.baked, with_layout(config.bvh, plan.last.layout), false, parts);
     light_grid = light_grid_of(config, placed.scene);
-    buffers = SceneBuffers(device, placed.scene, structure, config.effects.add, selection_of_lights(device, config),
+    buffers = SceneBuffers(device, placed.scene, structure, config.effects.add, selection_of_lights(config),
                            words_of(light_grid), words_of_listed_pixels(), words_of_guide());
     if (words_of_guide() > 0) bounds = bounds_of(placed.scene);
     shape = SceneShape(scene, placed.scene, std::move(placed.places), std::move(placed.numbers));

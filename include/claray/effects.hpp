@@ -24,6 +24,7 @@ enum class Effect : std::uint8_t {
     emissive_triangles,
     light_falloff,
     linear_ranges,
+    light_lists,
     many_lights,
     sky,
     environment,

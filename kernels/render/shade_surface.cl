@@ -15,7 +15,7 @@
 /// 1: shade_sixteen.clh shades the hits.
 #define SHADE_SIXTEEN                                                                                                      \
     (SIXTEEN && CLARAY_CPU && MATERIALS == 1u << CLARAY_LAMBERT && !NORMALS && !TEXTURES && !MIPMAPS && !INSTANCES && !PRIMITIVES && !BAKE && !SHADING && \
-     !VERTEX_COLORS && !ENVIRONMENT && LIGHT_KINDS_USED == POINT_LIGHTS && !LIGHT_FALLOFF && !ABSORPTION &&                 \
+     !VERTEX_COLORS && !ENVIRONMENT && LIGHT_KINDS_USED == POINT_LIGHTS && !LIGHT_FALLOFF && !LIGHT_LISTS && !ABSORPTION &&                 \
      !(TRIANGLE_LIGHTS && POINT_LIGHTS))
 /// 1: hits are shaded in groups, one stage after the other. Without optimization PoCL takes minutes to compile this.
 #define SHADE_GROUPS (CLARAY_CPU && !CLARAY_UNOPTIMIZED)
@@ -177,10 +177,10 @@ static inline void pick_lights16(const Lights* lights, HitGroup* group, ShadedRa
         if (asks_lists(&lights->data, group, k) && !is_delta(&group->at[k].material))
             keep_listed(surface, surface->shading, share_in_lists(&lights->data, words_at(&group->samples[k], AT_LIGHT).x), group, k);
     }
-    global const PunctualLight* ranged = lights->punctual + lights->data.first_ranged;
-    pick_from_lists16(lights->lists, ranged, &group->lanes, group->picked, group->listed);
+    global const PunctualLight* listed_lights = lights->punctual + lights->data.first_listed;
+    pick_from_lists16(lights->lists, listed_lights, &group->lanes, group->picked, group->listed);
     Lanes16 seen;
-    uint wanted = light_from_picks16(ranged, lights->data.grid_probability, &group->lanes, group->plain, group->listed, &seen);
+    uint wanted = light_from_picks16(listed_lights, lights->data.grid_probability, &group->lanes, group->plain, group->listed, &seen);
     for (; wanted != 0; wanted &= wanted - 1) {
         const uint k = lowest_bit(wanted);
         const float3 light = lane_vector16(&seen, ROW_LISTED_LIGHT, k);

@@ -107,8 +107,9 @@ Study study_techniques(const Device& device, const Scene& scene, const StudyOpti
                                         {"lights alone", with("TECHNIQUES", 1)},
                                         {"BSDFs alone", with("TECHNIQUES", 2)},
                                         {"no roulette", with("ROULETTE_DEPTH", 1u << 20)}};
-    if (effects_of(scene).has(Effect::many_lights)) {
-        config.effects.remove.add(Effect::many_lights);
+    constexpr EffectSet picking = {Effect::light_lists, Effect::many_lights};
+    if (!(effects_of(scene) & picking).empty()) {
+        config.effects.remove = config.effects.remove | picking;
         methods.push_back({"lights by power", render_with(device, scene, config)});
     }
     sweep(study, device, scene, options, compared_spp(options), methods, progress);

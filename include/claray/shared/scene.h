@@ -114,8 +114,8 @@ typedef struct LightLeaf {
 } LightLeaf;
 CLARAY_LAYOUT(LightLeaf, 16)
 
-/// A grid of cubic cells over the lights with a range. In its table the starts of the cells' lists follow, one more
-/// than there are cells, and then the lists: indices from LightsData::first_ranged on.
+/// A grid of cubic cells over what lights with a range reach. In its table the starts of the cells' lists follow, that
+/// of the list of what is outside the grid, its end, and then the lists: indices from LightsData::first_listed on.
 typedef struct LightLists {
     float x, y, z;  // its corner
     float cells_per_length;
@@ -161,7 +161,7 @@ typedef struct LightsData {
     float tree_probability;  // 0: no tree
     uint grid_last;          // lights up to this random number are picked from the grid
     float grid_probability;  // 0: no grid
-    uint first_ranged;       // of the grid's lights, in the array of PunctualLight; they are not among `count`
+    uint first_listed;       // of the grid's lights, in the array of PunctualLight; they are not among `count`
     float instance_error;    // error of rays to lights that are instances, per distance from the object's origin
     float instance_reach;    // largest distance of the lights from that origin. Both are read only under INSTANCES
     uint hot_spots;          // 0: none

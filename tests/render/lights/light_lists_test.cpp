@@ -81,7 +81,7 @@ std::vector<float> places_and_normals(const LightLists& grid, unsigned count) {
 TEST(LightLists, ListsGiveTheSumOverAllLightsBitForBit) {
     for (const float range : {0.2f, 1.f, 3.f}) {
         const Lights lights = collect_lights(lit_floor(300, range), {.most_per_cell = 1e6});
-        ASSERT_EQ(lights.ranged(), 300u);
+        ASSERT_EQ(lights.listed(), 300u);
         EXPECT_EQ(lights.data.count, 0u);
         const Buffer<std::uint32_t> grid(device(), lights.lists);
         const Buffer<PunctualLight> all(device(), lights.punctual);
@@ -105,7 +105,7 @@ TEST(LightLists, ListsGiveTheSumOverAllLightsBitForBit) {
 
 TEST(LightLists, PicksByIrradiance) {
     const Lights lights = collect_lights(lit_floor(200, 2.f));
-    ASSERT_EQ(lights.ranged(), 200u);
+    ASSERT_EQ(lights.listed(), 200u);
     const std::uint32_t count = 1u << 18;
     std::mt19937 generator(2);
     std::uniform_real_distribution<float> unit(0.f, 1.f);
@@ -289,10 +289,10 @@ TEST(LightLists, LeavesWideRangesToTheTree) {
     const Scene wide = lit_floor(100, 100.f);
     scene.lights.insert(scene.lights.end(), wide.lights.begin(), wide.lights.end());
     const Lights lights = collect_lights(scene, {.most_per_cell = 30});
-    EXPECT_GE(lights.ranged(), 50u);
-    EXPECT_LE(lights.ranged(), 100u);
-    EXPECT_EQ(lights.data.near, 200 - lights.ranged());
-    EXPECT_LE(mean_list_length(std::span(lights.punctual).last(lights.ranged())), 30);
+    EXPECT_GE(lights.listed(), 50u);
+    EXPECT_LE(lights.listed(), 100u);
+    EXPECT_EQ(lights.data.near, 200 - lights.listed());
+    EXPECT_LE(mean_list_length(std::span(lights.punctual).last(lights.listed())), 30);
     EXPECT_FALSE(lights.tree.empty());
 }
 
