@@ -123,7 +123,7 @@ static inline void try_triangles(const PreparedRay* ray, global const LeafTriang
 
 // ---- the loop ------------------------------------------------------------------------------------------------------
 
-static inline Hit trace_variant_ray(global const BvhHeader* header, global const NODE* nodes, global const LeafTriangle* leaves,
+static CLARAY_OUTLINED Hit trace_variant_ray(global const BvhHeader* header, global const NODE* nodes, global const LeafTriangle* leaves,
                                     const PreparedRay* ray, float tmax, Visits* visits) {
 #if BOX_TEST == BOX_WIDENED
     const Slabs box_ray = prepare_slabs(ray, header);

@@ -26,7 +26,7 @@ kernel void bound_primitives(global const float* data, uint count, global float*
     vstore3((uint3)(3 * i, 3 * i + 1, 3 * i + 2), i, indices);
 }
 
-static inline Hit trace_primitives(CLARAY_BVH_PARAMETERS, global const float* data, uint primitives, Ray ray, bool any) {
+static CLARAY_OUTLINED Hit trace_primitives(CLARAY_BVH_PARAMETERS, global const float* data, uint primitives, Ray ray, bool any) {
     Hit hit = no_hit(ray.tmax);
     if (!ray_valid(ray)) return hit;
     const PreparedRay prepared = prepare_ray(ray, false, 0xffffffffu);

@@ -1,6 +1,10 @@
 // Any-hit query of an array of rays.
 #include "trace/queue/ray_queue.clh"
 
+static CLARAY_OUTLINED bool is_occluded(CLARAY_BVH_PARAMETERS, Ray ray, uint mask, Visits* visited) {
+    return claray_trace(CLARAY_BVH, ray, true, CULL_BACK_FACES, mask, visited).primitive != CLARAY_MISS;
+}
+
 /// As the kernel closest_hit; answers.clh stores the answers.
 kernel QUERY_GROUP
 void any_hit(CLARAY_BVH_PARAMETERS, global const Ray* rays, ANSWERS_PARAMETERS, uint capacity,
@@ -16,9 +20,8 @@ void any_hit(CLARAY_BVH_PARAMETERS, global const Ray* rays, ANSWERS_PARAMETERS, 
 #else
     FOR_EACH_RAY(i, all) {
         Visits visited = {0, 0};
-        const Hit hit = claray_trace(CLARAY_BVH, rays[i], true, CULL_BACK_FACES, mask_of_ray(masks, i), &visited);
         const Answers answers = ANSWERS;
-        answer(&answers, i, hit.primitive != CLARAY_MISS);
+        answer(&answers, i, is_occluded(CLARAY_BVH, rays[i], mask_of_ray(masks, i), &visited));
         if (CLARAY_COUNT_VISITS) visits[i] = visited;
     }
 #endif

@@ -2,8 +2,8 @@
 #include "trace/traverse_binary.clh"
 #include "trace/query.clh"
 
-static inline Hit test_all(global const BvhHeader* header, global const LeafTriangle* leaves CLARAY_CUTOUTS_PARAMETERS, Ray ray,
-                           uint mask, bool any) {
+static CLARAY_OUTLINED Hit test_all(global const BvhHeader* header, global const LeafTriangle* leaves CLARAY_CUTOUTS_PARAMETERS, Ray ray,
+                                    uint mask, bool any) {
     if (!ray_valid(ray)) return no_hit(ray.tmax);
     PreparedRay prepared = prepare_ray(ray, CULL_BACK_FACES, mask);
     SET_CUTOUTS(&prepared, 0);

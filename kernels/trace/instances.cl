@@ -22,7 +22,7 @@ static inline InstanceHit trace_every_instance(CLARAY_INSTANCES_PARAMETERS, Ray 
     return best;
 }
 
-static inline InstanceHit trace_ray(CLARAY_INSTANCES_PARAMETERS, Ray ray, float time, bool any, uint mask, Visits* visits) {
+static CLARAY_OUTLINED InstanceHit trace_ray(CLARAY_INSTANCES_PARAMETERS, Ray ray, float time, bool any, uint mask, Visits* visits) {
     if (EVERY_INSTANCE) return trace_every_instance(CLARAY_INSTANCES, ray, time, any, mask, visits);
     return claray_trace_instances(CLARAY_INSTANCES, ray, time, any, CULL_BACK_FACES, mask, visits);
 }

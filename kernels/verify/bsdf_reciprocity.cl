@@ -2,10 +2,8 @@
 #include "verify/bsdf.clh"
 
 /// Largest relative difference between the BSDF in both directions: n_o^2 f(o, i) = n_i^2 f(i, o). The sampler chooses every
-/// other pair.
-kernel void reciprocity(MATERIAL, uint count, uint pairs, global float* worst, global uint* compared) {
-    const uint item = get_global_id(0);
-    if (item >= count) return;
+/// other pair. `compared` receives the number of pairs.
+static CLARAY_OUTLINED float worst_of_pairs(MATERIAL, uint item, uint pairs, uint* compared) {
     resolve_principled(&material, 0.0f);
     float most = 0.0f;
     uint some = 0u;
@@ -37,6 +35,14 @@ kernel void reciprocity(MATERIAL, uint count, uint pairs, global float* worst, g
         most = fmax(most, fabs(there - back) / fmax(there, back));
         ++some;
     }
-    worst[item] = most;
+    *compared = some;
+    return most;
+}
+
+kernel void reciprocity(MATERIAL, uint count, uint pairs, global float* worst, global uint* compared) {
+    const uint item = get_global_id(0);
+    if (item >= count) return;
+    uint some;
+    worst[item] = worst_of_pairs(material, tables, inside, item, pairs, &some);
     compared[item] = some;
 }

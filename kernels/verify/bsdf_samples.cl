@@ -4,10 +4,8 @@
 /// A sample, and eval_bsdf of its direction.
 typedef struct Sampled { float x, y, z, weight, pdf, eval_value, eval_pdf; uint valid; } Sampled;
 
-kernel void sample(MATERIAL, float ox, float oy, float oz, uint count, global Sampled* out) {
-    const uint i = get_global_id(0);
-    if (i >= count) return;
-    const BsdfView view = {tables, (float3)(ox, oy, oz), UP, inside};
+static CLARAY_OUTLINED Sampled draw(MATERIAL, float3 outgoing, uint i) {
+    const BsdfView view = {tables, outgoing, UP, inside};
     resolve_principled(&material, 0.0f);
     BsdfSample s;
     Sampled r = {0, 0, 0, 0, 0, 0, 0, 0};
@@ -17,18 +15,26 @@ kernel void sample(MATERIAL, float ox, float oy, float oz, uint count, global Sa
         r.weight = s.weight.x, r.pdf = s.pdf;
         r.eval_value = eval_bsdf(&material, &view, s.incoming, &r.eval_pdf).x;
     }
-    out[i] = r;
+    return r;
+}
+
+kernel void sample(MATERIAL, float ox, float oy, float oz, uint count, global Sampled* out) {
+    const uint i = get_global_id(0);
+    if (i < count) out[i] = draw(material, tables, inside, (float3)(ox, oy, oz), i);
+}
+
+static CLARAY_OUTLINED float evaluate(MATERIAL, float3 outgoing, float3 incoming, float* pdf) {
+    resolve_principled(&material, 0.0f);
+    const BsdfView view = {tables, outgoing, UP, inside};
+    return eval_bsdf(&material, &view, incoming, pdf).x / fabs(incoming.z);
 }
 
 kernel void eval(MATERIAL, float ox, float oy, float oz, uint count, global const float* directions,
                  global float* values, global float* pdfs) {
     const uint i = get_global_id(0);
     if (i >= count) return;
-    const float3 incoming = vload3(i, directions);
-    resolve_principled(&material, 0.0f);
-    const BsdfView view = {tables, (float3)(ox, oy, oz), UP, inside};
     float pdf;
-    values[i] = eval_bsdf(&material, &view, incoming, &pdf).x / fabs(incoming.z);
+    values[i] = evaluate(material, tables, inside, (float3)(ox, oy, oz), vload3(i, directions), &pdf);
     pdfs[i] = pdf;
 }
 

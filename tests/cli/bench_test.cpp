@@ -51,8 +51,13 @@ TEST(BenchCommand, JsonAndCsvAgree) {
 /// The two CPU devices of PoCL stand for several devices.
 TEST(BenchCommand, MeasuresDevicesAtOnce) {
     const Variables two = {{"POCL_DEVICES", "basic pthread"}};
-    const ProcessResult result = run_claray(
-        {"bench", "soup:400", "--preset", "fast", "--size", "16x8", "--repeat", "1", "--device", "all", "--json"}, two);
+    const auto on_two = [&](const std::vector<std::string>& more) {
+        return run_claray(with({"bench", "soup:400", "--preset", "fast", "--layout", "binary", "--size", "16x8",
+                                "--repeat", "1", "--device"},
+                               more),
+                          two);
+    };
+    const ProcessResult result = on_two({"all", "--json"});
     ASSERT_EQ(result.exit_code, 0) << result.errors;
     const auto report = nlohmann::json::parse(result.output);
     ASSERT_EQ(report.size(), 3u);
@@ -60,8 +65,7 @@ TEST(BenchCommand, MeasuresDevicesAtOnce) {
     const auto rays = report[2].at("scenes").at(0).at("presets").at(0).at("rays");
     ASSERT_EQ(rays.size(), 4u);
     for (const auto& [kind, speed] : rays.items()) EXPECT_GT(speed.at("mrays_per_second"), 0) << kind;
-    const ProcessResult table = run_claray(
-        {"bench", "soup:400", "--preset", "fast", "--size", "16x8", "--repeat", "1", "--device", "0,1,0"}, two);
+    const ProcessResult table = on_two({"0,1,0"});
     EXPECT_NE(table.output.find("soup:400: 2 devices at the same time"), std::string::npos) << table.output;
 }
 

@@ -19,7 +19,6 @@ TEST(BrokenKernels, AreReportedInAFile) {
         "render", "cornell", "-o", (folder / "a.png").string(), "--size",       "8x8",
         "--spp",  "1",       "-q", "--wait-for-kernels",        "--checkpoint", (folder / "c").string()};
     const Variables environment = {{"CLARAY_KERNEL_DIR", (folder / "kernels").string()},
-                                   {"CLARAY_CACHE_DIR", (folder / "cache").string()},
                                    {"XDG_STATE_HOME", (folder / "state").string()}};
     ASSERT_EQ(run_claray(render).exit_code, 0);
     const std::string checkpoint = read_file(folder / "c"), image = read_file(folder / "a.png");
