@@ -71,7 +71,11 @@ std::vector<cl::Device> all_devices() {
     for (const cl::Platform& platform : platforms) {
         std::vector<cl::Device> of_platform;
         try {
-            platform.getDevices(CL_DEVICE_TYPE_ALL, &of_platform);
+            const auto start = [&] { platform.getDevices(CL_DEVICE_TYPE_ALL, &of_platform); };
+            if (platform.getInfo<CL_PLATFORM_NAME>() == "Portable Computing Language")
+                bind_threads_started_by(start);
+            else
+                start();
         } catch (const cl::Error&) {  // CL_DEVICE_NOT_FOUND: a platform whose hardware is absent
         }
         devices.insert(devices.end(), of_platform.begin(), of_platform.end());

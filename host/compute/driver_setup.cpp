@@ -1,10 +1,14 @@
 #include "host/compute/driver_setup.hpp"
 
 #include <pthread.h>
+#include <sched.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdlib>
+#include <filesystem>
 #include <mutex>
+#include <vector>
 
 #include "claray/error.hpp"
 #include "host/base/folders.hpp"
@@ -54,6 +58,33 @@ void give_threads_a_stack() {
 #endif
 }
 
+#ifdef __linux__
+/// In the order in which they started, unless their numbers wrapped around.
+std::vector<pid_t> threads_of_process() {
+    std::vector<pid_t> threads;
+    std::error_code none;
+    for (const auto& entry : fs::directory_iterator("/proc/self/task", none))
+        threads.push_back(pid_t(std::strtol(entry.path().filename().c_str(), nullptr, 10)));
+    std::ranges::sort(threads);
+    return threads;
+}
+
+/// Binds each of the threads to a processor of its own, if there are as many as the process may use.
+void bind_to_processors(const std::vector<pid_t>& threads) {
+    cpu_set_t allowed;
+    if (::sched_getaffinity(0, sizeof allowed, &allowed) != 0 || std::size_t(CPU_COUNT(&allowed)) != threads.size())
+        return;
+    std::size_t processor = 0;
+    for (const pid_t thread : threads) {
+        while (!CPU_ISSET(processor, &allowed)) ++processor;
+        cpu_set_t own;
+        CPU_ZERO(&own);
+        CPU_SET(processor++, &own);
+        if (::sched_setaffinity(thread, sizeof own, &own) != 0) return;  // forbidden: all stay as they are
+    }
+}
+#endif
+
 bool pocl_can_write = true;
 
 }  // namespace
@@ -64,6 +95,20 @@ void set_up_drivers() {
         pocl_can_write = give_pocl_a_folder();
         give_threads_a_stack();
     });
+}
+
+void bind_threads_started_by(const std::function<void()>& start) {
+#ifdef __linux__
+    static std::atomic<bool> started = false;
+    if (!started.exchange(true) && *value_of("POCL_AFFINITY") == '\0') {
+        const std::vector<pid_t> before = threads_of_process();
+        start();
+        std::vector<pid_t> threads = threads_of_process();
+        std::erase_if(threads, [&](pid_t thread) { return std::ranges::binary_search(before, thread); });
+        return bind_to_processors(threads);
+    }
+#endif
+    start();
 }
 
 std::string no_device_remedy() {

@@ -1,6 +1,7 @@
 // Prepares the process for drivers, before the first of them is loaded.
 #pragma once
 
+#include <functional>
 #include <string>
 
 namespace claray {
@@ -10,6 +11,12 @@ namespace claray {
 /// threads get a stack of 8 MiB, whatever `ulimit -s` says, because kernels run on it. Throws ErrorKind::user if
 /// $POCL_CACHE_DIR is not writable.
 void set_up_drivers();
+
+/// Runs `start`, the first call that makes PoCL start its threads, and binds each of them to a processor, unless the
+/// user sets $POCL_AFFINITY. When a kernel starts, all of them wake up at once, while the thread that launches it still
+/// occupies a processor. Linux then places two on one processor, where the second waits for milliseconds. Later calls
+/// only run `start`.
+void bind_threads_started_by(const std::function<void()>& start);
 
 /// The remedy to state if there is no device.
 [[nodiscard]] std::string no_device_remedy();

@@ -16,7 +16,7 @@ void any_hit(CLARAY_BVH_PARAMETERS, global const Ray* rays, ANSWERS_PARAMETERS, 
     trace_queue(CLARAY_BVH, &query, queue);
 #elif USE_BATCHES
     const BatchQuery query = {rays, masks, sorted, true, CULL_BACK_FACES, 0, occluded};
-    trace_share(CLARAY_BVH, &query, (uint)get_global_id(0), (uint)get_global_size(0), batch, all);
+    trace_batches(CLARAY_BVH, &query, queue, (uint)get_global_size(0), batch, all);
 #else
     FOR_EACH_RAY(i, all) {
         Visits visited = {0, 0};

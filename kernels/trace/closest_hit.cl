@@ -14,7 +14,7 @@ void closest_hit(CLARAY_BVH_PARAMETERS, global const Ray* rays, global Hit* hits
     trace_queue(CLARAY_BVH, &query, queue);
 #elif USE_BATCHES
     const BatchQuery query = {rays, masks, sorted, false, CULL_BACK_FACES, hits, 0};
-    trace_share(CLARAY_BVH, &query, (uint)get_global_id(0), (uint)get_global_size(0), batch, all);
+    trace_batches(CLARAY_BVH, &query, queue, (uint)get_global_size(0), batch, all);
 #elif !CHOOSE || COHERENT  // else the other schedule's kernel traces them
     FOR_EACH_RAY(i, all) {
         Visits visited = {0, 0};
