@@ -338,6 +338,8 @@ static inline void shade_plain(const Step* step, SCENE_PARAMETERS, global RayQue
                                       radiance + 3 * (size_t)room, &shaded);
 #if PATH_GUIDE
     if (teaches(&step->frame, step->depth)) note_bins16(step, &shaded, count, bins, radiance);
+#else
+    (void)bins;
 #endif
     store_next16(&step->frame, &shaded, to->next_length, rays_of_queue(to->next), states_of_queue(to->next, room));
     store_shadows16(&shaded, to->shadow_length, rays_of_shadows(to->shadow), light_of_shadows(to->shadow, room));
