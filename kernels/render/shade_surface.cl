@@ -12,16 +12,18 @@
 #define SIXTEEN 1  // 1: sixteen rays at once if the scene allows it
 #endif
 
-/// 1: shade_sixteen.clh shades the hits.
-#define SHADE_SIXTEEN                                                                                                      \
-    (SIXTEEN && CLARAY_CPU && MATERIALS == 1u << CLARAY_LAMBERT && !NORMALS && !TEXTURES && !MIPMAPS && !INSTANCES && !PRIMITIVES && !BAKE && !SHADING && \
-     !VERTEX_COLORS && !ENVIRONMENT && LIGHT_KINDS_USED == POINT_LIGHTS && !LIGHT_FALLOFF && !LIGHT_LISTS && !ABSORPTION &&                 \
-     !(TRIANGLE_LIGHTS && POINT_LIGHTS))
 /// 1: hits are shaded in groups, one stage after the other. Without optimization PoCL takes minutes to compile this.
 #define SHADE_GROUPS (CLARAY_CPU && !CLARAY_UNOPTIMIZED)
-#if SHADE_SIXTEEN
+/// 1: shade_sixteen.clh shades the hits of plain materials; all hits, if there are no other materials.
+#define PLAIN_IN_LANES                                                                                                     \
+    (SIXTEEN && CLARAY_CPU && USES(CLARAY_LAMBERT) && !NORMALS && !TEXTURES && !MIPMAPS && !INSTANCES && !PRIMITIVES && !BAKE && !SHADING && \
+     !VERTEX_COLORS && !ENVIRONMENT && LIGHT_KINDS_USED == POINT_LIGHTS && !LIGHT_FALLOFF && !(TRIANGLE_LIGHTS && POINT_LIGHTS))
+#define SHADE_SIXTEEN (PLAIN_IN_LANES && MATERIALS == 1u << CLARAY_LAMBERT)
+#define SHADE_MIXED (PLAIN_IN_LANES && SHADE_GROUPS && !SHADE_SIXTEEN)
+#if SHADE_SIXTEEN || SHADE_MIXED
 #include "render/shade_sixteen.clh"
-#else
+#endif
+#if !SHADE_SIXTEEN
 #if SHADE_GROUPS
 #include "lights/light_lists_sixteen.clh"
 #include "shade/surface_sixteen.clh"
@@ -318,6 +320,98 @@ static inline void store_shadow(const ShadedRay* shaded, global ShadowQueue* que
 }
 #endif
 
+#if CLARAY_CPU
+/// Where the stage appends rays.
+typedef struct NextQueues {
+    global uint *next_length, *shadow_length;
+    global RayQueue* next;
+    global ShadowQueue* shadow;
+} NextQueues;
+
+#if SHADE_SIXTEEN || SHADE_MIXED
+/// Shades rays that met plain materials or nothing, at most 16.
+static inline void shade_plain(const Step* step, SCENE_PARAMETERS, global RayQueue* queue, global const SceneHit* hits, const uint* numbers,
+                               uint count, const NextQueues* to, global float* radiance) {
+    const uint room = step->room;
+    Shaded16 shaded;
+    const uint16 bins = shade_sixteen(step, SCENE, rays_of_queue(queue), hits, states_of_queue(queue, room), numbers, count, radiance,
+                                      radiance + 3 * (size_t)room, &shaded);
+#if PATH_GUIDE
+    if (teaches(&step->frame, step->depth)) note_bins16(step, &shaded, count, bins, radiance);
+#else
+    (void)bins;
+#endif
+    store_next16(&step->frame, &shaded, to->next_length, rays_of_queue(to->next), states_of_queue(to->next, room));
+    store_shadows16(&shaded, to->shadow_length, rays_of_shadows(to->shadow), light_of_shadows(to->shadow, room));
+}
+#endif
+
+#if !SHADE_SIXTEEN
+/// Shades any rays, at most 16.
+static inline void shade_any(const Step* step, SCENE_PARAMETERS, global RayQueue* queue, global const SceneHit* hits, const uint* numbers,
+                             uint count, const NextQueues* to, global float* radiance) {
+    ShadedRay shaded[SLOTS_AT_ONCE];
+    uint rays = 0, shadows = 0;
+    shade_rays(step, SCENE, queue, hits, numbers, count, radiance, shaded);
+    for (uint k = 0; k < count; ++k) rays += shaded[k].next.wanted, shadows += shaded[k].shadow.wanted;
+    uint slot = rays ? atomic_add(to->next_length, rays) : 0u;
+    for (uint k = 0; k < count; ++k)
+        if (shaded[k].next.wanted) store_next(&shaded[k], to->next, step->room, slot++);
+#if LIGHTS
+    slot = shadows ? atomic_add(to->shadow_length, shadows) : 0u;
+    for (uint k = 0; k < count; ++k)
+        if (shaded[k].shadow.wanted) store_shadow(&shaded[k], to->shadow, step->room, slot++);
+#endif
+}
+#endif
+
+#if SHADE_MIXED
+/// Rays that wait for others of their kind.
+typedef struct WaitingRays {
+    uint count;
+    uint numbers[2 * SLOTS_AT_ONCE];
+} WaitingRays;
+
+/// Takes 16 rays out, or those that there are. Returns their number.
+static inline uint take_rays16(WaitingRays* from, uint* numbers) {
+    const uint count = min(from->count, SLOTS_AT_ONCE);
+    for (uint k = 0; k < SLOTS_AT_ONCE; ++k) numbers[k] = from->numbers[k], from->numbers[k] = from->numbers[k + SLOTS_AT_ONCE];
+    from->count -= count;
+    return count;
+}
+
+static inline bool meets_plain(const FrameData* frame, SCENE_PARAMETERS, Hit hit) {
+    if (hit.primitive == CLARAY_MISS) return true;
+    global const MaterialData* material = &TABLE(MaterialData, materials)[TABLE(uint, triangle_materials)[hit.primitive]];
+    return material->kind == CLARAY_LAMBERT && material->layers == 0u;
+}
+
+/// Shades rays `begin` to `end` - 1: those of plain materials together, and the others.
+static inline void shade_sorted(const Step* step, SCENE_PARAMETERS, global RayQueue* queue, global const SceneHit* hits, uint begin,
+                                uint end, uint all, const NextQueues* to, global float* radiance) {
+    WaitingRays plain, other;
+    plain.count = other.count = 0;
+    uint numbers[SLOTS_AT_ONCE];
+    for (uint i = begin; i < end; i += SLOTS_AT_ONCE) {
+        const bool is_last = i + SLOTS_AT_ONCE >= end;
+        number_rays16(step, i, all, numbers);
+        for (uint k = 0; k < min(SLOTS_AT_ONCE, end - i); ++k) {
+            WaitingRays* of = meets_plain(&step->frame, SCENE, hits[numbers[k]]) ? &plain : &other;
+            of->numbers[of->count++] = numbers[k];
+        }
+        while (plain.count >= SLOTS_AT_ONCE || (is_last && plain.count != 0)) {
+            const uint count = take_rays16(&plain, numbers);
+            shade_plain(step, SCENE, queue, hits, numbers, count, to, radiance);
+        }
+        while (other.count >= SLOTS_AT_ONCE || (is_last && other.count != 0)) {
+            const uint count = take_rays16(&other, numbers);
+            shade_any(step, SCENE, queue, hits, numbers, count, to, radiance);
+        }
+    }
+}
+#endif
+#endif
+
 /// Shades the rays of `queue`, which met `depth` surfaces before this one. Fills the next queue and, under LIGHTS, the queue of
 /// shadow rays; the lengths of both are 0 before. Adds the lengths of the previous bounce's queues to `totals` and sets them to 0,
 /// so that these queues can be filled next. With a light tree, the paths' shading normals follow `radiance` in the same buffer.
@@ -325,44 +419,29 @@ kernel __attribute__((reqd_work_group_size(GROUP_SIZE, 1, 1)))
 void shade_surface(Step step, SCENE_PARAMETERS, global QueueLength* lengths, global ulong* totals,
                    global RayQueue* queue, global const SceneHit* hits, global RayQueue* next_queue,
                    global ShadowQueue* shadow_queue, global float* radiance) {
-    const uint depth = step.depth, room = step.room;
+    const uint depth = step.depth;
     if (get_global_id(0) == 0)
         count_spent(length_of_rays(lengths, depth + 2), length_of_shadows(lengths, depth + 1), totals);
     const uint all = min(*length_of_rays(lengths, depth), step.capacity);
     global uint* next_length = length_of_rays(lengths, depth + 1);
     global uint* shadow_length = length_of_shadows(lengths, depth);
+#if CLARAY_CPU
+    const NextQueues to = {next_length, shadow_length, next_queue, shadow_queue};
+    const uint begin = (uint)get_global_id(0) * PATHS_PER_ITEM, end = min(begin + PATHS_PER_ITEM, all);
+#if SHADE_MIXED
+    shade_sorted(&step, SCENE, queue, hits, begin, end, all, &to, radiance);
+#else
+    for (uint i = begin; i < end; i += 16u) {
+        uint numbers[16];
 #if SHADE_SIXTEEN
-    global float* shading_normals = radiance + 3 * (size_t)room;
-    const uint begin = (uint)get_global_id(0) * PATHS_PER_ITEM, end = min(begin + PATHS_PER_ITEM, all);
-    Shaded16 shaded;
-    for (uint i = begin; i < end; i += 16) {
-        const uint16 bins = shade_sixteen(&step, SCENE, rays_of_queue(queue), hits, states_of_queue(queue, room), i, min(16u, end - i),
-                                          radiance, shading_normals, &shaded);
-#if PATH_GUIDE
-        if (teaches(&step.frame, depth)) note_bins16(&step, &shaded, min(16u, end - i), bins, radiance);
-#endif
-        store_next16(&step.frame, &shaded, next_length, rays_of_queue(next_queue), states_of_queue(next_queue, room));
-        store_shadows16(&shaded, shadow_length, rays_of_shadows(shadow_queue), light_of_shadows(shadow_queue, room));
-    }
-#elif CLARAY_CPU
-    const uint begin = (uint)get_global_id(0) * PATHS_PER_ITEM, end = min(begin + PATHS_PER_ITEM, all);
-    for (uint i = begin; i < end; i += SLOTS_AT_ONCE) {
-        ShadedRay shaded[SLOTS_AT_ONCE];
-        const uint count = min(SLOTS_AT_ONCE, end - i);
-        uint rays = 0, shadows = 0;
-        uint numbers[SLOTS_AT_ONCE];
+        for (uint k = 0; k < 16u; ++k) numbers[k] = i + k;
+        shade_plain(&step, SCENE, queue, hits, numbers, min(16u, end - i), &to, radiance);
+#else
         number_rays16(&step, i, all, numbers);
-        shade_rays(&step, SCENE, queue, hits, numbers, count, radiance, shaded);
-        for (uint k = 0; k < count; ++k) rays += shaded[k].next.wanted, shadows += shaded[k].shadow.wanted;
-        uint slot = rays ? atomic_add(next_length, rays) : 0u;
-        for (uint k = 0; k < count; ++k)
-            if (shaded[k].next.wanted) store_next(&shaded[k], next_queue, room, slot++);
-#if LIGHTS
-        slot = shadows ? atomic_add(shadow_length, shadows) : 0u;
-        for (uint k = 0; k < count; ++k)
-            if (shaded[k].shadow.wanted) store_shadow(&shaded[k], shadow_queue, room, slot++);
+        shade_any(&step, SCENE, queue, hits, numbers, min(SLOTS_AT_ONCE, end - i), &to, radiance);
 #endif
     }
+#endif
 #else
     local uint scratch[2];
     ShadedRay shaded;
@@ -370,10 +449,10 @@ void shade_surface(Step step, SCENE_PARAMETERS, global QueueLength* lengths, glo
     const uint number = get_global_id(0);
     if (number < all) shade_rays(&step, SCENE, queue, hits, &number, 1u, radiance, &shaded);
     const uint slot = reserve_slot(next_length, shaded.next.wanted, scratch);
-    if (shaded.next.wanted) store_next(&shaded, next_queue, room, slot);
+    if (shaded.next.wanted) store_next(&shaded, next_queue, step.room, slot);
 #if LIGHTS
     const uint shadow_slot = reserve_slot(shadow_length, shaded.shadow.wanted, scratch);
-    if (shaded.shadow.wanted) store_shadow(&shaded, shadow_queue, room, shadow_slot);
+    if (shaded.shadow.wanted) store_shadow(&shaded, shadow_queue, step.room, shadow_slot);
 #endif
 #endif
 }

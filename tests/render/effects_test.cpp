@@ -195,6 +195,49 @@ TEST(Effects, DiffuseScenesAreShadedWithTheSameBitsSixteenAtOnce) {
         }
 }
 
+/// The diffuse surfaces of scenes that have others as well are shaded so, too.
+TEST(Effects, DiffuseSurfacesAreShadedWithTheSameBitsSixteenAtOnce) {
+    Scene mixed = *builtin_scene("cornell");
+    const std::size_t plain = mixed.materials.size();
+    mixed.materials.resize(plain + 3);
+    Material &glass = mixed.materials[plain], &mirror = mixed.materials[plain + 1], &cloth = mixed.materials[plain + 2];
+    glass.kind = MaterialKind::glass, glass.attenuation = {0.5f, 0.8f, 0.9f}, glass.attenuation_distance = 0.1f;
+    mirror.kind = MaterialKind::mirror;
+    cloth.kind = MaterialKind::principled, cloth.sheen = glm::vec3(0.5f), cloth.sheen_roughness = 0.4f;
+    for (std::size_t i = 0; i < mixed.meshes.size(); ++i)
+        for (std::size_t t = 0; t < mixed.meshes[i].materials.size(); ++t) {
+            std::uint32_t& material = mixed.meshes[i].materials[t];
+            if (!(mixed.materials[material].emission.x > 0) && (i + t / 2) % 2 == 1)
+                material = std::uint32_t(plain + (i + t / 2) / 2 % 3);
+        }
+    ASSERT_TRUE(
+        (EffectSet{Effect::lambert, Effect::glass, Effect::absorption, Effect::mirror} - effects_of(mixed)).empty());
+    Scene points = mixed;
+    for (Material& m : points.materials) m.emission = glm::vec3(0.f);
+    points.sky = {glm::vec3(0.3f), glm::vec3(0.5f, 0.6f, 1.f)};
+    points.lights = {point_light({0.2f, 0.5f, 0.1f}, {1, 2, 3}), point_light({0.4f, 0.3f, 0.3f}, {2, 1, 1})};
+    Scene many_points = points, many_lamps = mixed;  // by the light tree
+    for (int i = 0; i < 40; ++i)
+        many_points.lights.push_back(point_light({0.1f + 0.01f * float(i), 0.5f, 0.1f}, glm::vec3(0.1f)));
+    Mesh& lamps = many_lamps.meshes.emplace_back();
+    for (std::uint32_t i = 0; i < 40; ++i) {
+        const glm::vec3 at{0.1f + 0.01f * float(i), 0.5f, 0.1f};
+        for (const glm::vec3 corner : {glm::vec3(0), glm::vec3(0.005f, 0, 0), glm::vec3(0, 0, 0.1f)})
+            lamps.positions.push_back(at + corner);
+        lamps.triangles.emplace_back(3 * i, 3 * i + 1, 3 * i + 2);
+        lamps.materials.push_back(std::uint32_t(plain - 1));
+    }
+    ASSERT_TRUE(effects_of(many_lamps).has(Effect::many_lights) && effects_of(many_points).has(Effect::many_lights));
+    for (const Scene& scene : {mixed, points, many_points, many_lamps})
+        for (const unsigned width : {13u, 32u}) {
+            RenderConfig config{.width = width, .height = 33, .spp = 3, .max_depth = 6};
+            const std::vector<glm::vec3> image = render_by_own_kernels(scene, config);
+            EXPECT_GT(mean(image).x, 0);
+            config.effects.add = {Effect::spot_lights};
+            EXPECT_TRUE(same_bits(image, render_image(scene, config))) << "width " << width;
+        }
+}
+
 /// Asked of the buffers, since hits are the same: traversal looks up a word for every triangle.
 TEST(Effects, CutOutsCanBeAddedToTraversal) {
     const Scene scene = plain_scene();

@@ -72,7 +72,8 @@ void write_map(std::span<const GuideBin> bins, std::uint32_t* words) {
 
 void add_bins(std::span<const GuideBin> bins, std::span<GuideBin> sum) {
     for (std::size_t i = 0; i < bins.size(); ++i)
-        sum[i].squares += bins[i].squares, sum[i].effect += bins[i].effect, sum[i].paths += bins[i].paths;
+        sum[i].squares += bins[i].squares, sum[i].effect += bins[i].effect, sum[i].paths += bins[i].paths,
+            sum[i].longer += bins[i].longer;
 }
 
 using MapBins = std::array<GuideBin, bins_of_map>;
@@ -126,16 +127,19 @@ GuideTrial try_guiding(std::span<const GuideBin> found) {
     GuideTrial trial;
     std::array<std::uint32_t, CLARAY_GUIDE_WORDS> words;
     for (std::size_t map = 0; map < found.size() / folds / bins_of_map; ++map) {
-        if (paths_of(without_fold(found, folds, map)) < least_paths) continue;
+        std::uint64_t paths = 0;
+        for (std::size_t fold = 0; fold < folds; ++fold) paths += paths_of(bins_of(found, fold, map));
+        if (paths < least_paths) continue;
         double without = 0, with = 0;
         for (std::size_t fold = 0; fold < folds; ++fold) {
             write_map(without_fold(found, fold, map), words.data());
             const std::vector<std::uint64_t> shares = shares_of_bins(words);
             const std::span<const GuideBin> bins = bins_of(found, fold, map);
             for (std::size_t i = 0; i < bins_of_map; ++i) {
+                const double density = double(shares[i]) * double(bins_of_map) / (double(all_numbers) * all_numbers);
                 without += double(bins[i].effect);
-                with += double(bins[i].effect) * (double(all_numbers) * all_numbers / double(bins_of_map)) /
-                        double(shares[i]);
+                with += double(bins[i].effect) / density;
+                trial.longer += bins[i].longer, trial.longer_with += bins[i].longer * density;
             }
         }
         trial.without += without, trial.with += with;
@@ -254,7 +258,7 @@ void PathGuide::forget() {
 }
 
 bool PathGuide::pays() const {
-    return 100 * try_guiding(found_so_far_).least_gain() >= device_.tuning(stem, "LEAST_GAIN_PERCENT");
+    return 100 * try_guiding(found_so_far_).promise() >= device_.tuning(stem, "LEAST_GAIN_PERCENT");
 }
 
 /// Blocks.
@@ -264,7 +268,11 @@ void PathGuide::end_phase() {
         phase_ = tell_unit() ? next : last_phase;
         return;
     }
-    add_bins(found_.read(), found_so_far_);
+    std::vector<GuideBin> found = found_.read();
+    if (found_so_far_.empty())
+        found_so_far_ = std::move(found);
+    else
+        add_bins(found, found_so_far_);
     if (phase_ == first_phase || pays()) {
         maps_[next] = guide_maps(found_so_far_);
         found_.fill(0);
@@ -282,8 +290,11 @@ bool PathGuide::tell_unit() {
         sum += e > 0 ? counts[e] * std::exp2(double(e) - 127) : 0, paths += counts[e];
     if (!(sum > 0)) return false;
     data_.unit = float(std::exp2(-std::round(std::log2(1.5 * sum / paths))));
-    found_so_far_.assign(folds * CLARAY_GUIDE_MAPS * bins_of_map, {});
-    if (found_.size() == 0) found_ = Buffer<GuideBin>(device_, found_so_far_);
+    found_so_far_.clear();
+    if (found_.size() == 0) {
+        found_ = Buffer<GuideBin>(device_, folds * CLARAY_GUIDE_MAPS * bins_of_map);
+        found_.fill(0);
+    }
     return true;
 }
 

@@ -1,6 +1,7 @@
 // Path guiding on the host: what paths have found becomes maps by which later paths choose directions.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -34,10 +35,16 @@ constexpr unsigned least_guided_spp = 32;
 /// the image.
 struct GuideTrial {
     double without = 0, with = 0;
-    double variance = 0;  ///< of the difference, if maps are independent
+    double variance = 0;                 ///< of the difference, if maps are independent
+    double longer = 0, longer_with = 0;  ///< paths that go on after the next surface
     [[nodiscard]] double gain() const { return with > 0 ? without / with : 1; }
     /// Less the standard error: a gain that a few maps have alone may be luck.
     [[nodiscard]] double least_gain() const { return with > 0 ? (without - std::sqrt(variance)) / with : 1; }
+    /// Rays per path with over without, about.
+    [[nodiscard]] double cost() const { return longer > 0 ? longer_with / longer : 1; }
+    /// In efficiency. Paths that leave the scene earlier promise nothing: guided sampling takes about the time they
+    /// save.
+    [[nodiscard]] double promise() const { return least_gain() / std::max(1.0, cost()); }
 };
 /// Tries maps of all folds but one on this one, for each fold.
 [[nodiscard]] GuideTrial try_guiding(std::span<const GuideBin> found);

@@ -88,7 +88,8 @@ CLARAY_LAYOUT(PathGuideData, 36)
 typedef struct GuideBin {
     ulong squares;  // of light, in 1 / CLARAY_GUIDE_PARTS of its unit
     ulong effect;   // the same of what this light adds to the image
-    uint paths, pad;
+    uint paths;
+    uint longer;  // those of them that a surface scattered again, by the lessons that tell it: all but the last
 } GuideBin;
 CLARAY_LAYOUT(GuideBin, 24)
 /// Samples of a pixel belong to so many parts in turn, so that maps of some parts can be tried on another one.

@@ -28,6 +28,8 @@ kernel void learn_light(Step step, uint every, global const float* radiance, glo
         if (bin == ENDS_HERE) return;
         if (bin == NO_BIN) continue;
         atomic_inc(&bins[bin].paths);
+        if (k + 1u < CLARAY_GUIDE_LESSONS && as_uint(radiance[place_of_lesson(&step, k + 1u, path)]) != ENDS_HERE)
+            atomic_inc(&bins[bin].longer);
         if (!(all > lesson.z * unit)) continue;
         const float found = fmin(all - lesson.z * unit, CLARAY_GUIDE_BRIGHTEST), light = fmin(found / lesson.y, CLARAY_GUIDE_BRIGHTEST);
         add_to_sum((volatile global uint*)&bins[bin].squares, (ulong)(light * light * CLARAY_GUIDE_PARTS));

@@ -114,6 +114,25 @@ TEST(PathGuide, AGainOfFewMapsIsUncertain) {
     EXPECT_NEAR(in_maps(16).least_gain() - 1, 0.75 * (in_maps(1).gain() - 1), 1e-6);
 }
 
+/// Guided paths stay in the scene longer if light comes from its surfaces. Those that leave it earlier promise nothing
+/// more.
+TEST(PathGuide, LongerPathsLowerThePromise) {
+    const auto trial = [](std::uint32_t longer_to_light) {
+        std::vector<GuideBin> all;
+        for (std::size_t i = 0; i < CLARAY_GUIDE_FOLDS * 16 * CLARAY_GUIDE_BINS; ++i) {
+            const bool is_light = i % CLARAY_GUIDE_BINS == 13;
+            all.push_back(lit(is_light, 400));
+            all.back().longer = is_light ? longer_to_light : 20;
+        }
+        return try_guiding(all);
+    };
+    EXPECT_NEAR(trial(20).cost(), 1, 1e-6);
+    EXPECT_LT(trial(0).cost(), 0.95);
+    EXPECT_GT(trial(400).cost(), 1.5);
+    EXPECT_NEAR(trial(400).promise() * trial(400).cost(), trial(20).promise(), 1e-6);
+    EXPECT_NEAR(trial(0).promise(), trial(20).promise(), 1e-6);
+}
+
 /// Numbers next to 1 are in the last bin, also where the last interval is narrow.
 TEST(PathGuide, GuidedNumbersAreBelowOne) {
     const std::string source = R"(#define PATH_GUIDE 1
