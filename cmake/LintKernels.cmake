@@ -9,7 +9,7 @@ set(kind_effects -DCLARAY_CPU=1 -DCLARAY_INSTANCE_MOTION=1 -DINSTANCES=1 -DINSTA
 set(kind_nvidia_coherent ${kind_nvidia} -DCOHERENT=1 -DPRIMITIVES=31)
 set(kind_cutouts ${kind_nvidia_coherent} -DCLARAY_CUTOUTS=1)
 set(kind_diffuse -DCLARAY_CPU=1 -DMATERIALS=1 -DNORMALS=0 -DTEXTURES=0 -DMIPMAPS=0 -DENVIRONMENT=0 -DLIGHT_TREE=0  # by sixteen
-    -DSPOT_LIGHTS=0 -DDIRECTIONAL_LIGHTS=0 -DSUN_LIGHTS=0 -DVERTEX_COLORS=0 -DLIGHT_FALLOFF=0 -DABSORPTION=0)
+    -DSPOT_LIGHTS=0 -DDIRECTIONAL_LIGHTS=0 -DSUN_LIGHTS=0 -DVERTEX_COLORS=0 -DLIGHT_FALLOFF=0 -DLIGHT_LISTS=0 -DABSORPTION=0)
 set(kind_diffuse_points ${kind_diffuse} -DTRIANGLE_LIGHTS=0)
 set(kind_diffuse_lamps ${kind_diffuse} -DPOINT_LIGHTS=0)
 string(REGEX REPLACE "MATERIALS=1;(.*)LIGHT_TREE=0" "MATERIALS=255;\\1LIGHT_TREE=1" kind_mixed "${kind_diffuse}")  # beside others, with a light tree

@@ -80,7 +80,9 @@ void bind_to_processors(const std::vector<pid_t>& threads) {
         cpu_set_t own;
         CPU_ZERO(&own);
         CPU_SET(processor++, &own);
-        if (::sched_setaffinity(thread, sizeof own, &own) != 0) return;  // forbidden: all stay as they are
+        if (::sched_setaffinity(thread, sizeof own, &own) == 0) continue;
+        for (const pid_t bound : threads) ::sched_setaffinity(bound, sizeof allowed, &allowed);  // all as they were
+        return;
     }
 }
 #endif

@@ -39,7 +39,7 @@ inline constexpr EffectSet emitters = {
 #undef CLARAY_ROW
         Effect::emissive_triangles,
     Effect::sky, Effect::environment, Effect::light_maps, Effect::unlit};
-/// Effects that change the noise of an image but not its limit. Removing one changes kernels only, not the scene.
-inline constexpr EffectSet aids = {Effect::many_lights, Effect::hot_spots};
+/// Effects that change the noise of an image but not its limit. Removing one changes no part of the scene.
+inline constexpr EffectSet aids = {Effect::light_lists, Effect::many_lights, Effect::hot_spots};
 
 }  // namespace claray

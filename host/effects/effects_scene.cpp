@@ -87,10 +87,11 @@ void add_light(Scene& scene, LightKind kind) {
     scene.lights.push_back({.name = {}, .kind = kind, .position = {0.f, 2.f, 0.f}});
 }
 
-/// Adds triangles of the last material, or else near lights, until a light tree is used.
-void multiply_lights(Scene& scene, bool emissive) {
+/// Adds triangles of the last material, or else near lights, until a light tree is used; without lists only if there
+/// are more lights than lists take.
+void multiply_lights(Scene& scene, EffectSet effects) {
     Mesh& mesh = scene.meshes.back();
-    if (emissive) {
+    if (effects.has(Effect::emissive_triangles)) {
         mesh.triangles.resize(LightSelection{}.for_a_tree, mesh.triangles[0]);
         mesh.materials.resize(LightSelection{}.for_a_tree, mesh.materials[0]);
         return;
@@ -98,7 +99,10 @@ void multiply_lights(Scene& scene, bool emissive) {
     Light light;
     for (const Light& other : scene.lights)
         if (!traits_of(other.kind)->far) light = other;
-    scene.lights.insert(scene.lights.end(), LightSelection{}.for_a_tree, light);
+    const LightSelection selection;
+    scene.lights.insert(
+        scene.lights.end(),
+        effects.has(Effect::light_lists) ? selection.for_a_tree : std::size_t(selection.most_per_cell) + 1, light);
 }
 
 }  // namespace
@@ -132,7 +136,9 @@ Scene scene_calling_for(EffectSet effects) {
             add_light(scene, LightKind::point);
         for (Light& light : scene.lights) light.range = 10.f, light.linear_range = effects.has(Effect::linear_ranges);
     }
-    if (effects.has(Effect::many_lights)) multiply_lights(scene, effects.has(Effect::emissive_triangles));
+    if (effects.has(Effect::light_lists))
+        for (int i = 0; i < 2; ++i) add_light(scene, LightKind::point);
+    if (effects.has(Effect::many_lights)) multiply_lights(scene, effects);
     if (effects.has(Effect::sky)) scene.sky = {glm::vec3(1.f), glm::vec3(1.f)};
     if (effects.has(Effect::environment)) scene.environment.images = {grey_texture(Filter::bilinear)};
     Camera camera{{0.f, 3.f, 3.f}, {0.f, 0.f, 0.f}, {0.f, 1.f, 0.f}, 60.f};

@@ -62,7 +62,9 @@ LightLists grid_over(std::span<const PunctualLight> lights) {
     std::nth_element(ranges.begin(), median, ranges.end());
     const glm::vec3 extent = bounds.extent();
     const double volume = double(extent.x) * extent.y * extent.z;
-    const float cell = std::max({cell_of_range * *median, float(std::cbrt(volume / most_cells)), 1e-37f});
+    const float longest = std::max({extent.x, extent.y, extent.z});
+    const float cell =
+        std::max({cell_of_range * *median, float(std::cbrt(volume / most_cells)), longest / 1023, 1e-37f});
     const auto cells = [&](float length) { return std::uint32_t(std::clamp(length / cell, 1.f, 1023.f)) + 1; };
     return {bounds.lo.x,     bounds.lo.y,     bounds.lo.z,     1 / cell,
             cells(extent.x), cells(extent.y), cells(extent.z), std::uint32_t(lights.size())};

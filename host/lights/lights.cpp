@@ -159,18 +159,19 @@ void add_hot_spot(const HotSpotPlace& place, Lights& lights) {
                                 std::uint32_t(lights.triangles.size() + lights.punctual.size() - 1), 0, 0});
 }
 
-/// A range that ends far beyond the scene changes nothing in it: the window of KHR_lights_punctual rounds to 1 below a
-/// 64th of the range. Without it, the light tree opens clusters, and lists need no grid.
-PunctualLight light_within(const Lights& lights, const Light& light) {
-    PunctualLight data = punctual_light(light);
-    const double farthest = glm::length(glm::dvec3(light.position) - lights.center) + lights.radius;
-    if (!has_linear_range(light) && light.range > 256 * farthest) data.inverse_range = 0;
-    return data;
+/// Infinite without a range. A range that ends far beyond the scene counts as none: then the light tree opens clusters,
+/// and lists need no grid. Kernels heed it all the same, since the scene may grow.
+float reach_of(const Lights& lights, const PunctualLight& light) {
+    const float range = range_of(light);
+    const double farthest = glm::length(glm::dvec3(light.x, light.y, light.z) - lights.center) + lights.radius;
+    const bool far_beyond = light.inverse_range > 0 && range > 256 * farthest;
+    return range > 0 && !far_beyond ? range : std::numeric_limits<float>::infinity();
 }
 
-/// Infinite without a range.
-float reach_of(const PunctualLight& light) {
-    return range_of(light) > 0 ? range_of(light) : std::numeric_limits<float>::infinity();
+/// Without a range if it ends far beyond the scene.
+PunctualLight light_within(const Lights& lights, PunctualLight light) {
+    if (std::isinf(reach_of(lights, light))) light.inverse_range = 0;
+    return light;
 }
 
 bool has_place(const Light& light) { return !shines_far(light) && luminance(light.intensity) > 0; }
@@ -179,13 +180,17 @@ bool has_place(const Light& light) { return !shines_far(light) && luminance(ligh
 float plant_grid(const Scene& scene, Lights& lights) {
     std::vector<PunctualLight> listed;
     for (const Light& light : scene.lights)
-        if (has_place(light)) listed.push_back(light_within(lights, light));
+        if (has_place(light)) listed.push_back(light_within(lights, punctual_light(light)));
     std::vector<float> reaches;
-    for (const PunctualLight& light : listed) reaches.push_back(reach_of(light));
+    for (const PunctualLight& light : listed) reaches.push_back(reach_of(lights, light));
     std::sort(reaches.begin(), reaches.end());
-    for (; !reaches.empty() && lights.selection.most_per_cell > 0; reaches.resize(reaches.size() / 2)) {
+    const auto shorter = [&] {  // first without all unlimited ones
+        const auto limited = std::lower_bound(reaches.begin(), reaches.end(), std::numeric_limits<float>::infinity());
+        return std::size_t(limited == reaches.end() ? reaches.size() / 2 : limited - reaches.begin());
+    };
+    for (; !reaches.empty() && lights.selection.most_per_cell > 0; reaches.resize(shorter())) {
         const float longest = reaches.back();
-        std::erase_if(listed, [&](const PunctualLight& light) { return reach_of(light) > longest; });
+        std::erase_if(listed, [&](const PunctualLight& light) { return reach_of(lights, light) > longest; });
         if (listed.size() < 2) break;
         if (mean_list_length(listed) > lights.selection.most_per_cell) continue;
         lights.lists = build_light_lists(listed);
@@ -203,12 +208,12 @@ void collect_punctual(const Scene& scene, Lights& lights) {
     enum Group { near, far, of_grid };
     const auto group_of = [&](const PunctualLight& light) {
         if (traits_of(light).far) return far;
-        return reach_of(light) <= longest ? of_grid : near;
+        return reach_of(lights, light) <= longest ? of_grid : near;
     };
     for (const Group group : {near, far, of_grid}) {
         if (group == of_grid) lights.data.first_listed = std::uint32_t(lights.punctual.size());
         for (std::size_t i = 0; i < scene.lights.size(); ++i) {
-            const PunctualLight light = light_within(lights, scene.lights[i]);
+            const PunctualLight light = punctual_light(scene.lights[i]);
             if (group_of(light) != group || !(luminance(scene.lights[i].intensity) > 0)) continue;
             lights.punctual.push_back(light);
             if (const auto place = places.find(i); place != places.end()) add_hot_spot(place->second, lights);
@@ -271,7 +276,8 @@ void plant_tree(Lights& lights, double radius) {
     for (const TriangleLight& light : lights.triangles)
         bounds.push_back(bounds_of(light)), bounds.back().intensity = float(intensity_of(light));
     for (const PunctualLight& light : std::span(lights.punctual).first(lights.data.near - lights.triangles.size()))
-        bounds.push_back(bounds_of(light)), bounds.back().intensity = float(intensity_of(light, radius));
+        bounds.push_back(bounds_of(light_within(lights, light))),
+            bounds.back().intensity = float(intensity_of(light, radius));
     LightTree tree = build_light_tree(bounds);
     lights.tree = std::move(tree.nodes), lights.leaves = std::move(tree.leaves);
     for (std::size_t i = 0; i < lights.triangles.size(); ++i)

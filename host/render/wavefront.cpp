@@ -69,10 +69,13 @@ Defines defines_of(const Approximations& approximate) {
     return defines;
 }
 
-/// Other surfaces are never shaded by sixteen: with the macro the same kernel would be compiled a second time.
-bool is_all_lambert(const Defines& shading) {
-    const Defines::value_type lambert("MATERIALS", std::to_string(1u << CLARAY_LAMBERT));
-    return std::find(shading.begin(), shading.end(), lambert) != shading.end();
+/// Surfaces of other scenes are never shaded by sixteen (PLAIN_IN_LANES): with the macro the same kernel would be
+/// compiled a second time.
+bool may_shade_sixteen(EffectSet effects) {
+    constexpr EffectSet one_by_one = {Effect::smooth_normals, Effect::textures,      Effect::mip_maps,
+                                      Effect::vertex_colors,  Effect::environment,   Effect::instances,
+                                      Effect::primitives,     Effect::light_falloff, Effect::light_lists};
+    return effects.has(Effect::lambert) && (effects & one_by_one).empty();
 }
 
 std::uint64_t with_light_grid(std::uint64_t most_paths, const WavefrontKernels& kernels) {
@@ -108,7 +111,7 @@ WavefrontKernels::WavefrontKernels(const SceneBuffers& scene, Sampler sampler, E
     append(shading, defines_of(approximate));
     // On CPUs the binary tree is used for a quick start, when long compilation does not pay.
     const Structure& structure = scene.structure;
-    if (structure.is_one_binary_tree() && is_all_lambert(shading)) shading.emplace_back("SIXTEEN", "0");
+    if (structure.is_one_binary_tree() && may_shade_sixteen(effects)) shading.emplace_back("SIXTEEN", "0");
     generate = baking ? load_kernel(device, "render/generate_texels.cl", "generate_texels")
                       : load_kernel(device, "render/generate_rays.cl", "generate_rays", defines(Stage::generate));
     trace_camera = SceneQuery(scene.structure, QueryKernel::Kind::closest, coherent, trace_camera_name);

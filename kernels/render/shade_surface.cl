@@ -17,7 +17,7 @@
 /// 1: shade_sixteen.clh shades the hits of plain materials; all hits, if there are no other materials.
 #define PLAIN_IN_LANES                                                                                                     \
     (SIXTEEN && CLARAY_CPU && USES(CLARAY_LAMBERT) && !NORMALS && !TEXTURES && !MIPMAPS && !INSTANCES && !PRIMITIVES && !BAKE && !SHADING && \
-     !VERTEX_COLORS && !ENVIRONMENT && LIGHT_KINDS_USED == POINT_LIGHTS && !LIGHT_FALLOFF && !(TRIANGLE_LIGHTS && POINT_LIGHTS))
+     !VERTEX_COLORS && !ENVIRONMENT && LIGHT_KINDS_USED == POINT_LIGHTS && !LIGHT_FALLOFF && !LISTED_LIGHTS && !(TRIANGLE_LIGHTS && POINT_LIGHTS))
 #define SHADE_SIXTEEN (PLAIN_IN_LANES && MATERIALS == 1u << CLARAY_LAMBERT)
 #define SHADE_MIXED (PLAIN_IN_LANES && SHADE_GROUPS && !SHADE_SIXTEEN)
 #if SHADE_SIXTEEN || SHADE_MIXED
@@ -29,7 +29,7 @@
 #include "shade/surface_sixteen.clh"
 #endif
 /// 1: surfaces of plain materials that no path leaves are found by vectors.
-#if SHADE_GROUPS && LIGHT_LISTS && !TEXTURES && !INSTANCES && !VERTEX_COLORS && !ABSORPTION && !AMBIENT && !BAKE && !SHADING && !LIGHT_GRID
+#if SHADE_GROUPS && LISTED_LIGHTS && !TEXTURES && !INSTANCES && !VERTEX_COLORS && !ABSORPTION && !AMBIENT && !BAKE && !SHADING && !LIGHT_GRID
 #define PLAIN_SIXTEEN USES(CLARAY_LAMBERT)
 #else
 #define PLAIN_SIXTEEN 0
@@ -110,13 +110,13 @@ static inline void draw_samples16(const Step* step, global const uint* listed_pi
     }
 }
 
-#if LIGHT_LISTS
+#if LISTED_LIGHTS
 /// Keeps a surface that asks the lists for a light.
-static inline void keep_listed(const Surface* surface, float3 normal, float random, HitGroup* group, uint k) {
+static inline void keep_listed(const ShadingPoint* at, float random, HitGroup* group, uint k) {
     float3 from;
-    group->lanes.value[ROW_LIST_LIFTED][k] = leave_for_light(surface, true, &from) ? 1.0f : 0.0f;
+    group->lanes.value[ROW_LIST_LIFTED][k] = leave_for_light(&at->surface, true, &from) ? 1.0f : 0.0f;
     keep_vector16(from, &group->lanes, ROW_LIST_FROM, k);
-    keep_vector16(normal, &group->lanes, ROW_LIST_NORMAL, k);
+    keep_vector16(receiving_normal(at), &group->lanes, ROW_LIST_NORMAL, k);
     group->lanes.value[ROW_LIST_RANDOM][k] = random;
     group->picked |= 1u << k;
 }
@@ -129,12 +129,7 @@ static inline bool asks_lists(const LightsData* lights, const HitGroup* group, u
 static inline bool keep_plain(const LightsData* lights, const ShadingPoint* at, HitGroup* group, uint k) {
     const PathState* state = &group->state[k];
     if (!is_plain(&at->material) || !asks_lists(lights, group, k) || (state->pdf != 0.0f && lights->hot_spots != 0)) return false;
-#if BENT_NORMALS
-    const float3 normal = at->surface.unbent;
-#else
-    const float3 normal = at->surface.shading;
-#endif
-    keep_listed(&at->surface, normal, share_in_lists(lights, words_at(&group->samples[k], AT_LIGHT).x), group, k);
+    keep_listed(at, share_in_lists(lights, words_at(&group->samples[k], AT_LIGHT).x), group, k);
     keep_vector16(at->surface.geometric, &group->lanes, ROW_LIST_GEOMETRIC, k);
     keep_vector16(throughput_of(*state) * albedo_of(&at->material), &group->lanes, ROW_LIST_REFLECTED, k);
     group->plain |= 1u << k;
@@ -175,9 +170,8 @@ static inline uint keep_plain16(const FrameData* frame, const LightsData* lights
 static inline void pick_lights16(const Lights* lights, HitGroup* group, ShadedRay* shaded) {
     for (uint left = group->scattering & ~group->plain; left != 0; left &= left - 1) {
         const uint k = lowest_bit(left);
-        const Surface* surface = &group->at[k].surface;
         if (asks_lists(&lights->data, group, k) && !is_delta(&group->at[k].material))
-            keep_listed(surface, surface->shading, share_in_lists(&lights->data, words_at(&group->samples[k], AT_LIGHT).x), group, k);
+            keep_listed(&group->at[k], share_in_lists(&lights->data, words_at(&group->samples[k], AT_LIGHT).x), group, k);
     }
     global const PunctualLight* listed_lights = lights->punctual + lights->data.first_listed;
     pick_from_lists16(lights->lists, listed_lights, &group->lanes, group->picked, group->listed);
@@ -227,7 +221,7 @@ static CLARAY_OUTLINED void shade_rays16(const Step* step, SCENE_PARAMETERS, glo
         if (!find_point(&last, step, &lights, depth, SCENE, &group.ray[k], hits[i], shaded[k].time, cone, shading_normals, &group.state[k],
                         &gathered[k], &group.at[k]))
             continue;
-#if LIGHT_LISTS
+#if LISTED_LIGHTS
         const bool ends = !LIGHT_GRID && depth + 1 >= step->waves;  // no path goes on
         if (keep_plain(&lights.data, &group.at[k], &group, k) && ends) continue;
 #endif
@@ -240,7 +234,7 @@ static CLARAY_OUTLINED void shade_rays16(const Step* step, SCENE_PARAMETERS, glo
         const float3 outgoing = -(float3)(group.ray[k].dx, group.ray[k].dy, group.ray[k].dz);
         prepare_shading(frame, SCENE, &group.samples[k], outgoing, &group.at[k], &group.lobe[k]);
     }
-#if LIGHT_LISTS
+#if LISTED_LIGHTS
     if (lights.data.grid_probability > 0.0f) pick_lights16(&lights, &group, shaded);
 #endif
     for (uint k = 0; k < count; ++k) {

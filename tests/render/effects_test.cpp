@@ -45,13 +45,14 @@ TEST(Effects, SayWhoCallsForThem) {
     scene.materials[0].name = "paint";
     scene.lights = {point_light({0, 1, 0}, {1, 1, 1}), point_light({0, 2, 0}, {1, 1, 1})};
     const std::vector<EffectCause> causes = causes_of_effects(scene);
-    ASSERT_EQ(causes.size(), 2u);
+    ASSERT_EQ(causes.size(), 3u);
     EXPECT_EQ(causes[0].effect, Effect::lambert);
     EXPECT_EQ(causes[0].first, "the material 'paint'");
     EXPECT_EQ(causes[0].count, 1u);
     EXPECT_EQ(causes[1].effect, Effect::point_lights);
     EXPECT_EQ(causes[1].first, "the light 0");
     EXPECT_EQ(causes[1].count, 2u);
+    EXPECT_EQ(causes[2].effect, Effect::light_lists);
 }
 
 TEST(Effects, CausesAreTheSet) {
@@ -188,6 +189,7 @@ TEST(Effects, DiffuseScenesAreShadedWithTheSameBitsSixteenAtOnce) {
     for (std::size_t i = 0; i < std::size(scenes); ++i)
         for (const unsigned width : {1u, 13u}) {
             RenderConfig config{.width = width, .height = 11, .spp = 3, .max_depth = 6};
+            config.effects.remove = {Effect::light_lists};
             const std::vector<glm::vec3> image = render_by_own_kernels(scenes[i], config);
             EXPECT_EQ(mean(image).x > 0, i != 1);
             config.effects.add = {Effect::spot_lights};
@@ -231,6 +233,7 @@ TEST(Effects, DiffuseSurfacesAreShadedWithTheSameBitsSixteenAtOnce) {
     for (const Scene& scene : {mixed, points, many_points, many_lamps})
         for (const unsigned width : {13u, 32u}) {
             RenderConfig config{.width = width, .height = 33, .spp = 3, .max_depth = 6};
+            config.effects.remove = {Effect::light_lists};
             const std::vector<glm::vec3> image = render_by_own_kernels(scene, config);
             EXPECT_GT(mean(image).x, 0);
             config.effects.add = {Effect::spot_lights};
@@ -294,15 +297,19 @@ TEST(Effects, TakenFromTheSceneAreGone) {
     EXPECT_TRUE(same_bits(by_hand, render_image(scene, config)));
 }
 
-/// Without the tree, lights are picked by power: another noise, the same light.
-TEST(Effects, ManyLightsAreAnAid) {
+/// Without lists the tree picks lights, and without the tree their power: another noise, the same light.
+TEST(Effects, LightListsAndManyLightsAreAids) {
     Scene scene = plain_scene();
     for (int i = 0; i < 30; ++i) scene.lights.push_back(point_light({0.2f * float(i) - 3, 1, 0.5f}, glm::vec3(0.1f)));
     RenderConfig config{.width = 16, .height = 16, .spp = 64, .max_depth = 1};
+    const std::vector<glm::vec3> with_lists = render_image(scene, config);
+    config.effects.remove = {Effect::light_lists};
     const std::vector<glm::vec3> with_tree = render_image(scene, config);
-    config.effects.remove = {Effect::many_lights};
+    config.effects.remove.add(Effect::many_lights);
     const std::vector<glm::vec3> by_power = render_image(scene, config);
+    EXPECT_FALSE(same_bits(with_lists, with_tree));
     EXPECT_FALSE(same_bits(with_tree, by_power));
+    EXPECT_NEAR(mean(with_lists).x / mean(by_power).x, 1, 0.01);
     EXPECT_NEAR(mean(with_tree).x / mean(by_power).x, 1, 0.01);
 }
 

@@ -80,14 +80,21 @@ void make_primitives(Scene& scene) {
     add_nest(scene, {-0.35f, 0.f, 0.f}, 0.8f, ball_material, block_material);
 }
 
-/// Small lights of many colours in rows above the floor, none of them in the ball or close to it.
-void make_many_lights(Scene& scene) {
+/// `side` rows of as many small lights of many colours above the floor, none of them close to the ball or the block.
+template <int side>
+void make_rows_of_lights(Scene& scene) {
+    Bounds block;
+    for (const glm::vec3& p : scene.meshes[block_material].positions) block.grow(p - 0.25f), block.grow(p + 0.25f);
+    const auto within = [](const glm::vec3& at, const Bounds& box) {
+        return glm::all(glm::lessThan(box.lo, at)) && glm::all(glm::lessThan(at, box.hi));
+    };
     scene.sky = {};
-    for (int i = 0; i < 49; ++i) {
+    for (int i = 0; i < side * side; ++i) {
         const glm::vec3 color(float(1 + i % 3), float(1 + i % 4), float(1 + i % 5));
-        const glm::vec3 at(0.75f * float(i % 7) - 2.2f, 0.25f, 0.75f * float(i / 7) - 2.6f);
-        if (glm::length(at - glm::vec3(-0.35f, 0.8f, 0.f)) > 1.f)
-            scene.lights.push_back(point_light(at, 0.012f * color));
+        const glm::vec2 share = glm::vec2(i % side, i / side) / float(side - 1);
+        const glm::vec3 at(4.5f * share.x - 2.2f, 0.25f, 4.5f * share.y - 2.6f);
+        if (glm::length(at - glm::vec3(-0.35f, 0.8f, 0.f)) > 1.1f && !within(at, block))
+            scene.lights.push_back(point_light(at, 0.6f / (side * side) * color));
     }
 }
 
@@ -199,7 +206,8 @@ constexpr std::array alone = {
               light.attenuation = {1.f, 0.f, 0.f}, light.intensity = glm::vec3(6.f), light.range = 4.5f;
               light.linear_range = true;
           }},
-    Alone{"many-lights", make_many_lights},
+    Alone{"light-lists", make_rows_of_lights<4>},
+    Alone{"many-lights", make_rows_of_lights<15>},
     Alone{"hot-spots",
           [](Scene& s) {
               s.sky = {};

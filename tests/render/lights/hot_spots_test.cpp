@@ -41,15 +41,13 @@ glm::dvec3 centroid(const Mesh& mesh, std::size_t triangle) {
 /// In a sphere light that was reflected once is the same everywhere: the flux over the area, wherever the light is.
 TEST(HotSpots, SphereIsLitEvenlyByAPointAtItsWall) {
     for (const double height : {0.1, 0.0003})
-        for (const int lights : {1, 20, -20}) {  // negative: with a range so long that it takes nothing away
+        for (const int lights : {1, 20, -20}) {  // by power, by the tree, and from lists
             Scene scene;
             scene.materials = {lambert(0.5f)};
             scene.meshes = {sphere(5)};
             const glm::dvec3 wall = centroid(scene.meshes[0], 7), at = (1 - height / glm::length(wall)) * wall;
-            for (int i = 0; i < std::abs(lights); ++i) {
+            for (int i = 0; i < std::abs(lights); ++i)
                 scene.lights.push_back(point_light(glm::vec3(at), glm::vec3(float(pi / std::abs(lights)))));
-                if (lights < 0) scene.lights.back().range = 30.f;
-            }
             scene.camera = Camera{{0, 0, 0}, glm::vec3(-at), {0.3f, 1, 0.2f}, 2.f};
             double area = 0;
             for (const glm::uvec3& t : scene.meshes[0].triangles) {
@@ -59,7 +57,9 @@ TEST(HotSpots, SphereIsLitEvenlyByAPointAtItsWall) {
             const double direct = 0.5 / std::pow(1 + glm::length(at), 2);
             for (const unsigned depth : {2u, 8u}) {
                 const double reflected = (0.5 - std::pow(0.5, depth)) * 4 * pi / area;
-                Renderer renderer(device(), scene, {.width = 32, .height = 32, .spp = 256, .max_depth = depth});
+                RenderConfig config{.width = 32, .height = 32, .spp = 256, .max_depth = depth};
+                if (lights > 0) config.effects.remove = {Effect::light_lists};
+                Renderer renderer(device(), scene, config);
                 const double error = renderer.render().noise / 32;
                 EXPECT_LT(error, 0.005) << height;
                 EXPECT_NEAR(mean(renderer.image()).x / (direct + reflected), 1, 3 * error + 0.002)
@@ -132,6 +132,7 @@ TEST(HotSpots, BitsAreTheSameSixteenAtOnceAndInSlices) {
     for (const int count : {3, 40}) {
         const Scene scene = box_with_points(count);
         RenderConfig config{.width = 29, .height = 17, .spp = 13, .max_depth = 5};
+        config.effects.remove = {Effect::light_lists};
         const std::vector<glm::vec3> image = render_image(scene, config);
         {
             const ScopedTuning tuning("render/wavefront", "PATHS", 500);
@@ -237,7 +238,7 @@ TEST(HotSpots, OfManyLightsAreOne) {
 
 /// Each has its numbers, and their share is what the kernels take for its probability.
 TEST(HotSpots, SharesAddUp) {
-    const Lights lights = collect_lights(box_with_points(100));
+    const Lights lights = collect_lights(box_with_points(100), {.most_per_cell = 0});
     ASSERT_GT(lights.hot_spots.size(), 10u);
     ASSERT_EQ(lights.hot_spots.size(), lights.data.hot_spots);
     double next = 0;

@@ -1,4 +1,4 @@
-// Lights with a range are picked from the lists of a grid: host/lights/light_lists.cpp, lights/light_lists.clh.
+// Lights with a position are picked from the lists of a grid: host/lights/light_lists.cpp, lights/light_lists.clh.
 #include "host/lights/light_lists.hpp"
 
 #include <gtest/gtest.h>
@@ -78,9 +78,13 @@ std::vector<float> places_and_normals(const LightLists& grid, unsigned count) {
     return values;
 }
 
+/// Also if a few lights have no range: they are in every list and in that of what is outside the grid.
 TEST(LightLists, ListsGiveTheSumOverAllLightsBitForBit) {
-    for (const float range : {0.2f, 1.f, 3.f}) {
-        const Lights lights = collect_lights(lit_floor(300, range), {.most_per_cell = 1e6});
+    for (const auto& [range, unlimited] : {std::pair{0.2f, 0}, {1.f, 0}, {3.f, 0}, {1.f, 8}}) {
+        Scene scene = lit_floor(300, range);
+        for (int i = 0; i < unlimited; ++i)
+            scene.lights[std::size_t(i)].range = 0, scene.lights[std::size_t(i)].linear_range = false;
+        const Lights lights = collect_lights(scene, {.most_per_cell = 1e6});
         ASSERT_EQ(lights.listed(), 300u);
         EXPECT_EQ(lights.data.count, 0u);
         const Buffer<std::uint32_t> grid(device(), lights.lists);
@@ -99,7 +103,7 @@ TEST(LightLists, ListsGiveTheSumOverAllLightsBitForBit) {
         for (const float sum : of_all.read()) lit += sum > 0;
         for (const std::uint32_t length : lengths.read()) listed += length;
         EXPECT_GT(lit, 0.003 * points);
-        EXPECT_LT(listed / points, range > 2 ? 150 : 40) << "as if each list had most lights";
+        EXPECT_LT(listed / points, unlimited + (range > 2 ? 150 : 40)) << "as if each list had most lights";
     }
 }
 
@@ -259,7 +263,8 @@ TEST(LightLists, SixteenDiffuseSurfacesReflectAsOne) {
 /// Beside lights of all other kinds: each group has its numbers.
 TEST(LightLists, SharesWithOtherLights) {
     Scene scene = lit_floor(60, 1.5f);
-    for (int i = 0; i < 20; ++i) scene.lights.push_back(point_light({0.4f * float(i) - 4, 2, 1}, glm::vec3(0.3f)));
+    for (int i = 0; i < 140; ++i)  // too many for lists
+        scene.lights.push_back(point_light({0.06f * float(i) - 4, 2, 1}, glm::vec3(0.04f)));
     Light sun;
     sun.kind = LightKind::directional, sun.intensity = glm::vec3(0.2f);
     scene.lights.push_back(sun);
@@ -281,6 +286,60 @@ TEST(LightLists, SharesWithOtherLights) {
     Renderer renderer(device(), scene, config);
     const double noise = renderer.render().noise / 16, all = mean(renderer.image()).y;
     EXPECT_NEAR(all, sum.y, 3 * std::sqrt(variance + noise * noise * all * all) + 1e-4 * all);
+}
+
+/// Three lights without a range, one of them far above the others' floor: no light is picked where it gives little.
+TEST(LightLists, FewLightsWithoutRangeHaveLessNoise) {
+    Scene scene;
+    scene.materials = {lambert(0.8f)};
+    scene.meshes = {square(6.f, 0.f)};
+    scene.lights = {point_light({-4, 0.7f, 0}, glm::vec3(1.f)), point_light({4, 0.7f, 1}, glm::vec3(1.f)),
+                    point_light({0, 0.9f, -4}, glm::vec3(1.5f))};
+    scene.camera = Camera{{0, 9, 9}, {0, 0, 0}, {0, 1, 0}, 50.f};
+    RenderConfig config{.width = 32, .height = 32, .spp = 64, .max_depth = 1};
+    Renderer with(device(), scene, config);
+    config.effects.remove = {Effect::light_lists};
+    Renderer without(device(), scene, config);
+    const double less = with.render().noise, more = without.render().noise;
+    EXPECT_LT(less, 0.6 * more);
+    const double mean_with = mean(with.image()).y, mean_without = mean(without.image()).y;
+    EXPECT_NEAR(mean_with / mean_without, 1, 3 * std::hypot(less, more) / 32 + 1e-4);
+}
+
+/// Lights behind rough glass, from where they are seen and from where they are not.
+TEST(LightLists, ShineThroughSurfaces) {
+    Scene scene;
+    scene.materials = {lambert(0.8f), lambert(0.8f)};
+    scene.materials[0].kind = MaterialKind::glass, scene.materials[0].roughness = 0.4f;
+    scene.meshes = {square(6.f, 1.f, 0), square(6.f, -1.f, 1)};
+    scene.lights = {point_light({-1, 0, 0}, glm::vec3(1.f)), point_light({1, 0.2f, 0.5f}, glm::vec3(2.f))};
+    scene.camera = Camera{{0, 4, 3}, {0, 0, 0}, {0, 1, 0}, 50.f};
+    for (const bool above : {false, true}) {
+        if (above) scene.lights.push_back(point_light({2, 2, 0}, glm::vec3(0.5f)));
+        RenderConfig config{.width = 16, .height = 16, .spp = 1024, .max_depth = 2};
+        Renderer with(device(), scene, config);
+        config.effects.remove = {Effect::light_lists};
+        Renderer without(device(), scene, config);
+        const double noise = std::hypot(with.render().noise, without.render().noise) / 16;
+        ASSERT_LT(noise, 0.02);
+        EXPECT_NEAR(mean(with.image()).y / mean(without.image()).y, 1, 3 * noise) << above;
+    }
+}
+
+/// Exporters write such ranges for lights without an end.
+TEST(LightLists, RangesFarBeyondTheSceneAreNone) {
+    Scene scene = lit_floor(40, 1.f);
+    for (Light& light : scene.lights) light.range = 0, light.linear_range = false;
+    const RenderConfig config{.width = 16, .height = 16, .spp = 8, .max_depth = 2};
+    const std::vector<glm::vec3> unlimited = render_image(scene, config);
+    EXPECT_GT(mean(unlimited).y, 0.01);
+    for (const float range : {1e4f, 1e18f, 1e30f, 3e38f}) {
+        for (Light& light : scene.lights) light.range = range;
+        EXPECT_TRUE(same_bits(render_image(scene, config), unlimited)) << range;
+        for (Light& light : scene.lights) light.linear_range = true;
+        EXPECT_NEAR(mean(render_image(scene, config)).y / mean(unlimited).y, 1, 0.02) << "linear, " << range;
+        for (Light& light : scene.lights) light.linear_range = false;
+    }
 }
 
 /// Lists stay short: the lights of the longest ranges are left to the tree.

@@ -36,7 +36,7 @@ std::vector<double> expected_shares() {
 }
 
 TEST(Lights, ProbabilitiesAreProportionalToPower) {
-    const Lights lights = collect_lights(many_lights());
+    const Lights lights = collect_lights(many_lights(), {.most_per_cell = 0});
     const std::vector<double> shares = expected_shares();
     ASSERT_EQ(lights.triangles.size(), 6u);
     ASSERT_EQ(lights.punctual.size(), 2u);
@@ -48,7 +48,7 @@ TEST(Lights, ProbabilitiesAreProportionalToPower) {
 }
 
 TEST(Lights, KernelPicksByTheDistribution) {
-    const Lights lights = collect_lights(many_lights());
+    const Lights lights = collect_lights(many_lights(), {.most_per_cell = 0});
     Kernel kernel = compile_kernel(device(), R"(
         #include "lights/light.clh"
         kernel void pick(global const uint* random, global uint* picked, uint triangle_lights, uint lights,
