@@ -180,7 +180,7 @@ std::vector<Arrangement> Arranger::all() {
 void measure(const Device& device, const Options& options, Arrangement& arrangement, unsigned round) {
     RenderConfig config{.width = options.size, .height = options.size, .spp = options.spp, .max_depth = options.depth};
     config.seed = round;
-    if (arrangement.by_power) config.effects.remove = {Effect::many_lights};
+    if (arrangement.by_power) config.effects.remove = {Effect::light_lists, Effect::many_lights};
     Renderer renderer(device, arrangement.scene, config);
     const auto kernels = [&] {
         double total = 0;

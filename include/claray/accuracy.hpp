@@ -130,7 +130,7 @@ struct ErrorCheck {
                                       const AccuracyProgress& progress = {});
 
 /// Error against samples per pixel for other techniques: only light sampling, only BSDF sampling, no Russian roulette.
-/// If a light tree selects among many lights, also selection by power.
+/// If lists or a light tree select among several lights, also selection by power.
 [[nodiscard]] Study study_techniques(const Device& device, const Scene& scene, const StudyOptions& options,
                                      const AccuracyProgress& progress = {});
 

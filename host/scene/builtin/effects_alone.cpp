@@ -94,7 +94,7 @@ void make_rows_of_lights(Scene& scene) {
         const glm::vec2 share = glm::vec2(i % side, i / side) / float(side - 1);
         const glm::vec3 at(4.5f * share.x - 2.2f, 0.25f, 4.5f * share.y - 2.6f);
         if (glm::length(at - glm::vec3(-0.35f, 0.8f, 0.f)) > 1.1f && !within(at, block))
-            scene.lights.push_back(point_light(at, 0.6f / (side * side) * color));
+            scene.lights.push_back(point_light(at, 2.4f / (side * side) * color));
     }
 }
 
