@@ -342,6 +342,20 @@ TEST(LightLists, RangesFarBeyondTheSceneAreNone) {
     }
 }
 
+/// A street of lamps is longer than the grid has cells of a lamp's size: every lamp is in the list of its place.
+TEST(LightLists, ReachAlongLongRows) {
+    Scene scene = lit_floor(1, 1.f);
+    scene.lights.clear();
+    for (int i = 0; i < 1000; ++i) {
+        scene.lights.push_back(point_light({100.f * float(i), 1, 0}, glm::vec3(1.f)));
+        scene.lights.back().range = 10.f;
+    }
+    const Lights lights = collect_lights(scene);
+    ASSERT_EQ(lights.listed(), 1000u);
+    EXPECT_GE(mean_list_length(lights.punctual), 1);
+    EXPECT_LT(mean_list_length(lights.punctual), 3);
+}
+
 /// Lists stay short: the lights of the longest ranges are left to the tree.
 TEST(LightLists, LeavesWideRangesToTheTree) {
     Scene scene = lit_floor(100, 0.5f);
