@@ -14,6 +14,7 @@ namespace {
 
 constexpr float cell_of_range = 0.4f;  // length of a cell, of the lights' median range
 constexpr float most_cells = 1 << 18;
+constexpr float most_along = 1023;         // cells along an axis, less one
 constexpr std::size_t most_asked = 24;     // about, of the lists that tell their mean length
 constexpr double most_repeated = 1 << 22;  // entries of lights without a range, which are in every list
 constexpr float margin = 1e-4f;            // of a cell's length and of a range, against rounding
@@ -64,8 +65,8 @@ LightLists grid_over(std::span<const PunctualLight> lights) {
     const double volume = double(extent.x) * extent.y * extent.z;
     const float longest = std::max({extent.x, extent.y, extent.z});
     const float cell =
-        std::max({cell_of_range * *median, float(std::cbrt(volume / most_cells)), longest / 1023, 1e-37f});
-    const auto cells = [&](float length) { return std::uint32_t(std::clamp(length / cell, 1.f, 1023.f)) + 1; };
+        std::max({cell_of_range * *median, float(std::cbrt(volume / most_cells)), longest / most_along, 1e-37f});
+    const auto cells = [&](float length) { return std::uint32_t(std::clamp(length / cell, 1.f, most_along)) + 1; };
     return {bounds.lo.x,     bounds.lo.y,     bounds.lo.z,     1 / cell,
             cells(extent.x), cells(extent.y), cells(extent.z), std::uint32_t(lights.size())};
 }

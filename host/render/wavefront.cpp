@@ -5,7 +5,6 @@
 #include <span>
 #include <tuple>
 
-#include "claray/shared/bsdfs.h"
 #include "host/compute/tuning.hpp"
 
 namespace claray {

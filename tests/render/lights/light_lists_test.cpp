@@ -288,7 +288,7 @@ TEST(LightLists, SharesWithOtherLights) {
     EXPECT_NEAR(all, sum.y, 3 * std::sqrt(variance + noise * noise * all * all) + 1e-4 * all);
 }
 
-/// Three lights without a range, one of them far above the others' floor: no light is picked where it gives little.
+/// Three lights without a range, each close to another part of the floor: no light is picked where it gives little.
 TEST(LightLists, FewLightsWithoutRangeHaveLessNoise) {
     Scene scene;
     scene.materials = {lambert(0.8f)};
