@@ -58,6 +58,7 @@ TEST(HotSpots, SphereIsLitEvenlyByAPointAtItsWall) {
             for (const unsigned depth : {2u, 8u}) {
                 const double reflected = (0.5 - std::pow(0.5, depth)) * 4 * pi / area;
                 RenderConfig config{.width = 32, .height = 32, .spp = 256, .max_depth = depth};
+                config.effects.add = {Effect::hot_spots};  // one kernel for both heights
                 if (lights > 0) config.effects.remove = {Effect::light_lists};
                 Renderer renderer(device(), scene, config);
                 const double error = renderer.render().noise / 32;
