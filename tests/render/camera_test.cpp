@@ -224,12 +224,10 @@ TEST(CameraMotion, AnEdgeBecomesALinearRamp) {
     scene.camera->target_end = glm::vec3(0.3f, 0, -1);
     const unsigned width = 40, height = 20, spp = 64;
     const auto columns = [&](Sampler sampler) {
-        return column_means(render_by_own_kernels(scene, {.width = width,
-                                                          .height = height,
-                                                          .spp = spp,
-                                                          .max_depth = 1,
-                                                          .sampler = sampler}),
-                            width);
+        return column_means(
+            render_by_own_kernels(scene,
+                                  {.width = width, .height = height, .spp = spp, .max_depth = 1, .sampler = sampler}),
+            width);
     };
     for (const Sampler sampler : {Sampler::independent, Sampler::sobol}) {
         const std::vector<double> means = columns(sampler);
