@@ -324,7 +324,7 @@ typedef struct NextQueues {
 
 #if SHADE_SIXTEEN || SHADE_MIXED
 /// Shades rays that met plain materials or nothing, at most 16.
-static inline void shade_plain(const Step* step, SCENE_PARAMETERS, global RayQueue* queue, global const SceneHit* hits, const uint* numbers,
+static CLARAY_OUTLINED void shade_plain(const Step* step, SCENE_PARAMETERS, global RayQueue* queue, global const SceneHit* hits, const uint* numbers,
                                uint count, const NextQueues* to, global float* radiance) {
     const uint room = step->room;
     Shaded16 shaded;

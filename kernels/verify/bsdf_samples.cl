@@ -1,10 +1,10 @@
 // Samples of materials, and their evaluation of directions.
 #include "verify/bsdf.clh"
 
-/// A sample, and eval_bsdf of its direction.
+/// A sample, and if asked for eval_bsdf of its direction.
 typedef struct Sampled { float x, y, z, weight, pdf, eval_value, eval_pdf; uint valid; } Sampled;
 
-static CLARAY_OUTLINED Sampled draw(MATERIAL, float3 outgoing, uint i) {
+static CLARAY_OUTLINED Sampled draw(MATERIAL, float3 outgoing, uint i, bool evaluates) {
     const BsdfView view = {tables, outgoing, UP, inside};
     resolve_principled(&material, 0.0f);
     BsdfSample s;
@@ -13,14 +13,14 @@ static CLARAY_OUTLINED Sampled draw(MATERIAL, float3 outgoing, uint i) {
     if (r.valid) {
         r.x = s.incoming.x, r.y = s.incoming.y, r.z = s.incoming.z;
         r.weight = s.weight.x, r.pdf = s.pdf;
-        r.eval_value = eval_bsdf(&material, &view, s.incoming, &r.eval_pdf).x;
+        if (evaluates) r.eval_value = eval_bsdf(&material, &view, s.incoming, &r.eval_pdf).x;
     }
     return r;
 }
 
-kernel void sample(MATERIAL, float ox, float oy, float oz, uint count, global Sampled* out) {
+kernel void sample(MATERIAL, float ox, float oy, float oz, uint count, uint evaluates, global Sampled* out) {
     const uint i = get_global_id(0);
-    if (i < count) out[i] = draw(material, tables, inside, (float3)(ox, oy, oz), i);
+    if (i < count) out[i] = draw(material, tables, inside, (float3)(ox, oy, oz), i, evaluates != 0u);
 }
 
 static CLARAY_OUTLINED float evaluate(MATERIAL, float3 outgoing, float3 incoming, float* pdf) {

@@ -225,7 +225,8 @@ TEST(CameraMotion, AnEdgeBecomesALinearRamp) {
     const unsigned width = 40, height = 20, spp = 64;
     const auto columns = [&](Sampler sampler) {
         return column_means(
-            render_image(scene, {.width = width, .height = height, .spp = spp, .max_depth = 1, .sampler = sampler}),
+            render_by_own_kernels(scene,
+                                  {.width = width, .height = height, .spp = spp, .max_depth = 1, .sampler = sampler}),
             width);
     };
     for (const Sampler sampler : {Sampler::independent, Sampler::sobol}) {

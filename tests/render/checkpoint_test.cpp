@@ -28,7 +28,7 @@ protected:
         return config;
     }
     [[nodiscard]] std::vector<glm::vec3> finish(const RenderConfig& config) const {
-        return render_image(scene_, config);
+        return render_by_own_kernels(scene_, config);
     }
     [[nodiscard]] testing::AssertionResult refused(const RenderConfig& config, const std::string& words) const {
         return throws_error(ErrorKind::user, words, [&] { Renderer(device(), scene_, config); });
@@ -40,7 +40,7 @@ protected:
 };
 
 TEST_F(CheckpointFiles, ResumedIsUninterruptedBitForBit) {
-    const std::vector<glm::vec3> whole = render_image(scene_, {.width = 61, .height = 43, .spp = 21});
+    const std::vector<glm::vec3> whole = render_by_own_kernels(scene_, {.width = 61, .height = 43, .spp = 21});
     for (const unsigned paths : {3u, 1'000u, 10'000u}) {  // within a pixel, within a pass, and after one
         const ScopedTuning tuning("render/wavefront", "FIRST_PATHS", paths);
         render_a_part(config_, 1);
@@ -60,7 +60,7 @@ TEST_F(CheckpointFiles, ResumedIsUninterruptedBitForBit) {
 TEST_F(CheckpointFiles, PendingSamplesComeFirst) {
     const std::vector<glm::vec3> whole = finish(config_);
     const RenderIdentity identity = identity_of(scene_, config_);
-    (void)render_image(scene_, {.width = 61, .height = 43, .spp = 16, .checkpoint = config_.checkpoint});
+    (void)render_by_own_kernels(scene_, {.width = 61, .height = 43, .spp = 16, .checkpoint = config_.checkpoint});
     Checkpoint checkpoint = read_checkpoint(config_.checkpoint, identity, 16);
     const std::uint32_t pixels = 61 * 43;
     for (const std::uint32_t done : {17u, 21u}) {
@@ -102,7 +102,7 @@ TEST_F(CheckpointFiles, AdaptiveRendersGoOn) {
     RenderConfig whole = config_;
     whole.checkpoint.clear();
     const std::vector<glm::vec3> expected = finish(whole);
-    EXPECT_FALSE(same_bits(expected, render_image(scene_, {.width = 61, .height = 43, .spp = 40})));
+    EXPECT_FALSE(same_bits(expected, render_by_own_kernels(scene_, {.width = 61, .height = 43, .spp = 40})));
     const ScopedTuning tuning("render/wavefront", "PATHS", 3'777);
     config_.report_seconds = 0;
     for (const int reports : {1, 12, 14, 19, 23}) {
@@ -120,7 +120,7 @@ TEST_F(CheckpointFiles, MoreSamplesGoOnWhereFewerStopped) {
     RenderConfig few = config_;
     few.spp = 5;
     (void)finish(few);
-    EXPECT_TRUE(same_bits(finish(resumed()), render_image(scene_, {.width = 61, .height = 43, .spp = 21})));
+    EXPECT_TRUE(same_bits(finish(resumed()), render_by_own_kernels(scene_, {.width = 61, .height = 43, .spp = 21})));
     RenderConfig too_few = resumed();
     too_few.spp = 4;
     EXPECT_TRUE(refused(too_few, "it has 21 samples per pixel, but only 4 are requested; use a larger --spp"));

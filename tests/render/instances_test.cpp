@@ -183,8 +183,8 @@ TEST(MovingInstances, AnEdgeBecomesALinearRamp) {
     scene.camera = Camera{{0, 0, 0}, {0, 0, -1}, {0, 1, 0}, float(2 * std::atan(0.2) * 180 / 3.14159265358979)};
     const unsigned width = 40, height = 20, spp = 64;
     const std::vector<double> means = column_means(
-        render_image(scene,
-                     {.width = width, .height = height, .spp = spp, .max_depth = 1, .sampler = Sampler::independent}),
+        render_by_own_kernels(
+            scene, {.width = width, .height = height, .spp = spp, .max_depth = 1, .sampler = Sampler::independent}),
         width);
     const auto integral = [](double x) {  // of the ramp from 0 at -0.15 to 1 at 0
         const double s = std::clamp((x + 0.15) / 0.15, 0.0, 1.0);

@@ -136,7 +136,7 @@ TEST_F(KernelChoices, QuickKernelsAreOneProgramAndNeedNoBuilder) {
         const Device fresh = Device::open(std::to_string(device().info().index));  // has no kernel in memory
         const unsigned before = compile_statistics().compiled;
         RenderConfig once = config();
-        once.spp = 1;
+        once.width = 8, once.height = 6, once.spp = 1;
         Renderer renderer(fresh, scene, once);
         renderer.render();
         EXPECT_EQ(compile_statistics().compiled, before + 1) << name;
@@ -148,7 +148,7 @@ TEST_F(KernelChoices, QuickKernelsOfManyEffectsAreNotOptimized) {
     const Scene scene = *builtin_scene("effect:instances");
     if (own(scene).layout != Layout::wide) GTEST_SKIP() << "the device traverses the binary tree anyway";
     RenderConfig few = config();
-    few.spp = 16;  // the slow kernels have no kernels to switch to
+    few.width = 12, few.height = 9, few.spp = 16;  // the slow kernels have no kernels to switch to
     RenderConfig many = few;
     few.compiler.clear();
     many.effects.add = full_effects();

@@ -76,7 +76,7 @@ double true_error(const std::vector<glm::vec3>& image, const std::vector<glm::ve
 TEST(Renderer, NoiseEstimateIsTheTrueError) {
     Scene scene = *builtin_scene("cornell");
     scene.camera = Camera{{0.278f, 0.54f, 0.1f}, {0.278f, 0.f, 0.35f}, {0.f, 1.f, 0.f}, 70.f};
-    const auto reference = render_image(scene, {.width = 48, .height = 48, .spp = 2048, .seed = 99});
+    const auto reference = render_by_own_kernels(scene, {.width = 48, .height = 48, .spp = 2048, .seed = 99});
     for (const Sampler sampler : {Sampler::sobol, Sampler::independent}) {
         double estimated = 0, error = 0;
         for (std::uint32_t seed = 0; seed < 4; ++seed) {
@@ -109,7 +109,7 @@ double rmse_over_mean(const std::vector<glm::vec3>& image, const std::vector<glm
 
 TEST(Renderer, StopsAtAnErrorThatIsTrue) {
     const Scene scene = *builtin_scene("spheres");
-    const auto reference = render_image(scene, {.width = 24, .height = 24, .spp = 2048, .seed = 99});
+    const auto reference = render_by_own_kernels(scene, {.width = 24, .height = 24, .spp = 2048, .seed = 99});
     unsigned held = 0, last_spp = 0;
     for (std::uint32_t seed = 0; seed < 8; ++seed) {
         const double target = seed % 2 == 0 ? 0.15 : 0.08;

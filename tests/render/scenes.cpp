@@ -75,10 +75,24 @@ std::vector<glm::vec3> render_image(const Scene& scene, RenderConfig config) {
     return render_by_own_kernels(scene, config);
 }
 
-std::vector<glm::vec3> render_by_own_kernels(const Scene& scene, const RenderConfig& config) {
-    Renderer renderer(device(), scene, config);
+namespace {
+
+std::vector<glm::vec3> rendered_on(const Device& device, const Scene& scene, const RenderConfig& config) {
+    Renderer renderer(device, scene, config);
     renderer.render();
     return renderer.image();
+}
+
+}  // namespace
+
+std::vector<glm::vec3> render_by_own_kernels(const Scene& scene, const RenderConfig& config) {
+    return rendered_on(device(), scene, config);
+}
+
+std::vector<glm::vec3> render_by_techniques(unsigned techniques, const Scene& scene, const RenderConfig& config) {
+    const Device fresh = Device::open(std::to_string(device().info().index));
+    fresh.set_tuning("render/shade_surface", "TECHNIQUES", techniques);
+    return rendered_on(fresh, scene, config);
 }
 
 }  // namespace claray::test

@@ -28,6 +28,10 @@ namespace claray::test {
 /// Renders to the end, by the kernels that know every effect unless `config` says otherwise: they are compiled once for
 /// all tests. Effects.OwnKernelsMakeTheSameImage shows that the scene's own kernels change no bit.
 [[nodiscard]] std::vector<glm::vec3> render_image(const Scene& scene, RenderConfig config);
+/// Renders by the scene's own kernels on a device of its own, where light is found by these techniques alone
+/// (TECHNIQUES of lights/light.clh).
+[[nodiscard]] std::vector<glm::vec3> render_by_techniques(unsigned techniques, const Scene& scene,
+                                                          const RenderConfig& config);
 /// The same by the kernels of the scene's own effects.
 [[nodiscard]] std::vector<glm::vec3> render_by_own_kernels(const Scene& scene, const RenderConfig& config);
 

@@ -7,9 +7,9 @@
 
 namespace claray::verify {
 
-std::vector<Sampled> TestedMaterial::draw(const glm::vec3& o, std::uint32_t count) const {
+std::vector<Sampled> TestedMaterial::draw(const glm::vec3& o, std::uint32_t count, bool evaluates) const {
     const Buffer<Sampled> out(device_, count);
-    run("bsdf_samples", "sample", count, o.x, o.y, o.z, count, out);
+    run("bsdf_samples", "sample", count, o.x, o.y, o.z, count, std::uint32_t(evaluates), out);
     return out.read();
 }
 
@@ -291,7 +291,7 @@ Agreement agreement(const TestedMaterial& material, const glm::vec3& outgoing, c
     std::vector<std::vector<double>> observed;
     for (const auto& grid : grids) observed.emplace_back(grid->size());
     double valid = 0;
-    for (const Sampled& s : material.draw(outgoing, count)) {
+    for (const Sampled& s : material.draw(outgoing, count, false)) {
         if (!s.valid || s.pdf == 0) continue;
         ++valid;
         for (std::size_t g = 0; g < grids.size(); ++g)

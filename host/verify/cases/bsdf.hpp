@@ -33,7 +33,9 @@ public:
         load_kernel(device_, "verify/" + file + ".cl", kernel)
             .run({items, 64}, data_, arg("tables", buffer_), std::uint32_t(inside_), args...);
     }
-    [[nodiscard]] std::vector<Sampled> draw(const glm::vec3& outgoing, std::uint32_t count) const;
+    /// Samples of one outgoing direction; with eval_bsdf of each if `evaluates`.
+    [[nodiscard]] std::vector<Sampled> draw(const glm::vec3& outgoing, std::uint32_t count,
+                                            bool evaluates = true) const;
     struct Evaluated {
         std::vector<float> values, pdfs;
     };

@@ -70,9 +70,13 @@ Scene leaning() {
 /// From the side away from which the normals lean, `elevation` degrees above the plane.
 glm::dvec3 view_from(double elevation) { return {-std::cos(elevation * pi / 180), std::sin(elevation * pi / 180), 0}; }
 
-double seen_square(Scene& scene, Square square, const glm::dvec3& view, const RenderConfig& config) {
+void look_at(Scene& scene, Square square, const glm::dvec3& view) {
     const glm::vec3 at(0.f, 0.f, 3.f * float(square));
     scene.camera = narrow_camera(at + 2.f * glm::vec3(view), at);
+}
+
+double seen_square(Scene& scene, Square square, const glm::dvec3& view, const RenderConfig& config) {
+    look_at(scene, square, view);
     return mean(render_image(scene, config)).x;
 }
 
@@ -194,12 +198,11 @@ TEST(BentNormals, BothTechniquesAgree) {
     })};
     double radiance[4][2];
     const double elevations[] = {70, 8};
-    for (const std::uint32_t techniques : {1u, 2u, 3u}) {
-        device().set_tuning("render/shade_surface", "TECHNIQUES", techniques);
-        for (int i = 0; i < 2; ++i)
-            radiance[techniques][i] = seen_square(scene, plastic, view_from(elevations[i]), under_sky);
-    }
-    device().set_tuning("render/shade_surface", "TECHNIQUES", 3);
+    for (const std::uint32_t techniques : {1u, 2u, 3u})
+        for (int i = 0; i < 2; ++i) {
+            look_at(scene, plastic, view_from(elevations[i]));
+            radiance[techniques][i] = mean(render_by_techniques(techniques, scene, under_sky)).x;
+        }
     for (int i = 0; i < 2; ++i) {
         EXPECT_NEAR(radiance[1][i] / radiance[3][i], 1, 0.005) << elevations[i];
         EXPECT_NEAR(radiance[2][i] / radiance[3][i], 1, 0.005) << elevations[i];

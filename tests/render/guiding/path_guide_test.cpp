@@ -195,16 +195,18 @@ TEST(PathGuide, KeepsTheMeanWithLessNoise) {
 TEST(PathGuide, DependsNeitherOnBatchesNorOnLanes) {
     if (!is_guidable()) GTEST_SKIP() << "paths are guided on CPUs only";
     const Scene scene = room_with_window();
-    const std::vector<glm::vec3> image = render_guided(scene, everywhere, guided_config());
-    EXPECT_FALSE(same_bits(image, render_guided(scene, nowhere, guided_config()))) << "nothing is guided";
-    EXPECT_TRUE(same_bits(image, render_guided(scene, everywhere, guided_config())));
+    RenderConfig config = guided_config();
+    config.spp = least_guided_spp;
+    const std::vector<glm::vec3> image = render_guided(scene, everywhere, config);
+    EXPECT_FALSE(same_bits(image, render_guided(scene, nowhere, config))) << "nothing is guided";
+    EXPECT_TRUE(same_bits(image, render_guided(scene, everywhere, config)));
     {
         const verify::ScopedTuning first(device(), "render/wavefront", "FIRST_PATHS", 1024);
-        EXPECT_TRUE(same_bits(image, render_guided(scene, everywhere, guided_config()))) << "batches";
+        EXPECT_TRUE(same_bits(image, render_guided(scene, everywhere, config))) << "batches";
     }
-    RenderConfig all = guided_config();
-    all.effects.add = full_effects();
-    EXPECT_TRUE(same_bits(image, render_guided(scene, everywhere, all))) << "one ray at once";
+    RenderConfig spots = config;
+    spots.effects.add = {Effect::spot_lights};
+    EXPECT_TRUE(same_bits(image, render_guided(scene, everywhere, spots))) << "one ray at once";
 }
 
 TEST(PathGuide, LeavesImagesThatItDoesNotImprove) {
@@ -241,14 +243,14 @@ void expect_same_when_resumed(RenderConfig config, std::initializer_list<unsigne
     const verify::ScopedTuning gain(device(), stem, least_gain, everywhere);
     const TemporaryFolder folder;
     const Scene scene = room_with_window();
-    const std::vector<glm::vec3> whole = render_image(scene, config);
+    const std::vector<glm::vec3> whole = render_by_own_kernels(scene, config);
     EXPECT_FALSE(same_bits(whole, render_guided(scene, nowhere, config))) << "nothing is guided";
     config.checkpoint = folder / "c", config.report_seconds = 0.02;
     RenderConfig resumed = config;
     resumed.resume = config.checkpoint;
     for (const unsigned spp : samples) {
         Renderer(device(), scene, config).render([&](const RenderProgress& at) { return at.spp < spp; });
-        EXPECT_TRUE(same_bits(render_image(scene, resumed), whole)) << "resumed after " << spp;
+        EXPECT_TRUE(same_bits(render_by_own_kernels(scene, resumed), whole)) << "resumed after " << spp;
     }
 }
 
@@ -271,7 +273,7 @@ TEST(PathGuide, CheckpointsOfUnguidedRendersAreRefused) {
     const TemporaryFolder folder;
     RenderConfig config{.width = 128, .height = 128, .spp = least_guided_spp - 1, .max_depth = 2, .guide = true};
     config.checkpoint = folder / "c";
-    (void)render_image(room_with_window(), config);
+    (void)render_by_own_kernels(room_with_window(), config);
     config.resume = config.checkpoint, config.spp = least_guided_spp;
     EXPECT_TRUE(throws_error(ErrorKind::user, "--guide", [&] { Renderer(device(), room_with_window(), config); }));
     config.guide = false;
@@ -282,7 +284,7 @@ TEST(PathGuide, CheckpointsOfSmallImagesAreContinued) {
     const TemporaryFolder folder;
     RenderConfig config{.width = 16, .height = 16, .spp = least_guided_spp - 1, .guide = true};
     config.checkpoint = folder / "c";
-    (void)render_image(room_with_window(), config);
+    (void)render_by_own_kernels(room_with_window(), config);
     config.resume = config.checkpoint, config.spp = least_guided_spp;
     EXPECT_EQ(Renderer(device(), room_with_window(), config).render().spp, least_guided_spp);
 }
@@ -290,7 +292,7 @@ TEST(PathGuide, CheckpointsOfSmallImagesAreContinued) {
 /// Too few paths of a small image would teach too little.
 TEST(PathGuide, LeavesSmallImagesAlone) {
     RenderConfig config = guided_config();
-    config.width = 127;
+    config.width = 127, config.spp = least_guided_spp;
     const Scene scene = room_with_window();
     EXPECT_TRUE(same_bits(render_guided(scene, everywhere, config), render_guided(scene, nowhere, config)));
 }

@@ -188,7 +188,8 @@ TEST(AdaptiveSchedule, RefusesPositionsThatDoNotExist) {
 TEST(AdaptiveSampling, HasLessErrorForAsManySamplesAndTheSameMean) {
     const Scene scene = *builtin_scene("cornell");
     const auto image = [&](unsigned spp, unsigned seed, bool adaptive) {
-        return render_image(scene, {.width = 64, .height = 64, .spp = spp, .seed = seed, .adaptive = adaptive});
+        return render_by_own_kernels(scene,
+                                     {.width = 64, .height = 64, .spp = spp, .seed = seed, .adaptive = adaptive});
     };
     const std::vector<glm::vec3> reference = image(512, 77, false);
     double square[2] = {0, 0}, means[2] = {0, 0};

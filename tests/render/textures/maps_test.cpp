@@ -307,16 +307,17 @@ TEST(Footprint, IsWideAfterScattering) {
     for (glm::vec3& p : scene.meshes[0].positions) p *= 400.f;  // so that no ray misses it
     for (glm::vec2& uv : scene.meshes[0].uvs) uv *= 1600.f;     // texels are a quarter as wide as the cones
     scene.camera = narrow_camera({0.01f, -0.1f, 0}, {0, -0.5f, 0});
-    device().set_tuning("render/shade_surface", "TECHNIQUES", 2);  // a light's sample would be a point, without a cone
+    RenderConfig config{.width = 16, .height = 16, .spp = 1, .max_depth = 1};
+    config.effects.add = {Effect::mip_maps};  // one kernel for both
     const auto spread = [&](Filter filter) {
         scene.textures[0].filter = filter;
         double sum = 0, squares = 0;
-        for (const glm::vec3& c : render_image(scene, {.width = 16, .height = 16, .spp = 1, .max_depth = 1}))
+        for (const glm::vec3& c :
+             render_by_techniques(2, scene, config))  // a light's sample would be a point, without a cone
             sum += c.x, squares += double(c.x) * c.x;
         return squares / 256 - std::pow(sum / 256, 2);
     };
     const double of_texels = spread(Filter::nearest), of_footprints = spread(Filter::trilinear);
-    device().set_tuning("render/shade_surface", "TECHNIQUES", 3);
     EXPECT_GT(of_texels, 0.2);
     EXPECT_LT(of_footprints, 1e-4);
 }
