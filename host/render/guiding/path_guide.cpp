@@ -263,6 +263,10 @@ void PathGuide::forget() {
     if (counts_.size() > 0) counts_.fill(0);
 }
 
+bool PathGuide::pays(std::span<const GuideBin> found) const {
+    return 100 * try_guiding(found).promise() >= device_.tuning(stem, "LEAST_GAIN_PERCENT");
+}
+
 /// Blocks.
 void PathGuide::end_phase() {
     const Phase next = Phase(phase_ + 1);
@@ -270,14 +274,12 @@ void PathGuide::end_phase() {
         phase_ = tell_unit() ? next : last_phase;
         return;
     }
-    const std::vector<GuideBin> found = found_.read();
-    const auto pays = [&] { return 100 * try_guiding(found).promise() >= device_.tuning(stem, "LEAST_GAIN_PERCENT"); };
-    if (phase_ != first_phase && !pays()) {
-        phase_ = last_phase;
-        return;
-    }
-    maps_[next] = guide_maps(found);
-    phase_ = next;
+    found_.view([&](std::span<const GuideBin> found) {
+        if (phase_ == first_phase || pays(found))
+            maps_[next] = guide_maps(found), phase_ = next;
+        else
+            phase_ = last_phase;
+    });
 }
 
 /// A power of two, so that it does not depend on the last bits of the mean.

@@ -91,6 +91,7 @@ private:
     void trace_runs(std::uint32_t first_sample, std::uint32_t samples, Wavefront& wavefront, SceneBuffers& scene);
     void end_phase();
     [[nodiscard]] bool tell_unit();
+    [[nodiscard]] bool pays(std::span<const GuideBin> found) const;
     [[nodiscard]] PathGuideData data_for(Phase phase, bool teaches, const Wavefront& wavefront, SceneBuffers& scene);
 
     Device device_;
