@@ -124,7 +124,7 @@ std::vector<Task> other_queries(const Device& device, const std::vector<Mesh>& m
 /// A scene by stages, by whole paths or with the last paths by one kernel; with an estimate of its error and its AOVs.
 Task render(const Device& device, const std::string& name, unsigned side, Layout layout, bool whole_paths,
             unsigned parts = 1, unsigned spp = 16) {
-    RenderConfig config{.width = side, .height = side, .spp = spp, .error = 1e-6, .guide = spp >= 32};
+    RenderConfig config{.width = side, .height = side, .spp = spp, .error = 1e-6};
     config.bvh.layout = layout, config.parts = parts;
     auto renderer = std::make_shared<Renderer>(device, *builtin_scene(name), config);
     return [device, renderer, whole_paths] {

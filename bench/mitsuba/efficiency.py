@@ -215,7 +215,7 @@ def main():
         scene = scenes[name]()
         with tempfile.TemporaryDirectory() as folder:
             rows = [("Mitsuba", *by_mitsuba(scene, options.size, options.spp, options.seeds))]
-            for label, extra in (("uniform", []), ("--guide", ["--guide"]), ("--adaptive", ["--adaptive"]), ("both", ["--adaptive", "--guide"])):
+            for label, extra in (("default", []), ("--no-guide", ["--no-guide"]), ("--adaptive", ["--adaptive"])):
                 rows.append((label, *by_claray(os.path.abspath(options.claray), scene, options.size, options.spp, options.seeds, extra, folder)))
         costs = {label: images.var(0, ddof=1).mean() / images.mean() ** 2 * seconds for label, images, seconds in rows}
         for label, images, seconds in rows:

@@ -105,11 +105,18 @@ std::shared_ptr<cl::Buffer> in_place(const Device& device, const void* host, std
     }
 }
 
-void make_visible(const Device& device, const cl::Buffer& buffer, std::size_t bytes) try {
+void view(const Device& device, const cl::Buffer& buffer, std::size_t bytes,
+          const std::function<void(const void*)>& use) try {
     void* mapped = nullptr;
     device.profiler().record("map_buffer", [&](cl::Event* event) {
         mapped = device.queue().enqueueMapBuffer(buffer, CL_TRUE, CL_MAP_READ, 0, bytes, nullptr, event);
     });
+    try {
+        use(mapped);
+    } catch (...) {
+        device.queue().enqueueUnmapMemObject(buffer, mapped);
+        throw;
+    }
     device.queue().enqueueUnmapMemObject(buffer, mapped);
     device.queue().finish();  // the host may free the memory now
 } catch (const cl::Error& error) {

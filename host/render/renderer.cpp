@@ -168,7 +168,7 @@ Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig&
       structure(first_structure(on, scene, baked, plan, config.bvh, parts)),
       build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
       light_grid(light_grid_of(with, scene)),
-      bounds(words_of_guide() > 0 ? bounds_of(scene) : Bounds{}),
+      bounds(may_ever_guide() ? bounds_of(scene) : Bounds{}),
       buffers(on, scene, structure, config.effects.add, selection_of_lights(with), words_of(light_grid),
               words_of_listed_pixels(), words_of_guide()),
       wavefront(on, buffers, frame_data(scene, camera, buffers, with), load_kernels(plan.first.effects),
@@ -332,7 +332,7 @@ DenoisingStage& Renderer::State::denoising_stage() {
 void Renderer::State::discard_samples() {
     schedule = new_schedule();
     film.clear();
-    guide.reset();
+    if (guide) guide->forget();
     looks = {}, last_error = {}, last_error_spp = 0;
     begin.reset();
     if (denoising) denoising->start_film();
@@ -370,18 +370,24 @@ std::uint32_t Renderer::State::paths_of_next_batch(InFlight& in_flight) const {
 
 /// Aiming at hot spots needs the densities of directions without guiding.
 bool Renderer::State::may_guide() const {
-    return words_of_guide() > 0 && PathGuide::is_for(config) && buffers.where.hot_spots == CLARAY_NO_TABLE &&
-           !bounds.empty();
+    return words_of_guide() > 0 && PathGuide::is_for(config) && config.spp > unguided_spp &&
+           buffers.where.hot_spots == CLARAY_NO_TABLE && !bounds.empty();
+}
+
+void Renderer::State::set_bounds(const Scene& placed) {
+    if (may_ever_guide()) bounds = bounds_of(placed), guide.reset();
 }
 
 void Renderer::State::trace(const Batch& batch) {
     const auto add = [&](const Batch& part) {
         film.accumulate(part, wavefront.radiance(), buffers.tables, buffers.where.listed_pixels);
     };
-    if (!guide && may_guide()) guide.emplace(device, bounds, pixels());
-    if (guide) return guide->trace(batch, wavefront, buffers, add);
-    wavefront.trace(batch);
-    add(batch);
+    if (!may_guide()) {
+        wavefront.trace(batch);
+        return add(batch);
+    }
+    if (!guide) guide.emplace(device, bounds, pixels());
+    guide->trace(batch, config.spp, wavefront, buffers, add);
 }
 
 void Renderer::State::trace(const Batch& batch, InFlight& in_flight) {
@@ -528,7 +534,8 @@ void Renderer::resize(unsigned width, unsigned height) {
     if (state.config.adaptive)
         throw Error(ErrorKind::usage, "a render with adaptive sampling cannot change its size", "make a new renderer");
     if (width == state.config.width && height == state.config.height) return state.discard_samples();
-    state.aovs.reset(), state.gbuffer.reset(), state.denoising.reset();  // before more memory is taken
+    state.aovs.reset(), state.gbuffer.reset(), state.denoising.reset(),
+        state.guide.reset();  // before more memory is taken
     state.config.width = width, state.config.height = height;
     state.wavefront.resize(width, height, std::uint64_t(state.pixels()) * state.most_spp);
     state.look_through(state.camera);

@@ -159,7 +159,10 @@ struct Renderer::State {
     [[nodiscard]] std::uint32_t words_of_guide() const {
         return may_guide_paths(device, config) ? CLARAY_GUIDE_MAPS * CLARAY_GUIDE_WORDS : 0;
     }
+    /// Whether later samples may need to know where the scene is.
+    [[nodiscard]] bool may_ever_guide() const { return words_of_guide() > 0 && most_spp > unguided_spp; }
     [[nodiscard]] bool may_guide() const;
+    void set_bounds(const Scene& placed);
     /// Adds the samples to the film. Asynchronous, unless maps for guiding are made.
     void trace(const Batch& batch);
     [[nodiscard]] RayCount rays(const char* name, std::uint64_t count) const;

@@ -1,6 +1,7 @@
 // Typed device memory.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <type_traits>
 #include <vector>
@@ -20,8 +21,9 @@ namespace detail {
 [[nodiscard]] std::shared_ptr<cl::Buffer> adopt(const Device& device, cl_mem memory, std::size_t bytes);
 /// Uses host memory in place on CPUs if it is aligned for float4; returns null elsewhere.
 [[nodiscard]] std::shared_ptr<cl::Buffer> in_place(const Device& device, const void* host, std::size_t bytes);
-/// Makes what kernels wrote to a buffer of `in_place` visible to the host. Blocks.
-void make_visible(const Device& device, const cl::Buffer& buffer, std::size_t bytes);
+/// Calls `use` with the first `bytes` bytes, which CPUs do not copy. Blocks.
+void view(const Device& device, const cl::Buffer& buffer, std::size_t bytes,
+          const std::function<void(const void*)>& use);
 /// Blocking transfers of `bytes` bytes between the host and the bytes of `buffer` from `offset` on.
 void write(const Device& device, const cl::Buffer& buffer, std::size_t offset, const void* data, std::size_t bytes);
 void read(const Device& device, const cl::Buffer& buffer, std::size_t offset, void* data, std::size_t bytes);
@@ -79,7 +81,7 @@ public:
     /// Waits for the kernels, and copies the results unless they were written in place. Blocks.
     void fetch(std::span<T> host) const {
         if (host_ != nullptr && host_ == host.data() && host.size() == size_)
-            detail::make_visible(*device_, memory(), bytes());
+            detail::view(*device_, memory(), bytes(), [](const void*) {});
         else
             read(host);
     }
@@ -108,6 +110,11 @@ public:
         std::vector<T> data(size_);
         read(std::span<T>(data));
         return data;
+    }
+    /// Calls `use` with all elements, which CPUs do not copy. They are valid until it returns. Blocks.
+    void view(const std::function<void(std::span<const T>)>& use) const {
+        if (size_ == 0) return use({});
+        detail::view(*device_, memory(), bytes(), [&](const void* at) { use({static_cast<const T*>(at), size_}); });
     }
     /// Sets every 32-bit word to `word`. Asynchronous. The element size must be a multiple of 4 bytes. Throws
     /// ErrorKind::usage if the buffer is not allocated.

@@ -116,8 +116,8 @@ struct RenderConfig {
     bool adaptive = false;
     /// Paths learn from the image's first samples where light comes from, and choose directions of diffuse reflection
     /// accordingly, where these samples promise less noise. The expectation of the image is the same. Ignored on GPUs,
-    /// below 32 samples per pixel or 16,384 pixels, with hot spots and with approximations.
-    bool guide = false;
+    /// up to 8 samples per pixel, below 16,384 pixels, with hot spots and with approximations.
+    bool guide = true;
     double report_seconds = 0.2;  ///< about, from one call of the `progress` of Renderer::render to the next
     Sampler sampler = Sampler::sobol;
     Bvh::Config bvh = {};  ///< Builder::automatic is `balanced` for scenes with instances
@@ -136,8 +136,8 @@ struct RenderConfig {
     std::filesystem::path checkpoint = {};
     double checkpoint_seconds = 30;
     /// If not empty: a checkpoint from which to continue. Scene, width, height, seed, depth, sampler and effect
-    /// overrides must be the same; `spp` may be larger, but with `guide` not cross 32. On the same device, the image is
-    /// equal bit for bit to an uninterrupted render.
+    /// overrides must be the same; `spp` may be larger. On the same device, the image is equal bit for bit to an
+    /// uninterrupted render.
     std::filesystem::path resume = {};
 };
 

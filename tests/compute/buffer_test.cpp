@@ -22,6 +22,9 @@ TEST(Buffers, RoundTrip) {
         EXPECT_EQ(buffer.bytes(), 8 * count);
         EXPECT_TRUE(buffer.allocated());
         EXPECT_EQ(buffer.read(), data);
+        std::vector<std::uint64_t> seen;
+        buffer.view([&](std::span<const std::uint64_t> all) { seen.assign(all.begin(), all.end()); });
+        EXPECT_EQ(seen, data);
     }
 }
 

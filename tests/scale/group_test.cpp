@@ -117,6 +117,7 @@ TEST_F(Groups, ContinueFromCheckpoints) {
 TEST_F(Groups, GuidePathsAsOneDevice) {
     if (device().info().type != DeviceType::cpu) GTEST_SKIP() << "paths are guided on CPUs only";
     config_.width = config_.height = 160, config_.spp = 40;
+    config_.guide = false;
     const std::vector<glm::vec3> without = of_one(config_);
     config_.guide = true;
     const std::vector<glm::vec3> expected = of_one(config_);

@@ -285,6 +285,7 @@ FramesReport render_frames(const Device& device, const Scene& scene, const Rende
     pick_for_time(plan, device, wanted.frames * budget);
     plan.config.spp = std::min(config.spp, most_spp);
     plan.config.error = plan.config.noise = plan.config.seconds = 0;
+    plan.config.guide = false;     // frames of few samples learn too little
     plan.config.compiler.clear();  // frames wait for their kernels; a compiler beside them would delay some
     FramesReport report;
     if (measuring && (!measuring("kernels") || !measuring("samples that fit into a frame")))

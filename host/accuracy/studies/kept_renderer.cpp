@@ -71,10 +71,11 @@ void KeptRenderer::make() {
     last_ = {};
 }
 
-/// The rounds of adaptive sampling depend on the number of samples at the end, and so does whether paths are guided.
+/// The rounds of adaptive sampling depend on the number of samples at the end. A short guided render has not learned
+/// all that a longer one needs.
 bool KeptRenderer::continues(std::uint32_t seed, unsigned spp, unsigned max_depth) const {
-    const bool begins_to_guide = config_.guide && last_.spp < least_guided_spp && spp >= least_guided_spp;
-    return !config_.adaptive && !begins_to_guide && last_.spp > 0 && last_.spp < spp && last_.seed == seed &&
+    const bool learns_more = PathGuide::is_for(config_) && last_.spp <= teaching_spp && spp > unguided_spp;
+    return !config_.adaptive && !learns_more && last_.spp > 0 && last_.spp < spp && last_.seed == seed &&
            last_.max_depth == max_depth;
 }
 

@@ -50,9 +50,9 @@ void add_approximate_option(CLI::App& command, Approximations& approximate, cons
 }
 
 void add_guide_flag(CLI::App& command, bool& guide) {
-    command.add_flag("--guide", guide,
-                     "Learn where light comes from, and choose directions accordingly: less noise where the sky or lit "
-                     "walls give most of the light (CPUs, from 32 samples per pixel and 16,384 pixels on)");
+    command.add_flag("--guide,!--no-guide", guide,
+                     "Learn from the image's first samples where light comes from, and choose directions accordingly "
+                     "where this promises less noise (CPUs, from 9 samples per pixel and 16,384 pixels on) [--guide]");
 }
 
 void add_shading_options(CLI::App& command, Approximations& approximate) {

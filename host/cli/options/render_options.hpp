@@ -55,7 +55,7 @@ constexpr const char* cheaper_answers =
     "--shading; no-shadows: see --shadows";
 /// --approximate NAME,NAME... or nothing
 void add_approximate_option(CLI::App& command, Approximations& approximate, const char* description = cheaper_answers);
-/// --guide
+/// --guide and --no-guide
 void add_guide_flag(CLI::App& command, bool& guide);
 /// --shading and --shadows: short for values of --approximate. Call after add_approximate_option.
 void add_shading_options(CLI::App& command, Approximations& approximate);

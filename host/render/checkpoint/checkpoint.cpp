@@ -201,8 +201,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
         file.refuse("it belongs to another scene or camera", "use the scene and the camera for which it was written");
     if (header.settings != identity.settings)
         file.refuse(
-            "it was rendered with another seed, depth, sampler or effects, or other use of --adaptive or "
-            "--guide, which guides from 32 samples per pixel on",
+            "it was rendered with another seed, depth, sampler or effects, or other use of --adaptive or --no-guide",
             "use the same settings");
     if ((header.tells_error != 0) != identity.tells_error)
         file.refuse(identity.tells_error ? "it was rendered without --error" : "it was rendered with --error",

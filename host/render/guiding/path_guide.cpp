@@ -149,7 +149,7 @@ GuideTrial try_guiding(std::span<const GuideBin> found) {
 }
 
 bool PathGuide::is_for(const RenderConfig& config) {
-    return config.guide && config.spp >= least_guided_spp && config.width * config.height >= least_guided_pixels;
+    return config.guide && config.width * config.height >= least_guided_pixels;
 }
 
 PathGuide::PathGuide(const Device& device, const Bounds& scene, std::uint32_t pixels)
@@ -170,22 +170,27 @@ PathGuide::Phase PathGuide::phase_of(const Batch& batch) {
     return Phase(std::upper_bound(ends.begin(), ends.end(), batch.first_sample) - ends.begin());
 }
 
-void PathGuide::trace(Batch batch, Wavefront& wavefront, SceneBuffers& scene,
+/// The first two phases teach the maps for samples from `unguided_spp` on.
+bool PathGuide::pays_to_teach(Phase phase, unsigned spp) {
+    return phase != last_phase && spp > ends[std::max(phase, unguided_phase)];
+}
+
+void PathGuide::trace(Batch batch, unsigned spp, Wavefront& wavefront, SceneBuffers& scene,
                       const std::function<void(const Batch&)>& add) {
     while (batch.samples > 0) {
         Batch part = batch;
         if (!batch.listed) part.samples = std::min(batch.samples, ends[phase_of(batch)] - batch.first_sample);
-        trace_part(part, wavefront, scene);
+        trace_part(part, spp, wavefront, scene);
         add(part);
         batch.first_sample += part.samples, batch.samples -= part.samples;
     }
 }
 
 /// What other rays do meanwhile is not guided.
-void PathGuide::trace_part(const Batch& part, Wavefront& wavefront, SceneBuffers& scene) {
+void PathGuide::trace_part(const Batch& part, unsigned spp, Wavefront& wavefront, SceneBuffers& scene) {
     const Phase phase = phase_of(part);
-    if (phase >= first_phase && phase > phase_) learn_all(wavefront, scene);
-    const bool teaches = phase == phase_ && phase != last_phase && follows(part);
+    if (phase >= first_phase && phase > phase_) learn_until(phase, wavefront, scene);
+    const bool teaches = phase == phase_ && pays_to_teach(phase, spp) && follows(part);
     wavefront.set_guide(data_for(phase, teaches, wavefront, scene));
     wavefront.trace(part);
     if (teaches) learn(part, wavefront), advance(part);
@@ -218,14 +223,16 @@ void PathGuide::learn(const Batch& part, const Wavefront& wavefront) {
 }
 
 /// From samples that are not added to an image.
-void PathGuide::learn_all(Wavefront& wavefront, SceneBuffers& scene) {
-    forget();
-    while (phase_ != last_phase) {
-        const std::uint32_t first = phase_ == unit_phase ? 0 : ends[phase_ - 1];
-        trace_runs(first, ends[phase_] - first, wavefront, scene);
+void PathGuide::learn_until(Phase phase, Wavefront& wavefront, SceneBuffers& scene) {
+    if (cursor_.pixel != 0 || cursor_.sample != first_sample()) forget();
+    while (phase_ < phase) {
+        trace_runs(first_sample(), ends[phase_] - first_sample(), wavefront, scene);
         end_phase();
     }
+    cursor_.sample = first_sample();
 }
+
+std::uint32_t PathGuide::first_sample() const { return phase_ == unit_phase ? 0 : ends[phase_ - 1]; }
 
 void PathGuide::trace_runs(std::uint32_t first_sample, std::uint32_t samples, Wavefront& wavefront,
                            SceneBuffers& scene) {
@@ -254,11 +261,10 @@ void PathGuide::forget() {
     cursor_ = {};
     maps_ = {};
     if (counts_.size() > 0) counts_.fill(0);
-    if (found_.size() > 0) found_.fill(0);
 }
 
-bool PathGuide::pays() const {
-    return 100 * try_guiding(found_so_far_).promise() >= device_.tuning(stem, "LEAST_GAIN_PERCENT");
+bool PathGuide::pays(std::span<const GuideBin> found) const {
+    return 100 * try_guiding(found).promise() >= device_.tuning(stem, "LEAST_GAIN_PERCENT");
 }
 
 /// Blocks.
@@ -268,18 +274,12 @@ void PathGuide::end_phase() {
         phase_ = tell_unit() ? next : last_phase;
         return;
     }
-    std::vector<GuideBin> found = found_.read();
-    if (found_so_far_.empty())
-        found_so_far_ = std::move(found);
-    else
-        add_bins(found, found_so_far_);
-    if (phase_ == first_phase || pays()) {
-        maps_[next] = guide_maps(found_so_far_);
-        found_.fill(0);
-        phase_ = next;
-    } else {
-        phase_ = last_phase;
-    }
+    found_.view([&](std::span<const GuideBin> found) {
+        if (phase_ == first_phase || pays(found))
+            maps_[next] = guide_maps(found), phase_ = next;
+        else
+            phase_ = last_phase;
+    });
 }
 
 /// A power of two, so that it does not depend on the last bits of the mean.
@@ -290,11 +290,8 @@ bool PathGuide::tell_unit() {
         sum += e > 0 ? counts[e] * std::exp2(double(e) - 127) : 0, paths += counts[e];
     if (!(sum > 0)) return false;
     data_.unit = float(std::exp2(-std::round(std::log2(1.5 * sum / paths))));
-    found_so_far_.clear();
-    if (found_.size() == 0) {
-        found_ = Buffer<GuideBin>(device_, folds * CLARAY_GUIDE_MAPS * bins_of_map);
-        found_.fill(0);
-    }
+    if (found_.size() == 0) found_ = Buffer<GuideBin>(device_, folds * CLARAY_GUIDE_MAPS * bins_of_map);
+    found_.fill(0);
     return true;
 }
 

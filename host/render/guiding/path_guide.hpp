@@ -18,8 +18,10 @@
 
 namespace claray {
 
-/// Renders with fewer samples per pixel are not guided: learning would not pay.
-constexpr unsigned least_guided_spp = 32;
+/// The first samples of each pixel, which are not guided.
+constexpr unsigned unguided_spp = 8;
+/// The first samples of each pixel, from which the maps for all later ones learn.
+constexpr unsigned teaching_spp = 16;
 
 /// Returns whether guiding is asked for, the device is set to guide paths, and the approximations permit it.
 [[nodiscard]] bool may_guide_paths(const Device& device, const RenderConfig& config);
@@ -51,39 +53,45 @@ struct GuideTrial {
 
 /// Learns from samples 2 to 15 of each pixel, or of some pixels of a large image. After 8 samples the maps are tried on
 /// samples from which they did not learn; where they pay, later samples are guided by them, and those after 16 by
-/// better ones. So a sample depends on its pixel and number only: not on batches, on their order, nor on other devices
-/// that share the image. Who has not traced the samples that teach the maps traces them again.
+/// better ones. So a sample depends on its pixel and number only: not on batches, on their order, on how many samples
+/// follow, nor on other devices that share the image. Who has not learned from the samples that teach the maps traces
+/// them again.
 class PathGuide {
 public:
     PathGuide(const Device& device, const Bounds& scene, std::uint32_t pixels);
     /// So that none is compiled during a render.
     static void load_kernels(const Device& device);
-    /// Whether guiding is wanted, and the image has enough samples and pixels to teach it.
+    /// Whether guiding is wanted, and the image has enough pixels to teach it.
     [[nodiscard]] static bool is_for(const RenderConfig& config);
 
-    /// Traces a batch by the maps for its samples and calls `add` for each part.
-    void trace(Batch batch, Wavefront& wavefront, SceneBuffers& scene, const std::function<void(const Batch&)>& add);
+    /// Traces a batch of an image of `spp` samples per pixel by the maps for its samples, and calls `add` for each
+    /// part. Learns only what later samples of the image need.
+    void trace(Batch batch, unsigned spp, Wavefront& wavefront, SceneBuffers& scene,
+               const std::function<void(const Batch&)>& add);
+    /// For an image that begins anew, of the same scene and size.
+    void forget();
 
 private:
     /// Samples of the same maps. Each but the last teaches those after it.
     enum Phase : unsigned { unit_phase, unguided_phase, first_phase, last_phase };
-    static constexpr std::array<std::uint32_t, 4> ends = {2, 8, 16, ~std::uint32_t(0)};
+    static constexpr std::array<std::uint32_t, 4> ends = {2, unguided_spp, teaching_spp, ~std::uint32_t(0)};
     [[nodiscard]] static Phase phase_of(const Batch& batch);
+    [[nodiscard]] static bool pays_to_teach(Phase phase, unsigned spp);
     /// Where the batches that teach go on: in the image, in the order of passes.
     struct Cursor {
         std::uint32_t sample = 0, pass = 0, pixel = 0;
     };
 
-    void trace_part(const Batch& part, Wavefront& wavefront, SceneBuffers& scene);
+    void trace_part(const Batch& part, unsigned spp, Wavefront& wavefront, SceneBuffers& scene);
+    [[nodiscard]] std::uint32_t first_sample() const;  ///< of this phase
     [[nodiscard]] bool follows(const Batch& part) const;
     void advance(const Batch& part);
     void learn(const Batch& part, const Wavefront& wavefront);
-    void learn_all(Wavefront& wavefront, SceneBuffers& scene);
+    void learn_until(Phase phase, Wavefront& wavefront, SceneBuffers& scene);
     void trace_runs(std::uint32_t first_sample, std::uint32_t samples, Wavefront& wavefront, SceneBuffers& scene);
-    void forget();
     void end_phase();
     [[nodiscard]] bool tell_unit();
-    [[nodiscard]] bool pays() const;
+    [[nodiscard]] bool pays(std::span<const GuideBin> found) const;
     [[nodiscard]] PathGuideData data_for(Phase phase, bool teaches, const Wavefront& wavefront, SceneBuffers& scene);
 
     Device device_;
@@ -93,8 +101,7 @@ private:
     Cursor cursor_;
     std::array<std::vector<std::uint32_t>, 4> maps_;  // of each phase; empty: its samples are not guided
     Phase on_device_ = unit_phase;                    // the phase whose maps the device has
-    std::vector<GuideBin> found_so_far_;              // in complete phases
-    Buffer<GuideBin> found_;                          // in this phase
+    Buffer<GuideBin> found_;
     Buffer<std::uint32_t> counts_;
     Kernel learn_, count_;
 };

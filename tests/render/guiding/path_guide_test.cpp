@@ -44,7 +44,7 @@ Scene room_with_window() {
     return scene;
 }
 
-RenderConfig guided_config() { return {.width = 128, .height = 128, .spp = 64, .max_depth = 6, .guide = true}; }
+RenderConfig guided_config() { return {.width = 128, .height = 128, .spp = 64, .max_depth = 6}; }
 
 std::vector<glm::vec3> render_guided(const Scene& scene, unsigned least, RenderConfig config) {
     const verify::ScopedTuning gain(device(), stem, least_gain, least);
@@ -196,7 +196,7 @@ TEST(PathGuide, DependsNeitherOnBatchesNorOnLanes) {
     if (!is_guidable()) GTEST_SKIP() << "paths are guided on CPUs only";
     const Scene scene = room_with_window();
     RenderConfig config = guided_config();
-    config.spp = least_guided_spp;
+    config.spp = 32;
     const std::vector<glm::vec3> image = render_guided(scene, everywhere, config);
     EXPECT_FALSE(same_bits(image, render_guided(scene, nowhere, config))) << "nothing is guided";
     EXPECT_TRUE(same_bits(image, render_guided(scene, everywhere, config)));
@@ -213,7 +213,7 @@ TEST(PathGuide, LeavesImagesThatItDoesNotImprove) {
     if (!is_guidable()) GTEST_SKIP() << "paths are guided on CPUs only";
     const unsigned usual = device().tuning(stem, least_gain);
     const auto is_guided = [&](const Scene& scene) {
-        const RenderConfig config{.width = 224, .height = 224, .spp = least_guided_spp, .guide = true};
+        const RenderConfig config{.width = 224, .height = 224, .spp = 32};
         return !same_bits(render_guided(scene, usual, config), render_guided(scene, nowhere, config));
     };
     EXPECT_FALSE(is_guided(*builtin_scene("spheres")));
@@ -225,7 +225,7 @@ TEST(PathGuide, FollowsMovedVertices) {
     if (!is_guidable()) GTEST_SKIP() << "paths are guided on CPUs only";
     const verify::ScopedTuning gain(device(), stem, least_gain, everywhere);
     RenderConfig config = guided_config();
-    config.spp = least_guided_spp;
+    config.spp = 32;
     const Scene small = room_with_window();
     Scene large = small;
     for (Mesh& mesh : large.meshes)
@@ -262,44 +262,52 @@ TEST(PathGuide, ResumedIsUninterruptedBitForBit) {
     expect_same_when_resumed(config, {1, 3, 6, 9, 12, 17, 33});
 }
 
+/// A sample does not depend on how many follow. Short renders learn less, or nothing.
+TEST(PathGuide, ContinuesShorterRenders) {
+    if (!is_guidable()) GTEST_SKIP() << "paths are guided on CPUs only";
+    const verify::ScopedTuning gain(device(), stem, least_gain, everywhere);
+    const TemporaryFolder folder;
+    RenderConfig config = guided_config();
+    config.spp = 20;
+    const std::vector<glm::vec3> whole = render_by_own_kernels(room_with_window(), config);
+    config.checkpoint = folder / "c";
+    for (const unsigned spp : {unguided_spp, unguided_spp + 4, teaching_spp, teaching_spp + 1}) {
+        config.spp = spp, config.resume.clear();
+        (void)render_by_own_kernels(room_with_window(), config);
+        config.spp = 20, config.resume = config.checkpoint;
+        EXPECT_TRUE(same_bits(render_by_own_kernels(room_with_window(), config), whole)) << "continued from " << spp;
+    }
+}
+
 /// Only some pixels teach, and these are traced again.
 TEST(PathGuide, LargeImagesResumeBitForBit) {
     if (!is_guidable()) GTEST_SKIP() << "paths are guided on CPUs only";
-    expect_same_when_resumed({.width = 401, .height = 400, .spp = least_guided_spp, .max_depth = 3, .guide = true},
-                             {17});
+    expect_same_when_resumed({.width = 401, .height = 400, .spp = 32, .max_depth = 3}, {17});
 }
 
 TEST(PathGuide, CheckpointsOfUnguidedRendersAreRefused) {
     const TemporaryFolder folder;
-    RenderConfig config{.width = 128, .height = 128, .spp = least_guided_spp - 1, .max_depth = 2, .guide = true};
+    RenderConfig config = guided_config();
+    config.spp = 10, config.guide = false;
     config.checkpoint = folder / "c";
     (void)render_by_own_kernels(room_with_window(), config);
-    config.resume = config.checkpoint, config.spp = least_guided_spp;
-    EXPECT_TRUE(throws_error(ErrorKind::user, "--guide", [&] { Renderer(device(), room_with_window(), config); }));
+    config.resume = config.checkpoint, config.spp = 12, config.guide = true;
+    EXPECT_TRUE(throws_error(ErrorKind::user, "--no-guide", [&] { Renderer(device(), room_with_window(), config); }));
     config.guide = false;
-    EXPECT_EQ(Renderer(device(), room_with_window(), config).render().spp, least_guided_spp);
-}
-
-TEST(PathGuide, CheckpointsOfSmallImagesAreContinued) {
-    const TemporaryFolder folder;
-    RenderConfig config{.width = 16, .height = 16, .spp = least_guided_spp - 1, .guide = true};
-    config.checkpoint = folder / "c";
-    (void)render_by_own_kernels(room_with_window(), config);
-    config.resume = config.checkpoint, config.spp = least_guided_spp;
-    EXPECT_EQ(Renderer(device(), room_with_window(), config).render().spp, least_guided_spp);
+    EXPECT_EQ(Renderer(device(), room_with_window(), config).render().spp, 12u);
 }
 
 /// Too few paths of a small image would teach too little.
 TEST(PathGuide, LeavesSmallImagesAlone) {
     RenderConfig config = guided_config();
-    config.width = 127, config.spp = least_guided_spp;
+    config.width = 127, config.spp = 32;
     const Scene scene = room_with_window();
     EXPECT_TRUE(same_bits(render_guided(scene, everywhere, config), render_guided(scene, nowhere, config)));
 }
 
 TEST(PathGuide, LeavesShortRendersAlone) {
     RenderConfig config = guided_config();
-    config.spp = least_guided_spp - 1;
+    config.spp = unguided_spp;
     const Scene scene = room_with_window();
     EXPECT_TRUE(same_bits(render_guided(scene, everywhere, config), render_guided(scene, nowhere, config)));
 }
