@@ -91,12 +91,14 @@ static inline NextRay pass_mirror(Batch one, const FrameData* frame, SCENE_PARAM
     return next;
 }
 
-/// As shade_hit, without the light that rough surfaces reflect. Adds to `sight`; `next` is wanted if the ray goes on.
+/// As shade_hit, without the light that rough surfaces reflect. Adds to `seen`, which depth 0 begins; `next` is wanted if the ray goes on.
 static CLARAY_OUTLINED void see(Batch one, const FrameData* frame, SCENE_PARAMETERS, uint depth, Ray ray, SceneHit found, float time,
-                       Sight* sight, NextRay* next) {
+                       global Sight* seen, NextRay* next) {
+    Sight sight = {1.0f, 1.0f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0u};
+    if (depth != 0u) sight = *seen;
     const Lights lights = lights_of(frame, SCENE);
     const float3 direction = (float3)(ray.dx, ray.dy, ray.dz), outgoing = -direction;
-    PathState state = {sight->throughput_r, sight->throughput_g, sight->throughput_b, sight->pdf, 0u};
+    PathState state = {sight.throughput_r, sight.throughput_g, sight.throughput_b, sight.pdf, 0u};
     next->wanted = false;
 #if INSTANCES
     const Hit hit = hit_in_scene(found, instances);
@@ -120,8 +122,8 @@ static CLARAY_OUTLINED void see(Batch one, const FrameData* frame, SCENE_PARAMET
         if (at.surface.inside) state = attenuated(state, transmittance_of(&at.material, hit.t));
 #endif
         if (depth == 0u) {
-            sight->normal_x = at.surface.shading.x, sight->normal_y = at.surface.shading.y, sight->normal_z = at.surface.shading.z;
-            sight->nearness = 1.0f / fmax(hit.t, 1e-30f);
+            sight.normal_x = at.surface.shading.x, sight.normal_y = at.surface.shading.y, sight.normal_z = at.surface.shading.z;
+            sight.nearness = 1.0f / fmax(hit.t, 1e-30f);
         }
         albedo = throughput_of(state) * albedo_there(&at);
         bool ends = depth + 1u >= min(MOST_MIRRORS, frame->max_depth);
@@ -134,17 +136,19 @@ static CLARAY_OUTLINED void see(Batch one, const FrameData* frame, SCENE_PARAMET
 #endif
         if (!ends) *next = pass_mirror(one, frame, SCENE, depth, ray, state, &at);
     }
-    if (sight->passed == CLARAY_BY_GLOSS) {
-        sight->gloss_r += glow.x, sight->gloss_g += glow.y, sight->gloss_b += glow.z;
+    if (sight.passed == CLARAY_BY_GLOSS) {
+        sight.gloss_r += glow.x, sight.gloss_g += glow.y, sight.gloss_b += glow.z;
     } else {
-        sight->glow_r += glow.x, sight->glow_g += glow.y, sight->glow_b += glow.z;
-        sight->albedo_r = albedo.x, sight->albedo_g = albedo.y, sight->albedo_b = albedo.z;
+        sight.glow_r += glow.x, sight.glow_g += glow.y, sight.glow_b += glow.z;
+        sight.albedo_r = albedo.x, sight.albedo_g = albedo.y, sight.albedo_b = albedo.z;
     }
-    if (!next->wanted) return;
-    sight->pdf = next->state.pdf;
-    sight->passed = max(sight->passed, next->state.pdf > 0.0f ? CLARAY_BY_GLOSS : CLARAY_BY_MIRROR);
-    sight->throughput_r = next->state.throughput_r, sight->throughput_g = next->state.throughput_g;
-    sight->throughput_b = next->state.throughput_b;
+    if (next->wanted) {
+        sight.pdf = next->state.pdf;
+        sight.passed = max(sight.passed, next->state.pdf > 0.0f ? CLARAY_BY_GLOSS : CLARAY_BY_MIRROR);
+        sight.throughput_r = next->state.throughput_r, sight.throughput_g = next->state.throughput_g;
+        sight.throughput_b = next->state.throughput_b;
+    }
+    *seen = sight;
 }
 
 /// A ray that goes on, and its index among the camera rays.
@@ -156,18 +160,15 @@ typedef struct SeenRay {
 
 /// Ray i of this depth. `numbers`: from depth 1 on the index of each ray among the camera rays.
 static inline void see_ray(const GuideStep* guide, global const GuideRun* runs, global const uint* list, SCENE_PARAMETERS, global const Ray* rays,
-                           global const SceneHit* hits, global const uint* numbers, uint i, global Sight* sights, SeenRay* seen) {
+                           SceneHit found, global const uint* numbers, uint i, global Sight* sights, SeenRay* seen) {
     const uint depth = guide->step.depth;
     seen->number = depth == 0u ? i : numbers[i];
     const Batch one = sample_of(guide, runs, seen->number, list);
-    Sight sight = {1.0f, 1.0f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0u};
-    if (depth != 0u) sight = sights[seen->number];
     seen->time = 0.0f;
 #if INSTANCE_MOTION
     seen->time = time_of(samples_of(one, 0, 0u, guide->step.frame.seed));
 #endif
-    see(one, &guide->step.frame, SCENE, depth, queued_ray(&rays[i]), hits[i], seen->time, &sight, &seen->next);
-    sights[seen->number] = sight;
+    see(one, &guide->step.frame, SCENE, depth, queued_ray(&rays[i]), found, seen->time, &sights[seen->number], &seen->next);
 }
 
 static inline void append_ray(const SeenRay* seen, uint slot, global Ray* next_rays, global float* next_times, global uint* next_numbers) {
@@ -187,10 +188,12 @@ kernel void see_surfaces(GuideStep guide, global const GuideRun* runs, global co
                          global uint* next_numbers, global const uint* ray_count, global uint* next_count, global uint* count_after_next) {
     const uint begin = RAYS_PER_ITEM * (uint)get_global_id(0), end = min(begin + RAYS_PER_ITEM, min(guide.step.capacity, *ray_count));
     if (begin == 0u) *count_after_next = 0u;
+    SceneHit found[RAYS_PER_ITEM];  // loaded together: one after the other, each would wait for memory
+    for (uint i = begin; i < end; ++i) found[i - begin] = hits[i];
     SeenRay seen[RAYS_PER_ITEM];
     uint wanted = 0u;
     for (uint i = begin; i < end; ++i) {
-        see_ray(&guide, runs, list, SCENE, rays, hits, numbers, i, sights, &seen[wanted]);
+        see_ray(&guide, runs, list, SCENE, rays, found[i - begin], numbers, i, sights, &seen[wanted]);
         if (seen[wanted].next.wanted) ++wanted;
     }
     if (wanted == 0u) return;
@@ -297,7 +300,7 @@ kernel void find_edges(uint width, uint height, global const Glow* glows, global
             const int at = clamp(y + dy, 0, (int)height - 1) * (int)width + clamp(x + dx, 0, (int)width - 1);
             const float glow = glows[at].mean;
             variance += glows[at].variance, first += glow, second += glow * glow;
-            most = fmax(most, glow);
+            most = glow > most ? glow : most;
         }
     variance /= 9.0f, first /= 9.0f, second /= 9.0f;
     // Few rays may have missed what others nearby have met, and all of them a border between two pixels. The part of the pixel beyond that
