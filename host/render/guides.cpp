@@ -89,7 +89,7 @@ Guides::Guides(const Device& device, const SceneBuffers& scene, Sampler sampler)
 
 const Buffer<Guide>& Guides::trace(const FrameData& frame, const Buffer<FilmPixel>& film, std::uint32_t spp) {
     const std::uint32_t pixels = frame.width * frame.height;
-    guides_.reserve(device_, pixels), list_.reserve(device_, 2 * std::size_t(pixels)),
+    guides_.reserve(device_, pixels), glows_.reserve(device_, pixels), list_.reserve(device_, 2 * std::size_t(pixels)),
         classes_.reserve(device_, pixels);
     trace_runs(frame, film, {{pixels, samples_of_all}}, 0, false);
     const double rays = double(pixels) * edge_rays_per_pixel(spp);
@@ -102,7 +102,7 @@ double Guides::trace_edges(const FrameData& frame, const Buffer<FilmPixel>& film
                            std::uint32_t spp) {
     const std::uint32_t pixels = frame.width * frame.height;
     counts_.fill(0);
-    find_edges_.run({pixels, 64}, frame.width, frame.height, guides_, classes_, counts_);
+    find_edges_.run({pixels, 64}, frame.width, frame.height, glows_, classes_, counts_);
     EdgeCounts counts{}, starts{};
     counts_.read(std::span(counts));
     for (std::size_t i = 1; i < counts.size(); ++i) starts[i] = starts[i - 1] + counts[i - 1];
@@ -110,7 +110,7 @@ double Guides::trace_edges(const FrameData& frame, const Buffer<FilmPixel>& film
     if (samples == EdgeCounts{}) samples = share_rays(counts, most_rays, too_few(spp));
     if (samples == EdgeCounts{}) return 0;
     ends_.write(std::span<const std::uint32_t>(starts));
-    list_edges_.run({pixels, 64}, pixels, guides_, classes_, arg("list", list_), arg("ends", ends_));
+    list_edges_.run({pixels, 64}, pixels, glows_, classes_, arg("list", list_), arg("ends", ends_));
     std::vector<Run> runs;
     std::uint32_t without = 0;  // pixels of the lowest classes
     double rays = 0;
@@ -124,7 +124,7 @@ double Guides::trace_edges(const FrameData& frame, const Buffer<FilmPixel>& film
 
 std::uint64_t Guides::bytes() const {
     std::uint64_t bytes = hits_.bytes() + sights_.bytes() + classes_.bytes() + list_.bytes() + counts_.bytes() +
-                          ends_.bytes() + guides_.bytes() + runs_.bytes();
+                          ends_.bytes() + guides_.bytes() + glows_.bytes() + runs_.bytes();
     for (int i = 0; i < 2; ++i) bytes += rays_[i].bytes() + times_[i].bytes() + numbers_[i].bytes();
     for (const Buffer<std::uint32_t>& ray_count : ray_counts_) bytes += ray_count.bytes();
     return bytes;
@@ -153,7 +153,7 @@ void Guides::trace_runs(const FrameData& frame, const Buffer<FilmPixel>& film, c
         guide.run_count = std::uint32_t(batch_runs.size());
         runs_.write(std::span<const GuideRun>(batch_runs));
         see(guide);
-        write_.run({batch.pixels, 64}, guide, runs_, list_, film, sights_, guides_);
+        write_.run({batch.pixels, 64}, guide, runs_, list_, film, sights_, guides_, glows_);
         batch.first_pixel += batch.pixels, batch.pixels = 0, guide.step.capacity = 0;
         batch_runs.clear();
     };
@@ -179,10 +179,10 @@ void Guides::see(GuideStep guide) {
         const std::uint32_t depth = guide.step.depth, in = depth % 2, out = 1 - in;
         const Buffer<std::uint32_t>&ray_count = ray_counts_[depth % 3], &next_count = ray_counts_[(depth + 1) % 3];
         query_.closest(rays_[in], hits_, count, ray_count, times_[in]);
-        see_.run({count, 64}, guide, runs_, arg("list", list_), scene_, arg("rays", rays_[in]), hits_,
-                 arg("numbers", numbers_[in]), sights_, arg("next_rays", rays_[out]), arg("next_times", times_[out]),
-                 arg("next_numbers", numbers_[out]), arg("ray_count", ray_count), arg("next_count", next_count),
-                 arg("count_after_next", ray_counts_[(depth + 2) % 3]));
+        see_.run(cpu ? Range{(count + 15) / 16, 4} : Range{count, 64}, guide, runs_, arg("list", list_), scene_,
+                 arg("rays", rays_[in]), hits_, arg("numbers", numbers_[in]), sights_, arg("next_rays", rays_[out]),
+                 arg("next_times", times_[out]), arg("next_numbers", numbers_[out]), arg("ray_count", ray_count),
+                 arg("next_count", next_count), arg("count_after_next", ray_counts_[(depth + 2) % 3]));
         if (++guide.step.depth % bounces_per_look_ == 0) next_count.read(std::span<std::uint32_t>(&count, 1));
     }
 }

@@ -49,6 +49,7 @@ private:
     Buffer<GuideRun> runs_;  // of the present batch
     Buffer<std::uint32_t> list_, counts_, ends_;
     Buffer<Guide> guides_;
+    Buffer<Glow> glows_;
 };
 
 }  // namespace claray

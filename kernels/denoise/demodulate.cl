@@ -36,9 +36,9 @@ kernel void demodulate(FilterStep step, global const FilmPixel* film, global con
     const float3 glossy = (float3)(g.gloss_r, g.gloss_g, g.gloss_b);
     const float2 variances = (float2)(variance_of(p, glow_difference_of(p, &g)), g.complete ? g.gloss_variance : 0.0f) / (scale * scale);
     const bool lit = albedo.x > 0.0f;
-    light[i] = lit ? (float4)((reflected + glossy) / albedo, variances.x + variances.y) : (float4)(reflected + glossy, -1.0f);
+    set_pixel(step, light, i, lit ? (float4)((reflected + glossy) / albedo, variances.x + variances.y) : (float4)(reflected + glossy, -1.0f));
     // Gloss of unknown variance is that of the film's own samples, and part of their variance.
     gloss[i] = lit && variances.y > 0.0f ? (float2)(luminance(glossy / albedo), variances.y) : (float2)(0.0f);
     weights[i] = scale;
-    surfaces[i] = (float4)(g.normal_x, g.normal_y, g.normal_z, g.nearness);
+    set_pixel(step, surfaces, i, (float4)(g.normal_x, g.normal_y, g.normal_z, g.nearness));
 }

@@ -38,7 +38,7 @@ kernel void estimate_variance(FilterStep step, uint single, global const float4*
     vstore16(slope_x, 0, of_x), vstore16(slope_y, 0, of_y);
     for (uint i = 0; i < run.count; ++i) slopes[run.first + i] = (float2)(of_x[i], of_y[i]);
     if (!movemask16(here.w >= 0.0f)) {
-        write_pixels16(run, here, result);
+        write_pixels16(step, run, here, result);
         return;
     }
     for (uint i = 0; i < 16; ++i) trust[i] = mix(1.0f, MIRROR_TRUST, guides[run.first + min(i, run.count - 1)].mirrored);
@@ -62,7 +62,7 @@ kernel void estimate_variance(FilterStep step, uint single, global const float4*
     const float16 given = luminances16(handed) / total;
     const float16 noise = single ? SINGLE_DOUBT * fmax(spread, own * own) + given * given : fmax(fmax(of_mean, here.w - gloss_variance), fmin(own * own, 4.0f * of_mean));
     const Pixels16 known = {selected16(here.v, plus16(here.v, scaled16(1.0f / total, handed)), here.w >= 0.0f), select(here.w, vload16(0, trust) * (noise + gloss_variance), here.w >= 0.0f)};
-    write_pixels16(run, known, result);
+    write_pixels16(step, run, known, result);
 }
 #else
 kernel void estimate_variance(FilterStep step, uint single, global const float4* light, global const float4* rejected, global const float4* surfaces, global const float* weights,

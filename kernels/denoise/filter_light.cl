@@ -27,7 +27,7 @@ kernel void filter_light(FilterStep step, global const float4* light, global con
     const Pixels16 here = read_pixels16(step, light, run.x, run.y), surface = read_pixels16(step, surfaces, run.x, run.y);
     const int16 lit = here.w >= 0.0f;
     if (!movemask16(lit)) {
-        write_pixels16(run, here, result);
+        write_pixels16(step, run, here, result);
         return;
     }
     const float16 itself = read_values16(step, weights, run.x, run.y) * (spline[0] * spline[0]), own = luminances16(here.v);
@@ -64,7 +64,7 @@ kernel void filter_light(FilterStep step, global const float4* light, global con
         sum.v = plus16(scaled16(alone, any_sum.v), scaled16(company, sum.v)), sum.w = alone * any_sum.w + company * sum.w;
     }
     const Pixels16 filtered = {selected16(here.v, scaled16(1.0f / total, sum.v), lit), select(here.w, sum.w / (total * total), lit)};
-    write_pixels16(run, filtered, result);
+    write_pixels16(step, run, filtered, result);
 }
 #else
 kernel void filter_light(FilterStep step, global const float4* light, global const float4* surfaces, global const float* weights, global const float2* slopes,

@@ -27,10 +27,10 @@ kernel void measure_changes(FilterStep step, float doubt, global const float4* n
                             global const Guide* guides, global float4* changes) {
     const uint i = get_global_id(0);
     if (i >= step.width * step.height) return;
-    const float4 before = noisy[i];
+    const float4 before = pixel_at(step, noisy, i);
     changes[i] = (float4)(0.0f);
     if (!has_light(before)) return;
-    const float3 after = filtered[i].xyz, difference = before.xyz - after;
+    const float3 after = pixel_at(step, filtered, i).xyz, difference = before.xyz - after;
     // Noise is taken to have the colour of light. By luminance alone, a change of colour would count as none.
     const float bright = luminance(after), colors = bright > 0.0f ? dot(after, after) / (bright * bright) : 3.0f;
     const float noise = before.w * colors, removed = REMOVED * (1.0f - kept[i]) * noise;
@@ -61,7 +61,8 @@ static inline float3 bounded_light(FilterStep step, uint i, uint single, float3 
     for (int dy = -OUTLIER_RADIUS; dy <= OUTLIER_RADIUS; ++dy)
         for (int dx = -OUTLIER_RADIUS; dx <= OUTLIER_RADIUS; ++dx) {
             const uint at = neighbour(step, x + dx, y + dy);
-            if (at != i && has_light(filtered[at])) most = fmax(most, luminance(filtered[at].xyz));
+            const float4 there = pixel_at(step, filtered, at);
+            if (at != i && has_light(there)) most = fmax(most, luminance(there.xyz));
             if (own <= MOST_OVER_NEIGHBOURS * most) return light;  // almost all pixels
         }
     const float removed = unsupported(own, most, variance, single);
@@ -73,12 +74,13 @@ kernel void modulate(FilterStep step, uint single, float doubt, global const flo
                      global const float4* changes, global const Guide* guides, global float* image) {
     const uint i = get_global_id(0);
     if (i >= step.width * step.height) return;
-    const bool lit = has_light(noisy[i]);
+    const float4 before = pixel_at(step, noisy, i);
+    const bool lit = has_light(before);
     const Guide g = guides[i];
     float share = 1.0f;
-    if (!single && lit) share = share_beside_details(&g, doubt) * share_of_filtered(step, i, noisy[i].w, changes);
-    float3 light = mix(noisy[i].xyz, filtered[i].xyz, share);
-    if (lit) light = bounded_light(step, i, single, light, noisy[i].w, filtered);
+    if (!single && lit) share = share_beside_details(&g, doubt) * share_of_filtered(step, i, before.w, changes);
+    float3 light = mix(before.xyz, pixel_at(step, filtered, i).xyz, share);
+    if (lit) light = bounded_light(step, i, single, light, before.w, filtered);
     const float3 albedo = lit ? (float3)(g.albedo_r, g.albedo_g, g.albedo_b) : (float3)(1.0f);
     vstore3(light * albedo + (float3)(g.glow_r, g.glow_g, g.glow_b), i, image);
 }

@@ -29,7 +29,7 @@ kernel void reject_outliers(FilterStep step, uint single, global const float4* l
     const float16 removed = single ? excess : noise;
     const float16 share = select(none, removed / own, (here.w >= 0.0f) & (removed > 0.0f)), left = 1.0f - share;
     const Pixels16 bounded = {scaled16(left, here.v), here.w * left * left}, lost = {scaled16(share * weight, here.v), none};
-    write_pixels16(run, bounded, result), write_pixels16(run, lost, rejected);
+    write_pixels16(step, run, bounded, result), write_pixels16(step, run, lost, rejected);
 }
 #else
 kernel void reject_outliers(FilterStep step, uint single, global const float4* light, global const float* weights, global float4* result,

@@ -35,24 +35,25 @@ kernel void reproject(FilterStep step, CameraPair cameras, global const float4* 
                       global float4* result, global float* ages) {
     const uint i = get_global_id(0);
     if (i >= step.width * step.height) return;
-    const float4 surface = surfaces[i];
+    const float4 surface = pixel_at(step, surfaces, i);
     float4 sum = (float4)(0.0f);
     float total = 0.0f, age = 0.0f, distance;
     float2 at;
-    if (has_light(light[i]) && surface.w > 0.0f &&
+    if (has_light(pixel_at(step, light, i)) && surface.w > 0.0f &&
         seen_at(step, &cameras.before, point_of(step, &cameras.now, i % step.width, i / step.width, surface.w), &at, &distance)) {
         const float2 corner = floor(at), part = at - corner;
         for (int k = 0; k < 4; ++k) {
             const int x = (int)corner.x + (k & 1), y = (int)corner.y + (k >> 1);
             if (!(x >= 0 && y >= 0 && x < (int)step.width && y < (int)step.height)) continue;
             const uint there = (uint)(y * (int)step.width + x);
-            if (!has_light(old_light[there]) || !is_same_surface(surface, distance, old_surfaces[there])) continue;
+            const float4 before = pixel_at(step, old_light, there);
+            if (!has_light(before) || !is_same_surface(surface, distance, pixel_at(step, old_surfaces, there))) continue;
             const float weight = (k & 1 ? part.x : 1.0f - part.x) * (k >> 1 ? part.y : 1.0f - part.y);
-            total += weight, sum += weight * old_light[there], age += weight * old_ages[there];
+            total += weight, sum += weight * before, age += weight * old_ages[there];
         }
     }
     const bool found = total > 0.05f;
-    result[i] = found ? sum / total : (float4)(0.0f);
+    set_pixel(step, result, i, found ? sum / total : (float4)(0.0f));
     ages[i] = found ? age / total : 0.0f;
 }
 
@@ -63,22 +64,24 @@ kernel void blend_history(FilterStep step, float samples, float most, global con
                           global const float4* old, global const float* old_ages, global float4* result, global float* ages) {
     const uint i = get_global_id(0);
     if (i >= step.width * step.height) return;
-    const float4 here = fresh[i];
-    result[i] = here;
+    const float4 here = pixel_at(step, fresh, i);
+    set_pixel(step, result, i, here);
     ages[i] = has_light(here) ? samples : 0.0f;
     if (!has_light(here) || 2.0f * old_ages[i] < samples) return;
     const int x = (int)(i % step.width), y = (int)(i / step.width);
+    const float4 surface = pixel_at(step, surfaces, i), before = pixel_at(step, old, i);
     float difference = 0.0f, variance = 1e-30f;
     for (int dy = -3; dy <= 3; ++dy)
         for (int dx = -3; dx <= 3; ++dx) {
             const uint at = neighbour(step, x + dx, y + dy);
-            if (!has_light(fresh[at]) || old_ages[at] == 0.0f) continue;
-            const float weight = fading(surface_distance(surfaces[i], slopes[i], surfaces[at], (float)dx, (float)dy));
-            difference += weight * (luminance(fresh[at].xyz) - luminance(old[at].xyz));
-            variance += weight * weight * (fresh[at].w + old[at].w);
+            const float4 now = pixel_at(step, fresh, at), then = pixel_at(step, old, at);
+            if (!has_light(now) || old_ages[at] == 0.0f) continue;
+            const float weight = fading(surface_distance(surface, slopes[i], pixel_at(step, surfaces, at), (float)dx, (float)dy));
+            difference += weight * (luminance(now.xyz) - luminance(then.xyz));
+            variance += weight * weight * (now.w + then.w);
         }
     const float deviations = fmax(difference * difference / variance - 4.0f, 0.0f);  // squared; four are common
     const float age = fmin(old_ages[i], most) * fading(deviations), share = samples / (age + samples);
-    result[i] = (float4)(mix(old[i].xyz, here.xyz, share), (1.0f - share) * (1.0f - share) * old[i].w + share * share * here.w);
+    set_pixel(step, result, i, (float4)(mix(before.xyz, here.xyz, share), (1.0f - share) * (1.0f - share) * before.w + share * share * here.w));
     ages[i] = age + samples;
 }

@@ -91,12 +91,14 @@ static inline NextRay pass_mirror(Batch one, const FrameData* frame, SCENE_PARAM
     return next;
 }
 
-/// As shade_hit, without the light that rough surfaces reflect. Adds to `sight`; `next` is wanted if the ray goes on.
+/// As shade_hit, without the light that rough surfaces reflect. Adds to `seen`, which depth 0 begins; `next` is wanted if the ray goes on.
 static CLARAY_OUTLINED void see(Batch one, const FrameData* frame, SCENE_PARAMETERS, uint depth, Ray ray, SceneHit found, float time,
-                       Sight* sight, NextRay* next) {
+                       global Sight* seen, NextRay* next) {
+    Sight sight = {1.0f, 1.0f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0u};
+    if (depth != 0u) sight = *seen;
     const Lights lights = lights_of(frame, SCENE);
     const float3 direction = (float3)(ray.dx, ray.dy, ray.dz), outgoing = -direction;
-    PathState state = {sight->throughput_r, sight->throughput_g, sight->throughput_b, sight->pdf, 0u};
+    PathState state = {sight.throughput_r, sight.throughput_g, sight.throughput_b, sight.pdf, 0u};
     next->wanted = false;
 #if INSTANCES
     const Hit hit = hit_in_scene(found, instances);
@@ -120,8 +122,8 @@ static CLARAY_OUTLINED void see(Batch one, const FrameData* frame, SCENE_PARAMET
         if (at.surface.inside) state = attenuated(state, transmittance_of(&at.material, hit.t));
 #endif
         if (depth == 0u) {
-            sight->normal_x = at.surface.shading.x, sight->normal_y = at.surface.shading.y, sight->normal_z = at.surface.shading.z;
-            sight->nearness = 1.0f / fmax(hit.t, 1e-30f);
+            sight.normal_x = at.surface.shading.x, sight.normal_y = at.surface.shading.y, sight.normal_z = at.surface.shading.z;
+            sight.nearness = 1.0f / fmax(hit.t, 1e-30f);
         }
         albedo = throughput_of(state) * albedo_there(&at);
         bool ends = depth + 1u >= min(MOST_MIRRORS, frame->max_depth);
@@ -134,45 +136,69 @@ static CLARAY_OUTLINED void see(Batch one, const FrameData* frame, SCENE_PARAMET
 #endif
         if (!ends) *next = pass_mirror(one, frame, SCENE, depth, ray, state, &at);
     }
-    if (sight->passed == CLARAY_BY_GLOSS) {
-        sight->gloss_r += glow.x, sight->gloss_g += glow.y, sight->gloss_b += glow.z;
+    if (sight.passed == CLARAY_BY_GLOSS) {
+        sight.gloss_r += glow.x, sight.gloss_g += glow.y, sight.gloss_b += glow.z;
     } else {
-        sight->glow_r += glow.x, sight->glow_g += glow.y, sight->glow_b += glow.z;
-        sight->albedo_r = albedo.x, sight->albedo_g = albedo.y, sight->albedo_b = albedo.z;
+        sight.glow_r += glow.x, sight.glow_g += glow.y, sight.glow_b += glow.z;
+        sight.albedo_r = albedo.x, sight.albedo_g = albedo.y, sight.albedo_b = albedo.z;
     }
-    if (!next->wanted) return;
-    sight->pdf = next->state.pdf;
-    sight->passed = max(sight->passed, next->state.pdf > 0.0f ? CLARAY_BY_GLOSS : CLARAY_BY_MIRROR);
-    sight->throughput_r = next->state.throughput_r, sight->throughput_g = next->state.throughput_g;
-    sight->throughput_b = next->state.throughput_b;
+    if (next->wanted) {
+        sight.pdf = next->state.pdf;
+        sight.passed = max(sight.passed, next->state.pdf > 0.0f ? CLARAY_BY_GLOSS : CLARAY_BY_MIRROR);
+        sight.throughput_r = next->state.throughput_r, sight.throughput_g = next->state.throughput_g;
+        sight.throughput_b = next->state.throughput_b;
+    }
+    *seen = sight;
 }
 
-/// `numbers`: from depth 1 on the index of each ray among the camera rays. Rays that go on are appended to the `next` ones. `ray_count`:
-/// how many there are; `next_count` is 0 before, and `count_after_next` is made 0.
+/// A ray that goes on, and its index among the camera rays.
+typedef struct SeenRay {
+    NextRay next;
+    uint number;
+    float time;  // under INSTANCE_MOTION
+} SeenRay;
+
+/// Ray i of this depth. `numbers`: from depth 1 on the index of each ray among the camera rays.
+static inline void see_ray(const GuideStep* guide, global const GuideRun* runs, global const uint* list, SCENE_PARAMETERS, global const Ray* rays,
+                           SceneHit found, global const uint* numbers, uint i, global Sight* sights, SeenRay* seen) {
+    const uint depth = guide->step.depth;
+    seen->number = depth == 0u ? i : numbers[i];
+    const Batch one = sample_of(guide, runs, seen->number, list);
+    seen->time = 0.0f;
+#if INSTANCE_MOTION
+    seen->time = time_of(samples_of(one, 0, 0u, guide->step.frame.seed));
+#endif
+    see(one, &guide->step.frame, SCENE, depth, queued_ray(&rays[i]), found, seen->time, &sights[seen->number], &seen->next);
+}
+
+static inline void append_ray(const SeenRay* seen, uint slot, global Ray* next_rays, global float* next_times, global uint* next_numbers) {
+    store_ray(&next_rays[slot], seen->next.ray);
+    next_numbers[slot] = seen->number;
+#if INSTANCE_MOTION
+    next_times[slot] = seen->time;
+#endif
+}
+
+/// Rays that a work-item of a CPU sees, and for which it reserves slots at once: threads would wait for each other at every atomic operation.
+#define RAYS_PER_ITEM (CLARAY_CPU ? 16u : 1u)
+
+/// Rays that go on are appended to the `next` ones. `ray_count`: how many there are; `next_count` is 0 before, and `count_after_next` is made 0.
 kernel void see_surfaces(GuideStep guide, global const GuideRun* runs, global const uint* list, SCENE_PARAMETERS, global const Ray* rays,
                          global const SceneHit* hits, global const uint* numbers, global Sight* sights, global Ray* next_rays, global float* next_times,
                          global uint* next_numbers, global const uint* ray_count, global uint* next_count, global uint* count_after_next) {
-    const uint i = get_global_id(0), depth = guide.step.depth;
-    if (i == 0u) *count_after_next = 0u;
-    if (i >= guide.step.capacity || i >= *ray_count) return;
-    const uint ray = depth == 0u ? i : numbers[i];
-    const Batch one = sample_of(&guide, runs, ray, list);
-    Sight sight = {1.0f, 1.0f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0u};
-    if (depth != 0u) sight = sights[ray];
-    float time = 0.0f;
-#if INSTANCE_MOTION
-    time = time_of(samples_of(one, 0, 0u, guide.step.frame.seed));
-#endif
-    NextRay next;
-    see(one, &guide.step.frame, SCENE, depth, queued_ray(&rays[i]), hits[i], time, &sight, &next);
-    sights[ray] = sight;
-    if (!next.wanted) return;
-    const uint slot = atomic_inc(next_count);
-    store_ray(&next_rays[slot], next.ray);
-    next_numbers[slot] = ray;
-#if INSTANCE_MOTION
-    next_times[slot] = time;
-#endif
+    const uint begin = RAYS_PER_ITEM * (uint)get_global_id(0), end = min(begin + RAYS_PER_ITEM, min(guide.step.capacity, *ray_count));
+    if (begin == 0u) *count_after_next = 0u;
+    SceneHit found[RAYS_PER_ITEM];  // loaded together: one after the other, each would wait for memory
+    for (uint i = begin; i < end; ++i) found[i - begin] = hits[i];
+    SeenRay seen[RAYS_PER_ITEM];
+    uint wanted = 0u;
+    for (uint i = begin; i < end; ++i) {
+        see_ray(&guide, runs, list, SCENE, rays, found[i - begin], numbers, i, sights, &seen[wanted]);
+        if (seen[wanted].next.wanted) ++wanted;
+    }
+    if (wanted == 0u) return;
+    const uint slot = atomic_add(next_count, wanted);
+    for (uint k = 0; k < wanted; ++k) append_ray(&seen[k], slot + k, next_rays, next_times, next_numbers);
 }
 
 /// From sums of n values and of their squares. One value tells no variance: there it is the square.
@@ -203,9 +229,15 @@ static inline void merge_guides(Guide* all, const Guide* more, float of_film) {
     all->odd_glow += more->odd_glow, all->rays += more->rays, all->complete = more->complete;
 }
 
+static inline Glow glow_of(const Guide* g) {
+    const float3 both = (float3)(g->glow_r + g->gloss_r, g->glow_g + g->gloss_g, g->glow_b + g->gloss_b);
+    const Glow glow = {luminance(both), g->ray_variance, g->rays};
+    return glow;
+}
+
 /// One pixel per item. The film's samples come first in each pixel's sequence.
 kernel void write_guides(GuideStep step, global const GuideRun* runs, global const uint* list, global const FilmPixel* film,
-                         global const Sight* sights, global Guide* guides) {
+                         global const Sight* sights, global Guide* guides, global Glow* glows) {
     const uint i = get_global_id(0);
     if (i >= step.step.batch.pixels) return;
     uint run = step.run_count - 1u;
@@ -247,18 +279,18 @@ kernel void write_guides(GuideStep step, global const GuideRun* runs, global con
     guide.nearness = share * nearness, guide.mirrored = share * mirrored;
     guide.ray_variance = fmax(share * both - mean * mean, 0.0f), guide.rays = samples;
     guide.complete = in_film <= end;
-    if (pixel.y == 0u) {
-        guides[pixel.x] = guide;
-        return;
+    if (pixel.y != 0u) {
+        Guide all = guides[pixel.x];
+        merge_guides(&all, &guide, (float)sampled / (float)max(end_of_film, 1u));
+        guide = all;
     }
-    Guide all = guides[pixel.x];
-    merge_guides(&all, &guide, (float)sampled / (float)max(end_of_film, 1u));
-    guides[pixel.x] = all;
+    guides[pixel.x] = guide;
+    glows[pixel.x] = glow_of(&guide);
 }
 
 /// Sorts the pixels by the variance of one ray's glow, a factor of 2 to a class: borders of lamps and of the sky, where the film's noise is
 /// that of coverage, and highlights. `counts`, of the pixels in each class, are 0 before.
-kernel void find_edges(uint width, uint height, global const Guide* guides, global uchar* classes, global uint* counts) {
+kernel void find_edges(uint width, uint height, global const Glow* glows, global uchar* classes, global uint* counts) {
     const uint i = get_global_id(0);
     if (i >= width * height) return;
     const int x = (int)(i % width), y = (int)(i / width);
@@ -266,15 +298,15 @@ kernel void find_edges(uint width, uint height, global const Guide* guides, glob
     for (int dy = -1; dy <= 1; ++dy)
         for (int dx = -1; dx <= 1; ++dx) {
             const int at = clamp(y + dy, 0, (int)height - 1) * (int)width + clamp(x + dx, 0, (int)width - 1);
-            const Guide g = guides[at];
-            const float glow = luminance((float3)(g.glow_r + g.gloss_r, g.glow_g + g.gloss_g, g.glow_b + g.gloss_b));
-            variance += g.ray_variance / 9.0f, first += glow / 9.0f, second += glow * glow / 9.0f;
-            most = fmax(most, glow);
+            const float glow = glows[at].mean;
+            variance += glows[at].variance, first += glow, second += glow * glow;
+            most = glow > most ? glow : most;
         }
+    variance /= 9.0f, first /= 9.0f, second /= 9.0f;
     // Few rays may have missed what others nearby have met, and all of them a border between two pixels. The part of the pixel beyond that
     // border becomes smaller with the number of rays, too.
-    const float missed = fmin(FEW_RAYS / (float)guides[i].rays, 1.0f);
-    variance = mix(guides[i].ray_variance, variance + missed * fmax(second - first * first, 0.0f), missed);
+    const float missed = fmin(FEW_RAYS / (float)glows[i].rays, 1.0f);
+    variance = mix(glows[i].variance, variance + missed * fmax(second - first * first, 0.0f), missed);
     const bool is_edge = variance > LEAST_NOISE * LEAST_NOISE * most * most;  // a slow gradient, as in the sky, is none
     const int exponent = (int)(as_uint(variance) >> 23) - 127;
     const uchar class = is_edge ? (uchar)clamp(exponent + (int)CLARAY_EDGE_CLASSES / 2, 0, (int)CLARAY_EDGE_CLASSES - 1) : (uchar)CLARAY_EDGE_CLASSES;
@@ -283,9 +315,9 @@ kernel void find_edges(uint width, uint height, global const Guide* guides, glob
 }
 
 /// Lists the edges by class, in any order, and from which sample on they are traced. `ends`: where the next pixel of each class goes.
-kernel void list_edges(uint pixels, global const Guide* guides, global const uchar* classes, global uint* list,
+kernel void list_edges(uint pixels, global const Glow* glows, global const uchar* classes, global uint* list,
                        global uint* ends) {
     const uint i = get_global_id(0);
     if (i >= pixels || classes[i] >= CLARAY_EDGE_CLASSES) return;
-    vstore2((uint2)(i, guides[i].rays), atomic_inc(&ends[classes[i]]), list);
+    vstore2((uint2)(i, glows[i].rays), atomic_inc(&ends[classes[i]]), list);
 }

@@ -440,6 +440,7 @@ TEST(Study, OfDenoisingFindsLessError) {
     for (const std::string& finding : study.findings) findings += finding + '\n';
     EXPECT_NE(findings.find("claray: the error of more samples in the same time, over its own, is "), std::string::npos)
         << findings;
+    EXPECT_NE(findings.find("claray: the same of the root of relMSE"), std::string::npos) << findings;
     EXPECT_NE(findings.find("blur"), std::string::npos) << findings;
 }
 

@@ -185,10 +185,9 @@ TEST(Denoiser, OutliersAreBoundedByTheirNeighbours) {
     const bool cpu = device().info().type == DeviceType::cpu;
     for (const bool single : {false, true}) {
         reject.run({cpu ? (width + 15) / 16 * height : pixels, 1}, FilterStep{width, height, 1}, std::uint32_t(single),
-                   arg("light", Buffer<Float4>(device(), made.light)),
-                   arg("weights", Buffer<float>(device(), made.weights)), arg("result", result),
-                   arg("rejected", rejected));
-        const std::vector<Float4> left = result.read(), lost = rejected.read();
+                   arg("light", image_on(device(), made.light)), arg("weights", Buffer<float>(device(), made.weights)),
+                   arg("result", result), arg("rejected", rejected));
+        const std::vector<Float4> left = pixels_of(result), lost = pixels_of(rejected);
         unsigned outliers = 0;
         for (std::size_t i = 0; i < pixels; ++i) {
             const double share = outlying_share(made, int(i % width), int(i / width), single);
@@ -255,11 +254,11 @@ TEST(Denoiser, AWaveletPassIsThatOfFloat64) {
     const Buffer<float> kept(device(), pixels);
     std::vector<double> derivatives(pixels, 1);  // of all passes so far
     for (const std::uint32_t spacing : {1u, 4u}) {
-        filter.run({pixels, 64}, FilterStep{width, height, spacing}, arg("light", Buffer<Float4>(device(), packed)),
-                   arg("surfaces", Buffer<Float4>(device(), std::vector<Float4>(pixels, {0, 0, 1, 0.2f}))),
+        filter.run({pixels, 64}, FilterStep{width, height, spacing}, arg("light", image_on(device(), packed)),
+                   arg("surfaces", image_on(device(), std::vector<Float4>(pixels, {0, 0, 1, 0.2f}))),
                    arg("weights", Buffer<float>(device(), std::vector<float>(pixels, 0.7f))),
                    Buffer<Float2>(device(), std::vector<Float2>(pixels)), arg("result", result), arg("kept", kept));
-        const std::vector<Float4> values = result.read();
+        const std::vector<Float4> values = pixels_of(result);
         const std::vector<float> told = kept.read();
         for (std::size_t i = 0; i < pixels; ++i) {
             const int x = int(i % width), y = int(i / width);
@@ -283,12 +282,12 @@ TEST(Denoiser, PixelsWithoutASurfaceWeighNothing) {
     packed[unlit] = {9, 9, 9, -1};
     const Buffer<Float4> result(device(), pixels);
     load_kernel(device(), "denoise/filter_light.cl", "filter_light")
-        .run({pixels, 64}, FilterStep{width, height, 1}, arg("light", Buffer<Float4>(device(), packed)),
-             arg("surfaces", Buffer<Float4>(device(), std::vector<Float4>(pixels, {0, 0, 1, 0.2f}))),
+        .run({pixels, 64}, FilterStep{width, height, 1}, arg("light", image_on(device(), packed)),
+             arg("surfaces", image_on(device(), std::vector<Float4>(pixels, {0, 0, 1, 0.2f}))),
              arg("weights", Buffer<float>(device(), std::vector<float>(pixels, 0.7f))),
              Buffer<Float2>(device(), std::vector<Float2>(pixels)), arg("result", result),
              arg("kept", Buffer<float>(device(), pixels)));
-    const std::vector<Float4> values = result.read();
+    const std::vector<Float4> values = pixels_of(result);
     for (std::size_t i = 0; i < pixels; ++i) ASSERT_NEAR(values[i].x, i == unlit ? 9 : 1, 1e-5) << i;
 }
 
@@ -298,7 +297,8 @@ std::vector<float> modulated(const std::vector<Float4>& noisy, const std::vector
     Kernel modulate = load_kernel(device(), "denoise/modulate.cl", "modulate");
     const std::size_t pixels = width * height;
     const Buffer<float> image(device(), 3 * pixels);
-    const Buffer<Float4> before(device(), noisy), after(device(), filtered), changes(device(), pixels);
+    const Buffer<Float4> before = image_on(device(), noisy), after = image_on(device(), filtered);
+    const Buffer<Float4> changes(device(), pixels);
     const Buffer<Guide> guides(device(), std::vector<Guide>(pixels, guide));
     load_kernel(device(), "denoise/modulate.cl", "measure_changes")
         .run({pixels, 64}, FilterStep{width, height, 1}, doubt, arg("noisy", before), arg("filtered", after),

@@ -1,10 +1,12 @@
-// Films and guides made by hand.
+// Films, guides and images made by hand.
 #pragma once
 
 #include <glm/glm.hpp>
+#include <vector>
 
 #include "claray/shared/denoise.h"
 #include "claray/shared/path.h"
+#include "host/denoise/denoiser.hpp"
 
 namespace claray::test {
 
@@ -37,5 +39,25 @@ private:
     double odd_ = 0;
     unsigned count_ = 0, odd_count_ = 0;
 };
+
+/// An image in the order of the device: on CPUs one value after the other of all pixels (denoise/light.clh).
+inline Buffer<Float4> image_on(const Device& device, std::vector<Float4> pixels) {
+    if (device.info().type != DeviceType::cpu) return {device, pixels};
+    std::vector<Float4> planes(pixels.size());
+    float* to = &planes[0].x;
+    for (const auto value : {&Float4::x, &Float4::y, &Float4::z, &Float4::w})
+        for (const Float4& pixel : pixels) *to++ = pixel.*value;
+    return {device, planes};
+}
+
+inline std::vector<Float4> pixels_of(const Buffer<Float4>& image) {
+    if (image.device().info().type != DeviceType::cpu) return image.read();
+    const std::vector<Float4> planes = image.read();
+    std::vector<Float4> pixels(planes.size());
+    const float* from = &planes[0].x;
+    for (const auto value : {&Float4::x, &Float4::y, &Float4::z, &Float4::w})
+        for (Float4& pixel : pixels) pixel.*value = *from++;
+    return pixels;
+}
 
 }  // namespace claray::test

@@ -74,13 +74,12 @@ TEST(Reproject, FindsThePointOfTheSameSurface) {
     const Buffer<float> ages(device(), pixels);
     Kernel reproject = load_kernel(device(), "denoise/reproject.cl", "reproject");
     reproject.run({pixels, 64}, FilterStep{columns, rows, 1}, CameraPair{now.camera, before.camera},
-                  arg("surfaces", Buffer<Float4>(device(), surfaces)),
-                  arg("light", Buffer<Float4>(device(), old_light)),
-                  arg("old_surfaces", Buffer<Float4>(device(), old_surfaces)),
-                  arg("old_light", Buffer<Float4>(device(), old_light)),
+                  arg("surfaces", image_on(device(), surfaces)), arg("light", image_on(device(), old_light)),
+                  arg("old_surfaces", image_on(device(), old_surfaces)),
+                  arg("old_light", image_on(device(), old_light)),
                   arg("old_ages", Buffer<float>(device(), std::vector<float>(pixels, 7))), arg("result", result),
                   arg("ages", ages));
-    const std::vector<Float4> found = result.read();
+    const std::vector<Float4> found = pixels_of(result);
     const std::vector<float> found_ages = ages.read();
     const double shift = 0.3 / double(wall_distance) / double(now.camera.right_x) * columns / 2;
     for (std::size_t i = 0; i < pixels; ++i) {

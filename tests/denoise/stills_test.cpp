@@ -193,7 +193,8 @@ Guide guide_of(const std::vector<glm::vec3>& rays, std::uint32_t in_film, const 
     const Buffer<GuideRun> runs(device(), std::vector{GuideRun{0, 0, std::uint32_t(rays.size())}});
     load_kernel(device(), "render/write_guides.cl", "write_guides")
         .run({1, 1}, step, runs, Buffer<std::uint32_t>(device(), std::vector<std::uint32_t>{0, before.rays}),
-             Buffer<FilmPixel>(device(), std::vector{pixel}), Buffer<Sight>(device(), sights), guide);
+             Buffer<FilmPixel>(device(), std::vector{pixel}), Buffer<Sight>(device(), sights), guide,
+             Buffer<Glow>(device(), 1));
     return guide.read()[0];
 }
 
@@ -240,14 +241,14 @@ TEST(Guides, AreTheSameInSmallerBatches) {
     EXPECT_EQ(denoised(), expected);
 }
 
-/// The classes of a row of pixels with these guides.
-std::vector<std::uint8_t> classes_of(const std::vector<Guide>& guides) {
-    const auto width = std::uint32_t(guides.size());
-    const Buffer<std::uint8_t> classes(device(), guides.size());
+/// The classes of a row of pixels.
+std::vector<std::uint8_t> classes_of(const std::vector<Glow>& glows) {
+    const auto width = std::uint32_t(glows.size());
+    const Buffer<std::uint8_t> classes(device(), glows.size());
     Buffer<std::uint32_t> counts(device(), CLARAY_EDGE_CLASSES);
     counts.fill(0);
     load_kernel(device(), "render/write_guides.cl", "find_edges")
-        .run({guides.size(), 64}, width, 1u, Buffer<Guide>(device(), guides), classes, counts);
+        .run({glows.size(), 64}, width, 1u, Buffer<Glow>(device(), glows), classes, counts);
     return classes.read();
 }
 
@@ -255,9 +256,8 @@ std::vector<std::uint8_t> classes_of(const std::vector<Guide>& guides) {
 /// between them. Many rays have not.
 TEST(Guides, PixelsBesideABorderGetMoreRays) {
     constexpr std::uint8_t none = CLARAY_EDGE_CLASSES;
-    std::vector<Guide> row(8);
-    for (std::size_t i = 0; i < row.size(); ++i)
-        row[i].rays = 4, row[i].glow_r = row[i].glow_g = row[i].glow_b = i < 4 ? 0 : 16;
+    std::vector<Glow> row;
+    for (int i = 0; i < 8; ++i) row.push_back({i < 4 ? 0.f : 16.f, 0, 4});
     std::vector<std::uint8_t> classes = classes_of(row);
     for (std::size_t i = 0; i < row.size(); ++i) EXPECT_EQ(classes[i] == none, i != 3 && i != 4) << i;
     row[4].rays = 400;
@@ -269,10 +269,9 @@ TEST(Guides, PixelsBesideABorderGetMoreRays) {
 /// Classes are by the variance of a ray, a factor of 2 each: of the pixel's own if it has many, of its neighbours if
 /// not.
 TEST(Guides, PixelsAreSortedByTheNoiseOfARay) {
-    std::vector<Guide> row(9);
-    for (Guide& guide : row) guide.rays = 4000, guide.ray_variance = 3;
+    std::vector<Glow> row(9, {0, 3, 4000});
     EXPECT_EQ(classes_of(row)[4], CLARAY_EDGE_CLASSES / 2 + 1);
-    row[4].ray_variance = 3 * 64;
+    row[4].variance = 3 * 64;
     EXPECT_EQ(classes_of(row)[4], CLARAY_EDGE_CLASSES / 2 + 7);
     EXPECT_EQ(classes_of(row)[3], CLARAY_EDGE_CLASSES / 2 + 1);
     row[3].rays = 4;

@@ -27,6 +27,13 @@ typedef struct Guide {
 } Guide;
 CLARAY_LAYOUT(Guide, 108)
 
+/// What finds edges: of a pixel's rays the mean luminance of glow and gloss, and the variance of one ray.
+typedef struct Glow {
+    float mean, variance;
+    uint rays;
+} Glow;
+CLARAY_LAYOUT(Glow, 12)
+
 #define CLARAY_EDGE_CLASSES 64u  // of pixels by the noise of their glow
 
 #define CLARAY_MOST_DOUBT 1.25f  // how many times variances count beyond once, if samples are few
