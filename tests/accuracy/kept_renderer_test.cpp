@@ -21,7 +21,7 @@ constexpr unsigned side = 16, pixels = side * side;
 RenderConfig small(unsigned spp) { return {.width = side, .height = side, .spp = spp}; }
 
 TEST(KeptRenderer, ContinuesTheSameImageWithMoreSamples) {
-    KeptRenderer kept(device(), box(), small(16));
+    KeptRenderer kept(device(), box(), small(16), {}, 0);
     const auto camera_rays = [&] { return kept.renderer()->statistics().camera.rays; };
     const Rendered few = kept.render(7, 3);
     const std::uint64_t before = camera_rays();
@@ -35,6 +35,15 @@ TEST(KeptRenderer, ContinuesTheSameImageWithMoreSamples) {
     (void)kept.render(8, 4);
     EXPECT_EQ(camera_rays() - before, 33 * pixels) << "another seed, and fewer samples";
     EXPECT_NE(kept.render(8, 8, 2).image, kept.render(8, 16).image) << "another depth is another image";
+}
+
+/// The parts of a short render take longer than the whole.
+TEST(KeptRenderer, BeginsShortRendersAnew) {
+    KeptRenderer kept(device(), box(), small(16), {}, 1e9);
+    (void)kept.render(7, 3);
+    const std::uint64_t before = kept.renderer()->statistics().camera.rays;
+    (void)kept.render(7, 8);
+    EXPECT_EQ(kept.renderer()->statistics().camera.rays - before, 8 * pixels);
 }
 
 TEST(KeptRenderer, MakesRoundsOfAdaptiveSamplingAnew) {

@@ -35,8 +35,8 @@ std::uint64_t bytes_of_renderer(const Device& device, const Scene& scene) {
 }
 
 KeptRenderer::KeptRenderer(const Device& device, const Scene& scene, const RenderConfig& config,
-                           std::vector<MacroScope::Macro> macros)
-    : device_(device), scene_(scene), config_(config), macros_(std::move(macros)) {
+                           std::vector<MacroScope::Macro> macros, double short_seconds)
+    : device_(device), scene_(scene), config_(config), macros_(std::move(macros)), short_seconds_(short_seconds) {
     config_.seconds = config_.noise = config_.error = 0;
     AllKept& all = all_kept();
     const std::lock_guard lock(all.mutex);
@@ -72,11 +72,11 @@ void KeptRenderer::make() {
 }
 
 /// The rounds of adaptive sampling depend on the number of samples at the end. A short guided render has not learned
-/// all that a longer one needs.
+/// all that a longer one needs. In a short render the parts take longer than the whole: each has launches of its own.
 bool KeptRenderer::continues(std::uint32_t seed, unsigned spp, unsigned max_depth) const {
     const bool learns_more = PathGuide::is_for(config_) && last_.spp <= teaching_spp && spp > unguided_spp;
-    return !config_.adaptive && !learns_more && last_.spp > 0 && last_.spp < spp && last_.seed == seed &&
-           last_.max_depth == max_depth;
+    return !config_.adaptive && !learns_more && last_.seconds > short_seconds_ && last_.spp > 0 && last_.spp < spp &&
+           last_.seed == seed && last_.max_depth == max_depth;
 }
 
 Rendered KeptRenderer::render(std::uint32_t seed, unsigned spp, unsigned max_depth) {

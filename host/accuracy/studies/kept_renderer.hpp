@@ -43,15 +43,16 @@ private:
 /// used. The scene must outlive it. Kept renderers of a device are for one thread at a time.
 class KeptRenderer {
 public:
+    /// `short_seconds`: after a shorter render the next one begins anew.
     KeptRenderer(const Device& device, const Scene& scene, const RenderConfig& config,
-                 std::vector<MacroScope::Macro> macros = {});
+                 std::vector<MacroScope::Macro> macros = {}, double short_seconds = 0.1);
     ~KeptRenderer();
     KeptRenderer(const KeptRenderer&) = delete;
     KeptRenderer& operator=(const KeptRenderer&) = delete;
 
-    /// A render of the same seed with fewer samples is continued, if it was the last one: the image is the same bit for
-    /// bit, and the seconds are the sum of all parts. `max_depth`: 0 for that of the configuration, which is the
-    /// largest.
+    /// A render of the same seed with fewer samples is continued, if it was the last one and not short: the image is
+    /// the same bit for bit, and the seconds are the sum of all parts. `max_depth`: 0 for that of the configuration,
+    /// which is the largest.
     [[nodiscard]] Rendered render(std::uint32_t seed, unsigned spp, unsigned max_depth = 0);
     /// Of the last image; null before the first and after it was dropped.
     [[nodiscard]] const Renderer* renderer() const { return renderer_ ? &*renderer_ : nullptr; }
@@ -65,6 +66,7 @@ private:
     const Scene& scene_;
     RenderConfig config_;
     std::vector<MacroScope::Macro> macros_;
+    double short_seconds_;
     std::optional<Renderer> renderer_;
     std::uint64_t last_use_ = 0;
     /// Of the last image.
