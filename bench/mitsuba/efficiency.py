@@ -215,11 +215,11 @@ def main():
         scene = scenes[name]()
         with tempfile.TemporaryDirectory() as folder:
             rows = [("Mitsuba", *by_mitsuba(scene, options.size, options.spp, options.seeds))]
-            for label, extra in (("default", []), ("--no-guide", ["--no-guide"]), ("--adaptive", ["--adaptive"])):
+            for label, extra in (("default", []), ("--no-guide", ["--no-guide"]), ("--adaptive --no-guide", ["--adaptive", "--no-guide"]), ("--adaptive", ["--adaptive"])):
                 rows.append((label, *by_claray(os.path.abspath(options.claray), scene, options.size, options.spp, options.seeds, extra, folder)))
         costs = {label: images.var(0, ddof=1).mean() / images.mean() ** 2 * seconds for label, images, seconds in rows}
         for label, images, seconds in rows:
-            print(f"{name:8} {label:10} mean {images.mean():.5f}  MSE {costs[label] / seconds:.3e}  {seconds:.3f} s"
+            print(f"{name:8} {label:21} mean {images.mean():.5f}  MSE {costs[label] / seconds:.3e}  {seconds:.3f} s"
                   f"  efficiency over Mitsuba {costs['Mitsuba'] / costs[label]:.2f}", flush=True)
 
 

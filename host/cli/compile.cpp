@@ -43,7 +43,6 @@ void add_compile_command(CLI::App& app, Action& action) {
     command->add_option("--device", options->device, "cpu, gpu, an index or part of a name (see claray devices)");
     add_bvh_options(*command, options->config.bvh);
     add_approximate_option(*command, options->config.approximate);
-    add_guide_flag(*command, options->config.guide);
     command->add_flag("--and-generic", options->and_generic, "Also compile the generic kernels afterwards");
     command->add_flag("-q,--quiet", options->quiet, "Print nothing");
     command->callback([&action, options] { action = [options] { compile(*options); }; });

@@ -31,7 +31,8 @@ double milliseconds_of_frame(const Device& device, Renderer& renderer) {
     const unsigned spp = renderer.render().spp;
     double total = 0;
     for (const auto& [name, summary] : device.profiler().summary())
-        if (name != "measure_film" && name != "write_buffer" && name != "read_buffer") total += summary.milliseconds;
+        if (name != "measure_film" && name != "write_buffer" && name != "read_buffer" && name != "map_buffer")
+            total += summary.milliseconds;
     return total / spp;
 }
 

@@ -91,7 +91,7 @@ FrameData frame_data(const Scene& scene, const Camera& camera, const SceneBuffer
 double kernel_milliseconds(const Device& device) {
     double total = 0;
     for (const auto& [name, summary] : device.profiler().summary())
-        if (name != "write_buffer" && name != "read_buffer") total += summary.milliseconds;
+        if (name != "write_buffer" && name != "read_buffer" && name != "map_buffer") total += summary.milliseconds;
     return total;
 }
 
@@ -168,7 +168,6 @@ Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig&
       structure(first_structure(on, scene, baked, plan, config.bvh, parts)),
       build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
       light_grid(light_grid_of(with, scene)),
-      bounds(may_ever_guide() ? bounds_of(scene) : Bounds{}),
       buffers(on, scene, structure, config.effects.add, selection_of_lights(with), words_of(light_grid),
               words_of_listed_pixels(), words_of_guide()),
       wavefront(on, buffers, frame_data(scene, camera, buffers, with), load_kernels(plan.first.effects),
@@ -192,6 +191,7 @@ WavefrontKernels Renderer::State::load_kernels(EffectSet effects) const {
         compile_jointly(device, load_all, number_of(effects) <= most_effects_to_optimize);
     else
         compile_side_by_side(device, load_all);
+    if (words_of_guide() > 0) PathGuide::load_kernels(device);
     return load();
 }
 
@@ -374,8 +374,11 @@ bool Renderer::State::may_guide() const {
            buffers.where.hot_spots == CLARAY_NO_TABLE && !bounds.empty();
 }
 
-void Renderer::State::set_bounds(const Scene& placed) {
-    if (may_ever_guide()) bounds = bounds_of(placed), guide.reset();
+void Renderer::State::set_bounds(const Scene& scene, bool vertices) {
+    if (!may_ever_guide()) return;
+    if (vertices) mesh_bounds = bounds_of_meshes(scene);
+    bounds = bounds_of(scene, mesh_bounds);
+    guide.reset();
 }
 
 void Renderer::State::trace(const Batch& batch) {
@@ -433,6 +436,7 @@ Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig&
     if (resumes) from = read_checkpoint(config.resume, identity, config.spp);
     if (saves) check_file_writable(config.checkpoint);
     state_ = config.effects.remove.empty() ? state_of(scene) : state_of(without_effects(scene, config.effects.remove));
+    state_->set_bounds(scene, true);
     state_->identity = identity;
     if (!from) return;
     if (!state_->schedule.go_to(from->position))

@@ -160,9 +160,12 @@ struct Renderer::State {
         return may_guide_paths(device, config) ? CLARAY_GUIDE_MAPS * CLARAY_GUIDE_WORDS : 0;
     }
     /// Whether later samples may need to know where the scene is.
-    [[nodiscard]] bool may_ever_guide() const { return words_of_guide() > 0 && most_spp > unguided_spp; }
+    [[nodiscard]] bool may_ever_guide() const {
+        return config.guide && words_of_guide() > 0 && most_spp > unguided_spp;
+    }
     [[nodiscard]] bool may_guide() const;
-    void set_bounds(const Scene& placed);
+    /// `vertices`: those of meshes changed.
+    void set_bounds(const Scene& scene, bool vertices);
     /// Adds the samples to the film. Asynchronous, unless maps for guiding are made.
     void trace(const Batch& batch);
     [[nodiscard]] RayCount rays(const char* name, std::uint64_t count) const;
@@ -186,7 +189,8 @@ struct Renderer::State {
     Structure structure;
     double build_milliseconds;
     std::optional<LightGridStage> light_grid;
-    Bounds bounds;  // of the scene, if paths may be guided
+    std::vector<Bounds> mesh_bounds;  // if paths may be guided
+    Bounds bounds;                    // of the scene
     SceneBuffers buffers;
     Wavefront wavefront;
     Film film;

@@ -109,7 +109,7 @@ void Renderer::State::rebuild_scene(const Scene& scene) {
     light_grid = light_grid_of(config, placed.scene);
     buffers = SceneBuffers(device, placed.scene, structure, config.effects.add, selection_of_lights(config),
                            words_of(light_grid), words_of_listed_pixels(), words_of_guide());
-    set_bounds(placed.scene);
+    set_bounds(scene, true);
     shape = SceneShape(scene, placed.scene, std::move(placed.places), std::move(placed.numbers));
     wavefront.replace_scene(buffers);
     plan = plan_kernels(device, buffers.effects, config);
@@ -166,7 +166,7 @@ void Renderer::State::move(const Scene& scene, const SceneChanges& changes) {
     if (changes.instances) shape.instances = scene.instances;
     if (!shines && has_lights(buffers.lights)) buffers.replace_lights(scene);  // hot spots follow surfaces
     if (shines) with_placed(scene, [&](const Scene& placed) { buffers.replace_materials(placed); });
-    if (may_ever_guide()) with_placed(scene, [&](const Scene& placed) { set_bounds(placed); });
+    set_bounds(scene, changes.vertices);
 }
 
 void Renderer::State::update(const Scene& scene, const SceneChanges& changes) {

@@ -61,11 +61,19 @@ std::vector<PixelRun> runs_of(const Checkpoint& from, std::uint32_t pixels) {
     return runs;
 }
 
+/// GPUs do not guide paths: some pixels would have more noise than others.
+RenderConfig config_for(const std::vector<Device>& devices, RenderConfig config) {
+    const auto is_cpu = [](const Device& device) { return device.info().type == DeviceType::cpu; };
+    const auto cpus = std::count_if(devices.begin(), devices.end(), is_cpu);
+    if (cpus != 0 && std::size_t(cpus) != devices.size()) config.guide = false;
+    return config;
+}
+
 }  // namespace
 
 RenderGroup::State::State(const std::vector<Device>& devices, const Scene& of, const RenderConfig& with,
                           std::function<void(const std::string&)> told)
-    : scene(of), config(checked(with)), tell(std::move(told)) {
+    : scene(of), config(config_for(devices, checked(with))), tell(std::move(told)) {
     if (devices.empty()) throw Error(ErrorKind::usage, "a group needs at least one device");
     const bool resumes = !config.resume.empty(), saves = !config.checkpoint.empty();
     if (resumes || saves) validate(scene), identity = identity_of(scene, config);

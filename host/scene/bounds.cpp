@@ -35,10 +35,16 @@ void grow(Bounds& bounds, const Bounds& part, const glm::mat4& transform) {
 
 }  // namespace
 
-Bounds bounds_of(const Scene& scene) {
-    Bounds bounds;
+Bounds bounds_of(const Scene& scene) { return bounds_of(scene, bounds_of_meshes(scene)); }
+
+std::vector<Bounds> bounds_of_meshes(const Scene& scene) {
     std::vector<Bounds> parts;
     for (const Mesh& mesh : scene.meshes) parts.push_back(bounds_of(mesh));
+    return parts;
+}
+
+Bounds bounds_of(const Scene& scene, std::span<const Bounds> parts) {
+    Bounds bounds;
     if (scene.instances.empty())
         for (const Bounds& part : parts)
             if (!part.empty()) bounds.grow(part.lo), bounds.grow(part.hi);

@@ -246,6 +246,9 @@ struct Scene {
 /// Returns the box of all placed meshes, including the ends of motion, and of all primitives. For a rotated mesh: the
 /// box of its rotated box.
 [[nodiscard]] Bounds bounds_of(const Scene& scene);
+/// The same from the boxes of its meshes.
+[[nodiscard]] Bounds bounds_of(const Scene& scene, std::span<const Bounds> meshes);
+[[nodiscard]] std::vector<Bounds> bounds_of_meshes(const Scene& scene);
 /// Returns the number of triangles of all placed meshes.
 [[nodiscard]] std::size_t triangle_count(const Scene& scene);
 

@@ -74,7 +74,8 @@ void KeptRenderer::make() {
 /// The rounds of adaptive sampling depend on the number of samples at the end. A short guided render has not learned
 /// all that a longer one needs. In a short render the parts take longer than the whole: each has launches of its own.
 bool KeptRenderer::continues(std::uint32_t seed, unsigned spp, unsigned max_depth) const {
-    const bool learns_more = PathGuide::is_for(config_) && last_.spp <= teaching_spp && spp > unguided_spp;
+    const bool learns_more = may_guide_paths(device_, config_) && PathGuide::is_for(config_) &&
+                             last_.spp <= teaching_spp && spp > unguided_spp;
     return !config_.adaptive && !learns_more && last_.seconds > short_seconds_ && last_.spp > 0 && last_.spp < spp &&
            last_.seed == seed && last_.max_depth == max_depth;
 }

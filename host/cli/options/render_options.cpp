@@ -52,7 +52,7 @@ void add_approximate_option(CLI::App& command, Approximations& approximate, cons
 void add_guide_flag(CLI::App& command, bool& guide) {
     command.add_flag("--guide,!--no-guide", guide,
                      "Learn from the image's first samples where light comes from, and choose directions accordingly "
-                     "where this promises less noise (CPUs, from 9 samples per pixel and 16,384 pixels on) [--guide]");
+                     "where this promises less noise; needs a CPU, 9 samples per pixel and 16,384 pixels [--guide]");
 }
 
 void add_shading_options(CLI::App& command, Approximations& approximate) {

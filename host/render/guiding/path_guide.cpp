@@ -18,7 +18,7 @@ constexpr std::size_t folds = CLARAY_GUIDE_FOLDS;
 constexpr const char* stem = "render/path_guide";
 
 Kernel learning(const Device& device, const char* name) {
-    return load_kernel(device, "render/guiding/learn_light.cl", name);
+    return load_kernel(device, "render/guiding/learn_light.cl", name, {{"PATH_GUIDE", "1"}});  // as shading
 }
 
 /// Probabilities of a map's bins.
@@ -102,8 +102,7 @@ bool may_guide_paths(const Device& device, const RenderConfig& config) {
     const Approximations& approximate = config.approximate;
     const bool as_usual = !approximate.tile_sum && !approximate.light_grid && !approximate.flat &&
                           !approximate.gouraud && !approximate.no_shadows;
-    return config.guide && as_usual && device.info().type == DeviceType::cpu &&
-           device.tuning(stem, "LEAST_GAIN_PERCENT") != 0;
+    return as_usual && device.info().type == DeviceType::cpu && device.tuning(stem, "LEAST_GAIN_PERCENT") != 0;
 }
 
 std::vector<std::uint32_t> guide_maps(std::span<const GuideBin> found) {
@@ -213,13 +212,12 @@ void PathGuide::learn(const Batch& part, const Wavefront& wavefront) {
     const Step step = wavefront.step_of(part, 0, 0);
     const Range size{std::size_t(part.pixels) * part.samples, 64};
     if (counts_.size() == 0) {
-        learn_ = learning(device_, "learn_light"), count_ = learning(device_, "count_exponents");
         counts_ = Buffer<std::uint32_t>(device_, std::vector<std::uint32_t>(CLARAY_GUIDE_EXPONENTS));
     }
     if (phase_ == unit_phase)
-        count_.run(size, step, every_, wavefront.radiance(), counts_);
+        learning(device_, "count_exponents").run(size, step, every_, wavefront.radiance(), counts_);
     else
-        learn_.run(size, step, every_, wavefront.radiance(), found_);
+        learning(device_, "learn_light").run(size, step, every_, wavefront.radiance(), found_);
 }
 
 /// From samples that are not added to an image.

@@ -23,7 +23,7 @@ constexpr unsigned unguided_spp = 8;
 /// The first samples of each pixel, from which the maps for all later ones learn.
 constexpr unsigned teaching_spp = 16;
 
-/// Returns whether guiding is asked for, the device is set to guide paths, and the approximations permit it.
+/// Returns whether kernels can guide paths: the device is set to do so, and the approximations permit it.
 [[nodiscard]] bool may_guide_paths(const Device& device, const RenderConfig& config);
 
 /// The maps of all cells, CLARAY_GUIDE_WORDS each, from the bins of all maps, CLARAY_GUIDE_FOLDS times. A map is
@@ -54,8 +54,8 @@ struct GuideTrial {
 /// Learns from samples 2 to 15 of each pixel, or of some pixels of a large image. After 8 samples the maps are tried on
 /// samples from which they did not learn; where they pay, later samples are guided by them, and those after 16 by
 /// better ones. So a sample depends on its pixel and number only: not on batches, on their order, on how many samples
-/// follow, nor on other devices that share the image. Who has not learned from the samples that teach the maps traces
-/// them again.
+/// follow, nor on other devices that share the image. A device that did not trace the samples that teach the
+/// maps traces them again.
 class PathGuide {
 public:
     PathGuide(const Device& device, const Bounds& scene, std::uint32_t pixels);
@@ -103,7 +103,6 @@ private:
     Phase on_device_ = unit_phase;                    // the phase whose maps the device has
     Buffer<GuideBin> found_;
     Buffer<std::uint32_t> counts_;
-    Kernel learn_, count_;
 };
 
 }  // namespace claray

@@ -53,7 +53,6 @@ std::vector<std::string> command_line(const std::string& program, const Device& 
                                      "--morton-bits", std::to_string(config.bvh.morton_bits),
                                      "--builder",     traits_of(config.bvh.builder).name};
     if (config.approximate.any()) line.insert(line.end(), {"--approximate", to_string(config.approximate)});
-    if (!config.guide) line.push_back("--no-guide");
     return line;
 }
 

@@ -10,7 +10,8 @@ CLARAY_SHARED_BEGIN
 /// a rough surface, `gloss` what surfaces that are almost mirrors scatter of it; `albedo` is that of the first rough
 /// surface. Means over the camera rays of the film's samples (`sampled_glow` includes gloss), and means over these and
 /// further rays, which have less noise.
-typedef struct Guide {
+/// GPUs read and write it by vectors of four words.
+typedef struct CLARAY_ALIGNED(16) Guide {
     float sampled_albedo_r, sampled_albedo_g, sampled_albedo_b;
     float sampled_glow_r, sampled_glow_g, sampled_glow_b;
     float odd_glow;  // luminance of the glow of the film's samples of odd index, as a sum
@@ -25,7 +26,7 @@ typedef struct Guide {
     uint rays;                           // that were traced
     uint complete;  // 1: all samples of the film are among them; 0: gloss is that of the film, and so is its noise
 } Guide;
-CLARAY_LAYOUT(Guide, 108)
+CLARAY_LAYOUT(Guide, 112)
 
 /// What finds edges: of a pixel's rays the mean luminance of glow and gloss, and the variance of one ray.
 typedef struct Glow {
@@ -40,7 +41,7 @@ CLARAY_LAYOUT(Glow, 12)
 
 /// What one camera ray sees: through mirrors and smooth glass, which scatter it in one direction, and by almost
 /// mirrors.
-typedef struct Sight {
+typedef struct CLARAY_ALIGNED(16) Sight {
     float throughput_r, throughput_g, throughput_b;  // of the mirrors and glass so far
     float albedo_r, albedo_g, albedo_b;              // of the first other surface, times the throughput
     float glow_r, glow_g, glow_b;
@@ -50,7 +51,7 @@ typedef struct Sight {
     float pdf;    // density of the direction of the next ray; 0: a mirror's
     uint passed;  // on by mirrors: CLARAY_BY_MIRROR, or also by an almost mirror: CLARAY_BY_GLOSS
 } Sight;
-CLARAY_LAYOUT(Sight, 72)
+CLARAY_LAYOUT(Sight, 80)
 #define CLARAY_BY_MIRROR 1u
 #define CLARAY_BY_GLOSS 2u
 

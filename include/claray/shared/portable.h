@@ -16,6 +16,7 @@
 #define CLARAY_SHARED_END
 #define CLARAY_SHARED_FUNCTION static inline
 #define CLARAY_LAYOUT(type, size)
+#define CLARAY_ALIGNED(bytes) __attribute__((aligned(bytes)))
 
 #else
 
@@ -31,6 +32,7 @@ using ulong = std::uint64_t;
 #define CLARAY_SHARED_BEGIN namespace claray {
 #define CLARAY_SHARED_END }
 #define CLARAY_SHARED_FUNCTION inline
+#define CLARAY_ALIGNED(bytes) alignas(bytes)
    /// Fails to compile if the host's layout of a shared struct differs from that of the kernels. Passes the struct's
    /// name to Kernel::run, which compares it with the kernel's parameter.
 #define CLARAY_LAYOUT(type, size)                                                                                     \

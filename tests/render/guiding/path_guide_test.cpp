@@ -279,6 +279,37 @@ TEST(PathGuide, ContinuesShorterRenders) {
     }
 }
 
+/// A renderer keeps its guide, and forgets what it has learned.
+TEST(PathGuide, RestartedIsNewBitForBit) {
+    if (!is_guidable()) GTEST_SKIP() << "paths are guided on CPUs only";
+    const verify::ScopedTuning gain(device(), stem, least_gain, everywhere);
+    RenderConfig config = guided_config();
+    config.spp = 20;
+    const Scene scene = room_with_window();
+    Renderer renderer(device(), scene, config);
+    const auto image = [&] {
+        renderer.render();
+        return renderer.image();
+    };
+    const std::vector<glm::vec3> first = image();
+    renderer.restart(0);
+    EXPECT_TRUE(same_bits(image(), first)) << "restarted when it had learned all";
+    renderer.restart(0);
+    renderer.render([](const RenderProgress& at) { return at.spp < 5; });
+    renderer.restart(0);
+    EXPECT_TRUE(same_bits(image(), first)) << "restarted while it learned";
+    renderer.restart(0, 4);
+    renderer.render();
+    renderer.restart(0, 20);
+    EXPECT_TRUE(same_bits(image(), first)) << "restarted after an image of which nothing is learned";
+    renderer.update(scene, {.materials = true});
+    EXPECT_TRUE(same_bits(image(), first)) << "tables were written again";
+    renderer.resize(160, 128);
+    renderer.render();
+    renderer.resize(128, 128);
+    EXPECT_TRUE(same_bits(image(), first)) << "another size and back";
+}
+
 /// Only some pixels teach, and these are traced again.
 TEST(PathGuide, LargeImagesResumeBitForBit) {
     if (!is_guidable()) GTEST_SKIP() << "paths are guided on CPUs only";
