@@ -161,13 +161,13 @@ void SceneBuffers::write_light_grid(std::uint32_t level, const LightGrid& data) 
     tables.write(words, where.light_grid + level * CLARAY_GRID_HEADER);
 }
 
-void SceneBuffers::list_pixels(const std::vector<std::uint32_t>& tiles, std::uint32_t unit, std::uint32_t width,
+void SceneBuffers::list_pixels(const std::vector<std::uint32_t>& halves, std::uint32_t unit, std::uint32_t width,
                                std::uint32_t height) const {
     const Device& device = tables.device();
-    const auto count = std::uint32_t(tiles.size() / 3);
+    const auto count = std::uint32_t(halves.size() / 3);
     load_kernel(device, "render/measure_film.cl", "list_pixels")
         .run({std::size_t(count) * CLARAY_TILE_SIDE * CLARAY_TILE_SIDE, 64},
-             arg("tiles", Buffer<std::uint32_t>(device, tiles)), count, width, height, unit, arg("tables", tables),
+             arg("halves", Buffer<std::uint32_t>(device, halves)), count, width, height, unit, arg("tables", tables),
              where.listed_pixels);
 }
 

@@ -26,8 +26,8 @@ struct SceneBuffers {
     void replace_materials(const Scene& scene);
     /// Replaces what is known about a level of the light grid; its data stays.
     void write_light_grid(std::uint32_t level, const LightGrid& data);
-    /// Lists the entries of a round on the device; `tiles` and `unit` as in AdaptiveSchedule::Round.
-    void list_pixels(const std::vector<std::uint32_t>& tiles, std::uint32_t unit, std::uint32_t width,
+    /// Lists the entries of a round on the device; `halves` and `unit` as in AdaptiveSchedule::Round.
+    void list_pixels(const std::vector<std::uint32_t>& halves, std::uint32_t unit, std::uint32_t width,
                      std::uint32_t height) const;
     /// Replaces the normals of the vertices from `first` on.
     void move_normals(std::size_t first, std::span<const glm::vec3> normals);

@@ -77,7 +77,7 @@ void Renderer::State::plan_round() {
 
 void Renderer::State::list_pixels() const {
     const AdaptiveSchedule::Round& round = schedule.round();
-    if (schedule.in_round()) buffers.list_pixels(round.tiles, round.unit, config.width, config.height);
+    if (schedule.in_round()) buffers.list_pixels(round.halves, round.unit, config.width, config.height);
 }
 
 /// Called between passes; the next pass ends no later than the next look.

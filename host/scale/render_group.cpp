@@ -78,7 +78,7 @@ RenderGroup::State::State(const std::vector<Device>& devices, const Scene& of, c
     const bool resumes = !config.resume.empty(), saves = !config.checkpoint.empty();
     if (resumes || saves) validate(scene), identity = identity_of(scene, config);
     if (resumes) start = read_checkpoint(config.resume, identity, config.spp);
-    if (resumes && !start.position.tiles.empty())
+    if (resumes && !start.position.halves.empty())
         throw Error(ErrorKind::user,
                     "cannot continue from '" + config.resume.string() + "': it is of adaptive sampling",
                     "continue on one device with --adaptive");

@@ -98,33 +98,43 @@ kernel void map_noise(global const FilmPixel* film, uint pixels, float scale, gl
     if (i < pixels) variances[i] = variance_of(film[i], scale);
 }
 
-/// The same for the mean of each tile's pixels, row by row.
-kernel void map_tile_noise(global const FilmPixel* film, uint width, uint height, float scale, global float* variances) {
-    const uint columns = (width + CLARAY_TILE_SIDE - 1u) / CLARAY_TILE_SIDE, rows = (height + CLARAY_TILE_SIDE - 1u) / CLARAY_TILE_SIDE;
-    const uint tile = get_global_id(0);
-    if (tile >= columns * rows) return;
-    const uint x0 = tile % columns * CLARAY_TILE_SIDE, y0 = tile / columns * CLARAY_TILE_SIDE;
-    const uint x1 = min(x0 + CLARAY_TILE_SIDE, width), y1 = min(y0 + CLARAY_TILE_SIDE, height);
-    float sum = 0.0f;
-    for (uint y = y0; y < y1; ++y)
-        for (uint x = x0; x < x1; ++x) sum += variance_of(film[y * width + x], scale);
-    variances[tile] = sum / (float)((x1 - x0) * (y1 - y0));
+/// The pixels of a tile of adaptive sampling.
+typedef struct Tile { uint x0, y0, along, rows; } Tile;
+
+static inline Tile tile_of(uint tile, uint width, uint height) {
+    const uint side = CLARAY_TILE_SIDE, columns = (width + side - 1u) / side, x0 = tile % columns * side, y0 = tile / columns * side;
+    const Tile t = {x0, y0, min(side, width - x0), min(side, height - y0)};
+    return t;
 }
 
-/// Lists the entries of a round of adaptive sampling (Batch) from word `listed` of `tables` on. `tiles`: three words each: tile, samples
-/// per pixel so far, first entry. An entry has `unit` samples. One item per pixel of a tile.
-kernel void list_pixels(global const uint* tiles, uint count, uint width, uint height, uint unit, global uint* tables, uint listed) {
+/// Halves of a tile are the two colours of a checkerboard; its first pixel is of half 0.
+static inline uint pixels_of_half(uint half_tile, uint along, uint rows) { return (along * rows + 1u - half_tile) / 2u; }
+
+/// The same for the mean of the pixels of each half of a tile; 0 for a half without pixels. Half h of tile t is element 2 t + h.
+kernel void map_tile_noise(global const FilmPixel* film, uint width, uint height, float scale, global float* variances) {
+    const uint item = get_global_id(0), half_tile = item % 2u;
+    const uint tiles = ((width + CLARAY_TILE_SIDE - 1u) / CLARAY_TILE_SIDE) * ((height + CLARAY_TILE_SIDE - 1u) / CLARAY_TILE_SIDE);
+    if (item >= 2u * tiles) return;
+    const Tile t = tile_of(item / 2u, width, height);
+    float sum = 0.0f;
+    for (uint y = 0; y < t.rows; ++y)
+        for (uint x = (y + half_tile) % 2u; x < t.along; x += 2u) sum += variance_of(film[(t.y0 + y) * width + t.x0 + x], scale);
+    variances[item] = sum / (float)max(pixels_of_half(half_tile, t.along, t.rows), 1u);
+}
+
+/// Lists the entries of a round of adaptive sampling (Batch) from word `listed` of `tables` on. `halves`: three words each: half of a
+/// tile, samples per pixel so far, first entry. An entry has `unit` samples. One item per pixel of a tile.
+kernel void list_pixels(global const uint* halves, uint count, uint width, uint height, uint unit, global uint* tables, uint listed) {
     const uint most = CLARAY_TILE_SIDE * CLARAY_TILE_SIDE, number = (uint)get_global_id(0) / most, of_tile = (uint)get_global_id(0) % most;
     if (number >= count) return;
-    const uint columns = (width + CLARAY_TILE_SIDE - 1u) / CLARAY_TILE_SIDE;
-    const uint tile = tiles[3u * number], samples = tiles[3u * number + 1u], first = tiles[3u * number + 2u];
-    const uint x0 = tile % columns * CLARAY_TILE_SIDE, y0 = tile / columns * CLARAY_TILE_SIDE;
-    const uint along = min((uint)CLARAY_TILE_SIDE, width - x0), rows = min((uint)CLARAY_TILE_SIDE, height - y0);
-    if (of_tile >= along * rows) return;
-    const uint pixel = (y0 + of_tile / along) * width + x0 + of_tile % along, entries = samples / unit;
+    const uint half_tile = halves[3u * number] % 2u, samples = halves[3u * number + 1u], first = halves[3u * number + 2u];
+    const Tile t = tile_of(halves[3u * number] / 2u, width, height);
+    const uint x = of_tile % CLARAY_TILE_SIDE, y = of_tile / CLARAY_TILE_SIDE;
+    if (x >= t.along || y >= t.rows || (x + y) % 2u != half_tile) return;
+    const uint before = pixels_of_half(half_tile, t.along, y) + x / 2u, entries = samples / unit;
     for (uint i = 0; i < entries; ++i) {
-        const uint at = listed + 2u * (first + of_tile * entries + i);
-        tables[at] = pixel;
+        const uint at = listed + 2u * (first + before * entries + i);
+        tables[at] = (t.y0 + y) * width + t.x0 + x;
         tables[at + 1u] = samples + i * unit;
     }
 }

@@ -20,8 +20,8 @@ namespace {
 constexpr std::array<char, 8> checkpoint_magic = {'C', 'L', 'R', 'C', 'K', 'P', '\r', '\n'};
 constexpr std::uint32_t checkpoint_version = 6;
 
-/// The beginning of a file. Then the film's sums, the tiles of adaptive sampling, the pending batches, and the digest
-/// of these.
+/// The beginning of a file. Then the film's sums, the half tiles of adaptive sampling, the pending batches, and the
+/// digest of these.
 struct CheckpointHeader {
     std::array<char, 8> name;
     std::uint32_t version;
@@ -30,7 +30,7 @@ struct CheckpointHeader {
     std::uint32_t width, height;
     Schedule::Position position;
     std::uint32_t tells_error;
-    std::uint32_t tiles, zero;  // number of tiles, see AdaptiveSchedule::Position
+    std::uint32_t halves, zero;  // number of half tiles, see AdaptiveSchedule::Position
     ErrorLooks looks;
     Digest scene, settings, kernels;
     Digest digest;  // of this header up to here
@@ -48,12 +48,12 @@ std::size_t bytes_of(const std::vector<T>& values) {
     return values.size() * sizeof(T);
 }
 
-Digest digest_of_sums(const Film::Sums& sums, const std::vector<std::uint32_t>& tiles,
+Digest digest_of_sums(const Film::Sums& sums, const std::vector<std::uint32_t>& halves,
                       const std::vector<Batch>& pending) {
     Hasher hasher;
     hasher.add(sums.pixels.data(), bytes_of(sums.pixels));
     hasher.add(sums.odd.data(), bytes_of(sums.odd));
-    hasher.add(tiles.data(), bytes_of(tiles));
+    hasher.add(halves.data(), bytes_of(halves));
     hasher.add(pending.data(), bytes_of(pending));
     return hasher.digest();
 }
@@ -85,7 +85,7 @@ public:
         if (header.version != checkpoint_version || header.pixel_bytes != sizeof(FilmPixel))
             refuse("it was written by another version of claray", "use that version, or render from the start");
         if (header.digest != digest_of_checkpoint_header(header)) refuse_damaged("the checksum of its header is wrong");
-        const std::uint64_t of_tiles = header.tiles * std::uint64_t(sizeof(std::uint32_t));
+        const std::uint64_t of_tiles = header.halves * std::uint64_t(sizeof(std::uint32_t));
         const std::uint64_t expected = sizeof header + bytes_of_sums(header) + of_tiles + sizeof(Digest);
         const bool ends_in_batches = bytes_ > expected && (bytes_ - expected) % sizeof(Batch) == 0;
         pending_ = ends_in_batches ? (bytes_ - expected) / sizeof(Batch) : 0;
@@ -97,17 +97,17 @@ public:
     /// Reads what follows the header.
     void read_rest(const CheckpointHeader& header, Checkpoint& checkpoint) {
         auto& [position, looks, sums] = checkpoint;
-        auto& [at, tiles, pending] = position;
+        auto& [at, halves, pending] = position;
         sums.pixels.resize(pixels_of(header)), sums.odd.resize(header.tells_error ? pixels_of(header) : 0);
         read(sums.pixels.data(), bytes_of(sums.pixels));
         read(sums.odd.data(), bytes_of(sums.odd));
-        tiles.resize(header.tiles);
-        read(tiles.data(), bytes_of(tiles));
+        halves.resize(header.halves);
+        read(halves.data(), bytes_of(halves));
         pending.resize(pending_);
         read(pending.data(), bytes_of(pending));
         Digest digest;
         read(digest.data(), digest.size());
-        if (digest != digest_of_sums(sums, tiles, pending)) refuse_damaged("its checksum is wrong");
+        if (digest != digest_of_sums(sums, halves, pending)) refuse_damaged("its checksum is wrong");
     }
 
     [[noreturn]] void refuse_damaged(const std::string& why) const {
@@ -137,7 +137,7 @@ bool are_before(const std::vector<Batch>& pending, const CheckpointHeader& heade
         next = std::uint64_t(batch.first_pixel) + batch.pixels;
         if (!sound || next > pixels_of(header)) return false;
     }
-    return pending.empty() || (at.pixel == 0 && at.sample == 0 && header.tiles == 0);
+    return pending.empty() || (at.pixel == 0 && at.sample == 0 && header.halves == 0);
 }
 
 std::string size_of(std::uint32_t width, std::uint32_t height) {
@@ -171,20 +171,20 @@ void write_checkpoint(const std::filesystem::path& path, const RenderIdentity& i
     header.order = byte_order;
     header.pixel_bytes = sizeof(FilmPixel);
     header.width = identity.width, header.height = identity.height;
-    const std::vector<std::uint32_t>& tiles = checkpoint.position.tiles;
+    const std::vector<std::uint32_t>& halves = checkpoint.position.halves;
     header.position = checkpoint.position.at;
-    header.tiles = std::uint32_t(tiles.size());
+    header.halves = std::uint32_t(halves.size());
     header.tells_error = identity.tells_error;
     header.looks = checkpoint.looks;
     header.scene = identity.scene, header.settings = identity.settings, header.kernels = identity.kernels;
     header.digest = digest_of_checkpoint_header(header);
     const Film::Sums& sums = checkpoint.sums;
-    const Digest digest = digest_of_sums(sums, tiles, checkpoint.position.pending);
+    const Digest digest = digest_of_sums(sums, halves, checkpoint.position.pending);
     NewFile file(path);
     file.write(&header, sizeof header);
     file.write(sums.pixels.data(), bytes_of(sums.pixels));
     file.write(sums.odd.data(), bytes_of(sums.odd));
-    file.write(tiles.data(), bytes_of(tiles));
+    file.write(halves.data(), bytes_of(halves));
     file.write(checkpoint.position.pending.data(), bytes_of(checkpoint.position.pending));
     file.write(digest.data(), digest.size());
     file.commit();
@@ -211,10 +211,10 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
                     "use that version, or render from the start");
     const Schedule::Position& at = header.position;
     const bool within = at.pixel != 0 || at.sample != 0;
-    if (header.tiles == 0 && (at.pixel >= header.width * header.height || (within && at.sample >= at.pass)))
+    if (header.halves == 0 && (at.pixel >= header.width * header.height || (within && at.sample >= at.pass)))
         file.refuse_damaged("its position is outside the image");
     const std::uint64_t most = std::uint64_t(at.done) + (within ? at.pass : 0);
-    if (header.tiles == 0 && most > spp)
+    if (header.halves == 0 && most > spp)
         file.refuse(
             "it has " + std::to_string(most) + " samples per pixel, but only " + std::to_string(spp) + " are requested",
             "use a larger --spp");
@@ -222,7 +222,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path, const RenderIdenti
     const auto sound = [](double value) { return value >= 0 && std::isfinite(value); };
     if (!(sound(looks.square) && sound(looks.degrees) && sound(looks.last) && sound(looks.halves) &&
           std::isfinite(looks.power)) ||
-        (header.tiles == 0 && looks.spp > at.done))
+        (header.halves == 0 && looks.spp > at.done))
         file.refuse_damaged("its error estimate is not a valid number");
     Checkpoint checkpoint{{at, {}}, looks, {}};
     file.read_rest(header, checkpoint);

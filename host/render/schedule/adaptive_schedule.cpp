@@ -12,13 +12,16 @@ namespace {
 constexpr std::uint32_t tile_side = CLARAY_TILE_SIDE;
 constexpr std::uint32_t first_samples = 16;  // per pixel, of the whole image: fewer tell little about the error
 constexpr std::uint64_t parts_per_round = 4;
-/// Every tile has at least this share of the mean number of samples, so that light which its first samples missed is
-/// found in the end.
+/// Every half of a tile has at least this share of the mean number of samples, so that light which its first samples
+/// missed is found in the end.
 constexpr std::uint64_t least_share = 8;
 constexpr std::uint32_t most_samples = 1u << 30;
-constexpr std::size_t tiles_per_left_out = 100;
+constexpr std::size_t halves_per_left_out = 100;
 
 std::uint32_t tiles_along(std::uint32_t side) { return (side + tile_side - 1) / tile_side; }
+
+/// The other half of a tile.
+std::uint32_t partner(std::uint32_t half) { return half ^ 1; }
 
 }  // namespace
 
@@ -35,77 +38,84 @@ AdaptiveSchedule::AdaptiveSchedule(std::uint32_t width, std::uint32_t height, st
       least_gain_(least_gain),
       uniform_(width * height, adaptive_ ? first_samples : spp, paths_in_flight) {}
 
-std::uint32_t AdaptiveSchedule::pixels_of(std::uint32_t tile) const {
-    const std::uint32_t x = tile % columns_ * tile_side, y = tile / columns_ * tile_side;
-    return std::min(tile_side, width_ - x) * std::min(tile_side, height_ - y);
+std::uint32_t AdaptiveSchedule::pixels_of(std::uint32_t half) const {
+    const std::uint32_t tile = half / 2, x = tile % columns_ * tile_side, y = tile / columns_ * tile_side;
+    return (std::min(tile_side, width_ - x) * std::min(tile_side, height_ - y) + 1 - half % 2) / 2;
 }
 
 /// The estimate of a single tile is rough: few samples may have missed what makes the noise. The mean of the 3x3 tiles
-/// around it is a lower limit.
+/// around it is a lower limit. Halves 0 and 1 do not mix.
 std::vector<double> AdaptiveSchedule::smoothed(const std::vector<float>& variances) const {
     std::vector<double> rows(variances.size()), result(variances.size());  // sums of three tiles side by side
-    for (std::uint32_t y = 0, t = 0; y < rows_; ++y)
-        for (std::uint32_t x = 0; x < columns_; ++x, ++t)
-            for (std::uint32_t u = t - std::min(x, 1u); u <= t + (x + 1 < columns_); ++u)
-                rows[t] += double(variances[u]);
-    for (std::uint32_t y = 0, t = 0; y < rows_; ++y)
-        for (std::uint32_t x = 0; x < columns_; ++x, ++t) {
-            const std::uint32_t above = y > 0, below = y + 1 < rows_;
-            double sum = rows[t];
-            if (above) sum += rows[t - columns_];
-            if (below) sum += rows[t + columns_];
-            const std::uint32_t count = (1 + (x > 0) + (x + 1 < columns_)) * (1 + above + below);
-            result[t] = std::max(double(variances[t]), sum / count);
-        }
+    const std::uint32_t stride = 2 * columns_;
+    for (std::uint32_t h = 0; h < variances.size(); ++h) {
+        const std::uint32_t x = h % stride / 2;
+        rows[h] = double(variances[h]);
+        if (x > 0) rows[h] += double(variances[h - 2]);
+        if (x + 1 < columns_) rows[h] += double(variances[h + 2]);
+    }
+    for (std::uint32_t h = 0; h < variances.size(); ++h) {
+        const std::uint32_t x = h % stride / 2, y = h / stride, above = y > 0, below = y + 1 < rows_;
+        double sum = rows[h];
+        if (above) sum += rows[h - stride];
+        if (below) sum += rows[h + stride];
+        const std::uint32_t count = (1 + (x > 0) + (x + 1 < columns_)) * (1 + above + below);
+        result[h] = std::max(double(variances[h]), sum / count);
+    }
     return result;
 }
 
 /// If the squared error of n samples falls like 1/n, the best numbers of samples are proportional to the square roots.
-/// Leaves out the tiles with the largest variances: those that have most of the error alone, such as the edge of a
-/// lamp, converge faster, or have met a firefly.
+/// Leaves out the halves of tiles with the largest variances: those that have most of the error alone, such as the edge
+/// of a lamp, converge faster, or have met a firefly.
 double AdaptiveSchedule::gain(const std::vector<float>& variances) const {
-    const std::size_t left_out = variances.size() / tiles_per_left_out;
+    const std::size_t left_out = variances.size() / halves_per_left_out;
     std::vector<float> largest = variances;
     std::nth_element(largest.begin(), largest.begin() + std::ptrdiff_t(left_out), largest.end(), std::greater());
     double squares = 0, roots = 0, all = 0;
-    for (std::uint32_t t = 0; t < variances.size(); ++t) {
-        if (variances[t] > largest[left_out]) continue;
-        squares += double(variances[t]) * pixels_of(t), all += pixels_of(t);
-        roots += std::sqrt(double(variances[t])) * pixels_of(t);
+    for (std::uint32_t h = 0; h < variances.size(); ++h) {
+        if (variances[h] > largest[left_out]) continue;
+        squares += double(variances[h]) * pixels_of(h), all += pixels_of(h);
+        roots += std::sqrt(double(variances[h])) * pixels_of(h);
     }
     return roots > 0 ? squares * all / (roots * roots) : 1;
 }
 
-/// Marks the tiles of the next round. The squared error of n samples falls like 1/n or faster, so that doubling a tile
-/// gains about the estimated square for n samples.
-void AdaptiveSchedule::choose(const std::vector<double>& variances) {
-    std::vector<std::pair<double, std::uint32_t>> heap(tiles_.size());  // the first tile of equal ones has the largest
-    for (std::uint32_t t = 0; t < heap.size(); ++t) {
-        const bool lags = tiles_[t] * least_share * pixels() < done_;
-        heap[t] = {lags ? std::numeric_limits<double>::infinity() : variances[t] / tiles_[t], ~t};
+/// Marks halves 0 or 1 of the tiles of the next round. The squared error of n samples falls like 1/n or faster, so that
+/// doubling a half gains about the estimated square for n samples, which the other half of the tile tells.
+void AdaptiveSchedule::choose(std::uint32_t which, const std::vector<double>& variances) {
+    std::vector<std::pair<double, std::uint32_t>> heap;  // the first of equal ones has the largest second number
+    for (std::uint32_t h = which; h < halves_.size(); h += 2) {
+        if (pixels_of(h) == 0 || halves_[h] >= most_samples) continue;
+        const double samples = halves_[h], of_partner = halves_[partner(h)] & ~chosen;
+        const bool lags = samples * double(least_share * pixels()) < double(done_);
+        heap.emplace_back(
+            lags ? std::numeric_limits<double>::infinity() : variances[partner(h)] * of_partner / (samples * samples),
+            ~h);
     }
     std::make_heap(heap.begin(), heap.end());
-    const std::uint64_t left = budget_ - done_, wanted = std::min(left, done_ / parts_per_round);
+    const std::uint64_t left = (budget_ - done_) / 2, wanted = std::min(left, done_ / parts_per_round / 2);
     const std::uint32_t unit = least_samples();
-    std::uint64_t taken = 0, room = words_per_pixel / 2 * pixels();
+    std::uint64_t taken = 0, room = words_per_pixel / 4 * pixels();
     for (; !heap.empty() && taken < wanted; heap.pop_back()) {
         std::pop_heap(heap.begin(), heap.end());
-        const std::uint32_t tile = ~heap.back().second;
-        const std::uint64_t cost = std::uint64_t(tiles_[tile]) * pixels_of(tile);
-        if (taken + cost > left || cost / unit > room || tiles_[tile] >= most_samples) continue;
+        const std::uint32_t half = ~heap.back().second;
+        const std::uint64_t cost = std::uint64_t(halves_[half]) * pixels_of(half);
+        if (taken + cost > left || cost / unit > room) continue;
         taken += cost, room -= cost / unit;
-        tiles_[tile] |= chosen;
+        halves_[half] |= chosen;
     }
 }
 
 void AdaptiveSchedule::plan(const std::vector<float>& variances) {
     const std::uint32_t so_far = uniform_.complete_passes_spp();
-    if (tiles_.empty() && gain(variances) < least_gain_) return uniform_.extend(next_plan(so_far + 1));
-    if (tiles_.empty()) {
-        tiles_.assign(std::size_t(columns_) * rows_, so_far);
+    if (halves_.empty() && gain(variances) < least_gain_) return uniform_.extend(next_plan(so_far + 1));
+    if (halves_.empty()) {
+        halves_.assign(2 * std::size_t(columns_) * rows_, so_far);
         done_ = pixels() * so_far;
     }
-    choose(smoothed(variances));
+    const std::vector<double> smooth = smoothed(variances);
+    for (const std::uint32_t which : {0u, 1u}) choose(which, smooth);
     list_chosen();
     has_ended_ = !in_round();
 }
@@ -118,7 +128,8 @@ std::uint32_t AdaptiveSchedule::next_plan(std::uint32_t samples) const {
 
 std::uint32_t AdaptiveSchedule::least_samples() const {
     std::uint32_t least = most_samples;
-    for (const std::uint32_t tile : tiles_) least = std::min(least, tile & ~chosen);
+    for (std::uint32_t h = 0; h < halves_.size(); ++h)
+        if (pixels_of(h) > 0) least = std::min(least, halves_[h] & ~chosen);
     return least;
 }
 
@@ -130,18 +141,18 @@ void AdaptiveSchedule::list_chosen() {
     const std::uint32_t unit = least_samples();
     round_ = {};
     entry_ = sample_ = 0;
-    for (std::uint32_t t = 0; t < tiles_.size(); ++t) {
-        if (!(tiles_[t] & chosen)) continue;
-        const std::uint32_t samples = tiles_[t] & ~chosen;
-        for (const std::uint32_t word : {t, samples, round_.entries}) round_.tiles.push_back(word);
-        round_.unit = unit, round_.entries += samples / unit * pixels_of(t);
+    for (std::uint32_t h = 0; h < halves_.size(); ++h) {
+        if (!(halves_[h] & chosen)) continue;
+        const std::uint32_t samples = halves_[h] & ~chosen;
+        for (const std::uint32_t word : {h, samples, round_.entries}) round_.halves.push_back(word);
+        round_.unit = unit, round_.entries += samples / unit * pixels_of(h);
     }
 }
 
 void AdaptiveSchedule::end_round() {
     done_ = samples();
-    for (std::uint32_t& tile : tiles_)
-        if (tile & chosen) tile = 2 * (tile & ~chosen);
+    for (std::uint32_t& samples : halves_)
+        if (samples & chosen) samples = 2 * (samples & ~chosen);
     has_ended_ = none_fits();
     round_ = {};
     entry_ = sample_ = 0;
@@ -165,17 +176,17 @@ Batch AdaptiveSchedule::next(std::uint32_t most_paths) {
 }
 
 std::uint32_t AdaptiveSchedule::complete_passes_spp() const {
-    if (tiles_.empty()) return pending_.least_done(uniform_.complete_passes_spp());
+    if (halves_.empty()) return pending_.least_done(uniform_.complete_passes_spp());
     return std::uint32_t(done_ / pixels());
 }
 
 std::uint64_t AdaptiveSchedule::samples() const {
-    if (tiles_.empty()) return uniform_.samples() - pending_.samples();
+    if (halves_.empty()) return uniform_.samples() - pending_.samples();
     return done_ + std::uint64_t(entry_) * round_.unit + sample_;
 }
 
 AdaptiveSchedule::Position AdaptiveSchedule::position() const {
-    return {in_round() ? Schedule::Position{0, 0, entry_, sample_} : uniform_.position(), tiles_, pending_.list()};
+    return {in_round() ? Schedule::Position{0, 0, entry_, sample_} : uniform_.position(), halves_, pending_.list()};
 }
 
 bool AdaptiveSchedule::go_to(const Position& to) {
@@ -183,20 +194,20 @@ bool AdaptiveSchedule::go_to(const Position& to) {
         return at.pixel < pixels && ((at.pixel == 0 && at.sample == 0) || at.sample < at.pass);
     };
     pending_ = PendingBatches(to.pending);
-    if (to.tiles.empty()) {
+    if (to.halves.empty()) {
         uniform_.go_to(to.at);
         if (adaptive_) uniform_.extend(next_plan(to.at.done + (uniform_.between_passes() ? 0 : 1)));
         return within(to.at, pixels());
     }
-    if (!adaptive_ || to.tiles.size() != std::size_t(columns_) * rows_) return false;
+    if (!adaptive_ || to.halves.size() != 2 * std::size_t(columns_) * rows_) return false;
     uniform_.go_to({first_samples, 0, 0, 0}), uniform_.extend(first_samples);
-    tiles_ = to.tiles, done_ = 0;
+    halves_ = to.halves, done_ = 0;
     std::uint64_t round = 0;
-    for (std::uint32_t t = 0; t < tiles_.size(); ++t) {
-        const std::uint32_t samples = tiles_[t] & ~chosen;
+    for (std::uint32_t h = 0; h < halves_.size(); ++h) {
+        const std::uint32_t samples = halves_[h] & ~chosen;
         if (samples < first_samples || samples > most_samples || (samples & (samples - 1)) != 0) return false;
-        done_ += std::uint64_t(samples) * pixels_of(t);
-        if (tiles_[t] & chosen) round += std::uint64_t(samples) * pixels_of(t);
+        done_ += std::uint64_t(samples) * pixels_of(h);
+        if (halves_[h] & chosen) round += std::uint64_t(samples) * pixels_of(h);
     }
     if (done_ + round > budget_ || round / least_samples() > words_per_pixel / 2 * pixels()) return false;
     list_chosen();

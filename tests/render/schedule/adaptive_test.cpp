@@ -15,29 +15,38 @@ namespace {
 
 constexpr unsigned width = 37, height = 21;  // tiles at two borders are parts
 
-/// The mean variance of each tile's pixels after these samples, if it falls with their number: the left eighth has most
-/// of it.
-std::vector<float> variances_after(const std::vector<std::uint32_t>& samples) {
-    constexpr unsigned columns = (width + 7) / 8, rows = (height + 7) / 8;
-    std::vector<float> variances(columns * rows), pixels(columns * rows);
-    for (std::size_t p = 0; p < samples.size(); ++p) {
-        const std::size_t tile = p / width / 8 * columns + p % width / 8;
-        variances[tile] += (p % width < 5 ? 100.f : 0.01f) / float(samples[p]), ++pixels[tile];
+constexpr unsigned columns = (width + 7) / 8, rows = (height + 7) / 8;
+
+std::size_t half_of(std::size_t x, std::size_t y) { return 2 * (y / 8 * columns + x / 8) + (x + y) % 2; }
+
+/// The mean of each half tile.
+std::vector<float> means_of_halves(const std::vector<float>& values) {
+    std::vector<float> means(2 * columns * rows), pixels(means.size());
+    for (std::size_t p = 0; p < values.size(); ++p) {
+        const std::size_t half = half_of(p % width, p / width);
+        means[half] += values[p], ++pixels[half];
     }
-    for (std::size_t t = 0; t < variances.size(); ++t) variances[t] /= pixels[t];
-    return variances;
+    for (std::size_t h = 0; h < means.size(); ++h) means[h] /= std::max(pixels[h], 1.f);
+    return means;
+}
+
+/// The mean variance of each half tile's pixels after these samples, if it falls with their number: the left eighth has
+/// most of it.
+std::vector<float> variances_after(const std::vector<std::uint32_t>& samples) {
+    std::vector<float> variances(samples.size());
+    for (std::size_t p = 0; p < samples.size(); ++p) variances[p] = (p % width < 5 ? 100.f : 0.01f) / float(samples[p]);
+    return means_of_halves(variances);
 }
 
 /// The list of a round, two words per entry.
 std::vector<std::uint32_t> list_of(const AdaptiveSchedule::Round& round) {
     std::vector<std::uint32_t> list;
-    for (std::size_t t = 0; t < round.tiles.size(); t += 3) {
-        const unsigned columns = (width + 7) / 8, x0 = round.tiles[t] % columns * 8, y0 = round.tiles[t] / columns * 8;
-        EXPECT_EQ(round.tiles[t + 2], list.size() / 2);
-        for (unsigned y = y0; y < std::min(y0 + 8, height); ++y)
-            for (unsigned x = x0; x < std::min(x0 + 8, width); ++x)
-                for (std::uint32_t i = 0; i < round.tiles[t + 1]; i += round.unit)
-                    list.push_back(y * width + x), list.push_back(round.tiles[t + 1] + i);
+    for (std::size_t r = 0; r < round.halves.size(); r += 3) {
+        EXPECT_EQ(round.halves[r + 2], list.size() / 2);
+        for (unsigned p = 0; p < width * height; ++p)
+            if (half_of(p % width, p / width) == round.halves[r])
+                for (std::uint32_t i = 0; i < round.halves[r + 1]; i += round.unit)
+                    list.push_back(p), list.push_back(round.halves[r + 1] + i);
     }
     EXPECT_EQ(round.entries, list.size() / 2);
     return list;
@@ -109,7 +118,7 @@ TEST(AdaptiveSchedule, SamplesTheWholeImageWhileTheErrorIsSpreadEvenly) {
         AdaptiveSchedule schedule(width, height, spp, 1000, true);
         std::uint32_t plans = 0;
         for (; !schedule.finished(); (void)schedule.next(700)) {
-            if (schedule.wants_plan()) schedule.plan(std::vector<float>(15, 1.f)), ++plans;
+            if (schedule.wants_plan()) schedule.plan(std::vector<float>(30, 1.f)), ++plans;
             ASSERT_FALSE(schedule.has_rounds() || schedule.in_round());
             AdaptiveSchedule other(width, height, spp, 1000, true);
             ASSERT_TRUE(other.go_to(schedule.position()));
@@ -121,11 +130,33 @@ TEST(AdaptiveSchedule, SamplesTheWholeImageWhileTheErrorIsSpreadEvenly) {
     }
 }
 
+/// Chosen by its own samples, a pixel whose first samples missed a light would get fewer, and its mean would be too
+/// small.
+TEST(AdaptiveSchedule, DoesNotChooseAPixelByItsOwnSamples) {
+    for (const std::uint32_t which : {0u, 1u}) {
+        std::vector<std::vector<std::uint32_t>> chosen;
+        for (const float own : {0.01f, 100.f}) {
+            AdaptiveSchedule schedule(width, height, 64, 1000, true, 0);
+            std::vector<float> variances(2 * columns * rows, 1.f);
+            for (std::size_t h = 0; h < variances.size(); ++h)
+                variances[h] = h % 2 == which ? own * float(1 + h % 7) : float(1 + h * 13 % 17);
+            while (!schedule.wants_plan()) (void)schedule.next();
+            schedule.plan(variances);
+            ASSERT_TRUE(schedule.in_round());
+            chosen.emplace_back();
+            for (std::size_t r = 0; r < schedule.round().halves.size(); r += 3)
+                if (schedule.round().halves[r] % 2 == which) chosen.back().push_back(schedule.round().halves[r]);
+            EXPECT_GT(chosen.back().size(), 1u);
+        }
+        EXPECT_EQ(chosen[0], chosen[1]);
+    }
+}
+
 /// Fireflies and the edge of a lamp are in few tiles, glass is in many.
 TEST(AdaptiveSchedule, BeginsNoRoundsForFewTiles) {
-    for (const auto& [bright, begins] : {std::pair{4u, false}, std::pair{40u, true}}) {
+    for (const auto& [bright, begins] : {std::pair{8u, false}, std::pair{80u, true}}) {
         AdaptiveSchedule schedule(160, 160, 256, 100'000, true);
-        std::vector<float> variances(400, 1.f);
+        std::vector<float> variances(800, 1.f);
         std::fill_n(variances.begin() + 77, bright, 1e4f);
         while (!schedule.finished() && !schedule.has_rounds()) {
             if (schedule.wants_plan()) schedule.plan(variances);
@@ -133,6 +164,24 @@ TEST(AdaptiveSchedule, BeginsNoRoundsForFewTiles) {
         }
         EXPECT_EQ(schedule.has_rounds(), begins) << bright;
     }
+}
+
+/// render/measure_film.cl
+TEST(AdaptiveSchedule, IsMeasuredByHalvesOfTiles) {
+    std::vector<FilmPixel> film(width * height);
+    std::vector<float> expected(film.size());
+    for (std::size_t p = 0; p < film.size(); ++p) {
+        const float even = 1.f + float(p * 37 % 11), odd = float(p * 53 % 13);
+        film[p] = {};
+        film[p].all.r = film[p].all.g = film[p].all.b = even + odd;
+        film[p].odd_sum = odd, film[p].count = 2, film[p].odd_count = 1;
+        expected[p] = (even - odd) * (even - odd) / 4;
+    }
+    const Buffer<float> found(device(), 2 * columns * rows);
+    load_kernel(device(), "render/measure_film.cl", "map_tile_noise")
+        .run({2 * columns * rows, 64}, Buffer<FilmPixel>(device(), film), width, height, 1.f, found);
+    const std::vector<float> halves = found.read(), means = means_of_halves(expected);
+    for (std::size_t h = 0; h < means.size(); ++h) EXPECT_NEAR(halves[h], means[h], 1e-4f * means[h]) << h;
 }
 
 /// render/measure_film.cl
@@ -147,9 +196,9 @@ TEST(AdaptiveSchedule, IsListedOnTheDevice) {
         const std::vector<std::uint32_t> expected = list_of(round);
         Buffer<std::uint32_t> tables(device(), expected.size() + 2);
         tables.fill(7);
-        const auto count = std::uint32_t(round.tiles.size() / 3);
+        const auto count = std::uint32_t(round.halves.size() / 3);
         load_kernel(device(), "render/measure_film.cl", "list_pixels")
-            .run({64 * count, 64}, arg("tiles", Buffer<std::uint32_t>(device(), round.tiles)), count, width, height,
+            .run({64 * count, 64}, arg("halves", Buffer<std::uint32_t>(device(), round.halves)), count, width, height,
                  round.unit, arg("tables", tables), 1u);
         std::vector<std::uint32_t> found = tables.read();
         EXPECT_TRUE(found.front() == 7 && found.back() == 7);
@@ -170,11 +219,11 @@ TEST(AdaptiveSchedule, RefusesPositionsThatDoNotExist) {
     };
     ASSERT_TRUE(accepts(good));
     EXPECT_FALSE(AdaptiveSchedule(width, height, 60, 1000, false).go_to(good));
-    EXPECT_FALSE(AdaptiveSchedule(width, height, 17, 1000, true).go_to({{0, 0, 0, 0}, std::vector(15u, 32u)}));
+    EXPECT_FALSE(AdaptiveSchedule(width, height, 17, 1000, true).go_to({{0, 0, 0, 0}, std::vector(30u, 32u)}));
     for (auto change : {+[](AdaptiveSchedule::Position& p) { p.at.sample = 99; },
-                        +[](AdaptiveSchedule::Position& p) { p.tiles.pop_back(); },
-                        +[](AdaptiveSchedule::Position& p) { p.tiles[0] = 17; },
-                        +[](AdaptiveSchedule::Position& p) { p.tiles[0] = 0; },
+                        +[](AdaptiveSchedule::Position& p) { p.halves.pop_back(); },
+                        +[](AdaptiveSchedule::Position& p) { p.halves[0] = 17; },
+                        +[](AdaptiveSchedule::Position& p) { p.halves[0] = 0; },
                         +[](AdaptiveSchedule::Position& p) { p.at.done = 99; },
                         +[](AdaptiveSchedule::Position& p) { p.at.pixel = 1u << 20; }}) {
         AdaptiveSchedule::Position bad = good;
