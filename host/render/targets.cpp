@@ -71,7 +71,7 @@ bool Renderer::State::limit_reached() {
 /// Plans the next round of adaptive sampling, if one is due.
 void Renderer::State::plan_round() {
     if (!schedule.wants_plan()) return;
-    schedule.plan(timed([&] { return film.tile_noise(config.width); }));
+    schedule.plan(timed([&] { return film.worth_of_samples(config.width); }));
     list_pixels();
 }
 

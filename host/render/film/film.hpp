@@ -85,10 +85,11 @@ public:
     /// The variance of each pixel's mean luminance over the square of the image's mean: the root of the mean of all
     /// pixels that have two samples is Noise::relative. 0 for other pixels. Blocks.
     [[nodiscard]] std::vector<float> noise_map() const;
-    /// Its mean over half h of tile t as element 2 t + h, of a film with rows of `width` pixels. Tiles have
+    /// For adaptive sampling: the variance over the root of the luminance, relative to the image's mean (at least
+    /// 0.05), as the mean over half h of tile t in element 2 t + h, of a film with rows of `width` pixels. Tiles have
     /// CLARAY_TILE_SIDE pixels per side; their halves are the two colours of a checkerboard, that of the first pixel
     /// first. Blocks.
-    [[nodiscard]] std::vector<float> tile_noise(std::uint32_t width) const;
+    [[nodiscard]] std::vector<float> worth_of_samples(std::uint32_t width) const;
 
     struct Error {
         double estimate = 0;  ///< root mean square of all channels over the mean; 0: unknown

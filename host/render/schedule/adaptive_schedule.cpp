@@ -43,24 +43,21 @@ std::uint32_t AdaptiveSchedule::pixels_of(std::uint32_t half) const {
     return (std::min(tile_side, width_ - x) * std::min(tile_side, height_ - y) + 1 - half % 2) / 2;
 }
 
-/// The estimate of a single tile is rough: few samples may have missed what makes the noise. The mean of the 3x3 tiles
-/// around it is a lower limit. Halves 0 and 1 do not mix.
-std::vector<double> AdaptiveSchedule::smoothed(const std::vector<float>& variances) const {
-    std::vector<double> rows(variances.size()), result(variances.size());  // sums of three tiles side by side
-    const std::uint32_t stride = 2 * columns_;
-    for (std::uint32_t h = 0; h < variances.size(); ++h) {
-        const std::uint32_t x = h % stride / 2;
-        rows[h] = double(variances[h]);
-        if (x > 0) rows[h] += double(variances[h - 2]);
-        if (x + 1 < columns_) rows[h] += double(variances[h + 2]);
+/// For each half tile its variance as other pixels tell it. The other half of the tile may have missed what makes the
+/// noise; the mean of all other halves of the 3x3 tiles around is a lower limit.
+std::vector<double> AdaptiveSchedule::told_by_others(const std::vector<float>& variances) const {
+    std::vector<double> rows(variances.size() / 2), result(variances.size());  // sums of three tiles side by side
+    for (std::uint32_t t = 0; t < rows.size(); ++t) {
+        const std::uint32_t x = t % columns_, left = x > 0, right = x + 1 < columns_;
+        for (std::uint32_t h = 2 * (t - left); h < 2 * (t + right + 1); ++h) rows[t] += double(variances[h]);
     }
     for (std::uint32_t h = 0; h < variances.size(); ++h) {
-        const std::uint32_t x = h % stride / 2, y = h / stride, above = y > 0, below = y + 1 < rows_;
-        double sum = rows[h];
-        if (above) sum += rows[h - stride];
-        if (below) sum += rows[h + stride];
-        const std::uint32_t count = (1 + (x > 0) + (x + 1 < columns_)) * (1 + above + below);
-        result[h] = std::max(double(variances[h]), sum / count);
+        const std::uint32_t t = h / 2, x = t % columns_, y = t / columns_, above = y > 0, below = y + 1 < rows_;
+        double sum = rows[t] - double(variances[h]);
+        if (above) sum += rows[t - columns_];
+        if (below) sum += rows[t + columns_];
+        const std::uint32_t tiles = (1 + (x > 0) + (x + 1 < columns_)) * (1 + above + below);
+        result[h] = std::max(double(variances[partner(h)]), sum / (2 * tiles - 1));
     }
     return result;
 }
@@ -81,22 +78,21 @@ double AdaptiveSchedule::gain(const std::vector<float>& variances) const {
     return roots > 0 ? squares * all / (roots * roots) : 1;
 }
 
-/// Marks halves 0 or 1 of the tiles of the next round. The squared error of n samples falls like 1/n or faster, so that
-/// doubling a half gains about the estimated square for n samples, which the other half of the tile tells.
-void AdaptiveSchedule::choose(std::uint32_t which, const std::vector<double>& variances) {
+/// Marks the half tiles of the next round. The squared error of n samples falls like 1/n or faster, so that doubling a
+/// half gains about its variance, told for as many samples as the other half has.
+void AdaptiveSchedule::choose(const std::vector<double>& variances) {
     std::vector<std::pair<double, std::uint32_t>> heap;  // the first of equal ones has the largest second number
-    for (std::uint32_t h = which; h < halves_.size(); h += 2) {
+    for (std::uint32_t h = 0; h < halves_.size(); ++h) {
         if (pixels_of(h) == 0 || halves_[h] >= most_samples) continue;
-        const double samples = halves_[h], of_partner = halves_[partner(h)] & ~chosen;
+        const double samples = halves_[h], of_partner = halves_[partner(h)];
         const bool lags = samples * double(least_share * pixels()) < double(done_);
-        heap.emplace_back(
-            lags ? std::numeric_limits<double>::infinity() : variances[partner(h)] * of_partner / (samples * samples),
-            ~h);
+        const double gain = variances[h] * of_partner / (samples * samples);
+        heap.emplace_back(lags ? std::numeric_limits<double>::infinity() : gain, ~h);
     }
     std::make_heap(heap.begin(), heap.end());
-    const std::uint64_t left = (budget_ - done_) / 2, wanted = std::min(left, done_ / parts_per_round / 2);
+    const std::uint64_t left = budget_ - done_, wanted = std::min(left, done_ / parts_per_round);
     const std::uint32_t unit = least_samples();
-    std::uint64_t taken = 0, room = words_per_pixel / 4 * pixels();
+    std::uint64_t taken = 0, room = words_per_pixel / 2 * pixels();
     for (; !heap.empty() && taken < wanted; heap.pop_back()) {
         std::pop_heap(heap.begin(), heap.end());
         const std::uint32_t half = ~heap.back().second;
@@ -114,8 +110,7 @@ void AdaptiveSchedule::plan(const std::vector<float>& variances) {
         halves_.assign(2 * std::size_t(columns_) * rows_, so_far);
         done_ = pixels() * so_far;
     }
-    const std::vector<double> smooth = smoothed(variances);
-    for (const std::uint32_t which : {0u, 1u}) choose(which, smooth);
+    choose(told_by_others(variances));
     list_chosen();
     has_ended_ = !in_round();
 }

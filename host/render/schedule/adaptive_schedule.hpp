@@ -11,7 +11,7 @@ namespace claray {
 /// A Schedule of the whole image, and with adaptive sampling rounds after its first 16 samples per pixel. Each round
 /// doubles the samples of the half tiles in which a sample lowers the estimated squared error of the image most, about
 /// a quarter of all samples so far. Tiles are squares of 8x8 pixels, and their halves are the two colours of a
-/// checkerboard. The error of a half is estimated from the other half, whose samples are independent: chosen by its own
+/// checkerboard. The error of a half is estimated from other halves, whose samples are independent: chosen by its own
 /// samples, a pixel that has missed a light by chance would get fewer, and its mean would be biased. While the error is
 /// spread so evenly that this does not pay, the whole image is doubled instead. All is planned from complete earlier
 /// rounds only, so that it depends neither on batches nor on time. Halves keep powers of two, where Sobol points are
@@ -80,10 +80,10 @@ private:
     /// Samples per pixel of the half tile with the fewest, before the round.
     [[nodiscard]] std::uint32_t least_samples() const;
     [[nodiscard]] std::uint64_t pixels() const { return std::uint64_t(width_) * height_; }
-    [[nodiscard]] std::vector<double> smoothed(const std::vector<float>& variances) const;
+    [[nodiscard]] std::vector<double> told_by_others(const std::vector<float>& variances) const;
     /// By how much the best distribution of all samples would lower the squared error of nearly all half tiles.
     [[nodiscard]] double gain(const std::vector<float>& variances) const;
-    void choose(std::uint32_t which, const std::vector<double>& variances);
+    void choose(const std::vector<double>& variances);
     /// The samples per pixel up to which the whole image is sampled before the next plan.
     [[nodiscard]] std::uint32_t next_plan(std::uint32_t samples) const;
     /// Returns whether the samples left are too few to double a whole tile.
