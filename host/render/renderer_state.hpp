@@ -147,7 +147,6 @@ struct Renderer::State {
     private:
         State& state_;
     };
-    [[nodiscard]] double optimism() const;           // factor of errors that the film underestimates
     [[nodiscard]] double noise_over_halves() const;  // noise over that of the halves
     [[nodiscard]] bool error_met();
     void look_at_error(unsigned spp);

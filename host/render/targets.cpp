@@ -13,9 +13,6 @@ using Clock = std::chrono::steady_clock;
 
 constexpr unsigned least_spp_for_noise = 16;
 constexpr unsigned spp_that_see_light = 2048;
-/// Adaptive sampling leaves tiles alone whose estimated error is too small by chance, so that the sum of all estimates
-/// is too small: the true error was 1.02 to 1.28 times as large in six scenes (docs/accuracy.md).
-constexpr double optimism_of_rounds = 1.25;
 /// The halves of the Sobol samples tell 1 to 1.6 times the error, the more the better their points are spread
 /// (docs/accuracy.md). This is about the middle, for figures that are told; bounds do without it.
 constexpr double pessimism_of_halves = 1.1;
@@ -84,11 +81,11 @@ void Renderer::State::list_pixels() const {
 bool Renderer::State::error_met() {
     const unsigned spp = schedule.complete_passes_spp();
     const double noise = error_left_to_noise();
-    if (spp >= looks.next(noise / optimism())) {
+    if (spp >= looks.next(noise)) {
         look_at_error(spp);
         if (last_error.bound > 0 && last_error.bound <= config.error) return true;
     }
-    const std::uint32_t next = looks.next(noise / optimism());
+    const std::uint32_t next = looks.next(noise);
     if (next > spp) schedule.limit_pass(next - spp);
     return false;
 }
@@ -96,7 +93,6 @@ bool Renderer::State::error_met() {
 void Renderer::State::look_at_error(unsigned spp) {
     last_error_spp = spp, error_is_new = true;
     last_error = timed([&] { return film.error(looks, spp); });
-    last_error.estimate *= optimism(), last_error.bound *= optimism();
     if (last_error.bound > 0) {
         last_error.estimate = std::hypot(last_error.estimate, cut_off());
         last_error.bound = std::hypot(last_error.bound, cut_off());
@@ -109,10 +105,8 @@ void Renderer::State::look_at_error(unsigned spp) {
                 "add light, or use --spp instead of --error");
 }
 
-double Renderer::State::optimism() const { return schedule.has_rounds() ? optimism_of_rounds : 1; }
-
 double Renderer::State::noise_over_halves() const {
-    return optimism() / (config.sampler == Sampler::sobol ? pessimism_of_halves : 1);
+    return config.sampler == Sampler::sobol ? 1 / pessimism_of_halves : 1;
 }
 
 /// Does not depend on the samples or the seed.

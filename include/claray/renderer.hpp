@@ -110,9 +110,9 @@ struct RenderConfig {
     /// that holds in 95 of 100 renders. `spp` is then the upper limit, and the image is that of the samples taken.
     double error = 0;
     /// Takes more samples where the estimated error is large: `spp` is then the mean over the pixels. After 16 samples
-    /// per pixel the tiles of the image (8x8 pixels) are doubled whose samples pay most. The image is the mean of all
-    /// samples; its expectation is not exactly that of a uniform render, because the error of a tile is estimated from
-    /// the same samples, but the difference vanishes as samples grow. Cannot be used with Approximations::tile_sum.
+    /// per pixel those halves of tiles (8x8 pixels) are doubled whose samples pay most. The image is the mean of all
+    /// samples. Its expectation is that of a uniform render but for second-order effects, because the error of a pixel
+    /// is estimated from other pixels (docs/accuracy.md). Cannot be used with Approximations::tile_sum.
     bool adaptive = false;
     /// Paths learn from the image's first samples where light comes from, and choose directions of diffuse reflection
     /// accordingly, where these samples promise less noise. The expectation of the image is the same. Ignored on GPUs,

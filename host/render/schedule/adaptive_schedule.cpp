@@ -78,15 +78,15 @@ double AdaptiveSchedule::gain(const std::vector<float>& variances) const {
     return roots > 0 ? squares * all / (roots * roots) : 1;
 }
 
-/// Marks the half tiles of the next round. The squared error of n samples falls like 1/n or faster, so that doubling a
-/// half gains about its variance, told for as many samples as the other half has.
+/// Marks the half tiles of the next round, by the variances of one sample. The squared error of n samples falls like
+/// 1/n or faster, so that doubling them gains about half of it, for n samples more.
 void AdaptiveSchedule::choose(const std::vector<double>& variances) {
     std::vector<std::pair<double, std::uint32_t>> heap;  // the first of equal ones has the largest second number
     for (std::uint32_t h = 0; h < halves_.size(); ++h) {
         if (pixels_of(h) == 0 || halves_[h] >= most_samples) continue;
-        const double samples = halves_[h], of_partner = halves_[partner(h)];
+        const double samples = halves_[h];
         const bool lags = samples * double(least_share * pixels()) < double(done_);
-        const double gain = variances[h] * of_partner / (samples * samples);
+        const double gain = variances[h] / (samples * samples);
         heap.emplace_back(lags ? std::numeric_limits<double>::infinity() : gain, ~h);
     }
     std::make_heap(heap.begin(), heap.end());
@@ -110,7 +110,9 @@ void AdaptiveSchedule::plan(const std::vector<float>& variances) {
         halves_.assign(2 * std::size_t(columns_) * rows_, so_far);
         done_ = pixels() * so_far;
     }
-    choose(told_by_others(variances));
+    std::vector<float> of_one_sample = variances;
+    for (std::uint32_t h = 0; h < halves_.size(); ++h) of_one_sample[h] *= float(halves_[h]);
+    choose(told_by_others(of_one_sample));
     list_chosen();
     has_ended_ = !in_round();
 }
