@@ -104,7 +104,17 @@ Pixels pixels_of(const Environment& environment) {
     return unfold(faces);
 }
 
-/// Turns running sums into the cumulative distribution; returns the total. If all are 0 the distribution is uniform.
+/// The index of the first number above the lower end of each part of 0..1.
+void write_starts(std::uint32_t count, float* cdf) {
+    const std::uint32_t parts = CLARAY_CDF_PARTS(count);
+    std::uint32_t at = 0;
+    for (std::uint32_t part = 0; part <= parts; ++part) {
+        while (at + 1 < count && double(cdf[at]) <= double(part) / parts) ++at;
+        cdf[count + part] = float(at);
+    }
+}
+
+/// Writes the cumulative distribution and its starts; returns the total. If all weights are 0 it is uniform.
 double normalize_cdf(const std::vector<double>& weights, float* cdf) {
     double total = 0, sum = 0;
     for (const double weight : weights) total += weight;
@@ -113,6 +123,7 @@ double normalize_cdf(const std::vector<double>& weights, float* cdf) {
         cdf[i] = float(total > 0 ? sum / total : double(i + 1) / double(weights.size()));
     }
     cdf[weights.size() - 1] = 1.f;
+    write_starts(std::uint32_t(weights.size()), cdf);
     return total;
 }
 
@@ -133,13 +144,14 @@ EnvironmentImage environment_image(const Environment& environment) {
                std::sin(pi * (y - 0.5) / image.height);
     };
     const unsigned rows = image.height + 1;
-    image.cdf.resize(rows + std::size_t(rows) * image.width);
+    const std::size_t words_of_rows = CLARAY_CDF_WORDS(rows), words_of_row = CLARAY_CDF_WORDS(image.width);
+    image.cdf.resize(words_of_rows + rows * words_of_row);
     std::vector<double> of_rows(rows), of_cells(image.width);
     for (unsigned y = 0; y < rows; ++y) {
         const double area = y == 0 || y == image.height ? 0.5 : 1.0;  // of a cell, in texels
         for (unsigned x = 0; x < image.width; ++x)
             of_cells[x] = 0.25 * area * (weight(x, y) + weight(x + 1, y) + weight(x, y + 1) + weight(x + 1, y + 1));
-        of_rows[y] = normalize_cdf(of_cells, &image.cdf[rows + std::size_t(y) * image.width]);
+        of_rows[y] = normalize_cdf(of_cells, &image.cdf[words_of_rows + y * words_of_row]);
     }
     const double total = normalize_cdf(of_rows, image.cdf.data());
     const double texel = 2 * pi * pi / (double(image.width) * image.height);  // d(direction) / sine

@@ -11,7 +11,7 @@ namespace claray {
 struct EnvironmentImage {
     unsigned width = 0, height = 0;
     std::vector<float> texels;  // linear RGB, times the strength, row by row from +y down
-    std::vector<float> cdf;     // height + 1 rows of cells, then the columns of each row
+    std::vector<float> cdf;     // of height + 1 rows of cells, then of the columns of each row, with starts
     float density = 0;          // EnvironmentData::density
     double integral = 0;        // of the luminance over all directions
 };
