@@ -106,10 +106,9 @@ Pixels pixels_of(const Environment& environment) {
 
 /// The index of the first number above the lower end of each part of 0..1.
 void write_starts(std::uint32_t count, float* cdf) {
-    const std::uint32_t parts = CLARAY_CDF_PARTS(count);
     std::uint32_t at = 0;
-    for (std::uint32_t part = 0; part <= parts; ++part) {
-        while (at + 1 < count && double(cdf[at]) <= double(part) / parts) ++at;
+    for (std::uint32_t part = 0; part <= CLARAY_CDF_PARTS; ++part) {
+        while (at + 1 < count && cdf[at] <= float(part) / float(CLARAY_CDF_PARTS)) ++at;
         cdf[count + part] = float(at);
     }
 }

@@ -187,6 +187,34 @@ static inline void pick_lights16(const Lights* lights, HitGroup* group, ShadedRa
 }
 #endif
 
+#if ENVIRONMENT
+/// Gathers the light of the lanes of a mask that met nothing, and returns these lanes. Texels are requested for all of them before one is
+/// used, and those of the others' light samples, if wanted: a large image is not in the cache.
+static inline uint see_environment16(const FrameData* frame, const Lights* lights, global const SceneHit* hits, const uint* rays, uint lanes,
+                                     bool samples, const HitGroup* group, float3* gathered) {
+    const EnvironmentData image = lights->data.environment;
+    if (image.width == 0) return 0u;
+    EnvironmentPlace places[SLOTS_AT_ONCE];
+    SamplePair words[SLOTS_AT_ONCE];
+    uint misses = 0;
+    for (uint left = lanes; left != 0; left &= left - 1) {
+        const uint k = lowest_bit(left);
+        words[k] = words_at(&group->samples[k], AT_LIGHT);
+        if (hits[rays[k]].primitive != CLARAY_MISS) continue;
+        misses |= 1u << k;
+        places[k] = environment_place(image, (float3)(group->ray[k].dx, group->ray[k].dy, group->ray[k].dz));
+        prefetch_cell(image, lights->texels, places[k].column, places[k].row);
+    }
+    if (samples) prefetch_environment_of16(lights, words, lanes & ~misses);
+    for (uint left = misses; left != 0; left &= left - 1) {
+        const uint k = lowest_bit(left);
+        const float3 direction = (float3)(group->ray[k].dx, group->ray[k].dy, group->ray[k].dz);
+        gathered[k] = radiance_beyond(frame, lights, direction, &places[k], group->state[k]);
+    }
+    return misses;
+}
+#endif
+
 /// Shades the `count` rays of the queue with the numbers `rays`, at most 16.
 static CLARAY_OUTLINED void shade_rays16(const Step* step, SCENE_PARAMETERS, global RayQueue* queue, global const SceneHit* hits, const uint* rays,
                                 uint count, global float* radiance, ShadedRay* shaded) {
@@ -212,6 +240,9 @@ static CLARAY_OUTLINED void shade_rays16(const Step* step, SCENE_PARAMETERS, glo
 #endif
     }
     uint others = (1u << count) - 1u;
+#if ENVIRONMENT
+    others &= ~see_environment16(frame, &lights, hits, rays, others, !plain, &group, gathered);
+#endif
 #if PLAIN_SIXTEEN
     if (plain) others &= ~keep_plain16(frame, &lights.data, SCENE, hits, rays, others, &group);
 #endif

@@ -107,7 +107,7 @@ static CLARAY_OUTLINED void see(Batch one, const FrameData* frame, SCENE_PARAMET
 #endif
     float3 glow, albedo = (float3)(0.0f);
     if (hit.primitive == CLARAY_MISS) {
-        glow = radiance_beyond(frame, &lights, direction, state);
+        glow = radiance_beyond(frame, &lights, direction, 0, state);
     } else {
         ShadingPoint at;
         find_surface(0, frame, SCENE, found, hit, depth, time, ray, &at);

@@ -19,6 +19,6 @@ kernel void density_of_environment(EnvironmentData image, global const float* te
     const uint i = get_global_id(0);
     if (i >= count) return;
     float pdf;
-    environment_radiance(image, texels, vload3(i, directions), &pdf);
+    environment_radiance(image, texels, environment_place(image, vload3(i, directions)), &pdf);
     densities[i] = pdf;
 }

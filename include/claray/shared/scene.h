@@ -142,10 +142,11 @@ typedef struct HotSpot {
 } HotSpot;
 CLARAY_LAYOUT(HotSpot, 20)
 
-/// Equal parts of 0..1 for each of which the search in a cumulative distribution of `count` numbers has a start (guide
-/// tables: Chen and Asau 1974). Their parts + 1 starts follow the numbers, as floats.
-#define CLARAY_CDF_PARTS(count) ((count) / 4u + 1u)
-#define CLARAY_CDF_WORDS(count) ((count) + CLARAY_CDF_PARTS(count) + 1u)
+/// Equal parts of 0..1 for each of which the search in a cumulative distribution has a start (guide tables: Chen and
+/// Asau 1974). A power of two, so that no rounding moves a number to another part. The starts of the parts, and an end,
+/// follow the numbers of a distribution as floats.
+#define CLARAY_CDF_PARTS 256u
+#define CLARAY_CDF_WORDS(count) ((count) + CLARAY_CDF_PARTS + 1u)
 
 /// An environment image in latitude and longitude, and the data for sampling its directions (lights/environment.clh).
 typedef struct EnvironmentData {

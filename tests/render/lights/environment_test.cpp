@@ -222,9 +222,15 @@ const char* sampler_kernels = R"(
         LightView view;
         view_environment(image, texels, cdf, vload2(i, random), &view);
         float pdf;
-        const float3 radiance = environment_radiance(image, texels, view.direction, &pdf);
+        const float3 radiance = environment_radiance(image, texels, environment_place(image, view.direction), &pdf);
         vstore3(view.direction, 2 * i, out);
         vstore3((float3)(view.pdf, pdf, view.radiance.x * view.pdf - radiance.x), 2 * i + 1, out);
+    }
+    kernel void search(global const float* cdf, uint size, global const float* random, uint count, global uint* out) {
+        const uint i = get_global_id(0);
+        if (i >= count) return;
+        float at = random[i];
+        out[i] = invert_cdf(cdf, size, &at);
     })";
 
 class EnvironmentSampler : public testing::TestWithParam<int> {
@@ -304,6 +310,32 @@ TEST_P(EnvironmentSampler, DirectionsFollowTheDensity) {
     const ChiSquared chi2 = chi_squared(observed, expected);
     EXPECT_GE(chi2.degrees, 80);
     EXPECT_TRUE(chi2.plausible()) << chi2.value << " for " << chi2.degrees << " degrees of freedom";
+}
+
+/// The starts of searches change no result, also for random numbers that are equal to one of the distribution.
+TEST_P(EnvironmentSampler, SearchesLikeTheStandardLibrary) {
+    const std::uint32_t width = lights.data.environment.width, rows = lights.data.environment.height + 1;
+    std::size_t at = 0;
+    for (std::uint32_t row = 0; row <= rows; ++row) {  // first that of the rows
+        const std::uint32_t size = row == 0 ? rows : width;
+        const auto begin = lights.environment_cdf.begin() + std::ptrdiff_t(at), end = begin + size;
+        std::vector<float> random = {0.f, 0.99999994f};
+        for (auto value = begin; value != end; ++value)
+            for (const float x : {std::nextafter(*value, 0.f), *value, std::nextafter(*value, 1.f)})
+                if (x < 1) random.push_back(x);
+        for (std::uint32_t part = 1; part < CLARAY_CDF_PARTS; ++part)
+            for (const float x : {0.f, 1.f}) random.push_back(std::nextafter(float(part) / float(CLARAY_CDF_PARTS), x));
+        const std::vector<float> cdf_of_row(begin, begin + CLARAY_CDF_WORDS(size));
+        const auto count = std::uint32_t(random.size());
+        const Buffer<std::uint32_t> output(device(), count);
+        compile_kernel(device(), sampler_kernels, "search")
+            .run({count}, Buffer<float>(device(), cdf_of_row), size, Buffer<float>(device(), random), count, output);
+        const std::vector<std::uint32_t> found = output.read();
+        for (std::uint32_t i = 0; i < count; ++i)
+            ASSERT_EQ(found[i], std::upper_bound(begin, end, random[i]) - begin) << random[i] << " in row " << row;
+        at += CLARAY_CDF_WORDS(size);
+    }
+    EXPECT_EQ(at, lights.environment_cdf.size());
 }
 
 INSTANTIATE_TEST_SUITE_P(Images, EnvironmentSampler, testing::Range(0, 5));
