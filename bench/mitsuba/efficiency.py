@@ -51,6 +51,12 @@ def ball(center, radius, rows):
     return p, t[area > 1e-12]
 
 
+def smooth_ball(center, radius, rows, material):
+    """A part with vertex normals."""
+    p, t = ball(center, radius, rows)
+    return (p, t), material, (p - np.array(center)) / radius
+
+
 def diffuse(*color):
     return "diffuse", color
 
@@ -99,6 +105,18 @@ def window():
     return dict(parts=parts, eye=(1.7, 1.1, 1.7), target=(-.5, .6, -.6), fov=60, depth=8, sky=(2, 2.2, 2.6))
 
 
+def studio():
+    """Smooth spheres under an environment with a small sun."""
+    height, width = 1024, 2048
+    y, x = np.meshgrid((np.arange(height) + .5) / height * np.pi, (np.arange(width) + .5) / width * 2 * np.pi, indexing="ij")
+    image = np.where(y[..., None] < np.pi / 2, (.3, .4, .6), (.1, .09, .08)) + .1 * (1 + np.sin(7 * x) * np.sin(5 * y))[..., None]
+    image += np.exp(-((y - .7) / .03) ** 2 - ((x - 2) / .03) ** 2)[..., None] * (400, 380, 300)
+    rng = np.random.default_rng(1)
+    parts = [smooth_ball((1.1 * (k % 3 - 1), .5, 1.1 * (k // 3 - 1)), .5, 64, diffuse(*rng.uniform(.2, .9, 3))) for k in range(9)]
+    parts.append((quad((0, 0, 0), (8, 0, 0), (0, 0, -8)), diffuse(.5, .5, .5)))
+    return dict(parts=parts, eye=(3, 2.5, 5), target=(0, .4, 0), fov=40, depth=8, environment=image)
+
+
 def sponza(path):
     positions, triangles = [], []
     for line in open(path):
@@ -119,14 +137,21 @@ def sponza(path):
 # ---- the two renderers
 
 def write_obj(scene, path):
-    lines, materials, base = [f"mtllib {path.stem}.mtl"], [], 1
-    for k, ((p, t), (kind, values)) in enumerate(scene["parts"]):
-        lines += [f"o p{k}", f"usemtl m{k}"] + ["v %.9g %.9g %.9g" % tuple(x) for x in p] + ["f %d %d %d" % tuple(x + base) for x in t]
-        base += len(p)
+    lines, materials, base, base_of_normals = [f"mtllib {path.stem}.mtl"], [], 1, 1
+    for k, ((p, t), (kind, values), *normals) in enumerate(scene["parts"]):
+        lines += [f"o p{k}", f"usemtl m{k}"] + ["v %.9g %.9g %.9g" % tuple(x) for x in p]
+        lines += ["vn %.9g %.9g %.9g" % tuple(x) for n in normals for x in n]
+        corner = "{0}//{1}" if normals else "{0}"
+        lines += ["f " + " ".join(corner.format(i + base, i + base_of_normals) for i in x) for x in t]
+        base, base_of_normals = base + len(p), base_of_normals + (len(p) if normals else 0)
         materials += [f"newmtl m{k}"] + {"diffuse": lambda: ["Kd %g %g %g" % values], "lamp": lambda: ["Kd 0 0 0", "Ke %g %g %g" % values],
                                          "glass": lambda: ["Kd 0 0 0", "Ks 1 1 1", "Ni %g" % values, "Tf 1 1 1", "illum 7"]}[kind]()
     path.write_text("\n".join(lines) + "\n")
     path.with_suffix(".mtl").write_text("\n".join(materials) + "\n")
+
+
+def write_pfm(image, path):
+    path.write_bytes(b"PF\n%d %d\n-1.0\n" % (image.shape[1], image.shape[0]) + image[::-1].astype("<f4").tobytes())
 
 
 def read_pfm(path):
@@ -141,8 +166,14 @@ def by_claray(program, scene, size, spp, seeds, options, folder):
     path, image = pathlib.Path(folder) / "scene.obj", str(pathlib.Path(folder) / "image.pfm")
     write_obj(scene, path)
     words = ["%.9g,%.9g,%.9g" % tuple(scene[key]) if key in scene else "0,0,0" for key in ("eye", "target", "sky")]
-    command = [program, "render", str(path), "-o", image, "--size", f"{size}x{size}", "--camera", words[0], "--look-at", words[1], "--sky", words[2],
+    command = [program, "render", str(path), "-o", image, "--size", f"{size}x{size}", "--camera", words[0], "--look-at", words[1],
                "--fov", str(scene["fov"]), "--max-depth", str(scene["depth"]), "--wait-for-kernels", "-q", *options]
+
+    if "environment" in scene:
+        write_pfm(scene["environment"], pathlib.Path(folder) / "environment.pfm")
+        command += ["--environment", str(pathlib.Path(folder) / "environment.pfm")]
+    else:
+        command += ["--sky", words[2]]
 
     def run(samples, seed):
         before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
@@ -163,13 +194,15 @@ def bsdf_of(kind, values):
         dict(type="diffuse", reflectance=dict(type="rgb", value=[0, 0, 0]))
 
 
-def mesh_of(p, t, kind, values):
+def mesh_of(p, t, kind, values, normals):
     properties = mi.Properties()
     properties["bsdf"] = mi.load_dict(bsdf_of(kind, values))
     if kind == "lamp":
         properties["emitter"] = mi.load_dict(dict(type="area", radiance=dict(type="rgb", value=list(values))))
-    mesh = mi.Mesh("mesh", len(p), len(t), properties)
+    mesh = mi.Mesh("mesh", len(p), len(t), properties, has_vertex_normals=bool(normals))
     data = mi.traverse(mesh)
+    for n in normals:
+        data["vertex_normals"] = n.astype(np.float32).ravel()
     data["vertex_positions"], data["faces"] = p.astype(np.float32).ravel(), t.astype(np.uint32).ravel()
     data.update()
     return mesh
@@ -184,8 +217,11 @@ def by_mitsuba(scene, size, spp, seeds):
                               sampler=dict(type="multijitter", sample_count=spp)))
     if "sky" in scene:
         loaded["sky"] = dict(type="constant", radiance=dict(type="rgb", value=list(scene["sky"])))
-    for k, ((p, t), (kind, values)) in enumerate(scene["parts"]):
-        loaded[f"p{k}"] = mesh_of(p, t, kind, values)
+    if "environment" in scene:  # Mitsuba's first column is at -z, claray's middle one
+        turned = np.roll(scene["environment"], scene["environment"].shape[1] // 2, 1).astype(np.float32)
+        loaded["environment"] = dict(type="envmap", bitmap=mi.Bitmap(turned))
+    for k, ((p, t), (kind, values), *normals) in enumerate(scene["parts"]):
+        loaded[f"p{k}"] = mesh_of(p, t, kind, values, normals)
     world = mi.load_dict(loaded)
     np.array(mi.render(world, seed=100))  # compiles
     images, seconds = [], []
@@ -205,7 +241,7 @@ def main():
     parser.add_argument("--size", type=int, default=224)
     parser.add_argument("--seeds", type=int, default=4)
     options = parser.parse_args()
-    scenes = dict(cornell=cornell, hall=hall, glass=glass, window=window)
+    scenes = dict(cornell=cornell, hall=hall, glass=glass, window=window, studio=studio)
     if options.sponza:
         scenes["sponza"] = lambda: sponza(options.sponza)
     unknown = [name for name in options.names if name not in scenes]
