@@ -42,8 +42,9 @@ public:
     }
     /// Returns whether pixels may have different numbers of samples.
     [[nodiscard]] bool has_rounds() const { return !halves_.empty(); }
-    /// Plans the next round from the variance of the pixels of each half tile (Film::tile_noise), in any unit. If no
-    /// half can be doubled within the samples left, the schedule is finished.
+    /// Plans the next round from the variance of the pixels of each half tile, or what is to be minimized instead
+    /// (Film::worth_of_samples), in any unit. If no half can be doubled within the samples left, the schedule is
+    /// finished.
     void plan(const std::vector<float>& variances);
     /// Returns whether batches number the entries of a round, not the pixels of the image.
     [[nodiscard]] bool in_round() const { return !round_.halves.empty(); }
