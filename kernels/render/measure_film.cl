@@ -98,8 +98,6 @@ kernel void map_noise(global const FilmPixel* film, uint pixels, float scale, gl
     if (i < pixels) variances[i] = variance_of(film[i], scale);
 }
 
-#define DARK 0.05f  // of the image's mean: darker pixels count as if they were not
-
 /// The pixels of a tile of adaptive sampling.
 typedef struct Tile { uint x0, y0, along, rows; } Tile;
 
@@ -112,11 +110,13 @@ static inline Tile tile_of(uint tile, uint width, uint height) {
 /// Halves of a tile are the two colours of a checkerboard; its first pixel is of half 0.
 static inline uint pixels_of_half(uint half_tile, uint along, uint rows) { return (along * rows + 1u - half_tile) / 2u; }
 
+#define DARK 0.05f  // of the image's mean: darker pixels count as if they were not
+
 /// What a pixel's samples are worth: its variance over the root of its luminance, both relative to the image's mean. Noise is seen more
 /// easily where the image is dark. Cycles divides by the luminance itself (adaptive sampling, film kernels), which gains less squared error.
 static inline float worth_of(FilmPixel p, float scale) {
-    const float luminance = p.count == 0u ? 0.0f : fmax(luminance_sum(p) / (float)p.count * scale, 0.0f);
-    return variance_of(p, scale) / sqrt(luminance + DARK);
+    const float brightness = p.count == 0u ? 0.0f : fmax(luminance_sum(p) / (float)p.count * scale, 0.0f);
+    return variance_of(p, scale) / sqrt(brightness + DARK);
 }
 
 /// The mean worth of the pixels of each half of a tile; 0 for a half without pixels. Half h of tile t is element 2 t + h.

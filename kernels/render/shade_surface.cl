@@ -241,7 +241,7 @@ static CLARAY_OUTLINED void shade_rays16(const Step* step, SCENE_PARAMETERS, glo
     }
     uint others = (1u << count) - 1u;
 #if ENVIRONMENT
-    others &= ~see_environment16(frame, &lights, hits, rays, others, !plain, &group, gathered);
+    others &= ~see_environment16(frame, &lights, hits, rays, others, !plain && depth < frame->max_depth, &group, gathered);
 #endif
 #if PLAIN_SIXTEEN
     if (plain) others &= ~keep_plain16(frame, &lights.data, SCENE, hits, rays, others, &group);
