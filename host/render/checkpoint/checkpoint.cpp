@@ -85,8 +85,8 @@ public:
         if (header.version != checkpoint_version || header.pixel_bytes != sizeof(FilmPixel))
             refuse("it was written by another version of claray", "use that version, or render from the start");
         if (header.digest != digest_of_checkpoint_header(header)) refuse_damaged("the checksum of its header is wrong");
-        const std::uint64_t of_tiles = header.halves * std::uint64_t(sizeof(std::uint32_t));
-        const std::uint64_t expected = sizeof header + bytes_of_sums(header) + of_tiles + sizeof(Digest);
+        const std::uint64_t of_halves = header.halves * std::uint64_t(sizeof(std::uint32_t));
+        const std::uint64_t expected = sizeof header + bytes_of_sums(header) + of_halves + sizeof(Digest);
         const bool ends_in_batches = bytes_ > expected && (bytes_ - expected) % sizeof(Batch) == 0;
         pending_ = ends_in_batches ? (bytes_ - expected) / sizeof(Batch) : 0;
         if (bytes_ != expected && pending_ == 0)
