@@ -7,8 +7,8 @@
 //   all-lights  the same with lists of all lights
 //   pick        one light per pixel from the list of its place, with a shadow ray: the path tracer with depth 1
 // --noise prints the noise of --spp samples per pixel of paths of --depth surfaces instead: the standard deviation over
-// --rounds images, over their mean. With --tree the light tree picks, not the lists. The noise of `pick` includes the
-// variation of light within pixels, which vanishes in images of several times the size.
+// --rounds images, over their mean, and that mean. With --tree the light tree picks, not the lists. The noise of `pick`
+// includes the variation of light within pixels, which vanishes in images of several times the size.
 #include <cstdio>
 #include <random>
 
@@ -134,8 +134,8 @@ void print_noise(const Device& device, const Scene& scene, const Options& option
     }
     const auto values = double(moments.size());
     const double noise = 100 * std::sqrt(variance / values) / (mean / values);
-    std::printf("noise: %.1f %% with %u spp, %.1f %% with 1; %.3f s\n", noise, options.spp,
-                std::sqrt(double(options.spp)) * noise, median_of(seconds));
+    std::printf("noise: %.1f %% with %u spp, %.1f %% with 1; mean radiance %.6g; %.3f s\n", noise, options.spp,
+                std::sqrt(double(options.spp)) * noise, mean / values, median_of(seconds));
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "host/cli/commands.hpp"
 #include "host/cli/options/bvh_options.hpp"
 #include "host/cli/options/render_options.hpp"
+#include "host/render/kernels/background_compiler.hpp"
 
 namespace claray::cli {
 namespace {
@@ -21,6 +22,7 @@ void compile(const CompileOptions& options) {
     const EffectSet effects = options.effects.empty() ? full_effects() : parse_effects(options.effects);
     compile_kernels(device, effects, options.config);
     if (options.and_generic) {
+        let_others_compile();
         compile_kernels(device, full_effects(), options.config);
     }
     const CompileStatistics statistics = compile_statistics();

@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <thread>
 
 #include "claray/shared/spherical_harmonics.h"
 #include "host/base/file.hpp"
@@ -225,6 +226,19 @@ void Renderer::State::take_over_when_compiled() {
         return;
     }
     take_over();
+}
+
+/// On a CPU quick kernels leave the compiler a tenth of a processor, and take several times as long as the kernels that
+/// it makes. These compile in 1.5 to 7 times the processor time of a first pixel by quick kernels (seven scenes, PoCL
+/// 3.1). Whatever happens to the compiler, waiting at most doubles the time.
+bool Renderer::State::better_waits_for_kernels() const {
+    constexpr double compiling_over_first_pixel = 5, seconds_to_tell = 1;  // the first batches vary
+    if (own_kernels || spp() == 0 || device.info().type != DeviceType::cpu) return false;
+    if (compiler_asked && !is_compiling()) return false;  // it has failed
+    const double seconds_left = 1e-3 * pace.milliseconds_of(std::uint64_t(pixels()) * (config.spp - spp()));
+    const double seconds = seconds_since(set_up) - first_pixel_seconds;
+    return seconds > seconds_to_tell && seconds < seconds_left &&
+           seconds_left > compiling_over_first_pixel * first_pixel_processor_seconds;
 }
 
 void Renderer::State::take_over() {
@@ -462,12 +476,15 @@ RenderProgress Renderer::render_for(double seconds, const std::function<bool(con
     state.follow_light();
     if (!state.begin) state.begin = Clock::now();
     if (state.first_begin == Clock::time_point()) state.first_begin = *state.begin;
-    const bool saves = !state.config.checkpoint.empty();
+    const bool saves = !state.config.checkpoint.empty(), may_wait = std::isinf(seconds);
     InFlight in_flight(state.device, state.pace);
     Clock::time_point last_report;  // the epoch, so that the first batch is reported at once
     Clock::time_point last_checkpoint = Clock::now();
     while (!state.target_met()) {
-        state.trace(state.schedule.next(state.paths_of_next_batch(in_flight)), in_flight);
+        if (may_wait && state.better_waits_for_kernels())
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        else
+            state.trace(state.schedule.next(state.paths_of_next_batch(in_flight)), in_flight);
         state.choose_kernels(state.spp() > 0);
         if (saves && seconds_since(last_checkpoint) >= state.config.checkpoint_seconds) {
             state.save_checkpoint();
@@ -563,8 +580,8 @@ const std::string& Renderer::checkpoint_error() const { return state_->checkpoin
 
 void compile_kernels(const Device& device, EffectSet effects, const RenderConfig& with) {
     RenderConfig config = with;
-    // PoCL compiles a kernel once for grids of at least 2^16 items and once for smaller ones: the first bounce of these
-    // paths is of the first kind, the others are of the second.
+    // With $POCL_WORK_GROUP_SPECIALIZATION=1 PoCL compiles a kernel once for grids of at least 2^16 items and once for
+    // smaller ones: the first bounce of these paths is of the first kind, the others are of the second.
     config.width = config.height = 256, config.spp = 1, config.max_depth = 3;
     config.compiler.clear();
     const KernelChoice choice = plan_kernels(device, effects, config).last;

@@ -84,6 +84,7 @@ struct Renderer::State {
     /// Called after each batch. `sampled`: every pixel has a sample.
     void choose_kernels(bool sampled);
     void take_over_when_compiled();
+    [[nodiscard]] bool better_waits_for_kernels() const;
     void take_over();
     void refuse_with_checkpoints(const char* what) const;
     [[nodiscard]] bool may_follow_paths() const;

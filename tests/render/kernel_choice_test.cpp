@@ -1,8 +1,11 @@
 // A render that begins with other kernels than the scene's own and switches while it runs gives the same image.
 #include "host/render/kernels/kernel_choice.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/file.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -201,6 +204,42 @@ TEST_F(BackgroundCompiler, IsTheOnlyOne) {
     EXPECT_TRUE(becomes_true([&] { return start(); })) << "once the other has ended";
     const ScopedEnvironment unwritable("CLARAY_CACHE_DIR", "/proc/nobody");
     EXPECT_TRUE(start()) << "what it compiles would be lost: there is nothing to ask for again";
+}
+
+TEST_F(BackgroundCompiler, LetsOthersStartBeforeWorkThatCanWait) {
+    constexpr int inherited = STDERR_FILENO + 1;
+    const int before = ::dup(inherited);
+    const int lock = ::open((folder_ / "compiler.lock").c_str(), O_RDWR | O_CREAT, 0600);
+    ASSERT_EQ(::flock(lock, LOCK_EX), 0);
+    if (lock != inherited) ::dup2(lock, inherited), ::close(lock);
+    EXPECT_FALSE(start());
+    let_others_compile();
+    EXPECT_TRUE(start());
+    if (before >= 0) ::dup2(before, inherited), ::close(before);
+    let_others_compile();
+    EXPECT_EQ(::fcntl(inherited, F_GETFD) >= 0, before >= 0) << "files of others stay open";
+}
+
+/// By quick kernels this render would take much longer than compiling does.
+TEST_F(BackgroundCompiler, IsWaitedForOnCpus) {
+    if (device().info().type != DeviceType::cpu) GTEST_SKIP() << "a GPU renders while a CPU compiles";
+    RenderConfig config{.width = 64, .height = 64, .spp = 1u << 20, .report_seconds = 0.01};
+    config.compiler = script_;
+    Renderer renderer(device(), *builtin_scene("cornell"), config);
+    if (renderer.statistics().start == KernelStart::own) GTEST_SKIP() << "no kernels are quicker to compile";
+    unsigned spp = 0, equal = 0;
+    renderer.render([&](const RenderProgress& progress) {
+        equal = progress.spp == spp && spp > 0 ? equal + 1 : 0;
+        spp = progress.spp;
+        return equal < 10 && spp < 10000;
+    });
+    EXPECT_EQ(equal, 10u) << "it samples while the compiler runs";
+    const unsigned of_view = renderer.render_for(0.05).spp;
+    EXPECT_GT(of_view, spp) << "a view does not wait";
+    release();
+    ASSERT_TRUE(becomes_true([] { return !is_compiling(); }));
+    const auto until_more = [&](const RenderProgress& progress) { return progress.spp <= of_view; };
+    EXPECT_GT(renderer.render(until_more).spp, of_view);
 }
 
 TEST(CompileKernels, MakesEveryKernelThatARenderNeeds) {

@@ -4,10 +4,12 @@
 #include <spawn.h>
 #include <sys/file.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <thread>
 
@@ -19,14 +21,18 @@ extern char** environ;
 namespace claray {
 namespace {
 
+std::atomic<int> running = 0;
+constexpr int inherited_lock = STDERR_FILENO + 1;
+
+std::filesystem::path lock_path() { return cache_folder() / "compiler.lock"; }
+
 /// The lock that allows one compiler at a time. It belongs to the open file, which the compiler inherits, so that it is
 /// released when that process ends, whatever ends it.
 class CompilerLock {
 public:
     CompilerLock() {
-        const std::filesystem::path folder = cache_folder();
-        if (!make_writable(folder)) return;
-        file_ = ::open((folder / "compiler.lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+        if (!make_writable(cache_folder())) return;
+        file_ = ::open(lock_path().c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
         if (file_ >= 0 && ::flock(file_, LOCK_EX | LOCK_NB) != 0) is_busy_ = errno == EWOULDBLOCK;
     }
     ~CompilerLock() {
@@ -71,7 +77,7 @@ pid_t start_in_background(std::vector<std::string> arguments, int lock) {
     ::posix_spawn_file_actions_init(&streams);
     for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})  // so that no pipe waits for it
         ::posix_spawn_file_actions_addopen(&streams, stream, "/dev/null", O_RDWR, 0);
-    ::posix_spawn_file_actions_adddup2(&streams, lock, STDERR_FILENO + 1);  // inherited from there
+    ::posix_spawn_file_actions_adddup2(&streams, lock, inherited_lock);
     pid_t id = 0;
     std::thread([&] {
         lower_priority_of_this_thread();
@@ -89,8 +95,22 @@ bool start_compiler(const std::string& program, const Device& device, const Kern
     if (lock.is_busy()) return false;
     if (lock.file() < 0) return true;
     const pid_t id = start_in_background(command_line(program, device, choice, config), lock.file());
-    if (id != 0) std::thread([id] { ::waitpid(id, nullptr, 0); }).detach();  // so that no zombie remains
+    if (id == 0) return true;
+    ++running;
+    std::thread([id] {
+        ::waitpid(id, nullptr, 0);  // so that no zombie remains
+        --running;
+    }).detach();
     return true;
 }
+
+void let_others_compile() {
+    struct stat inherited = {}, lock = {};
+    if (::fstat(inherited_lock, &inherited) == 0 && ::stat(lock_path().c_str(), &lock) == 0 &&
+        inherited.st_dev == lock.st_dev && inherited.st_ino == lock.st_ino)
+        ::close(inherited_lock);
+}
+
+bool is_compiling() { return running > 0; }
 
 }  // namespace claray

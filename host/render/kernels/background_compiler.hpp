@@ -12,4 +12,10 @@ namespace claray {
 [[nodiscard]] bool start_compiler(const std::string& program, const Device& device, const KernelChoice& choice,
                                   const RenderConfig& config);
 
+/// In such a process, before work that can wait: lets others start a compiler meanwhile.
+void let_others_compile();
+
+/// Whether a compiler runs that this process has started.
+[[nodiscard]] bool is_compiling();
+
 }  // namespace claray

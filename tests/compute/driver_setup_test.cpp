@@ -1,4 +1,5 @@
-// PoCL's threads are bound to processors, one to each, unless the process may not use them all.
+// PoCL's threads are bound to processors, one to each, unless the process may not use them all. PoCL compiles a kernel
+// once for all sizes of work-groups.
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <unistd.h>
@@ -15,6 +16,8 @@
 namespace claray::test {
 namespace {
 
+bool is_pocl() { return device().info().platform == "Portable Computing Language"; }
+
 cpu_set_t processors_of(pid_t thread) {
     cpu_set_t allowed;
     CPU_ZERO(&allowed);
@@ -30,7 +33,7 @@ std::vector<cpu_set_t> processors_of_threads() {
 }
 
 TEST(BoundThreads, OneOnEachProcessor) {
-    if (device().info().platform != "Portable Computing Language") GTEST_SKIP() << "not PoCL";
+    if (!is_pocl()) GTEST_SKIP() << "not PoCL";
     if (std::getenv("POCL_MAX_PTHREAD_COUNT") != nullptr) GTEST_SKIP() << "PoCL has fewer threads";
     const cpu_set_t mine = processors_of(0);
     const std::vector<cpu_set_t> threads = processors_of_threads();
@@ -66,8 +69,35 @@ TEST(BoundThreads, NotIfTheUserSaysSo) {
         run_process({this_program(), "--gtest_filter=BoundThreads.OneOnEachProcessor"}, {{"POCL_AFFINITY", "0"}});
     cpu_set_t mine = processors_of(0);
     const bool may_be_bound = CPU_COUNT(&mine) > 1 && CPU_COUNT(&mine) == ::sysconf(_SC_NPROCESSORS_CONF);
-    if (!may_be_bound || device().info().platform != "Portable Computing Language") GTEST_SKIP() << "never bound here";
+    if (!may_be_bound || !is_pocl()) GTEST_SKIP() << "never bound here";
     EXPECT_NE(unbound.exit_code, 0) << unbound.output;
+}
+
+/// Run by the next test.
+TEST(GroupSizes, OfOneKernel) {
+    Device fresh = Device::open(device().info().name);
+    Kernel kernel = compile_kernel(fresh, "kernel void set(global uint* a) { a[get_global_id(0)] = 7; }", "set");
+    const Buffer<std::uint32_t> values(fresh, 64);
+    for (const std::size_t local : {16, 32, 64}) kernel.run({64, local}, values);
+    EXPECT_EQ(values.read(), std::vector<std::uint32_t>(64, 7));
+}
+
+TEST(GroupSizes, AreCompiledOnceUnlessTheUserSaysSo) {
+    if (!is_pocl()) GTEST_SKIP() << "not PoCL";
+    const auto programs_written = [](const Variables& variables) {
+        const TemporaryFolder folder;
+        Variables all = variables;
+        all["POCL_CACHE_DIR"] = all["CLARAY_CACHE_DIR"] = folder.path().string();
+        const ProcessResult run = run_process({this_program(), "--gtest_filter=GroupSizes.OfOneKernel"}, all);
+        EXPECT_EQ(run.exit_code, 0) << run.output;
+        std::ptrdiff_t count = 0;
+        for (const auto& file : std::filesystem::recursive_directory_iterator(folder.path()))
+            count += file.path().extension() == ".so";
+        return count;
+    };
+    const std::ptrdiff_t once = programs_written({});
+    EXPECT_GT(once, 0);
+    EXPECT_GE(programs_written({{"POCL_WORK_GROUP_SPECIALIZATION", "1"}}), once + 2);
 }
 
 }  // namespace
