@@ -16,8 +16,8 @@
 #define SHADE_GROUPS (CLARAY_CPU && !CLARAY_UNOPTIMIZED)
 /// 1: shade_sixteen.clh shades the hits of plain materials; all hits, if there are no other materials.
 #define PLAIN_IN_LANES                                                                                                     \
-    (SIXTEEN && CLARAY_CPU && USES(CLARAY_LAMBERT) && !NORMALS && !TEXTURES && !MIPMAPS && !INSTANCES && !PRIMITIVES && !BAKE && !SHADING && \
-     !VERTEX_COLORS && !ENVIRONMENT && LIGHT_KINDS_USED == POINT_LIGHTS && !LIGHT_FALLOFF && !LISTED_LIGHTS && !(TRIANGLE_LIGHTS && POINT_LIGHTS))
+    (SIXTEEN && CLARAY_CPU && USES(CLARAY_LAMBERT) && !TEXTURES && !MIPMAPS && !INSTANCES && !PRIMITIVES && !BAKE && !SHADING && \
+     !VERTEX_COLORS && LIGHT_KINDS_USED == POINT_LIGHTS && !LIGHT_FALLOFF && !LISTED_LIGHTS && !(TRIANGLE_LIGHTS && POINT_LIGHTS))
 #define SHADE_SIXTEEN (PLAIN_IN_LANES && MATERIALS == 1u << CLARAY_LAMBERT)
 #define SHADE_MIXED (PLAIN_IN_LANES && SHADE_GROUPS && !SHADE_SIXTEEN)
 #if SHADE_SIXTEEN || SHADE_MIXED
@@ -196,6 +196,7 @@ static inline uint see_environment16(const FrameData* frame, const Lights* light
     if (image.width == 0) return 0u;
     EnvironmentPlace places[SLOTS_AT_ONCE];
     SamplePair words[SLOTS_AT_ONCE];
+    float2 rest[SLOTS_AT_ONCE];
     uint misses = 0;
     for (uint left = lanes; left != 0; left &= left - 1) {
         const uint k = lowest_bit(left);
@@ -205,7 +206,7 @@ static inline uint see_environment16(const FrameData* frame, const Lights* light
         places[k] = environment_place(image, (float3)(group->ray[k].dx, group->ray[k].dy, group->ray[k].dz));
         prefetch_cell(image, lights->texels, places[k].column, places[k].row);
     }
-    if (samples) prefetch_environment_of16(lights, words, lanes & ~misses);
+    if (samples) pick_environment16(lights, words, lanes & ~misses, rest);
     for (uint left = misses; left != 0; left &= left - 1) {
         const uint k = lowest_bit(left);
         const float3 direction = (float3)(group->ray[k].dx, group->ray[k].dy, group->ray[k].dz);

@@ -5,6 +5,7 @@
 
 #include "host/effects/effects.hpp"
 #include "tests/render/scenes.hpp"
+#include "tests/render/textures/textures.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 
@@ -234,6 +235,41 @@ TEST(Effects, DiffuseSurfacesAreShadedWithTheSameBitsSixteenAtOnce) {
     for (const Scene& scene : {mixed, points, many_points, many_lamps}) one_by_one = one_by_one | effects_of(scene);
     one_by_one.remove(Effect::light_lists);
     for (const Scene& scene : {mixed, points, many_points, many_lamps})
+        for (const unsigned width : {13u, 32u}) {
+            RenderConfig config{.width = width, .height = 33, .spp = 3, .max_depth = 6};
+            config.effects.remove = {Effect::light_lists};
+            const std::vector<glm::vec3> image = render_by_own_kernels(scene, config);
+            EXPECT_GT(mean(image).x, 0);
+            config.effects.add = one_by_one;
+            EXPECT_TRUE(same_bits(image, render_image(scene, config))) << "width " << width;
+        }
+}
+
+/// As above, with normals of half of the meshes and an image around the scene.
+TEST(Effects, SmoothSurfacesAndEnvironmentsAreShadedWithTheSameBitsSixteenAtOnce) {
+    Scene lamp = *builtin_scene("cornell");
+    lamp.camera->position *= 8.f, lamp.camera->target *= 8.f;  // directions to the image are shorter than the scene
+    for (Mesh& mesh : lamp.meshes)
+        for (glm::vec3& at : mesh.positions) at *= 8.f;
+    lamp.meshes[0].triangles.resize(lamp.meshes[0].triangles.size() / 2);  // open to the image
+    lamp.meshes[0].materials.resize(lamp.meshes[0].triangles.size());
+    for (std::size_t i = 0; i < lamp.meshes.size(); i += 2)
+        for (const glm::vec3& at : lamp.meshes[i].positions)
+            lamp.meshes[i].normals.push_back(glm::normalize(glm::vec3(2.f, 2.4f, 0.8f) - at));
+    Scene smooth = lamp;  // without an image
+    lamp.environment.images = {
+        float_texture({32, 16}, [](double u, double v) { return glm::vec3(u < 0.2 && v < 0.3 ? 20 : 0.2, 0.3, v); })};
+    Scene dark = lamp;
+    for (Material& m : dark.materials) m.emission = glm::vec3(0.f);
+    Scene points = dark, many_points = dark;
+    points.lights = {point_light({1.6f, 4, 0.8f}, {64, 128, 192}), point_light({3.2f, 2.4f, 2.4f}, {128, 64, 64})};
+    for (int i = 0; i < 40; ++i)  // by the light tree
+        many_points.lights.push_back(point_light({0.8f + 0.08f * float(i), 4, 0.8f}, glm::vec3(6.4f)));
+    ASSERT_TRUE(effects_of(many_points).has(Effect::many_lights) && effects_of(dark).has(Effect::smooth_normals));
+    EffectSet one_by_one = {Effect::spot_lights};  // and all else, so that one kernel compiles
+    for (const Scene& scene : {lamp, smooth, dark, points, many_points}) one_by_one = one_by_one | effects_of(scene);
+    one_by_one.remove(Effect::light_lists);
+    for (const Scene& scene : {lamp, smooth, dark, points, many_points})
         for (const unsigned width : {13u, 32u}) {
             RenderConfig config{.width = width, .height = 33, .spp = 3, .max_depth = 6};
             config.effects.remove = {Effect::light_lists};
