@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <sys/file.h>
 #include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -206,18 +208,36 @@ TEST_F(BackgroundCompiler, IsTheOnlyOne) {
     EXPECT_TRUE(start()) << "what it compiles would be lost: there is nothing to ask for again";
 }
 
+/// In a process of its own, whose files no other thread opens.
 TEST_F(BackgroundCompiler, LetsOthersStartBeforeWorkThatCanWait) {
     constexpr int inherited = STDERR_FILENO + 1;
-    const int before = ::dup(inherited);
     const int lock = ::open((folder_ / "compiler.lock").c_str(), O_RDWR | O_CREAT, 0600);
     ASSERT_EQ(::flock(lock, LOCK_EX), 0);
-    if (lock != inherited) ::dup2(lock, inherited), ::close(lock);
+    int ends[2];
+    ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM, 0, ends), 0);
+    const pid_t compiler = ::fork();
+    if (compiler == 0) {
+        const int end = ::fcntl(ends[1], F_DUPFD, 100), same_lock = ::fcntl(lock, F_DUPFD, 100);
+        ::close(ends[0]), ::close(ends[1]), ::close(lock), ::dup2(same_lock, inherited), ::close(same_lock);
+        char go = 0;
+        if (::read(end, &go, 1) != 1) ::_exit(1);
+        let_others_compile();
+        if (::write(end, "r", 1) != 1 || ::read(end, &go, 1) != 1) ::_exit(1);
+        ::dup2(end, inherited);
+        let_others_compile();
+        ::_exit(::fcntl(inherited, F_GETFD) >= 0 ? 0 : 2);
+    }
+    ::close(lock), ::close(ends[1]);
     EXPECT_FALSE(start());
-    let_others_compile();
+    char released = 0;
+    ASSERT_EQ(::write(ends[0], "g", 1), 1);
+    ASSERT_EQ(::read(ends[0], &released, 1), 1);
     EXPECT_TRUE(start());
-    if (before >= 0) ::dup2(before, inherited), ::close(before);
-    let_others_compile();
-    EXPECT_EQ(::fcntl(inherited, F_GETFD) >= 0, before >= 0) << "files of others stay open";
+    ASSERT_EQ(::write(ends[0], "e", 1), 1);
+    ::close(ends[0]);
+    int status = -1;
+    EXPECT_EQ(::waitpid(compiler, &status, 0), compiler);
+    EXPECT_EQ(status, 0) << "files of others stay open";
 }
 
 /// By quick kernels this render would take much longer than compiling does.
