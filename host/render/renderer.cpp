@@ -235,10 +235,11 @@ bool Renderer::State::better_waits_for_kernels() const {
     constexpr double compiling_over_first_pixel = 5, seconds_to_tell = 1;  // the first batches vary
     if (own_kernels || spp() == 0 || device.info().type != DeviceType::cpu) return false;
     if (compiler_asked && !is_compiling()) return false;  // it has failed
-    const double seconds_left = 1e-3 * pace.milliseconds_of(std::uint64_t(pixels()) * (config.spp - spp()));
+    const std::uint64_t paths_left = std::uint64_t(pixels()) * (config.spp - spp());
+    const double left = std::min(seconds_left(), 1e-3 * pace.milliseconds_of(paths_left));
     const double seconds = seconds_since(set_up) - first_pixel_seconds;
-    return seconds > seconds_to_tell && seconds < seconds_left &&
-           seconds_left > compiling_over_first_pixel * first_pixel_processor_seconds;
+    return seconds > seconds_to_tell && seconds < left &&
+           left > compiling_over_first_pixel * first_pixel_processor_seconds;
 }
 
 void Renderer::State::take_over() {
@@ -476,12 +477,12 @@ RenderProgress Renderer::render_for(double seconds, const std::function<bool(con
     state.follow_light();
     if (!state.begin) state.begin = Clock::now();
     if (state.first_begin == Clock::time_point()) state.first_begin = *state.begin;
-    const bool saves = !state.config.checkpoint.empty(), may_wait = std::isinf(seconds);
+    const bool saves = !state.config.checkpoint.empty();
     InFlight in_flight(state.device, state.pace);
     Clock::time_point last_report;  // the epoch, so that the first batch is reported at once
     Clock::time_point last_checkpoint = Clock::now();
     while (!state.target_met()) {
-        if (may_wait && state.better_waits_for_kernels())
+        if (state.better_waits_for_kernels())
             std::this_thread::sleep_for(std::chrono::milliseconds(20));
         else
             state.trace(state.schedule.next(state.paths_of_next_batch(in_flight)), in_flight);

@@ -176,7 +176,10 @@ protected:
                                << released_.string() << "' ]; do sleep 0.01; done\n";
         std::filesystem::permissions(script_, std::filesystem::perms::owner_all);
     }
-    ~BackgroundCompiler() override { release(); }
+    ~BackgroundCompiler() override {
+        release();
+        EXPECT_TRUE(becomes_true([] { return !is_compiling(); })) << "it may write to the folder";
+    }
     void release() const { std::ofstream(released_) << '.'; }
     [[nodiscard]] bool start() const { return start_compiler(script_, device(), {{Effect::mirror}, Layout::wide}, {}); }
     [[nodiscard]] static bool becomes_true(const std::function<bool()>& condition) {
@@ -248,11 +251,12 @@ TEST_F(BackgroundCompiler, IsWaitedForOnCpus) {
     Renderer renderer(device(), *builtin_scene("cornell"), config);
     if (renderer.statistics().start == KernelStart::own) GTEST_SKIP() << "no kernels are quicker to compile";
     unsigned spp = 0, equal = 0;
-    renderer.render([&](const RenderProgress& progress) {
+    const auto until_it_waits = [&](const RenderProgress& progress) {
         equal = progress.spp == spp && spp > 0 ? equal + 1 : 0;
         spp = progress.spp;
         return equal < 10 && spp < 10000;
-    });
+    };
+    renderer.render(until_it_waits);
     EXPECT_EQ(equal, 10u) << "it samples while the compiler runs";
     const unsigned of_view = renderer.render_for(0.05).spp;
     EXPECT_GT(of_view, spp) << "a view does not wait";
@@ -260,6 +264,19 @@ TEST_F(BackgroundCompiler, IsWaitedForOnCpus) {
     ASSERT_TRUE(becomes_true([] { return !is_compiling(); }));
     const auto until_more = [&](const RenderProgress& progress) { return progress.spp <= of_view; };
     EXPECT_GT(renderer.render(until_more).spp, of_view);
+}
+
+TEST_F(BackgroundCompiler, IsNotWaitedForIfTimeIsShort) {
+    RenderConfig config{.width = 16, .height = 16, .spp = 1u << 20, .seconds = 2, .report_seconds = 0.01};
+    config.compiler = script_;
+    Renderer renderer(device(), *builtin_scene("cornell"), config);
+    unsigned spp = 0, equal = 0, longest = 0;
+    renderer.render([&](const RenderProgress& progress) {
+        equal = progress.spp == spp && spp > 0 ? equal + 1 : 0;
+        longest = std::max(longest, equal), spp = progress.spp;
+        return true;
+    });
+    EXPECT_LT(longest, 10u) << "it waits for most of its time";
 }
 
 TEST(CompileKernels, MakesEveryKernelThatARenderNeeds) {
