@@ -84,9 +84,7 @@ TEST_F(Ranks, MakeTheImageOfOneBitForBit) {
 }
 
 TEST_F(Ranks, GuidePathsAsOne) {
-    const auto words = [&](const char* name) {
-        return Words{"--size", "160x160", "--spp", "40", "-o", path(name)};
-    };
+    const auto words = [&](const char* name) { return Words{"--size", "160x160", "--spp", "40", "-o", path(name)}; };
     const std::string expected = image("1.pfm", alone(words("1.pfm")));
     EXPECT_TRUE(image("2.pfm", run_process(mpirun({{2, render(words("2.pfm"))}}))) == expected);
     const ProcessResult without = alone({"--size", "160x160", "--spp", "40", "--no-guide", "-o", path("without.pfm")});
