@@ -168,7 +168,7 @@ TEST(Effects, FindNothingInTheDark) {
     EXPECT_EQ(mean(render_image(plain_scene(), {.width = 16, .height = 16, .spp = 2})), glm::dvec3(0.0));
 }
 
-/// Where surfaces are flat and diffuse and lights of one kind, CPUs shade sixteen rays at once
+/// Where surfaces are diffuse and lights of one kind, CPUs shade sixteen rays at once
 /// (render/shade_sixteen.clh). Kernels that know of spots shade them one by one.
 TEST(Effects, DiffuseScenesAreShadedWithTheSameBitsSixteenAtOnce) {
     Scene dark = *builtin_scene("cornell");
@@ -194,6 +194,22 @@ TEST(Effects, DiffuseScenesAreShadedWithTheSameBitsSixteenAtOnce) {
             const std::vector<glm::vec3> image = render_by_own_kernels(scenes[i], config);
             EXPECT_EQ(mean(image).x > 0, i != 1);
             config.effects.add = {Effect::spot_lights};
+            EXPECT_TRUE(same_bits(image, render_image(scenes[i], config))) << "scene " << i << ", width " << width;
+        }
+}
+
+/// The scenes' own kernels make the images of a kernel that also knows of spots, which shades surfaces one by one.
+void expect_same_bits_one_by_one(const std::vector<Scene>& scenes) {
+    EffectSet one_by_one = {Effect::spot_lights};  // and all else, so that one kernel compiles
+    for (const Scene& scene : scenes) one_by_one = one_by_one | effects_of(scene);
+    one_by_one.remove(Effect::light_lists);
+    for (std::size_t i = 0; i < scenes.size(); ++i)
+        for (const unsigned width : {13u, 32u}) {
+            RenderConfig config{.width = width, .height = 33, .spp = 3, .max_depth = 6};
+            config.effects.remove = {Effect::light_lists};
+            const std::vector<glm::vec3> image = render_by_own_kernels(scenes[i], config);
+            EXPECT_GT(mean(image).x, 0);
+            config.effects.add = one_by_one;
             EXPECT_TRUE(same_bits(image, render_image(scenes[i], config))) << "scene " << i << ", width " << width;
         }
 }
@@ -231,18 +247,7 @@ TEST(Effects, DiffuseSurfacesAreShadedWithTheSameBitsSixteenAtOnce) {
         lamps.materials.push_back(std::uint32_t(plain - 1));
     }
     ASSERT_TRUE(effects_of(many_lamps).has(Effect::many_lights) && effects_of(many_points).has(Effect::many_lights));
-    EffectSet one_by_one = {Effect::spot_lights};  // and all else, so that one kernel compiles
-    for (const Scene& scene : {mixed, points, many_points, many_lamps}) one_by_one = one_by_one | effects_of(scene);
-    one_by_one.remove(Effect::light_lists);
-    for (const Scene& scene : {mixed, points, many_points, many_lamps})
-        for (const unsigned width : {13u, 32u}) {
-            RenderConfig config{.width = width, .height = 33, .spp = 3, .max_depth = 6};
-            config.effects.remove = {Effect::light_lists};
-            const std::vector<glm::vec3> image = render_by_own_kernels(scene, config);
-            EXPECT_GT(mean(image).x, 0);
-            config.effects.add = one_by_one;
-            EXPECT_TRUE(same_bits(image, render_image(scene, config))) << "width " << width;
-        }
+    expect_same_bits_one_by_one({mixed, points, many_points, many_lamps});
 }
 
 /// As above, with normals of half of the meshes and an image around the scene.
@@ -266,18 +271,7 @@ TEST(Effects, SmoothSurfacesAndEnvironmentsAreShadedWithTheSameBitsSixteenAtOnce
     for (int i = 0; i < 40; ++i)  // by the light tree
         many_points.lights.push_back(point_light({0.8f + 0.08f * float(i), 4, 0.8f}, glm::vec3(6.4f)));
     ASSERT_TRUE(effects_of(many_points).has(Effect::many_lights) && effects_of(dark).has(Effect::smooth_normals));
-    EffectSet one_by_one = {Effect::spot_lights};  // and all else, so that one kernel compiles
-    for (const Scene& scene : {lamp, smooth, dark, points, many_points}) one_by_one = one_by_one | effects_of(scene);
-    one_by_one.remove(Effect::light_lists);
-    for (const Scene& scene : {lamp, smooth, dark, points, many_points})
-        for (const unsigned width : {13u, 32u}) {
-            RenderConfig config{.width = width, .height = 33, .spp = 3, .max_depth = 6};
-            config.effects.remove = {Effect::light_lists};
-            const std::vector<glm::vec3> image = render_by_own_kernels(scene, config);
-            EXPECT_GT(mean(image).x, 0);
-            config.effects.add = one_by_one;
-            EXPECT_TRUE(same_bits(image, render_image(scene, config))) << "width " << width;
-        }
+    expect_same_bits_one_by_one({lamp, smooth, dark, points, many_points});
 }
 
 /// Asked of the buffers, since hits are the same: traversal looks up a word for every triangle.
