@@ -126,36 +126,68 @@ double normalize_cdf(const std::vector<double>& weights, float* cdf) {
     return total;
 }
 
+/// The mean over all directions of a function of the luminance.
+template <class Function>
+double mean_of(const Pixels& pixels, Function&& function) {
+    double sum = 0, sines = 0;
+    for (unsigned y = 0; y < pixels.height; ++y) {
+        const double sine = std::sin(pi * (y + 0.5) / pixels.height);
+        for (unsigned x = 0; x < pixels.width; ++x) sum += sine * function(luminance(pixels.at(x, y)));
+        sines += sine * pixels.width;
+    }
+    return sum / sines;
+}
+
+double mean_luminance(const Pixels& pixels) {
+    return mean_of(pixels, [](double value) { return value; });
+}
+
+/// BSDF sampling finds directions up to the mean luminance as well, so that only brighter ones need to be sampled
+/// (Karlik et al. 2019, "MIS Compensation", section 5). An image that has none is sampled everywhere.
+double baseline_of(const Pixels& pixels) {
+    constexpr double least_above = 1e-3;  // of all light; below, roundings would decide
+    const double mean = mean_luminance(pixels);
+    const double above = mean_of(pixels, [&](double value) { return std::max(value - mean, 0.0); });
+    return above > least_above * mean ? mean : 0;
+}
+
+/// Writes the cumulative distributions for the luminance above the baseline. Returns its sum over all texels, each
+/// times the sine of its row.
+double distribute(const Pixels& pixels, double strength, double baseline, std::vector<float>& cdf) {
+    // The cells lie between the centres of texels. The weight at the border above row y of cells, in column x, is that
+    // of the texels whose centres are on this border; 0 at the poles.
+    const auto weight = [&](unsigned x, unsigned y) {
+        if (y == 0 || y > pixels.height) return 0.0;
+        return std::max(luminance(pixels.at(x % pixels.width, y - 1)) * strength - baseline, 0.0) *
+               std::sin(pi * (y - 0.5) / pixels.height);
+    };
+    const unsigned rows = pixels.height + 1;
+    const std::size_t words_of_rows = CLARAY_CDF_WORDS(rows), words_of_row = CLARAY_CDF_WORDS(pixels.width);
+    cdf.resize(words_of_rows + rows * words_of_row);
+    std::vector<double> of_rows(rows), of_cells(pixels.width);
+    for (unsigned y = 0; y < rows; ++y) {
+        const double area = y == 0 || y == pixels.height ? 0.5 : 1.0;  // of a cell, in texels
+        for (unsigned x = 0; x < pixels.width; ++x)
+            of_cells[x] = 0.25 * area * (weight(x, y) + weight(x + 1, y) + weight(x, y + 1) + weight(x + 1, y + 1));
+        of_rows[y] = normalize_cdf(of_cells, &cdf[words_of_rows + y * words_of_row]);
+    }
+    return normalize_cdf(of_rows, cdf.data());
+}
+
 }  // namespace
 
-EnvironmentImage environment_image(const Environment& environment) {
+EnvironmentImage environment_image(const Environment& environment, bool compensates) {
     const Pixels pixels = pixels_of(environment);
     EnvironmentImage image;
     image.width = pixels.width, image.height = pixels.height;
     for (const glm::vec3& value : pixels.values)
         for (int c = 0; c < 3; ++c) image.texels.push_back(value[c] * environment.strength);
 
-    // The cells lie between the centres of texels. The weight at the border above row y of cells, in column x, is that
-    // of the texels whose centres are on this border; 0 at the poles.
-    const auto weight = [&](unsigned x, unsigned y) {
-        if (y == 0 || y > image.height) return 0.0;
-        return luminance(pixels.at(x % image.width, y - 1)) * environment.strength *
-               std::sin(pi * (y - 0.5) / image.height);
-    };
-    const unsigned rows = image.height + 1;
-    const std::size_t words_of_rows = CLARAY_CDF_WORDS(rows), words_of_row = CLARAY_CDF_WORDS(image.width);
-    image.cdf.resize(words_of_rows + rows * words_of_row);
-    std::vector<double> of_rows(rows), of_cells(image.width);
-    for (unsigned y = 0; y < rows; ++y) {
-        const double area = y == 0 || y == image.height ? 0.5 : 1.0;  // of a cell, in texels
-        for (unsigned x = 0; x < image.width; ++x)
-            of_cells[x] = 0.25 * area * (weight(x, y) + weight(x + 1, y) + weight(x, y + 1) + weight(x + 1, y + 1));
-        of_rows[y] = normalize_cdf(of_cells, &image.cdf[words_of_rows + y * words_of_row]);
-    }
-    const double total = normalize_cdf(of_rows, image.cdf.data());
+    image.integral = 4 * pi * environment.strength * mean_luminance(pixels);
+    if (compensates) image.baseline = float(environment.strength * baseline_of(pixels));
     const double texel = 2 * pi * pi / (double(image.width) * image.height);  // d(direction) / sine
-    image.integral = total * texel;
-    if (total > 0) image.density = float(1 / image.integral);
+    const double sampled = distribute(pixels, environment.strength, image.baseline, image.cdf) * texel;
+    if (sampled > 0) image.density = float(1 / sampled);
     return image;
 }
 

@@ -301,10 +301,11 @@ void balance(std::vector<double>& powers, std::size_t near) {
 /// A black environment is neither seen nor sampled.
 void collect_environment(const Scene& scene, Lights& lights) {
     if (scene.environment.images.empty()) return;
-    EnvironmentImage image = environment_image(scene.environment);
+    EnvironmentImage image = environment_image(scene.environment, lights.selection.compensates);
     if (!(image.integral > 0)) return;
     const double turn = scene.environment.rotation / (2 * pi);
-    lights.data.environment = {image.width, image.height, float(turn - std::floor(turn)), image.density, 0.f};
+    lights.data.environment = {image.width,    image.height,  float(turn - std::floor(turn)),
+                               image.baseline, image.density, 0.f};
     lights.environment_texels = std::move(image.texels);
     lights.environment_cdf = std::move(image.cdf);
     lights.environment_power = image.integral * pi * lights.radius * lights.radius;

@@ -272,7 +272,7 @@ void environment_poles(Run& run) {
     Environment environment;
     environment.images = {uneven_sky()};
     const EnvironmentImage image = environment_image(environment);
-    const EnvironmentData data{image.width, image.height, 0.f, image.density, 1.f};
+    const EnvironmentData data{image.width, image.height, 0.f, image.baseline, image.density, 1.f};
     const Buffer<float> texels(run.device(), image.texels), cdf(run.device(), image.cdf);
 
     // The density's integral, by the midpoint rule in the angles, and per bin.

@@ -152,10 +152,11 @@ CLARAY_LAYOUT(HotSpot, 20)
 typedef struct EnvironmentData {
     uint width, height;  // 0: no environment
     float turn;          // added to the column's coordinate, which is in 0..1
+    float baseline;      // luminance up to which directions are left to BSDF sampling
     float density;       // per steradian and per weight over the sine
     float probability;   // of sampling the environment instead of another light
 } EnvironmentData;
-CLARAY_LAYOUT(EnvironmentData, 20)
+CLARAY_LAYOUT(EnvironmentData, 24)
 
 /// Number of lights and how they are selected.
 typedef struct LightsData {
@@ -174,7 +175,7 @@ typedef struct LightsData {
     float not_to_hot_spots;  // share of scattered rays that are not aimed at a hot spot
     EnvironmentData environment;
 } LightsData;
-CLARAY_LAYOUT(LightsData, 72)
+CLARAY_LAYOUT(LightsData, 76)
 
 /// A pinhole camera or a thin lens, at shutter open. `right` and `up` span half the image plane at distance 1 along
 /// `forward`. For an orthographic camera they span half the image plane through the position, where its rays start. The
