@@ -1,16 +1,13 @@
 #include "host/compute/device_error.hpp"
 
-#include "host/base/hash.hpp"
 #include "host/compute/kernel_sources.hpp"
 
 namespace claray {
 
 std::string failure_report(const Device& device, const std::string& options) {
     const DeviceInfo& info = device.info();
-    std::string sources;
-    for (const KernelSource& source : kernel_sources()) sources += source.path + '\n' + source.text + '\n';
     std::string report = "device: " + info.name + "\nplatform: " + info.platform + "\ndriver: " + info.driver +
-                         "\nversion: " + info.version + "\nkernel sources: " + hash128(sources) + '\n';
+                         "\nversion: " + info.version + "\nkernel sources: " + hash_of_kernel_sources() + '\n';
     if (!options.empty()) report += "compiled from and with: " + options + '\n';
     return report;
 }

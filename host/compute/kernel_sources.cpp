@@ -4,9 +4,11 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <mutex>
 #include <sstream>
 
 #include "claray/error.hpp"
+#include "host/base/hash.hpp"
 
 namespace claray {
 namespace {
@@ -64,6 +66,18 @@ void replace_kernel_source(const std::string& path, std::string text) {
 }
 
 unsigned kernel_sources_replaced() { return replaced; }
+
+std::string hash_of_kernel_sources() {
+    static std::mutex mutex;
+    static std::string hash;
+    static unsigned of = 0;  // its number of replacements
+    const std::lock_guard lock(mutex);
+    if (!hash.empty() && of == replaced) return hash;
+    std::string all;
+    for (const KernelSource& source : kernel_sources()) all += source.path + '\n' + source.text + '\n';
+    of = replaced;
+    return hash = hash128(all);
+}
 
 const KernelSource& kernel_source(const std::string& path) {
     for (const KernelSource& source : kernel_sources())

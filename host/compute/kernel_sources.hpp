@@ -27,6 +27,9 @@ void replace_kernel_source(const std::string& path, std::string text);
 /// The number of replacements so far: programs compiled before and after them differ.
 [[nodiscard]] unsigned kernel_sources_replaced();
 
+/// Of all paths and texts. Computed once, and again after a replacement, since renders ask for it many times a second.
+[[nodiscard]] std::string hash_of_kernel_sources();
+
 /// The files that a text includes directly or indirectly, for any values of its macros.
 std::vector<const KernelSource*> included_sources(const std::string& text);
 

@@ -63,6 +63,7 @@ struct SceneShape {
     return grid ? grid->words() : 0;
 }
 [[nodiscard]] Bvh::Config with_layout(Bvh::Config config, Layout layout);
+[[nodiscard]] inline float aspect_of(const RenderConfig& config) { return float(config.width) / float(config.height); }
 
 /// The kernel that follows whole paths, or the last ones of each batch.
 struct PathKernelChoice {
@@ -77,21 +78,26 @@ struct Renderer::State {
     State(const Device& on, const Scene& scene, const RenderConfig& with, std::size_t baked = 0,
           std::optional<EffectSet> exactly = {});
 
-    [[nodiscard]] WavefrontKernels load_kernels(EffectSet effects) const;
     [[nodiscard]] std::uint32_t first_paths() const;
     [[nodiscard]] bool parts_take_turns() const;
+
+    // kernels/kernel_switch.cpp
+    [[nodiscard]] WavefrontKernels load_kernels(EffectSet effects) const;
     void first_pixel();
     /// Called after each batch. `sampled`: every pixel has a sample.
     void choose_kernels(bool sampled);
     void take_over_when_compiled();
     [[nodiscard]] bool better_waits_for_kernels() const;
     void take_over();
-    void refuse_with_checkpoints(const char* what) const;
     [[nodiscard]] bool may_follow_paths() const;
     [[nodiscard]] PathKernelChoice choose_path_kernel() const;
     /// `patience`: seconds of rendering before the kernel that follows paths may be compiled.
     void use_path_kernel(double patience);
     void adopt_path_kernel(bool may_compile);
+    void adopt(const Structure& other, EffectSet effects);
+
+    // renderer.cpp
+    void refuse_with_checkpoints(const char* what) const;
     void follow_light();
     void sample_all_pixels();
     /// As Renderer::settle, without the kernels that move surfaces.
@@ -103,7 +109,6 @@ struct Renderer::State {
     [[nodiscard]] ToneMapper& mapper_of(std::uint32_t image_pixels);
     /// 0 stands for the size of the film.
     [[nodiscard]] ImageSizes sizes(unsigned width, unsigned height) const;
-    void adopt(const Structure& other, EffectSet effects);
     void save_checkpoint();
     [[nodiscard]] AovStage& aov_stage();
     [[nodiscard]] DenoisingStage& denoising_stage();

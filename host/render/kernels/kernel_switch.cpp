@@ -1,0 +1,172 @@
+// Loads the kernels with which a render begins, switches to its own kernels once they are compiled (kernel_choice.hpp),
+// and compiles kernels in advance.
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+
+#include "host/base/seconds_since.hpp"
+#include "host/render/kernels/background_compiler.hpp"
+#include "host/render/renderer_state.hpp"
+
+namespace claray {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double seconds_between_asking = 1;             // for a compiler while that of another render runs
+constexpr std::ptrdiff_t most_effects_to_optimize = 16;  // in quick kernels: PoCL takes two seconds to optimize these
+
+std::ptrdiff_t number_of(EffectSet effects) {
+    const std::span<const Effect> all = all_effects();
+    return std::count_if(all.begin(), all.end(), [&](Effect effect) { return effects.has(effect); });
+}
+
+}  // namespace
+
+WavefrontKernels Renderer::State::load_kernels(EffectSet effects) const {
+    const PathTask task = path_task_of(config.approximate);
+    const auto load = [&] { return WavefrontKernels(buffers, config.sampler, effects, task, config.approximate); };
+    const auto load_all = [&] {
+        (void)load();
+        (void)Film::Kernels(device);
+        if (words_of_guide() > 0) PathGuide::load_kernels(device);
+    };
+    if (!own_kernels && plan.start == KernelStart::quick)
+        compile_jointly(device, load_all, number_of(effects) <= most_effects_to_optimize);
+    else
+        compile_side_by_side(device, load_all);
+    if (words_of_guide() > 0) PathGuide::load_kernels(device);
+    return load();
+}
+
+/// Waits for the first pixel. Later work is not urgent.
+void Renderer::State::first_pixel() {
+    device.finish();
+    first_pixel_seconds = seconds_since(set_up);
+    first_pixel_processor_seconds = processor_seconds() - set_up_processor;
+    culled = structure.culled();
+    quick_start.reset();
+    own_kernels = plan.first == plan.last;
+    if (own_kernels)
+        remember_as_cached(device, plan.last, config);
+    else
+        compiler_asked = start_compiler(config.compiler, device, plan.last, config), last_asked = Clock::now();
+}
+
+/// Between two batches, so that no path uses two kinds of kernels, although the image would be the same.
+void Renderer::State::take_over_when_compiled() {
+    if (!are_cached(device, plan.last, config)) {
+        if (compiler_asked || seconds_since(last_asked) < seconds_between_asking) return;
+        compiler_asked = start_compiler(config.compiler, device, plan.last, config), last_asked = Clock::now();
+        return;
+    }
+    take_over();
+}
+
+/// On a CPU quick kernels leave the compiler a tenth of a processor, and take several times as long as the kernels that
+/// it makes. These compile in 1.5 to 7 times the processor time of a first pixel by quick kernels (seven scenes, PoCL
+/// 3.1). Whatever happens to the compiler, waiting at most doubles the time.
+bool Renderer::State::better_waits_for_kernels() const {
+    constexpr double compiling_over_first_pixel = 5, seconds_to_tell = 1;  // the first batches vary
+    if (own_kernels || spp() == 0 || device.info().type != DeviceType::cpu) return false;
+    if (compiler_asked && !is_compiling()) return false;  // it has failed
+    const std::uint64_t paths_left = std::uint64_t(pixels()) * (config.spp - spp());
+    const double left = std::min(seconds_left(), 1e-3 * pace.milliseconds_of(paths_left));
+    const double seconds = seconds_since(set_up) - first_pixel_seconds;
+    return seconds > seconds_to_tell && seconds < left &&
+           left > compiling_over_first_pixel * first_pixel_processor_seconds;
+}
+
+void Renderer::State::take_over() {
+    own_kernels = true;
+    own_kernels_from = spp();
+    const bool rebuilds = plan.last.layout != plan.first.layout;
+    adopt(rebuilds ? structure.rebuilt(with_layout(config.bvh, plan.last.layout)) : structure, plan.last.effects);
+}
+
+void Renderer::State::choose_kernels(bool sampled) {
+    if (first_pixel_seconds == 0) first_pixel();
+    if (!own_kernels) take_over_when_compiled();
+    if (own_kernels && sampled) use_path_kernel(patience);
+}
+
+/// The largest pass, half of the samples, takes most of the time.
+bool Renderer::State::may_follow_paths() const {
+    const std::uint64_t largest_pass = std::uint64_t(pixels()) * std::max(1u, config.spp / 2);
+    return wavefront.batches_are_small(largest_pass) && claray::may_follow_paths(buffers, plan.last.effects);
+}
+
+PathKernelChoice Renderer::State::choose_path_kernel() const {
+    PathKernelChoice choice;
+    const Approximations& a = config.approximate;
+    if (a.tile_sum || a.flat || a.gouraud || a.no_shadows)
+        choice.name = "";
+    else if (may_follow_paths() && wavefront.paths_are_short())
+        choice.name = trace_paths_name;
+    else if (may_finish_paths(buffers, plan.last.effects))
+        choice.name = finish_paths_name;
+    choice.is_cached = choice.name.empty() || is_path_kernel_cached(device, plan.last, config, choice.name);
+    return choice;
+}
+
+/// Loading the kernel takes as long as a short render, and compiling it longer; so it waits until rendering took as
+/// long, which at worst doubles the time.
+void Renderer::State::use_path_kernel(double patience) {
+    const double seconds = seconds_since(first_begin);
+    if (seconds >= patience / 16) adopt_path_kernel(seconds >= patience);
+}
+
+/// Decides once, when every pixel was sampled by the scene's own kernels, whether one kernel traces whole paths from
+/// then on, or the last ones of each batch.
+void Renderer::State::adopt_path_kernel(bool may_compile) {
+    if (path_kernel && path_kernel->is_loaded) return;
+    if (!path_kernel) path_kernel = choose_path_kernel();
+    if (!path_kernel->is_cached && !may_compile) return;
+    path_kernel->is_loaded = true;
+    if (path_kernel->name.empty()) return;
+    Kernel kernel = load_path_kernel(buffers, config.sampler, plan.last.effects, path_kernel->name,
+                                     path_task_of(config.approximate));
+    path_kernel->name == trace_paths_name ? wavefront.follow_paths(kernel) : wavefront.finish_paths(kernel);
+    remember_path_kernel_as_cached(device, plan.last, config, path_kernel->name);
+}
+
+void Renderer::State::adopt(const Structure& other, EffectSet effects) {
+    structure = other;
+    structure.set_cutouts(buffers.textures.cutouts());
+    buffers.structure = structure;
+    wavefront.take_over(structure, load_kernels(effects));
+    path_kernel.reset();
+    aovs.reset(), gbuffer.reset();
+    if (denoising) denoising->drop_guides();
+    film.reload_kernels();
+}
+
+void Renderer::load_kernels() {
+    State& state = *state_;
+    if (state.first_pixel_seconds == 0 || state.spp() == 0) return;
+    if (!state.own_kernels) state.take_over_when_compiled();
+    if (!state.own_kernels) return;
+    state.adopt_path_kernel(true);
+    state.warm_up();
+}
+
+void compile_kernels(const Device& device, EffectSet effects, const RenderConfig& with) {
+    RenderConfig config = with;
+    // With $POCL_WORK_GROUP_SPECIALIZATION=1 PoCL compiles a kernel once for grids of at least 2^16 items and once for
+    // smaller ones: the first bounce of these paths is of the first kind, the others are of the second.
+    config.width = config.height = 256, config.spp = 1, config.max_depth = 3;
+    config.compiler.clear();
+    const KernelChoice choice = plan_kernels(device, effects, config).last;
+    compile_once(device, choice, config, [&] {
+        Renderer::State state(device, scene_calling_for(effects), config, 0, effects);
+        state.follow_light();
+        const Batch batch = state.schedule.next();
+        state.wavefront.trace(batch);
+        state.film.accumulate(batch, state.wavefront.radiance());
+        (void)state.film.image();
+        (void)state.structure.statistics();
+        remember_as_cached(device, choice, config);
+    });
+}
+
+}  // namespace claray

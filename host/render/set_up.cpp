@@ -1,0 +1,163 @@
+// Makes a renderer: checks what it is asked for, plans its kernels, and builds the tree and the buffers of the scene.
+#include <chrono>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include "host/base/file.hpp"
+#include "host/base/seconds_since.hpp"
+#include "host/render/config/checks.hpp"
+#include "host/render/parts/scene_parts.hpp"
+#include "host/render/renderer_state.hpp"
+
+namespace claray {
+namespace {
+
+constexpr std::size_t most_triangles_by_host = 1u << 20;
+constexpr std::uint32_t quick_first_paths = 2048;  // in the batch that produces the first pixel
+
+const Scene& checked(const Scene& scene) {
+    validate(scene);
+    return scene;
+}
+
+RenderConfig with_builder(RenderConfig config, const Device& device, const Scene& scene) {
+    config.bvh.builder = builder_for(config.bvh.builder, device, !scene.instances.empty());
+    return config;
+}
+
+FrameData frame_data(const Scene& scene, const Camera& camera, const SceneBuffers& buffers,
+                     const RenderConfig& config) {
+    FrameData frame = frame_without_camera(scene, buffers, config);
+    frame.camera = camera_data(camera, aspect_of(config));
+    const auto& [reach, radiance] = config.ambient;
+    frame.ambient = {radiance.r, radiance.g, radiance.b, reach};
+    return frame;
+}
+
+/// Device time of everything but copies between host and device.
+double kernel_milliseconds(const Device& device) {
+    double total = 0;
+    for (const auto& [name, summary] : device.profiler().summary())
+        if (name != "write_buffer" && name != "read_buffer" && name != "map_buffer") total += summary.milliseconds;
+    return total;
+}
+
+/// Returns whether the host can build the first tree in less time than compiling the builder takes.
+bool host_builds(const Device& device, const Scene& scene) {
+    std::size_t triangles = scene.instances.size();
+    for (const Mesh& mesh : scene.meshes) triangles += mesh.triangles.size();
+    return triangles <= most_triangles_by_host && (scene.instances.empty() || device.info().fp64);
+}
+
+/// A tree of trees is replaced only if the host built it, and trees in parts never. Quick kernels know no primitives.
+KernelPlan plan_for(const Device& device, const Scene& scene, EffectSet effects, const RenderConfig& config,
+                    unsigned parts) {
+    KernelPlan plan = plan_kernels(device, effects, config);
+    const bool replaceable = parts == 1 && (scene.instances.empty() || host_builds(device, scene));
+    if (replaceable && scene.primitives.empty()) return plan;
+    return {KernelStart::own, plan.last, plan.last};
+}
+
+/// A scene of one triangle cannot be split.
+unsigned parts_of(const Device& device, const Scene& scene, const RenderConfig& config) {
+    if (config.parts == 0) return parts_needed(device, scene, config.bvh);
+    std::size_t triangles = 0;
+    for (const Mesh& mesh : scene.meshes) triangles += mesh.triangles.size();
+    return triangles > 1 ? config.parts : 1;
+}
+
+Structure first_structure(const Device& device, const Scene& scene, std::size_t baked, const KernelPlan& plan,
+                          const Bvh::Config& config, unsigned parts) {
+    const bool by_host =
+        plan.start == KernelStart::quick && plan.first.layout == Layout::binary && host_builds(device, scene);
+    return {device, scene, baked, with_layout(config, plan.first.layout), by_host, parts};
+}
+
+}  // namespace
+
+LightSelection selection_of_lights(const RenderConfig& config) {
+    LightSelection selection;
+    if (config.approximate.tile_sum) selection.for_a_tree = std::numeric_limits<std::size_t>::max();
+    if (config.approximate.tile_sum || config.effects.remove.has(Effect::light_lists)) selection.most_per_cell = 0;
+    selection.compensates = !config.approximate.no_shadows;
+    selection.hot_spots = !config.approximate.tile_sum && !config.approximate.light_grid;
+    return selection;
+}
+
+std::optional<LightGridStage> light_grid_of(const RenderConfig& config, const Scene& scene) {
+    if (!config.approximate.light_grid) return std::nullopt;
+    return LightGridStage(config.light_grid, bounds_of(scene));
+}
+
+Bvh::Config with_layout(Bvh::Config config, Layout layout) {
+    config.layout = layout;
+    return config;
+}
+
+Renderer::State::State(const Device& on, const Scene& scene, const RenderConfig& with, std::size_t baked,
+                       std::optional<EffectSet> exactly)
+    : device(on),
+      config(with_builder(checked(with), on, scene)),
+      camera(camera_of(scene, aspect_of(with))),
+      set_up(Clock::now()),
+      parts(parts_of(on, checked(scene), config)),
+      plan(plan_for(on, scene, exactly ? *exactly : effects_of(scene), config, parts)),
+      quick_start(plan.start == KernelStart::quick ? std::make_unique<QuickStart>(on) : nullptr),
+      set_up_processor(processor_seconds()),
+      milliseconds_before(kernel_milliseconds(on)),
+      structure(first_structure(on, scene, baked, plan, config.bvh, parts)),
+      build_milliseconds(kernel_milliseconds(on) - milliseconds_before),
+      light_grid(light_grid_of(with, scene)),
+      buffers(on, scene, structure, config.effects.add, selection_of_lights(with), words_of(light_grid),
+              words_of_listed_pixels(), words_of_guide()),
+      wavefront(on, buffers, frame_data(scene, camera, buffers, with), load_kernels(plan.first.effects),
+                std::uint64_t(pixels()) * with.spp),
+      film(on, pixels(), tells_error(with), with.sample_clamp),
+      schedule(new_schedule()),
+      pace(first_paths(), wavefront.capacity()) {
+    for (const char* name : {trace_camera_name, trace_bounce_name, trace_shadow_name, trace_paths_name})
+        before[name] = device.profiler().milliseconds(name);
+}
+
+bool Renderer::State::parts_take_turns() const { return structure.parts() && structure.parts()->take_turns(); }
+
+std::uint32_t Renderer::State::first_paths() const {
+    if (parts_take_turns()) return wavefront.capacity();
+    const std::uint32_t tuned = device.tuning("render/wavefront", "FIRST_PATHS");
+    return plan.start == KernelStart::quick ? std::min(tuned, quick_first_paths) : tuned;
+}
+
+Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig& config) {
+    const auto state_of = [&](const Scene& wanted) {
+        if (wanted.instances.empty()) {
+            auto state = std::make_shared<State>(device, wanted, config);
+            state->shape = SceneShape(wanted, wanted, {}, {});
+            return state;
+        }
+        PlacedScene placed = place_instances(checked(wanted));
+        auto state = std::make_shared<State>(device, placed.scene, config, placed.baked);
+        state->shape = SceneShape(wanted, placed.scene, std::move(placed.places), std::move(placed.numbers));
+        return state;
+    };
+    RenderIdentity identity;
+    std::optional<Checkpoint> from;  // read before the structure is built
+    const bool resumes = !config.resume.empty(), saves = !config.checkpoint.empty();
+    if (resumes || saves) identity = identity_of(checked(scene), checked(config));
+    if (resumes) from = read_checkpoint(config.resume, identity, config.spp);
+    if (saves) check_file_writable(config.checkpoint);
+    state_ = config.effects.remove.empty() ? state_of(scene) : state_of(without_effects(scene, config.effects.remove));
+    state_->set_bounds(scene, true);
+    state_->identity = identity;
+    if (!from) return;
+    if (!state_->schedule.go_to(from->position))
+        throw Error(ErrorKind::user,
+                    "cannot continue from '" + config.resume.string() +
+                        "': the file is damaged: its position is outside the image",
+                    "render from the start");
+    state_->list_pixels();
+    state_->looks = from->looks;
+    state_->film.set_sums(from->sums);
+}
+
+}  // namespace claray
