@@ -1,24 +1,26 @@
-"""Efficiency 1 / (mean squared error x processor time) of claray over Mitsuba 3 with its multijitter sampler, at equal samples.
+"""Efficiency 1 / (mean squared error x time) of claray over Mitsuba 3 with its multijitter sampler, at equal samples.
 
     pip install mitsuba numpy        (and LLVM, whose library DRJIT_LIBLLVM_PATH names)
     python3 bench/mitsuba/efficiency.py build/bin/claray [NAME...] [--sponza sponza.obj] [--spp 64] [--size 224] [--seeds 4]
+    python3 bench/mitsuba/efficiency.py build/bin/claray [NAME...] --gpu --spp 256 --size 1024
 
 Both render the same triangles, with box filters, to the same depth. The squared error is the variance of pixels over renders with
-different seeds. Processor time is that of sampling: claray's by the difference of two renders. Lamps emit on one side: their back is
-inside a closed black box, since claray's lamps emit on both sides.
+different seeds. Time is that of sampling: processor time, claray's by the difference of two renders; with --gpu by the clock, of Mitsuba's
+variant for CUDA and of the first GPU that claray lists. Lamps emit on one side: their back is inside a closed black box, since
+claray's lamps emit on both sides.
 """
 import argparse
+import json
 import os
 import pathlib
 import resource
 import subprocess
 import sys
 import tempfile
+import time
 
 import mitsuba as mi
 import numpy as np
-
-mi.set_variant("llvm_ad_rgb")
 
 # ---- shapes: (positions, triangles); materials: (kind, values)
 
@@ -162,12 +164,12 @@ def read_pfm(path):
         return np.frombuffer(file.read(), "<f4").reshape(height, width, 3).astype(float)
 
 
-def by_claray(program, scene, size, spp, seeds, options, folder):
+def by_claray(program, scene, size, spp, seeds, options, folder, gpu):
     path, image = pathlib.Path(folder) / "scene.obj", str(pathlib.Path(folder) / "image.pfm")
     write_obj(scene, path)
     words = ["%.9g,%.9g,%.9g" % tuple(scene[key]) if key in scene else "0,0,0" for key in ("eye", "target", "sky")]
     command = [program, "render", str(path), "-o", image, "--size", f"{size}x{size}", "--camera", words[0], "--look-at", words[1],
-               "--fov", str(scene["fov"]), "--max-depth", str(scene["depth"]), "--wait-for-kernels", "-q", *options]
+               "--fov", str(scene["fov"]), "--max-depth", str(scene["depth"]), "--wait-for-kernels", "-q", "--json", "--device", "gpu" if gpu else "cpu", *options]
 
     if "environment" in scene:
         write_pfm(scene["environment"], pathlib.Path(folder) / "environment.pfm")
@@ -176,14 +178,18 @@ def by_claray(program, scene, size, spp, seeds, options, folder):
         command += ["--sky", words[2]]
 
     def run(samples, seed):
+        """Processor time of the program, the clock's time of sampling, and the image."""
         before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-        subprocess.run(command + ["--spp", str(samples), "--seed", str(seed)], check=True, stdout=subprocess.DEVNULL)
-        return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before, read_pfm(image)
+        told = subprocess.run(command + ["--spp", str(samples), "--seed", str(seed)], check=True, stdout=subprocess.PIPE).stdout
+        return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before, json.loads(told)["seconds"], read_pfm(image)
 
     run(spp, 0)  # compiles
-    runs, starts = [run(spp, k + 1) for k in range(seeds)], [run(4, k + 1)[0] for k in range(seeds)]
-    seconds = (np.median([r[0] for r in runs]) - np.median(starts)) * spp / (spp - 4)
-    return np.array([r[1] for r in runs]), seconds
+    runs = [run(spp, k + 1) for k in range(seeds)]
+    images = np.array([r[2] for r in runs])
+    if gpu:
+        return images, np.median([r[1] for r in runs])
+    starts = [run(4, k + 1)[0] for k in range(seeds)]
+    return images, (np.median([r[0] for r in runs]) - np.median(starts)) * spp / (spp - 4)
 
 
 def bsdf_of(kind, values):
@@ -208,8 +214,8 @@ def mesh_of(p, t, kind, values, normals):
     return mesh
 
 
-def by_mitsuba(scene, size, spp, seeds):
-    import time
+def by_mitsuba(scene, size, spp, seeds, gpu):
+    seconds_now = time.perf_counter if gpu else time.process_time
     view = mi.ScalarTransform4f().look_at([float(x) for x in scene["eye"]], [float(x) for x in scene["target"]], [0, 1, 0])
     film = dict(type="hdrfilm", width=size, height=size, pixel_format="rgb", rfilter=dict(type="box"))
     loaded = dict(type="scene", integrator=dict(type="path", max_depth=scene["depth"] + 1, rr_depth=5),
@@ -226,9 +232,9 @@ def by_mitsuba(scene, size, spp, seeds):
     np.array(mi.render(world, seed=100))  # compiles
     images, seconds = [], []
     for k in range(seeds):
-        begin = time.process_time()
+        begin = seconds_now()
         images.append(np.array(mi.render(world, seed=k)).astype(float))
-        seconds.append(time.process_time() - begin)
+        seconds.append(seconds_now() - begin)
     return np.array(images), np.median(seconds)
 
 
@@ -240,7 +246,9 @@ def main():
     parser.add_argument("--spp", type=int, default=64)
     parser.add_argument("--size", type=int, default=224)
     parser.add_argument("--seeds", type=int, default=4)
+    parser.add_argument("--gpu", action="store_true")
     options = parser.parse_args()
+    mi.set_variant("cuda_ad_rgb" if options.gpu else "llvm_ad_rgb")
     scenes = dict(cornell=cornell, hall=hall, glass=glass, window=window, studio=studio)
     if options.sponza:
         scenes["sponza"] = lambda: sponza(options.sponza)
@@ -250,9 +258,11 @@ def main():
     for name in options.names or scenes:
         scene = scenes[name]()
         with tempfile.TemporaryDirectory() as folder:
-            rows = [("Mitsuba", *by_mitsuba(scene, options.size, options.spp, options.seeds))]
-            for label, extra in (("default", []), ("--no-guide", ["--no-guide"]), ("--adaptive --no-guide", ["--adaptive", "--no-guide"]), ("--adaptive", ["--adaptive"])):
-                rows.append((label, *by_claray(os.path.abspath(options.claray), scene, options.size, options.spp, options.seeds, extra, folder)))
+            rows = [("Mitsuba", *by_mitsuba(scene, options.size, options.spp, options.seeds, options.gpu))]
+            settings = [[], ["--adaptive"]] + ([] if options.gpu else [["--no-guide"], ["--adaptive", "--no-guide"]])  # only CPUs guide
+            for extra in settings:
+                label = " ".join(extra) or "default"
+                rows.append((label, *by_claray(os.path.abspath(options.claray), scene, options.size, options.spp, options.seeds, extra, folder, options.gpu)))
         costs = {label: images.var(0, ddof=1).mean() / images.mean() ** 2 * seconds for label, images, seconds in rows}
         for label, images, seconds in rows:
             print(f"{name:8} {label:21} mean {images.mean():.5f}  MSE {costs[label] / seconds:.3e}  {seconds:.3f} s"

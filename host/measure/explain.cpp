@@ -9,6 +9,8 @@
 #include "host/base/format.hpp"
 #include "host/effects/effects.hpp"
 #include "host/measure/measure.hpp"
+#include "host/render/kernels/kernel_choice.hpp"
+#include "host/verify/run.hpp"
 
 namespace claray::measure {
 namespace {
@@ -107,20 +109,30 @@ public:
         config_.compiler.clear();
     }
 
+    /// Fills the cache with the kernels of all renders on a GPU: its driver compiles for several contexts at once.
+    void compile_side_by_side(const std::vector<EffectOverrides>& overrides,
+                              const std::vector<Approximations>& approximations) const {
+        constexpr unsigned threads = 5;  // more are no faster on NVIDIA's driver (docs/notebook.md)
+        if (device_.info().type != DeviceType::gpu) return;
+        std::vector<RenderConfig> configs = {config_};
+        for (const EffectOverrides& each : overrides) configs.push_back(with(each));
+        for (const Approximations& each : approximations) configs.push_back(with(each));
+        std::erase_if(configs, [&](const RenderConfig& config) { return is_cached(config); });
+        if (configs.size() < 2) return;
+        verify::Devices contexts(device_);
+        verify::side_by_side(device_, contexts, threads, configs.size(), [&](const Device& device, std::size_t i) {
+            Renderer(device, scene_, configs[i]).settle();
+        });
+    }
     /// Compiles all kernels of a variant, and of the scene's own; call it for all variants before `compare_with_own`.
-    Comparison prepare(const EffectOverrides& overrides, EffectSet concerned) {
+    void prepare(Comparison& comparison, EffectSet concerned) {
         own_effects_ = compiled(config_);
-        Comparison comparison{overrides};
         comparison.own_builds = builds_of(own_effects_, concerned);
         own_builds_ = builds_of(own_effects_, full_effects());
+        const EffectOverrides& overrides = comparison.overrides;
         comparison.builds = builds_of(compiled(with(overrides)) | overrides.add, concerned);
-        return comparison;
     }
-    void prepare(const Approximations& approximate) {
-        RenderConfig config = config_;
-        config.approximate = approximate;
-        (void)compiled(config_), (void)compiled(config);
-    }
+    void prepare(const Approximations& approximate) { (void)compiled(config_), (void)compiled(with(approximate)); }
     /// Until nothing is compiled any more: that would slow down what is measured.
     void wait_for_builds() const { times_.wait(); }
 
@@ -136,8 +148,7 @@ public:
 
     /// Its time, and by how much it changes the image.
     [[nodiscard]] ExplainedApproximation compare_with_truth(const Approximations& approximate) {
-        RenderConfig config = config_;
-        config.approximate = approximate;
+        const RenderConfig config = with(approximate);
         Renderer own(device_, scene_, config_), other(device_, scene_, config);
         const PairedTimes times = compare(device_, own, other, options_.rounds);
         if (truth_.empty()) truth_ = image_of(config_);
@@ -156,6 +167,17 @@ private:
         RenderConfig config = config_;
         config.effects = overrides;
         return config;
+    }
+    [[nodiscard]] RenderConfig with(const Approximations& approximate) const {
+        RenderConfig config = config_;
+        config.approximate = approximate;
+        return config;
+    }
+
+    [[nodiscard]] bool is_cached(const RenderConfig& config) const {
+        const EffectSet& removed = config.effects.remove;
+        const EffectSet effects = removed.empty() ? effects_of(scene_) : effects_of(without_effects(scene_, removed));
+        return are_cached(device_, plan_kernels(device_, effects, config).last, config);
     }
 
     /// Compiles the kernels of a render, and returns its effects.
@@ -286,28 +308,34 @@ Explanation explain(const Device& device, const Scene& scene, const RenderConfig
     Explanation explanation;
     struct Named {
         std::string name;
+        EffectSet concerned;
         Comparison comparison;
     };
     std::vector<Named> compared;  // of everything, if that is measured, and of the rows that are not fixed
-    const auto prepare = [&](const std::string& name, const EffectOverrides& overrides, EffectSet concerned) {
-        tell("compiling kernels", name);
-        compared.push_back({name, explainer.prepare(overrides, concerned)});
-    };
-    if (options.everything) prepare("with everything compiled in", {full_effects(), {}}, full_effects());
+    const EffectSet everything = full_effects();
+    if (options.everything) compared.push_back({"with everything compiled in", everything, {{everything, {}}}});
     for (const ExplainedEffect& row : rows) {
         if (row.fixed) continue;
         const EffectOverrides overrides =
             row.called_for ? EffectOverrides{{}, {row.effect}} : EffectOverrides{{row.effect}, {}};
-        prepare(std::string(row.called_for ? "without " : "with ") + name_of(row.effect), overrides, {row.effect});
+        const std::string name = std::string(row.called_for ? "without " : "with ") + name_of(row.effect);
+        compared.push_back({name, {row.effect}, {overrides}});
+    }
+    std::vector<EffectOverrides> overrides;
+    for (const Named& named : compared) overrides.push_back(named.comparison.overrides);
+    explainer.compile_side_by_side(overrides, approximations);
+    for (Named& named : compared) {
+        tell("compiling kernels", named.name);
+        explainer.prepare(named.comparison, named.concerned);
     }
     for (const Approximations& approximate : approximations) {
         tell("compiling kernels for", to_string(approximate));
         explainer.prepare(approximate);
     }
     explainer.wait_for_builds();
-    for (auto& [name, comparison] : compared) {
-        tell("measuring", name);
-        explainer.compare_with_own(comparison);
+    for (Named& named : compared) {
+        tell("measuring", named.name);
+        explainer.compare_with_own(named.comparison);
     }
     for (const Approximations& approximate : approximations) {
         tell("measuring", to_string(approximate));

@@ -155,9 +155,11 @@ TEST(Environment, WhiteFurnace) {
     EXPECT_NEAR(radiance.z, 1, 0.003);
 }
 
-double irradiance_of(Scene scene, double& error) {
+double irradiance_of(Scene scene, double& error, bool shadows = true) {
     scene.camera = narrow_camera({0.2f, 1, 0.1f}, {0, 0, 0});
-    Renderer renderer(device(), scene, {.width = 16, .height = 16, .spp = 256, .max_depth = 1});
+    RenderConfig config{.width = 16, .height = 16, .spp = 256, .max_depth = 1};
+    config.approximate.no_shadows = !shadows;
+    Renderer renderer(device(), scene, config);
     error = renderer.render().noise / 16;
     return mean(renderer.image()).x * pi / 0.5;
 }
@@ -195,11 +197,47 @@ TEST(Environment, OneTexelEqualsADirectionalLight) {
     }
 }
 
+/// The gradient and a sun.
+glm::dvec3 sunny(const glm::dvec3& d) {
+    const double toward = std::max(glm::dot(d, glm::normalize(glm::dvec3(0.6, 0.7, -0.2))), 0.0);
+    return gradient(d) + glm::dvec3(40 * std::pow(toward, 60));
+}
+
+/// Directions below the mean are found by BSDF sampling, where there is any: of a horizontal surface, by the midpoint
+/// rule.
+TEST(Environment, IrradianceIsTheIntegral) {
+    double expected = 0;
+    constexpr int side = 800;
+    for (int i = 0; i < side; ++i)
+        for (int j = 0; j < side; ++j) {
+            const double square = (i + 0.5) / side, turn = 2 * pi * (j + 0.5) / side, level = std::sqrt(1 - square);
+            expected += sunny({level * std::cos(turn), std::sqrt(square), level * std::sin(turn)}).x * pi / side / side;
+        }
+    Scene scene;
+    scene.materials = {lambert(0.5f)};
+    scene.meshes = {square(1.f, 0.f)};
+    scene.environment.images = {panorama(256, 128, sunny)};
+    double error;
+    for (const bool shadows : {true, false}) {
+        const double irradiance = irradiance_of(scene, error, shadows);
+        EXPECT_NEAR(irradiance / expected, 1, std::min(3 * error + 3e-4, 0.005)) << shadows;
+    }
+}
+
+/// Of the luminance, as the sampler sees it.
+TEST(Environment, OnlyBrightDirectionsAreSampled) {
+    Environment environment;
+    environment.images = {panorama(64, 32, sunny)};
+    const EnvironmentImage everywhere = environment_image(environment, false), bright = environment_image(environment);
+    EXPECT_EQ(everywhere.baseline, 0);
+    EXPECT_NEAR(bright.baseline, bright.integral / (4 * pi), 1e-5 * bright.baseline);
+    EXPECT_GT(bright.density, 1.5f * everywhere.density);
+    const auto constant = [](const glm::dvec3&) { return glm::dvec3(0.7); };
+    environment.images = {panorama(64, 32, constant)};
+    EXPECT_EQ(environment_image(environment).baseline, 0);  // nothing is brighter than the mean
+}
+
 TEST(Environment, CubeEqualsItsPanorama) {
-    const auto sunny = [](const glm::dvec3& d) {
-        const double toward = std::max(glm::dot(d, glm::normalize(glm::dvec3(0.6, 0.7, -0.2))), 0.0);
-        return gradient(d) + glm::dvec3(40 * std::pow(toward, 60));
-    };
     Scene scene;
     scene.materials = {lambert(0.5f)};
     scene.meshes = {square(1.f, 0.f)};
