@@ -2,7 +2,7 @@
 file(GLOB_RECURSE kernels RELATIVE "${SOURCE_DIR}/kernels" "${SOURCE_DIR}/kernels/*.cl" "${SOURCE_DIR}/kernels/*.clh"
      "${SOURCE_DIR}/kernels/*.txt")
 file(GLOB shared RELATIVE "${SOURCE_DIR}/include" "${SOURCE_DIR}/include/claray/shared/*.h")
-set(body "#include \"host/compute/kernel_sources.hpp\"\nnamespace claray {\n")
+set(body "#include \"host/compute/programs/kernel_sources.hpp\"\nnamespace claray {\n")
 string(APPEND body "const std::vector<KernelSource>& embedded_kernel_sources() {\n    static const std::vector<KernelSource> sources = {\n")
 foreach(path IN LISTS kernels)
     file(READ "${SOURCE_DIR}/kernels/${path}" text)

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host/accuracy/study_list.hpp"
-#include "host/verify/run.hpp"
+#include "host/compute/contexts.hpp"
 
 namespace claray {
 
@@ -38,7 +38,7 @@ private:
     void work(const Scene& scene, const StudyOptions& options);
 
     std::vector<NamedStudy> studies_;
-    verify::Devices devices_;
+    Devices devices_;
     std::atomic<std::size_t> next_ = 0;
     std::atomic<bool> ends_ = false;
     std::atomic<unsigned> at_work_ = 0;  // threads

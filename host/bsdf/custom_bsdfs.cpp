@@ -4,7 +4,7 @@
 #include <cctype>
 
 #include "claray/error.hpp"
-#include "host/compute/kernel_sources.hpp"
+#include "host/compute/programs/kernel_sources.hpp"
 
 namespace claray {
 namespace {

@@ -5,7 +5,7 @@
 #include "host/bvh/bvh_state.hpp"
 #include "host/bvh/host_tree.hpp"
 #include "host/bvh/require_memory.hpp"
-#include "host/compute/program_cache.hpp"
+#include "host/compute/programs/program_cache.hpp"
 
 namespace claray {
 namespace {

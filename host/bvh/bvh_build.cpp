@@ -1,7 +1,7 @@
 #include <algorithm>
 
 #include "host/bvh/bvh_state.hpp"
-#include "host/compute/joint_program.hpp"
+#include "host/compute/programs/joint_program.hpp"
 
 namespace claray {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "host/compute/joint_program.hpp"
+#include "host/compute/programs/joint_program.hpp"
 
 namespace claray {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "host/base/hash.hpp"
 #include "host/cli/output/messages.hpp"
-#include "host/compute/kernel_sources.hpp"
+#include "host/compute/programs/kernel_sources.hpp"
 
 namespace claray::cli {
 namespace {

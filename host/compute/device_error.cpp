@@ -1,6 +1,6 @@
 #include "host/compute/device_error.hpp"
 
-#include "host/compute/kernel_sources.hpp"
+#include "host/compute/programs/kernel_sources.hpp"
 
 namespace claray {
 

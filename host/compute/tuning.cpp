@@ -10,7 +10,7 @@
 #include "claray/device.hpp"
 #include "host/base/file.hpp"
 #include "host/compute/device_state.hpp"
-#include "host/compute/kernel_sources.hpp"
+#include "host/compute/programs/kernel_sources.hpp"
 
 namespace claray {
 bool pattern_matches(const std::string& pattern, const DeviceInfo& info) {

@@ -7,10 +7,10 @@
 #include <optional>
 
 #include "host/base/format.hpp"
+#include "host/compute/contexts.hpp"
 #include "host/effects/effects.hpp"
 #include "host/measure/measure.hpp"
 #include "host/render/kernels/kernel_choice.hpp"
-#include "host/verify/run.hpp"
 
 namespace claray::measure {
 namespace {
@@ -119,10 +119,9 @@ public:
         for (const Approximations& each : approximations) configs.push_back(with(each));
         std::erase_if(configs, [&](const RenderConfig& config) { return is_cached(config); });
         if (configs.size() < 2) return;
-        verify::Devices contexts(device_);
-        verify::side_by_side(device_, contexts, threads, configs.size(), [&](const Device& device, std::size_t i) {
-            Renderer(device, scene_, configs[i]).settle();
-        });
+        Devices contexts(device_);
+        side_by_side(device_, contexts, threads, configs.size(),
+                     [&](const Device& device, std::size_t i) { Renderer(device, scene_, configs[i]).settle(); });
     }
     /// Compiles all kernels of a variant, and of the scene's own; call it for all variants before `compare_with_own`.
     void prepare(Comparison& comparison, EffectSet concerned) {

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "claray/renderer.hpp"
-#include "host/compute/build_report.hpp"
+#include "host/compute/programs/build_report.hpp"
 
 namespace claray::measure {
 

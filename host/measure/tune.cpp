@@ -9,7 +9,7 @@
 #include "claray/io.hpp"
 #include "claray/renderer.hpp"
 #include "host/base/format.hpp"
-#include "host/compute/kernel_sources.hpp"
+#include "host/compute/programs/kernel_sources.hpp"
 #include "host/compute/tuning.hpp"
 #include "host/measure/measure.hpp"
 #include "host/measure/rays.hpp"

@@ -9,7 +9,7 @@
 
 #include "claray/renderer.hpp"
 #include "host/compute/device_state.hpp"
-#include "host/compute/joint_program.hpp"
+#include "host/compute/programs/joint_program.hpp"
 #include "host/render/aovs.hpp"
 #include "host/render/checkpoint/checkpoint.hpp"
 #include "host/render/deferred/gbuffer.hpp"

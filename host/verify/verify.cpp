@@ -105,8 +105,7 @@ const Entry& entry_of(const std::string& name) {
     throw Error(ErrorKind::usage, "unknown case '" + name + "'", "choose one of " + names);
 }
 
-VerifyResult run_case(const Device& device, verify::Devices& more, const std::string& name,
-                      const VerifyOptions& options) {
+VerifyResult run_case(const Device& device, Devices& more, const std::string& name, const VerifyOptions& options) {
     const Entry& entry = entry_of(name);
     VerifyResult result;
     result.name = name, result.seed = options.seed;
@@ -130,13 +129,13 @@ int rank_of(const std::string& name) {
 /// Cases that run side by side, in an order that begins with those that compile longest.
 class Crew {
 public:
-    Crew(const Device& device, verify::Devices& more, std::vector<std::string> names, const VerifyOptions& options)
+    Crew(const Device& device, Devices& more, std::vector<std::string> names, const VerifyOptions& options)
         : more_(more), names_(std::move(names)) {
         std::stable_sort(names_.begin(), names_.end(),
                          [](const std::string& a, const std::string& b) { return rank_of(a) < rank_of(b); });
         for (const std::string& name : names_) found_[name] = results_.emplace_back().get_future();
         work_ = std::thread([this, device, options] {
-            verify::side_by_side(device, more_, options.threads, names_.size(), [&](const Device& on, std::size_t i) {
+            side_by_side(device, more_, options.threads, names_.size(), [&](const Device& on, std::size_t i) {
                 if (!ends_) run(on, i, options);
             });
         });
@@ -165,7 +164,7 @@ private:
         }
     }
 
-    verify::Devices& more_;
+    Devices& more_;
     std::vector<std::string> names_;
     std::deque<std::promise<VerifyResult>> results_;
     std::map<std::string, std::shared_future<VerifyResult>> found_;
@@ -206,7 +205,7 @@ void check_verify_cases(std::span<const std::string> names) {
 }
 
 VerifyResult run_verify_case(const Device& device, const std::string& name, const VerifyOptions& options) {
-    verify::Devices more(device);
+    Devices more(device);
     return run_case(device, more, name, with_threads(device, options));
 }
 
@@ -216,7 +215,7 @@ void run_verify_cases(const Device& device, std::span<const std::string> names, 
     std::set<std::string> side_by_side;
     for (const std::string& name : names)
         if (!(entry_of(name).measures_times && options.times) && options.threads > 1) side_by_side.insert(name);
-    verify::Devices more(device);
+    Devices more(device);
     Crew crew(device, more, {side_by_side.begin(), side_by_side.end()}, options);
     for (const std::string& name : names) {
         if (crew.has(name)) {

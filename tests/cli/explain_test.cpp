@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "host/compute/build_report.hpp"
+#include "host/compute/programs/build_report.hpp"
 #include "tests/cli/claray.hpp"
 #include "tests/support/device.hpp"
 

@@ -11,7 +11,7 @@
 #include <thread>
 
 #include "claray/program.hpp"
-#include "host/compute/program_cache.hpp"
+#include "host/compute/programs/program_cache.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/process.hpp"
 

@@ -1,5 +1,5 @@
 // Several kernel files in one program: which of them can share one, and that their results are the same.
-#include "host/compute/joint_program.hpp"
+#include "host/compute/programs/joint_program.hpp"
 
 #include <gtest/gtest.h>
 

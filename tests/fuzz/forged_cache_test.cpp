@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "host/base/hash.hpp"
-#include "host/compute/program_cache.hpp"
+#include "host/compute/programs/program_cache.hpp"
 #include "tests/fuzz/forge.hpp"
 #include "tests/support/process.hpp"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "host/compute/kernel_sources.hpp"
+#include "host/compute/programs/kernel_sources.hpp"
 #include "host/compute/tuning.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"

@@ -113,8 +113,8 @@ TEST_P(UnitKernelsOnLayout, BuildRefitAndTrace) {
 TEST(UnitKernels, BuildBySchedule) {
     const Device& device = one.device();
     for (const unsigned ranges : {0u, 5u}) {
-        const verify::ScopedTuning schedule(device, "bvh/serial", "RANGES_PER_UNIT", ranges);
-        const verify::ScopedTuning leaves(device, "bvh/serial", "RANGE_LEAVES", 1);
+        const claray::ScopedTuning schedule(device, "bvh/serial", "RANGES_PER_UNIT", ranges);
+        const claray::ScopedTuning leaves(device, "bvh/serial", "RANGE_LEAVES", 1);
         for (const Builder builder : {Builder::fast, Builder::balanced, Builder::high})
             for (const std::size_t count : {2u, 40u}) {  // `high` divides more than 32 among groups
                 const Mesh mesh = soup(count);

@@ -3,15 +3,15 @@
 
 #include <string>
 
-#include "host/verify/run.hpp"
+#include "host/compute/contexts.hpp"
 #include "tests/support/device.hpp"
 
 namespace claray::test {
 
 /// Sets a tuning value of the test's device until the end of the scope.
-struct ScopedTuning : verify::ScopedTuning {
+struct ScopedTuning : claray::ScopedTuning {
     ScopedTuning(std::string kernel, std::string parameter, unsigned value)
-        : verify::ScopedTuning(device(), std::move(kernel), std::move(parameter), value) {}
+        : claray::ScopedTuning(device(), std::move(kernel), std::move(parameter), value) {}
 };
 
 }  // namespace claray::test

@@ -100,8 +100,8 @@ TEST(VerifyCases, PiecesRunOnceOnDevicesOfTheirOwn) {
         std::mutex mutex;
         std::condition_variable one_more;
         std::map<std::thread::id, std::set<const cl::Context*>> devices;
-        verify::Devices more(device());
-        verify::side_by_side(device(), more, threads, runs.size(), [&](const Device& on, std::size_t i) {
+        Devices more(device());
+        side_by_side(device(), more, threads, runs.size(), [&](const Device& on, std::size_t i) {
             ++runs[i];
             std::unique_lock lock(mutex);
             devices[std::this_thread::get_id()].insert(&on.context());
@@ -121,23 +121,23 @@ TEST(VerifyCases, PiecesRunOnceOnDevicesOfTheirOwn) {
 
 TEST(VerifyCases, WhatAPieceThrowsArrives) {
     std::atomic<unsigned> runs = 0;
-    verify::Devices more(device());
-    EXPECT_THROW(verify::side_by_side(device(), more, 3, 20,
-                                      [&](const Device&, std::size_t i) {
-                                          ++runs;
-                                          if (i == 0) throw std::runtime_error("no more");
-                                      }),
+    Devices more(device());
+    EXPECT_THROW(side_by_side(device(), more, 3, 20,
+                              [&](const Device&, std::size_t i) {
+                                  ++runs;
+                                  if (i == 0) throw std::runtime_error("no more");
+                              }),
                  std::runtime_error);
     EXPECT_GE(runs, 1u);
 }
 
 TEST(VerifyCases, OpenNoMoreDevicesThanAreUsedAtOnce) {
-    verify::Devices more(device());
+    Devices more(device());
     std::vector<Device> used;  // so that no other gets an address of theirs
     std::mutex mutex;
     std::barrier both(2);
     for (int round = 0; round < 3; ++round)
-        verify::side_by_side(device(), more, 2, 2, [&](const Device& on, std::size_t) {
+        side_by_side(device(), more, 2, 2, [&](const Device& on, std::size_t) {
             both.arrive_and_wait();
             const std::lock_guard lock(mutex);
             used.push_back(on);
@@ -155,7 +155,7 @@ TEST(VerifyCases, TimesAreMediansOfManyRounds) {
     };
     const auto ratio_of = [&](int slow_calls) {
         VerifyResult result;
-        verify::Devices more(device());
+        Devices more(device());
         verify::Run run(device(), more, {}, result);
         run.check_time(
             "fills", 1, [&] { fill(slow_calls-- > 0 ? 200 : 1); }, [&] { fill(1); }, 20);

@@ -10,7 +10,7 @@
 #include "claray/shared/path.h"
 #include "host/base/file.hpp"
 #include "host/base/format.hpp"
-#include "host/compute/kernel_sources.hpp"
+#include "host/compute/programs/kernel_sources.hpp"
 #include "host/render/checkpoint/scene_digest.hpp"
 #include "host/render/guiding/path_guide.hpp"
 

@@ -2,8 +2,8 @@
 
 #include "host/base/hash.hpp"
 #include "host/compute/device_state.hpp"
-#include "host/compute/kernel_sources.hpp"
-#include "host/compute/program_cache.hpp"
+#include "host/compute/programs/kernel_sources.hpp"
+#include "host/compute/programs/program_cache.hpp"
 #include "host/effects/effects.hpp"
 #include "host/render/guiding/path_guide.hpp"
 

@@ -9,7 +9,7 @@
 #include <numeric>
 
 #include "claray/io.hpp"
-#include "host/verify/run.hpp"
+#include "host/compute/contexts.hpp"
 #include "tests/render/scenes.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
@@ -47,7 +47,7 @@ Scene room_with_window() {
 RenderConfig guided_config() { return {.width = 128, .height = 128, .spp = 64, .max_depth = 6}; }
 
 std::vector<glm::vec3> render_guided(const Scene& scene, unsigned least, RenderConfig config) {
-    const verify::ScopedTuning gain(device(), stem, least_gain, least);
+    const claray::ScopedTuning gain(device(), stem, least_gain, least);
     return render_by_own_kernels(scene, config);
 }
 
@@ -201,7 +201,7 @@ TEST(PathGuide, DependsNeitherOnBatchesNorOnLanes) {
     EXPECT_FALSE(same_bits(image, render_guided(scene, nowhere, config))) << "nothing is guided";
     EXPECT_TRUE(same_bits(image, render_guided(scene, everywhere, config)));
     {
-        const verify::ScopedTuning first(device(), "render/wavefront", "FIRST_PATHS", 1024);
+        const claray::ScopedTuning first(device(), "render/wavefront", "FIRST_PATHS", 1024);
         EXPECT_TRUE(same_bits(image, render_guided(scene, everywhere, config))) << "batches";
     }
     RenderConfig spots = config;
@@ -223,7 +223,7 @@ TEST(PathGuide, LeavesImagesThatItDoesNotImprove) {
 /// The cells span the scene as it is now.
 TEST(PathGuide, FollowsMovedVertices) {
     if (!is_guidable()) GTEST_SKIP() << "paths are guided on CPUs only";
-    const verify::ScopedTuning gain(device(), stem, least_gain, everywhere);
+    const claray::ScopedTuning gain(device(), stem, least_gain, everywhere);
     RenderConfig config = guided_config();
     config.spp = 32;
     const Scene small = room_with_window();
@@ -240,7 +240,7 @@ TEST(PathGuide, FollowsMovedVertices) {
 
 /// Renders a part, continues from its checkpoint, and compares with a render without interruption.
 void expect_same_when_resumed(RenderConfig config, std::initializer_list<unsigned> samples) {
-    const verify::ScopedTuning gain(device(), stem, least_gain, everywhere);
+    const claray::ScopedTuning gain(device(), stem, least_gain, everywhere);
     const TemporaryFolder folder;
     const Scene scene = room_with_window();
     const std::vector<glm::vec3> whole = render_by_own_kernels(scene, config);
@@ -265,7 +265,7 @@ TEST(PathGuide, ResumedIsUninterruptedBitForBit) {
 /// A sample does not depend on how many follow. Short renders learn less, or nothing.
 TEST(PathGuide, ContinuesShorterRenders) {
     if (!is_guidable()) GTEST_SKIP() << "paths are guided on CPUs only";
-    const verify::ScopedTuning gain(device(), stem, least_gain, everywhere);
+    const claray::ScopedTuning gain(device(), stem, least_gain, everywhere);
     const TemporaryFolder folder;
     RenderConfig config = guided_config();
     config.spp = 20;
@@ -282,7 +282,7 @@ TEST(PathGuide, ContinuesShorterRenders) {
 /// A renderer keeps its guide, and forgets what it has learned.
 TEST(PathGuide, RestartedIsNewBitForBit) {
     if (!is_guidable()) GTEST_SKIP() << "paths are guided on CPUs only";
-    const verify::ScopedTuning gain(device(), stem, least_gain, everywhere);
+    const claray::ScopedTuning gain(device(), stem, least_gain, everywhere);
     RenderConfig config = guided_config();
     config.spp = 20;
     const Scene scene = room_with_window();

@@ -1,4 +1,4 @@
-#include "host/compute/kernel_sources.hpp"
+#include "host/compute/programs/kernel_sources.hpp"
 
 #include <algorithm>
 #include <cstdlib>

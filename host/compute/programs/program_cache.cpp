@@ -1,4 +1,4 @@
-#include "host/compute/program_cache.hpp"
+#include "host/compute/programs/program_cache.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>

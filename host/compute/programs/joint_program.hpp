@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "claray/program.hpp"
-#include "host/compute/kernel_sources.hpp"
+#include "host/compute/programs/kernel_sources.hpp"
 
 namespace claray {
 

@@ -1,4 +1,4 @@
-#include "host/compute/joint_program.hpp"
+#include "host/compute/programs/joint_program.hpp"
 
 #include <algorithm>
 #include <cctype>

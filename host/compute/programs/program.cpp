@@ -7,13 +7,13 @@
 #include <mutex>
 
 #include "host/base/in_parallel.hpp"
-#include "host/compute/build_report.hpp"
 #include "host/compute/device_error.hpp"
 #include "host/compute/device_state.hpp"
-#include "host/compute/joint_program.hpp"
-#include "host/compute/kernel_sources.hpp"
 #include "host/compute/memory.hpp"
-#include "host/compute/program_cache.hpp"
+#include "host/compute/programs/build_report.hpp"
+#include "host/compute/programs/joint_program.hpp"
+#include "host/compute/programs/kernel_sources.hpp"
+#include "host/compute/programs/program_cache.hpp"
 #include "host/compute/tuning.hpp"
 
 namespace claray {
