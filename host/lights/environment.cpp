@@ -142,8 +142,8 @@ double mean_luminance(const Pixels& pixels) {
     return mean_of(pixels, [](double value) { return value; });
 }
 
-/// BSDF sampling finds directions up to the mean luminance as well, so that only brighter ones need to be sampled
-/// (Karlik et al. 2019, "MIS Compensation", section 5). An image that has none is sampled everywhere.
+/// BSDF sampling finds directions up to the mean luminance as well, so that only brighter ones need to be sampled often
+/// (Karlik et al. 2019, "MIS Compensation", section 5). An image that has none is sampled everywhere alike.
 double baseline_of(const Pixels& pixels) {
     constexpr double least_above = 1e-3;  // of all light; below, roundings would decide
     const double mean = mean_luminance(pixels);
@@ -151,15 +151,14 @@ double baseline_of(const Pixels& pixels) {
     return above > least_above * mean ? mean : 0;
 }
 
-/// Writes the cumulative distributions for the luminance above the baseline. Returns its sum over all texels, each
-/// times the sine of its row.
+/// Writes the cumulative distributions of lights/environment.clh. Returns the sum of all texels' densities.
 double distribute(const Pixels& pixels, double strength, double baseline, std::vector<float>& cdf) {
     // The cells lie between the centres of texels. The weight at the border above row y of cells, in column x, is that
     // of the texels whose centres are on this border; 0 at the poles.
     const auto weight = [&](unsigned x, unsigned y) {
         if (y == 0 || y > pixels.height) return 0.0;
-        return std::max(luminance(pixels.at(x % pixels.width, y - 1)) * strength - baseline, 0.0) *
-               std::sin(pi * (y - 0.5) / pixels.height);
+        const double all = luminance(pixels.at(x % pixels.width, y - 1)) * strength;
+        return std::max(all - baseline, double(CLARAY_LEAST_SAMPLED) * all) * std::sin(pi * (y - 0.5) / pixels.height);
     };
     const unsigned rows = pixels.height + 1;
     const std::size_t words_of_rows = CLARAY_CDF_WORDS(rows), words_of_row = CLARAY_CDF_WORDS(pixels.width);

@@ -19,7 +19,7 @@ struct EnvironmentImage {
 
 /// Converts a cube map to a latitude-longitude image with the same resolution at the horizon. Throws ErrorKind::user if
 /// there are neither 1 nor 6 images, or if a texel is negative or not finite. `compensates`: directions that are darker
-/// than the mean are left to BSDF sampling.
+/// than the mean are mostly left to BSDF sampling.
 [[nodiscard]] EnvironmentImage environment_image(const Environment& environment, bool compensates = true);
 
 }  // namespace claray

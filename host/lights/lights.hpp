@@ -16,7 +16,7 @@ struct LightSelection {
     double most_per_cell = 128;
     unsigned most_points = 1024;  ///< see mean_texel
     bool hot_spots = true;
-    bool compensates = true;  ///< see environment_image; false where BSDF sampling finds no lights
+    bool compensates = true;  ///< see environment_image; false where BSDF sampling finds less than all light
 };
 
 /// Host data of a scene's lights. Arrays that the scene does not need are empty.

@@ -80,7 +80,7 @@ LightSelection selection_of_lights(const RenderConfig& config) {
     LightSelection selection;
     if (config.approximate.tile_sum) selection.for_a_tree = std::numeric_limits<std::size_t>::max();
     if (config.approximate.tile_sum || config.effects.remove.has(Effect::light_lists)) selection.most_per_cell = 0;
-    selection.compensates = !config.approximate.no_shadows;
+    selection.compensates = !config.approximate.no_shadows && !config.approximate.light_grid;
     selection.hot_spots = !config.approximate.tile_sum && !config.approximate.light_grid;
     return selection;
 }

@@ -148,11 +148,14 @@ CLARAY_LAYOUT(HotSpot, 20)
 #define CLARAY_CDF_PARTS 256u
 #define CLARAY_CDF_WORDS(count) ((count) + CLARAY_CDF_PARTS + 1u)
 
+/// Share of its luminance by which a direction of an environment is sampled at least.
+#define CLARAY_LEAST_SAMPLED 0.1f
+
 /// An environment image in latitude and longitude, and the data for sampling its directions (lights/environment.clh).
 typedef struct EnvironmentData {
     uint width, height;  // 0: no environment
     float turn;          // added to the column's coordinate, which is in 0..1
-    float baseline;      // luminance up to which directions are left to BSDF sampling
+    float baseline;      // luminance up to which directions are mostly left to BSDF sampling
     float density;       // per steradian and per weight over the sine
     float probability;   // of sampling the environment instead of another light
 } EnvironmentData;

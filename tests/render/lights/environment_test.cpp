@@ -237,6 +237,28 @@ TEST(Environment, OnlyBrightDirectionsAreSampled) {
     EXPECT_EQ(environment_image(environment).baseline, 0);  // nothing is brighter than the mean
 }
 
+/// No BSDF ray goes below the plane of a triangle, but light from there reaches a surface with vertex normals. Alone,
+/// the sky is nowhere brighter than its mean, and its directions are sampled alike; beside a sun they are not.
+TEST(Environment, DimLightFromBelowATrianglesPlaneIsNotLost) {
+    const auto radiance = [](double of_sky, double of_sun, double& error) {
+        Scene scene;
+        scene.materials = {lambert(1.f)};
+        scene.meshes = {sphere(1)};
+        scene.meshes[0].normals = scene.meshes[0].positions;
+        scene.environment.images = {panorama(32, 16, [&](const glm::dvec3& d) {
+            return glm::dvec3(of_sky + (glm::dot(d, glm::normalize(glm::dvec3(1, 2, 1))) > 0.95 ? of_sun : 0.0));
+        })};
+        scene.camera = Camera{{0, 0, 3}, {0, 0, 0}, {0, 1, 0}, 38.f};
+        Renderer renderer(device(), scene, {.width = 32, .height = 32, .spp = 256, .max_depth = 1});
+        error = renderer.render().noise / 32;
+        return mean(renderer.image()).x;
+    };
+    double errors[3];
+    const double sky = radiance(1, 0, errors[0]), sun = radiance(0, 5, errors[1]), both = radiance(1, 5, errors[2]);
+    const double error = std::hypot(sky * errors[0], sun * errors[1], both * errors[2]);
+    EXPECT_NEAR(both, sky + sun, std::min(3 * error, 0.004 * both));
+}
+
 TEST(Environment, CubeEqualsItsPanorama) {
     Scene scene;
     scene.materials = {lambert(0.5f)};
