@@ -32,7 +32,9 @@ std::vector<cpu_set_t> processors_of_threads() {
     return all;
 }
 
-TEST(BoundThreads, OneOnEachProcessor) {
+/// Run by the next tests: CTest tells PoCL not to bind the threads of all others.
+TEST(BoundThreads, OfThisProcess) {
+    if (std::getenv("BOUND_THREADS") == nullptr) GTEST_SKIP() << "run by the next tests";
     if (!is_pocl()) GTEST_SKIP() << "not PoCL";
     if (std::getenv("POCL_MAX_PTHREAD_COUNT") != nullptr) GTEST_SKIP() << "PoCL has fewer threads";
     const cpu_set_t mine = processors_of(0);
@@ -49,6 +51,17 @@ TEST(BoundThreads, OneOnEachProcessor) {
             << "processor " << i << " has no thread of its own";
 }
 
+/// `affinity` is that of the user; an empty one is none.
+ProcessResult bound_in_a_process(const std::string& affinity) {
+    return run_process({this_program(), "--gtest_filter=BoundThreads.OfThisProcess"},
+                       {{"BOUND_THREADS", "1"}, {"POCL_AFFINITY", affinity}});
+}
+
+TEST(BoundThreads, OneOnEachProcessor) {
+    const ProcessResult bound = bound_in_a_process("");
+    EXPECT_EQ(bound.exit_code, 0) << bound.output;
+}
+
 TEST(BoundThreads, NotWhereTheProcessMayNotRun) {
     cpu_set_t mine = processors_of(0), last;
     if (CPU_COUNT(&mine) < 2) GTEST_SKIP() << "one processor only";
@@ -59,14 +72,13 @@ TEST(BoundThreads, NotWhereTheProcessMayNotRun) {
     ProcessResult on_last;
     std::thread([&] {
         ASSERT_EQ(::sched_setaffinity(0, sizeof last, &last), 0);
-        on_last = run_process({this_program(), "--gtest_filter=BoundThreads.OneOnEachProcessor"});
+        on_last = bound_in_a_process("");
     }).join();
     EXPECT_EQ(on_last.exit_code, 0) << on_last.output;
 }
 
 TEST(BoundThreads, NotIfTheUserSaysSo) {
-    const ProcessResult unbound =
-        run_process({this_program(), "--gtest_filter=BoundThreads.OneOnEachProcessor"}, {{"POCL_AFFINITY", "0"}});
+    const ProcessResult unbound = bound_in_a_process("0");
     cpu_set_t mine = processors_of(0);
     const bool may_be_bound = CPU_COUNT(&mine) > 1 && CPU_COUNT(&mine) == ::sysconf(_SC_NPROCESSORS_CONF);
     if (!may_be_bound || !is_pocl()) GTEST_SKIP() << "never bound here";
