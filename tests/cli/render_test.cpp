@@ -41,21 +41,6 @@ TEST_F(Render, SidesOfSurfacesCanBeChosen) {
     EXPECT_EQ(primitives({"--cull", "none", "--front", "cw"}), both);
 }
 
-/// By default, and only if the cache lacks the scene's own kernels.
-TEST_F(Render, StartsWithQuickKernels) {
-    const auto kernels = [&](const char* waits) {
-        const ProcessResult result =
-            run_claray({"render", "cornell", "-o", path("image.pfm"), "--size", "24x16", "--spp", "1", "--json", "-q"},
-                       {{"CLARAY_WAIT_FOR_KERNELS", waits}, {"CLARAY_CACHE_DIR", path("cache")}});
-        EXPECT_EQ(result.exit_code, 0) << result.errors;
-        return nlohmann::json::parse(result.output).at("kernels");
-    };
-    if (device().info().type != DeviceType::cpu) GTEST_SKIP() << "GPUs may traverse the tree that is built first";
-    EXPECT_EQ(kernels("0").at("start"), "quick");
-    EXPECT_EQ(kernels("1").at("start"), "own");
-    EXPECT_EQ(kernels("0").at("start"), "own");
-}
-
 TEST_F(Render, EveryBuiltInScene) {
     for (std::string name : builtin_scene_names()) {
         if (name.ends_with(":N")) name.replace(name.size() - 1, 1, "500");

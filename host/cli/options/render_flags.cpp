@@ -91,10 +91,8 @@ void add_machine_options(CLI::App& command, RenderOptions& o) {
     command.add_option_function<std::string>(
         "--effects", [&o](const std::string& text) { o.config.effects = parse_effect_overrides(text); },
         "For experiments: +NAME compiles an effect in, -NAME removes it from the scene (see claray explain)");
-    command
-        .add_flag("--wait-for-kernels", o.wait_for_kernels,
-                  "Compile the scene's own kernels before rendering, not in the background")
-        ->envname("CLARAY_WAIT_FOR_KERNELS");
+    command.add_flag("--wait-for-kernels", o.wait_for_kernels,
+                     "Compile the scene's own kernels before rendering, not in the background");
     command.add_option("--trace", o.trace, "Write every device command to FILE (JSON) for ui.perfetto.dev");
     command.add_flag("-q,--quiet", o.quiet, "Print no progress");
 }
