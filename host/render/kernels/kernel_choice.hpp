@@ -3,7 +3,8 @@
 // support every effect, if those are in the cache. On a machine where claray never ran it begins with quick kernels:
 // the scene's effects over the binary tree, whose traversal compiles in a fraction of the time. If only shading must be
 // compiled, that is done first. Meanwhile another process compiles, because a driver may hold a lock that stops all
-// kernels while it compiles (PoCL does). All kernels make the same image bit for bit.
+// kernels while it compiles (PoCL does). All kernels make the same image bit for bit, except that quick kernels of many
+// effects, which are not optimized, add up lights of lists in another order: their images differ by roundings.
 #pragma once
 
 #include <functional>
