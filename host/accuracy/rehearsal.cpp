@@ -30,10 +30,9 @@ unsigned Rehearsal::threads_within_memory(const Device& device, const Scene& sce
     return unsigned(std::min<std::uint64_t>(threads, bytes_available(device) / 2 / bytes_of_renderer(device, scene)));
 }
 
-/// More threads of one process do not speed up the compiler of NVIDIA's driver (docs/notebook.md).
 unsigned Rehearsal::threads_on(const Device& device, const Scene& scene) {
     if (device.info().type != DeviceType::gpu) return 0;
-    return threads_within_memory(device, scene, std::clamp(std::thread::hardware_concurrency(), 1u, 5u));
+    return threads_within_memory(device, scene, contexts_at_once());
 }
 
 Rehearsal::Rehearsal(const Device& device, const Scene& scene, const StudyOptions& options,

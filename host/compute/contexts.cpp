@@ -32,6 +32,8 @@ void Devices::give_back(const Device& device) {
     idle_.push_back(device);
 }
 
+unsigned contexts_at_once() { return std::clamp(std::thread::hardware_concurrency(), 1u, 5u); }
+
 void side_by_side(const Device& device, Devices& more, unsigned threads, std::size_t count,
                   const std::function<void(const Device&, std::size_t)>& piece) {
     std::atomic<std::size_t> next{0};

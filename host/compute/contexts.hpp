@@ -52,6 +52,10 @@ private:
     std::vector<Device> idle_;
 };
 
+/// The number of threads that compile for a GPU, each in a context of its own. More do not speed up the compiler of
+/// NVIDIA's driver (docs/notebook.md).
+[[nodiscard]] unsigned contexts_at_once();
+
 /// Calls piece(device, i) for every i below `count`, on up to `threads` threads with a device each. The calling thread
 /// is one of them. If pieces throw, the first exception is rethrown after all threads have ended.
 void side_by_side(const Device& device, Devices& more, unsigned threads, std::size_t count,

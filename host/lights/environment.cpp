@@ -138,15 +138,10 @@ double mean_of(const Pixels& pixels, Function&& function) {
     return sum / sines;
 }
 
-double mean_luminance(const Pixels& pixels) {
-    return mean_of(pixels, [](double value) { return value; });
-}
-
 /// BSDF sampling finds directions up to the mean luminance as well, so that only brighter ones need to be sampled often
 /// (Karlik et al. 2019, "MIS Compensation", section 5). An image that has none is sampled everywhere alike.
-double baseline_of(const Pixels& pixels) {
+double baseline_of(const Pixels& pixels, double mean) {
     constexpr double least_above = 1e-3;  // of all light; below, roundings would decide
-    const double mean = mean_luminance(pixels);
     const double above = mean_of(pixels, [&](double value) { return std::max(value - mean, 0.0); });
     return above > least_above * mean ? mean : 0;
 }
@@ -182,8 +177,9 @@ EnvironmentImage environment_image(const Environment& environment, bool compensa
     for (const glm::vec3& value : pixels.values)
         for (int c = 0; c < 3; ++c) image.texels.push_back(value[c] * environment.strength);
 
-    image.integral = 4 * pi * environment.strength * mean_luminance(pixels);
-    if (compensates) image.baseline = float(environment.strength * baseline_of(pixels));
+    const double mean = mean_of(pixels, [](double value) { return value; });
+    image.integral = 4 * pi * environment.strength * mean;
+    if (compensates) image.baseline = float(environment.strength * baseline_of(pixels, mean));
     const double texel = 2 * pi * pi / (double(image.width) * image.height);  // d(direction) / sine
     const double sampled = distribute(pixels, environment.strength, image.baseline, image.cdf) * texel;
     if (sampled > 0) image.density = float(1 / sampled);

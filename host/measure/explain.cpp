@@ -109,10 +109,10 @@ public:
         config_.compiler.clear();
     }
 
-    /// Fills the cache with the kernels of all renders on a GPU: its driver compiles for several contexts at once.
-    void compile_side_by_side(const std::vector<EffectOverrides>& overrides,
-                              const std::vector<Approximations>& approximations) const {
-        constexpr unsigned threads = 5;  // more are no faster on NVIDIA's driver (docs/notebook.md)
+    /// With the kernels of all renders, on a GPU: its driver compiles for several contexts at once. Errors are left to
+    /// `prepare`, which needs memory for one renderer at a time.
+    void fill_cache(const std::vector<EffectOverrides>& overrides,
+                    const std::vector<Approximations>& approximations) const {
         if (device_.info().type != DeviceType::gpu) return;
         std::vector<RenderConfig> configs = {config_};
         for (const EffectOverrides& each : overrides) configs.push_back(with(each));
@@ -120,8 +120,12 @@ public:
         std::erase_if(configs, [&](const RenderConfig& config) { return is_cached(config); });
         if (configs.size() < 2) return;
         Devices contexts(device_);
-        side_by_side(device_, contexts, threads, configs.size(),
-                     [&](const Device& device, std::size_t i) { Renderer(device, scene_, configs[i]).settle(); });
+        side_by_side(device_, contexts, contexts_at_once(), configs.size(), [&](const Device& device, std::size_t i) {
+            try {
+                Renderer(device, scene_, configs[i]).settle();
+            } catch (const std::exception&) {
+            }
+        });
     }
     /// Compiles all kernels of a variant, and of the scene's own; call it for all variants before `compare_with_own`.
     void prepare(Comparison& comparison, EffectSet concerned) {
@@ -322,7 +326,7 @@ Explanation explain(const Device& device, const Scene& scene, const RenderConfig
     }
     std::vector<EffectOverrides> overrides;
     for (const Named& named : compared) overrides.push_back(named.comparison.overrides);
-    explainer.compile_side_by_side(overrides, approximations);
+    explainer.fill_cache(overrides, approximations);
     for (Named& named : compared) {
         tell("compiling kernels", named.name);
         explainer.prepare(named.comparison, named.concerned);

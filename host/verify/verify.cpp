@@ -172,12 +172,11 @@ private:
     std::thread work_;
 };
 
-/// A CPU driver already has a thread per processor. GPUs wait for compilers, which more than five threads of one
-/// process do not speed up (docs/notebook.md).
+/// A CPU driver already has a thread per processor. GPUs wait for compilers.
 unsigned threads_for(const Device& device, const VerifyOptions& options) {
     if (options.threads != 0) return options.threads;
     if (device.info().type != DeviceType::gpu) return 1;
-    return std::clamp(std::thread::hardware_concurrency(), 1u, 5u);
+    return contexts_at_once();
 }
 
 VerifyOptions with_threads(const Device& device, VerifyOptions options) {
