@@ -16,8 +16,9 @@
 
 namespace claray::measure {
 
-/// --builder, --bits, --layout, --leaf and --split.
+/// --builder, --bits, --layout, --leaf and --split. The tree that is measured stays.
 inline void add_bvh_options(CLI::App& app, Bvh::Config& config) {
+    config.learns = false;
     app.add_option("--builder", config.builder)->transform(CLI::CheckedTransformer(builders_and_automatic()));
     app.add_option("--layout", config.layout)->transform(CLI::CheckedTransformer(layouts));
     app.add_option("--bits", config.morton_bits);

@@ -81,6 +81,12 @@ void require_triangles(const Bvh& bvh, const std::string& user) {
         "call closest_hit or any_hit of the Primitives, or build a Bvh of a mesh");
 }
 
+Bvh without_owning(const Bvh& bvh) {
+    Bvh same;
+    same.state_ = std::shared_ptr<Bvh::State>(std::shared_ptr<Bvh::State>(), bvh.state_.get());
+    return same;
+}
+
 Bvh Bvh::build_by_host(const Device& device, std::span<const Mesh> meshes, const Config& with) {
     Config config = with;
     config.layout = Layout::binary, config.builder = Builder::fast;
@@ -92,6 +98,7 @@ Bvh Bvh::build_by_host(const Device& device, std::span<const Mesh> meshes, const
 Bvh Bvh::build_by_host(const Device& device, std::span<const Mesh> meshes, const HostTree& tree, const Config& config) {
     Bvh bvh;
     bvh.state_ = std::make_shared<State>(device, upload(device, meshes), config, config.layout == Layout::binary);
+    bvh.state_->learns = false;
     bvh.state_->nodes.write(tree.nodes);
     bvh.state_->leaves.write(tree.leaves);
     bvh.state_->header.write(std::span(&tree.header, 1));
@@ -100,8 +107,14 @@ Bvh Bvh::build_by_host(const Device& device, std::span<const Mesh> meshes, const
     return bvh;
 }
 
-void Bvh::rebuild() { state_->build(); }
-void Bvh::refit() { state_->refit(); }
+void Bvh::rebuild() {
+    state_->stop_learning();
+    state_->build();
+}
+void Bvh::refit() {
+    state_->stop_learning();
+    state_->refit();
+}
 void Bvh::prepare_refit() { state_->load_refit(); }
 
 const TriangleBuffers& Bvh::triangles() const { return state_->triangles; }
@@ -109,6 +122,7 @@ std::size_t Bvh::triangle_count() const { return state_->count; }
 bool Bvh::splits() const {
     return state_->splits_of_host || (traits_of(state_->config.builder).splits && state_->config.split_budget > 0);
 }
+bool Bvh::is_replaced() const { return state_->search && state_->search->has_found(); }
 Layout Bvh::layout() const { return state_->layout; }
 const Device& Bvh::device() const { return state_->device; }
 BvhHeader Bvh::header() const { return state_->read_header(); }
@@ -198,7 +212,10 @@ void Bvh::bind_cutouts(Kernel& kernel, unsigned& index) const {
     if (has_cutouts()) kernel.set(index, arg("claray_cutouts", state_->cutouts));
 }
 
-void Bvh::set_cutouts(const Buffer<std::uint32_t>& store) { state_->cutouts = store; }
+void Bvh::set_cutouts(const Buffer<std::uint32_t>& store) {
+    state_->stop_learning();
+    state_->cutouts = store;
+}
 bool Bvh::has_cutouts() const { return state_->cutouts.allocated(); }
 
 Defines Bvh::defines() const {

@@ -38,8 +38,10 @@ Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& wit
       config(with),
       layout(resolve(with.layout, on)),
       leaf_shape(shape),
-      count(std::uint32_t(of.indices.size() / 3)) {
+      count(std::uint32_t(of.indices.size() / 3)),
+      learns(shape == LeafShape::triangle && with.learns.value_or(with.builder == Builder::automatic)) {
     config.builder = claray::resolve(config.builder, on);
+    learns = learns && config.builder != Builder::high;
     if (config.morton_bits != 30 && config.morton_bits != 63)
         throw Error(ErrorKind::usage, "no Morton codes of " + std::to_string(config.morton_bits) + " bits",
                     "choose 30 or 63");
@@ -287,7 +289,13 @@ void Bvh::State::refit() {
     if (layout == Layout::wide) run_collapse(refit_wide_, {wide_nodes.size(), 64});
 }
 
+void Bvh::State::stop_learning() {
+    learns = false;
+    if (search) search->stop();
+}
+
 void Bvh::State::keep_tree_only() {
+    stop_learning();
     triangles = {};
     bound_keys = {}, codes32 = {}, order = {}, arrivals = {}, clusters = {}, codes64 = {};
     pieces = {}, piece_counts = {}, costs = {};

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 
 #include "claray/bvh.hpp"
 #include "host/bvh/layout.hpp"
 #include "host/bvh/sbvh.hpp"
+#include "host/bvh/tree_search.hpp"
 #include "host/sort/radix_sort.hpp"
 
 namespace claray {
@@ -21,6 +23,9 @@ enum class LeafShape { triangle, box, capsule };
 /// Throws ErrorKind::usage for a structure over primitives. `user`: what needs triangles, as the subject of a sentence.
 void require_triangles(const Bvh& bvh, const std::string& user);
 
+/// The same structure, which someone else must keep alive: for what the structure itself owns.
+[[nodiscard]] Bvh without_owning(const Bvh& bvh);
+
 struct Bvh::State {
     /// `by_host`: the host will fill in the tree. Kernels and buffers for building are then loaded and allocated on
     /// demand.
@@ -32,6 +37,8 @@ struct Bvh::State {
     void keep_tree_only();
     void load_refit();
     void refit();
+    /// Queries trace the tree that was built, from now on: what it holds changes.
+    void stop_learning();
     /// `by_split`: node i of the binary tree splits the leaves between i and i + 1, as the linear builder numbers them.
     void collapse(bool by_split);
     [[nodiscard]] BvhHeader read_header() const;
@@ -81,6 +88,10 @@ struct Bvh::State {
     Buffer<LeafTriangle> other_leaves;
     Sbvh sbvh;
     TreeLayout finish;
+
+    bool learns;  // see Config::learns
+    std::once_flag search_begun;
+    std::unique_ptr<TreeSearch> search;  // made by the first query
 
 private:
     void prepare_to_build();

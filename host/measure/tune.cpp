@@ -41,7 +41,7 @@ void add_build(const Device& device, const Subject& subject, Builder builder, Wo
 }
 
 void add_rays(const Device& device, Subject& subject, bool closest, bool any, Work& work) {
-    const auto bvh = std::make_shared<Bvh>(Bvh::build(device, subject.meshes));
+    const auto bvh = std::make_shared<Bvh>(Bvh::build(device, subject.meshes, {.learns = false}));
     for (DeviceRays& rays : subject.rays) {
         if (!(rays.any_hit ? any : closest)) continue;
         rays.trace(*bvh);

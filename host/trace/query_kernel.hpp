@@ -45,6 +45,9 @@ public:
     QueryKernel(const Device& queue, const Bvh& bvh, Kind kind, const QueryOptions& options,
                 const std::string& name = {}, const std::string& file = {});
 
+    /// Traces rays in this structure from now on: one of the same layout, without cut-outs if the first has none.
+    void trace_in(const Bvh& bvh) { bvh_ = bvh; }
+
     /// Traces the first min(*count, capacity) rays, or `capacity` if `count` is absent; asynchronous. `results` holds
     /// Hits or, for any hit, bytes or an object that binds the file's parameters for answers.
     template <class Results>

@@ -2,6 +2,7 @@
 #include <optional>
 
 #include "host/trace/instance_query.hpp"
+#include "host/trace/learning/learning.hpp"
 #include "host/trace/lists/filter.hpp"
 #include "host/trace/query_kernel.hpp"
 
@@ -13,7 +14,7 @@ struct Query::State {
     QueryOptions options;
     std::optional<QueryKernel> flat;  // for a Bvh
     std::optional<InstanceQuery> instanced;
-    Bvh filtered;  // for a Bvh and options with a filter
+    Bvh bvh;  // as given; with neither of the two for options with a filter
 };
 
 namespace {
@@ -50,16 +51,17 @@ cl::Event run_query(Query::State& query, const Buffer<Ray>& rays, Buffer<Result>
     check_sizes(rays.size(), results.size(), query.options);
     query.device.wait_for(wait_for);
     const auto capacity = std::uint32_t(rays.size());
+    if (query.flat) query.flat->trace_in(learned_tree(query.device, query.bvh, query.kind, query.options, rays, count));
     if constexpr (std::is_same_v<Result, InstanceHit>) {
         query.instanced->run(rays, results, capacity, count, query.options.ray_times);
     } else if constexpr (std::is_same_v<Result, Hit>) {
         if (query.flat)
             query.flat->run(rays, results, capacity, count);
         else
-            closest_accepted(query.device, query.filtered, rays, results, query.options, count);
+            closest_accepted(query.device, query.bvh, rays, results, query.options, count);
     } else {
         if (!query.flat && !query.instanced)
-            any_accepted(query.device, query.filtered, rays, results, query.options, count);
+            any_accepted(query.device, query.bvh, rays, results, query.options, count);
         else if (query.flat)
             query.flat->run(rays, results, capacity, count);
         else
@@ -84,7 +86,9 @@ void check_queue(const Device& of_structure, const Device& queue) {
     if (of_structure.context()() != queue.context()())
         throw Error(ErrorKind::usage, "the structure and the queue of the query belong to different contexts",
                     "make the queue by with_new_queue of the structure's device");
-    if (of_structure.queue()() != queue.queue()()) of_structure.finish();
+    // Not Device::finish: threads with a queue of their own may get here at once, and the structure's profiler is of
+    // one.
+    if (of_structure.queue()() != queue.queue()()) of_structure.queue().finish();
 }
 
 }  // namespace
@@ -92,7 +96,7 @@ void check_queue(const Device& of_structure, const Device& queue) {
 Query::Query(const Bvh& bvh, QueryKind kind, const QueryOptions& options, const Device& queue) {
     check_queue(bvh.device(), queue);
     if (options.filter.source.empty())
-        state_ = std::make_shared<State>(State{queue, kind, options, QueryKernel(queue, bvh, kind, options), {}, {}});
+        state_ = std::make_shared<State>(State{queue, kind, options, QueryKernel(queue, bvh, kind, options), {}, bvh});
     else
         state_ = std::make_shared<State>(State{queue, kind, options, {}, {}, bvh});
 }

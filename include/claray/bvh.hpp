@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 
 #include "claray/buffer.hpp"
@@ -117,6 +118,12 @@ public:
         double split_budget = 0.5;
         /// Binary layout only: largest number of triangles per leaf, up to 4, if the surface area heuristic prefers it.
         unsigned max_leaf_triangles = 4;
+        /// Whether queries may replace the tree by one of `high`. They do so once tracing has taken ten times as long
+        /// as that build will take, and only if a sample of the rays is faster with the new tree. A thread builds it
+        /// meanwhile, which needs memory for a second tree. Unset: if `builder` is automatic. Hits stay the same bit
+        /// for bit. Counted are queries of a Bvh (claray/query.hpp) without masks, a filter, `visits` and `count`.
+        /// `refit`, `rebuild` and `set_cutouts` return to the first tree for good.
+        std::optional<bool> learns = {};
     };
 
     /// Builds a tree over the triangles of all meshes. Primitive indices continue from mesh to mesh, in order. Throws
@@ -179,6 +186,8 @@ public:
     [[nodiscard]] Layout layout() const;
     /// Whether a triangle may be in several leaves.
     [[nodiscard]] bool splits() const;
+    /// Whether queries trace a better tree instead of this one: see Config::learns.
+    [[nodiscard]] bool is_replaced() const;
     [[nodiscard]] const Device& device() const;
 
     [[nodiscard]] BvhHeader header() const;
@@ -210,6 +219,7 @@ public:
 
 private:
     friend Bvh build_over_primitives(const Device&, const TriangleBuffers&, const Config&, bool);
+    friend Bvh without_owning(const Bvh&);
     std::shared_ptr<State> state_;
 };
 
