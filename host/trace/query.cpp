@@ -10,16 +10,18 @@ void closest_hit(const Bvh& bvh, const Buffer<Ray>& rays, Buffer<Hit>& hits, con
                  const Buffer<std::uint32_t>& count) {
     check_sizes(rays.size(), hits.size(), options);
     if (!options.filter.source.empty()) return closest_accepted(bvh.device(), bvh, rays, hits, options, count);
-    const Bvh tree = learned_tree(bvh.device(), bvh, QueryKind::closest, options, rays, count);
-    QueryKernel(bvh.device(), tree, QueryKind::closest, options).run(rays, hits, std::uint32_t(rays.size()), count);
+    trace_and_learn(bvh.device(), bvh, options, rays.size(), count, [&](const Bvh& tree) {
+        QueryKernel(bvh.device(), tree, QueryKind::closest, options).run(rays, hits, std::uint32_t(rays.size()), count);
+    });
 }
 
 void any_hit(const Bvh& bvh, const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded, const QueryOptions& options,
              const Buffer<std::uint32_t>& count) {
     check_sizes(rays.size(), occluded.size(), options);
     if (!options.filter.source.empty()) return any_accepted(bvh.device(), bvh, rays, occluded, options, count);
-    const Bvh tree = learned_tree(bvh.device(), bvh, QueryKind::any, options, rays, count);
-    QueryKernel(bvh.device(), tree, QueryKind::any, options).run(rays, occluded, std::uint32_t(rays.size()), count);
+    trace_and_learn(bvh.device(), bvh, options, rays.size(), count, [&](const Bvh& tree) {
+        QueryKernel(bvh.device(), tree, QueryKind::any, options).run(rays, occluded, std::uint32_t(rays.size()), count);
+    });
 }
 
 std::vector<Hit> closest_hit(const Bvh& bvh, std::span<const Ray> rays, const QueryOptions& options) {

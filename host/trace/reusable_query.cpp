@@ -42,6 +42,15 @@ void check_buffer(const Device& device, const char* what, const Buffer<T>& buffe
 }
 
 template <class Result>
+void run_flat(Query::State& query, const Buffer<Ray>& rays, Buffer<Result>& results,
+              const Buffer<std::uint32_t>& count) {
+    trace_and_learn(query.device, query.bvh, query.options, rays.size(), count, [&](const Bvh& tree) {
+        query.flat->trace_in(tree);
+        query.flat->run(rays, results, std::uint32_t(rays.size()), count);
+    });
+}
+
+template <class Result>
 cl::Event run_query(Query::State& query, const Buffer<Ray>& rays, Buffer<Result>& results,
                     std::span<const cl::Event> wait_for, const Buffer<std::uint32_t>& count) {
     check_kind<Result>(query);
@@ -51,22 +60,16 @@ cl::Event run_query(Query::State& query, const Buffer<Ray>& rays, Buffer<Result>
     check_sizes(rays.size(), results.size(), query.options);
     query.device.wait_for(wait_for);
     const auto capacity = std::uint32_t(rays.size());
-    if (query.flat) query.flat->trace_in(learned_tree(query.device, query.bvh, query.kind, query.options, rays, count));
-    if constexpr (std::is_same_v<Result, InstanceHit>) {
+    if constexpr (std::is_same_v<Result, InstanceHit>)
         query.instanced->run(rays, results, capacity, count, query.options.ray_times);
-    } else if constexpr (std::is_same_v<Result, Hit>) {
-        if (query.flat)
-            query.flat->run(rays, results, capacity, count);
-        else
-            closest_accepted(query.device, query.bvh, rays, results, query.options, count);
-    } else {
-        if (!query.flat && !query.instanced)
-            any_accepted(query.device, query.bvh, rays, results, query.options, count);
-        else if (query.flat)
-            query.flat->run(rays, results, capacity, count);
-        else
-            query.instanced->run(rays, results, capacity, count, query.options.ray_times);
-    }
+    else if (query.flat)
+        run_flat(query, rays, results, count);
+    else if constexpr (std::is_same_v<Result, Hit>)
+        closest_accepted(query.device, query.bvh, rays, results, query.options, count);
+    else if (query.instanced)
+        query.instanced->run(rays, results, capacity, count, query.options.ray_times);
+    else
+        any_accepted(query.device, query.bvh, rays, results, query.options, count);
     return query.device.event();
 }
 

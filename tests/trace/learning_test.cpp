@@ -9,8 +9,9 @@
 #include "claray/query.hpp"
 #include "host/bvh/bvh_state.hpp"
 #include "host/compute/contexts.hpp"
-#include "host/compute/memory.hpp"
+#include "host/compute/device_state.hpp"
 #include "host/trace/learning/better_tree.hpp"
+#include "host/trace/learning/comparison.hpp"
 #include "host/trace/learning/learning.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/meshes.hpp"
@@ -31,9 +32,8 @@ Mesh needles_and_dust() {
     return mesh;
 }
 
-/// Queries look for a better tree after 16,384 rays or four per triangle, without waiting for the time of builds.
+/// Queries look for a better tree after 60 batches, without waiting for the time of builds.
 struct EarlySearch {
-    const ScopedTuning few_rays{device(), "trace/learning", "RAYS_PER_PIECE", 512};
     const ScopedTuning at_once{device(), "trace/learning", "BUILDS_TO_WAIT_FOR", 0};
 };
 
@@ -46,9 +46,14 @@ const std::vector<Ray>& rays() {
     return rays;
 }
 
+void trace(const Bvh& bvh, int batches, const QueryOptions& options = {}) {
+    for (int batch = 0; batch < batches; ++batch) static_cast<void>(closest_hit(bvh, rays(), options));
+}
+
 void trace_until_ended(const Bvh& bvh, const QueryOptions& options = {}) {
-    for (int batch = 0; batch < 6; ++batch) static_cast<void>(closest_hit(bvh, rays(), options));
-    wait_for_search(bvh);
+    trace(bvh, 70, options);
+    wait_for_build(bvh);
+    trace(bvh, 10, options);
 }
 
 template <class Result>
@@ -72,42 +77,27 @@ TEST(Learning, ReplacesATreeAndKeepsTheHits) {
     EXPECT_TRUE(same(hits, expected));
 }
 
-TEST(Learning, TheFasterTreeIsChosen) {
-    const Mesh mesh = needles_and_dust();
-    const Bvh fast = build_to_learn(mesh), high = build_to_learn(mesh, Builder::high);
-    RaySample sample(device());
-    const Buffer<Ray> batch(device(), random_rays(65'536, 2.f, 1.f, 7));
-    sample.add(device(), QueryKind::closest, {}, batch);
-    sample.add(device(), QueryKind::any, {}, batch);
-    ASSERT_EQ(sample.pieces().size(), 2u);
-    const auto go_on = [] { return false; };
-    EXPECT_TRUE(is_faster(device(), fast, high, sample.pieces(), go_on));
-    EXPECT_FALSE(is_faster(device(), high, fast, sample.pieces(), go_on));
-    EXPECT_FALSE(is_faster(device(), fast, high, sample.pieces(), [] { return true; }));
+TEST(Learning, ComparisonIsOfTheTimeInTheMiddle) {
+    Comparison comparison;
+    EXPECT_EQ(comparison.ratio(), 1);
+    comparison.add(4, 2);
+    EXPECT_EQ(comparison.ratio(), 0.5);
+    for (int i = 0; i < 3; ++i) comparison.add(1, 2);
+    EXPECT_EQ(comparison.ratio(), 2) << "three of five seconds are slower";
+    comparison.add(4, 2);
+    EXPECT_EQ(comparison.ratio(), 0.5) << "and now three of seven";
+    comparison.add(1000, 1), comparison.add(1, 1000);
+    EXPECT_EQ(comparison.ratio(), 0.5) << "disturbed batches weigh as little as others";
+    EXPECT_EQ(comparison.size(), 7u);
+    EXPECT_TRUE(comparison.second_pays());
 }
 
-TEST(Learning, SampleIsOfTheLatestBatches) {
-    const ScopedTuning of_64(device(), "trace/learning", "RAYS_PER_PIECE", 64);
-    RaySample sample(device());
-    for (int batch = 0; batch < 40; ++batch) {
-        std::vector<Ray> rays(100, make_ray({float(batch), 0, 0}, {0, 0, 1}));
-        for (std::size_t i = 0; i < rays.size(); ++i) rays[i].oy = float(i);
-        sample.add(device(), batch % 2 == 0 ? QueryKind::closest : QueryKind::any, {}, Buffer<Ray>(device(), rays));
+TEST(Learning, ASmallGainIsNotWorthTheMemory) {
+    for (const double seconds : {0.5, 0.96, 0.98, 1.0, 1.5}) {
+        Comparison comparison;
+        comparison.add(1, seconds);
+        EXPECT_EQ(comparison.second_pays(), seconds < 0.97) << seconds;
     }
-    sample.add(device(), QueryKind::any, {}, Buffer<Ray>(device(), std::vector<Ray>(63)));  // too few since the last
-    ASSERT_EQ(sample.pieces().size(), RaySample::most_pieces);
-    float least_offset = 100, greatest_offset = 0;
-    for (const RaySample::Piece& piece : sample.pieces()) {
-        const std::vector<Ray> rays = piece.rays.read();
-        ASSERT_EQ(rays.size(), 64u);
-        EXPECT_GE(rays[0].ox, 24.f);
-        EXPECT_EQ(piece.kind == QueryKind::closest, int(rays[0].ox) % 2 == 0);
-        EXPECT_EQ(piece.stands_for, 100.0);
-        for (std::size_t i = 0; i < rays.size(); ++i) EXPECT_EQ(rays[i].oy, rays[0].oy + float(i));
-        least_offset = std::min(least_offset, rays[0].oy), greatest_offset = std::max(greatest_offset, rays[0].oy);
-    }
-    EXPECT_LT(least_offset, 9.f) << "pieces are of all parts of the batches";
-    EXPECT_GT(greatest_offset, 27.f);
 }
 
 TEST(Learning, OnlyAutomaticTreesLearnUnasked) {
@@ -125,7 +115,6 @@ TEST(Learning, OnlyAutomaticTreesLearnUnasked) {
 }
 
 TEST(Learning, WaitsUntilTracingTookTenBuilds) {
-    const ScopedTuning few_rays(device(), "trace/learning", "RAYS_PER_PIECE", 64);
     const ScopedTuning long_build(device(), "trace/learning", "LEAST_MILLISECONDS", 10'000);
     const Bvh bvh = build_to_learn(needles_and_dust());
     trace_until_ended(bvh);
@@ -141,7 +130,7 @@ TEST(Learning, QueriesThatItCannotJudgeDoNotCount) {
     masks.ray_masks = Buffer<std::uint32_t>(device(), std::vector<std::uint32_t>(rays().size(), 1));
     brute_force.brute_force = true;
     visits.visits = Buffer<Visits>(device(), rays().size());
-    for (const QueryOptions& options : {masks, brute_force, visits}) trace_until_ended(bvh, options);
+    for (const QueryOptions& options : {masks, brute_force, visits}) trace(bvh, 3, options);
     EXPECT_EQ(bvh.state().search, nullptr);
 }
 
@@ -196,11 +185,10 @@ TEST(Learning, ATreeMayEndOrMoveDuringTheSearch) {
     const Mesh mesh = needles_and_dust();
     for (int i = 0; i < 4; ++i) {
         Bvh bvh = build_to_learn(mesh);
-        for (int batch = 0; batch < 3; ++batch) static_cast<void>(closest_hit(bvh, rays()));
+        trace(bvh, 62);
         if (i % 2 == 0) {
             bvh.refit();
-            EXPECT_FALSE(bvh.is_replaced());
-            wait_for_search(bvh);
+            trace_until_ended(bvh);
             EXPECT_FALSE(bvh.is_replaced());
         }
     }
@@ -211,16 +199,12 @@ TEST(Learning, TooLittleMemoryOnlyEndsTheSearch) {
     const Device own = device().with_new_queue();
     const Mesh mesh = needles_and_dust();
     const Bvh bvh = Bvh::build(own, std::span(&mesh, 1), {.builder = Builder::fast, .learns = true});
-    const Buffer<Ray> batch(own, rays());
-    Buffer<Hit> hits(own, rays().size());
-    closest_hit(bvh, batch, hits);
-    const std::vector<Hit> expected = hits.read();
-    fail_allocation(own, 1);
-    for (int run = 0; run < 6; ++run) closest_hit(bvh, batch, hits);
-    fail_allocation(own, 0);
-    wait_for_search(bvh);
+    const std::vector<Hit> expected = closest_hit(bvh, rays());
+    own.state().info.memory = *own.state().in_use + (std::uint64_t(1) << 18);  // enough for the queries
+    trace_until_ended(bvh);
+    EXPECT_NE(bvh.state().search, nullptr);
     EXPECT_FALSE(bvh.is_replaced());
-    EXPECT_TRUE(same(hits.read(), expected));
+    EXPECT_TRUE(same(closest_hit(bvh, rays()), expected));
 }
 
 TEST(Learning, ThreadsWithQueuesOfTheirOwn) {
@@ -235,14 +219,13 @@ TEST(Learning, ThreadsWithQueuesOfTheirOwn) {
         threads.emplace_back([&, i] {
             Query query(bvh, QueryKind::closest, {}, queues[i]);
             std::vector<Hit> hits(rays().size());
-            for (int batch = 0; batch < 40; ++batch) {
+            for (int batch = 0; batch < 90; ++batch) {
                 query.run(rays(), hits);
                 wrong[i] += !same(hits, expected);
             }
         });
     for (std::thread& thread : threads) thread.join();
-    wait_for_search(bvh);
-    EXPECT_TRUE(bvh.is_replaced());
+    EXPECT_NE(bvh.state().search, nullptr);
     EXPECT_EQ(wrong, std::vector<unsigned>(queues.size()));
 }
 

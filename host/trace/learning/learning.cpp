@@ -1,124 +1,182 @@
 #include "host/trace/learning/learning.hpp"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <condition_variable>
 #include <thread>
 
+#include "host/base/random.hpp"
 #include "host/bvh/bvh_state.hpp"
 #include "host/trace/learning/better_tree.hpp"
+#include "host/trace/learning/comparison.hpp"
 
 namespace claray {
 namespace {
 
-/// Queries of any thread and queue call `tree`. One thread at a time estimates, builds and compares.
+constexpr std::uint64_t least_batches = 60;     // before a build
+constexpr std::uint64_t batches_per_turn = 30;  // so many before the comparison for each that is traced twice
+
+/// Whether to measure the time of a batch: of some, in no rhythm that the program may have, too. The first ones may
+/// wait for a compiler.
+bool is_timed(std::uint64_t batch) { return batch >= 4 && scenes::mix(batch) % (batch < 64 ? 4 : 16) == 0; }
+
+/// The time of the device between two markers.
+double seconds_between(const cl::Event& begin, const cl::Event& end) {
+    const auto at = [](const cl::Event& event) { return event.getProfilingInfo<CL_PROFILING_COMMAND_END>(); };
+    return double(at(end) - at(begin)) * 1e-9;
+}
+
+/// Counts and times batches of rays, has a better tree built, and traces some batches in both trees. Queries of any
+/// thread and queue call `trace`.
 class LearningSearch final : public TreeSearch {
 public:
-    explicit LearningSearch(const Bvh& bvh)
-        : bvh_(without_owning(bvh)),
-          sample_(bvh.device()),
-          wanted_(std::max(2.0 * double(sample_.capacity()), 4.0 * double(bvh.triangle_count()))) {}
+    explicit LearningSearch(const Bvh& bvh) : bvh_(without_owning(bvh)) {}
     ~LearningSearch() override {
         stop();
-        if (thread_.joinable()) thread_.join();
+        if (builder_.joinable()) builder_.join();
     }
 
-    Bvh tree(const Device& queue, const Bvh& bvh, QueryKind kind, const QueryOptions& options,
-             const Buffer<Ray>& rays) {
-        const std::lock_guard lock(mutex_);
-        if (found_) return *found_;
-        if (is_working_ || is_over_) return bvh;
-        rays_ += double(rays.size());
-        try {
-            if (2 * rays_ >= wanted_) sample_.add(queue, kind, options, rays);
-            if (rays_ >= wanted_) begin_work(queue.with_new_queue());
-        } catch (const std::exception&) {  // too little memory, or no thread: the query itself needs neither
-            is_over_ = true;
+    void trace(const Device& queue, const Bvh& bvh, std::size_t rays, const std::function<void(const Bvh&)>& trace) {
+        Batch batch = begin_batch(queue, bvh, rays);
+        if (!batch.is_timed) return trace(batch.trees[0]);
+        batch.events[0] = queue.event();
+        for (std::size_t i = 0; i < batch.trees.size(); ++i) {
+            trace(batch.trees[i]);
+            batch.events[i + 1] = queue.event();
         }
-        return bvh;
+        const std::lock_guard lock(mutex_);
+        if (stage_ != Stage::over) timed_.push_back(std::move(batch));
     }
 
-    void wait() {
+    void wait_for_build() {
         std::unique_lock lock(mutex_);
-        ended_.wait(lock, [this] { return !is_working_; });
+        built_.wait(lock, [this] { return stage_ != Stage::building; });
     }
 
     void stop() override {
         is_stopped_ = true;
         const std::scoped_lock lock(first_tree_, mutex_);
-        found_.reset();
-        sample_.clear();
-        is_over_ = true;
+        end_with({});
     }
     [[nodiscard]] bool has_found() const override {
         const std::lock_guard lock(mutex_);
-        return found_.has_value();
+        return stage_ == Stage::over && better_.has_value();
     }
 
 private:
-    void begin_work(const Device& queue) {
-        if (thread_.joinable()) thread_.join();  // its work has ended
-        thread_ = std::thread([this, queue] { work(queue); });
-        is_working_ = true;
+    enum class Stage { counting, building, comparing, over };
+
+    struct Batch {
+        std::vector<Bvh> trees;  // one or two, in the order in which they are traced
+        std::size_t rays = 0;
+        bool is_timed = false, better_first = false;
+        std::array<cl::Event, 3> events;  // before, between and after
+
+        [[nodiscard]] double seconds(std::size_t i) const { return seconds_between(events[i], events[i + 1]); }
+        [[nodiscard]] bool is_complete() const {
+            return events[trees.size()].getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() == CL_COMPLETE;
+        }
+    };
+
+    static Batch batch_in(std::vector<Bvh> trees, std::size_t rays) {
+        Batch batch;
+        batch.trees = std::move(trees), batch.rays = rays;
+        return batch;
     }
 
-    /// An error (too little memory, for example) only ends the search: the first tree answers all queries.
-    void work(const Device& queue) {
-        std::optional<Bvh> found;
-        bool is_over = true;
+    Batch begin_batch(const Device& queue, const Bvh& bvh, std::size_t rays) {
+        const std::lock_guard lock(mutex_);
         try {
-            is_over = pays(queue);
-            if (is_over) found = find(queue);
+            read_times();
+            if (stage_ == Stage::counting && pays(queue)) begin_build(queue.with_new_queue());
+            if (stage_ == Stage::comparing) compare();
+        } catch (const std::exception&) {  // no times, no memory or no thread: the query itself needs none of them
+            end_with({});
+        }
+        if (stage_ == Stage::over && better_) return batch_in({*better_}, rays);
+        Batch batch = batch_in({bvh}, rays);
+        if (stage_ == Stage::counting) {
+            rays_ += double(rays);
+            batch.is_timed = is_timed(batches_++);
+        } else if (stage_ == Stage::comparing) {
+            batch.is_timed = true, batch.better_first = turns_++ % 2 == 0;
+            batch.trees.insert(batch.better_first ? batch.trees.begin() : batch.trees.end(), *better_);
+        }
+        return batch;
+    }
+
+    /// Of the timed batches that are done.
+    void read_times() {
+        while (!timed_.empty() && timed_.front().is_complete()) {
+            const Batch& batch = timed_.front();
+            if (batch.trees.size() == 2)
+                comparison_.add(batch.seconds(batch.better_first ? 1 : 0), batch.seconds(batch.better_first ? 0 : 1));
+            else if (stage_ == Stage::counting)
+                timed_rays_ += double(batch.rays), timed_seconds_ += batch.seconds(0);
+            timed_.erase(timed_.begin());
+        }
+    }
+
+    /// After the time of ten builds, a gain of a tenth pays for the build if as many rays follow; if none follow, a
+    /// tenth of the time was lost.
+    [[nodiscard]] bool pays(const Device& queue) const {
+        if (batches_ < least_batches || timed_rays_ == 0) return false;
+        const double seconds = rays_ * timed_seconds_ / timed_rays_;
+        const unsigned builds = queue.tuning("trace/learning", "BUILDS_TO_WAIT_FOR");
+        return seconds >= builds * seconds_to_build_best(queue, bvh_.triangle_count());
+    }
+
+    void begin_build(const Device& queue) {
+        builder_ = std::thread([this, queue] { build(queue); });
+        stage_ = Stage::building;
+    }
+
+    /// In a thread. An error (too little memory, for example) only ends the search.
+    void build(const Device& queue) {
+        std::optional<Bvh> better;
+        try {
+            TriangleBuffers triangles;
+            {
+                const std::lock_guard first_tree(first_tree_);
+                if (!is_stopped_) triangles = triangles_held(queue, bvh_);
+            }
+            if (!is_stopped_) better = build_best(queue, bvh_, triangles);
         } catch (const std::exception&) {
         }
         const std::lock_guard lock(mutex_);
-        if (!is_stopped_) found_ = found;
-        if (is_over) sample_.clear();
-        is_over_ = is_over || is_stopped_;
-        is_working_ = false;
-        ended_.notify_all();
+        if (!better || is_stopped_)
+            end_with({});
+        else
+            better_ = better, stage_ = Stage::comparing;
+        built_.notify_all();
     }
 
-    /// Whether the rays so far took long enough; if not, they are counted until they may have. After the time of ten
-    /// builds, a gain of a tenth pays for the build if as many rays follow; if none follow, a tenth of the time was
-    /// lost.
-    bool pays(const Device& queue) {
-        const std::lock_guard first_tree(first_tree_);
-        if (is_stopped_) return false;
-        for (const RaySample::Piece& piece : sample_.pieces()) queue.wait_for({&piece.copied, 1});
-        const double seconds =
-            queue.tuning("trace/learning", "BUILDS_TO_WAIT_FOR") * seconds_to_build_best(queue, bvh_.triangle_count());
-        const double needed = seconds / seconds_per_ray(queue, bvh_, sample_.pieces());
-        const std::lock_guard lock(mutex_);
-        if (rays_ >= needed) return true;
-        wanted_ = needed;
-        return false;
+    /// Batches that are traced twice take a thirtieth of the time so far, or a twentieth after few of them.
+    void compare() {
+        const std::uint64_t enough = std::clamp<std::uint64_t>(batches_ / batches_per_turn, 3, 64);
+        if (comparison_.size() >= enough) end_with(comparison_.second_pays() ? better_ : std::nullopt);
     }
 
-    std::optional<Bvh> find(const Device& queue) {
-        TriangleBuffers triangles;
-        {
-            const std::lock_guard first_tree(first_tree_);
-            if (is_stopped_) return {};
-            triangles = triangles_held(queue, bvh_);
-        }
-        const Bvh better = build_best(queue, bvh_, triangles);
-        const std::lock_guard first_tree(first_tree_);
-        if (!is_faster(queue, bvh_, better, sample_.pieces(), [this] { return bool(is_stopped_); })) return {};
-        return better;
+    void end_with(const std::optional<Bvh>& better) {
+        better_ = better;
+        timed_.clear();
+        stage_ = Stage::over;
     }
 
-    Bvh bvh_;
-    std::mutex first_tree_;  // held while the thread uses bvh_, which may change otherwise
+    const Bvh bvh_;
+    std::mutex first_tree_;  // held while the thread reads bvh_, which may change otherwise
     std::atomic<bool> is_stopped_ = false;
+    std::thread builder_;
 
-    mutable std::mutex mutex_;  // of all that follows; the sample belongs to the thread while it works
-    std::condition_variable ended_;
-    RaySample sample_;
-    double rays_ = 0, wanted_;
-    bool is_working_ = false, is_over_ = false;
-    std::optional<Bvh> found_;
-    std::thread thread_;
+    mutable std::mutex mutex_;  // of all that follows
+    std::condition_variable built_;
+    Stage stage_ = Stage::counting;
+    std::uint64_t batches_ = 0, turns_ = 0;
+    double rays_ = 0, timed_rays_ = 0, timed_seconds_ = 0;
+    std::vector<Batch> timed_;  // their times are not read yet
+    Comparison comparison_;
+    std::optional<Bvh> better_;
 };
 
 bool counts(const QueryOptions& options, const Buffer<std::uint32_t>& count) {
@@ -128,16 +186,16 @@ bool counts(const QueryOptions& options, const Buffer<std::uint32_t>& count) {
 
 }  // namespace
 
-Bvh learned_tree(const Device& queue, const Bvh& bvh, QueryKind kind, const QueryOptions& options,
-                 const Buffer<Ray>& rays, const Buffer<std::uint32_t>& count) {
+void trace_and_learn(const Device& queue, const Bvh& bvh, const QueryOptions& options, std::size_t rays,
+                     const Buffer<std::uint32_t>& count, const std::function<void(const Bvh&)>& trace) {
     Bvh::State& state = bvh.state();
-    if (!state.learns || !counts(options, count)) return bvh;
+    if (!state.learns || !counts(options, count) || rays == 0) return trace(bvh);
     std::call_once(state.search_begun, [&] { state.search = std::make_unique<LearningSearch>(bvh); });
-    return static_cast<LearningSearch&>(*state.search).tree(queue, bvh, kind, options, rays);
+    static_cast<LearningSearch&>(*state.search).trace(queue, bvh, rays, trace);
 }
 
-void wait_for_search(const Bvh& bvh) {
-    if (bvh.state().search) static_cast<LearningSearch&>(*bvh.state().search).wait();
+void wait_for_build(const Bvh& bvh) {
+    if (bvh.state().search) static_cast<LearningSearch&>(*bvh.state().search).wait_for_build();
 }
 
 }  // namespace claray
