@@ -85,6 +85,8 @@ typedef struct claray_bvh_config {
     size_t struct_size;
     claray_builder builder;
     float split_budget; /* CLARAY_BUILDER_HIGH: additional references per triangle; 0: 0.5, < 0: none */
+    int learns; /* whether queries may replace the tree by a better one, once rays have been traced for long enough
+                   (docs/queries.md); > 0: yes, < 0: no, 0: if the builder is CLARAY_BUILDER_AUTO */
 } claray_bvh_config;
 
 /* Copies the mesh to the device. config: NULL for the defaults. */
@@ -99,6 +101,8 @@ CLARAY_API claray_status claray_bvh_save(const claray_bvh* bvh, const char* path
  * again. */
 CLARAY_API claray_status claray_bvh_move(claray_bvh* bvh, const float* vertices, size_t vertex_count, int rebuild);
 CLARAY_API size_t claray_bvh_triangle_count(const claray_bvh* bvh);
+/* 1 if queries trace a better tree than the one that was built: see claray_bvh_config. */
+CLARAY_API int claray_bvh_is_replaced(const claray_bvh* bvh);
 CLARAY_API void claray_bvh_release(claray_bvh* bvh);
 
 /* ---- queries ---- */

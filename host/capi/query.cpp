@@ -25,6 +25,7 @@ Bvh::Config config_of(const claray_bvh_config* given) {
         throw Error(ErrorKind::usage, "config.builder is " + std::to_string(builder), "use a claray_builder");
     config.builder = Builder(builder);
     if (known.split_budget != 0) config.split_budget = known.split_budget < 0 ? 0 : double(known.split_budget);
+    if (known.learns != 0) config.learns = known.learns > 0;
     return config;
 }
 
@@ -160,6 +161,7 @@ claray_status claray_bvh_move(claray_bvh* bvh, const float* vertices, size_t ver
     });
 }
 
+int claray_bvh_is_replaced(const claray_bvh* bvh) { return bvh && bvh->bvh.is_replaced() ? 1 : 0; }
 size_t claray_bvh_triangle_count(const claray_bvh* bvh) { return bvh ? bvh->bvh.triangle_count() : 0; }
 void claray_bvh_release(claray_bvh* bvh) { delete bvh; }
 

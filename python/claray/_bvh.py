@@ -31,6 +31,8 @@ class Bvh:
     split_budget: builder "high": additional references from splitting large triangles, per triangle. Use 0 for geometry
     that will be refitted.
     layout: "automatic", "binary" or "wide".
+    learns: whether queries may replace the tree by one of "high", once rays have been traced for ten times as long as its
+        build takes: see docs/queries.md. None: if builder is "auto".
 
     The arrays are copied to the device. Triangles of no area are left out: see statistics()['culled'].
     Raises UsageError, naming the argument, for wrong shapes and types, no triangles, indices out of range, and vertices
@@ -39,9 +41,9 @@ class Bvh:
 
     def __init__(self, vertices: ArrayLike | Scene, triangles: ArrayLike | None = None, *, geometries: ArrayLike | None = None,
                  masks: ArrayLike | None = None, device: Device | None = None, builder: str = "high",
-                 split_budget: float = 0.5, layout: str = "automatic") -> None:
+                 split_budget: float = 0.5, layout: str = "automatic", learns: bool | None = None) -> None:
         self._device = device or default_device()
-        options = (builder, float(split_budget), layout)
+        options = (builder, float(split_budget), layout, 0 if learns is None else 1 if learns else -1)
         if isinstance(vertices, Scene):
             if triangles is not None or geometries is not None or masks is not None:
                 raise UsageError("triangles: a Scene has its own triangles, geometries and masks; leave them out")
@@ -114,6 +116,11 @@ class Bvh:
     @property
     def triangle_count(self) -> int:
         return self._native.triangle_count()
+
+    @property
+    def is_replaced(self) -> bool:
+        """Whether queries trace a better tree than the one that was built: see `learns`."""
+        return self._native.is_replaced()
 
     def __repr__(self) -> str:
         return f"<claray.Bvh of {self.triangle_count} triangles on {self._device.name}>"

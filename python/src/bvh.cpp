@@ -17,9 +17,11 @@ using Vertices = Input<float, nb::shape<-1, 3>>;
 using Triangles = Input<std::uint32_t, nb::shape<-1, 3>>;
 using Words = Input<std::uint32_t, nb::shape<-1>>;
 
-Bvh::Config full_config_of(const std::string& builder, double split_budget, const std::string& layout) {
+/// `learns`: as in claray_bvh_config.
+Bvh::Config full_config_of(const std::string& builder, double split_budget, const std::string& layout, int learns) {
     Bvh::Config config = config_of(builder);
     config.split_budget = split_budget;
+    if (learns != 0) config.learns = learns > 0;
     if (layout == "binary")
         config.layout = Layout::binary;
     else if (layout == "wide")
@@ -30,8 +32,9 @@ Bvh::Config full_config_of(const std::string& builder, double split_budget, cons
 }
 
 PyBvh build(const PyDevice& device, const Vertices& vertices, const Triangles& triangles, const Words& geometries,
-            const Words& masks, const std::string& builder, double split_budget, const std::string& layout) {
-    const Bvh::Config config = full_config_of(builder, split_budget, layout);
+            const Words& masks, const std::string& builder, double split_budget, const std::string& layout,
+            int learns) {
+    const Bvh::Config config = full_config_of(builder, split_budget, layout, learns);
     return without_gil(device, [&] {
         const auto words = [&](const auto& array) {
             return array.size() ? Buffer<std::uint32_t>(device.device, span_of<std::uint32_t>(array))
@@ -60,8 +63,8 @@ PyBvh build_of_mesh(const PyDevice& device, const Scene& scene, std::size_t mesh
 }
 
 PyBvh build_of_scene(const PyDevice& device, const Scene& scene, const std::string& builder, double split_budget,
-                     const std::string& layout) {
-    const Bvh::Config config = full_config_of(builder, split_budget, layout);
+                     const std::string& layout, int learns) {
+    const Bvh::Config config = full_config_of(builder, split_budget, layout, learns);
     return without_gil(device, [&] { return PyBvh{device, Bvh::build(device.device, placed_meshes(scene), config)}; });
 }
 
@@ -123,6 +126,7 @@ void bind_bvh(nb::module_& module) {
              [](const PyBvh& self) { return without_gil(self.device, [&] { return self.bvh.validate().ok(); }); })
         .def("hash", [](const PyBvh& self) { return without_gil(self.device, [&] { return self.bvh.hash(); }); })
         .def("statistics", &statistics)
+        .def("is_replaced", [](const PyBvh& self) { return self.bvh.is_replaced(); })
         .def("triangle_count", [](const PyBvh& self) { return self.bvh.triangle_count(); })
         .def("device", [](const PyBvh& self) { return self.device; });
 }

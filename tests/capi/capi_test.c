@@ -420,6 +420,7 @@ static void test_wrong_choices(claray_device* device) {
     EXPECT_ERROR(claray_any_hit(bvh, NULL, 1, NULL), CLARAY_ERROR_USAGE, "rays is NULL");
     EXPECT_ERROR(claray_query_run(NULL, &ray, 1, NULL), CLARAY_ERROR_USAGE, "query is NULL");
     EXPECT(none == NULL && query == NULL);
+    EXPECT(claray_bvh_is_replaced(NULL) == 0);
     EXPECT(claray_bvh_triangle_count(NULL) == 0 && claray_scene_triangle_count(NULL) == 0);
     claray_bvh_release(bvh);
 }

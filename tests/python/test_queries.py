@@ -100,6 +100,15 @@ def test_one_origin_or_direction_for_all(soup, rays):
     assert (down == claray.any_hit(bvh, rays[0], np.tile([0, 0, -1], (777, 1)))).all()
 
 
+@pytest.mark.parametrize("learns", [None, False, True])
+def test_a_structure_that_learns_has_the_same_hits(soup, rays, learns):
+    vertices, triangles, bvh = soup
+    learning = claray.Bvh(vertices, triangles, builder="fast", learns=learns)
+    assert not learning.is_replaced
+    expected, hits = claray.closest_hit(bvh, *rays), claray.closest_hit(learning, *rays)
+    assert all(np.array_equal(hits[name], expected[name]) for name in ("t", "primitive"))
+
+
 def test_ends_and_masks(soup, rays):
     vertices, triangles, bvh = soup
     free = claray.closest_hit(bvh, *rays)

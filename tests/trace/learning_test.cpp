@@ -32,7 +32,7 @@ Mesh needles_and_dust() {
     return mesh;
 }
 
-/// Queries look for a better tree after 60 batches, without waiting for the time of builds.
+/// Queries look for a better tree after 100 batches, without waiting for the time of builds.
 struct EarlySearch {
     const ScopedTuning at_once{device(), "trace/learning", "BUILDS_TO_WAIT_FOR", 0};
 };
@@ -42,7 +42,7 @@ Bvh build_to_learn(const Mesh& mesh, Builder builder = Builder::fast, std::optio
 }
 
 const std::vector<Ray>& rays() {
-    static const std::vector<Ray> rays = random_rays(4096, 2.f, 1.f, 7);
+    static const std::vector<Ray> rays = random_rays(2048, 2.f, 1.f, 7);
     return rays;
 }
 
@@ -51,9 +51,9 @@ void trace(const Bvh& bvh, int batches, const QueryOptions& options = {}) {
 }
 
 void trace_until_ended(const Bvh& bvh, const QueryOptions& options = {}) {
-    trace(bvh, 70, options);
+    trace(bvh, 110, options);
     wait_for_build(bvh);
-    trace(bvh, 10, options);
+    trace(bvh, 12, options);
 }
 
 template <class Result>
@@ -185,7 +185,7 @@ TEST(Learning, ATreeMayEndOrMoveDuringTheSearch) {
     const Mesh mesh = needles_and_dust();
     for (int i = 0; i < 4; ++i) {
         Bvh bvh = build_to_learn(mesh);
-        trace(bvh, 62);
+        trace(bvh, 102);
         if (i % 2 == 0) {
             bvh.refit();
             trace_until_ended(bvh);
@@ -207,6 +207,30 @@ TEST(Learning, TooLittleMemoryOnlyEndsTheSearch) {
     EXPECT_TRUE(same(closest_hit(bvh, rays()), expected));
 }
 
+/// As many as are wanted are traced twice, even if the program never waits for a batch.
+TEST(Learning, ComparesFewBatchesThatAreEnqueued) {
+    const EarlySearch early;
+    const Device own = device().with_new_queue();
+    const Mesh mesh = needles_and_dust();
+    const Bvh bvh = Bvh::build(own, std::span(&mesh, 1), {.builder = Builder::fast, .learns = true});
+    trace(bvh, 101);  // the last begins the build
+    wait_for_build(bvh);
+    const Buffer<Ray> batch(own, rays());
+    Buffer<Hit> hits(own, rays().size());
+    cl::UserEvent begin(own.context());
+    const cl::Event begins[] = {begin};
+    own.finish();
+    own.wait_for(begins);
+    own.profiler().reset();
+    QueryOptions coherent;
+    coherent.coherence = Coherence::coherent;
+    for (int i = 0; i < 40; ++i) closest_hit(bvh, batch, hits, coherent);
+    begin.setStatus(CL_COMPLETE);
+    EXPECT_EQ(own.profiler().summary().at("closest_hit").count, 48u);
+    closest_hit(bvh, batch, hits);
+    EXPECT_TRUE(bvh.is_replaced());
+}
+
 TEST(Learning, ThreadsWithQueuesOfTheirOwn) {
     const EarlySearch early;
     const Bvh bvh = build_to_learn(needles_and_dust());
@@ -219,7 +243,7 @@ TEST(Learning, ThreadsWithQueuesOfTheirOwn) {
         threads.emplace_back([&, i] {
             Query query(bvh, QueryKind::closest, {}, queues[i]);
             std::vector<Hit> hits(rays().size());
-            for (int batch = 0; batch < 90; ++batch) {
+            for (int batch = 0; batch < 140; ++batch) {
                 query.run(rays(), hits);
                 wrong[i] += !same(hits, expected);
             }

@@ -14,8 +14,9 @@
 namespace claray {
 namespace {
 
-constexpr std::uint64_t least_batches = 60;     // before a build
-constexpr std::uint64_t batches_per_turn = 30;  // so many before the comparison for each that is traced twice
+// A better tree is built after so many batches at least. Then some are traced in both trees, one for so many that were
+// traced before: enough to see the kinds of rays of a program in turn, and less than a tenth of the time so far.
+constexpr std::uint64_t least_batches = 100, least_turns = 8, most_turns = 64, batches_per_turn = 30;
 
 /// Whether to measure the time of a batch: of some, in no rhythm that the program may have, too. The first ones may
 /// wait for a compiler.
@@ -99,8 +100,8 @@ private:
         if (stage_ == Stage::counting) {
             rays_ += double(rays);
             batch.is_timed = is_timed(batches_++);
-        } else if (stage_ == Stage::comparing) {
-            batch.is_timed = true, batch.better_first = turns_++ % 2 == 0;
+        } else if (stage_ == Stage::comparing && turns_ < turns()) {
+            batch.is_timed = true, batch.better_first = scenes::mix(turns_++) % 2 == 0;
             batch.trees.insert(batch.better_first ? batch.trees.begin() : batch.trees.end(), *better_);
         }
         return batch;
@@ -152,10 +153,13 @@ private:
         built_.notify_all();
     }
 
-    /// Batches that are traced twice take a thirtieth of the time so far, or a twentieth after few of them.
+    /// Number of batches that are traced in both trees.
+    [[nodiscard]] std::uint64_t turns() const {
+        return std::clamp(batches_ / batches_per_turn, least_turns, most_turns);
+    }
+
     void compare() {
-        const std::uint64_t enough = std::clamp<std::uint64_t>(batches_ / batches_per_turn, 3, 64);
-        if (comparison_.size() >= enough) end_with(comparison_.second_pays() ? better_ : std::nullopt);
+        if (comparison_.size() >= turns()) end_with(comparison_.second_pays() ? better_ : std::nullopt);
     }
 
     void end_with(const std::optional<Bvh>& better) {
