@@ -47,7 +47,7 @@ int main(int argc, char** argv) try {
     const Device device = Device::open(selector);
     Scene scene;
     scene.meshes = measure::load_meshes(name);
-    const Bvh bvh = Bvh::build(device, scene.meshes);
+    const Bvh bvh = Bvh::build(device, scene.meshes, {.learns = false});
     const std::vector<Ray> rays = measure::primary_rays(automatic_camera(bounds_of(scene)), size, size, false);
     const double tests = double(rays.size()) * double(bvh.triangle_count());
     (void)trace(bvh, rays, rays.size(), false);  // warm-up

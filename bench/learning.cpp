@@ -1,10 +1,12 @@
 // Queries that learn (Bvh::Config::learns) beside queries of the tree that was built, and of the best one:
-// bench_learning
-// [--device D] [--builder fast|balanced] [--seconds S] [--size WIDTH HEIGHT] [--kinds primary shadow bounce random]
-// [--csv FILE] SCENE... All kinds of rays are traced in turn. SCENE is as for bench_trace.
+// bench_learning [SCENE...] [--device D] [--builder fast|balanced] [--seconds S] [--size WIDTH HEIGHT]
+// [--kinds primary shadow bounce random] [--csv FILE]. All kinds of rays are traced in turn, and the three structures
+// in turn. SCENE is as for bench_trace.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <numeric>
 
 #include "bench/support.hpp"
 
@@ -24,46 +26,32 @@ double now() { return std::chrono::duration<double>(std::chrono::steady_clock::n
 
 /// A structure whose rays are traced for some time.
 struct Run {
-    const char* name;
-    Bvh::Config config;
+    Bvh bvh;
     double build = 0;                 // seconds
-    double replaced_at = 0;           // seconds of tracing after which the first batch met another tree; 0: none did
     std::vector<double> rounds = {};  // seconds of each, in which all kinds are traced once
-    std::size_t first_after = 0;
 
-    /// Rounds a second from `begin` on, by the median.
-    [[nodiscard]] double rate(std::size_t begin, std::size_t end) const {
-        return begin < end ? 1 / measure::median({rounds.begin() + long(begin), rounds.begin() + long(end)}) : 0;
+    Run(const Device& device, const std::vector<Mesh>& meshes, const Bvh::Config& config) {
+        static_cast<void>(Bvh::build(device, meshes, config));  // compiles
+        device.finish();
+        const double from = now();
+        bvh = Bvh::build(device, meshes, config);
+        device.finish();
+        build = now() - from;
     }
+    void trace(std::vector<measure::DeviceRays>& sets) {
+        const double from = now();
+        for (measure::DeviceRays& rays : sets) rays.trace(bvh);
+        bvh.device().finish();
+        rounds.push_back(now() - from);
+    }
+    [[nodiscard]] double seconds() const { return std::accumulate(rounds.begin(), rounds.end(), build); }
 };
 
-void trace(const Device& device, const std::vector<Mesh>& meshes, std::vector<measure::DeviceRays>& sets,
-           double seconds, Run& run) {
-    static_cast<void>(Bvh::build(device, meshes, run.config));  // compiles
-    device.finish();
-    double from = now();
-    const Bvh bvh = Bvh::build(device, meshes, run.config);
-    device.finish();
-    run.build = now() - from;
-    for (double traced = 0; traced < seconds;) {
-        const bool was_replaced = bvh.is_replaced();
-        from = now();
-        for (measure::DeviceRays& rays : sets) rays.trace(bvh);
-        device.finish();
-        run.rounds.push_back(now() - from);
-        traced += run.rounds.back();
-        if (!was_replaced && bvh.is_replaced()) run.replaced_at = traced, run.first_after = run.rounds.size();
-    }
-}
-
-/// Rounds done within the time, with the build.
-double rounds_within(const Run& run, double seconds) {
-    double at = run.build, done = 0;
-    for (const double round : run.rounds) {
-        if (at + round > seconds) return done + (at < seconds ? (seconds - at) / round : 0);
-        at += round, done += 1;
-    }
-    return done;
+/// Median over the rounds from `begin` on of the speed relative to that of `other`, which was traced in turn.
+double speed_over(const Run& run, const Run& other, std::size_t begin) {
+    std::vector<double> ratios;
+    for (std::size_t i = begin; i < run.rounds.size(); ++i) ratios.push_back(other.rounds[i] / run.rounds[i]);
+    return measure::median(ratios);
 }
 
 void report(const Device& device, const std::string& name, const Options& options, measure::Csv& csv) {
@@ -73,27 +61,28 @@ void report(const Device& device, const std::string& name, const Options& option
     std::erase_if(sets, [&](const measure::DeviceRays& rays) {
         return std::find(options.kinds.begin(), options.kinds.end(), rays.name) == options.kinds.end();
     });
-    Run runs[] = {{"first", {.builder = options.builder, .learns = false}},
-                  {"learning", {.builder = options.builder, .learns = true}},
-                  {"high", {.builder = Builder::high, .learns = false}}};
-    Run warm_up = runs[0];
-    trace(device, meshes, sets, 0.1, warm_up);
-    for (Run& run : runs) trace(device, meshes, sets, options.seconds, run);
-    const Run &first = runs[0], &learning = runs[1], &high = runs[2];
-    const double before = first.rate(0, first.rounds.size());
-    const double after = learning.rate(learning.first_after, learning.rounds.size());
-    const double all = rounds_within(learning, options.seconds) / rounds_within(first, options.seconds);
-    const double best = rounds_within(high, options.seconds) / rounds_within(first, options.seconds);
+    Run first(device, meshes, {.builder = options.builder, .learns = false});
+    Run learning(device, meshes, {.builder = options.builder, .learns = true});
+    Run high(device, meshes, {.builder = Builder::high, .learns = false});
+    double replaced_at = 0;
+    std::size_t first_after = 0;
+    while (learning.seconds() < options.seconds) {
+        for (Run* run : {&first, &learning, &high}) run->trace(sets);
+        if (first_after != 0 || !learning.bvh.is_replaced()) continue;
+        first_after = learning.rounds.size(), replaced_at = learning.seconds();
+    }
+    const double gain = first_after != 0 ? speed_over(learning, first, first_after) : 1;
     const double longest = *std::max_element(learning.rounds.begin(), learning.rounds.end());
+    const double of_high = speed_over(high, first, 1), total = learning.seconds() / first.seconds();
     std::printf("%s: build %.3f s, high %.3f s; ", name.c_str(), first.build, high.build);
-    if (learning.replaced_at > 0)
-        std::printf("replaced after %.2f s, then %.3f times as fast; ", learning.replaced_at, after / before);
+    if (first_after != 0)
+        std::printf("replaced after %.2f s, then %.3f times as fast (high: %.3f); ", replaced_at, gain, of_high);
     else
-        std::printf("not replaced; ");
-    std::printf("high %.3f; longest round %.1f ms, median %.1f; in %.0f s with builds %.3f times the rays, high %.3f\n",
-                high.rate(0, high.rounds.size()) / before, longest * 1e3, 1e3 / before, options.seconds, all, best);
+        std::printf("not replaced (high: %.3f); ", of_high);
+    std::printf("round of %.1f ms, longest %.1f ms; all rounds with builds took %.3f of the time\n",
+                1e3 * measure::median(first.rounds), 1e3 * longest, total);
     std::fflush(stdout);
-    csv.row(name, first.build, high.build, learning.replaced_at, after / before, longest, all, best);
+    csv.row(name, first.build, high.build, replaced_at, gain, of_high, measure::median(first.rounds), longest, total);
 }
 
 }  // namespace
@@ -115,8 +104,8 @@ int main(int argc, char** argv) try {
     std::printf("%s, driver %s; rays of all kinds in turn, by wall-clock time\n", device.info().name.c_str(),
                 device.info().driver.c_str());
     measure::Csv csv(csv_path, device,
-                     "scene,build_seconds,high_build_seconds,replaced_after_seconds,speed_after,longest_round_seconds,"
-                     "rays_with_builds,rays_of_high_with_builds");
+                     "scene,build_seconds,high_build_seconds,replaced_after_seconds,speed_after,speed_of_high,"
+                     "round_seconds,longest_round_seconds,time_with_builds");
     for (const std::string& name : scenes) report(device, name, options, csv);
     csv.write();
 } catch (const std::exception& error) {

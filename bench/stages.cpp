@@ -59,7 +59,7 @@ Buffer<std::uint32_t> no_cutouts(const Device& device, std::size_t triangles) {
 }
 
 std::vector<Task> queries(const Device& device, const std::vector<Mesh>& meshes, unsigned side, Layout layout) {
-    const Bvh bvh = Bvh::build(device, meshes, {.layout = layout});
+    const Bvh bvh = Bvh::build(device, meshes, {.layout = layout, .learns = false});
     const std::vector<Ray> random = measure::random_rays(bounds_of(meshes[0]), std::size_t(side) * side);
     const Buffer<Ray> rays(device, random), few(device, std::span(random).first(64));
     Bvh with_cutouts = Bvh::build(device, meshes, {.layout = layout});
@@ -108,7 +108,7 @@ std::vector<Task> other_queries(const Device& device, const std::vector<Mesh>& m
         closest_hit(bvh, rays, hits, options);
         any_hit(bvh, rays, answers, options);
     };
-    const Bvh whole = Bvh::build(device, meshes, {.layout = layout});
+    const Bvh whole = Bvh::build(device, meshes, {.layout = layout, .learns = false});
     const Bvh split = Bvh::build(device, meshes, {.builder = Builder::high, .layout = layout});
     Primitives balls = Primitives::build(device, sphere_kind(), centers, std::uint32_t(centers.size() / 4));
     return {[=] { ask(whole); }, [=] { ask(split); },

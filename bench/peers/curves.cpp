@@ -288,7 +288,7 @@ int main(int argc, char** argv) try {
         strands = grow(options.strands, options.triangles / 4);
         scene.meshes.push_back(ribbons_of(strands));
     }
-    const Bvh ribbons = Bvh::build(device, scene.meshes);
+    const Bvh ribbons = Bvh::build(device, scene.meshes, {.learns = false});
     const Primitives curves =
         build_curves(device, strands.points, strands.segments, CurveBasis::bspline, CurveShape::round, options.bvh);
     const EmbreeCurves peer(strands, options.threads);

@@ -110,7 +110,7 @@ void compare_scene(const std::string& name, const Device& device, const Options&
     for (const Mesh& mesh : meshes)
         for (const glm::uvec3& t : mesh.triangles)
             for (int k = 0; k < 3; ++k) corners.push_back(mesh.positions[t[k]]), bounds.grow(corners.back());
-    const Bvh bvh = Bvh::build(device, meshes);
+    const Bvh bvh = Bvh::build(device, meshes, {.learns = false});
     const measure::EmbreeScene peer(meshes, RTC_BUILD_QUALITY_MEDIUM, true, options.threads);
     std::printf("%s, %zu triangles\n", name.c_str(), corners.size() / 3);
     for (const PointSet& set : point_sets(corners, bounds, options.points)) {

@@ -122,7 +122,7 @@ std::size_t Bvh::triangle_count() const { return state_->count; }
 bool Bvh::splits() const {
     return state_->splits_of_host || (traits_of(state_->config.builder).splits && state_->config.split_budget > 0);
 }
-bool Bvh::is_replaced() const { return state_->search && state_->search->has_found(); }
+bool Bvh::is_replaced() const { return state_->search() && state_->search()->has_found(); }
 Layout Bvh::layout() const { return state_->layout; }
 const Device& Bvh::device() const { return state_->device; }
 BvhHeader Bvh::header() const { return state_->read_header(); }

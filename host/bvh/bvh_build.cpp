@@ -291,7 +291,7 @@ void Bvh::State::refit() {
 
 void Bvh::State::stop_learning() {
     learns = false;
-    if (search) search->stop();
+    if (search()) search()->stop();
 }
 
 void Bvh::State::keep_tree_only() {

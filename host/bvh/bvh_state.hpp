@@ -1,6 +1,7 @@
 // The state shared by copies of a Bvh. Internal to host/bvh.
 #pragma once
 
+#include <atomic>
 #include <memory>
 #include <mutex>
 
@@ -89,9 +90,14 @@ struct Bvh::State {
     Sbvh sbvh;
     TreeLayout finish;
 
-    bool learns;  // see Config::learns
+    std::atomic<bool> learns;  // see Config::learns
     std::once_flag search_begun;
-    std::unique_ptr<TreeSearch> search;  // made by the first query
+    void begin_search(std::unique_ptr<TreeSearch> search) {
+        search_ = std::move(search);
+        searching_ = search_.get();
+    }
+    /// Null before the first query.
+    [[nodiscard]] TreeSearch* search() const { return searching_; }
 
 private:
     void prepare_to_build();
@@ -110,6 +116,9 @@ private:
     void build_lbvh(const Buffer<Code>& codes);
     template <class Code>
     void build_hploc(const Buffer<Code>& codes);
+
+    std::unique_ptr<TreeSearch> search_;
+    std::atomic<TreeSearch*> searching_ = nullptr;
 
     bool prepared_ = false;
     Kernel reset_, centroids_, encode_, bounds_, finish_bounds_, codes_, lbvh_, hploc_, refit_, lbvh_ranges_,

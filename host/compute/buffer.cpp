@@ -140,10 +140,10 @@ void read(const Device& device, const cl::Buffer& buffer, std::size_t offset, vo
     throw_device_error(device, "read a buffer", error);
 }
 
-void copy(const Device& device, const cl::Buffer& from, const cl::Buffer& to, std::size_t bytes, std::size_t offset,
-          std::size_t from_offset) try {
+void copy(const Device& device, const cl::Buffer& from, const cl::Buffer& to, std::size_t bytes,
+          std::size_t offset) try {
     device.profiler().record("copy_buffer", [&](cl::Event* event) {
-        device.queue().enqueueCopyBuffer(from, to, from_offset, offset, bytes, nullptr, event);
+        device.queue().enqueueCopyBuffer(from, to, 0, offset, bytes, nullptr, event);
     });
 } catch (const cl::Error& error) {
     throw_device_error(device, "copy a buffer", error);

@@ -111,7 +111,7 @@ RaySets make_rays(const Device& device, const Scene& scene, const std::vector<Vi
     }
     const glm::vec3 extent = bounds_of(scene).extent();
     const float lift = 1e-5f * std::max({extent.x, extent.y, extent.z});
-    const Bvh bvh = Bvh::build(device, scene.meshes);
+    const Bvh bvh = Bvh::build(device, scene.meshes, {.learns = false});
     Pcg random;
     for (const View& view : views) {
         std::vector<Ray> rays = primary_rays(view.camera, width, height, tiles);

@@ -1,6 +1,7 @@
 // Query: the kernels of one structure and one set of options, run many times and on any queue.
 #include <optional>
 
+#include "host/compute/device_error.hpp"
 #include "host/trace/instance_query.hpp"
 #include "host/trace/learning/learning.hpp"
 #include "host/trace/lists/filter.hpp"
@@ -47,6 +48,7 @@ void run_flat(Query::State& query, const Buffer<Ray>& rays, Buffer<Result>& resu
     trace_and_learn(query.device, query.bvh, query.options, rays.size(), count, [&](const Bvh& tree) {
         query.flat->trace_in(tree);
         query.flat->run(rays, results, std::uint32_t(rays.size()), count);
+        query.flat->trace_in(query.bvh);  // so that it does not keep a tree that others have dropped
     });
 }
 
@@ -85,13 +87,15 @@ void run_on_host(Query::State& query, std::span<const Ray> rays, std::span<Resul
     device_results.fetch(results);
 }
 
-void check_queue(const Device& of_structure, const Device& queue) {
+void check_queue(const Device& of_structure, const Device& queue) try {
     if (of_structure.context()() != queue.context()())
         throw Error(ErrorKind::usage, "the structure and the queue of the query belong to different contexts",
                     "make the queue by with_new_queue of the structure's device");
-    // Not Device::finish: threads with a queue of their own may get here at once, and the structure's profiler is of
+    // Not Device::finish: threads with queues of their own may get here at once, and the structure's profiler is of
     // one.
     if (of_structure.queue()() != queue.queue()()) of_structure.queue().finish();
+} catch (const cl::Error& error) {
+    throw_device_error(of_structure, "wait for the structure", error);
 }
 
 }  // namespace

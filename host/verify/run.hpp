@@ -63,7 +63,9 @@ private:
     VerifyResult& result_;
 };
 
-[[nodiscard]] inline Bvh build(const Run& run, const Mesh& mesh, const Bvh::Config& config = {}) {
+/// All queries of a case trace the same tree.
+[[nodiscard]] inline Bvh build(const Run& run, const Mesh& mesh, Bvh::Config config = {}) {
+    config.learns = false;
     return Bvh::build(run.device(), std::span(&mesh, 1), config);
 }
 

@@ -27,9 +27,9 @@ void view(const Device& device, const cl::Buffer& buffer, std::size_t bytes,
 /// Blocking transfers of `bytes` bytes between the host and the bytes of `buffer` from `offset` on.
 void write(const Device& device, const cl::Buffer& buffer, std::size_t offset, const void* data, std::size_t bytes);
 void read(const Device& device, const cl::Buffer& buffer, std::size_t offset, void* data, std::size_t bytes);
-/// Copies `bytes` bytes to `to`, starting at byte `offset` of it, from byte `from_offset` of `from` on. Asynchronous.
-void copy(const Device& device, const cl::Buffer& from, const cl::Buffer& to, std::size_t bytes, std::size_t offset = 0,
-          std::size_t from_offset = 0);
+/// Copies `bytes` bytes to `to`, starting at byte `offset` of it. Asynchronous.
+void copy(const Device& device, const cl::Buffer& from, const cl::Buffer& to, std::size_t bytes,
+          std::size_t offset = 0);
 void fill_bytes(const Device& device, const cl::Buffer& buffer, unsigned pattern, std::size_t bytes);
 }  // namespace detail
 

@@ -118,11 +118,16 @@ public:
         double split_budget = 0.5;
         /// Binary layout only: largest number of triangles per leaf, up to 4, if the surface area heuristic prefers it.
         unsigned max_leaf_triangles = 4;
-        /// Whether queries may replace the tree by one of `high`. They do so once tracing has taken ten times as long
-        /// as that build will take, and only if a sample of the rays is faster with the new tree. A thread builds it
-        /// meanwhile, which needs memory for a second tree. Unset: if `builder` is automatic. Hits stay the same bit
-        /// for bit. Counted are queries of a Bvh (claray/query.hpp) without masks, a filter, `visits` and `count`.
-        /// `refit`, `rebuild` and `set_cutouts` return to the first tree for good.
+        /// Whether queries may replace the tree by one of `high`, which a thread builds. This happens after at least
+        /// 100 batches of rays that took as long as ten such builds take, and only if it saves at least 3 % of the time
+        /// of batches that are traced in both trees. Hits stay the same bit for bit. Both trees then stay in memory,
+        /// and the build takes at most half of the memory that is left. Unset: if `builder` is automatic.
+        ///
+        /// Rays are those of closest_hit, any_hit and Query for this Bvh (claray/query.hpp), but not with masks, a
+        /// filter, `visits`, `brute_force` or `count`: such queries always trace the first tree. Times need a queue
+        /// with CL_QUEUE_PROFILING_ENABLE. `refit`, `rebuild` and `set_cutouts` return to the first tree for good; they
+        /// wait while the thread reads it. The destructor of the last handle waits for a build. So do not let either
+        /// wait for a user event that the same thread sets later.
         std::optional<bool> learns = {};
     };
 
@@ -154,7 +159,8 @@ public:
     /// be refitted and rebuilt. The data is written to a temporary file, which is then renamed. Throws ErrorKind::user
     /// on failure.
     void save(const std::filesystem::path& path) const;
-    /// Loads a saved structure on any device. A wide tree is made from the binary tree in the file. Throws
+    /// Loads a saved structure on any device. A wide tree is made from the binary tree in the file. It does not learn.
+    /// Throws
     /// ErrorKind::user, naming the file, if the file cannot be read, is damaged, or was written by another version.
     [[nodiscard]] static Bvh load(const Device& device, const std::filesystem::path& path,
                                   Layout layout = Layout::automatic);

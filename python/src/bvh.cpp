@@ -126,7 +126,8 @@ void bind_bvh(nb::module_& module) {
              [](const PyBvh& self) { return without_gil(self.device, [&] { return self.bvh.validate().ok(); }); })
         .def("hash", [](const PyBvh& self) { return without_gil(self.device, [&] { return self.bvh.hash(); }); })
         .def("statistics", &statistics)
-        .def("is_replaced", [](const PyBvh& self) { return self.bvh.is_replaced(); })
+        .def("is_replaced",
+             [](const PyBvh& self) { return without_gil(self.device, [&] { return self.bvh.is_replaced(); }); })
         .def("triangle_count", [](const PyBvh& self) { return self.bvh.triangle_count(); })
         .def("device", [](const PyBvh& self) { return self.device; });
 }

@@ -7,6 +7,7 @@ namespace claray {
 
 void renumber_triangles(Bvh& bvh, std::span<const std::uint32_t> numbers) {
     Bvh::State& state = bvh.state();
+    state.stop_learning();
     const BvhHeader header = state.read_header();
     if (state.layout == Layout::binary) {
         std::vector<LeafTriangle> leaves(header.valid);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
+#include <bit>
 #include <condition_variable>
 #include <thread>
 
@@ -14,40 +14,48 @@
 namespace claray {
 namespace {
 
-// A better tree is built after so many batches at least. Then some are traced in both trees, one for so many that were
-// traced before: enough to see the kinds of rays of a program in turn, and less than a tenth of the time so far.
+// A better tree is built after so many batches at least. Then some are traced in both trees: one for so many that were
+// traced before.
 constexpr std::uint64_t least_batches = 100, least_turns = 8, most_turns = 64, batches_per_turn = 30;
+constexpr std::size_t most_unread = 2 * most_turns;  // if the program never waits, or one queue holds all up
 
-/// Whether to measure the time of a batch: of some, in no rhythm that the program may have, too. The first ones may
-/// wait for a compiler.
-bool is_timed(std::uint64_t batch) { return batch >= 4 && scenes::mix(batch) % (batch < 64 ? 4 : 16) == 0; }
+/// Picks one of `of` batches, at irregular places: a program may have a rhythm.
+bool picks(std::uint64_t batch, std::uint32_t of) { return scenes::Random(batch).below(of) == 0; }
 
 /// The time of the device between two markers.
 double seconds_between(const cl::Event& begin, const cl::Event& end) {
     const auto at = [](const cl::Event& event) { return event.getProfilingInfo<CL_PROFILING_COMMAND_END>(); };
-    return double(at(end) - at(begin)) * 1e-9;
+    return (double(at(end)) - double(at(begin))) * 1e-9;
 }
 
 /// Counts and times batches of rays, has a better tree built, and traces some batches in both trees. Queries of any
 /// thread and queue call `trace`.
 class LearningSearch final : public TreeSearch {
 public:
-    explicit LearningSearch(const Bvh& bvh) : bvh_(without_owning(bvh)) {}
+    explicit LearningSearch(const Bvh& bvh)
+        : bvh_(without_owning(bvh)),
+          config_(bvh.state().config),
+          seconds_to_wait_(bvh.device().tuning("trace/learning", "BUILDS_TO_WAIT_FOR") *
+                           seconds_to_build_best(bvh.device(), bvh.triangle_count())) {
+        config_.layout = bvh.layout();
+    }
     ~LearningSearch() override {
         stop();
         if (builder_.joinable()) builder_.join();
     }
 
     void trace(const Device& queue, const Bvh& bvh, std::size_t rays, const std::function<void(const Bvh&)>& trace) {
-        Batch batch = begin_batch(queue, bvh, rays);
-        if (!batch.is_timed) return trace(batch.trees[0]);
-        batch.events[0] = queue.event();
-        for (std::size_t i = 0; i < batch.trees.size(); ++i) {
-            trace(batch.trees[i]);
-            batch.events[i + 1] = queue.event();
+        if (has_ended_in_vain_) return trace(bvh);
+        const Turn turn = begin_turn(queue, rays);
+        Times times;
+        times.rays = rays, times.better_first = turn.better_first, times.trees = turn.in_both ? 2 : 1;
+        if (turn.is_timed) times.marks[0] = queue.event();
+        for (unsigned i = 0; i < times.trees; ++i) {
+            const bool in_better = turn.in_both ? (i == 0) == turn.better_first : turn.better.has_value();
+            in_better ? trace_better(*turn.better, bvh, trace) : trace(bvh);
+            if (turn.is_timed) times.marks[i + 1] = queue.event();
         }
-        const std::lock_guard lock(mutex_);
-        if (stage_ != Stage::over) timed_.push_back(std::move(batch));
+        if (turn.is_timed) keep(std::move(times));
     }
 
     void wait_for_build() {
@@ -68,64 +76,85 @@ public:
 private:
     enum class Stage { counting, building, comparing, over };
 
-    struct Batch {
-        std::vector<Bvh> trees;  // one or two, in the order in which they are traced
-        std::size_t rays = 0;
-        bool is_timed = false, better_first = false;
-        std::array<cl::Event, 3> events;  // before, between and after
+    /// How a batch is traced.
+    struct Turn {
+        std::optional<Bvh> better;  // instead of the first tree, or in both
+        bool in_both = false, better_first = false, is_timed = false;
+    };
 
-        [[nodiscard]] double seconds(std::size_t i) const { return seconds_between(events[i], events[i + 1]); }
-        [[nodiscard]] bool is_complete() const {
-            return events[trees.size()].getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() == CL_COMPLETE;
+    /// Of a batch.
+    struct Times {
+        std::size_t rays = 0;
+        unsigned trees = 1;
+        bool better_first = false;       // of two trees
+        std::array<cl::Event, 3> marks;  // before the first, and after each
+
+        [[nodiscard]] double seconds(unsigned i) const { return seconds_between(marks[i], marks[i + 1]); }
+        /// Or failed: its times then cannot be read.
+        [[nodiscard]] bool has_ended() const {
+            return marks[trees].getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() <= CL_COMPLETE;
         }
     };
 
-    static Batch batch_in(std::vector<Bvh> trees, std::size_t rays) {
-        Batch batch;
-        batch.trees = std::move(trees), batch.rays = rays;
-        return batch;
-    }
-
-    Batch begin_batch(const Device& queue, const Bvh& bvh, std::size_t rays) {
+    Turn begin_turn(const Device& queue, std::size_t rays) {
         const std::lock_guard lock(mutex_);
         try {
             read_times();
-            if (stage_ == Stage::counting && pays(queue)) begin_build(queue.with_new_queue());
-            if (stage_ == Stage::comparing) compare();
+            if (stage_ == Stage::counting && pays()) begin_build(queue.with_new_queue());
+            if (stage_ == Stage::comparing && comparison_.size() >= turns())
+                end_with(comparison_.second_pays() ? better_ : std::nullopt);
         } catch (const std::exception&) {  // no times, no memory or no thread: the query itself needs none of them
             end_with({});
         }
-        if (stage_ == Stage::over && better_) return batch_in({*better_}, rays);
-        Batch batch = batch_in({bvh}, rays);
+        Turn turn;
+        if (stage_ == Stage::over) turn.better = better_;
         if (stage_ == Stage::counting) {
             rays_ += double(rays);
-            batch.is_timed = is_timed(batches_++);
-        } else if (stage_ == Stage::comparing && turns_ < turns()) {
-            batch.is_timed = true, batch.better_first = scenes::mix(turns_++) % 2 == 0;
-            batch.trees.insert(batch.better_first ? batch.trees.begin() : batch.trees.end(), *better_);
+            // The first batches may wait for a compiler.
+            turn.is_timed = batches_ >= 4 && picks(batches_, batches_ < 64 ? 4 : 16) && times_.size() < most_unread;
+            ++batches_;
+        } else if (stage_ == Stage::comparing && turns_ < turns() && picks(compared_++, 2)) {
+            turn.better = better_, turn.in_both = turn.is_timed = true;
+            turn.better_first = std::popcount(turns_++) % 2 != 0;  // as often as not, and in no rhythm (Thue-Morse)
         }
-        return batch;
+        return turn;
     }
 
-    /// Of the timed batches that are done.
+    /// The first tree answers if the other cannot.
+    void trace_better(const Bvh& better, const Bvh& first, const std::function<void(const Bvh&)>& trace) {
+        try {
+            trace(better);
+        } catch (const std::exception&) {
+            stop();
+            trace(first);
+        }
+    }
+
+    void keep(Times&& times) {
+        const std::lock_guard lock(mutex_);
+        if (stage_ != Stage::over) times_.push_back(std::move(times));
+    }
+
     void read_times() {
-        while (!timed_.empty() && timed_.front().is_complete()) {
-            const Batch& batch = timed_.front();
-            if (batch.trees.size() == 2)
-                comparison_.add(batch.seconds(batch.better_first ? 1 : 0), batch.seconds(batch.better_first ? 0 : 1));
-            else if (stage_ == Stage::counting)
-                timed_rays_ += double(batch.rays), timed_seconds_ += batch.seconds(0);
-            timed_.erase(timed_.begin());
-        }
+        std::erase_if(times_, [this](const Times& times) {
+            if (!times.has_ended()) return false;
+            if (times.trees == 2)
+                comparison_.add(times.seconds(times.better_first ? 1 : 0), times.seconds(times.better_first ? 0 : 1));
+            else
+                timed_rays_ += double(times.rays), timed_seconds_ += times.seconds(0);
+            return true;
+        });
     }
 
-    /// After the time of ten builds, a gain of a tenth pays for the build if as many rays follow; if none follow, a
+    /// Waits for the time of ten builds. If as much follows, a gain of a tenth pays for the build. If none follows, a
     /// tenth of the time was lost.
-    [[nodiscard]] bool pays(const Device& queue) const {
-        if (batches_ < least_batches || timed_rays_ == 0) return false;
-        const double seconds = rays_ * timed_seconds_ / timed_rays_;
-        const unsigned builds = queue.tuning("trace/learning", "BUILDS_TO_WAIT_FOR");
-        return seconds >= builds * seconds_to_build_best(queue, bvh_.triangle_count());
+    [[nodiscard]] bool pays() const {
+        return batches_ >= least_batches && timed_rays_ > 0 && rays_ * timed_seconds_ / timed_rays_ >= seconds_to_wait_;
+    }
+
+    /// Number of batches to trace in both trees.
+    [[nodiscard]] std::uint64_t turns() const {
+        return std::clamp(batches_ / batches_per_turn, least_turns, most_turns);
     }
 
     void begin_build(const Device& queue) {
@@ -137,12 +166,12 @@ private:
     void build(const Device& queue) {
         std::optional<Bvh> better;
         try {
-            TriangleBuffers triangles;
+            HeldTriangles triangles;
             {
                 const std::lock_guard first_tree(first_tree_);
-                if (!is_stopped_) triangles = triangles_held(queue, bvh_);
+                if (!is_stopped_) triangles = read_triangles(queue, bvh_);
             }
-            if (!is_stopped_) better = build_best(queue, bvh_, triangles);
+            if (!is_stopped_) better = build_best(queue, std::move(triangles), config_);
         } catch (const std::exception&) {
         }
         const std::lock_guard lock(mutex_);
@@ -153,32 +182,26 @@ private:
         built_.notify_all();
     }
 
-    /// Number of batches that are traced in both trees.
-    [[nodiscard]] std::uint64_t turns() const {
-        return std::clamp(batches_ / batches_per_turn, least_turns, most_turns);
-    }
-
-    void compare() {
-        if (comparison_.size() >= turns()) end_with(comparison_.second_pays() ? better_ : std::nullopt);
-    }
-
     void end_with(const std::optional<Bvh>& better) {
         better_ = better;
-        timed_.clear();
+        times_.clear();
         stage_ = Stage::over;
+        has_ended_in_vain_ = !better;
     }
 
     const Bvh bvh_;
+    Bvh::Config config_;
+    const double seconds_to_wait_;
     std::mutex first_tree_;  // held while the thread reads bvh_, which may change otherwise
-    std::atomic<bool> is_stopped_ = false;
+    std::atomic<bool> is_stopped_ = false, has_ended_in_vain_ = false;
     std::thread builder_;
 
     mutable std::mutex mutex_;  // of all that follows
     std::condition_variable built_;
     Stage stage_ = Stage::counting;
-    std::uint64_t batches_ = 0, turns_ = 0;
+    std::uint64_t batches_ = 0, compared_ = 0, turns_ = 0;
     double rays_ = 0, timed_rays_ = 0, timed_seconds_ = 0;
-    std::vector<Batch> timed_;  // their times are not read yet
+    std::vector<Times> times_;  // not read yet
     Comparison comparison_;
     std::optional<Bvh> better_;
 };
@@ -194,12 +217,12 @@ void trace_and_learn(const Device& queue, const Bvh& bvh, const QueryOptions& op
                      const Buffer<std::uint32_t>& count, const std::function<void(const Bvh&)>& trace) {
     Bvh::State& state = bvh.state();
     if (!state.learns || !counts(options, count) || rays == 0) return trace(bvh);
-    std::call_once(state.search_begun, [&] { state.search = std::make_unique<LearningSearch>(bvh); });
-    static_cast<LearningSearch&>(*state.search).trace(queue, bvh, rays, trace);
+    std::call_once(state.search_begun, [&] { state.begin_search(std::make_unique<LearningSearch>(bvh)); });
+    static_cast<LearningSearch&>(*state.search()).trace(queue, bvh, rays, trace);
 }
 
 void wait_for_build(const Bvh& bvh) {
-    if (bvh.state().search) static_cast<LearningSearch&>(*bvh.state().search).wait_for_build();
+    if (TreeSearch* search = bvh.state().search()) static_cast<LearningSearch&>(*search).wait_for_build();
 }
 
 }  // namespace claray
