@@ -100,9 +100,10 @@ TEST(Learning, ComparisonIsOfAllTimesAndOfTheOneInTheMiddle) {
 
 TEST(Learning, MeanOfADisturbedFirstTree) {
     Comparison comparison;
-    for (int i = 0; i < 9; ++i) comparison.add(1, 1.1);
+    for (int i = 0; i < 9; ++i) comparison.add(1, 1.05);
     comparison.add(1000, 1);
-    EXPECT_NEAR(comparison.mean(), (9 * 1.1 + 2 * 0.5) / 11, 1e-12);
+    EXPECT_NEAR(comparison.mean(), (9 * 1.05 + 2 * 0.5) / 11, 1e-12);
+    EXPECT_LT(comparison.mean(), 0.97);
     EXPECT_FALSE(comparison.second_pays()) << "the median must agree";
 }
 
@@ -292,8 +293,6 @@ TEST(Learning, ComparesFewBatchesThatAreEnqueued) {
     for (int i = 0; i < 60; ++i) closest_hit(bvh, batch, hits, coherent);
     begin.setStatus(CL_COMPLETE);
     EXPECT_EQ(own.profiler().summary().at("closest_hit").count, 68u);
-    closest_hit(bvh, batch, hits);
-    EXPECT_TRUE(bvh.is_replaced());
 }
 
 TEST(Learning, ThreadsWithQueuesOfTheirOwn) {
