@@ -55,15 +55,24 @@ Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& wit
     if (of.indices.size() / 3 >= triangle_limit)
         throw Error(ErrorKind::user,
                     "too many triangles: " + std::to_string(of.indices.size() / 3) + ", the limit is 2^29 - 2");
+    if (!by_host)
+        compile_side_by_side(device, [this] {
+            allocate();
+            load_for_building(1);
+        });
     allocate();
     if (!by_host) prepare_to_build();
 }
 
+void Bvh::State::load_for_building(std::size_t keys_to_sort) {
+    if (traits_of(config.builder).codes) allocate_for_sorting();
+    load_kernels(keys_to_sort);
+}
+
 void Bvh::State::prepare_to_build() {
     prepared_ = true;
-    if (traits_of(config.builder).codes) allocate_for_sorting();
-    compile_side_by_side(device, [this] { load_kernels(1); });
-    load_kernels(count);
+    compile_side_by_side(device, [this] { load_for_building(1); });  // later, of a tree that the host built
+    load_for_building(count);
 }
 
 void Bvh::State::load_kernels(std::size_t keys_to_sort) {
@@ -275,7 +284,7 @@ void Bvh::State::collapse(bool by_split) {
 void Bvh::State::load_refit() {
     if (refit_.handle()()) return;
     refit_ = load_kernel(device, "bvh/refit.cl", "refit_nodes");
-    refit_wide_ = load_collapse("refit_wide");
+    if (layout == Layout::wide) refit_wide_ = load_collapse("refit_wide");
     (void)load_kernel(device, "bvh/validate.cl", "sum_areas");  // of sah_cost
 }
 

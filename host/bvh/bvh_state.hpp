@@ -106,6 +106,7 @@ private:
     void run_collapse(Kernel& kernel, Range range, const Parameters&... parameters);
     void allocate();
     void allocate_for_sorting();
+    void load_for_building(std::size_t keys_to_sort);
     void load_kernels(std::size_t keys_to_sort);
     void load_for_sorting(std::size_t keys);
     void compute_bounds();

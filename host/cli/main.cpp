@@ -12,9 +12,11 @@
 #include "claray/error.hpp"
 #include "claray/program.hpp"
 #include "host/base/message.hpp"
+#include "host/base/process.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/output/messages.hpp"
 #include "host/cli/ranks.hpp"
+#include "host/compute/programs/compiler_processes.hpp"
 
 namespace claray::cli {
 namespace {
@@ -111,6 +113,7 @@ int run_program(int argc, char** argv) {
 int run_and_report(int argc, char** argv) {
     try {
         start_ranks(argc, argv);
+        set_compiler_program(this_program());
         return run_program(argc, argv);
     } catch (const Error& error) {
         return report_error(error.kind(), error.what());

@@ -9,6 +9,7 @@
 #include "claray/scale/render_group.hpp"
 #include "host/base/file.hpp"
 #include "host/base/folders.hpp"
+#include "host/base/process.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/load.hpp"
 #include "host/cli/options/render_flags.hpp"
@@ -26,12 +27,6 @@ Scene load_for(const RenderOptions& options, FirstFrame* first = nullptr) {
     Scene scene = load_view(options.scene, options.view, options.config.width, options.config.height, first);
     use_light_maps(scene, options.light_maps);
     return scene;
-}
-
-/// Empty if the system does not provide the path.
-std::string this_program() {
-    std::error_code unknown;
-    return std::filesystem::read_symlink("/proc/self/exe", unknown).string();
 }
 
 void warn_of_culled(const RenderProgress& progress) {

@@ -8,6 +8,7 @@
 
 #include "host/base/format.hpp"
 #include "host/compute/contexts.hpp"
+#include "host/compute/programs/compiler_processes.hpp"
 #include "host/effects/effects.hpp"
 #include "host/measure/measure.hpp"
 #include "host/render/kernels/kernel_choice.hpp"
@@ -46,6 +47,7 @@ public:
     ~BuildTimes() { wait(); }
     BuildTimes(const BuildTimes&) = delete;
     BuildTimes& operator=(const BuildTimes&) = delete;
+    [[nodiscard]] bool beside() const { return beside_; }
 
     /// Until none compiles beside the caller.
     void wait() const {
@@ -109,8 +111,14 @@ public:
         config_.compiler.clear();
     }
 
-    /// With the kernels of all renders, on a GPU: its driver compiles for several contexts at once. Errors are left to
-    /// `prepare`, which needs memory for one renderer at a time.
+    /// Begins the builds for the compile times that `prepare` will ask for, where these are beside it.
+    void expect_builds(const EffectOverrides& overrides, EffectSet concerned) {
+        if (!times_.beside()) return;
+        (void)builds_of(effects_for(config_), full_effects());
+        (void)builds_of(effects_for(with(overrides)) | overrides.add, concerned);
+    }
+    /// With the kernels of all renders, on a GPU: its driver compiles for several contexts at once, and more so for
+    /// several processes. Errors are left to `prepare`, which needs memory for one renderer at a time.
     void fill_cache(const std::vector<EffectOverrides>& overrides,
                     const std::vector<Approximations>& approximations) const {
         if (device_.info().type != DeviceType::gpu) return;
@@ -119,8 +127,9 @@ public:
         for (const Approximations& each : approximations) configs.push_back(with(each));
         std::erase_if(configs, [&](const RenderConfig& config) { return is_cached(config); });
         if (configs.size() < 2) return;
+        const unsigned most = has_compiler_processes(device_) ? 2 * contexts_at_once() : contexts_at_once();
         Devices contexts(device_);
-        side_by_side(device_, contexts, contexts_at_once(), configs.size(), [&](const Device& device, std::size_t i) {
+        side_by_side(device_, contexts, most, configs.size(), [&](const Device& device, std::size_t i) {
             try {
                 Renderer(device, scene_, configs[i]).settle();
             } catch (const std::exception&) {
@@ -177,10 +186,12 @@ private:
         return config;
     }
 
-    [[nodiscard]] bool is_cached(const RenderConfig& config) const {
+    [[nodiscard]] EffectSet effects_for(const RenderConfig& config) const {
         const EffectSet& removed = config.effects.remove;
-        const EffectSet effects = removed.empty() ? effects_of(scene_) : effects_of(without_effects(scene_, removed));
-        return are_cached(device_, plan_kernels(device_, effects, config).last, config);
+        return removed.empty() ? effects_of(scene_) : effects_of(without_effects(scene_, removed));
+    }
+    [[nodiscard]] bool is_cached(const RenderConfig& config) const {
+        return are_cached(device_, plan_kernels(device_, effects_for(config), config).last, config);
     }
 
     /// Compiles the kernels of a render, and returns its effects.
@@ -325,7 +336,10 @@ Explanation explain(const Device& device, const Scene& scene, const RenderConfig
         compared.push_back({name, {row.effect}, {overrides}});
     }
     std::vector<EffectOverrides> overrides;
-    for (const Named& named : compared) overrides.push_back(named.comparison.overrides);
+    for (const Named& named : compared) {
+        overrides.push_back(named.comparison.overrides);
+        explainer.expect_builds(named.comparison.overrides, named.concerned);
+    }
     explainer.fill_cache(overrides, approximations);
     for (Named& named : compared) {
         tell("compiling kernels", named.name);

@@ -27,7 +27,7 @@ constexpr std::uint32_t pixels_at_once = 1 << 16;
 /// At the end of an interrupted render, since launchers kill a program that does not end at once: Open MPI after 1 s.
 constexpr double seconds_to_hand_over = 0.5;
 
-const RenderConfig& checked(const RenderConfig& config) {
+const RenderConfig& shareable(const RenderConfig& config) {
     if (config.adaptive)
         throw Error(ErrorKind::usage, "adaptive sampling cannot be shared by several devices",
                     "use one device, or leave out adaptive sampling");
@@ -73,7 +73,7 @@ RenderConfig config_for(const std::vector<Device>& devices, RenderConfig config)
 
 RenderGroup::State::State(const std::vector<Device>& devices, const Scene& of, const RenderConfig& with,
                           std::function<void(const std::string&)> told)
-    : scene(of), config(config_for(devices, checked(with))), tell(std::move(told)) {
+    : scene(of), config(config_for(devices, shareable(with))), tell(std::move(told)) {
     if (devices.empty()) throw Error(ErrorKind::usage, "a group needs at least one device");
     const bool resumes = !config.resume.empty(), saves = !config.checkpoint.empty();
     if (resumes || saves) validate(scene), identity = identity_of(scene, config);

@@ -11,6 +11,7 @@
 #include "host/compute/device_state.hpp"
 #include "host/compute/memory.hpp"
 #include "host/compute/programs/build_report.hpp"
+#include "host/compute/programs/compiler_processes.hpp"
 #include "host/compute/programs/joint_program.hpp"
 #include "host/compute/programs/kernel_sources.hpp"
 #include "host/compute/programs/program_cache.hpp"
@@ -450,14 +451,18 @@ void compile_jointly(const Device& device, const std::function<void()>& load, bo
     }
 }
 
-void compile_side_by_side(const Device& device, const std::function<void()>& load) {
-    if (device.tuning("compute/programs", "SIDE_BY_SIDE") == 0) return;
-    struct Wanted {
-        std::string file, options, key;
-        std::optional<cl::Program> program;
-    };
+namespace {
+
+/// The request of load_kernel and its key in Device::State::programs.
+struct Wanted {
+    std::string file, options, key;
+    std::optional<cl::Program> program;
+};
+
+/// Those that `load` requests and that the device does not have yet.
+std::vector<Wanted> wanted_by(const Device& device, const std::function<void()>& load) {
     std::vector<Wanted> wanted;
-    auto& programs = device.state().programs;
+    const auto& programs = device.state().programs;
     for (const KernelRequest& request : requests_of(device, load)) {
         const std::string options = build_options(device, request.defines, Math::strict);
         const std::string key = key_in_memory(kernel_source(request.file), options, false);
@@ -465,7 +470,35 @@ void compile_side_by_side(const Device& device, const std::function<void()>& loa
         if (programs.contains(key) || std::any_of(wanted.begin(), wanted.end(), same)) continue;
         wanted.push_back({request.file, options, key, {}});
     }
+    return wanted;
+}
+
+/// The programs that are not in the cache on disk. A single one compiles in this process without the start of another,
+/// unless threads with other contexts compile, too.
+void compile_missing_in_processes(const Device& device, const std::vector<Wanted>& wanted, bool alone) {
+    std::vector<ProgramRequest> missing;
+    for (const Wanted& one : wanted)
+        if (!load_cached_program(cache_identity(device, kernel_source(one.file), one.options)))
+            missing.push_back({one.file, one.options});
+    if (missing.empty() || (alone && missing.size() == 1)) return;
+    compile_in_processes(device, missing);
+}
+
+}  // namespace
+
+void compile_for_cache(const Device& device, const ProgramRequest& program) {
+    static_cast<void>(compile(device, kernel_source(program.file), program.options));
+}
+
+void compile_side_by_side(const Device& device, const std::function<void()>& load) {
+    if (device.state().requests != nullptr) return load();  // part of what another call compiles
+    const bool in_threads = device.tuning("compute/programs", "SIDE_BY_SIDE") != 0;
+    const bool in_processes = has_compiler_processes(device);
+    if (!in_threads && !in_processes) return;
+    std::vector<Wanted> wanted = wanted_by(device, load);
+    auto& programs = device.state().programs;
     const auto begin = std::chrono::steady_clock::now();
+    if (in_processes) compile_missing_in_processes(device, wanted, in_threads);
     in_parallel(wanted.size(), [&](std::size_t i) {
         try {
             wanted[i].program = compile(device, kernel_source(wanted[i].file), wanted[i].options);

@@ -1,11 +1,9 @@
 #include "host/render/kernels/background_compiler.hpp"
 
 #include <fcntl.h>
-#include <spawn.h>
 #include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -14,9 +12,8 @@
 #include <thread>
 
 #include "host/base/folders.hpp"
+#include "host/base/process.hpp"
 #include "host/effects/effects.hpp"
-
-extern char** environ;
 
 namespace claray {
 namespace {
@@ -69,21 +66,12 @@ void lower_priority_of_this_thread() {
 }
 
 /// Returns its process number, or 0 if it cannot be started.
-pid_t start_in_background(std::vector<std::string> arguments, int lock) {
-    std::vector<char*> pointers;
-    for (std::string& argument : arguments) pointers.push_back(argument.data());
-    pointers.push_back(nullptr);
-    posix_spawn_file_actions_t streams;
-    ::posix_spawn_file_actions_init(&streams);
-    for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})  // so that no pipe waits for it
-        ::posix_spawn_file_actions_addopen(&streams, stream, "/dev/null", O_RDWR, 0);
-    ::posix_spawn_file_actions_adddup2(&streams, lock, inherited_lock);
+pid_t start_in_background(const std::vector<std::string>& arguments, int lock) {
     pid_t id = 0;
     std::thread([&] {
         lower_priority_of_this_thread();
-        if (::posix_spawn(&id, pointers[0], &streams, nullptr, pointers.data(), environ) != 0) id = 0;
+        id = start_silently(arguments, lock);
     }).join();
-    ::posix_spawn_file_actions_destroy(&streams);
     return id;
 }
 
@@ -98,7 +86,7 @@ bool start_compiler(const std::string& program, const Device& device, const Kern
     if (id == 0) return true;
     ++running;
     std::thread([id] {
-        ::waitpid(id, nullptr, 0);  // so that no zombie remains
+        wait_for_process(id);  // so that no zombie remains
         --running;
     }).detach();
     return true;

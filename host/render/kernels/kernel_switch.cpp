@@ -124,8 +124,12 @@ void Renderer::State::adopt_path_kernel(bool may_compile) {
     if (!path_kernel->is_cached && !may_compile) return;
     path_kernel->is_loaded = true;
     if (path_kernel->name.empty()) return;
-    Kernel kernel = load_path_kernel(buffers, config.sampler, plan.last.effects, path_kernel->name,
-                                     path_task_of(config.approximate));
+    const auto load = [&] {
+        return load_path_kernel(buffers, config.sampler, plan.last.effects, path_kernel->name,
+                                path_task_of(config.approximate));
+    };
+    compile_side_by_side(device, [&] { (void)load(); });
+    Kernel kernel = load();
     path_kernel->name == trace_paths_name ? wavefront.follow_paths(kernel) : wavefront.finish_paths(kernel);
     remember_path_kernel_as_cached(device, plan.last, config, path_kernel->name);
 }

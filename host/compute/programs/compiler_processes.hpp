@@ -1,0 +1,33 @@
+// Compiles programs in other processes: NVIDIA's driver compiles one program of a process at a time, whatever the
+// number of threads and contexts, but those of several processes at once.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "claray/device.hpp"
+
+namespace claray {
+
+/// A file under kernels/ and the options of its compiler.
+struct ProgramRequest {
+    std::string file, options;
+};
+
+/// The program that compiles for this process: `claray`, which names itself. Empty (by default): there is none, and
+/// nothing is compiled in other processes. To be called before other threads begin.
+void set_compiler_program(const std::string& path);
+
+/// Whether programs for this device are compiled in other processes (compute/programs PROCESSES in
+/// kernels/tuning.txt).
+[[nodiscard]] bool has_compiler_processes(const Device& device);
+
+/// Compiles programs, each in a process of its own, so that the cache holds them afterwards. Programs that another
+/// thread has compiled at the same time are waited for. Blocks. A program that fails is not in the cache, and whoever
+/// compiles it next learns why.
+void compile_in_processes(const Device& device, const std::vector<ProgramRequest>& programs);
+
+/// In such a process: compiles one program for the cache. Throws ErrorKind::device with the compiler's log.
+void compile_for_cache(const Device& device, const ProgramRequest& program);
+
+}  // namespace claray
