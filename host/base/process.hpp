@@ -15,6 +15,25 @@ namespace claray {
 /// Waits for a process. Returns whether it ended with the exit code 0.
 bool wait_for_process(pid_t id);
 
+/// A program that answers each line of its standard input by one line. It ends when its input does.
+class AnsweringProcess {
+public:
+    explicit AnsweringProcess(std::vector<std::string> arguments);
+    ~AnsweringProcess();
+    AnsweringProcess(const AnsweringProcess&) = delete;
+    AnsweringProcess& operator=(const AnsweringProcess&) = delete;
+
+    /// Blocks. Empty if the process could not be started or has ended.
+    [[nodiscard]] std::string ask(const std::string& line);
+    [[nodiscard]] bool has_ended() const { return socket_ < 0; }
+
+private:
+    void end();
+
+    int socket_ = -1;  // both standard streams of the process
+    pid_t id_ = 0;
+};
+
 /// The path of this program; empty if the system does not provide it.
 [[nodiscard]] std::string this_program();
 

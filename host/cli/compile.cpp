@@ -14,14 +14,13 @@ namespace {
 
 struct CompileOptions {
     std::string device, effects;
-    ProgramRequest program;
     RenderConfig config;
-    bool quiet = false, and_generic = false;
+    bool quiet = false, and_generic = false, serves = false;
 };
 
 void compile(const CompileOptions& options) {
     const Device device = Device::open(options.device);
-    if (!options.program.file.empty()) return compile_for_cache(device, options.program);
+    if (options.serves) return serve_as_compiler(device);
     const EffectSet effects = options.effects.empty() ? full_effects() : parse_effects(options.effects);
     compile_kernels(device, effects, options.config);
     if (options.and_generic) {
@@ -49,9 +48,7 @@ void add_compile_command(CLI::App& app, Action& action) {
     add_bvh_options(*command, options->config.bvh);
     add_approximate_option(*command, options->config.approximate);
     command->add_flag("--and-generic", options->and_generic, "Also compile the generic kernels afterwards");
-    // For compile_in_processes.
-    command->add_option("--program", options->program.file)->group("");
-    command->add_option("--options", options->program.options)->group("");
+    command->add_flag("--serve", options->serves)->group("");  // for other processes of this program
     command->add_flag("-q,--quiet", options->quiet, "Print nothing");
     command->callback([&action, options] { action = [options] { compile(*options); }; });
 }

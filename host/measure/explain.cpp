@@ -335,6 +335,7 @@ Explanation explain(const Device& device, const Scene& scene, const RenderConfig
         const std::string name = std::string(row.called_for ? "without " : "with ") + name_of(row.effect);
         compared.push_back({name, {row.effect}, {overrides}});
     }
+    std::optional<KeepCompilers> keep(std::in_place);  // while kernels are compiled
     std::vector<EffectOverrides> overrides;
     for (const Named& named : compared) {
         overrides.push_back(named.comparison.overrides);
@@ -349,6 +350,7 @@ Explanation explain(const Device& device, const Scene& scene, const RenderConfig
         tell("compiling kernels for", to_string(approximate));
         explainer.prepare(approximate);
     }
+    keep.reset();
     explainer.wait_for_builds();
     for (Named& named : compared) {
         tell("measuring", named.name);

@@ -6,6 +6,7 @@
 
 #include "host/base/file.hpp"
 #include "host/base/seconds_since.hpp"
+#include "host/compute/programs/compiler_processes.hpp"
 #include "host/render/config/checks.hpp"
 #include "host/render/parts/scene_parts.hpp"
 #include "host/render/renderer_state.hpp"
@@ -129,6 +130,7 @@ std::uint32_t Renderer::State::first_paths() const {
 }
 
 Renderer::Renderer(const Device& device, const Scene& scene, const RenderConfig& config) {
+    const KeepCompilers keep;  // for the kernels of the tree and those of the paths
     const auto state_of = [&](const Scene& wanted) {
         if (wanted.instances.empty()) {
             auto state = std::make_shared<State>(device, wanted, config);

@@ -9,9 +9,9 @@
 #include <iterator>
 #include <thread>
 
+#include "host/base/process.hpp"
 #include "host/compute/programs/joint_program.hpp"
 #include "tests/support/device.hpp"
-#include "tests/support/errors.hpp"
 #include "tests/support/process.hpp"
 
 namespace claray::test {
@@ -49,8 +49,28 @@ protected:
         return {after.compiled - before.compiled, after.from_cache - before.from_cache};
     }
 
+    /// Programs that call `claray` and add a line to a file for each call, or for each request.
+    std::string script_that_notes_calls(const std::filesystem::path& file) const {
+        return script("echo call >> '" + file.string() + "'\nexec '" + CLARAY_PROGRAM + "' \"$@\"\n");
+    }
+    std::string script_that_notes_requests(const std::filesystem::path& file) const {
+        return script("tee -a '" + file.string() + "' | '" + CLARAY_PROGRAM + "' \"$@\"\n");
+    }
+    static long lines_of(const std::filesystem::path& path) {
+        std::ifstream file(path);
+        return std::count(std::istreambuf_iterator<char>(file), {}, '\n');
+    }
+
     TemporaryFolder folder_;
     ScopedEnvironment cache_dir_{"CLARAY_CACHE_DIR", (folder_.path() / "cache").string()};
+
+private:
+    std::string script(const std::string& text) const {
+        const std::filesystem::path path = folder_.path() / "compiler";
+        std::ofstream(path) << "#!/bin/sh\n" << text;
+        std::filesystem::permissions(path, std::filesystem::perms::owner_all);
+        return path.string();
+    }
 };
 
 TEST_F(CompilerProcesses, FillTheCache) {
@@ -79,11 +99,8 @@ TEST_F(CompilerProcesses, WhatFailsIsCompiledHere) {
 }
 
 TEST_F(CompilerProcesses, ThreadsDoNotCompileTheSameTwice) {
-    const std::filesystem::path script = folder_.path() / "compiler", calls = folder_.path() / "calls";
-    std::ofstream(script) << "#!/bin/sh\necho call >> '" << calls.string() << "'\nexec '" << CLARAY_PROGRAM
-                          << "' \"$@\"\n";
-    std::filesystem::permissions(script, std::filesystem::perms::owner_all);
-    set_compiler_program(script.string());
+    const std::filesystem::path requests = folder_.path() / "requests";
+    set_compiler_program(script_that_notes_requests(requests));
     const Device devices[] = {open(), open()};
     EXPECT_EQ(counts_of([&] {
                   std::thread other([&] { compile_and_load(devices[1]); });
@@ -91,17 +108,34 @@ TEST_F(CompilerProcesses, ThreadsDoNotCompileTheSameTwice) {
                   other.join();
               }),
               (Counts{0, 4}));
-    std::ifstream file(calls);
-    EXPECT_EQ(std::count(std::istreambuf_iterator<char>(file), {}, '\n'), 2);
+    EXPECT_EQ(lines_of(requests), 2);
 }
 
-TEST_F(CompilerProcesses, SayWhatTheyCannotCompile) {
-    const ProcessResult result = Process({CLARAY_PROGRAM, "compile", "--program", "no_such.cl"}).wait();
-    EXPECT_EQ(result.exit_code, 2);
-    EXPECT_NE(result.errors.find("no kernel file no_such.cl"), std::string::npos) << result.errors;
-    EXPECT_TRUE(throws_error(ErrorKind::device, "cannot compile the kernel sort/radix_sort.cl", [&] {
-        compile_for_cache(open(), {"sort/radix_sort.cl", "-DITEMS=nonsense("});
-    }));
+TEST_F(CompilerProcesses, AnswerEachProgram) {
+    AnsweringProcess compiler(
+        {CLARAY_PROGRAM, "compile", "--serve", "--device", std::to_string(device().info().index)});
+    EXPECT_EQ(compiler.ask("no_such.cl\t"), "failed");
+    EXPECT_EQ(compiler.ask("bvh/bounds.cl"), "done");
+    EXPECT_EQ(compiler.ask("bvh/bounds.cl\t-Dkernel=nonsense("), "failed");
+    EXPECT_FALSE(compiler.has_ended());
+    AnsweringProcess none({"/bin/true"});
+    EXPECT_EQ(none.ask("bvh/bounds.cl"), "");
+    EXPECT_TRUE(none.has_ended());
+    EXPECT_TRUE(AnsweringProcess({"/no/such/program"}).has_ended());
+}
+
+/// One process compiles both programs if only one may run, and a second call uses it again.
+TEST_F(CompilerProcesses, AreKept) {
+    const std::filesystem::path calls = folder_.path() / "calls";
+    set_compiler_program(script_that_notes_calls(calls));
+    {
+        const KeepCompilers keep;
+        compile_in_processes(open(), {{"bvh/bounds.cl", "-DCLARAY_TEST=1"}});
+        compile_in_processes(open(), {{"bvh/bounds.cl", "-DCLARAY_TEST=2"}});
+        EXPECT_EQ(lines_of(calls), 1);
+    }
+    compile_in_processes(open(), {{"bvh/bounds.cl", "-DCLARAY_TEST=3"}});
+    EXPECT_EQ(lines_of(calls), 2) << "it ends with the last who keeps it";
 }
 
 }  // namespace

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <condition_variable>
+#include <iostream>
+#include <memory>
 #include <mutex>
 #include <set>
 #include <thread>
+#include <utility>
 
 #include "host/base/in_parallel.hpp"
 #include "host/base/process.hpp"
@@ -15,42 +18,74 @@ namespace claray {
 namespace {
 
 std::string compiler_program;
+constexpr char separator = '\t';  // of a file and its options; neither has one
 
 /// Each process opens a context, which takes about half a gigabyte of a GPU's memory.
 unsigned most_processes(const Device& device) {
     constexpr unsigned bytes_per_process_log2 = 30;
-    const unsigned fit = unsigned(std::min<std::uint64_t>(device.info().memory >> bytes_per_process_log2, 1024));
+    const auto fit = unsigned(std::min<std::uint64_t>(device.info().memory >> bytes_per_process_log2, 1024));
     return std::min({device.tuning("compute/programs", "PROCESSES"), fit, std::thread::hardware_concurrency()});
 }
 
-/// The processes of all threads.
-class Processes {
+/// The processes for all threads.
+class Compilers {
 public:
-    void compile(const std::string& key, unsigned most, const std::vector<std::string>& command) {
+    /// Waits for one of `most` processes of the device, and for its answer.
+    void compile(const std::string& device, unsigned most, const ProgramRequest& program) {
+        const std::string line = program.file + separator + program.options, key = device + separator + line;
         std::unique_lock lock(mutex_);
         if (keys_.contains(key)) {
             changed_.wait(lock, [&] { return !keys_.contains(key); });
             return;
         }
         keys_.insert(key);
-        changed_.wait(lock, [&] { return running_ < most; });
-        ++running_;
+        changed_.wait(lock, [&] { return busy_ < most; });
+        ++busy_;
+        std::unique_ptr<AnsweringProcess> process = take(device);
         lock.unlock();
-        if (const pid_t id = start_silently(command); id != 0) wait_for_process(id);
+        if (!process)
+            process = std::make_unique<AnsweringProcess>(
+                std::vector<std::string>{compiler_program, "compile", "--serve", "--device", device});
+        static_cast<void>(process->ask(line));
         lock.lock();
-        --running_;
+        --busy_;
         keys_.erase(key);
+        if (!process->has_ended()) idle_.push_back({device, std::move(process)});
         changed_.notify_all();
+    }
+    void keep() {
+        const std::lock_guard lock(mutex_);
+        ++keepers_;
+    }
+    void release() {
+        const std::lock_guard lock(mutex_);
+        if (--keepers_ > 0 || idle_.empty()) return;
+        std::thread([ended = std::exchange(idle_, {})] {}).detach();  // each takes a tenth of a second to end
     }
 
 private:
+    struct Idle {
+        std::string device;
+        std::unique_ptr<AnsweringProcess> process;
+    };
+
+    /// An idle process of the device, or null.
+    std::unique_ptr<AnsweringProcess> take(const std::string& device) {
+        const auto found = std::find_if(idle_.begin(), idle_.end(), [&](const Idle& i) { return i.device == device; });
+        if (found == idle_.end()) return nullptr;
+        std::unique_ptr<AnsweringProcess> process = std::move(found->process);
+        idle_.erase(found);
+        return process;
+    }
+
     std::mutex mutex_;
     std::condition_variable changed_;
-    std::set<std::string> keys_;
-    unsigned running_ = 0;
+    std::set<std::string> keys_;  // of what is compiled now
+    std::vector<Idle> idle_;
+    unsigned busy_ = 0, keepers_ = 0;
 };
 
-Processes processes;
+Compilers compilers;
 
 }  // namespace
 
@@ -62,13 +97,25 @@ bool has_compiler_processes(const Device& device) {
 }
 
 void compile_in_processes(const Device& device, const std::vector<ProgramRequest>& programs) {
+    const KeepCompilers keep;
     const std::string number = std::to_string(device.info().index);
-    in_parallel(programs.size(), [&](std::size_t i) {
-        const auto& [file, options] = programs[i];
-        processes.compile(
-            number + ' ' + file + ' ' + options, most_processes(device),
-            {compiler_program, "compile", "--quiet", "--device", number, "--program", file, "--options", options});
-    });
+    in_parallel(programs.size(),
+                [&](std::size_t i) { compilers.compile(number, most_processes(device), programs[i]); });
+}
+
+KeepCompilers::KeepCompilers() { compilers.keep(); }
+KeepCompilers::~KeepCompilers() { compilers.release(); }
+
+void serve_as_compiler(const Device& device) {
+    for (std::string line; std::getline(std::cin, line);) {
+        const std::size_t end = line.find(separator);
+        try {
+            compile_for_cache(device, {line.substr(0, end), end == std::string::npos ? "" : line.substr(end + 1)});
+            std::cout << "done" << std::endl;
+        } catch (const Error&) {
+            std::cout << "failed" << std::endl;
+        }
+    }
 }
 
 }  // namespace claray

@@ -22,12 +22,24 @@ void set_compiler_program(const std::string& path);
 /// kernels/tuning.txt).
 [[nodiscard]] bool has_compiler_processes(const Device& device);
 
-/// Compiles programs, each in a process of its own, so that the cache holds them afterwards. Programs that another
-/// thread has compiled at the same time are waited for. Blocks. A program that fails is not in the cache, and whoever
-/// compiles it next learns why.
+/// Compiles programs in other processes, so that the cache holds them afterwards. Programs that another thread compiles
+/// so at the same time are waited for. Blocks. A program that fails is not in the cache, and whoever compiles it next
+/// learns why.
 void compile_in_processes(const Device& device, const std::vector<ProgramRequest>& programs);
 
-/// In such a process: compiles one program for the cache. Throws ErrorKind::device with the compiler's log.
+/// While one exists, the processes wait for more programs: opening a context takes each 0.3 s, one after the other.
+class KeepCompilers {
+public:
+    KeepCompilers();
+    ~KeepCompilers();
+    KeepCompilers(const KeepCompilers&) = delete;
+    KeepCompilers& operator=(const KeepCompilers&) = delete;
+};
+
+/// Compiles a program, unless it is in the cache. Throws ErrorKind::device with the compiler's log.
 void compile_for_cache(const Device& device, const ProgramRequest& program);
+
+/// Such a process: compiles the programs that it reads from standard input for the cache, until its end.
+void serve_as_compiler(const Device& device);
 
 }  // namespace claray
