@@ -29,9 +29,8 @@ protected:
         return fresh;
     }
     static void load(const Device& on) {
-        const Defines never_seen = {{"CLARAY_TEST", "78"}};
-        static_cast<void>(load_kernel(on, "render/empty_queues.cl", "empty_queues", never_seen));
-        static_cast<void>(load_kernel(on, "bvh/bounds.cl", "reset_header", never_seen));
+        for (const char* never_seen : {"78", "79"})
+            static_cast<void>(load_kernel(on, "render/empty_queues.cl", "empty_queues", {{"CLARAY_TEST", never_seen}}));
     }
     static void compile_and_load(const Device& on) {
         compile_side_by_side(on, [&] { load(on); });
@@ -115,11 +114,11 @@ TEST_F(CompilerProcesses, AnswerEachProgram) {
     AnsweringProcess compiler(
         {CLARAY_PROGRAM, "compile", "--serve", "--device", std::to_string(device().info().index)});
     EXPECT_EQ(compiler.ask("no_such.cl\t"), "failed");
-    EXPECT_EQ(compiler.ask("bvh/bounds.cl"), "done");
-    EXPECT_EQ(compiler.ask("bvh/bounds.cl\t-Dkernel=nonsense("), "failed");
+    EXPECT_EQ(compiler.ask("render/empty_queues.cl"), "done");
+    EXPECT_EQ(compiler.ask("render/empty_queues.cl\t-Dkernel=nonsense("), "failed");
     EXPECT_FALSE(compiler.has_ended());
     AnsweringProcess none({"/bin/true"});
-    EXPECT_EQ(none.ask("bvh/bounds.cl"), "");
+    EXPECT_EQ(none.ask("render/empty_queues.cl"), "");
     EXPECT_TRUE(none.has_ended());
     EXPECT_TRUE(AnsweringProcess({"/no/such/program"}).has_ended());
 }
@@ -130,11 +129,11 @@ TEST_F(CompilerProcesses, AreKept) {
     set_compiler_program(script_that_notes_calls(calls));
     {
         const KeepCompilers keep;
-        compile_in_processes(open(), {{"bvh/bounds.cl", "-DCLARAY_TEST=1"}});
-        compile_in_processes(open(), {{"bvh/bounds.cl", "-DCLARAY_TEST=2"}});
+        compile_in_processes(open(), {{"render/empty_queues.cl", "-DCLARAY_TEST=1"}});
+        compile_in_processes(open(), {{"render/empty_queues.cl", "-DCLARAY_TEST=2"}});
         EXPECT_EQ(lines_of(calls), 1);
     }
-    compile_in_processes(open(), {{"bvh/bounds.cl", "-DCLARAY_TEST=3"}});
+    compile_in_processes(open(), {{"render/empty_queues.cl", "-DCLARAY_TEST=3"}});
     EXPECT_EQ(lines_of(calls), 2) << "it ends with the last who keeps it";
 }
 
