@@ -97,6 +97,15 @@ TEST_F(CompilerProcesses, WhatFailsIsCompiledHere) {
     }
 }
 
+TEST_F(CompilerProcesses, NoneIfTheCacheCannotBeWritten) {
+    const std::filesystem::path file = folder_.path() / "file", calls = folder_.path() / "calls";
+    std::ofstream(file) << "not a folder";
+    const ScopedEnvironment no_folder("CLARAY_CACHE_DIR", file.string());
+    set_compiler_program(script_that_notes_calls(calls));
+    EXPECT_EQ(counts_of([&] { compile_and_load(open()); }), (Counts{2, 0}));
+    EXPECT_EQ(lines_of(calls), 0);
+}
+
 TEST_F(CompilerProcesses, ThreadsDoNotCompileTheSameTwice) {
     const std::filesystem::path requests = folder_.path() / "requests";
     set_compiler_program(script_that_notes_requests(requests));

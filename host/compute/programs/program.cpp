@@ -477,11 +477,14 @@ std::vector<Wanted> wanted_by(const Device& device, const std::function<void()>&
 /// unless threads with other contexts compile, too.
 void compile_missing_in_processes(const Device& device, const std::vector<Wanted>& wanted, bool alone) {
     std::vector<ProgramRequest> missing;
-    for (const Wanted& one : wanted)
-        if (!load_cached_program(cache_identity(device, kernel_source(one.file), one.options)))
-            missing.push_back({one.file, one.options});
+    std::string identity;
+    for (const Wanted& one : wanted) {
+        identity = cache_identity(device, kernel_source(one.file), one.options);
+        if (!load_cached_program(identity)) missing.push_back({one.file, one.options});
+    }
     if (missing.empty() || (alone && missing.size() == 1)) return;
-    compile_in_processes(device, missing);
+    const bool can_store = store_cached_program(identity, {}).empty();
+    if (can_store) compile_in_processes(device, missing);
 }
 
 }  // namespace
