@@ -3,7 +3,9 @@
 
 #include <cmath>
 #include <cstring>
+#include <functional>
 #include <limits>
+#include <optional>
 #include <thread>
 
 #include "claray/query.hpp"
@@ -56,6 +58,13 @@ void trace_until_ended(const Bvh& bvh, const QueryOptions& options = {}) {
     trace(bvh, 40, options);
 }
 
+/// A structure whose tree was replaced. Other work on the machine can disturb a comparison: then another one tries.
+Bvh replaced(const std::function<Bvh()>& build) {
+    Bvh bvh = build();
+    for (int tries = 1; trace_until_ended(bvh), !bvh.is_replaced() && tries < 5; ++tries) bvh = build();
+    return bvh;
+}
+
 template <class Result>
 bool same(const std::vector<Result>& a, const std::vector<Result>& b) {
     return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Result)) == 0;
@@ -64,16 +73,20 @@ bool same(const std::vector<Result>& a, const std::vector<Result>& b) {
 TEST(Learning, ReplacesATreeAndKeepsTheHits) {
     const EarlySearch early;
     const Mesh mesh = needles_and_dust();
-    const Bvh bvh = build_to_learn(mesh);
-    const std::vector<Hit> expected = closest_hit(bvh, rays());
-    const std::vector<std::uint8_t> occluded = any_hit(bvh, rays());
-    Query query(bvh, QueryKind::closest);
-    trace_until_ended(bvh);
+    const Bvh first = build_to_learn(mesh, Builder::fast, false);
+    const std::vector<Hit> expected = closest_hit(first, rays());
+    const std::vector<std::uint8_t> occluded = any_hit(first, rays());
+    std::optional<Query> query;  // made before the tree is replaced
+    const Bvh bvh = replaced([&] {
+        const Bvh learning = build_to_learn(mesh);
+        query.emplace(learning, QueryKind::closest);
+        return learning;
+    });
     ASSERT_TRUE(bvh.is_replaced());
     EXPECT_TRUE(same(closest_hit(bvh, rays()), expected));
     EXPECT_TRUE(same(any_hit(bvh, rays()), occluded));
     std::vector<Hit> hits(rays().size());
-    query.run(rays(), hits);  // made before, for the first tree
+    query->run(rays(), hits);
     EXPECT_TRUE(same(hits, expected));
 }
 
@@ -161,8 +174,7 @@ TEST(Learning, MotionReturnsToTheFirstTree) {
     const EarlySearch early;
     const Mesh mesh = needles_and_dust();
     for (const bool rebuilds : {false, true}) {
-        Bvh bvh = build_to_learn(mesh);
-        trace_until_ended(bvh);
+        Bvh bvh = replaced([&] { return build_to_learn(mesh); });
         ASSERT_TRUE(bvh.is_replaced());
         Mesh moved = mesh;
         for (glm::vec3& p : moved.positions) p.x += 0.25f;
@@ -185,7 +197,10 @@ TEST(Learning, TrianglesAreThoseOfTheTree) {
     needles.positions[7].y = std::numeric_limits<float>::quiet_NaN();
     needles.positions[31] = needles.positions[30];
     const std::vector<Mesh> meshes = {dust, needles};
-    const Bvh bvh = Bvh::build(device(), meshes, {.builder = Builder::fast, .learns = true});
+    const auto build_learning = [&] {
+        return Bvh::build(device(), meshes, {.builder = Builder::fast, .learns = true});
+    };
+    const Bvh bvh = build_learning();
     const std::vector<Hit> expected = closest_hit(bvh, rays());
     QueryOptions masked;
     masked.ray_masks = Buffer<std::uint32_t>(device(), std::vector<std::uint32_t>(rays().size(), 4));
@@ -198,9 +213,13 @@ TEST(Learning, TrianglesAreThoseOfTheTree) {
     EXPECT_EQ(again.leaves().size(), again.header().valid);
     EXPECT_TRUE(same(closest_hit(again, rays()), expected));
     EXPECT_TRUE(same(closest_hit(again, rays(), masked), expected_masked));
-    trace_until_ended(bvh);
-    ASSERT_TRUE(bvh.is_replaced());
-    EXPECT_TRUE(same(closest_hit(bvh, rays()), expected));
+    const Bvh other = replaced([&] {
+        const Bvh learning = build_learning();
+        Buffer<float>(learning.triangles().positions).fill(0);
+        return learning;
+    });
+    ASSERT_TRUE(other.is_replaced());
+    EXPECT_TRUE(same(closest_hit(other, rays()), expected));
 }
 
 TEST(Learning, ATreeMayEndOrMoveDuringTheSearch) {
