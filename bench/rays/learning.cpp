@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "bench/support.hpp"
+#include "host/base/seconds_since.hpp"
 
 using namespace claray;
 
@@ -22,7 +23,7 @@ struct Options {
     std::vector<std::string> kinds = {"primary", "shadow", "bounce", "random"};
 };
 
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+using Clock = std::chrono::steady_clock;
 
 /// A structure whose rays are traced for some time.
 struct Run {
@@ -33,16 +34,16 @@ struct Run {
     Run(const Device& device, const std::vector<Mesh>& meshes, const Bvh::Config& config) {
         static_cast<void>(Bvh::build(device, meshes, config));  // compiles
         device.finish();
-        const double from = now();
+        const Clock::time_point from = Clock::now();
         bvh = Bvh::build(device, meshes, config);
         device.finish();
-        build = now() - from;
+        build = seconds_since(from);
     }
     void trace(std::vector<measure::DeviceRays>& sets) {
-        const double from = now();
+        const Clock::time_point from = Clock::now();
         for (measure::DeviceRays& rays : sets) rays.trace(bvh);
         bvh.device().finish();
-        rounds.push_back(now() - from);
+        rounds.push_back(seconds_since(from));
     }
     [[nodiscard]] double seconds() const { return std::accumulate(rounds.begin(), rounds.end(), build); }
 };

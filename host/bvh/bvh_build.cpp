@@ -61,17 +61,17 @@ Bvh::State::State(const Device& on, const TriangleBuffers& of, const Config& wit
             load_for_building(1);
         });
     allocate();
-    if (!by_host) prepare_to_build();
+    if (!by_host) load_for_building(count);
 }
 
 void Bvh::State::load_for_building(std::size_t keys_to_sort) {
+    prepared_ = true;
     if (traits_of(config.builder).codes) allocate_for_sorting();
     load_kernels(keys_to_sort);
 }
 
-void Bvh::State::prepare_to_build() {
-    prepared_ = true;
-    compile_side_by_side(device, [this] { load_for_building(1); });  // later, of a tree that the host built
+void Bvh::State::prepare_to_build_after_host() {
+    compile_side_by_side(device, [this] { load_for_building(1); });
     load_for_building(count);
 }
 
@@ -242,7 +242,7 @@ void Bvh::State::build_hploc(const Buffer<Code>& codes) {
 }
 
 void Bvh::State::build() {
-    if (!prepared_) prepare_to_build();
+    if (!prepared_) prepare_to_build_after_host();
     built_cost = 0;
     splits_of_host = false;
     compute_bounds();

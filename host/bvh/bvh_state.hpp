@@ -100,7 +100,7 @@ struct Bvh::State {
     [[nodiscard]] TreeSearch* search() const { return searching_; }
 
 private:
-    void prepare_to_build();
+    void prepare_to_build_after_host();
     [[nodiscard]] Kernel load_collapse(const std::string& function) const;
     template <class... Parameters>
     void run_collapse(Kernel& kernel, Range range, const Parameters&... parameters);

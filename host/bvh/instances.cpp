@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "host/bvh/host_placement.hpp"
 #include "host/bvh/bvh_state.hpp"
+#include "host/bvh/host_placement.hpp"
 #include "host/bvh/instances_state.hpp"
 
 namespace claray {

@@ -160,8 +160,8 @@ public:
     /// on failure.
     void save(const std::filesystem::path& path) const;
     /// Loads a saved structure on any device. A wide tree is made from the binary tree in the file. It does not learn.
-    /// Throws
-    /// ErrorKind::user, naming the file, if the file cannot be read, is damaged, or was written by another version.
+    /// Throws ErrorKind::user, naming the file, if the file cannot be read, is damaged, or was written by another
+    /// version.
     [[nodiscard]] static Bvh load(const Device& device, const std::filesystem::path& path,
                                   Layout layout = Layout::automatic);
 

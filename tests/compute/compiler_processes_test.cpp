@@ -132,7 +132,7 @@ TEST_F(CompilerProcesses, AnswerEachProgram) {
     EXPECT_TRUE(AnsweringProcess({"/no/such/program"}).has_ended());
 }
 
-/// One process compiles both programs if only one may run, and a second call uses it again.
+/// A second call uses the process of the first.
 TEST_F(CompilerProcesses, AreKept) {
     const std::filesystem::path calls = folder_.path() / "calls";
     set_compiler_program(script_that_notes_calls(calls));

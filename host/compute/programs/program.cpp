@@ -473,17 +473,23 @@ std::vector<Wanted> wanted_by(const Device& device, const std::function<void()>&
     return wanted;
 }
 
-/// The programs that are not in the cache on disk. A single one compiles in this process without the start of another,
-/// unless threads with other contexts compile, too.
-void compile_missing_in_processes(const Device& device, const std::vector<Wanted>& wanted, bool alone) {
+/// Nothing if it is not in the cache.
+std::optional<cl::Program> load_if_cached(const Device& device, const Wanted& one) {
+    const std::string identity = cache_identity(device, kernel_source(one.file), one.options);
+    const CacheLock lock("programs", hash128(identity));  // as in `compile`
+    return load_from_cache(device, identity);
+}
+
+/// Loads the programs that are in the cache, and has the others put there. A single one compiles in this process
+/// without the start of another, unless threads with other contexts compile, too.
+void load_or_compile_in_processes(const Device& device, std::vector<Wanted>& wanted, bool alone) {
+    in_parallel(wanted.size(), [&](std::size_t i) { wanted[i].program = load_if_cached(device, wanted[i]); });
     std::vector<ProgramRequest> missing;
-    std::string identity;
-    for (const Wanted& one : wanted) {
-        identity = cache_identity(device, kernel_source(one.file), one.options);
-        if (!load_cached_program(identity)) missing.push_back({one.file, one.options});
-    }
+    for (const Wanted& one : wanted)
+        if (!one.program) missing.push_back({one.file, one.options});
     if (missing.empty() || (alone && missing.size() == 1)) return;
-    const bool can_store = store_cached_program(identity, {}).empty();
+    const auto& [file, options] = missing.front();
+    const bool can_store = store_cached_program(cache_identity(device, kernel_source(file), options), {}).empty();
     if (can_store) compile_in_processes(device, missing);
 }
 
@@ -501,8 +507,9 @@ void compile_side_by_side(const Device& device, const std::function<void()>& loa
     std::vector<Wanted> wanted = wanted_by(device, load);
     auto& programs = device.state().programs;
     const auto begin = std::chrono::steady_clock::now();
-    if (in_processes) compile_missing_in_processes(device, wanted, in_threads);
+    if (in_processes) load_or_compile_in_processes(device, wanted, in_threads);
     in_parallel(wanted.size(), [&](std::size_t i) {
+        if (wanted[i].program) return;
         try {
             wanted[i].program = compile(device, kernel_source(wanted[i].file), wanted[i].options);
         } catch (const std::exception&) {  // load_kernel will report the reason

@@ -12,7 +12,7 @@ namespace claray {
 namespace {
 
 /// Vertices are not shared, and those of culled triangles are NaN.
-TriangleBuffers upload(const Device& queue, HeldTriangles&& held) {
+TriangleBuffers upload(const Device& queue, HeldTriangles held) {
     std::vector<float> positions(9 * held.count, std::numeric_limits<float>::quiet_NaN());
     std::vector<std::uint32_t> geometries(held.has_geometries ? held.count : 0), masks(held.geometries);
     for (const LeafTriangle& leaf : held.leaves) {
@@ -29,7 +29,6 @@ TriangleBuffers upload(const Device& queue, HeldTriangles&& held) {
     buffers.indices = Buffer<std::uint32_t>(queue, indices);
     if (!geometries.empty()) buffers.geometries = Buffer<std::uint32_t>(queue, geometries);
     if (!masks.empty()) buffers.masks = Buffer<std::uint32_t>(queue, masks);
-    held.leaves = {};
     return buffers;
 }
 
@@ -78,7 +77,7 @@ double seconds_to_build_best(const Device& device, std::size_t triangles) {
     return std::max(least, double(triangles) * picoseconds * 1e-12);
 }
 
-Bvh build_best(const Device& queue, HeldTriangles&& triangles, Bvh::Config config) {
+Bvh build_best(const Device& queue, HeldTriangles triangles, Bvh::Config config) {
     config.builder = Builder::high, config.learns = false;
     const BvhMemory needed = Bvh::memory_needed(queue, 3 * triangles.count, triangles.count, config);
     if (needed.bytes > bytes_available(queue) / 2)

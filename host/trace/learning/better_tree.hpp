@@ -22,6 +22,6 @@ struct HeldTriangles {
 
 /// Builds by Builder::high, with the other settings and the layout of `config`. Keeps only what queries read. Blocks.
 /// Throws ErrorKind::device if the build would take more than half of the memory that is left.
-[[nodiscard]] Bvh build_best(const Device& queue, HeldTriangles&& triangles, Bvh::Config config);
+[[nodiscard]] Bvh build_best(const Device& queue, HeldTriangles triangles, Bvh::Config config);
 
 }  // namespace claray
