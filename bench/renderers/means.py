@@ -1,7 +1,7 @@
 """Renders scenes whose models coincide with claray and with Mitsuba 3, and compares the means of the pictures.
 
     pip install mitsuba numpy pillow
-    python3 bench/mitsuba/compare.py build/bin/claray [NAME...]
+    python3 bench/renderers/means.py build/bin/claray [NAME...]
 
 Each scene is written as glTF or as OBJ and MTL, which claray reads, and handed to Mitsuba as its own shapes and BSDFs.
 Prints a row a scene: the means of the three channels, their ratios, and the noise of each ratio. Exits with 1 where a
