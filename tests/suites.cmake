@@ -1,8 +1,9 @@
-# Included by CTest once the programs are built: makes a test of every 16 tests, of one suite or of several short ones, so that they share
+# Included by CTest once the programs are built: makes a test of every ${per_process} tests, of one suite or of several short ones, so that they share
 # a process, its device and its kernels: PoCL takes 0.65 s to read its library for the first kernel that a process compiles. A test is
 # called after its suites, as in io.Mtl+io.Obj. A failing test's name is in the output, and a crash ends no more than these.
 #   claray_add_suites(FOLDER PROGRAM COST ENVIRONMENT): COST is about the CPU seconds of a test; CTest begins with the longest
 # The folder ${pocl_folders} gets PoCL's caches, one for each test.
+set(per_process 32)
 function(claray_add_suites folder program cost environment)
     execute_process(COMMAND "${program}" --gtest_list_tests RESULT_VARIABLE status OUTPUT_VARIABLE list ERROR_VARIABLE error)
     if(NOT status EQUAL 0)
@@ -22,7 +23,7 @@ function(claray_add_suites folder program cost environment)
             list(LENGTH tests count)
             list(LENGTH of_suite more)
             math(EXPR count "${count} + ${more}")
-            if(count GREATER 16)  # no short suite is divided
+            if(count GREATER ${per_process})  # no short suite is divided
                 claray_add_tests("${name}" "${program}" "${cost}" "${tests}" "${environment}")
                 set(tests "")
             endif()
@@ -33,9 +34,9 @@ function(claray_add_suites folder program cost environment)
             endif()
             list(APPEND tests ${of_suite})
             list(LENGTH tests count)
-            while(count GREATER 16)
-                list(SUBLIST tests 0 16 part)
-                list(SUBLIST tests 16 -1 tests)
+            while(count GREATER ${per_process})
+                list(SUBLIST tests 0 ${per_process} part)
+                list(SUBLIST tests ${per_process} -1 tests)
                 claray_add_tests("${name}" "${program}" "${cost}" "${part}" "${environment}")
                 list(LENGTH tests count)
             endwhile()
