@@ -125,9 +125,16 @@ std::span<const glm::vec3> Film::radiance(const ImageSizes& size) const {
     return {reinterpret_cast<const glm::vec3*>(on_host(image.bytes()).read(image, 3 * pixels).data()), pixels};
 }
 
+/// Several threads copy into the vector's room. The vector then takes each pixel from where it will stand, for which
+/// the C library's memmove does nothing: a vector that initializes its pixels costs one thread another pass over them.
 std::vector<glm::vec3> Film::image(const ImageSizes& size) const {
-    const std::span<const glm::vec3> pixels = radiance(size);
-    return {pixels.begin(), pixels.end()};
+    const std::size_t count = std::size_t(size.image_width) * size.image_height;
+    std::vector<glm::vec3> pixels;
+    pixels.reserve(count);
+    const std::span<glm::vec3> room(pixels.data(), count);
+    image(size, room);
+    pixels.assign(room.begin(), room.end());
+    return pixels;
 }
 
 void Film::image(const ImageSizes& size, std::span<glm::vec3> to) const { read(resolve(size), to); }
@@ -135,7 +142,7 @@ void Film::image(const ImageSizes& size, std::span<glm::vec3> to) const { read(r
 /// By several threads, since one alone copies more slowly than a GPU writes; each copies what has arrived.
 void Film::read(const Buffer<float>& image, std::span<glm::vec3> to) const {
     const HostMemory& from = on_host(image.bytes());
-    constexpr std::size_t most_parts = 8, least_bytes = 1u << 20;  // a thread starts in the time of some 100 kB
+    constexpr std::size_t most_parts = 12, least_bytes = 1u << 20;  // a thread starts in the time of some 100 kB
     const std::size_t bytes = to.size_bytes(), parts = std::clamp<std::size_t>(bytes / least_bytes, 1, most_parts);
     const std::vector<cl::Event> read = from.read_in_parts(device_, image.memory(), bytes, parts);
     in_parallel(parts, [&](std::size_t part) {
