@@ -235,6 +235,8 @@ TEST(Renderer, WritesItsImageIntoMemoryOfTheCaller) {
         std::vector<glm::vec3> image(std::size_t(width) * height, glm::vec3(-1));
         renderer.image(image, width, height);
         EXPECT_EQ(image, renderer.image(width, height));
+        const std::span<const glm::vec3> in_one_part = renderer.radiance(width, height);
+        EXPECT_TRUE(std::equal(image.begin(), image.end(), in_one_part.begin(), in_one_part.end()));
     }
     std::vector<glm::vec3> small(641 * 479);
     EXPECT_TRUE(throws_error(ErrorKind::usage, "307680 pixels does not fit", [&] { renderer.image(small); }));
