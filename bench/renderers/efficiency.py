@@ -32,7 +32,7 @@ CYCLES = pathlib.Path(__file__).with_name("cycles.py")
 
 class Renders(NamedTuple):
     images: np.ndarray  # a seed each
-    processor: float    # seconds of all threads, of one image
+    processor: float    # seconds of all threads, of one image; claray's on GPUs is not measured
     clock: float
 
     def squared_error(self):
@@ -62,9 +62,11 @@ def by_claray(program, scene, size, spp, seeds, options, folder, gpu):
 
     run(spp, 0)  # compiles
     runs = [run(spp, k + 1) for k in range(seeds)]
+    images, clock = np.array([r[2] for r in runs]), np.median([r[1] for r in runs])
+    if gpu:
+        return Renders(images, float("nan"), clock)
     starts = [run(4, k + 1)[0] for k in range(seeds)]
-    processor = (np.median([r[0] for r in runs]) - np.median(starts)) * spp / (spp - 4)
-    return Renders(np.array([r[2] for r in runs]), processor, np.median([r[1] for r in runs]))
+    return Renders(images, (np.median([r[0] for r in runs]) - np.median(starts)) * spp / (spp - 4), clock)
 
 
 def mitsuba_bsdf(kind, values):
