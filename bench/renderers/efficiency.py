@@ -40,19 +40,23 @@ class Renders(NamedTuple):
         return self.images.var(0, ddof=1).mean() / self.images.mean() ** 2
 
 
-def by_claray(program, scene, size, spp, seeds, options, folder, gpu):
-    """Processor time is the difference of two renders."""
-    path, image = pathlib.Path(folder) / "scene.obj", str(pathlib.Path(folder) / "image.pfm")
+def write_for_claray(scene, folder):
+    """Returns the words of the command line that name the scene."""
+    path, environment = pathlib.Path(folder) / "scene.obj", pathlib.Path(folder) / "environment.pfm"
     write_obj(scene, path)
-    words = ["%.9g,%.9g,%.9g" % tuple(scene[key]) if key in scene else "0,0,0" for key in ("eye", "target", "sky")]
-    command = [program, "render", str(path), "-o", image, "--size", f"{size}x{size}", "--camera", words[0], "--look-at", words[1],
-               "--fov", str(scene["fov"]), "--max-depth", str(scene["depth"]), "--wait-for-kernels", "-q", "--json", "--device", "gpu" if gpu else "cpu", *options]
+    eye, target, sky = ("%.9g,%.9g,%.9g" % tuple(scene.get(key, (0, 0, 0))) for key in ("eye", "target", "sky"))
+    words = [str(path), "--camera", eye, "--look-at", target, "--fov", str(scene["fov"]), "--max-depth", str(scene["depth"])]
+    if "environment" not in scene:
+        return words + ["--sky", sky]
+    write_pfm(scene["environment"], environment)
+    return words + ["--environment", str(environment)]
 
-    if "environment" in scene:
-        write_pfm(scene["environment"], pathlib.Path(folder) / "environment.pfm")
-        command += ["--environment", str(pathlib.Path(folder) / "environment.pfm")]
-    else:
-        command += ["--sky", words[2]]
+
+def by_claray(program, words, size, spp, seeds, options, folder, gpu):
+    """`words`: of write_for_claray. Processor time is the difference of two renders."""
+    image = str(pathlib.Path(folder) / "image.pfm")
+    command = [program, "render", *words, "-o", image, "--size", f"{size}x{size}", "--wait-for-kernels", "-q", "--json",
+               "--device", "gpu" if gpu else "cpu", *options]
 
     def run(samples, seed):
         """Processor time of the program, the clock's time of sampling, and the image."""
@@ -72,9 +76,9 @@ def by_claray(program, scene, size, spp, seeds, options, folder, gpu):
 def mitsuba_bsdf(kind, values):
     if kind == "glass":
         return dict(type="dielectric", int_ior=values, ext_ior=1.0)
-    color = values if kind == "diffuse" else (0, 0, 0)
-    return dict(type="twosided", b=dict(type="diffuse", reflectance=dict(type="rgb", value=list(color)))) if kind == "diffuse" else \
-        dict(type="diffuse", reflectance=dict(type="rgb", value=[0, 0, 0]))
+    if kind == "lamp":
+        return dict(type="diffuse", reflectance=dict(type="rgb", value=[0, 0, 0]))
+    return dict(type="twosided", b=dict(type="diffuse", reflectance=dict(type="rgb", value=list(values))))
 
 
 def mitsuba_mesh(mi, p, t, kind, values, normals):
@@ -194,8 +198,9 @@ def main():
         peer = by_cycles(scene, size, spp, seeds) if options.peer == "cycles" else by_mitsuba(scene, size, spp, seeds, options.gpu)
         rows = [(options.peer, peer)]
         with tempfile.TemporaryDirectory() as folder:
+            words = write_for_claray(scene, folder)
             for extra in settings:
-                rows.append((" ".join(extra) or "default", by_claray(os.path.abspath(options.claray), scene, size, spp, seeds, extra, folder, options.gpu)))
+                rows.append((" ".join(extra) or "default", by_claray(os.path.abspath(options.claray), words, size, spp, seeds, extra, folder, options.gpu)))
         for label, renders in rows:
             report(name, label, renders, peer, options.gpu)
             if options.pictures:

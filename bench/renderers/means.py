@@ -19,6 +19,8 @@ import mitsuba as mi
 import numpy as np
 from PIL import Image
 
+from scenes import read_pfm
+
 mi.set_variant("scalar_rgb")
 
 WIDTH, HEIGHT, SPP = 96, 72, 1024
@@ -232,14 +234,6 @@ def write_obj(scene, folder):
     for name, lines in (("scene.obj", obj), ("scene.mtl", mtl)):
         with open(folder + "/" + name, "w") as file:
             file.write("\n".join(lines) + "\n")
-
-
-def read_pfm(path):
-    with open(path, "rb") as file:
-        assert file.readline().strip() == b"PF"
-        width, height = map(int, file.readline().split())
-        file.readline()
-        return np.frombuffer(file.read(), "<f4").reshape(height, width, 3)[::-1]
 
 
 def by_claray(claray, path, scene, seed):

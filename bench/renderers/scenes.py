@@ -148,7 +148,7 @@ def write_pfm(image, path):
 def read_pfm(path):
     """Rows from the top."""
     with open(path, "rb") as file:
-        file.readline()
+        assert file.readline().strip() == b"PF"
         width, height = map(int, file.readline().split())
         file.readline()
         return np.frombuffer(file.read(), "<f4").reshape(height, width, 3)[::-1].astype(float)
