@@ -278,18 +278,17 @@ TEST_F(BackgroundCompiler, IsWaitedForOnCpus) {
     EXPECT_GT(renderer.render(until_more).spp, of_view);
 }
 
-/// A render that waited would do so from its first second on. Other work may stop it for a third of a second.
 TEST_F(BackgroundCompiler, IsNotWaitedForIfTimeIsShort) {
     RenderConfig config{.width = 16, .height = 16, .spp = 1u << 20, .seconds = 2, .report_seconds = 0.01};
     config.compiler = script_;
     Renderer renderer(device(), *builtin_scene("cornell"), config);
-    unsigned spp = 0, equal = 0, longest = 0, reports = 0;
+    unsigned spp = 0, equal = 0, longest = 0;
     renderer.render([&](const RenderProgress& progress) {
         equal = progress.spp == spp && spp > 0 ? equal + 1 : 0;
-        longest = std::max(longest, equal), spp = progress.spp, ++reports;
+        longest = std::max(longest, equal), spp = progress.spp;
         return true;
     });
-    EXPECT_LT(4 * longest, reports) << "it waits for much of its time";
+    EXPECT_LT(longest, 10u) << "it waits for most of its time";
 }
 
 TEST(CompileKernels, MakesEveryKernelThatARenderNeeds) {
