@@ -135,7 +135,7 @@ int main(int argc, char** argv) try {
     float highest = 0;
     for (unsigned frame = 0; frame < frames; ++frame) {
         for (unsigned i = 0; i < steps; ++i) {
-            step_wave.run({std::size_t(side) * side}, now, before, side, courant);
+            step_wave.run({std::size_t(side) * side, 64}, now, before, side, courant);
             std::swap(now, before);
         }
         move_vertices.run({now.size(), 64}, now, bvh.triangles().positions, std::uint32_t(now.size()));

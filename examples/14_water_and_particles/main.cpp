@@ -158,15 +158,15 @@ public:
 
     void step() {
         constexpr float courant = 0.5f, kept = 0.998f, pull = 0.002f, push = 0.003f;
-        move_.run({drops_, 0}, particles_, drops_, now_, pushes_, side_, seconds_per_step);
-        step_.run({now_.size(), 0}, now_, before_, pushes_, side_, courant, kept, pull, push);
+        move_.run({drops_, 64}, particles_, drops_, now_, pushes_, side_, seconds_per_step);
+        step_.run({now_.size(), 64}, now_, before_, pushes_, side_, courant, kept, pull, push);
         std::swap(now_, before_);
     }
 
     void write_to(claray::Scene& scene) {
         const float radius = 0.006f;
-        water_.run({now_.size(), 0}, now_, side_, water_positions_, water_normals_);
-        write_drops_.run({drops_, 0}, particles_, drops_, radius, drop_positions_);
+        water_.run({now_.size(), 64}, now_, side_, water_positions_, water_normals_);
+        write_drops_.run({drops_, 64}, particles_, drops_, radius, drop_positions_);
         read_into(scene.meshes[0].positions, water_positions_);
         read_into(scene.meshes[0].normals, water_normals_);
         read_into(scene.meshes[1].positions, drop_positions_);

@@ -32,7 +32,7 @@ struct Primitives::State {
     void bound() {
         if (count == 0) return;
         compile("bound_primitives", {})
-            .run({count, 0}, arg("data", data), count, arg("positions", corners.positions),
+            .run({count, 64}, arg("data", data), count, arg("positions", corners.positions),
                  arg("indices", corners.indices));
     }
 

@@ -490,7 +490,7 @@ double Wavefront::cut_off() const {
 }
 
 void Wavefront::empty_queues(const Buffer<std::uint64_t>& totals) {
-    kernels_.empty_queues.run({1, 0}, queue_lengths_, totals);
+    kernels_.empty_queues.run({1, 1}, queue_lengths_, totals);
 }
 
 void Wavefront::trace_shadows(std::uint32_t limit, const Buffer<std::uint32_t>& length) {

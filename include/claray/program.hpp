@@ -22,7 +22,9 @@ enum class Math {
 /// index.
 struct Range {
     std::size_t global = 0;
-    std::size_t local = 0;  ///< 0: the driver chooses, and the global size is not rounded
+    /// 0: the driver chooses a divisor of the global size, which is not rounded. NVIDIA's takes 1 if that is prime,
+    /// which is many times as slow: give a size wherever the number of items is not known.
+    std::size_t local = 0;
 };
 
 /// Local (work-group) memory for a kernel argument, in bytes.

@@ -39,12 +39,12 @@ CountedLists<T> make_lists(const Bvh& bvh, std::uint32_t queries, const FindList
     find(lists.offsets, lists.elements, counts);
     const std::string kinds = suffix<T>;
     load_kernel(device, "trace/lists/lists.cl", "sort_" + kinds)
-        .run({queries, 0}, arg("elements", lists.elements), arg("offsets", lists.offsets), queries,
+        .run({queries, 64}, arg("elements", lists.elements), arg("offsets", lists.offsets), queries,
              arg("counts", counts));
     if (!bvh.splits()) return {lists, counts};
     const Lists<T> packed = upload();
     load_kernel(device, "trace/lists/lists.cl", "pack_" + kinds)
-        .run({queries, 0}, arg("from", lists.elements), arg("from_offsets", lists.offsets), queries,
+        .run({queries, 64}, arg("from", lists.elements), arg("from_offsets", lists.offsets), queries,
              arg("offsets", packed.offsets), arg("to", packed.elements));
     return {packed, counts};
 }

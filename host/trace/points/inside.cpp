@@ -35,7 +35,7 @@ void inside(const Bvh& bvh, const Buffer<float>& points, Buffer<std::uint8_t>& a
     check(count, answers.size());
     if (count == 0) return;
     load_kernel(bvh.device(), "trace/points/crossings.cl", "parities")
-        .run({count, 0}, crossings_of(bvh, points, count), count, answers);
+        .run({count, 64}, crossings_of(bvh, points, count), count, answers);
 }
 
 void signed_distance(const Bvh& bvh, const Buffer<float>& points, Buffer<float>& distances,
@@ -46,7 +46,7 @@ void signed_distance(const Bvh& bvh, const Buffer<float>& points, Buffer<float>&
     Buffer<NearestPoint> nearest(bvh.device(), count);
     nearest_point(bvh, points, nearest, options);
     load_kernel(bvh.device(), "trace/points/crossings.cl", "sign_distances")
-        .run({count, 0}, nearest, crossings_of(bvh, points, count), count, distances);
+        .run({count, 64}, nearest, crossings_of(bvh, points, count), count, distances);
 }
 
 std::vector<std::uint8_t> inside(const Bvh& bvh, std::span<const glm::vec3> points) {

@@ -23,7 +23,7 @@ Buffer<std::uint32_t> point_order(const Bvh& bvh, const Buffer<float>& points, s
     const Device& device = bvh.device();
     Buffer<std::uint32_t> keys(device, count), order(device, count);
     load_kernel(device, "trace/points/nearest_point.cl", "point_keys")
-        .run({count, 0}, bvh.header_buffer(), points, count, arg("keys", keys));
+        .run({count, 64}, bvh.header_buffer(), points, count, arg("keys", keys));
     auto config = RadixSort<std::uint32_t>::config_for(device);
     config.key_bits = 30;
     RadixSort<std::uint32_t>(device, count, config).sort(keys, order, count);

@@ -24,7 +24,7 @@ public:
           before_(run.device(), at_rest) {}
 
     void step() {
-        step_.run({std::size_t(side_) * side_}, arg("now", now_), arg("before", before_), side_, courant_squared_);
+        step_.run({std::size_t(side_) * side_, 64}, arg("now", now_), arg("before", before_), side_, courant_squared_);
         std::swap(now_, before_);
     }
     [[nodiscard]] Heights heights() const { return now_.read(); }
