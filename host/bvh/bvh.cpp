@@ -21,25 +21,28 @@ void check_indices(const Mesh& mesh, std::size_t geometry) {
     }
 }
 
-/// Joins the vertices and triangles of all meshes; geometries and masks are only added if they are needed.
-TriangleBuffers upload(const Device& device, std::span<const Mesh> meshes) {
+/// Joins the vertices and triangles of all meshes in buffers of their counts.
+void write(std::span<const Mesh> meshes, TriangleBuffers& buffers) {
     std::vector<float> positions;
     std::vector<std::uint32_t> indices, geometries, masks;
     for (std::size_t geometry = 0; geometry < meshes.size(); ++geometry) {
         const Mesh& mesh = meshes[geometry];
-        check_indices(mesh, geometry);
         const auto base = std::uint32_t(positions.size() / 3);
         for (const glm::vec3& p : mesh.positions) positions.insert(positions.end(), {p.x, p.y, p.z});
         for (const glm::uvec3& t : mesh.triangles) indices.insert(indices.end(), {base + t.x, base + t.y, base + t.z});
         geometries.resize(indices.size() / 3, std::uint32_t(geometry));
         masks.push_back(mesh.mask);
     }
-    TriangleBuffers buffers;
-    buffers.positions = Buffer<float>(device, positions);
-    buffers.indices = Buffer<std::uint32_t>(device, indices);
-    if (meshes.size() > 1) buffers.geometries = Buffer<std::uint32_t>(device, geometries);
-    if (std::any_of(masks.begin(), masks.end(), [](std::uint32_t mask) { return mask != 0xffffffffu; }))
-        buffers.masks = Buffer<std::uint32_t>(device, masks);
+    buffers.positions.write(positions);
+    buffers.indices.write(indices);
+    if (buffers.geometries.allocated()) buffers.geometries.write(geometries);
+    if (buffers.masks.allocated()) buffers.masks.write(masks);
+}
+
+TriangleBuffers upload(const Device& device, std::span<const Mesh> meshes) {
+    for (std::size_t geometry = 0; geometry < meshes.size(); ++geometry) check_indices(meshes[geometry], geometry);
+    TriangleBuffers buffers = allocate_triangles(device, counts_of(meshes));
+    write(meshes, buffers);
     return buffers;
 }
 
@@ -51,14 +54,25 @@ void append_bytes(std::string& bytes, const T& value) {
 }  // namespace
 
 Bvh Bvh::build(const Device& device, std::span<const Mesh> meshes, const Config& config) {
-    require_memory(device, meshes, config);
-    return build(device, upload(device, meshes), config);
+    for (std::size_t geometry = 0; geometry < meshes.size(); ++geometry) check_indices(meshes[geometry], geometry);
+    const TriangleCounts counts = counts_of(meshes);
+    require_memory(device, counts, config);
+    TriangleBuffers triangles;
+    Bvh bvh;
+    commit_memory(device, counts, config, [&] {
+        triangles = allocate_triangles(device, counts);
+        bvh.state_ = std::make_shared<State>(device, triangles, config);
+    });
+    write(meshes, triangles);
+    bvh.state_->build();
+    return bvh;
 }
 
 Bvh Bvh::build(const Device& device, const TriangleBuffers& triangles, const Config& config) {
     require_memory(device, triangles, config);
     Bvh bvh;
-    bvh.state_ = std::make_shared<State>(device, triangles, config);
+    commit_memory(device, counts_of(triangles), config,
+                  [&] { bvh.state_ = std::make_shared<State>(device, triangles, config); });
     bvh.state_->build();
     return bvh;
 }

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "host/bvh/bvh_state.hpp"
+#include "host/compute/memory.hpp"
 #include "host/compute/programs/joint_program.hpp"
 
 namespace claray {
@@ -311,6 +312,13 @@ void Bvh::State::keep_tree_only() {
     sort32.reset(), sort64.reset();
     other_nodes = {}, other_leaves = {}, sbvh = {}, finish = {};
     if (layout == Layout::wide) nodes = {}, leaves = {};
+}
+
+std::uint64_t Bvh::State::bytes() const {
+    return buffer_bytes(header, nodes, leaves, wide_nodes, wide_blocks, primitive_blocks, bound_keys, codes32, codes64,
+                        order, arrivals, clusters, pieces, piece_counts, costs, other_nodes, other_leaves, sbvh,
+                        finish) +
+           (sort32 ? sort32->bytes() : 0) + (sort64 ? sort64->bytes() : 0);
 }
 
 double Bvh::State::sah_cost() const {

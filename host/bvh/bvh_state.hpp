@@ -47,6 +47,8 @@ struct Bvh::State {
     [[nodiscard]] std::size_t block_bytes() const {
         return leaf_shape == LeafShape::triangle ? sizeof(TriangleBlock) : sizeof(PrimitiveBlock);
     }
+    /// Of all buffers but the triangles.
+    [[nodiscard]] std::uint64_t bytes() const;
     /// Of what a traversal reads.
     [[nodiscard]] std::uint64_t tree_bytes(const BvhHeader& of) const {
         if (layout == Layout::binary) return sizeof(BvhHeader) + nodes.bytes() + leaves.bytes();

@@ -5,6 +5,7 @@
 #include "host/bvh/bvh_state.hpp"
 #include "host/bvh/host_placement.hpp"
 #include "host/bvh/instances_state.hpp"
+#include "host/compute/memory.hpp"
 
 namespace claray {
 namespace {
@@ -149,6 +150,12 @@ void InstancedBvh::State::copy_bottoms(std::span<const Bvh> bottoms) {
             append(device, bottoms[i].leaves(), leaves, at.first_leaf, size.leaves);
         }
     }
+}
+
+std::uint64_t InstancedBvh::State::bytes() const {
+    return buffer_bytes(instances, ends, nodes, leaves, wide_nodes, wide_blocks, placed, moving, widening) +
+           buffer_bytes(boxes.positions, boxes.indices) + (shared ? shared->state().bytes() : headers.bytes()) +
+           (top ? top->state().bytes() : 0);
 }
 
 void InstancedBvh::State::place() {

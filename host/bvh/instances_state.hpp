@@ -16,6 +16,8 @@ struct InstancedBvh::State {
     void place();
     void widen_top();
     void build_by_host(std::span<const Instance> begins, std::span<const Instance> motion_ends);
+    /// Of all buffers; of a shared bottom level without its triangles.
+    [[nodiscard]] std::uint64_t bytes() const;
     void bind_bottoms(Kernel& kernel, unsigned& index) const;
 
     Device device;

@@ -16,6 +16,8 @@ public:
               std::uint32_t leaf_count, Buffer<std::uint32_t>& arrivals, const Buffer<BvhHeader>& header,
               const Buffer<BvhNode>& new_nodes, const Buffer<LeafTriangle>& new_leaves);
 
+    [[nodiscard]] std::uint64_t bytes() const { return subtrees_.bytes(); }
+
 private:
     Buffer<std::uint32_t> subtrees_;  // nine words each
     Kernel measure_, copy_, finish_;

@@ -246,9 +246,9 @@ Bvh Bvh::load(const Device& device, const std::filesystem::path& path, Layout la
     const Config config = config_of(file, layout);
     const TriangleCounts counts = counts_of(file);
     require_memory(device, counts, config);
-    const TriangleBuffers triangles = allocate_triangles(device, counts);
     Bvh bvh;
-    bvh.state_ = std::make_shared<State>(device, triangles, config);
+    commit_memory(device, counts, config,
+                  [&] { bvh.state_ = std::make_shared<State>(device, allocate_triangles(device, counts), config); });
     State& s = *bvh.state_;
     if (s.nodes.size() != header.nodes || s.leaves.size() != header.leaves)
         file.refuse_damaged("its tree and its triangles do not match");

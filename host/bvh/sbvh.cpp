@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "host/compute/memory.hpp"
 #include "host/compute/programs/joint_program.hpp"
 
 namespace claray {
@@ -90,6 +91,11 @@ void Sbvh::build(const TriangleBuffers& triangles, const Buffer<BvhNode>& nodes,
     }
     finish_subtrees(nodes, leaves);
     finish_.run({1, 1}, leaves, header, counters_);
+}
+
+std::uint64_t Sbvh::bytes() const {
+    return buffer_bytes(references_[0], references_[1], root_extent_, counters_, small_, large_.tasks[0],
+                        large_.tasks[1], medium_.tasks[0], medium_.tasks[1], states_, bins_, chunks_);
 }
 
 /// One level of the nodes that several groups split.

@@ -19,6 +19,8 @@ public:
     void build(const TriangleBuffers& triangles, const Buffer<BvhNode>& nodes, const Buffer<LeafTriangle>& leaves,
                const Buffer<BvhHeader>& header);
 
+    [[nodiscard]] std::uint64_t bytes() const;
+
 private:
     struct Queue {
         Buffer<std::uint32_t> tasks[2];  // of this level and of the next, alternating

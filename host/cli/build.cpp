@@ -6,6 +6,7 @@
 
 #include "host/base/file.hpp"
 #include "host/base/seconds_since.hpp"
+#include "host/bvh/require_memory.hpp"
 #include "host/cli/commands.hpp"
 #include "host/cli/options/bvh_options.hpp"
 #include "host/cli/options/option_rules.hpp"
@@ -32,6 +33,7 @@ constexpr const char* saved_extension = ".cbvh";
 struct Report {
     BvhStatistics statistics;
     BvhMemory memory;
+    std::uint64_t taken = 0;  // bytes of all buffers, at most
     std::string hash, layout;
     bool valid = false;
     measure::Timing build;                      // no rounds if the structure was loaded
@@ -48,9 +50,9 @@ Report make_report(const Device& device, const BuildOptions& options) {
         report.load_seconds = seconds_since(begin);
     else
         report.build = measure::measure_rounds(device, options.repeat, {[&bvh] { bvh.rebuild(); }})[0];
+    report.taken = most_bytes_in_use(device);
     report.statistics = bvh.statistics();
-    report.memory =
-        Bvh::memory_needed(device, bvh.triangles().positions.size() / 3, bvh.triangle_count(), options.config);
+    report.memory = memory_needed(device, counts_of(bvh.triangles()), options.config);
     report.hash = bvh.hash();
     report.layout = measure::name_of(measure::layouts, bvh.layout());
     report.valid = bvh.validate().ok();
@@ -68,8 +70,9 @@ void print_as_text(const Device& device, const BuildOptions& options, const Repo
     std::printf("tree          %s, %u triangles (%u culled), height %u, SAH cost %.2f, %.1f MB, %s\n", r.layout.c_str(),
                 s.triangles, s.culled, s.height, s.sah_cost, double(s.bytes) * 1e-6, r.valid ? "valid" : "INVALID");
     if (!r.build.rounds.empty())
-        std::printf("memory        %s to build, including scratch and triangles; the largest buffer %s\n",
-                    size_text(r.memory.bytes).c_str(), size_text(r.memory.largest_buffer).c_str());
+        std::printf("memory        %s to build, including scratch and triangles; %s taken; the largest buffer %s\n",
+                    size_text(r.memory.bytes).c_str(), size_text(r.taken).c_str(),
+                    size_text(r.memory.largest_buffer).c_str());
     std::printf("hash          %s\n", r.hash.c_str());
     if (r.load_seconds > 0) std::printf("loaded        in %.2f s\n", r.load_seconds);
     if (!r.build.rounds.empty()) {
@@ -100,6 +103,7 @@ void print_as_json(const Device& device, const BuildOptions& options, const Repo
         report["build"] = {{"milliseconds", r.build.milliseconds()},
                            {"span", r.build.span()},
                            {"memory_bytes", r.memory.bytes},
+                           {"taken_bytes", r.taken},
                            {"largest_buffer_bytes", r.memory.largest_buffer},
                            {"stages", r.build.commands}};
     if (r.load_seconds > 0) report["load_seconds"] = r.load_seconds;

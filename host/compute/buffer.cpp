@@ -4,6 +4,7 @@
 #include "host/compute/device_state.hpp"
 #include "host/compute/memory.hpp"
 
+#include <algorithm>
 #include <cstdlib>
 #if defined(__linux__)
 #include <sys/mman.h>
@@ -33,6 +34,13 @@ cl::Buffer make_buffer(const Device& device, std::size_t bytes) {
     return {device.context(), CL_MEM_READ_WRITE, bytes};
 }
 
+/// The host is asked about large buffers only, since that takes as long as a small one.
+std::uint64_t bytes_left_for(const Device& device, std::size_t bytes) {
+    constexpr std::size_t large = std::size_t(16) << 20;
+    if (bytes >= large) return bytes_available(device);
+    return device.info().memory - std::min(device.info().memory, bytes_in_use(device));
+}
+
 }  // namespace
 
 std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes) {
@@ -43,21 +51,21 @@ std::shared_ptr<cl::Buffer> allocate(const Device& device, std::size_t bytes) {
         return {};
     }
     const auto refuse = [&](const std::string& why) {
-        throw Error(ErrorKind::device,
-                    "out of device memory: a buffer of " + size_text(bytes) + " does not fit on " + info.name +
-                        ", which " + why,
-                    "use a smaller scene or image, or another device");
+        throw OutOfMemory("out of device memory: a buffer of " + size_text(bytes) + " does not fit on " + info.name +
+                              ", which " + why,
+                          "use a smaller scene or image, or another device");
     };
-    if (bytes > bytes_available(device))
-        refuse("has " + size_text(bytes_available(device)) + " of its " + size_text(info.memory) + " left");
+    if (const std::uint64_t left = bytes_left_for(device, bytes); bytes > left)
+        refuse("has " + size_text(left) + " of its " + size_text(info.memory) + " left");
     const auto in_use = device.state().in_use;
     try {
         fail_if_asked(device.state().failing_allocation, CL_MEM_OBJECT_ALLOCATION_FAILURE);
         // The driver decides about sizes above CL_DEVICE_MAX_MEM_ALLOC_SIZE.
         auto made = std::make_unique<cl::Buffer>(make_buffer(device, bytes));
-        *in_use += bytes;
+        if (device.state().commits) device.queue().enqueueFillBuffer(*made, cl_uchar(0), 0, 1);
+        in_use->add(bytes);
         return {made.release(), [in_use, bytes](const cl::Buffer* buffer) {
-                    *in_use -= bytes;
+                    in_use->now -= bytes;
                     delete buffer;
                 }};
     } catch (const cl::Error& error) {

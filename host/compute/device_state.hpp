@@ -13,6 +13,16 @@ namespace claray {
 class MemoryPlan;
 struct KernelRequest;
 
+/// Bytes of all buffers together.
+struct MemoryUse {
+    std::atomic<std::uint64_t> now = 0, most = 0;
+
+    void add(std::uint64_t bytes) {
+        const std::uint64_t after = now += bytes;
+        for (std::uint64_t before = most; before < after && !most.compare_exchange_weak(before, after);) continue;
+    }
+};
+
 struct Device::State {
     State() = default;
     State(const State&) = delete;
@@ -33,11 +43,13 @@ struct Device::State {
     std::vector<std::string> slow_programs;          // keys of programs that are only for a quick start
     std::vector<KernelRequest>* requests = nullptr;  // if set, kernels are recorded instead of loaded
     MemoryPlan* plan = nullptr;                      // if set, buffers are added up instead of created
-    std::shared_ptr<std::atomic<std::uint64_t>> in_use = std::make_shared<std::atomic<std::uint64_t>>(0);  // bytes
+    bool commits = false;                            // see MemoryCommit
+    std::shared_ptr<MemoryUse> in_use = std::make_shared<MemoryUse>();
     unsigned failing_allocation = 0, failing_command = 0;  // for tests: see host/compute/memory.hpp
-    std::map<std::string, unsigned> tuning;                // "kernel parameter" -> value, as resolved for this device
-    std::vector<std::string> tuning_warnings;              // see claray/tuning.hpp
-    std::shared_ptr<cl::Buffer> ray_queue;                 // see host/trace/query_kernel.hpp; made when first used
+    int failing_with = 0;
+    std::map<std::string, unsigned> tuning;    // "kernel parameter" -> value, as resolved for this device
+    std::vector<std::string> tuning_warnings;  // see claray/tuning.hpp
+    std::shared_ptr<cl::Buffer> ray_queue;     // see host/trace/query_kernel.hpp; made when first used
 };
 
 }  // namespace claray

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "host/base/format.hpp"
+#include "host/base/host_memory.hpp"
 #include "host/compute/device_error.hpp"
 #include "host/compute/device_state.hpp"
 
@@ -19,6 +20,10 @@ void MemoryPlan::add(std::uint64_t bytes) {
     bytes_ = bytes > UINT64_MAX - bytes_ ? UINT64_MAX : bytes_ + bytes;
     largest_ = std::max(largest_, bytes);
 }
+
+MemoryCommit::MemoryCommit(const Device& device) : device_(device) { device_.state().commits = true; }
+
+MemoryCommit::~MemoryCommit() { device_.state().commits = false; }
 
 /// The memory of a buffer that the driver allocates on the host stays mapped: the documented way to page-locked memory
 /// (NVIDIA, "OpenCL Best Practices Guide", 3.1.1).
@@ -50,11 +55,12 @@ std::vector<cl::Event> HostMemory::read_in_parts(const Device& device, const cl:
     throw_device_error(device, "read a buffer", error);
 }
 
-std::uint64_t bytes_in_use(const Device& device) { return *device.state().in_use; }
+std::uint64_t bytes_in_use(const Device& device) { return device.state().in_use->now; }
+std::uint64_t most_bytes_in_use(const Device& device) { return device.state().in_use->most; }
 
 std::uint64_t bytes_available(const Device& device) {
-    const std::uint64_t all = device.info().memory, used = bytes_in_use(device);
-    return all > used ? all - used : 0;
+    const std::uint64_t all = device.info().memory, used = bytes_in_use(device), left = all > used ? all - used : 0;
+    return device.info().type == DeviceType::cpu ? std::min(left, free_host_memory()) : left;
 }
 
 bool gives_buffer(const Device& device, std::uint64_t bytes) {
@@ -67,7 +73,10 @@ bool gives_buffer(const Device& device, std::uint64_t bytes) {
 }
 
 void fail_allocation(const Device& device, unsigned nth) { device.state().failing_allocation = nth; }
-void fail_command(const Device& device, unsigned nth) { device.state().failing_command = nth; }
+void fail_command(const Device& device, unsigned nth) { fail_command_with(device, nth, CL_OUT_OF_RESOURCES); }
+void fail_command_with(const Device& device, unsigned nth, int error) {
+    device.state().failing_command = nth, device.state().failing_with = error;
+}
 
 void fail_if_asked(unsigned& countdown, int error) {
     if (countdown != 0 && --countdown == 0) throw cl::Error(error, "an injected failure");

@@ -8,6 +8,12 @@
 
 namespace claray {
 
+/// Thrown where memory ends.
+class OutOfMemory : public Error {
+public:
+    OutOfMemory(const std::string& message, const std::string& remedy) : Error(ErrorKind::device, message, remedy) {}
+};
+
 /// During its lifetime buffers of the device are not created; their sizes are added up instead. Objects constructed
 /// meanwhile must only allocate, not compute, and cannot be used afterwards. Plans must not be nested.
 class MemoryPlan {
@@ -24,6 +30,20 @@ public:
 private:
     Device device_;
     std::uint64_t bytes_ = 0, largest_ = 0;
+};
+
+/// In its lifetime the driver must find the memory of each buffer at once. NVIDIA's otherwise does when a command first
+/// uses the buffer, so that a scene would be refused only after much of it is uploaded. For buffers that no other queue
+/// writes.
+class MemoryCommit {
+public:
+    explicit MemoryCommit(const Device& device);
+    ~MemoryCommit();
+    MemoryCommit(const MemoryCommit&) = delete;
+    MemoryCommit& operator=(const MemoryCommit&) = delete;
+
+private:
+    Device device_;
 };
 
 /// Host memory to which the device copies fast. GPUs copy to page-locked memory several times as fast as to other
@@ -59,18 +79,29 @@ private:
     std::shared_ptr<std::uint8_t> data_;
 };
 
+/// Bytes of several buffers together.
+template <class... Buffers>
+[[nodiscard]] std::uint64_t buffer_bytes(const Buffers&... buffers) {
+    return (std::uint64_t(0) + ... + buffers.bytes());
+}
+
 /// Bytes of all buffers that claray holds on the device.
 [[nodiscard]] std::uint64_t bytes_in_use(const Device& device);
-/// Bytes that claray can still allocate: the device's memory less that in use. The use by other programs is unknown.
+/// The most that they have been at once, on this device and its other queues.
+[[nodiscard]] std::uint64_t most_bytes_in_use(const Device& device);
+/// Bytes that claray can still allocate: the device's memory less what is in use; on CPUs at most what other programs
+/// leave. What other programs take of a GPU is unknown.
 [[nodiscard]] std::uint64_t bytes_available(const Device& device);
 
 /// Returns whether the device can allocate a buffer of this size, even if it exceeds CL_DEVICE_MAX_MEM_ALLOC_SIZE:
 /// NVIDIA's and AMD's drivers, for instance, report a quarter of the memory and often allow more.
 [[nodiscard]] bool gives_buffer(const Device& device, std::uint64_t bytes);
 
-/// For tests: the nth allocation or kernel run from now on fails as if the driver refused; 0: none fails.
+/// For tests: the nth allocation or kernel run from now on fails as if the driver refused; 0: none fails. `error`:
+/// OpenCL's number.
 void fail_allocation(const Device& device, unsigned nth);
 void fail_command(const Device& device, unsigned nth);
+void fail_command_with(const Device& device, unsigned nth, int error);
 /// Counts down and throws this OpenCL error at 1; does nothing at 0.
 void fail_if_asked(unsigned& countdown, int error);
 

@@ -103,6 +103,12 @@ ScenePrimitives::ScenePrimitives(const Device& device, const Scene& scene) {
     }
 }
 
+std::uint64_t ScenePrimitives::device_bytes() const {
+    std::uint64_t bytes = store_.bytes();
+    for (const PrimitivesOfKind& kind : kinds_) bytes += kind.structure.bvh().state().bytes();
+    return bytes;
+}
+
 std::vector<std::uint32_t> materials_of_primitives(const Scene& scene) {
     std::vector<std::uint32_t> materials;
     for (std::uint32_t kind = 0; kind < CLARAY_PRIMITIVE_KINDS; ++kind)

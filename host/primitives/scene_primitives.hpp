@@ -25,6 +25,8 @@ public:
     [[nodiscard]] Defines::value_type define() const { return {"PRIMITIVES", std::to_string(mask_)}; }
     /// Of the store and the trees.
     [[nodiscard]] std::uint64_t bytes() const { return bytes_; }
+    /// The same, with what the buffers of the trees do not use.
+    [[nodiscard]] std::uint64_t device_bytes() const;
 
 private:
     std::vector<PrimitivesOfKind> kinds_;

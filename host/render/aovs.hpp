@@ -2,6 +2,7 @@
 #pragma once
 
 #include "claray/renderer.hpp"
+#include "host/compute/memory.hpp"
 #include "host/render/wavefront.hpp"
 
 namespace claray {
@@ -18,6 +19,10 @@ public:
     /// Traces pixels `first` to `first` + `count` - 1, at most `capacity()`; asynchronous. The data of pixel `first` +
     /// i is element i.
     void run(Wavefront& wavefront, const SceneBuffers& scene, std::uint32_t first, std::uint32_t count);
+
+    [[nodiscard]] std::uint64_t bytes() const {
+        return buffer_bytes(depth, normal, albedo, primitive, visits, counts_);
+    }
 
     Buffer<float> depth, normal, albedo;  ///< 1, 3 and 3 per pixel, as in Aovs
     Buffer<std::uint32_t> primitive, visits;

@@ -1,4 +1,5 @@
 // What a renderer gives: images and pictures, statistics, voxels, AOVs.
+#include "host/compute/memory.hpp"
 #include "host/denoise/denoised_image.hpp"
 #include "host/render/parts/scene_parts.hpp"
 #include "host/render/renderer_state.hpp"
@@ -68,9 +69,10 @@ RenderStatistics Renderer::statistics() const {
     statistics.in_paths = state.rays(trace_paths_name, totals.in_paths);
     if (totals.in_paths != 0)
         for (RayCount* count : {&statistics.camera, &statistics.bounce, &statistics.shadow}) count->milliseconds = 0;
-    statistics.device_bytes =
-        statistics.bvh.bytes + state.buffers.bytes() + state.wavefront.bytes() + state.film.bytes();
-    if (state.denoising) statistics.device_bytes += state.denoising->bytes();
+    statistics.device_bytes = buffer_bytes(state.buffers, state.wavefront, state.film);
+    const auto add = [&](const auto& stage) { statistics.device_bytes += stage ? stage->bytes() : 0; };
+    add(state.tone_mapper), add(state.aovs), add(state.gbuffer), add(state.denoising), add(state.guide);
+    statistics.most_device_bytes = most_bytes_in_use(state.device);
     statistics.first_pixel_seconds = state.first_pixel_seconds;
     statistics.first_pixel_processor_seconds = state.first_pixel_processor_seconds;
     statistics.start = state.plan.start;

@@ -194,9 +194,6 @@ void SceneBuffers::bind(Kernel& kernel, unsigned& index) const {
     structure.bind(kernel, index);
 }
 
-std::uint64_t SceneBuffers::bytes() const {
-    return structure.triangles().positions.bytes() + structure.triangles().indices.bytes() + tables.bytes() +
-           textures.store.bytes();
-}
+std::uint64_t SceneBuffers::bytes() const { return structure.bytes() + tables.bytes() + textures.store.bytes(); }
 
 }  // namespace claray

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 
+#include "host/bvh/bvh_state.hpp"
+#include "host/bvh/instances_state.hpp"
+#include "host/compute/memory.hpp"
 #include "host/lights/lights.hpp"
 #include "host/render/parts/parts_query.hpp"
 
@@ -21,6 +24,10 @@ TriangleBuffers upload_all(const Device& device, const Scene& scene) {
     buffers.positions = Buffer<float>(device, positions);
     buffers.indices = Buffer<std::uint32_t>(device, indices);
     return buffers;
+}
+
+std::uint64_t buffer_bytes(const TriangleBuffers& triangles) {
+    return claray::buffer_bytes(triangles.positions, triangles.indices, triangles.geometries, triangles.masks);
 }
 
 struct BottomLevels {
@@ -222,6 +229,16 @@ Structure Structure::rebuilt(const Bvh::Config& config) const {
     return other;
 }
 
+std::uint64_t Structure::bytes() const {
+    std::uint64_t bytes = buffer_bytes(triangles_);
+    if (parts_) bytes += parts_->bytes();
+    if (instanced_) bytes += instanced_->state().bytes();
+    if (!instanced_ && !parts_) bytes += bvh_.state().bytes();
+    if (by_host_.size() > 1)
+        for (const Bvh& bvh : by_host_) bytes += buffer_bytes(bvh.triangles()) + bvh.state().bytes();
+    return bytes + (primitives_ ? primitives_->device_bytes() : 0);
+}
+
 BvhStatistics Structure::statistics() const {
     BvhStatistics statistics = statistics_of_triangles();
     if (primitives_) statistics.bytes += primitives_->bytes();
@@ -274,6 +291,8 @@ SceneQuery::SceneQuery(const Structure& structure, QueryKernel::Kind kind, const
         of_triangles_ = QueryKernel(structure.bvh(), kind, options, name, file);
     if (structure.primitives()) of_primitives_.emplace(*structure.primitives(), kind, instanced_, name);
 }
+
+std::uint64_t SceneQuery::bytes() const { return of_parts_ ? of_parts_->bytes() : 0; }
 
 void SceneQuery::closest(const Buffer<Ray>& rays, SceneHits& hits, std::uint32_t capacity,
                          const Buffer<std::uint32_t>& count, const Buffer<float>& times) {

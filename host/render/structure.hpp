@@ -62,6 +62,8 @@ public:
     /// For one tree; for a tree of trees: triangles and bytes of all levels, the largest height that a ray descends,
     /// and the top level's cost. The bytes include those of primitives. Blocks.
     [[nodiscard]] BvhStatistics statistics() const;
+    /// Of all buffers, the triangles' and those for rebuilding among them.
+    [[nodiscard]] std::uint64_t bytes() const;
     /// Number of culled triangles.
     [[nodiscard]] std::uint32_t culled() const { return instanced_ || parts_ ? bottoms_.culled : bvh_.header().culled; }
     /// Macros of kernels that read hits.
@@ -130,6 +132,8 @@ public:
     }
     void any(const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded, std::uint32_t capacity,
              const Buffer<std::uint32_t>& count, const Buffer<float>& times);
+    /// Of its own buffers.
+    [[nodiscard]] std::uint64_t bytes() const;
 
 private:
     bool instanced_ = false;

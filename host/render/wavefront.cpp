@@ -5,6 +5,7 @@
 #include <span>
 #include <tuple>
 
+#include "host/compute/memory.hpp"
 #include "host/compute/tuning.hpp"
 
 namespace claray {
@@ -210,6 +211,9 @@ void Wavefront::make_room(std::uint32_t paths) {
     constexpr std::size_t word = sizeof(std::uint32_t);
     // Kernels for more effects than the scene's also write cones.
     const std::size_t words = moves ? CLARAY_QUEUE_WORDS : CLARAY_QUEUE_TIMES;
+    for (int i = 0; i < 2; ++i) queues_[i] = {}, rays_[i] = {}, states_[i] = {}, times_[i] = {};
+    hits_ = {}, radiance_ = {};
+    shadow_queue_ = {}, shadow_rays_ = {}, shadow_light_ = {}, occluded_ = {}, shadow_times_ = {};
     for (int i = 0; i < 2; ++i) {
         queues_[i] = Buffer<RayQueue>(device_, words * room);
         rays_[i] = Buffer<Ray>(queues_[i], 0, room);
@@ -521,8 +525,9 @@ void Wavefront::reset_totals() {
 }
 
 std::uint64_t Wavefront::bytes() const {
-    return queues_[0].bytes() + queues_[1].bytes() + shadow_queue_.bytes() + hits_.bytes() + occluded_.bytes() +
-           radiance_.bytes();
+    return buffer_bytes(queues_[0], queues_[1], shadow_queue_, hits_, occluded_, radiance_, queue_lengths_, totals_,
+                        totals_in_paths_, kernels_.trace_camera, kernels_.trace_bounce, kernels_.trace_shadow) +
+           (kernels_.tile_sum ? kernels_.tile_sum->bytes() : 0);
 }
 
 }  // namespace claray

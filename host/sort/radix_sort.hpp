@@ -23,6 +23,9 @@ public:
     /// Sorts the first `count` keys; values[i] receives the former position of keys[i]. Both buffers must hold at least
     /// `count` elements; the initial content of `values` is ignored. Asynchronous.
     void sort(Buffer<Key>& keys, Buffer<std::uint32_t>& values, std::size_t count);
+    [[nodiscard]] std::uint64_t bytes() const {
+        return other_keys_.bytes() + other_values_.bytes() + histogram_.bytes();
+    }
 
 private:
     void sort_onesweep(Buffer<Key>& keys, Buffer<std::uint32_t>& values, std::uint32_t count);

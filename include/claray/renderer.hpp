@@ -185,14 +185,15 @@ struct RenderStatistics {
     /// Rays of the above that were traced by a kernel which processes whole paths, and its time. Used on GPUs for
     /// scenes with few effects and short paths.
     RayCount in_paths;
-    EffectSet effects;  ///< effects of the scene, after `RenderConfig::effects`
-    std::uint64_t device_bytes = 0;
-    unsigned parts = 1;                 ///< of the tree, see RenderConfig::parts
-    std::uint64_t bytes_paged = 0;      ///< copied to the device because parts took turns
-    double longest_milliseconds = 0;    ///< longest command of this device so far
-    std::string longest_command;        ///< its name
-    std::uint64_t dropped_samples = 0;  ///< as in RenderProgress
-    double measuring_seconds = 0;       ///< part of the rendering time that was used to estimate noise and error
+    EffectSet effects;                    ///< effects of the scene, after `RenderConfig::effects`
+    std::uint64_t device_bytes = 0;       ///< of this renderer's buffers, with those for rebuilding the tree
+    std::uint64_t most_device_bytes = 0;  ///< the most that all buffers on this device have been at once
+    unsigned parts = 1;                   ///< of the tree, see RenderConfig::parts
+    std::uint64_t bytes_paged = 0;        ///< copied to the device because parts took turns
+    double longest_milliseconds = 0;      ///< longest command of this device so far
+    std::string longest_command;          ///< its name
+    std::uint64_t dropped_samples = 0;    ///< as in RenderProgress
+    double measuring_seconds = 0;         ///< part of the rendering time that was used to estimate noise and error
 };
 
 /// Per-pixel data of the first surface that is visible at the pixel's centre.

@@ -1,5 +1,6 @@
 // Counts the triangles that each ray hits, by the exact step of kernels/trace/triangle.clh on all triangles near the ray. Its own
-// traversal uses generous tests of boxes and triangles; they reject most of the thousands of triangles in large fans.
+// traversal uses generous tests of boxes and triangles; they reject most of the thousands of triangles in large fans. A builder
+// that splits triangles puts one into several leaves: it counts once.
 #include "claray/shared/bvh_node.h"
 #include "trace/triangle.clh"
 
@@ -22,6 +23,16 @@ static inline bool passes_near(float3 origin, float3 direction, float along, flo
     return !((u > du || v > dv || w > dw) && (u < -du || v < -dv || w < -dw));
 }
 
+#define MOST_CLAIMS 32u  // the next ones are not compared with each other
+
+/// Adds a primitive to those that claim the ray, unless it is one of them, and returns their number.
+static inline uint add_claim(uint* claiming, uint count, uint primitive) {
+    for (uint k = 0; k < min(count, MOST_CLAIMS); ++k)
+        if (claiming[k] == primitive) return count;
+    if (count < MOST_CLAIMS) claiming[count] = primitive;
+    return count + 1;
+}
+
 kernel void count_claims(global const BvhHeader* header, global const BvhNode* nodes, global const LeafTriangle* leaves,
                          global const Ray* rays, uint count, global uint* claims) {
     const uint i = get_global_id(0);
@@ -30,7 +41,7 @@ kernel void count_claims(global const BvhHeader* header, global const BvhNode* n
     const float3 least = select((float3)(1e-30f), ray.direction, fabs(ray.direction) > 1e-30f);
     const float3 reciprocal = 1.0f / least;
     const float along = length(ray.direction);
-    uint stack[CLARAY_MAX_HEIGHT + 1], depth = 0, total = 0;
+    uint stack[CLARAY_MAX_HEIGHT + 1], depth = 0, claiming[MOST_CLAIMS], total = 0;
     if (header->root != CLARAY_NO_CHILD) stack[depth++] = header->root;
     while (depth != 0) {
         const uint current = stack[--depth];
@@ -48,7 +59,7 @@ kernel void count_claims(global const BvhHeader* header, global const BvhNode* n
             const float3 v0 = {l->v0x, l->v0y, l->v0z}, v1 = {l->v1x, l->v1y, l->v1z}, v2 = {l->v2x, l->v2y, l->v2z};
             if (!passes_near(ray.origin, ray.direction, along, v0, v1, v2)) continue;
             Hit hit = no_hit(rays[i].tmax);
-            total += exact_hit(&ray, v0, v1, v2, 0, 0, &hit);
+            if (exact_hit(&ray, v0, v1, v2, 0, 0, &hit)) total = add_claim(claiming, total, l->primitive);
         }
     }
     claims[i] = total;

@@ -2,6 +2,7 @@
 #include "host/compute/memory.hpp"
 
 #include "claray/query.hpp"
+#include "host/bvh/require_memory.hpp"
 #include "host/compute/device_state.hpp"
 #include "tests/bvh/support.hpp"
 #include "tests/support/device.hpp"
@@ -31,7 +32,7 @@ protected:
 
 std::vector<Bvh::Config> all_configs() {
     std::vector<Bvh::Config> configs;
-    for (const Builder builder : {Builder::fast, Builder::balanced})
+    for (const Builder builder : {Builder::fast, Builder::balanced, Builder::binned, Builder::high})
         for (const Layout layout : {Layout::binary, Layout::wide})
             for (const unsigned bits : {30u, 63u})
                 configs.push_back({.builder = builder, .morton_bits = bits, .layout = layout});
@@ -76,15 +77,80 @@ TEST_P(Memory, TooLittleIsRefusedBeforeAnyWork) {
 TEST_P(Memory, TheRemedyHelps) {
     const Bvh::Config least = {.builder = Builder::fast, .morton_bits = 30, .layout = Layout::binary};
     const Bvh::Config most = {.builder = Builder::balanced, .morton_bits = 63, .layout = Layout::wide};
+    const auto chooses = [&](const std::string& words, const Bvh::Config& smaller, const Bvh::Config& config) {
+        leave(needed(smaller));
+        EXPECT_TRUE(throws_error(ErrorKind::device,
+                                 "; choose " + words + ", with which it needs " + size_text(needed(smaller)) + ", or",
+                                 [&] { (void)build(config); }));
+        EXPECT_NO_THROW((void)build(smaller));
+    };
+    Bvh::Config high = most, smaller = most;
+    high.builder = Builder::high;
+    chooses("the builder balanced", smaller, high);
+    smaller.builder = Builder::fast;
+    chooses("the builder fast", smaller, high);
+    chooses("the builder fast", smaller, most);
+    smaller.layout = Layout::binary;
+    chooses("the builder fast and the binary layout", smaller, high);
+    chooses("the builder fast, the binary layout and codes of 30 bits", least, most);
     leave(needed(least));
-    EXPECT_TRUE(throws_error(
-        ErrorKind::device,
-        "; choose the builder fast, the binary layout and codes of 30 bits, which need " + size_text(needed(least)),
-        [&] { (void)build(most); }));
     EXPECT_NO_THROW((void)build(least));
     leave(needed(least) - 1);
     EXPECT_TRUE(throws_error(ErrorKind::device, "; use fewer triangles", [&] { (void)build(most); }));
     EXPECT_TRUE(throws_error(ErrorKind::device, "; use fewer triangles", [&] { (void)build(least); }));
+}
+
+TEST_P(Memory, SeveralMeshesAndMasksAreCounted) {
+    std::vector<Mesh> meshes = {mesh_, soup(500, 0.1f, 5)};
+    meshes[1].mask = 2;
+    for (const Bvh::Config& config : all_configs()) {
+        const std::uint64_t before = bytes_in_use(device_);
+        const Bvh bvh = Bvh::build(device_, meshes, config);
+        EXPECT_EQ(bytes_in_use(device_) - before, memory_needed(device_, counts_of(meshes), config).bytes);
+        EXPECT_EQ(memory_needed(device_, counts_of(bvh.triangles()), config).bytes,
+                  memory_needed(device_, counts_of(meshes), config).bytes);
+    }
+}
+
+TEST_P(Memory, ADriverThatRefusesIsHeardBeforeUploads) {
+    const Bvh::Config config = {.builder = Builder::high, .layout = Layout::binary};
+    unsigned nth = 1;
+    for (bool done = false; !done; ++nth) {
+        device_.finish();
+        device_.profiler().reset();
+        fail_allocation(device_, nth);
+        try {
+            (void)build(config);
+            done = true;
+        } catch (const Error& error) {
+            const std::string text = error.what();
+            EXPECT_NE(text.find("a tree of 3000 triangles needs " + size_text(needed(config))), std::string::npos)
+                << text;
+            EXPECT_NE(text.find("refuses some of it; choose the builder "), std::string::npos) << text;
+            EXPECT_TRUE(device_.profiler().summary().empty()) << "allocation " << nth << ": after an upload";
+        }
+    }
+    fail_allocation(device_, 0);
+    EXPECT_GT(nth, 20u);
+}
+
+TEST_P(Memory, AHostWithoutMemoryIsTold) {
+    (void)build({});
+    fail_command_with(device_, 3, CL_OUT_OF_HOST_MEMORY);
+    EXPECT_TRUE(throws_error(ErrorKind::device, "has no memory left for the kernel ", [&] { (void)build({}); }));
+    fail_command_with(device_, 1, CL_OUT_OF_HOST_MEMORY);
+    EXPECT_TRUE(throws_error(ErrorKind::device, "close other programs that use its memory", [&] { (void)build({}); }));
+    fail_command(device_, 0);
+}
+
+TEST_P(Memory, TheMostIsRemembered) {
+    const std::uint64_t before = bytes_in_use(device_), most = most_bytes_in_use(device_);
+    {
+        const Buffer<char> large(device_, most - before + 1000), small(device_, 10);
+        EXPECT_EQ(most_bytes_in_use(device_), most + 1010);
+    }
+    EXPECT_EQ(bytes_in_use(device_), before);
+    EXPECT_EQ(most_bytes_in_use(device_), most + 1010);
 }
 
 TEST_P(Memory, TrianglesOnTheDeviceAreNotCountedTwice) {
@@ -118,6 +184,7 @@ TEST_P(Memory, LargestBufferIsForTheDriverToDecide) {
     // What it does not give is refused before any work, though there is memory in all.
     device_.state().info = device().info();
     device_.state().info.memory = std::uint64_t(1) << 62;
+    device_.state().info.type = DeviceType::gpu;  // the memory of the host is not asked for
     TriangleBuffers triangles;
     {
         const MemoryPlan plan(device_);

@@ -1,9 +1,12 @@
 // The built-in scenes: as many triangles as asked for, the same every time, sound, lit and in view.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <fstream>
 #include <map>
 
 #include "claray/error.hpp"
@@ -155,18 +158,48 @@ TEST(BuiltinScenes, NamesAreListedAndKnown) {
 
 TEST(BuiltinScenes, BadCountSaysWhatIsAllowed) {
     for (const std::string name : {"soup", "soup:", "soup:0", "soup:-1", "soup:abc", "soup:12x", "soup: 12", "soup:1.5",
-                                   "soup:100000001", "soup:99999999999999999999999", "terrain:0", "fan:2", "hair:0"}) {
+                                   "soup:1431655766", "soup:99999999999999999999999", "terrain:0", "fan:2", "hair:0"}) {
         try {
             static_cast<void>(builtin_scene(name));
             ADD_FAILURE() << name;
         } catch (const Error& error) {
             EXPECT_EQ(error.kind(), ErrorKind::usage);
             const std::string text = error.what();
-            EXPECT_NE(text.find(name.starts_with("fan") ? "from 3 to 100000000" : "from 1 to 100000000"),
+            EXPECT_NE(text.find(name.starts_with("fan") ? "from 3 to 1431655765" : "from 1 to 1431655765"),
                       std::string::npos)
                 << text;
         }
     }
+}
+
+/// The address space of this process grows by at most so many bytes while this lives.
+class ScopedLimit {
+public:
+    explicit ScopedLimit(std::uint64_t more) {
+        getrlimit(RLIMIT_AS, &before_);
+        std::uint64_t pages = 0;
+        std::ifstream("/proc/self/statm") >> pages;
+        const rlimit limit{pages * std::uint64_t(sysconf(_SC_PAGESIZE)) + more, before_.rlim_max};
+        setrlimit(RLIMIT_AS, &limit);
+    }
+    ~ScopedLimit() { setrlimit(RLIMIT_AS, &before_); }
+    ScopedLimit(const ScopedLimit&) = delete;
+    ScopedLimit& operator=(const ScopedLimit&) = delete;
+
+private:
+    rlimit before_{};
+};
+
+TEST(BuiltinScenes, ThatTheHostCannotHoldAreRefused) {
+    const ScopedLimit limit(std::uint64_t(1) << 30);
+    EXPECT_EQ(builtin_scene("soup:1000")->meshes[0].triangles.size(), 1000u);
+    for (const std::string name : {"terrain:100000001", "soup:536870910", "soup:1431655765"}) try {
+            static_cast<void>(builtin_scene(name));
+            ADD_FAILURE() << name;
+        } catch (const Error& error) {
+            EXPECT_EQ(error.kind(), ErrorKind::user);
+            EXPECT_NE(std::string(error.what()).find("of the host's memory, of which "), std::string::npos);
+        }
 }
 
 TEST(BuiltinScenes, CornellIsClosedButForItsFront) {

@@ -34,6 +34,31 @@ TEST_P(HardCase, ClosedMeshesAreLeftAsOftenAsEntered) {
     for (const std::uint32_t claims : count_claims(bvh, rays)) ASSERT_EQ(claims % 2, 0u);
 }
 
+/// A prism that lies askew, with sides of two long triangles each: a builder that splits triangles puts them into
+/// several leaves.
+Mesh skew_prism(unsigned sides) {
+    Mesh mesh;
+    const glm::vec3 axis = glm::normalize(glm::vec3(1, 2, 3)), u = glm::normalize(glm::cross(axis, glm::vec3(1, 0, 0)));
+    const glm::vec3 v = glm::cross(axis, u);
+    for (unsigned i = 0; i < sides; ++i) {
+        const float angle = 6.2831853f * float(i) / float(sides);
+        for (const float end : {-1.f, 1.f})
+            mesh.positions.push_back(end * axis + 0.2f * (std::cos(angle) * u + std::sin(angle) * v));
+        const unsigned a = 2 * i, b = 2 * ((i + 1) % sides);
+        mesh.triangles.insert(mesh.triangles.end(), {{a, b, b + 1}, {a, b + 1, a + 1}});
+        if (i > 1) mesh.triangles.insert(mesh.triangles.end(), {{0, a, a - 2}, {1, a - 1, a + 1}});
+    }
+    return mesh;
+}
+
+TEST_P(HardCase, TrianglesInSeveralLeavesClaimARayOnce) {
+    const Mesh mesh = skew_prism(64);
+    const Bvh bvh = Bvh::build(device(), std::span(&mesh, 1), {.builder = Builder::high, .layout = GetParam()});
+    ASSERT_GT(bvh.statistics().references, 64u) << "the builder splits none of these triangles";
+    const std::vector<Ray> rays = rays_at_edges(corners_of(mesh), glm::vec3(0), 0.02f, 20'000, 5);
+    for (const std::uint32_t claims : count_claims(bvh, rays)) ASSERT_EQ(claims, 1u);
+}
+
 TEST_P(HardCase, AxisParallelRaysOnBoxFacesEqualTheOracle) {
     Mesh mesh = soup(400, 0.3f, 21);
     for (glm::vec3& p : mesh.positions) p = glm::round(p * 8.f) / 8.f;  // box faces on a lattice

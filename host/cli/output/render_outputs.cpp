@@ -11,6 +11,7 @@
 #include "host/cli/output/brightness.hpp"
 #include "host/cli/output/messages.hpp"
 #include "host/cli/output/table.hpp"
+#include "host/compute/memory.hpp"
 
 namespace claray::cli {
 namespace {
@@ -170,7 +171,8 @@ void print_statistics(const Device& device, const RenderStatistics& s, double se
     std::printf("longest       %.1f ms, %s\n", s.longest_milliseconds, s.longest_command.c_str());
     std::printf("measuring     noise and error: %.1f ms, %.2f %% of the render\n", 1e3 * s.measuring_seconds,
                 seconds > 0 ? 100 * s.measuring_seconds / seconds : 0.0);
-    std::printf("memory        %.1f MB on the device\n", double(s.device_bytes) * 1e-6);
+    std::printf("memory        %s on the device, at most %s\n", size_text(s.device_bytes).c_str(),
+                size_text(s.most_device_bytes).c_str());
     if (s.parts > 1)
         std::printf("parts         %u, %.1f MB copied to the device as they took turns\n", s.parts,
                     double(s.bytes_paged) * 1e-6);
@@ -324,7 +326,8 @@ void print_as_json(const Device& device, const Renderer& renderer, const RenderO
           {"shadow", as_json(s.shadow)},
           {"in_paths", as_json(s.in_paths)}}},
         {"longest_command", {{"name", s.longest_command}, {"milliseconds", s.longest_milliseconds}}},
-        {"device_bytes", s.device_bytes}};
+        {"device_bytes", s.device_bytes},
+        {"most_device_bytes", s.most_device_bytes}};
     if (plan)
         report["target"] = {{"error", plan->config.error},
                             {"seconds", plan->config.seconds},

@@ -359,19 +359,18 @@ void Kernel::enqueue(Range range, unsigned arguments) try {
     if (range.global == 0) return;
     std::size_t global = range.global;
     if (range.local != 0) global = (global + range.local - 1) / range.local * range.local;
-    fail_if_asked(device_->state().failing_command, CL_OUT_OF_RESOURCES);
+    fail_if_asked(device_->state().failing_command, device_->state().failing_with);
     device_->profiler().record(name_, [&](cl::Event* event) {
         device_->queue().enqueueNDRangeKernel(kernel_, cl::NullRange, cl::NDRange(global),
                                               range.local ? cl::NDRange(range.local) : cl::NullRange, nullptr, event);
     });
 } catch (const cl::Error& error) {
     // Drivers may delay an allocation until the buffer is first used, and other programs may use memory, too.
-    if (error.err() == CL_MEM_OBJECT_ALLOCATION_FAILURE)
-        throw Error(ErrorKind::device,
-                    "out of device memory: " + device_->info().name + " cannot allocate the buffers of the kernel " +
-                        name_ + ", where claray uses " + size_text(bytes_in_use(*device_)) + " of its " +
-                        size_text(device_->info().memory),
-                    "close other programs that use the device, or use a smaller scene");
+    if (error.err() == CL_MEM_OBJECT_ALLOCATION_FAILURE || error.err() == CL_OUT_OF_HOST_MEMORY)
+        throw OutOfMemory("out of device memory: " + device_->info().name + " has no memory left for the kernel " +
+                              name_ + ", where claray uses " + size_text(bytes_in_use(*device_)) + " of its " +
+                              size_text(device_->info().memory) + " (OpenCL error " + std::to_string(error.err()) + ")",
+                          "close other programs that use its memory, or use a smaller scene");
     throw_device_error(*device_, "run the kernel " + name_, error, compiled_with(*device_, kernel_));
 }
 

@@ -13,6 +13,7 @@ public:
 
     /// Traces all pixels and packs their surfaces. Blocks. `far`: see GBuffer.
     [[nodiscard]] GBuffer run(Wavefront& wavefront, const SceneBuffers& scene, NormalPacking packing, float far);
+    [[nodiscard]] std::uint64_t bytes() const { return pixels_.bytes(); }
 
 private:
     SceneQuery trace_;

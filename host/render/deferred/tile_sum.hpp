@@ -4,6 +4,7 @@
 
 #include "claray/program.hpp"
 #include "claray/shared/tiles.h"
+#include "host/compute/memory.hpp"
 #include "host/render/scene_buffers.hpp"
 
 namespace claray {
@@ -18,6 +19,8 @@ public:
     /// `queue`. Asynchronous.
     void run(const Step& step, const SceneBuffers& scene, const Buffer<Ray>& rays, const Buffer<RayQueue>& queue,
              const SceneHits& hits, const Buffer<float>& radiance);
+
+    [[nodiscard]] std::uint64_t bytes() const { return buffer_bytes(boxes_, light_bounds_, block_lists_, lists_); }
 
 private:
     void make_room(const TileGrid& grid);

@@ -98,7 +98,7 @@ public:
     /// Estimates the error, if the film does, from this look and earlier ones after the given samples per pixel; see
     /// docs/accuracy.md. Blocks.
     [[nodiscard]] Error error(ErrorLooks& looks, std::uint32_t spp) const;
-    [[nodiscard]] std::uint64_t bytes() const { return pixels_.bytes() + odd_.bytes() + sums_.bytes(); }
+    [[nodiscard]] std::uint64_t bytes() const { return buffer_bytes(pixels_, odd_, sums_, dropped_, image_); }
 
 private:
     /// FilmSums of all pixels.

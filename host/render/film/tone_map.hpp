@@ -17,6 +17,7 @@ public:
     /// Converts `image` (3 floats for each of `pixels()` pixels) to red, green, blue and 255 per pixel. Blocks. The
     /// result is overwritten by the next call. It has the bytes that write_image stores.
     [[nodiscard]] std::span<const std::uint8_t> map(const Buffer<float>& image, const PictureConfig& config);
+    [[nodiscard]] std::uint64_t bytes() const { return buffer_bytes(table_, picture_); }
 
 private:
     std::uint32_t pixels_;

@@ -70,6 +70,7 @@ public:
                const std::function<void(const Batch&)>& add);
     /// For an image that begins anew, of the same scene and size.
     void forget();
+    [[nodiscard]] std::uint64_t bytes() const { return found_.bytes() + counts_.bytes(); }
 
 private:
     /// Samples of the same maps. Each but the last teaches those after it.

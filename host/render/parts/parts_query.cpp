@@ -45,4 +45,6 @@ void PartsQuery::any(const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded, st
     });
 }
 
+std::uint64_t PartsQuery::bytes() const { return buffer_bytes(visits_, visits_of_all_, found_, blocked_); }
+
 }  // namespace claray

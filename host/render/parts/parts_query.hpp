@@ -17,6 +17,8 @@ public:
                  const Buffer<float>& times);
     void any(const Buffer<Ray>& rays, Buffer<std::uint8_t>& occluded, std::uint32_t capacity,
              const Buffer<std::uint32_t>& count, const Buffer<float>& times);
+    /// Of its own buffers.
+    [[nodiscard]] std::uint64_t bytes() const;
 
 private:
     [[nodiscard]] std::uint32_t rays_to_trace(std::uint32_t capacity, const Buffer<std::uint32_t>& count) const;

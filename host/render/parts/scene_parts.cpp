@@ -2,8 +2,11 @@
 
 #include <algorithm>
 
+#include "host/bvh/bvh_state.hpp"
+#include "host/bvh/instances_state.hpp"
 #include "host/compute/memory.hpp"
 #include "host/primitives/scene_primitives.hpp"
+#include "host/render/wavefront.hpp"
 
 namespace claray {
 namespace {
@@ -120,6 +123,14 @@ bool SceneParts::take_turns() const {
     return waiting > 0 && waiting + device_.info().memory / share_of_queues > bytes_available(device_);
 }
 
+std::uint64_t SceneParts::bytes() const {
+    std::uint64_t bytes = 0;
+    for (const Part& part : parts_)
+        bytes += part.instance_numbers.bytes() +
+                 (part.instanced ? part.instanced->state().bytes() : part.bvh.state().bytes());
+    return bytes;
+}
+
 SceneParts::Part* SceneParts::oldest_on_device() {
     Part* oldest = nullptr;
     for (Part& part : parts_)
@@ -152,10 +163,10 @@ unsigned parts_needed(const Device& device, const Scene& scene, const Bvh::Confi
         return Bvh::memory_needed(device, 0, count, config).bytes * (placed ? 2 : 1);
     };
     const auto fits = [&](std::size_t count, std::uint64_t beside) {
-        return resident + bytes_of(count) + beside <= available &&
+        return count < CLARAY_SLOT && resident + bytes_of(count) + beside <= available &&
                gives_buffer(device, Bvh::memory_needed(device, 0, count, config).largest_buffer);
     };
-    if (fits(triangles, 0)) return 1;
+    if (fits(triangles, device.info().memory / share_of_wavefront)) return 1;
     const std::uint64_t queues = device.info().memory / share_of_queues;
     for (unsigned parts = 2; parts <= most_parts; parts *= 2)
         if (fits((triangles + parts - 1) / parts, queues)) return parts;

@@ -33,6 +33,8 @@ public:
     [[nodiscard]] const BvhStatistics& statistics() const { return statistics_; }
     /// Whether the memory that is free does not hold the parts that wait.
     [[nodiscard]] bool take_turns() const;
+    /// What the parts hold on the device now.
+    [[nodiscard]] std::uint64_t bytes() const;
     [[nodiscard]] std::uint64_t bytes_paged() const { return bytes_paged_; }
     void set_cutouts(const Buffer<std::uint32_t>& store);
 

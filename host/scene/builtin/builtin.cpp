@@ -2,9 +2,11 @@
 
 #include <array>
 #include <charconv>
+#include <limits>
 #include <string_view>
 
 #include "claray/error.hpp"
+#include "host/base/host_memory.hpp"
 
 namespace claray {
 namespace {
@@ -28,7 +30,10 @@ constexpr std::array counted_scenes = {
     CountedScene{"fan", 3, scenes::fan},         CountedScene{"hair", 1, scenes::hair},
     CountedScene{"curves", 1, scenes::curves},   CountedScene{"ball", 8, scenes::ball}};
 
-constexpr std::size_t most_triangles = 100'000'000;
+/// With three vertices for each triangle, which have numbers of 32 bits.
+constexpr std::size_t most_triangles = std::numeric_limits<std::uint32_t>::max() / 3;
+/// Of the host: three vertices, their numbers and a material.
+constexpr std::size_t bytes_per_triangle = 3 * sizeof(glm::vec3) + sizeof(glm::uvec3) + sizeof(std::uint32_t);
 // host/cli/scenes.cpp describes them in this order.
 constexpr std::array names = {"cornell",     "spheres",   "crate",  "hills", "waves",  "statues",  "effects",
                               "effect:NAME", "terrain:N", "soup:N", "fan:N", "hair:N", "curves:N", "ball:N"};
@@ -42,6 +47,12 @@ std::size_t parse_count(const CountedScene& scene, std::string_view text) {
                     "use a number of triangles from " + std::to_string(scene.least) + " to " +
                         std::to_string(most_triangles) + ", for example " + name + ":10000");
     }
+    if (const std::uint64_t bytes = count * bytes_per_triangle, left = free_host_memory(); bytes > left)
+        throw Error(ErrorKind::user,
+                    "scene '" + std::string(scene.name) + ':' + std::string(text) + "' takes up to " +
+                        std::to_string(bytes >> 20) + " MiB of the host's memory, of which " +
+                        std::to_string(left >> 20) + " MiB are free",
+                    "use fewer triangles, or a machine with more memory");
     return count;
 }
 

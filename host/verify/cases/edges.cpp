@@ -10,7 +10,7 @@
 namespace claray::verify {
 namespace {
 
-/// Counts the triangles that claim each ray; for structures of the fast builder, whose leaves hold every triangle once.
+/// Counts the triangles that claim each ray.
 std::vector<std::uint32_t> claims_of(const Bvh& bvh, const Buffer<Ray>& rays) {
     const auto count = std::uint32_t(rays.size());
     const Buffer<std::uint32_t> claims(bvh.device(), count);
