@@ -194,13 +194,6 @@ protected:
     }
     void release() const { std::ofstream(released_) << '.'; }
     [[nodiscard]] bool start() const { return start_compiler(script_, device(), {{Effect::mirror}, Layout::wide}, {}); }
-    [[nodiscard]] static bool becomes_true(const std::function<bool()>& condition) {
-        for (int i = 0; i < 2000; ++i) {
-            if (condition()) return true;
-            std::this_thread::sleep_for(std::chrono::milliseconds(5));
-        }
-        return false;
-    }
     TemporaryFolder folder_;
     ScopedEnvironment cache_{"CLARAY_CACHE_DIR", folder_.path().string()};
     std::filesystem::path script_ = folder_ / "compiler", told_ = folder_ / "told", released_ = folder_ / "released";

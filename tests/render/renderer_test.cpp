@@ -13,6 +13,7 @@
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/process.hpp"
 #include "tests/support/tuning.hpp"
 
 namespace claray::test {
@@ -203,10 +204,13 @@ TEST(Renderer, StopsAtTheTimeLimit) {
 TEST(Renderer, RendersForATime) {
     Renderer renderer(device(), *builtin_scene("cornell"), {.width = 64, .height = 64, .spp = 1'000'000});
     EXPECT_EQ(renderer.render_for(0).spp, 1u) << "every pixel has a sample";
-    const auto begin = std::chrono::steady_clock::now();
-    const unsigned spp = renderer.render_for(0.3).spp;
-    EXPECT_GE(seconds_since(begin), 0.3);
-    EXPECT_GT(spp, 1u);
+    unsigned spp = 0;
+    EXPECT_TRUE(becomes_true([&] {  // a busy machine may need several calls for a sample
+        const auto begin = std::chrono::steady_clock::now();
+        spp = renderer.render_for(0.3).spp;
+        EXPECT_GE(seconds_since(begin), 0.3);
+        return spp > 1;
+    }));
     EXPECT_LT(spp, 1'000'000u);
     EXPECT_EQ(renderer.render_for(0).spp, spp) << "no time, no further samples";
     EXPECT_THROW((void)renderer.render_for(std::nan("")), Error);
