@@ -60,6 +60,19 @@ TEST_F(CheckpointOptions, WhatDoesNotFitIsOneClearLine) {
     EXPECT_TRUE(fs::exists(folder_ / "last.png")) << "the image is not lost";
 }
 
+TEST_F(CheckpointOptions, AFullDiskIsSaidWhenItHappens) {
+    fs::create_symlink("/dev/full", folder_ / "full");
+    Process process = start({"render", "cornell", "-o", path("a.pfm"), "--size", "64x48", "--spp", "1000000", "-q",
+                             "--checkpoint", path("full"), "--checkpoint-every", "1e-6s"});
+    const std::string words = "claray: warning: no checkpoint could be written: ";
+    EXPECT_TRUE(process.brings_about([&] { return process.errors_so_far().find(words) != std::string::npos; }))
+        << "only at the end";
+    process.send(SIGINT);
+    const ProcessResult result = process.wait();
+    EXPECT_TRUE(fs::exists(path("a.pfm"))) << "the image is not lost";
+    EXPECT_EQ(result.errors.find(words), result.errors.rfind(words)) << "once";
+}
+
 std::uintmax_t inode_of(const std::string& path) {
     struct stat status = {};
     return ::stat(path.c_str(), &status) == 0 ? status.st_ino : 0;

@@ -306,6 +306,22 @@ TEST(Renderer, SamplesThatOverflowAreDroppedAndCounted) {
         EXPECT_TRUE(std::isfinite(pixel.x) && std::isfinite(pixel.y) && std::isfinite(pixel.z));
 }
 
+/// As an image is: by several threads, from memory that the device shares or has page-locked.
+TEST(Renderer, LargeResultsAreReadBackInParts) {
+    Renderer renderer(device(), *builtin_scene("spheres"), {.width = 600, .height = 600, .spp = 1});
+    (void)renderer.aovs();
+    Profiler& profiler = device().profiler();
+    profiler.enable(true);
+    const auto reads = [&] {
+        return profiler.summary().contains("read_buffer") ? profiler.summary().at("read_buffer").count : 0;
+    };
+    const auto before = reads();
+    (void)renderer.aovs(), (void)renderer.gbuffer(), (void)renderer.noise_map();
+    const auto large = reads() - before;
+    profiler.enable(false);
+    EXPECT_EQ(large, 0u) << "each took a thread twenty times as long on an H200";
+}
+
 TEST(Renderer, AovsAreOfThePixelCentres) {
     Scene scene;
     scene.materials = {lambert(0.25f), lambert(0.75f)};
