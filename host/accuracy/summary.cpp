@@ -19,17 +19,19 @@ std::vector<StudyPoint> points_of(const std::vector<Study>& studies, const char*
 }
 
 /// Seconds of a further sample, by a line through the last points: every render also takes a time that does not depend
-/// on its samples, as for the start of kernels. 0 if the points do not tell.
+/// on its samples, as for the start of kernels. 0 if the points do not tell: the time grows by less than a tenth.
 double seconds_of_sample(const std::vector<StudyPoint>& points) {
     constexpr std::size_t most = 4;
-    double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
+    constexpr double least_growth = 1.1;
+    double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, shortest = 0, longest = 0;
     for (auto p = points.rbegin(); p != points.rend() && n < most; ++p) {
         if (!p->failure.empty()) continue;
         const double x = p->value, y = p->seconds.median;
         n += 1, sx += x, sy += y, sxx += x * x, sxy += x * y;
+        shortest = y, longest = std::max(longest, y);
     }
-    const double spread = n * sxx - sx * sx;
-    return n < 2 || spread <= 0 ? 0 : std::max((n * sxy - sx * sy) / spread, 0.0);
+    if (longest < least_growth * shortest) return 0;
+    return std::max((n * sxy - sx * sy) / (n * sxx - sx * sx), 0.0);
 }
 
 /// Extrapolates the slope of the errors, limited to between that of independent samples and 1 / samples, and the time.
