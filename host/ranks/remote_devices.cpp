@@ -46,6 +46,7 @@ void refuse_difference(int rank, const Hello& own, const Hello& other) {
 }  // namespace
 
 void refuse_unless(MessageKind kind, const Message& message) {
+    if (message.kind == MessageKind::damaged) refuse_message("was damaged on its way");
     if (message.kind != kind) refuse_message("comes out of turn (kind " + std::to_string(int(message.kind)) + ")");
 }
 

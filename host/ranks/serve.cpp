@@ -28,13 +28,15 @@ public:
     Job& operator=(const Job&) = delete;
 
     void carry_out(RemoteOrder order) {
-        if (order.picture != picture_.number) return;
+        const bool is_late = order.picture > 0 && order.picture < picture_.number && !has_begun_;
+        if (is_late) return;  // of the picture before
         const Batch& batch = order.order.batch;
         const std::uint64_t end = std::uint64_t(batch.first_pixel) + batch.pixels;
-        if (order.device >= workers_.size() || batch.pixels == 0 ||
+        if (order.picture != picture_.number || order.device >= workers_.size() || batch.pixels == 0 ||
             end > std::uint64_t(picture_.config.width) * picture_.config.height ||
             (order.order.brings_sums && order.sums.pixels.size() != batch.pixels))
             refuse_message("orders what is not there");
+        has_begun_ = true;
         workers_[order.device]->carry_out(order.order, std::move(order.sums));
     }
 
@@ -46,6 +48,7 @@ private:
     }
 
     Picture picture_;
+    bool has_begun_ = false;
     Inbox inbox_;
     std::vector<std::unique_ptr<DeviceWorker>> workers_;
     std::atomic<bool> ends_{false};
@@ -95,6 +98,7 @@ int serve(Session& session, const std::vector<Device>& devices, Hello hello, con
             case MessageKind::end: job.reset(); break;
             case MessageKind::quit: return std::atoi(message.bytes.c_str());
             case MessageKind::failure: throw Error(ErrorKind::user, "rank 0 is lost");
+            case MessageKind::damaged: refuse_message("was damaged on its way");
             default: break;
         }
     }

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <utility>
 
 #include "claray/error.hpp"
+#include "host/base/hash.hpp"
 #include "host/base/seconds_since.hpp"
 
 #if CLARAY_WITH_MPI
@@ -39,6 +41,14 @@ constexpr int more_parts = 1, along_tree = 2, kinds = 4;
 [[noreturn]] void end_at_once(int exit_code) {
     std::fflush(nullptr);
     ::_exit(exit_code);
+}
+
+/// Messages that only say that a rank is alive have no checksum.
+Message message_in(int from, int tag, std::string bytes) {
+    const auto kind = MessageKind(tag / kinds);
+    if (kind == MessageKind::alive && bytes.empty()) return {from, kind, {}};
+    std::optional<std::string> content = unsealed(std::move(bytes));
+    return content ? Message{from, kind, std::move(*content)} : Message{from, MessageKind::damaged, {}};
 }
 
 /// The lowest rank that is not below it in the binomial tree of `pass_on`: rank 6 gets messages of rank 2.
@@ -173,16 +183,14 @@ bool Session::State::receive_one() {
     peer.heard = Clock::now();
     if (tag & along_tree && rank > 0 && from == parent_of(rank)) pass_on(tag, part);
     peer.parts += part;
-    if (tag & more_parts) return true;
-    Message message{from, MessageKind(tag / kinds), std::move(peer.parts)};
-    peer.parts.clear();
+    if (tag & more_parts && part.size() == largest_part) return true;
+    Message message = message_in(from, tag, std::exchange(peer.parts, {}));
     if ((message.kind == MessageKind::quit && from == 0) || message.kind == MessageKind::failure) {
         peer.has_left = true;
         const std::lock_guard lock(mutex);
         tree_is_broken = true;
     }
-    const bool says_nothing = message.kind == MessageKind::alive && message.bytes.empty();
-    if (!says_nothing && !peer.is_lost) deliver(std::move(message));
+    if (message.kind != MessageKind::alive && !peer.is_lost) deliver(std::move(message));
     return true;
 }
 
@@ -266,12 +274,12 @@ int Session::size() const { return state_->size; }
 
 void Session::send(int to, MessageKind kind, std::string bytes) {
     const std::lock_guard lock(state_->mutex);
-    state_->outgoing.push_back({to, int(kind) * kinds, std::make_shared<const std::string>(std::move(bytes))});
+    state_->outgoing.push_back({to, int(kind) * kinds, std::make_shared<const std::string>(sealed(std::move(bytes)))});
     state_->changed.notify_all();
 }
 
 void Session::broadcast(MessageKind kind, std::string bytes) {
-    const auto shared = std::make_shared<const std::string>(std::move(bytes));
+    const auto shared = std::make_shared<const std::string>(sealed(std::move(bytes)));
     const std::lock_guard lock(state_->mutex);
     const bool direct = state_->tree_is_broken;
     for (int to = 1; to < state_->size; to = direct ? to + 1 : 2 * to)
@@ -343,6 +351,20 @@ int value_of(std::initializer_list<const char*> variables, int otherwise) {
 }
 
 }  // namespace
+
+std::string sealed(std::string bytes) {
+    bytes += hash128(bytes);
+    return bytes;
+}
+
+std::optional<std::string> unsealed(std::string bytes) {
+    const std::size_t size = hash128("").size();
+    if (bytes.size() < size) return std::nullopt;
+    const std::string checksum = bytes.substr(bytes.size() - size);
+    bytes.resize(bytes.size() - size);
+    if (hash128(bytes) != checksum) return std::nullopt;
+    return bytes;
+}
 
 bool started_together() { return value_of({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"}, 1) > 1; }
 int rank_by_launcher() { return value_of({"OMPI_COMM_WORLD_RANK", "PMI_RANK"}, 0); }

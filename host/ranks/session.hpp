@@ -19,7 +19,8 @@ enum class MessageKind : int {
     end,       ///< of the picture
     frame,     ///< configuration and scene of a frame that this rank is to render alone
     rendered,  ///< what a rank made of a frame
-    quit       ///< the program ends with this exit code
+    quit,      ///< the program ends with this exit code
+    damaged    ///< not what the rank sent
 };
 
 struct Message {
@@ -27,6 +28,10 @@ struct Message {
     MessageKind kind = MessageKind::alive;
     std::string bytes = {};
 };
+
+/// Adds a checksum to what is sent, and takes it off; none if the bytes are not those that were sealed.
+[[nodiscard]] std::string sealed(std::string bytes);
+[[nodiscard]] std::optional<std::string> unsealed(std::string bytes);
 
 /// Whether mpirun, or another launcher that speaks PMI, started several processes of this program. Cheap.
 [[nodiscard]] bool started_together();

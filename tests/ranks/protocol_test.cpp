@@ -76,6 +76,20 @@ TEST(Protocol, BringsOrdersAndReports) {
     EXPECT_EQ(told.report.what, "why");
 }
 
+TEST(Protocol, SeesDamage) {
+    for (const std::string& bytes : {std::string(), std::string("a"), std::string(1000, '\0')}) {
+        const std::string sent = sealed(bytes);
+        EXPECT_EQ(unsealed(sent), bytes);
+        for (std::size_t i = 0; i < sent.size(); ++i) {
+            std::string flipped = sent;
+            flipped[i] = char(flipped[i] ^ 1);
+            EXPECT_FALSE(unsealed(flipped)) << i;
+            EXPECT_FALSE(unsealed(sent.substr(0, i))) << i;
+        }
+        EXPECT_FALSE(unsealed(sent + "x"));
+    }
+}
+
 /// What no rank of this version sends.
 TEST(Protocol, RefusesWhatCannotBe) {
     const auto refused = [](const std::string& why, const std::function<void()>& read) {

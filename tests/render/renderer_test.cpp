@@ -308,6 +308,7 @@ TEST(Renderer, SamplesThatOverflowAreDroppedAndCounted) {
 
 /// As an image is: by several threads, from memory that the device shares or has page-locked.
 TEST(Renderer, LargeResultsAreReadBackInParts) {
+    const ScopedTuning tuning("render/wavefront", "PATHS", 600 * 600);  // as many at once as GPUs have
     Renderer renderer(device(), *builtin_scene("spheres"), {.width = 600, .height = 600, .spp = 1});
     (void)renderer.aovs();
     Profiler& profiler = device().profiler();
