@@ -46,7 +46,7 @@ constexpr int more_parts = 1, along_tree = 2, kinds = 4;
 /// Messages that only say that a rank is alive have no checksum.
 Message message_in(int from, int tag, std::string bytes) {
     const auto kind = MessageKind(tag / kinds);
-    if (kind == MessageKind::alive && bytes.empty()) return {from, kind, {}};
+    if (kind == MessageKind::alive) return {from, bytes.empty() ? kind : MessageKind::damaged, {}};
     std::optional<std::string> content = unsealed(std::move(bytes));
     return content ? Message{from, kind, std::move(*content)} : Message{from, MessageKind::damaged, {}};
 }
