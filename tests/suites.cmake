@@ -2,7 +2,7 @@
 # a process, its device and its kernels: PoCL takes 0.65 s to read its library for the first kernel that a process compiles. A test is
 # called after its suites, as in io.Mtl+io.Obj. A failing test's name is in the output, and a crash ends no more than these.
 #   claray_add_suites(FOLDER PROGRAM COST ENVIRONMENT): COST is about the CPU seconds of a test; CTest begins with the longest
-# The folder ${pocl_folders} gets PoCL's caches, one for each test.
+# The folder ${pocl_folders} gets PoCL's caches, one for each test; ${hang_seconds} end a test that hangs.
 set(per_process 32)
 function(claray_add_suites folder program cost environment)
     execute_process(COMMAND "${program}" --gtest_list_tests RESULT_VARIABLE status OUTPUT_VARIABLE list ERROR_VARIABLE error)
@@ -66,5 +66,5 @@ function(claray_add_tests name program cost tests environment)
     set_property(GLOBAL PROPERTY claray_tests ${number})
     list(JOIN tests ":" filter)
     add_test("${name}" "${program}" "--gtest_filter=${filter}")
-    set_tests_properties("${name}" PROPERTIES COST ${cost} TIMEOUT 600 ENVIRONMENT "${environment};POCL_CACHE_DIR=${pocl_folders}/${number}")
+    set_tests_properties("${name}" PROPERTIES COST ${cost} TIMEOUT ${hang_seconds} ENVIRONMENT "${environment};POCL_CACHE_DIR=${pocl_folders}/${number}")
 endfunction()

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include "host/accuracy/study.hpp"
@@ -134,6 +135,17 @@ std::string draw_label(const std::string& words, double x, double y, std::vector
 
 bool is_drawn(const StudyPoint& p) { return p.failure.empty() && p.error.median >= 0 && p.seconds.median > 0; }
 
+/// Whether the settings of a method are those of one parameter, in order: between others there is nothing to connect.
+bool is_series(const Study& study, const std::string& method) {
+    std::vector<double> values;
+    for (const StudyPoint& p : study.points)
+        if (p.method == method) values.push_back(p.value);
+    const auto strictly = [&](auto order) {
+        return std::adjacent_find(values.begin(), values.end(), order) == values.end();
+    };
+    return study.sweeps && (strictly(std::greater_equal<>()) || strictly(std::less_equal<>()));
+}
+
 std::string draw_curve(const Study& study, const std::string& method, std::size_t index, const Axis& x, const Axis& y) {
     const char* color = colors[index % colors.size()];
     std::string path, marks;
@@ -152,7 +164,7 @@ std::string draw_curve(const Study& study, const std::string& method, std::size_
         marks += line(px, y.at(std::max(p.seconds.low, y.low)), px, y.at(p.seconds.high), color, 1);
         marks += marker(px, py, index, color, p.front);
     }
-    if (!study.sweeps) return marks;
+    if (!is_series(study, method)) return marks;
     return "<path d=\"" + path + "\" fill=\"none\" stroke=\"" + color + "\" stroke-width=\"1.5\"/>\n" + marks;
 }
 

@@ -9,11 +9,11 @@
 namespace claray {
 namespace {
 
-// Of a setting: a hundred times what a GPU takes to start the kernels of a path. Machines are faster at times.
-constexpr double seconds_of_setting = 0.02, aimed_at = 1.1 * seconds_of_setting;
-constexpr unsigned samples_span = 128;  // two decades
-constexpr unsigned most_scaled_side = 1024, most_first_spp = 65536 / samples_span;
-constexpr double repeated_for = 5 * seconds_of_setting;
+// By default a setting takes a hundred times what a GPU takes to start the kernels of a path, and samples span two
+// decades.
+constexpr double aimed_at = 1.1;  // times the least: machines are faster at times
+constexpr unsigned most_scaled_side = 1024, most_spp = 65536;
+constexpr double repeated_for = 5;           // times the least
 constexpr unsigned factor_of_reference = 2;  // its own error is known and taken off
 constexpr unsigned compared_span = 16, single_span = 4;
 constexpr std::size_t most_rays = 1u << 21;
@@ -47,24 +47,24 @@ private:
     Renderer renderer_;
 };
 
-/// In whole groups of 16 pixels, with the same view.
+/// In whole groups of 16 pixels, with the same view. An image of fewer than 64 columns shows little.
 void shrink(unsigned& width, unsigned& height, double factor) {
+    constexpr unsigned least = 64;
     const double aspect = double(height) / width;
-    width = 16 * unsigned(std::max(1L, std::lround(width * factor / 16)));
+    width = std::min(width, std::max(least, 16 * unsigned(std::lround(width * factor / 16))));
     height = unsigned(std::max(1L, std::lround(width * aspect)));
 }
 
 }  // namespace
 
 StudyOptions at_scale(const Device& device, const Scene& scene, StudyOptions options, bool keep_size, bool keep_spp,
-                      bool keep_rays) {
-    const unsigned most_first =
-        keep_spp ? std::bit_floor(std::max(1u, options.most_spp / samples_span)) : most_first_spp;
+                      bool keep_rays, const StudyScale& scale) {
+    const unsigned most_first = std::bit_floor(std::max(1u, (keep_spp ? options.most_spp : most_spp) / scale.span));
     unsigned &width = options.config.width, &height = options.config.height;
     unsigned spp = keep_spp ? most_first : 1;
     Pilot pilot(device, scene, options.config, most_first);
     double seconds = pilot.seconds(width, height, spp);
-    while (seconds < seconds_of_setting) {
+    while (seconds < scale.seconds) {
         if (!keep_size && std::max(width, height) < most_scaled_side)
             width *= 2, height *= 2;
         else if (spp < most_first)
@@ -73,14 +73,14 @@ StudyOptions at_scale(const Device& device, const Scene& scene, StudyOptions opt
             break;
         seconds = pilot.seconds(width, height, spp);
     }
-    if (!keep_size && seconds > aimed_at) {
-        shrink(width, height, std::sqrt(aimed_at / seconds));
-        if (pilot.seconds(width, height, spp) < seconds_of_setting && spp < most_first) spp *= 2;
+    if (!keep_size && seconds > aimed_at * scale.seconds) {
+        shrink(width, height, std::sqrt(aimed_at * scale.seconds / seconds));
+        if (pilot.seconds(width, height, spp) < scale.seconds && spp < most_first) spp *= 2;
     }
     options.first_spp = spp;
-    options.least_seconds = seconds_of_setting, options.most_seconds = repeated_for;
+    options.least_seconds = scale.seconds, options.most_seconds = repeated_for * scale.seconds;
     if (!keep_spp) {
-        options.most_spp = samples_span * spp, options.compared_spp = compared_span * spp,
+        options.most_spp = scale.span * spp, options.compared_spp = std::min(compared_span, scale.span) * spp,
         options.single_spp = single_span * spp;
         options.reference_factor = options.reference_renders = factor_of_reference;
     }

@@ -18,19 +18,38 @@ std::vector<StudyPoint> points_of(const std::vector<Study>& studies, const char*
     return points;
 }
 
-/// Extrapolates the slope of the errors, limited to between that of independent samples and 1 / samples.
+/// Seconds of a further sample, by a line through the last points: every render also takes a time that does not depend
+/// on its samples, as for the start of kernels. 0 if the points do not tell: the time grows by less than a tenth.
+double seconds_of_sample(const std::vector<StudyPoint>& points) {
+    constexpr std::size_t most = 4;
+    constexpr double least_growth = 1.1;
+    double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, shortest = 0, longest = 0;
+    for (auto p = points.rbegin(); p != points.rend() && n < most; ++p) {
+        if (!p->failure.empty()) continue;
+        const double x = p->value, y = p->seconds.median;
+        n += 1, sx += x, sy += y, sxx += x * x, sxy += x * y;
+        shortest = y, longest = std::max(longest, y);
+    }
+    if (longest < least_growth * shortest) return 0;
+    return std::max((n * sxy - sx * sy) / (n * sxx - sx * sx), 0.0);
+}
+
+/// Extrapolates the slope of the errors, limited to between that of independent samples and 1 / samples, and the time.
 std::string samples_needed(const std::vector<StudyPoint>& points) {
     std::vector<double> samples, errors;
     for (const StudyPoint& p : points)
         if (p.failure.empty() && p.error.median > 0) samples.push_back(p.value), errors.push_back(p.error.median);
     if (samples.size() < 2) return {};
     const double slope = std::clamp(log_log_slope(samples, errors), -1.0, -0.5);
-    const double times = std::pow(wanted_error / errors.back(), 1 / slope);
-    const double seconds = points.back().seconds.median;
+    const double needed = samples.back() * std::pow(wanted_error / errors.back(), 1 / slope);
+    const double each = seconds_of_sample(points);
+    const auto last =
+        std::find_if(points.rbegin(), points.rend(), [](const StudyPoint& p) { return p.failure.empty(); });
+    const double seconds = last->seconds.median, more = seconds + (needed - samples.back()) * each;
     return printed(
-        "Samples: %g per pixel have an error of %.3g %% of the mean in %s; %g %% needs about %.0f samples and %s.",
-        samples.back(), 100 * errors.back(), told_time(seconds).c_str(), 100 * wanted_error, samples.back() * times,
-        told_time(seconds * times).c_str());
+        "Samples: %g per pixel have an error of %.3g %% of the mean in %s; %g %% needs about %.0f samples%s.",
+        samples.back(), 100 * errors.back(), told_time(seconds).c_str(), 100 * wanted_error, needed,
+        each > 0 && more > 0 ? (" and " + told_time(more)).c_str() : "");
 }
 
 /// The least depth from which on the bias is small enough.

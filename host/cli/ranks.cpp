@@ -42,7 +42,7 @@ std::string host_name() {
     return ::gethostname(name, sizeof name - 1) == 0 ? name : "";
 }
 
-ranks::Hello own_hello() { return {version(), the_options, host_name(), {}}; }
+ranks::Hello own_hello() { return {version(), the_options, host_name(), {}, {}}; }
 
 }  // namespace
 
@@ -50,6 +50,9 @@ void start_ranks(int argc, char** argv) {
     if (argc < 2 || std::strcmp(argv[1], "render") != 0 || !ranks::started_together()) return;
     the_options = options_of(argc, argv);
     the_session.emplace();
+    if (the_session->size() == 1)
+        print_warning("the other ranks did not start in " + std::to_string(int(ranks::Session::seconds_to_start())) +
+                      " s: rank 0 goes on alone");
 }
 
 ranks::Session* rank_session() { return the_session ? &*the_session : nullptr; }
@@ -60,7 +63,7 @@ bool is_other_rank() {
 
 ranks::Ranks* meet_ranks() {
     if (!the_session) return nullptr;
-    if (!the_ranks) the_ranks.emplace(*the_session, own_hello());
+    if (!the_ranks) the_ranks.emplace(*the_session, own_hello(), print_warning);
     return &*the_ranks;
 }
 

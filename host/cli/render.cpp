@@ -1,9 +1,11 @@
 // claray render: renders a scene to an image.
+#include <algorithm>
 #include <cstdio>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 
 #include "claray/io.hpp"
 #include "claray/scale/render_group.hpp"
@@ -69,12 +71,27 @@ struct PictureRenderer {
     }
 };
 
+/// Says that a checkpoint cannot be written when it happens, not hours later: once, until one is written again.
+class CheckpointWatch {
+public:
+    void look(const std::string& error) {
+        if (!error.empty() && !warned_)
+            print_warning("no checkpoint could be written: " + error + "; it is tried again");
+        warned_ = !error.empty();
+    }
+
+private:
+    bool warned_ = false;
+};
+
 /// Renders until a target is reached or a signal arrives.
 Outcome run_renderer(const PictureJob& job, const PictureRenderer& picture, const RenderOptions& options,
                      TargetPlan* plan) {
     ProgressDisplay display(options.config, progress_style(options.quiet || is_other_rank()));
     std::optional<InterruptGuard> guard;
+    CheckpointWatch checkpoints;
     const auto show = [&](const RenderProgress& so_far) {
+        checkpoints.look(picture.checkpoint_error());
         if (!guard && !is_other_rank()) {
             warn_of_culled(so_far);
             guard.emplace();
@@ -169,6 +186,14 @@ public:
         std::fflush(stdout);
         return goes_on;
     }
+    /// Whether another rank's frame is what it was asked for: files of this frame, or pixels of a film.
+    [[nodiscard]] bool fits(const ranks::RenderedFrame& rendered) const {
+        const std::size_t pixels = std::size_t(options_.config.width) * options_.config.height;
+        const bool has_image = !film_ || !rendered.failure.text.empty() || rendered.pixels.size() == pixels;
+        const std::string stem = options_of_frame(options_, rendered.frame).output.stem().string();
+        return has_image &&
+               std::ranges::all_of(rendered.names, [&](const auto& name) { return name.starts_with(stem); });
+    }
     /// Of another rank.
     void take(const ranks::RenderedFrame& rendered) {
         if (film_) add_to_film(rendered.frame, rendered.pixels);
@@ -205,6 +230,7 @@ bool deal_frames(Animation& animation, ranks::Ranks& ranks, const RenderConfig& 
     const Scene scene = animation.load(first);
     ranks::FrameDealer dealer(ranks, config, first, end,
                               {[&](unsigned frame) { return animation.load(frame); },
+                               [&](const ranks::RenderedFrame& rendered) { return animation.fits(rendered); },
                                [&](const ranks::RenderedFrame& rendered) { animation.take(rendered); }, print_warning});
     if (!animation.render(first, scene, nullptr)) return false;
     while (const auto frame = dealer.next())
@@ -282,6 +308,17 @@ void refuse_several(const std::vector<Device>& devices, const RenderOptions& opt
     if (!options.trace.empty()) refuse("--trace", "name one with --device, without mpirun, or leave out --trace");
 }
 
+void warn_of_several_models(const std::vector<Device>& devices, const ranks::Ranks* ranks) {
+    std::set<std::string> models;
+    for (const Device& device : devices) models.insert(ranks::model_of(device.info()));
+    if (ranks != nullptr)
+        for (const ranks::Hello& hello : ranks->hellos()) models.insert(hello.models.begin(), hello.models.end());
+    if (models.size() < 2) return;
+    std::string all;
+    for (const std::string& model : models) all += (all.empty() ? "" : "; ") + model;
+    print_warning("these devices round differently, so that the image has not the bits of one device's: " + all);
+}
+
 void render(const RenderOptions& options) {
     if (is_other_rank())
         return serve_rank_0(
@@ -293,8 +330,9 @@ void render(const RenderOptions& options) {
     if (options.denoiser) check_denoiser(*options.denoiser);
     tell_of_signals_until_guarded();
     const std::vector<Device> devices = open_devices(options.device);
-    (void)meet_ranks();
+    const ranks::Ranks* const ranks = meet_ranks();
     refuse_several(devices, options);
+    warn_of_several_models(devices, ranks);
     enable_profilers(devices, options);
     warn_of_picture_options(options);
     Writes writes;

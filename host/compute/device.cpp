@@ -319,6 +319,7 @@ void Device::set_tuning(const std::string& kernel, const std::string& parameter,
 }
 
 Device::State::~State() {
+    locked.reset();
     if (owns_queue) clFinish(queue());
 }
 

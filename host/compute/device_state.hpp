@@ -4,12 +4,14 @@
 #include <atomic>
 #include <map>
 #include <memory>
+#include <mutex>
 #include <string>
 
 #include "claray/device.hpp"
 
 namespace claray {
 
+class HostMemory;
 class MemoryPlan;
 struct KernelRequest;
 
@@ -50,6 +52,9 @@ struct Device::State {
     std::map<std::string, unsigned> tuning;    // "kernel parameter" -> value, as resolved for this device
     std::vector<std::string> tuning_warnings;  // see claray/tuning.hpp
     std::shared_ptr<cl::Buffer> ray_queue;     // see host/trace/query_kernel.hpp; made when first used
+    std::mutex locked_mutex;                   // of the next two
+    std::shared_ptr<HostMemory> locked;        // see host/compute/read_back.hpp; made when first used
+    std::size_t locked_bytes = 0;
 };
 
 }  // namespace claray

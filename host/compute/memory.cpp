@@ -31,9 +31,9 @@ HostMemory::HostMemory(const Device& device, std::size_t bytes) try {
     if (device.state().plan != nullptr) return;
     const cl::Buffer buffer(device.context(), CL_MEM_READ_WRITE | CL_MEM_ALLOC_HOST_PTR, bytes);
     void* const mapped = device.queue().enqueueMapBuffer(buffer, CL_TRUE, CL_MAP_READ | CL_MAP_WRITE, 0, bytes);
-    data_ = {static_cast<std::uint8_t*>(mapped), [device, buffer](std::uint8_t* data) {
+    data_ = {static_cast<std::uint8_t*>(mapped), [queue = device.queue(), buffer](std::uint8_t* data) {
                  try {
-                     device.queue().enqueueUnmapMemObject(buffer, data);
+                     queue.enqueueUnmapMemObject(buffer, data);
                  } catch (const cl::Error&) {  // the device is lost, and the memory with it
                  }
              }};
@@ -41,12 +41,12 @@ HostMemory::HostMemory(const Device& device, std::size_t bytes) try {
     throw_device_error(device, "allocate host memory", error);
 }
 
-std::vector<cl::Event> HostMemory::read_in_parts(const Device& device, const cl::Buffer& from, std::size_t bytes,
-                                                 std::size_t parts) const try {
+std::vector<cl::Event> HostMemory::read_in_parts(const Device& device, const cl::Buffer& from, std::size_t offset,
+                                                 std::size_t bytes, std::size_t parts) const try {
     std::vector<cl::Event> events(parts);
     for (std::size_t part = 0; part < parts; ++part) {
         const std::size_t begin = begin_of_part(bytes, parts, part), end = begin_of_part(bytes, parts, part + 1);
-        device.queue().enqueueReadBuffer(from, CL_FALSE, begin, end - begin, data_.get() + begin, nullptr,
+        device.queue().enqueueReadBuffer(from, CL_FALSE, offset + begin, end - begin, data_.get() + begin, nullptr,
                                          &events[part]);
     }
     device.queue().flush();

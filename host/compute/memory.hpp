@@ -65,10 +65,10 @@ public:
         return read(from, from.size());
     }
 
-    /// Copies `parts` neighbouring parts of the first bytes of a buffer, one after the other. Each is there when its
-    /// event is complete. Asynchronous.
-    [[nodiscard]] std::vector<cl::Event> read_in_parts(const Device& device, const cl::Buffer& from, std::size_t bytes,
-                                                       std::size_t parts) const;
+    /// Copies `parts` neighbouring parts of the bytes of a buffer from `offset` on, one after the other. Each is there
+    /// when its event is complete. Asynchronous.
+    [[nodiscard]] std::vector<cl::Event> read_in_parts(const Device& device, const cl::Buffer& from, std::size_t offset,
+                                                       std::size_t bytes, std::size_t parts) const;
     /// Where a part begins.
     [[nodiscard]] static std::size_t begin_of_part(std::size_t bytes, std::size_t parts, std::size_t part) {
         return part == parts ? bytes : bytes * part / parts / alignment * alignment;

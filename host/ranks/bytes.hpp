@@ -50,6 +50,11 @@ private:
     std::string bytes_;
 };
 
+/// About bytes that no rank of this version sends.
+[[noreturn]] inline void refuse_message(const std::string& why) {
+    throw Error(ErrorKind::user, "a message of another rank " + why);
+}
+
 /// Throws ErrorKind::user if the bytes end too early.
 class ByteReader {
 public:
@@ -59,18 +64,21 @@ public:
     void get(T&... values) {
         (take(values), ...);
     }
+    /// Throws ErrorKind::user if bytes are left.
+    void finish() const {
+        if (!bytes_.empty()) refuse_message("is too long");
+    }
 
 private:
     void raw(void* data, std::size_t bytes) {
-        if (bytes > bytes_.size()) throw Error(ErrorKind::user, "a message of another rank ends too early");
+        if (bytes > bytes_.size()) refuse_message("ends too early");
         if (bytes > 0) std::memcpy(data, bytes_.data(), bytes);
         bytes_.remove_prefix(bytes);
     }
     [[nodiscard]] std::size_t count(std::size_t least_bytes) {
         std::uint64_t count = 0;
         take(count);
-        if (count > bytes_.size() / least_bytes)
-            throw Error(ErrorKind::user, "a message of another rank ends too early");
+        if (count > bytes_.size() / least_bytes) refuse_message("ends too early");
         return std::size_t(count);
     }
     template <Plain T>
@@ -87,8 +95,9 @@ private:
             values.resize(count(sizeof(T)));
             raw(values.data(), values.size() * sizeof(T));
         } else {
-            values.resize(count(1));
-            for (T& value : values) take(value);
+            values.clear();
+            for (std::size_t left = count(1); left > 0; --left)
+                take(values.emplace_back());  // a wrong count ends early
         }
     }
     template <class T>

@@ -73,21 +73,36 @@ void FrameDealer::run() try {
     changed_.notify_all();
 }
 
+/// Throws for whatever no rank sends that was given a frame.
+RenderedFrame FrameDealer::frame_in(const Message& message) const {
+    refuse_unless(MessageKind::rendered, message);
+    RenderedFrame rendered = rendered_from(message.bytes);
+    if (!dealt_[std::size_t(message.from)].contains(rendered.frame) || !calls_.fits(rendered))
+        refuse_message("brings a frame that nobody asked for");
+    return rendered;
+}
+
 void FrameDealer::take_message(const Message& message) {
-    std::set<std::uint32_t>& dealt = dealt_[std::size_t(message.from)];
-    if (message.kind == MessageKind::rendered) {
-        const RenderedFrame rendered = rendered_from(message.bytes);
-        calls_.take(rendered);
-        const std::lock_guard lock(mutex_);
-        dealt.erase(rendered.frame);
-    } else if (message.kind == MessageKind::failure) {
-        calls_.tell(place_of(message.from, ranks_.hellos()[std::size_t(message.from)]) +
-                    " is dropped and the others go on: " + failure_of(message).text);
-        const std::lock_guard lock(mutex_);
-        ranks_.lose(message.from);
-        waiting_.merge(dealt);
-        dealt.clear();
+    if (ranks_.is_lost(message.from)) return;
+    RenderedFrame rendered;
+    try {
+        if (message.kind == MessageKind::failure) return drop(message.from, failure_of(message).text);
+        rendered = frame_in(message);
+    } catch (const std::exception& error) {
+        return drop(message.from, error.what());
     }
+    calls_.take(rendered);
+    const std::lock_guard lock(mutex_);
+    dealt_[std::size_t(message.from)].erase(rendered.frame);
+    changed_.notify_all();
+}
+
+void FrameDealer::drop(int rank, const std::string& why) {
+    calls_.tell(ranks_.dropped(rank, why));
+    const std::lock_guard lock(mutex_);
+    ranks_.lose(rank);
+    waiting_.merge(dealt_[std::size_t(rank)]);
+    dealt_[std::size_t(rank)].clear();
     changed_.notify_all();
 }
 

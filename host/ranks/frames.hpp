@@ -14,10 +14,12 @@ namespace claray::ranks {
 /// Rank 0 sends frames to the other ranks while it renders some itself. Frames of a rank that is lost are dealt again.
 class FrameDealer {
 public:
-    /// The other functions are called from a thread of the dealer: `load` before a frame is sent, `take` with what
-    /// a rank made of it, `tell` with a line for a rank that is lost.
+    /// The other functions are called from a thread of the dealer: `load` before a frame is sent, `fits` and `take`
+    /// with what a rank made of it, `tell` with a line for a rank that is lost. A rank whose frame does not fit is
+    /// dropped.
     struct Calls {
         std::function<Scene(std::uint32_t frame)> load;
+        std::function<bool(const RenderedFrame&)> fits;
         std::function<void(const RenderedFrame&)> take;
         std::function<void(const std::string&)> tell;
     };
@@ -34,6 +36,8 @@ public:
 private:
     void run();
     void take_message(const Message& message);
+    [[nodiscard]] RenderedFrame frame_in(const Message& message) const;
+    void drop(int rank, const std::string& why);
     [[nodiscard]] std::optional<std::uint32_t> take(std::size_t rank);
     [[nodiscard]] bool all_done() const;
 

@@ -1,5 +1,7 @@
 #include "host/ranks/protocol.hpp"
 
+#include <cmath>
+
 namespace claray::ranks {
 namespace {
 
@@ -22,15 +24,35 @@ std::string bytes_of(const T&... values) {
     return writer.take();
 }
 
+/// All of them.
+template <class... T>
+void read(const std::string& bytes, T&... values) {
+    ByteReader reader(bytes);
+    reader.get(values...);
+    reader.finish();
+}
+
+bool is_duration(double seconds) { return std::isfinite(seconds) && seconds >= 0; }
+
+void check_failure(const Failure& failure) {
+    if (failure.exit_code < int(ErrorKind::user) || failure.exit_code > int(ErrorKind::device))
+        refuse_message("has an exit code of " + std::to_string(failure.exit_code));
+}
+
 }  // namespace
 
-std::string to_bytes(const Hello& hello) { return bytes_of(hello.version, hello.options, hello.host, hello.devices); }
+std::string to_bytes(const Hello& hello) {
+    return bytes_of(hello.version, hello.options, hello.host, hello.devices, hello.models);
+}
 
 Hello hello_from(const std::string& bytes) {
     Hello hello;
-    ByteReader(bytes).get(hello.version, hello.options, hello.host, hello.devices);
+    read(bytes, hello.version, hello.options, hello.host, hello.devices, hello.models);
+    if (hello.devices.empty() || hello.models.size() != hello.devices.size()) refuse_message("names no device");
     return hello;
 }
+
+std::string model_of(const DeviceInfo& info) { return info.name + ", " + info.platform + " " + info.driver; }
 
 std::string to_bytes(const Failure& failure) { return bytes_of(failure.exit_code, failure.text); }
 
@@ -38,7 +60,9 @@ Failure failure_of(ErrorKind kind, const std::string& text) { return {int(kind),
 
 Failure failure_from(const std::string& bytes) {
     Failure failure;
-    if (!bytes.empty()) ByteReader(bytes).get(failure.exit_code, failure.text);
+    if (bytes.empty()) return failure;
+    read(bytes, failure.exit_code, failure.text);
+    check_failure(failure);
     return failure;
 }
 
@@ -56,6 +80,7 @@ Picture picture_from(const std::string& bytes) {
     reader.get(picture.number);
     visit_config(picture.config, [&](auto&... members) { reader.get(members...); });
     reader.get(picture.scene);
+    reader.finish();
     return picture;
 }
 
@@ -65,7 +90,12 @@ std::string to_bytes(const RenderedFrame& f) {
 
 RenderedFrame rendered_from(const std::string& bytes) {
     RenderedFrame f;
-    ByteReader(bytes).get(f.frame, f.names, f.files, f.pixels, f.failure.exit_code, f.failure.text);
+    read(bytes, f.frame, f.names, f.files, f.pixels, f.failure.exit_code, f.failure.text);
+    if (f.names.size() != f.files.size()) refuse_message("has other names than files");
+    for (const std::string& name : f.names)
+        if (name.empty() || name[0] == '.' || name.find_first_of("/\\") != std::string::npos)
+            refuse_message("names a file of another folder");
+    check_failure(f.failure);
     return f;
 }
 
@@ -75,7 +105,8 @@ std::string to_bytes(const RemoteOrder& order) {
 
 RemoteOrder order_from(const std::string& bytes) {
     RemoteOrder order;
-    ByteReader(bytes).get(order.picture, order.device, order.order, order.sums.pixels, order.sums.odd);
+    read(bytes, order.picture, order.device, order.order, order.sums.pixels, order.sums.odd);
+    if (order.order.kind > Order::Kind::give) refuse_message("has an order of no kind");
     return order;
 }
 
@@ -88,8 +119,11 @@ std::string to_bytes(const RemoteReport& remote) {
 RemoteReport report_from(const std::string& bytes) {
     RemoteReport remote;
     Report& r = remote.report;
-    ByteReader(bytes).get(remote.picture, r.worker, r.kind, r.first_paths, r.most_paths, r.seconds, r.sums.pixels,
-                          r.sums.odd, r.error, r.what);
+    read(bytes, remote.picture, r.worker, r.kind, r.first_paths, r.most_paths, r.seconds, r.sums.pixels, r.sums.odd,
+         r.error, r.what);
+    if (r.kind > Report::Kind::failed) refuse_message("has a report of no kind");
+    if (!is_duration(r.seconds)) refuse_message("has a time of " + std::to_string(r.seconds) + " s");
+    check_failure({int(r.error), r.what});
     return remote;
 }
 

@@ -1,4 +1,5 @@
-// What ranks tell each other: the contents of messages.
+// What ranks tell each other: the contents of messages. The functions that read bytes throw ErrorKind::user for bytes
+// that no rank of this version sends.
 #pragma once
 
 #include "claray/renderer.hpp"
@@ -11,10 +12,13 @@ namespace claray::ranks {
 /// What must be equal on all ranks, and what each brings.
 struct Hello {
     std::string version, options, host;
-    std::vector<std::string> devices;  // names
+    std::vector<std::string> devices, models;  // names, and `model_of` each
 };
 [[nodiscard]] std::string to_bytes(const Hello& hello);
 [[nodiscard]] Hello hello_from(const std::string& bytes);
+
+/// Devices of one model and driver give the same bits.
+[[nodiscard]] std::string model_of(const DeviceInfo& info);
 
 /// Why a rank ends.
 struct Failure {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "host/base/seconds_since.hpp"
 #include "host/scale/group_state.hpp"
 
 namespace claray::ranks {
@@ -44,6 +45,11 @@ void refuse_difference(int rank, const Hello& own, const Hello& other) {
 
 }  // namespace
 
+void refuse_unless(MessageKind kind, const Message& message) {
+    if (message.kind == MessageKind::damaged) refuse_message("was damaged on its way");
+    if (message.kind != kind) refuse_message("comes out of turn (kind " + std::to_string(int(message.kind)) + ")");
+}
+
 std::string place_of(int rank, const Hello& hello) {
     return "rank " + std::to_string(rank) + (hello.host.empty() ? "" : " on " + hello.host);
 }
@@ -55,28 +61,43 @@ Failure failure_of(const Message& message) {
     return failure;
 }
 
-Ranks::Ranks(Session& session, const Hello& own) : session_(session), hellos_(std::size_t(session.size())) {
-    const Clock::time_point begin = Clock::now();
-    const std::chrono::duration<double> limit(2 * Session::seconds_until_lost());
-    for (int missing = session.size() - 1; missing > 0;) {
-        const std::optional<Message> message = session.receive(std::chrono::milliseconds(100));
-        if (Clock::now() - begin > limit)
-            throw Error(ErrorKind::user,
-                        std::to_string(missing) + " of " + std::to_string(session.size()) + " ranks did not answer",
-                        "check that claray starts on all machines, or set CLARAY_RANK_SECONDS to more than " +
-                            std::to_string(int(Session::seconds_until_lost())));
-        if (!message) continue;
-        Hello& hello = hellos_[std::size_t(message->from)];
-        if (message->kind == MessageKind::failure) {
-            const Failure failure = failure_from(message->bytes);
-            throw Error(ErrorKind(failure.exit_code),
-                        place_of(message->from, hello) + ": " + (failure.text.empty() ? "lost" : failure.text));
+std::string Ranks::dropped(int rank, const std::string& why) const {
+    return place_of(rank, hellos_[std::size_t(rank)]) + " is dropped and the others go on: " + why;
+}
+
+/// Takes a rank's first message. Returns why the rank cannot take part, or nothing.
+std::string Ranks::welcome(const Message& message) {
+    Failure failure;
+    try {
+        if (message.kind == MessageKind::hello) {
+            hellos_[std::size_t(message.from)] = hello_from(message.bytes);
+            return {};
         }
-        if (message->kind != MessageKind::hello) continue;
-        hello = hello_from(message->bytes);
-        refuse_difference(message->from, own, hello);
-        --missing;
+        refuse_unless(MessageKind::failure, message);
+        failure = failure_of(message);
+    } catch (const std::exception& error) {
+        return error.what();
     }
+    if (message.bytes.empty()) return failure.text;  // it was lost
+    throw Error(ErrorKind(failure.exit_code), "rank " + std::to_string(message.from) + ": " + failure.text);
+}
+
+Ranks::Ranks(Session& session, const Hello& own, const Tell& tell)
+    : session_(session), hellos_(std::size_t(session.size())) {
+    std::set<int> silent;
+    for (int rank = 1; rank < session.size(); ++rank) silent.insert(rank);
+    const Clock::time_point begin = Clock::now();
+    while (!silent.empty() && seconds_since(begin) < Session::seconds_to_start()) {
+        const std::optional<Message> message = session.receive(std::chrono::milliseconds(100));
+        if (!message || (silent.erase(message->from) == 0 && is_lost(message->from))) continue;
+        if (const std::string why = welcome(*message); !why.empty()) {
+            lose(message->from);
+            tell(dropped(message->from, why));
+        } else {
+            refuse_difference(message->from, own, hellos_[std::size_t(message->from)]);
+        }
+    }
+    for (const int rank : silent) tell(dropped(rank, "it did not answer; check that claray starts on all machines"));
 }
 
 RemoteDevices::RemoteDevices(Ranks& ranks, RenderGroup& group, const Scene& scene, const RenderConfig& config)
@@ -102,23 +123,35 @@ RemoteDevices::~RemoteDevices() {
     ranks_.session().broadcast(MessageKind::end, {});
 }
 
+/// In the session's thread, which must go on. A rank of which a message was not understood may never do what it was
+/// asked for, so that it is dropped.
 void RemoteDevices::take(const Message& message) {
-    if (message.kind == MessageKind::failure) return take_failure(message);
-    if (message.kind != MessageKind::report) return;
-    RemoteReport remote = report_from(message.bytes);
-    if (remote.picture != picture_) return;
-    for (const Place& place : places_)
-        if (place.rank == message.from && place.device == remote.report.worker) {
-            remote.report.worker = place.member;
-            return inbox_.post(std::move(remote.report));
-        }
+    if (ranks_.is_lost(message.from)) return;
+    try {
+        message.kind == MessageKind::failure ? drop(message.from, failure_of(message)) : take_report(message);
+    } catch (const std::exception& error) {
+        drop(message.from, {int(ErrorKind::user), error.what()});
+    }
 }
 
-void RemoteDevices::take_failure(const Message& message) {
-    const Failure failure = failure_of(message);
-    ranks_.lose(message.from);
+/// A rank may still report of the picture before, but not once it has begun this one.
+void RemoteDevices::take_report(const Message& message) {
+    refuse_unless(MessageKind::report, message);
+    RemoteReport remote = report_from(message.bytes);
+    if (remote.picture < picture_ && remote.picture > 0 && !reporting_.contains(message.from)) return;
+    const auto place = std::find_if(places_.begin(), places_.end(), [&](const Place& p) {
+        return p.rank == message.from && p.device == remote.report.worker;
+    });
+    if (remote.picture != picture_ || place == places_.end()) refuse_message("reports of what nobody asked for");
+    reporting_.insert(message.from);
+    remote.report.worker = place->member;
+    inbox_.post(std::move(remote.report));
+}
+
+void RemoteDevices::drop(int rank, const Failure& failure) {
+    ranks_.lose(rank);
     for (const Place& place : places_) {
-        if (place.rank != message.from) continue;
+        if (place.rank != rank) continue;
         Report report{place.member, Report::Kind::failed};
         report.error = ErrorKind(failure.exit_code), report.what = failure.text;
         inbox_.post(std::move(report));

@@ -28,8 +28,16 @@ public:
     Job& operator=(const Job&) = delete;
 
     void carry_out(RemoteOrder order) {
-        if (order.picture == picture_.number && order.device < workers_.size())
-            workers_[order.device]->carry_out(order.order, std::move(order.sums));
+        const bool is_late = order.picture > 0 && order.picture < picture_.number && !has_begun_;
+        if (is_late) return;  // of the picture before
+        const Batch& batch = order.order.batch;
+        const std::uint64_t end = std::uint64_t(batch.first_pixel) + batch.pixels;
+        if (order.picture != picture_.number || order.device >= workers_.size() || batch.pixels == 0 ||
+            end > std::uint64_t(picture_.config.width) * picture_.config.height ||
+            (order.order.brings_sums && order.sums.pixels.size() != batch.pixels))
+            refuse_message("orders what is not there");
+        has_begun_ = true;
+        workers_[order.device]->carry_out(order.order, std::move(order.sums));
     }
 
 private:
@@ -40,6 +48,7 @@ private:
     }
 
     Picture picture_;
+    bool has_begun_ = false;
     Inbox inbox_;
     std::vector<std::unique_ptr<DeviceWorker>> workers_;
     std::atomic<bool> ends_{false};
@@ -50,7 +59,8 @@ private:
 
 int serve(Session& session, const std::vector<Device>& devices, Hello hello, const std::string& compiler,
           const RenderFrame& render_frame) {
-    for (const Device& device : devices) hello.devices.push_back(device.info().name);
+    for (const Device& device : devices)
+        hello.devices.push_back(device.info().name), hello.models.push_back(model_of(device.info()));
     session.send(0, MessageKind::hello, to_bytes(hello));
     std::unique_ptr<Job> job;
     std::deque<Message> waiting;  // that came while a frame was rendered
@@ -68,6 +78,7 @@ int serve(Session& session, const std::vector<Device>& devices, Hello hello, con
         if (waiting.empty()) continue;  // the session tells if rank 0 is lost
         const Message message = std::move(waiting.front());
         waiting.pop_front();
+        if (message.from != 0) continue;  // nobody else asks for anything
         switch (message.kind) {
             case MessageKind::picture: {
                 job.reset();
@@ -87,6 +98,7 @@ int serve(Session& session, const std::vector<Device>& devices, Hello hello, con
             case MessageKind::end: job.reset(); break;
             case MessageKind::quit: return std::atoi(message.bytes.c_str());
             case MessageKind::failure: throw Error(ErrorKind::user, "rank 0 is lost");
+            case MessageKind::damaged: refuse_message("was damaged on its way");
             default: break;
         }
     }

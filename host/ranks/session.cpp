@@ -1,9 +1,12 @@
 #include "host/ranks/session.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <utility>
 
 #include "claray/error.hpp"
+#include "host/base/hash.hpp"
 #include "host/base/seconds_since.hpp"
 
 #if CLARAY_WITH_MPI
@@ -11,6 +14,7 @@
 #include <mpi.h>
 #include <unistd.h>
 
+#include <bit>
 #include <condition_variable>
 #include <deque>
 #include <list>
@@ -28,15 +32,27 @@ constexpr std::chrono::microseconds between_looks{200};        // for messages, 
 constexpr std::chrono::microseconds between_rare_looks{2000};  // each takes some 10 us of a processor
 constexpr double seconds_of_attention = 1e-3;                  // after a message
 constexpr std::chrono::seconds time_to_end{10};
+constexpr double seconds_of_silence = 5;  // before it is said that a start takes long
 
 /// A tag says the kind of a message, whether it goes on to other ranks, and whether a further part follows.
 constexpr int more_parts = 1, along_tree = 2, kinds = 4;
 
-/// The thread cannot be ended.
-[[noreturn]] void throw_not_started() {
-    std::fprintf(stderr, "claray: error: MPI did not start in time; check that all ranks run claray render\n");
-    ::_exit(1);
+/// A thread that waits in MPI cannot be ended.
+[[noreturn]] void end_at_once(int exit_code) {
+    std::fflush(nullptr);
+    ::_exit(exit_code);
 }
+
+/// Messages that only say that a rank is alive have no checksum.
+Message message_in(int from, int tag, std::string bytes) {
+    const auto kind = MessageKind(tag / kinds);
+    if (kind == MessageKind::alive) return {from, bytes.empty() ? kind : MessageKind::damaged, {}};
+    std::optional<std::string> content = unsealed(std::move(bytes));
+    return content ? Message{from, kind, std::move(*content)} : Message{from, MessageKind::damaged, {}};
+}
+
+/// The lowest rank that is not below it in the binomial tree of `pass_on`: rank 6 gets messages of rank 2.
+int parent_of(int rank) { return rank - int(std::bit_floor(unsigned(rank))); }
 
 }  // namespace
 
@@ -74,7 +90,7 @@ struct Session::State {
     std::deque<Message> incoming;
     std::mutex handler_mutex;
     std::function<void(const Message&)> handler;
-    bool has_started = false, ends = false, has_ended = false, any_lost = false;
+    bool has_started = false, is_alone = false, ends = false, has_ended = false, any_lost = false;
     bool tree_is_broken = false;  // a rank is gone that would pass messages on
     int exit_code = 0;
 
@@ -110,10 +126,11 @@ void Session::State::start() {
     int provided = 0;
     MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
     MPI_Comm_set_errhandler(MPI_COMM_WORLD, MPI_ERRORS_RETURN);
+    std::unique_lock lock(mutex);
+    changed.wait(lock, [&] { return !is_alone; });  // else it is too late
     MPI_Comm_rank(MPI_COMM_WORLD, &rank);
     MPI_Comm_size(MPI_COMM_WORLD, &size);
     peers.resize(std::size_t(size));
-    const std::lock_guard lock(mutex);
     has_started = true;
     changed.notify_all();
 }
@@ -164,12 +181,11 @@ bool Session::State::receive_one() {
     }
     Peer& peer = peers[std::size_t(from)];
     peer.heard = Clock::now();
-    if (tag & along_tree) pass_on(tag, part);
+    if (tag & along_tree && rank > 0 && from == parent_of(rank)) pass_on(tag, part);
     peer.parts += part;
-    if (tag & more_parts) return true;
-    Message message{from, MessageKind(tag / kinds), std::move(peer.parts)};
-    peer.parts.clear();
-    if (message.kind == MessageKind::quit || message.kind == MessageKind::failure) {
+    if (tag & more_parts && part.size() == largest_part) return true;
+    Message message = message_in(from, tag, std::exchange(peer.parts, {}));
+    if ((message.kind == MessageKind::quit && from == 0) || message.kind == MessageKind::failure) {
         peer.has_left = true;
         const std::lock_guard lock(mutex);
         tree_is_broken = true;
@@ -237,9 +253,18 @@ void Session::State::finish() {
 Session::Session() : state_(std::make_unique<State>()) {
     state_->thread = std::thread([state = state_.get()] { state->run(); });
     std::unique_lock lock(state_->mutex);
-    if (!state_->changed.wait_for(lock, std::chrono::duration<double>(2 * seconds_until_lost()),
-                                  [&] { return state_->has_started; }))
-        throw_not_started();
+    const auto starts_within = [&](double seconds) {
+        return state_->changed.wait_for(lock, std::chrono::duration<double>(seconds),
+                                        [&] { return state_->has_started; });
+    };
+    if (starts_within(seconds_of_silence)) return;
+    if (rank_by_launcher() == 0) std::fprintf(stderr, "claray: waiting for the other ranks to start\n");
+    if (starts_within(seconds_to_start() - seconds_of_silence)) return;
+    if (rank_by_launcher() > 0) {
+        std::fprintf(stderr, "claray: rank %d ends: MPI did not start in time\n", rank_by_launcher());
+        end_at_once(1);
+    }
+    state_->is_alone = true;
 }
 
 Session::~Session() { end(0); }
@@ -249,12 +274,12 @@ int Session::size() const { return state_->size; }
 
 void Session::send(int to, MessageKind kind, std::string bytes) {
     const std::lock_guard lock(state_->mutex);
-    state_->outgoing.push_back({to, int(kind) * kinds, std::make_shared<const std::string>(std::move(bytes))});
+    state_->outgoing.push_back({to, int(kind) * kinds, std::make_shared<const std::string>(sealed(std::move(bytes)))});
     state_->changed.notify_all();
 }
 
 void Session::broadcast(MessageKind kind, std::string bytes) {
-    const auto shared = std::make_shared<const std::string>(std::move(bytes));
+    const auto shared = std::make_shared<const std::string>(sealed(std::move(bytes)));
     const std::lock_guard lock(state_->mutex);
     const bool direct = state_->tree_is_broken;
     for (int to = 1; to < state_->size; to = direct ? to + 1 : 2 * to)
@@ -277,6 +302,7 @@ std::optional<Message> Session::receive(std::chrono::milliseconds most) {
 
 void Session::end(int exit_code) {
     if (!state_->thread.joinable()) return;
+    if (state_->is_alone) end_at_once(exit_code);
     handle({});
     if (state_->rank == 0)
         for (int other = 1; other < state_->size; ++other) send(other, MessageKind::quit, std::to_string(exit_code));
@@ -284,10 +310,7 @@ void Session::end(int exit_code) {
     state_->ends = true;
     state_->changed.notify_all();
     const bool ended = state_->changed.wait_for(lock, time_to_end, [&] { return state_->has_ended; });
-    if (!ended || state_->any_lost) {
-        std::fflush(nullptr);
-        ::_exit(exit_code);
-    }
+    if (!ended || state_->any_lost) end_at_once(exit_code);
     lock.unlock();
     state_->thread.join();
 }
@@ -329,8 +352,24 @@ int value_of(std::initializer_list<const char*> variables, int otherwise) {
 
 }  // namespace
 
+std::string sealed(std::string bytes) {
+    bytes += hash128(bytes);
+    return bytes;
+}
+
+std::optional<std::string> unsealed(std::string bytes) {
+    const std::size_t size = hash128("").size();
+    if (bytes.size() < size) return std::nullopt;
+    const std::string checksum = bytes.substr(bytes.size() - size);
+    bytes.resize(bytes.size() - size);
+    if (hash128(bytes) != checksum) return std::nullopt;
+    return bytes;
+}
+
 bool started_together() { return value_of({"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"}, 1) > 1; }
 int rank_by_launcher() { return value_of({"OMPI_COMM_WORLD_RANK", "PMI_RANK"}, 0); }
+
+double Session::seconds_to_start() { return std::max(60., 2 * seconds_until_lost()); }
 
 double Session::seconds_until_lost() {
     const char* value = std::getenv("CLARAY_RANK_SECONDS");

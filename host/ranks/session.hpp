@@ -19,7 +19,8 @@ enum class MessageKind : int {
     end,       ///< of the picture
     frame,     ///< configuration and scene of a frame that this rank is to render alone
     rendered,  ///< what a rank made of a frame
-    quit       ///< the program ends with this exit code
+    quit,      ///< the program ends with this exit code
+    damaged    ///< not what the rank sent
 };
 
 struct Message {
@@ -27,6 +28,10 @@ struct Message {
     MessageKind kind = MessageKind::alive;
     std::string bytes = {};
 };
+
+/// Adds a checksum to what is sent, and takes it off; none if the bytes are not those that were sealed.
+[[nodiscard]] std::string sealed(std::string bytes);
+[[nodiscard]] std::optional<std::string> unsealed(std::string bytes);
 
 /// Whether mpirun, or another launcher that speaks PMI, started several processes of this program. Cheap.
 [[nodiscard]] bool started_together();
@@ -37,6 +42,7 @@ struct Message {
 /// periodically that this one is alive. Functions may be called from any thread.
 class Session {
 public:
+    /// If MPI does not start in time, as where a rank has died, rank 0 goes on alone, and the others end with 1.
     /// Throws ErrorKind::user if this program was built without MPI.
     Session();
     /// Ends as `end(0)`.
@@ -45,6 +51,7 @@ public:
     Session& operator=(const Session&) = delete;
 
     [[nodiscard]] int rank() const;
+    /// 1 if rank 0 goes on alone.
     [[nodiscard]] int size() const;
 
     /// Asynchronous.
@@ -58,6 +65,8 @@ public:
     [[nodiscard]] std::optional<Message> receive(std::chrono::milliseconds most);
     /// A rank of which nothing was heard for this time is lost: $CLARAY_RANK_SECONDS, or 30.
     [[nodiscard]] static double seconds_until_lost();
+    /// The time in which all ranks must have started: a minute, or twice the time above if that is longer.
+    [[nodiscard]] static double seconds_to_start();
 
     /// Rank 0 tells all others to quit with this exit code. Blocks for some seconds at most. If a rank was lost, ends
     /// the process.

@@ -1,5 +1,6 @@
 // What a renderer gives: images and pictures, statistics, voxels, AOVs.
 #include "host/compute/memory.hpp"
+#include "host/compute/read_back.hpp"
 #include "host/denoise/denoised_image.hpp"
 #include "host/render/parts/scene_parts.hpp"
 #include "host/render/renderer_state.hpp"
@@ -32,11 +33,11 @@ std::vector<glm::vec3> Renderer::denoised(DenoiserKind kind) const {
     State& state = *state_;
     DenoisingStage& stage = state.denoising_stage();
     if (picked_denoiser(kind) == DenoiserKind::oidn)
-        return denoised_by_oidn({state.config.width, state.config.height, state.film.pixels().read(),
-                                 stage.guides_of(state.noisy()).read()});
-    std::vector<glm::vec3> image(state.pixels());
-    state.film.read(stage.still(state.noisy()), image);
-    return image;
+        return denoised_by_oidn({state.config.width, state.config.height, read_back(state.film.pixels()),
+                                 read_back(stage.guides_of(state.noisy()))});
+    VectorRoom<glm::vec3> image(state.pixels());
+    read_back(stage.still(state.noisy()), image.span());
+    return image.take();
 }
 
 std::span<const std::uint8_t> Renderer::denoised_picture(const PictureConfig& picture) {
@@ -95,34 +96,33 @@ std::vector<glm::vec3> Renderer::voxels() const {
         throw Error(claray::ErrorKind::usage, "there are no voxels", "approximate by a light grid of voxels");
     state.follow_light();
     const std::uint32_t all = state.pixels(), most = std::min(state.wavefront.capacity(), all);
-    std::vector<glm::vec3> albedo(all);
+    VectorRoom<glm::vec3> albedo(all);
     Buffer<float> part(state.device, 3 * std::size_t(most));
     for (std::uint32_t first = 0; first < all; first += most) {
         const std::uint32_t count = std::min(most, all - first);
         state.wavefront.show_voxels({first, count, 0, 1, 0}, part);
-        part.read(std::span<float>(&albedo[first].x, 3 * std::size_t(count)));
+        read_back(part, albedo.span().subspan(first, count));
     }
-    return albedo;
+    return albedo.take();
 }
 
 Aovs Renderer::aovs() const {
     State& state = *state_;
     const std::size_t pixels = state.pixels();
     AovStage& stage = state.aov_stage();
-    Aovs aovs{std::vector<float>(pixels), std::vector<glm::vec3>(pixels), std::vector<glm::vec3>(pixels),
-              std::vector<std::uint32_t>(pixels), std::vector<std::uint32_t>(pixels)};
-    const auto floats = [](std::vector<glm::vec3>& v, std::size_t at, std::size_t n) {
-        return std::span<float>(&v[at].x, 3 * n);
-    };
+    VectorRoom<float> depth(pixels);
+    VectorRoom<glm::vec3> normal(pixels), albedo(pixels);
+    VectorRoom<std::uint32_t> primitive(pixels), visits(pixels);
     for (std::size_t first = 0; first < pixels; first += stage.capacity()) {
         const std::size_t n = std::min<std::size_t>(stage.capacity(), pixels - first);
         stage.run(state.wavefront, state.buffers, std::uint32_t(first), std::uint32_t(n));
-        stage.depth.read({&aovs.depth[first], n});
-        stage.primitive.read({&aovs.primitive[first], n});
-        stage.visits.read({&aovs.visits[first], n});
-        stage.normal.read(floats(aovs.normal, first, n));
-        stage.albedo.read(floats(aovs.albedo, first, n));
+        read_back(stage.depth, depth.span().subspan(first, n));
+        read_back(stage.normal, normal.span().subspan(first, n));
+        read_back(stage.albedo, albedo.span().subspan(first, n));
+        read_back(stage.primitive, primitive.span().subspan(first, n));
+        read_back(stage.visits, visits.span().subspan(first, n));
     }
+    Aovs aovs{depth.take(), normal.take(), albedo.take(), primitive.take(), visits.take()};
     if (!state.shape.numbers.empty())
         for (std::uint32_t& triangle : aovs.primitive) triangle = state.shape.numbers.number_there(triangle);
     return aovs;

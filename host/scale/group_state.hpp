@@ -46,6 +46,7 @@ struct RenderGroup::State {
     void deal();
     void send(Member& member, const Order& order);
     void take_report(std::chrono::microseconds patience);
+    [[nodiscard]] bool fits(const Member& member, const Report& report) const;
     void take_done(Member& member, Report& report);
     void join_dealing(Member& member);
     void expect_members();

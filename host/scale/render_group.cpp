@@ -232,6 +232,18 @@ void RenderGroup::State::take_report(std::chrono::microseconds most) {
     for (; report; report = inbox.wait(std::chrono::microseconds(0))) {
         Member& member = members[report->worker];
         if (member.has_failed) continue;
+        if (!fits(member, *report)) {
+            drop(member, {report->worker,
+                          Report::Kind::failed,
+                          0,
+                          0,
+                          0,
+                          0,
+                          {},
+                          ErrorKind::user,
+                          "its report does not fit its orders"});
+            continue;
+        }
         switch (report->kind) {
             case Report::Kind::ready:
                 member.is_ready = true;
@@ -243,6 +255,17 @@ void RenderGroup::State::take_report(std::chrono::microseconds most) {
             case Report::Kind::failed: drop(member, *report); break;
         }
     }
+}
+
+/// Whether a report is possible. Those of other processes may be wrong.
+bool RenderGroup::State::fits(const Member& member, const Report& report) const {
+    if (report.kind == Report::Kind::failed) return true;
+    if (report.kind == Report::Kind::ready) return !member.is_ready;
+    if (member.orders.empty()) return false;
+    const Order& order = member.orders.front();
+    const bool brings_sums = member.device == nullptr && order.kind != Order::Kind::render;
+    const std::size_t pixels = brings_sums ? order.batch.pixels : 0;
+    return report.sums.pixels.size() == pixels && report.sums.odd.size() == (tells_error(config) ? pixels : 0);
 }
 
 void RenderGroup::State::take_done(Member& member, Report& report) {

@@ -106,13 +106,19 @@ struct StudyOptions {
     std::function<void(const Study& so_far)> measured = {};
 };
 
+/// What every setting of a study of images is to take at least, and how many times as many samples the largest has.
+struct StudyScale {
+    double seconds = 0.02;
+    unsigned span = 128;  ///< a power of two
+};
+
 /// Chooses size, samples and rays so that every setting of a study of images takes the device at least 20 ms and the
-/// largest one 128 times as long: then seconds are those of samples and not those of starting kernels, and a slope is
-/// visible over two decades. Settings that take long are rendered fewer times, so that all studies of a scene take
-/// about a minute. Measures the scene for about a second, compiling not included. `keep_size`, `keep_spp` and
-/// `keep_rays`: leave the values of `options` as they are.
+/// largest one 128 times as long, or what `scale` says: then seconds are those of samples and not those of starting
+/// kernels, and a slope is visible over two decades. Settings that take long are rendered fewer times, so that all
+/// studies of a scene take about a minute. Measures the scene for about a second, compiling not included. `keep_size`,
+/// `keep_spp` and `keep_rays`: leave the values of `options` as they are.
 [[nodiscard]] StudyOptions at_scale(const Device& device, const Scene& scene, StudyOptions options, bool keep_size,
-                                    bool keep_spp, bool keep_rays);
+                                    bool keep_spp, bool keep_rays, const StudyScale& scale = {});
 
 /// Error against samples per pixel, for each sampler.
 [[nodiscard]] Study study_sampling(const Device& device, const Scene& scene, const StudyOptions& options,

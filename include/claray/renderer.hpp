@@ -316,10 +316,10 @@ public:
     [[nodiscard]] double cut_off() const;
     /// Returns per-pixel data of the first visible surface, row by row from the top left. Blocks.
     [[nodiscard]] Aovs aovs() const;
-    /// Returns the G-buffer of the same surfaces. Blocks.
-    /// Albedo of the surface in the voxel that each pixel's centre shows, for LightGridConfig::voxels. Throws
-    /// ErrorKind::usage without it. Blocks.
+    /// Returns the albedo of the surface in the voxel that each pixel's centre shows, for LightGridConfig::voxels.
+    /// Throws ErrorKind::usage without it. Blocks.
     [[nodiscard]] std::vector<glm::vec3> voxels() const;
+    /// Returns the G-buffer of the surfaces of `aovs`. Blocks.
     [[nodiscard]] GBuffer gbuffer(NormalPacking packing = NormalPacking::octahedral) const;
     /// Returns the statistics so far. May wait for a kernel to be compiled.
     [[nodiscard]] RenderStatistics statistics() const;

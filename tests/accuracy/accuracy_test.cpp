@@ -12,6 +12,7 @@
 #include "host/accuracy/studies/bias.hpp"
 #include "host/accuracy/studies/image_sweep.hpp"
 #include "host/accuracy/study.hpp"
+#include "host/accuracy/study_list.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/process.hpp"
@@ -534,6 +535,47 @@ TEST(Summary, TellsSamplesAndDepth) {
     EXPECT_TRUE(summary_of({}).empty());
     const std::string html = html_of({sampling, bias}, "", "");
     EXPECT_LT(html.find("What matters most"), html.find("<svg"));
+}
+
+/// A render takes 50 ms and 1 ms a sample: the 50 ms do not grow with the samples.
+TEST(Summary, ExtrapolatesTheTimeOfSamplesAlone) {
+    Study sampling;
+    sampling.name = "sampling";
+    for (const double spp : {1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0}) {  // 1 % at 6400
+        StudyPoint p;
+        p.method = "Sobol", p.value = spp, p.error.median = 0.8 / std::sqrt(spp), p.seconds.median = 0.05 + spp / 1000;
+        sampling.points.push_back(p);
+    }
+    const auto told = [&] { return summary_of({sampling}).at(0); };
+    EXPECT_TRUE(told().ends_with("in 0.114 s; 1 % needs about 6400 samples and 6.45 s.")) << told();
+    for (StudyPoint& p : sampling.points) p.seconds.median = 0.05;
+    EXPECT_TRUE(told().ends_with("1 % needs about 6400 samples.")) << "no time of a sample is known: " << told();
+}
+
+/// Settings of one parameter in order, and settings that have none.
+TEST(Plot, ConnectsTheSettingsOfOneParameterOnly) {
+    for (const auto& [values, is_series] :
+         {std::pair(std::vector<double>{1, 2, 4}, true), std::pair(std::vector<double>{9, 3, 1}, true),
+          std::pair(std::vector<double>{0, 0, 0}, false), std::pair(std::vector<double>{1, 4, 2}, false)}) {
+        Study study;
+        for (const double value : values) {
+            StudyPoint p;
+            p.method = "m", p.value = value, p.error = {value + 1, value + 1, value + 1}, p.seconds = {1, 1, 1};
+            study.points.push_back(p);
+        }
+        EXPECT_EQ(svg_of(study, "").find("<path d=") != std::string::npos, is_series) << values[1];
+    }
+}
+
+/// Those of a box do not differ.
+TEST(StudyList, ComparesTreesOfManyTriangles) {
+    const StudyOptions options{.runs = 1, .rays = 1024};
+    const auto run = of_many_triangles<study_nodes>;
+    const Study of_box = run(device(), *builtin_scene("cornell"), options, {});
+    EXPECT_EQ(of_box.title, "Boxes with fewer bits, terrain:50000");
+    EXPECT_EQ(of_box.findings.at(0),
+              "these are trees of terrain:50000: the scene has 38 triangles, too few for trees to differ");
+    EXPECT_EQ(run(device(), *builtin_scene("terrain:2000"), options, {}).title, "Boxes with fewer bits");
 }
 
 TEST(Plot, TellsErrorsOverTheMeanInPerCent) {

@@ -5,12 +5,11 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
-#include <thread>
 
 #include "host/accuracy/late_frames.hpp"
 #include "host/accuracy/pick_samples.hpp"
+#include "host/render/kernels/background_compiler.hpp"
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/process.hpp"
@@ -237,12 +236,12 @@ TEST(RenderFrames, PicksWhatFitsAndSaysSo) {
     RenderConfig config{.width = 12, .height = 12, .spp = 5};
     unsigned calls = 0;
     const FramesReport report =
-        render_frames(device(), scene, config, {.fps = 0.5, .frames = 4, .orbit = 30}, [&](unsigned done) {
+        render_frames(device(), scene, config, {.fps = 1e-4, .frames = 4, .orbit = 30}, [&](unsigned done) {
             EXPECT_EQ(done, ++calls);
             return done < 3;
         });
     EXPECT_EQ(report.seconds.size(), 3u) << "stopped";
-    EXPECT_EQ(report.spp, 5u) << "two seconds are enough for the most";
+    EXPECT_EQ(report.spp, 5u) << "hours are enough for the most";
     EXPECT_EQ(report.max_depth, default_max_depth);
     EXPECT_EQ(report.percentile, *std::max_element(report.seconds.begin(), report.seconds.end()));
     EXPECT_EQ(report.image.size(), 144u);
@@ -259,15 +258,14 @@ TEST(RenderFrames, PicksWhatFitsAndSaysSo) {
 /// compiler to start.
 TEST(RenderFrames, StartNoCompilerBesideThem) {
     const TemporaryFolder folder;
-    const std::filesystem::path told = folder.path() / "told";
     const ScopedEnvironment empty("CLARAY_CACHE_DIR", (folder.path() / "cache").string());
-    const std::filesystem::path script = folder.file("compiler", "#!/bin/sh\necho started > '" + told.string() + "'\n");
+    const std::filesystem::path script =
+        folder.file("compiler", "#!/bin/sh\nwhile [ -d '" + folder.path().string() + "' ]; do sleep 0.1; done\n");
     std::filesystem::permissions(script, std::filesystem::perms::owner_all);
     const RenderConfig config{.width = 12, .height = 12, .spp = 1, .compiler = script.string()};
-    const FramesReport report = render_frames(device(), *builtin_scene("cornell"), config, {.fps = 0.1, .frames = 1});
+    const FramesReport report = render_frames(device(), *builtin_scene("cornell"), config, {.fps = 1e-4, .frames = 1});
     EXPECT_EQ(report.seconds.size(), 1u);
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));  // in which one would tell
-    EXPECT_FALSE(std::filesystem::exists(told));
+    EXPECT_FALSE(is_compiling()) << "it would run until the folder goes";
 }
 
 /// A frame is late from 95 % of its time on, so that frames get lighter before the rate is missed; one late frame alone
@@ -330,7 +328,7 @@ TEST(RenderFrames, AreCheaperWhereOneSampleTakesTooLong) {
     const auto seconds = [&] { return render_frames(device(), scene, config, {.fps = 0.5, .frames = 5}).median; };
     while (config.width < 4096 && seconds() < 0.004) config.height = config.width *= 2;
     FramesReport cheaper;
-    for (int attempt = 0; attempt < 5 && cheaper.error == 0; ++attempt) {  // other programs use the machine, too
+    for (int attempt = 0; attempt < 100 && cheaper.error == 0; ++attempt) {  // other programs use the machine, too
         try {
             cheaper = render_frames(device(), scene, config, {.fps = 2 / seconds(), .frames = 3});
         } catch (const Error&) {

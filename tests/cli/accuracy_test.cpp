@@ -2,15 +2,12 @@
 #include <algorithm>
 #include <csignal>
 #include <nlohmann/json.hpp>
-#include <thread>
 
 #include "tests/cli/claray.hpp"
 #include "tests/support/device.hpp"
 
 namespace claray::test {
 namespace {
-
-using namespace std::chrono_literals;
 
 TEST(Accuracy, WritesPointsAsJsonTableAndReport) {
     const TemporaryFolder folder;
@@ -47,7 +44,7 @@ TEST(Accuracy, LeavesWhatItHasMeasuredWhenItIsKilled) {
         for (std::size_t at = rows.find(text); at != std::string::npos; at = rows.find(text, at + 1)) ++count;
         return count;
     };
-    for (int i = 0; i < 3000 && rows_with(",sampling,") < 6; ++i) std::this_thread::sleep_for(10ms);
+    ASSERT_TRUE(process.brings_about([&] { return rows_with(",sampling,") >= 6; }));
     process.send(SIGKILL);
     ASSERT_EQ(process.wait().exit_code, 128 + SIGKILL);
     EXPECT_EQ(rows_with(",nodes,"), 3);

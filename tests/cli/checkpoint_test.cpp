@@ -17,7 +17,6 @@
 namespace claray::test {
 namespace {
 
-using namespace std::chrono_literals;
 namespace fs = std::filesystem;
 
 class CheckpointOptions : public InFolder {
@@ -61,6 +60,19 @@ TEST_F(CheckpointOptions, WhatDoesNotFitIsOneClearLine) {
     EXPECT_TRUE(fs::exists(folder_ / "last.png")) << "the image is not lost";
 }
 
+TEST_F(CheckpointOptions, AFullDiskIsSaidWhenItHappens) {
+    fs::create_symlink("/dev/full", folder_ / "full");
+    Process process = start({"render", "cornell", "-o", path("a.pfm"), "--size", "64x48", "--spp", "1000000", "-q",
+                             "--checkpoint", path("full"), "--checkpoint-every", "1e-6s"});
+    const std::string words = "claray: warning: no checkpoint could be written: ";
+    EXPECT_TRUE(process.brings_about([&] { return process.errors_so_far().find(words) != std::string::npos; }))
+        << "only at the end";
+    process.send(SIGINT);
+    const ProcessResult result = process.wait();
+    EXPECT_TRUE(fs::exists(path("a.pfm"))) << "the image is not lost";
+    EXPECT_EQ(result.errors.find(words), result.errors.rfind(words)) << "once";
+}
+
 std::uintmax_t inode_of(const std::string& path) {
     struct stat status = {};
     return ::stat(path.c_str(), &status) == 0 ? status.st_ino : 0;
@@ -78,7 +90,7 @@ TEST_F(CheckpointOptions, KilledAtAnyMoment) {
             const Process process =
                 start(arguments("never.pfm", {"--spp", "16000000", "--resume", path("c"), "--checkpoint", path("c"),
                                               "--checkpoint-every", "1e-6s"}));
-            for (int wait = 0; wait < 4000 && inode_of(path("c")) == before; ++wait) std::this_thread::sleep_for(5ms);
+            ASSERT_TRUE(process.brings_about([&] { return inode_of(path("c")) != before; })) << process.errors_so_far();
             ASSERT_NE(inode_of(path("c")), 0u);
             ASSERT_EQ(process.errors_so_far(), "");
             std::this_thread::sleep_for(std::chrono::microseconds(random() % 30'000));
@@ -106,6 +118,7 @@ TEST(KilledWriter, LeavesTheOldFileOrTheNew) {
         const pid_t id = ::fork();
         if (id == 0)
             for (int k = i;; ++k) write_file(file, contents[k % 2]);
+        EXPECT_TRUE(becomes_true([&] { return folder.entries() > 1; })) << "it does not write";
         std::this_thread::sleep_for(std::chrono::microseconds(random() % (500u << i % 8)));
         ::kill(id, SIGKILL);
         ::waitpid(id, nullptr, 0);
@@ -143,7 +156,7 @@ INSTANTIATE_TEST_SUITE_P(All, CheckpointSignals, testing::Values(SIGINT, SIGTERM
 /// Whatever has not begun may be ended at once.
 TEST_F(CheckpointOptions, SignalsBeforeTheFirstSampleEndTheProgram) {
     Process process = start({"render", "soup:3000000", "-o", path("a.png"), "--size", "64x48", "-q"});
-    for (int i = 0; i < 3000 && !process.handles(SIGINT); ++i) std::this_thread::sleep_for(10ms);
+    ASSERT_TRUE(process.brings_about([&] { return process.handles(SIGINT); }));
     process.send(SIGINT);
     const ProcessResult result = process.wait();
     EXPECT_EQ(result.exit_code, 128 + SIGINT) << result.errors;

@@ -1,10 +1,8 @@
 #include "tests/cli/claray.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <regex>
 #include <sstream>
-#include <thread>
 
 #include "tests/support/device.hpp"
 
@@ -43,8 +41,7 @@ std::vector<float> read_pfm(const std::string& path, std::size_t channels) {
 
 void wait_for_samples(const Process& render) {
     static const std::regex some("[1-9][0-9]*/[0-9]+ spp");
-    for (int i = 0; i < 3000 && !std::regex_search(render.errors_so_far(), some); ++i)
-        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    EXPECT_TRUE(render.brings_about([&] { return std::regex_search(render.errors_so_far(), some); }));
 }
 
 testing::AssertionResult failed_with(const ProcessResult& result, int exit_code, const std::string& words) {

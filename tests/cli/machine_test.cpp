@@ -24,6 +24,17 @@ protected:
     }
 };
 
+/// Two CPU devices of PoCL stand for devices of different drivers, and of one.
+TEST_F(Machine, WithDevicesThatRoundDifferently) {
+    for (const auto& [devices, differ] : {std::pair("basic pthread", true), std::pair("basic basic", false)}) {
+        const ProcessResult result = run_claray(
+            {"render", "cornell", "--device", "0,1", "--size", "8x8", "--spp", "1", "-o", path("a.pfm"), "-q"},
+            {{"POCL_DEVICES", devices}});
+        EXPECT_EQ(result.exit_code, 0) << result.errors;
+        EXPECT_EQ(result.errors.find("these devices round differently") != std::string::npos, differ) << result.errors;
+    }
+}
+
 /// /proc refuses even root. PoCL alone finds no device there, or crashes.
 TEST_F(Machine, WithoutAHomeThatCanBeWrittenTo) {
     Variables none = {{"HOME", "/proc/nobody"},

@@ -3,10 +3,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <future>
 #include <memory>
 #include <thread>
 
@@ -186,39 +186,43 @@ TEST_F(Cache, ProcessesAtOnceShareTheFolder) {
     ASSERT_EQ(files().size(), 1u);  // one program, no temporary file left
 }
 
-/// Whether another thread gets a lock while this thread holds its locks; it gets it anyway once `end` is called.
+/// A thread that gets a lock of "some".
 class Other {
 public:
     explicit Other(const std::string& key)
         : thread_([this, key] {
               const CacheLock lock("some", key);
-              got_.set_value();
+              has_it_ = true;
           }) {}
-    bool waits() const { return future_.wait_for(std::chrono::milliseconds(50)) == std::future_status::timeout; }
-    void end() { thread_.join(); }
+    ~Other() { thread_.join(); }
+    Other(const Other&) = delete;
+    Other& operator=(const Other&) = delete;
+    [[nodiscard]] bool has_it() const { return has_it_; }
 
 private:
-    std::promise<void> got_;
-    std::future<void> future_ = got_.get_future();
+    std::atomic<bool> has_it_ = false;
     std::thread thread_;
 };
 
 TEST_F(Cache, LocksAreOfAKey) {
     const std::string a = hash128("a"), b = hash128("b");
-    const auto waits = [](const std::string& held, const std::string& wanted) {
-        auto lock = std::make_unique<CacheLock>("some", held);
-        Other other(wanted);
-        const bool waited = other.waits();
+    const auto gets_it_beside = [](const char* group, const std::string& held, const std::string& wanted) {
+        auto lock = std::make_unique<CacheLock>(group, held);
+        const Other other(wanted);
+        const bool got_it = becomes_true([&] { return other.has_it(); });
         lock.reset();
-        other.end();
-        return waited;
+        return got_it;
     };
-    EXPECT_TRUE(waits(a, a));
-    EXPECT_FALSE(waits(a, b));
-    const CacheLock of_others("other", a);
-    Other other(a);
-    EXPECT_FALSE(other.waits());
-    other.end();
+    EXPECT_TRUE(gets_it_beside("some", a, b));
+    EXPECT_TRUE(gets_it_beside("other", a, a));
+    auto lock = std::make_unique<CacheLock>("some", a);
+    const Other other(a);
+    for (int looks = 0; looks < 10; ++looks) {
+        EXPECT_FALSE(other.has_it());
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+    lock.reset();
+    EXPECT_TRUE(becomes_true([&] { return other.has_it(); }));
 }
 
 TEST(CacheFolder, FollowsXdgAndHome) {

@@ -1,6 +1,9 @@
 // What ranks send each other arrives unchanged.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <functional>
+
 #include "host/ranks/protocol.hpp"
 #include "host/render/checkpoint/checkpoint.hpp"
 #include "host/render/checkpoint/scene_digest.hpp"
@@ -71,6 +74,50 @@ TEST(Protocol, BringsOrdersAndReports) {
     EXPECT_EQ(told.report.kind, Report::Kind::failed);
     EXPECT_EQ(told.report.error, ErrorKind::user);
     EXPECT_EQ(told.report.what, "why");
+}
+
+TEST(Protocol, SeesDamage) {
+    for (const std::string& bytes : {std::string(), std::string("a"), std::string(1000, '\0')}) {
+        const std::string sent = sealed(bytes);
+        EXPECT_EQ(unsealed(sent), bytes);
+        for (std::size_t i = 0; i < sent.size(); ++i) {
+            std::string flipped = sent;
+            flipped[i] = char(flipped[i] ^ 1);
+            EXPECT_FALSE(unsealed(flipped)) << i;
+            EXPECT_FALSE(unsealed(sent.substr(0, i))) << i;
+        }
+        EXPECT_FALSE(unsealed(sent + "x"));
+    }
+}
+
+/// What no rank of this version sends.
+TEST(Protocol, RefusesWhatCannotBe) {
+    const auto refused = [](const std::string& why, const std::function<void()>& read) {
+        EXPECT_TRUE(throws_error(ErrorKind::user, "a message of another rank " + why, read));
+    };
+    const Hello hello{"v", "o", "h", {"a"}, {"a, p 1"}};
+    refused("is too long", [&] { (void)hello_from(to_bytes(hello) + "x"); });
+    refused("names no device", [&] { (void)hello_from(to_bytes(Hello{"v", "o", "h", {}, {}})); });
+    refused("names no device", [&] { (void)hello_from(to_bytes(Hello{"v", "o", "h", {"a"}, {}})); });
+    for (const int code : {0, 4, -1, 1 << 20})
+        refused("has an exit code of", [&] { (void)failure_from(to_bytes(Failure{code, "why"})); });
+    RemoteReport report{1, {0, Report::Kind::done}};
+    for (const double seconds : {-1.0, double(NAN), double(INFINITY)}) {
+        report.report.seconds = seconds;
+        refused("has a time of", [&] { (void)report_from(to_bytes(report)); });
+    }
+    report.report.seconds = 0, report.report.kind = Report::Kind(3);
+    refused("has a report of no kind", [&] { (void)report_from(to_bytes(report)); });
+    report.report.kind = Report::Kind::failed, report.report.error = ErrorKind(0);
+    refused("has an exit code of 0", [&] { (void)report_from(to_bytes(report)); });
+    refused("has an order of no kind", [&] { (void)order_from(to_bytes(RemoteOrder{1, 0, {Order::Kind(9)}, {}})); });
+    for (const char* name : {"../a.png", "/a.png", "b/a.png", "..", ".", "", "b\\a.png"})
+        refused("names a file of another folder", [&] {
+            (void)rendered_from(to_bytes(RenderedFrame{1, {name}, {"x"}, {}, {}}));
+        });
+    refused("has other names than files", [&] {
+        (void)rendered_from(to_bytes(RenderedFrame{1, {"a", "b"}, {"x"}, {}, {}}));
+    });
 }
 
 /// A message that is cut anywhere is refused, and a wrong length allocates nothing.

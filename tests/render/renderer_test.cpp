@@ -13,6 +13,7 @@
 #include "tests/support/device.hpp"
 #include "tests/support/errors.hpp"
 #include "tests/support/meshes.hpp"
+#include "tests/support/process.hpp"
 #include "tests/support/tuning.hpp"
 
 namespace claray::test {
@@ -203,10 +204,13 @@ TEST(Renderer, StopsAtTheTimeLimit) {
 TEST(Renderer, RendersForATime) {
     Renderer renderer(device(), *builtin_scene("cornell"), {.width = 64, .height = 64, .spp = 1'000'000});
     EXPECT_EQ(renderer.render_for(0).spp, 1u) << "every pixel has a sample";
-    const auto begin = std::chrono::steady_clock::now();
-    const unsigned spp = renderer.render_for(0.3).spp;
-    EXPECT_GE(seconds_since(begin), 0.3);
-    EXPECT_GT(spp, 1u);
+    unsigned spp = 0;
+    EXPECT_TRUE(becomes_true([&] {  // a busy machine may need several calls for a sample
+        const auto begin = std::chrono::steady_clock::now();
+        spp = renderer.render_for(0.3).spp;
+        EXPECT_GE(seconds_since(begin), 0.3);
+        return spp > 1;
+    }));
     EXPECT_LT(spp, 1'000'000u);
     EXPECT_EQ(renderer.render_for(0).spp, spp) << "no time, no further samples";
     EXPECT_THROW((void)renderer.render_for(std::nan("")), Error);
@@ -300,6 +304,23 @@ TEST(Renderer, SamplesThatOverflowAreDroppedAndCounted) {
     EXPECT_GT(renderer.statistics().dropped_samples, 100u);
     for (const glm::vec3& pixel : renderer.image())
         EXPECT_TRUE(std::isfinite(pixel.x) && std::isfinite(pixel.y) && std::isfinite(pixel.z));
+}
+
+/// As an image is: by several threads, from memory that the device shares or has page-locked.
+TEST(Renderer, LargeResultsAreReadBackInParts) {
+    const ScopedTuning tuning("render/wavefront", "PATHS", 600 * 600);  // as many at once as GPUs have
+    Renderer renderer(device(), *builtin_scene("spheres"), {.width = 600, .height = 600, .spp = 1});
+    (void)renderer.aovs();
+    Profiler& profiler = device().profiler();
+    profiler.enable(true);
+    const auto reads = [&] {
+        return profiler.summary().contains("read_buffer") ? profiler.summary().at("read_buffer").count : 0;
+    };
+    const auto before = reads();
+    (void)renderer.aovs(), (void)renderer.gbuffer(), (void)renderer.noise_map();
+    const auto large = reads() - before;
+    profiler.enable(false);
+    EXPECT_EQ(large, 1u) << "the sums of the film alone: others took a thread twenty times as long on an H200";
 }
 
 TEST(Renderer, AovsAreOfThePixelCentres) {

@@ -167,6 +167,7 @@ TEST_F(Groups, EndInTime) {
     config_.spp = 1u << 20, config_.seconds = 0.4;
     RenderGroup group(several(2), scene_, config_);
     wait_for_all(group);
+    for (RenderGroup::State::Member& member : group.state().members) member.handover = 0;
     reached_ = group.render();
     for (const DeviceShare& share : group.shares()) EXPECT_GT(share.samples, 0u) << "both take part";
     EXPECT_GE(reached_.spp, 1u);

@@ -5,11 +5,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+#include <thread>
 
 extern char** environ;
 
@@ -40,7 +42,20 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
     return result;
 }
 
+bool has_ended(pid_t id) {
+    siginfo_t info = {};
+    return ::waitid(P_PID, id_t(id), &info, WEXITED | WNOHANG | WNOWAIT) != 0 || info.si_pid == id;
+}
+
 }  // namespace
+
+bool becomes_true(const std::function<bool()>& condition) {
+    for (int looks = 0; looks < 60'000; ++looks) {
+        if (condition()) return true;
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return false;
+}
 
 Process::Process(const std::vector<std::string>& command, const Variables& environment) : folder_(make_folder()) {
     std::vector<std::string> arguments = command, entries = merged_environment(environment);
@@ -82,6 +97,12 @@ bool Process::handles(int signal_number) const {
     const std::size_t at = status.find(key);
     return at != std::string::npos &&
            (std::stoull(status.substr(at + key.size()), nullptr, 16) >> (signal_number - 1) & 1);
+}
+
+bool Process::brings_about(const std::function<bool()>& condition) const {
+    bool held = false;
+    (void)becomes_true([&] { return (held = condition()) || has_ended(id_); });
+    return held || condition();
 }
 
 ProcessResult Process::wait() {

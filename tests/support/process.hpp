@@ -4,6 +4,7 @@
 #include <sys/types.h>
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -16,6 +17,10 @@ struct ProcessResult {
     std::string output;  ///< standard output
     std::string errors;  ///< standard error
 };
+
+/// Looks at a condition until it holds, and returns whether it did. The looks are counted, not the seconds: on a busy
+/// machine a look takes longer, too. On an idle one they take ten minutes.
+[[nodiscard]] bool becomes_true(const std::function<bool()>& condition);
 
 using Variables = std::map<std::string, std::string>;
 
@@ -33,6 +38,8 @@ public:
     void send(int signal_number) const;
     /// Returns whether it handles a signal now, by /proc.
     [[nodiscard]] bool handles(int signal_number) const;
+    /// The same for what the process does: returns false if the process ends first.
+    [[nodiscard]] bool brings_about(const std::function<bool()>& condition) const;
     /// Blocks until it ends.
     [[nodiscard]] ProcessResult wait();
 

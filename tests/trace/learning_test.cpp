@@ -61,7 +61,7 @@ void trace_until_ended(const Bvh& bvh, const QueryOptions& options = {}) {
 /// A structure whose tree was replaced. Other work on the machine can disturb a comparison: then another one tries.
 Bvh replaced(const std::function<Bvh()>& build) {
     Bvh bvh = build();
-    for (int tries = 1; trace_until_ended(bvh), !bvh.is_replaced() && tries < 5; ++tries) bvh = build();
+    for (int tries = 1; trace_until_ended(bvh), !bvh.is_replaced() && tries < 50; ++tries) bvh = build();
     return bvh;
 }
 

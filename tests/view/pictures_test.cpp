@@ -53,8 +53,8 @@ TEST(ViewPlay, PassesTheTimeThatPasses) {
     std::vector<double> times;
     config.animation.scene_at = [&](double time) { return times.push_back(time), rising(time); };
     View view(device(), rising(0), config);
-    run(view, "play");
     const auto begin = std::chrono::steady_clock::now();
+    run(view, "play");
     for (int i = 0; i < 3; ++i) (void)view.next_frame();
     const double passed = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     ASSERT_EQ(times.size(), 3u);

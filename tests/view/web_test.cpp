@@ -37,6 +37,7 @@ TEST(ViewWeb, ServesThisComputerOnly) {
     const std::string url = ready.get_future().get();
     const int port = std::stoi(url.substr(url.rfind(':') + 1));
     httplib::Client client("127.0.0.1", port);
+    client.set_read_timeout(std::chrono::hours(1));
     const auto status_of = [](const httplib::Result& result) { return result ? result->status : 0; };
     const auto start = client.Get("/");
     EXPECT_EQ(status_of(start), 200);

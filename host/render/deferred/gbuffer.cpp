@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "host/compute/read_back.hpp"
 #include "host/render/renderer_state.hpp"
 
 namespace claray {
@@ -38,14 +39,16 @@ GBuffer GBufferStage::run(Wavefront& wavefront, const SceneBuffers& scene, Norma
     buffer.width = frame.width, buffer.height = frame.height;
     buffer.normals = packing;
     buffer.world_from_image = world_from_image(frame.camera, near, far);
-    buffer.pixels.resize(std::size_t(frame.width) * frame.height);
-    for (std::size_t first = 0; first < buffer.pixels.size(); first += pixels_.size()) {
-        const auto count = std::uint32_t(std::min(pixels_.size(), buffer.pixels.size() - first));
+    const std::size_t all = std::size_t(frame.width) * frame.height;
+    VectorRoom<GBufferPixel> pixels(all);
+    for (std::size_t first = 0; first < all; first += pixels_.size()) {
+        const auto count = std::uint32_t(std::min(pixels_.size(), all - first));
         wavefront.trace_centers({std::uint32_t(first), count, 0, 1, 0}, trace_);
         write_.run({count, 64}, wavefront.step_of({}, 0, count), scene, wavefront.rays(), wavefront.hits(), near, far,
                    std::uint32_t(packing == NormalPacking::spherical), pixels_);
-        pixels_.read(std::span(buffer.pixels).subspan(first, count));
+        read_back(pixels_, pixels.span().subspan(first, count));
     }
+    buffer.pixels = pixels.take();
     return buffer;
 }
 

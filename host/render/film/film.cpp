@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
-#include "host/base/in_parallel.hpp"
+#include "host/compute/read_back.hpp"
 
 namespace claray {
 namespace {
@@ -125,36 +124,13 @@ std::span<const glm::vec3> Film::radiance(const ImageSizes& size) const {
     return {reinterpret_cast<const glm::vec3*>(on_host(image.bytes()).read(image, 3 * pixels).data()), pixels};
 }
 
-/// Several threads copy into the vector's room. The vector then takes each pixel from where it will stand, for which
-/// the C library's memmove does nothing: a vector that initializes its pixels costs one thread another pass over them.
 std::vector<glm::vec3> Film::image(const ImageSizes& size) const {
-    const std::size_t count = std::size_t(size.image_width) * size.image_height;
-    std::vector<glm::vec3> pixels;
-    pixels.reserve(count);
-    const std::span<glm::vec3> room(pixels.data(), count);
-    image(size, room);
-    pixels.assign(room.begin(), room.end());
-    return pixels;
+    VectorRoom<glm::vec3> pixels(std::size_t(size.image_width) * size.image_height);
+    image(size, pixels.span());
+    return pixels.take();
 }
 
-void Film::image(const ImageSizes& size, std::span<glm::vec3> to) const { read(resolve(size), to); }
-
-/// By several threads, since one alone copies more slowly than a GPU writes; each copies what has arrived.
-void Film::read(const Buffer<float>& image, std::span<glm::vec3> to) const {
-    const HostMemory& from = on_host(image.bytes());
-    constexpr std::size_t most_parts = 12, least_bytes = 1u << 20;  // a thread starts in the time of some 100 kB
-    const std::size_t bytes = to.size_bytes(), parts = std::clamp<std::size_t>(bytes / least_bytes, 1, most_parts);
-    const std::vector<cl::Event> read = from.read_in_parts(device_, image.memory(), bytes, parts);
-    in_parallel(parts, [&](std::size_t part) {
-        const std::size_t begin = HostMemory::begin_of_part(bytes, parts, part);
-        if (clWaitForEvents(1, &read[part]()) != CL_SUCCESS) return;
-        std::memcpy(reinterpret_cast<std::uint8_t*>(to.data()) + begin, from.data() + begin,
-                    HostMemory::begin_of_part(bytes, parts, part + 1) - begin);
-    });
-    for (const cl::Event& event : read)
-        if (event.getInfo<CL_EVENT_COMMAND_EXECUTION_STATUS>() != CL_COMPLETE)
-            throw claray::Error(ErrorKind::device, "cannot read the image from " + device_.info().name);
-}
+void Film::image(const ImageSizes& size, std::span<glm::vec3> to) const { read_back(resolve(size), to); }
 
 void Film::look() const {
     if (totals_ || looks_ || has_single_samples_) return;
@@ -216,7 +192,7 @@ std::vector<float> Film::variances(const char* name, std::uint32_t items, const 
     const Buffer<float> found(device_, items);
     load_kernel(device_, "render/measure_film.cl", name)
         .run({items, 64}, pixels_, args..., float(scale_ / mean), found);
-    return found.read();
+    return read_back(found);
 }
 
 std::vector<float> Film::noise_map() const { return variances("map_noise", count_, count_); }

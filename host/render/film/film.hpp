@@ -41,8 +41,6 @@ public:
     [[nodiscard]] std::vector<glm::vec3> image(const ImageSizes& size) const;
     /// Into memory of that size.
     void image(const ImageSizes& size, std::span<glm::vec3> to) const;
-    /// Copies another image of the device to the host, 3 floats per pixel.
-    void read(const Buffer<float>& image, std::span<glm::vec3> to) const;
     /// In the film's own size.
     [[nodiscard]] std::vector<glm::vec3> image() const { return image({count_, 1, count_, 1}); }
 
