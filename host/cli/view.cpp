@@ -13,7 +13,7 @@
 #include "host/view/input.hpp"
 #include "host/view/script.hpp"
 #include "host/view/terminal.hpp"
-#include "host/view/web.hpp"
+#include "host/view/web/web.hpp"
 #include "host/view/window.hpp"
 
 namespace claray::cli {

@@ -83,7 +83,7 @@ View::View(const Device& device, Scene scene, const ViewConfig& config)
       renderer_(std::make_unique<Renderer>(device, scene_, config_.render)),
       preview_(config_.answer_seconds),
       time_(config.animation.time) {
-    (void)shown();
+    (void)shown_frame();
     renderer_->load_kernels();
 }
 
@@ -464,13 +464,13 @@ std::string View::save(const ViewCommand& command) {
     return "wrote " + command.word;
 }
 
-std::string answer(View& view, const ViewCommand& command) try {
-    return view.run(command);
+Answer answer(View& view, const ViewCommand& command) try {
+    return {view.run(command), false};
 } catch (const Error& error) {
     if (error.kind() == ErrorKind::device) throw;
-    return error.what();
+    return {error.what(), true};
 }
 
-std::string answer(View& view, const std::string& line) { return answer(view, parse_command(line)); }
+Answer answer(View& view, const std::string& line) { return answer(view, parse_command(line)); }
 
 }  // namespace claray::view

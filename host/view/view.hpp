@@ -54,6 +54,8 @@ public:
     /// Renders until the image is complete.
     [[nodiscard]] const Frame& complete_frame();
 
+    /// The last frame; at first one with the first samples.
+    [[nodiscard]] const Frame& frame() const { return frame_; }
     [[nodiscard]] const Camera& camera() const { return *scene_.camera; }
     [[nodiscard]] bool ended() const { return ended_; }
 
@@ -117,8 +119,14 @@ private:
     std::chrono::steady_clock::time_point time_at_;  // when it was that while the animation played
 };
 
-/// Runs a command; returns the line for the user, or that of the error. Device errors are thrown.
-[[nodiscard]] std::string answer(View& view, const ViewCommand& command);
-[[nodiscard]] std::string answer(View& view, const std::string& line);
+/// What a command tells the user.
+struct Answer {
+    std::string line;  ///< often empty; the message of the error if it failed
+    bool failed = false;
+};
+
+/// Runs a command. Device errors are thrown.
+[[nodiscard]] Answer answer(View& view, const ViewCommand& command);
+[[nodiscard]] Answer answer(View& view, const std::string& line);
 
 }  // namespace claray::view

@@ -1,5 +1,5 @@
 // The web page of the view, as a browser asks for it.
-#include "host/view/web.hpp"
+#include "host/view/web/web.hpp"
 
 #include <gtest/gtest.h>
 #include <httplib.h>
