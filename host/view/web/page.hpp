@@ -99,7 +99,8 @@ inline constexpr const char* page_template = R"page(<!doctype html>
     for (let seen = 0; ; ) {
       try {
         const answer = await fetch("frame?after=" + seen);
-        if (answer.status !== 200) continue;
+        if (answer.status === 204) continue;  // nothing is new
+        if (!answer.ok) throw answer;
         seen = answer.headers.get("Frame-Number");
         const before = view.src;
         view.src = URL.createObjectURL(await answer.blob());

@@ -133,16 +133,19 @@ void publish(Exchange& exchange, const Frame& frame, const Told& told) {
 
 /// Runs commands and renders; only this thread uses the view.
 void render_loop(View& view, Exchange& exchange, const WebConfig& config) {
+    const auto interrupted = [&] { return exchange.has_commands() || !config.goes_on(); };
     Told told;
     bool shown = false;
+    std::uint64_t number = 0;
     while (!view.ended() && config.goes_on()) {
         for (const ViewCommand& command : exchange.take()) told.take(answer(view, command)), shown = false;
         if (shown && !exchange.wants_picture()) {
             std::this_thread::sleep_for(std::chrono::milliseconds(5));
             continue;
         }
-        const Frame& frame = view.next_frame();
+        const Frame& frame = view.next_frame(interrupted);
         shown = frame.complete;
+        if (std::exchange(number, frame.number) == frame.number) continue;
         if (exchange.wants_picture())
             exchange.give_picture(encode_png(frame.width, frame.height, 4, {frame.pixels.begin(), frame.pixels.end()}));
         publish(exchange, frame, told);
