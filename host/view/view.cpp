@@ -17,7 +17,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr float most_pixels_a_side = 16384;
-constexpr float most_pixels = 7680.f * 4320.f;  // of the largest displays
+constexpr float most_pixels = 4096.f * 4096.f;  // more than displays of 5120x2880 have
 constexpr double least_share = 0.25;            // of a frame's time that is spent on sampling
 
 [[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
@@ -424,7 +424,7 @@ std::string View::resize(const ViewCommand& command) {
                "use 1 to 16384 per side");
     if (width * height > most_pixels)
         refuse(printed("resize: %gx%g pixels are too many for a live view", double(width), double(height)),
-               "use at most 33 million, for example 7680x4320");
+               "use at most 16.7 million, for example 5120x2880");
     try {
         set_size(unsigned(width), unsigned(height));
     } catch (const Error& error) {
