@@ -13,7 +13,7 @@
 #include "host/view/input.hpp"
 #include "host/view/script.hpp"
 #include "host/view/terminal.hpp"
-#include "host/view/web.hpp"
+#include "host/view/web/web.hpp"
 #include "host/view/window.hpp"
 
 namespace claray::cli {
@@ -42,11 +42,11 @@ view::Animation animation_of(const LiveOptions& options, FirstFrame first) {
     return {scene_at, *seconds, options.view.load.time.value_or(0), options.script.empty() ? 0 : script_step};
 }
 
-/// Median and 99th percentile of times, in milliseconds.
-std::string times_of(const std::vector<double>& seconds) {
-    if (seconds.empty()) return "none";
-    return printed("median %.2f ms, 99th percentile %.2f ms", 1e3 * percentile(seconds, 0.5),
-                   1e3 * percentile(seconds, 0.99));
+/// Median and 99th percentile of times, in milliseconds; nothing where there are none.
+void print_times(const std::vector<double>& seconds, const char* of) {
+    if (seconds.empty()) return;
+    std::printf("%s: %zu, median %.2f ms, 99th percentile %.2f ms\n", of, seconds.size(),
+                1e3 * percentile(seconds, 0.5), 1e3 * percentile(seconds, 0.99));
 }
 
 void replay(view::View& view, const view::Script& script, const LiveOptions& options) {
@@ -54,8 +54,9 @@ void replay(view::View& view, const view::Script& script, const LiveOptions& opt
     const auto tell = [](const std::string& line) { std::printf("%s\n", line.c_str()); };
     const view::ScriptReport report = view::run_script(view, script, options.output, tell);
     if (options.quiet) return;
-    std::printf("%u frames: %s\nanswers to commands: %s\n", report.frames, times_of(report.seconds).c_str(),
-                times_of(report.answer_seconds).c_str());
+    print_times(report.frame_seconds, "frames");
+    print_times(report.finish_seconds, "complete images by finish");
+    print_times(report.answer_seconds, "answers of frames to commands");
 }
 
 void look(const LiveOptions& options) {
@@ -101,6 +102,7 @@ void add_view_command(CLI::App& app, Action& action) {
                     "  claray view sponza.obj --script tour.txt -o frames");
     command->option_defaults()->take_last();
     auto options = std::make_shared<LiveOptions>();
+    options->view.load.live = true;
     RenderConfig& render = options->config.render;
     render.width = 640, render.height = 360, render.spp = 256;
     command

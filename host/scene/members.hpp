@@ -80,8 +80,8 @@ void visit_members(T& sky, const Visit& visit) {
 
 template <IsOf<MeshInstance> T, class Visit>
 void visit_members(T& instance, const Visit& visit) {
-    auto& [mesh, transform, transform_end] = instance;
-    visit(mesh, transform, transform_end);
+    auto& [mesh, transform, transform_end, name] = instance;
+    visit(mesh, transform, transform_end, name);
 }
 
 template <IsOf<TextureUse> T, class Visit>

@@ -44,6 +44,7 @@ Scene without_meshes(const Scene& scene) {
 }  // namespace
 
 bool survives_baking(const Mesh& mesh, const glm::mat4& transform) {
+    if (transform == glm::mat4(1.f)) return true;
     const glm::dmat4 m(transform);
     const auto world = [&](const glm::dvec3& p) { return glm::dvec3(m * glm::dvec4(p, 1.0)); };
     return std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const glm::uvec3& t) {

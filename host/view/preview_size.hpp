@@ -18,6 +18,8 @@ public:
     [[nodiscard]] double scale() const { return std::clamp(std::sqrt(wanted_ / complete_), least_, 1.0); }
 
     void complete_took(double seconds) { complete_ = seconds; }
+    /// The complete image gets so many times the pixels.
+    void complete_grew(double times) { complete_ *= times; }
     /// The size is kept unless the time was much longer or shorter than wanted, so that pictures do not flicker.
     void preview_took(double seconds) {
         const double complete = seconds / (scale() * scale());

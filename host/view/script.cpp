@@ -42,17 +42,19 @@ private:
         const Clock::time_point begin = Clock::now();
         (void)(complete ? view_.complete_frame() : view_.next_frame());
         const Clock::time_point end = Clock::now();
-        report.seconds.push_back(std::chrono::duration<double>(end - begin).count());
+        std::vector<double>& seconds = complete ? report.finish_seconds : report.frame_seconds;
+        seconds.push_back(std::chrono::duration<double>(end - begin).count());
         if (asked_ && !complete) report.answer_seconds.push_back(std::chrono::duration<double>(end - *asked_).count());
         asked_.reset();
-        ++report.frames;
+        ++frames_;
         if (folder_.empty()) return;
-        ViewCommand save{"save", (folder_ / printed("frame-%05u.png", report.frames)).string(), {}};
+        ViewCommand save{"save", (folder_ / printed("frame-%05u.png", frames_)).string(), {}};
         (void)view_.run(save);
     }
 
     View& view_;
     std::filesystem::path folder_;
+    unsigned frames_ = 0;
     std::optional<Clock::time_point> asked_;  // the first command since the last frame
 };
 

@@ -22,8 +22,8 @@ struct Script {
 [[nodiscard]] Script read_script(const std::filesystem::path& file);
 
 struct ScriptReport {
-    unsigned frames = 0;
-    std::vector<double> seconds;         ///< of each frame
+    std::vector<double> frame_seconds;   ///< of each frame of `frames N`
+    std::vector<double> finish_seconds;  ///< of each image of `finish`, which has all samples
     std::vector<double> answer_seconds;  ///< from a command to the picture of the first frame after it
 };
 

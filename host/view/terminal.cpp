@@ -65,7 +65,7 @@ std::string run_keys(View& view, std::string bytes) {
         const std::size_t length = bytes.starts_with("\x1b[") ? std::min<std::size_t>(3, bytes.size()) : 1;
         const std::string command = command_of_key(key_of_bytes(bytes.substr(0, length)));
         bytes.erase(0, length);
-        if (!command.empty()) told = answer(view, command);
+        if (!command.empty()) told = answer(view, command).line;
     }
     return told;
 }

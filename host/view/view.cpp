@@ -9,6 +9,7 @@
 #include "host/base/format.hpp"
 #include "host/base/seconds_since.hpp"
 #include "host/view/camera_control.hpp"
+#include "host/view/false_colors.hpp"
 
 namespace claray::view {
 namespace {
@@ -16,16 +17,27 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr float most_pixels_a_side = 16384;
-constexpr double least_share = 0.25;  // of a frame's time that is spent on sampling
-constexpr int noise_radius = 2;       // of the square of pixels over which the error map takes the mean
+constexpr float most_pixels = 4096.f * 4096.f;  // more than displays of 5120x2880 have
+constexpr double least_share = 0.25;            // of a frame's time that is spent on sampling
 
 [[noreturn]] void refuse(const std::string& what, const std::string& remedy) {
     throw Error(ErrorKind::user, what, remedy);
 }
 
+/// Instances place all meshes, so that each can be moved. Those that stay where they are do not change the picture.
+Scene movable(Scene scene) {
+    if (scene.instances.empty())
+        for (std::uint32_t mesh = 0; mesh < scene.meshes.size(); ++mesh) scene.instances.push_back({mesh});
+    return scene;
+}
+
 Scene with_camera(Scene scene, const RenderConfig& config) {
     scene.camera = camera_of(scene, float(config.width) / float(config.height));
     return scene;
+}
+
+bool are_parts_of_one(const MeshInstance& a, const MeshInstance& b) {
+    return !a.name.empty() && a.name == b.name && a.transform == b.transform;
 }
 
 bool have_same_vertices(const Scene& a, const Scene& b) {
@@ -38,52 +50,18 @@ std::string name_of(const std::string& name, std::size_t number) {
     return name.empty() ? std::to_string(number) : "'" + name + "'";
 }
 
-/// Colours of a picture by the exact sRGB curve.
-std::vector<std::uint8_t> encoded(const Image& image) {
-    std::vector<std::uint8_t> bytes;
-    for (const glm::vec3& c : image.pixels)
-        bytes.insert(bytes.end(), {srgb_from_linear(c.x), srgb_from_linear(c.y), srgb_from_linear(c.z), 255});
-    return bytes;
-}
-
-/// The root of the mean over the pixels nearby: the variance that two halves of a pixel's samples tell is as noisy as
-/// its square.
-Image error_map(const std::vector<float>& variances, int width, int height) {
-    std::vector<float> errors;
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) {
-            double sum = 0;
-            int count = 0;
-            for (int v = std::max(y - noise_radius, 0); v <= std::min(y + noise_radius, height - 1); ++v)
-                for (int u = std::max(x - noise_radius, 0); u <= std::min(x + noise_radius, width - 1); ++u, ++count)
-                    sum += double(variances[std::size_t(v) * std::size_t(width) + std::size_t(u)]);
-            errors.push_back(float(std::sqrt(sum / count)));
-        }
-    return false_color(unsigned(width), unsigned(height), errors);
-}
-
-Image image_of(const Aovs& aovs, const std::string& shows, unsigned width, unsigned height) {
-    if (shows == "depth") return false_color(width, height, aovs.depth);
-    if (shows == "primitive") return identifier_color(width, height, aovs.primitive);
-    if (shows == "heat") return false_color(width, height, {aovs.visits.begin(), aovs.visits.end()});
-    Image image{width, height, aovs.albedo};
-    if (shows == "normal")
-        for (std::size_t i = 0; i < image.pixels.size(); ++i) image.pixels[i] = 0.5f * (aovs.normal[i] + 1.f);
-    return image;
-}
-
 }  // namespace
 
 /// The first picture is made at once, so that no answer to a command waits for a kernel to be compiled, or for what
 /// drivers do at its first run.
 View::View(const Device& device, Scene scene, const ViewConfig& config)
-    : scene_(with_camera(std::move(scene), config.render)),
+    : scene_(movable(with_camera(std::move(scene), config.render))),
       config_(config),
       home_(*scene_.camera),
       renderer_(std::make_unique<Renderer>(device, scene_, config_.render)),
       preview_(config_.answer_seconds),
       time_(config.animation.time) {
-    (void)shown();
+    (void)shown_frame();
     renderer_->load_kernels();
 }
 
@@ -120,12 +98,14 @@ Renderer& View::complete_renderer() {
 }
 
 /// Frames that are denoised together have samples of their own: equal ones would have the same noise.
-void View::render(double seconds) {
+void View::render(double seconds, const Interrupted& interrupted) {
     const Clock::time_point begin = Clock::now();
     Renderer& renderer = complete_renderer();
     if (spp_ == 0) {
         if (denoises_) renderer.restart(++seed_);
-        spp_ = renderer.render_for(0).spp;  // one sample for every pixel
+        const auto goes_on = [&](const RenderProgress&) { return !interrupted(); };
+        spp_ = interrupted ? renderer.render_for(0, goes_on).spp : renderer.render_for(0).spp;
+        if (spp_ == 0) return;  // not every pixel has a sample
         preview_.complete_took(seconds_since(begin));
     }
     if (const double left = seconds - seconds_since(begin); left > 0) spp_ = renderer.render_for(left).spp;
@@ -146,10 +126,10 @@ void View::preview() {
 
 /// The time that the picture of the last frame and its display took is not available for sampling. The first frame
 /// after a change takes the least time, since it is an answer.
-void View::sample_frame() {
+void View::sample_frame(const Interrupted& interrupted) {
     const double others = seconds_since(sampled_at_);
     const double least = least_share * config_.frame_seconds;
-    render(spp_ == 0 ? least : std::max(config_.frame_seconds - others, least));
+    render(spp_ == 0 ? least : std::max(config_.frame_seconds - others, least), interrupted);
     sampled_at_ = Clock::now();
 }
 
@@ -168,17 +148,19 @@ std::span<const std::uint8_t> View::shown() {
 
 const Frame& View::shown_frame() {
     const bool complete = paused_ || (!playing_ && !previewing_ && spp_ >= config_.render.spp);
-    frame_ = {config_.render.width, config_.render.height, shown(), spp_, complete};
+    frame_ = {config_.render.width, config_.render.height, shown(), spp_, complete, frame_.number + 1};
     return frame_;
 }
 
-const Frame& View::next_frame() {
+const Frame& View::next_frame(const Interrupted& interrupted) {
     if (playing_) pass_time();
     if (spp_ == 0 && wants_preview())
         preview();
     else if (!paused_ && (previewing_ || spp_ < config_.render.spp))
-        sample_frame();
-    return shown_frame();
+        sample_frame(interrupted);
+    if (spp_ > 0 || paused_) return shown_frame();
+    frame_.complete = false;
+    return frame_;
 }
 
 const Frame& View::complete_frame() {
@@ -310,7 +292,9 @@ std::string View::pick(const ViewCommand& command) {
     }
     selected_ = selection_of(scene_, aovs.primitive[pixel], held_);
     const Material& material = scene_.materials[selected_->material];
-    return "mesh " + name_of(scene_.meshes[selected_->mesh].name, selected_->mesh) + ", triangle " +
+    const std::string& object = scene_.instances[*selected_->instance].name;
+    return (object.empty() ? "" : "object " + name_of(object, 0) + ", ") + "mesh " +
+           name_of(scene_.meshes[selected_->mesh].name, selected_->mesh) + ", triangle " +
            std::to_string(selected_->triangle) + ", material " + name_of(material.name, selected_->material) + " (" +
            effects_of_surface(scene_, *selected_) + "), distance " + printed("%.6g", double(aovs.depth[pixel])) + ", " +
            std::to_string(aovs.visits[pixel]) + " boxes and triangles tested";
@@ -357,12 +341,14 @@ std::string View::move_light(const ViewCommand& command) {
 
 void View::shift_object(const std::string& command, const glm::vec3& way) {
     if (!selected_) refuse(command + ": nothing is selected", "select an object with pick X Y");
-    if (!selected_->instance)
-        refuse(command + ": the scene has no instances", "use a file whose objects are placed, as glTF does");
+    const MeshInstance selected = scene_.instances[*selected_->instance];
     change(&Scene::instances, {.instances = true}, [&](std::vector<MeshInstance>& instances) {
-        MeshInstance& instance = instances[*selected_->instance];
-        instance.transform[3] += glm::vec4(way, 0.f);
-        if (instance.transform_end) (*instance.transform_end)[3] += glm::vec4(way, 0.f);
+        for (std::size_t i = 0; i < instances.size(); ++i) {
+            MeshInstance& instance = instances[i];
+            if (i != *selected_->instance && !are_parts_of_one(instance, selected)) continue;
+            instance.transform[3] += glm::vec4(way, 0.f);
+            if (instance.transform_end) (*instance.transform_end)[3] += glm::vec4(way, 0.f);
+        }
     });
     held_ += way;
 }
@@ -397,7 +383,7 @@ std::string View::drag(const ViewCommand& command) {
 }
 
 void View::show_time(double time) {
-    Scene then = config_.animation.scene_at(time);
+    Scene then = movable(config_.animation.scene_at(time));
     then.camera = scene_.camera, then.materials = scene_.materials;
     const bool deforms = !have_same_vertices(scene_, then);
     std::swap(then.textures, scene_.textures);
@@ -436,10 +422,23 @@ std::string View::resize(const ViewCommand& command) {
     if (!(width >= 1 && height >= 1 && width <= most_pixels_a_side && height <= most_pixels_a_side))
         refuse(printed("resize: the image cannot have %gx%g pixels", double(width), double(height)),
                "use 1 to 16384 per side");
-    renderer_->resize(unsigned(width), unsigned(height));
+    if (width * height > most_pixels)
+        refuse(printed("resize: %gx%g pixels are too many for a live view", double(width), double(height)),
+               "use at most 16.7 million, for example 5120x2880");
+    try {
+        set_size(unsigned(width), unsigned(height));
+    } catch (const Error& error) {
+        set_size(config_.render.width, config_.render.height);  // throws if the device is lost
+        throw Error(ErrorKind::user, std::string("resize: ") + error.what(), "the size is kept");
+    }
+    preview_.complete_grew(double(width) / config_.render.width * double(height) / config_.render.height);
     config_.render.width = unsigned(width), config_.render.height = unsigned(height);
-    spp_ = 0, previewing_ = false;
     return {};
+}
+
+void View::set_size(unsigned width, unsigned height) {
+    spp_ = 0, previewing_ = false;
+    renderer_->resize(width, height);
 }
 
 /// `frames` and `finish` are for the loops that call next_frame.
@@ -464,13 +463,13 @@ std::string View::save(const ViewCommand& command) {
     return "wrote " + command.word;
 }
 
-std::string answer(View& view, const ViewCommand& command) try {
-    return view.run(command);
+Answer answer(View& view, const ViewCommand& command) try {
+    return {view.run(command), false};
 } catch (const Error& error) {
     if (error.kind() == ErrorKind::device) throw;
-    return error.what();
+    return {error.what(), true};
 }
 
-std::string answer(View& view, const std::string& line) { return answer(view, parse_command(line)); }
+Answer answer(View& view, const std::string& line) { return answer(view, parse_command(line)); }
 
 }  // namespace claray::view

@@ -38,8 +38,12 @@ struct Frame {
     unsigned width = 0, height = 0;
     std::span<const std::uint8_t> pixels;  ///< red, green, blue, 255 per pixel; valid until the next frame
     unsigned spp = 0;
-    bool complete = false;  ///< the next frame would be the same: it has all samples, or the view is paused
+    bool complete = false;     ///< the next frame would be the same: it has all samples, or the view is paused
+    std::uint64_t number = 0;  ///< frames so far; that of the frame before if no new one was made
 };
+
+/// Asked while the first samples of an image are made, about five times a second; true ends that.
+using Interrupted = std::function<bool()>;
 
 class View {
 public:
@@ -49,11 +53,13 @@ public:
     /// Changes the view. Returns a line for the user, often empty. Throws ErrorKind::user for values out of range; the
     /// view is then unchanged.
     std::string run(const ViewCommand& command);
-    /// Renders for the time of a frame.
-    [[nodiscard]] const Frame& next_frame();
+    /// Renders for the time of a frame. If it is interrupted before every pixel has a sample, the frame before is kept.
+    [[nodiscard]] const Frame& next_frame(const Interrupted& interrupted = {});
     /// Renders until the image is complete.
     [[nodiscard]] const Frame& complete_frame();
 
+    /// The last frame; at first one with the first samples.
+    [[nodiscard]] const Frame& frame() const { return frame_; }
     [[nodiscard]] const Camera& camera() const { return *scene_.camera; }
     [[nodiscard]] bool ended() const { return ended_; }
 
@@ -67,12 +73,12 @@ private:
     [[nodiscard]] std::span<const std::uint8_t> shown();
     [[nodiscard]] float size() const;
     [[nodiscard]] glm::vec3 point_at(std::size_t pixel, float depth) const;
-    void render(double seconds);
+    void render(double seconds, const Interrupted& interrupted = {});
     [[nodiscard]] bool wants_preview() const;
     void preview();
     /// The renderer of the complete image, which has no samples after a preview.
     [[nodiscard]] Renderer& complete_renderer();
-    void sample_frame();
+    void sample_frame(const Interrupted& interrupted);
     void show_time(double time);
     void pass_time();
     [[nodiscard]] const Frame& shown_frame();
@@ -93,6 +99,7 @@ private:
     void shift_object(const std::string& command, const glm::vec3& way);
     std::string set_time(const ViewCommand& command);
     std::string resize(const ViewCommand& command);
+    void set_size(unsigned width, unsigned height);
     std::string control(const ViewCommand& command);
     std::string save(const ViewCommand& command);
 
@@ -117,8 +124,14 @@ private:
     std::chrono::steady_clock::time_point time_at_;  // when it was that while the animation played
 };
 
-/// Runs a command; returns the line for the user, or that of the error. Device errors are thrown.
-[[nodiscard]] std::string answer(View& view, const ViewCommand& command);
-[[nodiscard]] std::string answer(View& view, const std::string& line);
+/// What a command tells the user.
+struct Answer {
+    std::string line;  ///< often empty; the message of the error if it failed
+    bool failed = false;
+};
+
+/// Runs a command. Device errors are thrown.
+[[nodiscard]] Answer answer(View& view, const ViewCommand& command);
+[[nodiscard]] Answer answer(View& view, const std::string& line);
 
 }  // namespace claray::view

@@ -27,7 +27,7 @@ constexpr CommandRow commands[] = {
     {"material", "NAME", 3, "albedo|emission R G B, roughness|metallic|ior|transmission V 0 0",
      "change the material of the selected object"},
     {"light", nullptr, 4, "NUMBER X Y Z", "move a light by a distance"},
-    {"move", nullptr, 3, "X Y Z", "move the selected object, if the scene has instances"},
+    {"move", nullptr, 3, "X Y Z", "move the selected object"},
     {"select", nullptr, 1, "NUMBER", "select a light; they count from 0"},
     {"next", nullptr, 0, "", "select the next light"},
     {"drag", nullptr, 2, "RIGHT UP", "move the selected object or light, in heights of the image at its distance"},

@@ -87,7 +87,7 @@ public:
 
 private:
     void tell(const std::string& line) {
-        told_ = answer(view_, line);
+        told_ = answer(view_, line).line;
         if (line == "camera") SDL_SetClipboardText(told_.c_str());
         changed_ = true;
     }

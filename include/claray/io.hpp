@@ -65,6 +65,9 @@ struct LoadOptions {
     std::string scene = {};                   ///< default: the file's default scene, else its first
     std::optional<float> stroke_radius = {};  ///< of points and lines; 0: leave them out; default: by the scene's size
     bool images = true;                       ///< false: a white texel stands for each, if only a pose is needed
+    /// For a live view of a glTF: instances with the names of nodes place all meshes, and the camera's target is in the
+    /// middle of the scene instead of one unit before the camera.
+    bool live = false;
 };
 
 /// Loads a Wavefront OBJ with its MTL and the images of used materials. Polygons are triangulated, negative indices are

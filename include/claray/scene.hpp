@@ -228,6 +228,7 @@ struct MeshInstance {
     std::uint32_t mesh = 0;
     glm::mat4 transform{1.f};                     ///< affine, invertible
     std::optional<glm::mat4> transform_end = {};  ///< at shutter close, if it moves; motion is linear
+    std::string name = {};  ///< of the object that it is a part of; all parts have the same name and transform
 };
 
 struct Scene {

@@ -193,6 +193,11 @@ TEST(ViewPreview, FindsItsSizeAndKeepsIt) {
         }
     }
     EXPECT_FALSE(view::PreviewSize(0).is_smaller());
+    view::PreviewSize grown(0.05);
+    grown.complete_took(0.01);
+    EXPECT_FALSE(grown.is_smaller());
+    grown.complete_grew(16);
+    EXPECT_TRUE(grown.is_smaller()) << "a larger image takes longer";
 }
 
 /// A view in which every change takes too long.

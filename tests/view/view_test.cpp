@@ -9,6 +9,7 @@
 
 #include "claray/program.hpp"
 #include "host/compute/memory.hpp"
+#include "host/scene/placement.hpp"
 #include "host/view/camera_control.hpp"
 #include "host/view/input.hpp"
 #include "host/view/script.hpp"
@@ -162,6 +163,62 @@ TEST(View, EditsAreThoseOfAFreshRenderer) {
     EXPECT_EQ(edited, rendered(changed));
 }
 
+TEST(View, MovesWhatNoInstancePlaces) {
+    Scene scene = two_spheres();
+    scene.meshes.push_back(transformed(scene.meshes[1], scene.instances[2].transform));
+    scene.meshes[1] = transformed(scene.meshes[1], scene.instances[1].transform);
+    scene.instances.clear();
+    View view(device(), scene, small_view);
+    EXPECT_EQ(pixels(view), rendered(scene));
+    ASSERT_NE(run(view, "pick 16 8").find("mesh 'ball'"), std::string::npos);
+    run(view, "move 0 1 0");
+    scene.instances = {{0}, {1}, {2}};
+    scene.instances[2].transform[3].y = 1;
+    EXPECT_EQ(pixels(view), rendered(scene));
+}
+
+TEST(View, MovesAllPartsOfAnObject) {
+    Scene scene = two_spheres();
+    scene.instances = {{0}, {1}, {1}, {1}};
+    scene.instances[1].transform[3].x = -2, scene.instances[1].name = "pair";
+    scene.instances[2].transform[3].x = 2, scene.instances[2].name = "pair";
+    scene.instances[3].transform[3].x = 2, scene.instances[3].name = "pair";
+    View view(device(), scene, small_view);
+    const std::string picked = run(view, "pick 16 8");
+    EXPECT_TRUE(picked.starts_with("object 'pair', mesh 'ball'")) << picked;
+    run(view, "move 0 1 0");
+    scene.instances[2].transform[3].y = scene.instances[3].transform[3].y = 1;
+    EXPECT_EQ(pixels(view), rendered(scene)) << "the part at another place is another object";
+}
+
+TEST(View, KeepsTheSizeThatFits) {
+    View view(device(), two_spheres(), small_view);
+    const auto first = pixels(view);
+    for (const char* large : {"resize 16384 16384", "resize 8192 8192", "resize 16384 1025"})
+        EXPECT_TRUE(throws_error(ErrorKind::user, "too many for a live view; use at most", [&] { run(view, large); }))
+            << large;
+    fail_allocation(device(), 1);
+    EXPECT_TRUE(throws_error(ErrorKind::user, "the size is kept", [&] { run(view, "resize 64 48"); }));
+    fail_allocation(device(), 0);
+    EXPECT_EQ(pixels(view), first);
+    EXPECT_EQ(view.frame().width, 24u);
+}
+
+TEST(View, FirstSamplesCanBeInterrupted) {
+    ViewConfig config = small_view;
+    config.render.width = config.render.height = 512, config.render.spp = 1;
+    View view(device(), two_spheres(), config);
+    const std::uint64_t first = view.next_frame().number;
+    run(view, "orbit 20 0");
+    const Frame& kept = view.next_frame([] { return true; });
+    EXPECT_EQ(kept.number, first) << "no picture of a part of the pixels";
+    EXPECT_FALSE(kept.complete);
+    EXPECT_EQ(view.next_frame([] { return false; }).number, first + 1);
+    Scene turned = two_spheres();
+    turned.camera = view.camera();
+    EXPECT_EQ(pixels(view), rendered(turned, config.render));
+}
+
 TEST(View, DragsWhatIsSelectedAlongTheImage) {
     View view(device(), two_spheres(), small_view);
     EXPECT_TRUE(throws_error(ErrorKind::user, "nothing is selected", [&] { run(view, "drag 0.1 0"); }));
@@ -230,7 +287,9 @@ TEST(ViewScript, WritesFramesAndNamesTheLine) {
     const auto play = [&](const char* text) {
         return run_script(view, read_script(folder.file("s.txt", text)), folder.path(), [](const std::string&) {});
     };
-    EXPECT_EQ(play("# tour\n\nframes 2\norbit 9 0\nfinish\nsave last.png\nquit\nfinish\n").frames, 3u);
+    const ScriptReport report = play("# tour\n\nframes 2\norbit 9 0\nfinish\nsave last.png\nquit\nfinish\n");
+    EXPECT_EQ(report.frame_seconds.size(), 2u);
+    EXPECT_EQ(report.finish_seconds.size(), 1u) << "complete images take longer than frames";
     for (const char* name : {"frame-00001.png", "frame-00003.png", "last.png"})
         EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
     EXPECT_FALSE(std::filesystem::exists(folder / "frame-00004.png"));
@@ -244,7 +303,7 @@ TEST(ViewScript, CommandsBeforeAFrameHaveOneAnswer) {
     View view(device(), two_spheres(), small_view);
     const Script script = read_script(folder.file("s.txt", "orbit 9 0\norbit 9 0\nframes 3\norbit 9 0\nframes 1\n"));
     const ScriptReport report = run_script(view, script, {}, [](const std::string&) {});
-    EXPECT_EQ(report.frames, 4u);
+    EXPECT_EQ(report.frame_seconds.size(), 4u);
     EXPECT_EQ(report.answer_seconds.size(), 2u);
 }
 

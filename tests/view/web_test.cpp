@@ -1,8 +1,11 @@
-// The web page of the view, as a browser asks for it.
-#include "host/view/web.hpp"
+// The web page of the view, as clients ask for it.
+#include "host/view/web/web.hpp"
 
 #include <gtest/gtest.h>
 #include <httplib.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <future>
 #include <thread>
@@ -27,58 +30,234 @@ Scene one_sphere() {
 }
 
 const ViewConfig web_config{.render = {.width = 24, .height = 16, .spp = 4, .max_depth = 4}, .picture = {}};
+const std::string part = "--frame\r\nContent-Type: image/jpeg\r\n\r\n";
 
-TEST(ViewWeb, ServesThisComputerOnly) {
-    View view(device(), one_sphere(), web_config);
-    std::promise<std::string> ready;
-    WebConfig web{.port = 0, .goes_on = [] { return true; }};
-    web.ready = [&](const std::string& url) { ready.set_value(url); };
-    auto served = std::async(std::launch::async, [&] { serve(view, web); });
-    const std::string url = ready.get_future().get();
-    const int port = std::stoi(url.substr(url.rfind(':') + 1));
-    httplib::Client client("127.0.0.1", port);
-    client.set_read_timeout(std::chrono::hours(1));
-    const auto status_of = [](const httplib::Result& result) { return result ? result->status : 0; };
-    const auto start = client.Get("/");
-    EXPECT_EQ(status_of(start), 200);
-    for (const char* part : {"\"ArrowLeft\": \"orbit -5 0\"", "<option>error", "drag: orbit", "degreesPerPixel = 0.4"})
-        EXPECT_NE(start->body.find(part), std::string::npos) << part;
+int status_of(const httplib::Result& result) { return result ? result->status : 0; }
+
+/// A connection that sends what it likes.
+class RawClient {
+public:
+    explicit RawClient(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+        sockaddr_in address{};
+        address.sin_family = AF_INET, address.sin_port = htons(std::uint16_t(port));
+        address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+        connected_ = ::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
+        const timeval patience{3600, 0};  // for a server that never answers
+        ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+        ::setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &patience, sizeof patience);
+    }
+    ~RawClient() { ::close(socket_); }
+    RawClient(const RawClient&) = delete;
+    RawClient& operator=(const RawClient&) = delete;
+
+    /// Returns false as soon as the server does not take more.
+    bool send(const std::string& text) {
+        std::size_t sent = 0;
+        while (connected_ && sent < text.size()) {
+            const ssize_t count = ::send(socket_, text.data() + sent, text.size() - sent, MSG_NOSIGNAL);
+            if (count <= 0) return false;
+            sent += std::size_t(count);
+        }
+        return connected_;
+    }
+    /// Returns what arrives until `words` have arrived or the connection ends.
+    std::string receive(const std::string& words) {
+        std::string text;
+        char bytes[4096];
+        while (text.find(words) == std::string::npos) {
+            const ssize_t count = ::recv(socket_, bytes, sizeof bytes, 0);
+            if (count <= 0) break;
+            text.append(bytes, std::size_t(count));
+        }
+        return text;
+    }
+    std::string receive_all() { return receive(std::string(1, '\0') + "never"); }
+
+private:
+    int socket_ = -1;
+    bool connected_ = false;
+};
+
+/// A view with all its samples that is served until the end of the test.
+class ViewWeb : public testing::Test {
+protected:
+    void SetUp() override {
+        std::promise<std::string> ready;
+        WebConfig web{.port = 0, .goes_on = [this] { return !ends_; }};
+        web.ready = [&](const std::string& url) { ready.set_value(url); };
+        served_ = std::async(std::launch::async, [this, web] { serve(view_, web); });
+        const std::string url = ready.get_future().get();
+        port_ = std::stoi(url.substr(url.rfind(':') + 1));
+        client_ = std::make_unique<httplib::Client>("127.0.0.1", port_);
+        client_->set_read_timeout(std::chrono::hours(1));
+        wait_for("24x16, 4 samples");
+    }
+    void TearDown() override { ends_ = true, served_.get(); }
+
+    void wait_for(const std::string& words) {
+        while (client_->Get("/status")->body.find(words) == std::string::npos) std::this_thread::yield();
+    }
+    int post(const std::string& line) { return status_of(client_->Post("/command", line, "text/plain")); }
+    std::string ask(const std::string& path, const std::string& headers = {}) const {
+        return "GET " + path + " HTTP/1.1\r\nHost: localhost\r\n" + headers + "\r\n";
+    }
+
+    View view_{device(), one_sphere(), web_config};
+    std::atomic<bool> ends_ = false;
+    std::future<void> served_;
+    int port_ = 0;
+    std::unique_ptr<httplib::Client> client_;
+};
+
+TEST_F(ViewWeb, ServesThePage) {
+    const auto start = client_->Get("/");
+    ASSERT_EQ(status_of(start), 200);
+    for (const char* text : {"\"ArrowLeft\": \"orbit -5 0\"", "<option>error", "drag: orbit", "degreesPerPixel = 0.4"})
+        EXPECT_NE(start->body.find(text), std::string::npos) << text;
     EXPECT_EQ(start->body.find('@'), std::string::npos);
-    EXPECT_EQ(status_of(client.Get("/", {{"Host", "evil.example"}})), 403);
-    EXPECT_EQ(status_of(client.Post("/command", {{"Origin", "http://evil.example"}}, "home", "text/plain")), 403);
-    EXPECT_EQ(status_of(client.Post("/command", "jump", "text/plain")), 400);
-    EXPECT_EQ(status_of(client.Post("/command", "save x.png", "text/plain")), 403);
-    const auto next_jpeg = [&] {
-        std::string body;
-        client.Get("/stream", [&](const char* data, std::size_t size) {
-            body.append(data, size);
-            return body.size() < 600;
-        });
-        const std::size_t begin = body.find("\r\n\r\n");
-        return begin == std::string::npos ? body : body.substr(begin + 4);
-    };
-    while (client.Get("/status")->body.find("4 samples") == std::string::npos) std::this_thread::yield();
-    const std::string jpeg = next_jpeg();
-    EXPECT_TRUE(jpeg.starts_with("\xff\xd8"));
-    EXPECT_TRUE(next_jpeg().starts_with("\xff\xd8")) << "after a connection that was cut off";
-    const auto picture = client.Get("/picture.png");
-    EXPECT_EQ(status_of(picture), 200);
-    EXPECT_TRUE(picture->body.starts_with("\x89PNG"));
-    EXPECT_EQ(status_of(client.Post("/command", "resize 10 8", "text/plain")), 200);
-    while (client.Get("/status")->body.find("10x8, 4 samples") == std::string::npos) std::this_thread::yield();
+    EXPECT_EQ(start->get_header_value("X-Frame-Options"), "DENY");
+    EXPECT_EQ(start->get_header_value("Cross-Origin-Resource-Policy"), "same-origin");
+    EXPECT_EQ(status_of(client_->Get("/", {{"Host", "evil.example"}})), 403);
+    EXPECT_EQ(status_of(client_->Get("/picture.png", {{"Sec-Fetch-Site", "cross-site"}})), 403);
+    EXPECT_EQ(status_of(client_->Post("/command", {{"Origin", "http://evil.example"}}, "home", "text/plain")), 403);
+    EXPECT_EQ(post("jump"), 400);
+    EXPECT_EQ(post("save x.png"), 403);
+    EXPECT_EQ(post("resize 10 8"), 200);
+    wait_for("10x8, 4 samples");
     View other(device(), one_sphere(), web_config);
     EXPECT_TRUE(throws_error(ErrorKind::user, "cannot listen",
-                             [&] { serve(other, {.port = port, .goes_on = [] { return false; }}); }));
-    EXPECT_EQ(status_of(client.Post("/command", "quit", "text/plain")), 200);
-    served.get();
+                             [&] { serve(other, {.port = port_, .goes_on = [] { return false; }}); }));
 }
 
-TEST(ViewWeb, ALostDeviceEndsTheServer) {
+TEST_F(ViewWeb, TellsErrorsUntilACommandSucceeds) {
+    EXPECT_EQ(post("pick 99 0"), 200);
+    wait_for("4 samples per pixel\npixel 99 0 is outside");
+    EXPECT_EQ(post("camera"), 200);
+    wait_for("\n--camera 0,1,8");
+    EXPECT_EQ(post("orbit 1 0"), 200) << "says nothing, and what was told stays";
+    wait_for("4 samples per pixel\n--camera 0,1,8");
+    EXPECT_EQ(post("resize 16384 16384"), 200);
+    wait_for("4 samples per pixel\nresize: 16384x16384 pixels are too many");
+    EXPECT_EQ(post("orbit 1 0"), 200);
+    while (client_->Get("/status")->body != "24x16, 4 samples per pixel\n") std::this_thread::yield();
+}
+
+/// Browsers show a part when the headers of the next one arrive.
+TEST_F(ViewWeb, AStreamShowsItsLastFrameAtOnce) {
+    RawClient client(port_);
+    ASSERT_TRUE(client.send(ask("/stream")));
+    const std::string text = client.receive("\xff\xd9\r\n" + part);
+    const std::size_t begin = text.find(part);
+    ASSERT_NE(begin, std::string::npos);
+    ASSERT_TRUE(text.ends_with("\xff\xd9\r\n" + part)) << "the complete view sends no other frame";
+    const std::string jpeg =
+        text.substr(begin + part.size(), text.size() - begin - 2 * part.size() - std::string("\r\n").size());
+    EXPECT_EQ(jpeg, client_->Get("/frame")->body);
+    EXPECT_EQ(post("orbit 20 0"), 200);
+    EXPECT_TRUE(client.receive("\xff\xd9\r\n" + part).ends_with(part));
+}
+
+TEST_F(ViewWeb, FramesHaveNumbers) {
+    const auto frame = client_->Get("/frame?after=0");
+    ASSERT_EQ(status_of(frame), 200);
+    EXPECT_TRUE(frame->body.starts_with("\xff\xd8"));
+    const std::string number = frame->get_header_value("Frame-Number"), next = "/frame?after=" + number;
+    EXPECT_EQ(status_of(client_->Get(next)), 204) << "nothing is new";
+    EXPECT_EQ(status_of(client_->Get("/frame?after=x")), 200);
+    EXPECT_EQ(status_of(client_->Get("/frame?after=" + number + "999")), 200) << "of a view that was started anew";
+    EXPECT_EQ(post("orbit 20 0"), 200);
+    httplib::Result later = client_->Get(next);
+    while (status_of(later) == 204) later = client_->Get(next);
+    EXPECT_NE(later->get_header_value("Frame-Number"), number);
+    EXPECT_NE(later->body, frame->body);
+}
+
+TEST_F(ViewWeb, StreamsThatWereLeftKeepNoThread) {
+    for (int i = 0; i < 200; ++i) {
+        RawClient client(port_);
+        ASSERT_TRUE(client.send(ask("/stream")));
+        ASSERT_NE(client.receive("\xff\xd9\r\n").find("\xff\xd9\r\n"), std::string::npos) << i;
+    }
+    EXPECT_EQ(status_of(client_->Get("/")), 200);
+}
+
+TEST_F(ViewWeb, StreamsThatAreForgottenKeepFewThreads) {
+    std::vector<std::unique_ptr<RawClient>> clients;
+    for (int i = 0; i < 100; ++i) {
+        clients.push_back(std::make_unique<RawClient>(port_));
+        ASSERT_TRUE(clients.back()->send(ask("/stream")));
+        ASSERT_NE(clients.back()->receive("\xff\xd9\r\n").find("\xff\xd9\r\n"), std::string::npos) << i;
+    }
+    EXPECT_EQ(status_of(client_->Get("/")), 200);
+    EXPECT_EQ(clients.front()->receive("the connection ends").find("the"), std::string::npos);
+}
+
+/// More than the buffers of a connection hold.
+TEST_F(ViewWeb, WhatIsTooLongIsNotReadToItsEnd) {
+    const std::string post = "POST /command HTTP/1.1\r\nHost: localhost\r\n", megabyte(1 << 20, 'x');
+    const auto takes_all = [&](const std::string& begin, const std::string& piece) {
+        RawClient client(port_);
+        bool goes_on = client.send(begin);
+        for (int i = 0; i < 64 && goes_on; ++i) goes_on = client.send(piece);
+        return goes_on;
+    };
+    std::string headers;
+    while (headers.size() < megabyte.size()) headers += "Name: value\r\n";
+    EXPECT_FALSE(takes_all("GET /", megabyte)) << "a line";
+    EXPECT_FALSE(takes_all("GET / HTTP/1.1\r\nHost: localhost\r\nName: ", megabyte)) << "a header";
+    EXPECT_FALSE(takes_all("GET / HTTP/1.1\r\nHost: localhost\r\n", headers)) << "many headers";
+    EXPECT_FALSE(takes_all(post + "Content-Length: 100000000\r\n\r\n", megabyte)) << "a body";
+    EXPECT_FALSE(takes_all(post + "Origin: null\r\nContent-Length: 100000000\r\n\r\n", megabyte)) << "another's body";
+    EXPECT_FALSE(takes_all(post + "Transfer-Encoding: chunked\r\n\r\n", "100000\r\n" + megabyte + "\r\n")) << "chunks";
+    EXPECT_EQ(status_of(client_->Get("/")), 200);
+}
+
+TEST_F(ViewWeb, ABodyThatIsRefusedIsNoRequest) {
+    const std::string inner = "POST /command HTTP/1.1\r\nHost: localhost\r\nContent-Length: 4\r\n\r\nquit";
+    for (const std::string method : {"GET /", "POST /command"}) {
+        for (const std::string headers : {"Origin: http://evil.example\r\n", "Content-Encoding: gzip\r\n", ""}) {
+            RawClient client(port_);
+            const std::string length = std::to_string(inner.size() + (headers.empty() ? 8000 : 0));
+            ASSERT_TRUE(client.send(method + " HTTP/1.1\r\nHost: localhost\r\n" + headers + "Expect: 100-continue\r\n" +
+                                    "Content-Length: " + length + "\r\n\r\n" + inner));
+            const std::string answer = client.receive_all();
+            EXPECT_TRUE(answer.starts_with("HTTP/1.1 4")) << answer;
+            EXPECT_EQ(answer.find("HTTP/1.1", 1), std::string::npos) << answer;
+        }
+    }
+    EXPECT_EQ(status_of(client_->Get("/")), 200);
+}
+
+TEST_F(ViewWeb, PicturesHaveNoRanges) {
+    const auto picture = client_->Get("/picture.png");
+    ASSERT_EQ(status_of(picture), 200);
+    EXPECT_TRUE(picture->body.starts_with("\x89PNG"));
+    std::string ranges = "bytes=0-";
+    while (ranges.size() < 8000) ranges += ",0-";
+    for (const std::string& range : {ranges, std::string("bytes=3-9")}) {
+        const auto part_of = client_->Get("/picture.png", {{"Range", range}});
+        EXPECT_EQ(status_of(part_of), 200);
+        EXPECT_EQ(part_of->body, picture->body);
+    }
+}
+
+TEST(ViewWebServer, ALostDeviceEndsIt) {
     View view(device(), one_sphere(), web_config);
     WebConfig web{.port = 0, .goes_on = [] { return true; }};
     web.ready = [&](const std::string&) { fail_command(device(), 2); };
     EXPECT_TRUE(throws_error(ErrorKind::device, "cannot run the kernel", [&] { serve(view, web); }));
     fail_command(device(), 0);
+}
+
+TEST(ViewWebServer, QuitEndsIt) {
+    View view(device(), one_sphere(), web_config);
+    WebConfig web{.port = 0, .goes_on = [] { return true; }};
+    web.ready = [&](const std::string& url) {
+        httplib::Client client("127.0.0.1", std::stoi(url.substr(url.rfind(':') + 1)));
+        EXPECT_EQ(status_of(client.Post("/command", "quit", "text/plain")), 200);
+    };
+    serve(view, web);
+    EXPECT_TRUE(view.ended());
 }
 
 }  // namespace

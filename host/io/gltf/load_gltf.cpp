@@ -3,9 +3,11 @@
 #include <cmath>
 #include <map>
 #include <new>
+#include <set>
 
 #include "claray/error.hpp"
 #include "host/base/format.hpp"
+#include "host/base/message.hpp"
 #include "host/io/default_light.hpp"
 #include "host/io/gltf/gltf_animation.hpp"
 #include "host/io/gltf/gltf_choice.hpp"
@@ -72,6 +74,7 @@ struct Shape {
 struct PlacedShape {
     const Shape* shape = nullptr;
     glm::dmat4 world{1.0};
+    const PlacedNode* node = nullptr;
 };
 
 /// Of a shape: its meshes in the scene, and how often it is shown.
@@ -95,7 +98,9 @@ public:
         const std::vector<PlacedNode> nodes = place_nodes(file_, options_.scene);
         add_camera(nodes);
         for (const PlacedNode& node : nodes) add_light(node);
-        add_meshes(place_shapes(nodes));
+        const std::vector<PlacedShape> shapes = place_shapes(nodes);
+        add_meshes(shapes);
+        if (options_.live) name_objects(shapes), aim_camera();
         warn();
     }
 
@@ -111,6 +116,8 @@ private:
     void add_meshes(const std::vector<PlacedShape>& shapes);
     [[nodiscard]] std::vector<Mesh> read_shape(const Shape& shape, std::vector<Strokes>& strokes);
     void add_strokes();
+    void name_objects(const std::vector<PlacedShape>& shapes);
+    void aim_camera();
     [[nodiscard]] int material_of(const tinygltf::Primitive& primitive) const;
     void warn();
     void warn_if(std::size_t count, const std::string& what) {
@@ -268,7 +275,7 @@ std::vector<PlacedShape> Loader::place_shapes(const std::vector<PlacedNode>& nod
             if (!check_transform(world, node.name, file_)) continue;
             auto& [key, use] = *shapes_.try_emplace(shape).first;
             ++use.count;
-            placed.push_back({&key, world});
+            placed.push_back({&key, world, &node});
         }
     }
     return placed;
@@ -300,7 +307,7 @@ std::vector<Mesh> Loader::read_shape(const Shape& shape, std::vector<Strokes>& s
 void Loader::add_meshes(const std::vector<PlacedShape>& shapes) {
     const bool instances =
         std::any_of(shapes_.begin(), shapes_.end(), [](const auto& shape) { return shape.second.count > 1; });
-    for (const auto& [shape, world] : shapes) {
+    for (const auto& [shape, world, node] : shapes) {
         std::optional<std::vector<std::uint32_t>>& known = shapes_[*shape].meshes;
         if (!known) {
             known.emplace();
@@ -341,6 +348,36 @@ void Loader::add_strokes() {
     warn_if(strokes_.size(), printed("primitives of points or lines are shown as spheres and tubes of radius %.3g: "
                                      "choose another radius with --stroke-radius",
                                      double(radius)));
+}
+
+/// Meshes that no instance places are in the world. Nodes without a name, or with one that another has, are numbered.
+void Loader::name_objects(const std::vector<PlacedShape>& shapes) {
+    std::map<const PlacedNode*, std::string> names;
+    std::set<std::string> taken;
+    const auto name_of = [&](const PlacedNode* node) -> const std::string& {
+        const auto [found, is_new] = names.try_emplace(node, one_line(node->node->name));
+        const std::string number = "node " + to_string(node->node - file_.model.nodes.data());
+        if (is_new && found->second.empty()) found->second = number;
+        if (is_new && !taken.insert(found->second).second) found->second += " (" + number + ")";
+        return found->second;
+    };
+    if (scene_.instances.empty())
+        for (std::uint32_t mesh = 0; mesh < scene_.meshes.size(); ++mesh) scene_.instances.push_back({mesh});
+    std::size_t next = 0;
+    for (const PlacedShape& shape : shapes)
+        for (std::size_t i = 0; i < shapes_[*shape.shape].meshes->size(); ++i)
+            scene_.instances[next++].name = name_of(shape.node);
+}
+
+/// The point of its axis that is nearest to the middle of the scene. A camera inside the scene looks at what is around.
+void Loader::aim_camera() {
+    const Bounds bounds = bounds_of(scene_);
+    if (!scene_.camera || bounds.empty()) return;
+    Camera& camera = *scene_.camera;
+    const glm::vec3 forward = glm::normalize(camera.target - camera.position);
+    const float nearest = 0.25f * glm::length(bounds.extent());
+    const float distance = std::max(nearest, glm::dot(bounds.center() - camera.position, forward));
+    if (distance > 0 && std::isfinite(distance)) camera.target = camera.position + distance * forward;
 }
 
 void Loader::warn() {

@@ -57,6 +57,45 @@ TEST_F(GltfChoice, Cameras) {
     refuse({"has no camera; leave"}, camera_named("plan"), ErrorKind::usage);
 }
 
+TEST_F(GltfChoice, ALiveViewKnowsObjects) {
+    builder.triangle();
+    json& primitives = builder.root["meshes"][0]["primitives"];
+    primitives.push_back(primitives[0]);
+    for (int i = 0; i < 3; ++i) builder.triangle();
+    const char* const names[] = {"hero", "side", "hero", ""};
+    for (int i = 0; i < 4; ++i)
+        builder.root["nodes"][i]["name"] = names[i], builder.root["nodes"][i]["translation"] = {2 * i, 0, 0};
+    const auto objects = [&] {
+        std::string found;
+        for (const MeshInstance& instance : load({.live = true}).instances)
+            found += std::to_string(instance.mesh) + " " + instance.name + ", ";
+        return found;
+    };
+    EXPECT_EQ(objects(), "0 hero, 1 hero, 2 side, 3 hero (node 2), 4 node 3, ");
+    const Scene live = load({.live = true}), still = load();
+    EXPECT_TRUE(still.instances.empty());
+    ASSERT_EQ(live.meshes.size(), still.meshes.size());
+    for (std::size_t i = 0; i < live.meshes.size(); ++i) {
+        EXPECT_EQ(live.meshes[i].positions, still.meshes[i].positions);
+        EXPECT_EQ(live.instances[i].transform, glm::mat4(1.f)) << "meshes stay in the world";
+    }
+    builder.root["nodes"][1]["mesh"] = 0;  // shown twice
+    EXPECT_EQ(objects(), "0 hero, 1 hero, 0 side, 1 side, 2 hero (node 2), 3 node 3, ");
+    EXPECT_EQ(load({.live = true}).instances[3].transform[3].x, 2.f);
+    EXPECT_EQ(load().instances.size(), 6u);
+}
+
+TEST_F(GltfChoice, ALiveViewAimsAtTheScene) {
+    builder.triangle();
+    builder.push("cameras", {{"type", "perspective"}, {"perspective", {{"yfov", 1}, {"znear", 0.1}}}});
+    builder.push("nodes", {{"camera", 0}, {"translation", {0, 0, 7}}});
+    EXPECT_EQ(load().camera->target, glm::vec3(0, 0, 6));
+    expect_near(load({.live = true}).camera->target, {0, 0, 0});
+    EXPECT_EQ(load({.live = true}).camera->position, glm::vec3(0, 0, 7));
+    builder.root["nodes"][1]["translation"] = {0, 0, -7};  // it looks away
+    expect_near(load({.live = true}).camera->target, {0, 0, -7 - 0.25f * std::sqrt(2.f)});
+}
+
 TEST_F(GltfChoice, VariantsOfMaterials) {
     builder.triangle();
     for (const char* name : {"black", "white", "red"}) builder.push("materials", {{"name", name}});

@@ -15,9 +15,9 @@ struct WebConfig {
     std::function<void(const std::string& url)> ready = {};
 };
 
-/// Serves the view until it ends or `goes_on` returns false. Requests whose Host header names another host than the one
-/// served, or that come from a page of another origin, are refused: no web site can reach the view through its
-/// visitors. Throws ErrorKind::user if the port cannot be had.
+/// Serves the view until it ends or `goes_on` returns false. No web site can reach the view through its visitors, and
+/// no client can take much memory: see `refusal_of` and LimitedServer. Throws ErrorKind::user if the port cannot be
+/// had.
 void serve(View& view, const WebConfig& config);
 
 }  // namespace claray::view

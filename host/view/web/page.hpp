@@ -12,6 +12,7 @@ inline constexpr const char* page_template = R"page(<!doctype html>
   header { display: flex; flex-wrap: wrap; gap: 8px; padding: 8px; align-items: center; }
   img { display: block; max-width: 100%; cursor: grab; image-rendering: pixelated; user-select: none; }
   pre { margin: 8px; white-space: pre-wrap; }
+  #error { color: #ff8a80; }
   button, select, input { font: inherit; }
   a { color: inherit; }
 </style>
@@ -29,11 +30,12 @@ inline constexpr const char* page_template = R"page(<!doctype html>
   <input id="line" size="32" placeholder="command, for example: orbit 30 0" aria-label="command">
   <span>@help@</span>
 </header>
-<img id="view" src="stream" alt="the rendered scene" draggable="false">
+<img id="view" alt="the rendered scene" draggable="false">
+<pre id="error" role="alert"></pre>
 <pre id="status"></pre>
 <script>
   const keys = {@keys@}, degreesPerPixel = @degrees@, zoomPerStep = @zoom@, farthestClick = @click@;
-  const view = document.getElementById("view"), status = document.getElementById("status");
+  const [view, status, error] = ["view", "status", "error"].map(id => document.getElementById(id));
   const send = async line => {
     if (line === "camera") return copyCamera();
     if (line.startsWith("save ")) return document.getElementById("save").click();
@@ -41,14 +43,14 @@ inline constexpr const char* page_template = R"page(<!doctype html>
   };
   const post = async line => {
     const answer = await fetch("command", { method: "POST", body: line });
-    if (!answer.ok) status.textContent = await answer.text();
+    error.textContent = answer.ok ? "" : await answer.text();  // until a command is accepted
   };
   const copyCamera = async () => {
     await post("camera");
     for (let i = 0; i < 20; ++i) {
       const told = (await (await fetch("status")).text()).split("\n")[1] || "";
       if (told.startsWith("--camera")) return navigator.clipboard.writeText(told);
-      await new Promise(wait => setTimeout(wait, 50));
+      await pause(0.05);
     }
   };
   const pixel = e => {
@@ -91,17 +93,35 @@ inline constexpr const char* page_template = R"page(<!doctype html>
   document.getElementById("line").addEventListener("keydown", e => {
     if (e.key === "Enter" && e.target.value.trim()) { send(e.target.value); e.target.select(); }
   });
-  let lost = false;
-  setInterval(async () => {
-    try {
-      status.textContent = await (await fetch("status")).text();
-      if (lost) view.src = "stream?" + Date.now();
-      lost = false;
-    } catch {
-      status.textContent = "the view has ended or the connection is lost";
-      lost = true;
+  const pause = seconds => new Promise(wait => setTimeout(wait, 1000 * seconds));
+  // One request for each frame: Firefox goes on reading the streams of pages that were left, until no connection is free.
+  const watch = async () => {
+    for (let seen = 0; ; ) {
+      try {
+        const answer = await fetch("frame?after=" + seen);
+        if (answer.status === 204) continue;  // nothing is new
+        if (!answer.ok) throw answer;
+        seen = answer.headers.get("Frame-Number");
+        const before = view.src;
+        view.src = URL.createObjectURL(await answer.blob());
+        await view.decode();
+        URL.revokeObjectURL(before);
+      } catch {
+        await pause(0.5);
+      }
     }
-  }, 500);
+  };
+  const tell = async () => {
+    for (; ; await pause(0.5)) {
+      try {
+        status.textContent = await (await fetch("status")).text();
+      } catch {
+        status.textContent = "the view has ended or the connection is lost";
+      }
+    }
+  };
+  watch();
+  tell();
 </script>
 </html>
 )page";

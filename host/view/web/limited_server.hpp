@@ -1,0 +1,23 @@
+// The server of the web page.
+#pragma once
+
+#include <httplib.h>
+
+#include <string>
+
+namespace claray::view {
+
+/// A server of cpp-httplib that bounds what clients cost: requests that `refusal_of` refuses are answered before their
+/// bodies are read, ranges are not made, and their connections end.
+class LimitedServer : public httplib::Server {
+public:
+    /// `host`: that it listens at.
+    explicit LimitedServer(std::string host);
+
+private:
+    bool process_and_close_socket(socket_t socket) override;
+
+    std::string host_;
+};
+
+}  // namespace claray::view

@@ -1,0 +1,88 @@
+#include "host/view/web/request_rules.hpp"
+
+#include <httplib.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+namespace claray::view {
+namespace {
+
+constexpr const char* digits = "0123456789";
+
+std::string lower(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return char(std::tolower(c)); });
+    return text;
+}
+
+/// The host of a Host header in lower case; empty unless the header is HOST or HOST:PORT (RFC 9110, section 7.2).
+std::string host_of(const std::string& header) {
+    const std::string text = lower(header);
+    const std::size_t colon = text.find(':', text.starts_with('[') ? text.find(']') : 0);
+    const std::string host = text.substr(0, colon), port = colon == std::string::npos ? "" : text.substr(colon + 1);
+    const std::string letters = std::string("abcdefghijklmnopqrstuvwxyz.-_") + digits;
+    const bool address = host.starts_with('[') && host.ends_with(']');
+    const std::string name = address ? host.substr(1, host.size() - 2) : host;
+    const bool plain = name.find_first_not_of(address ? letters + ":" : letters) == std::string::npos;
+    return plain && port.find_first_not_of(digits) == std::string::npos ? host : "";
+}
+
+/// This computer has several names.
+bool is_served(const std::string& host, const std::string& served) {
+    static constexpr std::array own = {"127.0.0.1", "localhost", "[::1]"};
+    const auto is_own = [](const std::string& name) { return std::find(own.begin(), own.end(), name) != own.end(); };
+    const std::string name = url_host(served);
+    if (host.empty()) return false;
+    return name == "0.0.0.0" || name == "[::]" || host == name || (is_own(host) && is_own(name));
+}
+
+/// Browsers state where a request comes from (W3C Fetch Metadata). Links of other sites to the page are followed: no
+/// page can look into it.
+bool is_of_another_site(const httplib::Request& request) {
+    const std::string site = request.get_header_value("Sec-Fetch-Site");
+    const bool follows_link = request.path == "/" && request.method == "GET" &&
+                              request.get_header_value("Sec-Fetch-Mode") == "navigate" &&
+                              request.get_header_value("Sec-Fetch-Dest") == "document";
+    return !site.empty() && site != "same-origin" && site != "none" && !follows_link;
+}
+
+bool is_of_another_origin(const httplib::Request& request, const std::string& host) {
+    return request.has_header("Origin") && lower(request.get_header_value("Origin")) != "http://" + lower(host);
+}
+
+std::optional<Refusal> refusal_of_body(const httplib::Request& request) {
+    if (request.has_header("Content-Encoding")) return Refusal{415, "a compressed body is not read"};
+    if (request.has_header("Transfer-Encoding")) return Refusal{411, "a body without its length is not read"};
+    const std::size_t lengths = request.get_header_value_count("Content-Length");
+    if (lengths == 0 && request.method != "POST") return {};
+    if (lengths != 1) return Refusal{411, "the length of the body must be stated once"};
+    const std::string text = request.get_header_value("Content-Length");
+    std::size_t length = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), length);
+    if (text.empty() || end != text.data() + text.size() || error == std::errc::invalid_argument)
+        return Refusal{400, "the length of the body is not a number"};
+    if (request.method != "POST" && length > 0) return Refusal{400, "only POST has a body"};
+    if (error == std::errc::result_out_of_range || length > longest_body)
+        return Refusal{413, "a body may have " + std::to_string(longest_body) + " bytes"};
+    return {};
+}
+
+}  // namespace
+
+std::string url_host(const std::string& host) {
+    return host.find(':') == std::string::npos ? lower(host) : "[" + lower(host) + "]";
+}
+
+std::optional<Refusal> refusal_of(const httplib::Request& request, const std::string& served) {
+    const std::string host = request.get_header_value("Host");
+    if (request.get_header_value_count("Host") != 1 || !is_served(host_of(host), served))
+        return Refusal{403, "the view is not served to other hosts; see claray view --host"};
+    if (is_of_another_site(request) || is_of_another_origin(request, host))
+        return Refusal{403, "the view is not served to pages of other sites"};
+    if (request.method != "GET" && request.method != "HEAD" && request.method != "POST")
+        return Refusal{405, "use GET or POST"};
+    return refusal_of_body(request);
+}
+
+}  // namespace claray::view
