@@ -247,7 +247,7 @@ void pose(GltfFile& file, const LoadOptions& options, Warnings& warnings) {
     }
     if (!std::isfinite(*options.time))
         throw Error(ErrorKind::usage, "the time is not finite", "give a time in seconds");
-    std::size_t left_out = 0;
+    std::size_t left_out = file.channels_without_node;
     for (const std::size_t i : chosen_animations(file, options)) left_out += Animator(file, i).apply(*options.time);
     if (left_out > 0)
         warnings.push_back(to_string(left_out) + " channels animate unsupported properties: they are left out");
