@@ -58,7 +58,8 @@ std::string beginning_of(const std::filesystem::path& path) {
 
 /// A statement of an OBJ, before anything that is none.
 bool begins_like_obj(std::string_view text) {
-    constexpr std::array<std::string_view, 10> statements = {"v", "vt", "vn", "f", "g", "o", "s", "usemtl", "mtllib", "l"};
+    constexpr std::array<std::string_view, 10> statements = {"v", "vt", "vn",     "f",      "g",
+                                                             "o", "s",  "usemtl", "mtllib", "l"};
     for (std::size_t end = 0; !text.empty(); text.remove_prefix(std::min(end + 1, text.size()))) {
         end = std::min(text.find_first_of("\r\n"), text.size());
         std::string_view line = text.substr(0, end);

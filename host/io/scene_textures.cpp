@@ -83,8 +83,7 @@ fs::path namesake_of(const fs::path& folder, const std::string& name) {
 std::string remark_of_namesake(const fs::path& scene, const std::string& name, const fs::path& namesake) {
     const bool absolute = name.starts_with('/') || name.starts_with('\\') || has_scheme(name);
     return "'" + scene.string() + "': " + quoted(name, longest_name) +
-           (absolute ? " is a path on another machine: '" : " is missing: '") + namesake.string() +
-           "' is used instead";
+           (absolute ? " is a path on another machine: '" : " is missing: '") + namesake.string() + "' is used instead";
 }
 
 std::optional<ImageFile> read_image_of_scene(const fs::path& scene, const fs::path& folder, const std::string& name,
@@ -92,7 +91,8 @@ std::optional<ImageFile> read_image_of_scene(const fs::path& scene, const fs::pa
     const fs::path namesake = namesake_of(folder, name);
     fs::path path;
     try {
-        path = path_in_scene(scene.parent_path(), folder, namesake.empty() ? name : namesake.filename().string(), scene);
+        path =
+            path_in_scene(scene.parent_path(), folder, namesake.empty() ? name : namesake.filename().string(), scene);
     } catch (const Error& error) {
         warnings.push_back(std::string(error.what()) + ": what the image would colour is grey");
         return {};
@@ -102,8 +102,7 @@ std::optional<ImageFile> read_image_of_scene(const fs::path& scene, const fs::pa
                            " is missing, and what it would colour is grey: put it next to the file that names it");
         return {};
     }
-    if (!namesake.empty())
-        warnings.push_back(remark_of_namesake(scene, name, namesake));
+    if (!namesake.empty()) warnings.push_back(remark_of_namesake(scene, name, namesake));
     return ImageFile{"'" + path.string() + "'", read_file(path, "check its permissions")};
 }
 

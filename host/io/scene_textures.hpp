@@ -36,8 +36,8 @@ struct ImageFile {
 /// one that is not where its name leads, with a warning. Where there is none either, or the name leads out of the
 /// scene's folder: a warning, and nothing. Throws where the file cannot be read.
 [[nodiscard]] std::optional<ImageFile> read_image_of_scene(const std::filesystem::path& scene,
-                                                           const std::filesystem::path& folder,
-                                                           const std::string& name, Warnings& warnings);
+                                                           const std::filesystem::path& folder, const std::string& name,
+                                                           Warnings& warnings);
 
 /// Turns a material grey whose image of colours is missing.
 void show_missing(Material& material);

@@ -11,7 +11,8 @@ namespace claray {
 /// archive (gzip, zip, bzip2, xz, zstd, 7z).
 void refuse_other_encodings(std::string_view bytes, const std::filesystem::path& path);
 
-/// UTF-8 or any other text of single bytes. A byte order mark is taken away, and lines end in '\n', whether they ended in
+/// UTF-8 or any other text of single bytes. A byte order mark is taken away, and lines end in '\n', whether they ended
+/// in
 /// "\r\n" (Windows), '\r' (old Macs) or '\n'. Throws as refuse_other_encodings does; `path`: in its message.
 [[nodiscard]] std::string text_of(std::string bytes, const std::filesystem::path& path);
 

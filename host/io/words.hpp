@@ -18,8 +18,8 @@ namespace claray {
 /// nan and inf, with what systems add to them ("-nan(ind)", "1.#QNAN"); none where the word is anything else.
 [[nodiscard]] std::optional<float> not_finite_number(std::string_view word);
 
-/// The value of a number, finite or not; infinite where it is beyond the range of a double. Nothing where the word is no
-/// number.
+/// The value of a number, finite or not; infinite where it is beyond the range of a double. Nothing where the word is
+/// no number.
 [[nodiscard]] std::optional<double> number_in(std::string_view word);
 
 }  // namespace claray

@@ -280,12 +280,12 @@ TextureUse GltfMaterials::use(const tinygltf::Value& object, const char* key, co
     return use(index_in(info, "index", -1), index_in(info, "texCoord", 0), extensions, format, user, change);
 }
 
-/// The image of a texture: by an extension that claray reads, else the plain one.
+/// The image of a texture: by an extension that claray reads, else the plain one; -1 if there is none at all.
 int GltfMaterials::source_of(const tinygltf::Texture& texture, const std::string& name) const {
     const int webp = CLARAY_WITH_WEBP ? index_in(extension(texture.extensions, "EXT_texture_webp"), "source", -1) : -1;
     if (webp >= 0) return webp;
     if (texture.source >= 0) return texture.source;
-    if (texture.extensions.empty()) file_.fail(name + " has no image", "export images as PNG or JPEG");
+    if (texture.extensions.empty()) return -1;
     file_.fail(name + " only has an image of the extension '" + texture.extensions.begin()->first +
                    "', which claray cannot decode",
                "export images as PNG or JPEG");
@@ -299,6 +299,11 @@ std::optional<std::uint32_t> GltfMaterials::texture(int index, TexelFormat forma
     const tinygltf::Texture& texture = model.textures[std::size_t(index)];
     const std::string name = gltf_name("texture", texture.name, std::size_t(index));
     const int source = source_of(texture, name);
+    if (source < 0) {
+        warnings_.push_back("'" + file_.path.string() + "': " + name +
+                            " has no image, and what it would colour is grey");
+        return {};
+    }
     if (std::size_t(source) >= model.images.size())
         file_.fail(name + " refers to image " + to_string(source) + " of " + to_string(model.images.size()));
     TextureSettings settings;

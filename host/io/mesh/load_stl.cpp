@@ -120,7 +120,8 @@ private:
         for (;;) {
             const std::string word = next();
             if (word == "endsolid") break;
-            if (word != "facet") refuse(word.empty() ? "the file is cut off" : claray::quoted(word) + " is not 'facet'");
+            if (word != "facet")
+                refuse(word.empty() ? "the file is cut off" : claray::quoted(word) + " is not 'facet'");
             skip_normal();
             expect("loop");
             glm::vec3 corners[3];
@@ -162,7 +163,8 @@ private:
     }
     void expect(const char* keyword) {
         const std::string word = next();
-        if (word != keyword) refuse(word.empty() ? "the file is cut off" : claray::quoted(word) + " is not '" + keyword + "'");
+        if (word != keyword)
+            refuse(word.empty() ? "the file is cut off" : claray::quoted(word) + " is not '" + keyword + "'");
     }
     float number() {
         const std::string word = next();

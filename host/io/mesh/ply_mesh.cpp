@@ -64,7 +64,8 @@ void PlyMesh::read_vertices(const PlyElement& element) {
     for (std::uint64_t i = 0; i < element.count; ++i) {
         reader_->read_row(element, row_, lists_);
         mesh_.positions.push_back(vector_of(row_, columns.x, columns.y, columns.z));
-        if (columns.has_normals()) mesh_.normals.push_back(normal_of(vector_of(row_, columns.nx, columns.ny, columns.nz)));
+        if (columns.has_normals())
+            mesh_.normals.push_back(normal_of(vector_of(row_, columns.nx, columns.ny, columns.nz)));
         if (columns.has_uvs()) mesh_.uvs.push_back(uv_of(at(row_, columns.u), at(row_, columns.v)));
         if (colors.any()) mesh_.colors.push_back(colors.of(row_));
     }
@@ -130,10 +131,10 @@ void PlyMesh::skip(const PlyElement& element) {
 
 std::uint32_t PlyMesh::index_of(double index) const {
     if (!(index >= 0 && index < double(mesh_.positions.size())) || index != std::floor(index))
-        reader_->refuse(
-            "vertex index " + to_string(std::int64_t(std::isfinite(index) ? glm::clamp(index, -1e15, 1e15) : -1)) +
-                " is out of range, there are " + to_string(mesh_.positions.size()) + " vertices",
-            "export the mesh again");
+        reader_->refuse("vertex index " +
+                            to_string(std::int64_t(std::isfinite(index) ? glm::clamp(index, -1e15, 1e15) : -1)) +
+                            " is out of range, there are " + to_string(mesh_.positions.size()) + " vertices",
+                        "export the mesh again");
     return std::uint32_t(index);
 }
 
@@ -174,7 +175,8 @@ Mesh PlyMesh::take() {
     }
     if (has_faces_) return std::move(mesh);
     const auto add = [&](const glm::uvec3& stroke) {
-        if (is_finite(mesh.positions[stroke.x]) && is_finite(mesh.positions[stroke.y])) mesh.triangles.push_back(stroke);
+        if (is_finite(mesh.positions[stroke.x]) && is_finite(mesh.positions[stroke.y]))
+            mesh.triangles.push_back(stroke);
     };
     for (const glm::uvec3& edge : edges_) add(edge);
     for (std::uint32_t i = 0; edges_.empty() && i < mesh.positions.size(); ++i) add({i, i, i});

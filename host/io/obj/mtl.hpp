@@ -57,9 +57,10 @@ private:
     std::map<std::uint32_t, bool> cut_outs_;     ///< textures that were looked at: whether they are cut-outs
 };
 
-/// The text of an MTL as tinyobjloader takes it: keywords in their usual case; all numbers that may be left out; options
-/// before the names of images, and these without quotation marks; white `Kd` beside `map_Kd` where it is left out. Warns
-/// of statements that are left out, and of what is no finite number, for which 0 stands. `name`: in warnings.
+/// The text of an MTL as tinyobjloader takes it: keywords in their usual case; all numbers that may be left out;
+/// options before the names of images, and these without quotation marks; white `Kd` beside `map_Kd` where it is left
+/// out. Warns of statements that are left out, and of what is no finite number, for which 0 stands. `name`: in
+/// warnings.
 [[nodiscard]] std::string adapted_to_tinyobj(const std::string& mtl, const std::string& name, Warnings& warnings);
 
 }  // namespace claray

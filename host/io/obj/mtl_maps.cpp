@@ -164,11 +164,11 @@ void MtlMaps::add_roughness_and_metallic(Material& material, const tinyobj::mate
     const Options& options = roughness.empty() ? mtl.metallic_texopt : mtl.roughness_texopt;
     const auto decode = [&](TexelFormat format, std::size_t room) {
         const auto grey = [&](const std::string& name, const Options& its) {
-            const std::optional<Texture> texture =
-                name.empty() ? std::nullopt : read(folder, name, format, room);
+            const std::optional<Texture> texture = name.empty() ? std::nullopt : read(folder, name, format, room);
             return texture ? one_channel(*texture, its.imfchan, false) : Texture();
         };
-        const Texture of_roughness = grey(roughness, mtl.roughness_texopt), of_metal = grey(metallic, mtl.metallic_texopt);
+        const Texture of_roughness = grey(roughness, mtl.roughness_texopt),
+                      of_metal = grey(metallic, mtl.metallic_texopt);
         const bool none = of_roughness.width == 0 && of_metal.width == 0;
         return none ? std::nullopt : std::optional(packed(of_roughness, of_metal));
     };

@@ -59,8 +59,7 @@ constexpr Keyword keywords[] = {{"newmtl", Holds::name},
 
 bool is_same(std::string_view a, std::string_view b) {
     const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; };
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                      [&](char x, char y) { return lower(x) == lower(y); });
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
 }
 
 const Keyword* keyword_of(std::string_view word) {
@@ -76,25 +75,16 @@ struct Option {
     std::string_view fallbacks[3];
     bool known_to_parser = true;
 };
-constexpr Option options[] = {{"-o", 3, {"0", "0", "0"}},
-                              {"-s", 3, {"1", "1", "1"}},
-                              {"-t", 3, {"0", "0", "0"}},
-                              {"-mm", 2, {"0", "1"}},
-                              {"-bm", 1, {"1"}},
-                              {"-boost", 1, {"1"}},
-                              {"-texres", 1, {"0"}},
-                              {"-blendu", 0, {"on"}},
-                              {"-blendv", 0, {"on"}},
-                              {"-clamp", 0, {"on"}},
-                              {"-cc", 0, {"on"}, false},
-                              {"-imfchan", 0, {"m"}},
-                              {"-type", 0, {"sphere"}},
-                              {"-colorspace", 0, {"sRGB"}}};
+constexpr Option options[] = {{"-o", 3, {"0", "0", "0"}}, {"-s", 3, {"1", "1", "1"}},  {"-t", 3, {"0", "0", "0"}},
+                              {"-mm", 2, {"0", "1"}},     {"-bm", 1, {"1"}},           {"-boost", 1, {"1"}},
+                              {"-texres", 1, {"0"}},      {"-blendu", 0, {"on"}},      {"-blendv", 0, {"on"}},
+                              {"-clamp", 0, {"on"}},      {"-cc", 0, {"on"}, false},   {"-imfchan", 0, {"m"}},
+                              {"-type", 0, {"sphere"}},   {"-colorspace", 0, {"sRGB"}}};
 
 using Words = std::vector<std::string_view>;
 
-/// Reads an option that begins at words[at], and moves behind it; `all_numbers`: none may be left out. The option as the
-/// parser takes it, or nothing where there is none.
+/// Reads an option that begins at words[at], and moves behind it; `all_numbers`: none may be left out. The option as
+/// the parser takes it, or nothing where there is none.
 std::optional<std::string> take_option(const Words& words, std::size_t& at, bool complete) {
     const auto option = std::find_if(std::begin(options), std::end(options),
                                      [&](const Option& known) { return is_same(words[at], known.name); });
@@ -103,7 +93,8 @@ std::optional<std::string> take_option(const Words& words, std::size_t& at, bool
     std::size_t next = at + 1, given = 0;
     if (option->numbers == 0) {
         const bool switches = option->fallbacks[0] == "on";
-        const bool has_word = next < words.size() && (!switches || is_same(words[next], "on") || is_same(words[next], "off"));
+        const bool has_word =
+            next < words.size() && (!switches || is_same(words[next], "on") || is_same(words[next], "off"));
         if (!has_word && complete) return {};
         result += " " + std::string(has_word ? words[next++] : option->fallbacks[0]);
     }
@@ -185,7 +176,8 @@ private:
         if (keyword->holds == Holds::nothing_shown) return;
         std::string content = content_of(*keyword, rest);
         if (keyword->ignored) {
-            if (content.find_first_of("123456789") != std::string::npos) count(unsupported_, keyword->name);
+            const bool is_0 = keyword->holds == Holds::value && content.find_first_of("123456789") == std::string::npos;
+            if (!is_0) count(unsupported_, keyword->name);
             return;
         }
         statements_.push_back({keyword->name, std::move(content)});
@@ -212,7 +204,7 @@ private:
         for (; !word.empty(); word = next_word(rest), ++given) {
             if (!is_finite_number(word)) {
                 if (!std::exchange(warned, true))
-                warnings_.push_back(where() + quoted(word) + " is not a valid number for a material: 0 is used");
+                    warnings_.push_back(where() + quoted(word) + " is not a valid number for a material: 0 is used");
                 word = "0";
             }
             result += " " + std::string(word);

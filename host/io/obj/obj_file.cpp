@@ -111,7 +111,8 @@ protected:
     }
 
 private:
-    // Moves past the end of a line that began at `begin`. True where a backslash, which it blanks, joins it with the next.
+    // Moves past the end of a line that began at `begin`. True where a backslash, which it blanks, joins it with the
+    // next.
     bool join_next_line(std::size_t begin, bool may_go_on) {
         const std::size_t end = std::min(text_.find('\n', next_), text_.size());
         next_ = std::min(end + 1, text_.size());
@@ -207,8 +208,7 @@ private:
 
     void load(const std::string& name, std::vector<tinyobj::material_t>& materials, std::map<std::string, int>& map) {
         fs::path path = namesake_of(folder_, name);
-        if (!path.empty())
-            warnings_.push_back(remark_of_namesake(obj_, name, path));
+        if (!path.empty()) warnings_.push_back(remark_of_namesake(obj_, name, path));
         path = path_in_scene(folder_, folder_, path.empty() ? name : path.filename().string(), obj_);
         const std::string mtl = with_joined_lines(read_text(path, "check its permissions"));
         const std::string shown = path.filename().string();
@@ -218,7 +218,8 @@ private:
         tinyobj::LoadMtl(&map, &materials, &text, &remarks, &errors);
         for (std::size_t i = known; i < materials.size(); ++i)  // the parser keeps blanks before it
             materials[i].name = std::string(trim(materials[i].name));
-        file_.mtl_materials.insert(file_.mtl_materials.end(), materials.begin() + std::ptrdiff_t(known), materials.end());
+        file_.mtl_materials.insert(file_.mtl_materials.end(), materials.begin() + std::ptrdiff_t(known),
+                                   materials.end());
         file_.mtl_folders.resize(materials.size(), path.parent_path());
         std::istringstream lines(remarks);
         for (std::string line; std::getline(lines, line);) warnings_.push_back(shown + ": " + line);
@@ -513,6 +514,7 @@ ObjFile read_obj(const fs::path& path, Warnings& warnings) {
     ObjFile file;
     LineBuffer lines(std::move(text));
     std::istream stream(&lines);
+    stream.exceptions(std::ios::badbit);  // what `at_stroke` throws goes on
     ObjReader reader(path, file, lines);
     MtlReader mtl_reader(path, lines, file, warnings);
     tinyobj::LoadObjWithCallback(stream, ObjReader::callbacks(), &reader, &mtl_reader);

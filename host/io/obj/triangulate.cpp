@@ -33,12 +33,39 @@ double turn(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
     return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-/// Points that can be taken away, found by the box around a triangle: a balanced tree over them (Bentley 1975,
-/// "Multidimensional binary search trees"), whose nodes count the points that are left.
+struct Triangle {
+    glm::dvec2 corners[3];  ///< counter-clockwise
+    glm::dvec2 lo, hi;      ///< its box
+
+    Triangle(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c)
+        : corners{a, b, c}, lo(glm::min(a, glm::min(b, c))), hi(glm::max(a, glm::max(b, c))) {}
+
+    [[nodiscard]] bool holds(const glm::dvec2& p) const {
+        return turn(corners[0], corners[1], p) >= 0.0 && turn(corners[1], corners[2], p) >= 0.0 &&
+               turn(corners[2], corners[0], p) >= 0.0;
+    }
+};
+
+struct Box {
+    glm::dvec2 lo, hi;
+
+    /// True where all of the box is beside the triangle's or behind an edge, as `turn` rounds.
+    [[nodiscard]] bool misses(const Triangle& triangle) const {
+        if (triangle.hi.x < lo.x || triangle.lo.x > hi.x || triangle.hi.y < lo.y || triangle.lo.y > hi.y) return true;
+        for (int k = 0; k < 3; ++k) {
+            const glm::dvec2 &a = triangle.corners[k], &b = triangle.corners[(k + 1) % 3];
+            if (turn(a, b, {b.y > a.y ? lo.x : hi.x, b.x > a.x ? hi.y : lo.y}) < 0.0) return true;
+        }
+        return false;
+    }
+};
+
+/// Points that can be taken away: a balanced tree over them (Bentley 1975, "Multidimensional binary search trees"),
+/// whose nodes have a box and count the points that are left.
 class PointTree {
 public:
     PointTree(const std::vector<glm::dvec2>& points, std::vector<std::uint32_t> members)
-        : points_(points), members_(std::move(members)), left_(members_.size()) {
+        : points_(points), members_(std::move(members)), nodes_(members_.size()) {
         if (members_.empty()) return;
         place_.resize(points.size());
         build(0, members_.size(), 0);
@@ -48,19 +75,25 @@ public:
         std::size_t begin = 0, end = members_.size();
         for (const std::size_t at = place_[point]; end > begin;) {
             const std::size_t middle = (begin + end) / 2;
-            --left_[middle];
+            --nodes_[middle].left;
             if (at == middle) return;
             at < middle ? end = middle : begin = middle + 1;
         }
     }
 
-    /// Whether `test` is true of a point within the box.
+    /// Whether `test` is true of a point in a triangle. Some that are taken away are tried, too.
     template <class Test>
-    [[nodiscard]] bool any(const glm::dvec2& lo, const glm::dvec2& hi, const Test& test) const {
-        return any(0, members_.size(), 0, lo, hi, test);
+    [[nodiscard]] bool any(const Triangle& triangle, const Test& test) {
+        return any(0, members_.size(), triangle, test);
     }
+    [[nodiscard]] std::size_t looks() const { return looks_; }
 
 private:
+    struct Node {
+        Box box;
+        std::size_t left = 0;
+    };
+
     void build(std::size_t begin, std::size_t end, int axis) {
         if (begin == end) return;
         const std::size_t middle = (begin + end) / 2;
@@ -68,26 +101,33 @@ private:
         std::nth_element(at(begin), at(middle), at(end), [&](std::uint32_t a, std::uint32_t b) {
             return points_[a][axis] < points_[b][axis] || (points_[a][axis] == points_[b][axis] && a < b);
         });
+        Node& node = nodes_[middle];
+        node = {{points_[members_[middle]], points_[members_[middle]]}, end - begin};
+        for (std::size_t i = begin; i < end; ++i) {
+            node.box.lo = glm::min(node.box.lo, points_[members_[i]]);
+            node.box.hi = glm::max(node.box.hi, points_[members_[i]]);
+        }
         place_[members_[middle]] = middle;
-        left_[middle] = end - begin;
         build(begin, middle, 1 - axis), build(middle + 1, end, 1 - axis);
     }
 
     template <class Test>
-    [[nodiscard]] bool any(std::size_t begin, std::size_t end, int axis, const glm::dvec2& lo, const glm::dvec2& hi,
-                           const Test& test) const {
+    [[nodiscard]] bool any(std::size_t begin, std::size_t end, const Triangle& triangle, const Test& test) {
+        if (begin == end) return false;
+        ++looks_;
         const std::size_t middle = (begin + end) / 2;
-        if (begin == end || left_[middle] == 0) return false;
+        const Node& node = nodes_[middle];
+        if (node.left == 0 || node.box.misses(triangle)) return false;
         const std::uint32_t member = members_[middle];
-        const double place = points_[member][axis];
-        if (lo[axis] <= place && any(begin, middle, 1 - axis, lo, hi, test)) return true;
-        return test(member) || (place <= hi[axis] && any(middle + 1, end, 1 - axis, lo, hi, test));
+        return (triangle.holds(points_[member]) && test(member)) || any(begin, middle, triangle, test) ||
+               any(middle + 1, end, triangle, test);
     }
 
     const std::vector<glm::dvec2>& points_;
     std::vector<std::uint32_t> members_;  ///< each range's middle parts it
+    std::vector<Node> nodes_;             ///< of the range with this middle
     std::vector<std::size_t> place_;      ///< of points among the members
-    std::vector<std::size_t> left_;       ///< of the range with this middle
+    std::size_t looks_ = 0;               ///< at nodes
 };
 
 /// What is left of a polygon: a ring of corners, of which some were cut off.
@@ -102,20 +142,22 @@ public:
           tree_(points_, reflex_corners()) {}
 
     [[nodiscard]] std::uint32_t left() const { return left_; }
+    [[nodiscard]] std::size_t looks() const { return looks_ + tree_.looks(); }
     [[nodiscard]] std::uint32_t before(std::uint32_t i) const { return before_[i]; }
     [[nodiscard]] std::uint32_t after(std::uint32_t i) const { return after_[i]; }
     [[nodiscard]] bool is_cut(std::uint32_t i) const { return after_[before_[i]] != i; }
 
     /// A corner can be cut off where it bends inwards and its triangle holds no other corner. Only reflex corners can
     /// lie inside.
-    [[nodiscard]] bool is_ear(std::uint32_t i) const {
+    [[nodiscard]] bool is_ear(std::uint32_t i) {
+        ++looks_;
         const glm::dvec2 &a = points_[before_[i]], &b = points_[i], &c = points_[after_[i]];
         if (!(turn(a, b, c) > 0.0)) return false;
-        return !tree_.any(glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c)), [&](std::uint32_t other) {
-            if (!reflex_[other] || other == before_[i] || other == i || other == after_[i]) return false;
+        return !tree_.any({a, b, c}, [&](std::uint32_t other) {
+            const bool is_corner = other == before_[i] || other == i || other == after_[i];
             const glm::dvec2& p = points_[other];
-            if (p == a || p == b || p == c) return false;  // polygons with holes touch themselves along a cut
-            return turn(a, b, p) >= 0.0 && turn(b, c, p) >= 0.0 && turn(c, a, p) >= 0.0;
+            // Polygons with holes touch themselves along a cut.
+            return reflex_[other] && !is_corner && p != a && p != b && p != c;
         });
     }
 
@@ -160,6 +202,7 @@ private:
     std::vector<std::uint32_t> before_, after_;
     std::vector<bool> reflex_;
     PointTree tree_;  ///< of the reflex corners
+    std::size_t looks_ = 0;
 };
 
 void cut(Ring& ring, std::uint32_t corner, std::vector<glm::uvec3>& triangles) {
@@ -203,10 +246,10 @@ void cut_ears(Ring& ring, std::uint32_t corners, std::vector<glm::uvec3>& triang
 
 }  // namespace
 
-void triangulate(std::span<const glm::vec3> points, std::vector<glm::uvec3>& triangles) {
+std::size_t triangulate(std::span<const glm::vec3> points, std::vector<glm::uvec3>& triangles) {
     if (points.size() == 3) {
         triangles.emplace_back(0, 1, 2);
-        return;
+        return 0;
     }
     const auto corners = std::uint32_t(points.size());
     Ring ring(project(points));
@@ -230,6 +273,7 @@ void triangulate(std::span<const glm::vec3> points, std::vector<glm::uvec3>& tri
         failures = 0;
     }
     triangles.emplace_back(ring.before(corner), corner, ring.after(corner));
+    return ring.looks();
 }
 
 }  // namespace claray

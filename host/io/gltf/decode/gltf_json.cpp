@@ -123,9 +123,8 @@ AdaptedJson adapted_to_tinygltf(std::string_view text, const GltfFile& file) {
         adapted.buffers.push_back(take_buffer(buffer, adapted.buffers.size(), file));
     });
     for_each_object(root, "images", [&](json& image) { adapted.images.push_back(take_image(image)); });
-    for_each_object(root, "animations", [&](json& animation) {
-        adapted.channels_without_node += drop_channels_without_node(animation);
-    });
+    for_each_object(root, "animations",
+                    [&](json& animation) { adapted.channels_without_node += drop_channels_without_node(animation); });
     adapted.text = root.dump(-1, ' ', false, json::error_handler_t::replace);
     return adapted;
 }
