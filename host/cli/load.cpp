@@ -65,7 +65,7 @@ void add_load_options(CLI::App& command, LoadOptions& o) {
     command
         .add_option(
             "--stroke-radius", o.stroke_radius,
-            "Radius of the spheres and tubes for points and lines of a glTF; 0: leave them out [by the scene's size]")
+            "Radius of the spheres and tubes for points and lines of a file; 0: leave them out [by the scene's size]")
         ->check(number_from_0())
         ->type_name("R");
 }
@@ -114,7 +114,7 @@ Scene load(const std::string& name, const LoadOptions& options, const LightOptio
     for (Texture& texture : scene.textures)
         if (surfaces.texture_filter) texture.filter = Filter(*surfaces.texture_filter);
     print_warnings(warnings);
-    refuse_unseen(name, scene);
+    if (!options.time) refuse_unseen(name, scene);  // an animation may hide all for a while
     const bool chosen = add_lights(scene, lights);
     if (choose) scene.camera = choose(scene);
     if (chosen || !is_file) return scene;

@@ -72,11 +72,11 @@ Scene lit(Scene scene, Warnings& warnings) {
 }  // namespace
 
 Scene load_obj(const std::filesystem::path& path, Warnings& warnings) {
-    return lit(load_obj_without_light(path, warnings), warnings);
+    return lit(load_obj_without_light(path, warnings, {}), warnings);
 }
 
 Scene load_ply(const std::filesystem::path& path, Warnings& warnings) {
-    return lit(load_ply_without_light(path, warnings), warnings);
+    return lit(load_ply_without_light(path, warnings, {}), warnings);
 }
 
 Scene load_stl(const std::filesystem::path& path, Warnings& warnings) {

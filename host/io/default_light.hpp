@@ -16,8 +16,10 @@ struct LoadedScene {
 /// As `load_scene`, `load_obj` and `load_gltf`, but these add no light to dark scenes: call `light_if_dark` afterwards.
 [[nodiscard]] LoadedScene load_without_light(const std::string& name_or_path, Warnings& warnings,
                                              const LoadOptions& options);
-[[nodiscard]] Scene load_obj_without_light(const std::filesystem::path& path, Warnings& warnings);
-[[nodiscard]] Scene load_ply_without_light(const std::filesystem::path& path, Warnings& warnings);
+[[nodiscard]] Scene load_obj_without_light(const std::filesystem::path& path, Warnings& warnings,
+                                           const LoadOptions& options);
+[[nodiscard]] Scene load_ply_without_light(const std::filesystem::path& path, Warnings& warnings,
+                                           const LoadOptions& options);
 [[nodiscard]] Scene load_stl_without_light(const std::filesystem::path& path, Warnings& warnings);
 [[nodiscard]] Scene load_gltf_without_light(const std::filesystem::path& path, Warnings& warnings,
                                             const LoadOptions& options);

@@ -4,8 +4,9 @@
 #include <cctype>
 
 #include "claray/error.hpp"
+#include "host/base/file.hpp"
 #include "host/io/image/image_file.hpp"
-#include "host/io/obj/obj_words.hpp"
+#include "host/io/words.hpp"
 
 namespace claray {
 namespace {
@@ -24,6 +25,17 @@ bool has_scheme(const std::string& name) {
 bool is_below(const fs::path& root, const fs::path& path) {
     const fs::path inner = fs::weakly_canonical(path), outer = fs::weakly_canonical(root);
     return std::mismatch(outer.begin(), outer.end(), inner.begin(), inner.end()).first == outer.end();
+}
+
+/// Backslashes part folders where many files come from.
+std::string with_slashes(std::string name) {
+    std::replace(name.begin(), name.end(), '\\', '/');
+    return name;
+}
+
+bool is_file(const fs::path& path) {
+    std::error_code error;
+    return fs::is_regular_file(path, error);
 }
 
 constexpr std::size_t longest_name = 100;  // in messages
@@ -46,7 +58,7 @@ fs::path path_in_scene(const fs::path& root, const fs::path& folder, std::string
     if (name.empty()) refuse("is empty");
     if (name.find('\0') != std::string::npos) refuse("contains a zero byte");
     if (has_scheme(name)) refuse("is a URL or contains a drive");
-    std::replace(name.begin(), name.end(), '\\', '/');
+    name = with_slashes(std::move(name));
     if (name[0] == '/') refuse("is absolute");
     const fs::path base = root.empty() ? fs::path(".") : root;
     fs::path path = (folder.empty() ? fs::path(".") : folder) / name;
@@ -61,10 +73,41 @@ fs::path path_in_scene(const fs::path& root, const fs::path& folder, std::string
 fs::path namesake_of(const fs::path& folder, const std::string& name) {
     const bool has_drive = name.size() > 2 && std::isalpha(static_cast<unsigned char>(name[0])) && name[1] == ':';
     const std::size_t last = name.find_last_of("/\\");
-    if (last == std::string::npos || !(has_drive || name[0] == '/' || name[0] == '\\')) return {};
+    if (last == std::string::npos || name.find('\0') != std::string::npos) return {};
+    const bool absolute = has_drive || name[0] == '/' || name[0] == '\\';
+    if (!absolute && (has_scheme(name) || is_file(folder / with_slashes(name)))) return {};
     const fs::path path = folder / name.substr(last + 1);
-    std::error_code error;
-    return path.has_filename() && fs::is_regular_file(path, error) ? path : fs::path();
+    return path.has_filename() && is_file(path) ? path : fs::path();
+}
+
+std::string remark_of_namesake(const fs::path& scene, const std::string& name, const fs::path& namesake) {
+    const bool absolute = name.starts_with('/') || name.starts_with('\\') || has_scheme(name);
+    return "'" + scene.string() + "': " + quoted(name, longest_name) +
+           (absolute ? " is a path on another machine: '" : " is missing: '") + namesake.string() + "' is used instead";
+}
+
+std::optional<ImageFile> read_image_of_scene(const fs::path& scene, const fs::path& folder, const std::string& name,
+                                             Warnings& warnings) {
+    const fs::path namesake = namesake_of(folder, name);
+    fs::path path;
+    try {
+        path =
+            path_in_scene(scene.parent_path(), folder, namesake.empty() ? name : namesake.filename().string(), scene);
+    } catch (const Error& error) {
+        warnings.push_back(std::string(error.what()) + ": what the image would colour is grey");
+        return {};
+    }
+    if (!is_file(path)) {
+        warnings.push_back("'" + scene.string() + "': the image " + quoted(name, longest_name) +
+                           " is missing, and what it would colour is grey: put it next to the file that names it");
+        return {};
+    }
+    if (!namesake.empty()) warnings.push_back(remark_of_namesake(scene, name, namesake));
+    return ImageFile{"'" + path.string() + "'", read_file(path, "check its permissions")};
+}
+
+void show_missing(Material& material) {
+    if (!material.albedo_map.used()) material.albedo *= 0.5f;
 }
 
 std::string percent_decoded(const std::string& uri) {

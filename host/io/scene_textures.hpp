@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -16,10 +17,30 @@ namespace claray {
                                                   const std::filesystem::path& folder, std::string name,
                                                   const std::filesystem::path& named_in = {});
 
-/// Many files reference others by absolute paths of the machine that wrote them: "C:\maps\wood.png",
-/// "/home/me/wood.png". Returns the path of the file of the same name in `folder`; empty if `name` is no such path or
-/// there is no such file.
+/// Many files reference others by paths of the machine that wrote them: "C:\maps\wood.png", "/home/me/wood.png",
+/// "../maps/wood.png". Returns the path of the file of the same name in `folder`; empty if `name` leads to a file in
+/// `folder` or below, or there is no such file.
 [[nodiscard]] std::filesystem::path namesake_of(const std::filesystem::path& folder, const std::string& name);
+
+/// A warning that `namesake` is read instead of the file `name`, which `scene` asks for.
+[[nodiscard]] std::string remark_of_namesake(const std::filesystem::path& scene, const std::string& name,
+                                             const std::filesystem::path& namesake);
+
+/// The bytes of an image that a scene names, and what to call it in messages.
+struct ImageFile {
+    std::string name;  ///< its path in quotation marks
+    std::string bytes;
+};
+
+/// Reads the image `name` of the file `scene`, relative to `folder`. A file of the same name in `folder` stands in for
+/// one that is not where its name leads, with a warning. Where there is none either, or the name leads out of the
+/// scene's folder: a warning, and nothing. Throws where the file cannot be read.
+[[nodiscard]] std::optional<ImageFile> read_image_of_scene(const std::filesystem::path& scene,
+                                                           const std::filesystem::path& folder, const std::string& name,
+                                                           Warnings& warnings);
+
+/// Turns a material grey whose image of colours is missing.
+void show_missing(Material& material);
 
 /// A URI's %xx as the characters they stand for (RFC 3986, section 2.1).
 [[nodiscard]] std::string percent_decoded(const std::string& uri);
@@ -41,11 +62,15 @@ public:
     explicit SceneTextures(Scene& scene) : scene_(scene) {}
 
     /// The index of the texture `key` read by these settings; `decode(eight_bit, room)` makes it where there is none
-    /// yet.
+    /// yet. Nothing where that gives nothing.
     template <class Decode>
-    std::uint32_t add(const std::string& key, const TextureSettings& settings, Decode&& decode) {
-        const auto [found, is_new] = known_.try_emplace({key, settings}, std::uint32_t(scene_.textures.size()));
-        if (is_new) keep(decode(settings.eight_bit, room_), settings);
+    std::optional<std::uint32_t> add(const std::string& key, const TextureSettings& settings, Decode&& decode) {
+        const auto [found, is_new] = known_.try_emplace({key, settings});
+        if (!is_new) return found->second;
+        if (std::optional<Texture> texture = decode(settings.eight_bit, room_)) {
+            found->second = std::uint32_t(scene_.textures.size());
+            keep(*std::move(texture), settings);
+        }
         return found->second;
     }
 
@@ -54,7 +79,7 @@ private:
 
     Scene& scene_;
     std::size_t room_ = std::size_t(1) << 30;
-    std::map<std::pair<std::string, TextureSettings>, std::uint32_t> known_;
+    std::map<std::pair<std::string, TextureSettings>, std::optional<std::uint32_t>> known_;
 };
 
 }  // namespace claray

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <unordered_set>
 
+#include "claray/error.hpp"
+#include "host/base/format.hpp"
 #include "host/scene/builtin/shapes.hpp"
 #include "host/scene/validate.hpp"
 
@@ -102,8 +104,7 @@ private:
 };
 
 bool suits_primitives(const Material& m, bool has_holes) {
-    const bool shines = m.emission != glm::vec3(0.f), opaque = m.alpha_mode == AlphaMode::opaque;
-    return !shines && (opaque || !has_holes) && may_be_on_primitives(m);
+    return (m.alpha_mode == AlphaMode::opaque || !has_holes) && may_be_on_primitives(m);
 }
 
 /// One set of its kind, with the colours of the strokes' vertices at the ends of each primitive.
@@ -119,16 +120,25 @@ void add_colors(PrimitiveSet& set, const Strokes& strokes, std::uint32_t a, std:
     set.colors.emplace_back(strokes.colors[b]);
 }
 
-}  // namespace
-
-bool suit_primitives(const Strokes& strokes, const std::vector<Material>& materials) {
-    const bool holes =
-        std::any_of(strokes.colors.begin(), strokes.colors.end(), [](const glm::vec4& c) { return c.w < 1.f; });
-    if (strokes.materials.empty()) return suits_primitives(materials.at(0), holes);
+/// Whether all materials of the strokes satisfy `condition`.
+template <class Condition>
+bool all_materials(const Strokes& strokes, const std::vector<Material>& materials, const Condition& condition) {
+    if (strokes.materials.empty()) return condition(materials.at(0));
     return std::all_of(strokes.materials.begin(), strokes.materials.end(),
-                       [&](std::uint32_t material) { return suits_primitives(materials.at(material), holes); });
+                       [&](std::uint32_t material) { return condition(materials.at(material)); });
 }
 
+/// Whether primitives show the strokes as well as triangles. They are not sampled as lights, but many lamps of many
+/// triangles take long.
+bool suit_primitives(const Strokes& strokes, const std::vector<Material>& materials, bool few) {
+    const bool holes =
+        std::any_of(strokes.colors.begin(), strokes.colors.end(), [](const glm::vec4& c) { return c.w < 1.f; });
+    return all_materials(strokes, materials, [&](const Material& m) {
+        return !(few && m.emission != glm::vec3(0.f)) && suits_primitives(m, holes);
+    });
+}
+
+/// Exactly round.
 std::vector<PrimitiveSet> primitive_strokes(const Strokes& strokes, float radius) {
     PrimitiveSet spheres = empty_set(strokes, PrimitiveSet::Kind::spheres),
                  tubes = empty_set(strokes, PrimitiveSet::Kind::cylinders);
@@ -150,6 +160,17 @@ std::vector<PrimitiveSet> primitive_strokes(const Strokes& strokes, float radius
     return sets;
 }
 
+Bounds bounds_of_all(const Scene& scene, const std::vector<Strokes>& all) {
+    Bounds bounds = bounds_of(scene);
+    for (const Strokes& strokes : all) {
+        const Bounds box = bounds_of(strokes);
+        if (!box.empty()) bounds.grow(box.lo), bounds.grow(box.hi);
+    }
+    return bounds;
+}
+
+}  // namespace
+
 float stroke_radius(const Bounds& bounds, std::size_t strokes) {
     const float diagonal = bounds.empty() ? 0.f : glm::length(bounds.extent());
     if (!(diagonal > 0.f && std::isfinite(diagonal))) return 1.f;
@@ -157,5 +178,30 @@ float stroke_radius(const Bounds& bounds, std::size_t strokes) {
 }
 
 Mesh solid_strokes(const Strokes& strokes, float radius) { return Solids(strokes, radius).take(); }
+
+void add_strokes(Scene& scene, const std::vector<Strokes>& all, std::optional<float> given, Warnings& warnings) {
+    if (all.empty()) return;
+    constexpr std::size_t few = 64;
+    std::size_t count = 0;
+    for (const Strokes& strokes : all) count += strokes.triangles.size();
+    const float radius = given ? *given : stroke_radius(bounds_of_all(scene, all), count);
+    if (!(radius >= 0.f && std::isfinite(radius)))
+        throw Error(ErrorKind::usage, "invalid stroke radius " + std::to_string(radius),
+                    "give a finite radius, 0 or more");
+    const std::string what = std::to_string(all.size()) + " primitives of points or lines are ";
+    if (radius == 0.f) return warnings.push_back(what + "left out, as requested");
+    for (const Strokes& strokes : all) {
+        if (suit_primitives(strokes, scene.materials, count <= few)) {
+            for (PrimitiveSet& set : primitive_strokes(strokes, radius)) scene.primitives.push_back(std::move(set));
+            continue;
+        }
+        if (!scene.instances.empty())
+            scene.instances.push_back({std::uint32_t(scene.meshes.size()), glm::mat4(1.f), {}});
+        scene.meshes.push_back(solid_strokes(strokes, radius));
+    }
+    warnings.push_back(what + printed("shown as spheres and tubes of radius %.3g: choose another radius with "
+                                      "--stroke-radius",
+                                      double(radius)));
+}
 
 }  // namespace claray

@@ -1,7 +1,7 @@
 // Points and lines as surfaces that rays can meet: spheres and tubes, as primitives or as triangles.
 #pragma once
 
-#include "claray/scene.hpp"
+#include "claray/io.hpp"
 
 namespace claray {
 
@@ -16,11 +16,10 @@ using Strokes = Mesh;
 /// and the strokes' materials. The more there are, the coarser they are.
 [[nodiscard]] Mesh solid_strokes(const Strokes& strokes, float radius);
 
-/// Whether primitives show the strokes as well as triangles: their materials have no maps, let no ray through, and are
-/// no lamps, which would not be sampled as lights.
-[[nodiscard]] bool suit_primitives(const Strokes& strokes, const std::vector<Material>& materials);
-
-/// The same spheres and tubes as primitives, exactly round.
-[[nodiscard]] std::vector<PrimitiveSet> primitive_strokes(const Strokes& strokes, float radius);
+/// Adds strokes that stand in the world to a scene. They become primitives, exactly round, where their materials have
+/// no maps and let no ray through, else triangles; a few lamps are triangles, too, which are sampled as lights.
+/// `radius`: empty for the default; 0 leaves them out. A warning tells the radius. Throws ErrorKind::usage if it is
+/// negative or not finite.
+void add_strokes(Scene& scene, const std::vector<Strokes>& strokes, std::optional<float> radius, Warnings& warnings);
 
 }  // namespace claray

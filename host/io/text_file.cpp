@@ -63,13 +63,16 @@ void refuse_other_encodings(std::string_view bytes, const fs::path& path) {
     if (is_utf16_without_mark(bytes)) refuse("text in UTF-16", as_utf8);
 }
 
-std::string read_text(const fs::path& path, const std::string& remedy) {
-    std::string text = read_file(path, remedy);
-    refuse_other_encodings(text, path);
+std::string text_of(std::string bytes, const fs::path& path) {
+    refuse_other_encodings(bytes, path);
     constexpr std::string_view mark = "\xef\xbb\xbf";
-    if (text.starts_with(mark)) text.erase(0, mark.size());
-    normalize_line_ends(text);
-    return text;
+    if (bytes.starts_with(mark)) bytes.erase(0, mark.size());
+    normalize_line_ends(bytes);
+    return bytes;
+}
+
+std::string read_text(const fs::path& path, const std::string& remedy) {
+    return text_of(read_file(path, remedy), path);
 }
 
 bool is_comment(std::string_view line) {

@@ -11,8 +11,12 @@ namespace claray {
 /// archive (gzip, zip, bzip2, xz, zstd, 7z).
 void refuse_other_encodings(std::string_view bytes, const std::filesystem::path& path);
 
-/// Reads UTF-8 or any other text of single bytes. A byte order mark is taken away, and lines end in '\n', whether they
-/// ended in "\r\n" (Windows), '\r' (old Macs) or '\n'. Throws as read_file and refuse_other_encodings do.
+/// UTF-8 or any other text of single bytes. A byte order mark is taken away, and lines end in '\n', whether they ended
+/// in
+/// "\r\n" (Windows), '\r' (old Macs) or '\n'. Throws as refuse_other_encodings does; `path`: in its message.
+[[nodiscard]] std::string text_of(std::string bytes, const std::filesystem::path& path);
+
+/// The text of a file. Throws as read_file and text_of do.
 [[nodiscard]] std::string read_text(const std::filesystem::path& path, const std::string& remedy);
 
 /// Joins each line that ends in a backslash with the next, unless it is a comment ("# C:\models\"). Line breaks that

@@ -54,13 +54,15 @@ glm::vec3 mean_emission(const Scene& scene, const Material& material, const Mesh
     return material.emission * mean_texel(scene.textures[use.texture], corners[0], corners[1], corners[2], most_points);
 }
 
-/// Collects the lights of mesh `index`, placed by `transform`; its first triangle has the number `first`.
-void collect_triangles(const Scene& scene, std::uint32_t index, const glm::dmat4& transform, std::uint32_t first,
+/// The number of a mesh's first triangle in hits, and its index in memory.
+struct FirstTriangle {
+    std::uint32_t number, in_memory;
+};
+
+/// Collects the lights of a mesh, placed by `transform`.
+void collect_triangles(const Scene& scene, const Mesh& mesh, const glm::dmat4& transform, const FirstTriangle& first,
                        unsigned most_points, Lights& collected) {
     std::vector<TriangleLight>& lights = collected.triangles;
-    const Mesh& mesh = scene.meshes[index];
-    std::uint32_t in_memory = 0;  // index there of its first triangle
-    for (std::uint32_t i = 0; i < index; ++i) in_memory += std::uint32_t(scene.meshes[i].triangles.size());
     const auto place = [&](std::uint32_t vertex) {
         return glm::vec3(transform * glm::dvec4(mesh.positions[vertex], 1.0));
     };
@@ -75,14 +77,15 @@ void collect_triangles(const Scene& scene, std::uint32_t index, const glm::dmat4
         const glm::vec3 a = place(t.x), b = place(mirrored ? t.z : t.y), c = place(mirrored ? t.y : t.z);
         if (!can_be_hit(a, b, c)) continue;
         lights.push_back(triangle_light(a, b, c, emission));
-        lights.back().primitive = first + std::uint32_t(i);
+        lights.back().primitive = first.number + std::uint32_t(i);
         if (!(lights.back().area > 0)) {
             lights.pop_back();
             continue;
         }
         if (material.cull_back) lights.back().area = -lights.back().area;
         const std::uint32_t turned = mirrored ? CLARAY_TURNED_LAMP : 0u;
-        collected.lamps.push_back(has_emission_map(material) ? (in_memory + std::uint32_t(i)) | turned : CLARAY_NO_MAP);
+        collected.lamps.push_back(has_emission_map(material) ? (first.in_memory + std::uint32_t(i)) | turned
+                                                             : CLARAY_NO_MAP);
     }
 }
 
@@ -104,12 +107,12 @@ void grow_instance_errors(const Mesh& mesh, const glm::dmat4& transform, LightsD
 
 /// Moving lights are not included: only BSDF sampling finds their light.
 void collect_triangles(const Scene& scene, unsigned most_points, Lights& lights) {
-    std::uint32_t first = 0;
+    std::vector<std::uint32_t> in_memory = {0};
+    for (const Mesh& mesh : scene.meshes) in_memory.push_back(in_memory.back() + std::uint32_t(mesh.triangles.size()));
     if (scene.instances.empty()) {
-        for (std::uint32_t i = 0; i < scene.meshes.size(); ++i) {
-            collect_triangles(scene, i, glm::dmat4(1.0), first, most_points, lights);
-            first += std::uint32_t(scene.meshes[i].triangles.size());
-        }
+        for (std::size_t i = 0; i < scene.meshes.size(); ++i)
+            collect_triangles(scene, scene.meshes[i], glm::dmat4(1.0), {in_memory[i], in_memory[i]}, most_points,
+                              lights);
         return;
     }
     const std::vector<std::uint32_t> numbers = first_light_numbers(scene);
@@ -119,7 +122,7 @@ void collect_triangles(const Scene& scene, unsigned most_points, Lights& lights)
         const Mesh& mesh = scene.meshes[instance.mesh];
         const glm::dmat4 transform(instance.transform);
         const std::size_t before = lights.triangles.size();
-        collect_triangles(scene, instance.mesh, transform, numbers[i], most_points, lights);
+        collect_triangles(scene, mesh, transform, {numbers[i], in_memory[instance.mesh]}, most_points, lights);
         if (lights.triangles.size() != before) grow_instance_errors(mesh, transform, lights.data);
     }
 }

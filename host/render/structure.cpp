@@ -169,8 +169,10 @@ void Structure::check_placed() const {
     if (culled <= empty_instances_) return;
     throw Error(ErrorKind::user,
                 std::to_string(culled - empty_instances_) + " of " + std::to_string(instanced_->instance_count()) +
-                    " instances cannot be placed: their transforms are not invertible at some time of their motion",
-                "use scales other than 0, and rotations of less than half a turn");
+                    " instances cannot be placed: their transforms cannot be inverted in float32" +
+                    (moves() ? " at some time of their motion" : ""),
+                std::string("use scales that differ by less than a factor of 10000") +
+                    (moves() ? ", and rotations of less than half a turn" : ""));
 }
 
 void Structure::move_vertices(std::size_t first, std::span<const glm::vec3> positions) {

@@ -1,8 +1,10 @@
 // claray build: what it prints, what it saves, what it refuses.
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <fstream>
 
+#include "host/base/hash.hpp"
 #include "tests/cli/claray.hpp"
 
 namespace claray::test {
@@ -30,6 +32,17 @@ TEST(BuildCommand, SavesWhatItLoadsAgain) {
     EXPECT_TRUE(before.contains("build"));
     EXPECT_FALSE(after.contains("build"));
     EXPECT_NE(run_claray({"build", path}).output.find("loaded"), std::string::npos);
+
+    // A box that does not contain its triangles, with right checksums.
+    constexpr std::size_t header = 168, boxes = 48;  // docs/formats.md
+    std::string forged = read_file(folder / "tree.cbvh");
+    std::fill_n(forged.begin() + header, boxes, '\0');
+    const Digest digest = digest_of(forged.data() + header, forged.size() - header - sizeof digest);
+    std::copy(digest.begin(), digest.end(), forged.end() - sizeof digest);
+    const std::string forged_path = folder.file("forged.cbvh", forged).string();
+    const ProcessResult refused = run_claray({"build", forged_path, "-o", (folder / "copy.cbvh").string()});
+    EXPECT_TRUE(failed_with(refused, 1, "forged.cbvh' is damaged: some of its boxes do not contain their triangles"));
+    EXPECT_FALSE(std::filesystem::exists(folder / "copy.cbvh"));
 
     std::ofstream(path, std::ios::binary | std::ios::in).seekp(1000) << "damage";
     EXPECT_TRUE(failed_with(run_claray({"build", path}), 1, "tree.cbvh': the file is damaged"));

@@ -337,14 +337,31 @@ TEST_F(MtlMap, ImagesAreSharedAndUnusedOnesNotRead) {
 }
 
 TEST_F(MtlMap, BadImages) {
-    refuse("map_Kd gone.png", {"gone.png", "put the image next to the MTL"});
-    refuse("map_Kd ../up.png", {"../up.png", "leaves the scene's folder"});
-    refuse("map_Kd ..\\up.png", {"leaves the scene's folder"});
-    refuse("map_Kd /etc/passwd", {"absolute"});
-    refuse("map_Kd C:\\a.png", {"drive"});
     static_cast<void>(folder.file("cut.png", from_base64(test::png_rgba).substr(0, 60)));
     for (const char* key : {"map_Kd", "map_Ke", "map_d", "map_Pr", "map_Pm", "norm", "bump", "disp"})
         refuse(std::string("Kd 1 1 1\n") + key + " cut.png", {"cut.png", "cut off"});
+}
+
+TEST_F(MtlMap, MissingImagesAreGrey) {
+    const std::pair<const char*, const char*> names[] = {{"gone.png", "mesh.obj': the image 'gone.png' is missing"},
+                                                         {"../up.png", "leaves the scene's folder"},
+                                                         {"..\\up.png", "leaves the scene's folder"},
+                                                         {"/etc/passwd", "absolute"},
+                                                         {"C:\\a.png", "drive"}};
+    for (const auto& [name, why] : names) {
+        warnings.clear();
+        const Scene missing = scene("Kd 1 1 1\nillum 1\nmap_Kd " + std::string(name));
+        EXPECT_EQ(missing.materials.at(0).albedo, glm::vec3(0.5f)) << name;
+        EXPECT_TRUE(missing.textures.empty()) << name;
+        EXPECT_EQ(warned(why), 1u) << name;
+    }
+    warnings.clear();
+    const Material m = scene("Kd 1 1 1\nKe 1 1 1\nmap_Ke no.png\nmap_d no.png\nnorm no.png\nbump no.png\nmap_Ks no.png")
+                           .materials.at(0);
+    EXPECT_EQ(m.emission, glm::vec3(0.f));
+    EXPECT_EQ(m.alpha_mode, AlphaMode::opaque);
+    EXPECT_FALSE(m.normal_map.used() || m.height_map.used() || m.specular_map.used());
+    EXPECT_EQ(warned("no.png"), 1u) << "one warning is enough";
 }
 
 TEST_F(MtlMap, NamesAreRelativeToTheMtl) {

@@ -7,7 +7,8 @@
 #include <random>
 
 #include "claray/io.hpp"
-#include "host/io/obj/obj_words.hpp"
+#include "host/io/obj/obj_corner.hpp"
+#include "host/io/words.hpp"
 #include "tests/io/expect_error.hpp"
 #include "tests/support/process.hpp"
 

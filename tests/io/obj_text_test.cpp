@@ -88,6 +88,43 @@ TEST_F(ObjText, NamesOfMaterialFiles) {
     EXPECT_TRUE(warned("gone.mtl' is missing")) << warnings.front();
 }
 
+/// A file that names so many has no blanks in its names: all ways to join them would be looked for.
+TEST_F(ObjText, ManyMaterialFilesOnALineHaveNoBlanks) {
+    mtl("a b.mtl", red), mtl("last.mtl", red);
+    std::string many = "mtllib a b.mtl";
+    for (int i = 0; i < 64; ++i) many += " m" + std::to_string(i) + ".mtl";
+    expect_red(many + " last.mtl\n" + plain_triangle + "usemtl red\nf 1 2 3\n");
+    EXPECT_TRUE(warned("/a' is missing"));
+}
+
+/// Of a million lines each is read once.
+TEST_F(ObjText, LinesThatGoOnWithoutEnd) {
+    std::string lines;
+    for (int i = 0; i < 1'000'000; ++i) lines += "\\\n";
+    EXPECT_EQ(triangle_count(load(lines + plain_triangle + "f 1 2 3\n")), 1u);
+}
+
+TEST_F(ObjText, LinesAndPointsAreDrawn) {
+    mtl("m.mtl", red);
+    const Scene scene = load("mtllib m.mtl\nusemtl red\n" + plain_triangle + "l 1/1 2 -1\np 1 2\nf 1 2 3\nvt 0 0\n");
+    ASSERT_EQ(scene.meshes.size(), 1u);
+    ASSERT_EQ(scene.primitives.size(), 2u);
+    EXPECT_EQ(scene.primitives[0].kind, PrimitiveSet::Kind::spheres);
+    EXPECT_EQ(scene.primitives[0].points.size(), 3u) << "places that lines and points share have one ball";
+    EXPECT_EQ(scene.primitives[1].kind, PrimitiveSet::Kind::cylinders);
+    ASSERT_EQ(scene.primitives[1].points.size(), 4u);
+    EXPECT_EQ(glm::vec3(scene.primitives[1].points[3]), glm::vec3(scene.primitives[0].points[2]));
+    EXPECT_EQ(scene.materials.at(scene.primitives[1].materials.at(0)).name, "red");
+    EXPECT_TRUE(warned("points or lines are shown as spheres and tubes"));
+    const Scene alone = load("v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1e39 0 0\nl 1 2\np 3\n");
+    ASSERT_EQ(alone.primitives.size(), 2u) << "without faces, and without what is not finite";
+    EXPECT_EQ(alone.primitives[1].colors.at(1), glm::vec3(0, 1, 0));
+    const auto path = folder.file("lines.obj", plain_triangle + "l 1 2\n");
+    EXPECT_EQ(load_scene(path.string(), warnings, {.stroke_radius = 0.25f}).primitives.at(0).points.at(0).w, 0.25f);
+    for (const char* bad : {"l 1 4\n", "p 0\n", "l 1 x\n"})
+        expect_error(ErrorKind::user, {"mesh.obj' line "}, [&] { static_cast<void>(load(plain_triangle + bad)); });
+}
+
 TEST_F(ObjText, MaterialFilesStayInTheScenesFolder) {
     static_cast<void>(folder.file("secret.mtl", "newmtl secret\n"));
     fs::create_directories(folder / "scene");
@@ -112,8 +149,13 @@ TEST_F(ObjText, ImagesOfOtherMachinesAreFoundBesideTheFile) {
     EXPECT_EQ(load(obj).textures.size(), 1u);
     EXPECT_TRUE(warned("'C:\\textures\\wood.pfm' is a path on another machine")) << warnings.front();
     fs::remove(folder / "scene/wood.pfm");
-    expect_error(ErrorKind::user, {"mesh.obj'", "wood.pfm' is a URL or contains a drive"},
-                 [&] { static_cast<void>(load(obj)); });
+    EXPECT_EQ(load(obj).textures.size(), 0u);
+    EXPECT_TRUE(warned("wood.pfm' is a URL or contains a drive")) << warnings.front();
+    mtl("m.mtl", red + "map_Kd maps/wood.pfm\n");
+    mtl("wood.pfm", std::string("PF\n1 1\n-1\n") + std::string(12, '\0'));
+    EXPECT_EQ(load("mtllib sub/m.mtl\n" + obj.substr(obj.find('\n') + 1)).textures.size(), 1u);
+    EXPECT_TRUE(warned("mesh.obj': 'sub/m.mtl' is missing: '")) << warnings.front();
+    EXPECT_TRUE(warned("mesh.obj': 'maps/wood.pfm' is missing: '")) << warnings.front();
 }
 
 TEST_F(ObjText, OtherEncodingsAreNamed) {
@@ -143,10 +185,9 @@ TEST_F(ObjText, WhatIsAskedForInVainIsSaid) {
     mtl("empty.mtl", "\n");
     static_cast<void>(load("mtllib empty.mtl\n" + plain_triangle + "usemtl red\nf 1 2 3\n"));
     EXPECT_TRUE(warned("material 'red' is not defined"));
-    static_cast<void>(load(plain_triangle + "f 1 2 3\nl 1 2\np 3\ncstype bezier\nfoo 1 2\nfoo\n"));
-    EXPECT_TRUE(warned("line 5 (and 1 more): 'l' is ignored: only faces are shown, no lines and points"));
-    EXPECT_TRUE(warned("line 7: 'cstype' is ignored"));
-    EXPECT_TRUE(warned("line 8 (and 1 more): 'foo' is not an OBJ statement"));
+    static_cast<void>(load(plain_triangle + "f 1 2 3\ncstype bezier\nfoo 1 2\nfoo\n"));
+    EXPECT_TRUE(warned("line 5: 'cstype' is ignored"));
+    EXPECT_TRUE(warned("line 6 (and 1 more): 'foo' is not an OBJ statement"));
     static_cast<void>(load(plain_triangle + "s 1\nf 1 2 3\n"));
     EXPECT_TRUE(warned("line 4: 's' (a smoothing group) is ignored"));
     static_cast<void>(load(plain_triangle + "vn 0 0 1\ns 1\nf 1//1 2//1 3//1\n"));

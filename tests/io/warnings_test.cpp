@@ -69,8 +69,8 @@ TEST(WarningsList, ErrorsNameTheFileAtFault) {
     static_cast<void>(folder.file("a.obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n"));
     static_cast<void>(folder.file("m.mtl", "newmtl a\nmap_Kd ../x.png\n"));
     Warnings warnings;
-    test::expect_error(ErrorKind::user, {"'a.obj'", "'../x.png' leaves"},
-                       [&] { static_cast<void>(load_obj("a.obj", warnings)); });
+    static_cast<void>(load_obj("a.obj", warnings));
+    EXPECT_EQ(warnings.at(0).find("'a.obj': the file name '../x.png' leaves"), 0u) << warnings.at(0);
     static_cast<void>(
         folder.file("b.gltf", R"({"asset":{"version":"2.0"},"buffers":[{"uri":"../b.bin","byteLength":4}]})"));
     test::expect_error(ErrorKind::user, {"'b.gltf'", "'../b.bin' leaves"},

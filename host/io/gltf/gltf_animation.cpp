@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/quaternion.hpp>
+#include <map>
 #include <numeric>
+#include <tuple>
 
 #include "claray/error.hpp"
 #include "host/base/format.hpp"
@@ -143,12 +145,14 @@ public:
 private:
     bool apply(std::size_t channel, double time);
     [[nodiscard]] Property property_of(const tinygltf::Node& node, const std::string& path) const;
+    [[nodiscard]] const Keys& keys_of(int sampler, const Property& property, const std::string& channel);
     [[nodiscard]] Keys read(int sampler, const Property& property, const std::string& channel) const;
     void read_times(Keys& keys, int accessor, const std::string& channel) const;
 
     GltfFile& file_;
     const tinygltf::Animation& animation_;
     std::string name_;
+    std::map<std::tuple<int, std::size_t, bool>, Keys> known_;  ///< by sampler, width and whether they rotate
 };
 
 Property Animator::property_of(const tinygltf::Node& node, const std::string& path) const {
@@ -167,6 +171,14 @@ void Animator::read_times(Keys& keys, int accessor, const std::string& channel) 
         if (i > 0 && keys.times[i] < keys.times[i - 1])
             file_.fail(channel + ": key " + to_string(i) + " is before key " + to_string(i - 1));
     }
+}
+
+/// Many channels may share a sampler.
+const Keys& Animator::keys_of(int sampler, const Property& property, const std::string& channel) {
+    const std::tuple key(sampler, property.width, property.rotates);
+    auto found = known_.find(key);
+    if (found == known_.end()) found = known_.emplace(key, read(sampler, property, channel)).first;
+    return found->second;
 }
 
 Keys Animator::read(int index, const Property& property, const std::string& channel) const {
@@ -200,7 +212,7 @@ bool Animator::apply(std::size_t index, double time) {
     tinygltf::Node& node = nodes[std::size_t(channel.target_node)];
     const Property property = property_of(node, channel.target_path);
     if (property.width == 0) return false;
-    const std::vector<double> value = value_at(read(channel.sampler, property, name), time);
+    const std::vector<double> value = value_at(keys_of(channel.sampler, property, name), time);
     for (const double number : value)
         if (!std::isfinite(number)) file_.fail(name + ": its value at " + in_seconds(time) + " is not finite");
     if (property.components > 1) split_matrix(node);
@@ -247,7 +259,7 @@ void pose(GltfFile& file, const LoadOptions& options, Warnings& warnings) {
     }
     if (!std::isfinite(*options.time))
         throw Error(ErrorKind::usage, "the time is not finite", "give a time in seconds");
-    std::size_t left_out = 0;
+    std::size_t left_out = file.channels_without_node;
     for (const std::size_t i : chosen_animations(file, options)) left_out += Animator(file, i).apply(*options.time);
     if (left_out > 0)
         warnings.push_back(to_string(left_out) + " channels animate unsupported properties: they are left out");

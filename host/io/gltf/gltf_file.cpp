@@ -3,10 +3,15 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <set>
+#include <sstream>
 
 #include "claray/error.hpp"
 #include "host/base/file.hpp"
+#include "host/io/gltf/decode/data_uri.hpp"
 #include "host/io/gltf/decode/gltf_compression.hpp"
+#include "host/io/gltf/decode/gltf_container.hpp"
+#include "host/io/gltf/decode/gltf_json.hpp"
 #include "host/io/scene_textures.hpp"
 #include "host/io/text_file.hpp"
 
@@ -45,78 +50,6 @@ bool is_known(const std::string& extension) {
            std::find(std::begin(known_extensions), std::end(known_extensions), extension) != std::end(known_extensions);
 }
 
-std::uint32_t from_little_endian(std::string_view bytes) {
-    std::uint32_t value = 0;
-    for (std::size_t i = 4; i-- > 0;) value = value << 8 | std::uint8_t(bytes[i]);
-    return value;
-}
-
-/// The JSON of a binary glTF, whose lengths are checked: tinygltf 2.7 reads up to 8 bytes behind a chunk that is cut
-/// off. `bytes` loses what comes behind the file's own length.
-std::string_view check_container(std::string_view& bytes, const GltfFile& file) {
-    constexpr std::size_t header = 12, chunk_header = 8;
-    if (bytes.size() < header + chunk_header) file.fail("the file is cut off");
-    if (from_little_endian(bytes.substr(4)) != 2)
-        file.fail("binary glTF of version " + to_string(from_little_endian(bytes.substr(4))), "export it as glTF 2.0");
-    const std::size_t length = from_little_endian(bytes.substr(8));
-    if (length > bytes.size())
-        file.fail("the file is cut off: " + to_string(bytes.size()) + " of " + to_string(length) + " bytes");
-    bytes = bytes.substr(0, length);
-    std::string_view json;
-    for (std::size_t begin = header, chunk = 0; begin < length; ++chunk) {
-        if (length - begin < chunk_header) file.fail("its chunk " + to_string(chunk) + " is cut off");
-        const std::size_t size = from_little_endian(bytes.substr(begin));
-        if (size > length - begin - chunk_header) file.fail("its chunk " + to_string(chunk) + " is cut off");
-        if (chunk == 0) json = bytes.substr(begin + chunk_header, size);
-        begin += chunk_header + size;
-    }
-    return json;
-}
-
-/// tinygltf walks through nested values by recursion: too deep, and the stack ends.
-void check_depth(std::string_view json, const GltfFile& file) {
-    constexpr int deepest = 256;
-    bool in_string = false;
-    int depth = 0;
-    for (std::size_t i = 0; i < json.size(); ++i) {
-        const char c = json[i];
-        if (in_string && c == '\\')
-            ++i;
-        else if (c == '"')
-            in_string = !in_string;
-        else if (!in_string && (c == '{' || c == '['))
-            ++depth;
-        else if (!in_string && (c == '}' || c == ']'))
-            --depth;
-        if (depth > deepest) file.fail("its JSON is nested deeper than " + to_string(deepest));
-    }
-}
-
-/// What tinygltf asks of the file system. It reads buffers before it knows any buffer view, and images after: these are
-/// said not to exist, so that only those are read, later, which a used material calls for.
-struct Folder {
-    const GltfFile* file;
-
-    static bool exists(const std::string&, void* user) {
-        return static_cast<const Folder*>(user)->file->model.bufferViews.empty();
-    }
-    static std::string expand(const std::string& name, void*) { return name; }
-    static bool read(std::vector<unsigned char>* out, std::string*, const std::string& name, void* user) {
-        const fs::path &gltf = static_cast<const Folder*>(user)->file->path, folder = gltf.parent_path();
-        const std::string bytes =
-            read_file(path_in_scene(folder, folder, name, gltf), "put the buffer next to the glTF");
-        out->assign(bytes.begin(), bytes.end());
-        return true;
-    }
-};
-
-/// Keeps an image of a data URI as it is, encoded.
-bool keep_encoded(tinygltf::Image* image, int, std::string*, std::string*, int, int, const unsigned char* bytes,
-                  int size, void*) {
-    if (image->bufferView < 0) image->image.assign(bytes, bytes + size);
-    return true;
-}
-
 /// One line of at most 200 characters: tinygltf quotes data URIs in full.
 std::string one_line(std::string text) {
     while (!text.empty() && (text.back() == '\n' || text.back() == ' ' || text.back() == '.')) text.pop_back();
@@ -125,44 +58,75 @@ std::string one_line(std::string text) {
     return text.size() > 200 ? text.substr(0, 200) + "..." : text;
 }
 
-/// Where JSON ends to be JSON, and by what: "line 1, column 30: unexpected ','". The JSON library says it as
-/// "[json.exception.parse_error.101] parse error at PLACE: syntax error while parsing WHAT - REASON; HINT".
-std::optional<std::string> json_error(const std::string& errors) {
-    static constexpr std::string_view before = "parse error at ", between = " - ";
-    const std::size_t place = errors.find(before), colon = errors.find(": ", place),
-                      reason = errors.find(between, colon);
-    if (place == std::string::npos || reason == std::string::npos) return {};
-    const std::size_t begin = place + before.size(), words = reason + between.size();
-    return "its JSON is broken at " + errors.substr(begin, colon - begin) + ": " +
-           one_line(errors.substr(words, errors.find(';', words) - words));
+/// What tinygltf could go on without, each once: it says the same of each object.
+void warn_of_remarks(const std::string& remarks, const GltfFile& file, Warnings& warnings) {
+    std::set<std::string> lines;
+    std::istringstream text(remarks);
+    for (std::string line; std::getline(text, line);) lines.insert(one_line(line));
+    for (const std::string& line : lines)
+        if (!line.empty())
+            warnings.push_back("'" + file.path.string() + "' is not quite a valid glTF: " + line + ": it is ignored");
 }
 
-void parse(std::string_view bytes, bool binary, GltfFile& file, Warnings& warnings) {
-    Folder folder{&file};
+/// Reads what is neither a buffer nor an image: for files of their own, none is said to exist.
+void parse(const AdaptedJson& adapted, GltfFile& file, Warnings& warnings) {
     tinygltf::TinyGLTF parser;
-    parser.SetImageLoader(keep_encoded, nullptr);
     tinygltf::FsCallbacks callbacks{};
-    callbacks.FileExists = Folder::exists;
-    callbacks.ExpandFilePath = Folder::expand;
-    callbacks.ReadWholeFile = Folder::read;
-    callbacks.user_data = &folder;
+    callbacks.FileExists = [](const std::string&, void*) { return false; };
+    callbacks.ExpandFilePath = [](const std::string& name, void*) { return name; };
+    callbacks.ReadWholeFile = [](std::vector<unsigned char>*, std::string*, const std::string&, void*) {
+        return false;
+    };
     parser.SetFsCallbacks(callbacks);
     std::string errors, remarks;  // remarks are about images only
     bool ok = false;
     try {
-        const auto size = unsigned(bytes.size());
-        ok = binary ? parser.LoadBinaryFromMemory(&file.model, &errors, &remarks,
-                                                  reinterpret_cast<const unsigned char*>(bytes.data()), size)
-                    : parser.LoadASCIIFromString(&file.model, &errors, &remarks, bytes.data(), size, "");
-    } catch (const Error&) {
-        throw;  // from a callback
+        ok = parser.LoadASCIIFromString(&file.model, &errors, &remarks, adapted.text.data(),
+                                        unsigned(adapted.text.size()), "");
     } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception& error) {
         errors = error.what();
     }
-    if (!ok) file.fail(json_error(errors).value_or("not a valid glTF: " + one_line(errors)));
-    if (!errors.empty()) warnings.push_back(one_line(errors));  // what it could go on without
+    if (!ok) file.fail("not a valid glTF: " + one_line(errors));
+    warn_of_remarks(errors, file, warnings);
+}
+
+std::string bytes_of(const GltfSource& source, const std::string& name, const GltfFile& file) {
+    if (source.uri.empty()) file.fail(name + " has neither a URI nor a binary chunk");
+    if (!is_data_uri(source.uri)) {
+        const fs::path folder = file.path.parent_path();
+        return read_file(path_in_scene(folder, folder, percent_decoded(source.uri), file.path),
+                         "put the buffer next to the glTF");
+    }
+    if (std::optional<std::string> bytes = decode_data_uri(source.uri)) return *std::move(bytes);
+    file.fail(name + ": the base64 of its data URI is damaged");
+}
+
+/// A buffer may hold more than its length, as padding.
+void read_buffers(const std::vector<GltfSource>& sources, const GltfContainer& parts, GltfFile& file) {
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+        const GltfSource& source = sources[i];
+        tinygltf::Buffer& buffer = file.model.buffers[i];
+        const std::string name = gltf_name("buffer", buffer.name, i);
+        buffer.uri = source.uri;
+        buffer.data.clear();
+        if (source.uri.empty() && source.is_optional) continue;
+        const bool in_chunk = i == 0 && source.uri.empty() && parts.binary;
+        const std::string own = in_chunk ? std::string() : bytes_of(source, name, file);
+        const std::string_view bytes = in_chunk ? *parts.binary : std::string_view(own);
+        if (bytes.size() < source.length)
+            file.fail(name + " has " + to_string(bytes.size()) + " bytes instead of " + to_string(source.length));
+        buffer.data.assign(bytes.begin(), bytes.begin() + std::ptrdiff_t(source.length));
+    }
+}
+
+/// Encoded still: only images that a used material calls for are decoded.
+void name_images(const std::vector<GltfSource>& sources, GltfFile& file) {
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+        file.model.images[i].uri = sources[i].uri;
+        file.model.images[i].bufferView = sources[i].view;
+    }
 }
 
 void check_version(const GltfFile& file) {
@@ -206,17 +170,19 @@ GltfFile read_gltf(const fs::path& path, Warnings& warnings) {
     GltfFile file;
     file.path = path;
     const std::string whole = read_file(path, "check the path");
-    std::string_view bytes = whole;
+    const std::string_view bytes = whole;
     if (bytes.empty()) file.fail("the file is empty");
     refuse_other_encodings(bytes, path);
-    if (bytes.size() > std::numeric_limits<std::uint32_t>::max())
-        file.fail("the file is larger than 4 GiB", "keep its buffers in files of their own");
-    const bool binary = bytes.substr(0, 4) == "glTF";
-    check_depth(binary ? check_container(bytes, file) : bytes, file);
-    const std::optional<std::string> adapted = adapted_to_tinygltf(bytes, binary);
-    parse(adapted ? std::string_view(*adapted) : bytes, binary, file, warnings);
+    const GltfContainer parts = open_container(bytes, file);
+    const AdaptedJson adapted = adapted_to_tinygltf(parts.json, file);
+    if (adapted.text.size() > std::numeric_limits<std::uint32_t>::max())
+        file.fail("its JSON is larger than 4 GiB", "keep its buffers in files of their own");
+    parse(adapted, file, warnings);
     check_version(file);
     check_extensions(file, warnings);
+    read_buffers(adapted.buffers, parts, file);
+    name_images(adapted.images, file);
+    file.channels_without_node = adapted.channels_without_node;
     decompress(file);
     return file;
 }

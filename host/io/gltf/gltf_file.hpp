@@ -10,6 +10,7 @@ namespace claray {
 struct GltfFile {
     std::filesystem::path path;
     tinygltf::Model model;
+    std::size_t channels_without_node = 0;  ///< of animations: extensions move other things
 
     /// Throws ErrorKind::user: "'path': what; remedy".
     [[noreturn]] void fail(const std::string& what, const std::string& remedy = "export it again") const;

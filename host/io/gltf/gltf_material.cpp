@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/base/file.hpp"
+#include "host/io/gltf/decode/data_uri.hpp"
 #include "host/io/image/image_file.hpp"
 
 namespace claray {
@@ -132,6 +132,7 @@ Material GltfMaterials::make(const tinygltf::Material& source, const std::string
 
     material.albedo_map = use(base.baseColorTexture.index, base.baseColorTexture.texCoord,
                               base.baseColorTexture.extensions, TexelFormat::srgb8, name);
+    if (base.baseColorTexture.index >= 0) show_missing(material);
     if (material.metallic != 0.f || material.roughness != 0.f)
         material.metallic_roughness_map =
             use(base.metallicRoughnessTexture.index, base.metallicRoughnessTexture.texCoord,
@@ -142,6 +143,7 @@ Material GltfMaterials::make(const tinygltf::Material& source, const std::string
     if (material.emission != glm::vec3(0.f))
         material.emission_map = use(source.emissiveTexture.index, source.emissiveTexture.texCoord,
                                     source.emissiveTexture.extensions, TexelFormat::srgb8, name);
+    if (source.emissiveTexture.index >= 0 && !material.emission_map.used()) material.emission = glm::vec3(0.f);
     add_extensions(material, source, name);
     return material;
 }
@@ -236,6 +238,7 @@ void GltfMaterials::add_glossiness(Material& material, const tinygltf::Value& gl
     material.albedo = glm::vec3(diffuse), material.opacity = diffuse.w;
     material.metallic = 0.f, material.ior = 1.5f;
     material.albedo_map = use(glossiness, "diffuseTexture", name, TexelFormat::srgb8);
+    if (glossiness.Has("diffuseTexture")) show_missing(material);
     material.specular_weight = 1.f;
     material.specular_tint = numbers<3>(glossiness, "specularFactor", glm::vec3(1.f)) / reflectance_at_1_5;
     material.specular_map = use(glossiness, "specularGlossinessTexture", name, TexelFormat::srgb8);
@@ -260,8 +263,10 @@ TextureUse GltfMaterials::use(int index, int uv_set, const tinygltf::ExtensionMa
                             " is left out, only 0 and 1 are supported");
         return {};
     }
+    const std::optional<std::uint32_t> image = texture(index, format, user, change);
+    if (!image) return {};
     result.uv_set = std::uint32_t(set);
-    result.texture = texture(index, format, user, change);
+    result.texture = *image;
     return result;
 }
 
@@ -275,24 +280,30 @@ TextureUse GltfMaterials::use(const tinygltf::Value& object, const char* key, co
     return use(index_in(info, "index", -1), index_in(info, "texCoord", 0), extensions, format, user, change);
 }
 
-/// The image of a texture: by an extension that claray reads, else the plain one.
+/// The image of a texture: by an extension that claray reads, else the plain one; -1 if there is none at all.
 int GltfMaterials::source_of(const tinygltf::Texture& texture, const std::string& name) const {
     const int webp = CLARAY_WITH_WEBP ? index_in(extension(texture.extensions, "EXT_texture_webp"), "source", -1) : -1;
     if (webp >= 0) return webp;
     if (texture.source >= 0) return texture.source;
-    if (texture.extensions.empty()) file_.fail(name + " has no image", "export images as PNG or JPEG");
+    if (texture.extensions.empty()) return -1;
     file_.fail(name + " only has an image of the extension '" + texture.extensions.begin()->first +
                    "', which claray cannot decode",
                "export images as PNG or JPEG");
 }
 
-std::uint32_t GltfMaterials::texture(int index, TexelFormat format, const std::string& user, const Change& change) {
+std::optional<std::uint32_t> GltfMaterials::texture(int index, TexelFormat format, const std::string& user,
+                                                    const Change& change) {
     const tinygltf::Model& model = file_.model;
     if (std::size_t(index) >= model.textures.size())
         file_.fail(user + " refers to texture " + to_string(index) + " of " + to_string(model.textures.size()));
     const tinygltf::Texture& texture = model.textures[std::size_t(index)];
     const std::string name = gltf_name("texture", texture.name, std::size_t(index));
     const int source = source_of(texture, name);
+    if (source < 0) {
+        warnings_.push_back("'" + file_.path.string() + "': " + name +
+                            " has no image, and what it would colour is grey");
+        return {};
+    }
     if (std::size_t(source) >= model.images.size())
         file_.fail(name + " refers to image " + to_string(source) + " of " + to_string(model.images.size()));
     TextureSettings settings;
@@ -307,31 +318,39 @@ std::uint32_t GltfMaterials::texture(int index, TexelFormat format, const std::s
         settings.filter = filter_of(sampler);
     }
     return textures_.add(to_string(source) + change.name, settings, [&](TexelFormat eight_bit, std::size_t room) {
-        Texture image = decode(source, eight_bit, room);
-        return change.apply ? change.apply(std::move(image)) : image;
+        std::optional<Texture> image = decode(source, eight_bit, room);
+        return image && change.apply ? change.apply(*std::move(image)) : image;
     });
 }
 
-Texture GltfMaterials::decode(int index, TexelFormat eight_bit, std::size_t room) {
+/// Encoded; nothing where it is missing, with a warning.
+std::optional<ImageFile> GltfMaterials::read(const tinygltf::Image& image, const std::string& name) {
+    ImageFile file{name + " of '" + file_.path.string() + "'", {}};
+    if (image.bufferView >= 0) {
+        file.bytes = file_.view(image.bufferView, name);
+        return file;
+    }
+    if (!is_data_uri(image.uri))
+        return read_image_of_scene(file_.path, file_.path.parent_path(), percent_decoded(image.uri), warnings_);
+    std::optional<std::string> bytes = decode_data_uri(image.uri);
+    if (!bytes) file_.fail(name + ": the base64 of its data URI is damaged");
+    file.bytes = *std::move(bytes);
+    return file;
+}
+
+std::optional<Texture> GltfMaterials::decode(int index, TexelFormat eight_bit, std::size_t room) {
     const tinygltf::Image& image = file_.model.images[std::size_t(index)];
-    const std::string name = gltf_name("image", image.name, std::size_t(index));
-    const std::string what = name + " of '" + file_.path.string() + "'";
     Texture texture;
     if (!images_) {
         texture.width = texture.height = 1, texture.channels = 4, texture.format = eight_bit;
         texture.bytes.assign(4, 255);
-    } else if (image.bufferView >= 0) {
-        texture = decode_texture(file_.view(image.bufferView, name), what, eight_bit, room);
-    } else if (!image.image.empty()) {
-        const std::string_view bytes(reinterpret_cast<const char*>(image.image.data()), image.image.size());
-        texture = decode_texture(bytes, what, eight_bit, room);
     } else {
-        const auto folder = file_.path.parent_path();
-        const auto path = path_in_scene(folder, folder, percent_decoded(image.uri), file_.path);
-        const std::string bytes = read_file(path, "put the image next to the glTF");
-        texture = decode_texture(bytes, "'" + path.string() + "'", eight_bit, room);
+        const std::optional<ImageFile> file = read(image, gltf_name("image", image.name, std::size_t(index)));
+        if (!file) return {};
+        texture = decode_texture(file->bytes, file->name, eight_bit, room);
     }
-    texture.name = !image.name.empty() ? image.name : !image.uri.empty() ? image.uri : "image " + to_string(index);
+    const bool has_name = !image.name.empty(), has_file = image.bufferView < 0 && !is_data_uri(image.uri);
+    texture.name = has_name ? image.name : has_file ? image.uri : "image " + to_string(index);
     return texture;
 }
 

@@ -45,8 +45,10 @@ private:
     [[nodiscard]] TextureUse use(const tinygltf::Value& extension, const char* key, const std::string& user,
                                  TexelFormat format = TexelFormat::linear8, const Change& change = {});
     [[nodiscard]] int source_of(const tinygltf::Texture& texture, const std::string& name) const;
-    [[nodiscard]] std::uint32_t texture(int index, TexelFormat format, const std::string& user, const Change& change);
-    [[nodiscard]] Texture decode(int image, TexelFormat eight_bit, std::size_t room);
+    [[nodiscard]] std::optional<std::uint32_t> texture(int index, TexelFormat format, const std::string& user,
+                                                       const Change& change);
+    [[nodiscard]] std::optional<ImageFile> read(const tinygltf::Image& image, const std::string& name);
+    [[nodiscard]] std::optional<Texture> decode(int image, TexelFormat eight_bit, std::size_t room);
 
     const GltfFile& file_;
     Scene& scene_;

@@ -235,6 +235,7 @@ Mesh transformed(Mesh mesh, const glm::dmat4& transform) {
     if (transform == glm::dmat4(1.0)) return mesh;
     const glm::dmat3 linear(transform);
     const bool mirrors = glm::determinant(linear) < 0.0;
+    if (glm::determinant(linear) == 0.0) mesh.normals.clear(), mesh.tangents.clear();  // flattened
     const glm::dmat3 for_normals = glm::transpose(glm::inverse(linear));
     for (glm::vec3& p : mesh.positions) p = glm::vec3(transform * glm::dvec4(glm::dvec3(p), 1.0));
     for (glm::vec3& n : mesh.normals) n = glm::vec3(glm::normalize(for_normals * glm::dvec3(n)));

@@ -6,7 +6,6 @@
 #include <set>
 
 #include "claray/error.hpp"
-#include "host/base/format.hpp"
 #include "host/base/message.hpp"
 #include "host/io/default_light.hpp"
 #include "host/io/gltf/gltf_animation.hpp"
@@ -21,20 +20,26 @@ namespace {
 
 using std::to_string;
 
-/// False where it scales to nothing, by which glTF hides a node (section 3.5.3). `name` is the node's.
-bool check_transform(const glm::dmat4& m, const std::string& name, const GltfFile& file) {
-    double largest = 0.0;
+/// `name` is the node's.
+void check_transform(const glm::dmat4& m, const std::string& name, const GltfFile& file) {
     for (int column = 0; column < 4; ++column)
-        for (int row = 0; row < 4; ++row) {
+        for (int row = 0; row < 4; ++row)
             if (!std::isfinite(float(m[column][row]))) file.fail(name + ": its transform is not finite");
-            if (column < 3 && row < 3) largest = std::max(largest, std::abs(m[column][row]));
-        }
     if (glm::vec4(m[0][3], m[1][3], m[2][3], m[3][3]) != glm::vec4(0, 0, 0, 1))
         file.fail(name + ": its transform is not affine", "the last row of a matrix must be 0 0 0 1");
-    if (largest == 0.0) return false;
-    if (std::abs(glm::determinant(glm::dmat3(m) / largest)) < 1e-12)
-        file.fail(name + ": its transform cannot be inverted", "use scales other than 0");
-    return true;
+}
+
+/// Scaled to nothing, by which glTF hides a node (section 3.5.3).
+bool hides(const glm::dmat4& m) { return glm::dmat3(m) == glm::dmat3(0.0); }
+
+/// An instance's rays are transformed by the inverse, in float32: what is flatter than this is moved itself.
+bool suits_instances(const glm::dmat4& m) {
+    constexpr double largest_condition = 1e4;
+    const auto size = [](const glm::dmat3& a) {
+        return std::sqrt(glm::dot(a[0], a[0]) + glm::dot(a[1], a[1]) + glm::dot(a[2], a[2]));
+    };
+    const glm::dmat3 linear(m);
+    return size(linear) * size(glm::inverse(linear)) < largest_condition;  // false where there is no inverse
 }
 
 /// Where a node stands and looks: along -z, with +y up (section 3.10.2).
@@ -115,9 +120,9 @@ private:
     [[nodiscard]] std::vector<PlacedShape> place_shapes(const std::vector<PlacedNode>& nodes);
     void add_meshes(const std::vector<PlacedShape>& shapes);
     [[nodiscard]] std::vector<Mesh> read_shape(const Shape& shape, std::vector<Strokes>& strokes);
-    void add_strokes();
     void name_objects(const std::vector<PlacedShape>& shapes);
     void aim_camera();
+    void add_instance(std::uint32_t mesh, const glm::dmat4& world);
     [[nodiscard]] int material_of(const tinygltf::Primitive& primitive) const;
     void warn();
     void warn_if(std::size_t count, const std::string& what) {
@@ -272,7 +277,8 @@ std::vector<PlacedShape> Loader::place_shapes(const std::vector<PlacedNode>& nod
         const Shape shape = shape_of(node);
         const bool skinned = shape.skin >= 0;
         for (const glm::dmat4& world : skinned ? std::vector(1, glm::dmat4(1.0)) : placements_of(file_, node)) {
-            if (!check_transform(world, node.name, file_)) continue;
+            check_transform(world, node.name, file_);
+            if (hides(world) && !options_.time) continue;  // of an animation a point is left, so that no frame is empty
             auto& [key, use] = *shapes_.try_emplace(shape).first;
             ++use.count;
             placed.push_back({&key, world, &node});
@@ -317,37 +323,19 @@ void Loader::add_meshes(const std::vector<PlacedShape>& shapes) {
             }
         }
         for (const std::uint32_t mesh : *known)
-            if (instances) scene_.instances.push_back({mesh, glm::mat4(world), {}});
+            if (instances) add_instance(mesh, world);
         for (const Strokes& strokes : shapes_[*shape].strokes) strokes_.push_back(transformed(strokes, world));
     }
-    if (!strokes_.empty()) add_strokes();
+    add_strokes(scene_, strokes_, options_.stroke_radius, warnings_);
 }
 
-/// All in the world, so that they are round whatever scales their nodes have.
-void Loader::add_strokes() {
-    Bounds bounds = bounds_of(scene_);
-    std::size_t count = 0;
-    for (const Strokes& strokes : strokes_) {
-        const Bounds box = bounds_of(strokes);
-        if (!box.empty()) bounds.grow(box.lo), bounds.grow(box.hi);
-        count += strokes.triangles.size();
+void Loader::add_instance(std::uint32_t mesh, const glm::dmat4& world) {
+    if (suits_instances(world)) {
+        scene_.instances.push_back({mesh, glm::mat4(world), {}});
+        return;
     }
-    const float radius = options_.stroke_radius.value_or(stroke_radius(bounds, count));
-    if (!(radius >= 0.f && std::isfinite(radius)))
-        throw Error(ErrorKind::usage, "invalid stroke radius " + to_string(radius), "give a finite radius, 0 or more");
-    if (radius == 0.f) return warn_if(strokes_.size(), "primitives of points or lines are left out, as requested");
-    for (const Strokes& strokes : strokes_) {
-        if (suit_primitives(strokes, scene_.materials)) {
-            for (PrimitiveSet& set : primitive_strokes(strokes, radius)) scene_.primitives.push_back(std::move(set));
-            continue;
-        }
-        if (!scene_.instances.empty())
-            scene_.instances.push_back({std::uint32_t(scene_.meshes.size()), glm::mat4(1.f), {}});
-        scene_.meshes.push_back(solid_strokes(strokes, radius));
-    }
-    warn_if(strokes_.size(), printed("primitives of points or lines are shown as spheres and tubes of radius %.3g: "
-                                     "choose another radius with --stroke-radius",
-                                     double(radius)));
+    scene_.instances.push_back({std::uint32_t(scene_.meshes.size()), glm::mat4(1.f), {}});
+    scene_.meshes.push_back(transformed(scene_.meshes[mesh], world));
 }
 
 /// Meshes that no instance places are in the world. Nodes without a name, or with one that another has, are numbered.

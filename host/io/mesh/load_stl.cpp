@@ -1,14 +1,17 @@
 // STL, text and binary: triangles without shared vertices. Vertices at the same position become one.
+#include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cstring>
+#include <optional>
 #include <unordered_map>
 
 #include "claray/error.hpp"
 #include "host/base/file.hpp"
 #include "host/io/default_light.hpp"
+#include "host/io/mesh/positions.hpp"
 #include "host/io/obj/mtl.hpp"
 #include "host/io/text_file.hpp"
+#include "host/io/words.hpp"
 
 namespace claray {
 namespace {
@@ -59,11 +62,21 @@ std::uint64_t facets_of(std::string_view bytes) {
     return bytes.size() < header_bytes ? 0 : read_little<std::uint32_t>(bytes.data() + 80);
 }
 
+/// Behind a byte order mark and blanks, in any case.
+bool begins_with_solid(std::string_view bytes) {
+    constexpr std::string_view mark = "\xef\xbb\xbf", solid = "solid";
+    if (bytes.starts_with(mark)) bytes.remove_prefix(mark.size());
+    bytes.remove_prefix(std::min(bytes.find_first_not_of(" \t\r\n"), bytes.size()));
+    const auto same = [](char a, char b) { return (a | 0x20) == b; };
+    return bytes.size() >= solid.size() && std::equal(solid.begin(), solid.end(), bytes.begin(),
+                                                      [&](char expected, char c) { return same(c, expected); });
+}
+
 /// Many binary files begin with "solid", too: the size tells.
 bool is_binary(std::string_view bytes) {
     if (bytes.size() < header_bytes) return false;
     const std::uint64_t needed = header_bytes + facet_bytes * facets_of(bytes);
-    return needed == bytes.size() || bytes.substr(0, 5) != "solid" ||
+    return needed == bytes.size() || !begins_with_solid(bytes) ||
            bytes.substr(0, 512).find('\0') != std::string_view::npos;
 }
 
@@ -88,12 +101,12 @@ Mesh read_binary(std::string_view bytes, const std::filesystem::path& path, cons
 /// Words of the text format; keywords in any case.
 class StlText {
 public:
-    StlText(std::string_view text, const std::filesystem::path& path) : text_(text), path_(path) {}
+    StlText(std::string text, const std::filesystem::path& path) : text_(std::move(text)), path_(path) {}
 
     std::vector<Mesh> read(const std::string& fallback_name) {
         std::vector<Mesh> meshes;
         for (std::string word = next(); !word.empty(); word = next()) {
-            if (word != "solid") refuse("'" + word + "' is not 'solid'");
+            if (word != "solid") refuse(claray::quoted(word) + " is not 'solid'");
             const std::string name = rest_of_line();
             Mesh mesh = read_solid(name.empty() ? fallback_name : name);
             if (!mesh.triangles.empty()) meshes.push_back(std::move(mesh));
@@ -107,10 +120,10 @@ private:
         for (;;) {
             const std::string word = next();
             if (word == "endsolid") break;
-            if (word != "facet") refuse(word.empty() ? "the file is cut off" : "'" + word + "' is not 'facet'");
-            expect("normal");
-            for (int k = 0; k < 3; ++k) static_cast<void>(number());
-            expect("outer"), expect("loop");
+            if (word != "facet")
+                refuse(word.empty() ? "the file is cut off" : claray::quoted(word) + " is not 'facet'");
+            skip_normal();
+            expect("loop");
             glm::vec3 corners[3];
             for (glm::vec3& corner : corners) {
                 expect("vertex");
@@ -123,18 +136,26 @@ private:
         return mesh.take();
     }
 
+    /// Up to "outer". Triangles are flat, whatever some programs write: "-1.#IND" for those without area.
+    void skip_normal() {
+        constexpr int most = 4;  // words: "normal" and three numbers
+        for (int i = 0; i < most; ++i)
+            if (next() == "outer") return;
+        expect("outer");
+    }
+
     std::string next() {
         while (at_ < text_.size() && is_blank(text_[at_])) line_ += text_[at_++] == '\n';
         const std::size_t begin = at_;
         while (at_ < text_.size() && !is_blank(text_[at_])) ++at_;
-        std::string word(text_.substr(begin, at_ - begin));
+        std::string word = text_.substr(begin, at_ - begin);
         for (char& c : word)
             if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
         return word;
     }
     std::string rest_of_line() {
         const std::size_t end = std::min(text_.find('\n', at_), text_.size());
-        std::string_view rest = text_.substr(at_, end - at_);
+        std::string_view rest = std::string_view(text_).substr(at_, end - at_);
         at_ = end;
         while (!rest.empty() && is_blank(rest.front())) rest.remove_prefix(1);
         while (!rest.empty() && is_blank(rest.back())) rest.remove_suffix(1);
@@ -142,17 +163,15 @@ private:
     }
     void expect(const char* keyword) {
         const std::string word = next();
-        if (word != keyword) refuse(word.empty() ? "the file is cut off" : "'" + word + "' is not '" + keyword + "'");
+        if (word != keyword)
+            refuse(word.empty() ? "the file is cut off" : claray::quoted(word) + " is not '" + keyword + "'");
     }
     float number() {
         const std::string word = next();
-        float value = 0;
-        const char* begin = word.data() + (word.starts_with('+') ? 1 : 0);
-        const auto [end, error] = std::from_chars(begin, word.data() + word.size(), value);
         if (word.empty()) refuse("the file is cut off");
-        if (end != word.data() + word.size() || (error != std::errc() && error != std::errc::result_out_of_range))
-            refuse("'" + word + "' is not a number");
-        return value;
+        const std::optional<double> value = number_in(word);
+        if (!value) refuse(claray::quoted(word) + " is not a number");
+        return float(*value);
     }
     static bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
     [[noreturn]] void refuse(const std::string& what) const {
@@ -160,26 +179,26 @@ private:
                     "export the mesh again");
     }
 
-    std::string_view text_;
+    std::string text_;
     const std::filesystem::path& path_;
     std::size_t at_ = 0, line_ = 1;
 };
 
 }  // namespace
 
-Scene load_stl_without_light(const std::filesystem::path& path, Warnings&) {
-    const std::string bytes = read_file(path, "check the path");
+Scene load_stl_without_light(const std::filesystem::path& path, Warnings& warnings) {
+    std::string bytes = read_file(path, "check the path");
     if (bytes.empty()) throw Error(ErrorKind::user, "'" + path.string() + "' is empty", "export the mesh again");
     Scene scene;
     scene.name = path.stem().string();
     if (is_binary(bytes)) {
         scene.meshes.push_back(read_binary(bytes, path, scene.name));
     } else {
-        refuse_other_encodings(bytes, path);
-        scene.meshes = StlText(bytes, path).read(scene.name);
+        scene.meshes = StlText(text_of(std::move(bytes), path), path).read(scene.name);
     }
     if (scene.meshes.empty() || scene.meshes[0].triangles.empty())
         throw Error(ErrorKind::user, "'" + path.string() + "' contains no triangle", "export the mesh again");
+    for (const Mesh& mesh : scene.meshes) warn_of_positions(mesh, path, warnings);
     scene.materials.push_back(grey_lambert(scene.name));
     return scene;
 }

@@ -5,8 +5,10 @@
 #include <bit>
 #include <charconv>
 #include <cstring>
+#include <optional>
 
 #include "claray/error.hpp"
+#include "host/io/words.hpp"
 
 namespace claray {
 namespace {
@@ -61,9 +63,19 @@ double read_binary(PlyType type, const char* bytes, bool swap) {
 
 }  // namespace
 
+namespace {
+
+bool is_same_in_any_case(std::string_view a, std::string_view b) {
+    const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; };
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
+}
+
+}  // namespace
+
 int PlyElement::find(std::initializer_list<std::string_view> names) const {
     for (std::size_t i = 0; i < properties.size(); ++i)
-        if (std::find(names.begin(), names.end(), properties[i].name) != names.end()) return int(i);
+        for (const std::string_view name : names)
+            if (is_same_in_any_case(name, properties[i].name)) return int(i);
     return -1;
 }
 
@@ -94,7 +106,9 @@ std::string_view PlyReader::next_line() {
 }
 
 void PlyReader::read_header() {
-    if (next_line() != "ply") refuse("the file does not begin with 'ply'", "convert it to PLY, OBJ or glTF");
+    if (bytes_.starts_with("\xef\xbb\xbf")) at_ = 3;
+    std::string_view first = next_line();
+    if (take_word(first) != "ply") refuse("the file does not begin with 'ply'", "convert it to PLY, OBJ or glTF");
     bool has_format = false;
     for (;;) {
         std::string_view line = next_line(), rest = line;
@@ -113,14 +127,42 @@ void PlyReader::read_header() {
     if (!has_format) refuse("the header has no line 'format'", "export the mesh again");
     ++line_;  // where the first row is
     for (const PlyElement& element : elements_) check_size(element);
+    if (format_ == Format::text) find_lines_of_rows();
+}
+
+/// The format wants a line for each row. Some writers break rows over several lines, or have them all in one.
+void PlyReader::find_lines_of_rows() {
+    std::uint64_t rows = 0, lines = 0;
+    for (const PlyElement& element : elements_) rows += element.count;
+    bool blank = true;
+    for (const char c : bytes_.substr(at_)) {
+        lines += c == '\n' && !blank;
+        blank = c == '\n' || (blank && is_blank(c));
+    }
+    lines += !blank;
+    rows_ = lines == rows ? Rows::on_a_line : lines > rows ? Rows::from_a_line_on : Rows::anywhere;
+}
+
+/// What is left of the line of a row.
+void PlyReader::end_line() {
+    if (is_line_over()) return;
+    if (long_lines_.count++ == 0) long_lines_.line = line_;
+    at_ = std::min(bytes_.find('\n', at_), bytes_.size());
 }
 
 void PlyReader::read_header_line(std::string_view line) {
     const std::string_view word = take_word(line);
-    if (word == "comment" || word == "obj_info" || word.empty()) return;
+    if (word == "comment") return read_comment(line);
+    if (word == "obj_info" || word.empty()) return;
     if (word == "element") return add_element(line);
     if (word == "property") return add_property(line);
     refuse("unknown statement '" + std::string(word) + "' in the header", "export the mesh again");
+}
+
+void PlyReader::read_comment(std::string_view rest) {
+    if (!is_same_in_any_case(take_word(rest), "TextureFile")) return;
+    const std::size_t begin = rest.find_first_not_of(" \t"), end = rest.find_last_not_of(" \t");
+    if (begin != std::string_view::npos) images_.emplace_back(rest.substr(begin, end + 1 - begin));
 }
 
 void PlyReader::add_element(std::string_view rest) {
@@ -169,8 +211,17 @@ void PlyReader::check_size(const PlyElement& element) {
                "export the mesh again");
 }
 
-std::string_view PlyReader::next_word() {
+void PlyReader::skip_blanks() {
     while (left() != 0 && is_blank(bytes_[at_])) line_ += bytes_[at_++] == '\n';
+}
+
+bool PlyReader::is_line_over() {
+    while (left() != 0 && bytes_[at_] != '\n' && is_blank(bytes_[at_])) ++at_;
+    return left() == 0 || bytes_[at_] == '\n';
+}
+
+std::string_view PlyReader::next_word() {
+    skip_blanks();
     const std::size_t begin = at_;
     while (left() != 0 && !is_blank(bytes_[at_])) ++at_;
     return bytes_.substr(begin, at_ - begin);
@@ -178,14 +229,13 @@ std::string_view PlyReader::next_word() {
 
 double PlyReader::read_value(PlyType type) {
     if (format_ == Format::text) {
+        if (rows_ == Rows::on_a_line && is_line_over() && left() != 0)
+            refuse("the row lacks values", "export the mesh again");
         const std::string_view word = next_word();
         if (word.empty()) refuse("the file is cut off in element '" + reading_->name + "'", "export the mesh again");
-        double value = 0;
-        const char* begin = word.data() + (word[0] == '+' ? 1 : 0);
-        const auto [end, error] = std::from_chars(begin, word.data() + word.size(), value);
-        if (end != word.data() + word.size() || (error != std::errc() && error != std::errc::result_out_of_range))
-            refuse("'" + std::string(word) + "' is not a number", "write numbers as in -1.5 or 2e-3");
-        return value;
+        const std::optional<double> value = number_in(word);
+        if (!value) refuse(claray::quoted(word) + " is not a number", "write numbers as in -1.5 or 2e-3");
+        return *value;
     }
     const unsigned bytes = bytes_of(type);
     if (left() < bytes) refuse("the file is cut off", "export the mesh again");
@@ -199,6 +249,8 @@ void PlyReader::read_row(const PlyElement& element, std::vector<double>& values,
                          std::vector<std::vector<double>>& lists) {
     row_ = reading_ == &element ? row_ + 1 : 0;
     reading_ = &element;
+    const bool by_lines = format_ == Format::text && rows_ != Rows::anywhere;
+    if (by_lines) skip_blanks();
     values.assign(element.properties.size(), 0);
     lists.resize(element.properties.size());
     for (std::size_t i = 0; i < element.properties.size(); ++i) {
@@ -215,6 +267,7 @@ void PlyReader::read_row(const PlyElement& element, std::vector<double>& values,
         lists[i].clear();
         for (std::uint64_t k = 0; k < std::uint64_t(count); ++k) lists[i].push_back(read_value(property.type));
     }
+    if (by_lines) end_line();
 }
 
 }  // namespace claray

@@ -25,7 +25,7 @@ struct PlyElement {
     std::uint64_t count = 0;
     std::vector<PlyProperty> properties;
 
-    /// The index of the first property with one of these names, or -1.
+    /// The index of the first property with one of these names, in any case, or -1.
     [[nodiscard]] int find(std::initializer_list<std::string_view> names) const;
 };
 
@@ -37,6 +37,14 @@ public:
     PlyReader(std::string_view bytes, std::filesystem::path path);
 
     [[nodiscard]] const std::vector<PlyElement>& elements() const { return elements_; }
+    /// What follows "comment TextureFile", as MeshLab writes it.
+    [[nodiscard]] const std::vector<std::string>& images() const { return images_; }
+
+    /// Lines of a text that go on behind the values of their row, which are left out: how many, and the first.
+    struct LongLines {
+        std::size_t count = 0, line = 0;
+    };
+    [[nodiscard]] const LongLines& long_lines() const { return long_lines_; }
 
     /// Reads the next row of `element`: one value for each property, 0 for lists, and the values of each list.
     void read_row(const PlyElement& element, std::vector<double>& values, std::vector<std::vector<double>>& lists);
@@ -48,9 +56,14 @@ private:
 
     void read_header();
     void read_header_line(std::string_view line);
+    void read_comment(std::string_view rest);
     void add_element(std::string_view rest);
     void add_property(std::string_view rest);
     void check_size(const PlyElement& element);
+    void find_lines_of_rows();
+    void end_line();
+    void skip_blanks();
+    [[nodiscard]] bool is_line_over();  ///< moves to its end, if only blanks follow
     [[nodiscard]] std::string_view next_line();
     [[nodiscard]] std::string_view next_word();
     [[nodiscard]] double read_value(PlyType type);
@@ -60,7 +73,10 @@ private:
     std::string_view bytes_;
     std::filesystem::path path_;
     std::vector<PlyElement> elements_;
+    std::vector<std::string> images_;
     Format format_ = Format::text;
+    enum class Rows { anywhere, from_a_line_on, on_a_line } rows_ = Rows::anywhere;  ///< of a text
+    LongLines long_lines_;
     std::size_t at_ = 0, line_ = 0;
     const PlyElement* reading_ = nullptr;
     std::uint64_t row_ = 0;

@@ -9,6 +9,7 @@
 #include "host/io/obj/mtl.hpp"
 #include "host/io/obj/obj_file.hpp"
 #include "host/io/obj/triangulate.hpp"
+#include "host/io/strokes.hpp"
 
 namespace claray {
 namespace {
@@ -111,6 +112,31 @@ std::vector<Mesh> make_meshes(const ObjFile& file, const std::string& fallback_n
     return meshes;
 }
 
+/// Those that are finite, with the vertices that they use.
+Strokes strokes_of(const ObjFile& file, const std::string& name) {
+    Strokes strokes;
+    strokes.name = name;
+    std::unordered_map<int, std::uint32_t> numbers;
+    const auto number = [&](int position) {
+        const auto [found, is_new] = numbers.try_emplace(position, std::uint32_t(strokes.positions.size()));
+        if (!is_new) return found->second;
+        strokes.positions.push_back(file.positions[std::size_t(position)]);
+        if (!file.colors.empty()) strokes.colors.emplace_back(file.colors[std::size_t(position)], 1.f);
+        return found->second;
+    };
+    const auto finite = [&](int position) {
+        const glm::vec3& p = file.positions[std::size_t(position)];
+        return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+    };
+    for (const ObjStroke& stroke : file.strokes) {
+        if (!finite(stroke.a) || !finite(stroke.b)) continue;
+        const std::uint32_t a = number(stroke.a), b = number(stroke.b);
+        strokes.triangles.emplace_back(a, b, b);
+        strokes.materials.push_back(stroke.material);
+    }
+    return strokes;
+}
+
 /// The materials that faces use, by name, and their images; their indices in the file become indices in the scene.
 void make_materials(const ObjFile& file, const std::filesystem::path& path, Scene& scene, Warnings& warnings) {
     std::unordered_map<std::string, std::size_t> defined;
@@ -147,12 +173,19 @@ void make_materials(const ObjFile& file, const std::filesystem::path& path, Scen
 
 }  // namespace
 
-Scene load_obj_without_light(const std::filesystem::path& path, Warnings& warnings) {
+Scene load_obj_without_light(const std::filesystem::path& path, Warnings& warnings, const LoadOptions& options) {
     Scene scene;
     scene.name = path.stem().string();
     const ObjFile file = read_obj(path, warnings);
     scene.meshes = make_meshes(file, scene.name);
+    const bool has_strokes = !file.strokes.empty();
+    if (has_strokes) scene.meshes.push_back(strokes_of(file, scene.name));  // to get its materials
     make_materials(file, path, scene, warnings);
+    if (has_strokes) {
+        const Strokes strokes = std::move(scene.meshes.back());
+        scene.meshes.pop_back();
+        if (!strokes.triangles.empty()) add_strokes(scene, {strokes}, options.stroke_radius, warnings);
+    }
     if (file.degenerate_faces)
         warnings.push_back(std::to_string(file.degenerate_faces) + " faces with fewer than 3 vertices were left out");
     return scene;

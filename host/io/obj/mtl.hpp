@@ -3,6 +3,9 @@
 
 #include <tiny_obj_loader.h>
 
+#include <map>
+#include <set>
+
 #include "host/io/scene_textures.hpp"
 
 namespace claray {
@@ -30,8 +33,9 @@ public:
 
 private:
     using Options = tinyobj::texture_option_t;
-    [[nodiscard]] Texture read(const std::filesystem::path& folder, const std::string& name, TexelFormat eight_bit,
-                               std::size_t room) const;
+    /// Nothing where it is missing, with a warning for the first use.
+    [[nodiscard]] std::optional<Texture> read(const std::filesystem::path& folder, const std::string& name,
+                                              TexelFormat eight_bit, std::size_t room);
     [[nodiscard]] TextureUse color(const std::filesystem::path& folder, const std::string& name, const Options& options,
                                    TexelFormat eight_bit);
     [[nodiscard]] TextureUse scalar(const std::filesystem::path& folder, const std::string& name,
@@ -41,20 +45,22 @@ private:
     void add_opacity(Material& material, const tinyobj::material_t& mtl, const std::filesystem::path& folder);
     void add_highlight(Material& material, const tinyobj::material_t& mtl, const std::filesystem::path& folder);
     void add_relief(Material& material, const tinyobj::material_t& mtl, const std::filesystem::path& folder);
+    [[nodiscard]] bool holds_normals(const std::filesystem::path& folder, const std::string& name);
     [[nodiscard]] std::vector<double> texel_sizes() const;
 
     std::filesystem::path obj_;
     Scene& scene_;
     SceneTextures textures_;
     Warnings& warnings_;
-    std::vector<std::string> in_texels_;  ///< materials whose height is measured in texels
+    std::set<std::string> missing_, in_texels_;  ///< images; materials whose height is measured in texels
+    std::map<std::string, bool> normals_;        ///< images that were looked at: whether they hold normals
+    std::map<std::uint32_t, bool> cut_outs_;     ///< textures that were looked at: whether they are cut-outs
 };
 
-/// The text of an MTL with the numbers filled in that may be left out: of -o, -s, -t and -mm, where tinyobjloader would
-/// take the image's name for the next one, of colours, which are grey where there is one, and of illum, which is 2.
-[[nodiscard]] std::string with_all_defaults(const std::string& mtl);
-
-/// Warns of every line of an MTL that gives a material what is no finite number, which tinyobjloader takes for 0.
-void warn_of_numbers(const std::string& mtl, const std::string& name, Warnings& warnings);
+/// The text of an MTL as tinyobjloader takes it: keywords in their usual case; all numbers that may be left out;
+/// options before the names of images, and these without quotation marks; white `Kd` beside `map_Kd` where it is left
+/// out. Warns of statements that are left out, and of what is no finite number, for which 0 stands. `name`: in
+/// warnings.
+[[nodiscard]] std::string adapted_to_tinyobj(const std::string& mtl, const std::string& name, Warnings& warnings);
 
 }  // namespace claray

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/base/file.hpp"
 #include "host/io/image/image_file.hpp"
 #include "host/io/obj/mtl.hpp"
 
@@ -12,9 +11,10 @@ namespace {
 namespace fs = std::filesystem;
 
 /// MTL: uv' = uv * s + o, v from the bottom. From the top, 1 - v, the same reads v' = s v + (1 - s - o).
-TextureUse use_of(std::uint32_t texture, const tinyobj::texture_option_t& options) {
+TextureUse use_of(std::optional<std::uint32_t> texture, const tinyobj::texture_option_t& options) {
     TextureUse use;
-    use.texture = texture;
+    if (!texture) return use;
+    use.texture = *texture;
     use.scale = {options.scale[0], options.scale[1]};
     use.offset = {options.origin_offset[0], 1.f - options.scale[1] - options.origin_offset[1]};
     return use;
@@ -124,15 +124,16 @@ bool looks_like_normals(const Texture& t) {
 
 }  // namespace
 
-Texture MtlMaps::read(const fs::path& folder, const std::string& name, TexelFormat eight_bit, std::size_t room) const {
-    const fs::path namesake = namesake_of(folder, name);
-    if (!namesake.empty())
-        warnings_.push_back("'" + obj_.string() + "': '" + name + "' is a path on another machine: '" +
-                            namesake.string() + "' is used instead");
-    const fs::path path =
-        path_in_scene(obj_.parent_path(), folder, namesake.empty() ? name : namesake.filename().string(), obj_);
-    const std::string bytes = read_file(path, "put the image next to the MTL");
-    Texture texture = decode_texture(bytes, "'" + path.string() + "'", eight_bit, room);
+std::optional<Texture> MtlMaps::read(const fs::path& folder, const std::string& name, TexelFormat eight_bit,
+                                     std::size_t room) {
+    const std::string path = (folder / name).string();
+    if (missing_.contains(path)) return {};
+    const std::optional<ImageFile> file = read_image_of_scene(obj_, folder, name, warnings_);
+    if (!file) {
+        missing_.insert(path);
+        return {};
+    }
+    Texture texture = decode_texture(file->bytes, file->name, eight_bit, room);
     texture.name = name;
     return texture;
 }
@@ -142,7 +143,8 @@ TextureUse MtlMaps::color(const fs::path& folder, const std::string& name, const
     if (name.empty()) return {};
     if (options.colorspace == "linear") eight_bit = TexelFormat::linear8;
     const auto decode = [&](TexelFormat format, std::size_t room) {
-        return without_alpha(read(folder, name, format, room));
+        std::optional<Texture> texture = read(folder, name, format, room);
+        return texture ? without_alpha(*std::move(texture)) : texture;
     };
     return use_of(textures_.add((folder / name).string(), settings_of(options, eight_bit), decode), options);
 }
@@ -150,7 +152,8 @@ TextureUse MtlMaps::color(const fs::path& folder, const std::string& name, const
 TextureUse MtlMaps::scalar(const fs::path& folder, const std::string& name, const Options& options, bool prefer_alpha) {
     const std::string key = (folder / name).string() + (prefer_alpha ? " alpha " : " channel ") + options.imfchan;
     const auto decode = [&](TexelFormat format, std::size_t room) {
-        return one_channel(read(folder, name, format, room), options.imfchan, prefer_alpha);
+        const std::optional<Texture> texture = read(folder, name, format, room);
+        return texture ? one_channel(*texture, options.imfchan, prefer_alpha) : texture;
     };
     return use_of(textures_.add(key, settings_of(options, TexelFormat::linear8), decode), options);
 }
@@ -161,9 +164,13 @@ void MtlMaps::add_roughness_and_metallic(Material& material, const tinyobj::mate
     const Options& options = roughness.empty() ? mtl.metallic_texopt : mtl.roughness_texopt;
     const auto decode = [&](TexelFormat format, std::size_t room) {
         const auto grey = [&](const std::string& name, const Options& its) {
-            return name.empty() ? Texture() : one_channel(read(folder, name, format, room), its.imfchan, false);
+            const std::optional<Texture> texture = name.empty() ? std::nullopt : read(folder, name, format, room);
+            return texture ? one_channel(*texture, its.imfchan, false) : Texture();
         };
-        return packed(grey(roughness, mtl.roughness_texopt), grey(metallic, mtl.metallic_texopt));
+        const Texture of_roughness = grey(roughness, mtl.roughness_texopt),
+                      of_metal = grey(metallic, mtl.metallic_texopt);
+        const bool none = of_roughness.width == 0 && of_metal.width == 0;
+        return none ? std::nullopt : std::optional(packed(of_roughness, of_metal));
     };
     const std::string key = (folder / roughness).string() + " and " + (folder / metallic).string();
     material.metallic_roughness_map =
@@ -173,8 +180,20 @@ void MtlMaps::add_roughness_and_metallic(Material& material, const tinyobj::mate
 void MtlMaps::add_opacity(Material& material, const tinyobj::material_t& mtl, const fs::path& folder) {
     if (mtl.alpha_texname.empty()) return;
     material.opacity_map = scalar(folder, mtl.alpha_texname, mtl.alpha_texopt, true);
-    const bool cut_out = is_cut_out(scene_.textures[material.opacity_map.texture], 0) && material.opacity == 1.f;
-    material.alpha_mode = cut_out ? AlphaMode::mask : AlphaMode::blend;
+    if (!material.opacity_map.used()) return;
+    const std::uint32_t texture = material.opacity_map.texture;
+    const auto [known, is_new] = cut_outs_.try_emplace(texture);
+    if (is_new) known->second = is_cut_out(scene_.textures[texture], 0);
+    material.alpha_mode = known->second && material.opacity == 1.f ? AlphaMode::mask : AlphaMode::blend;
+}
+
+bool MtlMaps::holds_normals(const fs::path& folder, const std::string& name) {
+    const auto [known, is_new] = normals_.try_emplace((folder / name).string());
+    if (is_new) {
+        const std::optional<Texture> image = read(folder, name, TexelFormat::linear8, largest_image_bytes);
+        known->second = image && looks_like_normals(*image);
+    }
+    return known->second;
 }
 
 void MtlMaps::add_relief(Material& material, const tinyobj::material_t& mtl, const fs::path& folder) {
@@ -187,7 +206,7 @@ void MtlMaps::add_relief(Material& material, const tinyobj::material_t& mtl, con
     const std::string& name = bump ? mtl.bump_texname : mtl.displacement_texname;
     const Options& options = bump ? mtl.bump_texopt : mtl.displacement_texopt;
     if (name.empty()) return;
-    if (bump && looks_like_normals(read(folder, name, TexelFormat::linear8, largest_image_bytes))) {
+    if (bump && holds_normals(folder, name)) {
         warnings_.push_back("material '" + mtl.name + "': its bump map '" + name +
                             "' contains normals and is used as a normal map");
         material.normal_map = color(folder, name, options, TexelFormat::linear8);
@@ -195,8 +214,9 @@ void MtlMaps::add_relief(Material& material, const tinyobj::material_t& mtl, con
         return;
     }
     material.height_map = scalar(folder, name, options, false);
+    if (!material.height_map.used()) return;
     material.height_scale = options.contrast * (bump ? options.bump_multiplier : 1.f);
-    if (bump) in_texels_.push_back(material.name);
+    if (bump) in_texels_.insert(material.name);
 }
 
 void MtlMaps::add_highlight(Material& material, const tinyobj::material_t& mtl, const fs::path& folder) {
@@ -209,18 +229,23 @@ void MtlMaps::add_highlight(Material& material, const tinyobj::material_t& mtl, 
 void MtlMaps::add(Material& material, const tinyobj::material_t& mtl, const fs::path& folder) {
     const bool mirrors = material.kind == MaterialKind::mirror || material.kind == MaterialKind::metal;
     const bool by_specular = mirrors && mtl.metallic < 0.5f;  // its colour is Ks
-    if (material.kind != MaterialKind::glass)
-        material.albedo_map = by_specular ? color(folder, mtl.specular_texname, mtl.specular_texopt, TexelFormat::srgb8)
-                                          : color(folder, mtl.diffuse_texname, mtl.diffuse_texopt, TexelFormat::srgb8);
+    if (material.kind != MaterialKind::glass) {
+        const std::string& name = by_specular ? mtl.specular_texname : mtl.diffuse_texname;
+        const Options& options = by_specular ? mtl.specular_texopt : mtl.diffuse_texopt;
+        material.albedo_map = color(folder, name, options, TexelFormat::srgb8);
+        if (!name.empty()) show_missing(material);
+    }
     add_highlight(material, mtl, folder);
-    if (!by_specular && !mtl.specular_texname.empty() && !material.specular_map.used())
+    const bool has_highlight = material.kind == MaterialKind::blinn_phong;
+    if (!by_specular && !mtl.specular_texname.empty() && !has_highlight)
         warnings_.push_back("material '" + mtl.name +
                             "': map_Ks is ignored, since illum and the other keys define no highlight");
-    if (!mtl.specular_highlight_texname.empty() && !material.shininess_map.used())
+    if (!mtl.specular_highlight_texname.empty() && !has_highlight)
         warnings_.push_back("material '" + mtl.name +
                             "': map_Ns is ignored, since illum and the other keys define no highlight");
     material.emission_map = color(folder, mtl.emissive_texname, mtl.emissive_texopt, TexelFormat::srgb8);
     if (material.emission_map.used() && material.emission == glm::vec3(0.f)) material.emission = glm::vec3(1.f);
+    if (!mtl.emissive_texname.empty() && !material.emission_map.used()) material.emission = glm::vec3(0.f);
     add_roughness_and_metallic(material, mtl, folder);
     add_opacity(material, mtl, folder);
     add_relief(material, mtl, folder);
@@ -249,7 +274,7 @@ void MtlMaps::scale_heights() {
     const std::vector<double> sizes = texel_sizes();
     for (std::size_t i = 0; i < sizes.size(); ++i) {
         Material& material = scene_.materials[i];
-        if (std::find(in_texels_.begin(), in_texels_.end(), material.name) == in_texels_.end()) continue;
+        if (!in_texels_.contains(material.name)) continue;
         const double repeats =
             std::abs(double(material.height_map.scale.x)) * scene_.textures[material.height_map.texture].width;
         const double texel = repeats > 0.0 ? sizes[i] / repeats : 0.0;

@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
+#include <functional>
 #include <initializer_list>
 #include <istream>
-#include <limits>
 #include <map>
 #include <optional>
 #include <span>
@@ -18,9 +17,10 @@
 #include "claray/error.hpp"
 #include "host/io/image/color.hpp"
 #include "host/io/obj/mtl.hpp"
-#include "host/io/obj/obj_words.hpp"
+#include "host/io/obj/obj_corner.hpp"
 #include "host/io/scene_textures.hpp"
 #include "host/io/text_file.hpp"
+#include "host/io/words.hpp"
 
 namespace claray {
 namespace {
@@ -45,7 +45,7 @@ struct LeftOut {
 };
 
 /// What a keyword at the beginning of a line asks for.
-enum class Statement { known, line_or_point, free_form, smoothing, unknown };
+enum class Statement { known, stroke, free_form, smoothing, unknown };
 
 /// `rest`: what follows the keyword.
 Statement statement_of(std::string_view keyword, std::string_view rest) {
@@ -56,7 +56,7 @@ Statement statement_of(std::string_view keyword, std::string_view rest) {
     if (is_one_of({"", "v", "vt", "vn", "f", "g", "o", "usemtl", "mtllib", "mg", "lod", "bevel", "c_interp", "d_interp",
                    "usemap", "maplib", "shadow_obj", "trace_obj"}))
         return Statement::known;
-    if (is_one_of({"l", "p"})) return Statement::line_or_point;
+    if (is_one_of({"l", "p"})) return Statement::stroke;
     if (is_one_of({"vp", "cstype", "deg", "bmat", "step", "curv", "curv2", "surf", "parm", "trim", "hole", "scrv", "sp",
                    "end", "con", "ctech", "stech"}))
         return Statement::free_form;
@@ -83,14 +83,18 @@ public:
     };
     /// The first such line.
     [[nodiscard]] const Bare& bare() const { return bare_; }
+    /// Is called at each line of lines or points, which the parser skips. All lines before were parsed.
+    std::function<void()> at_stroke;
+
     /// What the parser skips without a word.
     [[nodiscard]] const LeftOut& left_out(Statement kind) const { return left_out_[std::size_t(kind)]; }
 
 protected:
     int_type underflow() override {
         if (next_ >= text_.size()) return traits_type::eof();
-        const std::size_t begin = next_;
-        while (join_next_line(begin)) {
+        const std::size_t begin = next_, end = std::min(text_.find('\n', begin), text_.size());
+        const bool may_go_on = !is_comment({text_.data() + begin, end - begin});
+        while (join_next_line(begin, may_go_on)) {
         }
         char* const data = text_.data();
         setg(data + begin, data + begin, data + next_);
@@ -98,19 +102,22 @@ protected:
         if (bare_.line == 0 && (all == "v" || all == "vt" || all == "vn")) bare_ = {std::string(all), line_};
         std::string_view rest = all;
         const std::string_view keyword = next_word(rest);
-        if (const Statement kind = statement_of(keyword, rest); kind != Statement::known)
+        const Statement kind = statement_of(keyword, rest);
+        if (kind == Statement::stroke)
+            at_stroke();
+        else if (kind != Statement::known)
             left_out_[std::size_t(kind)].add(keyword, line_);
         return traits_type::to_int_type(data[begin]);
     }
 
 private:
-    // Moves past the end of a line. True where a backslash, which it blanks, joins it with the next.
-    bool join_next_line(std::size_t begin) {
+    // Moves past the end of a line that began at `begin`. True where a backslash, which it blanks, joins it with the
+    // next.
+    bool join_next_line(std::size_t begin, bool may_go_on) {
         const std::size_t end = std::min(text_.find('\n', next_), text_.size());
         next_ = std::min(end + 1, text_.size());
         ++line_;
-        if (end == begin || text_[end - 1] != '\\' || next_ >= text_.size()) return false;
-        if (is_comment({text_.data() + begin, end - begin})) return false;
+        if (!may_go_on || end == begin || text_[end - 1] != '\\' || next_ >= text_.size()) return false;
         std::fill(text_.begin() + std::ptrdiff_t(end) - 1, text_.begin() + std::ptrdiff_t(next_), ' ');
         return true;
     }
@@ -188,7 +195,8 @@ private:
     /// The longest name of a file that begins with names[begin], or that one; `length`: of how many it is made.
     [[nodiscard]] std::string longest_file(const std::vector<std::string>& names, std::size_t begin,
                                            std::size_t& length) const {
-        constexpr std::size_t most_blanks = 16;
+        constexpr std::size_t most_blanks = 16, many = 64;  // names without blanks, of so many on a line
+        if (names.size() > many) return length = 1, names[begin];
         std::string longest = names[begin], joined = longest;
         length = 1;
         for (std::size_t i = begin + 1; i < std::min(names.size(), begin + most_blanks); ++i) {
@@ -200,19 +208,18 @@ private:
 
     void load(const std::string& name, std::vector<tinyobj::material_t>& materials, std::map<std::string, int>& map) {
         fs::path path = namesake_of(folder_, name);
-        if (!path.empty())
-            warnings_.push_back("'" + obj_.string() + "': " + claray::quoted(name) +
-                                " is a path on another machine: '" + path.string() + "' is used instead");
+        if (!path.empty()) warnings_.push_back(remark_of_namesake(obj_, name, path));
         path = path_in_scene(folder_, folder_, path.empty() ? name : path.filename().string(), obj_);
         const std::string mtl = with_joined_lines(read_text(path, "check its permissions"));
         const std::string shown = path.filename().string();
-        warn_of_numbers(mtl, shown, warnings_);
-        std::istringstream text(with_all_defaults(mtl));
+        std::istringstream text(adapted_to_tinyobj(mtl, shown, warnings_));
         std::string remarks, errors;
         const std::size_t known = materials.size();
         tinyobj::LoadMtl(&map, &materials, &text, &remarks, &errors);
         for (std::size_t i = known; i < materials.size(); ++i)  // the parser keeps blanks before it
             materials[i].name = std::string(trim(materials[i].name));
+        file_.mtl_materials.insert(file_.mtl_materials.end(), materials.begin() + std::ptrdiff_t(known),
+                                   materials.end());
         file_.mtl_folders.resize(materials.size(), path.parent_path());
         std::istringstream lines(remarks);
         for (std::string line; std::getline(lines, line);) warnings_.push_back(shown + ": " + line);
@@ -242,20 +249,17 @@ private:
     std::unordered_map<std::string, std::uint32_t> numbers_;
 };
 
-/// NaN where the word is no finite number.
-double number_of(std::string_view word) {
-    double value = std::numeric_limits<double>::quiet_NaN();
-    if (!is_finite_number(word)) return value;
-    if (word.front() == '+') word.remove_prefix(1);
-    std::from_chars(word.data(), word.data() + word.size(), value);
-    return value;
-}
+/// Each group's name is that of its object, too: long ones would be copied often.
+constexpr std::size_t longest_group_name = 1024;
+std::string shortened(std::string_view name) { return std::string(name.substr(0, longest_group_name)); }
 
 /// Receives the parser's callbacks.
 class ObjReader {
 public:
     ObjReader(const fs::path& path, ObjFile& file, LineBuffer& lines)
-        : path_(path), file_(file), lines_(lines), groups_(file.groups), materials_(file.material_names) {}
+        : path_(path), file_(file), lines_(lines), groups_(file.groups), materials_(file.material_names) {
+        lines_.at_stroke = [this] { stroke(); };
+    }
 
     static tinyobj::callback_t callbacks();
     void check_bare_lines() const;
@@ -279,6 +283,8 @@ private:
     void check_numbers(std::span<float> numbers, std::size_t needed, NotFinite& not_finite);
     void vertex_color();
     void face();
+    void stroke();
+    [[nodiscard]] ObjIndices corner_in(std::string_view word, const char* of) const;
     [[nodiscard]] int resolve(int index, std::size_t count, const char* kind, Largest& largest);
     [[nodiscard]] int resolve_attribute(int index, std::size_t count, const char* kind, Largest& largest);
     [[noreturn]] void refuse(std::size_t line, const std::string& what, const std::string& remedy) const;
@@ -330,7 +336,7 @@ void ObjReader::vertex_color() {
     const bool given = !words[6].empty();
     if (!given && file_.colors.empty()) return;
     glm::dvec3 color(1.0);
-    for (int k = 0; given && k < 3; ++k) color[k] = number_of(words[4 + k]);
+    for (int k = 0; given && k < 3; ++k) color[k] = number_in(words[4 + k]).value_or(NAN);
     const bool good = color == glm::clamp(color, 0.0, 1.0);  // not where it is NaN
     if (!good && bad_colors_.count++ == 0) bad_colors_.line = lines_.line();
     for (int k = 0; k < 3; ++k)
@@ -370,21 +376,36 @@ int ObjReader::resolve_attribute(int index, std::size_t count, const char* kind,
     return -1;
 }
 
+ObjIndices ObjReader::corner_in(std::string_view word, const char* of) const {
+    if (const std::optional<ObjIndices> corner = parse_corner(word)) return *corner;
+    refuse(lines_.line(), quoted(word) + " is not a " + of,
+           "write vertex, vertex/texture, vertex//normal or vertex/texture/normal, as indices of 'v', 'vt' and 'vn' "
+           "lines");
+}
+
+/// Texture coordinates of lines are left out, because primitives have none.
+void ObjReader::stroke() {
+    std::string_view rest = lines_.text();
+    const bool is_line = next_word(rest) == "l";
+    std::optional<int> before;
+    for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) {
+        const int end = resolve(corner_in(word, "point").position, file_.positions.size(), "vertex", positions_);
+        if (!is_line || before) file_.strokes.push_back({before.value_or(end), end, material_});
+        if (is_line) before = end;
+    }
+}
+
 /// From the line itself: the parser takes for 0 what is no index, and has no room for one beyond 2^31.
 void ObjReader::face() {
     std::string_view rest = lines_.text();
     static_cast<void>(next_word(rest));  // the "f"
     const std::size_t first = file_.corners.size();
     for (std::string_view word = next_word(rest); !word.empty(); word = next_word(rest)) {
-        const std::optional<ObjIndices> raw = parse_corner(word);
-        if (!raw)
-            refuse(lines_.line(), quoted(word) + " is not a corner of a face",
-                   "write vertex, vertex/texture, vertex//normal or vertex/texture/normal, as indices of 'v', 'vt' and "
-                   "'vn' lines");
+        const ObjIndices raw = corner_in(word, "corner of a face");
         ObjCorner corner;
-        corner.position = resolve(raw->position, file_.positions.size(), "vertex", positions_);
-        if (raw->uv) corner.uv = resolve_attribute(raw->uv, file_.uvs.size(), "texture", uvs_);
-        if (raw->normal) corner.normal = resolve_attribute(raw->normal, file_.normals.size(), "normal", normals_);
+        corner.position = resolve(raw.position, file_.positions.size(), "vertex", positions_);
+        if (raw.uv) corner.uv = resolve_attribute(raw.uv, file_.uvs.size(), "texture", uvs_);
+        if (raw.normal) corner.normal = resolve_attribute(raw.normal, file_.normals.size(), "normal", normals_);
         file_.corners.push_back(corner);
     }
     const std::size_t count = file_.corners.size() - first;
@@ -427,8 +448,7 @@ void ObjReader::warn_of_left_out(Warnings& warnings) const {
         warnings.push_back("'" + path_.string() + "' line " + to_string(left_out.line) + more + ": " +
                            claray::quoted(left_out.keyword) + consequence);
     };
-    warn(Statement::line_or_point, " is ignored: only faces are shown, no lines and points");
-    warn(Statement::free_form, " is ignored: only faces are shown, no free-form curves and surfaces");
+    warn(Statement::free_form, " is ignored: no free-form curves and surfaces are shown");
     const auto is_flat = [](const ObjCorner& corner) { return corner.normal < 0; };
     if (std::any_of(file_.corners.begin(), file_.corners.end(), is_flat))
         warn(Statement::smoothing, " (a smoothing group) is ignored: faces without normals are flat");
@@ -472,16 +492,14 @@ tinyobj::callback_t ObjReader::callbacks() {
     callback.usemtl_cb = [](void* r, const char* name, int) {
         self(r).material_ = self(r).materials_.number(std::string(trim(name)));
     };
-    callback.mtllib_cb = [](void* r, const tinyobj::material_t* materials, int count) {
-        self(r).file_.mtl_materials.assign(materials, materials + count);
-    };
     callback.group_cb = [](void* r, const char** names, int count) {
         self(r).group_name_.clear();
-        for (int i = 0; i < count; ++i) self(r).group_name_ += (i ? " " : "") + std::string(names[i]);
+        for (int i = 0; i < count && self(r).group_name_.size() < longest_group_name; ++i)
+            self(r).group_name_ += (i ? " " : "") + shortened(names[i]);
         self(r).enter_group();
     };
     callback.object_cb = [](void* r, const char* name) {
-        self(r).object_ = trim(name);
+        self(r).object_ = shortened(trim(name));
         self(r).group_name_.clear();
         self(r).enter_group();
     };
@@ -496,6 +514,7 @@ ObjFile read_obj(const fs::path& path, Warnings& warnings) {
     ObjFile file;
     LineBuffer lines(std::move(text));
     std::istream stream(&lines);
+    stream.exceptions(std::ios::badbit);  // what `at_stroke` throws goes on
     ObjReader reader(path, file, lines);
     MtlReader mtl_reader(path, lines, file, warnings);
     tinyobj::LoadObjWithCallback(stream, ObjReader::callbacks(), &reader, &mtl_reader);
@@ -504,9 +523,9 @@ ObjFile read_obj(const fs::path& path, Warnings& warnings) {
     reader.warn_of_bad_numbers(warnings);
     reader.warn_of_left_out(warnings);
     mtl_reader.warn_if_none_is_named();
-    if (file.polygons.empty())
-        throw Error(ErrorKind::user, "'" + path.string() + "' contains no face",
-                    "claray needs 'f' lines; export a mesh");
+    if (file.polygons.empty() && file.strokes.empty())
+        throw Error(ErrorKind::user, "'" + path.string() + "' contains no face, line or point",
+                    "claray needs lines of 'f', 'l' or 'p'; export a mesh");
     return file;
 }
 

@@ -20,12 +20,19 @@ struct ObjPolygon {
     std::uint32_t material = 0;  ///< index into ObjFile::material_names
 };
 
+/// A segment of an 'l', or a point of a 'p', whose ends are one.
+struct ObjStroke {
+    int a = 0, b = 0;            ///< indices into ObjFile::positions
+    std::uint32_t material = 0;  ///< index into ObjFile::material_names
+};
+
 struct ObjFile {
     std::vector<glm::vec3> positions, normals;
     std::vector<glm::vec2> uvs;
     std::vector<glm::vec3> colors;  ///< of the positions, linear, 0..1; empty where none has one
     std::vector<ObjCorner> corners;
     std::vector<ObjPolygon> polygons;
+    std::vector<ObjStroke> strokes;
     std::vector<std::string> groups;                 ///< by object and group name; the first is unnamed
     std::vector<std::string> material_names;         ///< as `usemtl` names them; the first is unnamed
     std::vector<tinyobj::material_t> mtl_materials;  ///< what the MTL files define

@@ -285,11 +285,6 @@ TEST_F(GltfMaterial, BadTextures) {
         refuse(base_texture({{"index", 0}}), words);
     };
     const std::string good = from_base64(test::png_rgba);
-    with({{"uri", "gone.png"}}, {"gone.png", "put the image next to"});
-    with({{"uri", "../up.png"}}, {"../up.png", "leaves the scene's folder"});
-    with({{"uri", "%2E%2E%2Fup.png"}}, {"../up.png", "leaves the scene's folder"});
-    with({{"uri", "/etc/passwd"}}, {"absolute"});
-    with({{"uri", "https://x.org/a.png"}}, {"URL"});
     static_cast<void>(folder.file("cut.png", good.substr(0, 50)));
     with({{"uri", "cut.png"}}, {"cut.png", "cut off"});
     static_cast<void>(folder.file("text.png", "not an image"));
@@ -302,9 +297,57 @@ TEST_F(GltfMaterial, BadTextures) {
     with({{"uri", "huge.png"}}, {"huge.png"});
     builder.root["textures"][0]["source"] = 9;
     refuse(base_texture({{"index", 0}}), {"texture 0 refers to image 9 of 1"});
-    builder.root["textures"][0].erase("source");
-    refuse(base_texture({{"index", 0}}), {"texture 0 has no image"});
     refuse(base_texture({{"index", 4}}), {"material 0 refers to texture 4 of 1"});
+}
+
+TEST_F(GltfMaterial, MissingTexturesAreGrey) {
+    builder.texture("gone.png");
+    const auto with = [&](const json& image, const char* why) {
+        builder.root["images"][0] = image;
+        const Material m = load(base_texture({{"index", 0}})).materials.at(0);
+        EXPECT_EQ(m.albedo, glm::vec3(0.5f)) << image;
+        EXPECT_FALSE(m.albedo_map.used()) << image;
+        EXPECT_EQ(warned(why), 1u) << image;
+        EXPECT_EQ(warned("grey"), 1u) << image;
+    };
+    with({{"uri", "gone.png"}}, "scene.gltf': the image 'gone.png' is missing");
+    with({{"uri", "../up.png"}}, "'../up.png' leaves the scene's folder");
+    with({{"uri", "%2E%2E%2Fup.png"}}, "'../up.png' leaves the scene's folder");
+    with({{"uri", "/etc/passwd"}}, "absolute");
+    with({{"uri", "https://x.org/a.png"}}, "URL");
+    with({{"name", "nowhere"}}, "is empty");
+    builder.root["textures"][0].erase("source");
+    with({{"uri", "gone.png"}}, "texture 0 has no image");
+    builder.root["textures"][0]["source"] = 0;
+    static_cast<void>(folder.file("gone.png", from_base64(test::png_rgba)));
+    builder.root["images"][0] = {{"uri", "maps/gone.png"}};
+    EXPECT_TRUE(load(base_texture({{"index", 0}})).materials.at(0).albedo_map.used()) << "it lies beside the file";
+    EXPECT_EQ(warned("'maps/gone.png' is missing: '"), 1u);
+    builder.root["images"][0] = {{"uri", "no.png"}};
+    json lamp = {{"emissiveFactor", {1, 1, 1}}, {"emissiveTexture", {{"index", 0}}}, {"normalTexture", {{"index", 0}}}};
+    const Material m = load(lamp).materials.at(0);
+    EXPECT_EQ(m.emission, glm::vec3(0.f)) << "the image would say where it shines";
+    EXPECT_EQ(m.albedo, glm::vec3(1.f));
+    EXPECT_FALSE(m.normal_map.used());
+}
+
+TEST_F(GltfMaterial, DataUrisOfEveryForm) {
+    const std::string data = test::base64(from_base64(test::png_rgba));
+    std::string for_urls = data, escaped;
+    std::replace(for_urls.begin(), for_urls.end(), '+', '-'), std::replace(for_urls.begin(), for_urls.end(), '/', '_');
+    while (for_urls.ends_with('=')) for_urls.pop_back();
+    for (const char c : data) escaped += c == '+' ? "%2B" : c == '/' ? "%2f" : c == '=' ? "%3D" : std::string(1, c);
+    builder.texture("");
+    for (const std::string& uri :
+         {"data:;base64," + data, "data:image/png;charset=utf-8;base64," + data, "data:image/x-png;base64," + data,
+          "DATA:image/png;BASE64," + data, "data:image/png;base64," + for_urls, "data:;base64," + escaped,
+          "data:image/png;base64,\n" + data.substr(0, 20) + "\n " + data.substr(20)}) {
+        builder.root["images"][0] = {{"uri", uri}};
+        EXPECT_EQ(load(base_texture({{"index", 0}})).textures.size(), 1u) << uri;
+        EXPECT_EQ(warned("image"), 0u) << uri;
+    }
+    builder.root["images"][0] = {{"uri", "data:;base64,*" + data}, {"name", "bad"}};
+    refuse(base_texture({{"index", 0}}), {"image 'bad'", "base64", "damaged"});
 }
 
 TEST_F(GltfMaterial, BadValues) {

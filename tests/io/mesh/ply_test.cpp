@@ -132,9 +132,9 @@ TEST(Ply, DamagedFilesAreRefusedByTheirPlace) {
         {binary.substr(0, binary.size() - 1), {"element 'face'", "row 1", "cut off"}},
         {replaced(good, "double x", "double w"), {"lack x, y or z"}},
         {replaced(good, "vertex_indices", "corners"), {"vertex_indices"}},
-        {"ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 "
-         "0 0\n",
-         {"no face", "clouds of points"}}};
+        {replaced(good, "0 3 0 1 2", "0 3 0 1"), {"line 27", "the row lacks values"}},
+        {"ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nend_header\n",
+         {"neither faces nor points"}}};
     for (const auto& [bytes, words] : cases) {
         SCOPED_TRACE(words.back());
         expect_error(ErrorKind::user, words, [&] { (void)load_ply(folder.file("bad.ply", bytes), warnings); });

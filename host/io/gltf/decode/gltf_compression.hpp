@@ -2,8 +2,6 @@
 // and meshoptimizer where claray was built with them.
 #pragma once
 
-#include <optional>
-
 #include "host/io/gltf/gltf_file.hpp"
 
 namespace claray {
@@ -15,11 +13,6 @@ inline constexpr const char* meshopt_extension = "EXT_meshopt_compression";
 [[nodiscard]] bool is_compression(std::string_view extension);
 /// Whether claray was built with its library.
 [[nodiscard]] bool can_decode(std::string_view extension);
-
-/// The file as tinygltf takes it, which asks for the buffers and the indices that exist only decoded, and for the kinds
-/// of images that it knows: such a buffer gets a byte, such indices wait in the extension for `decompress`, and images
-/// in data URIs are called bytes. Nothing where the file needs no change.
-[[nodiscard]] std::optional<std::string> adapted_to_tinygltf(std::string_view bytes, bool binary);
 
 /// Decodes all compressed data that can be decoded: accessors and views then refer to plain buffers. Throws if the
 /// data is damaged or does not fit its description.

@@ -1,4 +1,4 @@
-// The words of an OBJ's lines, checked: tinyobjloader reads what is no number as 0.
+// The words of text files: names in messages, and numbers, which parsers of others read as 0 where they are none.
 #pragma once
 
 #include <optional>
@@ -18,11 +18,8 @@ namespace claray {
 /// nan and inf, with what systems add to them ("-nan(ind)", "1.#QNAN"); none where the word is anything else.
 [[nodiscard]] std::optional<float> not_finite_number(std::string_view word);
 
-/// One corner of a face as it is written: counted from 1 or, backwards, from -1; 0 where nothing is given.
-struct ObjIndices {
-    int position = 0, uv = 0, normal = 0;
-};
-/// "1", "1/2", "1//3", "1/2/3", "1/", "1/2/"; none where the word is anything else or an index is beyond 2^31 - 1.
-[[nodiscard]] std::optional<ObjIndices> parse_corner(std::string_view word);
+/// The value of a number, finite or not; infinite where it is beyond the range of a double. Nothing where the word is
+/// no number.
+[[nodiscard]] std::optional<double> number_in(std::string_view word);
 
 }  // namespace claray

@@ -1,4 +1,4 @@
-#include "host/io/obj/obj_words.hpp"
+#include "host/io/words.hpp"
 
 #include <charconv>
 #include <cmath>
@@ -18,15 +18,6 @@ const char* skip_sign(const char* p, const char* end) { return p < end && (*p ==
 const char* skip_digits(const char* p, const char* end) {
     while (p < end && is_digit(*p)) ++p;
     return p;
-}
-
-/// An index up to a slash or the end; 0 where there is none.
-bool parse_index(const char*& p, const char* end, int& index) {
-    if (p == end || *p == '/') return true;
-    if (*p == '+') ++p;  // from_chars takes no plus sign
-    const auto [stop, error] = std::from_chars(p, end, index);
-    p = stop;
-    return error == std::errc() && (p == end || *p == '/');
 }
 
 }  // namespace
@@ -74,16 +65,17 @@ std::optional<float> not_finite_number(std::string_view word) {
     return {};
 }
 
-std::optional<ObjIndices> parse_corner(std::string_view word) {
-    const char *p = word.data(), *const end = p + word.size();
-    ObjIndices corner;
-    if (p == end || *p == '/' || !parse_index(p, end, corner.position)) return {};
-    for (int* const index : {&corner.uv, &corner.normal}) {
-        if (p == end) return corner;
-        ++p;  // past the slash
-        if (!parse_index(p, end, *index)) return {};
+std::optional<double> number_in(std::string_view word) {
+    if (!is_finite_number(word)) {
+        const std::optional<float> value = not_finite_number(word);
+        return value ? std::optional<double>(*value) : std::nullopt;
     }
-    return p == end ? std::optional(corner) : std::nullopt;
+    if (word.front() == '+') word.remove_prefix(1);
+    long double value = 0;  // its range tells what is too large for a double from what is too small
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (error != std::errc::result_out_of_range) return double(value);
+    const bool tiny = word.find_first_of("eE") != std::string_view::npos && word.find("-", 1) != std::string_view::npos;
+    return tiny ? 0.0 : word.front() == '-' ? -INFINITY : INFINITY;
 }
 
 }  // namespace claray

@@ -1,0 +1,132 @@
+#include "host/io/gltf/decode/gltf_json.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "host/base/message.hpp"
+#include "host/io/gltf/decode/gltf_compression.hpp"
+
+namespace claray {
+namespace {
+
+using nlohmann::json;
+using std::to_string;
+
+constexpr std::string_view moved_indices = "indices";  // of a primitive, in its Draco extension
+
+/// Where JSON ends to be JSON, and by what: "line 1, column 30: unexpected ','". The JSON library says it as
+/// "[json.exception.parse_error.101] parse error at PLACE: syntax error while parsing WHAT - REASON; HINT".
+std::string json_error(const std::string& text) {
+    static constexpr std::string_view before = "parse error at ", between = " - ";
+    const std::size_t place = text.find(before), colon = text.find(": ", place), reason = text.find(between, colon);
+    if (place == std::string::npos || reason == std::string::npos)
+        return "its JSON is broken: " + one_line(text.substr(text.find("] ") + 2));
+    const std::size_t begin = place + before.size(), words = reason + between.size();
+    return "its JSON is broken at " + text.substr(begin, colon - begin) + ": " +
+           one_line(text.substr(words, text.find(';', words) - words));
+}
+
+json parsed(std::string_view text, const GltfFile& file) {
+    json root;
+    try {
+        root = json::parse(text);
+    } catch (const json::exception& error) {
+        file.fail(json_error(error.what()));
+    }
+    if (!root.is_object()) file.fail("its JSON is no object");
+    return root;
+}
+
+/// An object's extension, or null.
+json* extension_of(json& object, const char* name) {
+    if (!object.is_object() || !object.contains("extensions")) return nullptr;
+    json& all = object["extensions"];
+    return all.is_object() && all.contains(name) && all[name].is_object() ? &all[name] : nullptr;
+}
+
+/// The objects of an array; what is no object is left to tinygltf, which says so.
+template <class Change>
+void for_each_object(json& object, const char* name, const Change& change) {
+    if (!object.is_object() || !object.contains(name) || !object[name].is_array()) return;
+    for (json& element : object[name])
+        if (element.is_object()) change(element);
+}
+
+bool has_view(json& root, const json& accessor) {
+    if (!root.contains("accessors") || !accessor.is_number_unsigned()) return true;  // nonsense, which others report
+    const json& accessors = root["accessors"];
+    const auto index = accessor.get<std::size_t>();
+    return !accessors.is_array() || index >= accessors.size() || accessors[index].contains("bufferView");
+}
+
+/// Indices without a view, which tinygltf refuses.
+void move_indices(json& root, json& primitive) {
+    json* draco = extension_of(primitive, draco_extension);
+    if (draco == nullptr || !primitive.contains("indices") || has_view(root, primitive["indices"])) return;
+    (*draco)[moved_indices] = primitive["indices"];
+    primitive.erase("indices");
+}
+
+std::string uri_of(const json& object) {
+    const auto found = object.find("uri");
+    return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
+}
+
+/// The buffer that stands in its place has one byte.
+GltfSource take_buffer(json& buffer, std::size_t index, const GltfFile& file) {
+    GltfSource source;
+    source.uri = uri_of(buffer);
+    const auto length = buffer.find("byteLength");
+    const double bytes = length != buffer.end() && length->is_number() ? length->get<double>() : -1;
+    if (!(bytes >= 0 && bytes < 1e15)) file.fail("buffer " + to_string(index) + " has no byteLength");
+    source.length = std::size_t(bytes);
+    json* meshopt = extension_of(buffer, meshopt_extension);
+    source.is_optional = meshopt != nullptr && meshopt->value("fallback", json(false)) == json(true);
+    buffer["byteLength"] = 1;
+    buffer["uri"] = "data:application/octet-stream;base64,AA==";
+    return source;
+}
+
+/// The image that stands in its place has the name of a file.
+GltfSource take_image(json& image) {
+    GltfSource source;
+    source.uri = uri_of(image);
+    const auto view = image.find("bufferView");
+    if (view != image.end() && view->is_number_integer()) source.view = view->get<int>();
+    image.erase("bufferView");
+    image["uri"] = "image";
+    return source;
+}
+
+/// KHR_animation_pointer moves other things than nodes. The number of such channels.
+std::size_t drop_channels_without_node(json& animation) {
+    if (!animation.contains("channels") || !animation["channels"].is_array()) return 0;
+    json kept = json::array();
+    for (json& channel : animation["channels"]) {
+        const bool moves = !channel.is_object() || !channel.contains("target") || !channel["target"].is_object() ||
+                           (channel["target"].contains("node") && channel["target"].contains("path"));
+        if (moves) kept.push_back(std::move(channel));
+    }
+    const std::size_t dropped = animation["channels"].size() - kept.size();
+    animation["channels"] = std::move(kept);
+    return dropped;
+}
+
+}  // namespace
+
+AdaptedJson adapted_to_tinygltf(std::string_view text, const GltfFile& file) {
+    json root = parsed(text, file);
+    AdaptedJson adapted;
+    for_each_object(root, "meshes", [&](json& mesh) {
+        for_each_object(mesh, "primitives", [&](json& primitive) { move_indices(root, primitive); });
+    });
+    for_each_object(root, "buffers", [&](json& buffer) {
+        adapted.buffers.push_back(take_buffer(buffer, adapted.buffers.size(), file));
+    });
+    for_each_object(root, "images", [&](json& image) { adapted.images.push_back(take_image(image)); });
+    for_each_object(root, "animations",
+                    [&](json& animation) { adapted.channels_without_node += drop_channels_without_node(animation); });
+    adapted.text = root.dump(-1, ' ', false, json::error_handler_t::replace);
+    return adapted;
+}
+
+}  // namespace claray
