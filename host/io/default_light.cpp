@@ -24,10 +24,11 @@ bool is_lit(const Scene& scene, const LightProbe& probe) {
 /// Light from around the scene hardly reaches what the camera sees.
 bool is_closed(const LightProbe& probe) { return probe.seen > 0 && probe.open < hardly_any; }
 
-/// Grey in front of it is mid-grey in the image, at whatever distance. `depth`: before the camera.
+/// In a room of grey walls, which reflect as much again, grey in front of it is mid-grey in the image, at whatever
+/// distance. `depth`: before the camera.
 Light lamp_at(const Camera& camera, double depth) {
     const glm::dvec3 position(camera.position), view = glm::dvec3(camera.target) - position;
-    Light light = point_light(glm::vec3(position + depth * glm::normalize(view)), glm::vec3(2.5f));
+    Light light = point_light(glm::vec3(position + depth * glm::normalize(view)), glm::vec3(1.2f));
     light.name = depth > 0 ? "lamp before the camera" : "lamp at the camera";
     light.attenuation = {1.f, 0.f, 0.f};
     return light;
@@ -51,12 +52,12 @@ std::string reason(const LightProbe& probe) {
            " of the visible surfaces" + (probe.plain > 0 && probe.plain < 1 ? " that do not shine" : "");
 }
 
-void light(Scene& scene, const Camera& camera, const LightProbe& probe, Chosen& chosen) {
+void light(Scene& scene, const Camera& camera, bool inside, const LightProbe& probe, Chosen& chosen) {
     if (is_lit(scene, probe)) return;
     const std::string why = reason(probe);
     if (!is_closed(probe)) {
         constexpr double everywhere = 0.9, seldom = 0.4;
-        if (probe.seen >= everywhere && probe.open < seldom) {  // in a room, whose windows show what is outside
+        if (inside || (probe.seen >= everywhere && probe.open < seldom)) {  // its windows show what is outside
             chosen.added.sky = Sky{{0.2f, 0.23f, 0.28f}, {1.1f, 1.15f, 1.25f}};
             chosen.light = why + ": added a pale sky as light";
         } else {
@@ -65,9 +66,10 @@ void light(Scene& scene, const Camera& camera, const LightProbe& probe, Chosen& 
         }
     } else if (probe.visible < hardly_any) {  // else a room with little light, to which a sky would add none
         chosen.added.lamp = lamp_at(camera, probe.behind_backs);
-        chosen.past_backs = probe.behind_backs > 0;
+        const bool behind = probe.behind_backs > 0;
+        chosen.past_backs |= behind;
         chosen.light = why + ", and a sky would not help: added a lamp " +
-                       (chosen.past_backs ? "behind the one-sided surfaces before the camera" : "at the camera");
+                       (behind ? "behind the one-sided surfaces before the camera" : "at the camera");
     }
     add(scene, chosen.added);
 }
@@ -99,7 +101,7 @@ Chosen make_visible(Scene& scene, const Camera& camera, float aspect, const MayC
         scene.camera = inside;
         probe = probe_light(probed, *inside, aspect);
     }
-    if (may.light) light(scene, inside.value_or(camera), probe, chosen);
+    if (may.light) light(scene, inside.value_or(camera), inside.has_value(), probe, chosen);
     return chosen;
 }
 

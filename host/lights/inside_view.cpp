@@ -71,15 +71,15 @@ private:
     std::vector<std::vector<glm::dvec3>> slices_;
 };
 
-/// People look from the lower half of a room.
+/// People look from low in a room, whose ceiling may be missing.
 double Rooms::height_merit(const glm::dvec3& place) const {
-    const double extent = box_.extent().y;
-    const auto reach = [&](double y) {
-        const auto hit = rays_.closest(place, {0.0, y, 0.0}, extent);
-        return hit ? hit->distance : extent;
+    const auto reach = [&](double y, double end) {
+        const auto hit = rays_.closest(place, {0.0, y, 0.0}, end);
+        return hit ? hit->distance : end;
     };
-    const double below = reach(-1), above = reach(1);
-    return 1 - std::abs(below / std::max(below + above, 1e-30) - 0.35);
+    const double below = reach(-1, place.y - box_.lo.y), above = reach(1, box_.hi.y - place.y);
+    const double off = std::abs(below / std::max(below + above, 1e-30) - 0.25);
+    return (1 - off) * (1 - off);
 }
 
 /// The merit is the mean of the logarithms of all distances in view: one that is near hides more than one that is far
@@ -88,12 +88,13 @@ Rooms::Look Rooms::look(const glm::dvec3& place, const glm::dvec3& along, const 
     constexpr int grid = 7;
     const double far = glm::length(glm::dvec3(box_.extent()));
     const glm::dvec3 right = glm::normalize(glm::cross(along, glm::dvec3(0, 1, 0))), up = glm::cross(right, along);
-    double sum = 0, ahead = far;
+    const double open = 0.25 * far;
+    double sum = 0, ahead = open;
     for (int y = 0; y < grid; ++y)
         for (int x = 0; x < grid; ++x) {
             const glm::dvec2 at = (2.0 * glm::dvec2(x, y) / double(grid - 1) - 1.0) * slopes;
             const auto hit = rays_.closest(place, glm::normalize(along + at.x * right + at.y * up), far);
-            const double distance = hit ? hit->distance : far;
+            const double distance = hit ? hit->distance : open;  // a sky is no far view
             sum += std::log(std::max(distance / far, 1e-6));
             if (x == grid / 2 && y == grid / 2) ahead = distance;
         }

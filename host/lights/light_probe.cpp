@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "host/base/in_parallel.hpp"
+#include "host/base/percentile.hpp"
 #include "host/base/random.hpp"
 #include "host/lights/lights.hpp"
 #include "host/lights/luminance.hpp"
@@ -231,9 +232,12 @@ double Probe::lit_grey(const ProbeSight& sight, scenes::Random& random, unsigned
 struct ProbedRow {
     unsigned seen = 0, lit = 0, visible = 0, open = 0, plain = 0, plain_lit = 0;
     std::vector<double> behind_backs;  // of each surface seen: as in LightProbe
+    std::vector<double> luminances;    // of those that are lit
 
-    void add(const ProbeSight& sight, bool is_lit, double depth_of_distance) {
+    void add(const ProbeSight& sight, double luminance, double depth_of_distance) {
         constexpr double part = 0.25;  // of the way from the back to the surface
+        const bool is_lit = luminance >= visible_luminance;
+        if (is_lit) luminances.push_back(luminance);
         seen += 1, lit += is_lit, visible += is_lit || sight.glows;
         plain += sight.plain, plain_lit += sight.plain && is_lit;
         const double place = sight.passed > 0 ? sight.passed + part * (sight.distance - sight.passed) : 0;
@@ -243,6 +247,7 @@ struct ProbedRow {
         seen += row.seen, lit += row.lit, visible += row.visible, open += row.open;
         plain += row.plain, plain_lit += row.plain_lit;
         behind_backs.insert(behind_backs.end(), row.behind_backs.begin(), row.behind_backs.end());
+        luminances.insert(luminances.end(), row.luminances.begin(), row.luminances.end());
     }
 };
 
@@ -259,8 +264,8 @@ ProbedRow probe_row(const Probe& probe, const CameraData& camera, unsigned row) 
         const glm::dvec3 direction = camera.orthographic ? forward : glm::normalize(forward + aside);
         const std::optional<ProbeSight> sight = probe.look(origin, direction);
         if (!sight) continue;
-        const bool lit = probe.lit_grey(*sight, random, found.open) >= visible_luminance;
-        found.add(*sight, lit, glm::dot(direction, forward));
+        const double luminance = probe.lit_grey(*sight, random, found.open);
+        found.add(*sight, luminance, glm::dot(direction, forward));
     }
     return found;
 }
@@ -341,9 +346,8 @@ LightProbe probe_light(const ProbedScene& scene, const Camera& camera, float asp
     shares.seen = seen / (side * side);
     shares.lit = sum.lit / seen, shares.visible = sum.visible / seen, shares.open = sum.open / (bounces * seen);
     shares.plain = sum.plain / seen, shares.plain_lit = sum.plain_lit / std::max(double(sum.plain), 1.0);
-    const auto middle = sum.behind_backs.begin() + sum.seen / 2;
-    std::nth_element(sum.behind_backs.begin(), middle, sum.behind_backs.end());
-    shares.behind_backs = *middle;
+    shares.behind_backs = percentile(sum.behind_backs, 0.5);
+    if (!sum.luminances.empty()) shares.brightness = percentile(sum.luminances, 0.75);
     return shares;
 }
 

@@ -30,7 +30,8 @@ struct LightProbe {
     double visible = 0;  ///< fraction of that which is lit or emits visible light
     double open = 0;     ///< fraction of that which light from around the scene reaches
     double plain = 0;    ///< fraction of that whose material emits nothing
-    double plain_lit = 0;  ///< fraction of the plain surfaces that are lit
+    double plain_lit = 0;   ///< fraction of the plain surfaces that are lit
+    double brightness = 0;  ///< luminance of grey surfaces there that three quarters of the lit ones do not exceed
     /// Depth of a place behind the one-sided surfaces that the camera looks through, before what it sees; 0: mostly it
     /// looks through none.
     double behind_backs = 0;

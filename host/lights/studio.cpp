@@ -19,23 +19,26 @@ struct Panel {
         const glm::dvec3 up_hint = std::abs(axis.y) > 0.9 ? glm::dvec3(0, 0, -1) : glm::dvec3(0, 1, 0);
         const glm::dvec3 right = glm::normalize(glm::cross(up_hint, axis)), up = glm::cross(axis, right);
         const glm::dvec2 at = glm::dvec2(glm::dot(direction, right), glm::dot(direction, up)) / depth;
-        constexpr double soft = 0.12;
+        const glm::dvec2 soft(0.3 * half.x);
         const glm::dvec2 inside = 1.0 - glm::smoothstep(half - soft, half + soft, glm::abs(at));
         return radiance * inside.x * inside.y;
     }
 };
 
 const Panel panels[] = {
-    {{-0.65, 0.62, 0.75}, {0.42, 0.36}, 6.0},   // key
-    {{0.95, 0.25, 0.45}, {0.22, 0.5}, 1.6},     // fill
-    {{0.0, 1.0, -0.15}, {0.5, 0.4}, 3.0},       // overhead
-    {{-0.95, 0.25, -0.62}, {0.16, 0.55}, 3.0},  // rims
-    {{0.95, 0.3, -0.62}, {0.16, 0.55}, 4.0},
+    {{-0.72, 0.3, 0.66}, {0.42, 0.55}, 3.7},  // key
+    {{0.9, 0.1, 0.5}, {0.2, 0.6}, 1.2},       // fill
+    {{0.0, 1.0, -0.1}, {0.5, 0.45}, 2.5},     // overhead
+    {{-0.82, 0.2, -0.57}, {0.15, 0.6}, 2.5},  // rims
+    {{0.73, 0.02, -0.68}, {0.18, 0.6}, 3.2},
 };
 
-/// The room is lighter at its ceiling.
+/// The wall behind the object is lighter than what is behind the camera, and lightens above the camera's view. Boxes of
+/// metal show the difference.
 double radiance_along(const glm::dvec3& direction) {
-    double sum = 0.15 + 0.08 * direction.y;
+    const double behind_camera = glm::smoothstep(-0.2, 0.5, direction.z);
+    double sum = glm::mix(0.16, 0.05, behind_camera) + 0.35 * glm::smoothstep(0.1, 0.7, direction.y);
+    sum -= 0.08 * (1 - behind_camera) * glm::smoothstep(0.6, 0.9, -direction.y);
     for (const Panel& panel : panels) sum += panel.seen_along(direction);
     return sum;
 }

@@ -4,21 +4,14 @@
 #include <cmath>
 #include <vector>
 
+#include "host/base/percentile.hpp"
 #include "host/lights/light_probe.hpp"
 #include "host/lights/luminance.hpp"
 
 namespace claray::cli {
 namespace {
 
-constexpr double white = 4;  // the filmic curve shows 98 % from here on
 constexpr double medium = 0.5;
-
-/// The luminance that a share of the pixels does not exceed.
-double quantile(std::vector<double>& luminances, double share) {
-    const auto at = luminances.begin() + std::ptrdiff_t(share * double(luminances.size() - 1));
-    std::nth_element(luminances.begin(), at, luminances.end());
-    return *at;
-}
 
 /// The exposure that shows a luminance as mid-grey.
 std::string exposure_for(double luminance) {
@@ -35,14 +28,14 @@ std::optional<std::string> brightness_warning(std::span<const glm::vec3> pixels,
         return "the image is black: no light reaches the visible surfaces; add light with --light or --sky, or move "
                "the camera";
     if (!exposure) return {};
-    const double scale = std::exp2(double(*exposure)), bright = quantile(luminances, 0.99);
+    const double scale = std::exp2(double(*exposure)), bright = percentile(luminances, 0.99);
     if (bright * scale < visible_luminance && bright > 0)
         return "the image is nearly black; add light with --light or --sky, or brighten it with " +
                exposure_for(bright);
     if (bright * scale < visible_luminance)
         return "the image is nearly black; add light with --light or --sky, or move the camera";
-    const double middle = quantile(luminances, 0.5);
-    if (middle * scale > white) return "most of the image is white; darken it with " + exposure_for(middle);
+    const double middle = percentile(luminances, 0.5);
+    if (middle * scale > white_luminance) return "most of the image is white; darken it with " + exposure_for(middle);
     return {};
 }
 
@@ -54,12 +47,12 @@ SurfaceBrightness::SurfaceBrightness(std::span<const glm::vec3> pixels, std::spa
         if (!depth.empty() && !std::isfinite(depth[i])) continue;
         const double bright = luminance(pixels[i]);
         surfaces += 1, visible += bright >= visible_luminance;
-        whites += bright > (tone_map == ToneMap::aces ? white : 1);
+        whites += bright > (tone_map == ToneMap::aces ? white_luminance : 1);
         if (bright > 0 && std::isfinite(bright)) lit.push_back(bright);
     }
     if (lit.empty()) return;
     visible_ = visible / surfaces, white_ = whites / double(lit.size());
-    lighter_ = quantile(lit, 0.75);
+    lighter_ = percentile(lit, 0.75);
 }
 
 bool SurfaceBrightness::is_doubtful() const {

@@ -11,6 +11,8 @@
 
 namespace claray::cli {
 
+inline constexpr double white_luminance = 4;  ///< the filmic curve shows 98 % from here on
+
 /// A warning, with a remedy, if nearly all pixels are black or white at this exposure. Without an exposure, as for
 /// files that store the radiance, only if all are black.
 [[nodiscard]] std::optional<std::string> brightness_warning(std::span<const glm::vec3> pixels,

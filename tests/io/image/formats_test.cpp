@@ -27,15 +27,15 @@ protected:
     TemporaryFolder folder;
 };
 
-std::string text_of(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
+std::string as_text(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
 
 /// Pixels of value v / 128 in red, and 0 in green and blue.
-std::string red(const Bytes& values) {
+std::string red_pixels(const Bytes& values) {
     std::string text;
-    for (const std::uint8_t value : values) text += text_of({value, 0, 0, 129});
+    for (const std::uint8_t value : values) text += as_text({value, 0, 0, 129});
     return text;
 }
-std::string radiance(const std::string& variables, const std::string& size, const std::string& pixels) {
+std::string radiance_file(const std::string& variables, const std::string& size, const std::string& pixels) {
     return "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n" + variables + "\n" + size + "\n" + pixels;
 }
 Floats reds_of(const Texture& texture) {
@@ -46,67 +46,68 @@ Floats reds_of(const Texture& texture) {
 
 /// 1 1 1 n repeats a pixel, and two of them in a row are a number of two digits to the base 256.
 TEST_F(ImageFormats, RadianceOfOldRuns) {
-    const std::string few = red({130, 140}) + text_of({1, 1, 1, 2}) + red({150});
-    EXPECT_EQ(reds_of(load(radiance("", "-Y 1 +X 5", few))), (Floats{130, 140, 140, 140, 150}));
-    const std::string many = red({130}) + text_of({1, 1, 1, 3, 1, 1, 1, 1}) + red({150});
-    const Texture wide = load(radiance("", "-Y 1 +X 261", many));
+    const std::string few = red_pixels({130, 140}) + as_text({1, 1, 1, 2}) + red_pixels({150});
+    EXPECT_EQ(reds_of(load(radiance_file("", "-Y 1 +X 5", few))), (Floats{130, 140, 140, 140, 150}));
+    const std::string many = red_pixels({130}) + as_text({1, 1, 1, 3, 1, 1, 1, 1}) + red_pixels({150});
+    const Texture wide = load(radiance_file("", "-Y 1 +X 261", many));
     EXPECT_EQ(reds_of(wide), [] {
         Floats all(260, 130);
         all.push_back(150);
         return all;
     }());
-    refuse(radiance("", "-Y 1 +X 4", few), {"image.any", "runs are longer"});
-    refuse(radiance("", "-Y 1 +X 5", text_of({1, 1, 1, 5})), {"image.any", "runs are longer"});
-    refuse(radiance("", "-Y 2 +X 3", few.substr(0, 12)), {"image.any", "cut off"});
+    refuse(radiance_file("", "-Y 1 +X 3", few), {"image.any", "runs are longer"});
+    refuse(radiance_file("", "-Y 1 +X 5", as_text({1, 1, 1, 5})), {"image.any", "runs are longer"});
+    refuse(radiance_file("", "-Y 2 +X 3", few.substr(0, 12)), {"image.any", "cut off"});
 }
 
 TEST_F(ImageFormats, RadianceInAllOrders) {
-    const std::string six = red({131, 132, 133, 134, 135, 136});
+    const std::string six = red_pixels({131, 132, 133, 134, 135, 136});
     const std::pair<const char*, Floats> orders[] = {
         {"-Y 2 +X 3", {131, 132, 133, 134, 135, 136}}, {"+Y 2 +X 3", {134, 135, 136, 131, 132, 133}},
         {"-Y 2 -X 3", {133, 132, 131, 136, 135, 134}}, {"+Y 2 -X 3", {136, 135, 134, 133, 132, 131}},
         {"+X 3 -Y 2", {131, 133, 135, 132, 134, 136}}, {"+X 3 +Y 2", {132, 134, 136, 131, 133, 135}},
         {"-X 3 -Y 2", {135, 133, 131, 136, 134, 132}}, {"-X 3 +Y 2", {136, 134, 132, 135, 133, 131}}};
     for (const auto& [size, expected] : orders) {
-        const Texture texture = load(radiance("", size, six));
+        const Texture texture = load(radiance_file("", size, six));
         EXPECT_EQ(texture.width, 3u);
         EXPECT_EQ(texture.height, 2u);
         EXPECT_EQ(reds_of(texture), expected) << size;
     }
     for (const char* size : {"-Y 2 +Y 3", "-Y 2", "Y 2 X 3", "-Y 0 +X 3", "-Y 2 +X -3", "-Y 2 +Z 3"})
-        refuse(radiance("", size, six), {"image.any", "size"});
+        refuse(radiance_file("", size, six), {"image.any", "size"});
 }
 
 /// A picture holds the radiance times the exposures of all programs that scaled it.
 TEST_F(ImageFormats, RadianceOfAnExposure) {
-    const std::string pixel = text_of({128, 128, 128, 129});
-    EXPECT_EQ(load(radiance("EXPOSURE=2\nEXPOSURE= 4.0\n", "-Y 1 +X 1", pixel)).floats, (Floats{.125f, .125f, .125f}));
-    EXPECT_EQ(load(radiance("COLORCORR=1 2 4\n", "-Y 1 +X 1", pixel)).floats, (Floats{1, .5f, .25f}));
-    EXPECT_EQ(load(radiance("EXPOSURE=0\n# EXPOSURE=2\n", "-Y 1 +X 1", pixel)).floats, (Floats{1, 1, 1}));
+    const std::string pixel = as_text({128, 128, 128, 129});
+    EXPECT_EQ(load(radiance_file("EXPOSURE=2\nEXPOSURE= 4.0\n", "-Y 1 +X 1", pixel)).floats,
+              (Floats{.125f, .125f, .125f}));
+    EXPECT_EQ(load(radiance_file("COLORCORR=1 2 4\n", "-Y 1 +X 1", pixel)).floats, (Floats{1, .5f, .25f}));
+    EXPECT_EQ(load(radiance_file("EXPOSURE=0\n# EXPOSURE=2\n", "-Y 1 +X 1", pixel)).floats, (Floats{1, 1, 1}));
     refuse("#?RADIANCE\nFORMAT=64-bit\n\n-Y 1 +X 1\n" + pixel, {"image.any", "format '64-bit'"});
 }
 
 TEST_F(ImageFormats, RadianceInOtherColours) {
     const auto xyz = [&](const Bytes& pixel) {
-        return load("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n" + text_of(pixel)).floats;
+        return load("#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 1 +X 1\n" + as_text(pixel)).floats;
     };
     for (const float value : xyz({128, 128, 128, 129})) EXPECT_NEAR(value, 1, 1e-5) << "white stays white";
     const Floats blue = xyz({0, 0, 128, 129});  // beyond what Rec. 709 has of blue
     EXPECT_EQ(blue[0], 0.f);
     EXPECT_NEAR(blue[2], 1.151, 1e-3);
     const std::string rec2020 = "PRIMARIES= .708 .292 .17 .797 .131 .046 .3127 .329\n";
-    const Floats green = load(radiance(rec2020, "-Y 1 +X 1", text_of({128, 128, 128, 129}))).floats;
+    const Floats green = load(radiance_file(rec2020, "-Y 1 +X 1", as_text({128, 128, 128, 129}))).floats;
     for (const float value : green) EXPECT_NEAR(value, 1, 1e-5);
-    const Floats grey = load(radiance(rec2020, "-Y 1 +X 1", text_of({64, 128, 64, 129}))).floats;
+    const Floats grey = load(radiance_file(rec2020, "-Y 1 +X 1", as_text({64, 128, 64, 129}))).floats;
     EXPECT_NEAR(grey[1], 1.0665, 1e-3);  // ITU-R BT.2087: 0.5 (-0.1246 - 0.0083) + 1.1329
 }
 
 /// Bit 4 of the descriptor.
 TEST_F(ImageFormats, TgaFromRightToLeft) {
     Bytes tga = {0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 3, 0, 1, 0, 24, 0x10, 3, 2, 1, 6, 5, 4, 9, 8, 7};
-    EXPECT_EQ(load(text_of(tga)).bytes, (Bytes{7, 8, 9, 4, 5, 6, 1, 2, 3}));
+    EXPECT_EQ(load(as_text(tga)).bytes, (Bytes{7, 8, 9, 4, 5, 6, 1, 2, 3}));
     tga[17] = 0x30;
-    EXPECT_EQ(load(text_of(tga)).bytes, (Bytes{7, 8, 9, 4, 5, 6, 1, 2, 3})) << "one row from above";
+    EXPECT_EQ(load(as_text(tga)).bytes, (Bytes{7, 8, 9, 4, 5, 6, 1, 2, 3})) << "one row from above";
 }
 
 /// A BMP of 4 colours, of grey levels 0, 10, 20 and 30.
@@ -117,7 +118,7 @@ std::string bmp_of_runs(unsigned bits, unsigned width, unsigned height, const By
     bytes[28] = std::uint8_t(bits), bytes[30] = bits == 8 ? 1 : 2, bytes[46] = 4;
     for (const std::uint8_t level : {0, 10, 20, 30}) bytes.insert(bytes.end(), {level, level, level, 0});
     bytes.insert(bytes.end(), runs.begin(), runs.end());
-    return text_of(bytes);
+    return as_text(bytes);
 }
 Bytes levels_of(const Texture& texture) {
     Bytes levels;

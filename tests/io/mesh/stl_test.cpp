@@ -15,7 +15,7 @@ using test::expect_error;
 using test::TemporaryFolder;
 
 /// Two triangles of a square; `count` is what the header says.
-std::string binary_square(std::uint32_t count = 2, const std::string& comment = "solid, but binary") {
+std::string binary_solid(std::uint32_t count = 2, const std::string& comment = "solid, but binary") {
     std::string bytes = comment;
     bytes.resize(80, '\0');
     for (int k = 0; k < 4; ++k) bytes.push_back(char(count >> (8 * k)));
@@ -29,7 +29,7 @@ std::string binary_square(std::uint32_t count = 2, const std::string& comment = 
     return bytes;
 }
 
-const std::string text_square =
+const std::string solid_of_text =
     "solid left half\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex 1 1 0\n  "
     "endloop\n endfacet\n"
     "endsolid left half\nSOLID\nFACET NORMAL 0 0 1\nOUTER LOOP\nVERTEX 0 0 0\nVERTEX 1E0 +1 0\nVERTEX 0 1 "
@@ -39,7 +39,7 @@ const std::string text_square =
 TEST(Stl, BinaryVerticesAreShared) {
     const TemporaryFolder folder;
     Warnings warnings;
-    const Scene scene = load_scene(folder.file("square.stl", binary_square()), warnings);
+    const Scene scene = load_scene(folder.file("square.stl", binary_solid()), warnings);
     ASSERT_EQ(scene.meshes.size(), 1u);
     EXPECT_EQ(scene.meshes[0].positions.size(), 4u);
     EXPECT_EQ(scene.meshes[0].triangles, (std::vector<glm::uvec3>{{0, 1, 2}, {0, 2, 3}}));
@@ -50,7 +50,7 @@ TEST(Stl, BinaryVerticesAreShared) {
 TEST(Stl, SolidsOfATextAreMeshes) {
     const TemporaryFolder folder;
     Warnings warnings;
-    const Scene scene = load_stl(folder.file("two.stl", text_square), warnings);
+    const Scene scene = load_stl(folder.file("two.stl", solid_of_text), warnings);
     ASSERT_EQ(scene.meshes.size(), 2u);
     EXPECT_EQ(scene.meshes[0].name, "left half");
     EXPECT_EQ(scene.meshes[1].name, "two");
@@ -61,7 +61,7 @@ TEST(Stl, SolidsOfATextAreMeshes) {
 TEST(Stl, NotANumberStaysAlone) {
     const TemporaryFolder folder;
     Warnings warnings;
-    std::string bytes = binary_square();
+    std::string bytes = binary_solid();
     const float nan = NAN;
     std::memcpy(bytes.data() + 84 + 12, &nan, sizeof nan);
     EXPECT_EQ(load_stl(folder.file("nan.stl", bytes), warnings).meshes[0].positions.size(), 5u);
@@ -75,12 +75,12 @@ TEST(Stl, DamagedFilesAreRefusedByTheirPlace) {
         expect_error(ErrorKind::user, words, [&] { (void)load_stl(folder.file("bad.stl", bytes), warnings); });
     };
     refused("", {"is empty"});
-    refused(binary_square(3), {"cut off", "184 bytes", "3 triangles take 234"});
-    refused(binary_square(0xffffffffu), {"cut off", "4294967295 triangles"});
-    refused(binary_square(0, "binary").substr(0, 84), {"contains no triangle"});
+    refused(binary_solid(3), {"cut off", "184 bytes", "3 triangles take 234"});
+    refused(binary_solid(0xffffffffu), {"cut off", "4294967295 triangles"});
+    refused(binary_solid(0, "binary").substr(0, 84), {"contains no triangle"});
     refused("solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 O\n", {"line 4", "'o' is not a number"});
     refused("solid a\nfacet normal 0 0 1\nouter ring\n", {"line 3", "'ring' is not 'loop'"});
-    refused(text_square.substr(0, text_square.find("vertex 1 0 0") + 8), {"line 5", "cut off"});
+    refused(solid_of_text.substr(0, solid_of_text.find("vertex 1 0 0") + 8), {"line 5", "cut off"});
     refused("solid a\nendsolid a\n", {"contains no triangle"});
     refused("hello", {"line 1", "'hello' is not 'solid'"});
     refused("solid a\n\x1f", {"line 2"});
