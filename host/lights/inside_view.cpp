@@ -64,22 +64,20 @@ private:
     };
     [[nodiscard]] Look look(const glm::dvec3& place, const glm::dvec3& along, const glm::dvec2& slopes) const;
     [[nodiscard]] Look best_look(const glm::dvec3& place, const glm::dvec2& slopes) const;
-    [[nodiscard]] double height_merit(const glm::dvec3& place) const;
+    [[nodiscard]] double place_merit(const glm::dvec3& place) const;
 
     const HostRays& rays_;
     Bounds box_;
     std::vector<std::vector<glm::dvec3>> slices_;
 };
 
-/// People look from low in a room, whose ceiling may be missing.
-double Rooms::height_merit(const glm::dvec3& place) const {
-    const auto reach = [&](double y, double end) {
-        const auto hit = rays_.closest(place, {0.0, y, 0.0}, end);
-        return hit ? hit->distance : end;
-    };
-    const double below = reach(-1, place.y - box_.lo.y), above = reach(1, box_.hi.y - place.y);
-    const double off = std::abs(below / std::max(below + above, 1e-30) - 0.25);
-    return (1 - off) * (1 - off);
+/// People look from low in a room. A court under the sky is lighter than what is round it.
+double Rooms::place_merit(const glm::dvec3& place) const {
+    const auto up = rays_.closest(place, {0.0, 1.0, 0.0}, no_end),
+               down = rays_.closest(place, {0.0, -1.0, 0.0}, no_end);
+    const double above = up ? up->distance : box_.hi.y - place.y, below = down ? down->distance : place.y - box_.lo.y;
+    const double off = std::abs(below / std::max(below + above, 1e-30) - 0.25), light = up ? 1 : 1.5;
+    return light * (1 - off) * (1 - off);
 }
 
 /// The merit is the mean of the logarithms of all distances in view: one that is near hides more than one that is far
@@ -109,7 +107,7 @@ Rooms::Look Rooms::best_look(const glm::dvec3& place, const glm::dvec2& slopes) 
         const Look found = look(place, {std::sin(angle), 0, -std::cos(angle)}, slopes);
         if (found.merit > best.merit) best = found;
     }
-    best.merit *= height_merit(place);
+    best.merit *= place_merit(place);
     return best;
 }
 

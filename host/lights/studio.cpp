@@ -30,7 +30,7 @@ const Panel panels[] = {
     {{0.9, 0.1, 0.5}, {0.2, 0.6}, 1.2},       // fill
     {{0.0, 1.0, -0.1}, {0.5, 0.45}, 2.5},     // overhead
     {{-0.82, 0.2, -0.57}, {0.15, 0.6}, 2.5},  // rims
-    {{0.73, 0.02, -0.68}, {0.18, 0.6}, 3.2},
+    {{0.79, 0.05, -0.62}, {0.16, 0.48}, 3.2},
 };
 
 /// The wall behind the object is lighter than what is behind the camera, and lightens above the camera's view. Boxes of

@@ -81,7 +81,7 @@ Scene load_view(const std::string& name, const ViewOptions& options, unsigned wi
         if (!frames.camera) frames.camera = automatic_camera(scene, options.fov.value_or(40.f), view.aspect);
         return choose_camera(*frames.camera, options);
     };
-    const bool placed = options.camera || options.look_at || options.camera_end || options.look_at_end;
+    const bool placed = options.camera || options.look_at || options.camera_end || options.look_at_end || options.up;
     if (!placed && !options.ortho) view.inside = options.fov.value_or(MayChoose{}.inside_fov);
     Scene scene = load(name, options.load, options.lights, options.surfaces, view, &frames.light);
     if (frames.camera) {  // which may be inside now

@@ -12,6 +12,7 @@
 #include <OpenEXR/ImfInputFile.h>
 #include <OpenEXR/ImfOutputFile.h>
 #include <OpenEXR/ImfRgbaFile.h>
+#include <OpenEXR/ImfRgbaYca.h>
 #include <OpenEXR/ImfStandardAttributes.h>
 
 #include <algorithm>
@@ -99,7 +100,7 @@ std::string fault_of(const Read& read) {
     }
 }
 
-/// Luminance and chroma, of which the latter has a quarter of the pixels.
+/// Luminance and chroma: "RY" is (R - Y) / Y, and "BY" is (B - Y) / Y.
 bool has_chroma(const Imf::ChannelList& channels) {
     return channels.findChannel("Y") && channels.findChannel("RY") && channels.findChannel("BY") &&
            !channels.findChannel("R");
@@ -149,8 +150,8 @@ glm::dmat3 to_linear(const Imf::Header& header) {
     return to_rec709({xy(c.red), xy(c.green), xy(c.blue), xy(c.white)});
 }
 
-/// Reads the data window by OpenEXR's own conversion, in half precision.
-void read_chroma(std::string_view bytes, const ExrShape& shape, std::vector<float>& values) {
+/// Chroma with a quarter of the pixels, by OpenEXR's own conversion, in half precision.
+void read_sparse_chroma(std::string_view bytes, const ExrShape& shape, std::vector<float>& values) {
     MemoryInput input(bytes);
     Imf::RgbaInputFile file(input);
     const Imath::Box2i& window = file.dataWindow();
@@ -165,8 +166,9 @@ void read_chroma(std::string_view bytes, const ExrShape& shape, std::vector<floa
     }
 }
 
-/// Reads the data window as it is.
-void read_channels(std::string_view bytes, const ExrShape& shape, std::vector<float>& values) {
+/// Reads the channels of the data window.
+void read_channels(std::string_view bytes, const ExrShape& shape, const std::vector<std::string>& names,
+                   std::vector<float>& values) {
     MemoryInput input(bytes);
     Imf::InputFile file(input);
     const Imath::Box2i& window = file.header().dataWindow();
@@ -174,9 +176,31 @@ void read_channels(std::string_view bytes, const ExrShape& shape, std::vector<fl
     const std::size_t pixel = shape.channels * sizeof(float), row = pixel * shape.stored_width;
     Imf::FrameBuffer buffer;
     for (unsigned c = 0; c < shape.channels; ++c)
-        buffer.insert(shape.names[c], Imf::Slice::Make(Imf::FLOAT, values.data() + c, window, pixel, row));
+        buffer.insert(names[c], Imf::Slice::Make(Imf::FLOAT, values.data() + c, window, pixel, row));
     file.setFrameBuffer(buffer);
     file.readPixels(window.min.y, window.max.y);
+}
+
+/// Chroma with as many pixels as luminance.
+void read_full_chroma(std::string_view bytes, const ExrShape& shape, const Imf::Header& header,
+                      std::vector<float>& values) {
+    std::vector<std::string> names = {"RY", "Y", "BY"};
+    if (shape.channels == 4) names.emplace_back("A");
+    read_channels(bytes, shape, names, values);
+    const Imf::Chromaticities primaries =
+        Imf::hasChromaticities(header) ? Imf::chromaticities(header) : Imf::Chromaticities();
+    const Imath::V3f weights = Imf::RgbaYca::computeYw(primaries);
+    for (std::size_t i = 0; i < values.size(); i += shape.channels) {
+        const float y = values[i + 1], r = (values[i] + 1) * y, b = (values[i + 2] + 1) * y;
+        values[i] = r, values[i + 1] = (y - r * weights.x - b * weights.z) / weights.y, values[i + 2] = b;
+    }
+}
+
+/// Reads the data window.
+void read_stored(std::string_view bytes, const ExrShape& shape, const Imf::Header& header, std::vector<float>& values) {
+    if (!has_chroma(header.channels())) return read_channels(bytes, shape, shape.names, values);
+    const bool is_full = header.channels()["RY"].xSampling == 1 && header.channels()["RY"].ySampling == 1;
+    is_full ? read_full_chroma(bytes, shape, header, values) : read_sparse_chroma(bytes, shape, values);
 }
 
 /// What is stored in one window, seen through another: beyond it is black.
@@ -219,7 +243,7 @@ std::string read_exr_pixels(std::string_view bytes, const ExrShape& shape, std::
         MemoryInput input(bytes);
         const Imf::InputFile file(input);
         const Imf::Header& header = file.header();
-        (has_chroma(header.channels()) ? read_chroma : read_channels)(bytes, shape, values);
+        read_stored(bytes, shape, header, values);
         convert_colors(values, shape.channels, to_linear(header));
         if (image_window(header) != header.dataWindow())
             values = seen_through(image_window(header), header.dataWindow(), shape.channels, values);

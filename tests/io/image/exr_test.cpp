@@ -134,6 +134,29 @@ TEST(Exr, ReadsLuminanceAndChroma) {
     EXPECT_EQ(grey.floats[1], 0.25f);
 }
 
+/// Chroma of as many pixels as luminance, in full precision: R and B are (chroma + 1) Y.
+TEST(Exr, ReadsChromaOfAllPixels) {
+    const TemporaryFolder folder;
+    Imf::Header header(3, 1);
+    std::vector<float> values = {0.5f, 1, -0.5f, 1, 0, 0, 2, -1, 1};  // Y RY BY
+    Imf::FrameBuffer buffer;
+    const char* names[] = {"Y", "RY", "BY"};
+    for (std::size_t c = 0; c < 3; ++c) {
+        header.channels().insert(names[c], Imf::Channel(Imf::FLOAT));
+        buffer.insert(names[c], Imf::Slice::Make(Imf::FLOAT, values.data() + c, header.dataWindow(), 12, 36));
+    }
+    {
+        Imf::OutputFile file((folder / "a.exr").c_str(), header);
+        file.setFrameBuffer(buffer);
+        file.writePixels(1);
+    }
+    const Texture read = load_image(folder / "a.exr");
+    ASSERT_EQ(read.channels, 3u);
+    const double r = 0.2126, g = 0.7152, b = 0.0722;
+    const std::vector<double> expected = {1, (0.5 - r - 0.25 * b) / g, 0.25, 1, 1, 1, 0, (2 - 4 * b) / g, 4};
+    for (std::size_t i = 0; i < 9; ++i) EXPECT_NEAR(read.floats[i], expected[i], 1e-3) << i;
+}
+
 /// ACEScg, whose white is warmer. The middle column is that of ACES' published matrix to Rec. 709 (1.70505 -0.62179
 /// -0.08326, -0.13026 1.14080 -0.01055, -0.02400 -0.12897 1.15297).
 TEST(Exr, ConvertsPrimaries) {
